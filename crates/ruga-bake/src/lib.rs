@@ -1,0 +1,1 @@
+//! Wrinkle maps: rasterisation in UV, tangent frames, padding, packing.

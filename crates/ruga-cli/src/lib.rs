@@ -1,0 +1,1 @@
+//! The command ruga: bake, simulate, plan, check, new.

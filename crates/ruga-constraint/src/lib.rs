@@ -1,0 +1,1 @@
+//! Cluster centres and Gaussian constraint functions sampled on a mesh: rows of H.

@@ -1,0 +1,1 @@
+//! Membrane, bending and foundation energies of a thin layer: value, gradient, Hessian.

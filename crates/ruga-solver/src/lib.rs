@@ -1,0 +1,1 @@
+//! Minimises an energy under linear constraints: sparse KKT factorisation, Newton, MINRES.

@@ -1,0 +1,1 @@
+//! Plans and runs the wrinkling of one pose: region, mesh, load steps, report.
