@@ -1,0 +1,312 @@
+//! Connectivity of an oriented manifold triangle mesh with border.
+
+use crate::{EdgeId, FaceId, Id, MeshError, PerEdge, PerFace, PerVertex, VertexId};
+
+/// An undirected edge and what lies on both sides of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Edge {
+    /// Tail and head, in the direction in which `faces[0]` runs it.
+    pub vertices: [VertexId; 2],
+    /// The face to the left and, unless this is a border edge, the one to the right.
+    pub faces: [Option<FaceId>; 2],
+    /// The vertex opposite the edge in each of `faces`.
+    pub apexes: [Option<VertexId>; 2],
+}
+
+impl Edge {
+    /// Whether only one face is at this edge.
+    pub fn is_border(&self) -> bool {
+        self.faces[1].is_none()
+    }
+}
+
+/// The neighbours of a vertex in counter-clockwise order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ring {
+    /// Neighbouring vertices; for an open ring the first and last are on the border.
+    pub vertices: Vec<VertexId>,
+    /// Whether the last neighbour is followed by the first.
+    pub closed: bool,
+}
+
+/// Faces, edges and their incidence; no positions.
+#[derive(Clone, Debug)]
+pub struct TriMesh {
+    faces: PerFace<[VertexId; 3]>,
+    edges: PerEdge<Edge>,
+    face_edges: PerFace<[EdgeId; 3]>,
+    vertex_face_starts: Vec<u32>,
+    vertex_faces: Vec<FaceId>,
+}
+
+impl TriMesh {
+    /// Builds the connectivity of a face list.
+    ///
+    /// Vertices that no face uses are kept. A vertex where two fans of faces touch is accepted;
+    /// see [`TriMesh::ring`].
+    ///
+    /// # Errors
+    /// Every variant of [`MeshError`], for the first face that shows it.
+    pub fn new(vertex_count: usize, faces: Vec<[u32; 3]>) -> Result<Self, MeshError> {
+        let faces: PerFace<[VertexId; 3]> = faces.into_iter().map(|f| f.map(VertexId)).collect();
+        check_faces(vertex_count, &faces)?;
+        let (edges, face_edges) = build_edges(&faces)?;
+        let (vertex_face_starts, vertex_faces) = build_vertex_faces(vertex_count, &faces);
+        Ok(Self {
+            faces,
+            edges,
+            face_edges,
+            vertex_face_starts,
+            vertex_faces,
+        })
+    }
+
+    /// Number of vertices.
+    pub fn vertex_count(&self) -> usize {
+        self.vertex_face_starts.len() - 1
+    }
+
+    /// Number of faces.
+    pub fn face_count(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// Vertices of every face, counter-clockwise seen from outside.
+    pub fn faces(&self) -> &PerFace<[VertexId; 3]> {
+        &self.faces
+    }
+
+    /// Every edge once, in order of first appearance.
+    pub fn edges(&self) -> &PerEdge<Edge> {
+        &self.edges
+    }
+
+    /// The edges of a face; edge `i` runs from corner `i` to corner `i + 1`.
+    pub fn face_edges(&self, face: FaceId) -> [EdgeId; 3] {
+        self.face_edges[face]
+    }
+
+    /// Faces around a vertex, in order of their ids.
+    pub fn vertex_faces(&self, vertex: VertexId) -> &[FaceId] {
+        let i = vertex.index();
+        let range = self.vertex_face_starts[i] as usize..self.vertex_face_starts[i + 1] as usize;
+        &self.vertex_faces[range]
+    }
+
+    /// The face across edge `corner` of `face`.
+    pub fn neighbour(&self, face: FaceId, corner: usize) -> Option<FaceId> {
+        let faces = self.edges[self.face_edges[face][corner]].faces;
+        if faces[0] == Some(face) {
+            faces[1]
+        } else {
+            faces[0]
+        }
+    }
+
+    /// Whether each vertex lies on a border edge.
+    pub fn border_vertices(&self) -> PerVertex<bool> {
+        let mut border = PerVertex::filled(self.vertex_count(), false);
+        for (_, edge) in self.edges.iter().filter(|(_, e)| e.is_border()) {
+            border[edge.vertices[0]] = true;
+            border[edge.vertices[1]] = true;
+        }
+        border
+    }
+
+    /// The ordered neighbours of a vertex; `None` where no face or more than one fan meets it.
+    pub fn ring(&self, vertex: VertexId) -> Option<Ring> {
+        let faces = self.vertex_faces(vertex);
+        let spokes: Vec<[VertexId; 2]> = faces.iter().map(|&f| self.spoke(f, vertex)).collect();
+        let is_reached = |v: VertexId| spokes.iter().any(|s| s[1] == v);
+        let start = spokes.iter().map(|s| s[0]).find(|&v| !is_reached(v));
+        let closed = start.is_none();
+        let mut current = start.or(spokes.first().map(|s| s[0]))?;
+        let mut vertices = vec![current];
+        for _ in 0..spokes.len() {
+            current = spokes.iter().find(|s| s[0] == current)?[1];
+            vertices.push(current);
+        }
+        if closed {
+            let last = vertices.pop()?;
+            let turned_once = last == vertices[0] && !vertices[1..].contains(&last);
+            return turned_once.then_some(Ring { vertices, closed });
+        }
+        Some(Ring { vertices, closed })
+    }
+
+    /// The two other vertices of a face at `vertex`, in winding order.
+    fn spoke(&self, face: FaceId, vertex: VertexId) -> [VertexId; 2] {
+        let f = self.faces[face];
+        let corner = f.iter().position(|&v| v == vertex).unwrap_or(0);
+        [f[(corner + 1) % 3], f[(corner + 2) % 3]]
+    }
+
+    /// The connected components of the faces: a component number per face, and how many there are.
+    pub fn components(&self) -> (PerFace<u32>, u32) {
+        let mut component = PerFace::filled(self.face_count(), u32::MAX);
+        let mut count = 0;
+        for seed in self.faces.ids() {
+            if component[seed] != u32::MAX {
+                continue;
+            }
+            let mut stack = vec![seed];
+            component[seed] = count;
+            while let Some(face) = stack.pop() {
+                for next in (0..3).filter_map(|c| self.neighbour(face, c)) {
+                    if component[next] == u32::MAX {
+                        component[next] = count;
+                        stack.push(next);
+                    }
+                }
+            }
+            count += 1;
+        }
+        (component, count)
+    }
+
+    /// The mesh of the chosen faces, in the order given.
+    ///
+    /// Faces of a valid mesh stay valid, so this cannot fail; a face chosen twice is taken once.
+    pub fn submesh(&self, chosen: &[FaceId]) -> Submesh {
+        let mut taken = PerFace::filled(self.face_count(), false);
+        let mut local = PerVertex::filled(self.vertex_count(), None);
+        let (mut faces, mut vertices, mut kept) = (Vec::new(), Vec::new(), Vec::new());
+        for &face in chosen {
+            if std::mem::replace(&mut taken[face], true) {
+                continue;
+            }
+            kept.push(face);
+            faces.push(self.faces[face].map(|v| {
+                *local[v].get_or_insert_with(|| {
+                    vertices.push(v);
+                    vertices.len() as u32 - 1
+                })
+            }));
+        }
+        let mesh =
+            Self::new(vertices.len(), faces).expect("faces of a valid mesh are a valid mesh");
+        Submesh {
+            mesh,
+            vertices: vertices.into(),
+            faces: kept.into(),
+        }
+    }
+}
+
+/// Some faces of a larger mesh as a mesh of their own.
+#[derive(Clone, Debug)]
+pub struct Submesh {
+    /// The part.
+    pub mesh: TriMesh,
+    /// For each of its vertices the vertex of the whole.
+    pub vertices: PerVertex<VertexId>,
+    /// For each of its faces the face of the whole.
+    pub faces: PerFace<FaceId>,
+}
+
+fn check_faces(vertex_count: usize, faces: &PerFace<[VertexId; 3]>) -> Result<(), MeshError> {
+    for (face, vertices) in faces.iter() {
+        for (corner, &vertex) in vertices.iter().enumerate() {
+            if vertex.index() >= vertex_count {
+                return Err(MeshError::VertexOutOfRange {
+                    face,
+                    vertex,
+                    count: vertex_count,
+                });
+            }
+            if vertices[(corner + 1) % 3] == vertex {
+                return Err(MeshError::RepeatedVertex { face, vertex });
+            }
+        }
+    }
+    let mut sorted: Vec<([VertexId; 3], FaceId)> = faces
+        .iter()
+        .map(|(face, vertices)| {
+            let mut key = *vertices;
+            key.sort_unstable();
+            (key, face)
+        })
+        .collect();
+    sorted.sort_unstable();
+    match sorted.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+        Some(pair) => Err(MeshError::DuplicateFaces {
+            first: pair[0].1,
+            second: pair[1].1,
+        }),
+        None => Ok(()),
+    }
+}
+
+type EdgeTables = (PerEdge<Edge>, PerFace<[EdgeId; 3]>);
+
+fn build_edges(faces: &PerFace<[VertexId; 3]>) -> Result<EdgeTables, MeshError> {
+    // Half-edges sorted by their undirected key meet their twins without a hash map.
+    let mut half_edges: Vec<([VertexId; 2], FaceId, usize)> = Vec::with_capacity(3 * faces.len());
+    for (face, vertices) in faces.iter() {
+        for corner in 0..3 {
+            let (a, b) = (vertices[corner], vertices[(corner + 1) % 3]);
+            half_edges.push(([a.min(b), a.max(b)], face, corner));
+        }
+    }
+    half_edges.sort_unstable();
+    let mut groups: Vec<&[([VertexId; 2], FaceId, usize)]> =
+        half_edges.chunk_by(|l, r| l.0 == r.0).collect();
+    groups.sort_unstable_by_key(|group| (group[0].1, group[0].2));
+
+    let mut edges = Vec::with_capacity(groups.len());
+    let mut face_edges = PerFace::filled(faces.len(), [EdgeId(0); 3]);
+    for group in groups {
+        let directed = |(_, face, corner): ([VertexId; 2], FaceId, usize)| {
+            [faces[face][corner], faces[face][(corner + 1) % 3]]
+        };
+        if group.len() > 2 {
+            return Err(MeshError::NonManifoldEdge {
+                vertices: group[0].0,
+                face: group[0].1,
+                count: group.len(),
+            });
+        }
+        if group.len() == 2 && directed(group[0]) == directed(group[1]) {
+            return Err(MeshError::InconsistentWinding {
+                first: group[0].1,
+                second: group[1].1,
+                vertices: group[0].0,
+            });
+        }
+        let mut edge = Edge {
+            vertices: directed(group[0]),
+            faces: [None; 2],
+            apexes: [None; 2],
+        };
+        for (side, &(_, face, corner)) in group.iter().enumerate() {
+            edge.faces[side] = Some(face);
+            edge.apexes[side] = Some(faces[face][(corner + 2) % 3]);
+            face_edges[face][corner] = EdgeId::from_index(edges.len());
+        }
+        edges.push(edge);
+    }
+    Ok((edges.into(), face_edges))
+}
+
+fn build_vertex_faces(
+    vertex_count: usize,
+    faces: &PerFace<[VertexId; 3]>,
+) -> (Vec<u32>, Vec<FaceId>) {
+    let mut starts = vec![0u32; vertex_count + 1];
+    for vertex in faces.as_slice().iter().flatten() {
+        starts[vertex.index() + 1] += 1;
+    }
+    for i in 0..vertex_count {
+        starts[i + 1] += starts[i];
+    }
+    let mut cursor = starts.clone();
+    let mut vertex_faces = vec![FaceId(0); 3 * faces.len()];
+    for (face, vertices) in faces.iter() {
+        for vertex in vertices {
+            let slot = &mut cursor[vertex.index()];
+            vertex_faces[*slot as usize] = face;
+            *slot += 1;
+        }
+    }
+    (starts, vertex_faces)
+}
