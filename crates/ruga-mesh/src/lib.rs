@@ -1,9 +1,47 @@
 //! Topology, typed ids, material points, Loop subdivision and surface lookup for triangle meshes.
+//!
+//! A [`TriMesh`] is faces, edges and their incidence; it never holds positions. A
+//! [`MaterialPoint`] (face, barycentric coordinates) is the one address for a place on a surface.
+//! [`subdivide`] refines a mesh by Loop's rules and says, as [`SparseRows`], how any per-vertex
+//! quantity follows; [`limit_rows`] evaluates the limit surface. [`PlanarLookup`] finds the
+//! material point under a texture coordinate, [`tangent_coordinates`] unrolls a neighbourhood.
+//!
+//! Positions given to a function are in metres, but nothing here depends on the unit.
+//!
+//! ```
+//! use nalgebra::Vector3;
+//! use ruga_mesh::{PerVertex, TriMesh, limit_rows, subdivide};
+//!
+//! // A square of two triangles, subdivided three times, stays in its plane.
+//! let mesh = TriMesh::new(4, vec![[0, 1, 2], [0, 2, 3]])?;
+//! let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+//! let positions = square.map(|[x, y]| Vector3::new(x, y, 0.0));
+//! let corners = PerVertex::filled(4, true);
+//! let fine = subdivide(&mesh, 3, &corners);
+//! let control = fine.fine_from_coarse.apply(&positions);
+//! let limit = limit_rows(&fine.mesh, &fine.corners).position.apply(&control);
+//! assert_eq!(fine.mesh.face_count(), 128);
+//! assert!(limit.iter().all(|p| p.z == 0.0));
+//! # Ok::<(), ruga_mesh::MeshError>(())
+//! ```
 
 mod error;
+mod geometry;
 mod ids;
+mod loop_subdivision;
+mod material_point;
+mod planar_lookup;
+mod sparse_rows;
+mod tangent_coordinates;
 mod topology;
 
-pub use error::MeshError;
-pub use ids::{EdgeId, FaceId, Id, PerEdge, PerElement, PerFace, PerVertex, VertexId};
+pub use material_point::MaterialPoint;
 pub use topology::{Edge, Ring, Submesh, TriMesh};
+
+pub use error::MeshError;
+pub use geometry::{face_normals, vertex_areas, vertex_normals};
+pub use ids::{EdgeId, FaceId, Id, PerEdge, PerElement, PerFace, PerVertex, VertexId};
+pub use loop_subdivision::{FaceOrigin, LimitRows, Subdivision, limit_rows, subdivide};
+pub use planar_lookup::{PlanarLookup, barycentric};
+pub use sparse_rows::SparseRows;
+pub use tangent_coordinates::{TangentCoordinates, tangent_coordinates, tangent_frame};

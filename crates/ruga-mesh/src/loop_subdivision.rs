@@ -1,0 +1,261 @@
+//! Loop subdivision with border creases, and its limit surface.
+//!
+//! Loop, *Smooth subdivision surfaces based on triangles*, 1987, with the crease and limit rules
+//! of Hoppe et al., *Piecewise smooth surface reconstruction*, 1994. The scheme is linear: the same
+//! rows apply to a rest shape, to a blend shape's deltas and to a posed shape.
+
+use std::f64::consts::TAU;
+
+use crate::{FaceId, Id, PerFace, PerVertex, Ring, SparseRows, TriMesh, VertexId};
+
+/// Where a subdivided face came from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FaceOrigin {
+    /// The face of the coarse mesh.
+    pub face: FaceId,
+    /// Barycentric coordinates, in the coarse face, of the three corners.
+    pub corners: [[f64; 3]; 3],
+}
+
+impl FaceOrigin {
+    /// Barycentric coordinates in the coarse face of a point given in the fine face.
+    pub fn lift(&self, barycentric: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|i| {
+            (0..3)
+                .map(|corner| barycentric[corner] * self.corners[corner][i])
+                .sum()
+        })
+    }
+}
+
+/// A mesh after some levels of Loop subdivision.
+///
+/// Fine face `f` of level `l` lies in face `f >> 2 (l - m)` of level `m`; the vertices of a level
+/// are the first vertices of the next.
+#[derive(Clone, Debug)]
+pub struct Subdivision {
+    /// The fine mesh.
+    pub mesh: TriMesh,
+    /// Fine control points from coarse ones.
+    pub fine_from_coarse: SparseRows,
+    /// Where each fine face lies in the coarse mesh.
+    pub origins: PerFace<FaceOrigin>,
+    /// Sharp corners carried to the fine mesh.
+    pub corners: PerVertex<bool>,
+}
+
+/// Position and tangents of the Loop limit surface at the vertices of a mesh.
+#[derive(Clone, Debug)]
+pub struct LimitRows {
+    /// Limit positions from control points.
+    pub position: SparseRows,
+    /// First tangent; empty rows at corners, where the limit has no tangent plane.
+    pub first_tangent: SparseRows,
+    /// Second tangent; first cross second points outwards.
+    pub second_tangent: SparseRows,
+}
+
+/// Subdivides `levels` times.
+///
+/// Borders are creases (uniform cubic B-splines). `corners` marks vertices that stay where they
+/// are; vertices where two fans meet and vertices without faces stay too.
+pub fn subdivide(mesh: &TriMesh, levels: u32, corners: &PerVertex<bool>) -> Subdivision {
+    let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let mut result = Subdivision {
+        mesh: mesh.clone(),
+        fine_from_coarse: SparseRows::identity(mesh.vertex_count()),
+        origins: mesh
+            .faces()
+            .ids()
+            .map(|face| FaceOrigin {
+                face,
+                corners: unit,
+            })
+            .collect(),
+        corners: corners.clone(),
+    };
+    for _ in 0..levels {
+        result = subdivide_once(&result);
+    }
+    result
+}
+
+fn subdivide_once(coarse: &Subdivision) -> Subdivision {
+    let mesh = &coarse.mesh;
+    let mut rows = SparseRows::default();
+    let mut terms = Vec::new();
+    for vertex in PerVertex::<()>::filled(mesh.vertex_count(), ()).ids() {
+        vertex_rule(mesh, vertex, coarse.corners[vertex], &mut terms);
+        rows.push_row(&mut terms);
+    }
+    for (_, edge) in mesh.edges().iter() {
+        let [tail, head] = edge.vertices.map(|v| v.0);
+        terms.clear();
+        match edge.apexes {
+            [Some(left), Some(right)] => terms.extend([
+                (tail, 0.375),
+                (head, 0.375),
+                (left.0, 0.125),
+                (right.0, 0.125),
+            ]),
+            _ => terms.extend([(tail, 0.5), (head, 0.5)]),
+        }
+        rows.push_row(&mut terms);
+    }
+    let (faces, origins) = split_faces(coarse);
+    let vertex_count = mesh.vertex_count() + mesh.edges().len();
+    let mut corners = coarse.corners.clone().into_vec();
+    corners.resize(vertex_count, false);
+    Subdivision {
+        mesh: TriMesh::new(vertex_count, faces).expect("the 1-to-4 split of a mesh is a mesh"),
+        fine_from_coarse: rows.after(&coarse.fine_from_coarse),
+        origins,
+        corners: corners.into(),
+    }
+}
+
+/// Splits every face into three corner faces and the middle one, in this order.
+///
+/// ```text
+///        2
+///       / \
+///     e2---e1
+///     / \ / \
+///    0---e0--1
+/// ```
+fn split_faces(coarse: &Subdivision) -> (Vec<[u32; 3]>, PerFace<FaceOrigin>) {
+    let mesh = &coarse.mesh;
+    let mut faces = Vec::with_capacity(4 * mesh.face_count());
+    let mut origins = Vec::with_capacity(4 * mesh.face_count());
+    let middle = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|i| 0.5 * (a[i] + b[i]));
+    for (face, vertices) in mesh.faces().iter() {
+        let [v0, v1, v2] = vertices.map(|v| v.0);
+        let [e0, e1, e2] = mesh
+            .face_edges(face)
+            .map(|e| (mesh.vertex_count() + e.index()) as u32);
+        faces.extend([[v0, e0, e2], [e0, v1, e1], [e2, e1, v2], [e0, e1, e2]]);
+        let origin = coarse.origins[face];
+        let [c0, c1, c2] = origin.corners;
+        let (m0, m1, m2) = (middle(c0, c1), middle(c1, c2), middle(c2, c0));
+        for corners in [[c0, m0, m2], [m0, c1, m1], [m2, m1, c2], [m0, m1, m2]] {
+            origins.push(FaceOrigin {
+                face: origin.face,
+                corners,
+            });
+        }
+    }
+    (faces, origins.into())
+}
+
+/// Loop's weight of each of `valence` neighbours in the vertex rule.
+fn neighbour_weight(valence: usize) -> f64 {
+    let n = valence as f64;
+    let c = 0.375 + 0.25 * (TAU / n).cos();
+    (0.625 - c * c) / n
+}
+
+fn vertex_rule(mesh: &TriMesh, vertex: VertexId, is_corner: bool, terms: &mut Vec<(u32, f64)>) {
+    terms.clear();
+    let ring = if is_corner { None } else { mesh.ring(vertex) };
+    match ring {
+        Some(Ring {
+            vertices,
+            closed: true,
+        }) => {
+            let weight = neighbour_weight(vertices.len());
+            terms.push((vertex.0, 1.0 - weight * vertices.len() as f64));
+            terms.extend(vertices.iter().map(|v| (v.0, weight)));
+        }
+        Some(ring) => {
+            let (first, last) = border_neighbours(&ring);
+            terms.extend([(vertex.0, 0.75), (first.0, 0.125), (last.0, 0.125)]);
+        }
+        None => terms.push((vertex.0, 1.0)),
+    }
+}
+
+fn border_neighbours(ring: &Ring) -> (VertexId, VertexId) {
+    (ring.vertices[0], ring.vertices[ring.vertices.len() - 1])
+}
+
+/// Limit positions and tangents at the vertices of `mesh`.
+pub fn limit_rows(mesh: &TriMesh, corners: &PerVertex<bool>) -> LimitRows {
+    let mut limit = LimitRows {
+        position: SparseRows::default(),
+        first_tangent: SparseRows::default(),
+        second_tangent: SparseRows::default(),
+    };
+    let (mut position, mut first, mut second) = (Vec::new(), Vec::new(), Vec::new());
+    for vertex in corners.ids() {
+        position.clear();
+        first.clear();
+        second.clear();
+        let ring = if corners[vertex] {
+            None
+        } else {
+            mesh.ring(vertex)
+        };
+        match ring {
+            Some(ring) if ring.closed => {
+                interior_limit(vertex, &ring, &mut position, &mut first, &mut second);
+            }
+            Some(ring) => border_limit(vertex, &ring, &mut position, &mut first, &mut second),
+            None => position.push((vertex.0, 1.0)),
+        }
+        limit.position.push_row(&mut position);
+        limit.first_tangent.push_row(&mut first);
+        limit.second_tangent.push_row(&mut second);
+    }
+    limit
+}
+
+type Terms = Vec<(u32, f64)>;
+
+fn interior_limit(
+    vertex: VertexId,
+    ring: &Ring,
+    position: &mut Terms,
+    first: &mut Terms,
+    second: &mut Terms,
+) {
+    let n = ring.vertices.len() as f64;
+    let weight = 1.0 / (n + 0.375 / neighbour_weight(ring.vertices.len()));
+    position.push((vertex.0, 1.0 - n * weight));
+    for (i, v) in ring.vertices.iter().enumerate() {
+        let (sin, cos) = (TAU * i as f64 / n).sin_cos();
+        position.push((v.0, weight));
+        first.push((v.0, cos));
+        second.push((v.0, sin));
+    }
+}
+
+/// The crease rules of Hoppe et al. 1994; the ring runs counter-clockwise from border to border.
+fn border_limit(
+    vertex: VertexId,
+    ring: &Ring,
+    position: &mut Terms,
+    first: &mut Terms,
+    second: &mut Terms,
+) {
+    let (start, end) = border_neighbours(ring);
+    position.extend([
+        (vertex.0, 4.0 / 6.0),
+        (start.0, 1.0 / 6.0),
+        (end.0, 1.0 / 6.0),
+    ]);
+    first.extend([(start.0, 1.0), (end.0, -1.0)]);
+    match ring.vertices.len() {
+        2 => second.extend([(vertex.0, -2.0), (start.0, 1.0), (end.0, 1.0)]),
+        3 => second.extend([(ring.vertices[1].0, 1.0), (vertex.0, -1.0)]),
+        count => {
+            let angle = std::f64::consts::PI / (count - 1) as f64;
+            second.extend([(start.0, angle.sin()), (end.0, angle.sin())]);
+            for (i, v) in ring.vertices.iter().enumerate().take(count - 1).skip(1) {
+                let weight = (2.0 * angle.cos() - 2.0) * (i as f64 * angle).sin();
+                second.push((v.0, weight));
+            }
+            // The rule as printed points out of the surface.
+            second.iter_mut().for_each(|term| term.1 = -term.1);
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! From a texture coordinate to the material point that carries it.
+
+use nalgebra::Vector2;
+
+use crate::{FaceId, MaterialPoint, PerFace};
+
+/// Finds the face under a point of the UV plane; built once, asked many times.
+///
+/// A uniform grid of about as many cells as faces, each cell listing the faces whose bounding box
+/// touches it.
+#[derive(Clone, Debug)]
+pub struct PlanarLookup {
+    triangles: PerFace<[Vector2<f64>; 3]>,
+    low: Vector2<f64>,
+    cell: f64,
+    columns: usize,
+    rows: usize,
+    starts: Vec<u32>,
+    entries: Vec<FaceId>,
+}
+
+impl PlanarLookup {
+    /// Indexes triangles in the plane; faces with coordinates that are not finite are left out.
+    pub fn new(triangles: PerFace<[Vector2<f64>; 3]>) -> Self {
+        let finite = |t: &[Vector2<f64>; 3]| t.iter().flatten().all(|c| c.is_finite());
+        let corners = || triangles.as_slice().iter().filter(|t| finite(t)).flatten();
+        let low = corners().fold(Vector2::repeat(f64::INFINITY), |a, b| a.inf(b));
+        let high = corners().fold(Vector2::repeat(f64::NEG_INFINITY), |a, b| a.sup(b));
+        let extent = (high - low).map(|c| c.max(f64::MIN_POSITIVE));
+        let count = triangles.len().max(1) as f64;
+        let longest = extent.x.max(extent.y);
+        let cell = (extent.x / count * extent.y).sqrt().max(longest / 4096.0);
+        let size = |length: f64| ((length / cell) as usize + 1).clamp(1, 8192);
+        let (columns, rows) = if corners().next().is_some() {
+            (size(extent.x), size(extent.y))
+        } else {
+            (1, 1)
+        };
+        let mut lookup = Self {
+            triangles,
+            low,
+            cell,
+            columns,
+            rows,
+            starts: vec![0; columns * rows + 1],
+            entries: Vec::new(),
+        };
+        lookup.fill();
+        lookup
+    }
+
+    fn fill(&mut self) {
+        let mut pairs: Vec<(u32, FaceId)> = Vec::with_capacity(2 * self.triangles.len());
+        for (face, t) in self.triangles.iter() {
+            if !t.iter().flatten().all(|c| c.is_finite()) {
+                continue;
+            }
+            let first = self.cell_of(t[0].inf(&t[1]).inf(&t[2]));
+            let last = self.cell_of(t[0].sup(&t[1]).sup(&t[2]));
+            for row in first.1..=last.1 {
+                for column in first.0..=last.0 {
+                    pairs.push(((row * self.columns + column) as u32, face));
+                }
+            }
+        }
+        pairs.sort_unstable();
+        for (cell, _) in &pairs {
+            self.starts[*cell as usize + 1] += 1;
+        }
+        for i in 1..self.starts.len() {
+            self.starts[i] += self.starts[i - 1];
+        }
+        self.entries = pairs.into_iter().map(|pair| pair.1).collect();
+    }
+
+    fn cell_of(&self, point: Vector2<f64>) -> (usize, usize) {
+        let index = |offset: f64, count: usize| ((offset / self.cell) as usize).min(count - 1);
+        let offset = point - self.low;
+        (index(offset.x, self.columns), index(offset.y, self.rows))
+    }
+
+    /// The face that contains `point`, the one with the lowest id on a common edge.
+    pub fn locate(&self, point: Vector2<f64>) -> Option<MaterialPoint> {
+        let (column, row) = self.cell_of(point);
+        let cell = row * self.columns + column;
+        let range = self.starts[cell] as usize..self.starts[cell + 1] as usize;
+        self.entries[range].iter().find_map(|&face| {
+            let barycentric = barycentric(self.triangles[face], point)?;
+            let inside = barycentric.iter().all(|&b| b >= -1e-12);
+            inside.then_some(MaterialPoint { face, barycentric })
+        })
+    }
+}
+
+/// Barycentric coordinates of a point of the plane; `None` for a triangle without area.
+pub fn barycentric(triangle: [Vector2<f64>; 3], point: Vector2<f64>) -> Option<[f64; 3]> {
+    let [a, b, c] = triangle;
+    let cross = |u: Vector2<f64>, v: Vector2<f64>| u.x * v.y - u.y * v.x;
+    let area = cross(b - a, c - a);
+    let v = cross(point - a, c - a) / area;
+    let w = cross(b - a, point - a) / area;
+    (v.is_finite() && w.is_finite()).then_some([1.0 - v - w, v, w])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Id;
+
+    #[test]
+    fn outside_and_empty() {
+        let empty = PlanarLookup::new(Vec::new().into());
+        assert_eq!(empty.locate(Vector2::new(0.5, 0.5)), None);
+        let one = PlanarLookup::new(
+            vec![[
+                Vector2::new(0.0, 0.0),
+                Vector2::new(1.0, 0.0),
+                Vector2::new(0.0, 1.0),
+            ]]
+            .into(),
+        );
+        assert_eq!(one.locate(Vector2::new(0.9, 0.9)), None);
+        let found = one.locate(Vector2::new(0.25, 0.25)).expect("inside");
+        assert_eq!(found.face, FaceId::from_index(0));
+        assert!((found.barycentric[0] - 0.5).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,93 @@
+//! A sparse linear map from per-vertex values to per-vertex values.
+
+use nalgebra::Vector3;
+
+/// Rows of weights: row `i` of the result is a weighted sum of input values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SparseRows {
+    starts: Vec<usize>,
+    columns: Vec<u32>,
+    weights: Vec<f64>,
+}
+
+impl Default for SparseRows {
+    fn default() -> Self {
+        Self {
+            starts: vec![0],
+            columns: Vec::new(),
+            weights: Vec::new(),
+        }
+    }
+}
+
+impl SparseRows {
+    /// The map that copies its input.
+    pub fn identity(size: usize) -> Self {
+        Self {
+            starts: (0..=size).collect(),
+            columns: (0..size as u32).collect(),
+            weights: vec![1.0; size],
+        }
+    }
+
+    /// Appends a row; terms with the same column are added up, in ascending columns.
+    pub fn push_row(&mut self, terms: &mut [(u32, f64)]) {
+        // A stable sort keeps the order of summation, and with it the last bit, reproducible.
+        terms.sort_by_key(|term| term.0);
+        let first = self.columns.len();
+        for &(column, weight) in terms.iter() {
+            if self.columns.len() > first && self.columns.last() == Some(&column) {
+                if let Some(last) = self.weights.last_mut() {
+                    *last += weight;
+                }
+            } else {
+                self.columns.push(column);
+                self.weights.push(weight);
+            }
+        }
+        self.starts.push(self.columns.len());
+    }
+
+    /// Number of rows.
+    pub fn row_count(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Columns and weights of one row.
+    pub fn row(&self, row: usize) -> impl Iterator<Item = (u32, f64)> + '_ {
+        let range = self.starts[row]..self.starts[row + 1];
+        self.columns[range.clone()]
+            .iter()
+            .copied()
+            .zip(self.weights[range].iter().copied())
+    }
+
+    /// The weighted sums of `values`, one per row.
+    pub fn apply(&self, values: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        (0..self.row_count())
+            .map(|i| {
+                self.row(i).fold(Vector3::zeros(), |sum, (column, weight)| {
+                    sum + values[column as usize] * weight
+                })
+            })
+            .collect()
+    }
+
+    /// This map after `inner`: `self * inner`.
+    pub fn after(&self, inner: &Self) -> Self {
+        let mut product = Self::default();
+        let mut terms = Vec::new();
+        for i in 0..self.row_count() {
+            terms.clear();
+            for (middle, weight) in self.row(i) {
+                terms.extend(
+                    inner
+                        .row(middle as usize)
+                        .map(|(column, w)| (column, weight * w)),
+                );
+            }
+            product.push_row(&mut terms);
+        }
+        product
+    }
+}
