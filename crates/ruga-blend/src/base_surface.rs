@@ -1,0 +1,297 @@
+//! The smooth surface between the artist's vertices.
+
+use nalgebra::{Vector2, Vector3};
+use ruga_mesh::{
+    FaceId, FaceOrigin, Id, MaterialPoint, PerFace, SparseRows, Submesh, TriMesh, VertexId,
+    limit_rows, subdivide, vertex_normals,
+};
+
+use crate::Driver;
+
+/// How the surface runs between the artist's vertices.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Smoothing {
+    /// The Loop limit surface.
+    #[default]
+    Loop,
+    /// The artist's flat facets, with normals interpolated.
+    None,
+}
+
+/// The base mesh: some faces of the driver, subdivided, with rows that pose it.
+///
+/// Its vertices lie on the limit surface, not on control points.
+#[derive(Clone, Debug)]
+pub struct BaseSurface {
+    mesh: TriMesh,
+    origins: PerFace<FaceOrigin>,
+    path: PerFace<u64>,
+    uvs: PerFace<[Vector2<f64>; 3]>,
+    levels: u32,
+    position: SparseRows,
+    tangents: [SparseRows; 2],
+}
+
+/// A base surface in one pose.
+#[derive(Clone, Debug)]
+pub struct PosedSurface {
+    /// Position of every base vertex, m.
+    pub positions: Vec<Vector3<f64>>,
+    /// Unit normal of the limit surface at every base vertex.
+    pub normals: Vec<Vector3<f64>>,
+    /// Unit tangent at every base vertex that moves with the material.
+    pub tangents: Vec<Vector3<f64>>,
+}
+
+impl PosedSurface {
+    /// Position and unit normal at a material point, interpolated within the base face.
+    pub fn at(&self, mesh: &TriMesh, point: &MaterialPoint) -> (Vector3<f64>, Vector3<f64>) {
+        let normal = point.interpolate(mesh, &self.normals);
+        (
+            point.interpolate(mesh, &self.positions),
+            normal.try_normalize(0.0).unwrap_or(normal),
+        )
+    }
+}
+
+impl BaseSurface {
+    /// Subdivides the driver's `faces` `levels` times.
+    ///
+    /// Two rings of further faces are carried along while subdividing, so that a part of a mesh
+    /// gets the very positions that the whole would give it.
+    pub fn new(driver: &Driver, faces: &[FaceId], levels: u32, smoothing: Smoothing) -> Self {
+        let part = driver
+            .topology()
+            .submesh(&with_rings(driver.topology(), faces, 2));
+        let corners = part
+            .vertices
+            .as_slice()
+            .iter()
+            .map(|&v| driver.corners()[v]);
+        let fine = subdivide(&part.mesh, levels, &corners.collect());
+        let base = match smoothing {
+            Smoothing::Loop => loop_rows(&fine),
+            Smoothing::None => facet_rows(&fine.mesh, &fine.origins, &part.mesh),
+        };
+        let whole = Self {
+            uvs: fine_uvs(driver, &part, &fine.origins),
+            path: fine
+                .mesh
+                .faces()
+                .ids()
+                .map(|f| {
+                    let coarse = part.faces[fine.origins[f].face].0 as u64;
+                    let child = f.0 as u64 & ((1 << (2 * levels)) - 1);
+                    (coarse << (2 * levels)) | child
+                })
+                .collect(),
+            origins: fine
+                .origins
+                .as_slice()
+                .iter()
+                .map(|o| FaceOrigin {
+                    face: part.faces[o.face],
+                    corners: o.corners,
+                })
+                .collect(),
+            mesh: fine.mesh,
+            levels,
+            position: to_driver(&base.0, &part.vertices),
+            tangents: base.1.map(|rows| to_driver(&rows, &part.vertices)),
+        };
+        let mut wanted = PerFace::filled(driver.topology().face_count(), false);
+        faces.iter().for_each(|&f| wanted[f] = true);
+        let own: Vec<FaceId> = whole
+            .origins
+            .iter()
+            .filter(|(_, o)| wanted[o.face])
+            .map(|(f, _)| f)
+            .collect();
+        whole.restrict(&own)
+    }
+
+    /// The part of this surface made of `faces`.
+    pub fn restrict(&self, faces: &[FaceId]) -> Self {
+        let part = self.mesh.submesh(faces);
+        let rows = |rows: &SparseRows| select_rows(rows, part.vertices.as_slice());
+        Self {
+            origins: part
+                .faces
+                .as_slice()
+                .iter()
+                .map(|&f| self.origins[f])
+                .collect(),
+            path: part
+                .faces
+                .as_slice()
+                .iter()
+                .map(|&f| self.path[f])
+                .collect(),
+            uvs: part.faces.as_slice().iter().map(|&f| self.uvs[f]).collect(),
+            levels: self.levels,
+            position: rows(&self.position),
+            tangents: [rows(&self.tangents[0]), rows(&self.tangents[1])],
+            mesh: part.mesh,
+        }
+    }
+
+    /// Connectivity.
+    pub fn mesh(&self) -> &TriMesh {
+        &self.mesh
+    }
+
+    /// Where each base face lies in the driver's faces.
+    pub fn origins(&self) -> &PerFace<FaceOrigin> {
+        &self.origins
+    }
+
+    /// Texture coordinates of the corners of every base face, V down.
+    pub fn uvs(&self) -> &PerFace<[Vector2<f64>; 3]> {
+        &self.uvs
+    }
+
+    /// How often the driver's faces were split in four.
+    pub fn levels(&self) -> u32 {
+        self.levels
+    }
+
+    /// The number that a face's ancestor at `level` has when the *whole* driver is subdivided.
+    ///
+    /// # Panics
+    /// When `level` is above [`BaseSurface::levels`].
+    pub fn ancestor(&self, face: FaceId, level: u32) -> u64 {
+        self.path[face] >> (2 * (self.levels - level))
+    }
+
+    /// Positions, normals and tangents from the driver's control points.
+    pub fn pose(&self, control: &[Vector3<f64>]) -> PosedSurface {
+        let positions = self.position.apply(control);
+        let [first, second] = [0, 1].map(|i| self.tangents[i].apply(control));
+        let area_normals = vertex_normals(&self.mesh, &positions);
+        let mut normals = Vec::with_capacity(positions.len());
+        let mut tangents = Vec::with_capacity(positions.len());
+        for i in 0..positions.len() {
+            // Corners and collapsed fans have no limit tangents; the faces around them must do.
+            let cross = first[i].cross(&second[i]);
+            let size = first[i].norm() * second[i].norm();
+            let normal = if cross.norm() > 1e-6 * size {
+                cross.normalize()
+            } else {
+                area_normals[i]
+            };
+            normals.push(normal);
+            tangents.push(material_tangent(&first[i], &normal));
+        }
+        for (_, face) in self.mesh.faces().iter() {
+            // A vertex without limit tangents takes its first edge as the direction it turns with.
+            for corner in 0..3 {
+                let v = face[corner].index();
+                if tangents[v] == Vector3::zeros() {
+                    let edge = positions[face[(corner + 1) % 3].index()] - positions[v];
+                    tangents[v] = material_tangent(&edge, &normals[v]);
+                }
+            }
+        }
+        PosedSurface {
+            positions,
+            normals,
+            tangents,
+        }
+    }
+}
+
+fn material_tangent(direction: &Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
+    let tangent = direction - normal * normal.dot(direction);
+    tangent
+        .try_normalize(1e-9 * direction.norm())
+        .unwrap_or_else(Vector3::zeros)
+}
+
+/// `faces` and `rings` rings of vertex-neighbours, in ascending order.
+fn with_rings(mesh: &TriMesh, faces: &[FaceId], rings: u32) -> Vec<FaceId> {
+    let mut chosen = PerFace::filled(mesh.face_count(), false);
+    faces.iter().for_each(|&f| chosen[f] = true);
+    for _ in 0..rings {
+        let before = chosen.clone();
+        for (face, _) in before.iter().filter(|(_, c)| **c) {
+            for vertex in mesh.faces()[face] {
+                mesh.vertex_faces(vertex)
+                    .iter()
+                    .for_each(|&f| chosen[f] = true);
+            }
+        }
+    }
+    chosen.iter().filter(|(_, c)| **c).map(|(f, _)| f).collect()
+}
+
+type BaseRows = (SparseRows, [SparseRows; 2]);
+
+fn loop_rows(fine: &ruga_mesh::Subdivision) -> BaseRows {
+    let limit = limit_rows(&fine.mesh, &fine.corners);
+    let compose = |rows: &SparseRows| rows.after(&fine.fine_from_coarse);
+    (
+        compose(&limit.position),
+        [
+            compose(&limit.first_tangent),
+            compose(&limit.second_tangent),
+        ],
+    )
+}
+
+/// Positions on the flat facets; no tangents, so that vertex normals of the faces are taken.
+fn facet_rows(mesh: &TriMesh, origins: &PerFace<FaceOrigin>, coarse: &TriMesh) -> BaseRows {
+    let mut position = SparseRows::default();
+    let mut empty = SparseRows::default();
+    for vertex in (0..mesh.vertex_count()).map(VertexId::from_index) {
+        let mut terms = Vec::new();
+        if let Some(point) = MaterialPoint::of_vertex(mesh, vertex) {
+            let origin = &origins[point.face];
+            let weights = origin.lift(point.barycentric);
+            for (corner, weight) in coarse.faces()[origin.face].iter().zip(weights) {
+                if weight != 0.0 {
+                    terms.push((corner.0, weight));
+                }
+            }
+        }
+        position.push_row(&mut terms);
+        empty.push_row(&mut []);
+    }
+    (position, [empty.clone(), empty])
+}
+
+fn fine_uvs(
+    driver: &Driver,
+    part: &Submesh,
+    origins: &PerFace<FaceOrigin>,
+) -> PerFace<[Vector2<f64>; 3]> {
+    origins
+        .as_slice()
+        .iter()
+        .map(|origin| {
+            let [a, b, c] = driver.uvs()[part.faces[origin.face]];
+            origin.corners.map(|[u, v, w]| a * u + b * v + c * w)
+        })
+        .collect()
+}
+
+/// Renames the columns from vertices of a part to vertices of the driver.
+fn to_driver(rows: &SparseRows, vertices: &ruga_mesh::PerVertex<VertexId>) -> SparseRows {
+    let mut renamed = SparseRows::default();
+    for row in 0..rows.row_count() {
+        let mut terms: Vec<(u32, f64)> = rows
+            .row(row)
+            .map(|(column, weight)| (vertices[VertexId(column)].0, weight))
+            .collect();
+        renamed.push_row(&mut terms);
+    }
+    renamed
+}
+
+fn select_rows(rows: &SparseRows, chosen: &[VertexId]) -> SparseRows {
+    let mut selected = SparseRows::default();
+    for vertex in chosen {
+        let mut terms: Vec<(u32, f64)> = rows.row(vertex.index()).collect();
+        selected.push_row(&mut terms);
+    }
+    selected
+}

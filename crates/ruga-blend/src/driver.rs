@@ -1,0 +1,339 @@
+//! The welded control mesh that blend shapes move.
+
+use nalgebra::{Vector2, Vector3};
+use ruga_mesh::{FaceId, Id, MeshError, PerFace, PerVertex, TriMesh, VertexId, face_normals};
+
+use crate::{ArtistMesh, BlendError};
+
+/// Weights of some blend shapes, by index; `x(w) = rest + sum w_i delta_i` (LK 5.3).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Weights(pub Vec<(usize, f64)>);
+
+impl Weights {
+    /// All weights times `factor`: the pose on its way in.
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self(self.0.iter().map(|&(i, w)| (i, w * factor)).collect())
+    }
+}
+
+/// The artist's mesh, welded, with its blend shapes.
+///
+/// Vertices that the file splits along UV seams are one vertex here: same rest position *and* same
+/// deltas, so that lips which touch at rest stay apart.
+#[derive(Clone, Debug)]
+pub struct Driver {
+    name: String,
+    topology: TriMesh,
+    rest: Vec<Vector3<f64>>,
+    shapes: Vec<Shape>,
+    uvs: PerFace<[Vector2<f64>; 3]>,
+    triangles: PerFace<u32>,
+    corners: PerVertex<bool>,
+    degenerate: Vec<u32>,
+    welded: Vec<VertexId>,
+}
+
+#[derive(Clone, Debug)]
+struct Shape {
+    name: String,
+    deltas: Vec<Vector3<f64>>,
+}
+
+/// A border turning by more than this stays a sharp corner under subdivision: the corners of a
+/// square patch do, the polygon of a hole or a cut does not.
+const SHARP_TURN: f64 = 60.0;
+
+impl Driver {
+    /// Welds the mesh and checks it.
+    ///
+    /// Triangles without area are left out; [`Driver::degenerate_triangles`] lists them.
+    ///
+    /// # Errors
+    /// Any [`BlendError`] but `UnknownShape`.
+    pub fn new(artist: &ArtistMesh) -> Result<Self, BlendError> {
+        check_arrays(artist)?;
+        let Some(uvs) = &artist.uvs else {
+            return Err(BlendError::MissingUvs {
+                mesh: artist.name.clone(),
+            });
+        };
+        let (welded, representatives) = weld(artist);
+        let gather = |values: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
+            representatives.iter().map(|&v| values[v]).collect()
+        };
+        let rest = gather(&artist.positions);
+        let (kept, degenerate) = split_degenerate(artist, &welded);
+        if kept.is_empty() {
+            return Err(BlendError::NoTriangles {
+                mesh: artist.name.clone(),
+            });
+        }
+        let corners_of = |t: u32| artist.triangles[t as usize];
+        let faces = kept
+            .iter()
+            .map(|&t| corners_of(t).map(|v| welded[v as usize].0))
+            .collect();
+        let topology = TriMesh::new(rest.len(), faces).map_err(|source| BlendError::Topology {
+            mesh: artist.name.clone(),
+            source: with_file_numbers(source, &kept),
+        })?;
+        let shapes = artist
+            .shapes
+            .iter()
+            .map(|shape| Shape {
+                name: shape.name.clone(),
+                deltas: gather(&shape.position_deltas),
+            })
+            .collect();
+        Ok(Self {
+            name: artist.name.clone(),
+            corners: sharp_corners(&topology, &rest),
+            uvs: kept
+                .iter()
+                .map(|&t| corners_of(t).map(|v| uvs[v as usize]))
+                .collect(),
+            triangles: kept.into(),
+            topology,
+            rest,
+            shapes,
+            degenerate,
+            welded,
+        })
+    }
+
+    /// Name of the mesh.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Connectivity of the welded mesh.
+    pub fn topology(&self) -> &TriMesh {
+        &self.topology
+    }
+
+    /// Welded rest positions, m.
+    pub fn rest(&self) -> &[Vector3<f64>] {
+        &self.rest
+    }
+
+    /// Texture coordinates of the corners of every face, V down.
+    pub fn uvs(&self) -> &PerFace<[Vector2<f64>; 3]> {
+        &self.uvs
+    }
+
+    /// The file's triangle of every face.
+    pub fn triangles(&self) -> &PerFace<u32> {
+        &self.triangles
+    }
+
+    /// The file's triangles without area, which no face stands for.
+    pub fn degenerate_triangles(&self) -> &[u32] {
+        &self.degenerate
+    }
+
+    /// The welded vertex of every vertex of the file.
+    pub fn welded(&self) -> &[VertexId] {
+        &self.welded
+    }
+
+    /// Vertices that stay sharp under subdivision.
+    pub fn corners(&self) -> &PerVertex<bool> {
+        &self.corners
+    }
+
+    /// Names of the blend shapes, in order.
+    pub fn shape_names(&self) -> impl ExactSizeIterator<Item = &str> {
+        self.shapes.iter().map(|shape| shape.name.as_str())
+    }
+
+    /// Resolves shape names.
+    ///
+    /// # Errors
+    /// [`BlendError::UnknownShape`] with the nearest name there is.
+    pub fn weights<'a>(
+        &self,
+        named: impl IntoIterator<Item = (&'a str, f64)>,
+    ) -> Result<Weights, BlendError> {
+        named
+            .into_iter()
+            .map(|(name, weight)| {
+                let index = self.shape_names().position(|n| n == name);
+                index
+                    .map(|i| (i, weight))
+                    .ok_or_else(|| self.unknown_shape(name))
+            })
+            .collect::<Result<_, _>>()
+            .map(Weights)
+    }
+
+    fn unknown_shape(&self, name: &str) -> BlendError {
+        let similarity = |n: &str| strsim::jaro_winkler(&n.to_lowercase(), &name.to_lowercase());
+        let nearest = self
+            .shape_names()
+            .map(|n| (similarity(n), n))
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .filter(|(score, _)| *score > 0.7)
+            .map(|(_, n)| n.to_owned());
+        BlendError::UnknownShape {
+            name: name.to_owned(),
+            nearest,
+            available: self.shapes.len(),
+        }
+    }
+
+    /// Posed control points, m, one per welded vertex.
+    pub fn pose(&self, weights: &Weights) -> Vec<Vector3<f64>> {
+        let mut posed = self.rest.clone();
+        for &(shape, weight) in &weights.0 {
+            for (point, delta) in posed.iter_mut().zip(&self.shapes[shape].deltas) {
+                *point += delta * weight;
+            }
+        }
+        posed
+    }
+}
+
+fn check_arrays(artist: &ArtistMesh) -> Result<(), BlendError> {
+    let expected = artist.positions.len();
+    let shapes = artist
+        .shapes
+        .iter()
+        .map(|s| (s.name.as_str(), &s.position_deltas));
+    for (what, values) in std::iter::once(("position", &artist.positions)).chain(shapes) {
+        if values.len() != expected {
+            return Err(BlendError::Length {
+                mesh: artist.name.clone(),
+                what: what.to_owned(),
+                found: values.len(),
+                expected,
+            });
+        }
+        if let Some(vertex) = values.iter().position(|v| !v.iter().all(|c| c.is_finite())) {
+            return Err(BlendError::NotFinite {
+                mesh: artist.name.clone(),
+                what: what.to_owned(),
+                vertex,
+            });
+        }
+    }
+    if let Some(uvs) = &artist.uvs
+        && uvs.len() != expected
+    {
+        return Err(BlendError::Length {
+            mesh: artist.name.clone(),
+            what: "texture coordinates".to_owned(),
+            found: uvs.len(),
+            expected,
+        });
+    }
+    for (face, triangle) in artist.triangles.iter().enumerate() {
+        if let Some(&vertex) = triangle.iter().find(|&&v| v as usize >= expected) {
+            return Err(BlendError::Topology {
+                mesh: artist.name.clone(),
+                source: MeshError::VertexOutOfRange {
+                    face: FaceId::from_index(face),
+                    vertex: VertexId(vertex),
+                    count: expected,
+                },
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Welded id of every file vertex, and one file vertex of every welded one, in file order.
+fn weld(artist: &ArtistMesh) -> (Vec<VertexId>, Vec<usize>) {
+    // Adding zero turns -0 into 0, so that equal numbers have equal bits.
+    let bits = |p: &Vector3<f64>| [p.x, p.y, p.z].map(|c| (c + 0.0).to_bits());
+    let key = |v: usize| {
+        let deltas = artist.shapes.iter().map(move |s| &s.position_deltas[v]);
+        std::iter::once(&artist.positions[v])
+            .chain(deltas)
+            .map(bits)
+    };
+    let mut order: Vec<usize> = (0..artist.positions.len()).collect();
+    order.sort_by(|&a, &b| key(a).cmp(key(b)).then(a.cmp(&b)));
+    let mut first_alike = vec![0; order.len()];
+    for group in order.chunk_by(|&a, &b| key(a).eq(key(b))) {
+        for &v in group {
+            first_alike[v] = group[0];
+        }
+    }
+    let mut representatives = Vec::new();
+    let mut welded = Vec::with_capacity(order.len());
+    for (v, &first) in first_alike.iter().enumerate() {
+        if first == v {
+            welded.push(VertexId::from_index(representatives.len()));
+            representatives.push(v);
+        } else {
+            welded.push(welded[first]);
+        }
+    }
+    (welded, representatives)
+}
+
+/// A triangle's area below this share of its longest side squared counts as none.
+const MIN_RELATIVE_AREA: f64 = 1e-10;
+
+fn split_degenerate(artist: &ArtistMesh, welded: &[VertexId]) -> (Vec<u32>, Vec<u32>) {
+    (0..artist.triangles.len() as u32).partition(|&t| {
+        let corners = artist.triangles[t as usize];
+        let [a, b, c] = corners.map(|v| artist.positions[v as usize]);
+        let [i, j, k] = corners.map(|v| welded[v as usize]);
+        let longest = (b - a)
+            .norm_squared()
+            .max((c - b).norm_squared())
+            .max((a - c).norm_squared());
+        let area = 0.5 * (b - a).cross(&(c - a)).norm();
+        i != j && j != k && k != i && area > MIN_RELATIVE_AREA * longest
+    })
+}
+
+/// The error in the file's triangle numbers.
+fn with_file_numbers(error: MeshError, kept: &[u32]) -> MeshError {
+    let renumber = |face: FaceId| FaceId(kept[face.index()]);
+    match error {
+        MeshError::DuplicateFaces { first, second } => MeshError::DuplicateFaces {
+            first: renumber(first),
+            second: renumber(second),
+        },
+        MeshError::NonManifoldEdge {
+            vertices,
+            face,
+            count,
+        } => MeshError::NonManifoldEdge {
+            vertices,
+            face: renumber(face),
+            count,
+        },
+        MeshError::InconsistentWinding {
+            first,
+            second,
+            vertices,
+        } => MeshError::InconsistentWinding {
+            first: renumber(first),
+            second: renumber(second),
+            vertices,
+        },
+        other => other,
+    }
+}
+
+fn sharp_corners(mesh: &TriMesh, rest: &[Vector3<f64>]) -> PerVertex<bool> {
+    let normals = face_normals(mesh, rest);
+    let limit = SHARP_TURN.to_radians().cos();
+    let mut corners = PerVertex::filled(mesh.vertex_count(), false);
+    for vertex in corners.ids() {
+        let Some(ring) = mesh.ring(vertex).filter(|ring| !ring.closed) else {
+            continue;
+        };
+        let normal: Vector3<f64> = mesh.vertex_faces(vertex).iter().map(|&f| normals[f]).sum();
+        let flat = |v: Vector3<f64>| v - normal * (normal.dot(&v) / normal.norm_squared());
+        let here = rest[vertex.index()];
+        let (start, end) = (ring.vertices[0], ring.vertices[ring.vertices.len() - 1]);
+        let incoming = flat(here - rest[end.index()]);
+        let outgoing = flat(rest[start.index()] - here);
+        corners[vertex] = incoming.dot(&outgoing) < limit * incoming.norm() * outgoing.norm();
+    }
+    corners
+}

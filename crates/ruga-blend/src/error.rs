@@ -1,0 +1,67 @@
+//! What can be wrong with a driver.
+
+use ruga_mesh::MeshError;
+
+/// Why a mesh with blend shapes cannot drive a simulation.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BlendError {
+    /// The mesh has no triangle with an area.
+    #[error("mesh '{mesh}' has no triangles")]
+    NoTriangles {
+        /// Name of the mesh.
+        mesh: String,
+    },
+    /// The welded mesh is no oriented manifold.
+    #[error("mesh '{mesh}': {source}")]
+    Topology {
+        /// Name of the mesh.
+        mesh: String,
+        /// What is wrong, with the file's triangle numbers and welded vertex numbers.
+        source: MeshError,
+    },
+    /// A pose names a blend shape that the mesh does not have.
+    #[error("blend shape '{name}' does not exist{}", hint(.nearest, .available))]
+    UnknownShape {
+        /// The name asked for.
+        name: String,
+        /// The most similar name there is.
+        nearest: Option<String>,
+        /// How many shapes the mesh has.
+        available: usize,
+    },
+    /// A position, delta or weight is NaN or infinite.
+    #[error("mesh '{mesh}': {what} of vertex {vertex} is not finite")]
+    NotFinite {
+        /// Name of the mesh.
+        mesh: String,
+        /// Which array: `position` or the name of the shape.
+        what: String,
+        /// Vertex number in the file.
+        vertex: usize,
+    },
+    /// An array has not one entry per vertex.
+    #[error("mesh '{mesh}': {what} has {found} entries, but there are {expected} vertices")]
+    Length {
+        /// Name of the mesh.
+        mesh: String,
+        /// Which array.
+        what: String,
+        /// Entries it has.
+        found: usize,
+        /// Vertices of the mesh.
+        expected: usize,
+    },
+    /// The mesh has no texture coordinates.
+    #[error("mesh '{mesh}' has no texture coordinates (TEXCOORD_0 or `vt`): maps need them")]
+    MissingUvs {
+        /// Name of the mesh.
+        mesh: String,
+    },
+}
+
+fn hint(nearest: &Option<String>, available: &usize) -> String {
+    match nearest {
+        Some(name) => format!("; did you mean '{name}'?"),
+        None => format!(" (the mesh has {available} blend shapes)"),
+    }
+}
