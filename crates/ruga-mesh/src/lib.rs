@@ -26,6 +26,7 @@
 //! ```
 
 mod error;
+mod geodesic;
 mod geometry;
 mod ids;
 mod loop_subdivision;
@@ -39,6 +40,7 @@ pub use material_point::MaterialPoint;
 pub use topology::{Edge, Ring, Submesh, TriMesh};
 
 pub use error::MeshError;
+pub use geodesic::edge_distances;
 pub use geometry::{face_normals, vertex_areas, vertex_normals};
 pub use ids::{EdgeId, FaceId, Id, PerEdge, PerElement, PerFace, PerVertex, VertexId};
 pub use loop_subdivision::{FaceOrigin, LimitRows, Subdivision, limit_rows, subdivide};

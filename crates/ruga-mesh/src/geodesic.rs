@@ -1,0 +1,59 @@
+//! Distance over the surface from a set of vertices.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use nalgebra::Vector3;
+
+use crate::{Id, PerVertex, TriMesh, VertexId};
+
+/// Shortest distance (m) along edges from the nearest of `sources`; infinite beyond `limit`.
+///
+/// Dijkstra 1959. Edge paths are up to 15 % longer than true geodesics on regular meshes, which is
+/// good enough to grow a region.
+pub fn edge_distances(
+    mesh: &TriMesh,
+    positions: &[Vector3<f64>],
+    sources: impl IntoIterator<Item = VertexId>,
+    limit: f64,
+) -> PerVertex<f64> {
+    let mut distances = PerVertex::filled(mesh.vertex_count(), f64::INFINITY);
+    let mut queue = BinaryHeap::new();
+    for source in sources {
+        distances[source] = 0.0;
+        queue.push(Reverse((Metres(0.0), source)));
+    }
+    while let Some(Reverse((Metres(distance), vertex))) = queue.pop() {
+        if distance > distances[vertex] {
+            continue;
+        }
+        for &face in mesh.vertex_faces(vertex) {
+            for next in mesh.faces()[face] {
+                let step = (positions[next.index()] - positions[vertex.index()]).norm();
+                let reached = distance + step;
+                if reached < distances[next] && reached <= limit {
+                    distances[next] = reached;
+                    queue.push(Reverse((Metres(reached), next)));
+                }
+            }
+        }
+    }
+    distances
+}
+
+#[derive(PartialEq)]
+struct Metres(f64);
+
+impl Eq for Metres {}
+
+impl PartialOrd for Metres {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Metres {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}
