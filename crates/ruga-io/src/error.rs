@@ -1,0 +1,215 @@
+//! What can be wrong with a file, said so that its author can mend it.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+/// A file that cannot be read, means something impossible, or cannot be written.
+///
+/// Every message begins with the file it is about.
+#[derive(Debug, Error)]
+pub enum IoError {
+    /// The file is missing, or the system does not let us read it.
+    #[error("{path}: cannot read: {cause}", cause = cause_of(source))]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A file was expected, a folder was named.
+    #[error("{path}: this is a folder; expected a file")]
+    Directory {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The name or the first bytes belong to none of the accepted formats.
+    #[error("{path}: {found}; accepted: {accepted}")]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+        /// What it appears to be.
+        found: String,
+        /// The formats that would do.
+        accepted: &'static str,
+    },
+    /// The file breaks the rules of its format.
+    #[error("{path}: {element}: {reason}")]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// The element in it, such as `accessor 4` or `line 12`.
+        element: String,
+        /// What is wrong with the element.
+        reason: String,
+    },
+    /// The file holds several meshes and none was chosen.
+    #[error("{path}: holds {count} meshes; choose one with `mesh_name`: {listed}", count = names.len(), listed = listed(names))]
+    MeshNotChosen {
+        /// The file.
+        path: PathBuf,
+        /// The meshes it holds.
+        names: Vec<String>,
+    },
+    /// The file holds no mesh of that name.
+    #[error("{path}: no mesh named `{name}`{}; it holds: {listed}", did_you_mean(suggestion.as_deref()), listed = listed(names))]
+    UnknownMesh {
+        /// The file.
+        path: PathBuf,
+        /// The name that was asked for.
+        name: String,
+        /// The nearest name in the file.
+        suggestion: Option<String>,
+        /// The meshes it holds.
+        names: Vec<String>,
+    },
+    /// The mesh has no triangle to put skin on.
+    #[error("{path}: mesh `{mesh}` has no triangles")]
+    NoTriangles {
+        /// The file.
+        path: PathBuf,
+        /// The mesh.
+        mesh: String,
+    },
+    /// A blend shape's own file does not fit the rest shape.
+    #[error("{path}: blend shape `{target}`: {reason}")]
+    TargetMismatch {
+        /// The file of the blend shape.
+        path: PathBuf,
+        /// The blend shape.
+        target: String,
+        /// Where the two differ.
+        reason: String,
+    },
+    /// The scene says something that cannot be done.
+    #[error("{path}: {}{reason}{}", key_and_line(key, *line), did_you_mean(suggestion.as_deref()))]
+    Scene {
+        /// The scene file.
+        path: PathBuf,
+        /// The key, as `layers[0].young`; empty when the file is not TOML.
+        key: String,
+        /// Line in the file, from 1, where it is known.
+        line: Option<usize>,
+        /// The value that was found and what is accepted.
+        reason: String,
+        /// The nearest accepted name.
+        suggestion: Option<String>,
+    },
+    /// What was to be written contradicts itself; the caller's mistake.
+    #[error("{path}: not written: {reason}")]
+    Unwritten {
+        /// The file.
+        path: PathBuf,
+        /// Which array does not fit which.
+        reason: String,
+    },
+    /// The system does not let us write the file.
+    #[error("{path}: cannot write: {cause}", cause = cause_of(source))]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+}
+
+impl IoError {
+    pub(crate) fn malformed(
+        path: &Path,
+        element: impl Into<String>,
+        reason: impl Into<String>,
+    ) -> Self {
+        IoError::Malformed {
+            path: path.to_owned(),
+            element: element.into(),
+            reason: reason.into(),
+        }
+    }
+
+    pub(crate) fn unwritten(path: &Path, reason: impl Into<String>) -> Self {
+        IoError::Unwritten {
+            path: path.to_owned(),
+            reason: reason.into(),
+        }
+    }
+
+    pub(crate) fn unwritable(path: &Path, source: io::Error) -> Self {
+        IoError::Unwritable {
+            path: path.to_owned(),
+            source,
+        }
+    }
+}
+
+/// Reads a whole file, telling a folder from a missing file.
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
+    if path.is_dir() {
+        return Err(IoError::Directory {
+            path: path.to_owned(),
+        });
+    }
+    std::fs::read(path).map_err(|source| IoError::Unreadable {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+/// The accepted name nearest to `name`, if one is near enough to be a slip of the hand.
+pub(crate) fn nearest<'a>(
+    name: &str,
+    accepted: impl IntoIterator<Item = &'a str>,
+) -> Option<String> {
+    // Jaro-Winkler likes common beginnings, as typing errors do; below 0.75 the guesses annoy.
+    const LEAST_SIMILARITY: f64 = 0.75;
+    let lower = name.to_lowercase();
+    accepted
+        .into_iter()
+        .map(|candidate| {
+            (
+                strsim::jaro_winkler(&lower, &candidate.to_lowercase()),
+                candidate,
+            )
+        })
+        .filter(|(similarity, _)| *similarity >= LEAST_SIMILARITY)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate.to_owned())
+}
+
+fn listed(names: &[String]) -> String {
+    let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    quoted.join(", ")
+}
+
+fn did_you_mean(suggestion: Option<&str>) -> String {
+    suggestion.map_or_else(String::new, |name| format!(" (did you mean `{name}`?)"))
+}
+
+fn key_and_line(key: &str, line: Option<usize>) -> String {
+    let key = if key.is_empty() {
+        String::new()
+    } else {
+        format!("`{key}`")
+    };
+    match line {
+        Some(line) if key.is_empty() => format!("line {line}: "),
+        Some(line) => format!("{key} (line {line}): "),
+        None if key.is_empty() => key,
+        None => format!("{key}: "),
+    }
+}
+
+/// The system's message, with the words that an artist looks for put first.
+fn cause_of(error: &io::Error) -> String {
+    let plain = match error.kind() {
+        io::ErrorKind::NotFound => "there is no such file",
+        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+            "permission is denied"
+        }
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => "the disk is full",
+        io::ErrorKind::NotADirectory => "a folder in its path is a file",
+        io::ErrorKind::IsADirectory => "a folder of that name is in the way",
+        _ => return error.to_string(),
+    };
+    format!("{plain} ({error})")
+}

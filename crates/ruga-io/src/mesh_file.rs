@@ -1,0 +1,124 @@
+//! The artist's file: its mesh, and what is needed to write that mesh back.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use nalgebra::{Matrix3, Matrix4};
+use ruga_blend::ArtistMesh;
+use serde::{Deserialize, Serialize};
+
+use crate::IoError;
+use crate::gltf_mesh::read_gltf;
+use crate::obj_mesh::read_obj;
+
+/// A mesh as its file holds it.
+#[derive(Clone, Debug)]
+pub struct MeshFile {
+    /// The file.
+    pub path: PathBuf,
+    /// The mesh, in metres at the size it has in the world; see [`MeshFile::stretch`].
+    pub mesh: ArtistMesh,
+    /// Parts of the mesh in file order; each has one material.
+    pub parts: Vec<MeshPart>,
+    /// Weights of the blend shapes in the file's rest state, one per shape; usually zeros.
+    pub default_weights: Vec<f64>,
+    /// What the file's coordinates were multiplied by to become metres: the symmetric part `S` of
+    /// the node's world transform `R S`. The rotation `R` and the translation are *not* applied,
+    /// so the axes of [`MeshFile::mesh`] are those of the file.
+    pub stretch: Matrix3<f64>,
+    /// World transform of the node that carries the mesh; identity for OBJ and skinned meshes.
+    pub world_from_node: Matrix4<f64>,
+    /// What was assumed or left out, in words for the user.
+    pub warnings: Vec<String>,
+}
+
+/// A run of triangles that share one material (glTF: a primitive).
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshPart {
+    /// The vertices it uses. Parts either share a range or have ranges apart.
+    pub vertices: Range<usize>,
+    /// Its triangles.
+    pub triangles: Range<usize>,
+    /// Its material, where the file names one.
+    pub material: Option<Material>,
+}
+
+/// What of a material does not need its images.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Its name.
+    pub name: Option<String>,
+    /// Linear red, green, blue and alpha, 0 to 1.
+    pub base_color: [f64; 4],
+    /// 0 to 1.
+    pub metallic: f64,
+    /// 0 to 1.
+    pub roughness: f64,
+    /// Whether both sides are drawn.
+    pub double_sided: bool,
+}
+
+/// What an OBJ file does not say about itself.
+#[derive(Clone, Debug, Default)]
+pub struct ObjOptions {
+    /// Blend shapes: name and OBJ file of each.
+    pub targets: BTreeMap<String, PathBuf>,
+    /// Unit of the coordinates.
+    pub length_unit: LengthUnit,
+}
+
+/// Unit of lengths in a file that does not say.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum LengthUnit {
+    /// Metres.
+    #[default]
+    #[serde(rename = "m")]
+    Metre,
+    /// Centimetres.
+    #[serde(rename = "cm")]
+    Centimetre,
+    /// Millimetres.
+    #[serde(rename = "mm")]
+    Millimetre,
+}
+
+impl LengthUnit {
+    /// Metres per unit.
+    pub fn metres(self) -> f64 {
+        match self {
+            LengthUnit::Metre => 1.0,
+            LengthUnit::Centimetre => 0.01,
+            LengthUnit::Millimetre => 0.001,
+        }
+    }
+}
+
+/// Reads a mesh with its blend shapes from `.glb`, `.gltf` or `.obj`.
+///
+/// Positions and deltas come back in metres, UVs with V pointing down in the set and transform
+/// that the material's normal texture uses (else the base colour's, else `TEXCOORD_0`). Vertices
+/// keep their order. `obj` is for OBJ files alone; glTF carries its shapes and its unit itself.
+///
+/// # Errors
+/// [`IoError`] naming the file and, for glTF, the accessor, buffer or primitive at fault. No file,
+/// however damaged, makes it panic.
+pub fn read_mesh(
+    path: &Path,
+    mesh_name: Option<&str>,
+    obj: &ObjOptions,
+) -> Result<MeshFile, IoError> {
+    let extension = path
+        .extension()
+        .map(|e| e.to_string_lossy().to_lowercase())
+        .unwrap_or_default();
+    match extension.as_str() {
+        "glb" | "gltf" => read_gltf(path, mesh_name),
+        "obj" => read_obj(path, mesh_name, obj),
+        _ => Err(IoError::UnknownFormat {
+            path: path.to_owned(),
+            found: format!("`.{extension}` is not a mesh file"),
+            accepted: ".glb, .gltf, .obj",
+        }),
+    }
+}

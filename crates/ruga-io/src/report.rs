@@ -1,0 +1,120 @@
+//! `report.json`: what was simulated, how it went, what came out.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{IoError, write_atomically};
+
+/// The whole report, version 1.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// Version of this layout: 1.
+    pub version: u32,
+    /// Version of ruga that wrote it.
+    pub ruga: String,
+    /// The scene file, as it was given.
+    pub scene: String,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+    /// One entry per pose.
+    pub poses: Vec<PoseReport>,
+}
+
+/// How one pose went.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PoseReport {
+    /// Name of the pose.
+    pub name: String,
+    /// Whether every frame of every layer converged.
+    pub converged: bool,
+    /// Load or time steps that were solved.
+    pub frames: u32,
+    /// Baked files relative to the report, by `<key%>_<kind>`, such as `100_normal`.
+    pub maps: BTreeMap<String, String>,
+    /// One entry per layer, bottom first.
+    pub layers: Vec<LayerReport>,
+}
+
+/// How one layer went in one pose. What was not measured is `null`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LayerReport {
+    /// Name of the layer.
+    pub name: String,
+    /// Vertices of its mesh in the last frame.
+    pub vertices: Option<u64>,
+    /// Triangles of its mesh in the last frame.
+    pub faces: Option<u64>,
+    /// Constraint rows in the last frame.
+    pub constraints: Option<u64>,
+    /// Critical wavelength from thickness and stiffness, m.
+    pub wavelength_predicted_m: Option<f64>,
+    /// Compression at which it begins to wrinkle.
+    pub critical_strain_predicted: Option<f64>,
+    /// Dominant wavelength of what came out, m.
+    pub wavelength_m: Option<f64>,
+    /// `sqrt(2)` times the RMS height of what came out, m.
+    pub amplitude_m: Option<f64>,
+    /// Energy of the last frame, J.
+    pub energy_j: Option<f64>,
+    /// Newton iterations over all frames.
+    pub newton_iterations: Option<u64>,
+    /// Relative residual of the last frame.
+    pub residual: Option<f64>,
+    /// Time spent, means per frame.
+    pub seconds: Seconds,
+}
+
+/// Seconds per frame, mean: the columns of Li 2014, Table 6-1.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Seconds {
+    /// Building constraint rows.
+    pub constraints: Option<f64>,
+    /// Solving.
+    pub integration: Option<f64>,
+    /// Remeshing.
+    pub remeshing: Option<f64>,
+    /// Sampling materials and rows anew.
+    pub sampling: Option<f64>,
+    /// All of a frame.
+    pub total: Option<f64>,
+}
+
+impl Report {
+    /// Version of the layout that this crate writes.
+    pub const VERSION: u32 = 1;
+
+    /// An empty report.
+    pub fn new(ruga: impl Into<String>, scene: impl Into<String>) -> Self {
+        Self {
+            version: Self::VERSION,
+            ruga: ruga.into(),
+            scene: scene.into(),
+            warnings: Vec::new(),
+            poses: Vec::new(),
+        }
+    }
+
+    /// The report as JSON text.
+    pub fn to_json(&self) -> String {
+        to_json_text(self)
+    }
+
+    /// Writes the report, whole or not at all.
+    ///
+    /// # Errors
+    /// [`IoError::Unwritable`].
+    pub fn write(&self, path: &Path) -> Result<(), IoError> {
+        write_atomically(path, self.to_json().as_bytes())
+    }
+}
+
+/// Pretty JSON with a final newline; numbers that are not finite become `null`.
+pub(crate) fn to_json_text(value: &impl Serialize) -> String {
+    // Plain structs with string keys: serialisation into memory has no way to fail.
+    let mut text = serde_json::to_string_pretty(value)
+        .expect("structs of numbers, strings, lists and string-keyed maps always serialise");
+    text.push('\n');
+    text
+}

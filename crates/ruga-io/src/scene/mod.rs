@@ -1,0 +1,183 @@
+//! `scene.toml`, version 1: what the user asks for.
+//!
+//! The structs keep the raw values of the file, defaults filled in; [`Layer::definition`] and
+//! [`Substrate::definition`] say which of the ways to describe a material was used.
+
+mod names;
+mod read;
+mod settings;
+mod skin;
+mod validate;
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+pub use names::is_usable_file_name;
+pub use settings::{
+    Bake, CellShape, Frame, Interior, LinearSolver, MapFormat, MapKind, NormalY, Remesh, Solver,
+    SolverMode,
+};
+pub use skin::{
+    Coupling, Layer, LayerDefinition, PropertyMap, Sampling, Substrate, SubstrateDefinition,
+    WavelengthModel,
+};
+
+use crate::LengthUnit;
+
+/// A whole scene. Units are SI.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// Version of the layout: 1.
+    pub version: u32,
+    /// What a stack of layers means.
+    #[serde(default)]
+    pub stack: Stack,
+    /// Unit of OBJ input.
+    #[serde(default)]
+    pub length_unit: LengthUnit,
+    /// The artist's mesh.
+    pub driver: Driver,
+    /// What carries the lowest layer; may be left out when that layer is a preset.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub substrate: Option<Substrate>,
+    /// The layers, bottom first.
+    pub layers: Vec<Layer>,
+    /// The poses; none means every blend shape at weight 1, see [`Scene::poses_or_shapes`].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub poses: Vec<Pose>,
+    /// How frames are solved.
+    #[serde(default)]
+    pub solver: Solver,
+    /// How the layers' meshes follow the wrinkles.
+    #[serde(default)]
+    pub remesh: Remesh,
+    /// What is baked.
+    #[serde(default)]
+    pub bake: Bake,
+    /// Present: one layer on an embedded lattice.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub interior: Option<Interior>,
+}
+
+/// What a stack of layers means.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Stack {
+    /// Each layer by its own wavelength, as painted.
+    #[default]
+    Nominal,
+    /// The lower layer carries the stiffness of the stack.
+    Composite,
+    /// All layers in one system; for small patches.
+    Joint,
+}
+
+/// The mesh and the part of it that is simulated.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Driver {
+    /// `.glb`, `.gltf` or `.obj`.
+    pub mesh: PathBuf,
+    /// Which mesh, if the file has several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh_name: Option<String>,
+    /// OBJ alone: name and file of each blend shape.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub targets: BTreeMap<String, PathBuf>,
+    /// Where skin is simulated.
+    #[serde(default)]
+    pub region: Region,
+    /// How the artist's facets are smoothed.
+    #[serde(default)]
+    pub smoothing: Smoothing,
+    /// Vertices of one layer above which a run is refused.
+    #[serde(default = "default_vertex_budget")]
+    pub vertex_budget: u64,
+}
+
+fn default_vertex_budget() -> u64 {
+    300_000
+}
+
+/// Where skin is simulated: `auto`, `all`, or the path of a mask.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "String", into = "String")]
+pub enum Region {
+    /// Where a pose compresses the skin enough to wrinkle it.
+    #[default]
+    Auto,
+    /// Everywhere.
+    All,
+    /// Where a grey image is above one half.
+    Mask(PathBuf),
+}
+
+impl From<String> for Region {
+    fn from(text: String) -> Self {
+        match text.as_str() {
+            "auto" => Region::Auto,
+            "all" => Region::All,
+            _ => Region::Mask(PathBuf::from(text)),
+        }
+    }
+}
+
+impl From<Region> for String {
+    fn from(region: Region) -> Self {
+        match region {
+            Region::Auto => "auto".to_owned(),
+            Region::All => "all".to_owned(),
+            Region::Mask(path) => path.to_string_lossy().into_owned(),
+        }
+    }
+}
+
+/// How the artist's facets are smoothed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Smoothing {
+    /// Loop subdivision.
+    #[default]
+    Loop,
+    /// Not at all.
+    None,
+}
+
+/// A set of weights, and where on the way to it maps are baked.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pose {
+    /// Its name, also in file names.
+    pub name: String,
+    /// Weight of each blend shape that takes part.
+    pub weights: BTreeMap<String, f64>,
+    /// Fractions of the weights at which maps are baked, in (0, 1].
+    #[serde(default = "default_keys")]
+    pub keys: Vec<f64>,
+    /// Load steps from rest to the full pose.
+    #[serde(default = "default_steps")]
+    pub steps: u32,
+}
+
+fn default_keys() -> Vec<f64> {
+    vec![0.5, 1.0]
+}
+
+fn default_steps() -> u32 {
+    20
+}
+
+impl Pose {
+    /// One blend shape at weight 1, with the default keys and steps.
+    pub fn of_shape(name: impl Into<String>, shape: &str) -> Self {
+        Self {
+            name: name.into(),
+            weights: BTreeMap::from([(shape.to_owned(), 1.0)]),
+            keys: default_keys(),
+            steps: default_steps(),
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! Text to scene and back, with errors that name file, key, value and remedy.
+
+use std::path::{Path, PathBuf};
+
+use super::{Region, Scene};
+use crate::IoError;
+use crate::error::{nearest, read_bytes};
+
+impl Scene {
+    /// Reads and checks a scene; its relative paths are resolved against the scene's folder.
+    ///
+    /// # Errors
+    /// [`IoError::Scene`] naming the key, the value and what is accepted.
+    pub fn read(path: &Path) -> Result<Self, IoError> {
+        let bytes = read_bytes(path)?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let line = line_of(error.as_bytes(), error.utf8_error().valid_up_to());
+            scene_error(path, "", Some(line), "is not UTF-8 text", None)
+        })?;
+        let mut scene = Self::from_toml(&text, path)?;
+        scene.resolve_paths(path.parent().unwrap_or(Path::new("")));
+        Ok(scene)
+    }
+
+    /// Parses and checks a scene without touching its paths; `path` is for messages.
+    ///
+    /// # Errors
+    /// [`IoError::Scene`] naming the key, the value and what is accepted.
+    pub fn from_toml(text: &str, path: &Path) -> Result<Self, IoError> {
+        let document = toml::Deserializer::parse(text)
+            .map_err(|error| toml_error(text, path, String::new(), &error))?;
+        let scene: Self = serde_path_to_error::deserialize(document).map_err(|error| {
+            let key = match error.path().to_string() {
+                dot if dot == "." => String::new(),
+                key => key,
+            };
+            toml_error(text, path, key, error.inner())
+        })?;
+        scene.validate(path)?;
+        Ok(scene)
+    }
+
+    /// The scene as TOML text that [`Scene::from_toml`] reads back to an equal scene.
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self)
+            .expect("a scene is tables of numbers, strings and lists, which TOML can hold")
+    }
+
+    fn resolve_paths(&mut self, folder: &Path) {
+        let resolve = |path: &mut PathBuf| *path = folder.join(&*path);
+        resolve(&mut self.driver.mesh);
+        self.driver.targets.values_mut().for_each(resolve);
+        if let Region::Mask(mask) = &mut self.driver.region {
+            resolve(mask);
+        }
+        for map in self
+            .layers
+            .iter_mut()
+            .filter_map(|layer| layer.map.as_mut())
+        {
+            let images = [
+                &mut map.image,
+                &mut map.wavelength_image,
+                &mut map.young_image,
+                &mut map.thickness_image,
+            ];
+            images.into_iter().flatten().for_each(resolve);
+        }
+    }
+}
+
+fn toml_error(text: &str, path: &Path, key: String, error: &toml::de::Error) -> IoError {
+    let line = error
+        .span()
+        .map(|span| line_of(text.as_bytes(), span.start));
+    let message = error.message();
+    scene_error(path, &key, line, message, suggestion_in(message))
+}
+
+/// Serde writes ``unknown field `x`, expected one of `a`, `b` ``: the names stand in backticks.
+fn suggestion_in(message: &str) -> Option<String> {
+    if !message.starts_with("unknown ") {
+        return None;
+    }
+    let mut names = message.split('`').skip(1).step_by(2);
+    let unknown = names.next()?;
+    nearest(unknown, names)
+}
+
+fn line_of(text: &[u8], offset: usize) -> usize {
+    1 + text.iter().take(offset).filter(|b| **b == b'\n').count()
+}
+
+pub(super) fn scene_error(
+    path: &Path,
+    key: &str,
+    line: Option<usize>,
+    reason: &str,
+    suggestion: Option<String>,
+) -> IoError {
+    IoError::Scene {
+        path: path.to_owned(),
+        key: key.to_owned(),
+        line,
+        reason: reason.trim_end().to_owned(),
+        suggestion,
+    }
+}

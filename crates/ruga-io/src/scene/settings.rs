@@ -1,0 +1,214 @@
+//! The optional tables: `[solver]`, `[remesh]`, `[bake]`, `[interior]`.
+
+use serde::{Deserialize, Serialize};
+
+/// `[solver]`: how frames are solved.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Solver {
+    /// Equilibria or motion.
+    pub mode: SolverMode,
+    /// The linear solver inside Newton's iteration.
+    pub linear: LinearSolver,
+    /// Step of the motion, s.
+    pub time_step: f64,
+    /// Damping of the motion, 1/s.
+    pub damping: f64,
+    /// Relative residual at which a frame counts as solved.
+    pub tolerance: f64,
+    /// Seed of everything random.
+    pub seed: u64,
+}
+
+impl Default for Solver {
+    fn default() -> Self {
+        Self {
+            mode: SolverMode::Static,
+            linear: LinearSolver::Ldlt,
+            time_step: 0.02,
+            damping: 0.5,
+            tolerance: 1e-6,
+            seed: 1,
+        }
+    }
+}
+
+/// Equilibria or motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SolverMode {
+    /// Energy minima, frame by frame.
+    #[default]
+    Static,
+    /// Implicit Euler with mass and damping.
+    Dynamic,
+}
+
+/// The linear solver inside Newton's iteration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LinearSolver {
+    /// Direct factorization.
+    #[default]
+    Ldlt,
+    /// Iterative, for comparison.
+    Minres,
+}
+
+/// `[remesh]`: how the layers' meshes follow the wrinkles.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Remesh {
+    /// Whether meshes change at all.
+    pub enabled: bool,
+    /// Vertices per wavelength across a wrinkle.
+    pub points_per_wavelength: f64,
+    /// Shortest edge, m.
+    pub min_edge: f64,
+    /// Longest edge, m.
+    pub max_edge: f64,
+    /// Longest over shortest edge of a triangle, at most.
+    pub aspect: f64,
+}
+
+impl Default for Remesh {
+    fn default() -> Self {
+        Self {
+            enabled: true,
+            points_per_wavelength: 12.0,
+            min_edge: 0.0,
+            max_edge: 1.0,
+            aspect: 2.0,
+        }
+    }
+}
+
+/// `[bake]`: which maps, how large, in which convention.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Bake {
+    /// Width and height, texels.
+    pub size: u32,
+    /// The kinds of maps.
+    pub maps: Vec<MapKind>,
+    /// Their format.
+    pub format: MapFormat,
+    /// Sign of the green channel of normal maps.
+    pub normal_y: NormalY,
+    /// The tangent frame of normal maps.
+    pub frame: Frame,
+    /// Texels around each island that repeat its border.
+    pub padding: u32,
+    /// Samples per texel along each axis: 1, 2 or 4.
+    pub supersample: u32,
+}
+
+impl Default for Bake {
+    fn default() -> Self {
+        Self {
+            size: 2048,
+            maps: vec![MapKind::Normal, MapKind::Height],
+            format: MapFormat::Png16,
+            normal_y: NormalY::Plus,
+            frame: Frame::Driver,
+            padding: 16,
+            supersample: 1,
+        }
+    }
+}
+
+/// What the texels of a map mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum MapKind {
+    /// Tangent-space normals.
+    Normal,
+    /// Displacement along the normal, m.
+    Height,
+}
+
+impl MapKind {
+    /// The word for it in scenes and file names.
+    pub fn word(self) -> &'static str {
+        match self {
+            MapKind::Normal => "normal",
+            MapKind::Height => "height",
+        }
+    }
+}
+
+/// File format of maps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum MapFormat {
+    /// 8 bits per channel, dithered.
+    Png8,
+    /// 16 bits per channel.
+    #[default]
+    Png16,
+    /// 32-bit floats; heights in metres, normals from -1 to 1.
+    Exr,
+}
+
+impl MapFormat {
+    /// `png` or `exr`.
+    pub fn extension(self) -> &'static str {
+        match self {
+            MapFormat::Png8 | MapFormat::Png16 => "png",
+            MapFormat::Exr => "exr",
+        }
+    }
+}
+
+/// Sign of the green channel: `+` for OpenGL, Blender, glTF, Unity; `-` for Unreal.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum NormalY {
+    /// Green grows towards the top of the image.
+    #[default]
+    #[serde(rename = "+")]
+    Plus,
+    /// Green grows towards the bottom of the image.
+    #[serde(rename = "-")]
+    Minus,
+}
+
+/// The tangent frame of normal maps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Frame {
+    /// The smooth posed driver's: only the wrinkles show.
+    #[default]
+    Driver,
+    /// The artist's own posed mesh's: what a high-to-low bake gives.
+    Mesh,
+}
+
+/// `[interior]`: one layer on an embedded lattice.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Interior {
+    /// Lattice cells along the longest side.
+    pub cells: u32,
+    /// The lattice's elements.
+    pub shape: CellShape,
+}
+
+impl Default for Interior {
+    fn default() -> Self {
+        Self {
+            cells: 6,
+            shape: CellShape::Quadratic,
+        }
+    }
+}
+
+/// The lattice's elements.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CellShape {
+    /// Quadratic B-splines.
+    #[default]
+    Quadratic,
+    /// Trilinear, for comparison.
+    Linear,
+}

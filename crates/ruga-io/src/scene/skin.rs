@@ -1,0 +1,224 @@
+//! `[substrate]` and `[[layers]]`: what the skin is made of.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+/// `[substrate]`: what carries the lowest layer. A preset, or numbers; what is left out takes the
+/// reference values of Li 2014, 5.2.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Substrate {
+    /// Name of a preset whose substrate is taken.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub preset: Option<String>,
+    /// Young's modulus, Pa; 0.5 MPa if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub young: Option<f64>,
+    /// Poisson's ratio, in (-1, 0.5); 0.48 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub poisson: Option<f64>,
+    /// Thickness, m; 15 mm if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thickness: Option<f64>,
+}
+
+/// The two ways to describe a substrate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SubstrateDefinition<'a> {
+    /// That of a preset.
+    Preset(&'a str),
+    /// By numbers.
+    Elastic {
+        /// Young's modulus, Pa.
+        young: f64,
+        /// Poisson's ratio.
+        poisson: f64,
+        /// Thickness, m.
+        thickness: f64,
+    },
+}
+
+impl Substrate {
+    /// The preset or the numbers, reference values filled in.
+    pub fn definition(&self) -> SubstrateDefinition<'_> {
+        match &self.preset {
+            Some(name) => SubstrateDefinition::Preset(name),
+            None => SubstrateDefinition::Elastic {
+                young: self.young.unwrap_or(0.5e6),
+                poisson: self.poisson.unwrap_or(DEFAULT_POISSON),
+                thickness: self.thickness.unwrap_or(15e-3),
+            },
+        }
+    }
+}
+
+/// Skin hardly changes its volume (Li 2014, 5.2).
+const DEFAULT_POISSON: f64 = 0.48;
+
+/// One of `[[layers]]`. Exactly one of three descriptions is given: `young` and `thickness`;
+/// `wavelength` and `critical_strain`; or `preset`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Layer {
+    /// Its name, also in file names.
+    pub name: String,
+    /// Name of a preset.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub preset: Option<String>,
+    /// Young's modulus, Pa.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub young: Option<f64>,
+    /// Thickness, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub thickness: Option<f64>,
+    /// The wavelength that is wanted, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wavelength: Option<f64>,
+    /// The compression at which wrinkles are wanted to begin, in (0, 1).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub critical_strain: Option<f64>,
+    /// Poisson's ratio, in (-1, 0.5).
+    #[serde(default = "default_poisson")]
+    pub poisson: f64,
+    /// Density, kg/m3.
+    #[serde(default = "default_density")]
+    pub density: f64,
+    /// What holds it on the surface below.
+    #[serde(default)]
+    pub coupling: Coupling,
+    /// How constraint rows follow a changing mesh.
+    #[serde(default)]
+    pub sampling: Sampling,
+    /// The formula for wavelength and critical strain.
+    #[serde(default)]
+    pub model: WavelengthModel,
+    /// Share of the lower layer's bending strain that this layer feels, 0 to 1; from the layers'
+    /// stiffnesses if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bending_transfer: Option<f64>,
+    /// Painted properties.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub map: Option<PropertyMap>,
+}
+
+fn default_poisson() -> f64 {
+    DEFAULT_POISSON
+}
+
+fn default_density() -> f64 {
+    1100.0
+}
+
+/// The three ways to describe a layer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LayerDefinition<'a> {
+    /// A preset, which brings its own substrate unless the scene has one.
+    Preset(&'a str),
+    /// What it is made of.
+    Elastic {
+        /// Young's modulus, Pa.
+        young: f64,
+        /// Thickness, m.
+        thickness: f64,
+    },
+    /// What it shall do; thickness and modulus follow (inverse design).
+    Wanted {
+        /// Wavelength, m.
+        wavelength: f64,
+        /// Compression at which wrinkles begin.
+        critical_strain: f64,
+    },
+}
+
+impl Layer {
+    /// How the layer is described; `None` when the description is incomplete or contradicts
+    /// itself, which no scene that was read does.
+    pub fn definition(&self) -> Option<LayerDefinition<'_>> {
+        let elastic = self.young.zip(self.thickness);
+        let wanted = self.wavelength.zip(self.critical_strain);
+        let lone = (self.young.is_some() || self.thickness.is_some()) && elastic.is_none()
+            || (self.wavelength.is_some() || self.critical_strain.is_some()) && wanted.is_none();
+        match (self.preset.as_deref(), elastic, wanted, lone) {
+            (Some(name), None, None, false) => Some(LayerDefinition::Preset(name)),
+            (None, Some((young, thickness)), None, false) => {
+                Some(LayerDefinition::Elastic { young, thickness })
+            }
+            (None, None, Some((wavelength, critical_strain)), false) => {
+                Some(LayerDefinition::Wanted {
+                    wavelength,
+                    critical_strain,
+                })
+            }
+            _ => None,
+        }
+    }
+}
+
+/// What holds a layer on the surface below.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Coupling {
+    /// Gaussian constraint rows alone, as in the papers.
+    Constraint,
+    /// An elastic foundation alone.
+    Elastic,
+    /// The foundation with low-pass rows.
+    #[default]
+    Hybrid,
+}
+
+/// How constraint rows follow a changing mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Sampling {
+    /// Vertex areas (Li 2014, eq. 4.3).
+    Area,
+    /// The same with moments matched.
+    Adjusted,
+    /// Fixed material points with weights.
+    #[default]
+    Quadrature,
+}
+
+/// The formula for wavelength and critical strain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WavelengthModel {
+    /// Film on a bonded elastic layer of finite thickness.
+    #[default]
+    Layer,
+    /// Film on a half-space (Rémillard & Kry 2013, eq. 3).
+    HalfSpace,
+    /// The scaling of Li 2014, eq. 3.1.
+    CerdaMahadevan,
+}
+
+/// Painted properties of a layer. Each is `lo + (hi - lo) c` times the layer's own value, `c` from
+/// 0 to 1 read linearly. Either one `image` (red: wavelength, green: Young's modulus, blue:
+/// thickness), or one grey image per property. A property without range keeps its value.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PropertyMap {
+    /// Image of all three properties.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub image: Option<PathBuf>,
+    /// Range of the relative wavelength, `[lo, hi]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wavelength: Option<[f64; 2]>,
+    /// Range of the relative Young's modulus.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub young: Option<[f64; 2]>,
+    /// Range of the relative thickness.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thickness: Option<[f64; 2]>,
+    /// Grey image of the wavelength alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wavelength_image: Option<PathBuf>,
+    /// Grey image of Young's modulus alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub young_image: Option<PathBuf>,
+    /// Grey image of the thickness alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thickness_image: Option<PathBuf>,
+}

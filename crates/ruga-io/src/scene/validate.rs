@@ -1,0 +1,382 @@
+//! What a scene must mean, beyond being well-formed.
+
+use std::path::Path;
+
+use super::names::{file_name_fault, same_file, usable_file_name};
+use super::read::scene_error;
+use super::{Layer, Pose, PropertyMap, Scene, Substrate};
+use crate::IoError;
+use crate::error::nearest;
+use crate::wrinkles::key_percent;
+
+/// A key and what is wrong with its value.
+struct Fault {
+    key: String,
+    reason: String,
+}
+
+type Checked = Result<(), Fault>;
+
+impl Scene {
+    /// The version of the layout that this crate reads.
+    pub const VERSION: u32 = 1;
+
+    /// Checks ranges, names and contradictions; `path` is for messages.
+    ///
+    /// # Errors
+    /// [`IoError::Scene`] for the first fault, in the order of the file.
+    pub fn validate(&self, path: &Path) -> Result<(), IoError> {
+        self.faults()
+            .map_err(|fault| scene_error(path, &fault.key, None, &fault.reason, None))
+    }
+
+    /// The poses of the scene, or one per blend shape when it has none.
+    ///
+    /// Names made from shapes are usable as file names: what is not becomes `_`.
+    ///
+    /// # Errors
+    /// [`IoError::Scene`] when a pose weighs a blend shape that is not among `shapes`, or when
+    /// there is neither pose nor shape; `path` is for messages.
+    pub fn poses_or_shapes(&self, shapes: &[String], path: &Path) -> Result<Vec<Pose>, IoError> {
+        if self.poses.is_empty() && shapes.is_empty() {
+            let reason = "the mesh has no blend shapes, so there is nothing to pose";
+            return Err(scene_error(path, "driver.mesh", None, reason, None));
+        }
+        for (i, pose) in self.poses.iter().enumerate() {
+            for shape in pose.weights.keys().filter(|shape| !shapes.contains(shape)) {
+                let key = format!("poses[{i}].weights.{shape}");
+                let reason = format!("the mesh has no blend shape `{shape}`");
+                let suggestion = nearest(shape, shapes.iter().map(String::as_str));
+                return Err(scene_error(path, &key, None, &reason, suggestion));
+            }
+        }
+        if !self.poses.is_empty() {
+            return Ok(self.poses.clone());
+        }
+        let mut names = Vec::new();
+        for shape in shapes {
+            names.push(usable_file_name(shape, &names));
+        }
+        Ok(names
+            .into_iter()
+            .zip(shapes)
+            .map(|(name, shape)| Pose::of_shape(name, shape))
+            .collect())
+    }
+
+    fn faults(&self) -> Checked {
+        if self.version != Self::VERSION {
+            return fault("version", self.version, "this ruga reads version 1");
+        }
+        within(
+            "driver.vertex_budget",
+            self.driver.vertex_budget,
+            1,
+            u64::MAX,
+        )?;
+        if !self.driver.targets.is_empty() && !has_extension(&self.driver.mesh, "obj") {
+            let mesh = self.driver.mesh.display();
+            return fault(
+                "driver.targets",
+                mesh,
+                "only OBJ meshes take targets from files",
+            );
+        }
+        if let Some(substrate) = &self.substrate {
+            substrate.faults()?;
+        }
+        self.layer_faults()?;
+        self.pose_faults()?;
+        self.solver_faults()?;
+        self.remesh_faults()?;
+        self.bake_faults()?;
+        self.interior_faults()
+    }
+
+    fn layer_faults(&self) -> Checked {
+        let Some(lowest) = self.layers.first() else {
+            return fault("layers", "none", "at least one [[layers]] is needed");
+        };
+        for (i, layer) in self.layers.iter().enumerate() {
+            let key = format!("layers[{i}]");
+            layer.faults(&key)?;
+            let earlier = self.layers.iter().take(i).map(|other| &other.name);
+            unique_name(&format!("{key}.name"), &layer.name, earlier)?;
+        }
+        if self.substrate.is_none() && lowest.preset.is_none() {
+            let accepted = "a [substrate] table, unless the lowest layer is a preset";
+            return fault("substrate", "none", accepted);
+        }
+        Ok(())
+    }
+
+    fn pose_faults(&self) -> Checked {
+        for (i, pose) in self.poses.iter().enumerate() {
+            let key = format!("poses[{i}]");
+            pose.faults(&key)?;
+            let earlier = self.poses.iter().take(i).map(|other| &other.name);
+            unique_name(&format!("{key}.name"), &pose.name, earlier)?;
+        }
+        Ok(())
+    }
+
+    fn solver_faults(&self) -> Checked {
+        positive("solver.time_step", self.solver.time_step)?;
+        not_negative("solver.damping", self.solver.damping)?;
+        let tolerance = self.solver.tolerance;
+        if !(tolerance > 0.0 && tolerance < 1.0) {
+            return fault("solver.tolerance", tolerance, "a number in (0, 1)");
+        }
+        Ok(())
+    }
+
+    fn remesh_faults(&self) -> Checked {
+        let remesh = &self.remesh;
+        positive("remesh.points_per_wavelength", remesh.points_per_wavelength)?;
+        not_negative("remesh.min_edge", remesh.min_edge)?;
+        positive("remesh.max_edge", remesh.max_edge)?;
+        if remesh.min_edge >= remesh.max_edge {
+            let accepted = format!("a length below max_edge = {}", remesh.max_edge);
+            return fault("remesh.min_edge", remesh.min_edge, &accepted);
+        }
+        if !(remesh.aspect >= 1.0 && remesh.aspect.is_finite()) {
+            return fault("remesh.aspect", remesh.aspect, "a number from 1");
+        }
+        Ok(())
+    }
+
+    fn bake_faults(&self) -> Checked {
+        let bake = &self.bake;
+        within("bake.size", u64::from(bake.size), 16, 16_384)?;
+        within(
+            "bake.padding",
+            u64::from(bake.padding),
+            0,
+            u64::from(bake.size),
+        )?;
+        if ![1, 2, 4].contains(&bake.supersample) {
+            return fault("bake.supersample", bake.supersample, "1, 2 or 4");
+        }
+        for (i, kind) in bake.maps.iter().enumerate() {
+            if bake.maps.iter().take(i).any(|other| other == kind) {
+                return fault(&format!("bake.maps[{i}]"), kind.word(), "each kind once");
+            }
+        }
+        if bake.maps.is_empty() {
+            return fault("bake.maps", "[]", "at least one of \"normal\", \"height\"");
+        }
+        Ok(())
+    }
+
+    fn interior_faults(&self) -> Checked {
+        let Some(interior) = &self.interior else {
+            return Ok(());
+        };
+        within("interior.cells", u64::from(interior.cells), 1, 1000)?;
+        if self.layers.len() != 1 {
+            let found = format!("{} layers", self.layers.len());
+            return fault("interior", found, "exactly one layer on a lattice");
+        }
+        Ok(())
+    }
+}
+
+impl Substrate {
+    fn faults(&self) -> Checked {
+        let numbers = [
+            ("substrate.young", self.young),
+            ("substrate.thickness", self.thickness),
+        ];
+        for (key, value) in numbers {
+            value.map_or(Ok(()), |value| positive(key, value))?;
+        }
+        let given = self.young.or(self.poisson).or(self.thickness);
+        if let (Some(preset), Some(_)) = (&self.preset, given) {
+            return fault("substrate", preset, "either a preset or numbers, not both");
+        }
+        self.poisson
+            .map_or(Ok(()), |nu| poisson("substrate.poisson", nu))
+    }
+}
+
+impl Layer {
+    fn faults(&self, key: &str) -> Checked {
+        let numbers = [
+            ("young", self.young),
+            ("thickness", self.thickness),
+            ("wavelength", self.wavelength),
+            ("density", Some(self.density)),
+        ];
+        for (name, value) in numbers {
+            value.map_or(Ok(()), |value| positive(&format!("{key}.{name}"), value))?;
+        }
+        if let Some(strain) = self.critical_strain.filter(|e| !(*e > 0.0 && *e < 1.0)) {
+            let accepted = "a compression in (0, 1), such as 0.05";
+            return fault(&format!("{key}.critical_strain"), strain, accepted);
+        }
+        poisson(&format!("{key}.poisson"), self.poisson)?;
+        if let Some(share) = self.bending_transfer.filter(|b| !(0.0..=1.0).contains(b)) {
+            let accepted = "a share from 0 to 1";
+            return fault(&format!("{key}.bending_transfer"), share, accepted);
+        }
+        self.definition_fault(key)?;
+        self.map
+            .as_ref()
+            .map_or(Ok(()), |map| map.faults(&format!("{key}.map")))
+    }
+
+    fn definition_fault(&self, key: &str) -> Checked {
+        if self.definition().is_some() {
+            return Ok(());
+        }
+        let given = [
+            ("preset", self.preset.is_some()),
+            ("young", self.young.is_some()),
+            ("thickness", self.thickness.is_some()),
+            ("wavelength", self.wavelength.is_some()),
+            ("critical_strain", self.critical_strain.is_some()),
+        ];
+        let given: Vec<&str> = given.iter().filter(|g| g.1).map(|g| g.0).collect();
+        let found = match given.as_slice() {
+            [] => "none of them".to_owned(),
+            names => names.join(", "),
+        };
+        let accepted = "either young and thickness, or wavelength and critical_strain, or preset";
+        fault(key, found, accepted)
+    }
+}
+
+impl PropertyMap {
+    fn faults(&self, key: &str) -> Checked {
+        let properties = [
+            ("wavelength", self.wavelength, &self.wavelength_image),
+            ("young", self.young, &self.young_image),
+            ("thickness", self.thickness, &self.thickness_image),
+        ];
+        for (name, range, image) in properties {
+            let key = format!("{key}.{name}");
+            if let Some([low, high]) = range {
+                positive(&format!("{key}[0]"), low)?;
+                positive(&format!("{key}[1]"), high)?;
+            }
+            match (range, image, &self.image) {
+                (_, Some(own), Some(_)) => {
+                    let accepted = "either `image` or one image per property, not both";
+                    return fault(&format!("{key}_image"), own.display(), accepted);
+                }
+                (None, Some(own), None) => {
+                    let accepted = format!("a range `{name} = [lo, hi]` beside it");
+                    return fault(&format!("{key}_image"), own.display(), &accepted);
+                }
+                (Some(_), None, None) => {
+                    let accepted = format!("`image` or `{name}_image` beside the range");
+                    return fault(&key, "no image", &accepted);
+                }
+                _ => {}
+            }
+        }
+        if properties.iter().all(|(_, range, _)| range.is_none()) {
+            let accepted = "at least one range, such as `young = [0.5, 2.0]`";
+            return fault(key, "no range", accepted);
+        }
+        Ok(())
+    }
+}
+
+impl Pose {
+    fn faults(&self, key: &str) -> Checked {
+        within(&format!("{key}.steps"), u64::from(self.steps), 1, 100_000)?;
+        if self.weights.is_empty() {
+            return fault(&format!("{key}.weights"), "{}", "at least one blend shape");
+        }
+        for (shape, weight) in &self.weights {
+            if !weight.is_finite() {
+                let key = format!("{key}.weights.{shape}");
+                return fault(&key, weight, "a finite number");
+            }
+        }
+        if self.keys.is_empty() {
+            return fault(
+                &format!("{key}.keys"),
+                "[]",
+                "at least one fraction in (0, 1]",
+            );
+        }
+        for (i, fraction) in self.keys.iter().enumerate() {
+            let key = format!("{key}.keys[{i}]");
+            if !(*fraction > 0.0 && *fraction <= 1.0) {
+                return fault(&key, fraction, "a fraction in (0, 1]");
+            }
+            let percent = key_percent(*fraction);
+            let clash = self.keys.iter().take(i).any(|k| key_percent(*k) == percent);
+            if clash || percent == "0" {
+                return fault(
+                    &key,
+                    fraction,
+                    "fractions at least 0.001 apart, and from 0.001",
+                );
+            }
+        }
+        Ok(())
+    }
+}
+
+fn fault(key: &str, found: impl std::fmt::Display, accepted: &str) -> Checked {
+    Err(Fault {
+        key: key.to_owned(),
+        reason: format!("found {found}; accepted: {accepted}"),
+    })
+}
+
+fn positive(key: &str, value: f64) -> Checked {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    fault(key, value, "a number above 0")
+}
+
+fn not_negative(key: &str, value: f64) -> Checked {
+    if value >= 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    fault(key, value, "a number from 0")
+}
+
+fn poisson(key: &str, value: f64) -> Checked {
+    if value > -1.0 && value < 0.5 {
+        return Ok(());
+    }
+    fault(key, value, "a number above -1 and below 0.5, such as 0.48")
+}
+
+fn within(key: &str, value: u64, least: u64, most: u64) -> Checked {
+    if (least..=most).contains(&value) {
+        return Ok(());
+    }
+    let accepted = match most {
+        u64::MAX => format!("a whole number from {least}"),
+        _ => format!("a whole number from {least} to {most}"),
+    };
+    fault(key, value, &accepted)
+}
+
+fn unique_name<'a>(
+    key: &str,
+    name: &str,
+    mut earlier: impl Iterator<Item = &'a String>,
+) -> Checked {
+    if let Some(reason) = file_name_fault(name) {
+        let accepted = format!("a name that can be part of a file name, but {reason}");
+        return fault(key, format!("`{name}`"), &accepted);
+    }
+    if earlier.any(|other| same_file(other, name)) {
+        let accepted = "names that differ in more than letter case";
+        return fault(key, format!("`{name}` twice"), accepted);
+    }
+    Ok(())
+}
+
+fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension()
+        .is_some_and(|found| found.eq_ignore_ascii_case(extension))
+}

@@ -1,0 +1,174 @@
+//! `wrinkles.json`: which map belongs to which pose and key, and how to read and blend it.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::report::to_json_text;
+use crate::scene::{Frame, MapFormat, MapKind, NormalY};
+use crate::{IoError, write_atomically};
+
+/// Everything an engine needs to use the baked maps, version 1.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Wrinkles {
+    /// Version of this layout: 1.
+    pub version: u32,
+    /// Name of the artist's mesh.
+    pub mesh: String,
+    /// The tangent frame of the normal maps.
+    pub frame: Frame,
+    /// Width and height of every map, texels.
+    pub size: u32,
+    /// How the maps of several poses combine.
+    pub blend: Blend,
+    /// Weights of the blend shapes that make each pose.
+    pub poses: BTreeMap<String, BTreeMap<String, f64>>,
+    /// One entry per file.
+    pub maps: Vec<WrinkleMap>,
+}
+
+/// How maps combine at run time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Blend {
+    /// For normal maps: `reoriented-normal-mapping`.
+    pub normal: String,
+    /// For heights: `add`.
+    pub height: String,
+    /// Between the keys of a pose, and from neutral at key 0 to its first key: `linear`.
+    pub keys: String,
+}
+
+impl Default for Blend {
+    fn default() -> Self {
+        Self {
+            normal: "reoriented-normal-mapping".to_owned(),
+            height: "add".to_owned(),
+            keys: "linear".to_owned(),
+        }
+    }
+}
+
+/// One baked file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WrinkleMap {
+    /// The pose.
+    pub pose: String,
+    /// The fraction of the pose, in (0, 1].
+    pub key: f64,
+    /// What the texels mean.
+    pub kind: MapKind,
+    /// The file, relative to `wrinkles.json`, with `/` between folders.
+    pub file: String,
+    /// Its format.
+    pub format: MapFormat,
+    /// Normal maps: the sign of the green channel.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub green: Option<NormalY>,
+    /// Heights: the unit of `scale`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+    /// Heights: the stored value that means zero; 0.5 in PNG, 0 in EXR.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mid: Option<f64>,
+    /// Heights: `unit`s per full range of the stored value, `height = (value - mid) * scale`;
+    /// 1 in EXR.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<f64>,
+    /// Stored value of a texel without wrinkles, one per channel, 0 to 1.
+    pub neutral: Vec<f64>,
+}
+
+impl WrinkleMap {
+    /// A normal map; neutral is (0.5, 0.5, 1) in PNG and (0, 0, 1) in EXR.
+    pub fn normal(pose: &str, key: f64, format: MapFormat, green: NormalY) -> Self {
+        let middle = if format == MapFormat::Exr { 0.0 } else { 0.5 };
+        Self {
+            green: Some(green),
+            ..Self::plain(
+                pose,
+                key,
+                MapKind::Normal,
+                format,
+                vec![middle, middle, 1.0],
+            )
+        }
+    }
+
+    /// A height map, `scale` metres per full range of the stored value; ignored for EXR, which
+    /// holds metres.
+    pub fn height(pose: &str, key: f64, format: MapFormat, scale: f64) -> Self {
+        let (mid, scale) = match format {
+            MapFormat::Exr => (0.0, 1.0),
+            MapFormat::Png8 | MapFormat::Png16 => (0.5, scale),
+        };
+        Self {
+            unit: Some("m".to_owned()),
+            mid: Some(mid),
+            scale: Some(scale),
+            ..Self::plain(pose, key, MapKind::Height, format, vec![mid])
+        }
+    }
+
+    fn plain(pose: &str, key: f64, kind: MapKind, format: MapFormat, neutral: Vec<f64>) -> Self {
+        Self {
+            pose: pose.to_owned(),
+            key,
+            kind,
+            file: map_file(pose, key, kind, format),
+            format,
+            green: None,
+            unit: None,
+            mid: None,
+            scale: None,
+            neutral,
+        }
+    }
+}
+
+impl Wrinkles {
+    /// Version of the layout that this crate writes.
+    pub const VERSION: u32 = 1;
+
+    /// A manifest without poses and maps.
+    pub fn new(mesh: impl Into<String>, frame: Frame, size: u32) -> Self {
+        Self {
+            version: Self::VERSION,
+            mesh: mesh.into(),
+            frame,
+            size,
+            blend: Blend::default(),
+            poses: BTreeMap::new(),
+            maps: Vec::new(),
+        }
+    }
+
+    /// The manifest as JSON text.
+    pub fn to_json(&self) -> String {
+        to_json_text(self)
+    }
+
+    /// Writes the manifest, whole or not at all.
+    ///
+    /// # Errors
+    /// [`IoError::Unwritable`].
+    pub fn write(&self, path: &Path) -> Result<(), IoError> {
+        write_atomically(path, self.to_json().as_bytes())
+    }
+}
+
+/// A key as it stands in file names: percent, with one decimal where it needs one (`50`, `12.5`).
+pub fn key_percent(key: f64) -> String {
+    let tenths = (key * 1000.0).round() / 10.0;
+    format!("{tenths}")
+}
+
+/// Where a map lies, relative to the output folder: `maps/<pose>_<key%>_<kind>.<ext>`.
+pub fn map_file(pose: &str, key: f64, kind: MapKind, format: MapFormat) -> String {
+    format!(
+        "maps/{pose}_{}_{}.{}",
+        key_percent(key),
+        kind.word(),
+        format.extension()
+    )
+}
