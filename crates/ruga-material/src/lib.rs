@@ -1,1 +1,44 @@
-//! Materials and the wavelength and critical-strain model of a stiff layer on a soft one.
+//! Materials of a stiff layer and of what carries it in, wrinkle wavelength and critical strain out.
+//!
+//! A [`LayerMaterial`] lies bonded on a [`Substrate`], whose lower face is held. [`wrinkling`]
+//! compares bending with the foundation and returns a [`Wrinkling`]: which wave appears, at what
+//! compression, and the spring constants that make a shell on a base surface reproduce both.
+//! [`design_layer`] inverts it; [`PRESETS`] are nominal skins to start from.
+//!
+//! A wave of number `k` needs the compressive force `N(k) = D k² + K(k)/k²`, with `D` the bending
+//! stiffness of the layer and `K(k)` that of the foundation ([`substrate_stiffness`]). The wave with
+//! the smallest force is the one seen. Rémillard and Kry 2013, eq. 3, and Li 2014, eq. 3.1, are
+//! limits of this and can be chosen by [`WavelengthModel`].
+//!
+//! SI units; lengths in the rest configuration; compressive strain is positive. All is linear film
+//! theory, which fades above a critical strain of about 10 % (a modulus ratio below 50).
+//!
+//! ```
+//! use ruga_material::{LayerMaterial, Substrate, WavelengthModel, design_layer, wrinkling};
+//!
+//! let dermis = LayerMaterial { young: 4e6, poisson: 0.48, thickness: 1.3e-3, density: 1100.0 };
+//! let fat = Substrate { young: 0.5e6, poisson: 0.48, thickness: 15e-3 };
+//! let found = wrinkling(&dermis, &fat, WavelengthModel::Layer)?;
+//! assert!((found.wavelength - 11.32e-3).abs() < 0.01e-3);
+//! assert!((found.critical_strain - 0.130).abs() < 0.001);
+//!
+//! let again = design_layer(found.wavelength, found.critical_strain, 0.48, 1100.0, &fat)?;
+//! assert!((again.thickness / dermis.thickness - 1.0).abs() < 1e-9);
+//! # Ok::<(), ruga_material::MaterialError>(())
+//! ```
+
+mod design;
+mod error;
+mod foundation;
+mod material;
+mod preset;
+mod strain;
+mod wrinkling;
+
+pub use design::design_layer;
+pub use error::MaterialError;
+pub use foundation::substrate_stiffness;
+pub use material::{LayerMaterial, Substrate};
+pub use preset::{PRESETS, Preset, preset};
+pub use strain::{capped_strain, effective_strain};
+pub use wrinkling::{WavelengthModel, Wrinkling, wrinkling};

@@ -1,0 +1,116 @@
+//! Nominal skins to start from.
+
+use crate::{LayerMaterial, Substrate};
+
+/// A named layer with the substrate that it was meant for.
+///
+/// The values are nominal: chosen so that wavelength and critical strain look right, not measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Preset {
+    /// Name in scenes, in kebab case.
+    pub name: &'static str,
+    /// What it is, in one line, with wavelength and critical strain.
+    pub description: &'static str,
+    /// The layer.
+    pub layer: LayerMaterial,
+    /// What carries the layer.
+    pub substrate: Substrate,
+}
+
+/// The preset of that name, if there is one.
+pub fn preset(name: &str) -> Option<&'static Preset> {
+    PRESETS.iter().find(|preset| preset.name == name)
+}
+
+/// Every preset, the published reference materials first.
+pub static PRESETS: [Preset; 11] = [
+    Preset {
+        name: "reference-dermis",
+        description: "Dermis on fat, Li 2014: 11.3 mm at 13 %",
+        layer: skin(4e6, 1.3e-3),
+        substrate: below(0.5e6, 15e-3),
+    },
+    Preset {
+        name: "reference-epidermis",
+        description: "Epidermis on dermis, Li 2014: 2.5 mm at 2.0 %",
+        layer: skin(600e6, 0.12e-3),
+        substrate: below(4e6, 1.3e-3),
+    },
+    Preset {
+        name: "forehead-furrow",
+        description: "Horizontal furrows of the forehead: 10 mm at 4.5 %",
+        layer: skin(0.8e6, 0.7e-3),
+        substrate: below(0.02e6, 8e-3),
+    },
+    Preset {
+        name: "cheek",
+        description: "Cheek and nasolabial folds: 8 mm at 5.4 %",
+        layer: skin(0.6e6, 0.6e-3),
+        substrate: below(0.02e6, 10e-3),
+    },
+    Preset {
+        name: "neck",
+        description: "Folds of the neck: 12 mm at 4.2 %",
+        layer: skin(1.0e6, 0.9e-3),
+        substrate: below(0.02e6, 6e-3),
+    },
+    Preset {
+        name: "crows-feet",
+        description: "Crow's feet beside the eye: 2.9 mm at 4.7 %",
+        layer: skin(2.0e6, 0.22e-3),
+        substrate: below(0.05e6, 1.5e-3),
+    },
+    Preset {
+        name: "knuckle",
+        description: "Knuckles and back of the hand: 4.7 mm at 5.1 %",
+        layer: skin(2.0e6, 0.35e-3),
+        substrate: below(0.06e6, 3e-3),
+    },
+    Preset {
+        name: "eyelid",
+        description: "Upper eyelid: 1.4 mm at 4.6 %",
+        layer: skin(0.8e6, 0.10e-3),
+        substrate: below(0.02e6, 0.8e-3),
+    },
+    Preset {
+        name: "fine-lines",
+        description: "Fine lines, for painted regions only: 0.8 mm at 3.8 %",
+        layer: skin(30e6, 0.05e-3),
+        substrate: below(0.6e6, 1e-3),
+    },
+    Preset {
+        name: "face2-dermis",
+        description: "Two-layer face, lower layer: 10 mm at 9.7 %",
+        layer: skin(0.3e6, 1e-3),
+        substrate: below(0.024e6, 8e-3),
+    },
+    Preset {
+        name: "face2-epidermis",
+        description: "Two-layer face, upper layer: 0.8 mm at 4.0 %",
+        layer: skin(14e6, 0.05e-3),
+        substrate: below(0.3e6, 1e-3),
+    },
+];
+
+/// Poisson ratio of every preset (Li 2014, 5.2).
+const POISSON: f64 = 0.48;
+
+/// Density of every preset (kg/m³; Li 2014, 5.2).
+const DENSITY: f64 = 1100.0;
+
+const fn skin(young: f64, thickness: f64) -> LayerMaterial {
+    LayerMaterial {
+        young,
+        poisson: POISSON,
+        thickness,
+        density: DENSITY,
+    }
+}
+
+const fn below(young: f64, thickness: f64) -> Substrate {
+    Substrate {
+        young,
+        poisson: POISSON,
+        thickness,
+    }
+}
