@@ -1,0 +1,266 @@
+//! The surface around a centre, laid out in its tangent plane and cut to what the centre sees.
+
+use nalgebra::{Vector2, Vector3};
+use ruga_mesh::{FaceId, Id, TriMesh, VertexId, tangent_coordinates};
+
+use crate::Kernel;
+
+/// Faces whose edges change length by more than this factor in the chart straddle its far side,
+/// where coordinates coming around a finger from two sides meet.
+const LARGEST_STRETCH: f64 = 1.5;
+/// Part of a product of lengths below which a cross product counts as zero.
+const PARALLEL: f64 = 1e-12;
+
+/// Makes charts of one mesh.
+pub(crate) struct Charts<'a> {
+    mesh: &'a TriMesh,
+    positions: &'a [Vector3<f64>],
+    normals: &'a [Vector3<f64>],
+    /// Longest edge at each vertex, m.
+    reach: Vec<f64>,
+    /// Place of each vertex in the chart being made; `ABSENT` outside.
+    slots: Vec<u32>,
+}
+
+const ABSENT: u32 = u32::MAX;
+
+/// A neighbourhood in the tangent plane of its centre, which is the origin.
+pub(crate) struct Chart {
+    /// Vertices, ascending.
+    pub(crate) vertices: Vec<VertexId>,
+    /// Their places, m.
+    pub(crate) places: Vec<Vector2<f64>>,
+    /// The faces that the centre sees, as indices into `vertices`.
+    pub(crate) faces: Vec<[u32; 3]>,
+    /// Whether a border of the surface comes nearer than the radius asked for.
+    pub(crate) is_clipped: bool,
+}
+
+impl<'a> Charts<'a> {
+    pub(crate) fn new(
+        mesh: &'a TriMesh,
+        positions: &'a [Vector3<f64>],
+        normals: &'a [Vector3<f64>],
+    ) -> Self {
+        let mut reach = vec![0.0_f64; mesh.vertex_count()];
+        for (_, edge) in mesh.edges().iter() {
+            let [a, b] = edge.vertices.map(Id::index);
+            let length = (positions[a] - positions[b]).norm();
+            reach[a] = reach[a].max(length);
+            reach[b] = reach[b].max(length);
+        }
+        Self {
+            mesh,
+            positions,
+            normals,
+            reach,
+            slots: vec![ABSENT; mesh.vertex_count()],
+        }
+    }
+
+    /// Everything within `radius` of `centre`, with all faces that touch that disc.
+    pub(crate) fn around(&mut self, centre: VertexId, radius: f64) -> Chart {
+        let (vertices, places) = self.lay_out(centre, radius);
+        for (slot, vertex) in vertices.iter().enumerate() {
+            self.slots[vertex.index()] = slot as u32;
+        }
+        let mut chart = Chart {
+            vertices,
+            places,
+            faces: Vec::new(),
+            is_clipped: false,
+        };
+        let borders = self.collect_faces(&mut chart, radius);
+        chart.is_clipped = !borders.is_empty();
+        if chart.is_clipped {
+            chart.hide(centre, &borders);
+        }
+        for vertex in &chart.vertices {
+            self.slots[vertex.index()] = ABSENT;
+        }
+        chart
+    }
+
+    fn lay_out(&self, centre: VertexId, radius: f64) -> (Vec<VertexId>, Vec<Vector2<f64>>) {
+        let axis = self.axis(centre);
+        let mut laid_out = radius + 1.5 * self.reach[centre.index()];
+        loop {
+            let found = tangent_coordinates(
+                self.mesh,
+                self.positions,
+                self.normals,
+                centre,
+                axis,
+                laid_out,
+            );
+            // A face that touches the disc has its corners within one edge of a vertex inside it,
+            // or spans it whole.
+            let longest = found
+                .iter()
+                .filter(|t| t.place.norm() <= radius)
+                .fold(0.0_f64, |m, t| m.max(self.reach[t.vertex.index()]));
+            if radius + longest <= laid_out {
+                return found.into_iter().map(|t| (t.vertex, t.place)).unzip();
+            }
+            laid_out = radius + 1.001 * longest;
+        }
+    }
+
+    /// Towards the neighbour with the lowest id: turns and mirrors with the mesh.
+    fn axis(&self, centre: VertexId) -> Vector3<f64> {
+        let corners = self.mesh.vertex_faces(centre).iter();
+        corners
+            .flat_map(|&face| self.mesh.faces()[face])
+            .filter(|&v| v != centre)
+            .min()
+            .map_or_else(Vector3::x, |v| {
+                self.positions[v.index()] - self.positions[centre.index()]
+            })
+    }
+
+    /// Adds the faces that lie whole and sound in the chart; returns the border edges near by, the
+    /// surface to their left.
+    fn collect_faces(&self, chart: &mut Chart, radius: f64) -> Vec<[Vector2<f64>; 2]> {
+        let mut borders = Vec::new();
+        for &vertex in &chart.vertices {
+            for &face in self.mesh.vertex_faces(vertex) {
+                let corners = self.mesh.faces()[face];
+                let slots = corners.map(|v| self.slots[v.index()]);
+                let is_first = corners.iter().all(|&v| v >= vertex);
+                if !is_first || slots.contains(&ABSENT) {
+                    continue;
+                }
+                let places = slots.map(|s| chart.places[s as usize]);
+                if !self.is_sound(face, places) {
+                    continue;
+                }
+                chart.faces.push(slots);
+                for corner in 0..3 {
+                    let segment = [places[corner], places[(corner + 1) % 3]];
+                    let is_border = self.mesh.neighbour(face, corner).is_none();
+                    if is_border && distance_from_origin(segment) < radius {
+                        borders.push(segment);
+                    }
+                }
+            }
+        }
+        borders
+    }
+
+    fn is_sound(&self, face: FaceId, places: [Vector2<f64>; 3]) -> bool {
+        let points = self.mesh.faces()[face].map(|v| self.positions[v.index()]);
+        let is_kept = (0..3).all(|i| {
+            let j = (i + 1) % 3;
+            let (flat, true_length) = (
+                (places[j] - places[i]).norm(),
+                (points[j] - points[i]).norm(),
+            );
+            flat <= LARGEST_STRETCH * true_length && true_length <= LARGEST_STRETCH * flat
+        });
+        is_kept && cross(places[1] - places[0], places[2] - places[0]) > 0.0
+    }
+}
+
+impl Chart {
+    /// Drops the faces that the centre doesn't see: those behind a slit, a hole or a bay.
+    ///
+    /// A face counts by its middle, so that the two lips of a closed slit stay apart.
+    fn hide(&mut self, centre: VertexId, borders: &[[Vector2<f64>; 2]]) {
+        let own_sectors = self.own_sectors(centre);
+        let places = &self.places;
+        self.faces.retain(|face| {
+            let middle = face
+                .iter()
+                .fold(Vector2::zeros(), |sum, &s| sum + places[s as usize])
+                / 3.0;
+            let leaves_inwards = own_sectors
+                .iter()
+                .any(|[right, left]| cross(*right, middle) >= 0.0 && cross(middle, *left) >= 0.0);
+            leaves_inwards && !borders.iter().any(|&border| is_behind(middle, border))
+        });
+    }
+
+    /// The directions in which the faces at the centre lie.
+    fn own_sectors(&self, centre: VertexId) -> Vec<[Vector2<f64>; 2]> {
+        let Ok(own) = self.vertices.binary_search(&centre) else {
+            return Vec::new();
+        };
+        let sector = |face: &[u32; 3]| {
+            let corner = face.iter().position(|&s| s as usize == own)?;
+            Some([1, 2].map(|step| self.places[face[(corner + step) % 3] as usize]))
+        };
+        self.faces.iter().filter_map(sector).collect()
+    }
+
+    /// Centroid of the kernel on the part of the surface that the centre sees, m.
+    ///
+    /// Zero for a full support. Depends on the triangulation only through the error of a rule of
+    /// degree five on each triangle.
+    pub(crate) fn clipped_centroid(&self, kernel: &Kernel) -> Vector2<f64> {
+        if !self.is_clipped {
+            return Vector2::zeros();
+        }
+        let (mut mass, mut moment) = (0.0, Vector2::zeros());
+        for face in &self.faces {
+            let [a, b, c] = face.map(|s| self.places[s as usize]);
+            let area = cross(b - a, c - a);
+            for ([u, v, w], weight) in seven_point_rule() {
+                let place = a * u + b * v + c * w;
+                let share = weight * area * kernel.weight(place.norm());
+                mass += share;
+                moment += place * share;
+            }
+        }
+        if mass > 0.0 {
+            moment / mass
+        } else {
+            Vector2::zeros()
+        }
+    }
+
+    /// Whether each vertex belongs to a face that the centre sees.
+    pub(crate) fn seen_vertices(&self) -> Vec<bool> {
+        let mut seen = vec![false; self.vertices.len()];
+        for &slot in self.faces.iter().flatten() {
+            seen[slot as usize] = true;
+        }
+        seen
+    }
+}
+
+/// Barycentric coordinates and weights of Radon's rule of degree five.
+fn seven_point_rule() -> impl Iterator<Item = ([f64; 3], f64)> {
+    let root = 15.0_f64.sqrt();
+    let orbit = |sign: f64| {
+        let near = (6.0 + sign * root) / 21.0;
+        let weight = (155.0 + sign * root) / 1200.0;
+        (0..3).map(move |i| {
+            let mut place = [near; 3];
+            place[i] = 1.0 - 2.0 * near;
+            (place, weight)
+        })
+    };
+    std::iter::once(([1.0 / 3.0; 3], 0.225))
+        .chain(orbit(-1.0))
+        .chain(orbit(1.0))
+}
+
+/// Whether the straight way from the origin to `point` leaves the surface through `border`.
+fn is_behind(point: Vector2<f64>, [tail, head]: [Vector2<f64>; 2]) -> bool {
+    let along = head - tail;
+    let zero = PARALLEL * along.norm_squared();
+    let starts_inside = cross(along, -tail) > zero;
+    let ends_outside = cross(along, point - tail) < -zero;
+    // Closed at both ends: nothing slips through between two edges of a border.
+    starts_inside && ends_outside && cross(point, tail) * cross(point, head) <= 0.0
+}
+
+fn distance_from_origin([tail, head]: [Vector2<f64>; 2]) -> f64 {
+    let along = head - tail;
+    let part = -tail.dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
+    (tail + along * part.clamp(0.0, 1.0)).norm()
+}
+
+fn cross(a: Vector2<f64>, b: Vector2<f64>) -> f64 {
+    a.x * b.y - a.y * b.x
+}

@@ -1,0 +1,260 @@
+//! Constraint functions sampled at the vertices of a mesh.
+
+use nalgebra::{Matrix2, Vector2, Vector3};
+use ruga_mesh::{Id, TriMesh, VertexId, vertex_areas};
+
+use crate::chart::{Chart, Charts};
+use crate::moment_match::{match_moments, normalise};
+use crate::quadrature::quadrature_weights;
+use crate::{ConstraintError, Degradation, Kernel};
+
+/// How a continuous weighting becomes weights of vertices.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sampling {
+    /// Kernel times vertex area, normalised: Li 2014, eq. 4.3. Reproduces constants only.
+    Area,
+    /// The same, rescaled to reproduce affine functions: Li 2014, section 4.3, made multiplicative
+    /// so that support, sign and unit sum survive.
+    Adjusted,
+    /// Li 2014, eqs. 4.4-4.8, to the letter: a correction is added to every weight of the support.
+    /// Breaks the unit sum and amplifies noise; kept to show that.
+    AdjustedAsPrinted,
+    /// About 250 fixed points around the centre, each shared among the corners of the face it
+    /// lies in. Affine, not negative, and the least sensitive to the triangulation.
+    #[default]
+    Quadrature,
+}
+
+/// Up to which functions of the tangent plane a row equals its continuous constraint function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// Constants: the weights sum to one.
+    Constant,
+    /// Affine functions too: the centroid of the weights is that of the kernel.
+    Affine,
+}
+
+/// One weighted average over vertices; the same weights serve x, y and z.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConstraintRow {
+    /// Where the average is taken.
+    pub centre: VertexId,
+    /// Vertices with weights other than zero, ascending; the weights sum to one
+    /// (with [`Sampling::AdjustedAsPrinted`], not).
+    pub weights: Vec<(VertexId, f64)>,
+    /// What the row reproduces.
+    pub order: Order,
+}
+
+/// Why a centre has no row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drop {
+    /// It stood in the list before: its row would be the same.
+    Duplicate,
+    /// No face uses the vertex.
+    NoFaces,
+}
+
+/// Rows, and what had to be given up on the way.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ConstraintSet {
+    /// One row per centre that was kept, in the order of the centres.
+    pub rows: Vec<ConstraintRow>,
+    /// Centres whose row was meant to be affine and reproduces constants only.
+    pub degraded: Vec<(VertexId, Degradation)>,
+    /// Centres without a row.
+    pub dropped: Vec<(VertexId, Drop)>,
+}
+
+/// Samples one constraint function per centre on a mesh.
+///
+/// Distances and coordinates are geodesic on the given positions, which are the rest positions:
+/// supports end where the surface ends and at what a centre can't see past a border; they don't
+/// leap over slits or through fingers. All arithmetic is relative to the centre.
+///
+/// # Shapes and units
+/// `positions` (m) and unit `normals` per vertex; `kernels` per centre, m.
+///
+/// # Errors
+/// [`ConstraintError`] for an empty mesh, arrays that don't fit, a centre that is no vertex or has
+/// no normal, positions that aren't finite, kernels that aren't positive.
+pub fn constraint_rows(
+    mesh: &TriMesh,
+    positions: &[Vector3<f64>],
+    normals: &[Vector3<f64>],
+    centres: &[VertexId],
+    kernels: &[Kernel],
+    sampling: Sampling,
+) -> Result<ConstraintSet, ConstraintError> {
+    check_length("normals", mesh.vertex_count(), normals.len())?;
+    check_length("kernels", centres.len(), kernels.len())?;
+    check_mesh(mesh, positions)?;
+    for (&centre, kernel) in centres.iter().zip(kernels) {
+        check_centre(mesh, normals, centre, kernel)?;
+    }
+    let areas = vertex_areas(mesh, positions);
+    let mut charts = Charts::new(mesh, positions, normals);
+    let mut is_taken = vec![false; mesh.vertex_count()];
+    let mut set = ConstraintSet::default();
+    for (&centre, kernel) in centres.iter().zip(kernels) {
+        if std::mem::replace(&mut is_taken[centre.index()], true) {
+            set.dropped.push((centre, Drop::Duplicate));
+        } else if mesh.vertex_faces(centre).is_empty() {
+            set.dropped.push((centre, Drop::NoFaces));
+        } else {
+            let chart = charts.around(centre, kernel.radius());
+            let (weights, outcome) = sample(&chart, kernel, &areas, centre, sampling);
+            set.push(centre, &chart, &weights, outcome);
+        }
+    }
+    Ok(set)
+}
+
+impl ConstraintSet {
+    fn push(
+        &mut self,
+        centre: VertexId,
+        chart: &Chart,
+        weights: &[f64],
+        outcome: Result<Order, Degradation>,
+    ) {
+        if let Err(reason) = outcome {
+            self.degraded.push((centre, reason));
+        }
+        let pairs = chart.vertices.iter().copied().zip(weights.iter().copied());
+        self.rows.push(ConstraintRow {
+            centre,
+            weights: pairs.filter(|pair| pair.1 != 0.0).collect(),
+            order: outcome.unwrap_or(Order::Constant),
+        });
+    }
+}
+
+/// Weights of the chart's vertices and what they reproduce.
+fn sample(
+    chart: &Chart,
+    kernel: &Kernel,
+    areas: &[f64],
+    centre: VertexId,
+    sampling: Sampling,
+) -> (Vec<f64>, Result<Order, Degradation>) {
+    if sampling == Sampling::Quadrature {
+        let (weights, outcome) = quadrature_weights(chart, kernel);
+        if weights.iter().any(|&w| w > 0.0) {
+            return (weights, outcome.map(|()| Order::Affine));
+        }
+    }
+    let mut weights = area_weights(chart, kernel, areas, centre);
+    let outcome = match sampling {
+        Sampling::Area => {
+            normalise(&mut weights);
+            Ok(Order::Constant)
+        }
+        Sampling::AdjustedAsPrinted => adjust_as_printed(chart, &mut weights),
+        Sampling::Adjusted | Sampling::Quadrature => {
+            let target = chart.clipped_centroid(kernel);
+            match_moments(&chart.places, &mut weights, target, kernel.radius())
+                .map(|()| Order::Affine)
+        }
+    };
+    (weights, outcome)
+}
+
+fn area_weights(chart: &Chart, kernel: &Kernel, areas: &[f64], centre: VertexId) -> Vec<f64> {
+    let seen = chart.seen_vertices();
+    let mut weights: Vec<f64> = (chart.vertices.iter().zip(&chart.places).zip(seen))
+        .map(|((vertex, place), is_seen)| {
+            if is_seen {
+                areas[vertex.index()] * kernel.weight(place.norm())
+            } else {
+                0.0
+            }
+        })
+        .collect();
+    // With nothing but degenerate faces around it the centre stands for itself.
+    if weights.iter().all(|&w| w <= 0.0)
+        && let Ok(own) = chart.vertices.binary_search(&centre)
+    {
+        weights[own] = 1.0;
+    }
+    weights
+}
+
+/// `w* = w + α·u` with `Σ w* u = 0` over the support.
+fn adjust_as_printed(chart: &Chart, weights: &mut [f64]) -> Result<Order, Degradation> {
+    normalise(weights);
+    let (mut squares, mut centroid) = (Matrix2::zeros(), Vector2::zeros());
+    for (u, &w) in chart.places.iter().zip(&*weights).filter(|p| *p.1 > 0.0) {
+        squares += u * u.transpose();
+        centroid += u * w;
+    }
+    let inverse = squares.try_inverse().ok_or(Degradation::Collinear)?;
+    let alpha = -inverse * centroid;
+    for (u, w) in chart.places.iter().zip(weights).filter(|p| *p.1 > 0.0) {
+        *w += alpha.dot(u);
+    }
+    Ok(Order::Constant)
+}
+
+pub(crate) fn check_mesh(
+    mesh: &TriMesh,
+    positions: &[Vector3<f64>],
+) -> Result<(), ConstraintError> {
+    if mesh.face_count() == 0 {
+        return Err(ConstraintError::EmptyRegion);
+    }
+    check_length("positions", mesh.vertex_count(), positions.len())?;
+    let is_bad = |p: &Vector3<f64>| !p.iter().all(|c| c.is_finite());
+    match positions.iter().position(is_bad) {
+        Some(i) => Err(ConstraintError::PositionNotFinite {
+            vertex: VertexId::from_index(i),
+        }),
+        None => Ok(()),
+    }
+}
+
+pub(crate) fn check_length(
+    what: &'static str,
+    expected: usize,
+    found: usize,
+) -> Result<(), ConstraintError> {
+    if expected == found {
+        return Ok(());
+    }
+    Err(ConstraintError::WrongLength {
+        what,
+        expected,
+        found,
+    })
+}
+
+pub(crate) fn check_vertex(mesh: &TriMesh, vertex: VertexId) -> Result<(), ConstraintError> {
+    if vertex.index() < mesh.vertex_count() {
+        return Ok(());
+    }
+    Err(ConstraintError::VertexOutOfRange {
+        vertex,
+        count: mesh.vertex_count(),
+    })
+}
+
+fn check_centre(
+    mesh: &TriMesh,
+    normals: &[Vector3<f64>],
+    centre: VertexId,
+    kernel: &Kernel,
+) -> Result<(), ConstraintError> {
+    check_vertex(mesh, centre)?;
+    if !kernel.is_valid() {
+        return Err(ConstraintError::BadKernel {
+            vertex: centre,
+            sigma: kernel.sigma,
+            cut: kernel.cut,
+        });
+    }
+    let is_unit = (normals[centre.index()].norm() - 1.0).abs() < 1e-6;
+    if !is_unit && !mesh.vertex_faces(centre).is_empty() {
+        return Err(ConstraintError::NormalNotUnit { vertex: centre });
+    }
+    Ok(())
+}
