@@ -1,1 +1,69 @@
-//! Wrinkle maps: rasterisation in UV, tangent frames, padding, packing.
+//! From the top layer of a pose and the driver below it to the pose's normal and height map.
+//!
+//! A [`Relief`] holds the layer's triangles, each inside one UV chart, and the smooth driver at
+//! the same material points. [`tangent_frames`] gives the artist's posed mesh its [`TangentFrame`]s
+//! (MikkTSpace, glTF's sign). [`bake`] rasterises the triangles in UV, without rays or a cage, and
+//! returns a [`WrinkleMap`] of unit normals and heights, which [`normal_to_png16`] and its
+//! neighbours turn into the integers of an image. [`check_uvs`] says beforehand whether the UVs
+//! can carry a map.
+//!
+//! In [`Frame::Driver`] a texel holds the rotation from the normal of the *foot points*
+//! `f = x - w n_q` to the normal of the layer `x`, applied to the smooth driver normal, where `w` is
+//! the height of the layer above its rest distance and `n_q` the driver's normal below `x`. Both
+//! normals come from one local fit with one set of weights, so facets, thickness offset, rest
+//! curvature and tangential sliding cancel: where nothing wrinkles the map is neutral. In
+//! [`Frame::Mesh`] it holds the layer's normal in the artist's frame, as a high-to-low bake does
+//! (Mikkelsen 2008, *Simulation of wrinkled surfaces revisited*).
+//!
+//! Lengths are metres; UVs have V down as in glTF, and green points up. Same input, any number of
+//! threads: the same bytes out.
+//!
+//! ```
+//! use nalgebra::{Vector2, Vector3};
+//! use ruga_bake::{BakeSettings, Relief, bake, tangent_frames};
+//!
+//! // One unwrinkled triangle, 1 mm above a flat driver.
+//! let driver = [Vector3::zeros(), Vector3::x(), Vector3::y()];
+//! let normals = [Vector3::z(); 3];
+//! let uvs = [Vector2::new(0.0, 1.0), Vector2::new(1.0, 1.0), Vector2::new(0.0, 0.0)];
+//! let relief = Relief {
+//!     positions: &driver.map(|p| p + 1e-3 * Vector3::z()),
+//!     driver_positions: &driver,
+//!     driver_normals: &normals,
+//!     offset: 1e-3,
+//!     faces: &[[0, 1, 2]],
+//!     uvs: &[uvs],
+//!     artist: &[(0, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])],
+//! };
+//! let frames = tangent_frames(&driver, &normals, &uvs, &[[0, 1, 2]])?;
+//! let map = bake(&relief, &frames, &BakeSettings { size: 64, ..BakeSettings::default() })?;
+//! assert!(map.normals.iter().all(|n| n[2] == 1.0));
+//! # Ok::<(), ruga_bake::BakeError>(())
+//! ```
+
+mod bake;
+mod relief;
+mod tangent_frames;
+mod wrinkle_map;
+
+mod encode;
+mod uv_check;
+
+mod error;
+mod padding;
+mod raster;
+mod relief_normals;
+mod shading;
+mod surface_fit;
+
+pub use bake::{BakeSettings, Frame, MAX_SIZE, bake};
+pub use relief::Relief;
+pub use tangent_frames::{TangentFrame, tangent_frames, vertex_tangents};
+pub use wrinkle_map::{Coverage, WrinkleMap};
+
+pub use encode::{
+    HEIGHT_MID, NormalY, height_range, height_to_u16, normal_to_png8, normal_to_png16,
+};
+pub use uv_check::{UvReport, check_uvs};
+
+pub use error::BakeError;

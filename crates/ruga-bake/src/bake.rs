@@ -1,0 +1,240 @@
+//! Rasterises a layer into a wrinkle map.
+
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+use crate::padding::pad;
+use crate::raster::{GridTriangle, Placed, SampleGrid};
+use crate::relief_normals::{VertexRelief, vertex_reliefs};
+use crate::shading::TriangleShader;
+use crate::{BakeError, Coverage, Relief, TangentFrame, WrinkleMap};
+
+/// Largest side of a map, texels.
+pub const MAX_SIZE: u32 = 16384;
+
+/// Rows of texels that one task works on. Small enough to balance, large enough that few
+/// triangles are visited by two tasks.
+const BAND_ROWS: usize = 16;
+
+/// What the normals of a map are relative to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Frame {
+    /// The smooth posed driver: only the wrinkles, neutral elsewhere, to be laid over the shading
+    /// that is already there.
+    #[default]
+    Driver,
+    /// The artist's posed mesh with its own interpolated normals: what a high-to-low bake gives.
+    Mesh,
+}
+
+/// How a map is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BakeSettings {
+    /// Texels per side, `1..=`[`MAX_SIZE`]; default 2048.
+    pub size: u32,
+    /// Distance, in texels, over which the region is extended by its nearest texel; default 16.
+    pub padding: u32,
+    /// Samples per texel along each side: 1, 2 or 4; default 1.
+    pub supersample: u32,
+    /// What the normals are relative to.
+    pub frame: Frame,
+}
+
+impl Default for BakeSettings {
+    fn default() -> Self {
+        Self {
+            size: 2048,
+            padding: 16,
+            supersample: 1,
+            frame: Frame::Driver,
+        }
+    }
+}
+
+/// Bakes the normal and height map of one pose.
+///
+/// `frames` are those of the artist's *posed* mesh, indexed by [`Relief::artist`]. A sample at a
+/// texel's centre (or `supersample`² of them) belongs to exactly one of the triangles that meet
+/// there; where UVs overlap, to the first in face order. Vectors of several samples are added and
+/// normalised, covered ones only. What lies outside `[0, 1]²` is cut off.
+///
+/// # Errors
+/// [`BakeError::Size`], [`BakeError::Supersample`], and the errors of inconsistent or non-finite
+/// input, with the element.
+pub fn bake(
+    relief: &Relief,
+    frames: &[[TangentFrame; 3]],
+    settings: &BakeSettings,
+) -> Result<WrinkleMap, BakeError> {
+    if settings.size == 0 || settings.size > MAX_SIZE {
+        return Err(BakeError::Size(settings.size));
+    }
+    if !matches!(settings.supersample, 1 | 2 | 4) {
+        return Err(BakeError::Supersample(settings.supersample));
+    }
+    relief.validate(frames)?;
+
+    let vertices = vertex_reliefs(relief, settings.frame);
+    let mut map = WrinkleMap::neutral(settings.size);
+    let painter = Painter {
+        relief,
+        vertices: &vertices,
+        frames,
+        settings,
+        grid: SampleGrid::new(settings.size * settings.supersample),
+    };
+    painter.paint(&mut map);
+    pad(&mut map, settings.padding);
+    Ok(map)
+}
+
+/// Everything that is fixed while texels are filled.
+struct Painter<'a> {
+    relief: &'a Relief<'a>,
+    vertices: &'a [VertexRelief],
+    frames: &'a [[TangentFrame; 3]],
+    settings: &'a BakeSettings,
+    grid: SampleGrid,
+}
+
+/// The samples of one texel so far.
+#[derive(Debug, Clone, Copy)]
+struct Texel {
+    normal: Vector3<f64>,
+    height: f64,
+    /// One bit per sample that has found its triangle.
+    owned: u16,
+}
+
+impl Painter<'_> {
+    fn paint(&self, map: &mut WrinkleMap) {
+        let placed: Vec<Placed> = self
+            .relief
+            .uvs
+            .par_iter()
+            .map(|uvs| self.grid.place(uvs))
+            .collect();
+        map.skipped_faces = placed
+            .iter()
+            .filter(|p| matches!(p, Placed::Unusable))
+            .count();
+        let bands = self.bands(&placed);
+        let texels = BAND_ROWS * self.settings.size as usize;
+        map.folded_samples = map
+            .normals
+            .par_chunks_mut(texels)
+            .zip(map.heights.par_chunks_mut(texels))
+            .zip(map.coverage.par_chunks_mut(texels))
+            .zip(bands.par_iter())
+            .enumerate()
+            .map(|(band, (((normals, heights), coverage), faces))| {
+                let (texels, folded) = self.paint_band(band, normals.len(), faces, &placed);
+                for (index, texel) in texels.iter().enumerate() {
+                    let count = texel.owned.count_ones();
+                    if count > 0 {
+                        normals[index] = unit_f32(&texel.normal);
+                        heights[index] = (texel.height / f64::from(count)) as f32;
+                        coverage[index] = Coverage::Covered;
+                    }
+                }
+                folded
+            })
+            .sum();
+    }
+
+    /// The faces that may touch each band of rows, in face order.
+    fn bands(&self, placed: &[Placed]) -> Vec<Vec<u32>> {
+        let count = (self.settings.size as usize).div_ceil(BAND_ROWS);
+        let rows_per_band = BAND_ROWS * self.settings.supersample as usize;
+        let mut bands = vec![Vec::new(); count];
+        for (face, placed) in placed.iter().enumerate() {
+            if let Placed::Inside(triangle) = placed {
+                let rows = self.grid.rows(triangle);
+                if !rows.is_empty() {
+                    let first = rows.start as usize / rows_per_band;
+                    let last = (rows.end as usize - 1) / rows_per_band;
+                    for band in &mut bands[first..=last] {
+                        band.push(face as u32);
+                    }
+                }
+            }
+        }
+        bands
+    }
+
+    /// Fills one band; returns its texels and the number of folded samples.
+    fn paint_band(
+        &self,
+        band: usize,
+        texels: usize,
+        faces: &[u32],
+        placed: &[Placed],
+    ) -> (Vec<Texel>, usize) {
+        let empty = Texel {
+            normal: Vector3::zeros(),
+            height: 0.0,
+            owned: 0,
+        };
+        let mut buffer = vec![empty; texels];
+        let mut folded = 0;
+        for &face in faces {
+            if let Placed::Inside(triangle) = &placed[face as usize] {
+                folded += self.paint_face(band, face as usize, triangle, &mut buffer);
+            }
+        }
+        (buffer, folded)
+    }
+
+    /// Adds one face to the texels of a band; returns the number of folded samples.
+    fn paint_face(
+        &self,
+        band: usize,
+        face: usize,
+        triangle: &GridTriangle,
+        buffer: &mut [Texel],
+    ) -> usize {
+        let size = self.settings.size as usize;
+        let supersample = self.settings.supersample;
+        let first_row = (band * BAND_ROWS) as u32 * supersample;
+        let end_row = first_row + (buffer.len() / size) as u32 * supersample;
+        let rows = self.grid.rows(triangle);
+        let mut shader = None;
+        let mut folded = 0;
+        for row in rows.start.max(first_row)..rows.end.min(end_row) {
+            let Some(run) = self.grid.run(triangle, row) else {
+                continue;
+            };
+            // Most of the smallest triangles hold no sample and need no shader.
+            let shader = shader.get_or_insert_with(|| {
+                TriangleShader::new(
+                    self.relief,
+                    self.vertices,
+                    self.frames,
+                    self.settings.frame,
+                    face,
+                )
+            });
+            let texel_row = ((row - first_row) / supersample) as usize * size;
+            for (step, column) in run.columns.clone().enumerate() {
+                let texel = &mut buffer[texel_row + (column / supersample) as usize];
+                let bit = 1 << (row % supersample * supersample + column % supersample);
+                if texel.owned & bit != 0 {
+                    continue;
+                }
+                let [u, v] = [0, 1].map(|c| run.start[c] + step as f64 * run.step[c]);
+                let shaded = shader.shade([u, v, 1.0 - u - v]);
+                texel.owned |= bit;
+                texel.normal += shaded.normal;
+                texel.height += shaded.height;
+                folded += usize::from(shaded.folded);
+            }
+        }
+        folded
+    }
+}
+
+fn unit_f32(sum: &Vector3<f64>) -> [f32; 3] {
+    // Every sample has a positive Z, so the sum cannot vanish.
+    let unit = sum / sum.norm();
+    [unit.x as f32, unit.y as f32, unit.z as f32]
+}

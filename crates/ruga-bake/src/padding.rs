@@ -1,0 +1,111 @@
+//! Extends the covered region by its nearest texels.
+
+use rayon::prelude::*;
+
+use crate::{Coverage, WrinkleMap};
+
+/// No covered texel within reach in this column.
+const FAR: i32 = i32::MAX;
+
+/// Copies to every uncovered texel within `padding` (Euclidean, centre to centre) of the region
+/// the value of the nearest covered texel.
+///
+/// Exact: the nearest covered texel of each column first, then the best of the columns. Of equally
+/// near texels the one further left, then the one above, is taken.
+pub(crate) fn pad(map: &mut WrinkleMap, padding: u32) {
+    let size = map.size as usize;
+    let reach = padding.min(map.size) as i32;
+    if reach == 0 {
+        return;
+    }
+    let vertical = vertical_distances(&map.coverage, size, reach);
+    let sources: Vec<(usize, usize)> = (0..size)
+        .into_par_iter()
+        .flat_map_iter(|row| row_sources(row, size, reach, &map.coverage, &vertical))
+        .collect();
+    for (target, source) in sources {
+        map.normals[target] = map.normals[source];
+        map.heights[target] = map.heights[source];
+        map.coverage[target] = Coverage::Padded;
+    }
+}
+
+/// Signed number of rows to the nearest covered texel in the same column, or [`FAR`].
+fn vertical_distances(coverage: &[Coverage], size: usize, reach: i32) -> Vec<i32> {
+    let mut distances = vec![FAR; coverage.len()];
+    let mut last = vec![FAR; size];
+    for row in 0..size {
+        for column in 0..size {
+            let texel = row * size + column;
+            last[column] = match coverage[texel] {
+                Coverage::Covered => 0,
+                _ if last[column] == FAR || last[column] <= -reach => FAR,
+                _ => last[column] - 1,
+            };
+            distances[texel] = last[column];
+        }
+    }
+    last.fill(FAR);
+    for row in (0..size).rev() {
+        for column in 0..size {
+            let texel = row * size + column;
+            last[column] = match coverage[texel] {
+                Coverage::Covered => 0,
+                _ if last[column] == FAR || last[column] >= reach => FAR,
+                _ => last[column] + 1,
+            };
+            let above = distances[texel];
+            if last[column] != FAR && (above == FAR || last[column] < -above) {
+                distances[texel] = last[column];
+            }
+        }
+    }
+    distances
+}
+
+/// Pairs (uncovered texel, nearest covered texel) of one row.
+fn row_sources(
+    row: usize,
+    size: usize,
+    reach: i32,
+    coverage: &[Coverage],
+    vertical: &[i32],
+) -> Vec<(usize, usize)> {
+    let distances = &vertical[row * size..(row + 1) * size];
+    if distances.iter().all(|&d| d == FAR) {
+        return Vec::new();
+    }
+    (0..size)
+        .filter(|column| coverage[row * size + column] != Coverage::Covered)
+        .filter_map(|column| {
+            let (source, rows) = nearest(column, distances, reach)?;
+            let source_row = (row as i32 + rows) as usize;
+            Some((row * size + column, source_row * size + source))
+        })
+        .collect()
+}
+
+/// Column and row offset of the covered texel nearest to `column`, within `reach`.
+fn nearest(column: usize, distances: &[i32], reach: i32) -> Option<(usize, i32)> {
+    let mut best = None;
+    let mut best_squared = i64::from(reach) * i64::from(reach) + 1;
+    for step in 0..=reach as usize {
+        let across = (step * step) as i64;
+        if across >= best_squared {
+            break;
+        }
+        let sides = [column.checked_sub(step), Some(column + step)];
+        for side in sides.into_iter().flatten().filter(|&s| s < distances.len()) {
+            let rows = distances[side];
+            if rows == FAR {
+                continue;
+            }
+            let squared = across + i64::from(rows) * i64::from(rows);
+            if squared < best_squared {
+                best_squared = squared;
+                best = Some((side, rows));
+            }
+        }
+    }
+    best
+}
