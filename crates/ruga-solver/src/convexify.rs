@@ -1,0 +1,157 @@
+//! The smallest change of an indefinite Hessian that makes it usable for a descent step.
+//!
+//! Under compression the stress stiffness is what turns the Hessian indefinite, so it is what
+//! is scaled back: `(1 - b) K + b K_S`, with `K_S` the Hessian without compressive stress and
+//! `b` as small as the inertia allows. This scales the load itself, so the first mode to escape
+//! is the one that buckles first. The alternatives measured worse: projecting element Hessians
+//! removes stiffness that a wrinkled film really lacks and converges linearly, a mass shift
+//! favours modes shorter than the critical one.
+
+use crate::{Inertia, Kkt, SolverError};
+
+const SMALLEST_RELAXATION: f64 = 1e-3;
+const RELAXATION_GROWTH: f64 = 4.0;
+/// Above this, one bisection pays for the extra factorisation.
+const COARSE_RELAXATION: f64 = 0.05;
+
+/// Diagonal shifts relative to the mean diagonal, once full relaxation was not enough.
+const SMALLEST_SHIFT: f64 = 1e-6;
+const SHIFT_GROWTH: f64 = 10.0;
+const LARGEST_SHIFT: f64 = 1e6;
+
+/// What [`Convexifier::factorize`] left in the factor.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Convexified {
+    /// Inertia of the exact Hessian.
+    pub(crate) exact: Inertia,
+    pub(crate) relaxation: f64,
+    pub(crate) shift: f64,
+}
+
+/// Memory between Newton iterations, and work space.
+pub(crate) struct Convexifier {
+    last_relaxation: f64,
+    mixed: Vec<f64>,
+    shifted_floor: Vec<f64>,
+    pub(crate) factorizations: usize,
+}
+
+impl Convexifier {
+    pub(crate) fn new(kkt: &Kkt) -> Self {
+        Self {
+            last_relaxation: 0.0,
+            mixed: vec![0.0; kkt.pattern().entries()],
+            shifted_floor: vec![0.0; kkt.pattern().size()],
+            factorizations: 0,
+        }
+    }
+
+    /// Factorises the Hessian, relaxed as little as its inertia allows.
+    pub(crate) fn factorize(
+        &mut self,
+        kkt: &mut Kkt,
+        exact: &[f64],
+        relaxed: &[f64],
+        floor: &[f64],
+    ) -> Result<Convexified, SolverError> {
+        let inertia = self.inertia(kkt, exact, floor)?;
+        let mut outcome = Convexified {
+            exact: inertia,
+            relaxation: 0.0,
+            shift: 0.0,
+        };
+        if inertia.is_minimum() {
+            return Ok(outcome);
+        }
+        outcome.relaxation = self.relax(kkt, exact, relaxed, floor)?.unwrap_or(1.0);
+        self.last_relaxation = outcome.relaxation;
+        if outcome.relaxation == 1.0 {
+            outcome.shift = self.shift(kkt, relaxed, floor)?;
+        }
+        Ok(outcome)
+    }
+
+    /// Finds the relaxation and leaves its factor; `None` when even 1 is not enough.
+    fn relax(
+        &mut self,
+        kkt: &mut Kkt,
+        exact: &[f64],
+        relaxed: &[f64],
+        floor: &[f64],
+    ) -> Result<Option<f64>, SolverError> {
+        let mut relaxation = (self.last_relaxation / 4.0).max(SMALLEST_RELAXATION);
+        while !self.try_relaxation(kkt, exact, relaxed, floor, relaxation)? {
+            if relaxation == 1.0 {
+                return Ok(None);
+            }
+            relaxation = (relaxation * RELAXATION_GROWTH).min(1.0);
+        }
+        if relaxation <= COARSE_RELAXATION {
+            return Ok(Some(relaxation));
+        }
+        let finer = relaxation / RELAXATION_GROWTH.sqrt();
+        if self.try_relaxation(kkt, exact, relaxed, floor, finer)? {
+            return Ok(Some(finer));
+        }
+        self.try_relaxation(kkt, exact, relaxed, floor, relaxation)?;
+        Ok(Some(relaxation))
+    }
+
+    fn try_relaxation(
+        &mut self,
+        kkt: &mut Kkt,
+        exact: &[f64],
+        relaxed: &[f64],
+        floor: &[f64],
+        relaxation: f64,
+    ) -> Result<bool, SolverError> {
+        let mut mixed = std::mem::take(&mut self.mixed);
+        for ((mixed, exact), relaxed) in mixed.iter_mut().zip(exact).zip(relaxed) {
+            *mixed = (1.0 - relaxation) * exact + relaxation * relaxed;
+        }
+        let inertia = self.inertia(kkt, &mixed, floor);
+        self.mixed = mixed;
+        Ok(inertia?.is_minimum())
+    }
+
+    /// Grows a diagonal shift on the fully relaxed Hessian until its inertia is right.
+    fn shift(&mut self, kkt: &mut Kkt, relaxed: &[f64], floor: &[f64]) -> Result<f64, SolverError> {
+        if self.inertia(kkt, relaxed, floor)?.is_minimum() {
+            return Ok(0.0);
+        }
+        let unit = kkt.mean_diagonal();
+        let mut shift = SMALLEST_SHIFT;
+        while shift <= LARGEST_SHIFT {
+            let mut shifted = std::mem::take(&mut self.shifted_floor);
+            for (shifted, floor) in shifted.iter_mut().zip(floor) {
+                *shifted = floor + shift * unit;
+            }
+            let inertia = self.inertia(kkt, relaxed, &shifted);
+            self.shifted_floor = shifted;
+            if inertia?.is_minimum() {
+                return Ok(shift);
+            }
+            shift *= SHIFT_GROWTH;
+        }
+        Err(SolverError::Breakdown { pivot: 0 })
+    }
+
+    /// A factor that breaks down counts as one with a negative pivot too many: relaxing or
+    /// shifting moves the pivot off zero.
+    fn inertia(
+        &mut self,
+        kkt: &mut Kkt,
+        values: &[f64],
+        floor: &[f64],
+    ) -> Result<Inertia, SolverError> {
+        self.factorizations += 1;
+        let rows = kkt.rows().count();
+        match kkt.factorize(values, floor) {
+            Err(SolverError::Breakdown { .. }) => Ok(Inertia {
+                negative: rows + 1,
+                rows,
+            }),
+            other => other,
+        }
+    }
+}

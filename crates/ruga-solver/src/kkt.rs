@@ -1,0 +1,449 @@
+//! The quasi-definite KKT matrix and its factor.
+
+use faer::Conj;
+use faer::MatMut;
+use faer::Par;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::ldlt::factor::{LdltError, LdltRegularization};
+use faer::sparse::linalg::cholesky::supernodal::{
+    SupernodalLdltRef, SymbolicSupernodalCholesky, factorize_supernodal_numeric_ldlt,
+    factorize_supernodal_numeric_ldlt_scratch,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
+
+use crate::error::{check_finite, check_length};
+use crate::ordering::elimination_order;
+use crate::permuted_system::{PermutedSystem, analyse};
+use crate::{ConstraintRows, LowerPattern, SolverError};
+
+/// Regularisation of both diagonal blocks, relative to the mean diagonal of `K`.
+///
+/// At 1e-8 three refinements return the unregularised solution to rounding, repeated rows keep
+/// the right inertia, and the pivots stay far above rounding; 1e-5 needs a dozen refinements.
+const REGULARIZATION: f64 = 1e-8;
+
+/// Refinements after which a solve gives up on reaching [`REFINED`].
+const MAX_REFINEMENTS: usize = 8;
+
+/// Relative residual below which refinement stops.
+const REFINED: f64 = 1e-14;
+
+/// The same for a Newton step, whose length is only as good as its linearisation.
+const REFINED_STEP: f64 = 1e-10;
+
+/// Signs of the pivots of a KKT factor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Inertia {
+    /// Number of negative pivots.
+    pub negative: usize,
+    /// Number of constraint rows, each of which makes one pivot negative.
+    pub rows: usize,
+}
+
+impl Inertia {
+    /// Whether `K` is positive definite on the null space of `H`: the stationary point is a
+    /// minimum, not a saddle.
+    pub fn is_minimum(&self) -> bool {
+        self.negative == self.rows
+    }
+}
+
+/// Cost of one numeric factorisation, from the symbolic analysis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FactorCost {
+    /// Stored entries of `L`, padding of the supernodes included.
+    pub factor_entries: usize,
+    /// Bytes held by factor, system and work space.
+    pub bytes: usize,
+    /// Multiplications and additions of one factorisation.
+    pub flops: f64,
+}
+
+/// The matrix `[K, H'; H, 0]` of one pattern and one set of rows, analysed once and factorised
+/// in place as often as needed.
+///
+/// What is factorised is the quasi-definite
+///
+/// ```text
+/// [ K/k + e I    N H' ]      k = mean |diagonal of K|,  N = diag(1 / |row of H|),  e = 1e-8
+/// [ N H         - e I ]
+/// ```
+///
+/// as `L D L'` in a nested-dissection order (faer, supernodal, one thread, so bits do not
+/// depend on the thread count); iterative refinement removes `e` from solutions. Without rows
+/// this is the factorisation of `K` alone.
+pub struct Kkt {
+    pattern: LowerPattern,
+    rows: ConstraintRows,
+    block: usize,
+    /// `1 / |row|`, 1 for a row of zeros.
+    row_scales: Vec<f64>,
+    /// Position of each unknown and row in the elimination order.
+    placement: Vec<usize>,
+    lower: SymbolicSparseColMat<usize>,
+    symbolic: SymbolicSupernodalCholesky<usize>,
+    /// Where each entry of `K` lies in `system`.
+    slots: Vec<usize>,
+    /// Lower triangle of the permuted system; the entries of `H` in it never change.
+    system: Vec<f64>,
+    factor: Vec<f64>,
+    /// `K` plus floor, in pattern order, for refinement.
+    values: Vec<f64>,
+    mean_diagonal: f64,
+    factorized: bool,
+    factor_memory: MemBuffer,
+    solve_memory: MemBuffer,
+    /// Work space of a solve: unknowns then rows, the last one in elimination order.
+    trial: Vec<f64>,
+    residual: Vec<f64>,
+    permuted: Vec<f64>,
+}
+
+impl Kkt {
+    /// Orders and analyses the system.
+    ///
+    /// `block` is the number of unknowns per vertex and of rows per cluster (3 for shells); rows
+    /// that share a cluster must follow one another.
+    ///
+    /// # Errors
+    /// [`SolverError::BlockSize`], [`SizeMismatch`](SolverError::SizeMismatch) when `rows` has
+    /// another number of unknowns, [`Ordering`](SolverError::Ordering),
+    /// [`TooLarge`](SolverError::TooLarge).
+    pub fn new(
+        pattern: &LowerPattern,
+        rows: &ConstraintRows,
+        block: usize,
+    ) -> Result<Self, SolverError> {
+        let unknowns = pattern.size();
+        if block == 0 || !unknowns.is_multiple_of(block) {
+            return Err(SolverError::BlockSize { unknowns, block });
+        }
+        check_length("constraint columns", unknowns, rows.unknowns())?;
+        let order = elimination_order(pattern, rows, block)?;
+        let mut placement = vec![0; order.len()];
+        for (new, &old) in order.iter().enumerate() {
+            placement[old] = new;
+        }
+        let row_scales = row_scales(rows);
+        let assembled =
+            PermutedSystem::assemble(pattern, rows, &row_scales, &placement, -REGULARIZATION);
+        let symbolic = analyse(&assembled.lower)?;
+        let size = order.len();
+        Ok(Self {
+            row_scales,
+            placement,
+            slots: assembled.slots,
+            system: assembled.values,
+            lower: assembled.lower,
+            factor: vec![0.0; symbolic.len_val()],
+            values: vec![0.0; pattern.entries()],
+            mean_diagonal: 1.0,
+            factorized: false,
+            factor_memory: MemBuffer::new(factorize_supernodal_numeric_ldlt_scratch::<usize, f64>(
+                &symbolic,
+                Par::Seq,
+                Default::default(),
+            )),
+            solve_memory: MemBuffer::new(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq)),
+            trial: vec![0.0; size],
+            residual: vec![0.0; size],
+            permuted: vec![0.0; size],
+            symbolic,
+            pattern: pattern.clone(),
+            rows: rows.clone(),
+            block,
+        })
+    }
+
+    /// The pattern of `K`.
+    pub fn pattern(&self) -> &LowerPattern {
+        &self.pattern
+    }
+
+    /// Unknowns per vertex and rows per cluster.
+    pub fn block(&self) -> usize {
+        self.block
+    }
+
+    /// The constraint rows `H`.
+    pub fn rows(&self) -> &ConstraintRows {
+        &self.rows
+    }
+
+    /// Factorises `K + diag(floor)` with the rows; nothing is allocated.
+    ///
+    /// `values` in pattern order (N/m), `floor` one value per unknown (N/m).
+    ///
+    /// # Errors
+    /// [`SolverError::SizeMismatch`], [`NotFinite`](SolverError::NotFinite),
+    /// [`Breakdown`](SolverError::Breakdown) when a pivot vanishes exactly or overflows.
+    pub fn factorize(&mut self, values: &[f64], floor: &[f64]) -> Result<Inertia, SolverError> {
+        check_length("matrix values", self.pattern.entries(), values.len())?;
+        check_length("floor", self.pattern.size(), floor.len())?;
+        check_finite("matrix values", values)?;
+        check_finite("floor", floor)?;
+        self.factorized = false;
+        self.scatter(values, floor);
+        factorize_supernodal_numeric_ldlt(
+            &mut self.factor,
+            SparseColMatRef::new(self.lower.as_ref(), &self.system),
+            LdltRegularization::default(),
+            &self.symbolic,
+            Par::Seq,
+            MemStack::new(&mut self.factor_memory),
+            Default::default(),
+        )
+        .map_err(|LdltError::ZeroPivot { index }| SolverError::Breakdown { pivot: index })?;
+        let negative = self.negative_pivots()?;
+        self.factorized = true;
+        Ok(Inertia {
+            negative,
+            rows: self.rows.count(),
+        })
+    }
+
+    /// Solves `K step + H' multipliers = force`, `H step = offset` with refinement on the
+    /// unregularised system, and returns its relative residual.
+    ///
+    /// Lengths: unknowns for `force` and `step`, rows for `offset` and `multipliers`. The
+    /// residual is that of the scaled system, Euclidean norm over that of the right-hand side;
+    /// it stays large when repeated rows ask for different offsets.
+    ///
+    /// # Errors
+    /// [`SolverError::NotFactorized`], [`SizeMismatch`](SolverError::SizeMismatch),
+    /// [`NotFinite`](SolverError::NotFinite) for the right-hand side or an overflow.
+    pub fn solve(
+        &mut self,
+        force: &[f64],
+        offset: &[f64],
+        step: &mut [f64],
+        multipliers: &mut [f64],
+    ) -> Result<f64, SolverError> {
+        self.refine(force, offset, step, multipliers, REFINED)
+    }
+
+    /// [`solve`](Self::solve) to the accuracy that a Newton step can use.
+    pub(crate) fn solve_step(
+        &mut self,
+        force: &[f64],
+        offset: &[f64],
+        step: &mut [f64],
+        multipliers: &mut [f64],
+    ) -> Result<f64, SolverError> {
+        self.refine(force, offset, step, multipliers, REFINED_STEP)
+    }
+
+    /// One regularised solve of a system without rows: a symmetric operator, as a
+    /// preconditioner has to be.
+    pub(crate) fn solve_once(
+        &mut self,
+        force: &[f64],
+        step: &mut [f64],
+    ) -> Result<(), SolverError> {
+        self.check_solve(force, &[], step, &[])?;
+        self.trial.fill(0.0);
+        self.update_residual(force, &[]);
+        self.add_correction();
+        step.copy_from_slice(&self.trial);
+        Ok(())
+    }
+
+    fn refine(
+        &mut self,
+        force: &[f64],
+        offset: &[f64],
+        step: &mut [f64],
+        multipliers: &mut [f64],
+        tolerance: f64,
+    ) -> Result<f64, SolverError> {
+        self.check_solve(force, offset, step, multipliers)?;
+        step.fill(0.0);
+        multipliers.fill(0.0);
+        self.trial.fill(0.0);
+        self.update_residual(force, offset);
+        let size = norm(&self.residual);
+        if size == 0.0 {
+            return Ok(0.0);
+        }
+        let mut best = f64::INFINITY;
+        for _ in 0..=MAX_REFINEMENTS {
+            self.add_correction();
+            self.update_residual(force, offset);
+            let relative = norm(&self.residual) / size;
+            // Also false for NaN.
+            if !(relative < best) {
+                break;
+            }
+            let (trial_step, trial_multipliers) = self.trial.split_at(step.len());
+            step.copy_from_slice(trial_step);
+            multipliers.copy_from_slice(trial_multipliers);
+            // A mode as soft as the regularisation converges by a few per cent per round, not
+            // worth the triangular solves.
+            let slow = relative > 0.5 * best;
+            best = relative;
+            if slow || best <= tolerance {
+                break;
+            }
+        }
+        check_finite("solution", &[best])?;
+        Ok(best)
+    }
+
+    /// Size and cost of the factor.
+    pub fn cost(&self) -> FactorCost {
+        let symbolic = &self.symbolic;
+        let mut flops = 0.0;
+        for supernode in 0..symbolic.n_supernodes() {
+            let (columns, rows) = self.supernode_shape(supernode);
+            flops += (0..columns)
+                .map(|column| ((rows - column) as f64).powi(2))
+                .sum::<f64>();
+        }
+        let numbers = self.factor.len() + self.system.len() + self.values.len();
+        let indices = self.system.len() + self.slots.len() + symbolic.row_idx().len();
+        FactorCost {
+            factor_entries: self.factor.len(),
+            bytes: size_of::<f64>() * numbers
+                + size_of::<usize>() * indices
+                + self.factor_memory.len()
+                + self.solve_memory.len(),
+            flops,
+        }
+    }
+
+    /// Mean absolute diagonal entry of the last matrix (N/m).
+    pub(crate) fn mean_diagonal(&self) -> f64 {
+        self.mean_diagonal
+    }
+
+    fn check_solve(
+        &self,
+        force: &[f64],
+        offset: &[f64],
+        step: &[f64],
+        multipliers: &[f64],
+    ) -> Result<(), SolverError> {
+        let (unknowns, rows) = (self.pattern.size(), self.rows.count());
+        check_length("force", unknowns, force.len())?;
+        check_length("offset", rows, offset.len())?;
+        check_length("step", unknowns, step.len())?;
+        check_length("multipliers", rows, multipliers.len())?;
+        check_finite("force", force)?;
+        check_finite("offset", offset)?;
+        if self.factorized {
+            Ok(())
+        } else {
+            Err(SolverError::NotFactorized)
+        }
+    }
+
+    /// Writes `K` into the permuted system, scaled and regularised.
+    fn scatter(&mut self, values: &[f64], floor: &[f64]) {
+        let size = self.pattern.size();
+        self.values.copy_from_slice(values);
+        for (column, floor) in floor.iter().enumerate() {
+            self.values[self.pattern.diagonal(column)] += floor;
+        }
+        let sum: f64 = (0..size)
+            .map(|column| self.values[self.pattern.diagonal(column)].abs())
+            .sum();
+        // A matrix of zeros is legal: it is then all regularisation.
+        self.mean_diagonal = if sum > 0.0 { sum / size as f64 } else { 1.0 };
+        let scale = 1.0 / self.mean_diagonal;
+        for (&slot, value) in self.slots.iter().zip(&self.values) {
+            self.system[slot] = value * scale;
+        }
+        for column in 0..size {
+            self.system[self.slots[self.pattern.diagonal(column)]] += REGULARIZATION;
+        }
+    }
+
+    fn supernode_shape(&self, supernode: usize) -> (usize, usize) {
+        let columns =
+            self.symbolic.supernode_end()[supernode] - self.symbolic.supernode_begin()[supernode];
+        (columns, columns + self.symbolic.nnz_per_super()[supernode])
+    }
+
+    /// Counts negative entries of `D`, which faer stores on the diagonal of each supernode.
+    fn negative_pivots(&self) -> Result<usize, SolverError> {
+        let mut negative = 0;
+        for supernode in 0..self.symbolic.n_supernodes() {
+            let (columns, rows) = self.supernode_shape(supernode);
+            let start = self.symbolic.col_ptr_for_val()[supernode];
+            for column in 0..columns {
+                let pivot = self.factor[start + column * (rows + 1)];
+                if !pivot.is_finite() || pivot == 0.0 {
+                    let first = self.symbolic.supernode_begin()[supernode];
+                    return Err(SolverError::Breakdown {
+                        pivot: first + column,
+                    });
+                }
+                negative += usize::from(pivot < 0.0);
+            }
+        }
+        Ok(negative)
+    }
+
+    /// Residual of `trial` in the scaled, unregularised system: `[r_1 / k; N r_2]`.
+    fn update_residual(&mut self, force: &[f64], offset: &[f64]) {
+        let (first, second) = self.residual.split_at_mut(force.len());
+        let (step, multipliers) = self.trial.split_at(force.len());
+        first.fill(0.0);
+        second.fill(0.0);
+        self.pattern.add_product(&self.values, step, first);
+        self.rows.add_transposed_product(multipliers, first);
+        self.rows.add_product(step, second);
+        for (entry, force) in first.iter_mut().zip(force) {
+            *entry = (force - *entry) / self.mean_diagonal;
+        }
+        for ((entry, offset), scale) in second.iter_mut().zip(offset).zip(&self.row_scales) {
+            *entry = (offset - *entry) * scale;
+        }
+    }
+
+    /// Adds the regularised solution for `residual` to `trial`.
+    fn add_correction(&mut self) {
+        for (&place, &entry) in self.placement.iter().zip(&self.residual) {
+            self.permuted[place] = entry;
+        }
+        let size = self.permuted.len();
+        SupernodalLdltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
+            Conj::No,
+            MatMut::from_column_major_slice_mut(&mut self.permuted, size, 1),
+            Par::Seq,
+            MemStack::new(&mut self.solve_memory),
+        );
+        let (step, multipliers) = self.trial.split_at_mut(self.pattern.size());
+        let (step_places, row_places) = self.placement.split_at(step.len());
+        for (entry, &place) in step.iter_mut().zip(step_places) {
+            *entry += self.permuted[place];
+        }
+        for ((entry, &place), scale) in multipliers.iter_mut().zip(row_places).zip(&self.row_scales)
+        {
+            *entry += self.permuted[place] * scale * self.mean_diagonal;
+        }
+    }
+}
+
+impl std::fmt::Debug for Kkt {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter
+            .debug_struct("Kkt")
+            .field("unknowns", &self.pattern.size())
+            .field("rows", &self.rows.count())
+            .field("cost", &self.cost())
+            .finish_non_exhaustive()
+    }
+}
+
+fn norm(vector: &[f64]) -> f64 {
+    vector.iter().map(|entry| entry * entry).sum::<f64>().sqrt()
+}
+
+fn row_scales(rows: &ConstraintRows) -> Vec<f64> {
+    let scale = |row| {
+        let length = norm(rows.row(row).1);
+        if length > 0.0 { 1.0 / length } else { 1.0 }
+    };
+    (0..rows.count()).map(scale).collect()
+}

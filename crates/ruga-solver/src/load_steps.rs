@@ -1,0 +1,218 @@
+//! The sequence of loads that leads through the onset of buckling.
+//!
+//! Wrinkles choose their wavelength at the first load past the onset and do not merge later.
+//! So the first buckled state is made at 1.05 to 1.1 of the onset, found by bisection on
+//! unbuckled states, and only then do the steps grow.
+
+use crate::SolverError;
+
+/// Settings of a [`LoadStepper`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoadSettings {
+    /// Largest ratio of a load to the one before it, once buckled. Above 1, default 1.5; up to
+    /// 2 the wavelength is kept.
+    pub growth: f64,
+    /// Load of the first buckled state over the smallest load known to buckle. Above 1,
+    /// default 1.05.
+    pub landing: f64,
+    /// Bisection ends when the bracket of the onset is this narrow, as a ratio. Above 1,
+    /// default 1.1 / 1.05, so that the landing lies at 1.05 to 1.1 of the onset.
+    pub bracket: f64,
+    /// Steps below this share of the full load are given up. In (0, 1), default 1e-3.
+    pub smallest_step: f64,
+}
+
+impl Default for LoadSettings {
+    fn default() -> Self {
+        Self {
+            growth: 1.5,
+            landing: 1.05,
+            bracket: 1.1 / 1.05,
+            smallest_step: 1e-3,
+        }
+    }
+}
+
+/// A load to solve at, from the last state that was kept.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Trial {
+    /// The load, in (0, 1].
+    pub load: f64,
+    /// Whether a buckled result will be discarded, so that the solve may end at the first sign
+    /// of a saddle ([`AtSaddle::Stop`](crate::AtSaddle::Stop)).
+    pub probe: bool,
+}
+
+/// What came of a [`Trial`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// Converged, the Hessian never indefinite on the way.
+    Stable,
+    /// The Hessian was indefinite: the onset lies below this load.
+    Buckled,
+    /// Not converged for another reason.
+    Failed,
+}
+
+/// What to do with the state that a [`Trial`] ended in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// Keep it: the next trial starts from it.
+    Keep,
+    /// Restore the last state that was kept.
+    Discard,
+    /// Restore the last state that was kept; the sequence ends before its last key.
+    GiveUp,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Phase {
+    /// Nothing buckled yet.
+    Unbuckled,
+    /// The onset lies between the last kept load and this one.
+    Bracketed(f64),
+    /// Buckled states are kept.
+    Buckled,
+    Ended,
+}
+
+/// Decides which loads to solve at; knows nothing of what a load is.
+///
+/// Ask [`next_trial`](Self::next_trial), solve, [`report`](Self::report), obey the verdict,
+/// until there is no next trial. Every key load is hit exactly unless the stepper gives up.
+#[derive(Debug, Clone)]
+pub struct LoadStepper {
+    keys: Vec<f64>,
+    settings: LoadSettings,
+    kept: f64,
+    phase: Phase,
+    /// Longest step since the last failure.
+    longest_step: f64,
+    trial: Option<Trial>,
+}
+
+impl LoadStepper {
+    /// Starts at load 0 with the loads that must be hit: strictly increasing, in (0, 1].
+    ///
+    /// # Errors
+    /// [`SolverError::Setting`] for keys or settings outside their ranges.
+    pub fn new(keys: &[f64], settings: LoadSettings) -> Result<Self, SolverError> {
+        let mut previous = 0.0;
+        for &value in keys {
+            if !(value > previous && value <= 1.0) {
+                let setting = "key load";
+                return Err(SolverError::Setting { setting, value });
+            }
+            previous = value;
+        }
+        for (setting, value) in [
+            ("growth", settings.growth),
+            ("landing", settings.landing),
+            ("bracket", settings.bracket),
+        ] {
+            if !(value > 1.0 && value.is_finite()) {
+                return Err(SolverError::Setting { setting, value });
+            }
+        }
+        let value = settings.smallest_step;
+        if !(value > 0.0 && value < 1.0) {
+            let setting = "smallest_step";
+            return Err(SolverError::Setting { setting, value });
+        }
+        Ok(Self {
+            keys: keys.to_vec(),
+            settings,
+            kept: 0.0,
+            phase: Phase::Unbuckled,
+            longest_step: 1.0,
+            trial: None,
+        })
+    }
+
+    /// The load whose state was kept last; 0 at the start.
+    pub fn kept_load(&self) -> f64 {
+        self.kept
+    }
+
+    /// Smallest load known to lie past the onset and largest known not to, while they matter.
+    pub fn onset_bracket(&self) -> Option<(f64, f64)> {
+        match self.phase {
+            Phase::Bracketed(buckled) => Some((self.kept, buckled)),
+            _ => None,
+        }
+    }
+
+    /// The next load, or `None` when the last key was kept or the stepper gave up.
+    ///
+    /// Asking again without a [`report`](Self::report) returns the same trial.
+    pub fn next_trial(&mut self) -> Option<Trial> {
+        let key = *self.keys.iter().find(|&&key| key > self.kept)?;
+        let reach = (self.kept + self.longest_step).min(key);
+        self.trial = match self.phase {
+            Phase::Unbuckled => Some(Trial {
+                load: reach,
+                probe: true,
+            }),
+            Phase::Bracketed(buckled) if self.is_narrow(buckled) => Some(Trial {
+                load: (buckled * self.settings.landing).min(key),
+                probe: false,
+            }),
+            Phase::Bracketed(buckled) => Some(Trial {
+                load: 0.5 * (self.kept + buckled),
+                probe: true,
+            }),
+            Phase::Buckled => Some(Trial {
+                load: reach.min(self.kept * self.settings.growth),
+                probe: false,
+            }),
+            Phase::Ended => None,
+        };
+        self.trial
+    }
+
+    /// Takes the outcome of the last trial and says what to do with its state.
+    ///
+    /// Without a trial to report on the verdict is [`Verdict::Discard`].
+    pub fn report(&mut self, outcome: Outcome) -> Verdict {
+        let Some(trial) = self.trial.take() else {
+            return Verdict::Discard;
+        };
+        match outcome {
+            Outcome::Failed => self.shorten(trial),
+            Outcome::Buckled if trial.probe => {
+                self.phase = Phase::Bracketed(trial.load);
+                Verdict::Discard
+            }
+            Outcome::Buckled | Outcome::Stable => {
+                if !trial.probe {
+                    self.phase = Phase::Buckled;
+                }
+                self.kept = trial.load;
+                self.longest_step = (2.0 * self.longest_step).min(1.0);
+                Verdict::Keep
+            }
+        }
+    }
+
+    /// Narrow enough to land: relative to the load, or down to the smallest step.
+    fn is_narrow(&self, buckled: f64) -> bool {
+        buckled <= self.kept * self.settings.bracket
+            || buckled - self.kept <= self.settings.smallest_step
+    }
+
+    /// Halves the step after a failure.
+    fn shorten(&mut self, trial: Trial) -> Verdict {
+        self.longest_step = 0.5 * (trial.load - self.kept);
+        // In a bracket the next trial is fixed, so only a step can be shortened.
+        let bracketed = matches!(self.phase, Phase::Bracketed(_));
+        if bracketed && trial.probe {
+            self.phase = Phase::Bracketed(trial.load);
+            return Verdict::Discard;
+        }
+        if bracketed || self.longest_step < self.settings.smallest_step {
+            self.phase = Phase::Ended;
+            return Verdict::GiveUp;
+        }
+        Verdict::Discard
+    }
+}

@@ -1,0 +1,375 @@
+//! Newton's method under linear constraints.
+
+use rand::SeedableRng;
+use rand_pcg::Pcg64Mcg;
+
+use crate::convexify::Convexifier;
+use crate::error::{check_finite, check_length};
+use crate::line_search::line_search;
+use crate::minres::MinresStep;
+use crate::objective::check_pattern;
+use crate::soft_modes::{dot, largest, search_curvature};
+use crate::{
+    AtSaddle, Inertia, Iteration, Kkt, LinearSolver, NewtonSettings, Objective, SolveReport,
+    SolverError, StopRule,
+};
+
+/// Violation of a row that counts as none, over its sum of absolute weights times the length
+/// scale.
+const FEASIBLE: f64 = 1e-9;
+
+/// Restorations before the constraints count as contradictory; the first one is exact up to
+/// rounding when they agree.
+const MAX_RESTORATIONS: usize = 3;
+
+/// At a saddle that only has to be recognised: stop once the relaxed decrement is this small,
+/// or after so many indefinite iterations.
+const SADDLE_DECREMENT: f64 = 1e-3;
+const SADDLE_ITERATIONS: usize = 5;
+
+/// Minimises `objective` subject to `H x = rhs`, starting from `x` and leaving the result there.
+///
+/// `H` is [`kkt.rows()`](Kkt::rows). `x` may start infeasible: the first step restores the
+/// constraints at full length with the least elastic energy, then every step stays within
+/// `H p = 0` and is shortened until the energy falls. Where the Hessian is indefinite on that
+/// space, only the compressive stress stiffness is relaxed, and the direction of negative
+/// curvature is searched as well; the solve stops as converged only where the exact Hessian has
+/// the inertia of a minimum. `keep_going` sees every iteration and ends the solve by returning
+/// `false`. Same input, same bits.
+///
+/// # Errors
+/// [`SolverError::PatternMismatch`], [`SizeMismatch`](SolverError::SizeMismatch),
+/// [`Setting`](SolverError::Setting), [`NotFinite`](SolverError::NotFinite) for bad input or an
+/// objective with derivatives that are not finite where its energy is,
+/// [`Breakdown`](SolverError::Breakdown) when no shift makes the Hessian factorisable. `x` is
+/// then left at the last iterate.
+pub fn minimise(
+    objective: &dyn Objective,
+    rhs: &[f64],
+    x: &mut [f64],
+    kkt: &mut Kkt,
+    settings: &NewtonSettings,
+    keep_going: &mut dyn FnMut(&Iteration) -> bool,
+) -> Result<SolveReport, SolverError> {
+    settings.check()?;
+    check_pattern(objective, kkt)?;
+    check_length("x", kkt.pattern().size(), x.len())?;
+    check_length("constraint right-hand side", kkt.rows().count(), rhs.len())?;
+    check_finite("x", x)?;
+    check_finite("constraint right-hand side", rhs)?;
+    let mut newton = Newton::new(objective, rhs, kkt, settings)?;
+    let stop = newton.run(x, keep_going)?;
+    newton.report.stop = stop;
+    newton.report.converged = matches!(stop, StopRule::Decrement | StopRule::Residual);
+    newton.report.infeasibility = newton.violation(x);
+    newton.report.factorizations = newton.convexifier.factorizations;
+    newton.report.multipliers = newton.multipliers;
+    Ok(newton.report)
+}
+
+struct Newton<'a> {
+    objective: &'a dyn Objective,
+    rhs: &'a [f64],
+    kkt: &'a mut Kkt,
+    settings: &'a NewtonSettings,
+    convexifier: Convexifier,
+    minres: Option<MinresStep>,
+    generator: Pcg64Mcg,
+    gradient: Vec<f64>,
+    exact: Vec<f64>,
+    relaxed: Vec<f64>,
+    /// Right-hand side of the step's force equation, then residual forces.
+    force: Vec<f64>,
+    /// `rhs - H x`.
+    offset: Vec<f64>,
+    step: Vec<f64>,
+    trial: Vec<f64>,
+    multipliers: Vec<f64>,
+    indefinite_iterations: usize,
+    report: SolveReport,
+}
+
+impl<'a> Newton<'a> {
+    fn new(
+        objective: &'a dyn Objective,
+        rhs: &'a [f64],
+        kkt: &'a mut Kkt,
+        settings: &'a NewtonSettings,
+    ) -> Result<Self, SolverError> {
+        let (size, rows) = (kkt.pattern().size(), kkt.rows().count());
+        let minres = match settings.linear {
+            LinearSolver::Ldlt => None,
+            LinearSolver::Minres {
+                tolerance,
+                max_iterations,
+            } => Some(MinresStep::new(kkt, tolerance, max_iterations)?),
+        };
+        Ok(Self {
+            objective,
+            rhs,
+            settings,
+            convexifier: Convexifier::new(kkt),
+            minres,
+            generator: Pcg64Mcg::seed_from_u64(settings.seed),
+            gradient: vec![0.0; size],
+            exact: vec![0.0; kkt.pattern().entries()],
+            relaxed: vec![0.0; kkt.pattern().entries()],
+            force: vec![0.0; size],
+            offset: vec![0.0; rows],
+            step: vec![0.0; size],
+            trial: vec![0.0; size],
+            multipliers: vec![0.0; rows],
+            kkt,
+            indefinite_iterations: 0,
+            report: empty_report(),
+        })
+    }
+
+    fn run(
+        &mut self,
+        x: &mut [f64],
+        keep_going: &mut dyn FnMut(&Iteration) -> bool,
+    ) -> Result<StopRule, SolverError> {
+        for index in 0..self.settings.max_iterations {
+            if !self.restore(x)? {
+                return Ok(StopRule::Infeasible);
+            }
+            let energy = self.objective.gradient(x, &mut self.gradient);
+            self.report.energy = if energy.is_nan() {
+                f64::INFINITY
+            } else {
+                energy
+            };
+            if !energy.is_finite() {
+                return Ok(StopRule::OutsideDomain);
+            }
+            check_finite("gradient", &self.gradient)?;
+            let iteration = self.linearise(index, x, energy)?;
+            self.record(&iteration);
+            if !keep_going(&iteration) {
+                return Ok(StopRule::Interrupted);
+            }
+            if let Some(stop) = self.stop(&iteration) {
+                if stop == StopRule::Decrement {
+                    self.take_last_step(x, energy);
+                }
+                return Ok(stop);
+            }
+            if !self.advance(x, energy, &iteration)? {
+                return Ok(StopRule::LineSearch);
+            }
+        }
+        Ok(StopRule::IterationLimit)
+    }
+
+    /// Moves `x` onto the constraints if it is off them; false when that is impossible.
+    fn restore(&mut self, x: &mut [f64]) -> Result<bool, SolverError> {
+        for _ in 0..MAX_RESTORATIONS {
+            if self.violation(x) <= FEASIBLE {
+                return Ok(true);
+            }
+            self.factorize(x)?;
+            self.force.fill(0.0);
+            self.solve()?;
+            for (x, step) in x.iter_mut().zip(&self.step) {
+                *x += step;
+            }
+        }
+        Ok(self.violation(x) <= FEASIBLE)
+    }
+
+    /// Writes `rhs - H x` and returns its largest entry, relative to weights and length scale.
+    fn violation(&mut self, x: &[f64]) -> f64 {
+        self.offset.fill(0.0);
+        self.kkt.rows().add_product(x, &mut self.offset);
+        let mut worst = 0.0_f64;
+        for (row, (offset, rhs)) in self.offset.iter_mut().zip(self.rhs).enumerate() {
+            *offset = rhs - *offset;
+            let (columns, weights) = self.kkt.rows().row(row);
+            let (mut sum, mut magnitude) = (0.0, rhs.abs());
+            for (&column, weight) in columns.iter().zip(weights) {
+                sum += weight.abs();
+                magnitude += (weight * x[column]).abs();
+            }
+            // What rounding leaves of a row far from the origin is no violation.
+            let excess = (offset.abs() - 16.0 * f64::EPSILON * magnitude).max(0.0);
+            let unit = if sum > 0.0 { sum } else { 1.0 };
+            worst = worst.max(excess / (unit * self.objective.length_scale()));
+        }
+        worst
+    }
+
+    /// Factorises the Hessian at `x`, or builds the preconditioner; the exact inertia if known,
+    /// and the relaxation.
+    fn factorize(&mut self, x: &[f64]) -> Result<(Option<Inertia>, f64), SolverError> {
+        self.objective
+            .hessian(x, &mut self.exact, &mut self.relaxed);
+        if let Some(minres) = &mut self.minres {
+            minres.prepare(self.kkt, &self.exact, self.objective.floor())?;
+            return Ok((None, 0.0));
+        }
+        let outcome = self.convexifier.factorize(
+            self.kkt,
+            &self.exact,
+            &self.relaxed,
+            self.objective.floor(),
+        )?;
+        self.report.shift_used = self.report.shift_used.max(outcome.shift);
+        Ok((Some(outcome.exact), outcome.relaxation))
+    }
+
+    /// Solves for `step` and `multipliers` with `force` and `offset` on the right.
+    fn solve(&mut self) -> Result<usize, SolverError> {
+        if let Some(minres) = &mut self.minres {
+            let solved = minres.solve(
+                self.kkt,
+                &self.force,
+                &self.offset,
+                &mut self.step,
+                &mut self.multipliers,
+            )?;
+            self.report.linear_iterations += solved.iterations;
+            self.report.linear_stalls += usize::from(!solved.converged);
+            return Ok(solved.iterations);
+        }
+        self.kkt.solve_step(
+            &self.force,
+            &self.offset,
+            &mut self.step,
+            &mut self.multipliers,
+        )?;
+        Ok(0)
+    }
+
+    /// Computes the Newton step at `x` and what it says about `x`.
+    fn linearise(
+        &mut self,
+        index: usize,
+        x: &[f64],
+        energy: f64,
+    ) -> Result<Iteration, SolverError> {
+        let (inertia, relaxation) = self.factorize(x)?;
+        for (force, gradient) in self.force.iter_mut().zip(&self.gradient) {
+            *force = -gradient;
+        }
+        let linear_iterations = self.solve()?;
+        self.force.copy_from_slice(&self.gradient);
+        self.kkt
+            .rows()
+            .add_transposed_product(&self.multipliers, &mut self.force);
+        let slope = dot(&self.gradient, &self.step);
+        if self.minres.is_some() && slope > 0.0 {
+            // An unrelaxed step at a saddle may climb.
+            for entry in &mut self.step {
+                *entry = -*entry;
+            }
+        }
+        Ok(Iteration {
+            index,
+            energy,
+            decrement: 0.5 * slope.abs() / self.objective.energy_scale(),
+            residual: largest(&self.force) / self.objective.force_scale(),
+            inertia,
+            relaxation,
+            linear_iterations,
+        })
+    }
+
+    fn record(&mut self, iteration: &Iteration) {
+        let indefinite = iteration.inertia.is_some_and(|it| !it.is_minimum());
+        self.indefinite_iterations += usize::from(indefinite);
+        let report = &mut self.report;
+        report.iterations = iteration.index + 1;
+        report.residual = iteration.residual;
+        report.decrement = iteration.decrement;
+        report.inertia = iteration.inertia;
+        report.relaxation_used = report.relaxation_used.max(iteration.relaxation);
+        report.left_saddle |= indefinite;
+    }
+
+    fn stop(&self, iteration: &Iteration) -> Option<StopRule> {
+        if iteration.inertia.is_some_and(|it| !it.is_minimum()) {
+            let recognised = iteration.decrement <= SADDLE_DECREMENT
+                || self.indefinite_iterations >= SADDLE_ITERATIONS;
+            let stop = self.settings.at_saddle == AtSaddle::Stop && recognised;
+            return stop.then_some(StopRule::Saddle);
+        }
+        if iteration.residual <= self.settings.residual_tolerance {
+            return Some(StopRule::Residual);
+        }
+        (iteration.decrement <= self.settings.energy_tolerance).then_some(StopRule::Decrement)
+    }
+
+    /// The step that proved convergence is already paid for: takes it unless it climbs.
+    fn take_last_step(&mut self, x: &mut [f64], energy: f64) {
+        for ((trial, x), step) in self.trial.iter_mut().zip(&*x).zip(&self.step) {
+            *trial = x + step;
+        }
+        let reached = self.objective.value(&self.trial);
+        if reached <= energy {
+            x.copy_from_slice(&self.trial);
+            self.report.energy = reached;
+        }
+    }
+
+    /// Takes the better of the Newton step and, at a saddle, the curvature step.
+    fn advance(
+        &mut self,
+        x: &mut [f64],
+        energy: f64,
+        iteration: &Iteration,
+    ) -> Result<bool, SolverError> {
+        let slope = dot(&self.gradient, &self.step);
+        let newton = line_search(
+            self.objective,
+            x,
+            energy,
+            &self.step,
+            slope,
+            &mut self.trial,
+        );
+        let at_saddle = iteration.inertia.is_some_and(|it| !it.is_minimum());
+        if at_saddle && self.settings.at_saddle == AtSaddle::Leave {
+            let curvature = search_curvature(
+                self.objective,
+                self.kkt,
+                &mut self.generator,
+                x,
+                energy,
+                &self.gradient,
+            )?;
+            if let Some(curvature) = curvature
+                && newton.is_none_or(|reached| curvature.energy < reached)
+            {
+                for (x, step) in x.iter_mut().zip(&curvature.step) {
+                    *x += step;
+                }
+                return Ok(true);
+            }
+        }
+        if newton.is_some() {
+            x.copy_from_slice(&self.trial);
+        }
+        Ok(newton.is_some())
+    }
+}
+
+fn empty_report() -> SolveReport {
+    SolveReport {
+        converged: false,
+        stop: StopRule::IterationLimit,
+        iterations: 0,
+        factorizations: 0,
+        energy: f64::INFINITY,
+        residual: f64::INFINITY,
+        decrement: f64::INFINITY,
+        infeasibility: 0.0,
+        inertia: None,
+        relaxation_used: 0.0,
+        shift_used: 0.0,
+        left_saddle: false,
+        linear_iterations: 0,
+        linear_stalls: 0,
+        multipliers: Vec::new(),
+    }
+}

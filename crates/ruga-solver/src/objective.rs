@@ -1,0 +1,61 @@
+//! What the solver asks of an energy.
+
+use crate::error::check_length;
+use crate::{Kkt, LowerPattern, SolverError};
+
+/// An energy of `n` unknowns with exact derivatives, and the scales that make tolerances
+/// nondimensional.
+///
+/// All arrays have `n` entries unless said otherwise. Energies in J, unknowns in m.
+pub trait Objective {
+    /// Sparsity of the Hessian; the same at every `x`.
+    fn pattern(&self) -> &LowerPattern;
+
+    /// Energy at `x` (J). Infinite or NaN marks a state outside the domain: the line search
+    /// shortens its step.
+    fn value(&self, x: &[f64]) -> f64;
+
+    /// Energy at `x` (J); writes its gradient (N).
+    fn gradient(&self, x: &[f64], gradient: &mut [f64]) -> f64;
+
+    /// Writes the Hessian twice, in pattern order (N/m): `exact`, and `relaxed`, the same with
+    /// the compressive part of the stress stiffness removed.
+    ///
+    /// `relaxed` need not be a projection of `exact`, only mend its inertia when mixed in.
+    fn hessian(&self, x: &[f64], exact: &mut [f64], relaxed: &mut [f64]);
+
+    /// Levenberg diagonal (N/m) added to both Hessians before the inertia is counted.
+    ///
+    /// It keeps modes without stiffness (a pattern sliding along itself) from having a random
+    /// sign; 1e-6 of a vertex's foundation stiffness does.
+    fn floor(&self) -> &[f64];
+
+    /// Energy (J) that the Newton decrement is compared with: the gap between flat and wrinkled
+    /// state, such as `C eps_c^2 area / 2`.
+    fn energy_scale(&self) -> f64;
+
+    /// Force on one unknown (N) that the residual is compared with.
+    fn force_scale(&self) -> f64;
+
+    /// Smallest length that matters (m), such as the thickness.
+    fn length_scale(&self) -> f64;
+}
+
+/// Whether `objective` speaks of the system that `kkt` analysed, with arrays of its size and
+/// scales that are positive.
+pub(crate) fn check_pattern(objective: &dyn Objective, kkt: &Kkt) -> Result<(), SolverError> {
+    if objective.pattern() != kkt.pattern() {
+        return Err(SolverError::PatternMismatch);
+    }
+    check_length("floor", kkt.pattern().size(), objective.floor().len())?;
+    for (setting, value) in [
+        ("energy_scale", objective.energy_scale()),
+        ("force_scale", objective.force_scale()),
+        ("length_scale", objective.length_scale()),
+    ] {
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(SolverError::Setting { setting, value });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,176 @@
+//! Settings of a solve and what it tells about itself.
+
+use crate::{Inertia, SolverError};
+
+/// How the linear system of a Newton step is solved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LinearSolver {
+    /// Sparse factorisation; knows the inertia, so it tells minima from saddles.
+    Ldlt,
+    /// MINRES, preconditioned with the diagonal blocks of `K` and `H G^-1 H'`. Knows no
+    /// inertia: a solve with it may end on a saddle, and says nothing about it.
+    Minres {
+        /// Relative preconditioned residual at which the iteration stops, in (0, 1).
+        tolerance: f64,
+        /// Iterations per step after which it counts as stalled, at least 1.
+        max_iterations: usize,
+    },
+}
+
+impl LinearSolver {
+    /// MINRES with the usual tolerance 1e-8 and at most 2000 iterations per step.
+    pub fn minres() -> Self {
+        Self::Minres {
+            tolerance: 1e-8,
+            max_iterations: 2000,
+        }
+    }
+}
+
+/// What to do at a stationary point that is a saddle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AtSaddle {
+    /// Follow the negative curvature down to a minimum.
+    Leave,
+    /// Stop there with [`StopRule::Saddle`]: a probe for the onset of buckling.
+    Stop,
+}
+
+/// Settings of [`minimise`](crate::minimise). The tolerances are relative to the objective's
+/// scales.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NewtonSettings {
+    /// Solver of the linear systems. Default: factorisation.
+    pub linear: LinearSolver,
+    /// What to do at a saddle; only the factorisation sees one. Default: leave it.
+    pub at_saddle: AtSaddle,
+    /// Newton steps after which the solve gives up, at least 1. Default 100; a cold start far
+    /// beyond the onset takes 10 to 25.
+    pub max_iterations: usize,
+    /// Stop when the Newton decrement is below this times the energy scale. Default 1e-6. The
+    /// sliding mode of a pattern converges no further in reasonable time, and energies and
+    /// amplitudes no longer change.
+    pub energy_tolerance: f64,
+    /// Stop when the largest residual force is below this times the force scale. Default 1e-7.
+    pub residual_tolerance: f64,
+    /// Seed of the vectors that negative curvature is searched from. Default 1.
+    pub seed: u64,
+}
+
+impl Default for NewtonSettings {
+    fn default() -> Self {
+        Self {
+            linear: LinearSolver::Ldlt,
+            at_saddle: AtSaddle::Leave,
+            max_iterations: 100,
+            energy_tolerance: 1e-6,
+            residual_tolerance: 1e-7,
+            seed: 1,
+        }
+    }
+}
+
+impl NewtonSettings {
+    pub(crate) fn check(&self) -> Result<(), SolverError> {
+        let refuse = |setting, value| Err(SolverError::Setting { setting, value });
+        if self.max_iterations == 0 {
+            return refuse("max_iterations", 0.0);
+        }
+        // Written so that NaN is refused too.
+        if !(self.energy_tolerance >= 0.0) {
+            return refuse("energy_tolerance", self.energy_tolerance);
+        }
+        if !(self.residual_tolerance >= 0.0) {
+            return refuse("residual_tolerance", self.residual_tolerance);
+        }
+        if let LinearSolver::Minres {
+            tolerance,
+            max_iterations,
+        } = self.linear
+        {
+            if !(tolerance > 0.0 && tolerance < 1.0) {
+                return refuse("MINRES tolerance", tolerance);
+            }
+            if max_iterations == 0 {
+                return refuse("MINRES max_iterations", 0.0);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Why a solve ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StopRule {
+    /// The Newton decrement fell below its tolerance at a minimum: converged.
+    Decrement,
+    /// The residual fell below its tolerance at a minimum: converged.
+    Residual,
+    /// A saddle was found and [`AtSaddle::Stop`] was asked for.
+    Saddle,
+    /// Too many iterations.
+    IterationLimit,
+    /// No step along the search direction lowers the energy any more.
+    LineSearch,
+    /// The constraints contradict each other: no `x` satisfies them.
+    Infeasible,
+    /// The start, moved onto the constraints, has no finite energy.
+    OutsideDomain,
+    /// The caller asked to stop.
+    Interrupted,
+}
+
+/// One Newton iteration, as told to the caller while it runs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Iteration {
+    /// Count from 0.
+    pub index: usize,
+    /// Energy before the step (J).
+    pub energy: f64,
+    /// Newton decrement `-g.p / 2` over the energy scale.
+    pub decrement: f64,
+    /// Largest residual force over the force scale.
+    pub residual: f64,
+    /// Signs of the exact Hessian's pivots; `None` with MINRES.
+    pub inertia: Option<Inertia>,
+    /// Share of the compressive stress stiffness left out of this step, 0 to 1.
+    pub relaxation: f64,
+    /// MINRES iterations of this step; 0 with the factorisation.
+    pub linear_iterations: usize,
+}
+
+/// How a solve went. Not converging is data, not an error.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SolveReport {
+    /// Whether a tolerance was met, at a minimum as far as the linear solver can tell.
+    pub converged: bool,
+    /// Why the solve ended.
+    pub stop: StopRule,
+    /// Newton iterations.
+    pub iterations: usize,
+    /// Numeric factorisations of the KKT matrix.
+    pub factorizations: usize,
+    /// Energy at the end (J).
+    pub energy: f64,
+    /// Largest residual force over the force scale, at the last linearisation.
+    pub residual: f64,
+    /// Newton decrement over the energy scale, at the last linearisation.
+    pub decrement: f64,
+    /// Largest violation of a constraint row over (length scale x sum of its absolute weights).
+    pub infeasibility: f64,
+    /// Signs of the exact Hessian's pivots at the last linearisation; `None` with MINRES.
+    pub inertia: Option<Inertia>,
+    /// Largest share of the compressive stress stiffness that had to be left out, 0 to 1.
+    pub relaxation_used: f64,
+    /// Largest diagonal shift, relative to the mean diagonal, that was needed on top of full
+    /// relaxation; 0 nearly always.
+    pub shift_used: f64,
+    /// Whether the Hessian was indefinite somewhere on the way.
+    pub left_saddle: bool,
+    /// MINRES iterations, all steps together.
+    pub linear_iterations: usize,
+    /// Linear solves in which MINRES missed its tolerance.
+    pub linear_stalls: usize,
+    /// Lagrange multipliers (N per unit of a row), one per row: reactions of the constraints.
+    pub multipliers: Vec<f64>,
+}

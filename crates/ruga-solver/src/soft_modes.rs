@@ -1,0 +1,166 @@
+//! Soft and unstable modes: the inertia at a point, the softest mode, the negative-curvature
+//! search.
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use crate::error::{check_finite, check_length};
+use crate::objective::check_pattern;
+use crate::{Inertia, Kkt, Objective, SolverError};
+
+/// Inverse iterations from a random vector before a curvature search.
+const INVERSE_ITERATIONS: usize = 3;
+
+/// First length of the curvature search over the objective's length scale; it doubles.
+const FIRST_LENGTH: f64 = 1e-3;
+
+/// Doublings granted before the energy must have fallen, against rounding at the first lengths.
+const GRACE: usize = 4;
+
+/// Doublings after which the search ends: 1e-3 to 1e6 length scales.
+const MAX_DOUBLINGS: usize = 30;
+
+/// A mode of the Hessian on the null space of the constraints.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SoftMode {
+    /// The mode, one entry per unknown, largest entry 1 in absolute value.
+    pub mode: Vec<f64>,
+    /// `v'Kv / v'v` of the exact Hessian without floor (N/m).
+    pub rayleigh_quotient: f64,
+}
+
+/// Signs of the pivots of the exact Hessian (plus floor) at `x`, to bisect a load with.
+///
+/// # Errors
+/// [`SolverError::PatternMismatch`], [`SizeMismatch`](SolverError::SizeMismatch),
+/// [`NotFinite`](SolverError::NotFinite), [`Breakdown`](SolverError::Breakdown).
+pub fn inertia_at(
+    objective: &dyn Objective,
+    x: &[f64],
+    kkt: &mut Kkt,
+) -> Result<Inertia, SolverError> {
+    Ok(factorize_at(objective, x, kkt)?.1)
+}
+
+/// The mode of the exact Hessian closest to zero stiffness at `x`, among those with `H v = 0`.
+///
+/// `iterations` inverse iterations from a vector seeded with `seed`; 5 to 40 are usual. Just
+/// past the onset of buckling this is the buckling mode, with a negative quotient; far past it
+/// a stiffer mode may lie closer to zero.
+///
+/// # Errors
+/// As [`inertia_at`].
+pub fn softest_mode(
+    objective: &dyn Objective,
+    x: &[f64],
+    kkt: &mut Kkt,
+    seed: u64,
+    iterations: usize,
+) -> Result<SoftMode, SolverError> {
+    let (exact, _) = factorize_at(objective, x, kkt)?;
+    let mut generator = Pcg64Mcg::seed_from_u64(seed);
+    let mode = inverse_iterations(kkt, &mut generator, iterations.max(1))?;
+    let mut product = vec![0.0; mode.len()];
+    kkt.pattern().add_product(&exact, &mode, &mut product);
+    let rayleigh_quotient = dot(&mode, &product) / dot(&mode, &mode);
+    Ok(SoftMode {
+        mode,
+        rayleigh_quotient,
+    })
+}
+
+fn factorize_at(
+    objective: &dyn Objective,
+    x: &[f64],
+    kkt: &mut Kkt,
+) -> Result<(Vec<f64>, Inertia), SolverError> {
+    check_pattern(objective, kkt)?;
+    check_length("x", kkt.pattern().size(), x.len())?;
+    check_finite("x", x)?;
+    let mut exact = vec![0.0; kkt.pattern().entries()];
+    let mut relaxed = exact.clone();
+    objective.hessian(x, &mut exact, &mut relaxed);
+    let inertia = kkt.factorize(&exact, objective.floor())?;
+    Ok((exact, inertia))
+}
+
+/// Softest mode of the factorised matrix, from a random vector; largest entry 1.
+fn inverse_iterations(
+    kkt: &mut Kkt,
+    generator: &mut Pcg64Mcg,
+    iterations: usize,
+) -> Result<Vec<f64>, SolverError> {
+    let size = kkt.pattern().size();
+    let mut mode: Vec<f64> = (0..size).map(|_| generator.random::<f64>() - 0.5).collect();
+    let mut next = vec![0.0; size];
+    let offset = vec![0.0; kkt.rows().count()];
+    let mut multipliers = offset.clone();
+    for _ in 0..iterations {
+        kkt.solve_step(&mode, &offset, &mut next, &mut multipliers)?;
+        let largest = largest(&next);
+        // The null space of the constraints may be empty.
+        if largest == 0.0 {
+            return Ok(next);
+        }
+        for (mode, next) in mode.iter_mut().zip(&next) {
+            *mode = next / largest;
+        }
+    }
+    Ok(mode)
+}
+
+/// A step along negative curvature: `x + step` has the energy `energy`.
+pub(crate) struct CurvatureStep {
+    pub(crate) step: Vec<f64>,
+    pub(crate) energy: f64,
+}
+
+/// Follows the softest mode of the factorised matrix downhill as long as the energy falls.
+pub(crate) fn search_curvature(
+    objective: &dyn Objective,
+    kkt: &mut Kkt,
+    generator: &mut Pcg64Mcg,
+    x: &[f64],
+    energy: f64,
+    gradient: &[f64],
+) -> Result<Option<CurvatureStep>, SolverError> {
+    let mut mode = inverse_iterations(kkt, generator, INVERSE_ITERATIONS)?;
+    if dot(gradient, &mode) > 0.0 {
+        for entry in &mut mode {
+            *entry = -*entry;
+        }
+    }
+    let mut length = FIRST_LENGTH * objective.length_scale();
+    let mut best = (0.0, energy);
+    let mut trial = vec![0.0; x.len()];
+    for doubling in 0..MAX_DOUBLINGS {
+        for ((trial, x), mode) in trial.iter_mut().zip(x).zip(&mode) {
+            *trial = x + length * mode;
+        }
+        let reached = objective.value(&trial);
+        if reached < best.1 {
+            best = (length, reached);
+        } else if best.0 > 0.0 || doubling >= GRACE {
+            break;
+        }
+        length *= 2.0;
+    }
+    let (length, energy) = best;
+    if length == 0.0 {
+        return Ok(None);
+    }
+    for entry in &mut mode {
+        *entry *= length;
+    }
+    Ok(Some(CurvatureStep { step: mode, energy }))
+}
+
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+pub(crate) fn largest(vector: &[f64]) -> f64 {
+    vector
+        .iter()
+        .fold(0.0, |largest, entry| entry.abs().max(largest))
+}
