@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use ruga_mesh::{Id, PerVertex, TriMesh, VertexId, vertex_areas};
 
 use crate::ConstraintError;
-use crate::region_graph::{RegionGraph, Voronoi};
+use crate::region_graph::{RegionGraph, Voronoi, ticks};
 use crate::rows::{check_length, check_mesh, check_vertex};
 
 /// How centres are spread over a region.
@@ -74,6 +74,10 @@ pub fn cluster_centres(
         graph: RegionGraph::new(mesh, positions, spacing, &is_candidate),
     };
     let mut voronoi = Voronoi::new(mesh.vertex_count());
+    let border = border_of(mesh, &is_candidate);
+    region
+        .graph
+        .add_sources(&mut voronoi, border, ticks(BORDER_HEAD_START));
     let mut centres = Vec::new();
     for piece in region.pieces(&is_candidate) {
         region.choose(&piece, settings, &mut voronoi, &mut centres);
@@ -84,6 +88,29 @@ pub fn cluster_centres(
         }
     }
     Ok(centres)
+}
+
+/// How much farther than it is the border counts, in spacings.
+///
+/// Points of a hex lattice are at most .577 spacings from the nearest centre; half a spacing from
+/// the border is as good a place as that. Greedy centres would else line the border, too close.
+const BORDER_HEAD_START: f64 = 0.077;
+
+/// Candidates at the end of the surface or next to vertices that are no candidates.
+fn border_of<'a>(
+    mesh: &'a TriMesh,
+    is_candidate: &'a PerVertex<bool>,
+) -> impl Iterator<Item = (VertexId, u32)> + 'a {
+    let is_on_border = mesh.border_vertices();
+    let is_outermost = move |vertex: VertexId| {
+        let corners = mesh.vertex_faces(vertex).iter();
+        let mut corners = corners.flat_map(|&face| mesh.faces()[face]);
+        is_on_border[vertex] || corners.any(|v| !is_candidate[v])
+    };
+    is_candidate
+        .ids()
+        .filter(move |&v| is_candidate[v] && is_outermost(v))
+        .map(|v| (v, u32::MAX))
 }
 
 fn check_spacing(vertex: VertexId, spacing: f64) -> Result<(), ConstraintError> {
@@ -124,26 +151,20 @@ impl Region<'_> {
             return;
         }
         let count = (area * 2.0 / 3.0_f64.sqrt()).round().max(1.0) as usize;
-        let mut next = self.nearest(piece, self.middle(piece, |v| self.areas[v.index()]));
-        let mut farthest = BinaryHeap::new();
-        for chosen in 0..count.min(piece.len()) {
-            self.graph.add_source(voronoi, next, centres.len() as u32);
-            centres.push(next);
-            if chosen == 0 {
-                farthest.extend(
-                    piece
-                        .iter()
-                        .map(|&v| (tick(voronoi.distance[v.index()]), Reverse(v))),
-                );
-            }
+        let entry = |voronoi: &Voronoi, v: VertexId| (voronoi.distance[v.index()], Reverse(v));
+        let mut farthest: BinaryHeap<_> = piece.iter().map(|&v| entry(voronoi, v)).collect();
+        let first = centres.len();
+        while centres.len() < first + count
+            && let Some((distance, Reverse(vertex))) = farthest.pop()
+        {
             // Distances only shrink: an entry that is out of date goes back with its new one.
-            while let Some((key, Reverse(vertex))) = farthest.pop() {
-                let current = tick(voronoi.distance[vertex.index()]);
-                if current == key {
-                    next = vertex;
-                    break;
-                }
-                farthest.push((current, Reverse(vertex)));
+            let current = entry(voronoi, vertex);
+            if current.0 < distance {
+                farthest.push(current);
+            } else {
+                let number = centres.len() as u32;
+                self.graph.add_sources(voronoi, [(vertex, number)], 0);
+                centres.push(vertex);
             }
         }
     }
@@ -164,9 +185,8 @@ impl Region<'_> {
         centres: &mut [VertexId],
     ) -> bool {
         *voronoi = Voronoi::new(is_candidate.len());
-        for (number, &centre) in centres.iter().enumerate() {
-            self.graph.add_source(voronoi, centre, number as u32);
-        }
+        let sources = centres.iter().copied().zip(0..);
+        self.graph.add_sources(voronoi, sources, 0);
         let mut cells = vec![Vec::new(); centres.len()];
         for (vertex, _) in is_candidate.iter().filter(|pair| *pair.1) {
             if let Some(cell) = cells.get_mut(voronoi.owner[vertex.index()] as usize) {
@@ -204,12 +224,7 @@ impl Region<'_> {
 
     fn nearest(&self, vertices: &[VertexId], place: Vector3<f64>) -> VertexId {
         let distance = |v: VertexId| (self.positions[v.index()] - place).norm() / self.spacing[v];
-        let best = vertices.iter().min_by_key(|&&v| (tick(distance(v)), v));
+        let best = vertices.iter().min_by_key(|&&v| (ticks(distance(v)), v));
         *best.expect("a piece or cell holds at least one vertex")
     }
-}
-
-/// A distance, in units of the spacing, as a whole number of steps of 1e-9.
-fn tick(distance: f64) -> u64 {
-    (distance * 1e9).round() as u64
 }

@@ -15,14 +15,24 @@ use ruga_mesh::{Edge, Id, PerVertex, TriMesh, VertexId};
 /// on a regular mesh are up to 15 % too long, depending on direction; with the links from apex to
 /// apex across an edge, unfolded, 4 %.
 pub(crate) struct RegionGraph {
-    links: Csr<(), f64, Directed, u32>,
+    links: Csr<(), u64, Directed, u32>,
     pieces: UnionFind<u32>,
 }
 
+/// A length in whole steps of 1e-9 of the spacing.
+///
+/// Lengths that differ by rounding are then the same, and so is every choice between equals on a
+/// mesh that was moved or turned.
+pub(crate) fn ticks(length: f64) -> u64 {
+    (length * TICKS_PER_SPACING).round() as u64
+}
+
+const TICKS_PER_SPACING: f64 = 1e9;
+
 /// The nearest source of every vertex.
 pub(crate) struct Voronoi {
-    /// Distance in units of the spacing; infinite where no source reaches.
-    pub(crate) distance: Vec<f64>,
+    /// Distance in ticks; `u64::MAX` where no source reaches.
+    pub(crate) distance: Vec<u64>,
     /// Number of the nearest source.
     pub(crate) owner: Vec<u32>,
 }
@@ -30,7 +40,7 @@ pub(crate) struct Voronoi {
 impl Voronoi {
     pub(crate) fn new(vertex_count: usize) -> Self {
         Self {
-            distance: vec![f64::INFINITY; vertex_count],
+            distance: vec![u64::MAX; vertex_count],
             owner: vec![u32::MAX; vertex_count],
         }
     }
@@ -43,10 +53,10 @@ impl RegionGraph {
         spacing: &PerVertex<f64>,
         is_candidate: &PerVertex<bool>,
     ) -> Self {
-        let mut links: Vec<(u32, u32, f64)> = Vec::with_capacity(4 * mesh.edges().len());
+        let mut links: Vec<(u32, u32, u64)> = Vec::with_capacity(4 * mesh.edges().len());
         let mut pieces = UnionFind::new(mesh.vertex_count());
         let mut link = |[a, b]: [VertexId; 2], length: f64| {
-            let length = length / (0.5 * (spacing[a] + spacing[b]));
+            let length = ticks(length / (0.5 * (spacing[a] + spacing[b])));
             links.extend([(a.0, b.0, length), (b.0, a.0, length)]);
         };
         for (_, edge) in mesh.edges().iter() {
@@ -68,7 +78,7 @@ impl RegionGraph {
             }
         }
         // Of links between the same two vertices the shortest stays.
-        links.sort_unstable_by(|l, r| (l.0, l.1).cmp(&(r.0, r.1)).then(l.2.total_cmp(&r.2)));
+        links.sort_unstable();
         links.dedup_by_key(|l| (l.0, l.1));
         let mut graph = Csr::from_sorted_edges(&links).expect("the links were sorted just above");
         while graph.node_count() < mesh.vertex_count() {
@@ -85,25 +95,34 @@ impl RegionGraph {
         self.pieces.find(vertex.0)
     }
 
-    /// Dijkstra from one more source, going on only where it is nearer than the earlier ones.
-    pub(crate) fn add_source(&self, voronoi: &mut Voronoi, source: VertexId, number: u32) {
+    /// Dijkstra from more sources, going on only where they are nearer than the earlier ones.
+    ///
+    /// `sources` are vertices with their numbers; they start at `head_start` ticks.
+    pub(crate) fn add_sources(
+        &self,
+        voronoi: &mut Voronoi,
+        sources: impl IntoIterator<Item = (VertexId, u32)>,
+        head_start: u64,
+    ) {
         let Voronoi { distance, owner } = voronoi;
-        distance[source.index()] = 0.0;
-        owner[source.index()] = number;
-        // Distances are not negative, so their bits order as they do.
-        let mut queue = BinaryHeap::from([Reverse((0.0_f64.to_bits(), source.0))]);
-        while let Some(Reverse((bits, from))) = queue.pop() {
-            let reached = f64::from_bits(bits);
+        let mut queue = BinaryHeap::new();
+        for (source, number) in sources {
+            distance[source.index()] = head_start;
+            owner[source.index()] = number;
+            queue.push(Reverse((head_start, source.0)));
+        }
+        while let Some(Reverse((reached, from))) = queue.pop() {
             if reached > distance[from as usize] {
                 continue;
             }
+            let number = owner[from as usize];
             let neighbours = self.links.neighbors_slice(from);
             for (&to, length) in neighbours.iter().zip(self.links.edges_slice(from)) {
                 let candidate = reached + length;
                 if candidate < distance[to as usize] {
                     distance[to as usize] = candidate;
                     owner[to as usize] = number;
-                    queue.push(Reverse((candidate.to_bits(), to)));
+                    queue.push(Reverse((candidate, to)));
                 }
             }
         }
