@@ -31,7 +31,7 @@ pub enum MaterialError {
          check the units (all are SI: Pa, m, kg/m³)"
     )]
     Overflow {
-        /// The first quantity that is not a finite positive number.
+        /// The first quantity that has no such value.
         quantity: &'static str,
         /// What was computed for it.
         value: f64,
@@ -56,12 +56,12 @@ pub(crate) fn require_poisson(parameter: &'static str, value: f64) -> Result<(),
     }
 }
 
-/// Accepts a computed quantity that neither overflowed nor vanished.
+/// Accepts a computed quantity that neither overflowed nor lost digits to underflow.
 pub(crate) fn require_representable(
     quantity: &'static str,
     value: f64,
 ) -> Result<(), MaterialError> {
-    if value.is_finite() && value > 0.0 {
+    if value.is_normal() && value > 0.0 {
         Ok(())
     } else {
         Err(MaterialError::Overflow { quantity, value })

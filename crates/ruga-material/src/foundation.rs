@@ -109,3 +109,88 @@ fn sinh_over_x_terms(x: f64) -> (f64, f64) {
     }
     (excess, slope)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const POISSON: [f64; 9] = [
+        -0.999,
+        -0.5,
+        0.0,
+        0.3,
+        0.45,
+        0.48,
+        0.499,
+        0.499_999,
+        0.5 - 1e-12,
+    ];
+
+    fn wave_numbers() -> impl Iterator<Item = f64> {
+        (-80..=40).map(|i| (f64::from(i) / 8.0).exp())
+    }
+
+    #[test]
+    fn exponent_is_the_logarithmic_slope() {
+        let step = 1e-4_f64;
+        for poisson in POISSON {
+            let foundation = Foundation::new(poisson);
+            for x in wave_numbers() {
+                let above = foundation.at(x * step.exp()).stiffness;
+                let below = foundation.at(x / step.exp()).stiffness;
+                let slope = (above / below).ln() / (2.0 * step);
+                // Central differences: 1e-8 from the third derivative, 1e-11 from rounding.
+                assert!(
+                    (slope - foundation.at(x).exponent).abs() < 2e-8,
+                    "ν {poisson}, x {x}"
+                );
+            }
+        }
+    }
+
+    /// What the bracket of the critical wave and its uniqueness rest on.
+    #[test]
+    fn exponent_and_stiffness_stay_in_their_bounds() {
+        let rounding = 1e-13;
+        for poisson in POISSON {
+            let foundation = Foundation::new(poisson);
+            let Foundation { q, delta } = foundation;
+            let mut quotient = 0.0;
+            for x in wave_numbers() {
+                let FoundationPoint {
+                    stiffness,
+                    exponent,
+                } = foundation.at(x);
+                let at = format!("ν {poisson}, x {x}: g {stiffness}, p {exponent}");
+                assert!(
+                    (-2.0 - rounding..=1.0 + rounding).contains(&exponent),
+                    "{at}"
+                );
+                assert!(stiffness >= x / q * (1.0 - rounding), "{at}");
+                let bound = x / (delta * (1.0 + q)).sqrt() + 1.0 / delta;
+                assert!(stiffness <= bound * (1.0 + rounding), "{at}");
+                let next = x * x * x * x / (stiffness * (2.0 - exponent));
+                assert!(next > quotient, "{at}");
+                quotient = next;
+            }
+        }
+    }
+
+    #[test]
+    fn pieces_meet_where_the_formula_changes() {
+        for poisson in POISSON {
+            let foundation = Foundation::new(poisson);
+            for x in [SERIES_BELOW, HALF_SPACE_FROM] {
+                let (below, above) = (foundation.at(x.next_down()), foundation.at(x.next_up()));
+                assert!(
+                    (below.stiffness / above.stiffness - 1.0).abs() < 1e-14,
+                    "ν {poisson}"
+                );
+                assert!(
+                    (below.exponent - above.exponent).abs() < 3e-14,
+                    "ν {poisson}, x {x}"
+                );
+            }
+        }
+    }
+}

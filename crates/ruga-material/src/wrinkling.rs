@@ -209,6 +209,8 @@ fn bonded_layer_wave(
 fn critical_x(bending: f64, foundation: &Foundation) -> f64 {
     // The step converges by a factor of 3 or better; bisection of the widest bracket needs 60.
     const MAX_ITERATIONS: usize = 100;
+    // A few units in the last place.
+    const TOLERANCE: f64 = 4.0 * f64::EPSILON;
     let Foundation { q, delta } = *foundation;
     let mut low = (0.5 / (bending * q)).cbrt();
     let mut high = (4.0 / (bending * (delta * (1.0 + q)).sqrt()))
@@ -225,15 +227,16 @@ fn critical_x(bending: f64, foundation: &Foundation) -> f64 {
         }
         // Newton in ln x, with the slope 4 - p that a constant p has.
         let proposed = x * (-excess.ln() / (4.0 - point.exponent)).exp();
-        let next = if (low..=high).contains(&proposed) {
+        // The bracket closes first where the rounding of `excess` exceeds the tolerance.
+        if (proposed - x).abs() <= TOLERANCE * x || high - low <= TOLERANCE * high {
+            return x;
+        }
+        let inside = low < proposed && proposed < high;
+        x = if inside {
             proposed
         } else {
             low.sqrt() * high.sqrt()
         };
-        if (next - x).abs() <= f64::EPSILON * x {
-            return next;
-        }
-        x = next;
     }
     x
 }
