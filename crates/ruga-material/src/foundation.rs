@@ -7,7 +7,8 @@
 //! Two facts bound both. A field admissible in a thin layer, continued by zero, is admissible in a
 //! thicker one, so `g/x` falls with `x`: `p ≤ 1` and `g ≥ x/q`, the half-space. And the field without
 //! tangential displacement is admissible, so `g ≤ a x coth(x/(a δ)) ≤ a x + 1/δ` with
-//! `δ = q - 1` and `a = 1/√(δ (1 + q))`.
+//! `δ = q - 1` and `a = 1/√(δ (1 + q))`. That `p ≥ -2` and that `x⁴/(g (2 - p))` rises, so that a layer
+//! on top has one critical wave, is not proven here but checked by the tests over all ν and `x`.
 
 use crate::Substrate;
 
