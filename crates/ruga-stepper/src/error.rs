@@ -1,0 +1,61 @@
+//! What can be wrong with a scene once its files are read.
+
+use ruga_blend::BlendError;
+use ruga_constraint::ConstraintError;
+use ruga_material::MaterialError;
+use ruga_shell::ShellError;
+use ruga_solver::SolverError;
+
+/// Why a pose cannot be planned or simulated.
+#[derive(Debug, thiserror::Error)]
+pub enum StepperError {
+    /// There is no layer to simulate.
+    #[error("the scene has no layer; at least one [[layers]] is needed")]
+    NoLayer,
+    /// More layers than this version can stack.
+    #[error("the scene has {count} layers; this version simulates one")]
+    TooManyLayers {
+        /// Layers in the scene.
+        count: usize,
+    },
+    /// The region mask leaves nothing.
+    #[error(
+        "the region mask is black wherever the mesh has texture coordinates; paint at least one face white"
+    )]
+    BlackMask,
+    /// A material is out of range.
+    #[error("layer '{layer}': {source}")]
+    Material {
+        /// Name of the layer.
+        layer: String,
+        /// What is wrong.
+        source: MaterialError,
+    },
+    /// The driver cannot be posed.
+    #[error(transparent)]
+    Blend(#[from] BlendError),
+    /// The layer's mesh has no energy.
+    #[error("layer '{layer}': {source}")]
+    Shell {
+        /// Name of the layer.
+        layer: String,
+        /// What is wrong.
+        source: ShellError,
+    },
+    /// The constraints cannot be sampled.
+    #[error("layer '{layer}': {source}")]
+    Constraint {
+        /// Name of the layer.
+        layer: String,
+        /// What is wrong.
+        source: ConstraintError,
+    },
+    /// The solver refused its input or broke down.
+    #[error("layer '{layer}': {source}")]
+    Solver {
+        /// Name of the layer.
+        layer: String,
+        /// What is wrong.
+        source: SolverError,
+    },
+}

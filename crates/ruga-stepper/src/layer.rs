@@ -1,0 +1,477 @@
+//! One layer on a fixed mesh, held by a surface below it.
+
+use nalgebra::{Matrix2, Rotation3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use ruga_blend::{BaseSurface, FaceStrain, PosedSurface, face_strains};
+use ruga_constraint::{ClusterSettings, Kernel, cluster_centres, constraint_rows};
+use ruga_material::{Wrinkling, capped_strain};
+use ruga_mesh::{FaceId, Id, PerFace, PerVertex, VertexId};
+use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters, ShellError};
+use ruga_solver::{
+    ConstraintRows, Iteration, Kkt, LowerPattern, NewtonSettings, Objective, SolveReport,
+    SolverError, minimise,
+};
+
+use crate::measure::heights;
+use crate::{Coupling, LayerSpec, LayerSurface, StepperError};
+
+/// Spacing of the low-pass rows beside a foundation, in wavelengths (coupling notes 3).
+const HYBRID_SPACING: f64 = 1.5;
+/// Spacing of rows that act alone: a hex lattice then lets the wavelength itself through
+/// (physics notes 2.1).
+const CONSTRAINT_SPACING: f64 = 0.577_350_269_189_625_8;
+/// A row is dropped when less than this share of its weight is on vertices that move.
+const MIN_FREE_WEIGHT: f64 = 0.2;
+/// Levenberg floor in units of `K0 V_i` (coupling notes 6.1).
+const FLOOR: f64 = 1e-6;
+/// Initial noise in thicknesses; a tenth picks a wrong wavelength (coupling notes 6.2).
+const NOISE: f64 = 1e-3;
+/// Compression from which the rest metric is capped.
+const CAP_START: f64 = 0.15;
+
+/// Where a layer and the surface below it are.
+pub(crate) struct LayerState {
+    positions: Vec<Vector3<f64>>,
+    below: PosedSurface,
+}
+
+/// A layer: mesh, energy, rows, and its present shape.
+pub(crate) struct Layer {
+    pub(crate) spec: LayerSpec,
+    pub(crate) wrinkling: Wrinkling,
+    surface: BaseSurface,
+    rest: PosedSurface,
+    areas: Vec<f64>,
+    below: PosedSurface,
+    strains: PerFace<FaceStrain>,
+    positions: Vec<Vector3<f64>>,
+    energy: LayerEnergy,
+    is_capped: bool,
+    free: Vec<VertexId>,
+    floor: Vec<f64>,
+    kkt: Kkt,
+    triangles: PerFace<u32>,
+}
+
+impl Layer {
+    /// Builds the layer on `surface`, at rest on it.
+    ///
+    /// `triangles` names the file's triangle of every driver face.
+    pub(crate) fn new(
+        spec: &LayerSpec,
+        wrinkling: &Wrinkling,
+        surface: BaseSurface,
+        rest: PosedSurface,
+        triangles: PerFace<u32>,
+        seed: u64,
+    ) -> Result<Self, StepperError> {
+        let shell = |source| StepperError::Shell {
+            layer: spec.name.clone(),
+            source,
+        };
+        let solver = |source| StepperError::Solver {
+            layer: spec.name.clone(),
+            source,
+        };
+        let mesh = surface.mesh();
+        let pinned = mesh.border_vertices();
+        let faces: Vec<[u32; 3]> = mesh
+            .faces()
+            .as_slice()
+            .iter()
+            .map(|f| f.map(|v| v.0))
+            .collect();
+        let parameters = layer_parameters(spec, wrinkling, faces.len(), rest.positions.len());
+        let energy = LayerEnergy::new(&rest.positions, &faces, parameters, pinned.as_slice())
+            .map_err(shell)?;
+        let free: Vec<VertexId> = pinned
+            .iter()
+            .filter(|(_, pinned)| !**pinned)
+            .map(|(v, _)| v)
+            .collect();
+        let (starts, entries) = energy.pattern();
+        let pattern = LowerPattern::new(starts.to_vec(), entries.to_vec()).map_err(solver)?;
+        let areas = energy.vertex_areas().to_vec();
+        let floor = free
+            .iter()
+            .flat_map(|v| [FLOOR * wrinkling.normal_stiffness * areas[v.index()]; 3])
+            .collect();
+        let rows = low_pass_rows(spec, wrinkling, &surface, &rest, &pinned, &free)?;
+        let kkt = Kkt::new(&pattern, &rows, 3).map_err(solver)?;
+        let mut layer = Self {
+            spec: spec.clone(),
+            wrinkling: *wrinkling,
+            strains: face_strains(surface.mesh(), &rest.positions, &rest.positions),
+            positions: rest.positions.clone(),
+            below: rest.clone(),
+            surface,
+            rest,
+            areas,
+            energy,
+            is_capped: false,
+            free,
+            floor,
+            kkt,
+            triangles,
+        };
+        layer.add_noise(seed);
+        Ok(layer)
+    }
+
+    pub(crate) fn vertex_count(&self) -> usize {
+        self.positions.len()
+    }
+
+    pub(crate) fn face_count(&self) -> usize {
+        self.surface.mesh().face_count()
+    }
+
+    pub(crate) fn row_count(&self) -> usize {
+        self.kkt.rows().count() / 3
+    }
+
+    /// A little of every wave, so that none has to grow out of rounding errors.
+    fn add_noise(&mut self, seed: u64) {
+        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        let size = NOISE * self.spec.material.thickness;
+        for v in &self.free {
+            let height = size * random.random_range(-1.0..1.0);
+            self.positions[v.index()] += self.rest.normals[v.index()] * height;
+        }
+    }
+
+    /// Moves the surface below; the layer is carried along, turning with it.
+    pub(crate) fn set_below(&mut self, below: PosedSurface) -> Result<(), StepperError> {
+        for i in 0..self.positions.len() {
+            let deviation = self.positions[i] - self.below.positions[i];
+            let turn = turn_between(&self.below, &below, i);
+            self.positions[i] = below.positions[i] + turn * deviation;
+        }
+        self.strains = face_strains(self.surface.mesh(), &self.rest.positions, &below.positions);
+        self.cap_rest_metric()?;
+        let no_offset = vec![0.0; self.positions.len()];
+        self.energy
+            .set_base(&below.positions, &below.normals, &no_offset)
+            .map_err(|source| self.shell_error(source))?;
+        self.below = below;
+        Ok(())
+    }
+
+    /// Beyond 15 % the rest metric shrinks with the surface below, face by face.
+    fn cap_rest_metric(&mut self) -> Result<(), StepperError> {
+        let capped = self.strains.as_slice().iter().any(|s| s.first > CAP_START);
+        if capped || self.is_capped {
+            let stretches: Vec<Matrix2<f64>> =
+                self.strains.as_slice().iter().map(cap_stretch).collect();
+            self.energy
+                .set_rest_metric(&stretches)
+                .map_err(|source| self.shell_error(source))?;
+        }
+        self.is_capped = capped;
+        Ok(())
+    }
+
+    fn shell_error(&self, source: ShellError) -> StepperError {
+        StepperError::Shell {
+            layer: self.spec.name.clone(),
+            source,
+        }
+    }
+
+    /// Finds the equilibrium near the present positions and moves there.
+    pub(crate) fn minimise(
+        &mut self,
+        settings: &NewtonSettings,
+        keep_going: &mut dyn FnMut(&Iteration) -> bool,
+    ) -> Result<SolveReport, SolverError> {
+        // A row asks for the same average of the layer as of the surface below.
+        let mut targets = vec![0.0; self.kkt.rows().count()];
+        self.kkt
+            .rows()
+            .mul(&gather(&self.free, &self.below.positions), &mut targets)?;
+        let mut unknowns = gather(&self.free, &self.positions);
+        let objective = LayerObjective {
+            energy: &self.energy,
+            free: &self.free,
+            positions: &self.positions,
+            pattern: self.kkt.pattern().clone(),
+            floor: &self.floor,
+            area: self.areas.iter().sum(),
+            wrinkling: &self.wrinkling,
+            thickness: self.spec.material.thickness,
+        };
+        let report = minimise(
+            &objective,
+            &targets,
+            &mut unknowns,
+            &mut self.kkt,
+            settings,
+            keep_going,
+        )?;
+        scatter(&self.free, &unknowns, &mut self.positions);
+        Ok(report)
+    }
+
+    /// Shape of the layer and of the surface below it, to return to.
+    pub(crate) fn state(&self) -> LayerState {
+        LayerState {
+            positions: self.positions.clone(),
+            below: self.below.clone(),
+        }
+    }
+
+    /// Returns to an earlier shape; the surface below has to be set before the next solve.
+    pub(crate) fn restore(&mut self, state: &LayerState) {
+        self.positions.clone_from(&state.positions);
+        self.below.clone_from(&state.below);
+    }
+
+    /// Total elastic energy, J.
+    pub(crate) fn energy(&self) -> f64 {
+        self.energy.value(&self.positions)
+    }
+
+    /// Wrinkle heights, m.
+    pub(crate) fn heights(&self) -> Vec<f64> {
+        heights(
+            &self.positions,
+            &self.below.positions,
+            &self.below.normals,
+            0.0,
+        )
+    }
+
+    pub(crate) fn rest(&self) -> &PosedSurface {
+        &self.rest
+    }
+
+    /// Faces on which the surface below asks for more than the critical strain.
+    pub(crate) fn supercritical_faces(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
+        let poisson = self.spec.material.poisson;
+        let mesh = self.surface.mesh();
+        self.strains
+            .iter()
+            .filter(move |(_, s)| s.effective(poisson) > self.wrinkling.critical_strain)
+            .map(move |(face, _)| mesh.faces()[face].map(|v| v.0))
+    }
+
+    /// The layer as others see it.
+    pub(crate) fn snapshot(&self) -> LayerSurface {
+        let mesh = self.surface.mesh();
+        LayerSurface {
+            name: self.spec.name.clone(),
+            positions: self.positions.clone(),
+            driver_positions: self.below.positions.clone(),
+            driver_normals: self.below.normals.clone(),
+            offset: 0.0,
+            faces: mesh
+                .faces()
+                .as_slice()
+                .iter()
+                .map(|f| f.map(|v| v.0))
+                .collect(),
+            uvs: self.surface.uvs().as_slice().to_vec(),
+            artist: mesh
+                .faces()
+                .ids()
+                .map(|face: FaceId| {
+                    let origin = &self.surface.origins()[face];
+                    (self.triangles[origin.face], origin.corners)
+                })
+                .collect(),
+        }
+    }
+
+    /// The surface of base vertices this layer stands on.
+    pub(crate) fn surface(&self) -> &BaseSurface {
+        &self.surface
+    }
+}
+
+/// How the surface turns at one vertex between two poses.
+fn turn_between(old: &PosedSurface, new: &PosedSurface, vertex: usize) -> Rotation3<f64> {
+    let frame = |surface: &PosedSurface| {
+        let (n, t) = (surface.normals[vertex], surface.tangents[vertex]);
+        Rotation3::from_basis_unchecked(&[t, n.cross(&t), n])
+    };
+    frame(new) * frame(old).inverse()
+}
+
+/// Shrinks the rest metric along the compressed direction (layers notes 1.3, item 6).
+fn cap_stretch(strain: &FaceStrain) -> Matrix2<f64> {
+    if strain.first <= CAP_START {
+        return Matrix2::identity();
+    }
+    let ratio = (1.0 - strain.first) / (1.0 - capped_strain(strain.first));
+    let d = strain.direction;
+    Matrix2::identity() + d * d.transpose() * (ratio - 1.0)
+}
+
+fn layer_parameters(
+    spec: &LayerSpec,
+    wrinkling: &Wrinkling,
+    faces: usize,
+    vertices: usize,
+) -> LayerParameters {
+    let held = spec.coupling != Coupling::Constraint;
+    let spring = |stiffness: f64| if held { stiffness } else { 0.0 };
+    let face = FaceParameters {
+        young: spec.material.young,
+        poisson: spec.material.poisson,
+        thickness: spec.material.thickness,
+        normal_stiffness: spring(wrinkling.normal_stiffness),
+        gradient_stiffness: spring(wrinkling.gradient_stiffness),
+    };
+    LayerParameters {
+        faces: vec![face; faces],
+        tangential_stiffness: vec![spring(wrinkling.tangential_stiffness); vertices],
+    }
+}
+
+/// The rows of the layer's coupling on the coordinates of its free vertices, x, y, z in turn.
+fn low_pass_rows(
+    spec: &LayerSpec,
+    wrinkling: &Wrinkling,
+    surface: &BaseSurface,
+    rest: &PosedSurface,
+    pinned: &PerVertex<bool>,
+    free: &[VertexId],
+) -> Result<ConstraintRows, StepperError> {
+    let solver = |source| StepperError::Solver {
+        layer: spec.name.clone(),
+        source,
+    };
+    let wavelength = wrinkling.wavelength;
+    let (spacing, kernel) = match spec.coupling {
+        Coupling::Elastic => return Ok(ConstraintRows::none(3 * free.len())),
+        Coupling::Hybrid => (
+            HYBRID_SPACING * wavelength,
+            Kernel::beside_foundation(HYBRID_SPACING * wavelength),
+        ),
+        Coupling::Constraint => (CONSTRAINT_SPACING * wavelength, Kernel::alone(wavelength)),
+    };
+    if free.is_empty() {
+        return Ok(ConstraintRows::none(0));
+    }
+    let constraint = |source| StepperError::Constraint {
+        layer: spec.name.clone(),
+        source,
+    };
+    let mesh = surface.mesh();
+    let centres = cluster_centres(
+        mesh,
+        &rest.positions,
+        &PerVertex::filled(mesh.vertex_count(), spacing),
+        free,
+        &ClusterSettings::default(),
+    )
+    .map_err(constraint)?;
+    let set = constraint_rows(
+        mesh,
+        &rest.positions,
+        &rest.normals,
+        &centres,
+        &vec![kernel; centres.len()],
+        spec.sampling,
+    )
+    .map_err(constraint)?;
+    let mut unknown = PerVertex::filled(mesh.vertex_count(), None);
+    for (i, &v) in free.iter().enumerate() {
+        unknown[v] = Some(3 * i);
+    }
+    let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
+    for row in &set.rows {
+        // Pinned vertices lie on their targets, so their share of the average is right already.
+        let moving: Vec<(usize, f64)> = row
+            .weights
+            .iter()
+            .filter(|(v, _)| !pinned[*v])
+            .filter_map(|&(v, w)| unknown[v].map(|u| (u, w)))
+            .collect();
+        if moving.iter().map(|m| m.1).sum::<f64>() < MIN_FREE_WEIGHT {
+            continue;
+        }
+        for axis in 0..3 {
+            columns.extend(moving.iter().map(|(u, _)| u + axis));
+            values.extend(moving.iter().map(|(_, w)| w));
+            starts.push(columns.len());
+        }
+    }
+    ConstraintRows::new(starts, columns, values, 3 * free.len()).map_err(solver)
+}
+
+fn gather(free: &[VertexId], positions: &[Vector3<f64>]) -> Vec<f64> {
+    free.iter()
+        .flat_map(|v| {
+            let p = positions[v.index()];
+            [p.x, p.y, p.z]
+        })
+        .collect()
+}
+
+fn scatter(free: &[VertexId], unknowns: &[f64], positions: &mut [Vector3<f64>]) {
+    for (v, x) in free.iter().zip(unknowns.chunks_exact(3)) {
+        positions[v.index()] = Vector3::new(x[0], x[1], x[2]);
+    }
+}
+
+/// A layer's energy as a function of the coordinates that move.
+struct LayerObjective<'a> {
+    energy: &'a LayerEnergy,
+    free: &'a [VertexId],
+    /// Where pinned vertices are.
+    positions: &'a [Vector3<f64>],
+    pattern: LowerPattern,
+    floor: &'a [f64],
+    area: f64,
+    wrinkling: &'a Wrinkling,
+    thickness: f64,
+}
+
+impl LayerObjective<'_> {
+    fn all_positions(&self, unknowns: &[f64]) -> Vec<Vector3<f64>> {
+        let mut positions = self.positions.to_vec();
+        scatter(self.free, unknowns, &mut positions);
+        positions
+    }
+}
+
+impl Objective for LayerObjective<'_> {
+    fn pattern(&self) -> &LowerPattern {
+        &self.pattern
+    }
+
+    fn value(&self, x: &[f64]) -> f64 {
+        self.energy.value(&self.all_positions(x))
+    }
+
+    fn gradient(&self, x: &[f64], gradient: &mut [f64]) -> f64 {
+        let positions = self.all_positions(x);
+        self.energy.gradient(&positions, gradient);
+        self.energy.value(&positions)
+    }
+
+    fn hessian(&self, x: &[f64], exact: &mut [f64], relaxed: &mut [f64]) {
+        self.energy
+            .hessian(&self.all_positions(x), exact, Some(relaxed));
+    }
+
+    fn floor(&self) -> &[f64] {
+        self.floor
+    }
+
+    fn energy_scale(&self) -> f64 {
+        let w = self.wrinkling;
+        0.5 * w.membrane_stiffness * w.critical_strain.powi(2) * self.area
+    }
+
+    fn force_scale(&self) -> f64 {
+        let per_vertex = self.area / self.positions.len().max(1) as f64;
+        self.wrinkling.normal_stiffness * self.thickness * per_vertex
+    }
+
+    fn length_scale(&self) -> f64 {
+        self.thickness
+    }
+}

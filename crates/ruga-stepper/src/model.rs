@@ -1,0 +1,117 @@
+//! What is to be simulated: materials, couplings, poses and the choices of the planner.
+
+use nalgebra::Vector2;
+use ruga_blend::{Smoothing, Weights};
+use ruga_constraint::Sampling;
+use ruga_material::{LayerMaterial, Substrate, WavelengthModel};
+use ruga_solver::LinearSolver;
+
+/// How a layer is held by what lies below it (design 6.1).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Coupling {
+    /// Low-pass rows at spacing wavelength/√3 and nothing else: the papers' coupling.
+    Constraint,
+    /// Pasternak foundation and tangential tie.
+    Elastic,
+    /// Pasternak, tie and low-pass rows at 1.5 wavelengths.
+    #[default]
+    Hybrid,
+}
+
+/// One layer and what it lies on.
+#[derive(Clone, Debug)]
+pub struct LayerSpec {
+    /// Name in reports and file names.
+    pub name: String,
+    /// The layer.
+    pub material: LayerMaterial,
+    /// What carries it.
+    pub substrate: Substrate,
+    /// Formula for wavelength and critical strain.
+    pub model: WavelengthModel,
+    /// How the two hold together.
+    pub coupling: Coupling,
+    /// How constraint functions are sampled.
+    pub sampling: Sampling,
+}
+
+/// One pose to simulate.
+#[derive(Clone, Debug)]
+pub struct PoseSpec {
+    /// Name in reports and file names.
+    pub name: String,
+    /// Blend-shape weights at load 1.
+    pub weights: Weights,
+    /// Loads at which results are kept, in (0, 1], ascending.
+    pub keys: Vec<f64>,
+    /// Load steps from 0 to 1, at least 1.
+    pub steps: u32,
+}
+
+/// Where layers are simulated.
+#[derive(Clone, Debug, Default)]
+pub enum Region {
+    /// Where a pose compresses the skin enough.
+    #[default]
+    Auto,
+    /// Everywhere.
+    All,
+    /// Where a pose compresses the skin enough and the painted mask is at least one half.
+    Mask(Mask),
+}
+
+/// A painted grey image over the UV square.
+#[derive(Clone, Debug)]
+pub struct Mask {
+    /// Pixels per row.
+    pub width: u32,
+    /// Rows, the first one at V = 0.
+    pub height: u32,
+    /// Grey values in [0, 1], row by row.
+    pub values: Vec<f32>,
+}
+
+impl Mask {
+    /// Grey value of the pixel under a texture coordinate; black outside the unit square.
+    pub fn at(&self, uv: Vector2<f64>) -> f64 {
+        if !(0.0..=1.0).contains(&uv.x) || !(0.0..=1.0).contains(&uv.y) {
+            return 0.0;
+        }
+        let pixel = |c: f64, count: u32| ((c * f64::from(count)) as usize).min(count as usize - 1);
+        let index = pixel(uv.y, self.height) * self.width as usize + pixel(uv.x, self.width);
+        f64::from(self.values[index])
+    }
+}
+
+/// Choices that are not physics.
+#[derive(Clone, Debug)]
+pub struct Modelling {
+    /// Where to simulate.
+    pub region: Region,
+    /// Edges per wavelength asked for; 12 is the standard quality.
+    pub points_per_wavelength: f64,
+    /// Vertices of one layer in one pose above which refinement stops, with a warning.
+    pub vertex_budget: usize,
+    /// The surface between the artist's vertices.
+    pub smoothing: Smoothing,
+    /// How linear systems are solved.
+    pub linear: LinearSolver,
+    /// Relative residual at which a solve may stop.
+    pub tolerance: f64,
+    /// Seed of the initial noise.
+    pub seed: u64,
+}
+
+impl Default for Modelling {
+    fn default() -> Self {
+        Self {
+            region: Region::Auto,
+            points_per_wavelength: 12.0,
+            vertex_budget: 300_000,
+            smoothing: Smoothing::Loop,
+            linear: LinearSolver::Ldlt,
+            tolerance: 1e-6,
+            seed: 1,
+        }
+    }
+}

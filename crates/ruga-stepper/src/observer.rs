@@ -1,0 +1,61 @@
+//! What a caller can watch while a pose is simulated.
+
+use crate::LayerSurface;
+
+/// What the time goes into: the columns of LK Table 6-1, without remeshing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Cluster centres and constraint functions.
+    Constraints,
+    /// Driver positions, normals and rest metric at the layer's vertices.
+    Sampling,
+    /// The solve.
+    Integration,
+}
+
+/// Where a solve stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Fraction of the pose, in (0, 1].
+    pub load: f64,
+    /// Newton iteration within this load step.
+    pub iteration: usize,
+    /// Vertices that move.
+    pub vertices: usize,
+}
+
+/// One converged load step.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<'a> {
+    /// Number of the frame, from 0.
+    pub index: usize,
+    /// Fraction of the pose, in (0, 1].
+    pub load: f64,
+    /// Layers, bottom first.
+    pub layers: &'a [LayerSurface],
+}
+
+/// Watches a simulation; the library itself has no clock and prints nothing.
+pub trait Observer {
+    /// The next piece of work begins; a caller with a clock can tell how long the last one took.
+    fn phase(&mut self, phase: Phase) {
+        let _ = phase;
+    }
+
+    /// An iteration ends; `false` asks to stop as soon as possible.
+    fn progress(&mut self, progress: Progress) -> bool {
+        let _ = progress;
+        true
+    }
+
+    /// A load step ends.
+    fn frame(&mut self, frame: &Frame<'_>) {
+        let _ = frame;
+    }
+}
+
+/// Watches nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Observer for Silent {}

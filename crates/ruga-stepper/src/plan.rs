@@ -1,0 +1,460 @@
+//! What will be modelled, where, how fine and at what cost; nothing is simulated here.
+
+use nalgebra::Vector3;
+use ruga_blend::{BaseSurface, Driver, PosedSurface};
+use ruga_material::{Wrinkling, wrinkling};
+use ruga_mesh::{FaceId, Id, PerFace};
+
+use crate::region::Demand;
+use crate::{LayerSpec, Modelling, PoseSpec, Region, StepperError};
+
+/// Faces of the planning surface above which it is not subdivided further.
+const MAX_PLANNING_FACES: usize = 1_500_000;
+/// Base edges stay below this share of the wavelength, or the artist's facets imprint.
+const FACET_SHARE: f64 = 1.0 / 3.0;
+/// Strain from which the rest metric is capped (layers notes 1.3).
+const CAP_START: f64 = 0.15;
+
+/// What will be modelled.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Per layer, its wavelength, critical strain and coupling stiffnesses.
+    pub wrinkling: Vec<Wrinkling>,
+    /// Per pose, what is simulated.
+    pub poses: Vec<PosePlan>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+    pub(crate) planning_levels: u32,
+}
+
+/// One pose's part of the plan.
+#[derive(Clone, Debug)]
+pub struct PosePlan {
+    /// Name of the pose.
+    pub name: String,
+    /// Bottom first.
+    pub layers: Vec<LayerPlan>,
+}
+
+/// One layer in one pose.
+#[derive(Clone, Debug)]
+pub struct LayerPlan {
+    /// Name of the layer.
+    pub name: String,
+    /// Critical wavelength, m.
+    pub wavelength: f64,
+    /// Critical strain.
+    pub critical_strain: f64,
+    /// Median over the active area of the largest effective strain of the driver.
+    pub strain_median: f64,
+    /// Its 99th percentile.
+    pub strain_p99: f64,
+    /// Area that is simulated, m²; zero where the layer cannot wrinkle.
+    pub active_area: f64,
+    /// Active area compressed beyond 15 %, where the rest metric is capped, m².
+    pub capped_area: f64,
+    /// Area left on the driver because the pose folds or collapses it, m².
+    pub folded_area: f64,
+    /// Vertices, estimated.
+    pub vertices: usize,
+    /// Times the driver's faces are split in four.
+    pub levels: u32,
+    /// Edges per wavelength that this gives (median over the active area).
+    pub points_per_wavelength: f64,
+    /// `C / (R² K0)` at the 95th percentile of the rest curvature: above 0.02 the purely elastic
+    /// coupling delays wrinkles.
+    pub chi: f64,
+    /// Texels of the map per wavelength (median over the active area).
+    pub texels_per_wavelength: f64,
+    /// Expected time of the pose on one core, s.
+    pub seconds: f64,
+    /// Expected memory, bytes.
+    pub memory: f64,
+    pub(crate) region: Vec<u64>,
+}
+
+/// Finds out what `poses` ask of `layers`.
+///
+/// `map_size` is the side of the maps in texels.
+///
+/// # Errors
+/// Bad materials, a black mask, no layer or no pose.
+pub fn plan(
+    driver: &Driver,
+    layers: &[LayerSpec],
+    poses: &[PoseSpec],
+    modelling: &Modelling,
+    map_size: u32,
+) -> Result<Plan, StepperError> {
+    let wrinkling = layers
+        .iter()
+        .map(|layer| {
+            wrinkling(&layer.material, &layer.substrate, layer.model).map_err(|source| {
+                StepperError::Material {
+                    layer: layer.name.clone(),
+                    source,
+                }
+            })
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let Some(finest) = wrinkling.iter().map(|w| w.wavelength).reduce(f64::min) else {
+        return Err(StepperError::NoLayer);
+    };
+    let planning = PlanningSurface::new(driver, modelling, finest);
+    if let Region::Mask(_) = modelling.region {
+        planning.check_mask(&modelling.region)?;
+    }
+    let mut warnings = Vec::new();
+    let pose_plans = poses
+        .iter()
+        .map(|pose| {
+            planning.pose_plan(
+                driver,
+                layers,
+                &wrinkling,
+                pose,
+                modelling,
+                map_size,
+                &mut warnings,
+            )
+        })
+        .collect();
+    Ok(Plan {
+        wrinkling,
+        poses: pose_plans,
+        warnings,
+        planning_levels: planning.surface.levels(),
+    })
+}
+
+/// The whole driver, subdivided finely enough to measure strain on.
+struct PlanningSurface {
+    surface: BaseSurface,
+    rest: PosedSurface,
+    /// Mean edge of every face, m.
+    edges: PerFace<f64>,
+    /// Largest normal curvature along the edges of every face, 1/m.
+    curvatures: PerFace<f64>,
+    /// Texels per metre at size 1.
+    uv_density: PerFace<f64>,
+}
+
+impl PlanningSurface {
+    fn new(driver: &Driver, modelling: &Modelling, wavelength: f64) -> Self {
+        let faces: Vec<FaceId> = driver.topology().faces().ids().collect();
+        let mut lengths: Vec<f64> = driver
+            .topology()
+            .edges()
+            .as_slice()
+            .iter()
+            .map(|edge| {
+                let [a, b] = edge.vertices.map(|v| driver.rest()[v.index()]);
+                (b - a).norm()
+            })
+            .collect();
+        lengths.sort_by(f64::total_cmp);
+        let long = lengths[(lengths.len() - 1) * 95 / 100];
+        let mut levels = 0;
+        while long / f64::from(1u32 << levels) > FACET_SHARE * wavelength
+            && (faces.len() << (2 * (levels + 1))) <= MAX_PLANNING_FACES
+        {
+            levels += 1;
+        }
+        let surface = BaseSurface::new(driver, &faces, levels, modelling.smoothing);
+        let rest = surface.pose(driver.rest());
+        Self {
+            edges: per_face(&surface, |corners, _| mean_edge(corners), &rest),
+            curvatures: per_face(&surface, curvature, &rest),
+            uv_density: uv_density(&surface, &rest),
+            surface,
+            rest,
+        }
+    }
+
+    fn check_mask(&self, region: &Region) -> Result<(), StepperError> {
+        let Region::Mask(mask) = region else {
+            return Ok(());
+        };
+        let painted = self
+            .surface
+            .uvs()
+            .as_slice()
+            .iter()
+            .any(|[a, b, c]| mask.at((a + b + c) / 3.0) >= 0.5);
+        if painted {
+            Ok(())
+        } else {
+            Err(StepperError::BlackMask)
+        }
+    }
+
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the planner weighs all of the scene at once"
+    )]
+    fn pose_plan(
+        &self,
+        driver: &Driver,
+        layers: &[LayerSpec],
+        wrinkling: &[Wrinkling],
+        pose: &PoseSpec,
+        modelling: &Modelling,
+        map_size: u32,
+        warnings: &mut Vec<String>,
+    ) -> PosePlan {
+        let posed: Vec<PosedSurface> = pose
+            .keys
+            .iter()
+            .map(|&key| self.surface.pose(&driver.pose(&pose.weights.scaled(key))))
+            .collect();
+        let layers = layers
+            .iter()
+            .zip(wrinkling)
+            .map(|(layer, numbers)| {
+                let poisson = layer.material.poisson;
+                let demand = Demand::new(
+                    &self.surface,
+                    &self.rest,
+                    &posed,
+                    poisson,
+                    numbers.wavelength,
+                );
+                let plan = self.layer_plan(layer, numbers, &demand, pose, modelling, map_size);
+                warn(&plan, layer, pose, modelling, warnings);
+                plan
+            })
+            .collect();
+        PosePlan {
+            name: pose.name.clone(),
+            layers,
+        }
+    }
+
+    fn layer_plan(
+        &self,
+        layer: &LayerSpec,
+        numbers: &Wrinkling,
+        demand: &Demand,
+        pose: &PoseSpec,
+        modelling: &Modelling,
+        map_size: u32,
+    ) -> LayerPlan {
+        let active = demand.active_faces(
+            &self.surface,
+            &self.rest,
+            &modelling.region,
+            numbers.wavelength,
+            numbers.critical_strain,
+        );
+        let quantile = |field: &PerFace<f64>, share: f64| {
+            weighted_quantile(&active, field, &demand.areas, share)
+        };
+        let area_where = |test: &dyn Fn(FaceId) -> bool| -> f64 {
+            active
+                .iter()
+                .filter(|&&f| test(f))
+                .map(|&f| demand.areas[f])
+                .sum()
+        };
+        let (median, long) = (quantile(&self.edges, 0.5), quantile(&self.edges, 0.95));
+        let extra = self.extra_levels(median, long, active.len(), numbers.wavelength, modelling);
+        let faces = active.len() << (2 * extra);
+        let vertices = faces / 2 + (faces as f64).sqrt() as usize;
+        let (seconds, memory) = cost(vertices, pose.steps);
+        let radius = 1.0 / quantile(&self.curvatures, 0.95);
+        LayerPlan {
+            name: layer.name.clone(),
+            wavelength: numbers.wavelength,
+            critical_strain: numbers.critical_strain,
+            strain_median: quantile(&demand.effective, 0.5),
+            strain_p99: quantile(&demand.effective, 0.99),
+            active_area: area_where(&|_| true),
+            capped_area: area_where(&|f| demand.compression[f] > CAP_START),
+            folded_area: demand
+                .folded
+                .iter()
+                .filter(|(_, folded)| **folded)
+                .map(|(f, _)| demand.areas[f])
+                .sum(),
+            vertices: if active.is_empty() { 0 } else { vertices },
+            levels: self.surface.levels() + extra,
+            points_per_wavelength: numbers.wavelength / median * f64::from(1u32 << extra),
+            chi: numbers.curvature_measure(radius),
+            texels_per_wavelength: quantile(&self.uv_density, 0.5)
+                * f64::from(map_size)
+                * numbers.wavelength,
+            seconds,
+            memory,
+            region: active.iter().map(|f| u64::from(f.0)).collect(),
+        }
+    }
+
+    /// Further splits until the median edge meets the asked resolution and few edges are far off.
+    fn extra_levels(
+        &self,
+        median: f64,
+        long: f64,
+        faces: usize,
+        wavelength: f64,
+        modelling: &Modelling,
+    ) -> u32 {
+        let target = wavelength / modelling.points_per_wavelength;
+        let mut extra = 0;
+        // A tenth of slack: the next split would quadruple the cost for little.
+        let coarse = |extra: u32| {
+            let split = f64::from(1u32 << extra);
+            median / split > 1.1 * target || long / split > 1.65 * target
+        };
+        while coarse(extra) && (faces << (2 * (extra + 1))) / 2 <= modelling.vertex_budget {
+            extra += 1;
+        }
+        extra
+    }
+}
+
+fn warn(
+    plan: &LayerPlan,
+    layer: &LayerSpec,
+    pose: &PoseSpec,
+    modelling: &Modelling,
+    warnings: &mut Vec<String>,
+) {
+    let mut say = |text: String| {
+        warnings.push(format!(
+            "pose '{}', layer '{}': {text}",
+            pose.name, layer.name
+        ));
+    };
+    let cm2 = |area: f64| area * 1e4;
+    if plan.folded_area > 0.0 {
+        say(format!(
+            "{:.2} cm2 of the driver fold over or collapse by more than 60 %; they stay as the artist drew them",
+            cm2(plan.folded_area)
+        ));
+    }
+    if plan.active_area == 0.0 {
+        return;
+    }
+    if plan.capped_area > 0.0 {
+        say(format!(
+            "{:.2} cm2 are compressed beyond 15 %, where the model is out of range; the rest metric is capped there",
+            cm2(plan.capped_area)
+        ));
+    }
+    if plan.texels_per_wavelength < 4.0 {
+        say(format!(
+            "{:.1} texels per wavelength are too few; bake larger maps or enlarge the UV islands",
+            plan.texels_per_wavelength
+        ));
+    }
+    if plan.points_per_wavelength < 0.9 * modelling.points_per_wavelength {
+        say(format!(
+            "the vertex budget of {} stops refinement at {:.1} points per wavelength ({} asked for); {}",
+            modelling.vertex_budget,
+            plan.points_per_wavelength,
+            modelling.points_per_wavelength,
+            remedy(plan, modelling)
+        ));
+    }
+    if layer.coupling == crate::Coupling::Elastic && plan.chi > 0.02 {
+        say(format!(
+            "curvature measure chi = {:.3} exceeds 0.02: the elastic coupling delays wrinkles by about {:.0} %; use \"hybrid\"",
+            plan.chi,
+            100.0 * plan.chi
+        ));
+    }
+}
+
+/// Which change brings the vertices under the budget.
+fn remedy(plan: &LayerPlan, modelling: &Modelling) -> String {
+    let missing = modelling.points_per_wavelength / plan.points_per_wavelength;
+    let needed = plan.vertices as f64 * missing * missing;
+    let share = modelling.vertex_budget as f64 / needed;
+    let draft = needed * (6.0 / modelling.points_per_wavelength).powi(2);
+    let quality = if draft <= modelling.vertex_budget as f64 {
+        "`--quality draft` fits"
+    } else {
+        "`--quality draft` is not enough"
+    };
+    format!(
+        "about {needed:.0} vertices are needed: paint a region mask of at most {:.0} % of the area, \
+         or raise the critical strain above {:.1} % so that less of the pose wrinkles; {quality}",
+        100.0 * share,
+        100.0 * plan.strain_median.max(plan.critical_strain)
+    )
+}
+
+/// Seconds and bytes of a pose, from runs at 5 to 60 thousand vertices on one core.
+///
+/// A numeric factorisation grows with the 3/2 power of the vertices (nested dissection of a
+/// surface), its memory with `n log n`; a load step takes about eight factorisations.
+fn cost(vertices: usize, steps: u32) -> (f64, f64) {
+    let n = vertices as f64;
+    let factorisation = 6.5e-8 * n.powf(1.5) + 1.2e-5 * n;
+    let memory = n * (900.0 + 260.0 * n.max(2.0).log2());
+    (f64::from(steps) * 8.0 * factorisation, memory)
+}
+
+fn mean_edge([a, b, c]: [Vector3<f64>; 3]) -> f64 {
+    ((b - a).norm() + (c - b).norm() + (a - c).norm()) / 3.0
+}
+
+fn curvature(corners: [Vector3<f64>; 3], normals: [Vector3<f64>; 3]) -> f64 {
+    (0..3)
+        .map(|i| {
+            let j = (i + 1) % 3;
+            (normals[j] - normals[i]).norm() / (corners[j] - corners[i]).norm()
+        })
+        .fold(0.0, f64::max)
+}
+
+fn per_face(
+    surface: &BaseSurface,
+    measure: impl Fn([Vector3<f64>; 3], [Vector3<f64>; 3]) -> f64,
+    rest: &PosedSurface,
+) -> PerFace<f64> {
+    surface
+        .mesh()
+        .faces()
+        .as_slice()
+        .iter()
+        .map(|face| {
+            let corners = face.map(|v| rest.positions[v.index()]);
+            measure(corners, face.map(|v| rest.normals[v.index()]))
+        })
+        .collect()
+}
+
+fn uv_density(surface: &BaseSurface, rest: &PosedSurface) -> PerFace<f64> {
+    surface
+        .mesh()
+        .faces()
+        .iter()
+        .map(|(face, vertices)| {
+            let [a, b, c] = vertices.map(|v| rest.positions[v.index()]);
+            let [p, q, r] = surface.uvs()[face];
+            let area = (b - a).cross(&(c - a)).norm();
+            let uv = (q - p).perp(&(r - p)).abs();
+            (uv / area).sqrt()
+        })
+        .collect()
+}
+
+fn weighted_quantile(
+    faces: &[FaceId],
+    field: &PerFace<f64>,
+    weights: &PerFace<f64>,
+    share: f64,
+) -> f64 {
+    let mut pairs: Vec<(f64, f64)> = faces.iter().map(|&f| (field[f], weights[f])).collect();
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let total: f64 = pairs.iter().map(|p| p.1).sum();
+    let mut sum = 0.0;
+    for (value, weight) in &pairs {
+        sum += weight;
+        if sum >= share * total {
+            return *value;
+        }
+    }
+    0.0
+}

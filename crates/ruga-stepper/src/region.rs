@@ -1,0 +1,215 @@
+//! Where a pose can wrinkle a layer: the active region (design 5, layers notes 1.2-1.3).
+
+use nalgebra::{Matrix2, Matrix3, Vector3};
+use ruga_blend::{BaseSurface, FaceStrain, PosedSurface, face_strains, rest_frame};
+use ruga_mesh::{FaceId, Id, PerFace, TriMesh, edge_distances, face_normals};
+
+use crate::Region;
+
+/// A face is active where the effective strain passes this share of the critical one.
+pub(crate) const ACTIVE_SHARE: f64 = 0.8;
+/// Triangles compressed beyond this stay on the driver: the artist has drawn a fold.
+const COLLAPSED: f64 = 0.6;
+/// Least distance by which the active region grows, m.
+const MIN_MARGIN: f64 = 4e-3;
+
+/// The strain that a pose's keys ask of the faces of the planning surface.
+pub(crate) struct Demand {
+    /// Largest effective strain over the keys, from smoothed tensors.
+    pub(crate) effective: PerFace<f64>,
+    /// Largest compression over the keys, as it is.
+    pub(crate) compression: PerFace<f64>,
+    /// Collapsed or turned-over faces.
+    pub(crate) folded: PerFace<bool>,
+    /// Rest area of every face, m².
+    pub(crate) areas: PerFace<f64>,
+}
+
+impl Demand {
+    /// Measures what `posed` surfaces ask of `surface`.
+    pub(crate) fn new(
+        surface: &BaseSurface,
+        rest: &PosedSurface,
+        posed: &[PosedSurface],
+        poisson: f64,
+        wavelength: f64,
+    ) -> Self {
+        let mesh = surface.mesh();
+        let count = mesh.face_count();
+        let normals = face_normals(mesh, &rest.positions);
+        let mut demand = Self {
+            effective: PerFace::filled(count, f64::NEG_INFINITY),
+            compression: PerFace::filled(count, f64::NEG_INFINITY),
+            folded: PerFace::filled(count, false),
+            areas: normals.as_slice().iter().map(|n| 0.5 * n.norm()).collect(),
+        };
+        // Averaging over more than 2 mm would remove real gradients at lids and mouth corners.
+        let width = (0.5 * wavelength).min(2e-3);
+        for pose in posed {
+            let strains = face_strains(mesh, &rest.positions, &pose.positions);
+            let posed_normals = face_normals(mesh, &pose.positions);
+            let smooth = smoothed_strains(mesh, &rest.positions, &strains, &normals, width);
+            for face in demand.areas.ids() {
+                let first = strains[face].first;
+                let outward: Vector3<f64> = mesh.faces()[face]
+                    .iter()
+                    .map(|v| pose.normals[v.index()])
+                    .sum();
+                demand.folded[face] |=
+                    first > COLLAPSED || outward.dot(&posed_normals[face]) <= 0.0;
+                demand.compression[face] = demand.compression[face].max(first);
+                let effective = smooth[face].effective(poisson);
+                demand.effective[face] = demand.effective[face].max(effective);
+            }
+        }
+        demand
+    }
+
+    /// Faces to simulate, ascending.
+    pub(crate) fn active_faces(
+        &self,
+        surface: &BaseSurface,
+        rest: &PosedSurface,
+        region: &Region,
+        wavelength: f64,
+        critical_strain: f64,
+    ) -> Vec<FaceId> {
+        let mesh = surface.mesh();
+        let allowed = |face: FaceId| match region {
+            Region::Auto | Region::All => true,
+            Region::Mask(mask) => {
+                let [a, b, c] = surface.uvs()[face];
+                mask.at((a + b + c) / 3.0) >= 0.5
+            }
+        };
+        let mut active: PerFace<bool> = mesh
+            .faces()
+            .ids()
+            .map(|face| {
+                let wrinkles = self.effective[face] > ACTIVE_SHARE * critical_strain;
+                matches!(region, Region::All) || (wrinkles && allowed(face))
+            })
+            .collect();
+        if !matches!(region, Region::All) {
+            drop_specks(mesh, &self.areas, &mut active, wavelength * wavelength);
+            let margin = (2.0 * wavelength).max(MIN_MARGIN);
+            grow(mesh, &rest.positions, &mut active, margin);
+        }
+        active
+            .iter()
+            .filter(|&(face, &on)| on && allowed(face) && !self.folded[face])
+            .map(|(face, _)| face)
+            .collect()
+    }
+}
+
+/// Strains from tensors averaged over about `width`, by diffusion from face to face.
+///
+/// Averaging the tensor keeps direction and size together; faces that meet at a crease sharper
+/// than acos 0.3 do not mix.
+fn smoothed_strains(
+    mesh: &TriMesh,
+    rest: &[Vector3<f64>],
+    strains: &PerFace<FaceStrain>,
+    normals: &PerFace<Vector3<f64>>,
+    width: f64,
+) -> PerFace<FaceStrain> {
+    let frames: PerFace<[Vector3<f64>; 2]> = mesh
+        .faces()
+        .as_slice()
+        .iter()
+        .map(|face| rest_frame(face.map(|v| rest[v.index()])))
+        .collect();
+    let mut tensors: Vec<Matrix3<f64>> = strains
+        .iter()
+        .map(|(face, strain)| lift(&strain.cauchy_green, &frames[face]))
+        .collect();
+    let neighbours: Vec<[Option<FaceId>; 3]> = mesh
+        .faces()
+        .ids()
+        .map(|face| {
+            std::array::from_fn(|corner| {
+                mesh.neighbour(face, corner).filter(|&next| {
+                    let (a, b) = (normals[face], normals[next]);
+                    a.dot(&b) > 0.3 * a.norm() * b.norm()
+                })
+            })
+        })
+        .collect();
+    let area: f64 = normals.as_slice().iter().map(|n| 0.5 * n.norm()).sum();
+    let mean_edge_squared = area / mesh.face_count() as f64 * 4.0 / 3f64.sqrt();
+    let passes = (8.0 * width * width / mean_edge_squared)
+        .round()
+        .clamp(0.0, 40.0) as u32;
+    for _ in 0..passes {
+        let before = tensors.clone();
+        for (i, tensor) in tensors.iter_mut().enumerate() {
+            let here = normals.as_slice()[i].norm();
+            let (mut sum, mut weight) = (before[i] * here, here);
+            for &next in neighbours[i].iter().flatten() {
+                let area = normals[next].norm();
+                sum += before[next.index()] * area;
+                weight += area;
+            }
+            *tensor = sum / weight;
+        }
+    }
+    frames
+        .iter()
+        .map(|(face, [u, v])| {
+            let t = &tensors[face.index()];
+            let shear = u.dot(&(t * v));
+            let flat = Matrix2::new(u.dot(&(t * u)), shear, shear, v.dot(&(t * v)));
+            FaceStrain::from_cauchy_green(flat)
+        })
+        .collect()
+}
+
+/// The tensor in space, with a unit normal part so that tilting a face does not read as strain.
+fn lift(tensor: &Matrix2<f64>, [u, v]: &[Vector3<f64>; 2]) -> Matrix3<f64> {
+    let n = u.cross(v);
+    u * u.transpose() * tensor[(0, 0)]
+        + (u * v.transpose() + v * u.transpose()) * tensor[(0, 1)]
+        + v * v.transpose() * tensor[(1, 1)]
+        + n * n.transpose()
+}
+
+/// Switches off connected parts smaller than `min_area`.
+fn drop_specks(mesh: &TriMesh, areas: &PerFace<f64>, active: &mut PerFace<bool>, min_area: f64) {
+    let mut seen = PerFace::filled(mesh.face_count(), false);
+    for seed in mesh.faces().ids() {
+        if !active[seed] || seen[seed] {
+            continue;
+        }
+        let mut part = vec![seed];
+        seen[seed] = true;
+        let mut next = 0;
+        while next < part.len() {
+            for corner in 0..3 {
+                if let Some(face) = mesh.neighbour(part[next], corner)
+                    && active[face]
+                    && !seen[face]
+                {
+                    seen[face] = true;
+                    part.push(face);
+                }
+            }
+            next += 1;
+        }
+        if part.iter().map(|&face| areas[face]).sum::<f64>() < min_area {
+            part.iter().for_each(|&face| active[face] = false);
+        }
+    }
+}
+
+fn grow(mesh: &TriMesh, rest: &[Vector3<f64>], active: &mut PerFace<bool>, margin: f64) {
+    let sources: Vec<_> = active
+        .iter()
+        .filter(|(_, on)| **on)
+        .flat_map(|(face, _)| mesh.faces()[face])
+        .collect();
+    let distances = edge_distances(mesh, rest, sources, margin);
+    for face in mesh.faces().ids() {
+        active[face] |= mesh.faces()[face].iter().all(|&v| distances[v].is_finite());
+    }
+}

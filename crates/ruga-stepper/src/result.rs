@@ -1,0 +1,85 @@
+//! What a simulated pose gives back.
+
+use nalgebra::{Vector2, Vector3};
+
+/// One layer in one load step, with the smooth driver under each of its vertices.
+#[derive(Clone, Debug, Default)]
+pub struct LayerSurface {
+    /// Name of the layer.
+    pub name: String,
+    /// Vertex positions, m.
+    pub positions: Vec<Vector3<f64>>,
+    /// The posed driver at the vertices' material points, m.
+    pub driver_positions: Vec<Vector3<f64>>,
+    /// Its unit normals there.
+    pub driver_normals: Vec<Vector3<f64>>,
+    /// Distance of the layer from the driver at rest, along the normal, m.
+    pub offset: f64,
+    /// Triangles.
+    pub faces: Vec<[u32; 3]>,
+    /// Texture coordinates of the corners of every triangle, V down.
+    pub uvs: Vec<[Vector2<f64>; 3]>,
+    /// For every triangle the file's triangle it lies in and its corners' barycentric
+    /// coordinates there.
+    pub artist: Vec<(u32, [[f64; 3]; 3])>,
+}
+
+/// A pose after simulation.
+#[derive(Clone, Debug, Default)]
+pub struct PoseResult {
+    /// Results at the pose's keys, in order; fewer when interrupted. A key at which nothing can
+    /// wrinkle has no layers.
+    pub keys: Vec<KeyResult>,
+    /// Numbers per layer, bottom first.
+    pub layers: Vec<LayerReport>,
+    /// Load steps solved.
+    pub frames: usize,
+    /// Whether every solve met its stop rule.
+    pub converged: bool,
+    /// Whether the observer stopped the work.
+    pub interrupted: bool,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+}
+
+/// The layers at one key.
+#[derive(Clone, Debug, Default)]
+pub struct KeyResult {
+    /// Fraction of the pose.
+    pub load: f64,
+    /// Layers, bottom first.
+    pub layers: Vec<LayerSurface>,
+}
+
+/// What was measured on one layer, at the last load unless said otherwise.
+#[derive(Clone, Debug, Default)]
+pub struct LayerReport {
+    /// Name of the layer.
+    pub name: String,
+    /// Vertices.
+    pub vertices: usize,
+    /// Triangles.
+    pub faces: usize,
+    /// Constraint rows per coordinate.
+    pub constraints: usize,
+    /// Wavelength of the linear theory, m.
+    pub wavelength_predicted: f64,
+    /// Critical strain of the linear theory.
+    pub critical_strain_predicted: f64,
+    /// Dominant wavelength along the surface, m; `None` where nothing wrinkles.
+    pub wavelength: Option<f64>,
+    /// `sqrt(2)` times the RMS height where the layer is active, m.
+    pub amplitude: f64,
+    /// Elastic energy, J.
+    pub energy: f64,
+    /// Newton iterations over all load steps.
+    pub newton_iterations: usize,
+    /// Factorisations over all load steps.
+    pub factorizations: usize,
+    /// Relative residual of the last solve.
+    pub residual: f64,
+    /// Response bending modulus of this very mesh over that of the material.
+    pub bending_ratio: Option<f64>,
+    /// Load at which the layer first buckled.
+    pub onset_load: Option<f64>,
+}

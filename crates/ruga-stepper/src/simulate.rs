@@ -1,0 +1,263 @@
+//! One pose from rest to full weight.
+
+use ruga_blend::{BaseSurface, Driver};
+use ruga_mesh::FaceId;
+use ruga_solver::{
+    AtSaddle, LoadSettings, LoadStepper, NewtonSettings, Outcome, SolveReport, SolverError,
+    StopRule, Trial, Verdict,
+};
+
+use crate::layer::Layer;
+use crate::measure::waviness;
+use crate::plan::LayerPlan;
+use crate::{
+    Frame, KeyResult, LayerReport, LayerSpec, Modelling, Observer, Phase, Plan, PoseResult,
+    PoseSpec, Progress, StepperError,
+};
+
+/// Simulates pose number `pose` of the plan.
+///
+/// The layer follows the driver from rest to full weight; a load at which it first buckles is
+/// approached by bisection, so that the wavelength is chosen at the onset. Not converging is
+/// reported, not an error; the results reached until then are kept.
+///
+/// # Errors
+/// [`StepperError::TooManyLayers`], and what shell, constraints or solver refuse.
+pub fn simulate(
+    driver: &Driver,
+    layers: &[LayerSpec],
+    plan: &Plan,
+    pose: usize,
+    spec: &PoseSpec,
+    modelling: &Modelling,
+    observer: &mut dyn Observer,
+) -> Result<PoseResult, StepperError> {
+    let [layer] = layers else {
+        return Err(StepperError::TooManyLayers {
+            count: layers.len(),
+        });
+    };
+    let layer_plan = &plan.poses[pose].layers[0];
+    if layer_plan.region.is_empty() {
+        return Ok(neutral(spec, layer_plan));
+    }
+    observer.phase(Phase::Sampling);
+    let surface = layer_surface(driver, plan, layer_plan, modelling);
+    let rest = surface.pose(driver.rest());
+    observer.phase(Phase::Constraints);
+    let layer = Layer::new(
+        layer,
+        &plan.wrinkling[0],
+        surface,
+        rest,
+        driver.triangles().clone(),
+        modelling.seed,
+    )?;
+    let mut run = PoseRun {
+        driver,
+        spec,
+        modelling,
+        layer,
+        observer,
+        result: PoseResult {
+            converged: true,
+            ..PoseResult::default()
+        },
+        report: LayerReport::default(),
+    };
+    run.follow_loads()?;
+    Ok(run.finish())
+}
+
+/// What a pose gives in which nothing can wrinkle.
+fn neutral(spec: &PoseSpec, plan: &LayerPlan) -> PoseResult {
+    PoseResult {
+        keys: spec
+            .keys
+            .iter()
+            .map(|&load| KeyResult {
+                load,
+                layers: Vec::new(),
+            })
+            .collect(),
+        layers: vec![LayerReport {
+            name: plan.name.clone(),
+            wavelength_predicted: plan.wavelength,
+            critical_strain_predicted: plan.critical_strain,
+            ..LayerReport::default()
+        }],
+        converged: true,
+        ..PoseResult::default()
+    }
+}
+
+/// The part of the base surface that the plan wants simulated, at the plan's resolution.
+fn layer_surface(
+    driver: &Driver,
+    plan: &Plan,
+    layer: &LayerPlan,
+    modelling: &Modelling,
+) -> BaseSurface {
+    let level = plan.planning_levels;
+    let mut coarse: Vec<FaceId> = layer
+        .region
+        .iter()
+        .map(|face| FaceId((face >> (2 * level)) as u32))
+        .collect();
+    coarse.dedup();
+    let whole = BaseSurface::new(driver, &coarse, layer.levels, modelling.smoothing);
+    let wanted = |face: FaceId| {
+        let ancestor = whole.ancestor(face, level);
+        layer.region.binary_search(&ancestor).is_ok()
+    };
+    let faces: Vec<FaceId> = whole.mesh().faces().ids().filter(|&f| wanted(f)).collect();
+    whole.restrict(&faces)
+}
+
+struct PoseRun<'a> {
+    driver: &'a Driver,
+    spec: &'a PoseSpec,
+    modelling: &'a Modelling,
+    layer: Layer,
+    observer: &'a mut dyn Observer,
+    result: PoseResult,
+    report: LayerReport,
+}
+
+impl PoseRun<'_> {
+    fn follow_loads(&mut self) -> Result<(), StepperError> {
+        let mut loads: Vec<f64> = (1..=self.spec.steps)
+            .map(|i| f64::from(i) / f64::from(self.spec.steps))
+            .chain(self.spec.keys.iter().copied())
+            .collect();
+        loads.sort_by(f64::total_cmp);
+        loads.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+        let mut stepper = LoadStepper::new(&loads, LoadSettings::default())
+            .map_err(|source| self.solver_error(source))?;
+        let mut kept = self.layer.state();
+        while let Some(trial) = stepper.next_trial() {
+            self.observer.phase(Phase::Sampling);
+            let control = self.driver.pose(&self.spec.weights.scaled(trial.load));
+            let below = self.layer.surface().pose(&control);
+            self.layer.set_below(below)?;
+            self.observer.phase(Phase::Integration);
+            let solve = self.solve(trial)?;
+            if solve.stop == StopRule::Interrupted {
+                self.result.interrupted = true;
+                self.result.converged = false;
+                return Ok(());
+            }
+            match stepper.report(outcome(&solve)) {
+                Verdict::Keep => {
+                    kept = self.layer.state();
+                    self.keep(trial.load, &solve);
+                }
+                Verdict::Discard => {
+                    if solve.left_saddle {
+                        self.report.onset_load = Some(trial.load);
+                    }
+                    self.layer.restore(&kept);
+                }
+                Verdict::GiveUp => {
+                    self.layer.restore(&kept);
+                    self.give_up(trial.load, &solve);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn solve(&mut self, trial: Trial) -> Result<SolveReport, StepperError> {
+        let settings = NewtonSettings {
+            linear: self.modelling.linear,
+            at_saddle: if trial.probe {
+                AtSaddle::Stop
+            } else {
+                AtSaddle::Leave
+            },
+            residual_tolerance: self.modelling.tolerance,
+            seed: self.modelling.seed,
+            ..NewtonSettings::default()
+        };
+        let vertices = self.layer.vertex_count();
+        let observer = &mut *self.observer;
+        let mut keep_going = |iteration: &ruga_solver::Iteration| {
+            observer.progress(Progress {
+                load: trial.load,
+                iteration: iteration.index,
+                vertices,
+            })
+        };
+        let solve = self
+            .layer
+            .minimise(&settings, &mut keep_going)
+            .map_err(|source| self.solver_error(source))?;
+        self.report.newton_iterations += solve.iterations;
+        self.report.factorizations += solve.factorizations;
+        self.report.residual = solve.residual;
+        Ok(solve)
+    }
+
+    fn keep(&mut self, load: f64, solve: &SolveReport) {
+        if !solve.converged {
+            self.result.converged = false;
+        }
+        let layers = [self.layer.snapshot()];
+        self.observer.frame(&Frame {
+            index: self.result.frames,
+            load,
+            layers: &layers,
+        });
+        self.result.frames += 1;
+        if self.spec.keys.iter().any(|key| (key - load).abs() < 1e-9) {
+            self.result.keys.push(KeyResult {
+                load,
+                layers: layers.into(),
+            });
+        }
+    }
+
+    fn give_up(&mut self, load: f64, solve: &SolveReport) {
+        self.result.converged = false;
+        self.result.warnings.push(format!(
+            "pose '{}', layer '{}': no equilibrium found at load {load:.3} ({:?} after {} iterations, relative residual {:.1e})",
+            self.spec.name, self.layer.spec.name, solve.stop, solve.iterations, solve.residual
+        ));
+    }
+
+    fn finish(mut self) -> PoseResult {
+        let layer = &self.layer;
+        self.report.name.clone_from(&layer.spec.name);
+        self.report.vertices = layer.vertex_count();
+        self.report.faces = layer.face_count();
+        self.report.constraints = layer.row_count();
+        self.report.wavelength_predicted = layer.wrinkling.wavelength;
+        self.report.critical_strain_predicted = layer.wrinkling.critical_strain;
+        self.report.energy = layer.energy();
+        let heights = layer.heights();
+        let faces = layer.supercritical_faces();
+        if let Some(waves) = waviness(&heights, &layer.rest().positions, faces) {
+            self.report.wavelength = Some(waves.wavelength);
+            self.report.amplitude = waves.amplitude;
+        }
+        self.result.layers.push(self.report);
+        self.result
+    }
+
+    fn solver_error(&self, source: SolverError) -> StepperError {
+        StepperError::Solver {
+            layer: self.layer.spec.name.clone(),
+            source,
+        }
+    }
+}
+
+fn outcome(solve: &SolveReport) -> Outcome {
+    if solve.stop == StopRule::Saddle || (solve.left_saddle && solve.converged) {
+        Outcome::Buckled
+    } else if solve.converged {
+        Outcome::Stable
+    } else {
+        Outcome::Failed
+    }
+}
