@@ -270,8 +270,7 @@ impl Kkt {
             self.add_correction();
             self.update_residual(force, offset);
             let relative = norm(&self.residual) / size;
-            // Also false for NaN.
-            if !(relative < best) {
+            if relative.is_nan() || relative >= best {
                 break;
             }
             let (trial_step, trial_multipliers) = self.trial.split_at(step.len());

@@ -24,8 +24,7 @@ pub(crate) fn line_search(
     slope: f64,
     trial: &mut [f64],
 ) -> Option<f64> {
-    // Also refuses NaN.
-    if !(slope < 0.0) {
+    if slope.is_nan() || slope >= 0.0 {
         return None;
     }
     let noise = ROUNDING * energy.abs().max(objective.energy_scale());

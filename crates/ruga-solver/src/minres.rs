@@ -216,7 +216,7 @@ fn gauss_jordan(matrix: &mut [f64], inverse: &mut [f64], block: usize) -> bool {
     }
     for pivot in 0..block {
         let value = matrix[pivot * block + pivot];
-        if !(value > 0.0) {
+        if value.is_nan() || value <= 0.0 {
             return false;
         }
         for column in 0..block {

@@ -334,6 +334,7 @@ impl<'a> Newton<'a> {
                 self.objective,
                 self.kkt,
                 &mut self.generator,
+                &self.exact,
                 x,
                 energy,
                 &self.gradient,

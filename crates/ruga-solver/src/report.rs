@@ -76,11 +76,10 @@ impl NewtonSettings {
         if self.max_iterations == 0 {
             return refuse("max_iterations", 0.0);
         }
-        // Written so that NaN is refused too.
-        if !(self.energy_tolerance >= 0.0) {
+        if self.energy_tolerance.is_nan() || self.energy_tolerance < 0.0 {
             return refuse("energy_tolerance", self.energy_tolerance);
         }
-        if !(self.residual_tolerance >= 0.0) {
+        if self.residual_tolerance.is_nan() || self.residual_tolerance < 0.0 {
             return refuse("residual_tolerance", self.residual_tolerance);
         }
         if let LinearSolver::Minres {

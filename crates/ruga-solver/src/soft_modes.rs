@@ -8,8 +8,10 @@ use crate::error::{check_finite, check_length};
 use crate::objective::check_pattern;
 use crate::{Inertia, Kkt, Objective, SolverError};
 
-/// Inverse iterations from a random vector before a curvature search.
+/// Inverse iterations from a random vector before a curvature search, and how many are spent
+/// at most on a mode that the exact Hessian still resists.
 const INVERSE_ITERATIONS: usize = 3;
+const MAX_INVERSE_ITERATIONS: usize = 60;
 
 /// First length of the curvature search over the objective's length scale; it doubles.
 const FIRST_LENGTH: f64 = 1e-3;
@@ -59,10 +61,9 @@ pub fn softest_mode(
 ) -> Result<SoftMode, SolverError> {
     let (exact, _) = factorize_at(objective, x, kkt)?;
     let mut generator = Pcg64Mcg::seed_from_u64(seed);
-    let mode = inverse_iterations(kkt, &mut generator, iterations.max(1))?;
-    let mut product = vec![0.0; mode.len()];
-    kkt.pattern().add_product(&exact, &mode, &mut product);
-    let rayleigh_quotient = dot(&mode, &product) / dot(&mode, &mode);
+    let mut mode = random_vector(&mut generator, x.len());
+    inverse_iterations(kkt, &mut mode, iterations.max(1))?;
+    let rayleigh_quotient = rayleigh_quotient(kkt, &exact, &mode);
     Ok(SoftMode {
         mode,
         rayleigh_quotient,
@@ -84,29 +85,41 @@ fn factorize_at(
     Ok((exact, inertia))
 }
 
-/// Softest mode of the factorised matrix, from a random vector; largest entry 1.
+fn random_vector(generator: &mut Pcg64Mcg, size: usize) -> Vec<f64> {
+    (0..size).map(|_| generator.random::<f64>() - 0.5).collect()
+}
+
+/// Turns `mode` towards the softest mode of the factorised matrix; largest entry 1.
 fn inverse_iterations(
     kkt: &mut Kkt,
-    generator: &mut Pcg64Mcg,
+    mode: &mut [f64],
     iterations: usize,
-) -> Result<Vec<f64>, SolverError> {
-    let size = kkt.pattern().size();
-    let mut mode: Vec<f64> = (0..size).map(|_| generator.random::<f64>() - 0.5).collect();
-    let mut next = vec![0.0; size];
+) -> Result<(), SolverError> {
+    let mut next = vec![0.0; mode.len()];
     let offset = vec![0.0; kkt.rows().count()];
     let mut multipliers = offset.clone();
     for _ in 0..iterations {
-        kkt.solve_step(&mode, &offset, &mut next, &mut multipliers)?;
+        kkt.solve_step(mode, &offset, &mut next, &mut multipliers)?;
         let largest = largest(&next);
         // The null space of the constraints may be empty.
-        if largest == 0.0 {
-            return Ok(next);
-        }
+        let scale = if largest > 0.0 { 1.0 / largest } else { 0.0 };
         for (mode, next) in mode.iter_mut().zip(&next) {
-            *mode = next / largest;
+            *mode = next * scale;
         }
     }
-    Ok(mode)
+    Ok(())
+}
+
+/// `v'Kv / v'v`; 0 for the zero vector.
+fn rayleigh_quotient(kkt: &Kkt, values: &[f64], mode: &[f64]) -> f64 {
+    let mut product = vec![0.0; mode.len()];
+    kkt.pattern().add_product(values, mode, &mut product);
+    let square = dot(mode, mode);
+    if square > 0.0 {
+        dot(mode, &product) / square
+    } else {
+        0.0
+    }
 }
 
 /// A step along negative curvature: `x + step` has the energy `energy`.
@@ -116,15 +129,26 @@ pub(crate) struct CurvatureStep {
 }
 
 /// Follows the softest mode of the factorised matrix downhill as long as the energy falls.
+///
+/// `exact` is the Hessian whose negative curvature is looked for; what is factorised is a
+/// relaxation of it, so the first few inverse iterations may end in a mode that is soft, but
+/// stable.
 pub(crate) fn search_curvature(
     objective: &dyn Objective,
     kkt: &mut Kkt,
     generator: &mut Pcg64Mcg,
+    exact: &[f64],
     x: &[f64],
     energy: f64,
     gradient: &[f64],
 ) -> Result<Option<CurvatureStep>, SolverError> {
-    let mut mode = inverse_iterations(kkt, generator, INVERSE_ITERATIONS)?;
+    let mut mode = random_vector(generator, x.len());
+    for _ in 0..MAX_INVERSE_ITERATIONS / INVERSE_ITERATIONS {
+        inverse_iterations(kkt, &mut mode, INVERSE_ITERATIONS)?;
+        if rayleigh_quotient(kkt, exact, &mode) < 0.0 {
+            break;
+        }
+    }
     if dot(gradient, &mode) > 0.0 {
         for entry in &mut mode {
             *entry = -*entry;
