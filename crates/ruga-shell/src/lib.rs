@@ -1,1 +1,79 @@
-//! Membrane, bending and foundation energies of a thin layer: value, gradient, Hessian.
+//! Energies of a thin layer on a surface: positions in; value, gradient and Hessian out.
+//!
+//! A [`LayerEnergy`] sums three kinds of stencil over an indexed triangle mesh: a [`Membrane`] per
+//! face, a [`Hinge`] per interior edge, and a foundation ([`NormalFoundation`] per face,
+//! [`TangentialTie`] per vertex) towards a base that each frame replaces. Each stencil can be used
+//! alone. [`response_modulus`] says how stiffly a given mesh really bends.
+//!
+//! ```text
+//! E = sum_faces  A C/2 ((1 - nu) E:E + nu tr(E)^2)             St. Venant-Kirchhoff, plane stress
+//!   + sum_edges  k/2 (theta - theta_rest)^2                    Grinspun 2003, calibrated to D
+//!   + 1/2 int    K0 w^2 + K1 |grad w|^2 + Kt |x_t - p_t|^2     Pasternak, w = n.(x - p) - offset
+//! ```
+//!
+//! SI units: metres, newtons, joules. Positions are in space; everything marked *rest* refers to
+//! the rest metric. The Hessian is symmetric, its lower triangle in compressed columns over the
+//! vertices that are not pinned.
+//!
+//! ```
+//! use nalgebra::Vector3;
+//! use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters};
+//!
+//! let rest = [[0.0, 0.0], [1e-3, 0.0], [1e-3, 1e-3], [0.0, 1e-3]]
+//!     .map(|[x, y]| Vector3::new(x, y, 0.0));
+//! let skin = FaceParameters {
+//!     young: 6e8,
+//!     poisson: 0.48,
+//!     thickness: 1.2e-4,
+//!     normal_stiffness: 1e9,
+//!     gradient_stiffness: 0.0,
+//! };
+//! let parameters = LayerParameters::uniform(skin, 2, 2e9, 4);
+//! let layer = LayerEnergy::new(
+//!     &rest,
+//!     &[[0, 1, 2], [0, 2, 3]],
+//!     parameters,
+//!     &[true, false, false, false],
+//! )?;
+//!
+//! let raised = rest.map(|x| x + Vector3::new(0.0, 0.0, 1e-5));
+//! let parts = layer.energy_parts(&raised);
+//! // 1/2 K0 w^2 on a square millimetre; a translation strains nothing.
+//! assert!((parts.normal - 5e-8).abs() < 1e-20);
+//! assert!((layer.value(&raised) - parts.normal).abs() < 1e-18);
+//!
+//! let mut hessian = vec![0.0; layer.pattern().1.len()];
+//! layer.hessian(&raised, &mut hessian, None);
+//! assert_eq!(layer.dof_count(), 9);
+//! # Ok::<(), ruga_shell::ShellError>(())
+//! ```
+
+mod layer_energy;
+mod layer_foundation;
+mod measures;
+mod parameters;
+mod pattern;
+
+mod foundation;
+mod hinge;
+mod hinge_stiffness;
+mod membrane;
+mod response;
+
+mod edges;
+mod error;
+mod rest_triangle;
+
+pub use layer_energy::{EnergyParts, LayerEnergy};
+pub use parameters::{FaceParameters, LayerParameters};
+
+pub use foundation::{Anchor, NormalFoundation, TangentialTie};
+pub use hinge::{Hinge, HingeCurvature, HingeState};
+pub use hinge_stiffness::{HINGE_EXPONENT, HingeShape, MAX_EDGE_RATIO};
+pub use membrane::{Membrane, MembraneState, Stress};
+
+pub use measures::PrincipalStrain;
+pub use response::{ResponseModulus, ResponseQuery, face_corners, response_modulus};
+pub use rest_triangle::{MIN_AREA_RATIO, RestTriangle, rest_frame};
+
+pub use error::ShellError;

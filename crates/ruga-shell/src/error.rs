@@ -1,0 +1,122 @@
+//! What a caller can get wrong.
+
+use thiserror::Error;
+
+/// A mistake in the mesh, the parameters or the pose given to this crate.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum ShellError {
+    /// An array does not have one entry per vertex or per face.
+    #[error("{what} has {found} entries, expected {expected}")]
+    LengthMismatch {
+        /// The array.
+        what: &'static str,
+        /// Number of vertices or faces.
+        expected: usize,
+        /// Its length.
+        found: usize,
+    },
+    /// A face names a vertex that does not exist.
+    #[error("face {face} names vertex {vertex}, but there are {count} vertices")]
+    VertexOutOfRange {
+        /// Index of the face.
+        face: usize,
+        /// The vertex it names.
+        vertex: u32,
+        /// Number of vertices.
+        count: usize,
+    },
+    /// A face names a vertex twice.
+    #[error("face {face} names a vertex twice")]
+    RepeatedVertex {
+        /// Index of the face.
+        face: usize,
+    },
+    /// A rest triangle is too thin to have a shape.
+    #[error(
+        "rest triangle {face} has area {area:e} m2, under {minimum:e} m2 (a millionth of its \
+         longest edge squared)"
+    )]
+    DegenerateFace {
+        /// Index of the face.
+        face: usize,
+        /// Its rest area (m²).
+        area: f64,
+        /// The least area accepted (m²).
+        minimum: f64,
+    },
+    /// More than two faces meet at an edge, or two faces are the same triangle.
+    #[error("edge {tail}-{head} is not manifold")]
+    NonManifoldEdge {
+        /// One end.
+        tail: u32,
+        /// The other end.
+        head: u32,
+    },
+    /// Two neighbouring faces are wound in opposite senses.
+    #[error("the faces at edge {tail}-{head} are wound in opposite senses")]
+    InconsistentOrientation {
+        /// One end.
+        tail: u32,
+        /// The other end.
+        head: u32,
+    },
+    /// A vertex that may move belongs to no face: nothing would hold it.
+    #[error("vertex {vertex} is free but belongs to no face")]
+    IsolatedVertex {
+        /// Index of the vertex.
+        vertex: usize,
+    },
+    /// A material or coupling parameter outside its range.
+    #[error("{name} = {value} of {element} {index} is outside its range ({range})")]
+    ParameterOutOfRange {
+        /// `"face"` or `"vertex"`.
+        element: &'static str,
+        /// Its index.
+        index: usize,
+        /// The parameter.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is accepted.
+        range: &'static str,
+    },
+    /// A position, base point, normal or offset is not a finite number.
+    #[error("{what} of vertex {vertex} is not finite")]
+    NotFinite {
+        /// The array.
+        what: &'static str,
+        /// Index of the vertex.
+        vertex: usize,
+    },
+    /// A base normal is not of unit length.
+    #[error("the base normal of vertex {vertex} has length {length}, expected 1")]
+    NormalNotUnit {
+        /// Index of the vertex.
+        vertex: usize,
+        /// Its length.
+        length: f64,
+    },
+    /// A rest stretch turns a face inside out or flattens it.
+    #[error("the rest stretch of face {face} has determinant {determinant}, expected > 0")]
+    InvertedStretch {
+        /// Index of the face.
+        face: usize,
+        /// The determinant.
+        determinant: f64,
+    },
+    /// A compression direction has no component in its face.
+    #[error("the compression direction of face {face} has no component in the face")]
+    NoDirection {
+        /// Index of the face.
+        face: usize,
+    },
+    /// The bending and foundation stiffness of a response query is not positive definite.
+    #[error(
+        "the sheet is unstable without any compression: gradient stiffness {gradient_stiffness} \
+         N/m is too negative, or no vertex is free"
+    )]
+    UnstableSheet {
+        /// The query's gradient stiffness (N/m).
+        gradient_stiffness: f64,
+    },
+}

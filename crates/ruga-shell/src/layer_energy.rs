@@ -1,0 +1,437 @@
+//! All energies of one layer, assembled over its free vertices.
+
+use nalgebra::{Matrix2, Vector3};
+
+use crate::edges::{Edge, edges};
+use crate::foundation::Anchor;
+use crate::hinge::{Hinge, HingeState};
+use crate::hinge_stiffness::{HINGE_EXPONENT, HingeShape};
+use crate::layer_foundation::{LayerFoundation, anchors};
+use crate::measures::{PrincipalStrain, vertex_normals};
+use crate::membrane::{Membrane, Stress};
+use crate::parameters::check_length;
+use crate::pattern::{Pattern, Slot};
+use crate::{LayerParameters, RestTriangle, ShellError};
+
+/// Membrane, bending and foundation of one layer.
+///
+/// Every vertex has a position; only those that are not pinned have degrees of freedom, three
+/// each (x, y, z) in the order of the vertices. A pinned vertex still strains its faces, bends its
+/// hinges and deviates from the base. Terms are summed in a fixed order: same input, same bytes.
+///
+/// # Panics
+/// Methods that take positions or a target slice panic when its length is not the layer's.
+#[derive(Clone, Debug)]
+pub struct LayerEnergy {
+    faces: Vec<[u32; 3]>,
+    edges: Vec<Edge>,
+    parameters: LayerParameters,
+    /// Rest triangles without any stretch, and as they are now.
+    unstretched: Vec<RestTriangle>,
+    rest: Vec<RestTriangle>,
+    membranes: Vec<Membrane>,
+    membrane_slots: Vec<[Slot; 3]>,
+    hinges: Vec<HingeElement>,
+    foundation: LayerFoundation,
+    foundation_hessian: Vec<f64>,
+    pattern: Pattern,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct HingeElement {
+    hinge: Hinge,
+    vertices: [u32; 4],
+    /// Index of the edge it lies on.
+    edge: usize,
+    slots: [Slot; 6],
+}
+
+/// Row and column, within a stencil, of the off-diagonal blocks in the order of the slots, and
+/// their positions in the stencil's list of lower blocks.
+const FACE_PAIRS: [([usize; 2], usize); 3] = [([1, 0], 1), ([2, 0], 3), ([2, 1], 4)];
+const HINGE_PAIRS: [([usize; 2], usize); 6] = [
+    ([1, 0], 1),
+    ([2, 0], 3),
+    ([2, 1], 4),
+    ([3, 0], 6),
+    ([3, 1], 7),
+    ([3, 2], 8),
+];
+const FACE_DIAGONAL: [usize; 3] = [0, 2, 5];
+const HINGE_DIAGONAL: [usize; 4] = [0, 2, 5, 9];
+
+/// Where the energy of a layer sits (J).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EnergyParts {
+    /// In-plane stretch.
+    pub membrane: f64,
+    /// Hinges.
+    pub bending: f64,
+    /// Foundation, `K0` term.
+    pub normal: f64,
+    /// Foundation, `K1` term; negative where `K1` is.
+    pub gradient: f64,
+    /// Tangential tie.
+    pub tangential: f64,
+}
+
+impl EnergyParts {
+    /// Sum of the parts (J).
+    pub fn total(&self) -> f64 {
+        self.membrane + self.bending + self.normal + self.gradient + self.tangential
+    }
+}
+
+impl LayerEnergy {
+    /// A layer at rest on itself: rest angles and metric are those of `rest_positions` (m), the
+    /// base is the rest surface with its area-weighted normals and no offset.
+    ///
+    /// `faces` name vertices counter-clockwise; `pinned` has one entry per vertex.
+    ///
+    /// # Errors
+    /// Any [`ShellError`] about lengths, indices, orientation, degenerate faces or parameters.
+    pub fn new(
+        rest_positions: &[Vector3<f64>],
+        faces: &[[u32; 3]],
+        parameters: LayerParameters,
+        pinned: &[bool],
+    ) -> Result<Self, ShellError> {
+        let vertices = rest_positions.len();
+        check_length("pinned", vertices, pinned.len())?;
+        parameters.check(faces.len(), vertices)?;
+        let edges = edges(faces, vertices)?;
+        check_positions(rest_positions, faces, pinned)?;
+        let corners = |face: &[u32; 3]| face.map(|v| rest_positions[v as usize]);
+        let rest = faces
+            .iter()
+            .enumerate()
+            .map(|(index, face)| RestTriangle::new(&corners(face), index))
+            .collect::<Result<Vec<_>, _>>()?;
+
+        let pattern = Pattern::new(pinned, stencil_pairs(faces, &edges));
+        let anchors = vertex_normals(rest_positions, faces)
+            .into_iter()
+            .zip(rest_positions)
+            .map(|(normal, &point)| Anchor { point, normal })
+            .collect();
+        let foundation = LayerFoundation::new(faces, &edges, &rest, &parameters, &pattern, anchors);
+        let mut this = Self {
+            membranes: membranes(&rest, &parameters),
+            membrane_slots: faces
+                .iter()
+                .map(|face| FACE_PAIRS.map(|([i, j], _)| pattern.slot(face[i], face[j])))
+                .collect(),
+            hinges: hinge_elements(faces, &edges, rest_positions, &pattern),
+            foundation_hessian: foundation.hessian(&edges, &pattern),
+            faces: faces.to_vec(),
+            unstretched: rest.clone(),
+            edges,
+            parameters,
+            rest,
+            foundation,
+            pattern,
+        };
+        this.set_hinge_stiffness();
+        Ok(this)
+    }
+
+    /// Replaces the surface below: per vertex a point (m), a unit normal and an offset (m) along it.
+    ///
+    /// # Errors
+    /// Wrong lengths, values that are not finite, normals not of unit length.
+    pub fn set_base(
+        &mut self,
+        points: &[Vector3<f64>],
+        normals: &[Vector3<f64>],
+        offsets: &[f64],
+    ) -> Result<(), ShellError> {
+        let anchors = anchors(points, normals, offsets, self.pattern.free_of.len())?;
+        self.foundation.set_anchors(anchors);
+        self.foundation_hessian = self.foundation.hessian(&self.edges, &self.pattern);
+        Ok(())
+    }
+
+    /// Stretches every rest triangle, as built, by a 2×2 matrix in its local frame
+    /// ([`crate::rest_frame`]): the rest metric becomes `S^T S`. Replaces any earlier stretch.
+    ///
+    /// Membrane, hinge stiffness and foundation all follow; rest angles stay.
+    ///
+    /// # Errors
+    /// [`ShellError::LengthMismatch`], [`ShellError::InvertedStretch`],
+    /// [`ShellError::DegenerateFace`]; the layer is then unchanged.
+    pub fn set_rest_metric(&mut self, stretches: &[Matrix2<f64>]) -> Result<(), ShellError> {
+        check_length("rest stretches", self.faces.len(), stretches.len())?;
+        self.rest = self
+            .unstretched
+            .iter()
+            .zip(stretches)
+            .enumerate()
+            .map(|(face, (rest, stretch))| rest.stretched(stretch, face))
+            .collect::<Result<_, _>>()?;
+        self.membranes = membranes(&self.rest, &self.parameters);
+        self.set_hinge_stiffness();
+        self.foundation
+            .set_rest(&self.faces, &self.edges, &self.rest, &self.parameters);
+        self.foundation_hessian = self.foundation.hessian(&self.edges, &self.pattern);
+        Ok(())
+    }
+
+    fn set_hinge_stiffness(&mut self) {
+        for element in &mut self.hinges {
+            let edge = &self.edges[element.edge];
+            let Some(right) = edge.right else { continue };
+            let modulus = [edge.left.face, right.face]
+                .map(|face| self.parameters.faces[face].bending_modulus());
+            let shape = HingeShape::new(
+                &self.rest[edge.left.face],
+                edge.left.corner,
+                &self.rest[right.face],
+                right.corner,
+            );
+            element.hinge.stiffness =
+                shape.stiffness(0.5 * (modulus[0] + modulus[1]), HINGE_EXPONENT);
+        }
+    }
+
+    /// Number of vertices, pinned ones included.
+    pub fn vertex_count(&self) -> usize {
+        self.pattern.free_of.len()
+    }
+
+    /// The free vertices; the `k`-th has degrees of freedom `3k`, `3k + 1`, `3k + 2`.
+    pub fn free_vertices(&self) -> &[u32] {
+        &self.pattern.free_vertices
+    }
+
+    /// Number of degrees of freedom.
+    pub fn dof_count(&self) -> usize {
+        3 * self.pattern.free_vertices.len()
+    }
+
+    /// Column starts and row indices of the Hessian's lower triangle, diagonal included, rows
+    /// sorted within each column.
+    pub fn pattern(&self) -> (&[usize], &[usize]) {
+        (&self.pattern.column_starts, &self.pattern.rows)
+    }
+
+    /// Energy (J) at the positions `x` (m) of all vertices.
+    pub fn value(&self, x: &[Vector3<f64>]) -> f64 {
+        self.energy_parts(x).total()
+    }
+
+    /// Energy by origin.
+    pub fn energy_parts(&self, x: &[Vector3<f64>]) -> EnergyParts {
+        self.check(x);
+        let [normal, gradient, tangential] = self.foundation.values(&self.faces, x);
+        EnergyParts {
+            membrane: self
+                .faces
+                .iter()
+                .zip(&self.membranes)
+                .map(|(face, membrane)| membrane.value(&gather(x, face)))
+                .sum(),
+            bending: self
+                .hinges
+                .iter()
+                .map(|element| element.hinge.value(&gather(x, &element.vertices)))
+                .sum(),
+            normal,
+            gradient,
+            tangential,
+        }
+    }
+
+    /// Writes the derivative of the energy by the degrees of freedom (N).
+    pub fn gradient(&self, x: &[Vector3<f64>], gradient: &mut [f64]) {
+        self.check(x);
+        assert_eq!(gradient.len(), self.dof_count(), "one entry per dof");
+        self.foundation
+            .write_gradient(&self.faces, x, &self.pattern, gradient);
+        for (face, membrane) in self.faces.iter().zip(&self.membranes) {
+            self.add_forces(gradient, face, &membrane.gradient(&gather(x, face)));
+        }
+        for HingeElement {
+            hinge, vertices, ..
+        } in &self.hinges
+        {
+            self.add_forces(gradient, vertices, &hinge.gradient(&gather(x, vertices)));
+        }
+    }
+
+    #[inline]
+    fn add_forces(&self, gradient: &mut [f64], vertices: &[u32], forces: &[Vector3<f64>]) {
+        for (&vertex, force) in vertices.iter().zip(forces) {
+            if let Some(free) = self.pattern.free(vertex) {
+                let target = &mut gradient[3 * free..3 * free + 3];
+                target[0] += force.x;
+                target[1] += force.y;
+                target[2] += force.z;
+            }
+        }
+    }
+
+    /// Writes the second derivative (N/m), values in the order of [`Self::pattern`].
+    ///
+    /// `relaxed`, if asked for, takes the same matrix without compressive stress stiffness: tensile
+    /// stress only in the membrane's geometric part, `k g g^T` in the hinges. It is positive
+    /// semidefinite up to a negative `K1`.
+    pub fn hessian(&self, x: &[Vector3<f64>], exact: &mut [f64], relaxed: Option<&mut [f64]>) {
+        self.check(x);
+        exact.copy_from_slice(&self.foundation_hessian);
+        match relaxed {
+            None => {
+                self.add_membrane(x, exact, &mut []);
+                self.add_bending(x, exact, &mut []);
+            }
+            Some(relaxed) => {
+                relaxed.copy_from_slice(&self.foundation_hessian);
+                self.add_membrane(x, exact, relaxed);
+                self.add_bending(x, exact, relaxed);
+            }
+        }
+    }
+
+    /// An empty `relaxed` is not wanted.
+    fn add_membrane(&self, x: &[Vector3<f64>], exact: &mut [f64], relaxed: &mut [f64]) {
+        let elements = self.faces.iter().zip(&self.membranes);
+        for ((face, membrane), slots) in elements.zip(&self.membrane_slots) {
+            let state = membrane.state(&gather(x, face));
+            let material = membrane.material_blocks(&state);
+            let add = |values: &mut [f64], stress: Stress| {
+                let blocks = membrane.with_stress(&material, &state, stress);
+                for (&vertex, block) in face.iter().zip(FACE_DIAGONAL) {
+                    self.pattern.add_diagonal(values, vertex, &blocks[block]);
+                }
+                for (&slot, (_, block)) in slots.iter().zip(FACE_PAIRS) {
+                    Pattern::add_block(values, slot, &blocks[block]);
+                }
+            };
+            add(exact, Stress::Full);
+            if !relaxed.is_empty() {
+                add(relaxed, Stress::Tensile);
+            }
+        }
+    }
+
+    fn add_bending(&self, x: &[Vector3<f64>], exact: &mut [f64], relaxed: &mut [f64]) {
+        for element in &self.hinges {
+            let state = HingeState::new(&gather(x, &element.vertices));
+            let mut blocks = element.hinge.gauss_newton(&state);
+            let add = |values: &mut [f64], blocks: &[nalgebra::Matrix3<f64>; 10]| {
+                for (&vertex, block) in element.vertices.iter().zip(HINGE_DIAGONAL) {
+                    self.pattern.add_diagonal(values, vertex, &blocks[block]);
+                }
+                for (&slot, (_, block)) in element.slots.iter().zip(HINGE_PAIRS) {
+                    Pattern::add_block(values, slot, &blocks[block]);
+                }
+            };
+            if !relaxed.is_empty() {
+                add(relaxed, &blocks);
+            }
+            element.hinge.add_curvature(&state, &mut blocks);
+            add(exact, &blocks);
+        }
+    }
+
+    /// Rest area of each vertex (m²): a third of its faces, under the present rest metric.
+    pub fn vertex_areas(&self) -> &[f64] {
+        self.foundation.vertex_areas()
+    }
+
+    /// Normal deviation of each vertex from the base plus offset (m).
+    pub fn deviations(&self, x: &[Vector3<f64>]) -> Vec<f64> {
+        self.check(x);
+        self.foundation.deviations(x)
+    }
+
+    /// Principal strains of each face against the present rest metric.
+    pub fn principal_strains(&self, x: &[Vector3<f64>]) -> Vec<PrincipalStrain> {
+        self.check(x);
+        self.faces
+            .iter()
+            .zip(&self.membranes)
+            .map(|(face, membrane)| {
+                PrincipalStrain::from_green(&membrane.state(&gather(x, face)).strain())
+            })
+            .collect()
+    }
+
+    fn check(&self, x: &[Vector3<f64>]) {
+        assert_eq!(x.len(), self.vertex_count(), "one position per vertex");
+    }
+}
+
+#[inline]
+fn gather<const N: usize>(x: &[Vector3<f64>], vertices: &[u32; N]) -> [Vector3<f64>; N] {
+    vertices.map(|v| x[v as usize])
+}
+
+fn membranes(rest: &[RestTriangle], parameters: &LayerParameters) -> Vec<Membrane> {
+    rest.iter()
+        .zip(&parameters.faces)
+        .map(|(rest, p)| Membrane::new(rest, p.tension_modulus(), p.poisson))
+        .collect()
+}
+
+/// Hinges with their rest angles; stiffness is set later, because the rest metric can change it.
+fn hinge_elements(
+    faces: &[[u32; 3]],
+    edges: &[Edge],
+    rest: &[Vector3<f64>],
+    pattern: &Pattern,
+) -> Vec<HingeElement> {
+    edges
+        .iter()
+        .enumerate()
+        .filter_map(|(edge, topology)| {
+            let (vertices, _) = topology.hinge(faces)?;
+            let rest_angle = HingeState::new(&gather(rest, &vertices)).angle();
+            Some(HingeElement {
+                hinge: Hinge {
+                    stiffness: 0.0,
+                    rest_angle,
+                },
+                vertices,
+                edge,
+                slots: HINGE_PAIRS.map(|([i, j], _)| pattern.slot(vertices[i], vertices[j])),
+            })
+        })
+        .collect()
+}
+
+/// Every two vertices that share a face or a hinge.
+fn stencil_pairs<'a>(
+    faces: &'a [[u32; 3]],
+    edges: &'a [Edge],
+) -> impl Iterator<Item = [u32; 2]> + 'a {
+    edges.iter().flat_map(|edge| {
+        let apexes = edge
+            .hinge(faces)
+            .map(|([_, _, left, right], _)| [left, right]);
+        std::iter::once(edge.ends).chain(apexes)
+    })
+}
+
+fn check_positions(
+    positions: &[Vector3<f64>],
+    faces: &[[u32; 3]],
+    pinned: &[bool],
+) -> Result<(), ShellError> {
+    let mut held = pinned.to_vec();
+    for &vertex in faces.iter().flatten() {
+        held[vertex as usize] = true;
+    }
+    if let Some(vertex) = held.iter().position(|held| !held) {
+        return Err(ShellError::IsolatedVertex { vertex });
+    }
+    match positions
+        .iter()
+        .position(|p| !p.iter().all(|c| c.is_finite()))
+    {
+        None => Ok(()),
+        Some(vertex) => Err(ShellError::NotFinite {
+            what: "rest position",
+            vertex,
+        }),
+    }
+}

@@ -1,0 +1,199 @@
+//! The foundation of a whole layer: constant stiffness, a base that each frame replaces.
+
+use nalgebra::Vector3;
+
+use crate::edges::Edge;
+use crate::foundation::{Anchor, NormalFoundation, TangentialTie};
+use crate::parameters::check_length;
+use crate::pattern::{Pattern, Slot};
+use crate::{LayerParameters, RestTriangle, ShellError};
+
+/// Tolerance on the length of a base normal.
+const UNIT_TOLERANCE: f64 = 1e-6;
+
+#[derive(Clone, Debug)]
+pub(crate) struct LayerFoundation {
+    normal: Vec<NormalFoundation>,
+    ties: Vec<TangentialTie>,
+    vertex_areas: Vec<f64>,
+    /// Scalar stiffness between deviations: per vertex, and per edge.
+    diagonal: Vec<f64>,
+    off_diagonal: Vec<f64>,
+    anchors: Vec<Anchor>,
+    edge_slots: Vec<Slot>,
+}
+
+impl LayerFoundation {
+    pub(crate) fn new(
+        faces: &[[u32; 3]],
+        edges: &[Edge],
+        rest: &[RestTriangle],
+        parameters: &LayerParameters,
+        pattern: &Pattern,
+        anchors: Vec<Anchor>,
+    ) -> Self {
+        let edge_slots = edges
+            .iter()
+            .map(|e| pattern.slot(e.ends[1], e.ends[0]))
+            .collect();
+        let mut this = Self {
+            normal: Vec::new(),
+            ties: Vec::new(),
+            vertex_areas: Vec::new(),
+            diagonal: Vec::new(),
+            off_diagonal: Vec::new(),
+            anchors,
+            edge_slots,
+        };
+        this.set_rest(faces, edges, rest, parameters);
+        this
+    }
+
+    /// Recomputes every stiffness for another rest metric.
+    pub(crate) fn set_rest(
+        &mut self,
+        faces: &[[u32; 3]],
+        edges: &[Edge],
+        rest: &[RestTriangle],
+        parameters: &LayerParameters,
+    ) {
+        self.normal = rest
+            .iter()
+            .zip(&parameters.faces)
+            .map(|(rest, p)| NormalFoundation::new(rest, p.normal_stiffness, p.gradient_stiffness))
+            .collect();
+        let mut areas = vec![0.0; self.anchors.len()];
+        let mut diagonal = vec![0.0; self.anchors.len()];
+        let matrices: Vec<_> = self.normal.iter().map(NormalFoundation::matrix).collect();
+        for ((face, rest), matrix) in faces.iter().zip(rest).zip(&matrices) {
+            for (corner, &vertex) in face.iter().enumerate() {
+                areas[vertex as usize] += rest.area() / 3.0;
+                diagonal[vertex as usize] += matrix[(corner, corner)];
+            }
+        }
+        self.ties = areas
+            .iter()
+            .zip(&parameters.tangential_stiffness)
+            .map(|(area, k)| TangentialTie {
+                stiffness: area * k,
+            })
+            .collect();
+        let entry = |face: usize, corner: usize| matrices[face][(corner, (corner + 1) % 3)];
+        self.off_diagonal = edges
+            .iter()
+            .map(|edge| {
+                entry(edge.left.face, edge.left.corner)
+                    + edge.right.map_or(0.0, |side| entry(side.face, side.corner))
+            })
+            .collect();
+        self.vertex_areas = areas;
+        self.diagonal = diagonal;
+    }
+
+    pub(crate) fn set_anchors(&mut self, anchors: Vec<Anchor>) {
+        self.anchors = anchors;
+    }
+
+    pub(crate) fn vertex_areas(&self) -> &[f64] {
+        &self.vertex_areas
+    }
+
+    pub(crate) fn deviations(&self, x: &[Vector3<f64>]) -> Vec<f64> {
+        self.anchors
+            .iter()
+            .zip(x)
+            .map(|(anchor, x)| anchor.deviation(x))
+            .collect()
+    }
+
+    /// Energies of the `K0`, `K1` and `Kt` terms (J).
+    pub(crate) fn values(&self, faces: &[[u32; 3]], x: &[Vector3<f64>]) -> [f64; 3] {
+        let w = self.deviations(x);
+        let (mut normal, mut gradient) = (0.0, 0.0);
+        for (face, stencil) in faces.iter().zip(&self.normal) {
+            let [k0, k1] = stencil.values(face.map(|v| w[v as usize]));
+            normal += k0;
+            gradient += k1;
+        }
+        let tangential = self
+            .ties
+            .iter()
+            .zip(&self.anchors)
+            .zip(x)
+            .map(|((tie, anchor), x)| tie.value(anchor, x))
+            .sum();
+        [normal, gradient, tangential]
+    }
+
+    /// Writes the gradient over the free degrees of freedom; the first term to do so.
+    pub(crate) fn write_gradient(
+        &self,
+        faces: &[[u32; 3]],
+        x: &[Vector3<f64>],
+        pattern: &Pattern,
+        gradient: &mut [f64],
+    ) {
+        let w = self.deviations(x);
+        let mut by_deviation = vec![0.0; w.len()];
+        for (face, stencil) in faces.iter().zip(&self.normal) {
+            let force = stencil.gradient(face.map(|v| w[v as usize]));
+            for (&vertex, force) in face.iter().zip(force) {
+                by_deviation[vertex as usize] += force;
+            }
+        }
+        for (free, &vertex) in pattern.free_vertices.iter().enumerate() {
+            let v = vertex as usize;
+            let anchor = &self.anchors[v];
+            let force = anchor.normal * by_deviation[v] + self.ties[v].gradient(anchor, &x[v]);
+            gradient[3 * free..3 * free + 3].copy_from_slice(force.as_slice());
+        }
+    }
+
+    /// The constant second derivative, in the order of `pattern`.
+    pub(crate) fn hessian(&self, edges: &[Edge], pattern: &Pattern) -> Vec<f64> {
+        let mut values = vec![0.0; pattern.rows.len()];
+        for &vertex in &pattern.free_vertices {
+            let v = vertex as usize;
+            let anchor = &self.anchors[v];
+            let n = anchor.normal;
+            let block = n * n.transpose() * self.diagonal[v] + self.ties[v].hessian(anchor);
+            pattern.add_diagonal(&mut values, vertex, &block);
+        }
+        for ((edge, stiffness), slot) in edges.iter().zip(&self.off_diagonal).zip(&self.edge_slots)
+        {
+            let [tail, head] = edge.ends.map(|v| self.anchors[v as usize].normal);
+            Pattern::add_block(&mut values, *slot, &(head * tail.transpose() * *stiffness));
+        }
+        values
+    }
+}
+
+/// Base points, normals and offsets as anchors, checked.
+pub(crate) fn anchors(
+    points: &[Vector3<f64>],
+    normals: &[Vector3<f64>],
+    offsets: &[f64],
+    vertices: usize,
+) -> Result<Vec<Anchor>, ShellError> {
+    check_length("base points", vertices, points.len())?;
+    check_length("base normals", vertices, normals.len())?;
+    check_length("base offsets", vertices, offsets.len())?;
+    (0..vertices)
+        .map(|vertex| {
+            let (normal, offset) = (normals[vertex], offsets[vertex]);
+            let point = points[vertex] + normal * offset;
+            if !point.iter().all(|c| c.is_finite()) {
+                let what = "base point or offset";
+                return Err(ShellError::NotFinite { what, vertex });
+            }
+            let length = normal.norm();
+            if (length - 1.0).abs() > UNIT_TOLERANCE {
+                return Err(ShellError::NormalNotUnit { vertex, length });
+            }
+            Ok(Anchor {
+                point,
+                normal: normal / length,
+            })
+        })
+        .collect()
+}

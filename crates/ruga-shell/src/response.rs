@@ -1,0 +1,401 @@
+//! How stiffly an actual mesh bends when it wrinkles.
+
+use faer::linalg::solvers::Solve;
+use faer::sparse::linalg::solvers::Llt;
+use faer::sparse::{SparseColMat, Triplet};
+use faer::{MatMut, Side};
+use nalgebra::{Matrix3, SymmetricEigen, Vector2, Vector3};
+
+use crate::edges::{Edge, edges};
+use crate::hinge::HingeState;
+use crate::parameters::check_length;
+use crate::{HingeShape, NormalFoundation, RestTriangle, ShellError, rest_frame};
+
+/// A sheet on a foundation, compressed along one direction per face.
+///
+/// Shapes: `corners`, `directions` and `faces` per face, `fixed` per vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct ResponseQuery<'a> {
+    /// Vertices of each face, counter-clockwise.
+    pub faces: &'a [[u32; 3]],
+    /// Rest positions of each face's corners (m), from [`face_corners`]. They are given per face so
+    /// that a periodic cell can be described: unwrap the corners of the faces that cross its border.
+    pub corners: &'a [[Vector3<f64>; 3]],
+    /// Compression direction of each face, in space; only its part in the face counts.
+    pub directions: &'a [Vector3<f64>],
+    /// Vertices held at zero deviation.
+    pub fixed: &'a [bool],
+    /// Plate modulus `D` (N m) that the hinges are meant to have, > 0.
+    pub bending_modulus: f64,
+    /// Exponent of the per-hinge factor; [`crate::HINGE_EXPONENT`] is what a layer uses.
+    pub hinge_exponent: f64,
+    /// Foundation stiffness `K0` (N/m³), > 0; sets the wavelength `2 pi (D/K0)^(1/4)` probed.
+    pub normal_stiffness: f64,
+    /// Foundation stiffness `K1` (N/m).
+    pub gradient_stiffness: f64,
+}
+
+/// The first buckling mode of the sheet, as a plate modulus.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResponseModulus {
+    /// Least compressive force per width that buckles the sheet (N/m).
+    pub critical_force: f64,
+    /// `D_eff` (N m), from `N_min = 2 sqrt(D_eff K0) + K1`.
+    pub bending_modulus: f64,
+    /// Normal deviation of each vertex in the mode; the largest is 1.
+    pub mode: Vec<f64>,
+    /// Lanczos steps taken.
+    pub iterations: usize,
+    /// Whether `critical_force` settled to [`FORCE_TOLERANCE`].
+    pub converged: bool,
+}
+
+/// Relative change of the critical force, over five Lanczos steps, at which it is accepted.
+const FORCE_TOLERANCE: f64 = 1e-6;
+/// Ten wavelengths square need about 60 steps.
+const MAX_STEPS: usize = 300;
+
+/// Corner positions of each face, for a mesh whose vertices have one position each.
+pub fn face_corners(positions: &[Vector3<f64>], faces: &[[u32; 3]]) -> Vec<[Vector3<f64>; 3]> {
+    faces
+        .iter()
+        .map(|face| face.map(|v| positions[v as usize]))
+        .collect()
+}
+
+/// Smallest `N` with `w^T (B + K0 M + K1 G) w = N w^T G_d w` over deviations `w` along the vertex
+/// normals, and the plate modulus it corresponds to.
+///
+/// `B` is the hinge energy linearised at rest, `M` and `G` the foundation's mass and gradient, `G_d`
+/// the gradient along the compression. This is the modulus with which a mesh *responds*: energies
+/// of interpolated cylinders overrate an unstructured mesh, whose vertices relax.
+///
+/// # Validity
+/// With uniform stiffness. A patch of `n` wavelengths between fixed borders reads high by about
+/// `1/n^2` in `D`.
+///
+/// # Errors
+/// [`ShellError::UnstableSheet`], [`ShellError::NoDirection`], and those of bad meshes.
+pub fn response_modulus(query: &ResponseQuery) -> Result<ResponseModulus, ShellError> {
+    check_query(query)?;
+    let edges = edges(query.faces, query.fixed.len())?;
+    let rest = query
+        .corners
+        .iter()
+        .enumerate()
+        .map(|(face, corners)| RestTriangle::new(corners, face))
+        .collect::<Result<Vec<_>, _>>()?;
+    let free = FreeIndex::new(query.fixed);
+
+    let mut stiffness = Vec::new();
+    add_hinges(query, &edges, &rest, &free, &mut stiffness);
+    add_foundation(query, &rest, &free, &mut stiffness);
+    let mut load = Vec::new();
+    add_load(query, &rest, &free, &mut load)?;
+
+    let unstable = ShellError::UnstableSheet {
+        gradient_stiffness: query.gradient_stiffness,
+    };
+    let assemble = |entries: &[Triplet<usize, usize, f64>]| {
+        SparseColMat::try_new_from_triplets(free.count, free.count, entries)
+            .map_err(|_| unstable.clone())
+    };
+    let load = assemble(&load)?;
+    let factor = assemble(&stiffness)?
+        .sp_cholesky(Side::Lower)
+        .map_err(|_| unstable.clone())?;
+    let lanczos = largest_eigenvalue(&factor, &load).ok_or(unstable)?;
+
+    let critical_force = 1.0 / lanczos.eigenvalue;
+    let bending_force = 0.5 * (critical_force - query.gradient_stiffness);
+    Ok(ResponseModulus {
+        critical_force,
+        bending_modulus: bending_force * bending_force / query.normal_stiffness,
+        mode: free.spread(&lanczos.vector),
+        iterations: lanczos.steps,
+        converged: lanczos.converged,
+    })
+}
+
+fn check_query(query: &ResponseQuery) -> Result<(), ShellError> {
+    let faces = query.faces.len();
+    check_length("corners", faces, query.corners.len())?;
+    check_length("directions", faces, query.directions.len())?;
+    let checks = [
+        ("bending_modulus", query.bending_modulus, 0.0, "> 0"),
+        ("normal_stiffness", query.normal_stiffness, 0.0, "> 0"),
+        ("hinge_exponent", query.hinge_exponent, f64::MIN, "finite"),
+        (
+            "gradient_stiffness",
+            query.gradient_stiffness,
+            f64::MIN,
+            "finite",
+        ),
+    ];
+    for (name, value, above, range) in checks {
+        if !(value > above && value.is_finite()) {
+            return Err(ShellError::ParameterOutOfRange {
+                element: "response query",
+                index: 0,
+                name,
+                value,
+                range,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Numbers the vertices that may deviate.
+struct FreeIndex {
+    of: Vec<Option<usize>>,
+    count: usize,
+}
+
+type Entries = Vec<Triplet<usize, usize, f64>>;
+
+impl FreeIndex {
+    fn new(fixed: &[bool]) -> Self {
+        let mut count = 0;
+        let of = fixed
+            .iter()
+            .map(|fixed| {
+                (!fixed).then(|| {
+                    count += 1;
+                    count - 1
+                })
+            })
+            .collect();
+        Self { of, count }
+    }
+
+    fn add(&self, entries: &mut Entries, row: u32, column: u32, value: f64) {
+        if let (Some(row), Some(column)) = (self.of[row as usize], self.of[column as usize]) {
+            entries.push(Triplet::new(row, column, value));
+        }
+    }
+
+    fn add_face(&self, entries: &mut Entries, face: &[u32; 3], matrix: &Matrix3<f64>) {
+        for i in 0..3 {
+            for j in 0..3 {
+                self.add(entries, face[i], face[j], matrix[(i, j)]);
+            }
+        }
+    }
+
+    fn spread(&self, free: &[f64]) -> Vec<f64> {
+        let signed = free.iter().fold(
+            0.0,
+            |top: f64, &v| if v.abs() > top.abs() { v } else { top },
+        );
+        self.of
+            .iter()
+            .map(|index| index.map_or(0.0, |i| free[i] / signed))
+            .collect()
+    }
+}
+
+fn add_hinges(
+    query: &ResponseQuery,
+    edges: &[Edge],
+    rest: &[RestTriangle],
+    free: &FreeIndex,
+    entries: &mut Entries,
+) {
+    let normals = corner_normals(query);
+    for edge in edges {
+        let Some((vertices, right)) = edge.hinge(query.faces) else {
+            continue;
+        };
+        let left = edge.left;
+        let shape = HingeShape::new(
+            &rest[left.face],
+            left.corner,
+            &rest[right.face],
+            right.corner,
+        );
+        let stiffness = shape.stiffness(query.bending_modulus, query.hinge_exponent);
+        let corner = |face: usize, k: usize| query.corners[face][k % 3];
+        // The right apex is placed from its own face's copy of the edge's head.
+        let head = corner(left.face, left.corner + 1);
+        let apex = head + corner(right.face, right.corner + 2) - corner(right.face, right.corner);
+        let state = HingeState::new(&[
+            corner(left.face, left.corner),
+            head,
+            corner(left.face, left.corner + 2),
+            apex,
+        ]);
+        let gradient = state.angle_gradient();
+        let by_deviation: [f64; 4] =
+            std::array::from_fn(|i| gradient[i].dot(&normals[vertices[i] as usize]));
+        for i in 0..4 {
+            for j in 0..4 {
+                let value = stiffness * by_deviation[i] * by_deviation[j];
+                free.add(entries, vertices[i], vertices[j], value);
+            }
+        }
+    }
+}
+
+fn corner_normals(query: &ResponseQuery) -> Vec<Vector3<f64>> {
+    let mut normals = vec![Vector3::zeros(); query.fixed.len()];
+    for (face, [a, b, c]) in query.faces.iter().zip(query.corners) {
+        let normal = (b - a).cross(&(c - a));
+        for &vertex in face {
+            normals[vertex as usize] += normal;
+        }
+    }
+    normals
+        .into_iter()
+        .map(|n| n.try_normalize(0.0).unwrap_or_else(Vector3::z))
+        .collect()
+}
+
+fn add_foundation(
+    query: &ResponseQuery,
+    rest: &[RestTriangle],
+    free: &FreeIndex,
+    entries: &mut Entries,
+) {
+    for (face, rest) in query.faces.iter().zip(rest) {
+        let stencil = NormalFoundation::new(rest, query.normal_stiffness, query.gradient_stiffness);
+        free.add_face(entries, face, &stencil.matrix());
+    }
+}
+
+/// `int (d.grad w)^2`: what the compressive force works on.
+fn add_load(
+    query: &ResponseQuery,
+    rest: &[RestTriangle],
+    free: &FreeIndex,
+    entries: &mut Entries,
+) -> Result<(), ShellError> {
+    for (face, triangle) in rest.iter().enumerate() {
+        let frame = rest_frame(&query.corners[face]);
+        let along = frame.map(|axis| axis.dot(&query.directions[face]));
+        let direction = Vector2::from(along)
+            .try_normalize(f64::MIN_POSITIVE)
+            .ok_or(ShellError::NoDirection { face })?;
+        let slopes = Vector3::from(triangle.shape_gradients().map(|g| g.dot(&direction)));
+        let matrix = slopes * slopes.transpose() * triangle.area();
+        free.add_face(entries, &query.faces[face], &matrix);
+    }
+    Ok(())
+}
+
+struct Extreme {
+    eigenvalue: f64,
+    vector: Vec<f64>,
+    steps: usize,
+    converged: bool,
+}
+
+/// Largest eigenvalue of `stiffness^-1 load` by Lanczos in the inner product of the stiffness.
+///
+/// Full reorthogonalisation: the basis is short, and ghosts would spoil the convergence test.
+fn largest_eigenvalue(
+    factor: &Llt<usize, f64>,
+    load: &SparseColMat<usize, f64>,
+) -> Option<Extreme> {
+    let size = load.ncols();
+    // Pairs v, A v with v_i^T A v_j = delta_ij. Solving A v = r makes A v = r free of charge.
+    let mut basis: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
+    let (mut alphas, mut betas) = (Vec::new(), Vec::new());
+    let mut values: Vec<f64> = Vec::new();
+    let mut image = starting_vector(size);
+    loop {
+        let mut vector = image.clone();
+        factor.solve_in_place(MatMut::from_column_major_slice_mut(&mut vector, size, 1));
+        for _ in 0..2 {
+            for (v, av) in &basis {
+                let overlap = dot(&vector, av);
+                axpy(&mut vector, -overlap, v);
+                axpy(&mut image, -overlap, av);
+            }
+        }
+        let norm = dot(&vector, &image).max(0.0).sqrt();
+        if !norm.is_finite() {
+            return None;
+        }
+        // An exhausted space: what has been found is exact.
+        let exhausted = norm <= 1e-14 * values.last().copied().unwrap_or(0.0)
+            || basis.len() == size.min(MAX_STEPS);
+        let settled = values.len() > 5 && {
+            let last = values[values.len() - 1];
+            (last - values[values.len() - 6]).abs() <= FORCE_TOLERANCE * last
+        };
+        if basis.is_empty() && norm == 0.0 {
+            return None;
+        }
+        if exhausted || settled {
+            let (eigenvalue, weights) = tridiagonal_top(&alphas, &betas);
+            let mut top = vec![0.0; size];
+            for ((v, _), weight) in basis.iter().zip(weights) {
+                axpy(&mut top, weight, v);
+            }
+            return (eigenvalue > 0.0).then_some(Extreme {
+                eigenvalue,
+                vector: top,
+                steps: basis.len(),
+                converged: settled || basis.len() < MAX_STEPS,
+            });
+        }
+        if !basis.is_empty() {
+            betas.push(norm);
+        }
+        vector.iter_mut().for_each(|v| *v /= norm);
+        image.iter_mut().for_each(|v| *v /= norm);
+        let next = multiply(load, &vector);
+        alphas.push(dot(&vector, &next));
+        basis.push((vector, image));
+        values.push(tridiagonal_top(&alphas, &betas).0);
+        image = next;
+    }
+}
+
+/// Deterministic and without symmetry, so that it overlaps every mode.
+fn starting_vector(size: usize) -> Vec<f64> {
+    let golden = 0.618_033_988_749_894_9;
+    (0..size)
+        .map(|i| ((i + 1) as f64 * golden).fract() - 0.5)
+        .collect()
+}
+
+fn tridiagonal_top(alphas: &[f64], betas: &[f64]) -> (f64, Vec<f64>) {
+    let size = alphas.len();
+    let mut matrix = nalgebra::DMatrix::zeros(size, size);
+    for (i, &alpha) in alphas.iter().enumerate() {
+        matrix[(i, i)] = alpha;
+    }
+    for (i, &beta) in betas.iter().enumerate().take(size.saturating_sub(1)) {
+        matrix[(i, i + 1)] = beta;
+        matrix[(i + 1, i)] = beta;
+    }
+    let eigen = SymmetricEigen::new(matrix);
+    let top = eigen.eigenvalues.imax();
+    (
+        eigen.eigenvalues[top],
+        eigen.eigenvectors.column(top).iter().copied().collect(),
+    )
+}
+
+fn multiply(matrix: &SparseColMat<usize, f64>, vector: &[f64]) -> Vec<f64> {
+    let mut product = vec![0.0; vector.len()];
+    for (column, &value) in vector.iter().enumerate() {
+        let entries = matrix.row_idx_of_col(column).zip(matrix.val_of_col(column));
+        for (row, entry) in entries {
+            product[row] += entry * value;
+        }
+    }
+    product
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn axpy(target: &mut [f64], scale: f64, source: &[f64]) {
+    for (target, source) in target.iter_mut().zip(source) {
+        *target += scale * source;
+    }
+}
