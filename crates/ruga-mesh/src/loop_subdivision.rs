@@ -229,7 +229,11 @@ fn interior_limit(
     }
 }
 
-/// The crease rules of Hoppe et al. 1994; the ring runs counter-clockwise from border to border.
+/// Limit of a border vertex; the ring runs counter-clockwise from border to border.
+///
+/// The second tangent is the left eigenvector across the border of this scheme's own subdivision
+/// matrix, with eigenvalue `3/8 + cos(angle)/4`. The masks of Hoppe et al. 1994 belong to edge
+/// rules that they change near irregular vertices, which we don't.
 fn border_limit(
     vertex: VertexId,
     ring: &Ring,
@@ -244,18 +248,17 @@ fn border_limit(
         (end.0, 1.0 / 6.0),
     ]);
     first.extend([(start.0, 1.0), (end.0, -1.0)]);
-    match ring.vertices.len() {
-        2 => second.extend([(vertex.0, -2.0), (start.0, 1.0), (end.0, 1.0)]),
-        3 => second.extend([(ring.vertices[1].0, 1.0), (vertex.0, -1.0)]),
-        count => {
-            let angle = std::f64::consts::PI / (count - 1) as f64;
-            second.extend([(start.0, angle.sin()), (end.0, angle.sin())]);
-            for (i, v) in ring.vertices.iter().enumerate().take(count - 1).skip(1) {
-                let weight = (2.0 * angle.cos() - 2.0) * (i as f64 * angle).sin();
-                second.push((v.0, weight));
-            }
-            // The rule as printed points out of the surface.
-            second.iter_mut().for_each(|term| term.1 = -term.1);
-        }
+    let count = ring.vertices.len();
+    if count == 2 {
+        second.extend([(vertex.0, -2.0), (start.0, 1.0), (end.0, 1.0)]);
+        return;
+    }
+    let angle = std::f64::consts::PI / (count - 1) as f64;
+    // The sum of sin(i angle) over the inner neighbours.
+    let inner = 1.0 / (0.5 * angle).tan();
+    let rim = (angle.sin() - inner) / (1.0 + 2.0 * angle.cos());
+    second.extend([(start.0, rim), (end.0, rim), (vertex.0, -2.0 * rim - inner)]);
+    for (i, v) in ring.vertices.iter().enumerate().take(count - 1).skip(1) {
+        second.push((v.0, (i as f64 * angle).sin()));
     }
 }
