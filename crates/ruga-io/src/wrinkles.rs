@@ -110,6 +110,11 @@ impl WrinkleMap {
         }
     }
 
+    /// Whether glTF takes it as a `normalTexture`: a PNG with green up.
+    pub(crate) fn is_gltf_normal(&self) -> bool {
+        self.format != MapFormat::Exr && self.green == Some(NormalY::Plus)
+    }
+
     fn plain(pose: &str, key: f64, kind: MapKind, format: MapFormat, neutral: Vec<f64>) -> Self {
         Self {
             pose: pose.to_owned(),

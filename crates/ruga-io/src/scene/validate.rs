@@ -43,7 +43,8 @@ impl Scene {
             return Err(scene_error(path, "driver.mesh", None, reason, None));
         }
         for (i, pose) in self.poses.iter().enumerate() {
-            for shape in pose.weights.keys().filter(|shape| !shapes.contains(shape)) {
+            let unknown = pose.weights.keys().find(|shape| !shapes.contains(shape));
+            if let Some(shape) = unknown {
                 let key = format!("poses[{i}].weights.{shape}");
                 let reason = format!("the mesh has no blend shape `{shape}`");
                 let suggestion = nearest(shape, shapes.iter().map(String::as_str));

@@ -1,0 +1,389 @@
+//! The artist's mesh as GLB, with tangents and the baked maps.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::Path;
+
+use gltf::binary::{Glb, Header};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3, Vector4};
+use serde_json::{Map, Value, json};
+
+use crate::glb_buffer::GlbBuffer;
+use crate::scene::MapKind;
+use crate::{IoError, Material, MeshFile, MeshPart, WrinkleMap, write_atomically};
+
+/// What `ruga` adds to the artist's mesh.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct GlbAdditions<'a> {
+    /// Tangent of each vertex and, as `w`, the sign of the bitangent for V pointing down: for the
+    /// raw MikkTSpace sign, its negative. Written when the mesh has normals.
+    pub tangents: Option<&'a [Vector4<f64>]>,
+    /// Normals for a mesh whose file has none, one per vertex; ignored where it has its own.
+    pub normals: Option<&'a [Vector3<f64>]>,
+    /// The baked maps, files relative to the GLB.
+    pub maps: &'a [WrinkleMap],
+}
+
+/// Writes the artist's mesh: vertices, triangles and blend shapes as they came, in the file's own
+/// units, under a node with the world transform they had.
+///
+/// Added are `TANGENT`; the first normal map of key 1 as the materials' `normalTexture`, where it
+/// is a PNG with green up, as glTF wants; and under the mesh's `extras` all maps, by pose and key.
+/// Texture coordinates are written as resolved when read (set 0, no transform). Skins, animations
+/// and the materials' own images are left out.
+///
+/// # Errors
+/// [`IoError::Unwritten`] when an array is not one per vertex, [`IoError::Unwritable`] when the
+/// file cannot be written.
+pub fn write_glb(
+    path: &Path,
+    file: &MeshFile,
+    additions: &GlbAdditions<'_>,
+) -> Result<(), IoError> {
+    check(path, file, additions)?;
+    let mut document = Document::new(file, additions);
+    let primitives: Vec<Value> = file.parts.iter().map(|p| document.primitive(p)).collect();
+    let json = document.root(primitives).to_string();
+    let bytes = Glb {
+        header: Header {
+            magic: *b"glTF",
+            version: 2,
+            length: 0,
+        },
+        json: Cow::Owned(json.into_bytes()),
+        bin: Some(Cow::Owned(document.buffer.into_bytes())),
+    }
+    .to_vec()
+    .map_err(|error| IoError::unwritten(path, error.to_string()))?;
+    write_atomically(path, &bytes)
+}
+
+fn check(path: &Path, file: &MeshFile, additions: &GlbAdditions<'_>) -> Result<(), IoError> {
+    let mesh = &file.mesh;
+    let vertices = mesh.positions.len();
+    let mut lengths = vec![
+        ("uvs", mesh.uvs.as_ref().map(Vec::len)),
+        ("normals", mesh.normals.as_ref().map(Vec::len)),
+        ("tangents", additions.tangents.map(<[_]>::len)),
+        ("added normals", additions.normals.map(<[_]>::len)),
+    ];
+    for shape in &mesh.shapes {
+        lengths.push((&shape.name, Some(shape.position_deltas.len())));
+        lengths.push((&shape.name, shape.normal_deltas.as_ref().map(Vec::len)));
+    }
+    let wrong = |(_, length): &(&str, Option<usize>)| length.is_some_and(|n| n != vertices);
+    if let Some((name, Some(length))) = lengths.into_iter().find(wrong) {
+        let reason = format!("`{name}` has {length} entries, the mesh {vertices} vertices");
+        return Err(IoError::unwritten(path, reason));
+    }
+    let corners = mesh.triangles.iter().flatten();
+    if file.parts.is_empty()
+        || file.parts.iter().any(|part| part.vertices.end > vertices)
+        || file
+            .parts
+            .iter()
+            .any(|part| part.triangles.end > mesh.triangles.len())
+        || corners.into_iter().any(|c| *c as usize >= vertices)
+    {
+        return Err(IoError::unwritten(path, "its parts do not fit its mesh"));
+    }
+    Ok(())
+}
+
+/// A document in the making.
+struct Document<'a> {
+    file: &'a MeshFile,
+    maps: &'a [WrinkleMap],
+    tangents: Option<&'a [Vector4<f64>]>,
+    normals: Option<&'a [Vector3<f64>]>,
+    /// File units per metre where one number does it; else the mesh is written in metres.
+    units_per_metre: f64,
+    buffer: GlbBuffer,
+    /// Attributes and targets of the vertex ranges written so far.
+    written: Vec<(Range<usize>, Value, Value)>,
+    materials: Vec<Value>,
+}
+
+impl<'a> Document<'a> {
+    fn new(file: &'a MeshFile, additions: &GlbAdditions<'a>) -> Self {
+        let normals = file.mesh.normals.as_deref().or(additions.normals);
+        Self {
+            file,
+            maps: additions.maps,
+            tangents: additions.tangents.filter(|_| normals.is_some()),
+            normals,
+            units_per_metre: 1.0 / uniform_scale(&file.stretch).unwrap_or(1.0),
+            buffer: GlbBuffer::default(),
+            written: Vec::new(),
+            materials: Vec::new(),
+        }
+    }
+
+    fn primitive(&mut self, part: &MeshPart) -> Value {
+        let earlier = self.written.iter().find(|w| w.0 == part.vertices);
+        let (attributes, targets) = match earlier {
+            Some((_, attributes, targets)) => (attributes.clone(), targets.clone()),
+            None => {
+                let attributes = self.attributes(&part.vertices);
+                let targets = self.targets(&part.vertices);
+                let range = part.vertices.clone();
+                self.written
+                    .push((range, attributes.clone(), targets.clone()));
+                (attributes, targets)
+            }
+        };
+        let first = part.vertices.start as u32;
+        let corners = self.file.mesh.triangles[part.triangles.clone()]
+            .iter()
+            .flatten();
+        let corners: Vec<u32> = corners.map(|corner| corner - first).collect();
+        let mut primitive = json!({
+            "attributes": attributes,
+            "indices": self.buffer.indices(&corners, part.vertices.len()),
+        });
+        if let Some(material) = self.material(part.material.as_ref()) {
+            primitive["material"] = json!(material);
+        }
+        if !self.file.mesh.shapes.is_empty() {
+            primitive["targets"] = targets;
+        }
+        primitive
+    }
+
+    fn attributes(&mut self, range: &Range<usize>) -> Value {
+        let mesh = &self.file.mesh;
+        let scale = self.units_per_metre;
+        let positions: Vec<[f32; 3]> = mesh.positions[range.clone()]
+            .iter()
+            .map(|p| single(p * scale))
+            .collect();
+        let mut attributes = json!({ "POSITION": self.buffer.bounded(&positions) });
+        if let Some(normals) = self.normals {
+            let normals: Vec<Vector3<f64>> = normals[range.clone()].iter().map(unit).collect();
+            let singles: Vec<[f32; 3]> = normals.iter().copied().map(single).collect();
+            attributes["NORMAL"] = json!(self.buffer.attribute(&singles, "VEC3"));
+            if let Some(tangents) = self.tangents {
+                let tangents: Vec<[f32; 4]> = tangents[range.clone()]
+                    .iter()
+                    .zip(&normals)
+                    .map(|(tangent, normal)| unit_tangent(tangent, normal))
+                    .collect();
+                attributes["TANGENT"] = json!(self.buffer.attribute(&tangents, "VEC4"));
+            }
+        }
+        if let Some(uvs) = &mesh.uvs {
+            let uvs: Vec<[f32; 2]> = uvs[range.clone()]
+                .iter()
+                .map(|uv| [uv.x as f32, uv.y as f32])
+                .collect();
+            attributes["TEXCOORD_0"] = json!(self.buffer.attribute(&uvs, "VEC2"));
+        }
+        attributes
+    }
+
+    fn targets(&mut self, range: &Range<usize>) -> Value {
+        let file = self.file;
+        let scale = self.units_per_metre;
+        let with_normals = self.normals.is_some();
+        file.mesh
+            .shapes
+            .iter()
+            .map(|shape| {
+                let deltas: Vec<[f32; 3]> = shape.position_deltas[range.clone()]
+                    .iter()
+                    .map(|delta| single(delta * scale))
+                    .collect();
+                let mut target = json!({ "POSITION": self.buffer.deltas(&deltas) });
+                if let Some(normals) = shape.normal_deltas.as_ref().filter(|_| with_normals) {
+                    let normals: Vec<[f32; 3]> =
+                        normals[range.clone()].iter().copied().map(single).collect();
+                    target["NORMAL"] = json!(self.buffer.deltas(&normals));
+                }
+                target
+            })
+            .collect()
+    }
+
+    /// Number of the material; a plain one where the part has none but a map wants to be seen.
+    fn material(&mut self, material: Option<&Material>) -> Option<usize> {
+        let texture = self.shown_map().is_some();
+        let json = match material {
+            Some(material) => material_json(material, texture),
+            None if texture => json!({ "normalTexture": { "index": 0 } }),
+            None => return None,
+        };
+        let known = self.materials.iter().position(|other| *other == json);
+        Some(known.unwrap_or_else(|| {
+            self.materials.push(json);
+            self.materials.len() - 1
+        }))
+    }
+
+    /// The map that a viewer without ruga shows.
+    fn shown_map(&self) -> Option<&'a WrinkleMap> {
+        let has_frame = self.tangents.is_some() && self.file.mesh.uvs.is_some();
+        self.maps
+            .iter()
+            .filter(|_| has_frame)
+            .find(|map| map.kind == MapKind::Normal && map.key == 1.0 && map.is_gltf_normal())
+    }
+
+    fn root(&mut self, primitives: Vec<Value>) -> Value {
+        let mesh = &self.file.mesh;
+        let mut mesh_json = json!({ "name": mesh.name, "primitives": primitives });
+        let mut extras = Map::new();
+        if !mesh.shapes.is_empty() {
+            mesh_json["weights"] = json!(self.file.default_weights);
+            let names: Vec<&str> = mesh
+                .shapes
+                .iter()
+                .map(|shape| shape.name.as_str())
+                .collect();
+            extras.insert("targetNames".to_owned(), json!(names));
+        }
+        if !self.maps.is_empty() {
+            extras.insert("wrinkleMaps".to_owned(), wrinkle_maps(self.maps));
+        }
+        if !extras.is_empty() {
+            mesh_json["extras"] = Value::Object(extras);
+        }
+        let mut root = json!({
+            "asset": { "version": "2.0", "generator": concat!("ruga ", env!("CARGO_PKG_VERSION")) },
+            "scene": 0,
+            "scenes": [{ "nodes": [0] }],
+            "nodes": [self.node()],
+            "meshes": [mesh_json],
+            "accessors": self.buffer.accessors,
+            "bufferViews": self.buffer.views,
+            "buffers": [{ "byteLength": self.buffer.len() }],
+        });
+        if !self.materials.is_empty() {
+            root["materials"] = json!(self.materials);
+        }
+        if let Some(map) = self.shown_map() {
+            root["images"] = json!([{ "uri": encode_percent(&map.file), "mimeType": "image/png" }]);
+            root["textures"] = json!([{ "source": 0 }]);
+        }
+        root
+    }
+
+    fn node(&self) -> Value {
+        let world = &self.file.world_from_node;
+        let linear: Matrix3<f64> = world.fixed_view::<3, 3>(0, 0).into_owned();
+        let mut node = json!({ "mesh": 0, "name": self.file.mesh.name });
+        let translation: Vector3<f64> = world.fixed_view::<3, 1>(0, 3).into_owned();
+        if translation != Vector3::zeros() {
+            node["translation"] = json!(translation.as_slice());
+        }
+        // `linear = turn stretch`; a mirroring turn becomes a negative scale.
+        let Some(unstretched) = self.file.stretch.try_inverse() else {
+            return node;
+        };
+        let turn = linear * unstretched;
+        let mirror = turn.determinant().signum();
+        let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_eps(
+            &(turn * mirror),
+            1e-12,
+            100,
+            Rotation3::identity(),
+        ));
+        if rotation.angle() > 1e-9 {
+            node["rotation"] = json!(rotation.coords.as_slice());
+        }
+        let scale = mirror / self.units_per_metre;
+        if scale != 1.0 {
+            node["scale"] = json!([scale, scale, scale]);
+        }
+        node
+    }
+}
+
+/// The factor of a stretch that is one number.
+fn uniform_scale(stretch: &Matrix3<f64>) -> Option<f64> {
+    let scale = stretch[(0, 0)];
+    (*stretch == Matrix3::from_diagonal_element(scale)).then_some(scale)
+}
+
+fn single(vector: Vector3<f64>) -> [f32; 3] {
+    [vector.x as f32, vector.y as f32, vector.z as f32]
+}
+
+/// The normal as it came, unless glTF would refuse its length.
+fn unit(normal: &Vector3<f64>) -> Vector3<f64> {
+    const ACCEPTED: f64 = 5e-4;
+    if (normal.norm() - 1.0).abs() < ACCEPTED {
+        return *normal;
+    }
+    normal.try_normalize(1e-30).unwrap_or_else(Vector3::z)
+}
+
+/// Where the texture has no direction any tangent is as good, but glTF wants one of length 1.
+fn unit_tangent(tangent: &Vector4<f64>, normal: &Vector3<f64>) -> [f32; 4] {
+    let across = tangent.xyz() - normal * normal.dot(&tangent.xyz());
+    let any = || normal.cross(&Vector3::ith(normal.iamin(), 1.0)).normalize();
+    let finite = |v: &Vector3<f64>| v.iter().all(|c| c.is_finite());
+    let along = across
+        .try_normalize(1e-12)
+        .filter(finite)
+        .unwrap_or_else(any);
+    let sign = if tangent.w < 0.0 { -1.0 } else { 1.0 };
+    [along.x as f32, along.y as f32, along.z as f32, sign]
+}
+
+fn material_json(material: &Material, texture: bool) -> Value {
+    let mut json = json!({
+        "pbrMetallicRoughness": {
+            "baseColorFactor": material.base_color,
+            "metallicFactor": material.metallic,
+            "roughnessFactor": material.roughness,
+        },
+        "doubleSided": material.double_sided,
+    });
+    if let Some(name) = &material.name {
+        json["name"] = json!(name);
+    }
+    if texture {
+        json["normalTexture"] = json!({ "index": 0 });
+    }
+    json
+}
+
+/// `[{ "pose": …, "key": …, "normal": file, "height": file }, …]` in the order of the maps.
+fn wrinkle_maps(maps: &[WrinkleMap]) -> Value {
+    let mut entries: Vec<(&str, f64, BTreeMap<&str, &str>)> = Vec::new();
+    for map in maps {
+        let same = |entry: &&mut (&str, f64, _)| entry.0 == map.pose && entry.1 == map.key;
+        match entries.iter_mut().find(same) {
+            Some(entry) => {
+                entry.2.insert(map.kind.word(), &map.file);
+            }
+            None => entries.push((
+                &map.pose,
+                map.key,
+                BTreeMap::from([(map.kind.word(), map.file.as_str())]),
+            )),
+        }
+    }
+    entries
+        .into_iter()
+        .map(|(pose, key, files)| {
+            let mut entry = json!(files);
+            entry["pose"] = json!(pose);
+            entry["key"] = json!(key);
+            entry
+        })
+        .collect()
+}
+
+/// A path as a relative URI: what is not unreserved or `/` becomes `%XX`.
+fn encode_percent(path: &str) -> String {
+    path.bytes()
+        .map(|byte| match byte {
+            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' | b'/' => {
+                char::from(byte).to_string()
+            }
+            _ => format!("%{byte:02X}"),
+        })
+        .collect()
+}

@@ -1,0 +1,204 @@
+//! Painted images: masks and property maps, PNG or EXR, values as stored.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use exr::prelude::{FlatSamples, MetaData, ReadChannels, ReadLayers, read};
+use png::{ColorType, Decoder, DecodingError, Limits, Transformations};
+
+use crate::IoError;
+use crate::error::read_bytes;
+
+/// Texels along a side that are taken for an image rather than a damaged header.
+const LONGEST_SIDE: usize = 16_384;
+
+/// An image of one or three channels, first row on top, values as stored: PNG from 0 to 1 without
+/// any colour-space conversion, EXR as it is. Alpha is dropped.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// Texels per row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// 1 (grey) or 3 (red, green, blue).
+    pub channels: usize,
+    /// `width * height * channels` values, the channels of a texel side by side.
+    pub values: Vec<f32>,
+}
+
+/// A grey image, values from 0 to 1, first row on top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GreyImage {
+    /// Texels per row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// `width * height` values.
+    pub values: Vec<f32>,
+}
+
+/// Reads a mask: grey, grey with alpha, colour or palette PNG of any bit depth, or EXR.
+///
+/// Colours become the mean of red, green and blue; alpha is ignored; values outside 0 to 1 (EXR)
+/// are clamped.
+///
+/// # Errors
+/// [`IoError`] naming the file when it is missing, of another format, damaged or cut short.
+pub fn read_mask(path: &Path) -> Result<GreyImage, IoError> {
+    let image = read_image(path)?;
+    let mean = |texel: &[f32]| texel.iter().sum::<f32>() / texel.len() as f32;
+    Ok(GreyImage {
+        width: image.width,
+        height: image.height,
+        values: image
+            .values
+            .chunks_exact(image.channels)
+            .map(|texel| mean(texel).clamp(0.0, 1.0))
+            .collect(),
+    })
+}
+
+/// Reads an image of painted properties, PNG or EXR; the content decides, not the name.
+///
+/// # Errors
+/// [`IoError`] naming the file when it is missing, of another format, damaged or cut short.
+pub fn read_image(path: &Path) -> Result<Image, IoError> {
+    const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
+    const EXR: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
+    let bytes = read_bytes(path)?;
+    if bytes.starts_with(PNG) {
+        return read_png(&bytes)
+            .map_err(|error| IoError::malformed(path, "PNG", plain_words(&error)));
+    }
+    if bytes.starts_with(EXR) {
+        return read_exr(&bytes).map_err(|reason| IoError::malformed(path, "EXR", reason));
+    }
+    let found = if bytes.starts_with(&[0xff, 0xd8, 0xff]) {
+        "this is a JPEG, which is too coarse for masks and properties"
+    } else {
+        "its first bytes are those of no image that ruga reads"
+    };
+    Err(IoError::UnknownFormat {
+        path: path.to_owned(),
+        found: found.to_owned(),
+        accepted: "PNG (8 or 16 bits), EXR",
+    })
+}
+
+fn plain_words(error: &DecodingError) -> String {
+    match error {
+        DecodingError::IoError(io) if io.kind() == std::io::ErrorKind::UnexpectedEof => {
+            "the file is cut short".to_owned()
+        }
+        other => other.to_string(),
+    }
+}
+
+fn read_png(bytes: &[u8]) -> Result<Image, DecodingError> {
+    // One row of working memory per limit; the image itself is bounded by its sides below.
+    let limits = Limits { bytes: 1 << 28 };
+    let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
+    decoder.set_transformations(Transformations::EXPAND);
+    decoder.set_ignore_iccp_chunk(true);
+    decoder.set_ignore_text_chunk(true);
+    let mut reader = decoder.read_info()?;
+    let (width, height) = (reader.info().width as usize, reader.info().height as usize);
+    let size = reader
+        .output_buffer_size()
+        .filter(|_| width.max(height) <= LONGEST_SIDE)
+        .ok_or(DecodingError::LimitsExceeded)?;
+    let mut data = vec![0; size];
+    let info = reader.next_frame(&mut data)?;
+    // Catches files that end after the last texel but before their end mark.
+    reader.finish()?;
+    let values: Vec<f32> = match info.bit_depth {
+        png::BitDepth::Sixteen => data
+            .chunks_exact(2)
+            .map(|b| f32::from(u16::from_be_bytes([b[0], b[1]])) / f32::from(u16::MAX))
+            .collect(),
+        _ => data
+            .iter()
+            .map(|b| f32::from(*b) / f32::from(u8::MAX))
+            .collect(),
+    };
+    // Palettes have become RGB, with alpha where one of their colours has it.
+    let (stored, kept) = match info.color_type {
+        ColorType::Grayscale => (1, 1),
+        ColorType::GrayscaleAlpha => (2, 1),
+        ColorType::Rgb | ColorType::Indexed => (3, 3),
+        ColorType::Rgba => (4, 3),
+    };
+    Ok(Image {
+        width,
+        height,
+        channels: kept,
+        values: values
+            .chunks_exact(stored)
+            .flat_map(|texel| texel[..kept].iter().copied())
+            .collect(),
+    })
+}
+
+fn read_exr(bytes: &[u8]) -> Result<Image, String> {
+    check_exr_size(bytes)?;
+    let image = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(|error| error.to_string())?;
+    let layer = image.layer_data;
+    let (width, height) = (layer.size.x(), layer.size.y());
+    let list = &layer.channel_data.list;
+    let named = |name: &str| {
+        list.iter().find(|channel| {
+            let full = channel.name.to_string();
+            full.rsplit('.').next() == Some(name)
+        })
+    };
+    let planes = match (list.as_slice(), [named("R"), named("G"), named("B")]) {
+        ([alone], _) => vec![&alone.sample_data],
+        (_, [Some(r), Some(g), Some(b)]) => vec![&r.sample_data, &g.sample_data, &b.sample_data],
+        _ => match named("Y") {
+            Some(grey) => vec![&grey.sample_data],
+            None => return Err("has neither one channel, nor Y, nor R, G and B".to_owned()),
+        },
+    };
+    let planes: Vec<Vec<f32>> = planes.into_iter().map(plane_values).collect();
+    if planes.iter().any(|plane| plane.len() != width * height) {
+        return Err("its channels have different resolutions".to_owned());
+    }
+    if planes.iter().flatten().any(|value| !value.is_finite()) {
+        return Err("it holds values that are not finite".to_owned());
+    }
+    Ok(Image {
+        width,
+        height,
+        channels: planes.len(),
+        values: (0..width * height)
+            .flat_map(|texel| planes.iter().map(move |plane| plane[texel]))
+            .collect(),
+    })
+}
+
+fn check_exr_size(bytes: &[u8]) -> Result<(), String> {
+    const MOST_CHANNELS: usize = 64;
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false)
+        .map_err(|error| error.to_string())?;
+    for header in &meta.headers {
+        let (width, height) = (header.layer_size.x(), header.layer_size.y());
+        if width.max(height) > LONGEST_SIDE || header.channels.list.len() > MOST_CHANNELS {
+            return Err(format!(
+                "is {width} x {height}; accepted: up to {LONGEST_SIDE} texels a side"
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn plane_values(samples: &FlatSamples) -> Vec<f32> {
+    samples.values_as_f32().collect()
+}
