@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BinaryHeap};
 
-use nalgebra::{Rotation3, Vector2, Vector3};
+use nalgebra::{Vector2, Vector3};
 
 use crate::{Id, TriMesh, VertexId};
 
@@ -48,15 +48,13 @@ pub fn tangent_coordinates(
         }
         settled.insert(front.vertex, front.place);
         let from = front.vertex.index();
-        let turn = Rotation3::rotation_between(&normals[from], &normal)
-            .unwrap_or_else(Rotation3::identity);
         for &face in mesh.vertex_faces(front.vertex) {
             for vertex in mesh.faces()[face] {
                 if settled.contains_key(&vertex) {
                     continue;
                 }
                 let step = flatten(positions[vertex.index()] - positions[from], normals[from]);
-                let step = turn * step;
+                let step = turn(step, normals[from], normal);
                 let place = front.place + Vector2::new(step.dot(&frame[0]), step.dot(&frame[1]));
                 let distance = place.norm();
                 if distance <= radius {
@@ -96,6 +94,20 @@ fn flatten(edge: Vector3<f64>, normal: Vector3<f64>) -> Vector3<f64> {
     } else {
         Vector3::zeros()
     }
+}
+
+/// The least rotation that takes the unit vector `from` to `to`, applied to `vector`.
+///
+/// Free of angles: the arc cosine of a dot product near one has only half of the digits.
+fn turn(vector: Vector3<f64>, from: Vector3<f64>, to: Vector3<f64>) -> Vector3<f64> {
+    let axis = from.cross(&to);
+    let one_plus_cosine = 1.0 + from.dot(&to);
+    if one_plus_cosine < 1e-9 {
+        // Opposite normals: every axis is as good, and this one moves nothing.
+        return vector;
+    }
+    let across = axis.cross(&vector);
+    vector + across + axis.cross(&across) / one_plus_cosine
 }
 
 struct Front {
