@@ -1,2 +1,53 @@
-//! Project tasks.
-fn main() {}
+//! Project tasks, started as `cargo xtask TASK`: a task's name in, its effect on the repository out.
+
+#![allow(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a task reports to the person who started it"
+)]
+
+mod assets;
+mod bench;
+mod check;
+mod repository;
+
+use std::process::ExitCode;
+
+const USAGE: &str = "\
+usage: cargo xtask TASK
+
+  check    format, lints, documentation and tests, as CI runs them
+  assets   regenerate the meshes under assets/
+  bench    run the benchmarks on one thread and compare them
+";
+
+/// The task was not understood; clap's and grep's convention too.
+const WRONG_USAGE: u8 = 2;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let done = match words.as_slice() {
+        ["check"] => check::check(),
+        ["assets"] => assets::regenerate(),
+        ["bench"] => bench::bench(),
+        ["help" | "--help" | "-h"] => {
+            print!("{USAGE}");
+            return ExitCode::SUCCESS;
+        }
+        [] => return wrong_usage("no task given"),
+        other => return wrong_usage(&format!("no task `{}`", other.join(" "))),
+    };
+    match done {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("xtask: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn wrong_usage(reason: &str) -> ExitCode {
+    eprint!("xtask: {reason}\n\n{USAGE}");
+    ExitCode::from(WRONG_USAGE)
+}

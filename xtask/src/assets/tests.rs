@@ -1,0 +1,140 @@
+//! What every asset promises to scenes and tests.
+
+use nalgebra::{Vector2, Vector3};
+use ruga_blend::{ArtistMesh, Driver, Weights, face_strains};
+use ruga_mesh::{PlanarLookup, face_normals};
+
+use super::*;
+
+fn meshes() -> [ArtistMesh; 2] {
+    [forearm::mesh().unwrap(), finger::mesh().unwrap()]
+}
+
+#[test]
+fn committed_meshes_are_what_the_code_makes() {
+    for (path, bytes) in files().unwrap() {
+        let committed = fs::read(root().join(path)).unwrap();
+        assert!(committed == bytes, "{path}: run `cargo xtask assets`");
+    }
+}
+
+#[test]
+fn peak_compression_is_what_skin_bears() {
+    for mesh in meshes() {
+        let driver = Driver::new(&mesh).unwrap();
+        for (index, shape) in mesh.shapes.iter().enumerate() {
+            let posed = driver.pose(&Weights(vec![(index, 1.0)]));
+            let strains = face_strains(driver.topology(), driver.rest(), &posed);
+            let peak = |value: &dyn Fn(&ruga_blend::FaceStrain) -> f64| {
+                strains
+                    .iter()
+                    .map(|(_, s)| value(s))
+                    .fold(f64::NEG_INFINITY, f64::max)
+            };
+            let (e1, effective) = (peak(&|s| s.first), peak(&|s| s.effective(0.48)));
+            let tension = -strains
+                .iter()
+                .map(|(_, s)| s.second)
+                .fold(f64::INFINITY, f64::min);
+            println!(
+                "{}: e1 {e1:.4} e_eff {effective:.4} tension {tension:.4}",
+                shape.name
+            );
+            assert!((0.08..=0.14).contains(&e1), "{}: {e1}", shape.name);
+            assert!(effective > 0.06, "{}: {effective}", shape.name);
+        }
+    }
+}
+
+#[test]
+fn no_shape_folds_a_triangle() {
+    for mesh in meshes() {
+        let driver = Driver::new(&mesh).unwrap();
+        let topology = driver.topology();
+        for index in 0..mesh.shapes.len() {
+            for weight in [0.0, 0.5, 1.0] {
+                let posed = driver.pose(&Weights(vec![(index, weight)]));
+                let normals = face_normals(topology, &posed);
+                for face in topology.faces().ids() {
+                    for corner in 0..3 {
+                        let Some(other) = topology.neighbour(face, corner) else {
+                            continue;
+                        };
+                        let (a, b) = (normals[face], normals[other]);
+                        let cosine = a.dot(&b) / (a.norm() * b.norm());
+                        assert!(cosine > 0.5, "{} at {face:?}: {cosine}", mesh.name);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn charts_lie_in_the_texture_unmirrored_and_apart() {
+    for mesh in meshes() {
+        let driver = Driver::new(&mesh).unwrap();
+        let uvs = driver.uvs();
+        let lookup = PlanarLookup::new(uvs.clone());
+        for (face, &[a, b, c]) in uvs.iter() {
+            // V points down, so what is counter-clockwise on the skin is negative here.
+            let area = 0.5 * (b - a).perp(&(c - a));
+            assert!(area < -1e-4, "{}: {face:?} has {area}", mesh.name);
+            for corner in [a, b, c] {
+                assert!(
+                    corner.iter().all(|x| (0.019..=0.981).contains(x)),
+                    "{corner}"
+                );
+            }
+            for share in [[0.8, 0.1, 0.1], [0.1, 0.8, 0.1], [0.1, 0.1, 0.8]] {
+                let inside: Vector2<f64> = a * share[0] + b * share[1] + c * share[2];
+                let found = lookup.locate(inside).map(|point| point.face);
+                assert_eq!(found, Some(face), "{}", mesh.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn triangles_are_nearly_equilateral() {
+    for (mesh, edge) in meshes().into_iter().zip([6.7e-3, 3.5e-3]) {
+        let driver = Driver::new(&mesh).unwrap();
+        let mut lengths: Vec<f64> = driver
+            .topology()
+            .edges()
+            .iter()
+            .map(|(_, e)| {
+                let [a, b]: [Vector3<f64>; 2] = e.vertices.map(|v| driver.rest()[v.0 as usize]);
+                (b - a).norm()
+            })
+            .collect();
+        lengths.sort_by(f64::total_cmp);
+        let median = lengths[lengths.len() / 2];
+        println!(
+            "{}: {} vertices, {} faces, edges {:.2} {:.2} {:.2} mm",
+            mesh.name,
+            driver.rest().len(),
+            driver.topology().face_count(),
+            1e3 * lengths[0],
+            1e3 * median,
+            1e3 * lengths[lengths.len() - 1]
+        );
+        assert!((median / edge - 1.0).abs() < 0.1, "{}: {median}", mesh.name);
+        // Half cells at straight borders.
+        assert!(lengths[0] > 0.45 * edge, "{}: {}", mesh.name, lengths[0]);
+        assert!(lengths[lengths.len() - 1] < 1.7 * edge, "{}", mesh.name);
+    }
+}
+
+#[test]
+fn scenes_are_read_and_name_the_shapes_there_are() {
+    for (folder, mesh) in ["forearm", "finger"].into_iter().zip(meshes()) {
+        let path = root().join("assets").join(folder).join("scene.toml");
+        let scene = ruga_io::Scene::read(&path).unwrap();
+        let shapes: Vec<String> = mesh.shapes.iter().map(|s| s.name.clone()).collect();
+        let poses = scene.poses_or_shapes(&shapes, &path).unwrap();
+        assert_eq!(poses.len(), shapes.len());
+        assert_eq!(scene.driver.mesh_name.as_deref(), Some(mesh.name.as_str()));
+        assert!(path.with_file_name(&scene.driver.mesh).is_file());
+    }
+}
