@@ -83,7 +83,7 @@ impl<'a> Charts<'a> {
 
     fn lay_out(&self, centre: VertexId, radius: f64) -> (Vec<VertexId>, Vec<Vector2<f64>>) {
         let axis = self.axis(centre);
-        let mut laid_out = radius + 1.5 * self.reach[centre.index()];
+        let mut laid_out = radius + 2.0 * self.reach[centre.index()];
         loop {
             let found = tangent_coordinates(
                 self.mesh,
@@ -249,10 +249,10 @@ fn seven_point_rule() -> impl Iterator<Item = ([f64; 3], f64)> {
 fn is_behind(point: Vector2<f64>, [tail, head]: [Vector2<f64>; 2]) -> bool {
     let along = head - tail;
     let zero = PARALLEL * along.norm_squared();
-    let starts_inside = cross(along, -tail) > zero;
     let ends_outside = cross(along, point - tail) < -zero;
+    let starts_inside = cross(along, -tail) > zero;
     // Closed at both ends: nothing slips through between two edges of a border.
-    starts_inside && ends_outside && cross(point, tail) * cross(point, head) <= 0.0
+    ends_outside && starts_inside && cross(point, tail) * cross(point, head) <= 0.0
 }
 
 fn distance_from_origin([tail, head]: [Vector2<f64>; 2]) -> f64 {

@@ -25,6 +25,9 @@ pub struct Kernel {
 impl Kernel {
     /// The papers' kernel for rows that act alone: σ = wavelength/π, cut at 3σ.
     ///
+    /// Goes with a spacing of half a wavelength to wavelength/√3: such rows set the wavelength of
+    /// the film by their spacing, at √3 to 2 times it.
+    ///
     /// 3 instead of their 2 keeps the response at the critical wavelength (σk = 2) at .146, near
     /// the uncut e⁻² = .135.
     pub fn alone(wavelength: f64) -> Self {
@@ -35,6 +38,8 @@ impl Kernel {
     }
 
     /// The kernel for rows beside an elastic foundation: σ = spacing/2, cut at 2.5σ.
+    ///
+    /// Goes with a spacing of 1.5 wavelengths; between 1.3 and 2, away from 1.
     ///
     /// Wider, and the rows of a hex lattice resolve each other badly; narrower, and the rows'
     /// reactions imprint on a curved base as a ripple at the spacing.

@@ -48,7 +48,7 @@ mod rows;
 
 pub use cluster_centres::{ClusterSettings, cluster_centres};
 pub use kernel::Kernel;
-pub use rows::{ConstraintRow, ConstraintSet, Drop, Order, Sampling, constraint_rows};
+pub use rows::{ConstraintRow, ConstraintSet, DropReason, Order, Sampling, constraint_rows};
 
 pub use error::ConstraintError;
 pub use moment_match::Degradation;

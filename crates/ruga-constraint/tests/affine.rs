@@ -59,8 +59,8 @@ fn interior(patch: &Patch) -> Vec<VertexId> {
 
 #[test]
 fn weights_sum_to_one_and_are_not_negative_everywhere() {
-    for seed in 0..4 {
-        let patch = irregular_square(24, seed, &[]);
+    for seed in 0..2 {
+        let patch = irregular_square(20, seed, &[]);
         let all: Vec<VertexId> = (0..patch.positions.len() as u32).map(VertexId).collect();
         for sampling in [Sampling::Area, Sampling::Adjusted, Sampling::Quadrature] {
             let set = patch.rows(&all, KERNEL, sampling);

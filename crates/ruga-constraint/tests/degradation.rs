@@ -5,8 +5,8 @@ mod meshes;
 use meshes::{Patch, irregular_square};
 use nalgebra::Vector3;
 use ruga_constraint::{
-    ClusterSettings, ConstraintError, Degradation, Drop, Kernel, Order, Sampling, cluster_centres,
-    constraint_rows,
+    ClusterSettings, ConstraintError, Degradation, DropReason, Kernel, Order, Sampling,
+    cluster_centres, constraint_rows,
 };
 use ruga_mesh::{PerVertex, TriMesh, VertexId, vertex_normals};
 
@@ -113,7 +113,10 @@ fn duplicates_and_vertices_without_faces_are_dropped_and_named() {
         assert_eq!(kept, [1, 0]);
         assert_eq!(
             set.dropped,
-            [(VertexId(3), Drop::NoFaces), (VertexId(1), Drop::Duplicate)]
+            [
+                (VertexId(3), DropReason::NoFaces),
+                (VertexId(1), DropReason::Duplicate)
+            ]
         );
     }
 }

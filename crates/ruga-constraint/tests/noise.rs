@@ -1,4 +1,7 @@
 //! How much a row's value of a smooth field changes when the surface is triangulated anew.
+//!
+//! The printed adjustment is harmless on full supports, whose centroid is nearly right before it,
+//! and the worst of all on clipped ones.
 
 mod meshes;
 
