@@ -17,8 +17,8 @@ pub enum Sampling {
     /// so that support, sign and unit sum survive.
     Adjusted,
     /// Li 2014, eqs. 4.4-4.8, to the letter: a correction is added to every weight of the support,
-    /// with the centre as target. Breaks the unit sum, by up to two thirds at borders, where it is
-    /// noisier than no adjustment; kept to show that.
+    /// with the centre as target. Breaks the unit sum (.3 to .8 at borders), and is noisier than
+    /// no adjustment there; kept to show that.
     AdjustedAsPrinted,
     /// About 250 fixed points around the centre, each shared among the corners of the face it
     /// lies in. Affine, not negative, and the least sensitive to the triangulation.
