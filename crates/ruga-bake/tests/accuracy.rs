@@ -1,7 +1,8 @@
 //! Baked normals and heights against analytic relief.
 //!
 //! Errors are root mean squares over all texels, borders included. For comparison: Blender's ray
-//! bake of the flat patch is 0.97 degrees off at 100 thousand triangles and 0.05 at 2 million.
+//! bake of the flat patch is 0.97 degrees off at 100 thousand triangles and 0.05 at 2 million. The
+//! bounds here are about 1.5 times what is measured.
 
 mod patch;
 
@@ -54,30 +55,30 @@ fn errors(patch: &Patch, driver: Driver, map: &WrinkleMap) -> [f64; 2] {
 fn flat_patch_with_100_thousand_triangles() {
     let patch = Patch::new(Driver::Flat, [224, 16], 0.0, waves);
     assert_eq!(patch.faces.len(), 100_352);
-    let [normal, height] = errors(&patch, Driver::Flat, &map(&patch, 512, Frame::Driver));
+    let [normal, height] = errors(&patch, Driver::Flat, &map(&patch, 256, Frame::Driver));
     println!("flat, 100k: {normal:.4} degrees, {:.3} um", height * 1e6);
-    assert!(normal < 1.0, "{normal} degrees");
+    assert!(normal < 0.2, "{normal} degrees");
     assert!(height < 1e-6, "{height} m");
 }
 
 #[test]
 fn flat_patch_with_2_million_triangles() {
     let patch = Patch::new(Driver::Flat, [1008, 16], 0.0, waves);
-    let [normal, height] = errors(&patch, Driver::Flat, &map(&patch, 512, Frame::Driver));
+    let [normal, height] = errors(&patch, Driver::Flat, &map(&patch, 256, Frame::Driver));
     println!("flat, 2M: {normal:.5} degrees, {:.5} um", height * 1e6);
-    assert!(normal < 0.06, "{normal} degrees");
+    assert!(normal < 0.001, "{normal} degrees");
     assert!(height < 1e-6, "{height} m");
 }
 
 #[test]
 fn irregular_mesh_with_100_thousand_triangles() {
     let patch = Patch::scattered(224, 0.25, waves);
-    let [normal, height] = errors(&patch, Driver::Flat, &map(&patch, 512, Frame::Driver));
+    let [normal, height] = errors(&patch, Driver::Flat, &map(&patch, 256, Frame::Driver));
     println!(
         "irregular, 100k: {normal:.4} degrees, {:.3} um",
         height * 1e6
     );
-    assert!(normal < 1.0, "{normal} degrees");
+    assert!(normal < 0.2, "{normal} degrees");
     assert!(height < 1e-6, "{height} m");
 }
 
@@ -85,7 +86,7 @@ fn irregular_mesh_with_100_thousand_triangles() {
 fn errors_fall_with_the_square_of_the_edge_or_faster() {
     let error = |cells: usize| {
         let patch = Patch::new(Driver::Flat, [cells, 16], 0.0, waves);
-        errors(&patch, Driver::Flat, &map(&patch, 512, Frame::Driver))
+        errors(&patch, Driver::Flat, &map(&patch, 256, Frame::Driver))
     };
     let [coarse, fine] = [error(112), error(224)];
     println!("112: {coarse:?}, 224: {fine:?}");
@@ -96,19 +97,19 @@ fn errors_fall_with_the_square_of_the_edge_or_faster() {
 #[test]
 fn mesh_frame_equals_driver_frame_where_the_artist_mesh_is_flat() {
     let patch = Patch::new(Driver::Flat, [224, 16], 0.0, waves);
-    let [normal, _] = errors(&patch, Driver::Flat, &map(&patch, 512, Frame::Mesh));
+    let [normal, _] = errors(&patch, Driver::Flat, &map(&patch, 256, Frame::Mesh));
     println!("flat, mesh frame: {normal:.4} degrees");
-    assert!(normal < 1.0, "{normal} degrees");
+    assert!(normal < 0.2, "{normal} degrees");
 }
 
 #[test]
-fn wrinkled_cylinder_and_sphere() {
-    for driver in [Driver::Cylinder(0.04), Driver::Sphere(0.06)] {
+fn wrinkled_curved_drivers() {
+    for driver in [Driver::Cylinder(0.04), Driver::Sphere(0.06), Driver::Hill] {
         let patch = Patch::new(driver, [224, 16], 1.4e-3, waves);
-        let [normal, height] = errors(&patch, driver, &map(&patch, 512, Frame::Driver));
+        let [normal, height] = errors(&patch, driver, &map(&patch, 256, Frame::Driver));
         println!("{driver:?}: {normal:.4} degrees, {:.3} um", height * 1e6);
-        assert!(normal < 1.0, "{driver:?}: {normal} degrees");
-        assert!(height < 2e-6, "{driver:?}: {height} m");
+        assert!(normal < 0.2, "{driver:?}: {normal} degrees");
+        assert!(height < 1e-6, "{driver:?}: {height} m");
     }
 }
 
@@ -118,7 +119,7 @@ fn wrinkled_cylinder_and_sphere() {
 fn mesh_frame_gives_a_client_the_layers_normal() {
     let driver = Driver::Cylinder(0.04);
     let patch = Patch::new(driver, [224, 16], 1.4e-3, waves);
-    let map = map(&patch, 512, Frame::Mesh);
+    let map = map(&patch, 256, Frame::Mesh);
     let error = rms((0..map.normals.len()).map(|texel| {
         let [s, t] = texel_parameters(&map, texel);
         let (tangent, sign) = patch.tangent_at(s, t);
@@ -129,5 +130,5 @@ fn mesh_frame_gives_a_client_the_layers_normal() {
         degrees(&shaded.normalize(), &exact)
     }));
     println!("cylinder, mesh frame, as shaded: {error:.4} degrees");
-    assert!(error < 1.0, "{error} degrees");
+    assert!(error < 0.2, "{error} degrees");
 }

@@ -20,6 +20,9 @@ pub(crate) enum Driver {
     Cylinder(f64),
     /// Longitude and latitude around the equator of a sphere, with its radius (m).
     Sphere(f64),
+    /// A bell 10 mm high and 20 mm wide (standard deviation): curvature of both signs, least
+    /// radius 40 mm.
+    Hill,
 }
 
 impl Driver {
@@ -41,6 +44,13 @@ impl Driver {
                     latitude.cos() * longitude.cos(),
                 );
                 (normal * radius, normal)
+            }
+            Driver::Hill => {
+                let [x, y] = [s, t].map(|c| c - SIDE / 2.0);
+                let variance = 0.02_f64.powi(2);
+                let z = 0.01 * (-(x * x + y * y) / (2.0 * variance)).exp();
+                let normal = Vector3::new(x * z / variance, y * z / variance, 1.0).normalize();
+                (Vector3::new(s, t, z), normal)
             }
         }
     }
