@@ -1,0 +1,264 @@
+//! The KKT factor against dense linear algebra on small systems.
+
+use ruga_solver::{ConstraintRows, Inertia, Kkt, LowerPattern};
+
+/// Dense symmetric matrix by rows.
+type Dense = Vec<Vec<f64>>;
+
+const BLOCK: usize = 3;
+
+/// Reproducible numbers in [-1, 1].
+struct Noise(u64);
+
+impl Noise {
+    fn next(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    fn vector(&mut self, size: usize) -> Vec<f64> {
+        (0..size).map(|_| self.next()).collect()
+    }
+}
+
+/// A chain of 3-vectors, random springs, diagonal `shift`.
+fn chain(vertices: usize, shift: f64, noise: &mut Noise) -> (LowerPattern, Vec<f64>) {
+    let size = BLOCK * vertices;
+    let stencils: Vec<Vec<usize>> = (0..vertices - 1)
+        .map(|v| (BLOCK * v..BLOCK * (v + 2)).collect())
+        .collect();
+    let pattern = LowerPattern::from_stencils(size, stencils.iter().map(Vec::as_slice)).unwrap();
+    let mut values = vec![0.0; pattern.entries()];
+    for stencil in &stencils {
+        for _ in 0..4 {
+            let vector = noise.vector(stencil.len());
+            for (a, &row) in vector.iter().zip(stencil) {
+                for (b, &column) in vector.iter().zip(stencil).filter(|(_, c)| **c <= row) {
+                    values[pattern.position(row, column).unwrap()] += a * b;
+                }
+            }
+        }
+    }
+    for column in 0..size {
+        values[pattern.position(column, column).unwrap()] += shift;
+    }
+    (pattern, values)
+}
+
+fn random_rows(unknowns: usize, count: usize, repeat: usize, noise: &mut Noise) -> ConstraintRows {
+    let (mut starts, mut columns, mut weights) = (vec![0], Vec::new(), Vec::new());
+    for _ in 0..count {
+        columns.extend((0..unknowns).step_by(2));
+        weights.extend(noise.vector(unknowns.div_ceil(2)));
+        starts.push(columns.len());
+    }
+    let width = unknowns.div_ceil(2);
+    for row in 0..repeat {
+        columns.extend((0..unknowns).step_by(2));
+        weights.extend_from_within(row * width..(row + 1) * width);
+        starts.push(columns.len());
+    }
+    ConstraintRows::new(starts, columns, weights, unknowns).unwrap()
+}
+
+fn dense(pattern: &LowerPattern, values: &[f64], rows: &ConstraintRows) -> Dense {
+    let size = pattern.size();
+    let total = size + rows.count();
+    let mut matrix = vec![vec![0.0; total]; total];
+    for row in 0..size {
+        for column in 0..size {
+            matrix[row][column] = pattern.position(row, column).map_or(0.0, |at| values[at]);
+        }
+    }
+    for row in 0..rows.count() {
+        let (columns, weights) = rows.row(row);
+        for (&column, &weight) in columns.iter().zip(weights) {
+            matrix[size + row][column] = weight;
+            matrix[column][size + row] = weight;
+        }
+    }
+    matrix
+}
+
+/// Eigenvalues by cyclic Jacobi rotations: slow, independent of what is tested.
+fn eigenvalues(mut a: Dense) -> Vec<f64> {
+    let size = a.len();
+    for _ in 0..60 {
+        for p in 0..size {
+            for q in p + 1..size {
+                if a[p][q] == 0.0 {
+                    continue;
+                }
+                let angle = 0.5 * (2.0 * a[p][q]).atan2(a[q][q] - a[p][p]);
+                let (s, c) = angle.sin_cos();
+                for line in &mut a {
+                    (line[p], line[q]) = (c * line[p] - s * line[q], s * line[p] + c * line[q]);
+                }
+                for k in 0..size {
+                    (a[p][k], a[q][k]) = (c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]);
+                }
+            }
+        }
+    }
+    (0..size).map(|k| a[k][k]).collect()
+}
+
+fn product(matrix: &Dense, vector: &[f64]) -> Vec<f64> {
+    matrix
+        .iter()
+        .map(|line| line.iter().zip(vector).map(|(a, b)| a * b).sum())
+        .collect()
+}
+
+fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max)
+}
+
+#[test]
+fn inertia_counts_the_negative_eigenvalues() {
+    let mut noise = Noise(3);
+    let mut indefinite = 0;
+    for (rows, shift) in [
+        (0, 0.1),
+        (4, 0.1),
+        (4, -0.5),
+        (9, -1.5),
+        (0, -1.0),
+        (5, 1.0),
+    ] {
+        let (pattern, values) = chain(12, shift, &mut noise);
+        let rows = random_rows(pattern.size(), rows, 0, &mut noise);
+        let mut kkt = Kkt::new(&pattern, &rows, BLOCK).unwrap();
+        let inertia = kkt.factorize(&values, &vec![0.0; pattern.size()]).unwrap();
+        let expected = eigenvalues(dense(&pattern, &values, &rows))
+            .iter()
+            .filter(|&&value| value < 0.0)
+            .count();
+        let rows = rows.count();
+        assert_eq!(
+            inertia,
+            Inertia {
+                negative: expected,
+                rows
+            }
+        );
+        assert_eq!(inertia.is_minimum(), expected == rows);
+        indefinite += usize::from(expected > rows);
+    }
+    assert!(indefinite >= 2);
+}
+
+#[test]
+fn refined_solutions_solve_the_unregularised_system() {
+    let mut noise = Noise(5);
+    for (rows, shift) in [(0, 0.1), (6, 0.1), (6, -0.7)] {
+        let (pattern, values) = chain(20, shift, &mut noise);
+        let size = pattern.size();
+        let rows = random_rows(size, rows, 0, &mut noise);
+        let mut kkt = Kkt::new(&pattern, &rows, BLOCK).unwrap();
+        kkt.factorize(&values, &vec![0.0; size]).unwrap();
+        let exact = noise.vector(size + rows.count());
+        let rhs = product(&dense(&pattern, &values, &rows), &exact);
+        let mut step = vec![0.0; size];
+        let mut multipliers = vec![0.0; rows.count()];
+        let residual = kkt
+            .solve(&rhs[..size], &rhs[size..], &mut step, &mut multipliers)
+            .unwrap();
+        assert!(residual < 1e-12, "residual {residual}");
+        assert!(largest_difference(&step, &exact[..size]) < 1e-9);
+        assert!(largest_difference(&multipliers, &exact[size..]) < 1e-9);
+    }
+}
+
+#[test]
+fn repeated_rows_keep_solution_and_inertia() {
+    let mut noise = Noise(7);
+    let (pattern, values) = chain(20, 0.1, &mut noise);
+    let size = pattern.size();
+    let rows = random_rows(size, 5, 3, &mut noise);
+    let mut kkt = Kkt::new(&pattern, &rows, BLOCK).unwrap();
+    let inertia = kkt.factorize(&values, &vec![0.0; size]).unwrap();
+    assert_eq!(
+        inertia,
+        Inertia {
+            negative: 8,
+            rows: 8
+        }
+    );
+
+    let exact = noise.vector(size + 8);
+    let rhs = product(&dense(&pattern, &values, &rows), &exact);
+    let (mut step, mut multipliers) = (vec![0.0; size], vec![0.0; 8]);
+    let residual = kkt
+        .solve(&rhs[..size], &rhs[size..], &mut step, &mut multipliers)
+        .unwrap();
+    assert!(residual < 1e-12, "residual {residual}");
+    assert!(largest_difference(&step, &exact[..size]) < 1e-9);
+    // Only the sum of the multipliers of equal rows is determined.
+    let sum = multipliers[0] + multipliers[5] - exact[size] - exact[size + 5];
+    assert!(sum.abs() < 1e-8);
+}
+
+#[test]
+fn contradicting_rows_are_told_by_the_residual() {
+    let mut noise = Noise(9);
+    let (pattern, values) = chain(5, 0.1, &mut noise);
+    let rows = random_rows(pattern.size(), 1, 1, &mut noise);
+    let mut kkt = Kkt::new(&pattern, &rows, BLOCK).unwrap();
+    kkt.factorize(&values, &[0.0; 15]).unwrap();
+    let (mut step, mut multipliers) = (vec![0.0; 15], vec![0.0; 2]);
+    let residual = kkt
+        .solve(&[0.0; 15], &[1.0, 2.0], &mut step, &mut multipliers)
+        .unwrap();
+    assert!(residual > 0.1);
+    assert!(
+        step.iter()
+            .chain(&multipliers)
+            .all(|entry| entry.is_finite())
+    );
+}
+
+#[test]
+fn floor_is_part_of_the_matrix() {
+    let mut noise = Noise(11);
+    let (pattern, values) = chain(6, -1.0, &mut noise);
+    let mut kkt = Kkt::new(&pattern, &ConstraintRows::none(18), BLOCK).unwrap();
+    assert!(!kkt.factorize(&values, &[0.0; 18]).unwrap().is_minimum());
+    assert!(kkt.factorize(&values, &[2.0; 18]).unwrap().is_minimum());
+    let (mut step, force) = (vec![0.0; 18], noise.vector(18));
+    kkt.solve(&force, &[], &mut step, &mut []).unwrap();
+    let mut matrix = dense(&pattern, &values, &ConstraintRows::none(18));
+    for (k, line) in matrix.iter_mut().enumerate() {
+        line[k] += 2.0;
+    }
+    assert!(largest_difference(&product(&matrix, &step), &force) < 1e-11);
+}
+
+#[test]
+fn refactorising_forgets_the_matrix_before() {
+    let mut noise = Noise(13);
+    let (pattern, values) = chain(10, 0.1, &mut noise);
+    let other: Vec<f64> = values.iter().map(|value| 3.0 * value).collect();
+    let rows = random_rows(30, 3, 0, &mut noise);
+    let floor = [0.0; 30];
+    let force = noise.vector(30);
+    let solve = |kkt: &mut Kkt| {
+        let (mut step, mut multipliers) = (vec![0.0; 30], vec![0.0; 3]);
+        kkt.solve(&force, &[0.1, 0.2, 0.3], &mut step, &mut multipliers)
+            .unwrap();
+        step
+    };
+    let mut fresh = Kkt::new(&pattern, &rows, BLOCK).unwrap();
+    fresh.factorize(&values, &floor).unwrap();
+    let expected = solve(&mut fresh);
+    let mut reused = Kkt::new(&pattern, &rows, BLOCK).unwrap();
+    reused.factorize(&other, &floor).unwrap();
+    reused.factorize(&values, &floor).unwrap();
+    assert_eq!(solve(&mut reused), expected);
+}
