@@ -1,0 +1,113 @@
+//! Rectangular meshes in the plane.
+
+use nalgebra::Vector2;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+/// A meshed rectangle `[0, length] x [0, width]`.
+#[derive(Clone, Debug)]
+pub struct Strip {
+    /// Vertices.
+    pub points: Vec<Vector2<f64>>,
+    /// Triangles, counter-clockwise.
+    pub faces: Vec<[u32; 3]>,
+    /// Extent along x, m.
+    pub length: f64,
+    /// Extent along y, m.
+    pub width: f64,
+}
+
+/// Rows of equilateral triangles along x, cut straight at both ends.
+///
+/// `columns` edges fill the length; the width is `rows` rows high.
+pub fn equilateral(length: f64, columns: usize, rows: usize) -> Strip {
+    let edge = length / columns as f64;
+    let height = edge * 0.75f64.sqrt();
+    let mut points = Vec::new();
+    for j in 0..=rows {
+        let y = j as f64 * height;
+        if j % 2 == 0 {
+            points.extend((0..=columns).map(|i| Vector2::new(i as f64 * edge, y)));
+        } else {
+            points.push(Vector2::new(0.0, y));
+            points.extend((0..columns).map(|i| Vector2::new((i as f64 + 0.5) * edge, y)));
+            points.push(Vector2::new(length, y));
+        }
+    }
+    Strip {
+        faces: delaunay(&points, edge),
+        points,
+        length,
+        width: rows as f64 * height,
+    }
+}
+
+/// Random points of the same density, smoothed: what a remesher leaves behind.
+pub fn unstructured(length: f64, columns: usize, rows: usize, seed: u64) -> Strip {
+    let mut strip = equilateral(length, columns, rows);
+    let edge = length / columns as f64;
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    let width = strip.width;
+    let inside = |p: &Vector2<f64>| {
+        p.x > 0.1 * edge
+            && p.x < length - 0.1 * edge
+            && p.y > 0.1 * edge
+            && p.y < width - 0.1 * edge
+    };
+    for p in strip.points.iter_mut().filter(|p| inside(p)) {
+        let x = p.x + random.random_range(-0.45..0.45) * edge;
+        let y = p.y + random.random_range(-0.45..0.45) * edge;
+        *p = Vector2::new(
+            x.clamp(0.3 * edge, length - 0.3 * edge),
+            y.clamp(0.3 * edge, width - 0.3 * edge),
+        );
+    }
+    for _ in 0..3 {
+        strip.faces = delaunay(&strip.points, edge);
+        smooth(&mut strip, &inside);
+    }
+    strip.faces = delaunay(&strip.points, edge);
+    strip
+}
+
+/// Moves every inner vertex halfway to the mean of its neighbours.
+fn smooth(strip: &mut Strip, inside: &impl Fn(&Vector2<f64>) -> bool) {
+    let mut sums = vec![(Vector2::zeros(), 0.0); strip.points.len()];
+    for face in &strip.faces {
+        for corner in 0..3 {
+            let (a, b) = (face[corner] as usize, face[(corner + 1) % 3] as usize);
+            sums[a].0 += strip.points[b];
+            sums[b].0 += strip.points[a];
+            sums[a].1 += 1.0;
+            sums[b].1 += 1.0;
+        }
+    }
+    for (p, (sum, count)) in strip.points.iter_mut().zip(&sums) {
+        if inside(p) {
+            *p = *p * 0.5 + sum / *count * 0.5;
+        }
+    }
+}
+
+fn delaunay(points: &[Vector2<f64>], edge: f64) -> Vec<[u32; 3]> {
+    let input: Vec<delaunator::Point> = points
+        .iter()
+        .map(|p| delaunator::Point { x: p.x, y: p.y })
+        .collect();
+    delaunator::triangulate(&input)
+        .triangles
+        .chunks_exact(3)
+        .map(|t| {
+            let [a, b, c] = [t[0], t[1], t[2]];
+            let area = (points[b] - points[a]).perp(&(points[c] - points[a]));
+            if area > 0.0 {
+                ([a as u32, b as u32, c as u32], area)
+            } else {
+                ([a as u32, c as u32, b as u32], -area)
+            }
+        })
+        // The hull of a straight border has triangles of rounding errors.
+        .filter(|(_, area)| *area > 1e-6 * edge * edge)
+        .map(|(face, _)| face)
+        .collect()
+}
