@@ -1,5 +1,7 @@
 //! Mistakes in the input are errors that name them, never panics.
 
+#![allow(clippy::unwrap_used, reason = "a failing unwrap fails the test")]
+
 use ruga_solver::{
     ConstraintRows, Kkt, LoadSettings, LoadStepper, LowerPattern, NewtonSettings, Objective,
     SolverError, StopRule, minimise,

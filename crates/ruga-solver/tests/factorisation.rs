@@ -1,5 +1,7 @@
 //! The KKT factor against dense linear algebra on small systems.
 
+#![allow(clippy::unwrap_used, reason = "a failing unwrap fails the test")]
+
 use ruga_solver::{ConstraintRows, Inertia, Kkt, LowerPattern};
 
 /// Dense symmetric matrix by rows.
@@ -68,9 +70,9 @@ fn dense(pattern: &LowerPattern, values: &[f64], rows: &ConstraintRows) -> Dense
     let size = pattern.size();
     let total = size + rows.count();
     let mut matrix = vec![vec![0.0; total]; total];
-    for row in 0..size {
-        for column in 0..size {
-            matrix[row][column] = pattern.position(row, column).map_or(0.0, |at| values[at]);
+    for (row, line) in matrix.iter_mut().enumerate().take(size) {
+        for (column, entry) in line.iter_mut().enumerate().take(size) {
+            *entry = pattern.position(row, column).map_or(0.0, |at| values[at]);
         }
     }
     for row in 0..rows.count() {
@@ -97,8 +99,9 @@ fn eigenvalues(mut a: Dense) -> Vec<f64> {
                 for line in &mut a {
                     (line[p], line[q]) = (c * line[p] - s * line[q], s * line[p] + c * line[q]);
                 }
-                for k in 0..size {
-                    (a[p][k], a[q][k]) = (c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]);
+                let (above, below) = a.split_at_mut(q);
+                for (x, y) in above[p].iter_mut().zip(&mut below[0]) {
+                    (*x, *y) = (c * *x - s * *y, s * *x + c * *y);
                 }
             }
         }

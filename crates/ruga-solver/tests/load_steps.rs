@@ -1,5 +1,7 @@
 //! The sequence of loads for structures whose onset is known.
 
+#![allow(clippy::unwrap_used, reason = "a failing unwrap fails the test")]
+
 use ruga_solver::{LoadSettings, LoadStepper, Outcome, Verdict};
 
 struct Run {
