@@ -5,40 +5,65 @@
 
 mod finger;
 mod forearm;
-mod glb;
 
 #[cfg(test)]
 mod tests;
 
 use std::error::Error;
 use std::fs;
+use std::path::Path;
 use std::process::ExitCode;
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Matrix4, Vector3};
 use ruga_blend::{ArtistMesh, BlendError, Driver, Weights};
+use ruga_io::{GlbAdditions, Material, MeshFile, MeshPart, write_glb};
 use ruga_mesh::vertex_normals;
 
 use crate::repository::{Outcome, root};
 
 /// Writes every mesh below `assets/`; the scenes beside them are edited by hand.
 pub(crate) fn regenerate() -> Outcome {
-    for (path, bytes) in files()? {
-        let target = root().join(path);
-        if let Some(folder) = target.parent() {
-            fs::create_dir_all(folder)?;
-        }
-        fs::write(&target, &bytes)?;
-        println!("{path}  {} bytes", bytes.len());
+    for name in write_meshes(&root().join("assets"))? {
+        println!("assets/{name}");
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// Path from the repository's root, and content.
-fn files() -> Result<Vec<(&'static str, Vec<u8>)>, Box<dyn Error>> {
-    Ok(vec![
-        ("assets/forearm/forearm.glb", glb::write(&forearm::mesh()?)?),
-        ("assets/finger/finger.glb", glb::write(&finger::mesh()?)?),
-    ])
+/// Writes the meshes below `folder`; gives their paths in it.
+fn write_meshes(folder: &Path) -> Result<[&'static str; 2], Box<dyn Error>> {
+    let names = ["forearm/forearm.glb", "finger/finger.glb"];
+    for (name, mesh) in names.into_iter().zip([forearm::mesh()?, finger::mesh()?]) {
+        let path = folder.join(name);
+        if let Some(parent) = path.parent() {
+            fs::create_dir_all(parent)?;
+        }
+        write_glb(&path, &mesh_file(&path, mesh), &GlbAdditions::default())?;
+    }
+    Ok(names)
+}
+
+/// The mesh in one part of plain skin, in metres, where it stands.
+fn mesh_file(path: &Path, mesh: ArtistMesh) -> MeshFile {
+    let skin = Material {
+        name: Some("Skin".to_owned()),
+        base_color: [0.8, 0.6, 0.5, 1.0],
+        metallic: 0.0,
+        roughness: 0.5,
+        double_sided: false,
+    };
+    MeshFile {
+        path: path.to_owned(),
+        parts: vec![MeshPart {
+            vertices: 0..mesh.positions.len(),
+            triangles: 0..mesh.triangles.len(),
+            material: Some(skin),
+        }],
+        default_weights: vec![0.0; mesh.shapes.len()],
+        stretch: Matrix3::identity(),
+        world_from_node: Matrix4::identity(),
+        warnings: Vec::new(),
+        mesh,
+    }
 }
 
 /// Rounds positions and deltas to what the file holds, then adds normals.
