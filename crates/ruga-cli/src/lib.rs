@@ -1,1 +1,48 @@
-//! The command ruga: bake, simulate, plan, check, new.
+//! The command `ruga`: command-line arguments go in, maps, meshes and an exit code come out.
+//!
+//! A *project* is a scene with everything that it names, read and converted to what the other
+//! crates understand. A *plan* says what will be simulated in each *pose*. `bake` and `simulate`
+//! work on as many poses at a time as there are threads and keep a *record* of each finished pose,
+//! so that an interrupted run can go on where it stopped.
+//!
+//! Results are printed on stdout, progress and messages on stderr. Exit codes: 0 done; 1 ran, but
+//! a pose did not converge or the run was interrupted, with the results written and marked; 2 could
+//! not run. Lengths are metres in every file and in JSON; tables for people say their units.
+//!
+//! ```
+//! use std::process::ExitCode;
+//!
+//! let folder = std::env::temp_dir().join("no such folder");
+//! let scene = folder.join("scene.toml");
+//! let arguments = ["ruga".into(), "check".into(), scene.into_os_string()];
+//! assert_eq!(ruga_cli::run(arguments), ExitCode::from(2));
+//! ```
+
+mod arguments;
+mod commands;
+mod run;
+
+mod model;
+mod project;
+mod texture_space;
+
+mod artist_file;
+mod map_files;
+mod pose_queue;
+mod pose_record;
+mod pose_runs;
+mod posed_frames;
+mod summary;
+mod watch;
+
+mod fingerprint;
+mod interrupt;
+mod messages;
+mod output_folder;
+mod progress;
+mod table;
+mod templates;
+
+mod error;
+
+pub use run::run;

@@ -1,0 +1,127 @@
+//! What can be typed after `ruga`.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::templates::Template;
+
+const EXIT_CODES: &str = "\
+Exit codes:
+  0  done
+  1  ran, but a pose did not converge or the run was interrupted; results are written and marked
+  2  could not run; the message says what to mend
+
+Results go to stdout, progress and messages to stderr.";
+
+/// Simulates wrinkling skin and turns blend shapes into wrinkle maps.
+#[derive(Debug, Parser)]
+#[command(name = "ruga", version, after_help = EXIT_CODES, arg_required_else_help = true)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Simulate every pose and bake its wrinkle maps.
+    #[command(after_help = EXIT_CODES)]
+    Bake(RunArguments),
+    /// Simulate every pose and write its meshes per load step, no maps.
+    #[command(after_help = EXIT_CODES)]
+    Simulate(RunArguments),
+    /// Say what will be modelled, where, how fine and at what cost; nothing is simulated.
+    #[command(after_help = EXIT_CODES)]
+    Plan(PlanArguments),
+    /// Validate scene, mesh, texture coordinates, masks and materials.
+    #[command(after_help = EXIT_CODES)]
+    Check(CheckArguments),
+    /// Write a starter scene that runs.
+    #[command(after_help = EXIT_CODES)]
+    New(NewArguments),
+}
+
+/// Options of `ruga bake` and `ruga simulate`.
+#[derive(Debug, Args)]
+pub(crate) struct RunArguments {
+    /// The scene, a TOML file.
+    #[arg(value_name = "SCENE", help_heading = "Input")]
+    pub(crate) scene: PathBuf,
+    /// Only this pose; may be given several times [default: every pose of the scene].
+    #[arg(long = "pose", value_name = "NAME", help_heading = "Input")]
+    pub(crate) poses: Vec<String>,
+    /// Folder for the results; made if it does not exist.
+    #[arg(short, long, value_name = "DIR", help_heading = "Output")]
+    pub(crate) output: PathBuf,
+    /// Print the report as JSON on stdout.
+    #[arg(long, help_heading = "Output")]
+    pub(crate) json: bool,
+    /// Keep poses of an earlier run in DIR whose inputs have not changed.
+    #[arg(long, help_heading = "Output")]
+    pub(crate) resume: bool,
+    /// Mesh points per wavelength: draft 6, standard 12, fine 24 [default: the scene's].
+    #[arg(long, value_enum, help_heading = "Simulation")]
+    pub(crate) quality: Option<Quality>,
+    /// Poses worked on at a time; the results do not depend on it [default: one per core].
+    #[arg(long, value_name = "N", help_heading = "Simulation")]
+    pub(crate) threads: Option<NonZeroUsize>,
+}
+
+/// Options of `ruga plan`.
+#[derive(Debug, Args)]
+pub(crate) struct PlanArguments {
+    /// The scene, a TOML file.
+    #[arg(value_name = "SCENE", help_heading = "Input")]
+    pub(crate) scene: PathBuf,
+    /// Print the plan as JSON.
+    #[arg(long, help_heading = "Output")]
+    pub(crate) json: bool,
+}
+
+/// Options of `ruga check`.
+#[derive(Debug, Args)]
+pub(crate) struct CheckArguments {
+    /// The scene, a TOML file.
+    #[arg(value_name = "SCENE", help_heading = "Input")]
+    pub(crate) scene: PathBuf,
+}
+
+/// Options of `ruga new`.
+#[derive(Debug, Args)]
+pub(crate) struct NewArguments {
+    /// Folder for the scene and its mesh; made if it does not exist.
+    #[arg(value_name = "DIR", help_heading = "Output")]
+    pub(crate) folder: PathBuf,
+    /// What to start from.
+    #[arg(
+        long,
+        value_enum,
+        value_name = "NAME",
+        default_value_t,
+        help_heading = "Output"
+    )]
+    pub(crate) template: Template,
+}
+
+/// How fine the meshes are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Quality {
+    /// 6 points per wavelength: for a first look.
+    Draft,
+    /// 12 points per wavelength.
+    Standard,
+    /// 24 points per wavelength: sixteen times the vertices of a draft.
+    Fine,
+}
+
+impl Quality {
+    /// Mesh edges per critical wavelength.
+    pub(crate) fn points_per_wavelength(self) -> f64 {
+        match self {
+            Quality::Draft => 6.0,
+            Quality::Standard => 12.0,
+            Quality::Fine => 24.0,
+        }
+    }
+}

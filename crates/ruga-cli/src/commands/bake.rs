@@ -1,0 +1,172 @@
+//! `ruga bake`: wrinkle maps, the artist's mesh, manifest and report.
+
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use ruga_bake::{BakeSettings, Relief, TangentFrame, bake};
+use ruga_blend::Weights;
+use ruga_io::{WrinkleMap, Wrinkles, scene};
+use ruga_stepper::{Frame, KeyResult, PoseResult, PoseSpec};
+
+use crate::arguments::RunArguments;
+use crate::artist_file::{file_name, write_artist_mesh};
+use crate::error::CliError;
+use crate::map_files::write_maps;
+use crate::pose_record::PoseRecord;
+use crate::pose_runs::{PoseFiles, Product, run_poses, thread_count};
+use crate::posed_frames::posed_frames;
+use crate::project::Project;
+use crate::run::Outcome;
+use crate::{interrupt, messages, output_folder, summary, texture_space};
+
+/// Simulates and bakes the poses of a scene.
+///
+/// # Errors
+/// Whatever keeps a pose from being planned, simulated, baked or written.
+pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
+    interrupt::listen();
+    let project = Project::read(&arguments.scene, &arguments.poses, arguments.quality)?;
+    output_folder::prepare(&arguments.output)?;
+    let pool = thread_pool(thread_count(arguments))?;
+    let mut warnings = project.warnings.clone();
+    warnings.extend(pool.install(|| texture_space::check(&project.mesh))?);
+    let plan = project.plan()?;
+    for warning in warnings.iter().chain(&plan.warnings) {
+        messages::warning(warning);
+    }
+    let maps = WrinkleMaps {
+        project: &project,
+        arguments,
+        pool: &pool,
+    };
+    let records = run_poses(&project, &plan, arguments, &maps)?;
+    maps.write_common(&records)?;
+    summary::conclude(&project, &plan, arguments, &records, &warnings)
+}
+
+/// Rayon's threads for the loops inside a bake; the global pool stays untouched.
+fn thread_pool(threads: usize) -> Result<ThreadPool, CliError> {
+    ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|error| CliError::Threads {
+            threads,
+            reason: error.to_string(),
+        })
+}
+
+struct WrinkleMaps<'a> {
+    project: &'a Project,
+    arguments: &'a RunArguments,
+    pool: &'a ThreadPool,
+}
+
+impl Product for WrinkleMaps<'_> {
+    const COMMAND: &'static str = "bake";
+
+    fn frame(&self, _: &PoseSpec, _: &Frame<'_>) -> Result<Vec<String>, CliError> {
+        Ok(Vec::new())
+    }
+
+    fn pose(&self, pose: &PoseSpec, result: &PoseResult) -> Result<PoseFiles, CliError> {
+        let mut made = PoseFiles::default();
+        for key in &result.keys {
+            made.maps.extend(self.key(pose, key, &mut made.warnings)?);
+        }
+        made.files = made.maps.iter().map(|map| map.file.clone()).collect();
+        Ok(made)
+    }
+}
+
+impl WrinkleMaps<'_> {
+    /// Bakes and writes the maps of one key.
+    fn key(
+        &self,
+        pose: &PoseSpec,
+        key: &KeyResult,
+        warnings: &mut Vec<String>,
+    ) -> Result<Vec<WrinkleMap>, CliError> {
+        let project = self.project;
+        let weights = pose.weights.scaled(key.load);
+        let frames = posed_frames(&project.mesh.mesh, &project.driver, &weights)
+            .map_err(|source| self.baking(pose, source))?;
+        let map = self
+            .pool
+            .install(|| bake(&relief(key), &frames, &self.settings()))
+            .map_err(|source| self.baking(pose, source))?;
+        if map.folded_samples > 0 {
+            warnings.push(format!(
+                "at key {} the layer folds over in {} texels, which a normal map cannot hold",
+                key.load, map.folded_samples
+            ));
+        }
+        let folder = &self.arguments.output;
+        write_maps(folder, &project.scene.bake, &pose.name, key.load, &map)
+    }
+
+    fn settings(&self) -> BakeSettings {
+        let bake = &self.project.scene.bake;
+        BakeSettings {
+            size: bake.size,
+            padding: bake.padding,
+            supersample: bake.supersample,
+            frame: match bake.frame {
+                scene::Frame::Driver => ruga_bake::Frame::Driver,
+                scene::Frame::Mesh => ruga_bake::Frame::Mesh,
+            },
+        }
+    }
+
+    fn baking(&self, pose: &PoseSpec, source: ruga_bake::BakeError) -> CliError {
+        CliError::Baking {
+            mesh: self.project.mesh.path.clone(),
+            pose: pose.name.clone(),
+            source,
+        }
+    }
+
+    /// Writes what all poses share: the mesh and the manifest.
+    fn write_common(&self, records: &[Option<PoseRecord>]) -> Result<(), CliError> {
+        let project = self.project;
+        let finished = || records.iter().flatten();
+        let maps: Vec<WrinkleMap> = finished().flat_map(|r| r.maps.iter().cloned()).collect();
+        let rest: Vec<[TangentFrame; 3]> =
+            posed_frames(&project.mesh.mesh, &project.driver, &Weights::default()).map_err(
+                |source| CliError::Baking {
+                    mesh: project.mesh.path.clone(),
+                    pose: "rest".to_owned(),
+                    source,
+                },
+            )?;
+        let name = file_name(&project.mesh);
+        let path = self.arguments.output.join(format!("{name}.glb"));
+        write_artist_mesh(&path, &project.mesh, &rest, &maps)?;
+        let bake = &project.scene.bake;
+        let mut manifest = Wrinkles::new(&project.mesh.mesh.name, bake.frame, bake.size);
+        let shapes: Vec<&str> = project.driver.shape_names().collect();
+        for (pose, _) in project
+            .poses
+            .iter()
+            .zip(records)
+            .filter(|(_, r)| r.is_some())
+        {
+            let weights = pose.weights.0.iter();
+            let named = weights.map(|&(shape, weight)| (shapes[shape].to_owned(), weight));
+            manifest.poses.insert(pose.name.clone(), named.collect());
+        }
+        manifest.maps = maps;
+        Ok(manifest.write(&self.arguments.output.join("wrinkles.json"))?)
+    }
+}
+
+/// The top layer at a key; nothing where nothing wrinkles, which bakes neutral.
+fn relief(key: &KeyResult) -> Relief<'_> {
+    let top = key.layers.last();
+    Relief {
+        positions: top.map_or(&[], |layer| &layer.positions),
+        driver_positions: top.map_or(&[], |layer| &layer.driver_positions),
+        driver_normals: top.map_or(&[], |layer| &layer.driver_normals),
+        offset: top.map_or(0.0, |layer| layer.offset),
+        faces: top.map_or(&[], |layer| &layer.faces),
+        uvs: top.map_or(&[], |layer| &layer.uvs),
+        artist: top.map_or(&[], |layer| &layer.artist),
+    }
+}

@@ -1,0 +1,7 @@
+//! The commands, one per module; each returns how it ended.
+
+pub(crate) mod bake;
+pub(crate) mod check;
+pub(crate) mod new;
+pub(crate) mod plan;
+pub(crate) mod simulate;

@@ -1,0 +1,117 @@
+//! `ruga simulate`: the layers' meshes in every load step, and the report.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{Matrix3, Vector2, Vector3};
+use ruga_io::{MeshFile, ObjFrame, write_obj_frame};
+use ruga_stepper::{Frame, LayerSurface, PoseResult, PoseSpec};
+
+use crate::arguments::RunArguments;
+use crate::error::CliError;
+use crate::pose_runs::{PoseFiles, Product, run_poses};
+use crate::project::Project;
+use crate::run::Outcome;
+use crate::{interrupt, messages, output_folder, summary};
+
+/// Simulates the poses of a scene and writes their meshes.
+///
+/// # Errors
+/// Whatever keeps a pose from being planned, simulated or written.
+pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
+    interrupt::listen();
+    let project = Project::read(&arguments.scene, &arguments.poses, arguments.quality)?;
+    output_folder::prepare(&arguments.output)?;
+    let plan = project.plan()?;
+    for warning in project.warnings.iter().chain(&plan.warnings) {
+        messages::warning(warning);
+    }
+    let meshes = FrameMeshes {
+        arguments,
+        placement: Placement::of(&project.mesh),
+    };
+    let records = run_poses(&project, &plan, arguments, &meshes)?;
+    summary::conclude(&project, &plan, arguments, &records, &project.warnings)
+}
+
+struct FrameMeshes<'a> {
+    arguments: &'a RunArguments,
+    placement: Placement,
+}
+
+impl Product for FrameMeshes<'_> {
+    const COMMAND: &'static str = "simulate";
+
+    fn frame(&self, pose: &PoseSpec, frame: &Frame<'_>) -> Result<Vec<String>, CliError> {
+        let mut files = Vec::new();
+        for layer in frame.layers {
+            let file = format!("frames/{}/{}.{:04}.obj", pose.name, layer.name, frame.index);
+            self.write(&file, layer)?;
+            files.push(file);
+        }
+        Ok(files)
+    }
+
+    fn pose(&self, _: &PoseSpec, _: &PoseResult) -> Result<PoseFiles, CliError> {
+        Ok(PoseFiles::default())
+    }
+}
+
+impl FrameMeshes<'_> {
+    fn write(&self, file: &str, layer: &LayerSurface) -> Result<(), CliError> {
+        let (uvs, uv_triangles) = shared_uvs(&layer.uvs);
+        let positions: Vec<Vector3<f64>> = layer
+            .positions
+            .iter()
+            .map(|p| self.placement.in_world(p))
+            .collect();
+        let frame = ObjFrame {
+            name: &layer.name,
+            positions: &positions,
+            triangles: &layer.faces,
+            uvs: &uvs,
+            uv_triangles: &uv_triangles,
+        };
+        Ok(write_obj_frame(&self.arguments.output.join(file), &frame)?)
+    }
+}
+
+/// Where the axes of the file stand in the world.
+struct Placement {
+    turn: Matrix3<f64>,
+    shift: Vector3<f64>,
+}
+
+impl Placement {
+    /// `world_from_node = turn * stretch`, and the mesh has been stretched already.
+    fn of(mesh: &MeshFile) -> Self {
+        let world = &mesh.world_from_node;
+        let linear = world.fixed_view::<3, 3>(0, 0).into_owned();
+        Self {
+            turn: mesh.stretch.try_inverse().map_or(linear, |s| linear * s),
+            shift: world.fixed_view::<3, 1>(0, 3).into_owned(),
+        }
+    }
+
+    fn in_world(&self, position: &Vector3<f64>) -> Vector3<f64> {
+        self.turn * position + self.shift
+    }
+}
+
+/// Every texture coordinate once, and where the corners find theirs.
+fn shared_uvs(corners: &[[Vector2<f64>; 3]]) -> (Vec<Vector2<f64>>, Vec<[u32; 3]>) {
+    let mut known = BTreeMap::new();
+    let mut uvs = Vec::new();
+    let mut index = |uv: Vector2<f64>| -> u32 {
+        *known
+            .entry([uv.x.to_bits(), uv.y.to_bits()])
+            .or_insert_with(|| {
+                uvs.push(uv);
+                uvs.len() as u32 - 1
+            })
+    };
+    let triangles = corners
+        .iter()
+        .map(|triangle| triangle.map(&mut index))
+        .collect();
+    (uvs, triangles)
+}

@@ -1,0 +1,137 @@
+//! Why the command could not run.
+
+use std::path::PathBuf;
+
+use miette::Diagnostic;
+use ruga_bake::BakeError;
+use ruga_blend::BlendError;
+use ruga_io::IoError;
+use ruga_material::MaterialError;
+use ruga_stepper::StepperError;
+use thiserror::Error;
+
+/// What the user can mend; each message names the file, and the key or element in it.
+#[derive(Debug, Error, Diagnostic)]
+pub(crate) enum CliError {
+    /// A file cannot be read, means something impossible, or cannot be written.
+    #[error(transparent)]
+    Io(#[from] IoError),
+    /// The scene asks for what this version cannot do.
+    #[error("{}: `{key}`: found {found}; this version simulates one static layer", scene.display())]
+    #[diagnostic(help("{remedy}"))]
+    NotYet {
+        scene: PathBuf,
+        key: String,
+        found: String,
+        remedy: &'static str,
+    },
+    /// A preset that does not exist.
+    #[error("{}: `{key}`: there is no preset `{name}`{}", scene.display(), did_you_mean(suggestion.as_deref()))]
+    #[diagnostic(help("presets: {listed}"))]
+    UnknownPreset {
+        scene: PathBuf,
+        key: String,
+        name: String,
+        suggestion: Option<String>,
+        listed: String,
+    },
+    /// A layer that cannot be.
+    #[error("{}: `{key}`: {source}", scene.display())]
+    Material {
+        scene: PathBuf,
+        key: String,
+        source: MaterialError,
+    },
+    /// `--pose` names what the scene does not have.
+    #[error("{}: the scene has no pose `{name}`{}", scene.display(), did_you_mean(suggestion.as_deref()))]
+    #[diagnostic(help("poses: {listed}"))]
+    UnknownPose {
+        scene: PathBuf,
+        name: String,
+        suggestion: Option<String>,
+        listed: String,
+    },
+    /// The mesh cannot be driven.
+    #[error("{}: {source}", mesh.display())]
+    Mesh { mesh: PathBuf, source: BlendError },
+    /// Two triangles would write the same texels.
+    #[error("{}: the texture coordinates of triangles {first} and {second} overlap inside the active region ({} there)", mesh.display(), counted(*triangles, "overlapping triangle"))]
+    #[diagnostic(help(
+        "give every part of the active region its own place in the UV square, or leave one of them \
+         out with a mask: `driver.region = \"mask.png\"`"
+    ))]
+    OverlappingUvs {
+        mesh: PathBuf,
+        first: u32,
+        second: u32,
+        triangles: usize,
+    },
+    /// Texture coordinates that are no numbers.
+    #[error("{}: {} without texture coordinates, the first is triangle {first}", mesh.display(), counted(*count, "triangle"))]
+    MissingUvs {
+        mesh: PathBuf,
+        count: usize,
+        first: u32,
+    },
+    /// The scene cannot be planned or simulated.
+    #[error("{}: {source}", scene.display())]
+    Model {
+        scene: PathBuf,
+        source: StepperError,
+    },
+    /// A pose cannot be simulated.
+    #[error("{}: pose `{pose}`: {source}", scene.display())]
+    Simulation {
+        scene: PathBuf,
+        pose: String,
+        source: StepperError,
+    },
+    /// A map cannot be baked.
+    #[error("{}: pose `{pose}`: {source}", mesh.display())]
+    Baking {
+        mesh: PathBuf,
+        pose: String,
+        source: BakeError,
+    },
+    /// The output folder cannot be used.
+    #[error("{}: cannot be the output folder: {reason}", path.display())]
+    Output { path: PathBuf, reason: String },
+    /// `ruga new` would overwrite something.
+    #[error("{}: exists already; nothing was written", path.display())]
+    #[diagnostic(help("choose another folder, or move the file away"))]
+    InTheWay { path: PathBuf },
+    /// No worker threads.
+    #[error("cannot start {threads} threads: {reason}")]
+    Threads { threads: usize, reason: String },
+    /// `ruga check` found something.
+    #[error("{}: {} found", scene.display(), counted(*count, "problem"))]
+    Problems { scene: PathBuf, count: usize },
+}
+
+/// The accepted name nearest to `name`, if it is near enough to be a slip of the hand.
+pub(crate) fn nearest<'a>(
+    name: &str,
+    accepted: impl IntoIterator<Item = &'a str>,
+) -> Option<String> {
+    // Jaro-Winkler likes common beginnings, as typing errors do; below 0.75 the guesses annoy.
+    const LEAST_SIMILARITY: f64 = 0.75;
+    let lower = name.to_lowercase();
+    accepted
+        .into_iter()
+        .map(|other| (strsim::jaro_winkler(&lower, &other.to_lowercase()), other))
+        .filter(|(similarity, _)| *similarity >= LEAST_SIMILARITY)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, other)| other.to_owned())
+}
+
+/// `1 face`, `2 faces`.
+pub(crate) fn counted(count: usize, noun: &str) -> String {
+    match count {
+        1 => format!("1 {noun}"),
+        _ => format!("{count} {noun}s"),
+    }
+}
+
+fn did_you_mean(suggestion: Option<&str>) -> String {
+    suggestion.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
+}

@@ -1,0 +1,40 @@
+//! What is said on stdout and stderr.
+
+use std::io::{self, Write};
+
+use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
+
+use crate::error::CliError;
+
+/// A result, on stdout.
+pub(crate) fn result(text: &str) {
+    // A closed pipe (`ruga plan scene.toml | head`) is the reader's choice, not an error.
+    let _ = writeln!(io::stdout().lock(), "{}", text.trim_end());
+}
+
+/// A message about the run, on stderr.
+pub(crate) fn note(text: &str) {
+    let _ = writeln!(io::stderr().lock(), "{text}");
+}
+
+/// Something that the user should know, on stderr.
+pub(crate) fn warning(text: &str) {
+    note(&format!("warning: {text}"));
+}
+
+/// Why the command could not run, or one of several reasons, on stderr.
+pub(crate) fn error(error: CliError) {
+    let error: &dyn Diagnostic = &error;
+    let mut text = String::new();
+    let theme = if io::IsTerminal::is_terminal(&io::stderr()) {
+        GraphicalTheme::unicode()
+    } else {
+        GraphicalTheme::none()
+    };
+    // Lines are left whole: paths and names in them can be copied and searched for.
+    let handler = GraphicalReportHandler::new_themed(theme).with_wrap_lines(false);
+    match handler.render_report(&mut text, error) {
+        Ok(()) => note(text.trim_end()),
+        Err(_) => note(&format!("error: {error}")),
+    }
+}

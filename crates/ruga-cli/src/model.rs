@@ -1,0 +1,250 @@
+//! From a scene to what the stepper simulates.
+
+use std::path::Path;
+
+use ruga_blend::{Driver, Smoothing};
+use ruga_constraint::Sampling;
+use ruga_io::{Scene, scene};
+use ruga_material::{
+    LayerMaterial, MaterialError, PRESETS, Preset, Substrate, WavelengthModel, design_layer,
+    preset, wrinkling,
+};
+use ruga_solver::LinearSolver;
+use ruga_stepper::{Coupling, LayerSpec, Modelling, PoseSpec, Region};
+
+use crate::arguments::Quality;
+use crate::error::{CliError, nearest};
+
+/// Everything in the scene that this version cannot do, in the order of the scene.
+pub(crate) fn not_yet(scene: &Scene, path: &Path) -> Vec<CliError> {
+    const ONE_LAYER: &str = "leave one [[layers]] table and run one scene per layer";
+    let mut found: Vec<(String, String, &'static str)> = Vec::new();
+    if scene.stack != scene::Stack::Nominal {
+        let stack = match scene.stack {
+            scene::Stack::Composite => "\"composite\"",
+            _ => "\"joint\"",
+        };
+        let remedy = "leave `stack` out: one layer is no stack";
+        found.push(("stack".to_owned(), stack.to_owned(), remedy));
+    }
+    if scene.layers.len() > 1 {
+        let count = format!("{} layers", scene.layers.len());
+        found.push(("layers".to_owned(), count, ONE_LAYER));
+    }
+    for (i, layer) in scene.layers.iter().enumerate() {
+        if layer.map.is_some() {
+            let remedy = "leave `map` out; `driver.region` takes a painted mask";
+            found.push((
+                format!("layers[{i}].map"),
+                "a property map".to_owned(),
+                remedy,
+            ));
+        }
+        if let Some(share) = layer.bending_transfer {
+            let remedy = "leave `bending_transfer` out: there is no layer below";
+            found.push((
+                format!("layers[{i}].bending_transfer"),
+                share.to_string(),
+                remedy,
+            ));
+        }
+    }
+    if scene.solver.mode == scene::SolverMode::Dynamic {
+        let remedy = "set `mode = \"static\"`";
+        found.push(("solver.mode".to_owned(), "\"dynamic\"".to_owned(), remedy));
+    }
+    if scene.interior.is_some() {
+        let remedy = "leave the [interior] table out";
+        found.push((
+            "interior".to_owned(),
+            "an embedded lattice".to_owned(),
+            remedy,
+        ));
+    }
+    found
+        .into_iter()
+        .map(|(key, found, remedy)| CliError::NotYet {
+            scene: path.to_owned(),
+            key,
+            found,
+            remedy,
+        })
+        .collect()
+}
+
+/// The layer with its material and what carries it.
+///
+/// # Errors
+/// [`CliError::UnknownPreset`] and [`CliError::Material`], naming the key.
+pub(crate) fn layer(scene: &Scene, path: &Path) -> Result<LayerSpec, CliError> {
+    // Reading a scene has refused what these three lines rely on.
+    let layer = &scene.layers[0];
+    let one_way = "a scene that was read describes each layer in exactly one way";
+    let carried = "a scene that was read has a substrate, unless its layer is a preset";
+    let key = "layers[0]";
+    let wrong = |source: MaterialError| CliError::Material {
+        scene: path.to_owned(),
+        key: key.to_owned(),
+        source,
+    };
+    let definition = layer.definition().expect(one_way);
+    let preset = match definition {
+        scene::LayerDefinition::Preset(name) => {
+            Some(preset_named(name, &format!("{key}.preset"), path)?)
+        }
+        _ => None,
+    };
+    let substrate = substrate(scene, path)?
+        .or(preset.map(|preset| preset.substrate))
+        .expect(carried);
+    let (poisson, density) = (layer.poisson, layer.density);
+    let with = |young: f64, thickness: f64| LayerMaterial {
+        young,
+        poisson,
+        thickness,
+        density,
+    };
+    let material = match definition {
+        scene::LayerDefinition::Elastic { young, thickness } => with(young, thickness),
+        scene::LayerDefinition::Wanted {
+            wavelength,
+            critical_strain,
+        } => design_layer(wavelength, critical_strain, poisson, density, &substrate)
+            .map_err(wrong)?,
+        scene::LayerDefinition::Preset(_) => {
+            let preset = preset.expect(one_way);
+            with(preset.layer.young, preset.layer.thickness)
+        }
+    };
+    let model = wavelength_model(layer.model);
+    wrinkling(&material, &substrate, model).map_err(wrong)?;
+    Ok(LayerSpec {
+        name: layer.name.clone(),
+        material,
+        substrate,
+        model,
+        coupling: coupling(layer.coupling),
+        sampling: sampling(layer.sampling),
+    })
+}
+
+fn substrate(scene: &Scene, path: &Path) -> Result<Option<Substrate>, CliError> {
+    let Some(substrate) = &scene.substrate else {
+        return Ok(None);
+    };
+    Ok(Some(match substrate.definition() {
+        scene::SubstrateDefinition::Preset(name) => {
+            preset_named(name, "substrate.preset", path)?.substrate
+        }
+        scene::SubstrateDefinition::Elastic {
+            young,
+            poisson,
+            thickness,
+        } => Substrate {
+            young,
+            poisson,
+            thickness,
+        },
+    }))
+}
+
+fn preset_named(name: &str, key: &str, path: &Path) -> Result<&'static Preset, CliError> {
+    let names = || PRESETS.iter().map(|preset| preset.name);
+    preset(name).ok_or_else(|| CliError::UnknownPreset {
+        scene: path.to_owned(),
+        key: key.to_owned(),
+        name: name.to_owned(),
+        suggestion: nearest(name, names()),
+        listed: names().collect::<Vec<_>>().join(", "),
+    })
+}
+
+/// The poses to simulate: those `wanted` by name, or all.
+///
+/// # Errors
+/// [`CliError::UnknownPose`], and scene errors about unknown blend shapes.
+pub(crate) fn poses(
+    scene: &Scene,
+    driver: &Driver,
+    wanted: &[String],
+    path: &Path,
+) -> Result<Vec<PoseSpec>, CliError> {
+    let shapes: Vec<String> = driver.shape_names().map(str::to_owned).collect();
+    let all = scene.poses_or_shapes(&shapes, path)?;
+    let names = || all.iter().map(|pose| pose.name.as_str());
+    if let Some(name) = wanted
+        .iter()
+        .find(|w| !names().any(|name| name == w.as_str()))
+    {
+        return Err(CliError::UnknownPose {
+            scene: path.to_owned(),
+            name: name.clone(),
+            suggestion: nearest(name, names()),
+            listed: names().collect::<Vec<_>>().join(", "),
+        });
+    }
+    all.iter()
+        .filter(|pose| wanted.is_empty() || wanted.contains(&pose.name))
+        .map(|pose| pose_spec(pose, driver, path))
+        .collect()
+}
+
+fn pose_spec(pose: &scene::Pose, driver: &Driver, path: &Path) -> Result<PoseSpec, CliError> {
+    let named = pose.weights.iter().map(|(shape, &w)| (shape.as_str(), w));
+    let weights = driver.weights(named).map_err(|source| CliError::Mesh {
+        mesh: path.to_owned(),
+        source,
+    })?;
+    let mut keys = pose.keys.clone();
+    keys.sort_by(f64::total_cmp);
+    Ok(PoseSpec {
+        name: pose.name.clone(),
+        weights,
+        keys,
+        steps: pose.steps,
+    })
+}
+
+/// The choices that are not physics.
+pub(crate) fn modelling(scene: &Scene, region: Region, quality: Option<Quality>) -> Modelling {
+    let asked = scene.remesh.points_per_wavelength;
+    Modelling {
+        region,
+        points_per_wavelength: quality.map_or(asked, Quality::points_per_wavelength),
+        vertex_budget: usize::try_from(scene.driver.vertex_budget).unwrap_or(usize::MAX),
+        smoothing: match scene.driver.smoothing {
+            scene::Smoothing::Loop => Smoothing::Loop,
+            scene::Smoothing::None => Smoothing::None,
+        },
+        linear: match scene.solver.linear {
+            scene::LinearSolver::Ldlt => LinearSolver::Ldlt,
+            scene::LinearSolver::Minres => LinearSolver::minres(),
+        },
+        tolerance: scene.solver.tolerance,
+        seed: scene.solver.seed,
+    }
+}
+
+fn coupling(coupling: scene::Coupling) -> Coupling {
+    match coupling {
+        scene::Coupling::Constraint => Coupling::Constraint,
+        scene::Coupling::Elastic => Coupling::Elastic,
+        scene::Coupling::Hybrid => Coupling::Hybrid,
+    }
+}
+
+fn sampling(sampling: scene::Sampling) -> Sampling {
+    match sampling {
+        scene::Sampling::Area => Sampling::Area,
+        scene::Sampling::Adjusted => Sampling::Adjusted,
+        scene::Sampling::Quadrature => Sampling::Quadrature,
+    }
+}
+
+fn wavelength_model(model: scene::WavelengthModel) -> WavelengthModel {
+    match model {
+        scene::WavelengthModel::Layer => WavelengthModel::Layer,
+        scene::WavelengthModel::HalfSpace => WavelengthModel::HalfSpace,
+        scene::WavelengthModel::CerdaMahadevan => WavelengthModel::CerdaMahadevan,
+    }
+}

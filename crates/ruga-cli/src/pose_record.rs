@@ -1,0 +1,65 @@
+//! What is kept of a finished pose, so that a later run need not repeat it.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use ruga_io::{IoError, PoseReport, WrinkleMap, write_atomically};
+use serde::{Deserialize, Serialize};
+
+use crate::error::CliError;
+use crate::fingerprint::Fingerprint;
+
+/// `poses/<pose>.json`: written when all files of the pose are.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct PoseRecord {
+    /// Fingerprint of everything the pose was made from.
+    pub(crate) inputs: String,
+    /// Its entry in the report.
+    pub(crate) report: PoseReport,
+    /// Its entries in the manifest.
+    pub(crate) maps: Vec<WrinkleMap>,
+    /// Its files, relative to the output folder.
+    pub(crate) files: Vec<String>,
+    /// What the user should know.
+    pub(crate) warnings: Vec<String>,
+}
+
+impl PoseRecord {
+    /// The record of a pose made from the same `inputs`, if all its files are still there.
+    pub(crate) fn find(folder: &Path, pose: &str, inputs: Fingerprint) -> Option<Self> {
+        let text = fs::read(path(folder, pose)).ok()?;
+        let record: Self = serde_json::from_slice(&text).ok()?;
+        let whole = record.files.iter().all(|file| folder.join(file).is_file());
+        (record.inputs == inputs.text() && record.report.name == pose && whole).then_some(record)
+    }
+
+    /// Forgets the pose before its files are touched: a record never vouches for files of two
+    /// runs.
+    ///
+    /// # Errors
+    /// The record is there and cannot be removed.
+    pub(crate) fn forget(folder: &Path, pose: &str) -> Result<(), CliError> {
+        let path = path(folder, pose);
+        match fs::remove_file(&path) {
+            Err(source) if source.kind() != io::ErrorKind::NotFound => {
+                Err(IoError::Unwritable { path, source }.into())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes the record, whole or not at all.
+    ///
+    /// # Errors
+    /// [`IoError::Unwritable`].
+    pub(crate) fn write(&self, folder: &Path) -> Result<(), CliError> {
+        let text = serde_json::to_vec_pretty(self)
+            .expect("structs of numbers, strings, lists and string-keyed maps always serialise");
+        Ok(write_atomically(&path(folder, &self.report.name), &text)?)
+    }
+}
+
+fn path(folder: &Path, pose: &str) -> PathBuf {
+    folder.join("poses").join(format!("{pose}.json"))
+}

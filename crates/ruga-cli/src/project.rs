@@ -1,0 +1,150 @@
+//! A scene with everything that it names, read and converted.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use ruga_blend::Driver;
+use ruga_io::{IoError, MeshFile, ObjOptions, Scene, read_mask, read_mesh, scene};
+use ruga_stepper::{LayerSpec, Mask, Modelling, Plan, PoseSpec, Region, plan};
+
+use crate::arguments::Quality;
+use crate::error::{CliError, counted};
+use crate::fingerprint::Fingerprint;
+use crate::model;
+
+/// What a command works on.
+pub(crate) struct Project {
+    /// The scene file, as it was given.
+    pub(crate) path: PathBuf,
+    pub(crate) scene: Scene,
+    pub(crate) mesh: MeshFile,
+    pub(crate) driver: Driver,
+    pub(crate) layers: Vec<LayerSpec>,
+    pub(crate) poses: Vec<PoseSpec>,
+    pub(crate) modelling: Modelling,
+    /// What was assumed or left out while reading.
+    pub(crate) warnings: Vec<String>,
+}
+
+impl Project {
+    /// Reads the scene, its mesh and its mask; `poses` selects some, empty means all.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, naming file and key or element.
+    pub(crate) fn read(
+        path: &Path,
+        poses: &[String],
+        quality: Option<Quality>,
+    ) -> Result<Self, CliError> {
+        let scene = Scene::read(path)?;
+        if let Some(first) = model::not_yet(&scene, path).into_iter().next() {
+            return Err(first);
+        }
+        let layers = vec![model::layer(&scene, path)?];
+        let mesh = artist_mesh(&scene)?;
+        let driver = driver(&mesh)?;
+        let poses = model::poses(&scene, &driver, poses, path)?;
+        let modelling = model::modelling(&scene, region(&scene)?, quality);
+        Ok(Self {
+            path: path.to_owned(),
+            warnings: mesh_warnings(&mesh, &driver),
+            scene,
+            mesh,
+            driver,
+            layers,
+            poses,
+            modelling,
+        })
+    }
+
+    /// What will be modelled.
+    ///
+    /// # Errors
+    /// [`CliError::Model`], such as a mask that leaves nothing.
+    pub(crate) fn plan(&self) -> Result<Plan, CliError> {
+        plan(
+            &self.driver,
+            &self.layers,
+            &self.poses,
+            &self.modelling,
+            self.scene.bake.size,
+        )
+        .map_err(|source| CliError::Model {
+            scene: self.path.clone(),
+            source,
+        })
+    }
+
+    /// Changes whenever the result of a pose might: scene, mesh, mask, quality, release.
+    ///
+    /// # Errors
+    /// The scene file has gone.
+    pub(crate) fn fingerprint(&self) -> Result<Fingerprint, CliError> {
+        let text = fs::read(&self.path).map_err(|source| IoError::Unreadable {
+            path: self.path.clone(),
+            source,
+        })?;
+        let mut hash = Fingerprint::new()
+            .with(env!("CARGO_PKG_VERSION").as_bytes())
+            .with(&text)
+            .with_numbers([self.modelling.points_per_wavelength])
+            .with_mesh(&self.mesh.mesh);
+        if let Region::Mask(mask) = &self.modelling.region {
+            let shape = [f64::from(mask.width), f64::from(mask.height)];
+            let values = mask.values.iter().map(|&v| f64::from(v));
+            hash = hash.with_numbers(shape.into_iter().chain(values));
+        }
+        Ok(hash)
+    }
+}
+
+/// The artist's mesh, read from the file that the scene names.
+pub(crate) fn artist_mesh(scene: &Scene) -> Result<MeshFile, CliError> {
+    let options = ObjOptions {
+        targets: scene.driver.targets.clone(),
+        length_unit: scene.length_unit,
+    };
+    let name = scene.driver.mesh_name.as_deref();
+    Ok(read_mesh(&scene.driver.mesh, name, &options)?)
+}
+
+/// The welded mesh with its blend shapes.
+pub(crate) fn driver(mesh: &MeshFile) -> Result<Driver, CliError> {
+    Driver::new(&mesh.mesh).map_err(|source| CliError::Mesh {
+        mesh: mesh.path.clone(),
+        source,
+    })
+}
+
+/// What the reader and the welding left out.
+pub(crate) fn mesh_warnings(mesh: &MeshFile, driver: &Driver) -> Vec<String> {
+    let mut warnings = mesh.warnings.clone();
+    let degenerate = driver.degenerate_triangles();
+    if let Some(first) = degenerate.first() {
+        warnings.push(format!(
+            "{}: {} without area left out, the first is triangle {first}",
+            mesh.path.display(),
+            counted(degenerate.len(), "triangle")
+        ));
+    }
+    warnings
+}
+
+/// Where skin is simulated, the mask read.
+pub(crate) fn region(scene: &Scene) -> Result<Region, CliError> {
+    Ok(match &scene.driver.region {
+        scene::Region::Auto => Region::Auto,
+        scene::Region::All => Region::All,
+        scene::Region::Mask(path) => Region::Mask(mask(path)?),
+    })
+}
+
+fn mask(path: &Path) -> Result<Mask, CliError> {
+    let image = read_mask(path)?;
+    let side = |texels: usize| u32::try_from(texels).unwrap_or(u32::MAX);
+    Ok(Mask {
+        width: side(image.width),
+        height: side(image.height),
+        values: image.values,
+    })
+}

@@ -1,0 +1,57 @@
+//! Output folders that cannot be written to.
+
+mod fixture;
+
+use fixture::Folder;
+
+#[test]
+fn a_file_where_the_folder_should_be() {
+    let folder = Folder::new();
+    folder.write("out", "in the way");
+    for command in ["bake", "simulate"] {
+        folder
+            .ruga(&format!("{command} scene.toml -o out"))
+            .exits(2)
+            .says(&["out: cannot be the output folder", "it is a file"]);
+    }
+    assert_eq!(folder.read("out"), b"in the way");
+}
+
+#[test]
+fn a_file_above_the_folder() {
+    let folder = Folder::new();
+    folder.write("out", "in the way");
+    let run = folder.ruga("bake scene.toml -o out/maps").exits(2);
+    assert!(run.stderr.contains("out/maps"), "{}", run.stderr);
+}
+
+#[test]
+fn a_file_of_the_run_that_is_a_folder_leaves_nothing_half_written() {
+    let folder = Folder::new();
+    std::fs::create_dir_all(folder.path("out/maps/squeezed_100_normal.png")).unwrap();
+    folder
+        .ruga("bake scene.toml -o out --threads 1")
+        .exits(2)
+        .says(&["squeezed_100_normal.png", "cannot write"]);
+    let files = folder.files("out");
+    assert!(
+        files.iter().all(|file| !file.ends_with(".tmp")),
+        "{files:?}"
+    );
+    assert!(
+        !files.contains(&"poses/squeezed.json".to_owned()),
+        "{files:?}"
+    );
+    assert!(!files.contains(&"report.json".to_owned()), "{files:?}");
+}
+
+#[test]
+fn a_starter_scene_overwrites_nothing() {
+    let folder = Folder::new();
+    let before = folder.files("");
+    folder
+        .ruga("new .")
+        .exits(2)
+        .says(&["scene.toml", "exists already"]);
+    assert_eq!(folder.files(""), before);
+}

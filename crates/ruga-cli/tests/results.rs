@@ -1,0 +1,208 @@
+//! What `bake`, `simulate`, `plan` and `check` write and print for a scene that runs.
+
+mod fixture;
+
+use fixture::Folder;
+use ruga_io::{read_image, read_mesh};
+use serde_json::Value;
+
+/// A report without what a clock put in it.
+fn without_seconds(mut report: Value) -> Value {
+    for pose in report["poses"].as_array_mut().unwrap() {
+        for layer in pose["layers"].as_array_mut().unwrap() {
+            layer["seconds"] = Value::Null;
+        }
+    }
+    report
+}
+
+#[test]
+fn bake_writes_maps_mesh_manifest_and_report() {
+    let folder = Folder::new();
+    let run = folder.ruga("bake scene.toml -o out --threads 1").exits(0);
+    assert_eq!(
+        folder.files("out"),
+        [
+            "Patch.glb",
+            "maps/squeezed_100_height.png",
+            "maps/squeezed_100_normal.png",
+            "maps/squeezed_50_height.png",
+            "maps/squeezed_50_normal.png",
+            "poses/squeezed.json",
+            "report.json",
+            "wrinkles.json",
+        ]
+    );
+    assert!(
+        run.stdout.contains("squeezed") && run.stdout.contains("skin"),
+        "{}",
+        run.stdout
+    );
+    assert!(run.stderr.contains("started"), "{}", run.stderr);
+
+    let report = folder.json("out/report.json");
+    let layer = &report["poses"][0]["layers"][0];
+    assert_eq!(report["poses"][0]["converged"], true);
+    assert_eq!(
+        report["poses"][0]["maps"]["50_normal"],
+        "maps/squeezed_50_normal.png"
+    );
+    let predicted = layer["wavelength_predicted_m"].as_f64().unwrap();
+    assert!((predicted / 0.03 - 1.0).abs() < 1e-6, "{predicted}");
+    // At three times the critical strain the slope is large: 3 % of the wavelength is little.
+    assert!(layer["amplitude_m"].as_f64().unwrap() > 9e-4, "{layer}");
+    let seconds = &layer["seconds"];
+    assert!(
+        seconds["total"].as_f64() >= seconds["integration"].as_f64(),
+        "{seconds}"
+    );
+
+    let manifest = folder.json("out/wrinkles.json");
+    assert_eq!(manifest["maps"].as_array().unwrap().len(), 4);
+    assert_eq!(manifest["poses"]["squeezed"]["squeeze"], 1.0);
+    let height = &manifest["maps"][3];
+    let image = read_image(&folder.path("out").join(height["file"].as_str().unwrap())).unwrap();
+    let [mid, scale] = ["mid", "scale"].map(|key| height[key].as_f64().unwrap());
+    let metres = image.values.iter().map(|v| (f64::from(*v) - mid) * scale);
+    let highest = metres.fold(0.0, f64::max);
+    assert!((5e-4..5e-3).contains(&highest), "{highest} m");
+
+    let mesh = read_mesh(&folder.path("out/Patch.glb"), None, &Default::default()).unwrap();
+    assert_eq!((mesh.mesh.positions.len(), mesh.mesh.shapes.len()), (81, 2));
+}
+
+#[test]
+fn threads_do_not_change_a_byte() {
+    let folder = Folder::new();
+    let again = |name: &str| {
+        format!("[[poses]]\nname = \"{name}\"\nweights = {{ squeeze = 0.8 }}\nsteps = 2\n")
+    };
+    let poses = format!("{}{}[remesh]", again("some"), again("more"));
+    folder.change("scene.toml", "[remesh]", &poses);
+    folder.ruga("bake scene.toml -o one --threads 1").exits(0);
+    folder.ruga("bake scene.toml -o two --threads 2").exits(0);
+    let files = folder.files("one");
+    assert_eq!(files, folder.files("two"));
+    assert_eq!(
+        files.iter().filter(|file| file.ends_with(".png")).count(),
+        12
+    );
+    for file in files.iter().filter(|file| !file.starts_with("poses/")) {
+        if file != "report.json" {
+            let [one, two] = ["one", "two"].map(|out| folder.read(&format!("{out}/{file}")));
+            assert!(one == two, "{file} differs");
+        }
+    }
+    let [one, two] = ["one", "two"].map(|out| folder.json(&format!("{out}/report.json")));
+    assert_eq!(without_seconds(one), without_seconds(two));
+}
+
+#[test]
+fn a_pose_in_which_nothing_wrinkles_is_neutral() {
+    let folder = Folder::with("squeeze = 1.0", "stretch = 1.0");
+    folder.change("scene.toml", "region = \"all\"", "region = \"auto\"");
+    folder.ruga("bake scene.toml -o out").exits(0);
+    let normal = read_image(&folder.path("out/maps/squeezed_100_normal.png")).unwrap();
+    let neutral = [32768.0 / 65535.0, 32768.0 / 65535.0, 1.0];
+    for texel in normal.values.chunks_exact(3) {
+        assert_eq!(texel, neutral);
+    }
+    let height = read_image(&folder.path("out/maps/squeezed_100_height.png")).unwrap();
+    assert!(height.values.iter().all(|v| *v == neutral[0]));
+}
+
+#[test]
+fn json_on_stdout_is_the_report() {
+    let folder = Folder::with("keys = [0.5, 1.0]", "keys = [1.0]");
+    let run = folder
+        .ruga("bake scene.toml -o out --json --quality draft")
+        .exits(0);
+    assert_eq!(run.stdout.as_bytes(), folder.read("out/report.json"));
+    assert_eq!(folder.json("out/report.json")["version"], 1);
+}
+
+#[test]
+fn simulate_writes_a_mesh_per_load_step() {
+    let folder = Folder::new();
+    folder.ruga("simulate scene.toml -o out").exits(0);
+    let report = folder.json("out/report.json");
+    let frames = report["poses"][0]["frames"].as_u64().unwrap() as usize;
+    let files = folder.files("out/frames/squeezed");
+    assert!(frames >= 2);
+    assert_eq!(files.len(), frames);
+    assert_eq!(files[0], "skin.0000.obj");
+    let last =
+        String::from_utf8(folder.read(&format!("out/frames/squeezed/{}", files[frames - 1])))
+            .unwrap();
+    let points: Vec<Vec<f64>> = last
+        .lines()
+        .filter_map(|line| line.strip_prefix("v "))
+        .map(|line| line.split(' ').map(|word| word.parse().unwrap()).collect())
+        .collect();
+    assert_eq!(
+        points.len() as u64,
+        report["poses"][0]["layers"][0]["vertices"]
+    );
+    let right = points.iter().map(|p| p[0]).fold(0.0, f64::max);
+    assert!(
+        (right / (0.85 * 0.09) - 1.0).abs() < 0.01,
+        "squeezed to {right} m"
+    );
+    assert!(!folder.path("out/maps").exists());
+}
+
+#[test]
+fn plan_prints_a_table_or_json() {
+    let folder = Folder::new();
+    let table = folder.ruga("plan scene.toml").exits(0).stdout;
+    for text in [
+        "30.00 mm",
+        "5.00 %",
+        "squeezed",
+        "81.0 cm2",
+        "total: 1 of 1 poses",
+    ] {
+        assert!(table.contains(text), "no `{text}` in:\n{table}");
+    }
+    let json = folder.ruga("plan scene.toml --json").exits(0).stdout;
+    let plan: Value = serde_json::from_str(&json).unwrap();
+    let layer = &plan["poses"][0]["layers"][0];
+    let strain = layer["strain_median"].as_f64().unwrap();
+    assert!((strain / 0.15 - 1.0).abs() < 0.01, "{strain}");
+    assert_eq!(layer["vertices"], plan["total"]["vertices"]);
+    assert_eq!(folder.files("").len(), 4, "a plan writes nothing");
+}
+
+#[test]
+fn quality_changes_the_mesh() {
+    let folder = Folder::with("[remesh]\npoints_per_wavelength = 4\n", "");
+    folder.change("scene.toml", "steps = 2", "steps = 1");
+    let vertices = |line: &str| {
+        folder.ruga(line).exits(0);
+        folder.json("out/report.json")["poses"][0]["layers"][0]["vertices"].clone()
+    };
+    let draft = vertices("bake scene.toml -o out --quality draft")
+        .as_u64()
+        .unwrap();
+    let standard = vertices("bake scene.toml -o out --quality standard")
+        .as_u64()
+        .unwrap();
+    assert!(
+        (3..6).contains(&(standard / draft)),
+        "{draft} and {standard} vertices"
+    );
+}
+
+#[test]
+fn check_counts_what_it_found() {
+    let found = Folder::new().ruga("check scene.toml").exits(0).stdout;
+    for text in [
+        "1 pose, 4 maps",
+        "128 triangles",
+        "2 blend shapes",
+        "everywhere",
+        "\nOK\n",
+    ] {
+        assert!(found.contains(text), "no `{text}` in:\n{found}");
+    }
+}

@@ -1,0 +1,156 @@
+//! Scenes that cannot run: the message names file, key and value, and nothing is written.
+
+mod fixture;
+
+use fixture::Folder;
+use ruga_io::{PngTexels, write_png};
+
+/// Runs the three commands that read a scene; each must refuse it with these words.
+#[track_caller]
+fn refuses(folder: &Folder, texts: &[&str]) {
+    for line in [
+        "bake scene.toml -o out",
+        "plan scene.toml",
+        "check scene.toml",
+    ] {
+        folder.ruga(line).exits(2).says(texts);
+    }
+    assert!(!folder.path("out/report.json").exists());
+    assert!(!folder.path("out/maps").exists());
+}
+
+#[test]
+fn a_scene_that_is_not_there() {
+    let folder = Folder::new();
+    folder
+        .ruga("bake none.toml -o out")
+        .exits(2)
+        .says(&["none.toml", "there is no such file"]);
+}
+
+#[test]
+fn a_key_with_a_slip_of_the_hand() {
+    let folder = Folder::with("wavelength = 0.03", "wavelenght = 0.03");
+    refuses(
+        &folder,
+        &["scene.toml", "wavelenght", "did you mean `wavelength`"],
+    );
+}
+
+#[test]
+fn a_value_out_of_range() {
+    let folder = Folder::with("poisson = 0.48", "poisson = 0.5");
+    refuses(&folder, &["substrate.poisson", "0.5", "below 0.5"]);
+}
+
+#[test]
+fn what_later_versions_will_do() {
+    let version = "this version simulates one static layer";
+    let second = "[[layers]]\nname = \"top\"\npreset = \"fine-lines\"\n\n[[poses]]";
+    let map = "critical_strain = 0.05\nmap = { image = \"a.png\", young = [0.5, 2.0] }";
+    let transfer = "critical_strain = 0.05\nbending_transfer = 0.5";
+    for (from, to, key) in [
+        ("[[poses]]", second, "`layers`"),
+        ("critical_strain = 0.05", map, "`layers[0].map`"),
+        (
+            "critical_strain = 0.05",
+            transfer,
+            "`layers[0].bending_transfer`",
+        ),
+        ("[remesh]", "[interior]\n[remesh]", "`interior`"),
+        (
+            "[remesh]",
+            "[solver]\nmode = \"dynamic\"\n[remesh]",
+            "`solver.mode`",
+        ),
+        ("version = 1", "version = 1\nstack = \"joint\"", "`stack`"),
+    ] {
+        refuses(&Folder::with(from, to), &["scene.toml", key, version]);
+    }
+}
+
+#[test]
+fn a_preset_that_does_not_exist() {
+    let wanted = "wavelength = 0.03\ncritical_strain = 0.05";
+    let folder = Folder::with(wanted, "preset = \"forehead-furow\"");
+    refuses(
+        &folder,
+        &[
+            "layers[0].preset",
+            "did you mean `forehead-furrow`",
+            "crows-feet",
+        ],
+    );
+}
+
+#[test]
+fn a_material_that_cannot_be() {
+    let folder = Folder::with("wavelength = 0.03", "wavelength = 1e-200");
+    refuses(&folder, &["scene.toml", "`layers[0]`", "units"]);
+}
+
+#[test]
+fn a_blend_shape_that_does_not_exist() {
+    let folder = Folder::with("{ squeeze = 1.0 }", "{ sqeeze = 1.0 }");
+    refuses(
+        &folder,
+        &["poses[0].weights.sqeeze", "did you mean `squeeze`"],
+    );
+}
+
+#[test]
+fn a_pose_that_does_not_exist() {
+    let folder = Folder::new();
+    folder
+        .ruga("bake scene.toml -o out --pose sqeezed")
+        .exits(2)
+        .says(&["scene.toml", "no pose `sqeezed`", "did you mean `squeezed`"]);
+}
+
+#[test]
+fn a_mesh_that_is_not_there() {
+    let folder = Folder::with("\"patch.obj\"", "\"path.obj\"");
+    refuses(&folder, &["path.obj", "there is no such file"]);
+}
+
+#[test]
+fn a_mesh_that_is_none() {
+    let folder = Folder::new();
+    folder.write("patch.obj", "v 0 0 0\nf 1 2 3\n");
+    refuses(&folder, &["patch.obj"]);
+}
+
+#[test]
+fn a_mesh_without_texture_coordinates() {
+    let folder = Folder::new();
+    for file in ["patch.obj", "squeeze.obj", "stretch.obj"] {
+        let text = String::from_utf8(folder.read(file)).unwrap();
+        let faces = text
+            .lines()
+            .filter(|line| !line.starts_with("vt"))
+            .map(|line| {
+                let corners = line.split(' ').map(|word| word.split('/').next().unwrap());
+                corners.collect::<Vec<_>>().join(" ")
+            });
+        folder.write(file, faces.collect::<Vec<_>>().join("\n"));
+    }
+    refuses(&folder, &["patch.obj", "no texture coordinates"]);
+}
+
+#[test]
+fn a_black_mask_and_a_missing_one() {
+    let folder = Folder::with("region = \"all\"", "region = \"mask.png\"");
+    refuses(&folder, &["mask.png", "there is no such file"]);
+    write_png(&folder.path("mask.png"), 4, 4, PngTexels::Grey8(&[0; 16])).unwrap();
+    refuses(&folder, &["scene.toml", "mask is black"]);
+}
+
+#[test]
+fn check_names_every_problem() {
+    let folder = Folder::with("\"patch.obj\"", "\"path.obj\"");
+    folder.change("scene.toml", "[remesh]", "[interior]\n[remesh]");
+    folder
+        .ruga("check scene.toml")
+        .exits(2)
+        .says(&["`interior`", "path.obj", "2 problems"]);
+}

@@ -1,0 +1,32 @@
+//! What `ruga new` writes, runs.
+
+mod fixture;
+
+use fixture::Folder;
+
+#[test]
+fn the_forearm_bakes() {
+    let folder = Folder::new();
+    let run = folder.ruga("new arm").exits(0);
+    assert!(run.stdout.contains("ruga bake"), "{}", run.stdout);
+    assert_eq!(folder.files("arm"), ["forearm.glb", "scene.toml"]);
+    folder.ruga("check arm/scene.toml").exits(0);
+    folder.change("arm/scene.toml", "steps = 10", "steps = 2");
+    folder.change("arm/scene.toml", "size = 1024", "size = 256");
+    folder
+        .ruga("bake arm/scene.toml -o arm/out --pose compress --quality draft")
+        .exits(0);
+    assert!(
+        folder
+            .path("arm/out/maps/compress_100_normal.png")
+            .is_file()
+    );
+}
+
+#[test]
+fn the_finger_can_be_planned() {
+    let folder = Folder::new();
+    folder.ruga("new finger --template finger").exits(0);
+    let plan = folder.ruga("plan finger/scene.toml").exits(0).stdout;
+    assert!(plan.contains("total: 1 of 1 poses wrinkle"), "{plan}");
+}
