@@ -33,30 +33,29 @@ pub(crate) fn pad(map: &mut WrinkleMap, padding: u32) {
 /// Signed number of rows to the nearest covered texel in the same column, or [`FAR`].
 fn vertical_distances(coverage: &[Coverage], size: usize, reach: i32) -> Vec<i32> {
     let mut distances = vec![FAR; coverage.len()];
+    let rows = distances.chunks_mut(size).zip(coverage.chunks(size));
     let mut last = vec![FAR; size];
-    for row in 0..size {
-        for column in 0..size {
-            let texel = row * size + column;
-            last[column] = match coverage[texel] {
+    for (distances, coverage) in rows {
+        for ((distance, above), here) in distances.iter_mut().zip(&mut last).zip(coverage) {
+            *above = match here {
                 Coverage::Covered => 0,
-                _ if last[column] == FAR || last[column] <= -reach => FAR,
-                _ => last[column] - 1,
+                _ if *above == FAR || *above <= -reach => FAR,
+                _ => *above - 1,
             };
-            distances[texel] = last[column];
+            *distance = *above;
         }
     }
     last.fill(FAR);
-    for row in (0..size).rev() {
-        for column in 0..size {
-            let texel = row * size + column;
-            last[column] = match coverage[texel] {
+    let rows = distances.chunks_mut(size).zip(coverage.chunks(size));
+    for (distances, coverage) in rows.rev() {
+        for ((distance, below), here) in distances.iter_mut().zip(&mut last).zip(coverage) {
+            *below = match here {
                 Coverage::Covered => 0,
-                _ if last[column] == FAR || last[column] >= reach => FAR,
-                _ => last[column] + 1,
+                _ if *below == FAR || *below >= reach => FAR,
+                _ => *below + 1,
             };
-            let above = distances[texel];
-            if last[column] != FAR && (above == FAR || last[column] < -above) {
-                distances[texel] = last[column];
+            if *below != FAR && (*distance == FAR || *below < -*distance) {
+                *distance = *below;
             }
         }
     }

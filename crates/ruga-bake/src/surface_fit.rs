@@ -163,7 +163,7 @@ fn fitted_normal(
     const MIN_AREA_RATIO: f64 = 1e-6;
     let m = xa.cross(&xb);
     let length = m.norm();
-    if !(length > MIN_AREA_RATIO) {
+    if length <= MIN_AREA_RATIO {
         return FittedNormal {
             normal: *fallback,
             derivative: [Vector3::zeros(); 2],

@@ -16,7 +16,7 @@ fn map(patch: &Patch, size: u32, frame: Frame) -> WrinkleMap {
         frame,
         ..BakeSettings::default()
     };
-    bake(&patch.relief(), &patch.frames, &settings).unwrap()
+    bake(&patch.relief(), &patch.frames, &settings).expect("a valid patch")
 }
 
 /// Normal of the surface `p + (offset + w) n` by central differences of its exact position, and

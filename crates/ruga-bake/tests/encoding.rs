@@ -18,7 +18,7 @@ fn map() -> WrinkleMap {
         size: 256,
         ..BakeSettings::default()
     };
-    bake(&patch.relief(), &patch.frames, &settings).unwrap()
+    bake(&patch.relief(), &patch.frames, &settings).expect("a valid patch")
 }
 
 fn decoded(codes: &[f64], largest: f64) -> Vec<Vector3<f64>> {

@@ -21,7 +21,8 @@ fn bake_ridge(change: impl Fn(Vector2<f64>) -> Vector2<f64>, frame: Frame) -> Wr
     let corners = [[0.0, 0.0], [SIDE, 0.0], [0.0, SIDE], [SIDE, SIDE]];
     let positions = corners.map(|[s, t]| Vector3::new(s, t, 0.0));
     let uvs = corners.map(|c| change(patch::uv(c)));
-    patch.frames = tangent_frames(&positions, &[Vector3::z(); 4], &uvs, &grid_faces(1)).unwrap();
+    patch.frames = tangent_frames(&positions, &[Vector3::z(); 4], &uvs, &grid_faces(1))
+        .expect("a valid square");
     for uv in patch.uvs.iter_mut().flatten() {
         *uv = change(*uv);
     }
@@ -30,7 +31,7 @@ fn bake_ridge(change: impl Fn(Vector2<f64>) -> Vector2<f64>, frame: Frame) -> Wr
         frame,
         ..BakeSettings::default()
     };
-    bake(&patch.relief(), &patch.frames, &settings).unwrap()
+    bake(&patch.relief(), &patch.frames, &settings).expect("a valid patch")
 }
 
 /// The normal of the ridge at a place on the patch.
@@ -181,7 +182,7 @@ fn split_artist_frames(driver: Driver) -> Vec<[TangentFrame; 3]> {
     let positions: Vec<_> = vertices.iter().map(|v| v.0).collect();
     let normals: Vec<_> = vertices.iter().map(|v| v.1).collect();
     let uvs: Vec<_> = vertices.iter().map(|v| v.2).collect();
-    tangent_frames(&positions, &normals, &uvs, &triangles).unwrap()
+    tangent_frames(&positions, &normals, &uvs, &triangles).expect("a valid artist mesh")
 }
 
 #[test]

@@ -13,7 +13,7 @@ fn map(patch: &Patch) -> WrinkleMap {
         size: 256,
         ..BakeSettings::default()
     };
-    bake(&patch.relief(), &patch.frames, &settings).unwrap()
+    bake(&patch.relief(), &patch.frames, &settings).expect("a valid patch")
 }
 
 fn largest_height(map: &WrinkleMap) -> f64 {
@@ -130,10 +130,15 @@ fn crop(patch: &mut Patch, range: std::ops::Range<usize>) {
         let quad = face / 2;
         range.contains(&(quad % 96)) && range.contains(&(quad / 96))
     };
-    let mut face = 0..;
-    patch.faces.retain(|_| kept(face.next().unwrap()));
-    let mut face = 0..;
-    patch.uvs.retain(|_| kept(face.next().unwrap()));
-    let mut face = 0..;
-    patch.artist.retain(|_| kept(face.next().unwrap()));
+    keep(&mut patch.faces, kept);
+    keep(&mut patch.uvs, kept);
+    keep(&mut patch.artist, kept);
+}
+
+fn keep<T: Copy>(elements: &mut Vec<T>, kept: impl Fn(usize) -> bool) {
+    let all = std::mem::take(elements).into_iter().enumerate();
+    *elements = all
+        .filter(|(face, _)| kept(*face))
+        .map(|(_, element)| element)
+        .collect();
 }

@@ -20,7 +20,7 @@ fn island(size: u32, padding: u32, turn: f64) -> WrinkleMap {
         padding,
         ..BakeSettings::default()
     };
-    bake(&patch.relief(), &patch.frames, &settings).unwrap()
+    bake(&patch.relief(), &patch.frames, &settings).expect("a valid patch")
 }
 
 /// Squared distance to the nearest covered texel by brute force.
@@ -34,7 +34,7 @@ fn nearest_squared(map: &WrinkleMap, texel: usize) -> usize {
             across * across + down * down
         })
         .min()
-        .unwrap()
+        .expect("an island")
 }
 
 proptest! {

@@ -31,7 +31,7 @@ fn cover(uvs: &[[Vector2<f64>; 3]], size: u32) -> WrinkleMap {
         padding: 0,
         ..BakeSettings::default()
     };
-    bake(&relief, &[[frame; 3]], &settings).unwrap()
+    bake(&relief, &[[frame; 3]], &settings).expect("a valid patch")
 }
 
 fn covered(map: &WrinkleMap) -> usize {

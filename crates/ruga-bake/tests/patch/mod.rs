@@ -244,7 +244,7 @@ fn artist_frames(driver: Driver, cells: usize) -> Vec<[TangentFrame; 3]> {
     let (positions, normals): (Vec<_>, Vec<_>) =
         grid_parameters(cells).map(|[s, t]| driver.at(s, t)).unzip();
     let uvs: Vec<_> = grid_parameters(cells).map(uv).collect();
-    tangent_frames(&positions, &normals, &uvs, &grid_faces(cells)).unwrap()
+    tangent_frames(&positions, &normals, &uvs, &grid_faces(cells)).expect("a valid artist mesh")
 }
 
 /// The artist's triangle of every layer face, with the corners' barycentrics.
@@ -259,8 +259,8 @@ fn artist_points(cells: usize, artist_cells: usize) -> Vec<(u32, [[f64; 3]; 3])>
         .into_iter()
         .map(|face| {
             let grid = face.map(|v| [v as usize % (cells + 1), v as usize / (cells + 1)]);
-            let column = grid.map(|g| g[0]).into_iter().min().unwrap() / ratio;
-            let row = grid.map(|g| g[1]).into_iter().min().unwrap() / ratio;
+            let column = grid.map(|g| g[0]).into_iter().min().expect("three corners") / ratio;
+            let row = grid.map(|g| g[1]).into_iter().min().expect("three corners") / ratio;
             let local = grid.map(|[x, y]| {
                 [x - column * ratio, y - row * ratio].map(|i| i as f64 / ratio as f64)
             });
