@@ -46,7 +46,7 @@ pub struct ResponseModulus {
     pub mode: Vec<f64>,
     /// Lanczos steps taken.
     pub iterations: usize,
-    /// Whether `critical_force` settled to [`FORCE_TOLERANCE`].
+    /// Whether `critical_force` settled to a millionth.
     pub converged: bool,
 }
 

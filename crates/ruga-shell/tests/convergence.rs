@@ -1,0 +1,127 @@
+//! Bending and foundation against their continuum values.
+
+mod meshes;
+
+use std::f64::consts::PI;
+
+use meshes::{jittered, lattice};
+use nalgebra::Vector3;
+use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters};
+
+const SKIN: FaceParameters = FaceParameters {
+    young: 6e8,
+    poisson: 0.48,
+    thickness: 1.2e-4,
+    normal_stiffness: 0.0,
+    gradient_stiffness: 0.0,
+};
+
+/// Bending energy per area of the inner hinges' surface `z = shape(x, y)` in units of `D`, curvature
+/// scaled to one: twice the energy over `D kappa^2 A`.
+fn bending(rotation: f64, shape: impl Fn(f64, f64) -> f64) -> f64 {
+    let (columns, rows, edge, curvature) = (80, 92, 1e-3, 0.05);
+    let mesh = lattice(columns, rows, edge);
+    let parameters = LayerParameters::uniform(SKIN, mesh.faces.len(), 0.0, mesh.positions.len());
+    let pinned = vec![false; mesh.positions.len()];
+    let layer = LayerEnergy::new(&mesh.positions, &mesh.faces, parameters, &pinned)
+        .expect("a valid lattice");
+    let (sin, cos) = rotation.sin_cos();
+    let x: Vec<_> = mesh
+        .positions
+        .iter()
+        .map(|p| {
+            let (u, v) = (cos * p.x + sin * p.y, cos * p.y - sin * p.x);
+            p + Vector3::z() * (curvature * shape(u, v))
+        })
+        .collect();
+    // Outline hinges are missing: the lattice has 3 hinges per vertex inside; count their share.
+    let hinges = mesh.faces.len() as f64 * 1.5;
+    let outline = (2 * (columns - 1) + 2 * (rows - 1)) as f64;
+    let present = (3.0 * mesh.faces.len() as f64 - outline) / 2.0 / hinges;
+    let area: f64 = layer.vertex_areas().iter().sum();
+    2.0 * layer.energy_parts(&x).bending
+        / (SKIN.bending_modulus() * curvature * curvature * area * present)
+}
+
+#[test]
+fn cylinders_bend_with_the_plate_modulus_in_every_direction() {
+    for k in 0..12 {
+        let rotation = f64::from(k) * PI / 12.0;
+        let stiffness = bending(rotation, |u, _| 0.5 * u * u);
+        // The outline's missing hinges are not spread evenly over the three directions.
+        assert!((stiffness - 1.0).abs() < 0.01, "{k}: {stiffness}");
+    }
+}
+
+#[test]
+fn sphere_and_saddle_show_the_hinges_poisson_ratio_of_minus_a_third() {
+    // Table of the calibration: 4/3 and 8/3 of the cylinder; a plate has 2 (1 +- nu).
+    let sphere = bending(0.2, |u, v| 0.5 * (u * u + v * v));
+    let saddle = bending(0.2, |u, v| 0.5 * (u * u - v * v));
+    assert!((sphere - 4.0 / 3.0).abs() < 0.01, "{sphere}");
+    assert!((saddle - 8.0 / 3.0).abs() < 0.02, "{saddle}");
+}
+
+#[test]
+fn a_developable_bend_costs_little_membrane_energy() {
+    let (columns, rows, edge, radius) = (40, 12, 1e-4, 5e-3);
+    let mesh = jittered(columns, rows, edge, 0.2, 8);
+    let parameters = LayerParameters::uniform(SKIN, mesh.faces.len(), 0.0, mesh.positions.len());
+    let pinned = vec![false; mesh.positions.len()];
+    let layer = LayerEnergy::new(&mesh.positions, &mesh.faces, parameters, &pinned)
+        .expect("a valid lattice");
+    let x: Vec<_> = mesh
+        .positions
+        .iter()
+        .map(|p| {
+            let angle = p.x / radius;
+            Vector3::new(radius * angle.sin(), p.y, radius * (1.0 - angle.cos()))
+        })
+        .collect();
+    let parts = layer.energy_parts(&x);
+    assert!(parts.membrane < 0.01 * parts.bending, "{parts:?}");
+}
+
+/// Foundation energy of `w = sin(k x)` over whole wavelengths, per `1/4 area`: `K0 + K1 k^2`.
+fn foundation(points_per_wavelength: usize, normal: f64, gradient: f64) -> f64 {
+    let (waves, edge) = (4, 1e-4);
+    let mesh = lattice(points_per_wavelength * waves + 1, 21, edge);
+    let wavelength = points_per_wavelength as f64 * edge;
+    let k = 2.0 * PI / wavelength;
+    let face = FaceParameters {
+        normal_stiffness: normal,
+        gradient_stiffness: gradient,
+        ..SKIN
+    };
+    let parameters = LayerParameters::uniform(face, mesh.faces.len(), 0.0, mesh.positions.len());
+    let pinned = vec![false; mesh.positions.len()];
+    let layer = LayerEnergy::new(&mesh.positions, &mesh.faces, parameters, &pinned)
+        .expect("a valid lattice");
+    let lifted: Vec<_> = mesh
+        .positions
+        .iter()
+        .map(|p| p + Vector3::z() * (1e-5 * (k * p.x).sin()))
+        .collect();
+    let parts = layer.energy_parts(&lifted);
+    let area: f64 = layer.vertex_areas().iter().sum();
+    (parts.normal + parts.gradient) / (0.25 * area * 1e-10)
+}
+
+#[test]
+fn foundation_dispersion() {
+    let (normal, gradient) = (3e9, 5.0);
+    for points in [8, 12, 24, 48] {
+        let edge = 1e-4;
+        let k = 2.0 * PI / (points as f64 * edge);
+        // Mass: half lumped (1) and half consistent (1 - (ka)^2/8 on this lattice to second
+        // order); gradient of linear elements: (sin(ka/2)/(ka/2))^2 to second order.
+        let order = (k * edge) * (k * edge);
+        let mass = foundation(points, normal, 0.0) / normal;
+        let slope = foundation(points, 0.0, gradient) / (gradient * k * k);
+        assert!((mass - 1.0).abs() < 0.1 * order, "{points}: {mass}");
+        assert!((slope - 1.0).abs() < 0.1 * order, "{points}: {slope}");
+        let both = foundation(points, normal, -gradient);
+        let expected = normal * mass - gradient * k * k * slope;
+        assert!((both - expected).abs() < 1e-9 * normal);
+    }
+}

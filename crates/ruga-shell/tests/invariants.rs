@@ -1,0 +1,196 @@
+//! What must not change: rigid motion costs nothing, rest is force-free, runs repeat bit by bit.
+
+mod meshes;
+
+use meshes::{jittered, random_rotation, random_vector, rng};
+use nalgebra::{Matrix2, Vector3};
+use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters, rest_frame};
+
+const SKIN: FaceParameters = FaceParameters {
+    young: 6e8,
+    poisson: 0.48,
+    thickness: 1.2e-4,
+    normal_stiffness: 0.0,
+    gradient_stiffness: 0.0,
+};
+
+/// A curved sheet, free of any foundation unless `normal` is set.
+fn sheet(normal: f64, tangential: f64) -> (LayerEnergy, Vec<Vector3<f64>>, Vec<[u32; 3]>) {
+    let mesh = jittered(12, 11, 2e-4, 0.25, 5);
+    let rest: Vec<_> = mesh
+        .positions
+        .iter()
+        .map(|p| p + Vector3::z() * (2e-4 * (4e3 * p.x).sin()))
+        .collect();
+    let face = FaceParameters {
+        normal_stiffness: normal,
+        ..SKIN
+    };
+    let parameters =
+        LayerParameters::uniform(face, mesh.faces.len(), tangential, mesh.positions.len());
+    let pinned = vec![false; rest.len()];
+    let layer = LayerEnergy::new(&rest, &mesh.faces, parameters, &pinned).expect("a valid sheet");
+    (layer, rest, mesh.faces)
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |top, v| v.abs().max(top))
+}
+
+#[test]
+fn rest_is_free_of_force() {
+    let (layer, rest, _) = sheet(1e9, 2e9);
+    let mut gradient = vec![1.0; layer.dof_count()];
+    layer.gradient(&rest, &mut gradient);
+    let unit = SKIN.tension_modulus() * 2e-4;
+    assert!(largest(&gradient) < 1e-13 * unit);
+    assert!(layer.value(&rest) < 1e-26 * unit);
+}
+
+#[test]
+fn rigid_motion_costs_nothing() {
+    let (layer, rest, _) = sheet(0.0, 0.0);
+    // One per cent strain on every face is what the energy is compared with.
+    let stretched: Vec<_> = rest.iter().map(|x| 1.01 * x).collect();
+    let scale = layer.value(&stretched);
+    let mut gradient = vec![0.0; layer.dof_count()];
+    for seed in 0..10 {
+        let mut rng = rng(seed);
+        let turn = random_rotation(&mut rng);
+        let shift = random_vector(&mut rng) * 1e-2;
+        let moved: Vec<_> = rest.iter().map(|x| turn * x + shift).collect();
+        assert!(layer.value(&moved) < 1e-14 * scale);
+        layer.gradient(&moved, &mut gradient);
+        assert!(largest(&gradient) < 1e-10 * SKIN.tension_modulus() * 2e-4);
+    }
+}
+
+#[test]
+fn moving_layer_and_base_together_changes_nothing() {
+    let (mut layer, rest, _) = sheet(1e9, 2e9);
+    let mut rng = rng(77);
+    let x: Vec<_> = rest
+        .iter()
+        .map(|x| x + random_vector(&mut rng) * 2e-5)
+        .collect();
+    let normals: Vec<_> = rest
+        .iter()
+        .map(|_| (Vector3::z() + 0.3 * random_vector(&mut rng)).normalize())
+        .collect();
+    let offsets: Vec<_> = (0..rest.len()).map(|i| 1e-6 * i as f64).collect();
+    layer.set_base(&rest, &normals, &offsets).unwrap();
+    let before = layer.energy_parts(&x);
+    let turn = random_rotation(&mut rng);
+    let shift = random_vector(&mut rng) * 1e-3;
+    let moved =
+        |points: &[Vector3<f64>]| -> Vec<_> { points.iter().map(|p| turn * p + shift).collect() };
+    let turned: Vec<_> = normals.iter().map(|n| turn * n).collect();
+    layer.set_base(&moved(&rest), &turned, &offsets).unwrap();
+    let after = layer.energy_parts(&moved(&x));
+    for (a, b) in [
+        (before.membrane, after.membrane),
+        (before.bending, after.bending),
+        (before.normal, after.normal),
+        (before.gradient, after.gradient),
+        (before.tangential, after.tangential),
+    ] {
+        assert!((a - b).abs() <= 1e-10 * before.total());
+    }
+}
+
+#[test]
+fn translation_sums_of_the_hessian_are_the_foundation_alone() {
+    let (layer, rest, _) = sheet(0.0, 0.0);
+    let mut rng = rng(3);
+    let x: Vec<_> = rest
+        .iter()
+        .map(|x| x + random_vector(&mut rng) * 3e-5)
+        .collect();
+    let (starts, rows) = layer.pattern();
+    let mut values = vec![0.0; rows.len()];
+    layer.hessian(&x, &mut values, None);
+    // H t for a translation t along x: rows must vanish.
+    let mut product = vec![0.0; layer.dof_count()];
+    for column in 0..layer.dof_count() {
+        for k in starts[column]..starts[column + 1] {
+            let row = rows[k];
+            product[row] += values[k] * f64::from(column % 3 == 0);
+            if row != column {
+                product[column] += values[k] * f64::from(row % 3 == 0);
+            }
+        }
+    }
+    assert!(largest(&product) < 1e-12 * largest(&values));
+}
+
+#[test]
+fn runs_repeat_bit_by_bit() {
+    let (first, rest, _) = sheet(1e9, 2e9);
+    let (second, _, _) = sheet(1e9, 2e9);
+    let x: Vec<_> = rest.iter().map(|x| 0.97 * x).collect();
+    let both = [&first, &second].map(|layer| {
+        let mut gradient = vec![0.0; layer.dof_count()];
+        let mut hessian = vec![0.0; layer.pattern().1.len()];
+        layer.gradient(&x, &mut gradient);
+        layer.hessian(&x, &mut hessian, None);
+        (layer.value(&x).to_bits(), gradient, hessian)
+    });
+    assert_eq!(both[0], both[1]);
+}
+
+#[test]
+fn a_rest_stretch_moves_the_rest_state_to_the_stretched_shape() {
+    let mesh = jittered(9, 8, 2e-4, 0.2, 9);
+    let parameters = LayerParameters::uniform(SKIN, mesh.faces.len(), 0.0, mesh.positions.len());
+    let pinned = vec![false; mesh.positions.len()];
+    let mut layer = LayerEnergy::new(&mesh.positions, &mesh.faces, parameters, &pinned).unwrap();
+    // 30 % along a slanted direction, told to each face in its own frame.
+    let along = Vector3::new(0.8, 0.6, 0.0);
+    let stretches: Vec<_> = mesh
+        .faces
+        .iter()
+        .map(|face| {
+            let frame = rest_frame(&face.map(|v| mesh.positions[v as usize]));
+            let d = nalgebra::Vector2::new(frame[0].dot(&along), frame[1].dot(&along));
+            Matrix2::identity() - 0.3 * d * d.transpose()
+        })
+        .collect();
+    layer.set_rest_metric(&stretches).unwrap();
+    let squeezed: Vec<_> = mesh
+        .positions
+        .iter()
+        .map(|x| x - along * (0.3 * along.dot(x)))
+        .collect();
+    let unit = SKIN.tension_modulus() * 2e-4;
+    let mut gradient = vec![0.0; layer.dof_count()];
+    layer.gradient(&squeezed, &mut gradient);
+    assert!(largest(&gradient) < 1e-13 * unit);
+    let area: f64 = layer.vertex_areas().iter().sum();
+    layer
+        .set_rest_metric(&vec![Matrix2::identity(); mesh.faces.len()])
+        .unwrap();
+    let unstretched: f64 = layer.vertex_areas().iter().sum();
+    assert!((area / unstretched - 0.7).abs() < 1e-12);
+    for strain in layer.principal_strains(&squeezed) {
+        assert!((strain.first - 0.3).abs() < 1e-12 && strain.second.abs() < 1e-12);
+    }
+}
+
+#[test]
+fn principal_direction_is_that_of_the_compression() {
+    let (layer, rest, faces) = sheet(0.0, 0.0);
+    let squeezed: Vec<_> = rest
+        .iter()
+        .map(|x| Vector3::new(0.9 * x.x, x.y, x.z))
+        .collect();
+    for (face, strain) in faces.iter().zip(layer.principal_strains(&squeezed)) {
+        let corners = face.map(|v| rest[v as usize]);
+        let [u, v] = rest_frame(&corners);
+        let direction = u * strain.direction.x + v * strain.direction.y;
+        // The part of x in the face, which alone is shortened.
+        let normal = u.cross(&v);
+        let along = (Vector3::x() - normal * normal.x).normalize();
+        assert!(direction.dot(&along).abs() > 1.0 - 1e-12);
+        assert!(strain.first > 0.01 && strain.second.abs() < 1e-12);
+    }
+}
