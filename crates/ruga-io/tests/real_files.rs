@@ -1,5 +1,8 @@
 //! The files artists gave us read with the counts they are known to have, and write back.
 
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+#![allow(clippy::print_stdout, reason = "a test that checked nothing says so")]
+
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Vector3, Vector4};

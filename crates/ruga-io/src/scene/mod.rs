@@ -14,7 +14,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-pub use names::is_usable_file_name;
+pub use names::{is_usable_file_name, usable_file_name};
 pub use settings::{
     Bake, CellShape, Frame, Interior, LinearSolver, MapFormat, MapKind, NormalY, Remesh, Solver,
     SolverMode,

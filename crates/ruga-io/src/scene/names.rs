@@ -30,7 +30,7 @@ pub fn is_usable_file_name(name: &str) -> bool {
 }
 
 /// A usable file name made from any text, different from those `taken`, letter case aside.
-pub(crate) fn usable_file_name(text: &str, taken: &[String]) -> String {
+pub fn usable_file_name(text: &str, taken: &[String]) -> String {
     let plain: String = text
         .chars()
         .map(|c| if is_forbidden(c) { '_' } else { c })

@@ -1,0 +1,417 @@
+//! Scenes: what a file means, what is refused, and in which words.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+mod fixture;
+
+use std::path::Path;
+
+use fixture::{Folder, SCENE, assert_says};
+use ruga_io::scene::{
+    Coupling, LayerDefinition, MapKind, NormalY, Region, Sampling, SubstrateDefinition,
+    WavelengthModel,
+};
+use ruga_io::{IoError, LengthUnit, Scene};
+
+/// One layer on a lattice is all that `SCENE` may have.
+fn parse(text: &str) -> Result<Scene, IoError> {
+    Scene::from_toml(text, Path::new("scene.toml"))
+}
+
+/// `SCENE` with one piece of text replaced.
+fn with(old: &str, new: &str) -> Result<Scene, IoError> {
+    assert!(SCENE.contains(old), "{old}");
+    parse(&SCENE.replacen(old, new, 1))
+}
+
+fn refused(old: &str, new: &str, words: &[&str]) {
+    assert_says(with(old, new), "scene.toml", words);
+}
+
+const LEAST: &str = "
+version = 1
+[driver]
+mesh = \"a.glb\"
+[substrate]
+[[layers]]
+name = \"skin\"
+young = 1e6
+thickness = 1e-3
+";
+
+#[test]
+fn defaults_are_those_of_the_sample() {
+    let full = with("mesh_name = \"Forearm\"\n", "").unwrap();
+    let mut least = parse(LEAST).unwrap();
+    assert_eq!(least.solver, full.solver);
+    assert_eq!(least.remesh, full.remesh);
+    assert_eq!(least.bake, full.bake);
+    assert_eq!(least.stack, full.stack);
+    assert_eq!(least.length_unit, LengthUnit::Metre);
+    assert_eq!(least.driver.vertex_budget, 300_000);
+    least.driver.mesh = full.driver.mesh.clone();
+    assert_eq!(least.driver, full.driver);
+    assert_eq!(
+        least.substrate.unwrap().definition(),
+        full.substrate.unwrap().definition()
+    );
+    let (layer, sample) = (&least.layers[0], &full.layers[0]);
+    assert_eq!(layer.poisson, sample.poisson);
+    assert_eq!(layer.density, sample.density);
+    assert_eq!(layer.coupling, Coupling::Hybrid);
+    assert_eq!(layer.sampling, Sampling::Quadrature);
+    assert_eq!(layer.model, WavelengthModel::Layer);
+    assert_eq!(full.interior.unwrap(), ruga_io::scene::Interior::default());
+    assert_eq!(full.bake.maps, [MapKind::Normal, MapKind::Height]);
+    assert_eq!(full.bake.normal_y, NormalY::Plus);
+}
+
+#[test]
+fn text_and_back() {
+    let changed = [
+        ("region = \"auto\"", "region = \"mask.png\""),
+        (
+            "young = 4e6",
+            "wavelength = 0.01\ncritical_strain = 0.1\nmodel = \"cerda-mahadevan\"",
+        ),
+        ("[interior]\ncells = 6\nshape = \"quadratic\"\n", ""),
+        ("normal_y = \"+\"", "normal_y = \"-\""),
+    ];
+    for (old, new) in changed {
+        let text = SCENE.replacen(old, new, 1);
+        let text = if new.starts_with("wavelength") {
+            text.replacen("thickness = 1.3e-3\n", "", 1)
+        } else {
+            text
+        };
+        let scene = parse(&text).unwrap();
+        let again = parse(&scene.to_toml()).unwrap();
+        assert_eq!(again, scene);
+    }
+}
+
+#[test]
+fn paths_are_relative_to_the_scene() {
+    let folder = Folder::new();
+    let text = SCENE.replacen("\"auto\"", "\"masks/face.png\"", 1);
+    let path = folder.file("scene.toml", text);
+    let scene = Scene::read(&path).unwrap();
+    assert_eq!(scene.driver.mesh, folder.path("forearm.glb"));
+    assert_eq!(
+        scene.driver.region,
+        Region::Mask(folder.path("masks/face.png"))
+    );
+    let map = scene.layers[0].map.as_ref().unwrap();
+    assert_eq!(map.image, Some(folder.path("dermis.png")));
+}
+
+#[test]
+fn ways_to_describe_a_layer() {
+    let layer = |text: &str| {
+        let scene = with("young = 4e6\npoisson = 0.48\nthickness = 1.3e-3", text)?;
+        Ok::<_, IoError>(scene.layers[0].clone())
+    };
+    let preset = layer("preset = \"knuckle\"").unwrap();
+    assert_eq!(
+        preset.definition(),
+        Some(LayerDefinition::Preset("knuckle"))
+    );
+    let wanted = layer("wavelength = 5e-3\ncritical_strain = 0.05").unwrap();
+    assert_eq!(
+        wanted.definition(),
+        Some(LayerDefinition::Wanted {
+            wavelength: 5e-3,
+            critical_strain: 0.05
+        })
+    );
+    for (bad, words) in [
+        ("young = 4e6", ["layers[0]", "young", "thickness"]),
+        ("", ["layers[0]", "none of them", "preset"]),
+        (
+            "preset = \"a\"\nyoung = 1.0",
+            ["layers[0]", "preset, young", "either"],
+        ),
+        (
+            "wavelength = 5e-3",
+            ["layers[0]", "wavelength", "critical_strain"],
+        ),
+        (
+            "young = 1e6\nthickness = 1e-3\nwavelength = 5e-3",
+            ["layers[0]", "young, thickness, wavelength", "either"],
+        ),
+    ] {
+        assert_says(layer(bad), "scene.toml", &words);
+    }
+}
+
+#[test]
+fn a_preset_brings_its_substrate() {
+    let without = SCENE.replacen(
+        "[substrate]\nyoung = 0.5e6\npoisson = 0.48\nthickness = 15e-3\n",
+        "",
+        1,
+    );
+    assert_says(parse(&without), "scene.toml", &["`substrate`", "preset"]);
+    let preset = without.replacen(
+        "young = 4e6\npoisson = 0.48\nthickness = 1.3e-3",
+        "preset = \"knuckle\"",
+        1,
+    );
+    assert_eq!(parse(&preset).unwrap().substrate, None);
+    let named = with(
+        "young = 0.5e6\npoisson = 0.48\nthickness = 15e-3",
+        "preset = \"palm\"",
+    )
+    .unwrap();
+    assert_eq!(
+        named.substrate.unwrap().definition(),
+        SubstrateDefinition::Preset("palm")
+    );
+    refused(
+        "young = 0.5e6\n",
+        "young = 0.5e6\npreset = \"palm\"\n",
+        &["substrate", "not both"],
+    );
+}
+
+#[test]
+fn slips_of_the_hand_get_a_suggestion() {
+    refused(
+        "smoothing =",
+        "smothing =",
+        &["driver", "smothing", "did you mean `smoothing`", "line 10"],
+    );
+    refused(
+        "young = 4e6",
+        "yuong = 4e6",
+        &["layers[0]", "yuong", "did you mean `young`"],
+    );
+    refused("[remesh]", "[remsh]", &["remsh", "did you mean `remesh`"]);
+    refused(
+        "\"hybrid\"",
+        "\"hybird\"",
+        &["layers[0].coupling", "hybird", "did you mean `hybrid`"],
+    );
+    refused(
+        "\"png16\"",
+        "\"png\"",
+        &["bake.format", "did you mean `png"],
+    );
+    refused(
+        "\"ldlt\"",
+        "\"ldl\"",
+        &["solver.linear", "did you mean `ldlt`"],
+    );
+    refused(
+        "\"normal\", ",
+        "\"norm\", ",
+        &["bake.maps[0]", "did you mean `normal`"],
+    );
+    refused(
+        "image = \"dermis.png\"",
+        "imgae = \"dermis.png\"",
+        &["did you mean `image`"],
+    );
+    refused(
+        "normal_y = \"+\"",
+        "normal_y = \"up\"",
+        &["bake.normal_y", "`+`", "`-`"],
+    );
+}
+
+#[test]
+fn wrong_types_and_no_toml() {
+    refused(
+        "young = 4e6",
+        "young = \"4e6\"",
+        &["layers[0].young", "line 19", "string"],
+    );
+    refused(
+        "keys = [0.5, 1.0]",
+        "keys = 1.0",
+        &["poses[0].keys", "float"],
+    );
+    refused("seed = 1", "seed = -1", &["solver.seed"]);
+    refused("[bake]", "[bake", &["line 47"]);
+    refused(
+        "mesh = \"forearm.glb\"\n",
+        "",
+        &["driver", "missing field `mesh`"],
+    );
+    let folder = Folder::new();
+    assert_says(
+        Scene::read(&folder.path("no.toml")),
+        "no.toml",
+        &["no such file"],
+    );
+    let binary = folder.file("binary.toml", [b'a', b'\n', 0xff]);
+    assert_says(Scene::read(&binary), "binary.toml", &["line 2", "UTF-8"]);
+}
+
+#[test]
+fn numbers_out_of_range() {
+    refused(
+        "version = 1",
+        "version = 2",
+        &["version", "found 2", "version 1"],
+    );
+    for bad in ["-1e-3", "0.0", "nan", "inf"] {
+        let new = format!("thickness = {bad}");
+        refused(
+            "thickness = 1.3e-3",
+            &new,
+            &["layers[0].thickness", "above 0"],
+        );
+        refused(
+            "thickness = 15e-3",
+            &new,
+            &["substrate.thickness", "above 0"],
+        );
+    }
+    for bad in ["0.5", "-1.0", "nan", "0.7"] {
+        let new = format!("young = 4e6\npoisson = {bad}");
+        refused(
+            "young = 4e6\npoisson = 0.48",
+            &new,
+            &["layers[0].poisson", "-1", "0.5"],
+        );
+        let new = format!("young = 0.5e6\npoisson = {bad}");
+        refused(
+            "young = 0.5e6\npoisson = 0.48",
+            &new,
+            &["substrate.poisson"],
+        );
+    }
+    for bad in ["0.0", "1.5", "-0.5", "nan"] {
+        let new = format!("keys = [{bad}]");
+        refused("keys = [0.5, 1.0]", &new, &["poses[0].keys[0]", "(0, 1]"]);
+    }
+    refused(
+        "keys = [0.5, 1.0]",
+        "keys = [1.0, 1.0]",
+        &["poses[0].keys[1]"],
+    );
+    refused("keys = [0.5, 1.0]", "keys = []", &["poses[0].keys"]);
+    refused("steps = 20", "steps = 0", &["poses[0].steps", "from 1"]);
+    refused(
+        "compress = 1.0",
+        "compress = inf",
+        &["poses[0].weights.compress", "finite"],
+    );
+    refused("{ compress = 1.0 }", "{}", &["poses[0].weights"]);
+    refused("size = 2048", "size = 15", &["bake.size", "16 to 16384"]);
+    refused("size = 2048", "size = 20000", &["bake.size"]);
+    refused(
+        "supersample = 1",
+        "supersample = 3",
+        &["bake.supersample", "1, 2 or 4"],
+    );
+    refused(
+        "maps = [\"normal\", \"height\"]",
+        "maps = []",
+        &["bake.maps"],
+    );
+    refused("\"height\"]", "\"normal\"]", &["bake.maps[1]", "once"]);
+    refused("tolerance = 1e-6", "tolerance = 1.0", &["solver.tolerance"]);
+    refused("time_step = 0.02", "time_step = 0", &["solver.time_step"]);
+    refused("damping = 0.5", "damping = -0.5", &["solver.damping"]);
+    refused(
+        "min_edge = 0.0",
+        "min_edge = 2.0",
+        &["remesh.min_edge", "max_edge = 1"],
+    );
+    refused("aspect = 2.0", "aspect = 0.5", &["remesh.aspect"]);
+    refused("cells = 6", "cells = 0", &["interior.cells"]);
+    refused(
+        "density = 1100.0",
+        "bending_transfer = 1.5",
+        &["layers[0].bending_transfer"],
+    );
+    refused(
+        "wavelength = [0.5, 2.0]",
+        "wavelength = [0, 2.0]",
+        &["layers[0].map.wavelength[0]"],
+    );
+    refused(
+        "smoothing = \"loop\"",
+        "vertex_budget = 0",
+        &["driver.vertex_budget"],
+    );
+}
+
+#[test]
+fn names_that_cannot_be_files() {
+    for bad in [
+        "", "a/b", "a\\\\b", "con", "NUL.txt", " a", "a.", "a:b", "a\\tb",
+    ] {
+        let new = format!("name = \"{bad}\"");
+        refused("name = \"compress\"", &new, &["poses[0].name", "file name"]);
+        refused("name = \"dermis\"", &new, &["layers[0].name", "file name"]);
+    }
+    let again = "[[poses]]\nname = \"Compress\"\nweights = { a = 1 }\n\n[solver]";
+    refused("[solver]", again, &["poses[1].name", "letter case"]);
+    let names = "näme = 1";
+    assert!(parse(&SCENE.replacen("name = \"compress\"", "name = \"Lächeln 3\"", 1)).is_ok());
+    assert!(parse(names).is_err());
+}
+
+#[test]
+fn contradictions() {
+    let second = "[[layers]]\nname = \"epidermis\"\nyoung = 6e8\nthickness = 1.2e-4\n\n[[poses]]";
+    refused("[[poses]]", second, &["interior", "2 layers", "one layer"]);
+    refused(
+        "mesh_name = \"Forearm\"",
+        "targets = { a = \"a.obj\" }",
+        &["driver.targets", "OBJ"],
+    );
+    refused(
+        "image = \"dermis.png\", ",
+        "",
+        &["layers[0].map.wavelength", "no image"],
+    );
+    refused(
+        "image = \"dermis.png\"",
+        "image = \"a.png\", young_image = \"b.png\"",
+        &["not both"],
+    );
+    let map = "{ image = \"dermis.png\", wavelength = [0.5, 2.0], young = [0.5, 2.0], thickness = [0.5, 2.0] }";
+    refused(map, "{ image = \"a.png\" }", &["layers[0].map", "range"]);
+    refused(
+        map,
+        "{ young_image = \"a.png\" }",
+        &["layers[0].map.young_image", "lo, hi"],
+    );
+    assert!(with(map, "{ young_image = \"a.png\", young = [2.0, 0.5] }").is_ok());
+}
+
+#[test]
+fn poses_from_shapes() {
+    let path = Path::new("scene.toml");
+    let shapes = ["jaw:open", "jaw/open", "smile"].map(str::to_owned);
+    let poses = parse(LEAST)
+        .unwrap()
+        .poses_or_shapes(&shapes, path)
+        .unwrap();
+    let names: Vec<_> = poses.iter().map(|pose| pose.name.as_str()).collect();
+    assert_eq!(names, ["jaw_open", "jaw_open_2", "smile"]);
+    assert_eq!(poses[0].weights["jaw:open"], 1.0);
+    assert_eq!(poses[0].keys, [0.5, 1.0]);
+    let scene = parse(SCENE).unwrap();
+    let unknown = scene.poses_or_shapes(&["compres".to_owned()], path);
+    assert_says(
+        unknown,
+        "scene.toml",
+        &["poses[0].weights.compress", "did you mean `compres`"],
+    );
+    assert_eq!(
+        scene
+            .poses_or_shapes(&["compress".to_owned()], path)
+            .unwrap(),
+        scene.poses
+    );
+    assert_says(
+        parse(LEAST).unwrap().poses_or_shapes(&[], path),
+        "scene.toml",
+        &["no blend shapes"],
+    );
+}
