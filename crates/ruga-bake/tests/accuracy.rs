@@ -132,3 +132,30 @@ fn mesh_frame_gives_a_client_the_layers_normal() {
     println!("cylinder, mesh frame, as shaded: {error:.4} degrees");
     assert!(error < 0.2, "{error} degrees");
 }
+
+/// A sheet buckled so far that its sides stand at 64 degrees and its material points slide to and
+/// fro under the folds, at 13 vertices per wave: still a smooth function of the material point.
+#[test]
+fn steep_folds() {
+    let k = std::f64::consts::TAU / 8e-3;
+    let amplitude = 1.6e-3;
+    let slide = amplitude * amplitude * k / 8.0;
+    let mut patch = Patch::new(Driver::Flat, [160, 16], 0.0, |_, _| 0.0);
+    for x in &mut patch.positions {
+        let s = x.x;
+        *x += Vector3::new(slide * (2.0 * k * s).sin(), 0.0, amplitude * (k * s).cos());
+    }
+    let map = map(&patch, 256, Frame::Driver);
+    let error = rms((0..map.normals.len()).map(|texel| {
+        let [s, _] = texel_parameters(&map, texel);
+        let across = 1.0 + 2.0 * k * slide * (2.0 * k * s).cos();
+        let up = -amplitude * k * (k * s).sin();
+        degrees(
+            &baked(&map, texel),
+            &Vector3::new(-up, 0.0, across).normalize(),
+        )
+    }));
+    println!("steep: {error:.4} degrees, {} folded", map.folded_samples);
+    assert_eq!(map.folded_samples, 0);
+    assert!(error < 0.6, "{error} degrees");
+}
