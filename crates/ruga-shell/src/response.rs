@@ -4,7 +4,7 @@ use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::Llt;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{MatMut, Side};
-use nalgebra::{Matrix3, SymmetricEigen, Vector2, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector2, Vector3};
 
 use crate::edges::{Edge, edges};
 use crate::hinge::HingeState;
@@ -50,9 +50,11 @@ pub struct ResponseModulus {
     pub converged: bool,
 }
 
-/// Relative change of the critical force, over five Lanczos steps, at which it is accepted.
+/// Relative change of the critical force, over [`CHECK_EVERY`] Lanczos steps, at which it is
+/// accepted.
 const FORCE_TOLERANCE: f64 = 1e-6;
-/// Ten wavelengths square need about 60 steps.
+const CHECK_EVERY: usize = 5;
+/// Ten wavelengths square need 75 steps, and the number grows with the side.
 const MAX_STEPS: usize = 300;
 
 /// Corner positions of each face, for a mesh whose vertices have one position each.
@@ -71,8 +73,9 @@ pub fn face_corners(positions: &[Vector3<f64>], faces: &[[u32; 3]]) -> Vec<[Vect
 /// of interpolated cylinders overrate an unstructured mesh, whose vertices relax.
 ///
 /// # Validity
-/// With uniform stiffness. A patch of `n` wavelengths between fixed borders reads high by about
-/// `1/n^2` in `D`.
+/// With uniform stiffness. A patch of ten wavelengths square between fixed borders reads 0.5 % high.
+/// The half-consistent mass takes off `(k a)^2/16` on edges `a`: 1.7 % at 12 points per wavelength,
+/// so that the perfect mesh reads 0.98 across its rows and 1.00 along them.
 ///
 /// # Errors
 /// [`ShellError::UnstableSheet`], [`ShellError::NoDirection`], and those of bad meshes.
@@ -291,65 +294,104 @@ struct Extreme {
 }
 
 /// Largest eigenvalue of `stiffness^-1 load` by Lanczos in the inner product of the stiffness.
-///
-/// Full reorthogonalisation: the basis is short, and ghosts would spoil the convergence test.
 fn largest_eigenvalue(
     factor: &Llt<usize, f64>,
     load: &SparseColMat<usize, f64>,
 ) -> Option<Extreme> {
-    let size = load.ncols();
-    // Pairs v, A v with v_i^T A v_j = delta_ij. Solving A v = r makes A v = r free of charge.
-    let mut basis: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
-    let (mut alphas, mut betas) = (Vec::new(), Vec::new());
-    let mut values: Vec<f64> = Vec::new();
-    let mut image = starting_vector(size);
-    loop {
+    let mut basis = Lanczos::default();
+    let mut image = starting_vector(load.ncols());
+    let (mut eigenvalue, mut converged) = (0.0, false);
+    while !converged && basis.alphas.len() < MAX_STEPS {
+        if !basis.extend(factor, image) {
+            // The space is exhausted: what has been found is exact.
+            converged = true;
+            break;
+        }
+        image = basis.apply(load);
+        if basis.alphas.len().is_multiple_of(CHECK_EVERY) {
+            let last = std::mem::replace(&mut eigenvalue, basis.top()?.0);
+            converged = (eigenvalue - last).abs() <= FORCE_TOLERANCE * eigenvalue;
+        }
+    }
+    let (eigenvalue, weights) = basis.top()?;
+    let mut vector = vec![0.0; load.ncols()];
+    for (v, weight) in basis.vectors.iter().zip(weights) {
+        axpy(&mut vector, weight, v);
+    }
+    (eigenvalue > 0.0 && eigenvalue.is_finite()).then_some(Extreme {
+        eigenvalue,
+        vector,
+        steps: basis.alphas.len(),
+        converged,
+    })
+}
+
+/// Vectors `v_i` with `v_i^T A v_j = delta_ij`, and the images `A v_i`, which come free of charge
+/// because each `v_i` is the solution of `A v = image`.
+#[derive(Default)]
+struct Lanczos {
+    vectors: Vec<Vec<f64>>,
+    images: Vec<Vec<f64>>,
+    alphas: Vec<f64>,
+    betas: Vec<f64>,
+}
+
+impl Lanczos {
+    /// Adds the direction `A^-1 image`; false if it lies in the space already.
+    ///
+    /// Full reorthogonalisation, twice: the basis is short, and ghost eigenvalues would spoil the
+    /// convergence test.
+    fn extend(&mut self, factor: &Llt<usize, f64>, mut image: Vec<f64>) -> bool {
         let mut vector = image.clone();
+        let size = vector.len();
         factor.solve_in_place(MatMut::from_column_major_slice_mut(&mut vector, size, 1));
         for _ in 0..2 {
-            for (v, av) in &basis {
+            for (v, av) in self.vectors.iter().zip(&self.images) {
                 let overlap = dot(&vector, av);
                 axpy(&mut vector, -overlap, v);
                 axpy(&mut image, -overlap, av);
             }
         }
         let norm = dot(&vector, &image).max(0.0).sqrt();
-        if !norm.is_finite() {
-            return None;
+        let negligible = 1e-12 * self.alphas.iter().copied().fold(0.0, f64::max);
+        if norm.is_nan() || norm <= negligible {
+            return false;
         }
-        // An exhausted space: what has been found is exact.
-        let exhausted = norm <= 1e-14 * values.last().copied().unwrap_or(0.0)
-            || basis.len() == size.min(MAX_STEPS);
-        let settled = values.len() > 5 && {
-            let last = values[values.len() - 1];
-            (last - values[values.len() - 6]).abs() <= FORCE_TOLERANCE * last
-        };
-        if basis.is_empty() && norm == 0.0 {
-            return None;
-        }
-        if exhausted || settled {
-            let (eigenvalue, weights) = tridiagonal_top(&alphas, &betas);
-            let mut top = vec![0.0; size];
-            for ((v, _), weight) in basis.iter().zip(weights) {
-                axpy(&mut top, weight, v);
-            }
-            return (eigenvalue > 0.0).then_some(Extreme {
-                eigenvalue,
-                vector: top,
-                steps: basis.len(),
-                converged: settled || basis.len() < MAX_STEPS,
-            });
-        }
-        if !basis.is_empty() {
-            betas.push(norm);
+        if !self.vectors.is_empty() {
+            self.betas.push(norm);
         }
         vector.iter_mut().for_each(|v| *v /= norm);
         image.iter_mut().for_each(|v| *v /= norm);
-        let next = multiply(load, &vector);
-        alphas.push(dot(&vector, &next));
-        basis.push((vector, image));
-        values.push(tridiagonal_top(&alphas, &betas).0);
-        image = next;
+        self.vectors.push(vector);
+        self.images.push(image);
+        true
+    }
+
+    /// `load` times the newest vector.
+    fn apply(&mut self, load: &SparseColMat<usize, f64>) -> Vec<f64> {
+        let Some(vector) = self.vectors.last() else {
+            return Vec::new();
+        };
+        let product = multiply(load, vector);
+        self.alphas.push(dot(vector, &product));
+        product
+    }
+
+    /// Largest eigenvalue in the space and its coordinates.
+    fn top(&self) -> Option<(f64, Vec<f64>)> {
+        let size = self.alphas.len();
+        if size == 0 {
+            return None;
+        }
+        let mut matrix = DMatrix::from_diagonal(&DVector::from_column_slice(&self.alphas));
+        for i in 1..size {
+            matrix[(i, i - 1)] = self.betas[i - 1];
+            matrix[(i - 1, i)] = self.betas[i - 1];
+        }
+        let eigen = SymmetricEigen::new(matrix);
+        let top = eigen.eigenvalues.imax();
+        let weights = eigen.eigenvectors.column(top).iter().copied().collect();
+        Some((eigen.eigenvalues[top], weights))
     }
 }
 
@@ -359,24 +401,6 @@ fn starting_vector(size: usize) -> Vec<f64> {
     (0..size)
         .map(|i| ((i + 1) as f64 * golden).fract() - 0.5)
         .collect()
-}
-
-fn tridiagonal_top(alphas: &[f64], betas: &[f64]) -> (f64, Vec<f64>) {
-    let size = alphas.len();
-    let mut matrix = nalgebra::DMatrix::zeros(size, size);
-    for (i, &alpha) in alphas.iter().enumerate() {
-        matrix[(i, i)] = alpha;
-    }
-    for (i, &beta) in betas.iter().enumerate().take(size.saturating_sub(1)) {
-        matrix[(i, i + 1)] = beta;
-        matrix[(i + 1, i)] = beta;
-    }
-    let eigen = SymmetricEigen::new(matrix);
-    let top = eigen.eigenvalues.imax();
-    (
-        eigen.eigenvalues[top],
-        eigen.eigenvectors.column(top).iter().copied().collect(),
-    )
 }
 
 fn multiply(matrix: &SparseColMat<usize, f64>, vector: &[f64]) -> Vec<f64> {

@@ -6,7 +6,9 @@ use std::f64::consts::PI;
 
 use meshes::{jittered, lattice};
 use nalgebra::Vector3;
-use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters};
+use ruga_shell::{
+    FaceParameters, HingeShape, LayerEnergy, LayerParameters, MAX_EDGE_RATIO, RestTriangle,
+};
 
 const SKIN: FaceParameters = FaceParameters {
     young: 6e8,
@@ -51,6 +53,59 @@ fn cylinders_bend_with_the_plate_modulus_in_every_direction() {
         // The outline's missing hinges are not spread evenly over the three directions.
         assert!((stiffness - 1.0).abs() < 0.01, "{k}: {stiffness}");
     }
+}
+
+/// Left apex, edge along x from 0 to 1, right apex.
+fn hinge(left: [f64; 2], right: [f64; 2]) -> (HingeShape, [[f64; 2]; 4], f64) {
+    let points = [[0.0, 0.0], [1.0, 0.0], left, right];
+    let triangle = |corners: [usize; 3]| {
+        let corners = corners.map(|k| Vector3::new(points[k][0], points[k][1], 0.0));
+        RestTriangle::new(&corners, 0).expect("a proper triangle")
+    };
+    // The left one winds 0, 1, 2 from another start; the right one 1, 0, 3.
+    let (left, right) = (triangle([2, 0, 1]), triangle([1, 0, 3]));
+    (
+        HingeShape::new(&left, 1, &right, 0),
+        points,
+        left.area() + right.area(),
+    )
+}
+
+#[test]
+fn the_full_factor_gives_each_hinge_the_mean_energy_of_a_cylinder() {
+    let (shape, points, areas) = hinge([0.3, 0.8], [0.6, -0.9]);
+    let modulus = 2.0;
+    let stiffness = shape.stiffness(modulus, 1.0);
+    let by_height = shape.angle_by_height();
+    let count = 720;
+    let mean = (0..count)
+        .map(|i| {
+            let (sin, cos) = (PI * f64::from(i) / f64::from(count)).sin_cos();
+            let angle: f64 = (0..4)
+                .map(|k| {
+                    let along = cos * points[k][0] + sin * points[k][1];
+                    by_height[k] * 0.5 * along * along
+                })
+                .sum();
+            0.5 * stiffness * angle * angle
+        })
+        .sum::<f64>()
+        / f64::from(count);
+    // A hinge stands for a third of its two triangles.
+    assert!((mean / (0.5 * modulus * areas / 3.0) - 1.0).abs() < 1e-12);
+    // The default lies half way, in the geometric sense.
+    let plain = shape.stiffness(modulus, 0.0);
+    assert!((plain - modulus / areas).abs() < 1e-14);
+    let half = shape.stiffness(modulus, 0.5);
+    assert!((half - (plain * stiffness).sqrt()).abs() < 1e-14);
+    assert!((stiffness / plain - 1.0).abs() > 0.01);
+}
+
+#[test]
+fn stretched_triangles_keep_the_plain_hinge() {
+    let (shape, _, areas) = hinge([0.5, 0.4], [0.5, -0.4]);
+    assert!(1.0 / 0.5_f64.hypot(0.4) > MAX_EDGE_RATIO);
+    assert_eq!(shape.stiffness(3.0, 0.5), 3.0 / areas);
 }
 
 #[test]
