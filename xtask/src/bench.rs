@@ -35,17 +35,39 @@ struct Measured {
     seconds: f64,
 }
 
+impl Measured {
+    /// Named in full: groups by their package, and benchmarks that stand alone, whose own name
+    /// criterion gives to the group, together under their bench target.
+    fn in_group(self, package: &str, bench: &str) -> Self {
+        if self.function.is_empty() {
+            Self {
+                group: format!("{package}, {bench}"),
+                function: self.group,
+                ..self
+            }
+        } else {
+            Self {
+                group: format!("{package}, {}", self.group),
+                ..self
+            }
+        }
+    }
+}
+
 /// Runs all benchmarks; prints the comparison on standard output.
 pub(crate) fn bench() -> Outcome {
-    let start = SystemTime::now();
+    let results = target_folder()?.join("criterion");
+    let mut measured = Vec::new();
     for (package, bench) in BENCHES {
+        let start = SystemTime::now();
         let arguments = ["bench", "--package", package, "--bench", bench];
         if let Some(code) = run(ONE_THREAD, &arguments)? {
             return Ok(code);
         }
+        let mut own = Vec::new();
+        collect(&results, start, &mut own)?;
+        measured.extend(own.into_iter().map(|m| m.in_group(package, bench)));
     }
-    let mut measured = Vec::new();
-    collect(&target_folder()?.join("criterion"), start, &mut measured)?;
     print!("{}", comparison(&measured));
     Ok(ExitCode::SUCCESS)
 }
@@ -168,6 +190,16 @@ mod tests {
         assert_eq!(lines[2], ["fast", "2.00", "ms", "1.00", "x"]);
         assert_eq!(lines[3], ["slow", "6.00", "ms", "3.00", "x"]);
         assert_eq!(lines[5], ["solve", "200"]);
+    }
+
+    #[test]
+    fn benchmarks_without_group_are_compared_within_their_target() {
+        let alone = |name, seconds| measured(name, "", "", seconds).in_group("ruga-solver", "kkt");
+        let table = comparison(&[alone("LLT", 1e-3), alone("KKT, nested", 2e-3)]);
+        let lines: Vec<&str> = table.lines().map(str::trim).collect();
+        assert_eq!(lines[1], "ruga-solver, kkt");
+        assert!(lines[2].starts_with("LLT") && lines[2].ends_with("1.00 x"));
+        assert!(lines[3].starts_with("KKT, nested") && lines[3].ends_with("2.00 x"));
     }
 
     #[test]
