@@ -9,8 +9,15 @@
 
 use crate::{Inertia, Kkt, SolverError};
 
-const SMALLEST_RELAXATION: f64 = 1e-3;
-const RELAXATION_GROWTH: f64 = 4.0;
+/// Relaxations to try in turn where less than [`CLOSE_TO_CRITICAL`] allows may do: just past an
+/// onset twice the needed one makes another mode the softest, and a film then wrinkles 7 % too
+/// long.
+const SMALL_RELAXATIONS: [f64; 4] = [1e-3, 4e-3, 1.6e-2, 6.4e-2];
+
+/// What is left of the load after a larger relaxation that was not enough.
+const LOAD_DECREASE: f64 = 0.7;
+/// A load below this share is as good as none.
+const LEAST_LOAD: f64 = 0.02;
 
 /// The load that relaxation leaves must be at least this share of the largest that the inertia
 /// allows, else the bracket is bisected. Further below, the softest mode is no longer the one
@@ -32,9 +39,8 @@ pub(crate) struct Convexified {
     pub(crate) shift: f64,
 }
 
-/// Memory between Newton iterations, and work space.
+/// Work space and a count.
 pub(crate) struct Convexifier {
-    last_relaxation: f64,
     mixed: Vec<f64>,
     shifted_floor: Vec<f64>,
     pub(crate) factorizations: usize,
@@ -43,7 +49,6 @@ pub(crate) struct Convexifier {
 impl Convexifier {
     pub(crate) fn new(kkt: &Kkt) -> Self {
         Self {
-            last_relaxation: 0.0,
             mixed: vec![0.0; kkt.pattern().entries()],
             shifted_floor: vec![0.0; kkt.pattern().size()],
             factorizations: 0,
@@ -68,7 +73,6 @@ impl Convexifier {
             return Ok(outcome);
         }
         outcome.relaxation = self.relax(kkt, exact, relaxed, floor)?.unwrap_or(1.0);
-        self.last_relaxation = outcome.relaxation;
         if outcome.relaxation == 1.0 {
             outcome.shift = self.shift(kkt, relaxed, floor)?;
         }
@@ -83,14 +87,19 @@ impl Convexifier {
         relaxed: &[f64],
         floor: &[f64],
     ) -> Result<Option<f64>, SolverError> {
-        let mut enough = (self.last_relaxation / RELAXATION_GROWTH).max(SMALLEST_RELAXATION);
-        let mut too_little = 0.0;
+        let largest_small = 1.0 - CLOSE_TO_CRITICAL;
+        if self.try_relaxation(kkt, exact, relaxed, floor, largest_small)? {
+            return self.relax_little(kkt, exact, relaxed, floor).map(Some);
+        }
+        let mut too_little = largest_small;
+        let mut enough = 1.0 - (1.0 - too_little) * LOAD_DECREASE;
         while !self.try_relaxation(kkt, exact, relaxed, floor, enough)? {
             if enough == 1.0 {
                 return Ok(None);
             }
             too_little = enough;
-            enough = (enough * RELAXATION_GROWTH).min(1.0);
+            let load = (1.0 - enough) * LOAD_DECREASE;
+            enough = if load < LEAST_LOAD { 1.0 } else { 1.0 - load };
         }
         let mut in_factor = enough;
         while 1.0 - enough < CLOSE_TO_CRITICAL * (1.0 - too_little) {
@@ -105,6 +114,24 @@ impl Convexifier {
             self.try_relaxation(kkt, exact, relaxed, floor, enough)?;
         }
         Ok(Some(enough))
+    }
+
+    /// The least of the small relaxations that is enough; its factor is left.
+    fn relax_little(
+        &mut self,
+        kkt: &mut Kkt,
+        exact: &[f64],
+        relaxed: &[f64],
+        floor: &[f64],
+    ) -> Result<f64, SolverError> {
+        for relaxation in SMALL_RELAXATIONS {
+            if self.try_relaxation(kkt, exact, relaxed, floor, relaxation)? {
+                return Ok(relaxation);
+            }
+        }
+        let largest_small = 1.0 - CLOSE_TO_CRITICAL;
+        self.try_relaxation(kkt, exact, relaxed, floor, largest_small)?;
+        Ok(largest_small)
     }
 
     fn try_relaxation(

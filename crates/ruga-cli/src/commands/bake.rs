@@ -1,5 +1,7 @@
 //! `ruga bake`: wrinkle maps, the artist's mesh, manifest and report.
 
+use std::collections::BTreeSet;
+
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use ruga_bake::{BakeSettings, Relief, TangentFrame, bake};
 use ruga_blend::Weights;
@@ -62,7 +64,16 @@ struct WrinkleMaps<'a> {
 impl Product for WrinkleMaps<'_> {
     const COMMAND: &'static str = "bake";
 
-    fn frame(&self, _: &PoseSpec, _: &Frame<'_>) -> Result<Vec<String>, CliError> {
+    /// Writes nothing. The first frame shows the active region: overlaps in it end the run now.
+    fn frame(&self, _: &PoseSpec, frame: &Frame<'_>) -> Result<Vec<String>, CliError> {
+        if frame.index == 0 {
+            let corners = frame.layers.iter().flat_map(|layer| &layer.artist);
+            let active: BTreeSet<u32> = corners.map(|(triangle, _)| *triangle).collect();
+            let active: Vec<u32> = active.into_iter().collect();
+            let mesh = &self.project.mesh;
+            self.pool
+                .install(|| texture_space::check_active(mesh, &active))?;
+        }
         Ok(Vec::new())
     }
 
