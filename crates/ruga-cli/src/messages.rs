@@ -26,13 +26,17 @@ pub(crate) fn warning(text: &str) {
 pub(crate) fn error(error: CliError) {
     let error: &dyn Diagnostic = &error;
     let mut text = String::new();
-    let theme = if io::IsTerminal::is_terminal(&io::stderr()) {
+    let mut theme = if io::IsTerminal::is_terminal(&io::stderr()) {
         GraphicalTheme::unicode()
     } else {
         GraphicalTheme::none()
     };
-    // Lines are left whole: paths and names in them can be copied and searched for.
-    let handler = GraphicalReportHandler::new_themed(theme).with_wrap_lines(false);
+    theme.characters.error = "error:".to_owned();
+    // Lines are left whole, so that paths and names in them can be copied and searched for; and
+    // every message has its cause in it.
+    let handler = GraphicalReportHandler::new_themed(theme)
+        .with_wrap_lines(false)
+        .without_cause_chain();
     match handler.render_report(&mut text, error) {
         Ok(()) => note(text.trim_end()),
         Err(_) => note(&format!("error: {error}")),

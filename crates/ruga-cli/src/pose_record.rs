@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use ruga_io::{IoError, PoseReport, WrinkleMap, write_atomically};
 use serde::{Deserialize, Serialize};
@@ -28,25 +28,46 @@ pub(crate) struct PoseRecord {
 impl PoseRecord {
     /// The record of a pose made from the same `inputs`, if all its files are still there.
     pub(crate) fn find(folder: &Path, pose: &str, inputs: Fingerprint) -> Option<Self> {
-        let text = fs::read(path(folder, pose)).ok()?;
-        let record: Self = serde_json::from_slice(&text).ok()?;
+        let record = Self::read(folder, pose)?;
         let whole = record.files.iter().all(|file| folder.join(file).is_file());
         (record.inputs == inputs.text() && record.report.name == pose && whole).then_some(record)
     }
 
     /// Forgets the pose before its files are touched: a record never vouches for files of two
-    /// runs.
+    /// runs. Returns the files that it knew.
     ///
     /// # Errors
     /// The record is there and cannot be removed.
-    pub(crate) fn forget(folder: &Path, pose: &str) -> Result<(), CliError> {
+    pub(crate) fn forget(folder: &Path, pose: &str) -> Result<Vec<String>, CliError> {
+        let files = Self::read(folder, pose).map_or_else(Vec::new, |record| record.files);
         let path = path(folder, pose);
         match fs::remove_file(&path) {
             Err(source) if source.kind() != io::ErrorKind::NotFound => {
                 Err(IoError::Unwritable { path, source }.into())
             }
-            _ => Ok(()),
+            _ => Ok(files),
         }
+    }
+
+    /// Removes files of an `earlier` run that this one has not written again, such as the last
+    /// frames of a longer one.
+    pub(crate) fn remove_leftovers(&self, folder: &Path, earlier: &[String]) {
+        let inside = |file: &str| {
+            Path::new(file)
+                .components()
+                .all(|part| matches!(part, Component::Normal(_)))
+        };
+        for file in earlier {
+            if inside(file) && !self.files.contains(file) {
+                // What is gone already, or cannot be removed, does no harm to this run.
+                let _ = fs::remove_file(folder.join(file));
+            }
+        }
+    }
+
+    fn read(folder: &Path, pose: &str) -> Option<Self> {
+        let text = fs::read(path(folder, pose)).ok()?;
+        serde_json::from_slice(&text).ok()
     }
 
     /// Writes the record, whole or not at all.

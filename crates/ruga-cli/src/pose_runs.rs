@@ -96,7 +96,7 @@ impl<P: Product> PoseRun<'_, P> {
                 .note(&format!("pose `{name}` is there from an earlier run"));
             return Ok(Some(record));
         }
-        PoseRecord::forget(folder, &spec.name)?;
+        let earlier = PoseRecord::forget(folder, &spec.name)?;
         let bar = self.progress.start(&spec.name, index + 1);
         let record = self.simulate(index, &bar, given_up);
         let ending = match &record {
@@ -107,6 +107,9 @@ impl<P: Product> PoseRun<'_, P> {
         self.progress
             .end(&bar, &format!("pose `{}` {ending}", spec.name));
         let record = record?;
+        if let Some(record) = &record {
+            record.remove_leftovers(folder, &earlier);
+        }
         for warning in record.iter().flat_map(|record| &record.warnings) {
             self.progress.note(&format!("warning: {warning}"));
         }

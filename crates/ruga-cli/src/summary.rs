@@ -105,3 +105,18 @@ fn results_table(poses: &[PoseReport]) -> String {
     ];
     table(&headings, &rows)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_pose_that_did_not_converge_makes_the_run_incomplete() {
+        let pose = |converged| PoseReport {
+            converged,
+            ..PoseReport::default()
+        };
+        assert_eq!(convergence(&[pose(true), pose(true)]), Outcome::Done);
+        assert_eq!(convergence(&[pose(true), pose(false)]), Outcome::Incomplete);
+    }
+}

@@ -40,6 +40,8 @@ pub(crate) const ABSENT: &str = "-";
 
 /// A number with `digits` decimals and its unit; [`ABSENT`] where it is not finite.
 pub(crate) fn number(value: f64, digits: usize, unit: &str) -> String {
+    // An empty sum is minus zero, which is no way to write nothing; plus zero mends it.
+    let value = value + 0.0;
     match (value.is_finite(), unit) {
         (false, _) => ABSENT.to_owned(),
         (true, "") => format!("{value:.digits$}"),

@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 use fixture::Folder;
 
 /// A second pose that takes some seconds.
-const LONG: &str = "[[poses]]\nname = \"long\"\nweights = { squeeze = 1.0 }\nsteps = 150\n[remesh]";
+const LONG: &str = "[[poses]]\nname = \"long\"\nweights = { squeeze = 1.0 }\nsteps = 400\n[remesh]";
 
 #[test]
 fn finished_poses_stay_whole_and_a_second_run_resumes() {

@@ -152,6 +152,22 @@ fn simulate_writes_a_mesh_per_load_step() {
 }
 
 #[test]
+fn a_shorter_run_leaves_no_frames_of_a_longer_one() {
+    let folder = Folder::with("steps = 2", "steps = 6");
+    folder.change("scene.toml", "squeeze = 1.0", "squeeze = 0.2");
+    folder.ruga("simulate scene.toml -o out").exits(0);
+    let longer = folder.files("out/frames/squeezed").len();
+    folder.change("scene.toml", "steps = 6", "steps = 2");
+    folder.ruga("simulate scene.toml -o out").exits(0);
+    let shorter = folder.files("out/frames/squeezed").len();
+    assert_eq!(
+        folder.json("out/report.json")["poses"][0]["frames"],
+        shorter
+    );
+    assert!(shorter < longer, "{shorter} and {longer} frames");
+}
+
+#[test]
 fn plan_prints_a_table_or_json() {
     let folder = Folder::new();
     let table = folder.ruga("plan scene.toml").exits(0).stdout;
@@ -179,11 +195,16 @@ fn quality_overrules_the_scene() {
     let vertices = |line: &str| {
         folder.ruga(line).exits(0);
         let report = folder.json("out/report.json");
-        report["poses"][0]["layers"][0]["vertices"].as_u64().unwrap()
+        report["poses"][0]["layers"][0]["vertices"]
+            .as_u64()
+            .unwrap()
     };
     let own = vertices("simulate scene.toml -o out");
     let draft = vertices("simulate scene.toml -o out --quality draft");
-    assert!((3..6).contains(&(draft / own)), "{own} and {draft} vertices");
+    assert!(
+        (3..6).contains(&(draft / own)),
+        "{own} and {draft} vertices"
+    );
 }
 
 #[test]

@@ -124,9 +124,9 @@ impl Findings {
 
     fn describe_mesh(&mut self, mesh: &MeshFile, driver: &Driver) {
         self.lines.push(format!(
-            "mesh `{}`: {} ({} after welding), {}, {}",
+            "mesh `{}`: {} vertices ({} after welding), {}, {}",
             driver.name(),
-            counted(mesh.mesh.positions.len(), "vertex point"),
+            mesh.mesh.positions.len(),
             driver.rest().len(),
             counted(mesh.mesh.triangles.len(), "triangle"),
             counted(driver.shape_names().len(), "blend shape"),
