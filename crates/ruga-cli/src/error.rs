@@ -77,14 +77,14 @@ pub(crate) enum CliError {
     #[error("{}: {source}", scene.display())]
     Model {
         scene: PathBuf,
-        source: StepperError,
+        source: Box<StepperError>,
     },
     /// A pose cannot be simulated.
     #[error("{}: pose `{pose}`: {source}", scene.display())]
     Simulation {
         scene: PathBuf,
         pose: String,
-        source: StepperError,
+        source: Box<StepperError>,
     },
     /// A map cannot be baked.
     #[error("{}: pose `{pose}`: {source}", mesh.display())]

@@ -1,5 +1,6 @@
 //! Poses, as many at a time as there are threads.
 
+use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
@@ -23,7 +24,7 @@ pub(crate) fn run_all<T: Send>(
     let next = AtomicUsize::new(0);
     let failed = AtomicBool::new(false);
     let given_up = || failed.load(Ordering::Relaxed);
-    let results: Mutex<Vec<(usize, Result<Option<T>, CliError>)>> = Mutex::new(Vec::new());
+    let results = Mutex::new(BTreeMap::new());
     let worker = || {
         while !interrupt::asked() && !given_up() {
             let index = next.fetch_add(1, Ordering::Relaxed);
@@ -34,8 +35,8 @@ pub(crate) fn run_all<T: Send>(
             failed.fetch_or(result.is_err(), Ordering::Relaxed);
             results
                 .lock()
-                .expect("no thread panics while it holds the list")
-                .push((index, result));
+                .expect("no thread panics while it holds the results")
+                .insert(index, result);
         }
     };
     thread::scope(|scope| {
@@ -45,13 +46,10 @@ pub(crate) fn run_all<T: Send>(
     });
     let mut results = results
         .into_inner()
-        .expect("no thread panics while it holds the list");
-    results.sort_by_key(|(index, _)| *index);
-    let mut ordered: Vec<Option<T>> = std::iter::repeat_with(|| None).take(count).collect();
-    for (index, result) in results {
-        ordered[index] = result?;
-    }
-    Ok(ordered)
+        .expect("no thread panics while it holds the results");
+    (0..count)
+        .map(|index| results.remove(&index).transpose().map(Option::flatten))
+        .collect()
 }
 
 #[cfg(test)]

@@ -142,7 +142,7 @@ impl<P: Product> PoseRun<'_, P> {
         .map_err(|source| CliError::Simulation {
             scene: project.path.clone(),
             pose: spec.name.clone(),
-            source,
+            source: Box::new(source),
         })?;
         let seconds = watch.finish(result.frames)?;
         if result.interrupted {

@@ -71,7 +71,7 @@ impl Project {
         )
         .map_err(|source| CliError::Model {
             scene: self.path.clone(),
-            source,
+            source: Box::new(source),
         })
     }
 

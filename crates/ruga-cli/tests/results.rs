@@ -8,8 +8,8 @@ use serde_json::Value;
 
 /// A report without what a clock put in it.
 fn without_seconds(mut report: Value) -> Value {
-    for pose in report["poses"].as_array_mut().unwrap() {
-        for layer in pose["layers"].as_array_mut().unwrap() {
+    for pose in report["poses"].as_array_mut().expect("a list") {
+        for layer in pose["layers"].as_array_mut().expect("a list") {
             layer["seconds"] = Value::Null;
         }
     }
