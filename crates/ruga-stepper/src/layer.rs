@@ -47,7 +47,10 @@ pub(crate) struct Layer {
     strains: PerFace<FaceStrain>,
     positions: Vec<Vector3<f64>>,
     energy: LayerEnergy,
+    /// Whether the energy's rest metric may differ from the rest surface's.
     is_capped: bool,
+    /// Dead load on the coordinates that move, N.
+    reaction: Vec<f64>,
     free: Vec<VertexId>,
     floor: Vec<f64>,
     kkt: Kkt,
@@ -110,6 +113,7 @@ impl Layer {
             areas,
             energy,
             is_capped: false,
+            reaction: vec![0.0; 3 * free.len()],
             free,
             floor,
             kkt,
@@ -134,8 +138,11 @@ impl Layer {
     /// A little of every wave, so that none has to grow out of rounding errors.
     fn add_noise(&mut self, seed: u64) {
         let mut random = Pcg64Mcg::seed_from_u64(seed);
-        let size = NOISE * self.spec.material.thickness;
+        let usual_edge = self.wrinkling.wavelength / 12.0;
         for v in &self.free {
+            // Where the artist's mesh is much finer than asked for, the same noise would fold it.
+            let fineness = (self.areas[v.index()] / (usual_edge * usual_edge)).min(1.0);
+            let size = NOISE * self.spec.material.thickness * fineness;
             let height = size * random.random_range(-1.0..1.0);
             self.positions[v.index()] += self.rest.normals[v.index()] * height;
         }
@@ -149,12 +156,42 @@ impl Layer {
             self.positions[i] = below.positions[i] + turn * deviation;
         }
         self.strains = face_strains(self.surface.mesh(), &self.rest.positions, &below.positions);
-        self.cap_rest_metric()?;
         let no_offset = vec![0.0; self.positions.len()];
         self.energy
             .set_base(&below.positions, &below.normals, &no_offset)
             .map_err(|source| self.shell_error(source))?;
         self.below = below;
+        if self.spec.coupling != Coupling::Constraint {
+            self.balance()?;
+        }
+        self.cap_rest_metric()
+    }
+
+    /// Sets the forces with which the surface below holds the layer in its own shape.
+    ///
+    /// The artist's posed shape is skin in equilibrium: with what a layer lying on it pulls,
+    /// presses and bends, the surface pushes back. Without this a layer under tension flattens
+    /// the artist's shape, one under half of the critical compression doubles every bump as long
+    /// as a wrinkle, and on a cylinder an elastic foundation delays the onset. Compression counts
+    /// up to the critical strain, because a wrinkled layer carries no more.
+    fn balance(&mut self) -> Result<(), StepperError> {
+        let poisson = self.spec.material.poisson;
+        let critical = self.wrinkling.critical_strain;
+        let stretches: Vec<Matrix2<f64>> = self
+            .strains
+            .as_slice()
+            .iter()
+            .map(|strain| {
+                shrink_to(
+                    strain,
+                    (critical - poisson * strain.second).min(strain.first),
+                )
+            })
+            .collect();
+        self.set_rest_metric(&stretches)?;
+        self.is_capped = true;
+        self.energy
+            .gradient(&self.below.positions, &mut self.reaction);
         Ok(())
     }
 
@@ -162,14 +199,21 @@ impl Layer {
     fn cap_rest_metric(&mut self) -> Result<(), StepperError> {
         let capped = self.strains.as_slice().iter().any(|s| s.first > CAP_START);
         if capped || self.is_capped {
-            let stretches: Vec<Matrix2<f64>> =
-                self.strains.as_slice().iter().map(cap_stretch).collect();
-            self.energy
-                .set_rest_metric(&stretches)
-                .map_err(|source| self.shell_error(source))?;
+            let stretches: Vec<Matrix2<f64>> = self
+                .strains
+                .as_slice()
+                .iter()
+                .map(|strain| shrink_to(strain, capped_strain(strain.first)))
+                .collect();
+            self.set_rest_metric(&stretches)?;
         }
         self.is_capped = capped;
         Ok(())
+    }
+
+    fn set_rest_metric(&mut self, stretches: &[Matrix2<f64>]) -> Result<(), StepperError> {
+        let outcome = self.energy.set_rest_metric(stretches);
+        outcome.map_err(|source| self.shell_error(source))
     }
 
     fn shell_error(&self, source: ShellError) -> StepperError {
@@ -186,10 +230,9 @@ impl Layer {
         keep_going: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Result<SolveReport, SolverError> {
         // A row asks for the same average of the layer as of the surface below.
+        let base = gather(&self.free, &self.below.positions);
         let mut targets = vec![0.0; self.kkt.rows().count()];
-        self.kkt
-            .rows()
-            .mul(&gather(&self.free, &self.below.positions), &mut targets)?;
+        self.kkt.rows().mul(&base, &mut targets)?;
         let mut unknowns = gather(&self.free, &self.positions);
         let objective = LayerObjective {
             energy: &self.energy,
@@ -197,6 +240,8 @@ impl Layer {
             positions: &self.positions,
             pattern: self.kkt.pattern().clone(),
             floor: &self.floor,
+            reaction: &self.reaction,
+            base: &base,
             area: self.areas.iter().sum(),
             wrinkling: &self.wrinkling,
             thickness: self.spec.material.thickness,
@@ -256,6 +301,13 @@ impl Layer {
             .map(move |(face, _)| mesh.faces()[face].map(|v| v.0))
     }
 
+    /// Largest effective strain that the surface below asks for, in critical strains.
+    pub(crate) fn demand(&self) -> f64 {
+        let poisson = self.spec.material.poisson;
+        let strains = self.strains.as_slice().iter();
+        strains.map(|s| s.effective(poisson)).fold(0.0, f64::max) / self.wrinkling.critical_strain
+    }
+
     /// The layer as others see it.
     pub(crate) fn snapshot(&self) -> LayerSurface {
         let mesh = self.surface.mesh();
@@ -298,12 +350,10 @@ fn turn_between(old: &PosedSurface, new: &PosedSurface, vertex: usize) -> Rotati
     frame(new) * frame(old).inverse()
 }
 
-/// Shrinks the rest metric along the compressed direction (layers notes 1.3, item 6).
-fn cap_stretch(strain: &FaceStrain) -> Matrix2<f64> {
-    if strain.first <= CAP_START {
-        return Matrix2::identity();
-    }
-    let ratio = (1.0 - strain.first) / (1.0 - capped_strain(strain.first));
+/// Stretch of the rest metric that leaves `wanted` of the first principal compression (layers
+/// notes 1.3, item 6).
+fn shrink_to(strain: &FaceStrain, wanted: f64) -> Matrix2<f64> {
+    let ratio = (1.0 - strain.first) / (1.0 - wanted);
     let d = strain.direction;
     Matrix2::identity() + d * d.transpose() * (ratio - 1.0)
 }
@@ -424,6 +474,10 @@ struct LayerObjective<'a> {
     positions: &'a [Vector3<f64>],
     pattern: LowerPattern,
     floor: &'a [f64],
+    /// Dead load, N.
+    reaction: &'a [f64],
+    /// Where the dead load does no work, m.
+    base: &'a [f64],
     area: f64,
     wrinkling: &'a Wrinkling,
     thickness: f64,
@@ -435,6 +489,16 @@ impl LayerObjective<'_> {
         scatter(self.free, unknowns, &mut positions);
         positions
     }
+
+    /// Work of the dead load since the layer lay on the surface below, J.
+    fn work_of_reaction(&self, x: &[f64]) -> f64 {
+        self.reaction
+            .iter()
+            .zip(x)
+            .zip(self.base)
+            .map(|((force, x), base)| force * (x - base))
+            .sum()
+    }
 }
 
 impl Objective for LayerObjective<'_> {
@@ -443,13 +507,16 @@ impl Objective for LayerObjective<'_> {
     }
 
     fn value(&self, x: &[f64]) -> f64 {
-        self.energy.value(&self.all_positions(x))
+        self.energy.value(&self.all_positions(x)) - self.work_of_reaction(x)
     }
 
     fn gradient(&self, x: &[f64], gradient: &mut [f64]) -> f64 {
         let positions = self.all_positions(x);
         self.energy.gradient(&positions, gradient);
-        self.energy.value(&positions)
+        for (gradient, reaction) in gradient.iter_mut().zip(self.reaction) {
+            *gradient -= reaction;
+        }
+        self.energy.value(&positions) - self.work_of_reaction(x)
     }
 
     fn hessian(&self, x: &[f64], exact: &mut [f64], relaxed: &mut [f64]) {

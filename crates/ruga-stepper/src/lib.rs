@@ -16,3 +16,6 @@ pub use observer::{Frame, Observer, Phase, Progress, Silent};
 pub use plan::{LayerPlan, Plan, PosePlan, plan};
 pub use result::{KeyResult, LayerReport, LayerSurface, PoseResult};
 pub use simulate::simulate;
+
+pub use ruga_constraint::Sampling;
+pub use ruga_solver::LinearSolver;

@@ -64,6 +64,7 @@ pub fn simulate(
             ..PoseResult::default()
         },
         report: LayerReport::default(),
+        knows_no_inertia: false,
     };
     run.follow_loads()?;
     Ok(run.finish())
@@ -114,6 +115,12 @@ fn layer_surface(
     whole.restrict(&faces)
 }
 
+/// Share of the critical strain below which nothing can wrinkle.
+const LEAST_DEMAND: f64 = 0.9;
+
+/// Amplitude below which a layer counts as flat, in thicknesses.
+const LEAST_AMPLITUDE: f64 = 0.01;
+
 struct PoseRun<'a> {
     driver: &'a Driver,
     spec: &'a PoseSpec,
@@ -122,6 +129,8 @@ struct PoseRun<'a> {
     observer: &'a mut dyn Observer,
     result: PoseResult,
     report: LayerReport,
+    /// Whether the user was told that minima and saddles look alike.
+    knows_no_inertia: bool,
 }
 
 impl PoseRun<'_> {
@@ -147,7 +156,7 @@ impl PoseRun<'_> {
                 self.result.converged = false;
                 return Ok(());
             }
-            match stepper.report(outcome(&solve)) {
+            match stepper.report(self.outcome(trial, &solve)) {
                 Verdict::Keep => {
                     kept = self.layer.state();
                     self.keep(trial.load, &solve);
@@ -170,7 +179,7 @@ impl PoseRun<'_> {
     fn solve(&mut self, trial: Trial) -> Result<SolveReport, StepperError> {
         let settings = NewtonSettings {
             linear: self.modelling.linear,
-            at_saddle: if trial.probe {
+            at_saddle: if self.is_probe(trial) {
                 AtSaddle::Stop
             } else {
                 AtSaddle::Leave
@@ -201,6 +210,13 @@ impl PoseRun<'_> {
     fn keep(&mut self, load: f64, solve: &SolveReport) {
         if !solve.converged {
             self.result.converged = false;
+        }
+        if solve.inertia.is_none() && self.layer.demand() > 1.0 && !self.knows_no_inertia {
+            self.knows_no_inertia = true;
+            self.result.warnings.push(format!(
+                "pose '{}', layer '{}': linear = \"minres\" cannot tell a wrinkled state from an unstable flat one; compare with \"ldlt\"",
+                self.spec.name, self.layer.spec.name
+            ));
         }
         let layers = [self.layer.snapshot()];
         self.observer.frame(&Frame {
@@ -237,11 +253,29 @@ impl PoseRun<'_> {
         let heights = layer.heights();
         let faces = layer.supercritical_faces();
         if let Some(waves) = waviness(&heights, &layer.rest().positions, faces) {
-            self.report.wavelength = Some(waves.wavelength);
             self.report.amplitude = waves.amplitude;
+            let is_wrinkled = waves.amplitude > LEAST_AMPLITUDE * layer.spec.material.thickness;
+            self.report.wavelength = is_wrinkled.then_some(waves.wavelength);
         }
         self.result.layers.push(self.report);
         self.result
+    }
+
+    /// Whether a saddle at this load would be the onset of wrinkling: below the critical strain
+    /// it is the noise of a detail finer than the layer is thick.
+    fn is_probe(&self, trial: Trial) -> bool {
+        trial.probe && self.layer.demand() > LEAST_DEMAND
+    }
+
+    fn outcome(&self, trial: Trial, solve: &SolveReport) -> Outcome {
+        let left_saddle = solve.left_saddle && (!trial.probe || self.is_probe(trial));
+        if solve.stop == StopRule::Saddle || (left_saddle && solve.converged) {
+            Outcome::Buckled
+        } else if solve.converged {
+            Outcome::Stable
+        } else {
+            Outcome::Failed
+        }
     }
 
     fn solver_error(&self, source: SolverError) -> StepperError {
@@ -249,15 +283,5 @@ impl PoseRun<'_> {
             layer: self.layer.spec.name.clone(),
             source,
         }
-    }
-}
-
-fn outcome(solve: &SolveReport) -> Outcome {
-    if solve.stop == StopRule::Saddle || (solve.left_saddle && solve.converged) {
-        Outcome::Buckled
-    } else if solve.converged {
-        Outcome::Stable
-    } else {
-        Outcome::Failed
     }
 }
