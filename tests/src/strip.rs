@@ -15,6 +15,20 @@ pub struct Strip {
     pub length: f64,
     /// Extent along y, m.
     pub width: f64,
+    /// Whether the end at `length` is the one at 0.
+    pub is_closed: bool,
+}
+
+impl Strip {
+    /// Which vertices lie at an end.
+    pub fn ends(&self) -> Vec<bool> {
+        let tolerance = 1e-9 * self.length;
+        let is_end = |x: f64| x < tolerance || x > self.length - tolerance;
+        self.points
+            .iter()
+            .map(|p| !self.is_closed && is_end(p.x))
+            .collect()
+    }
 }
 
 /// Rows of equilateral triangles along x, cut straight at both ends.
@@ -39,6 +53,37 @@ pub fn equilateral(length: f64, columns: usize, rows: usize) -> Strip {
         points,
         length,
         width: rows as f64 * height,
+        is_closed: false,
+    }
+}
+
+/// Rows of equilateral triangles around a tube: `columns` edges and `rows` rows.
+pub fn equilateral_tube(length: f64, columns: usize, rows: usize) -> Strip {
+    let edge = length / columns as f64;
+    let height = edge * 0.75f64.sqrt();
+    let vertex = |i: usize, j: usize| (j * columns + i % columns) as u32;
+    let (mut points, mut faces) = (Vec::new(), Vec::new());
+    for j in 0..=rows {
+        let (odd, y) = (j % 2, j as f64 * height);
+        let shift = 0.5 * odd as f64;
+        points.extend((0..columns).map(|i| Vector2::new((i as f64 + shift) * edge, y)));
+        for i in (0..columns).filter(|_| j < rows) {
+            // Odd rows stand half an edge further.
+            let [here, next] = [i, i + 1].map(|i| vertex(i, j));
+            let [above, after] = [i, i + 1].map(|i| vertex(i, j + 1));
+            faces.extend(if odd == 0 {
+                [[here, next, above], [next, after, above]]
+            } else {
+                [[here, next, after], [here, after, above]]
+            });
+        }
+    }
+    Strip {
+        points,
+        faces,
+        length,
+        width: rows as f64 * height,
+        is_closed: true,
     }
 }
 
