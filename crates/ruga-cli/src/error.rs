@@ -55,13 +55,14 @@ pub(crate) enum CliError {
     #[error("{}: {source}", mesh.display())]
     Mesh { mesh: PathBuf, source: BlendError },
     /// Two triangles would write the same texels.
-    #[error("{}: the texture coordinates of triangles {first} and {second} overlap inside the active region ({} there)", mesh.display(), counted(*triangles, "overlapping triangle"))]
+    #[error("{}: the texture coordinates of triangles {first} and {second} overlap inside the active region of pose `{pose}` ({} there)", mesh.display(), counted(*triangles, "overlapping triangle"))]
     #[diagnostic(help(
         "give every part of the active region its own place in the UV square, or leave one of them \
          out with a mask: `driver.region = \"mask.png\"`"
     ))]
     OverlappingUvs {
         mesh: PathBuf,
+        pose: String,
         first: u32,
         second: u32,
         triangles: usize,

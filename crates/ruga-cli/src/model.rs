@@ -3,14 +3,12 @@
 use std::path::Path;
 
 use ruga_blend::{Driver, Smoothing};
-use ruga_constraint::Sampling;
 use ruga_io::{Scene, scene};
 use ruga_material::{
     LayerMaterial, MaterialError, PRESETS, Preset, Substrate, WavelengthModel, design_layer,
     preset, wrinkling,
 };
-use ruga_solver::LinearSolver;
-use ruga_stepper::{Coupling, LayerSpec, Modelling, PoseSpec, Region};
+use ruga_stepper::{Coupling, LayerSpec, LinearSolver, Modelling, PoseSpec, Region, Sampling};
 
 use crate::arguments::Quality;
 use crate::error::{CliError, nearest};

@@ -10,7 +10,7 @@ use ruga_stepper::{LayerSpec, Mask, Modelling, Plan, PoseSpec, Region, plan};
 use crate::arguments::Quality;
 use crate::error::{CliError, counted};
 use crate::fingerprint::Fingerprint;
-use crate::model;
+use crate::{model, texture_space};
 
 /// What a command works on.
 pub(crate) struct Project {
@@ -45,9 +45,11 @@ impl Project {
         let driver = driver(&mesh)?;
         let poses = model::poses(&scene, &driver, poses, path)?;
         let modelling = model::modelling(&scene, region(&scene)?, quality);
+        let mut warnings = mesh_warnings(&mesh, &driver);
+        warnings.extend(texture_space::check(&mesh)?);
         Ok(Self {
             path: path.to_owned(),
-            warnings: mesh_warnings(&mesh, &driver),
+            warnings,
             scene,
             mesh,
             driver,
@@ -57,12 +59,12 @@ impl Project {
         })
     }
 
-    /// What will be modelled.
+    /// What will be modelled, its place in the maps made sure of.
     ///
     /// # Errors
-    /// [`CliError::Model`], such as a mask that leaves nothing.
+    /// [`CliError::Model`], such as a mask that leaves nothing; [`CliError::OverlappingUvs`].
     pub(crate) fn plan(&self) -> Result<Plan, CliError> {
-        plan(
+        let plan = plan(
             &self.driver,
             &self.layers,
             &self.poses,
@@ -72,7 +74,12 @@ impl Project {
         .map_err(|source| CliError::Model {
             scene: self.path.clone(),
             source: Box::new(source),
-        })
+        })?;
+        for (index, pose) in plan.poses.iter().enumerate() {
+            let active = plan.active_triangles(&self.driver, index);
+            texture_space::check_active(&self.mesh, &pose.name, &active)?;
+        }
+        Ok(plan)
     }
 
     /// Changes whenever the result of a pose might: scene, mesh, mask, quality, release.

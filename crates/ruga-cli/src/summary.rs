@@ -20,7 +20,6 @@ pub(crate) fn conclude(
     plan: &Plan,
     arguments: &RunArguments,
     records: &[Option<PoseRecord>],
-    warnings: &[String],
 ) -> Result<Outcome, CliError> {
     let finished: Vec<&PoseRecord> = records.iter().flatten().collect();
     let missing = records.len() - finished.len();
@@ -29,7 +28,7 @@ pub(crate) fn conclude(
         project.path.to_string_lossy().into_owned(),
     );
     let own = finished.iter().flat_map(|record| &record.warnings);
-    let all = warnings.iter().chain(&plan.warnings).chain(own);
+    let all = project.warnings.iter().chain(&plan.warnings).chain(own);
     report.warnings = all.cloned().collect();
     if missing > 0 {
         report.warnings.push(format!(

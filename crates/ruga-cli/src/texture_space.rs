@@ -59,11 +59,11 @@ pub(crate) fn check(mesh: &MeshFile) -> Result<Vec<String>, CliError> {
     Ok(warnings)
 }
 
-/// Refuses overlaps among the `active` triangles (numbers of the file, each once).
+/// Refuses overlaps among the `active` triangles of a pose (numbers of the file, each once).
 ///
 /// # Errors
 /// [`CliError::OverlappingUvs`] naming two of them.
-pub(crate) fn check_active(mesh: &MeshFile, active: &[u32]) -> Result<(), CliError> {
+pub(crate) fn check_active(mesh: &MeshFile, pose: &str, active: &[u32]) -> Result<(), CliError> {
     let Some(uvs) = corners(mesh) else {
         return Ok(());
     };
@@ -73,6 +73,7 @@ pub(crate) fn check_active(mesh: &MeshFile, active: &[u32]) -> Result<(), CliErr
         None => Ok(()),
         Some(&(face, other)) => Err(CliError::OverlappingUvs {
             mesh: mesh.path.clone(),
+            pose: pose.to_owned(),
             first: active[other as usize],
             second: active[face as usize],
             triangles: overlaps.len(),

@@ -1,7 +1,5 @@
 //! `ruga bake`: wrinkle maps, the artist's mesh, manifest and report.
 
-use std::collections::BTreeSet;
-
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use ruga_bake::{BakeSettings, Relief, TangentFrame, bake};
 use ruga_blend::Weights;
@@ -17,7 +15,7 @@ use crate::pose_runs::{PoseFiles, Product, run_poses, thread_count};
 use crate::posed_frames::posed_frames;
 use crate::project::Project;
 use crate::run::Outcome;
-use crate::{interrupt, messages, output_folder, summary, texture_space};
+use crate::{interrupt, messages, output_folder, summary};
 
 /// Simulates and bakes the poses of a scene.
 ///
@@ -25,13 +23,12 @@ use crate::{interrupt, messages, output_folder, summary, texture_space};
 /// Whatever keeps a pose from being planned, simulated, baked or written.
 pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     interrupt::listen();
-    let project = Project::read(&arguments.scene, &arguments.poses, arguments.quality)?;
-    output_folder::prepare(&arguments.output)?;
     let pool = thread_pool(thread_count(arguments))?;
-    let mut warnings = project.warnings.clone();
-    warnings.extend(pool.install(|| texture_space::check(&project.mesh))?);
-    let plan = project.plan()?;
-    for warning in warnings.iter().chain(&plan.warnings) {
+    let project =
+        pool.install(|| Project::read(&arguments.scene, &arguments.poses, arguments.quality))?;
+    let plan = pool.install(|| project.plan())?;
+    output_folder::prepare(&arguments.output)?;
+    for warning in project.warnings.iter().chain(&plan.warnings) {
         messages::warning(warning);
     }
     let maps = WrinkleMaps {
@@ -41,7 +38,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     };
     let records = run_poses(&project, &plan, arguments, &maps)?;
     maps.write_common(&records)?;
-    summary::conclude(&project, &plan, arguments, &records, &warnings)
+    summary::conclude(&project, &plan, arguments, &records)
 }
 
 /// Rayon's threads for the loops inside a bake; the global pool stays untouched.
@@ -64,16 +61,8 @@ struct WrinkleMaps<'a> {
 impl Product for WrinkleMaps<'_> {
     const COMMAND: &'static str = "bake";
 
-    /// Writes nothing. The first frame shows the active region: overlaps in it end the run now.
-    fn frame(&self, _: &PoseSpec, frame: &Frame<'_>) -> Result<Vec<String>, CliError> {
-        if frame.index == 0 {
-            let corners = frame.layers.iter().flat_map(|layer| &layer.artist);
-            let active: BTreeSet<u32> = corners.map(|(triangle, _)| *triangle).collect();
-            let active: Vec<u32> = active.into_iter().collect();
-            let mesh = &self.project.mesh;
-            self.pool
-                .install(|| texture_space::check_active(mesh, &active))?;
-        }
+    /// Maps are made of whole poses, not of their frames.
+    fn frame(&self, _: &PoseSpec, _: &Frame<'_>) -> Result<Vec<String>, CliError> {
         Ok(Vec::new())
     }
 

@@ -20,8 +20,8 @@ use crate::{interrupt, messages, output_folder, summary};
 pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     interrupt::listen();
     let project = Project::read(&arguments.scene, &arguments.poses, arguments.quality)?;
-    output_folder::prepare(&arguments.output)?;
     let plan = project.plan()?;
+    output_folder::prepare(&arguments.output)?;
     for warning in project.warnings.iter().chain(&plan.warnings) {
         messages::warning(warning);
     }
@@ -30,7 +30,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
         placement: Placement::of(&project.mesh),
     };
     let records = run_poses(&project, &plan, arguments, &meshes)?;
-    summary::conclude(&project, &plan, arguments, &records, &project.warnings)
+    summary::conclude(&project, &plan, arguments, &records)
 }
 
 struct FrameMeshes<'a> {
