@@ -87,9 +87,19 @@ fn texture_coordinate(place: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(0.5 + scale * place.x, 0.5 - scale * place.y)
 }
 
-/// Shortens the patch across the arm: 12 % everywhere, the same width along it.
+/// Shortens the patch across the arm, the same width along it: by 12 % in the middle, fading to
+/// nothing over the last 2 cm, so that the patch joins the skin around it without a kink.
 fn compress(place: Vector2<f64>) -> Vector3<f64> {
-    Vector3::new(-0.12 * place.x, 0.0, 0.0)
+    const STRAIN: f64 = 0.12;
+    /// Half width of the evenly compressed middle and width of the fade on both sides, m.
+    const EVEN: f64 = 0.03;
+    const FADE: f64 = 0.02;
+    let reach = place.x.abs();
+    let t = ((reach - EVEN) / FADE).clamp(0.0, 1.0);
+    // The integral of `1 - smoothstep`.
+    let faded = FADE * (t - t.powi(3) + 0.5 * t.powi(4));
+    let way = STRAIN * (reach.min(EVEN) + faded);
+    Vector3::new(-way.copysign(place.x), 0.0, 0.0)
 }
 
 /// Slides the two ends of the patch sideways against each other, as when the arm turns: a line
