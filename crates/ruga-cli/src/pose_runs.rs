@@ -105,7 +105,7 @@ impl<P: Product> PoseRun<'_, P> {
             Err(_) => "failed".to_owned(),
         };
         self.progress
-            .end(&bar, &format!("pose `{}` {ending}", spec.name));
+            .end(&bar, &format!("pose `{}`: {ending}", spec.name));
         let record = record?;
         if let Some(record) = &record {
             record.remove_leftovers(folder, &earlier);
@@ -220,6 +220,9 @@ fn ending(report: &PoseReport) -> String {
         .iter()
         .filter_map(|layer| layer.seconds.total)
         .sum();
+    if report.frames == 0 && report.converged {
+        return "nothing to wrinkle".to_owned();
+    }
     let time = duration(seconds * f64::from(report.frames));
     match report.converged {
         true => format!("done in {time}"),

@@ -63,7 +63,7 @@ fn finished_poses_stay_whole_and_a_second_run_resumes() {
         .exits(0)
         .says(&[
             "`squeezed` is there from an earlier run",
-            "pose `long` done",
+            "pose `long`: done",
         ]);
     assert_eq!(
         folder.json("out/report.json")["poses"]

@@ -3,6 +3,8 @@
 mod fixture;
 
 use fixture::Folder;
+#[cfg(unix)]
+use fixture::Run;
 
 #[test]
 fn a_file_where_the_folder_should_be() {
@@ -54,4 +56,40 @@ fn a_starter_scene_overwrites_nothing() {
         .exits(2)
         .says(&["scene.toml", "exists already"]);
     assert_eq!(folder.files(""), before);
+}
+
+/// Files may grow to 32 kB, after which writing fails as on a full disk.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_names_the_file_and_leaves_finished_poses_whole() {
+    let folder = Folder::with("size = 64", "size = 256");
+    // Nothing wrinkles in the first pose: its maps are one colour and small.
+    let first = "[[poses]]\nname = \"first\"\nweights = { stretch = 1.0 }\nsteps = 1\n\n[[poses]]";
+    folder.change("scene.toml", "[[poses]]", first);
+    folder.change("scene.toml", "region = \"all\"", "region = \"auto\"");
+    let limited = "trap '' XFSZ; ulimit -f 64; exec \"$0\" bake scene.toml -o out --threads 1";
+    let output = std::process::Command::new("sh")
+        .args(["-c", limited, env!("CARGO_BIN_EXE_ruga")])
+        .current_dir(folder.path(""))
+        .output();
+    Run::from(output.expect("there is a shell"))
+        .exits(2)
+        .says(&["squeezed_50_normal.png", "cannot write"]);
+    assert_eq!(
+        folder.files("out"),
+        [
+            "maps/first_100_height.png",
+            "maps/first_100_normal.png",
+            "maps/first_50_height.png",
+            "maps/first_50_normal.png",
+            "poses/first.json",
+        ]
+    );
+
+    // With room on the disk the run goes on after them.
+    folder
+        .ruga("bake scene.toml -o out --resume")
+        .exits(0)
+        .says(&["`first` is there from an earlier run"]);
+    assert_eq!(folder.files("out/maps").len(), 8);
 }

@@ -68,7 +68,7 @@ fn bake_writes_maps_mesh_manifest_and_report() {
     assert!((5e-4..5e-3).contains(&highest), "{highest} m");
 
     let mesh = read_mesh(&folder.path("out/Patch.glb"), None, &Default::default()).unwrap();
-    assert_eq!((mesh.mesh.positions.len(), mesh.mesh.shapes.len()), (81, 2));
+    assert_eq!((mesh.mesh.positions.len(), mesh.mesh.shapes.len()), (81, 3));
 }
 
 #[test]
@@ -186,7 +186,7 @@ fn plan_prints_a_table_or_json() {
     let strain = layer["strain_median"].as_f64().unwrap();
     assert!((strain / 0.15 - 1.0).abs() < 0.01, "{strain}");
     assert_eq!(layer["vertices"], plan["total"]["vertices"]);
-    assert_eq!(folder.files("").len(), 4, "a plan writes nothing");
+    assert_eq!(folder.files("").len(), 5, "a plan writes nothing");
 }
 
 #[test]
@@ -213,7 +213,7 @@ fn check_counts_what_it_found() {
     for text in [
         "1 pose, 4 maps",
         "128 triangles",
-        "2 blend shapes",
+        "3 blend shapes",
         "everywhere",
         "\nOK\n",
     ] {

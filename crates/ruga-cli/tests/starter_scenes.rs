@@ -11,7 +11,7 @@ fn the_forearm_bakes() {
     assert!(run.stdout.contains("ruga bake"), "{}", run.stdout);
     assert_eq!(folder.files("arm"), ["forearm.glb", "scene.toml"]);
     folder.ruga("check arm/scene.toml").exits(0);
-    folder.change("arm/scene.toml", "steps = 10", "steps = 2");
+    folder.change("arm/scene.toml", "steps = 6", "steps = 2");
     folder.change("arm/scene.toml", "size = 1024", "size = 256");
     folder
         .ruga("bake arm/scene.toml -o arm/out --pose compress --quality draft")
