@@ -1,13 +1,16 @@
 //! One layer on a fixed mesh, held by a surface below it.
 
-use nalgebra::{Matrix2, Rotation3, Vector3};
+use nalgebra::{Matrix2, Matrix3, Rotation3, SymmetricEigen, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use ruga_blend::{BaseSurface, FaceStrain, PosedSurface, face_strains};
+use ruga_blend::{BaseSurface, FaceStrain, PosedSurface, face_strains, rest_frame};
 use ruga_constraint::{ClusterSettings, Kernel, cluster_centres, constraint_rows};
 use ruga_material::{Wrinkling, capped_strain};
 use ruga_mesh::{FaceId, Id, PerFace, PerVertex, VertexId};
-use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters, ShellError};
+use ruga_shell::{
+    FaceParameters, HINGE_EXPONENT, LayerEnergy, LayerParameters, ResponseQuery, ShellError,
+    face_corners, response_modulus,
+};
 use ruga_solver::{
     ConstraintRows, Iteration, Kkt, LowerPattern, NewtonSettings, Objective, SolveReport,
     SolverError, minimise,
@@ -306,6 +309,54 @@ impl Layer {
         let poisson = self.spec.material.poisson;
         let strains = self.strains.as_slice().iter();
         strains.map(|s| s.effective(poisson)).fold(0.0, f64::max) / self.wrinkling.critical_strain
+    }
+
+    /// Response bending modulus of this mesh, compressed in the main direction, over that of the
+    /// material; `None` where nothing is compressed enough or the mesh has no wrinkling mode.
+    ///
+    /// One direction for all: one that varies from face to face frustrates the mode and would
+    /// count as stiffness.
+    pub(crate) fn bending_ratio(&self) -> Option<f64> {
+        let mesh = self.surface.mesh();
+        let faces: Vec<[u32; 3]> = mesh
+            .faces()
+            .as_slice()
+            .iter()
+            .map(|f| f.map(|v| v.0))
+            .collect();
+        let corners = face_corners(&self.rest.positions, &faces);
+        let directions = vec![self.main_direction(&corners)?; faces.len()];
+        let pinned = mesh.border_vertices();
+        let response = response_modulus(&ResponseQuery {
+            faces: &faces,
+            corners: &corners,
+            directions: &directions,
+            fixed: pinned.as_slice(),
+            bending_modulus: self.wrinkling.bending_stiffness,
+            hinge_exponent: HINGE_EXPONENT,
+            normal_stiffness: self.wrinkling.normal_stiffness,
+            gradient_stiffness: self.wrinkling.gradient_stiffness,
+        });
+        let modulus = response.ok().filter(|r| r.converged)?.bending_modulus;
+        Some(modulus / self.wrinkling.bending_stiffness)
+    }
+
+    /// The direction in space in which most of the compression beyond the critical strain goes.
+    fn main_direction(&self, corners: &[[Vector3<f64>; 3]]) -> Option<Vector3<f64>> {
+        let poisson = self.spec.material.poisson;
+        let mut tensor = Matrix3::zeros();
+        for (corners, strain) in corners.iter().zip(self.strains.as_slice()) {
+            let excess = strain.effective(poisson) - self.wrinkling.critical_strain;
+            let [u, v] = rest_frame(*corners);
+            let direction = u * strain.direction.x + v * strain.direction.y;
+            let area = (corners[1] - corners[0])
+                .cross(&(corners[2] - corners[0]))
+                .norm();
+            tensor += direction * direction.transpose() * (area * excess.max(0.0));
+        }
+        let eigen = SymmetricEigen::new(tensor);
+        let largest = eigen.eigenvalues.imax();
+        (eigen.eigenvalues[largest] > 0.0).then(|| eigen.eigenvectors.column(largest).into_owned())
     }
 
     /// The layer as others see it.

@@ -250,6 +250,7 @@ impl PoseRun<'_> {
         self.report.wavelength_predicted = layer.wrinkling.wavelength;
         self.report.critical_strain_predicted = layer.wrinkling.critical_strain;
         self.report.energy = layer.energy();
+        self.report.bending_ratio = layer.bending_ratio();
         let heights = layer.heights();
         let faces = layer.supercritical_faces();
         if let Some(waves) = waviness(&heights, &layer.rest().positions, faces) {
