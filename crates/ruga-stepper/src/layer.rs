@@ -4,31 +4,25 @@ use nalgebra::{Matrix2, Matrix3, Rotation3, SymmetricEigen, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use ruga_blend::{BaseSurface, FaceStrain, PosedSurface, face_strains, rest_frame};
-use ruga_constraint::{ClusterSettings, Kernel, cluster_centres, constraint_rows};
 use ruga_material::{Wrinkling, capped_strain};
-use ruga_mesh::{FaceId, Id, PerFace, PerVertex, VertexId};
+use ruga_mesh::{FaceId, Id, PerFace, VertexId};
 use ruga_shell::{
     FaceParameters, HINGE_EXPONENT, LayerEnergy, LayerParameters, ResponseQuery, ShellError,
     face_corners, response_modulus,
 };
 use ruga_solver::{
-    ConstraintRows, Iteration, Kkt, LowerPattern, NewtonSettings, Objective, SolveReport,
-    SolverError, minimise,
+    Iteration, Kkt, LowerPattern, NewtonSettings, SolveReport, SolverError, minimise,
 };
 
+use crate::layer_objective::{LayerObjective, gather, scatter};
+use crate::low_pass_rows::low_pass_rows;
 use crate::measure::heights;
 use crate::{Coupling, LayerSpec, LayerSurface, StepperError};
 
-/// Spacing of the low-pass rows beside a foundation, in wavelengths (coupling notes 3).
-const HYBRID_SPACING: f64 = 1.5;
-/// Spacing of rows that act alone: a hex lattice then lets the wavelength itself through
-/// (physics notes 2.1).
-const CONSTRAINT_SPACING: f64 = 0.577_350_269_189_625_8;
-/// A row is dropped when less than this share of its weight is on vertices that move.
-const MIN_FREE_WEIGHT: f64 = 0.2;
-/// Levenberg floor in units of `K0 V_i` (coupling notes 6.1).
+/// Levenberg floor in units of `K0 V_i`: keeps modes that slide along themselves from having a
+/// random sign, and is far below what any wrinkle feels.
 const FLOOR: f64 = 1e-6;
-/// Initial noise in thicknesses; a tenth picks a wrong wavelength (coupling notes 6.2).
+/// Initial noise in thicknesses; a tenth picks a wrong wavelength.
 const NOISE: f64 = 1e-3;
 /// Compression from which the rest metric is capped.
 const CAP_START: f64 = 0.15;
@@ -401,8 +395,7 @@ fn turn_between(old: &PosedSurface, new: &PosedSurface, vertex: usize) -> Rotati
     frame(new) * frame(old).inverse()
 }
 
-/// Stretch of the rest metric that leaves `wanted` of the first principal compression (layers
-/// notes 1.3, item 6).
+/// Stretch of the rest metric that leaves `wanted` of the first principal compression.
 fn shrink_to(strain: &FaceStrain, wanted: f64) -> Matrix2<f64> {
     let ratio = (1.0 - strain.first) / (1.0 - wanted);
     let d = strain.direction;
@@ -427,169 +420,5 @@ fn layer_parameters(
     LayerParameters {
         faces: vec![face; faces],
         tangential_stiffness: vec![spring(wrinkling.tangential_stiffness); vertices],
-    }
-}
-
-/// The rows of the layer's coupling on the coordinates of its free vertices, x, y, z in turn.
-fn low_pass_rows(
-    spec: &LayerSpec,
-    wrinkling: &Wrinkling,
-    surface: &BaseSurface,
-    rest: &PosedSurface,
-    pinned: &PerVertex<bool>,
-    free: &[VertexId],
-) -> Result<ConstraintRows, StepperError> {
-    let solver = |source| StepperError::Solver {
-        layer: spec.name.clone(),
-        source,
-    };
-    let wavelength = wrinkling.wavelength;
-    let (spacing, kernel) = match spec.coupling {
-        Coupling::Elastic => return Ok(ConstraintRows::none(3 * free.len())),
-        Coupling::Hybrid => (
-            HYBRID_SPACING * wavelength,
-            Kernel::beside_foundation(HYBRID_SPACING * wavelength),
-        ),
-        Coupling::Constraint => (CONSTRAINT_SPACING * wavelength, Kernel::alone(wavelength)),
-    };
-    if free.is_empty() {
-        return Ok(ConstraintRows::none(0));
-    }
-    let constraint = |source| StepperError::Constraint {
-        layer: spec.name.clone(),
-        source,
-    };
-    let mesh = surface.mesh();
-    let centres = cluster_centres(
-        mesh,
-        &rest.positions,
-        &PerVertex::filled(mesh.vertex_count(), spacing),
-        free,
-        &ClusterSettings::default(),
-    )
-    .map_err(constraint)?;
-    let set = constraint_rows(
-        mesh,
-        &rest.positions,
-        &rest.normals,
-        &centres,
-        &vec![kernel; centres.len()],
-        spec.sampling,
-    )
-    .map_err(constraint)?;
-    let mut unknown = PerVertex::filled(mesh.vertex_count(), None);
-    for (i, &v) in free.iter().enumerate() {
-        unknown[v] = Some(3 * i);
-    }
-    let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
-    for row in &set.rows {
-        // Pinned vertices lie on their targets, so their share of the average is right already.
-        let moving: Vec<(usize, f64)> = row
-            .weights
-            .iter()
-            .filter(|(v, _)| !pinned[*v])
-            .filter_map(|&(v, w)| unknown[v].map(|u| (u, w)))
-            .collect();
-        if moving.iter().map(|m| m.1).sum::<f64>() < MIN_FREE_WEIGHT {
-            continue;
-        }
-        for axis in 0..3 {
-            columns.extend(moving.iter().map(|(u, _)| u + axis));
-            values.extend(moving.iter().map(|(_, w)| w));
-            starts.push(columns.len());
-        }
-    }
-    ConstraintRows::new(starts, columns, values, 3 * free.len()).map_err(solver)
-}
-
-fn gather(free: &[VertexId], positions: &[Vector3<f64>]) -> Vec<f64> {
-    free.iter()
-        .flat_map(|v| {
-            let p = positions[v.index()];
-            [p.x, p.y, p.z]
-        })
-        .collect()
-}
-
-fn scatter(free: &[VertexId], unknowns: &[f64], positions: &mut [Vector3<f64>]) {
-    for (v, x) in free.iter().zip(unknowns.chunks_exact(3)) {
-        positions[v.index()] = Vector3::new(x[0], x[1], x[2]);
-    }
-}
-
-/// A layer's energy as a function of the coordinates that move.
-struct LayerObjective<'a> {
-    energy: &'a LayerEnergy,
-    free: &'a [VertexId],
-    /// Where pinned vertices are.
-    positions: &'a [Vector3<f64>],
-    pattern: LowerPattern,
-    floor: &'a [f64],
-    /// Dead load, N.
-    reaction: &'a [f64],
-    /// Where the dead load does no work, m.
-    base: &'a [f64],
-    area: f64,
-    wrinkling: &'a Wrinkling,
-    thickness: f64,
-}
-
-impl LayerObjective<'_> {
-    fn all_positions(&self, unknowns: &[f64]) -> Vec<Vector3<f64>> {
-        let mut positions = self.positions.to_vec();
-        scatter(self.free, unknowns, &mut positions);
-        positions
-    }
-
-    /// Work of the dead load since the layer lay on the surface below, J.
-    fn work_of_reaction(&self, x: &[f64]) -> f64 {
-        self.reaction
-            .iter()
-            .zip(x)
-            .zip(self.base)
-            .map(|((force, x), base)| force * (x - base))
-            .sum()
-    }
-}
-
-impl Objective for LayerObjective<'_> {
-    fn pattern(&self) -> &LowerPattern {
-        &self.pattern
-    }
-
-    fn value(&self, x: &[f64]) -> f64 {
-        self.energy.value(&self.all_positions(x)) - self.work_of_reaction(x)
-    }
-
-    fn gradient(&self, x: &[f64], gradient: &mut [f64]) -> f64 {
-        let positions = self.all_positions(x);
-        self.energy.gradient(&positions, gradient);
-        for (gradient, reaction) in gradient.iter_mut().zip(self.reaction) {
-            *gradient -= reaction;
-        }
-        self.energy.value(&positions) - self.work_of_reaction(x)
-    }
-
-    fn hessian(&self, x: &[f64], exact: &mut [f64], relaxed: &mut [f64]) {
-        self.energy
-            .hessian(&self.all_positions(x), exact, Some(relaxed));
-    }
-
-    fn floor(&self) -> &[f64] {
-        self.floor
-    }
-
-    fn energy_scale(&self) -> f64 {
-        let w = self.wrinkling;
-        0.5 * w.membrane_stiffness * w.critical_strain.powi(2) * self.area
-    }
-
-    fn force_scale(&self) -> f64 {
-        let per_vertex = self.area / self.positions.len().max(1) as f64;
-        self.wrinkling.normal_stiffness * self.thickness * per_vertex
-    }
-
-    fn length_scale(&self) -> f64 {
-        self.thickness
     }
 }

@@ -2,6 +2,8 @@
 
 mod error;
 mod layer;
+mod layer_objective;
+mod low_pass_rows;
 mod measure;
 mod model;
 mod observer;

@@ -6,7 +6,7 @@ use ruga_constraint::Sampling;
 use ruga_material::{LayerMaterial, Substrate, WavelengthModel};
 use ruga_solver::LinearSolver;
 
-/// How a layer is held by what lies below it (design 6.1).
+/// How a layer is held by what lies below it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Coupling {
     /// Low-pass rows at spacing wavelength/√3 and nothing else: the papers' coupling.

@@ -14,7 +14,7 @@ const MAX_PLANNING_FACES: usize = 1_500_000;
 const FACET_SHARE: f64 = 1.0 / 3.0;
 /// Areas below a hundredth of a square centimetre are not worth a warning, m².
 const NEGLIGIBLE_AREA: f64 = 1e-6;
-/// Strain from which the rest metric is capped (layers notes 1.3).
+/// Strain from which the rest metric is capped.
 const CAP_START: f64 = 0.15;
 
 /// What will be modelled.

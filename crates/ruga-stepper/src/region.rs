@@ -1,4 +1,4 @@
-//! Where a pose can wrinkle a layer: the active region (design 5, layers notes 1.2-1.3).
+//! Where a pose can wrinkle a layer: the active region.
 
 use nalgebra::{Matrix2, Matrix3, Vector3};
 use ruga_blend::{BaseSurface, FaceStrain, PosedSurface, face_strains, rest_frame};

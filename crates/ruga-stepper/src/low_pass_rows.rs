@@ -1,0 +1,90 @@
+//! The rows that keep a layer's large shape on the surface below.
+
+use ruga_blend::{BaseSurface, PosedSurface};
+use ruga_constraint::{ClusterSettings, Kernel, cluster_centres, constraint_rows};
+use ruga_material::Wrinkling;
+use ruga_mesh::{PerVertex, VertexId};
+use ruga_solver::ConstraintRows;
+
+use crate::{Coupling, LayerSpec, StepperError};
+
+/// Spacing of the low-pass rows beside a foundation, in wavelengths: away from the wavelength
+/// itself, with which the rows' reactions would resonate on a curved surface.
+const HYBRID_SPACING: f64 = 1.5;
+/// Spacing of rows that act alone: a hex lattice then lets the wavelength itself through
+/// and holds everything longer.
+const CONSTRAINT_SPACING: f64 = 0.577_350_269_189_625_8;
+/// A row is dropped when less than this share of its weight is on vertices that move.
+const MIN_FREE_WEIGHT: f64 = 0.2;
+
+/// The rows of the layer's coupling on the coordinates of its free vertices, x, y, z in turn.
+pub(crate) fn low_pass_rows(
+    spec: &LayerSpec,
+    wrinkling: &Wrinkling,
+    surface: &BaseSurface,
+    rest: &PosedSurface,
+    pinned: &PerVertex<bool>,
+    free: &[VertexId],
+) -> Result<ConstraintRows, StepperError> {
+    let solver = |source| StepperError::Solver {
+        layer: spec.name.clone(),
+        source,
+    };
+    let wavelength = wrinkling.wavelength;
+    let (spacing, kernel) = match spec.coupling {
+        Coupling::Elastic => return Ok(ConstraintRows::none(3 * free.len())),
+        Coupling::Hybrid => (
+            HYBRID_SPACING * wavelength,
+            Kernel::beside_foundation(HYBRID_SPACING * wavelength),
+        ),
+        Coupling::Constraint => (CONSTRAINT_SPACING * wavelength, Kernel::alone(wavelength)),
+    };
+    if free.is_empty() {
+        return Ok(ConstraintRows::none(0));
+    }
+    let constraint = |source| StepperError::Constraint {
+        layer: spec.name.clone(),
+        source,
+    };
+    let mesh = surface.mesh();
+    let centres = cluster_centres(
+        mesh,
+        &rest.positions,
+        &PerVertex::filled(mesh.vertex_count(), spacing),
+        free,
+        &ClusterSettings::default(),
+    )
+    .map_err(constraint)?;
+    let set = constraint_rows(
+        mesh,
+        &rest.positions,
+        &rest.normals,
+        &centres,
+        &vec![kernel; centres.len()],
+        spec.sampling,
+    )
+    .map_err(constraint)?;
+    let mut unknown = PerVertex::filled(mesh.vertex_count(), None);
+    for (i, &v) in free.iter().enumerate() {
+        unknown[v] = Some(3 * i);
+    }
+    let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
+    for row in &set.rows {
+        // Pinned vertices lie on their targets, so their share of the average is right already.
+        let moving: Vec<(usize, f64)> = row
+            .weights
+            .iter()
+            .filter(|(v, _)| !pinned[*v])
+            .filter_map(|&(v, w)| unknown[v].map(|u| (u, w)))
+            .collect();
+        if moving.iter().map(|m| m.1).sum::<f64>() < MIN_FREE_WEIGHT {
+            continue;
+        }
+        for axis in 0..3 {
+            columns.extend(moving.iter().map(|(u, _)| u + axis));
+            values.extend(moving.iter().map(|(_, w)| w));
+            starts.push(columns.len());
+        }
+    }
+    ConstraintRows::new(starts, columns, values, 3 * free.len()).map_err(solver)
+}
