@@ -1,23 +1,96 @@
-//! Plans and runs the wrinkling of one pose: region, mesh, load steps, report.
+//! Plans and runs the wrinkling of a layer on a posed mesh: a driver, layers and poses go in, the
+//! wrinkled surface at every key comes out.
+//!
+//! A [`LayerSpec`] is a material, what carries it and how the two hold together; a [`PoseSpec`] is
+//! a set of blend-shape weights and the loads at which results are kept. [`plan()`] compares what
+//! each pose asks of the skin with what the layer can bear and gives a [`Plan`]: where to simulate,
+//! how finely, at what cost. [`simulate()`] takes one pose of it from rest to full weight, shows an
+//! [`Observer`] each step, and returns a [`PoseResult`].
+//!
+//! In each load step the layer takes the positions `x` of least energy over the posed surface:
+//!
+//! ```text
+//! min  shell(x) + 1/2 int K0 w^2 + K1 |grad w|^2 + Kt |x_t - p_t|^2     subject to  H x = b
+//! ```
+//!
+//! `w` is the height over the posed surface and `x_t - p_t` the way along it; `H x = b` holds
+//! averages of the layer, taken over more than a wavelength, at the same averages of that surface
+//! (Li 2014, ch. 4). The base also pushes back with what a layer lying flat on it exerts, so that
+//! the artist's own shape is in equilibrium. A load at which the layer buckles is approached by
+//! bisection, because wrinkles choose their length at the onset.
+//!
+//! SI units; positions are in space, loads are fractions of a pose in (0, 1]. The crate alone
+//! changes the state of a simulation. It reads no clock and no file and prints nothing; the same
+//! input gives the same result.
+//!
+//! ```
+//! use nalgebra::{Vector2, Vector3};
+//! use ruga_blend::{ArtistMesh, BlendShape, Driver};
+//! use ruga_material::{WavelengthModel, preset};
+//! use ruga_stepper::{
+//!     Coupling, LayerSpec, Modelling, PoseSpec, Sampling, Silent, plan, simulate,
+//! };
+//!
+//! let square = [[0.0, 0.0], [0.04, 0.0], [0.04, 0.04], [0.0, 0.04]];
+//! let driver = Driver::new(&ArtistMesh {
+//!     positions: square.map(|[x, y]| Vector3::new(x, y, 0.0)).to_vec(),
+//!     uvs: Some(square.map(|[x, y]| Vector2::new(25.0 * x, 25.0 * y)).to_vec()),
+//!     triangles: vec![[0, 1, 2], [0, 2, 3]],
+//!     shapes: vec![BlendShape {
+//!         name: "compress".into(),
+//!         position_deltas: square.map(|[x, _]| Vector3::new(-0.1 * x, 0.0, 0.0)).to_vec(),
+//!         normal_deltas: None,
+//!     }],
+//!     ..ArtistMesh::default()
+//! })?;
+//! let skin = preset("forehead-furrow").expect("one of the presets");
+//! let layers = [LayerSpec {
+//!     name: "skin".into(),
+//!     material: skin.layer,
+//!     substrate: skin.substrate,
+//!     model: WavelengthModel::Layer,
+//!     coupling: Coupling::Hybrid,
+//!     sampling: Sampling::Quadrature,
+//! }];
+//! let poses = [PoseSpec {
+//!     name: "frown".into(),
+//!     weights: driver.weights([("compress", 1.0)])?,
+//!     keys: vec![1.0],
+//!     steps: 3,
+//! }];
+//! let draft = Modelling { points_per_wavelength: 6.0, ..Modelling::default() };
+//!
+//! let plan = plan(&driver, &layers, &poses, &draft, 1024)?;
+//! let result = simulate(&driver, &layers, &plan, 0, &poses[0], &draft, &mut Silent)?;
+//! assert!(result.converged);
+//! // Deeper than a tenth of a millimetre: the skin wrinkles.
+//! assert!(result.layers[0].amplitude > 1e-4);
+//! # Ok::<(), ruga_stepper::StepperError>(())
+//! ```
 
-mod error;
+mod model;
+mod plan;
+mod result;
+mod simulate;
+
 mod layer;
 mod layer_objective;
 mod low_pass_rows;
 mod measure;
-mod model;
-mod observer;
-mod plan;
 mod region;
-mod result;
-mod simulate;
 
-pub use error::StepperError;
-pub use model::{Coupling, LayerSpec, Mask, Modelling, PoseSpec, Region};
-pub use observer::{Frame, Observer, Phase, Progress, Silent};
+mod error;
+mod observer;
+
 pub use plan::{LayerPlan, Plan, PosePlan, plan};
-pub use result::{KeyResult, LayerReport, LayerSurface, PoseResult};
 pub use simulate::simulate;
 
+pub use model::{Coupling, LayerSpec, Mask, Modelling, PoseSpec, Region};
+pub use result::{KeyResult, LayerReport, LayerSurface, PoseResult};
+
+pub use observer::{Frame, Observer, Phase, Progress, Silent};
+
+pub use error::StepperError;
+// A layer and its modelling are chosen in these words; a caller needs no other crate for them.
 pub use ruga_constraint::Sampling;
 pub use ruga_solver::LinearSolver;
