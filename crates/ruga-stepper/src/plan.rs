@@ -78,8 +78,9 @@ pub struct LayerPlan {
     pub levels: u32,
     /// Edges per wavelength that this gives (median over the active area).
     pub points_per_wavelength: f64,
-    /// `C / (R² K0)` at the 95th percentile of the rest curvature: above 0.02 the purely elastic
-    /// coupling delays wrinkles.
+    /// Curvature measure `C / (R² K0)` at the 95th percentile of the rest curvature. By this share
+    /// a foundation alone would delay the onset; the balance with the surface below removes the
+    /// delay, and what is left near 1 is that the surface bends within one wavelength.
     pub chi: f64,
     /// Texels of the map per wavelength (median over the active area).
     pub texels_per_wavelength: f64,
@@ -372,13 +373,6 @@ fn warn(
             plan.points_per_wavelength,
             modelling.points_per_wavelength,
             remedy(plan, modelling)
-        ));
-    }
-    if layer.coupling == crate::Coupling::Elastic && plan.chi > 0.02 {
-        say(format!(
-            "curvature measure chi = {:.3} exceeds 0.02: the elastic coupling delays wrinkles by about {:.0} %; use \"hybrid\"",
-            plan.chi,
-            100.0 * plan.chi
         ));
     }
 }

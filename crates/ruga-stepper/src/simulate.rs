@@ -121,6 +121,9 @@ const LEAST_DEMAND: f64 = 0.9;
 /// Amplitude below which a layer counts as flat, in thicknesses.
 const LEAST_AMPLITUDE: f64 = 0.01;
 
+/// Error of the wavelength, from the mesh's bending modulus, that is not worth a warning.
+const WAVELENGTH_TOLERANCE: f64 = 0.03;
+
 struct PoseRun<'a> {
     driver: &'a Driver,
     spec: &'a PoseSpec,
@@ -258,8 +261,25 @@ impl PoseRun<'_> {
             let is_wrinkled = waves.amplitude > LEAST_AMPLITUDE * layer.spec.material.thickness;
             self.report.wavelength = is_wrinkled.then_some(waves.wavelength);
         }
+        self.warn_of_soft_triangles();
         self.result.layers.push(self.report);
         self.result
+    }
+
+    fn warn_of_soft_triangles(&mut self) {
+        let Some(ratio) = self.report.bending_ratio else {
+            return;
+        };
+        let change = ratio.powf(0.25) - 1.0;
+        if change.abs() > WAVELENGTH_TOLERANCE {
+            self.result.warnings.push(format!(
+                "pose '{}', layer '{}': the shape of its triangles gives the mesh {ratio:.2} of the layer's bending modulus: expect wavelengths {:.0} % too {}",
+                self.spec.name,
+                self.report.name,
+                100.0 * change.abs(),
+                if change < 0.0 { "short" } else { "long" }
+            ));
+        }
     }
 
     /// Whether a saddle at this load would be the onset of wrinkling: below the critical strain

@@ -1,0 +1,137 @@
+//! What the planner decides.
+
+mod patch;
+
+use patch::{SIDE, draft, driver, pose, skin};
+use ruga_stepper::{Coupling, Mask, Modelling, Region, StepperError, plan};
+
+#[test]
+fn only_what_can_wrinkle_is_planned() {
+    let driver = driver();
+    let layers = [skin("forehead-furrow", Coupling::Hybrid)];
+    let poses = [pose(&driver, "press", 1.0), pose(&driver, "press", 0.2)];
+    let plan = plan(&driver, &layers, &poses, &draft(), 1024).unwrap();
+    let strong = &plan.poses[0].layers[0];
+    assert!(strong.active_area > 0.3 * SIDE * SIDE);
+    assert!(
+        (strong.strain_p99 - 0.12).abs() < 0.005,
+        "{}",
+        strong.strain_p99
+    );
+    assert!(strong.points_per_wavelength > 5.4);
+    assert!(strong.vertices > 100 && strong.seconds > 0.0 && strong.memory > 0.0);
+    assert!((strong.texels_per_wavelength - 1024.0 * strong.wavelength / SIDE).abs() < 2.0);
+    assert!(!plan.active_triangles(&driver, 0).is_empty());
+    let weak = &plan.poses[1].layers[0];
+    assert_eq!((weak.active_area, weak.vertices), (0.0, 0));
+    assert!(plan.active_triangles(&driver, 1).is_empty());
+}
+
+#[test]
+fn a_mask_limits_the_region_and_a_black_one_is_an_error() {
+    let driver = driver();
+    let layers = [skin("forehead-furrow", Coupling::Hybrid)];
+    let poses = [pose(&driver, "press", 1.0)];
+    let with_mask = |values: Vec<f32>| {
+        let region = Region::Mask(Mask {
+            width: 2,
+            height: 1,
+            values,
+        });
+        plan(
+            &driver,
+            &layers,
+            &poses,
+            &Modelling { region, ..draft() },
+            1024,
+        )
+    };
+    let white = with_mask(vec![1.0, 1.0]).unwrap().poses[0].layers[0].active_area;
+    let half = with_mask(vec![1.0, 0.0]).unwrap().poses[0].layers[0].active_area;
+    assert!((half / white - 0.5).abs() < 0.05, "{half} of {white}");
+    assert!(matches!(
+        with_mask(vec![0.0, 0.0]),
+        Err(StepperError::BlackMask)
+    ));
+}
+
+#[test]
+fn all_takes_everything_that_is_not_folded() {
+    let driver = driver();
+    let layers = [skin("forehead-furrow", Coupling::Hybrid)];
+    let modelling = Modelling {
+        region: Region::All,
+        ..draft()
+    };
+    let poses = [pose(&driver, "press", 0.1), pose(&driver, "fold", 1.0)];
+    let plan = plan(&driver, &layers, &poses, &modelling, 1024).unwrap();
+    assert!((plan.poses[0].layers[0].active_area / (SIDE * SIDE) - 1.0).abs() < 1e-9);
+    let folded = &plan.poses[1].layers[0];
+    assert_eq!(folded.active_area, 0.0);
+    assert!((folded.folded_area / (SIDE * SIDE) - 1.0).abs() < 1e-9);
+    assert!(
+        plan.warnings.iter().any(|w| w.contains("fold over")),
+        "{:?}",
+        plan.warnings
+    );
+}
+
+#[test]
+fn the_budget_stops_refinement_and_names_remedies() {
+    let driver = driver();
+    let layers = [skin("forehead-furrow", Coupling::Hybrid)];
+    let modelling = Modelling {
+        vertex_budget: 3000,
+        points_per_wavelength: 24.0,
+        ..draft()
+    };
+    let plan = plan(
+        &driver,
+        &layers,
+        &[pose(&driver, "press", 1.0)],
+        &modelling,
+        1024,
+    )
+    .unwrap();
+    assert!(plan.poses[0].layers[0].vertices <= 3000);
+    let warning = plan.warnings.join("\n");
+    for word in ["budget of 3000", "mask", "critical strain", "draft"] {
+        assert!(warning.contains(word), "{warning}");
+    }
+}
+
+#[test]
+fn few_texels_are_warned_about() {
+    let driver = driver();
+    let layers = [skin("forehead-furrow", Coupling::Hybrid)];
+    let plan = plan(
+        &driver,
+        &layers,
+        &[pose(&driver, "press", 1.0)],
+        &draft(),
+        16,
+    )
+    .unwrap();
+    assert!(
+        plan.warnings
+            .iter()
+            .any(|w| w.contains("texels per wavelength"))
+    );
+}
+
+#[test]
+fn a_scene_without_layers_is_refused() {
+    let driver = driver();
+    let result = plan(&driver, &[], &[pose(&driver, "press", 1.0)], &draft(), 1024);
+    assert!(matches!(result, Err(StepperError::NoLayer)));
+    let mut bad = skin("forehead-furrow", Coupling::Hybrid);
+    bad.material.thickness = -1.0;
+    let result = plan(
+        &driver,
+        &[bad],
+        &[pose(&driver, "press", 1.0)],
+        &draft(),
+        1024,
+    );
+    assert!(matches!(result, Err(StepperError::Material { .. })));
+}

@@ -1,0 +1,147 @@
+//! One pose from rest to full weight.
+
+mod patch;
+
+use patch::{draft, driver, pose, skin};
+use ruga_stepper::{
+    Coupling, Frame, LinearSolver, Modelling, Observer, PoseResult, Progress, Silent, StepperError,
+    plan, simulate,
+};
+
+fn run(coupling: Coupling, modelling: &Modelling, observer: &mut dyn Observer) -> PoseResult {
+    let driver = driver();
+    let layers = [skin("forehead-furrow", coupling)];
+    let poses = [pose(&driver, "press", 1.0)];
+    let plan = plan(&driver, &layers, &poses, modelling, 1024).unwrap();
+    simulate(&driver, &layers, &plan, 0, &poses[0], modelling, observer).unwrap()
+}
+
+#[test]
+fn every_coupling_wrinkles_near_the_predicted_wavelength() {
+    for (coupling, tolerance) in [
+        (Coupling::Hybrid, 0.1),
+        (Coupling::Elastic, 0.1),
+        // Rows alone set the wavelength by their irregular spacing.
+        (Coupling::Constraint, 0.4),
+    ] {
+        let result = run(coupling, &draft(), &mut Silent);
+        let layer = &result.layers[0];
+        assert!(result.converged, "{coupling:?}");
+        assert_eq!(result.keys.len(), 2);
+        // The patch's triangles are right-angled, on which hinges are soft; the modulus with which
+        // this very mesh responds explains the wavelength.
+        let modulus = layer.bending_ratio.unwrap();
+        assert!(modulus > 0.6 && modulus < 0.9, "{modulus}");
+        assert!(result.warnings.iter().any(|w| w.contains("triangles")));
+        let expected = layer.wavelength_predicted * modulus.powf(0.25);
+        let ratio = layer.wavelength.unwrap() / expected;
+        assert!((ratio - 1.0).abs() < tolerance, "{coupling:?}: {ratio}");
+        assert!(layer.amplitude > 0.2e-3 && layer.amplitude < 1.2e-3);
+        let rows = layer.constraints;
+        assert_eq!(rows == 0, coupling == Coupling::Elastic, "{rows} rows");
+    }
+}
+
+#[test]
+fn below_the_onset_the_layer_lies_on_the_driver() {
+    let driver = driver();
+    let layers = [skin("forehead-furrow", Coupling::Hybrid)];
+    let modelling = Modelling {
+        region: ruga_stepper::Region::All,
+        ..draft()
+    };
+    let poses = [pose(&driver, "press", 0.3)];
+    let plan = plan(&driver, &layers, &poses, &modelling, 1024).unwrap();
+    let result = simulate(
+        &driver,
+        &layers,
+        &plan,
+        0,
+        &poses[0],
+        &modelling,
+        &mut Silent,
+    )
+    .unwrap();
+    let surface = &result.keys[1].layers[0];
+    for (x, p) in surface.positions.iter().zip(&surface.driver_positions) {
+        assert!((x - p).norm() < 1e-6, "{}", (x - p).norm());
+    }
+    assert_eq!(result.layers[0].wavelength, None);
+}
+
+#[test]
+fn nothing_to_wrinkle_gives_keys_without_layers() {
+    let driver = driver();
+    let layers = [skin("forehead-furrow", Coupling::Hybrid)];
+    let poses = [pose(&driver, "press", 0.1)];
+    let plan = plan(&driver, &layers, &poses, &draft(), 1024).unwrap();
+    let result = simulate(&driver, &layers, &plan, 0, &poses[0], &draft(), &mut Silent).unwrap();
+    assert!(result.converged && result.keys.iter().all(|k| k.layers.is_empty()));
+}
+
+#[test]
+fn two_runs_give_the_same_bits() {
+    let [a, b] = [0, 1].map(|_| run(Coupling::Hybrid, &draft(), &mut Silent));
+    assert_eq!(a.keys[1].layers[0].positions, b.keys[1].layers[0].positions);
+}
+
+struct StopAt(usize);
+
+impl Observer for StopAt {
+    fn progress(&mut self, _: Progress) -> bool {
+        true
+    }
+
+    fn frame(&mut self, frame: &Frame<'_>) {
+        assert!(frame.load > 0.0 && frame.layers.len() == 1);
+        self.0 += 1;
+    }
+}
+
+struct StopAtOnce;
+
+impl Observer for StopAtOnce {
+    fn progress(&mut self, _: Progress) -> bool {
+        false
+    }
+}
+
+#[test]
+fn the_observer_sees_frames_and_can_stop() {
+    let mut counter = StopAt(0);
+    let result = run(Coupling::Hybrid, &draft(), &mut counter);
+    assert_eq!(counter.0, result.frames);
+    let result = run(Coupling::Hybrid, &draft(), &mut StopAtOnce);
+    assert!(result.interrupted && !result.converged && result.keys.is_empty());
+}
+
+#[test]
+fn minres_says_that_it_cannot_tell_saddles() {
+    let modelling = Modelling {
+        linear: LinearSolver::Minres {
+            tolerance: 1e-4,
+            max_iterations: 200,
+        },
+        ..draft()
+    };
+    let result = run(Coupling::Hybrid, &modelling, &mut Silent);
+    assert!(
+        result.warnings.iter().any(|w| w.contains("minres")),
+        "{:?}",
+        result.warnings
+    );
+}
+
+#[test]
+fn two_layers_are_refused() {
+    let driver = driver();
+    let layer = skin("forehead-furrow", Coupling::Hybrid);
+    let layers = [layer.clone(), layer];
+    let poses = [pose(&driver, "press", 1.0)];
+    let plan = plan(&driver, &layers, &poses, &draft(), 1024).unwrap();
+    let result = simulate(&driver, &layers, &plan, 0, &poses[0], &draft(), &mut Silent);
+    assert!(matches!(
+        result,
+        Err(StepperError::TooManyLayers { count: 2 })
+    ));
+}
