@@ -15,6 +15,16 @@ Exit codes:
 
 Results go to stdout, progress and messages to stderr.";
 
+const PLAN_COLUMNS: &str = "\
+Columns:
+  strain median, 99 %  how much the pose compresses the simulated skin: half, and all but the
+                       worst hundredth, of its area is compressed less than this
+  simulated            area that is compressed enough to wrinkle, with a margin
+  beyond 15 %          its part that is compressed too much for the model, which then eases off
+  points/wave          mesh points per wavelength
+  texels/wave          map texels per wavelength; fewer than 4 are too few
+  time                 expected on one core";
+
 /// Simulates wrinkling skin and turns blend shapes into wrinkle maps.
 #[derive(Debug, Parser)]
 #[command(name = "ruga", version, after_help = EXIT_CODES, arg_required_else_help = true)]
@@ -32,7 +42,7 @@ pub(crate) enum Command {
     #[command(after_help = EXIT_CODES)]
     Simulate(RunArguments),
     /// Say what will be modelled, where, how fine and at what cost; nothing is simulated.
-    #[command(after_help = EXIT_CODES)]
+    #[command(after_help = format!("{PLAN_COLUMNS}\n\n{EXIT_CODES}"))]
     Plan(PlanArguments),
     /// Validate scene, mesh, texture coordinates, masks and materials.
     #[command(after_help = EXIT_CODES)]
@@ -77,6 +87,9 @@ pub(crate) struct PlanArguments {
     /// Print the plan as JSON.
     #[arg(long, help_heading = "Output")]
     pub(crate) json: bool,
+    /// Mesh points per wavelength: draft 6, standard 12, fine 24 [default: the scene's].
+    #[arg(long, value_enum, help_heading = "Simulation")]
+    pub(crate) quality: Option<Quality>,
 }
 
 /// Options of `ruga check`.

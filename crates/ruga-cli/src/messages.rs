@@ -38,7 +38,8 @@ pub(crate) fn error(error: CliError) {
         .with_wrap_lines(false)
         .without_cause_chain();
     match handler.render_report(&mut text, error) {
-        Ok(()) => note(text.trim_end()),
+        // Flush with the warnings around it; the lines of a long message keep their order of depth.
+        Ok(()) => note(text.trim().replace("\n  ", "\n").trim_end()),
         Err(_) => note(&format!("error: {error}")),
     }
 }

@@ -186,6 +186,15 @@ fn plan_prints_a_table_or_json() {
     let strain = layer["strain_median"].as_f64().unwrap();
     assert!((strain / 0.15 - 1.0).abs() < 0.01, "{strain}");
     assert_eq!(layer["vertices"], plan["total"]["vertices"]);
+    let draft = folder
+        .ruga("plan scene.toml --json --quality draft")
+        .exits(0);
+    let draft: Value = serde_json::from_str(&draft.stdout).unwrap();
+    let finer = &draft["poses"][0]["layers"][0];
+    assert!(
+        finer["vertices"].as_u64() > layer["vertices"].as_u64(),
+        "{finer}"
+    );
     assert_eq!(folder.files("").len(), 5, "a plan writes nothing");
 }
 

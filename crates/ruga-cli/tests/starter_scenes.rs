@@ -14,13 +14,9 @@ fn the_forearm_bakes() {
     folder.change("arm/scene.toml", "steps = 6", "steps = 2");
     folder.change("arm/scene.toml", "size = 1024", "size = 256");
     folder
-        .ruga("bake arm/scene.toml -o arm/out --pose compress --quality draft")
+        .ruga("bake arm/scene.toml -o arm/out --pose pinch --quality draft")
         .exits(0);
-    assert!(
-        folder
-            .path("arm/out/maps/compress_100_normal.png")
-            .is_file()
-    );
+    assert!(folder.path("arm/out/maps/pinch_100_normal.png").is_file());
 }
 
 #[test]

@@ -15,7 +15,7 @@ use crate::table::{ABSENT, duration, memory, number, table};
 /// # Errors
 /// Whatever keeps the scene from being read or planned.
 pub(crate) fn run(arguments: &PlanArguments) -> Result<Outcome, CliError> {
-    let project = Project::read(&arguments.scene, &[], None)?;
+    let project = Project::read(&arguments.scene, &[], arguments.quality)?;
     let plan = project.plan()?;
     if arguments.json {
         messages::result(&json(&project, &plan));
@@ -73,7 +73,6 @@ fn poses_table(plan: &Plan) -> String {
                 number(1e4 * layer.capped_area, 1, "cm2"),
                 layer.vertices.to_string(),
                 shown(number(layer.points_per_wavelength, 1, "")),
-                shown(number(layer.chi, 3, "")),
                 shown(number(layer.texels_per_wavelength, 1, "")),
                 duration(if simulated { layer.seconds } else { 0.0 }),
                 memory(if simulated { layer.memory } else { 0.0 }),
@@ -85,11 +84,10 @@ fn poses_table(plan: &Plan) -> String {
         "layer",
         "strain median",
         "99 %",
-        "active",
-        "capped",
+        "simulated",
+        "beyond 15 %",
         "vertices",
         "points/wave",
-        "chi",
         "texels/wave",
         "time",
         "memory",
@@ -128,7 +126,7 @@ fn totals(plan: &Plan) -> String {
         .filter(|pose| pose.layers.iter().any(|layer| layer.vertices > 0))
         .count();
     format!(
-        "total: {wrinkling} of {} poses wrinkle, {} vertices, {} on one core, {} for each pose in work",
+        "total: {wrinkling} of {} poses wrinkle, {} vertices, {} on one core, {} per thread",
         plan.poses.len(),
         totals.vertices,
         duration(totals.seconds),
