@@ -1,13 +1,16 @@
-//! What the end-to-end tests share: strips of film on a soft base, on flat and curved bases.
+//! What the end-to-end tests share: strips of film on a soft base, on flat and curved bases, and
+//! skins on meshes from files.
 
 mod base;
 mod film;
 mod film_objective;
 mod film_rows;
 mod film_spec;
+mod skin;
 mod strip;
 
 pub use base::Base;
 pub use film::{Film, Step};
 pub use film_spec::{BaseReaction, FilmCoupling, FilmSpec};
+pub use skin::{Skin, asset, shared_data, tilts};
 pub use strip::{Strip, equilateral, equilateral_tube, unstructured};
