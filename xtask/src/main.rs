@@ -9,16 +9,19 @@
 mod assets;
 mod bench;
 mod check;
+mod picture;
 mod repository;
 
+use std::path::Path;
 use std::process::ExitCode;
 
 const USAGE: &str = "\
 usage: cargo xtask TASK
 
-  check    format, lints, documentation and tests, as CI runs them
-  assets   regenerate the meshes under assets/
-  bench    run the benchmarks on one thread and compare them
+  check        format, lints, documentation and tests, as CI runs them
+  assets       regenerate the meshes under assets/
+  bench        run the benchmarks on one thread and compare them
+  picture DIR  shade the maps that `ruga bake assets/forearm/scene.toml -o DIR` left in DIR
 ";
 
 /// The task was not understood; clap's and grep's convention too.
@@ -31,6 +34,8 @@ fn main() -> ExitCode {
         ["check"] => check::check(),
         ["assets"] => assets::regenerate(),
         ["bench"] => bench::bench(),
+        ["picture", folder] => picture::picture(Path::new(folder)),
+        ["picture"] => return wrong_usage("`picture` needs the folder of a finished bake"),
         ["help" | "--help" | "-h"] => {
             print!("{USAGE}");
             return ExitCode::SUCCESS;

@@ -1,0 +1,141 @@
+//! `picture`: baked normal maps as lit skin, side by side.
+//!
+//! A map holds surface normals in the frame of the flat texture (x right, y up, z towards the
+//! eye), so that lighting it shows the flat patch from above. Light is added up in linear units
+//! and stored with the sRGB curve.
+
+use std::error::Error;
+use std::path::Path;
+use std::process::ExitCode;
+
+use nalgebra::Vector3;
+use ruga_io::scene::{MapFormat, MapKind};
+use ruga_io::{Image, PngTexels, map_file, read_image, write_png};
+
+use crate::repository::{Outcome, root};
+
+/// From left to right; each at its full pose.
+const POSES: [&str; 3] = ["compress", "twist", "pinch"];
+
+/// Where the picture goes, from the root of the repository.
+const PICTURE: &str = "assets/forearm/wrinkles.png";
+
+/// Side of a pose's square, and the strip between two, pixels.
+const SIDE: usize = 392;
+const GAP: usize = 12;
+const WIDTH: usize = 3 * SIDE + 2 * GAP;
+
+/// Normals seen for one pixel along each axis: maps are about this much finer.
+const SAMPLES: usize = 3;
+
+/// Red, green and blue of light in linear units.
+type Light = Vector3<f64>;
+
+/// Shades the maps of a finished bake of the forearm.
+pub(crate) fn picture(bake: &Path) -> Outcome {
+    let mut pixels = vec![u8::MAX; WIDTH * SIDE * 3];
+    for (i, pose) in POSES.iter().enumerate() {
+        let file = map_file(pose, 1.0, MapKind::Normal, MapFormat::Png16);
+        let map = read_normals(&bake.join(file))?;
+        draw(&map, i * (SIDE + GAP), &mut pixels);
+    }
+    write_png(&root().join(PICTURE), WIDTH, SIDE, PngTexels::Rgb8(&pixels))?;
+    println!("{PICTURE}");
+    Ok(ExitCode::SUCCESS)
+}
+
+fn read_normals(path: &Path) -> Result<Image, Box<dyn Error>> {
+    let map = read_image(path)?;
+    if map.channels != 3 {
+        return Err(format!("{}: a grey image, not a normal map", path.display()).into());
+    }
+    Ok(map)
+}
+
+/// Fills the square whose left column is `left`.
+fn draw(map: &Image, left: usize, pixels: &mut [u8]) {
+    for row in 0..SIDE {
+        for column in 0..SIDE {
+            let start = 3 * (row * WIDTH + left + column);
+            pixels[start..start + 3].copy_from_slice(&pixel(map, row, column));
+        }
+    }
+}
+
+/// The mean light of a pixel's samples; a mean of normals would dull the highlights.
+fn pixel(map: &Image, row: usize, column: usize) -> [u8; 3] {
+    let mut light = Light::zeros();
+    for sample in 0..SAMPLES * SAMPLES {
+        let [i, j] = [sample / SAMPLES, sample % SAMPLES];
+        let at = |start: usize, k: usize, texels: usize| {
+            (start * SAMPLES + k) * texels / (SIDE * SAMPLES)
+        };
+        light += skin(normal(
+            map,
+            at(row, i, map.height),
+            at(column, j, map.width),
+        ));
+    }
+    let mean = light / (SAMPLES * SAMPLES) as f64;
+    mean.map(|c| (255.0 * srgb(c)).round() as u8).into()
+}
+
+fn normal(map: &Image, row: usize, column: usize) -> Vector3<f64> {
+    let start = 3 * (row * map.width + column);
+    let [x, y, z] = [0, 1, 2].map(|c| 2.0 * f64::from(map.values[start + c]) - 1.0);
+    Vector3::new(x, y, z).normalize()
+}
+
+/// Skin under a lamp at the upper left and a weak sky, seen from above.
+fn skin(normal: Vector3<f64>) -> Light {
+    let lamp = Vector3::new(-0.62, 0.58, 0.46).normalize();
+    let half = (lamp + Vector3::z()).normalize();
+    let albedo = Light::new(0.62, 0.33, 0.23);
+    let sky = Light::new(0.13, 0.14, 0.17) * (0.5 + 0.5 * normal.z);
+    // Light that enters skin comes out a little way off, red farther than blue: each colour
+    // reaches so far beyond the terminator.
+    let spread = Light::new(0.22, 0.09, 0.05);
+    let facing = normal.dot(&lamp);
+    let diffuse = spread.map(|s| ((facing + s) / (1.0 + s)).max(0.0));
+    let gloss = 0.20 * normal.dot(&half).max(0.0).powi(28);
+    albedo.component_mul(&(1.5 * diffuse + sky)) + Light::repeat(gloss)
+}
+
+/// IEC 61966-2-1.
+fn srgb(linear: f64) -> f64 {
+    let c = linear.clamp(0.0, 1.0);
+    if c <= 0.003_130_8 {
+        12.92 * c
+    } else {
+        1.055 * c.powf(1.0 / 2.4) - 0.055
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_comes_from_the_upper_left() {
+        let brightness = |x, y| skin(Vector3::new(x, y, 1.0).normalize()).sum();
+        let flat = brightness(0.0, 0.0);
+        assert!(brightness(-0.3, 0.0) > flat && brightness(0.0, 0.3) > flat);
+        assert!(brightness(0.3, 0.0) < flat && brightness(0.0, -0.3) < flat);
+    }
+
+    #[test]
+    fn a_pixel_shows_the_texels_under_it() {
+        let facing = [0.5, 0.5, 1.0];
+        let away = [0.9, 0.1, 0.6];
+        let map = Image {
+            width: 2,
+            height: 2,
+            channels: 3,
+            values: [away, away, facing, away].concat(),
+        };
+        let bright = |row, column| pixel(&map, row, column)[0];
+        assert!(bright(SIDE - 1, 0) > bright(0, 0));
+        assert!(bright(SIDE - 1, 0) > bright(SIDE - 1, SIDE - 1));
+        assert_eq!(bright(SIDE / 2, 0), bright(SIDE - 1, SIDE / 2 - 1));
+    }
+}
