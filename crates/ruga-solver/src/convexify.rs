@@ -151,8 +151,14 @@ impl Convexifier {
         Ok(inertia?.is_minimum())
     }
 
-    /// Grows a diagonal shift on the fully relaxed Hessian until its inertia is right.
-    fn shift(&mut self, kkt: &mut Kkt, relaxed: &[f64], floor: &[f64]) -> Result<f64, SolverError> {
+    /// Factorises the fully relaxed Hessian; grows a diagonal shift until its inertia is right,
+    /// from 0.
+    pub(crate) fn shift(
+        &mut self,
+        kkt: &mut Kkt,
+        relaxed: &[f64],
+        floor: &[f64],
+    ) -> Result<f64, SolverError> {
         if self.inertia(kkt, relaxed, floor)?.is_minimum() {
             return Ok(0.0);
         }

@@ -22,6 +22,11 @@ const FEASIBLE: f64 = 1e-9;
 /// rounding when they agree.
 const MAX_RESTORATIONS: usize = 3;
 
+/// Violation up to which restoring it changes the Hessian so little that one factor serves both
+/// the restoration and the step after it. What a layer carried along with its base violates is
+/// a tenth of this; half of a wrinkled frame's factorisations would go into it.
+const NEARLY_FEASIBLE: f64 = 1e-3;
+
 /// At a saddle that only has to be recognised: stop once the relaxed decrement is this small,
 /// or after so many indefinite iterations.
 const SADDLE_DECREMENT: f64 = 1e-3;
@@ -86,7 +91,17 @@ struct Newton<'a> {
     trial: Vec<f64>,
     multipliers: Vec<f64>,
     indefinite_iterations: usize,
+    /// What is known of a factor that a small restoration left usable.
+    at_hand: Option<Factored>,
     report: SolveReport,
+}
+
+/// What a factorisation tells.
+#[derive(Clone, Copy)]
+struct Factored {
+    /// Signs of the exact Hessian's pivots, if the linear solver knows them.
+    inertia: Option<Inertia>,
+    relaxation: f64,
 }
 
 impl<'a> Newton<'a> {
@@ -121,6 +136,7 @@ impl<'a> Newton<'a> {
             multipliers: vec![0.0; rows],
             kkt,
             indefinite_iterations: 0,
+            at_hand: None,
             report: empty_report(),
         })
     }
@@ -165,10 +181,16 @@ impl<'a> Newton<'a> {
     /// Moves `x` onto the constraints if it is off them; false when that is impossible.
     fn restore(&mut self, x: &mut [f64]) -> Result<bool, SolverError> {
         for _ in 0..MAX_RESTORATIONS {
-            if self.violation(x) <= FEASIBLE {
+            let violation = self.violation(x);
+            if violation <= FEASIBLE {
                 return Ok(true);
             }
-            self.factorize(x)?;
+            if violation <= NEARLY_FEASIBLE {
+                self.at_hand = Some(self.factorize(x)?);
+            } else {
+                self.at_hand = None;
+                self.factorize_relaxed(x)?;
+            }
             self.force.fill(0.0);
             self.solve()?;
             for (x, step) in x.iter_mut().zip(&self.step) {
@@ -199,14 +221,20 @@ impl<'a> Newton<'a> {
         worst
     }
 
-    /// Factorises the Hessian at `x`, or builds the preconditioner; the exact inertia if known,
-    /// and the relaxation.
-    fn factorize(&mut self, x: &[f64]) -> Result<(Option<Inertia>, f64), SolverError> {
+    /// Factorises the Hessian at `x`, relaxed as needed, or builds the preconditioner; takes the
+    /// factor at hand if there is one.
+    fn factorize(&mut self, x: &[f64]) -> Result<Factored, SolverError> {
+        if let Some(at_hand) = self.at_hand.take() {
+            return Ok(at_hand);
+        }
         self.objective
             .hessian(x, &mut self.exact, &mut self.relaxed);
         if let Some(minres) = &mut self.minres {
             minres.prepare(self.kkt, &self.exact, self.objective.floor())?;
-            return Ok((None, 0.0));
+            return Ok(Factored {
+                inertia: None,
+                relaxation: 0.0,
+            });
         }
         let outcome = self.convexifier.factorize(
             self.kkt,
@@ -215,7 +243,25 @@ impl<'a> Newton<'a> {
             self.objective.floor(),
         )?;
         self.report.shift_used = self.report.shift_used.max(outcome.shift);
-        Ok((Some(outcome.exact), outcome.relaxation))
+        Ok(Factored {
+            inertia: Some(outcome.exact),
+            relaxation: outcome.relaxation,
+        })
+    }
+
+    /// Factorises the fully relaxed Hessian at `x`, for a restoration: its inertia need not be
+    /// searched for, and a mode about to buckle would be moved most by a restoration that knows
+    /// of the compression.
+    fn factorize_relaxed(&mut self, x: &[f64]) -> Result<(), SolverError> {
+        if self.minres.is_some() {
+            return self.factorize(x).map(|_| ());
+        }
+        self.objective
+            .hessian(x, &mut self.exact, &mut self.relaxed);
+        let floor = self.objective.floor();
+        let shift = self.convexifier.shift(self.kkt, &self.relaxed, floor)?;
+        self.report.shift_used = self.report.shift_used.max(shift);
+        Ok(())
     }
 
     /// Solves for `step` and `multipliers` with `force` and `offset` on the right.
@@ -248,7 +294,10 @@ impl<'a> Newton<'a> {
         x: &[f64],
         energy: f64,
     ) -> Result<Iteration, SolverError> {
-        let (inertia, relaxation) = self.factorize(x)?;
+        let Factored {
+            inertia,
+            relaxation,
+        } = self.factorize(x)?;
         for (force, gradient) in self.force.iter_mut().zip(&self.gradient) {
             *force = -gradient;
         }
