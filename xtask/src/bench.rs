@@ -19,6 +19,7 @@ use crate::repository::{Outcome, cargo, run};
 const BENCHES: &[(&str, &str)] = &[
     ("ruga-solver", "kkt"),
     ("ruga-shell", "assembly"),
+    ("ruga-stepper", "frame"),
     ("ruga-bake", "bake"),
 ];
 
