@@ -5,6 +5,7 @@ use std::num::NonZeroUsize;
 use std::thread;
 
 use ruga_io::{LayerReport, PoseReport, Seconds, WrinkleMap};
+use ruga_stepper::StopRule;
 use ruga_stepper::{Frame, Plan, PoseResult, PoseSpec, simulate};
 
 use crate::arguments::RunArguments;
@@ -210,8 +211,24 @@ fn layer_report(layer: ruga_stepper::LayerReport, seconds: &Seconds) -> LayerRep
         energy_j: Some(layer.energy),
         newton_iterations: count(layer.newton_iterations),
         residual: Some(layer.residual),
+        stop_rule: layer.stop.map(stop_rule),
+        bending_ratio: layer.bending_ratio,
         seconds: seconds.clone(),
     }
+}
+
+fn stop_rule(rule: StopRule) -> String {
+    match rule {
+        StopRule::Decrement => "decrement",
+        StopRule::Residual => "residual",
+        StopRule::Saddle => "saddle",
+        StopRule::IterationLimit => "iteration limit",
+        StopRule::LineSearch => "line search",
+        StopRule::Infeasible => "infeasible",
+        StopRule::OutsideDomain => "outside domain",
+        StopRule::Interrupted => "interrupted",
+    }
+    .to_owned()
 }
 
 fn ending(report: &PoseReport) -> String {

@@ -202,7 +202,7 @@ fn key_and_line(key: &str, line: Option<usize>) -> String {
 /// The system's message, with the words that an artist looks for put first.
 fn cause_of(error: &io::Error) -> String {
     let plain = match error.kind() {
-        io::ErrorKind::NotFound => "there is no such file",
+        io::ErrorKind::NotFound => return "there is no such file".to_owned(),
         io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
             "permission is denied"
         }

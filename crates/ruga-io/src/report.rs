@@ -62,6 +62,10 @@ pub struct LayerReport {
     pub newton_iterations: Option<u64>,
     /// Relative residual of the last frame.
     pub residual: Option<f64>,
+    /// Which rule ended the last solve: `decrement`, `residual`, or what kept it from converging.
+    pub stop_rule: Option<String>,
+    /// Response bending modulus of the layer's own mesh over that of its material.
+    pub bending_ratio: Option<f64>,
     /// Time spent, means per frame.
     pub seconds: Seconds,
 }

@@ -10,6 +10,8 @@ use crate::{LayerSpec, Modelling, PoseSpec, Region, StepperError};
 
 /// Faces of the planning surface above which it is not subdivided further.
 const MAX_PLANNING_FACES: usize = 1_500_000;
+/// Splits of one face in four; ten make a metre a millimetre.
+const MAX_LEVELS: u32 = 10;
 /// Base edges stay below this share of the wavelength, or the artist's facets imprint.
 const FACET_SHARE: f64 = 1.0 / 3.0;
 /// Areas below a hundredth of a square centimetre are not worth a warning, m².
@@ -276,9 +278,16 @@ impl PlanningSurface {
             areas.fold(0.0, |sum, area| sum + area)
         };
         let (median, long) = (quantile(&self.edges, 0.5), quantile(&self.edges, 0.95));
-        let extra = self.extra_levels(median, long, active.len(), numbers.wavelength, modelling);
-        let faces = active.len() << (2 * extra);
-        let vertices = faces / 2 + (faces as f64).sqrt() as usize;
+        let planned = self.surface.levels();
+        let faces_at =
+            |levels: u32| active.len() as f64 * 4f64.powi(levels as i32 - planned as i32);
+        let edges_at = |levels: u32| {
+            let split = 2f64.powi(levels as i32 - planned as i32);
+            (median / split, long / split)
+        };
+        let levels = needed_levels(numbers.wavelength, modelling, faces_at, edges_at);
+        let faces = faces_at(levels);
+        let vertices = (0.5 * faces + faces.sqrt()) as usize;
         let (seconds, memory) = cost(vertices, pose.steps);
         let radius = 1.0 / quantile(&self.curvatures, 0.95);
         LayerPlan {
@@ -296,8 +305,8 @@ impl PlanningSurface {
                 .map(|(f, _)| demand.areas[f])
                 .fold(0.0, |sum, area| sum + area),
             vertices: if active.is_empty() { 0 } else { vertices },
-            levels: self.surface.levels() + extra,
-            points_per_wavelength: numbers.wavelength / median * f64::from(1u32 << extra),
+            levels,
+            points_per_wavelength: numbers.wavelength / edges_at(levels).0,
             chi: numbers.curvature_measure(radius),
             texels_per_wavelength: quantile(&self.uv_density, 0.5)
                 * f64::from(map_size)
@@ -307,28 +316,30 @@ impl PlanningSurface {
             region: active.iter().map(|f| u64::from(f.0)).collect(),
         }
     }
+}
 
-    /// Further splits until the median edge meets the asked resolution and few edges are far off.
-    fn extra_levels(
-        &self,
-        median: f64,
-        long: f64,
-        faces: usize,
-        wavelength: f64,
-        modelling: &Modelling,
-    ) -> u32 {
-        let target = wavelength / modelling.points_per_wavelength;
-        let mut extra = 0;
-        // A tenth of slack: the next split would quadruple the cost for little.
-        let coarse = |extra: u32| {
-            let split = f64::from(1u32 << extra);
-            median / split > 1.1 * target || long / split > 1.65 * target
-        };
-        while coarse(extra) && (faces << (2 * (extra + 1))) / 2 <= modelling.vertex_budget {
-            extra += 1;
-        }
-        extra
+/// Splits until the median edge meets the asked resolution and few edges are far off, or the
+/// budget is spent.
+///
+/// `faces_at` and `edges_at` (median and 95th percentile, m) say what a number of splits gives.
+fn needed_levels(
+    wavelength: f64,
+    modelling: &Modelling,
+    faces_at: impl Fn(u32) -> f64,
+    edges_at: impl Fn(u32) -> (f64, f64),
+) -> u32 {
+    let target = wavelength / modelling.points_per_wavelength;
+    // A tenth of slack: the next split would quadruple the cost for little.
+    let is_coarse = |levels: u32| {
+        let (median, long) = edges_at(levels);
+        median > 1.1 * target || long > 1.65 * target || long > FACET_SHARE * wavelength
+    };
+    let budget = 2.0 * modelling.vertex_budget as f64;
+    let mut levels = 0;
+    while is_coarse(levels) && levels < MAX_LEVELS && faces_at(levels + 1) <= budget {
+        levels += 1;
     }
+    levels
 }
 
 fn warn(
@@ -404,7 +415,7 @@ fn remedy(plan: &LayerPlan, modelling: &Modelling) -> String {
 /// each load step on a real face about sixteen.
 fn cost(vertices: usize, steps: u32) -> (f64, f64) {
     let n = vertices as f64;
-    let factorisation = 7.5e-8 * n.powf(1.5) + 2e-6 * n;
+    let factorisation = 7.5e-8 * n.powf(1.5) + 1e-5 * n;
     let memory = n * (900.0 + 260.0 * n.max(2.0).log2());
     ((40.0 + 16.0 * f64::from(steps)) * factorisation, memory)
 }

@@ -1,6 +1,7 @@
 //! What a simulated pose gives back.
 
 use nalgebra::{Vector2, Vector3};
+use ruga_solver::StopRule;
 
 /// One layer in one load step, with the smooth driver under each of its vertices.
 #[derive(Clone, Debug, Default)]
@@ -78,6 +79,9 @@ pub struct LayerReport {
     pub factorizations: usize,
     /// Relative residual of the last solve.
     pub residual: f64,
+    /// Why the last solve ended: the Newton decrement usually falls below its tolerance long
+    /// before the residual does, because a pattern slides along itself almost freely.
+    pub stop: Option<StopRule>,
     /// Response bending modulus of this very mesh over that of the material.
     pub bending_ratio: Option<f64>,
     /// Load at which the layer first buckled.

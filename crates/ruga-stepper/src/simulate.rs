@@ -99,19 +99,17 @@ fn layer_surface(
     layer: &LayerPlan,
     modelling: &Modelling,
 ) -> BaseSurface {
-    let level = plan.planning_levels;
-    let mut coarse: Vec<FaceId> = layer
-        .region
-        .iter()
-        .map(|face| FaceId((face >> (2 * level)) as u32))
-        .collect();
+    let whole_driver = |face: &u64| FaceId((face >> (2 * plan.planning_levels)) as u32);
+    let mut coarse: Vec<FaceId> = layer.region.iter().map(whole_driver).collect();
     coarse.dedup();
     let whole = BaseSurface::new(driver, &coarse, layer.levels, modelling.smoothing);
-    let wanted = |face: FaceId| {
-        let ancestor = whole.ancestor(face, level);
-        layer.region.binary_search(&ancestor).is_ok()
-    };
-    let faces: Vec<FaceId> = whole.mesh().faces().ids().filter(|&f| wanted(f)).collect();
+    // Faces larger than the region's are taken when any part of them is in it.
+    let level = plan.planning_levels.min(layer.levels);
+    let shift = 2 * (plan.planning_levels - level);
+    let mut region: Vec<u64> = layer.region.iter().map(|face| face >> shift).collect();
+    region.dedup();
+    let wanted = |face: &FaceId| region.binary_search(&whole.ancestor(*face, level)).is_ok();
+    let faces: Vec<FaceId> = whole.mesh().faces().ids().filter(wanted).collect();
     whole.restrict(&faces)
 }
 
@@ -207,6 +205,7 @@ impl PoseRun<'_> {
         self.report.newton_iterations += solve.iterations;
         self.report.factorizations += solve.factorizations;
         self.report.residual = solve.residual;
+        self.report.stop = Some(solve.stop);
         Ok(solve)
     }
 

@@ -12,8 +12,8 @@ fn run(coupling: Coupling, modelling: &Modelling, observer: &mut dyn Observer) -
     let driver = driver();
     let layers = [skin("forehead-furrow", coupling)];
     let poses = [pose(&driver, "press", 1.0)];
-    let plan = plan(&driver, &layers, &poses, modelling, 1024).unwrap();
-    simulate(&driver, &layers, &plan, 0, &poses[0], modelling, observer).unwrap()
+    let plan = plan(&driver, &layers, &poses, modelling, 1024).expect("a valid scene");
+    simulate(&driver, &layers, &plan, 0, &poses[0], modelling, observer).expect("a valid scene")
 }
 
 #[test]

@@ -50,12 +50,12 @@ pub(crate) fn driver() -> Driver {
             normal_deltas: None,
         },
     ];
-    Driver::new(&mesh).unwrap()
+    Driver::new(&mesh).expect("a valid mesh")
 }
 
 /// Skin of a preset.
 pub(crate) fn skin(name: &str, coupling: Coupling) -> LayerSpec {
-    let preset = preset(name).unwrap();
+    let preset = preset(name).expect("a known preset");
     LayerSpec {
         name: "skin".into(),
         material: preset.layer,
@@ -70,7 +70,7 @@ pub(crate) fn skin(name: &str, coupling: Coupling) -> LayerSpec {
 pub(crate) fn pose(driver: &Driver, shape: &str, weight: f64) -> PoseSpec {
     PoseSpec {
         name: shape.into(),
-        weights: driver.weights([(shape, weight)]).unwrap(),
+        weights: driver.weights([(shape, weight)]).expect("a known shape"),
         keys: vec![0.5, 1.0],
         steps: 4,
     }
