@@ -1,4 +1,4 @@
-//! Faces, hands and odd files: wavelength, direction, border, maps, the same bytes every time.
+//! A face and odd files: wavelength, direction, border, maps, the same bytes every time.
 
 #![allow(
     clippy::print_stdout,
@@ -162,16 +162,6 @@ fn face_raising_its_brows() {
     let skin = Skin::new(&path, "forehead-furrow");
     let brows = [("browInnerUp_L", 1.0), ("browInnerUp_R", 1.0)];
     check_real("face", &skin, &brows, 2);
-}
-
-/// One finger of a hand: all five, with wrinkles as fine, have a hundred thousand vertices.
-#[test]
-fn hand_bending_its_index_finger() {
-    let Some(path) = shared_data("makehuman-hand/mh_hand_forearm.glb") else {
-        return;
-    };
-    let skin = Skin::new(&path, "forehead-furrow").cut_out("indexFlex");
-    check_real("hand", &skin, &[("indexFlex", 1.0)], 2);
 }
 
 #[test]
