@@ -13,7 +13,7 @@ fn saddle() -> Driver {
     for p in &mut mesh.positions {
         p.z = 0.3 * (p.x - 0.5).powi(2) - 0.4 * (p.y - 0.4).powi(2) + 0.1 * p.x * p.y;
     }
-    Driver::new(&mesh).unwrap()
+    Driver::new(&mesh).expect("a valid mesh")
 }
 
 fn all_faces(driver: &Driver) -> Vec<FaceId> {
