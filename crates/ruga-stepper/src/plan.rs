@@ -14,6 +14,8 @@ const MAX_PLANNING_FACES: usize = 1_500_000;
 const MAX_LEVELS: u32 = 10;
 /// Base edges stay below this share of the wavelength, or the artist's facets imprint.
 const FACET_SHARE: f64 = 1.0 / 3.0;
+/// Loads, as shares of the last key, at which collapse on the way is looked for.
+const PASSING: [f64; 3] = [0.25, 0.5, 0.75];
 /// Areas below a hundredth of a square centimetre are not worth a warning, m².
 const NEGLIGIBLE_AREA: f64 = 1e-6;
 /// Strain from which the rest metric is capped.
@@ -222,11 +224,10 @@ impl PlanningSurface {
         map_size: u32,
         warnings: &mut Vec<String>,
     ) -> PosePlan {
-        let posed: Vec<PosedSurface> = pose
-            .keys
-            .iter()
-            .map(|&key| self.surface.pose(&driver.pose(&pose.weights.scaled(key))))
-            .collect();
+        let posed = |load: f64| self.surface.pose(&driver.pose(&pose.weights.scaled(load)));
+        let keys: Vec<PosedSurface> = pose.keys.iter().map(|&key| posed(key)).collect();
+        let last = pose.keys.iter().copied().fold(0.0, f64::max);
+        let passing = PASSING.map(|share| posed(share * last));
         let layers = layers
             .iter()
             .zip(wrinkling)
@@ -235,7 +236,8 @@ impl PlanningSurface {
                 let demand = Demand::new(
                     &self.surface,
                     &self.rest,
-                    &posed,
+                    &keys,
+                    &passing,
                     poisson,
                     numbers.wavelength,
                 );

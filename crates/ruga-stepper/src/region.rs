@@ -26,11 +26,15 @@ pub(crate) struct Demand {
 }
 
 impl Demand {
-    /// Measures what `posed` surfaces ask of `surface`.
+    /// Measures what the `keys` of a pose ask of `surface`.
+    ///
+    /// `passing` are surfaces on the way: a shape that turns a finger by 180 degrees on straight
+    /// lines shrinks it to nothing half way, and what collapses there cannot be followed.
     pub(crate) fn new(
         surface: &BaseSurface,
         rest: &PosedSurface,
-        posed: &[PosedSurface],
+        keys: &[PosedSurface],
+        passing: &[PosedSurface],
         poisson: f64,
         wavelength: f64,
     ) -> Self {
@@ -45,24 +49,32 @@ impl Demand {
         };
         // Averaging over more than 2 mm would remove real gradients at lids and mouth corners.
         let width = (0.5 * wavelength).min(2e-3);
-        for pose in posed {
+        for pose in passing {
+            demand.mark_folded(mesh, rest, pose);
+        }
+        for pose in keys {
+            demand.mark_folded(mesh, rest, pose);
             let strains = face_strains(mesh, &rest.positions, &pose.positions);
-            let posed_normals = face_normals(mesh, &pose.positions);
             let smooth = smoothed_strains(mesh, &rest.positions, &strains, &normals, width);
             for face in demand.areas.ids() {
                 let first = strains[face].first;
-                let outward: Vector3<f64> = mesh.faces()[face]
-                    .iter()
-                    .map(|v| pose.normals[v.index()])
-                    .sum();
-                demand.folded[face] |=
-                    first > COLLAPSED || outward.dot(&posed_normals[face]) <= 0.0;
                 demand.compression[face] = demand.compression[face].max(first);
                 let effective = smooth[face].effective(poisson);
                 demand.effective[face] = demand.effective[face].max(effective);
             }
         }
         demand
+    }
+
+    /// Adds the faces that one pose collapses or turns over.
+    fn mark_folded(&mut self, mesh: &TriMesh, rest: &PosedSurface, pose: &PosedSurface) {
+        let strains = face_strains(mesh, &rest.positions, &pose.positions);
+        let normals = face_normals(mesh, &pose.positions);
+        for (face, vertices) in mesh.faces().iter() {
+            let outward: Vector3<f64> = vertices.iter().map(|v| pose.normals[v.index()]).sum();
+            let turned_over = outward.dot(&normals[face]) <= 0.0;
+            self.folded[face] |= turned_over || strains[face].first > COLLAPSED;
+        }
     }
 
     /// Faces to simulate, ascending.
