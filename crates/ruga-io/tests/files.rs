@@ -537,6 +537,7 @@ fn report_has_every_key() {
         keys(layer),
         [
             "amplitude_m",
+            "bending_ratio",
             "constraints",
             "critical_strain_predicted",
             "energy_j",
@@ -545,6 +546,7 @@ fn report_has_every_key() {
             "newton_iterations",
             "residual",
             "seconds",
+            "stop_rule",
             "vertices",
             "wavelength_m",
             "wavelength_predicted_m",
