@@ -45,7 +45,7 @@ pub(crate) struct Layer {
     positions: Vec<Vector3<f64>>,
     energy: LayerEnergy,
     /// Whether the energy's rest metric may differ from the rest surface's.
-    is_capped: bool,
+    is_metric_changed: bool,
     /// Dead load on the coordinates that move, N.
     reaction: Vec<f64>,
     free: Vec<VertexId>,
@@ -109,7 +109,7 @@ impl Layer {
             rest,
             areas,
             energy,
-            is_capped: false,
+            is_metric_changed: false,
             reaction: vec![0.0; 3 * free.len()],
             free,
             floor,
@@ -186,7 +186,7 @@ impl Layer {
             })
             .collect();
         self.set_rest_metric(&stretches)?;
-        self.is_capped = true;
+        self.is_metric_changed = true;
         self.energy
             .gradient(&self.below.positions, &mut self.reaction);
         Ok(())
@@ -195,7 +195,7 @@ impl Layer {
     /// Beyond 15 % the rest metric shrinks with the surface below, face by face.
     fn cap_rest_metric(&mut self) -> Result<(), StepperError> {
         let capped = self.strains.as_slice().iter().any(|s| s.first > CAP_START);
-        if capped || self.is_capped {
+        if capped || self.is_metric_changed {
             let stretches: Vec<Matrix2<f64>> = self
                 .strains
                 .as_slice()
@@ -204,7 +204,7 @@ impl Layer {
                 .collect();
             self.set_rest_metric(&stretches)?;
         }
-        self.is_capped = capped;
+        self.is_metric_changed = capped;
         Ok(())
     }
 
