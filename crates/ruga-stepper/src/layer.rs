@@ -27,6 +27,10 @@ const NOISE: f64 = 1e-3;
 /// Compression from which the rest metric is capped.
 const CAP_START: f64 = 0.15;
 
+/// Least factor by which a rest triangle may shrink, so that one which collapses on the way keeps
+/// an area.
+const LEAST_STRETCH: f64 = 0.05;
+
 /// Where a layer and the surface below it are.
 pub(crate) struct LayerState {
     positions: Vec<Vector3<f64>>,
@@ -397,7 +401,7 @@ fn turn_between(old: &PosedSurface, new: &PosedSurface, vertex: usize) -> Rotati
 
 /// Stretch of the rest metric that leaves `wanted` of the first principal compression.
 fn shrink_to(strain: &FaceStrain, wanted: f64) -> Matrix2<f64> {
-    let ratio = (1.0 - strain.first) / (1.0 - wanted);
+    let ratio = ((1.0 - strain.first) / (1.0 - wanted)).max(LEAST_STRETCH);
     let d = strain.direction;
     Matrix2::identity() + d * d.transpose() * (ratio - 1.0)
 }
