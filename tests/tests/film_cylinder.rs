@@ -20,7 +20,7 @@ const WAVES: f64 = 8.0;
 const TUBE_WAVES: f64 = 31.0;
 /// Rows of triangles: 1.5 wavelengths, or averages 1.5 wavelengths apart have no room.
 const ROWS: usize = 20;
-/// Amplitude on a flat base at 2 critical strains (coupling notes 0.1).
+/// Amplitude on a flat base at 2 critical strains, from a fine reference solution.
 const FLAT_AMPLITUDE: f64 = 0.978;
 
 struct Measured {

@@ -5,7 +5,7 @@ use ruga_mesh::{FaceId, Id, MeshError, PerFace, PerVertex, TriMesh, VertexId, fa
 
 use crate::{ArtistMesh, BlendError};
 
-/// Weights of some blend shapes, by index; `x(w) = rest + sum w_i delta_i` (LK 5.3).
+/// Weights of some blend shapes, by index; `x(w) = rest + sum w_i delta_i` (Li 2014, 5.3).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Weights(pub Vec<(usize, f64)>);
 

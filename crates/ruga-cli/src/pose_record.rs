@@ -50,15 +50,18 @@ impl PoseRecord {
     }
 
     /// Removes files of an `earlier` run that this one has not written again, such as the last
-    /// frames of a longer one.
+    /// frames of a longer one. Frames leave maps alone and maps frames: the other command's
+    /// results stay good.
     pub(crate) fn remove_leftovers(&self, folder: &Path, earlier: &[String]) {
         let inside = |file: &str| {
             Path::new(file)
                 .components()
                 .all(|part| matches!(part, Component::Normal(_)))
         };
+        let kind = |file: &str| file.split('/').next().map(str::to_owned);
+        let same_kind = |file: &str| self.files.iter().any(|own| kind(own) == kind(file));
         for file in earlier {
-            if inside(file) && !self.files.contains(file) {
+            if inside(file) && same_kind(file) && !self.files.contains(file) {
                 // What is gone already, or cannot be removed, does no harm to this run.
                 let _ = fs::remove_file(folder.join(file));
             }
@@ -83,4 +86,30 @@ impl PoseRecord {
 
 fn path(folder: &Path, pose: &str) -> PathBuf {
     folder.join("poses").join(format!("{pose}.json"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn leftovers_of_the_other_command_stay() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let earlier = ["frames/a/skin.0007.obj", "maps/a_100_normal.png"];
+        for file in earlier {
+            let path = folder.path().join(file);
+            fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
+            fs::write(path, "x").expect("a file");
+        }
+        let record = PoseRecord {
+            inputs: String::new(),
+            report: PoseReport::default(),
+            maps: Vec::new(),
+            files: vec!["frames/a/skin.0000.obj".to_owned()],
+            warnings: Vec::new(),
+        };
+        record.remove_leftovers(folder.path(), &earlier.map(str::to_owned));
+        assert!(!folder.path().join(earlier[0]).exists());
+        assert!(folder.path().join(earlier[1]).exists());
+    }
 }

@@ -40,5 +40,5 @@ pub use error::MaterialError;
 pub use foundation::substrate_stiffness;
 pub use material::{LayerMaterial, Substrate};
 pub use preset::{PRESETS, Preset, preset};
-pub use strain::{capped_strain, effective_strain};
+pub use strain::{CAP_START, capped_strain, effective_strain};
 pub use wrinkling::{WavelengthModel, Wrinkling, wrinkling};

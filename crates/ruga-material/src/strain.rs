@@ -3,7 +3,7 @@
 //! Compressive principal strains, `first ≥ second`: `1 - stretch`, so that tension is negative.
 
 /// Strain up to which a driver is followed as it is: beyond, slopes leave film theory.
-const CAP_START: f64 = 0.15;
+pub const CAP_START: f64 = 0.15;
 
 /// How much the cap adds to [`CAP_START`] at most: 0.25 in all.
 const CAP_RANGE: f64 = 0.10;

@@ -101,7 +101,7 @@ fn short_waves_feel_a_half_space() {
                 &format!("ν {poisson}"),
             );
         }
-        // Physics 1.2: without shear at the interface E_s k/(2(1 - ν²)); 9 % more at 0.3, a third more
+        // Derived table: without shear at the interface E_s k/(2(1 - ν²)); 9 % more at 0.3, a third more
         // at 0, the same at 0.5.
         let bonded_over_free = slope / (0.5 * reduced);
         match poisson {

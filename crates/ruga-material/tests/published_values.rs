@@ -146,7 +146,7 @@ fn thin_compressible_substrate_follows_the_quarter_power() {
     assert_close(found.wavelength, expected, 1e-6, "λ");
 }
 
-/// Physics 1.1, the rows that a soft foundation can have: `N_c/(D k²)` and `12 ε_c/(k h)²` for
+/// Derived table, the rows that a soft foundation can have: `N_c/(D k²)` and `12 ε_c/(k h)²` for
 /// `K ~ k^p`.
 #[test]
 fn critical_force_for_each_power_of_the_foundation() {
@@ -193,10 +193,10 @@ fn critical_force_for_each_power_of_the_foundation() {
     );
 }
 
-/// Physics 1.5, in mm: half-space, exact, Cerda-Mahadevan (ν 0.48), exact strain.
+/// Derived table, in mm: half-space, exact, Cerda-Mahadevan (ν 0.48), exact strain.
 #[test]
 fn thesis_parameters() {
-    // The notes print 11.33 for the exact dermis too. That is the layer without shear at its upper
+    // A shear-free interface gives 11.33 for the exact dermis too. That is the layer without shear at its upper
     // face; bonded, as here, 60-digit arithmetic gives 11.3204.
     let cases = [
         ("reference-epidermis", 2.78, 2.46, 2.79, 0.0195, 1e-4),
@@ -224,10 +224,10 @@ fn thesis_parameters() {
     }
 }
 
-/// Physics 1.5, how far the Poisson ratio of the substrate moves the exact wavelength (mm).
+/// Derived table, how far the Poisson ratio of the substrate moves the exact wavelength (mm).
 #[test]
 fn thesis_parameters_for_other_substrates() {
-    // For the dermis at 0.3 the notes print 12.0, again without shear; bonded it is 11.64.
+    // For the dermis at 0.3 a shear-free interface gives 12.0; bonded it is 11.64.
     let cases = [
         ("reference-epidermis", 0.5 - 1e-12, 2.42, 0.01),
         ("reference-epidermis", 0.3, 2.65, 0.01),

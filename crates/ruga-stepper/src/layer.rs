@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, Matrix3, Rotation3, SymmetricEigen, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use ruga_blend::{BaseSurface, FaceStrain, PosedSurface, face_strains, rest_frame};
-use ruga_material::{Wrinkling, capped_strain};
+use ruga_material::{CAP_START, Wrinkling, capped_strain};
 use ruga_mesh::{FaceId, Id, PerFace, VertexId};
 use ruga_shell::{
     FaceParameters, HINGE_EXPONENT, LayerEnergy, LayerParameters, ResponseQuery, ShellError,
@@ -24,8 +24,6 @@ use crate::{Coupling, LayerSpec, LayerSurface, StepperError};
 const FLOOR: f64 = 1e-6;
 /// Initial noise in thicknesses; a tenth picks a wrong wavelength.
 const NOISE: f64 = 1e-3;
-/// Compression from which the rest metric is capped.
-const CAP_START: f64 = 0.15;
 
 /// Least factor by which a rest triangle may shrink, so that one which collapses on the way keeps
 /// an area.
@@ -267,10 +265,11 @@ impl Layer {
         }
     }
 
-    /// Returns to an earlier shape; the surface below has to be set before the next solve.
-    pub(crate) fn restore(&mut self, state: &LayerState) {
+    /// Returns to an earlier shape, and the surface below to where it was then.
+    pub(crate) fn restore(&mut self, state: &LayerState) -> Result<(), StepperError> {
+        self.set_below(state.below.clone())?;
         self.positions.clone_from(&state.positions);
-        self.below.clone_from(&state.below);
+        Ok(())
     }
 
     /// Total elastic energy, J.

@@ -2,7 +2,7 @@
 
 use crate::LayerSurface;
 
-/// What the time goes into: the columns of LK Table 6-1, without remeshing.
+/// What the time goes into: the columns of Li 2014, table 6-1, without remeshing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// Cluster centres and constraint functions.

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use ruga_blend::{BaseSurface, Driver, PosedSurface};
-use ruga_material::{Wrinkling, wrinkling};
+use ruga_material::{CAP_START, Wrinkling, wrinkling};
 use ruga_mesh::{FaceId, Id, PerFace};
 
 use crate::region::Demand;
@@ -18,8 +18,6 @@ const FACET_SHARE: f64 = 1.0 / 3.0;
 const PASSING: [f64; 3] = [0.25, 0.5, 0.75];
 /// Areas below a hundredth of a square centimetre are not worth a warning, m².
 const NEGLIGIBLE_AREA: f64 = 1e-6;
-/// Strain from which the rest metric is capped.
-const CAP_START: f64 = 0.15;
 
 /// What will be modelled.
 #[derive(Clone, Debug)]
@@ -100,7 +98,7 @@ pub struct LayerPlan {
 /// `map_size` is the side of the maps in texels.
 ///
 /// # Errors
-/// Bad materials, a black mask, no layer or no pose.
+/// Bad materials, a black mask, no layer.
 pub fn plan(
     driver: &Driver,
     layers: &[LayerSpec],

@@ -28,8 +28,8 @@ pub struct LayerSurface {
 /// A pose after simulation.
 #[derive(Clone, Debug, Default)]
 pub struct PoseResult {
-    /// Results at the pose's keys, in order; fewer when interrupted. A key at which nothing can
-    /// wrinkle has no layers.
+    /// Results at the pose's keys, in order; fewer when interrupted or given up. A key at which
+    /// nothing can wrinkle has no layers.
     pub keys: Vec<KeyResult>,
     /// Numbers per layer, bottom first.
     pub layers: Vec<LayerReport>,
@@ -69,7 +69,7 @@ pub struct LayerReport {
     pub critical_strain_predicted: f64,
     /// Dominant wavelength along the surface, m; `None` where nothing wrinkles.
     pub wavelength: Option<f64>,
-    /// `sqrt(2)` times the RMS height where the layer is active, m.
+    /// `sqrt(2)` times the RMS height where the driver asks for more than the critical strain, m.
     pub amplitude: f64,
     /// Elastic energy, J.
     pub energy: f64,

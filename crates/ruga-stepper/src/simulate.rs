@@ -64,7 +64,7 @@ pub fn simulate(
             ..PoseResult::default()
         },
         report: LayerReport::default(),
-        knows_no_inertia: false,
+        told_of_missing_inertia: false,
     };
     run.follow_loads()?;
     Ok(run.finish())
@@ -131,13 +131,16 @@ struct PoseRun<'a> {
     result: PoseResult,
     report: LayerReport,
     /// Whether the user was told that minima and saddles look alike.
-    knows_no_inertia: bool,
+    told_of_missing_inertia: bool,
 }
 
 impl PoseRun<'_> {
     fn follow_loads(&mut self) -> Result<(), StepperError> {
+        // Beyond the last key nothing was planned for.
+        let last = self.spec.keys.iter().copied().fold(0.0, f64::max);
         let mut loads: Vec<f64> = (1..=self.spec.steps)
             .map(|i| f64::from(i) / f64::from(self.spec.steps))
+            .filter(|&load| load < last)
             .chain(self.spec.keys.iter().copied())
             .collect();
         loads.sort_by(f64::total_cmp);
@@ -157,19 +160,18 @@ impl PoseRun<'_> {
                 self.result.converged = false;
                 return Ok(());
             }
-            match stepper.report(self.outcome(trial, &solve)) {
+            let outcome = self.outcome(trial, &solve);
+            if trial.probe && outcome == Outcome::Buckled {
+                self.report.onset_load = Some(trial.load);
+            }
+            match stepper.report(outcome) {
                 Verdict::Keep => {
                     kept = self.layer.state();
                     self.keep(trial.load, &solve);
                 }
-                Verdict::Discard => {
-                    if solve.left_saddle {
-                        self.report.onset_load = Some(trial.load);
-                    }
-                    self.layer.restore(&kept);
-                }
+                Verdict::Discard => self.layer.restore(&kept)?,
                 Verdict::GiveUp => {
-                    self.layer.restore(&kept);
+                    self.layer.restore(&kept)?;
                     self.give_up(trial.load, &solve);
                 }
             }
@@ -210,11 +212,8 @@ impl PoseRun<'_> {
     }
 
     fn keep(&mut self, load: f64, solve: &SolveReport) {
-        if !solve.converged {
-            self.result.converged = false;
-        }
-        if solve.inertia.is_none() && self.layer.demand() > 1.0 && !self.knows_no_inertia {
-            self.knows_no_inertia = true;
+        if solve.inertia.is_none() && self.layer.demand() > 1.0 && !self.told_of_missing_inertia {
+            self.told_of_missing_inertia = true;
             self.result.warnings.push(format!(
                 "pose '{}', layer '{}': linear = \"minres\" cannot tell a wrinkled state from an unstable flat one; compare with \"ldlt\"",
                 self.spec.name, self.layer.spec.name
