@@ -196,8 +196,8 @@ fn critical_force_for_each_power_of_the_foundation() {
 /// Derived table, in mm: half-space, exact, Cerda-Mahadevan (ν 0.48), exact strain.
 #[test]
 fn thesis_parameters() {
-    // A shear-free interface gives 11.33 for the exact dermis too. That is the layer without shear at its upper
-    // face; bonded, as here, 60-digit arithmetic gives 11.3204.
+    // Without shear at its upper face the dermis' layer would give 11.33; bonded, as here, 60-digit
+    // arithmetic gives 11.3204.
     let cases = [
         ("reference-epidermis", 2.78, 2.46, 2.79, 0.0195, 1e-4),
         ("reference-dermis", 11.33, 11.32, 19.2, 0.130, 1e-3),
