@@ -3,8 +3,9 @@
 //! A [`TriMesh`] is faces, edges and their incidence; it never holds positions. A
 //! [`MaterialPoint`] (face, barycentric coordinates) is the one address for a place on a surface.
 //! [`subdivide`] refines a mesh by Loop's rules and says, as [`SparseRows`], how any per-vertex
-//! quantity follows; [`limit_rows`] evaluates the limit surface. [`PlanarLookup`] finds the
-//! material point under a texture coordinate, [`tangent_coordinates`] unrolls a neighbourhood.
+//! quantity follows; [`limit_rows`] evaluates the limit surface at vertices and [`LoopSurface`] at
+//! any material point, where a [`SurfaceJet`] tells normal and curvature. [`PlanarLookup`] finds
+//! the material point under a texture coordinate, [`tangent_coordinates`] unrolls a neighbourhood.
 //!
 //! Positions given to a function are in metres, but nothing here depends on the unit.
 //!
@@ -25,16 +26,22 @@
 //! # Ok::<(), ruga_mesh::MeshError>(())
 //! ```
 
+mod box_spline;
 mod error;
+mod face_place;
 mod geodesic;
 mod geometry;
 mod ids;
+mod irregular_sector;
 mod loop_subdivision;
+mod loop_surface;
 mod material_point;
 mod planar_lookup;
 mod sparse_rows;
+mod surface_jet;
 mod tangent_coordinates;
 mod topology;
+mod vertex_fan;
 
 pub use material_point::MaterialPoint;
 pub use topology::{Edge, Ring, Submesh, TriMesh};
@@ -44,6 +51,8 @@ pub use geodesic::edge_distances;
 pub use geometry::{face_normals, vertex_areas, vertex_normals};
 pub use ids::{EdgeId, FaceId, Id, PerEdge, PerElement, PerFace, PerVertex, VertexId};
 pub use loop_subdivision::{FaceOrigin, LimitRows, Subdivision, limit_rows, subdivide};
+pub use loop_surface::{LimitPointRows, LoopSurface};
 pub use planar_lookup::{PlanarLookup, barycentric};
 pub use sparse_rows::SparseRows;
+pub use surface_jet::SurfaceJet;
 pub use tangent_coordinates::{TangentCoordinates, tangent_coordinates, tangent_frame};

@@ -1,0 +1,194 @@
+//! The faces around one corner of a face, and the controls that they give.
+
+use crate::{FaceId, Id, PerVertex, SparseRows, TriMesh, VertexId};
+
+/// Faces around a vertex that hang together, counter-clockwise.
+///
+/// Unlike [`TriMesh::ring`], it starts from a face and knows where vertices with several fans end.
+#[derive(Clone, Debug)]
+pub(crate) struct VertexFan {
+    /// Each face with the corner at which the vertex is.
+    pub(crate) faces: Vec<(FaceId, usize)>,
+    /// The neighbours; one more than faces unless closed.
+    pub(crate) spokes: Vec<VertexId>,
+    /// Whether the last face is followed by the first.
+    pub(crate) closed: bool,
+    /// Position in `faces` of the face asked for; zero in a closed fan.
+    pub(crate) sector: usize,
+}
+
+impl VertexFan {
+    /// The fan around `corner` of `face`; a closed one starts at that face, others at the border.
+    pub(crate) fn around(mesh: &TriMesh, face: FaceId, corner: usize) -> Self {
+        let vertex = mesh.faces()[face][corner];
+        let mut first = (face, corner);
+        let mut sector = 0;
+        let mut closed = false;
+        while let Some(before) = turn(mesh, first, vertex, 0) {
+            if before.0 == face {
+                closed = true;
+                break;
+            }
+            first = before;
+            sector += 1;
+        }
+        if closed {
+            (first, sector) = ((face, corner), 0);
+        }
+        let mut faces = vec![first];
+        while let Some(next) = turn(mesh, faces[faces.len() - 1], vertex, 2) {
+            if next.0 == first.0 {
+                break;
+            }
+            faces.push(next);
+        }
+        let spoke = |&(f, c): &(FaceId, usize)| mesh.faces()[f][(c + 1) % 3];
+        let mut spokes: Vec<VertexId> = faces.iter().map(spoke).collect();
+        if let (false, Some(&(f, c))) = (closed, faces.last()) {
+            spokes.push(mesh.faces()[f][(c + 2) % 3]);
+        }
+        Self {
+            faces,
+            spokes,
+            closed,
+            sector,
+        }
+    }
+}
+
+/// The next face around `vertex` across the edge `side` corners further, and its corner there.
+fn turn(
+    mesh: &TriMesh,
+    (face, corner): (FaceId, usize),
+    vertex: VertexId,
+    side: usize,
+) -> Option<(FaceId, usize)> {
+    let next = mesh.neighbour(face, (corner + side) % 3)?;
+    let corner = mesh.faces()[next].iter().position(|&v| v == vertex)?;
+    Some((next, corner))
+}
+
+/// How the surface behaves around a vertex, seen from one face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct VertexKind {
+    /// Faces in the fan.
+    pub(crate) faces: usize,
+    /// Whether the fan is closed.
+    pub(crate) closed: bool,
+    /// Whether the vertex stays where it is: a corner, or a vertex with several fans.
+    pub(crate) fixed: bool,
+}
+
+impl VertexKind {
+    /// The kind of the vertex of `fan`.
+    pub(crate) fn of(mesh: &TriMesh, corners: &PerVertex<bool>, fan: &VertexFan) -> Self {
+        let (face, corner) = fan.faces[0];
+        let vertex = mesh.faces()[face][corner];
+        Self {
+            faces: fan.faces.len(),
+            closed: fan.closed,
+            fixed: corners[vertex] || mesh.vertex_faces(vertex).len() != fan.faces.len(),
+        }
+    }
+
+    /// Whether the surface is a box spline here.
+    pub(crate) fn is_regular(&self) -> bool {
+        !self.fixed && self.faces == if self.closed { 6 } else { 3 }
+    }
+}
+
+/// The twelve controls of a box spline face from the mesh's vertices; `None` for another face.
+///
+/// The order is that of [`crate::box_spline::CONTROLS`]. Beyond a border edge `a b` with apex `c`
+/// the control is `a + b - c`: with it, the rules of the interior give those of the border.
+pub(crate) fn regular_controls(
+    mesh: &TriMesh,
+    corners: &PerVertex<bool>,
+    face: FaceId,
+) -> Option<SparseRows> {
+    let mut rings = Vec::with_capacity(3);
+    for corner in 0..3 {
+        let fan = VertexFan::around(mesh, face, corner);
+        if !VertexKind::of(mesh, corners, &fan).is_regular() {
+            return None;
+        }
+        rings.push(ring_of_six(mesh.faces()[face][corner], &fan));
+    }
+    let mut rows = SparseRows::default();
+    for vertex in mesh.faces()[face] {
+        rows.push_row(&mut [(vertex.0, 1.0)]);
+    }
+    for ring in &mut rings {
+        rows.push_row(&mut ring[5]);
+    }
+    for ring in &mut rings {
+        rows.push_row(&mut ring[4]);
+        rows.push_row(&mut ring[3]);
+    }
+    Some(rows)
+}
+
+type Terms = Vec<(u32, f64)>;
+
+/// The neighbours of a regular vertex, starting in the fan's sector.
+fn ring_of_six(vertex: VertexId, fan: &VertexFan) -> Vec<Terms> {
+    let mut ring: Vec<Terms> = fan.spokes.iter().map(|v| vec![(v.0, 1.0)]).collect();
+    if !fan.closed {
+        let mirror = |border: usize, apex: usize| {
+            let [border, apex] = [border, apex].map(|i| fan.spokes[i].0);
+            vec![(vertex.0, 1.0), (border, 1.0), (apex, -1.0)]
+        };
+        ring.extend([mirror(3, 2), mirror(0, 1)]);
+    }
+    ring.rotate_left(fan.sector);
+    ring
+}
+
+/// The controls of a face whose one irregular vertex is at `corner`, the others being new vertices
+/// of a subdivision; `None` for a face that is not.
+///
+/// The vertex, its neighbours, the apexes beyond the rim of the sector before (if any), this one
+/// and the one after (if any), then the far neighbours of the two other corners.
+pub(crate) fn sector_controls(
+    mesh: &TriMesh,
+    face: FaceId,
+    corner: usize,
+) -> Option<Vec<VertexId>> {
+    let fan = VertexFan::around(mesh, face, corner);
+    let mut controls = vec![mesh.faces()[face][corner]];
+    controls.extend(&fan.spokes);
+    let count = fan.faces.len();
+    let before = match fan.sector {
+        0 if fan.closed => Some(count - 1),
+        sector => sector.checked_sub(1),
+    };
+    let after = match fan.sector + 1 {
+        sector if sector < count => Some(sector),
+        _ => fan.closed.then_some(0),
+    };
+    for sector in [before, Some(fan.sector), after].into_iter().flatten() {
+        let (f, c) = fan.faces[sector];
+        controls.push(apex_across(mesh, f, (c + 1) % 3)?);
+    }
+    let beyond = mesh.neighbour(face, (corner + 1) % 3)?;
+    let next = mesh.faces()[face][(corner + 1) % 3];
+    let c = mesh.faces()[beyond].iter().position(|&v| v == next)?;
+    controls.push(apex_across(mesh, beyond, c)?);
+    controls.push(apex_across(mesh, beyond, (c + 1) % 3)?);
+    Some(controls)
+}
+
+/// The vertex opposite edge `corner` of `face` in the face beyond it.
+fn apex_across(mesh: &TriMesh, face: FaceId, corner: usize) -> Option<VertexId> {
+    let edge = &mesh.edges()[mesh.face_edges(face)[corner]];
+    let beyond = usize::from(edge.faces[0] == Some(face));
+    edge.apexes[beyond]
+}
+
+/// A mesh of `kind.faces` faces around vertex 0; face `i` is sector `i`, with vertex 0 first.
+pub(crate) fn fan_mesh(kind: VertexKind) -> TriMesh {
+    let rim = kind.faces + usize::from(!kind.closed);
+    let vertex = |i: usize| VertexId::from_index(1 + i % rim).0;
+    let faces = (0..kind.faces).map(|i| [0, vertex(i), vertex(i + 1)]);
+    TriMesh::new(1 + rim, faces.collect()).expect("a fan copied from a mesh is a mesh")
+}

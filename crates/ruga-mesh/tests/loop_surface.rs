@@ -1,0 +1,492 @@
+//! The Loop surface at arbitrary places: against subdivision, limits at vertices, finite
+//! differences, its own continuity, and spheres and cylinders.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::{Matrix3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use ruga_mesh::{
+    FaceId, Id, LimitPointRows, LoopSurface, MaterialPoint, PerVertex, SparseRows, SurfaceJet,
+    TriMesh, VertexId, limit_rows, subdivide, tangent_frame,
+};
+
+type Positions = Vec<Vector3<f64>>;
+
+/// A control mesh with its corners.
+struct Control {
+    mesh: TriMesh,
+    corners: PerVertex<bool>,
+    positions: Positions,
+}
+
+impl Control {
+    fn new(faces: Vec<[u32; 3]>, positions: Positions) -> Self {
+        let mesh = TriMesh::new(positions.len(), faces).expect("a valid mesh");
+        let corners = PerVertex::filled(mesh.vertex_count(), false);
+        Self {
+            mesh,
+            corners,
+            positions,
+        }
+    }
+
+    fn with_corners(mut self, corners: &[u32]) -> Self {
+        for &v in corners {
+            self.corners[VertexId(v)] = true;
+        }
+        self
+    }
+
+    fn surface(&self) -> LoopSurface {
+        LoopSurface::new(&self.mesh, &self.corners)
+    }
+
+    fn refined(&self, levels: u32) -> Self {
+        let fine = subdivide(&self.mesh, levels, &self.corners);
+        Self {
+            positions: fine.fine_from_coarse.apply(&self.positions),
+            mesh: fine.mesh,
+            corners: fine.corners,
+        }
+    }
+
+    fn jets(&self, points: &[MaterialPoint]) -> Vec<SurfaceJet> {
+        self.surface().rows(points).apply(&self.positions)
+    }
+}
+
+/// A vertex amid `count` faces over an angle, of uneven heights and radii, with a second ring.
+fn fan(count: usize, angle: f64) -> Control {
+    let mut rng = Pcg64Mcg::seed_from_u64(count as u64);
+    let rim = if angle == TAU { count } else { count + 1 };
+    let mut positions = vec![Vector3::new(0.0, 0.0, 0.1)];
+    for ring in [1.0, 2.0] {
+        for i in 0..rim {
+            let (sin, cos) = (angle * i as f64 / count as f64).sin_cos();
+            let radius = ring * rng.random_range(0.9..1.1);
+            let height = 0.3 * rng.random_range(-1.0..1.0);
+            positions.push(Vector3::new(radius * cos, radius * sin, height));
+        }
+    }
+    let mut faces = Vec::new();
+    for i in 0..count {
+        let [a, b] = [1 + i, 1 + (i + 1) % rim].map(|k| k as u32);
+        let [c, d] = [a, b].map(|k| k + rim as u32);
+        faces.extend([[0, a, b], [a, c, d], [a, d, b]]);
+    }
+    Control::new(faces, positions)
+}
+
+/// A closed mesh: the icosahedron.
+fn icosahedron() -> Control {
+    let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
+    let mut positions = Vec::new();
+    for axis in 0..3 {
+        for (a, b) in [
+            (-1.0, -golden),
+            (1.0, -golden),
+            (-1.0, golden),
+            (1.0, golden),
+        ] {
+            let mut p = Vector3::zeros();
+            p[(axis + 1) % 3] = a;
+            p[(axis + 2) % 3] = b;
+            positions.push(p);
+        }
+    }
+    let near = |a: usize, b: usize| (positions[a] - positions[b]).norm() < 2.1;
+    let mut faces = Vec::new();
+    for a in 0..12 {
+        for b in a + 1..12 {
+            for c in b + 1..12 {
+                if near(a, b) && near(b, c) && near(c, a) {
+                    let [p, q, r] = [a, b, c].map(|i| positions[i]);
+                    let outwards = (q - p).cross(&(r - p)).dot(&p) > 0.0;
+                    let face = if outwards { [a, b, c] } else { [a, c, b] };
+                    faces.push(face.map(|i| i as u32));
+                }
+            }
+        }
+    }
+    Control::new(faces, positions)
+}
+
+/// A lattice of `columns` by `rows` cells, placed by its lattice coordinates.
+fn lattice(columns: u32, rows: u32, place: impl Fn(f64, f64) -> Vector3<f64>) -> Control {
+    let mut positions = Vec::new();
+    let mut faces = Vec::new();
+    for j in 0..=rows {
+        for i in 0..=columns {
+            positions.push(place(f64::from(i), f64::from(j)));
+            if i < columns && j < rows {
+                let a = j * (columns + 1) + i;
+                let b = a + columns + 1;
+                faces.extend([[a, a + 1, b], [a + 1, b + 1, b]]);
+            }
+        }
+    }
+    Control::new(faces, positions)
+}
+
+/// Two tetrahedra that touch in vertex 0, and a bow tie of two triangles in vertex 7.
+fn touching() -> Control {
+    let mut rng = Pcg64Mcg::seed_from_u64(9);
+    let faces = vec![
+        [0, 1, 2],
+        [0, 2, 3],
+        [0, 3, 1],
+        [1, 3, 2],
+        [0, 5, 4],
+        [0, 6, 5],
+        [0, 4, 6],
+        [4, 5, 6],
+        [7, 8, 9],
+        [7, 10, 11],
+    ];
+    let positions = (0..12).map(|_| Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0)));
+    Control::new(faces, positions.collect())
+}
+
+/// Closed, open, with corners, and touching themselves: every rule that there is.
+fn all() -> Vec<Control> {
+    let mut all: Vec<Control> = (3..=12).map(|n| fan(n, TAU)).collect();
+    all.extend((1..=7).map(|n| fan(n, if n < 3 { PI / 2.0 } else { PI })));
+    all.push(fan(5, PI).with_corners(&[0, 2, 7, 12]));
+    all.push(fan(7, TAU).with_corners(&[0, 3, 9]));
+    all.push(icosahedron());
+    all.push(touching());
+    let bumps =
+        |i: f64, j: f64| Vector3::new(i + 0.2 * j, j, 0.4 * (i * 2.1).sin() * (j + i).cos());
+    all.push(lattice(4, 3, bumps).with_corners(&[0, 4]));
+    all
+}
+
+fn random_points(mesh: &TriMesh, per_face: usize, seed: u64) -> Vec<MaterialPoint> {
+    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let faces = mesh.faces().ids();
+    faces
+        .flat_map(|face| (0..per_face).map(move |_| face))
+        .map(|face| {
+            let [a, b] = [(); 2].map(|()| rng.random_range(0.0..1.0_f64));
+            let root = a.sqrt();
+            MaterialPoint {
+                face,
+                barycentric: [1.0 - root, root * (1.0 - b), root * b],
+            }
+        })
+        .collect()
+}
+
+fn sums(rows: &SparseRows) -> Vec<f64> {
+    (0..rows.row_count())
+        .map(|i| rows.row(i).map(|term| term.1).sum())
+        .collect()
+}
+
+/// Sine of the angle between two unit vectors, one if they are opposite.
+fn turn(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+    if a.dot(b) > 0.0 {
+        a.cross(b).norm()
+    } else {
+        1.0
+    }
+}
+
+#[test]
+fn rows_are_affine() {
+    for control in all() {
+        let rows = control.surface().rows(&random_points(&control.mesh, 5, 1));
+        let LimitPointRows {
+            position,
+            first,
+            second,
+        } = &rows;
+        assert!(sums(position).iter().all(|s| (s - 1.0).abs() < 1e-13));
+        for (rows, size) in first
+            .iter()
+            .zip([1.0; 2])
+            .chain(second.iter().zip([1e2; 3]))
+        {
+            // Second derivatives grow towards irregular vertices, and their rounding with them.
+            assert!(sums(rows).iter().all(|s| s.abs() < 1e-12 * size));
+        }
+    }
+}
+
+#[test]
+fn a_lattice_keeps_linear_functions_of_the_parameters_up_to_its_border() {
+    let control = lattice(5, 4, |i, j| Vector3::new(i, j, 2.0 * i - j)).with_corners(&[0, 29]);
+    let points = random_points(&control.mesh, 6, 2);
+    for (point, jet) in points.iter().zip(control.jets(&points)) {
+        let corners = control.mesh.faces()[point.face];
+        if [0, 5, 24, 29]
+            .iter()
+            .any(|&c| corners.contains(&VertexId(c)))
+        {
+            continue;
+        }
+        let [a, b, c] = corners.map(|v| control.positions[v.index()]);
+        let flat = point.interpolate(&control.mesh, &control.positions);
+        assert!((jet.position - flat).norm() < 1e-13);
+        assert!((jet.first[0] - (b - a)).norm() < 1e-13);
+        assert!((jet.first[1] - (c - a)).norm() < 1e-13);
+        assert!(jet.second.iter().all(|s| s.norm() < 1e-12));
+    }
+}
+
+#[test]
+fn the_vertices_are_where_their_limit_rows_say_with_the_same_normal() {
+    for control in all() {
+        let limit = limit_rows(&control.mesh, &control.corners);
+        let [position, a, b] = [&limit.position, &limit.first_tangent, &limit.second_tangent]
+            .map(|rows| rows.apply(&control.positions));
+        for face in control.mesh.faces().ids() {
+            let points = [0, 1, 2].map(|corner| MaterialPoint::at_corner(face, corner));
+            let jets = control.jets(&points);
+            for (corner, v) in control.mesh.faces()[face].into_iter().enumerate() {
+                let jet = &jets[corner];
+                assert!((jet.position - position[v.index()]).norm() < 1e-13);
+                let faces = control.mesh.vertex_faces(v).len();
+                let border = control.mesh.border_vertices()[v];
+                let cross = a[v.index()].cross(&b[v.index()]);
+                if border && faces > 4 || cross.norm() == 0.0 {
+                    continue;
+                }
+                let tolerance = match (border, faces) {
+                    (false, 3..=6) | (true, 3) => 1e-9,
+                    (true, 1 | 2) => 1e-5,
+                    (false, 7 | 8) => 1e-5,
+                    _ => 1e-2,
+                };
+                let normal = jet.normal().expect("a normal");
+                let turn = turn(&normal, &cross.normalize());
+                assert!(turn < tolerance, "{faces} faces, border {border}: {turn}");
+            }
+        }
+    }
+}
+
+#[test]
+fn fine_vertices_lie_on_the_surface_of_the_coarse_mesh() {
+    for control in all() {
+        let levels = 4;
+        let fine = subdivide(&control.mesh, levels, &control.corners);
+        let limit = limit_rows(&fine.mesh, &fine.corners);
+        let controls = fine.fine_from_coarse.apply(&control.positions);
+        let position = limit.position.apply(&controls);
+        let [a, b] = [&limit.first_tangent, &limit.second_tangent].map(|r| r.apply(&controls));
+        let points: Vec<MaterialPoint> = fine
+            .origins
+            .as_slice()
+            .iter()
+            .flat_map(|o| o.corners.map(|barycentric| (o.face, barycentric)))
+            .map(|(face, barycentric)| MaterialPoint { face, barycentric })
+            .collect();
+        let jets = control.jets(&points);
+        let vertices = fine.mesh.faces().as_slice().iter().flatten();
+        for (jet, v) in jets.iter().zip(vertices.map(|v| v.index())) {
+            assert!((jet.position - position[v]).norm() < 1e-12);
+            if v >= control.mesh.vertex_count() {
+                let normal = jet.normal().expect("a normal");
+                assert!(turn(&normal, &a[v].cross(&b[v]).normalize()) < 1e-10);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_refined_mesh_has_the_same_surface_normals_and_curvature() {
+    for control in all() {
+        let fine = subdivide(&control.mesh, 2, &control.corners);
+        let refined = control.refined(2);
+        let points = random_points(&refined.mesh, 2, 3);
+        let lifted: Vec<MaterialPoint> = points
+            .iter()
+            .map(|p| MaterialPoint {
+                face: fine.origins[p.face].face,
+                barycentric: fine.origins[p.face].lift(p.barycentric),
+            })
+            .collect();
+        for (early, late) in control.jets(&lifted).iter().zip(refined.jets(&points)) {
+            assert!((early.position - late.position).norm() < 1e-13);
+            let (Some(a), Some(b)) = (early.shape_operator(), late.shape_operator()) else {
+                panic!("no normal");
+            };
+            assert!((a - b).norm() < 1e-8 * (1.0 + a.norm()), "{a} {b}");
+        }
+    }
+}
+
+#[test]
+fn derivatives_are_those_of_finite_differences() {
+    let step = 1e-4;
+    for control in all() {
+        let surface = control.surface();
+        for point in random_points(&control.mesh, 3, 4) {
+            let at = |u: f64, v: f64| {
+                let [a, b, c] = point.barycentric;
+                let barycentric = [a - u - v, b + u, c + v];
+                let moved = MaterialPoint {
+                    face: point.face,
+                    barycentric,
+                };
+                surface.rows(&[moved]).apply(&control.positions)[0]
+            };
+            // Near an edge or a vertex the polynomial changes within the step.
+            if point.barycentric.iter().any(|&b| b < 0.05) {
+                continue;
+            }
+            let here = at(0.0, 0.0);
+            let along = [(step, 0.0), (0.0, step)].map(|(u, v)| (at(u, v), at(-u, -v)));
+            for (k, (after, before)) in along.iter().enumerate() {
+                let first = (after.position - before.position) / (2.0 * step);
+                assert!((first - here.first[k]).norm() < 1e-6);
+                let second = [0, 1].map(|i| (after.first[i] - before.first[i]) / (2.0 * step));
+                // Third derivatives jump inside an irregular face.
+                assert!((second[0] - here.second[k]).norm() < 1e-3);
+                assert!((second[1] - here.second[k + 1]).norm() < 1e-3);
+            }
+        }
+    }
+}
+
+/// Both addresses of places along every inner edge, close to its ends and in the middle.
+fn edge_places(mesh: &TriMesh) -> Vec<([MaterialPoint; 2], [VertexId; 2], f64)> {
+    let mut places = Vec::new();
+    for (_, edge) in mesh.edges().iter() {
+        let [Some(left), Some(right)] = edge.faces else {
+            continue;
+        };
+        for t in [1e-13, 1e-9, 1e-5, 1e-2, 0.3, 0.5, 0.77, 0.99, 1.0 - 1e-6] {
+            let at = |face: FaceId| {
+                let weight = |v: VertexId| match edge.vertices.iter().position(|&e| e == v) {
+                    Some(0) => t,
+                    Some(_) => 1.0 - t,
+                    None => 0.0,
+                };
+                let barycentric = mesh.faces()[face].map(weight);
+                MaterialPoint { face, barycentric }
+            };
+            places.push(([at(left), at(right)], edge.vertices, t));
+        }
+    }
+    places
+}
+
+#[test]
+fn position_and_normal_are_continuous_across_edges() {
+    for control in all() {
+        let places = edge_places(&control.mesh);
+        let sides = [0, 1].map(|side| {
+            let points: Vec<MaterialPoint> = places.iter().map(|p| p.0[side]).collect();
+            control.jets(&points)
+        });
+        for (i, (_, ends, t)) in places.iter().enumerate() {
+            let [left, right] = [sides[0][i], sides[1][i]];
+            assert!((left.position - right.position).norm() < 1e-13);
+            let (Some(a), Some(b)) = (left.normal(), right.normal()) else {
+                let is_fixed = ends
+                    .iter()
+                    .any(|&v| control.corners[v] || control.mesh.ring(v).is_none());
+                assert!(is_fixed, "no normal at {t} of {ends:?}");
+                continue;
+            };
+            // The normal of nearly parallel derivatives has lost digits.
+            let sine = |jet: &SurfaceJet| {
+                let [u, v] = jet.first.map(|d| d.normalize());
+                u.cross(&v).norm()
+            };
+            let tolerance = 1e-11 + 3e-15 / sine(&left).min(sine(&right));
+            let turn = turn(&a, &b);
+            assert!(turn < tolerance, "{turn} at {t} of {ends:?}");
+        }
+    }
+}
+
+#[test]
+fn a_cylinder_has_its_curvature() {
+    // A tilted lattice on the unit cylinder; its limit is a hair's breadth (0.4 %) further in.
+    let (angle, height) = (TAU / 40.0, 0.14);
+    let control = lattice(10, 8, |i, j| {
+        let phi = angle * (i + 0.5 * j);
+        Vector3::new(phi.cos(), phi.sin(), height * j)
+    });
+    let points = random_points(&control.mesh, 4, 5);
+    for (point, jet) in points.iter().zip(control.jets(&points)) {
+        let border = control.mesh.border_vertices();
+        if control.mesh.faces()[point.face].iter().any(|&v| border[v]) {
+            continue;
+        }
+        let outwards = Vector3::new(jet.position.x, jet.position.y, 0.0).normalize();
+        let frame = tangent_frame(outwards, Vector3::z());
+        let normal = jet.normal().expect("a normal");
+        assert!(
+            turn(&normal, &outwards) < 1e-4,
+            "{}",
+            turn(&normal, &outwards)
+        );
+        let shape = jet.shape_operator_in(&frame).expect("a normal");
+        assert!(shape[(0, 0)].abs() < 1e-3, "{shape}");
+        assert!(shape[(0, 1)].abs() < 1e-3, "{shape}");
+        println!("{shape} {}", jet.position.norm());
+        assert!((shape[(1, 1)] - 1.0).abs() < 2e-2, "{shape}");
+    }
+}
+
+/// The worst relative error of the shape operator on a unit sphere, all over and well away from
+/// the twelve irregular vertices.
+fn sphere_errors(levels: u32) -> [f64; 2] {
+    let poles = icosahedron().positions;
+    let mut control = icosahedron().refined(levels);
+    control
+        .positions
+        .iter_mut()
+        .for_each(|p| *p = p.normalize());
+    let points = random_points(&control.mesh, 6, 6);
+    let mut worst = [0.0_f64; 2];
+    for jet in control.jets(&points) {
+        let outwards = jet.position.normalize();
+        let wanted = Matrix3::identity() - outwards * outwards.transpose();
+        let error = (jet.shape_operator().expect("a normal") - wanted).norm();
+        worst[0] = worst[0].max(error);
+        let away = |p: &Vector3<f64>| (p.normalize() - outwards).norm() > 0.3;
+        if poles.iter().all(away) {
+            worst[1] = worst[1].max(error);
+        }
+    }
+    worst
+}
+
+#[test]
+fn a_sphere_has_its_curvature() {
+    let errors = [2, 3, 4].map(sphere_errors);
+    for pair in errors.windows(2) {
+        assert!(
+            (3.5..4.5).contains(&(pair[0][1] / pair[1][1])),
+            "{errors:?}"
+        );
+    }
+    assert!(errors[2][1] < 0.01, "{errors:?}");
+    // Next to a vertex of five faces a Loop surface has the wrong curvature at every level.
+    assert!(
+        errors.iter().all(|e| (0.3..0.6).contains(&e[0])),
+        "{errors:?}"
+    );
+}
+
+#[test]
+fn a_vertex_without_tangent_plane_still_has_a_place() {
+    let control = touching();
+    let points: Vec<MaterialPoint> = (0..10)
+        .map(|f| MaterialPoint::at_corner(FaceId(f), 0))
+        .collect();
+    let jets = control.jets(&points);
+    for (jet, face) in jets.iter().zip(control.mesh.faces().as_slice()) {
+        if [0, 7].contains(&face[0].0) {
+            assert!((jet.position - control.positions[face[0].index()]).norm() < 1e-14);
+        }
+        let values = jet.first.iter().chain(&jet.second).flatten();
+        assert!(values.copied().all(f64::is_finite));
+    }
+}
