@@ -1,0 +1,128 @@
+//! Collapses edges that are too short.
+
+use crate::flip::flip_around;
+use crate::patch::{Patch, Touched};
+use crate::remesh::Counts;
+
+/// Passes after which collapsing stops; each removes a share of what can go, so a mesh a thousand
+/// times too fine needs about twenty.
+const MAX_PASSES: usize = 64;
+
+/// Shape under which a collapse may not make a face worse than the worst it replaces: half of an
+/// equilateral's in the metric, a right triangle of sides 1 : 3.4.
+const WORST_SHAPE: f64 = 0.5;
+
+/// Collapses short edges, shortest first, then flips around them, until none can go.
+///
+/// Returns whether it ended by itself. It ends because every collapse removes a vertex.
+pub(crate) fn collapse_short_edges(patch: &mut Patch, corner: f64, counts: &mut Counts) -> bool {
+    let mut candidates: Vec<u32> = patch.topology.edges().collect();
+    for _ in 0..MAX_PASSES {
+        let mut touched = Touched::new();
+        for h in short_edges(patch, &candidates) {
+            collapse_edge(patch, h, corner, &mut touched, counts);
+        }
+        let edges = touched.edges(&patch.topology);
+        if edges.is_empty() {
+            return true;
+        }
+        flip_around(patch, edges, &mut touched, counts);
+        // What failed before may succeed now where a neighbour changed.
+        touched.grow(&patch.topology);
+        candidates = touched.edges(&patch.topology);
+    }
+    false
+}
+
+/// The edges that are too short, shortest first.
+fn short_edges(patch: &Patch, candidates: &[u32]) -> Vec<u32> {
+    let mut short: Vec<(f64, u32)> = candidates
+        .iter()
+        .map(|&h| (patch.half_edge_length(h), h))
+        .filter(|&(length, h)| patch.is_short(h, length))
+        .collect();
+    short.sort_unstable_by(|l, r| l.0.total_cmp(&r.0).then(l.1.cmp(&r.1)));
+    short.into_iter().map(|(_, h)| h).collect()
+}
+
+fn collapse_edge(
+    patch: &mut Patch,
+    h: u32,
+    corner: f64,
+    touched: &mut Touched,
+    counts: &mut Counts,
+) {
+    // An earlier collapse may have removed the face or changed what runs here.
+    if patch.topology.face(h / 3).is_none() || !patch.is_short(h, patch.half_edge_length(h)) {
+        return;
+    }
+    let ends = [patch.topology.tail(h), patch.topology.head(h)];
+    let best = ends
+        .into_iter()
+        .filter_map(|gone| collapse_shape(patch, h, gone, corner).map(|shape| (shape, gone)))
+        .reduce(|best, other| if other.0 > best.0 { other } else { best });
+    if let Some((_, gone)) = best {
+        let kept = patch.topology.other_end(h, gone);
+        patch.topology.collapse(h, gone);
+        patch.set_free(kept);
+        counts.collapses += 1;
+        touched.add_around(&patch.topology, kept);
+    }
+}
+
+/// The worst shape of the faces around after the end `gone` of `h` has moved onto the other end;
+/// `None` where that is not allowed.
+fn collapse_shape(patch: &Patch, h: u32, gone: u32, corner: f64) -> Option<f64> {
+    let topology = &patch.topology;
+    let kept = topology.other_end(h, gone);
+    if !may_leave(patch, gone, kept, topology.is_feature(h), corner) || !topology.can_collapse(h) {
+        return None;
+    }
+    let (mut before, mut after) = ([1.0f64; 2], [1.0f64; 2]);
+    for out in topology.outgoing(gone) {
+        let [_, first, second] = patch.corners(out);
+        include(&mut before, patch, [gone, first, second]);
+        if first == kept || second == kept {
+            continue;
+        }
+        include(&mut after, patch, [kept, first, second]);
+        if !patch.may_join(kept, first) || !patch.may_join(kept, second) {
+            return None;
+        }
+    }
+    let is_sound =
+        after[0] >= WORST_SHAPE.min(before[0]) && Patch::stays_upright(before[1], after[1]);
+    is_sound.then_some(after[0])
+}
+
+/// Lowers the worst shape and uprightness to those of a face.
+fn include(worst: &mut [f64; 2], patch: &Patch, face: [u32; 3]) {
+    worst[0] = worst[0].min(patch.quality(face));
+    worst[1] = worst[1].min(patch.uprightness(face));
+}
+
+/// Whether a vertex may be removed towards `kept`: free, and on a feature only along it where it
+/// runs straight on to within the cosine `corner`.
+fn may_leave(patch: &Patch, gone: u32, kept: u32, is_feature: bool, corner: f64) -> bool {
+    if patch.is_fixed(gone) {
+        return false;
+    }
+    let mut ends = [gone; 2];
+    let mut count = 0;
+    for (v, _) in patch.topology.neighbours(gone).filter(|n| n.1) {
+        if count < 2 {
+            ends[count] = v;
+        }
+        count += 1;
+    }
+    match count {
+        0 => true,
+        2 if is_feature => {
+            let other = if ends[0] == kept { ends[1] } else { ends[0] };
+            let [p, q, r] = [other, gone, kept].map(|v| patch.positions[v as usize]);
+            let (back, on) = (q - p, r - q);
+            back.dot(&on) >= corner * back.norm() * on.norm()
+        }
+        _ => false,
+    }
+}

@@ -1,0 +1,76 @@
+//! What can be wrong with the input of a remesh.
+
+use ruga_mesh::{FaceId, VertexId};
+
+/// Why a mesh, a sizing or a setting is refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RemeshError {
+    /// An array does not fit the mesh.
+    #[error("{what}: {got} entries, but the mesh asks for {expected}")]
+    Length {
+        /// The array.
+        what: &'static str,
+        /// Entries it has.
+        got: usize,
+        /// Entries it must have.
+        expected: usize,
+    },
+    /// A setting is outside its range.
+    #[error("{name} = {value}; accepted: {accepted}")]
+    Setting {
+        /// The setting.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The accepted range.
+        accepted: &'static str,
+    },
+    /// The shortest edge is set longer than the longest.
+    #[error("min_edge = {min_edge} m is longer than max_edge = {max_edge} m")]
+    EdgeRange {
+        /// Setting, m.
+        min_edge: f64,
+        /// Setting, m.
+        max_edge: f64,
+    },
+    /// A position is infinite or not a number.
+    #[error("vertex {vertex} has a coordinate that is not finite", vertex = vertex.0)]
+    Position {
+        /// The vertex.
+        vertex: VertexId,
+    },
+    /// A sizing tensor is not finite, not symmetric or has a negative eigenvalue.
+    #[error("the sizing tensor of vertex {vertex} must be finite, symmetric and not negative", vertex = vertex.0)]
+    Tensor {
+        /// The vertex.
+        vertex: VertexId,
+    },
+    /// What drives the sizing at a face is not finite or out of range.
+    #[error("face {face}: {what} = {value}; accepted: {accepted}", face = face.0)]
+    Face {
+        /// The face.
+        face: FaceId,
+        /// The quantity.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// The accepted range.
+        accepted: &'static str,
+    },
+    /// A vertex has no face, or two fans of faces touch at it.
+    #[error("vertex {vertex} must have exactly one fan of faces around it; split or remove it", vertex = vertex.0)]
+    NonManifoldVertex {
+        /// The vertex.
+        vertex: VertexId,
+    },
+    /// The sizing asks for more vertices than `max_vertices` allows.
+    #[error(
+        "the sizing asks for about {estimate} vertices, max_vertices is {limit}: coarsen the sizing or raise min_edge"
+    )]
+    TooManyVertices {
+        /// Predicted number.
+        estimate: usize,
+        /// Setting.
+        limit: usize,
+    },
+}

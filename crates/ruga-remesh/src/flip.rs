@@ -1,0 +1,126 @@
+//! Flips edges until the mesh is Delaunay in the metric.
+
+use std::collections::VecDeque;
+
+use nalgebra::Vector3;
+
+use crate::half_edges::{next, prev};
+use crate::patch::{Patch, Touched};
+use crate::remesh::Counts;
+use crate::tensor2::Tensor2;
+
+/// Sine by which the angles opposite an edge must exceed 180 degrees together before it is
+/// flipped; regular grids, where it is zero, are left as they are.
+const TOLERANCE: f64 = 1e-3;
+/// The same among four vertices of the old mesh: a hysteresis against churn, 3 degrees.
+const TOLERANCE_OLD: f64 = 0.05;
+/// Flips per edge asked about after which flipping stops: in a metric that varies, Lawson's
+/// algorithm may go round in circles. Two are seldom reached.
+const MAX_FLIPS_PER_EDGE: usize = 8;
+
+/// Flips the given edges and those around them where the metric asks for it; lists the faces it
+/// changes in `touched`. Returns how many edges were left when the bound on flips was reached.
+pub(crate) fn flip_around(
+    patch: &mut Patch,
+    edges: Vec<u32>,
+    touched: &mut Touched,
+    counts: &mut Counts,
+) -> usize {
+    let mut left = MAX_FLIPS_PER_EDGE * edges.len();
+    let mut queue = VecDeque::from(edges);
+    while let Some(h) = queue.pop_front() {
+        let Some(twin) = patch.topology.twin(h).filter(|_| should_flip(patch, h)) else {
+            continue;
+        };
+        if left == 0 {
+            return queue.len() + 1;
+        }
+        left -= 1;
+        patch.topology.flip(h);
+        counts.flips += 1;
+        for side in [h, twin] {
+            touched.add(side / 3);
+            queue.extend([next(side), prev(side)]);
+        }
+    }
+    0
+}
+
+/// Whether an edge is no Delaunay edge and its flip is allowed.
+fn should_flip(patch: &Patch, h: u32) -> bool {
+    let topology = &patch.topology;
+    let Some(twin) = topology.twin(h).filter(|_| !topology.is_feature(h)) else {
+        return false;
+    };
+    let [a, b, c] = patch.corners(h);
+    let d = topology.apex(twin);
+    let is_old = [a, b, c, d].iter().all(|&v| !patch.is_new(v));
+    let tolerance = if is_old { TOLERANCE_OLD } else { TOLERANCE };
+    if delaunay_sine(patch, [a, b, c, d]) >= -tolerance || topology.are_joined(c, d) {
+        return false;
+    }
+    // The diagonal may be long only where it replaces a longer one: this keeps what splitting
+    // has reached, so that splitting and flipping cannot chase each other.
+    let keeps_length = patch.may_join(c, d) || patch.length(c, d) <= patch.length(a, b);
+    let before = patch
+        .uprightness([a, b, c])
+        .min(patch.uprightness([b, a, d]));
+    let after = patch
+        .uprightness([d, c, a])
+        .min(patch.uprightness([c, d, b]));
+    keeps_length && Patch::stays_upright(before, after)
+}
+
+/// Sine of the sum of the two angles opposite edge `ab`, measured in the mean metric of the four
+/// vertices after unfolding the faces `abc` and `bad` into a plane. Negative: not Delaunay.
+///
+/// With `u × v` and `u·Mv` at each apex it is Narain et al. (2012), section 4.2, normalised.
+fn delaunay_sine(patch: &Patch, quad: [u32; 4]) -> f64 {
+    let [a, b, c, d] = quad.map(|v| patch.positions[v as usize]);
+    let length = (b - a).norm();
+    if length == 0.0 {
+        return 0.0;
+    }
+    let x = (b - a) / length;
+    let unfold = |apex: Vector3<f64>| {
+        let along = (apex - a).dot(&x);
+        let up = (apex - a) - x * along;
+        let height = up.norm();
+        (along, height, up / height.max(f64::MIN_POSITIVE))
+    };
+    let ((cx, cy, up), (dx, dy, down)) = (unfold(c), unfold(d));
+    let sum = quad
+        .iter()
+        .map(|&v| patch.tensors[v as usize])
+        .reduce(|l, r| l + r);
+    let metric = sum.map_or(
+        Tensor2 {
+            xx: 1.0,
+            xy: 0.0,
+            yy: 1.0,
+        },
+        |sum| {
+            let (above, below) = (
+                Tensor2::in_frame(&sum, &[x, up]),
+                Tensor2::in_frame(&sum, &[x, -down]),
+            );
+            Tensor2 {
+                xx: above.xx,
+                xy: (above.xy + below.xy) / 2.0,
+                yy: (above.yy + below.yy) / 2.0,
+            }
+        },
+    );
+    let (cross_c, dot_c, scale_c) = angle(metric, [-cx, -cy], [length - cx, -cy]);
+    let (cross_d, dot_d, scale_d) = angle(metric, [length - dx, dy], [-dx, dy]);
+    (cross_c * dot_d + cross_d * dot_c) / (scale_c * scale_d).max(f64::MIN_POSITIVE)
+}
+
+/// Sine and cosine of the angle from `u` to `v` in a metric, both times the lengths, and these.
+fn angle(m: Tensor2, u: [f64; 2], v: [f64; 2]) -> (f64, f64, f64) {
+    let dot = |p: [f64; 2], q: [f64; 2]| {
+        m.xx * p[0] * q[0] + m.xy * (p[0] * q[1] + p[1] * q[0]) + m.yy * p[1] * q[1]
+    };
+    let cross = (u[0] * v[1] - u[1] * v[0]) * m.determinant().max(0.0).sqrt();
+    (cross, dot(u, v), (dot(u, u) * dot(v, v)).max(0.0).sqrt())
+}

@@ -1,0 +1,300 @@
+//! The mesh while it is remeshed: connectivity, what each vertex carries, and the measures that
+//! decide about an operation.
+
+use nalgebra::{Matrix3, Vector3};
+use ruga_mesh::{MaterialPoint, PerVertex, VertexId};
+
+use crate::closest::descend;
+use crate::half_edges::HalfEdges;
+use crate::sizing::{area_of_squares, metric_length};
+use crate::{Sizing, Surface, SurfaceMesh};
+
+/// Metric length above which an edge is split: its halves are as far below one as it is above.
+const SPLIT_ABOVE: f64 = 1.4;
+/// Metric length under which an edge is collapsed; half of what is just split stays.
+const COLLAPSE_BELOW: f64 = 0.7;
+/// The same between two vertices of the old mesh. The distance to the former values is a
+/// hysteresis: a mesh that was just made, or whose sizing changed by a few per cent, is left alone.
+const SPLIT_OLD_ABOVE: f64 = 1.48;
+const COLLAPSE_OLD_BELOW: f64 = 0.63;
+
+/// Cosine between a face's normal and the surface's at its corners under which an operation may
+/// only improve matters: 60 degrees, well before a face folds over.
+const UPRIGHT: f64 = 0.5;
+
+pub(crate) struct Patch<'a> {
+    pub(crate) topology: HalfEdges,
+    pub(crate) positions: Vec<Vector3<f64>>,
+    pub(crate) normals: Vec<Vector3<f64>>,
+    pub(crate) tensors: Vec<Matrix3<f64>>,
+    pub(crate) points: Vec<MaterialPoint>,
+    /// Where each new vertex lies on the old mesh; `None` for an old vertex at its old place.
+    pub(crate) origins: Vec<Option<MaterialPoint>>,
+    pub(crate) old: &'a SurfaceMesh,
+    sizing: &'a Sizing,
+    surface: &'a dyn Surface,
+}
+
+impl<'a> Patch<'a> {
+    /// # Errors
+    /// The vertex at which no face or more than one fan of faces meets.
+    pub(crate) fn new(
+        old: &'a SurfaceMesh,
+        sizing: &'a Sizing,
+        surface: &'a dyn Surface,
+    ) -> Result<Self, u32> {
+        let points = old.points.as_slice().to_vec();
+        Ok(Self {
+            topology: HalfEdges::new(&old.mesh, &old.features)?,
+            positions: old.positions.as_slice().to_vec(),
+            normals: points.iter().map(|&p| surface.normal(p)).collect(),
+            tensors: sizing.tensors.as_slice().to_vec(),
+            points,
+            origins: vec![None; old.mesh.vertex_count()],
+            old,
+            sizing,
+            surface,
+        })
+    }
+
+    /// Whether a vertex was born or set free in this remesh.
+    pub(crate) fn is_new(&self, v: u32) -> bool {
+        self.origins[v as usize].is_some()
+    }
+
+    pub(crate) fn is_fixed(&self, v: u32) -> bool {
+        (v as usize) < self.old.fixed.len() && self.old.fixed[VertexId(v)]
+    }
+
+    /// Where a vertex lies on the old mesh.
+    fn origin(&self, v: u32) -> MaterialPoint {
+        self.origins[v as usize].unwrap_or_else(|| {
+            MaterialPoint::of_vertex(&self.old.mesh, VertexId(v))
+                .expect("every old vertex has a face, which was checked when the patch was made")
+        })
+    }
+
+    /// The old vertex that a vertex is, at its old place.
+    pub(crate) fn survivor(&self, v: u32) -> Option<VertexId> {
+        let is_old = (v as usize) < self.old.positions.len();
+        (is_old && self.positions[v as usize] == self.old.positions[VertexId(v)])
+            .then_some(VertexId(v))
+    }
+
+    /// Lets an old vertex be moved like a new one.
+    pub(crate) fn set_free(&mut self, v: u32) {
+        if !self.is_fixed(v) {
+            self.origins[v as usize] = Some(self.origin(v));
+        }
+    }
+
+    /// Metric length between two vertices, with the mean of their tensors.
+    pub(crate) fn length(&self, a: u32, b: u32) -> f64 {
+        let (a, b) = (a as usize, b as usize);
+        let mean = (self.tensors[a] + self.tensors[b]) * 0.5;
+        metric_length(&(self.positions[b] - self.positions[a]), &mean)
+    }
+
+    pub(crate) fn half_edge_length(&self, h: u32) -> f64 {
+        self.length(self.topology.tail(h), self.topology.head(h))
+    }
+
+    /// Whether an edge is longer than its metric allows.
+    pub(crate) fn is_long(&self, h: u32, length: f64) -> bool {
+        let is_old = !self.is_new(self.topology.tail(h)) && !self.is_new(self.topology.head(h));
+        length > if is_old { SPLIT_OLD_ABOVE } else { SPLIT_ABOVE }
+    }
+
+    /// Whether an edge is shorter than its metric wants.
+    pub(crate) fn is_short(&self, h: u32, length: f64) -> bool {
+        let is_old = !self.is_new(self.topology.tail(h)) && !self.is_new(self.topology.head(h));
+        length
+            < if is_old {
+                COLLAPSE_OLD_BELOW
+            } else {
+                COLLAPSE_BELOW
+            }
+    }
+
+    /// Whether an operation may make an edge between two vertices.
+    pub(crate) fn may_join(&self, a: u32, b: u32) -> bool {
+        self.length(a, b) <= SPLIT_ABOVE
+    }
+
+    /// Shape of a triangle in the mean metric of its corners: 1 for equilateral, 0 for degenerate.
+    pub(crate) fn quality(&self, [a, b, c]: [u32; 3]) -> f64 {
+        let mean = self.tensors[a as usize] + self.tensors[b as usize] + self.tensors[c as usize];
+        let [p, q, r] = [a, b, c].map(|v| self.positions[v as usize]);
+        let [x, y, z] = [q - p, r - q, p - r].map(|e| e.dot(&(mean * e)));
+        let sum = x + y + z;
+        if sum > 0.0 {
+            // 4 sqrt(3) A / (sum of squared sides).
+            6.928_203_230_275_509 * area_of_squares(x, y, z) / sum
+        } else {
+            0.0
+        }
+    }
+
+    /// Smallest cosine between a face's normal and the surface's normals at its corners.
+    pub(crate) fn uprightness(&self, corners: [u32; 3]) -> f64 {
+        let [p, q, r] = corners.map(|v| self.positions[v as usize]);
+        let normal = (q - p).cross(&(r - p));
+        let length = normal.norm();
+        if length == 0.0 {
+            return -1.0;
+        }
+        let cosine = |v: u32| normal.dot(&self.normals[v as usize]) / length;
+        corners.map(cosine).into_iter().fold(1.0, f64::min)
+    }
+
+    /// Whether faces with uprightness `after` may replace faces with `before`.
+    pub(crate) fn stays_upright(before: f64, after: f64) -> bool {
+        after >= UPRIGHT.min(before) && after > 0.0
+    }
+
+    /// Corners of the face of a half-edge, its tail first.
+    pub(crate) fn corners(&self, h: u32) -> [u32; 3] {
+        [
+            self.topology.tail(h),
+            self.topology.head(h),
+            self.topology.apex(h),
+        ]
+    }
+
+    /// Splits an edge at the place of the surface closest to its middle.
+    pub(crate) fn split(&mut self, h: u32) {
+        let (a, b) = (self.topology.tail(h), self.topology.head(h));
+        let middle = (self.positions[a as usize] + self.positions[b as usize]) * 0.5;
+        let ends = [self.points[a as usize], self.points[b as usize]];
+        let point = if self.topology.is_feature(h) {
+            self.surface.closest_on_feature(ends, middle)
+        } else {
+            self.surface.closest(ends[0], middle)
+        };
+        let origin = self.origin(a);
+        self.topology.split(h);
+        self.positions.push(Vector3::zeros());
+        self.normals.push(Vector3::zeros());
+        self.tensors.push(Matrix3::zeros());
+        self.points.push(point);
+        self.origins.push(Some(origin));
+        self.place(self.positions.len() - 1, point);
+    }
+
+    /// Puts a new vertex at a place of the surface.
+    fn place(&mut self, v: usize, point: MaterialPoint) {
+        let start = self.origin(v as u32).face;
+        self.points[v] = point;
+        self.positions[v] = self.surface.position(point);
+        self.normals[v] = self.surface.normal(point);
+        let old = self.old;
+        let origin = descend(
+            &old.mesh,
+            old.positions.as_slice(),
+            start,
+            self.positions[v],
+        );
+        self.tensors[v] = interpolate(old, &self.sizing.tensors, origin);
+        self.origins[v] = Some(origin);
+    }
+
+    /// Moves a new vertex along the surface towards `target`; undone unless `accept` agrees.
+    pub(crate) fn try_move(
+        &mut self,
+        v: u32,
+        target: Vector3<f64>,
+        accept: impl Fn(&Self) -> bool,
+    ) -> bool {
+        let i = v as usize;
+        let (point, position, normal) = (self.points[i], self.positions[i], self.normals[i]);
+        let (tensor, origin) = (self.tensors[i], self.origins[i]);
+        self.place(i, self.surface.closest(point, target));
+        let is_accepted = accept(self);
+        if !is_accepted {
+            (self.points[i], self.positions[i], self.normals[i]) = (point, position, normal);
+            (self.tensors[i], self.origins[i]) = (tensor, origin);
+        }
+        is_accepted
+    }
+}
+
+/// Linear interpolation of tensors on the old mesh.
+fn interpolate(
+    old: &SurfaceMesh,
+    tensors: &PerVertex<Matrix3<f64>>,
+    at: MaterialPoint,
+) -> Matrix3<f64> {
+    let corners = old.mesh.faces()[at.face];
+    let mut sum = Matrix3::zeros();
+    for (corner, weight) in corners.into_iter().zip(at.barycentric) {
+        sum += tensors[corner] * weight;
+    }
+    sum
+}
+
+/// Faces that were touched, each listed once, in order.
+pub(crate) struct Touched {
+    faces: Vec<u32>,
+    is_listed: Vec<bool>,
+}
+
+impl Touched {
+    pub(crate) fn new() -> Self {
+        Self {
+            faces: Vec::new(),
+            is_listed: Vec::new(),
+        }
+    }
+
+    /// Lists a face; whether it was not listed before.
+    pub(crate) fn add(&mut self, face: u32) -> bool {
+        let i = face as usize;
+        if self.is_listed.len() <= i {
+            self.is_listed.resize(i + 1, false);
+        }
+        let is_first = !std::mem::replace(&mut self.is_listed[i], true);
+        if is_first {
+            self.faces.push(face);
+        }
+        is_first
+    }
+
+    /// Lists the faces around a vertex.
+    pub(crate) fn add_around(&mut self, topology: &HalfEdges, v: u32) {
+        for h in topology.outgoing(v) {
+            self.add(h / 3);
+        }
+    }
+
+    pub(crate) fn contains(&self, face: u32) -> bool {
+        self.is_listed.get(face as usize).copied().unwrap_or(false)
+    }
+
+    /// One half-edge of every edge of the listed faces that still exist.
+    pub(crate) fn edges(&self, topology: &HalfEdges) -> Vec<u32> {
+        let mut edges = Vec::with_capacity(3 * self.faces.len());
+        for &face in &self.faces {
+            if topology.face(face).is_none() {
+                continue;
+            }
+            for h in 3 * face..3 * face + 3 {
+                if topology
+                    .twin(h)
+                    .is_none_or(|t| h < t || !self.contains(t / 3))
+                {
+                    edges.push(h);
+                }
+            }
+        }
+        edges
+    }
+
+    /// Adds the faces around every vertex of the listed faces.
+    pub(crate) fn grow(&mut self, topology: &HalfEdges) {
+        for i in 0..self.faces.len() {
+            for v in topology.face(self.faces[i]).into_iter().flatten() {
+                self.add_around(topology, v);
+            }
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! The sizing: how long edges should be at each vertex in each direction, and its limits.
+
+use nalgebra::{Matrix3, Vector3};
+use ruga_mesh::{Id, PerVertex, tangent_frame, vertex_normals};
+
+use crate::grading::grade;
+use crate::surface::check_length;
+use crate::tensor2::Tensor2;
+use crate::{RemeshError, SurfaceMesh};
+
+/// Vertices per metric area: 1.155 for equilateral triangles with edges of length one, times the
+/// excess measured on remeshed squares (1.10 to 1.18), whose mean edge is 0.93.
+const VERTICES_PER_METRIC_AREA: f64 = 1.155 * 1.14;
+
+/// A relative excess over a limit that is left alone. It lets a sizing that was limited, carried
+/// to another mesh and limited again come out unchanged although the normals differ a little.
+pub(crate) const LIMIT_SLACK: f64 = 1e-2;
+
+/// A symmetric tensor per vertex, 1/m², tangent to the surface: an edge `e` has the metric length
+/// `sqrt(eᵀ M e)`, dimensionless, wanted near one.
+///
+/// Between vertices tensors are interpolated linearly, as Narain et al. (2012) do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sizing {
+    /// The tensors, 1/m².
+    pub tensors: PerVertex<Matrix3<f64>>,
+}
+
+/// What every sizing is held to before a mesh follows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SizeLimits {
+    /// Shortest wanted edge, m; not negative. Default 0. It bounds cost.
+    pub min_edge: f64,
+    /// Longest wanted edge, m; positive, not under `min_edge`. Default 1. It says how coarse the
+    /// mesh is where nothing else asks for edges.
+    pub max_edge: f64,
+    /// Largest ratio of the wanted lengths of two directions at a place; at least 1. Default 2:
+    /// hinge bending is 20 to 40 % too soft on longer triangles; up to 4 with a bending operator
+    /// that bears it. A larger aspect saves vertices in proportion.
+    pub aspect: f64,
+    /// Growth of the wanted length per metric length, positive; infinite switches it off.
+    /// Default 0.5: an edge is at most about half as long again as its neighbour. Smaller values
+    /// give rounder triangles between fine and coarse parts, larger ones fewer vertices.
+    pub grading: f64,
+}
+
+impl Default for SizeLimits {
+    fn default() -> Self {
+        Self {
+            min_edge: 0.0,
+            max_edge: 1.0,
+            aspect: 2.0,
+            grading: 0.5,
+        }
+    }
+}
+
+impl SizeLimits {
+    /// Checks the ranges that the fields' docs state.
+    ///
+    /// # Errors
+    /// [`RemeshError::Setting`] or [`RemeshError::EdgeRange`].
+    pub fn check(&self) -> Result<(), RemeshError> {
+        setting("min_edge", self.min_edge, "0 or more, finite", |v| {
+            v >= 0.0 && v.is_finite()
+        })?;
+        setting("max_edge", self.max_edge, "positive, finite", |v| {
+            v > 0.0 && v.is_finite()
+        })?;
+        setting("aspect", self.aspect, "1 or more, finite", |v| {
+            v >= 1.0 && v.is_finite()
+        })?;
+        setting("grading", self.grading, "positive", |v| v > 0.0)?;
+        if self.min_edge > self.max_edge {
+            return Err(RemeshError::EdgeRange {
+                min_edge: self.min_edge,
+                max_edge: self.max_edge,
+            });
+        }
+        Ok(())
+    }
+
+    /// The tensor with eigenvalues raised or lowered into the limits.
+    fn clamp(&self, tensor: Tensor2) -> Tensor2 {
+        let least = self.max_edge.powi(-2);
+        let most = self.min_edge.powi(-2);
+        let (values, _) = tensor.eigen();
+        // What the aspect bound raises is the coarse direction: it adds vertices, never takes any.
+        let floor = least.max(values[0].clamp(least, most) / self.aspect.powi(2));
+        let (low, high) = ((1.0 - LIMIT_SLACK) * floor, (1.0 + LIMIT_SLACK) * most);
+        if values[1] >= low && values[0] <= high {
+            return tensor;
+        }
+        tensor.map_eigenvalues(|value| value.clamp(floor, most))
+    }
+}
+
+pub(crate) fn setting(
+    name: &'static str,
+    value: f64,
+    accepted: &'static str,
+    is_accepted: impl Fn(f64) -> bool,
+) -> Result<(), RemeshError> {
+    if is_accepted(value) {
+        Ok(())
+    } else {
+        Err(RemeshError::Setting {
+            name,
+            value,
+            accepted,
+        })
+    }
+}
+
+impl Sizing {
+    /// The same wanted length `edge` (m, positive) everywhere and in every direction.
+    pub fn uniform(vertex_count: usize, edge: f64) -> Self {
+        let tensor = Matrix3::identity() / (edge * edge);
+        Self {
+            tensors: PerVertex::filled(vertex_count, tensor),
+        }
+    }
+
+    /// The sizing made tangent and held to limits: edge lengths, aspect, then grading.
+    ///
+    /// Lengths are clamped first, so that grading sees what will be meshed; grading only refines.
+    ///
+    /// # Errors
+    /// Limits out of range, a sizing that does not fit the mesh, or a bad tensor.
+    pub fn limited(&self, mesh: &SurfaceMesh, limits: &SizeLimits) -> Result<Self, RemeshError> {
+        limits.check()?;
+        mesh.check()?;
+        self.check(mesh.mesh.vertex_count())?;
+        let normals = vertex_normals(&mesh.mesh, mesh.positions.as_slice());
+        let frames: Vec<[Vector3<f64>; 2]> = normals
+            .into_iter()
+            .map(|normal| tangent_frame(normal, Vector3::zeros()))
+            .collect();
+        let mut flat: Vec<Tensor2> = self
+            .tensors
+            .iter()
+            .map(|(v, tensor)| limits.clamp(Tensor2::in_frame(tensor, &frames[v.index()])))
+            .collect();
+        grade(mesh, &frames, limits.grading, &mut flat);
+        let tensors = flat
+            .iter()
+            .zip(&frames)
+            .map(|(&tensor, frame)| limits.clamp(tensor).in_space(frame))
+            .collect();
+        Ok(Self { tensors })
+    }
+
+    /// Number of vertices that a mesh following this sizing has, to about 20 %.
+    ///
+    /// # Errors
+    /// [`RemeshError::Length`] for a sizing that does not fit the mesh.
+    pub fn vertex_estimate(&self, mesh: &SurfaceMesh) -> Result<usize, RemeshError> {
+        check_length("sizing", self.tensors.len(), mesh.mesh.vertex_count())?;
+        let area: f64 = mesh
+            .mesh
+            .faces()
+            .as_slice()
+            .iter()
+            .map(|face| {
+                let [a, b, c] = face.map(|v| mesh.positions[v]);
+                let sum = face
+                    .iter()
+                    .fold(Matrix3::zeros(), |sum, &v| sum + self.tensors[v]);
+                metric_area(&[b - a, c - b, a - c], &(sum / 3.0))
+            })
+            .sum();
+        Ok((VERTICES_PER_METRIC_AREA * area) as usize)
+    }
+
+    fn check(&self, vertex_count: usize) -> Result<(), RemeshError> {
+        check_length("sizing", self.tensors.len(), vertex_count)?;
+        for (vertex, tensor) in self.tensors.iter() {
+            let scale = tensor.norm();
+            let is_symmetric = (tensor - tensor.transpose()).norm() <= 1e-9 * scale;
+            if !scale.is_finite()
+                || !is_symmetric
+                || tensor.symmetric_eigenvalues().min() < -1e-9 * scale
+            {
+                return Err(RemeshError::Tensor { vertex });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The tensor of a place where edges should be `across` long in the direction of `direction` and
+/// `along` at right angles to it, m; zero normal to the surface.
+///
+/// `direction` need not be of length one; only its part tangent to the surface counts.
+pub fn size_tensor(
+    normal: Vector3<f64>,
+    direction: Vector3<f64>,
+    across: f64,
+    along: f64,
+) -> Matrix3<f64> {
+    let tangent = direction - normal * normal.dot(&direction);
+    let first = tangent.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
+    let second = normal.cross(&first);
+    first * first.transpose() / (across * across) + second * second.transpose() / (along * along)
+}
+
+/// `sqrt(eᵀ M e)`.
+pub(crate) fn metric_length(edge: &Vector3<f64>, tensor: &Matrix3<f64>) -> f64 {
+    edge.dot(&(tensor * edge)).max(0.0).sqrt()
+}
+
+/// Metric area of a triangle with the given edge vectors, by Heron's formula.
+pub(crate) fn metric_area(edges: &[Vector3<f64>; 3], tensor: &Matrix3<f64>) -> f64 {
+    let [a, b, c] = edges.each_ref().map(|e| e.dot(&(tensor * e)));
+    area_of_squares(a, b, c)
+}
+
+/// Area of the triangle whose squared side lengths are given; zero where there is none.
+pub(crate) fn area_of_squares(a: f64, b: f64, c: f64) -> f64 {
+    let sixteen = 2.0 * (a * b + b * c + c * a) - (a * a + b * b + c * c);
+    sixteen.max(0.0).sqrt() / 4.0
+}

@@ -1,0 +1,57 @@
+//! Splits edges until none is too long.
+
+use crate::flip::flip_around;
+use crate::patch::{Patch, Touched};
+use crate::remesh::Counts;
+
+/// Passes after which splitting stops. Three at most are needed to halve all edges of a face, so
+/// this reaches edges a million times shorter than the input's.
+const MAX_PASSES: usize = 64;
+
+/// Splits, in each pass, the longest edges of which no two share a face, then flips around them.
+///
+/// The independent set and its order by length are those of Narain et al. (2012). Nothing is
+/// split twice in a pass, so that flips can mend triangles before they are cut again. Returns
+/// whether it ended by itself.
+pub(crate) fn split_long_edges(patch: &mut Patch, counts: &mut Counts) -> bool {
+    let mut candidates: Vec<u32> = patch.topology.edges().collect();
+    for _ in 0..MAX_PASSES {
+        let long = long_edges(patch, &candidates);
+        if long.is_empty() {
+            return true;
+        }
+        let mut touched = Touched::new();
+        for h in long {
+            let twin = patch.topology.twin(h);
+            let faces = [Some(h), twin].into_iter().flatten().map(|e| e / 3);
+            if faces.clone().any(|face| touched.contains(face)) {
+                continue;
+            }
+            let first_new = patch.topology.face_slots() as u32;
+            faces.for_each(|face| {
+                touched.add(face);
+            });
+            patch.split(h);
+            counts.splits += 1;
+            for face in first_new..patch.topology.face_slots() as u32 {
+                touched.add(face);
+            }
+        }
+        // An edge that waited has a touched face, so it is met again among their edges.
+        let edges = touched.edges(&patch.topology);
+        flip_around(patch, edges, &mut touched, counts);
+        candidates = touched.edges(&patch.topology);
+    }
+    false
+}
+
+/// The edges that are too long, longest first.
+fn long_edges(patch: &Patch, candidates: &[u32]) -> Vec<u32> {
+    let mut long: Vec<(f64, u32)> = candidates
+        .iter()
+        .map(|&h| (patch.half_edge_length(h), h))
+        .filter(|&(length, h)| patch.is_long(h, length))
+        .collect();
+    long.sort_unstable_by(|l, r| r.0.total_cmp(&l.0).then(l.1.cmp(&r.1)));
+    long.into_iter().map(|(_, h)| h).collect()
+}

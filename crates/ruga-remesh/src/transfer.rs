@@ -1,0 +1,67 @@
+//! What a remesh hands over: new values from old.
+
+use nalgebra::Vector3;
+use ruga_mesh::{Id, PerVertex, SparseRows, VertexId};
+
+/// How per-vertex values of the old mesh become values of the new one.
+///
+/// A vertex that survives takes its value as it is; a new one the linear interpolation at the
+/// place of the old mesh closest to it: three weights, not negative, of sum one.
+///
+/// On a curved surface carry *displacements* from the surface below, not positions: a new vertex
+/// lies on the smooth surface, off the old facets, and zero displacement must stay zero.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Transfer {
+    /// Row per new vertex, column per old vertex.
+    pub rows: SparseRows,
+    /// For each new vertex the old vertex that it is, if it is one.
+    pub survivors: PerVertex<Option<VertexId>>,
+}
+
+impl Transfer {
+    /// Values at the new vertices, from one vector per old vertex.
+    pub fn vectors(&self, old: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        self.rows.apply(old)
+    }
+
+    /// Values at the new vertices, from one number per old vertex.
+    pub fn scalars(&self, old: &[f64]) -> Vec<f64> {
+        (0..self.rows.row_count())
+            .map(|row| {
+                self.rows
+                    .row(row)
+                    .map(|(v, weight)| old[v as usize] * weight)
+                    .sum()
+            })
+            .collect()
+    }
+
+    /// Pins and flags at the new vertices: the survivor's own, `born` for a new vertex.
+    pub fn flags<T: Clone>(&self, old: &PerVertex<T>, born: T) -> PerVertex<T> {
+        self.survivors
+            .iter()
+            .map(|(_, survivor)| survivor.map_or_else(|| born.clone(), |v| old[v].clone()))
+            .collect()
+    }
+
+    /// The new vertex that each old one became; `None` where it was removed.
+    pub fn new_from_old(&self, old_count: usize) -> PerVertex<Option<VertexId>> {
+        let mut result = PerVertex::filled(old_count, None);
+        for (new, survivor) in self.survivors.iter() {
+            if let Some(old) = survivor {
+                result[*old] = Some(new);
+            }
+        }
+        result
+    }
+
+    /// Whether new and old vertices are the same in the same order, as after a remesh that had
+    /// nothing to do.
+    pub fn is_identity(&self, old_count: usize) -> bool {
+        self.survivors.len() == old_count
+            && self
+                .survivors
+                .iter()
+                .all(|(v, survivor)| survivor.is_some_and(|s| s.index() == v.index()))
+    }
+}
