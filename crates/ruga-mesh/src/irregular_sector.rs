@@ -2,21 +2,25 @@
 //!
 //! Stam 1998: subdividing such a face leaves three regular faces and a smaller one of its own kind,
 //! so a point is reached by powers of one small matrix and a box spline. His eigenvectors are not
-//! needed; powers up to [`MAX_DEPTH`] are kept instead.
+//! needed; some powers are kept instead.
 
-use nalgebra::{DMatrix, Matrix6xX, OMatrix, RowDVector};
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::{Const, DMatrix, Dyn, Matrix6xX, OMatrix, RowDVector};
 
 use crate::box_spline::CONTROLS;
 use crate::face_place::FacePlace;
 use crate::vertex_fan::{VertexKind, fan_mesh, regular_controls, sector_controls};
-use crate::{FaceId, Id, PerVertex, SparseRows, VertexId, limit_rows, subdivide};
+use crate::{FaceId, Id, PerVertex, SparseRows, Subdivision, VertexId, limit_rows, subdivide};
 
-/// How many times a face shrinks by two towards its irregular vertex.
+/// The most times that a face shrinks by two towards its irregular vertex.
 ///
-/// Further in, at under 2.3e-10 of a face, derivatives are those at this depth on the same ray, and
-/// positions run straight to the vertex. More depth would lose the curvature in rounding at
-/// vertices of four faces (`0.375^-32 * 1e-16` is 4e-3 of the inverse of an edge).
+/// Further in, derivatives are those at this depth on the same ray, and positions run straight to
+/// the vertex.
 pub(crate) const MAX_DEPTH: usize = 32;
+
+/// What rounding may do to the curvature at the last depth, in units of the inverse of an edge.
+const CURVATURE_NOISE: f64 = 1e-4;
 
 /// One sector of the fan around a vertex of a given kind.
 ///
@@ -31,7 +35,7 @@ pub(crate) struct IrregularSector {
     /// in the plain powers the tangents would drown in the rounding of the positions.
     powers: Vec<DMatrix<f64>>,
     /// Box spline controls of the three regular children, numbered as subdivision does, less one.
-    children: [OMatrix<f64, nalgebra::Const<CONTROLS>, nalgebra::Dyn>; 3],
+    children: [OMatrix<f64, Const<CONTROLS>, Dyn>; 3],
 }
 
 impl IrregularSector {
@@ -43,54 +47,46 @@ impl IrregularSector {
         // Two levels: the first makes the neighbours new vertices, as they are in every deeper one.
         let coarse = subdivide(&fan, 1, &corners);
         let fine = subdivide(&coarse.mesh, 1, &coarse.corners);
-        let limit = limit_rows(&coarse.mesh, &coarse.corners).position;
         let sectors = if kind.closed { 1 } else { kind.faces };
+        let depth = depth_of(kind);
         (0..sectors)
-            .map(|sector| {
-                let face = FaceId::from_index(4 * sector);
-                let controls = sector_controls(&coarse.mesh, face, 0).expect("a split fan");
-                let child = |i: usize| FaceId::from_index(16 * sector + i);
-                let own = sector_controls(&fine.mesh, child(0), 0).expect("a split fan");
-                let own = select(&fine.fine_from_coarse, &own);
-                let children = [1, 2, 3].map(|i| {
-                    let rows = regular_controls(&fine.mesh, &fine.corners, child(i));
-                    let rows = rows.expect("new vertices of a subdivision are regular");
-                    dense(&rows.after(&fine.fine_from_coarse), &controls)
-                });
-                Self::new(
-                    dense(&select(&limit, &[VertexId(0)]), &controls)
-                        .row(0)
-                        .into(),
-                    &dense(&own, &controls),
-                    children.map(|c| c.fixed_rows::<CONTROLS>(0).into()),
-                )
-            })
+            .map(|sector| Self::new(&coarse, &fine, sector, depth))
             .collect()
     }
 
-    fn new(
-        limit: RowDVector<f64>,
-        subdivision: &DMatrix<f64>,
-        children: [OMatrix<f64, nalgebra::Const<CONTROLS>, nalgebra::Dyn>; 3],
-    ) -> Self {
-        let count = limit.len();
+    /// One sector of a fan that was subdivided once, and once more.
+    fn new(coarse: &Subdivision, fine: &Subdivision, sector: usize, depth: usize) -> Self {
+        let face = FaceId::from_index(4 * sector);
+        let child = |i: usize| FaceId::from_index(4 * face.index() + i);
+        let controls = sector_controls(&coarse.mesh, face, 0).expect("a split fan");
+        let finer = sector_controls(&fine.mesh, child(0), 0).expect("a split fan");
+        let subdivision = dense(&fine.fine_from_coarse.select(&finer), &controls);
+        let limit = limit_rows(&coarse.mesh, &coarse.corners).position;
+        let limit = dense(&limit.select(&[VertexId(0)]), &controls);
+
+        let count = controls.len();
         let constant = DMatrix::from_fn(count, count, |_, column| limit[column]);
         let shrink = subdivision - &constant;
         let mut powers = vec![DMatrix::identity(count, count) - constant];
-        for depth in 0..MAX_DEPTH {
-            powers.push(&shrink * &powers[depth]);
+        for last in 0..depth {
+            powers.push(&shrink * &powers[last]);
         }
         Self {
-            limit,
+            limit: limit.row(0).into(),
             powers,
-            children,
+            children: [1, 2, 3].map(|i| {
+                let rows = regular_controls(&fine.mesh, &fine.corners, child(i));
+                let rows = rows.expect("new vertices of a subdivision are regular");
+                let rows = dense(&rows.after(&fine.fine_from_coarse), &controls);
+                rows.fixed_rows::<CONTROLS>(0).into()
+            }),
         }
     }
 
     /// Weights of the controls for the value and derivatives at a place; the vertex is corner 0.
     pub(crate) fn weights(&self, mut place: FacePlace) -> Matrix6xX<f64> {
         let mut depth = 0;
-        while place.distance_from_first() < 0.5 && depth < MAX_DEPTH {
+        while place.distance_from_first() < 0.5 && depth + 1 < self.powers.len() {
             place = place.in_child(0);
             depth += 1;
         }
@@ -105,13 +101,23 @@ impl IrregularSector {
     }
 }
 
-fn select(rows: &SparseRows, chosen: &[VertexId]) -> SparseRows {
-    let mut selected = SparseRows::default();
-    for vertex in chosen {
-        let mut terms: Vec<(u32, f64)> = rows.row(vertex.index()).collect();
-        selected.push_row(&mut terms);
-    }
-    selected
+/// How deep the powers of a kind may go.
+///
+/// With `a >= b` the eigenvalues of the two tangents, rounding of the longer tangent enters the
+/// curvature as `1e-16 (a / b^2)^depth`: across it the surface has shrunk by `b` twice.
+fn depth_of(kind: VertexKind) -> usize {
+    let count = kind.faces as f64;
+    let around = |angle: f64| 0.375 + 0.25 * angle.cos();
+    let [a, b] = match (kind.fixed, kind.closed, kind.faces) {
+        (false, true, _) => [around(TAU / count); 2],
+        (true, true, _) => [0.625, around(TAU / count)],
+        (false, false, 1) => [0.5, 0.25],
+        (false, false, _) => [0.5, around(PI / count)],
+        (true, false, _) => [0.5; 2],
+    };
+    let growth = a.max(b) / a.min(b).powi(2);
+    let depth = (CURVATURE_NOISE / f64::EPSILON).ln() / growth.ln();
+    (depth as usize).min(MAX_DEPTH)
 }
 
 fn dense(rows: &SparseRows, columns: &[VertexId]) -> DMatrix<f64> {

@@ -5,7 +5,8 @@
 //! [`subdivide`] refines a mesh by Loop's rules and says, as [`SparseRows`], how any per-vertex
 //! quantity follows; [`limit_rows`] evaluates the limit surface at vertices and [`LoopSurface`] at
 //! any material point, where a [`SurfaceJet`] tells normal and curvature. [`PlanarLookup`] finds
-//! the material point under a texture coordinate, [`tangent_coordinates`] unrolls a neighbourhood.
+//! the material point under a texture coordinate, [`SurfaceLookup`] the closest one to a point in
+//! space; [`tangent_coordinates`] unrolls a neighbourhood.
 //!
 //! Positions given to a function are in metres, but nothing here depends on the unit.
 //!
@@ -39,6 +40,7 @@ mod material_point;
 mod planar_lookup;
 mod sparse_rows;
 mod surface_jet;
+mod surface_lookup;
 mod tangent_coordinates;
 mod topology;
 mod vertex_fan;
@@ -55,4 +57,5 @@ pub use loop_surface::{LimitPointRows, LoopSurface};
 pub use planar_lookup::{PlanarLookup, barycentric};
 pub use sparse_rows::SparseRows;
 pub use surface_jet::SurfaceJet;
+pub use surface_lookup::{ClosestPlace, SurfaceLookup};
 pub use tangent_coordinates::{TangentCoordinates, tangent_coordinates, tangent_frame};

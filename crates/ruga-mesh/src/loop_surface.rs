@@ -25,16 +25,20 @@ use crate::{
 /// subdivision matrix of its kind.
 ///
 /// # Validity
-/// Exact up to rounding, to within 2^-33 of a face of an irregular vertex. Nearer, positions run
-/// straight to the vertex's limit, and derivatives are those at that distance. At an irregular
-/// vertex itself:
-/// - the derivatives by barycentric coordinates tend to zero or infinity; only their plane means
-///   something, and `normal` agrees with `limit_rows` to 1e-6 up to eight faces, 1e-2 at twelve;
-/// - the curvature of a Loop surface is bounded for four and five faces, but not for three or more
-///   than six: ask for it a little away from such a vertex;
-/// - corners have only a one-sided normal that may differ from face to face.
+/// Exact up to rounding, except very close to an irregular vertex: within 2^-33 of a face of it
+/// (2^-12 for the worst kinds, as a border vertex of one face), positions run straight to the vertex's limit,
+/// and derivatives are those at that distance, lest the curvature drown in rounding.
 ///
-/// At border vertices of six or more faces the scheme has no continuous tangent plane.
+/// At an irregular vertex the derivatives by barycentric coordinates tend to zero or infinity, so
+/// only their plane and the shape operator mean something there:
+/// - The normal agrees with that of [`crate::limit_rows`] to 1e-5 up to eight faces, 1e-3 at
+///   twelve; on borders to 1e-4 up to four faces, 1e-2 at five. From six faces on, a border vertex
+///   has no tangent plane under these rules.
+/// - The curvature is bounded at vertices of four to six faces, and of two and three on borders,
+///   where it need not be that of the surface which the control mesh samples: on a finely sampled
+///   sphere it is 30 % off next to a vertex of five faces. At others it grows towards the vertex
+///   without bound, so ask for it some way off.
+/// - A corner has at most a one-sided normal, which may differ from face to face.
 #[derive(Clone, Debug)]
 pub struct LoopSurface {
     mesh: TriMesh,
@@ -132,9 +136,9 @@ impl LoopSurface {
         let patch = self.patches[point.face].get_or_init(|| self.patch(point.face));
         match patch {
             FacePatch::Regular(controls) => (&controls.vertices, controls.pull(&place.basis())),
-            FacePatch::Split(children) => {
+            FacePatch::Split(quarters) => {
                 let index = place.child();
-                let child = &children[index];
+                let child = quarters[index].get_or_init(|| self.quarter(point.face, index));
                 let place = place.in_child(index);
                 let weights = match child.sector {
                     None => child.controls.pull(&place.basis()),
@@ -153,9 +157,7 @@ impl LoopSurface {
     fn patch(&self, face: FaceId) -> FacePatch {
         match regular_controls(&self.mesh, &self.corners, face) {
             Some(rows) => FacePatch::Regular(Controls::new(&rows)),
-            None => FacePatch::Split(Box::new(
-                [0, 1, 2, 3].map(|child| self.quarter(face, child)),
-            )),
+            None => FacePatch::Split(Box::default()),
         }
     }
 
@@ -178,11 +180,8 @@ impl LoopSurface {
         let kind = VertexKind::of(mesh, corners, &fan);
         let index = self.kinds.binary_search_by_key(&kind, |entry| entry.0);
         let index = index.expect("every kind of vertex is known from the coarse mesh");
-        let mut rows = SparseRows::default();
-        for vertex in sector_controls(mesh, face, child).expect("a quarter of a face") {
-            let mut terms: Vec<(u32, f64)> = fine_from_coarse.row(vertex.index()).collect();
-            rows.push_row(&mut terms);
-        }
+        let controls = sector_controls(mesh, face, child).expect("a quarter of a face");
+        let rows = fine_from_coarse.select(&controls);
         Quarter {
             controls: Controls::new(&rows),
             sector: Some((index, fan.sector)),
@@ -193,7 +192,7 @@ impl LoopSurface {
 #[derive(Clone, Debug)]
 enum FacePatch {
     Regular(Controls),
-    Split(Box<[Quarter; 4]>),
+    Split(Box<[OnceLock<Quarter>; 4]>),
 }
 
 #[derive(Clone, Debug)]
@@ -218,10 +217,12 @@ impl Controls {
         let mut vertices: Vec<u32> = all().flatten().map(|term| term.0).collect();
         vertices.sort_unstable();
         vertices.dedup();
+        let slot = |column: u32| vertices.partition_point(|&v| v < column) as u32;
         let mut local = SparseRows::default();
+        let mut terms = Vec::new();
         for row in all() {
-            let slot = |column: u32| vertices.partition_point(|&v| v < column) as u32;
-            let mut terms: Vec<(u32, f64)> = row.map(|(column, w)| (slot(column), w)).collect();
+            terms.clear();
+            terms.extend(row.map(|(column, weight)| (slot(column), weight)));
             local.push_row(&mut terms);
         }
         Self {

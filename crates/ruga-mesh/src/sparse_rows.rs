@@ -2,6 +2,8 @@
 
 use nalgebra::Vector3;
 
+use crate::{Id, VertexId};
+
 /// Rows of weights: row `i` of the result is a weighted sum of input values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SparseRows {
@@ -60,6 +62,18 @@ impl SparseRows {
             .iter()
             .copied()
             .zip(self.weights[range].iter().copied())
+    }
+
+    /// The rows of the chosen vertices, in the order given.
+    pub fn select(&self, chosen: &[VertexId]) -> Self {
+        let mut selected = Self::default();
+        let mut terms = Vec::new();
+        for vertex in chosen {
+            terms.clear();
+            terms.extend(self.row(vertex.index()));
+            selected.push_row(&mut terms);
+        }
+        selected
     }
 
     /// The weighted sums of `values`, one per row.

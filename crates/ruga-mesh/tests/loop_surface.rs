@@ -14,6 +14,7 @@ use ruga_mesh::{
 type Positions = Vec<Vector3<f64>>;
 
 /// A control mesh with its corners.
+#[derive(Clone)]
 struct Control {
     mesh: TriMesh,
     corners: PerVertex<bool>,
@@ -148,6 +149,23 @@ fn touching() -> Control {
     Control::new(faces, positions.collect())
 }
 
+/// The smallest meshes on which controls of a face coincide: a torus of nine regular vertices and a
+/// tetrahedron.
+fn tightest() -> [Control; 2] {
+    let mut rng = Pcg64Mcg::seed_from_u64(11);
+    let mut place = |_| Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
+    let vertex = |i: u32, j: u32| (j % 3) * 3 + i % 3;
+    let faces = (0..9).flat_map(|k| {
+        let (i, j) = (k % 3, k / 3);
+        let [a, b] = [vertex(i, j), vertex(i + 1, j)];
+        let [c, d] = [vertex(i + 1, j + 1), vertex(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    });
+    let torus = Control::new(faces.collect(), (0..9).map(&mut place).collect());
+    let faces = vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
+    [torus, Control::new(faces, (0..4).map(&mut place).collect())]
+}
+
 /// Closed, open, with corners, and touching themselves: every rule that there is.
 fn all() -> Vec<Control> {
     let mut all: Vec<Control> = (3..=12).map(|n| fan(n, TAU)).collect();
@@ -156,6 +174,7 @@ fn all() -> Vec<Control> {
     all.push(fan(7, TAU).with_corners(&[0, 3, 9]));
     all.push(icosahedron());
     all.push(touching());
+    all.extend(tightest());
     let bumps =
         |i: f64, j: f64| Vector3::new(i + 0.2 * j, j, 0.4 * (i * 2.1).sin() * (j + i).cos());
     all.push(lattice(4, 3, bumps).with_corners(&[0, 4]));
@@ -250,13 +269,13 @@ fn the_vertices_are_where_their_limit_rows_say_with_the_same_normal() {
                 let faces = control.mesh.vertex_faces(v).len();
                 let border = control.mesh.border_vertices()[v];
                 let cross = a[v.index()].cross(&b[v.index()]);
-                if border && faces > 4 || cross.norm() == 0.0 {
+                if border && faces > 5 || cross.norm() == 0.0 {
                     continue;
                 }
                 let tolerance = match (border, faces) {
-                    (false, 3..=6) | (true, 3) => 1e-9,
-                    (true, 1 | 2) => 1e-5,
-                    (false, 7 | 8) => 1e-5,
+                    (false, 4..=6) | (true, 3) => 1e-9,
+                    (false, 3 | 7 | 8) => 1e-5,
+                    (true, 1 | 2) | (false, 9..) => 1e-3,
                     _ => 1e-2,
                 };
                 let normal = jet.normal().expect("a normal");
@@ -314,6 +333,38 @@ fn the_refined_mesh_has_the_same_surface_normals_and_curvature() {
                 panic!("no normal");
             };
             assert!((a - b).norm() < 1e-8 * (1.0 + a.norm()), "{a} {b}");
+        }
+    }
+}
+
+#[test]
+fn the_nest_of_faces_at_an_irregular_vertex_keeps_its_digits() {
+    // Deep in a face the coarse and the refined mesh take different powers to the same place.
+    let levels = 3;
+    let mut controls: Vec<Control> = (3..=9).map(|n| fan(n, TAU)).collect();
+    controls.extend([fan(2, PI / 2.0), fan(4, PI)]);
+    for control in controls {
+        let refined = control.refined(levels);
+        let points = [1e-2, 1e-3, 1e-5].map(|t| MaterialPoint {
+            face: FaceId(0),
+            barycentric: [1.0 - t, 0.4 * t, 0.6 * t],
+        });
+        let scale = f64::from(1 << levels);
+        let scaled = points.map(|p| {
+            let [_, b, c] = p.barycentric.map(|w| scale * w);
+            let barycentric = [1.0 - b - c, b, c];
+            MaterialPoint {
+                face: FaceId(0),
+                barycentric,
+            }
+        });
+        for (early, late) in control.jets(&points).iter().zip(refined.jets(&scaled)) {
+            let (a, b) = (early.normal(), late.normal());
+            let turn = turn(&a.expect("a normal"), &b.expect("a normal"));
+            assert!(turn < 1e-10, "{turn}");
+            let (a, b) = (early.shape_operator(), late.shape_operator());
+            let (a, b) = (a.expect("a normal"), b.expect("a normal"));
+            assert!((a - b).norm() < 1e-5 * a.norm(), "{a} {b}");
         }
     }
 }
@@ -405,8 +456,29 @@ fn position_and_normal_are_continuous_across_edges() {
 }
 
 #[test]
+fn a_bounded_curvature_stays_so_at_the_vertex() {
+    // Two or three faces at a border, four to six inside; elsewhere it grows without bound. At four
+    // and five it still changes a little with every halving of the distance.
+    let bowl = |i: f64, j: f64| Vector3::new(i + 0.2 * j, j, 0.1 * (i - 1.0) * (i + j));
+    let sheet = lattice(3, 3, bowl);
+    let mut controls = [4, 5, 6].map(|n| (fan(n, TAU), VertexId(0))).to_vec();
+    controls.extend([1, 3].map(|v| (sheet.clone(), VertexId(v))));
+    for (control, vertex) in controls {
+        let at = MaterialPoint::of_vertex(&control.mesh, vertex).expect("a face");
+        let beside = at.barycentric.map(|b| (1.0 - 3e-4) * b + 1e-4);
+        let points = [at.barycentric, beside].map(|barycentric| MaterialPoint {
+            face: at.face,
+            barycentric,
+        });
+        let jets = control.jets(&points);
+        let [a, b] = [0, 1].map(|i| jets[i].shape_operator().expect("a normal"));
+        assert!((a - b).norm() < 0.4 * b.norm(), "{} {a} {b}", vertex.0);
+    }
+}
+
+#[test]
 fn a_cylinder_has_its_curvature() {
-    // A tilted lattice on the unit cylinder; its limit is a hair's breadth (0.4 %) further in.
+    // A tilted lattice on the unit cylinder; its limit is 0.3 % further in.
     let (angle, height) = (TAU / 40.0, 0.14);
     let control = lattice(10, 8, |i, j| {
         let phi = angle * (i + 0.5 * j);
@@ -429,7 +501,6 @@ fn a_cylinder_has_its_curvature() {
         let shape = jet.shape_operator_in(&frame).expect("a normal");
         assert!(shape[(0, 0)].abs() < 1e-3, "{shape}");
         assert!(shape[(0, 1)].abs() < 1e-3, "{shape}");
-        println!("{shape} {}", jet.position.norm());
         assert!((shape[(1, 1)] - 1.0).abs() < 2e-2, "{shape}");
     }
 }
