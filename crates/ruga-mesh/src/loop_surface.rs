@@ -25,9 +25,9 @@ use crate::{
 /// subdivision matrix of its kind.
 ///
 /// # Validity
-/// Exact up to rounding, except very close to an irregular vertex: within 2^-33 of a face of it
-/// (2^-12 for the worst kinds, as a border vertex of one face), positions run straight to the vertex's limit,
-/// and derivatives are those at that distance, lest the curvature drown in rounding.
+/// Exact up to rounding, except very close to an irregular vertex. Within 2^-33 of a face of it
+/// (2^-12 for the worst kinds, such as a border vertex of one face) positions run straight to the
+/// vertex's limit and derivatives are those at that distance, lest the curvature drown in rounding.
 ///
 /// At an irregular vertex the derivatives by barycentric coordinates tend to zero or infinity, so
 /// only their plane and the shape operator mean something there:
