@@ -43,17 +43,6 @@ pub struct PosedSurface {
     pub tangents: Vec<Vector3<f64>>,
 }
 
-impl PosedSurface {
-    /// Position and unit normal at a material point, interpolated within the base face.
-    pub fn at(&self, mesh: &TriMesh, point: &MaterialPoint) -> (Vector3<f64>, Vector3<f64>) {
-        let normal = point.interpolate(mesh, &self.normals);
-        (
-            point.interpolate(mesh, &self.positions),
-            normal.try_normalize(0.0).unwrap_or(normal),
-        )
-    }
-}
-
 impl BaseSurface {
     /// Subdivides the driver's `faces` `levels` times.
     ///

@@ -49,23 +49,13 @@ impl PoseRecord {
         }
     }
 
-    /// Removes files of an `earlier` run that this one has not written again, such as the last
-    /// frames of a longer one. Frames leave maps alone and maps frames: the other command's
-    /// results stay good.
+    /// Removes files of an `earlier` run that this one has not written again, such as the maps of
+    /// keys that are gone. Frames leave maps alone and maps frames: the other command's results
+    /// stay good.
     pub(crate) fn remove_leftovers(&self, folder: &Path, earlier: &[String]) {
-        let inside = |file: &str| {
-            Path::new(file)
-                .components()
-                .all(|part| matches!(part, Component::Normal(_)))
-        };
-        let kind = |file: &str| file.split('/').next().map(str::to_owned);
-        let same_kind = |file: &str| self.files.iter().any(|own| kind(own) == kind(file));
-        for file in earlier {
-            if inside(file) && same_kind(file) && !self.files.contains(file) {
-                // What is gone already, or cannot be removed, does no harm to this run.
-                let _ = fs::remove_file(folder.join(file));
-            }
-        }
+        let own: Vec<_> = self.files.iter().map(|file| kind(file)).collect();
+        let is_left = |file: &&String| own.contains(&kind(file)) && !self.files.contains(file);
+        remove(folder, earlier.iter().filter(is_left));
     }
 
     fn read(folder: &Path, pose: &str) -> Option<Self> {
@@ -81,6 +71,29 @@ impl PoseRecord {
         let text = serde_json::to_vec_pretty(self)
             .expect("structs of numbers, strings, lists and string-keyed maps always serialise");
         Ok(write_atomically(&path(folder, &self.report.name), &text)?)
+    }
+}
+
+/// First part of a file's path: what kind of result it is.
+fn kind(file: &str) -> Option<&str> {
+    file.split('/').next()
+}
+
+/// Removes the frames among the files of an `earlier` run, before new ones are written among
+/// them.
+pub(crate) fn remove_frames(folder: &Path, earlier: &[String]) {
+    let frames = earlier.iter().filter(|file| kind(file) == Some("frames"));
+    remove(folder, frames);
+}
+
+fn remove<'a>(folder: &Path, files: impl Iterator<Item = &'a String>) {
+    let is_inside = |file: &String| {
+        let mut parts = Path::new(file).components();
+        parts.all(|part| matches!(part, Component::Normal(_)))
+    };
+    for file in files.filter(|file| is_inside(file)) {
+        // What is gone already, or cannot be removed, does no harm to this run.
+        let _ = fs::remove_file(folder.join(file));
     }
 }
 
@@ -111,5 +124,24 @@ mod tests {
         record.remove_leftovers(folder.path(), &earlier.map(str::to_owned));
         assert!(!folder.path().join(earlier[0]).exists());
         assert!(folder.path().join(earlier[1]).exists());
+    }
+    #[test]
+    fn frames_go_before_new_ones_come_and_nothing_outside_the_folder() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let output = folder.path().join("out");
+        fs::create_dir_all(output.join("frames")).expect("a folder");
+        let names = [
+            "frames/a.obj",
+            "keep.png",
+            "../outside.obj",
+            "frames/../../outside.obj",
+        ];
+        for name in ["out/frames/a.obj", "out/keep.png", "outside.obj"] {
+            fs::write(folder.path().join(name), "x").expect("a file");
+        }
+        remove_frames(&output, &names.map(str::to_owned));
+        assert!(!output.join("frames/a.obj").exists());
+        assert!(output.join("keep.png").exists());
+        assert!(folder.path().join("outside.obj").exists());
     }
 }

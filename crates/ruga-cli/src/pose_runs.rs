@@ -25,7 +25,7 @@ pub(crate) struct PoseFiles {
     pub(crate) maps: Vec<WrinkleMap>,
     /// Every file, relative to the output folder.
     pub(crate) files: Vec<String>,
-    /// What the user should know.
+    /// What the user should know, without the pose's name.
     pub(crate) warnings: Vec<String>,
 }
 
@@ -33,6 +33,10 @@ pub(crate) struct PoseFiles {
 pub(crate) trait Product: Sync {
     /// Name of the command: poses made by another one are made again.
     const COMMAND: &'static str;
+
+    /// Removes of an earlier run's files those among which new ones are about to appear: an
+    /// interrupted run must not leave a mixture.
+    fn begin(&self, earlier: &[String]);
 
     /// Writes a load step, if it is to be written; returns the files.
     fn frame(&self, pose: &PoseSpec, frame: &Frame<'_>) -> Result<Vec<String>, CliError>;
@@ -98,6 +102,7 @@ impl<P: Product> PoseRun<'_, P> {
             return Ok(Some(record));
         }
         let earlier = PoseRecord::forget(folder, &spec.name)?;
+        self.product.begin(&earlier);
         let bar = self.progress.start(&spec.name, index + 1);
         let record = self.simulate(index, &bar, given_up);
         let ending = match &record {
@@ -173,14 +178,11 @@ fn record(
             (format!("{percent}_{}", map.kind.word()), map.file.clone())
         })
         .collect();
-    let about_pose = |text: String| match text.contains(&format!("'{name}'")) {
-        true => text,
-        false => format!("pose '{name}': {text}"),
-    };
-    let warnings = result.warnings.into_iter().chain(made.warnings);
+    let about_maps = made.warnings.iter();
+    let about_maps = about_maps.map(|warning| format!("pose '{name}': {warning}"));
     PoseRecord {
         inputs: inputs.text(),
-        warnings: warnings.map(about_pose).collect(),
+        warnings: result.warnings.into_iter().chain(about_maps).collect(),
         report: PoseReport {
             name: name.to_owned(),
             converged: result.converged,
@@ -240,7 +242,7 @@ fn ending(report: &PoseReport) -> String {
     if report.frames == 0 && report.converged {
         return "nothing to wrinkle".to_owned();
     }
-    let time = duration(seconds * f64::from(report.frames));
+    let time = duration(seconds * f64::from(report.frames.max(1)));
     match report.converged {
         true => format!("done in {time}"),
         false => format!("done in {time}, but it did not converge"),

@@ -42,7 +42,9 @@ pub(crate) fn conclude(
     if arguments.json {
         messages::result(&report.to_json());
     } else {
-        messages::result(&results_table(&report.poses));
+        if !report.poses.is_empty() {
+            messages::result(&results_table(&report.poses));
+        }
         let folder = arguments.output.display();
         messages::result(&format!("Results are in {folder}; see report.json there."));
     }
@@ -79,7 +81,7 @@ fn results_table(poses: &[PoseReport]) -> String {
         for layer in &pose.layers {
             let length = |metres: Option<f64>| number(1e3 * metres.unwrap_or(f64::NAN), 2, "mm");
             let wrinkled = layer.wavelength_m.and(layer.amplitude_m);
-            let seconds = layer.seconds.total.unwrap_or(0.0) * f64::from(pose.frames);
+            let seconds = layer.seconds.total.unwrap_or(0.0) * f64::from(pose.frames.max(1));
             rows.push(vec![
                 pose.name.clone(),
                 layer.name.clone(),

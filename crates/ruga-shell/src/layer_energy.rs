@@ -176,6 +176,19 @@ impl LayerEnergy {
         Ok(())
     }
 
+    /// Makes the angles of `positions` (m) the rest angles: the layer is not bent there.
+    ///
+    /// # Errors
+    /// [`ShellError::Length`] for an array of another size.
+    pub fn set_rest_angles(&mut self, positions: &[Vector3<f64>]) -> Result<(), ShellError> {
+        check_length("positions", self.vertex_count(), positions.len())?;
+        for element in &mut self.hinges {
+            element.hinge.rest_angle =
+                HingeState::new(&gather(positions, &element.vertices)).angle();
+        }
+        Ok(())
+    }
+
     fn set_hinge_stiffness(&mut self) {
         for element in &mut self.hinges {
             let edge = &self.edges[element.edge];

@@ -47,6 +47,34 @@ fn rest_is_free_of_force() {
     assert!(layer.value(&rest) < 1e-26 * unit);
 }
 
+/// A sheet bent isometrically has no energy once its angles there count as rest.
+#[test]
+fn rest_angles_can_be_those_of_another_shape() {
+    let (mut layer, rest, _) = sheet(0.0, 0.0);
+    let bent: Vec<_> = rest
+        .iter()
+        .map(|x| {
+            let (radius, height) = (3e-3, x.z);
+            let angle = x.x / radius;
+            Vector3::new(
+                (radius + height) * angle.sin(),
+                x.y,
+                (radius + height) * angle.cos() - radius,
+            )
+        })
+        .collect();
+    let bending = |layer: &LayerEnergy, x: &[Vector3<f64>]| layer.energy_parts(x).bending;
+    let before = bending(&layer, &bent);
+    layer.set_rest_angles(&bent).expect("as many positions");
+    assert!(bending(&layer, &bent) < 1e-20 * before);
+    let straight = bending(&layer, &rest);
+    assert!(
+        (straight / before - 1.0).abs() < 1e-6,
+        "{straight} {before}"
+    );
+    assert!(layer.set_rest_angles(&bent[1..]).is_err());
+}
+
 #[test]
 fn rigid_motion_costs_nothing() {
     let (layer, rest, _) = sheet(0.0, 0.0);

@@ -134,14 +134,6 @@ impl LoadStepper {
         self.kept
     }
 
-    /// Smallest load known to lie past the onset and largest known not to, while they matter.
-    pub fn onset_bracket(&self) -> Option<(f64, f64)> {
-        match self.phase {
-            Phase::Bracketed(buckled) => Some((self.kept, buckled)),
-            _ => None,
-        }
-    }
-
     /// The next load, or `None` when the last key was kept or the stepper gave up.
     ///
     /// Asking again without a [`report`](Self::report) returns the same trial.

@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use ruga_blend::{BaseSurface, FaceStrain, PosedSurface, face_strains, rest_frame};
 use ruga_material::{CAP_START, Wrinkling, capped_strain};
-use ruga_mesh::{FaceId, Id, PerFace, VertexId};
+use ruga_mesh::{FaceId, Id, PerFace, TriMesh, VertexId};
 use ruga_shell::{
     FaceParameters, HINGE_EXPONENT, LayerEnergy, LayerParameters, ResponseQuery, ShellError,
     face_corners, response_modulus,
@@ -33,6 +33,7 @@ const LEAST_STRETCH: f64 = 0.05;
 pub(crate) struct LayerState {
     positions: Vec<Vector3<f64>>,
     below: PosedSurface,
+    share: f64,
 }
 
 /// A layer: mesh, energy, rows, and its present shape.
@@ -43,7 +44,10 @@ pub(crate) struct Layer {
     rest: PosedSurface,
     areas: Vec<f64>,
     below: PosedSurface,
+    /// What the surface below asks for.
     strains: PerFace<FaceStrain>,
+    /// Share of the strain that is loaded, in (0, 1].
+    share: f64,
     positions: Vec<Vector3<f64>>,
     energy: LayerEnergy,
     /// Whether the energy's rest metric may differ from the rest surface's.
@@ -78,12 +82,7 @@ impl Layer {
         };
         let mesh = surface.mesh();
         let pinned = mesh.border_vertices();
-        let faces: Vec<[u32; 3]> = mesh
-            .faces()
-            .as_slice()
-            .iter()
-            .map(|f| f.map(|v| v.0))
-            .collect();
+        let faces = corner_indices(mesh);
         let parameters = layer_parameters(spec, wrinkling, faces.len(), rest.positions.len());
         let energy = LayerEnergy::new(&rest.positions, &faces, parameters, pinned.as_slice())
             .map_err(shell)?;
@@ -107,6 +106,7 @@ impl Layer {
             strains: face_strains(surface.mesh(), &rest.positions, &rest.positions),
             positions: rest.positions.clone(),
             below: rest.clone(),
+            share: 1.0,
             surface,
             rest,
             areas,
@@ -148,7 +148,18 @@ impl Layer {
     }
 
     /// Moves the surface below; the layer is carried along, turning with it.
-    pub(crate) fn set_below(&mut self, below: PosedSurface) -> Result<(), StepperError> {
+    ///
+    /// With a `share` under 1 the layer's rest metric lies between that of the posed surface, on
+    /// which it is unstrained, and its own: `(1 - share) C + share I`, so that the Green strain
+    /// grows linearly while the surface stays where it is.
+    ///
+    /// The layer is not bent where it lies in the posed surface: folds that the artist has drawn
+    /// sharper than the layer is thick would otherwise be unstable without any compression.
+    pub(crate) fn set_below(
+        &mut self,
+        below: PosedSurface,
+        share: f64,
+    ) -> Result<(), StepperError> {
         for i in 0..self.positions.len() {
             let deviation = self.positions[i] - self.below.positions[i];
             let turn = turn_between(&self.below, &below, i);
@@ -158,12 +169,14 @@ impl Layer {
         let no_offset = vec![0.0; self.positions.len()];
         self.energy
             .set_base(&below.positions, &below.normals, &no_offset)
+            .and_then(|()| self.energy.set_rest_angles(&below.positions))
             .map_err(|source| self.shell_error(source))?;
         self.below = below;
+        self.share = share;
         if self.spec.coupling != Coupling::Constraint {
             self.balance()?;
         }
-        self.cap_rest_metric()
+        self.load_rest_metric()
     }
 
     /// Sets the forces with which the surface below holds the layer in its own shape.
@@ -176,17 +189,8 @@ impl Layer {
     fn balance(&mut self) -> Result<(), StepperError> {
         let poisson = self.spec.material.poisson;
         let critical = self.wrinkling.critical_strain;
-        let stretches: Vec<Matrix2<f64>> = self
-            .strains
-            .as_slice()
-            .iter()
-            .map(|strain| {
-                shrink_to(
-                    strain,
-                    (critical - poisson * strain.second).min(strain.first),
-                )
-            })
-            .collect();
+        let stretches = self
+            .rest_stretches(|[first, second]| [(critical - poisson * second).min(first), second]);
         self.set_rest_metric(&stretches)?;
         self.is_metric_changed = true;
         self.energy
@@ -195,19 +199,32 @@ impl Layer {
     }
 
     /// Beyond 15 % the rest metric shrinks with the surface below, face by face.
-    fn cap_rest_metric(&mut self) -> Result<(), StepperError> {
+    fn load_rest_metric(&mut self) -> Result<(), StepperError> {
         let capped = self.strains.as_slice().iter().any(|s| s.first > CAP_START);
-        if capped || self.is_metric_changed {
-            let stretches: Vec<Matrix2<f64>> = self
-                .strains
-                .as_slice()
-                .iter()
-                .map(|strain| shrink_to(strain, capped_strain(strain.first)))
-                .collect();
+        let changed = capped || self.share < 1.0;
+        if changed || self.is_metric_changed {
+            let stretches = self.rest_stretches(|offered| offered);
             self.set_rest_metric(&stretches)?;
         }
-        self.is_metric_changed = capped;
+        self.is_metric_changed = changed;
         Ok(())
+    }
+
+    /// Stretches of the rest metric that leave of every face's offered principal strains what
+    /// `wanted` says.
+    fn rest_stretches(&self, wanted: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<Matrix2<f64>> {
+        let strains = self.strains.as_slice().iter();
+        strains
+            .map(|strain| {
+                let [first, second] = wanted(offered(strain, self.share));
+                let ratio =
+                    |has: f64, wanted: f64| ((1.0 - has) / (1.0 - wanted)).max(LEAST_STRETCH);
+                let d = strain.direction;
+                let along = d * d.transpose();
+                along * ratio(strain.first, first)
+                    + (Matrix2::identity() - along) * ratio(strain.second, second)
+            })
+            .collect()
     }
 
     fn set_rest_metric(&mut self, stretches: &[Matrix2<f64>]) -> Result<(), StepperError> {
@@ -262,12 +279,13 @@ impl Layer {
         LayerState {
             positions: self.positions.clone(),
             below: self.below.clone(),
+            share: self.share,
         }
     }
 
     /// Returns to an earlier shape, and the surface below to where it was then.
     pub(crate) fn restore(&mut self, state: &LayerState) -> Result<(), StepperError> {
-        self.set_below(state.below.clone())?;
+        self.set_below(state.below.clone(), state.share)?;
         self.positions.clone_from(&state.positions);
         Ok(())
     }
@@ -293,19 +311,23 @@ impl Layer {
 
     /// Faces on which the surface below asks for more than the critical strain.
     pub(crate) fn supercritical_faces(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
-        let poisson = self.spec.material.poisson;
         let mesh = self.surface.mesh();
         self.strains
             .iter()
-            .filter(move |(_, s)| s.effective(poisson) > self.wrinkling.critical_strain)
+            .filter(move |(_, s)| self.effective(s) > self.wrinkling.critical_strain)
             .map(move |(face, _)| mesh.faces()[face].map(|v| v.0))
     }
 
     /// Largest effective strain that the surface below asks for, in critical strains.
     pub(crate) fn demand(&self) -> f64 {
-        let poisson = self.spec.material.poisson;
         let strains = self.strains.as_slice().iter();
-        strains.map(|s| s.effective(poisson)).fold(0.0, f64::max) / self.wrinkling.critical_strain
+        strains.map(|s| self.effective(s)).fold(0.0, f64::max) / self.wrinkling.critical_strain
+    }
+
+    /// Effective strain that a face is loaded with.
+    fn effective(&self, strain: &FaceStrain) -> f64 {
+        let [first, second] = offered(strain, self.share);
+        first + self.spec.material.poisson * second
     }
 
     /// Response bending modulus of this mesh, compressed in the main direction, over that of the
@@ -315,12 +337,7 @@ impl Layer {
     /// count as stiffness.
     pub(crate) fn bending_ratio(&self) -> Option<f64> {
         let mesh = self.surface.mesh();
-        let faces: Vec<[u32; 3]> = mesh
-            .faces()
-            .as_slice()
-            .iter()
-            .map(|f| f.map(|v| v.0))
-            .collect();
+        let faces = corner_indices(mesh);
         let corners = face_corners(&self.rest.positions, &faces);
         let directions = vec![self.main_direction(&corners)?; faces.len()];
         let pinned = mesh.border_vertices();
@@ -340,10 +357,9 @@ impl Layer {
 
     /// The direction in space in which most of the compression beyond the critical strain goes.
     fn main_direction(&self, corners: &[[Vector3<f64>; 3]]) -> Option<Vector3<f64>> {
-        let poisson = self.spec.material.poisson;
         let mut tensor = Matrix3::zeros();
         for (corners, strain) in corners.iter().zip(self.strains.as_slice()) {
-            let excess = strain.effective(poisson) - self.wrinkling.critical_strain;
+            let excess = self.effective(strain) - self.wrinkling.critical_strain;
             let [u, v] = rest_frame(*corners);
             let direction = u * strain.direction.x + v * strain.direction.y;
             let area = (corners[1] - corners[0])
@@ -365,12 +381,7 @@ impl Layer {
             driver_positions: self.below.positions.clone(),
             driver_normals: self.below.normals.clone(),
             offset: 0.0,
-            faces: mesh
-                .faces()
-                .as_slice()
-                .iter()
-                .map(|f| f.map(|v| v.0))
-                .collect(),
+            faces: corner_indices(mesh),
             uvs: self.surface.uvs().as_slice().to_vec(),
             artist: mesh
                 .faces()
@@ -389,6 +400,11 @@ impl Layer {
     }
 }
 
+fn corner_indices(mesh: &TriMesh) -> Vec<[u32; 3]> {
+    let faces = mesh.faces().as_slice().iter();
+    faces.map(|corners| corners.map(|v| v.0)).collect()
+}
+
 /// How the surface turns at one vertex between two poses.
 fn turn_between(old: &PosedSurface, new: &PosedSurface, vertex: usize) -> Rotation3<f64> {
     let frame = |surface: &PosedSurface| {
@@ -398,11 +414,12 @@ fn turn_between(old: &PosedSurface, new: &PosedSurface, vertex: usize) -> Rotati
     frame(new) * frame(old).inverse()
 }
 
-/// Stretch of the rest metric that leaves `wanted` of the first principal compression.
-fn shrink_to(strain: &FaceStrain, wanted: f64) -> Matrix2<f64> {
-    let ratio = ((1.0 - strain.first) / (1.0 - wanted)).max(LEAST_STRETCH);
-    let d = strain.direction;
-    Matrix2::identity() + d * d.transpose() * (ratio - 1.0)
+/// Principal strains, capped, of which only a share is loaded: `share` times their Green strain.
+fn offered(strain: &FaceStrain, share: f64) -> [f64; 2] {
+    [capped_strain(strain.first), strain.second].map(|strain| {
+        let inverse_square = (1.0 - strain).max(LEAST_STRETCH).powi(-2);
+        1.0 - (1.0 - share + share * inverse_square).powf(-0.5)
+    })
 }
 
 fn layer_parameters(

@@ -82,7 +82,7 @@ mod region;
 mod error;
 mod observer;
 
-pub use plan::{LayerPlan, Plan, PosePlan, plan};
+pub use plan::{LayerPlan, LoadPath, Plan, PosePlan, plan};
 pub use simulate::simulate;
 
 pub use model::{Coupling, LayerSpec, Mask, Modelling, PoseSpec, Region};

@@ -14,7 +14,7 @@ const MAX_PLANNING_FACES: usize = 1_500_000;
 const MAX_LEVELS: u32 = 10;
 /// Base edges stay below this share of the wavelength, or the artist's facets imprint.
 const FACET_SHARE: f64 = 1.0 / 3.0;
-/// Loads, as shares of the last key, at which collapse on the way is looked for.
+/// Loads, as shares of the last key, at which the way to the keys is looked at.
 const PASSING: [f64; 3] = [0.25, 0.5, 0.75];
 /// Areas below a hundredth of a square centimetre are not worth a warning, m².
 const NEGLIGIBLE_AREA: f64 = 1e-6;
@@ -36,8 +36,23 @@ pub struct Plan {
 pub struct PosePlan {
     /// Name of the pose.
     pub name: String,
+    /// How its load steps lead to its keys.
+    pub path: LoadPath,
     /// Bottom first.
     pub layers: Vec<LayerPlan>,
+}
+
+/// How load steps lead from rest to a pose's keys.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LoadPath {
+    /// The weights grow; one sequence passes all keys.
+    #[default]
+    Weight,
+    /// The driver stands at a key while the strain grows from none to the key's; each key has a
+    /// sequence of its own.
+    ///
+    /// For poses that on straight lines pass through strains that none of their keys has.
+    Strain,
 }
 
 impl Plan {
@@ -226,26 +241,37 @@ impl PlanningSurface {
         let keys: Vec<PosedSurface> = pose.keys.iter().map(|&key| posed(key)).collect();
         let last = pose.keys.iter().copied().fold(0.0, f64::max);
         let passing = PASSING.map(|share| posed(share * last));
-        let layers = layers
+        let mut demands: Vec<Demand> = layers
             .iter()
             .zip(wrinkling)
             .map(|(layer, numbers)| {
-                let poisson = layer.material.poisson;
-                let demand = Demand::new(
+                Demand::new(
                     &self.surface,
                     &self.rest,
                     &keys,
                     &passing,
-                    poisson,
+                    layer.material.poisson,
                     numbers.wavelength,
-                );
-                let plan = self.layer_plan(layer, numbers, &demand, pose, modelling, map_size);
+                )
+            })
+            .collect();
+        let path = load_path(&demands, wrinkling, pose, warnings);
+        if path == LoadPath::Weight {
+            demands.iter_mut().for_each(Demand::exclude_passing_folds);
+        }
+        let layers = layers
+            .iter()
+            .zip(wrinkling)
+            .zip(&demands)
+            .map(|((layer, numbers), demand)| {
+                let plan = self.layer_plan(layer, numbers, demand, pose, modelling, map_size);
                 warn(&plan, layer, pose, modelling, warnings);
                 plan
             })
             .collect();
         PosePlan {
             name: pose.name.clone(),
+            path,
             layers,
         }
     }
@@ -316,6 +342,28 @@ impl PlanningSurface {
             region: active.iter().map(|f| u64::from(f.0)).collect(),
         }
     }
+}
+
+/// Chooses the path of a pose, and says so where it is not the plain one.
+fn load_path(
+    demands: &[Demand],
+    wrinkling: &[Wrinkling],
+    pose: &PoseSpec,
+    warnings: &mut Vec<String>,
+) -> LoadPath {
+    let detours = demands.iter().zip(wrinkling);
+    let detour = detours
+        .map(|(demand, numbers)| demand.detour(numbers.wavelength, numbers.critical_strain))
+        .fold(0.0, f64::max);
+    if detour == 0.0 {
+        return LoadPath::Weight;
+    }
+    warnings.push(format!(
+        "pose '{}': on the way {:.1} cm2 are compressed that are not at its keys, as the shape turns parts on straight lines; the load steps grow the strain of each key instead of the weights",
+        pose.name,
+        1e4 * detour
+    ));
+    LoadPath::Strain
 }
 
 /// Splits until the median edge meets the asked resolution and few edges are far off, or the

@@ -10,6 +10,8 @@ use crate::Region;
 pub(crate) const ACTIVE_SHARE: f64 = 0.8;
 /// Triangles compressed beyond this stay on the driver: the artist has drawn a fold.
 const COLLAPSED: f64 = 0.6;
+/// What wrinkles on the way matters when it is more than this share of what wrinkles at the keys.
+const DETOUR_SHARE: f64 = 0.1;
 /// Least distance by which the active region grows, m.
 const MIN_MARGIN: f64 = 4e-3;
 
@@ -21,6 +23,10 @@ pub(crate) struct Demand {
     pub(crate) compression: PerFace<f64>,
     /// Collapsed or turned-over faces.
     pub(crate) folded: PerFace<bool>,
+    /// Largest effective strain on the way to the keys.
+    passing: PerFace<f64>,
+    /// Collapsed or turned over on the way.
+    passing_folded: PerFace<bool>,
     /// Rest area of every face, m².
     pub(crate) areas: PerFace<f64>,
 }
@@ -28,8 +34,7 @@ pub(crate) struct Demand {
 impl Demand {
     /// Measures what the `keys` of a pose ask of `surface`.
     ///
-    /// `passing` are surfaces on the way: a shape that turns a finger by 180 degrees on straight
-    /// lines shrinks it to nothing half way, and what collapses there cannot be followed.
+    /// `passing` are surfaces on the way.
     pub(crate) fn new(
         surface: &BaseSurface,
         rest: &PosedSurface,
@@ -45,16 +50,23 @@ impl Demand {
             effective: PerFace::filled(count, f64::NEG_INFINITY),
             compression: PerFace::filled(count, f64::NEG_INFINITY),
             folded: PerFace::filled(count, false),
+            passing: PerFace::filled(count, f64::NEG_INFINITY),
+            passing_folded: PerFace::filled(count, false),
             areas: normals.as_slice().iter().map(|n| 0.5 * n.norm()).collect(),
         };
         // Averaging over more than 2 mm would remove real gradients at lids and mouth corners.
         let width = (0.5 * wavelength).min(2e-3);
         for pose in passing {
-            demand.mark_folded(mesh, rest, pose);
+            let strains = face_strains(mesh, &rest.positions, &pose.positions);
+            mark_folded(mesh, pose, &strains, &mut demand.passing_folded);
+            for face in demand.areas.ids() {
+                let effective = strains[face].effective(poisson);
+                demand.passing[face] = demand.passing[face].max(effective);
+            }
         }
         for pose in keys {
-            demand.mark_folded(mesh, rest, pose);
             let strains = face_strains(mesh, &rest.positions, &pose.positions);
+            mark_folded(mesh, pose, &strains, &mut demand.folded);
             let smooth = smoothed_strains(mesh, &rest.positions, &strains, &normals, width);
             for face in demand.areas.ids() {
                 let first = strains[face].first;
@@ -66,14 +78,32 @@ impl Demand {
         demand
     }
 
-    /// Adds the faces that one pose collapses or turns over.
-    fn mark_folded(&mut self, mesh: &TriMesh, rest: &PosedSurface, pose: &PosedSurface) {
-        let strains = face_strains(mesh, &rest.positions, &pose.positions);
-        let normals = face_normals(mesh, &pose.positions);
-        for (face, vertices) in mesh.faces().iter() {
-            let outward: Vector3<f64> = vertices.iter().map(|v| pose.normals[v.index()]).sum();
-            let turned_over = outward.dot(&normals[face]) <= 0.0;
-            self.folded[face] |= turned_over || strains[face].first > COLLAPSED;
+    /// Area that would wrinkle on the way to the keys and at none of them, m²; zero when it is
+    /// small beside what wrinkles at the keys or than a wavelength squared.
+    ///
+    /// A blend shape moves points on straight lines: a part that it turns by an angle `a` is
+    /// shorter half way by the factor `cos(a / 2)`.
+    pub(crate) fn detour(&self, wavelength: f64, critical_strain: f64) -> f64 {
+        let area_where = |test: &dyn Fn(FaceId) -> bool| -> f64 {
+            let faces = self.areas.iter().filter(|&(face, _)| test(face));
+            faces.map(|(_, area)| area).sum()
+        };
+        let at_keys = area_where(&|face| self.effective[face] > critical_strain);
+        let on_the_way = area_where(&|face| {
+            self.passing[face] > critical_strain && self.effective[face] <= critical_strain
+        });
+        let worth_it = (DETOUR_SHARE * at_keys).max(wavelength * wavelength);
+        if on_the_way > worth_it {
+            on_the_way
+        } else {
+            0.0
+        }
+    }
+
+    /// Leaves out, too, what collapses on the way: it cannot be followed there.
+    pub(crate) fn exclude_passing_folds(&mut self) {
+        for face in self.areas.ids() {
+            self.folded[face] |= self.passing_folded[face];
         }
     }
 
@@ -112,6 +142,21 @@ impl Demand {
             .filter(|&(face, &on)| on && allowed(face) && !self.folded[face])
             .map(|(face, _)| face)
             .collect()
+    }
+}
+
+/// Marks the faces that one pose collapses or turns over.
+fn mark_folded(
+    mesh: &TriMesh,
+    pose: &PosedSurface,
+    strains: &PerFace<FaceStrain>,
+    folded: &mut PerFace<bool>,
+) {
+    let normals = face_normals(mesh, &pose.positions);
+    for (face, vertices) in mesh.faces().iter() {
+        let outward: Vector3<f64> = vertices.iter().map(|v| pose.normals[v.index()]).sum();
+        let turned_over = outward.dot(&normals[face]) <= 0.0;
+        folded[face] |= turned_over || strains[face].first > COLLAPSED;
     }
 }
 

@@ -11,13 +11,14 @@ use crate::layer::Layer;
 use crate::measure::waviness;
 use crate::plan::LayerPlan;
 use crate::{
-    Frame, KeyResult, LayerReport, LayerSpec, Modelling, Observer, Phase, Plan, PoseResult,
-    PoseSpec, Progress, StepperError,
+    Frame, KeyResult, LayerReport, LayerSpec, LoadPath, Modelling, Observer, Phase, Plan,
+    PoseResult, PoseSpec, Progress, StepperError,
 };
 
 /// Simulates pose number `pose` of the plan.
 ///
-/// The layer follows the driver from rest to full weight; a load at which it first buckles is
+/// The layer follows the driver from rest to full weight, or at each key the growth of its strain
+/// ([`LoadPath`]); a load at which it first buckles is
 /// approached by bisection, so that the wavelength is chosen at the onset. Not converging is
 /// reported, not an error; the results reached until then are kept.
 ///
@@ -66,7 +67,7 @@ pub fn simulate(
         report: LayerReport::default(),
         told_of_missing_inertia: false,
     };
-    run.follow_loads()?;
+    run.follow(plan.poses[pose].path)?;
     Ok(run.finish())
 }
 
@@ -122,6 +123,34 @@ const LEAST_AMPLITUDE: f64 = 0.01;
 /// Error of the wavelength, from the mesh's bending modulus, that is not worth a warning.
 const WAVELENGTH_TOLERANCE: f64 = 0.03;
 
+/// What a load step asks for: the driver's pose and how much of its strain.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    /// Fraction of the pose's weights.
+    weight: f64,
+    /// Share of the strain there.
+    share: f64,
+}
+
+impl Place {
+    /// The fraction of the pose as the user sees it.
+    fn load(self) -> f64 {
+        self.weight * self.share
+    }
+}
+
+/// `steps` equal steps to 1, as far as `last`, and the `keys`; ascending.
+fn loads_up_to(last: f64, steps: u32, keys: impl IntoIterator<Item = f64>) -> Vec<f64> {
+    let mut loads: Vec<f64> = (1..=steps)
+        .map(|i| f64::from(i) / f64::from(steps))
+        .filter(|&load| load < last)
+        .chain(keys)
+        .collect();
+    loads.sort_by(f64::total_cmp);
+    loads.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+    loads
+}
+
 struct PoseRun<'a> {
     driver: &'a Driver,
     spec: &'a PoseSpec,
@@ -135,51 +164,72 @@ struct PoseRun<'a> {
 }
 
 impl PoseRun<'_> {
-    fn follow_loads(&mut self) -> Result<(), StepperError> {
-        // Beyond the last key nothing was planned for.
-        let last = self.spec.keys.iter().copied().fold(0.0, f64::max);
-        let mut loads: Vec<f64> = (1..=self.spec.steps)
-            .map(|i| f64::from(i) / f64::from(self.spec.steps))
-            .filter(|&load| load < last)
-            .chain(self.spec.keys.iter().copied())
-            .collect();
-        loads.sort_by(f64::total_cmp);
-        loads.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
-        let mut stepper = LoadStepper::new(&loads, LoadSettings::default())
-            .map_err(|source| self.solver_error(source))?;
-        let mut kept = self.layer.state();
-        while let Some(trial) = stepper.next_trial() {
-            self.observer.phase(Phase::Sampling);
-            let control = self.driver.pose(&self.spec.weights.scaled(trial.load));
-            let below = self.layer.surface().pose(&control);
-            self.layer.set_below(below)?;
-            self.observer.phase(Phase::Integration);
-            let solve = self.solve(trial)?;
-            if solve.stop == StopRule::Interrupted {
-                self.result.interrupted = true;
-                self.result.converged = false;
-                return Ok(());
+    fn follow(&mut self, path: LoadPath) -> Result<(), StepperError> {
+        match path {
+            LoadPath::Weight => {
+                // Beyond the last key nothing was planned for.
+                let last = self.spec.keys.iter().copied().fold(0.0, f64::max);
+                let keys = self.spec.keys.iter().copied();
+                let loads = loads_up_to(last, self.spec.steps, keys);
+                self.follow_loads(&loads, |weight| Place { weight, share: 1.0 })?;
             }
-            let outcome = self.outcome(trial, &solve);
-            if trial.probe && outcome == Outcome::Buckled {
-                self.report.onset_load = Some(trial.load);
-            }
-            match stepper.report(outcome) {
-                Verdict::Keep => {
-                    kept = self.layer.state();
-                    self.keep(trial.load, &solve);
-                }
-                Verdict::Discard => self.layer.restore(&kept)?,
-                Verdict::GiveUp => {
-                    self.layer.restore(&kept)?;
-                    self.give_up(trial.load, &solve);
+            LoadPath::Strain => {
+                let at_rest = self.layer.state();
+                let loads = loads_up_to(1.0, self.spec.steps, [1.0]);
+                for &weight in &self.spec.keys {
+                    self.layer.restore(&at_rest)?;
+                    if !self.follow_loads(&loads, |share| Place { weight, share })? {
+                        break;
+                    }
                 }
             }
         }
         Ok(())
     }
 
-    fn solve(&mut self, trial: Trial) -> Result<SolveReport, StepperError> {
+    /// Solves at every one of `loads`; `place` says what a load means. False when the observer
+    /// ended the work.
+    fn follow_loads(
+        &mut self,
+        loads: &[f64],
+        place: impl Fn(f64) -> Place,
+    ) -> Result<bool, StepperError> {
+        let mut stepper = LoadStepper::new(loads, LoadSettings::default())
+            .map_err(|source| self.solver_error(source))?;
+        let mut kept = self.layer.state();
+        while let Some(trial) = stepper.next_trial() {
+            self.observer.phase(Phase::Sampling);
+            let place = place(trial.load);
+            let control = self.driver.pose(&self.spec.weights.scaled(place.weight));
+            let below = self.layer.surface().pose(&control);
+            self.layer.set_below(below, place.share)?;
+            self.observer.phase(Phase::Integration);
+            let solve = self.solve(trial, place.load())?;
+            if solve.stop == StopRule::Interrupted {
+                self.result.interrupted = true;
+                self.result.converged = false;
+                return Ok(false);
+            }
+            let outcome = self.outcome(trial, &solve);
+            if trial.probe && outcome == Outcome::Buckled {
+                self.report.onset_load = Some(place.load());
+            }
+            match stepper.report(outcome) {
+                Verdict::Keep => {
+                    kept = self.layer.state();
+                    self.keep(place, &solve);
+                }
+                Verdict::Discard => self.layer.restore(&kept)?,
+                Verdict::GiveUp => {
+                    self.layer.restore(&kept)?;
+                    self.give_up(place.load(), &solve);
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    fn solve(&mut self, trial: Trial, load: f64) -> Result<SolveReport, StepperError> {
         let settings = NewtonSettings {
             linear: self.modelling.linear,
             at_saddle: if self.is_probe(trial) {
@@ -195,7 +245,7 @@ impl PoseRun<'_> {
         let observer = &mut *self.observer;
         let mut keep_going = |iteration: &ruga_solver::Iteration| {
             observer.progress(Progress {
-                load: trial.load,
+                load,
                 iteration: iteration.index,
                 vertices,
             })
@@ -211,7 +261,7 @@ impl PoseRun<'_> {
         Ok(solve)
     }
 
-    fn keep(&mut self, load: f64, solve: &SolveReport) {
+    fn keep(&mut self, place: Place, solve: &SolveReport) {
         if solve.inertia.is_none() && self.layer.demand() > 1.0 && !self.told_of_missing_inertia {
             self.told_of_missing_inertia = true;
             self.result.warnings.push(format!(
@@ -222,13 +272,19 @@ impl PoseRun<'_> {
         let layers = [self.layer.snapshot()];
         self.observer.frame(&Frame {
             index: self.result.frames,
-            load,
+            load: place.load(),
             layers: &layers,
         });
         self.result.frames += 1;
-        if self.spec.keys.iter().any(|key| (key - load).abs() < 1e-9) {
+        if place.share == 1.0
+            && self
+                .spec
+                .keys
+                .iter()
+                .any(|key| (key - place.weight).abs() < 1e-9)
+        {
             self.result.keys.push(KeyResult {
-                load,
+                load: place.weight,
                 layers: layers.into(),
             });
         }

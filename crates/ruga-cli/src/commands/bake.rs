@@ -61,6 +61,9 @@ struct WrinkleMaps<'a> {
 impl Product for WrinkleMaps<'_> {
     const COMMAND: &'static str = "bake";
 
+    /// Maps are written when the pose is done; until then the earlier ones are of use.
+    fn begin(&self, _: &[String]) {}
+
     /// Maps are made of whole poses, not of their frames.
     fn frame(&self, _: &PoseSpec, _: &Frame<'_>) -> Result<Vec<String>, CliError> {
         Ok(Vec::new())

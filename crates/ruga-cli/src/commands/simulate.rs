@@ -8,6 +8,7 @@ use ruga_stepper::{Frame, LayerSurface, PoseResult, PoseSpec};
 
 use crate::arguments::RunArguments;
 use crate::error::CliError;
+use crate::pose_record::remove_frames;
 use crate::pose_runs::{PoseFiles, Product, run_poses};
 use crate::project::Project;
 use crate::run::Outcome;
@@ -40,6 +41,10 @@ struct FrameMeshes<'a> {
 
 impl Product for FrameMeshes<'_> {
     const COMMAND: &'static str = "simulate";
+
+    fn begin(&self, earlier: &[String]) {
+        remove_frames(&self.arguments.output, earlier);
+    }
 
     fn frame(&self, pose: &PoseSpec, frame: &Frame<'_>) -> Result<Vec<String>, CliError> {
         let mut files = Vec::new();
