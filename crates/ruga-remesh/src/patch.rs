@@ -194,7 +194,8 @@ impl<'a> Patch<'a> {
             start,
             self.positions[v],
         );
-        self.tensors[v] = interpolate(old, &self.sizing.tensors, origin);
+        let tensor = interpolate(old, &self.sizing.tensors, origin);
+        self.tensors[v] = tangent_part(tensor, self.normals[v]);
         self.origins[v] = Some(origin);
     }
 
@@ -230,6 +231,12 @@ fn interpolate(
         sum += tensors[corner] * weight;
     }
     sum
+}
+
+/// The tensor that ignores the part of an edge along `normal`.
+fn tangent_part(tensor: Matrix3<f64>, normal: Vector3<f64>) -> Matrix3<f64> {
+    let projection = Matrix3::identity() - normal * normal.transpose();
+    projection * tensor * projection
 }
 
 /// Faces that were touched, each listed once, in order.

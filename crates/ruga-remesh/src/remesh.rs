@@ -117,7 +117,7 @@ pub fn remesh(
     setting("corner_angle", settings.corner_angle, "0 to 1.57", |v| {
         (0.0..=1.57).contains(&v)
     })?;
-    let limited = sizing.limited(mesh, &settings.limits)?;
+    let limited = sizing.limited(mesh, surface, &settings.limits)?;
     let estimate = limited.vertex_estimate(mesh)?;
     if estimate > settings.max_vertices {
         return Err(RemeshError::TooManyVertices {
