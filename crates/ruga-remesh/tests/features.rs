@@ -137,7 +137,8 @@ fn a_round_border_loses_no_more_than_its_corner_angle_allows() {
         .map(|(_, n)| n.norm() / 2.0)
         .sum();
     let lost = 1.0 - area / std::f64::consts::PI;
-    assert!((0.0..0.05).contains(&lost), "{lost}");
+    // A circle of turns of 0.35 lacks 0.35^2 / 6, two per cent.
+    assert!((0.01..0.021).contains(&lost), "{lost}");
 }
 
 #[test]

@@ -44,7 +44,7 @@ fn worst_uprightness(mesh: &SurfaceMesh, shape: Shape) -> f64 {
     worst
 }
 
-fn check(shape: Shape, before: &SurfaceMesh, after: &Remeshed) -> Result<(), TestCaseError> {
+fn check(shape: Shape, after: &Remeshed) -> Result<(), TestCaseError> {
     let mesh = &after.mesh;
     prop_assert!(after.report.converged);
     prop_assert!(after.report.share_met() >= 0.95, "{:?}", after.report);
@@ -54,15 +54,15 @@ fn check(shape: Shape, before: &SurfaceMesh, after: &Remeshed) -> Result<(), Tes
         let place = square_from_address(mesh.points[v]);
         prop_assert!((shape.point(place) - p).norm() < 1e-12, "on the surface");
     }
-    // Chords of a smooth surface of radius about one miss its area by about the square of the
-    // edge; edges are at most 0.2 here, and the flat square has nothing to miss.
+    // Chords of a surface of curvature one are short of it by about the square of an edge over
+    // 8, and edges reach 0.35 here; the flat square has nothing to miss.
     let tolerance = if matches!(shape, Shape::Flat) {
         1e-12
     } else {
-        0.02
+        0.025
     };
-    prop_assert!((area(mesh) / area(before) - 1.0).abs() < tolerance);
-    prop_assert!((perimeter(mesh) / perimeter(before) - 1.0).abs() < tolerance);
+    prop_assert!((area(mesh) / shape.area() - 1.0).abs() < tolerance);
+    prop_assert!((perimeter(mesh) / shape.perimeter() - 1.0).abs() < tolerance);
     Ok(())
 }
 
@@ -116,7 +116,7 @@ proptest! {
         let sizing = Waves { edge, range, aspect, seed }.sizing(&before);
         let settings = RemeshSettings::default();
         let after = remesh(&before, &sizing, &Sheet(shape), &settings).expect("valid input");
-        check(shape, &before, &after)?;
+        check(shape, &after)?;
         check_transfer(shape, &before, &after)?;
 
         let same = remesh(&before, &sizing, &Sheet(shape), &settings).expect("valid input");
@@ -140,7 +140,7 @@ proptest! {
             let settings = RemeshSettings::default();
             let sizing = waves.sizing(&mesh);
             let after = remesh(&mesh, &sizing, &Sheet(shape), &settings).expect("valid input");
-            check(shape, &mesh, &after)?;
+            check(shape, &after)?;
             mesh = after.mesh;
         }
     }
