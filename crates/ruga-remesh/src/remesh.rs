@@ -69,7 +69,8 @@ pub struct RemeshReport {
     pub collapses: usize,
     /// Moves of new vertices.
     pub moves: usize,
-    /// Whether no pass ran into its bound. If not, the mesh is sound but less well shaped.
+    /// Whether no pass ran into its bound and no edge is too long. If not, the mesh is sound, but
+    /// less well shaped, or coarser where the surface had no place for a new vertex.
     pub converged: bool,
     /// Edges of the new mesh.
     pub edges: usize,
@@ -259,6 +260,7 @@ fn report(patch: &Patch, counts: Counts, converged: bool) -> RemeshReport {
         let [shortest, longest] = result.metric_lengths;
         result.metric_lengths = [shortest.min(length), longest.max(length)];
     }
+    result.converged &= result.too_long == 0;
     result
 }
 

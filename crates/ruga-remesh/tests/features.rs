@@ -250,3 +250,28 @@ fn scalars_and_vectors_are_carried_alike() {
     assert!(born > 100);
     assert_eq!(result.transfer.survivors[VertexId(0)], Some(VertexId(0)));
 }
+
+/// A surface whose search never gets anywhere.
+struct Stuck;
+
+impl Surface for Stuck {
+    fn position(&self, at: MaterialPoint) -> Vector3<f64> {
+        Sheet(Shape::Flat).position(at)
+    }
+
+    fn normal(&self, _at: MaterialPoint) -> Vector3<f64> {
+        Vector3::z()
+    }
+
+    fn closest(&self, near: MaterialPoint, _target: Vector3<f64>) -> MaterialPoint {
+        near
+    }
+}
+
+#[test]
+fn a_surface_without_a_place_for_new_vertices_is_reported() {
+    let mesh = grid(Shape::Flat, 5, 0.2, 1);
+    let result = follow(&mesh, 0.02, &Stuck);
+    assert!(!result.report.converged && result.report.too_long > 50);
+    assert!(result.transfer.is_identity(mesh.mesh.vertex_count()));
+}
