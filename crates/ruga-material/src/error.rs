@@ -36,6 +36,69 @@ pub enum MaterialError {
         /// What was computed for it.
         value: f64,
     },
+    /// A painted image has no texels.
+    #[error("the {property} image is {width} x {height}, but must have at least one texel")]
+    EmptyImage {
+        /// What is painted.
+        property: &'static str,
+        /// Texels per row.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
+    /// The values of a painted image do not fill its sides.
+    #[error("the {property} image holds {found} values, but its sides ask for {expected}")]
+    ImageLength {
+        /// What is painted.
+        property: &'static str,
+        /// Values given.
+        found: usize,
+        /// Values that width, height and channels ask for.
+        expected: usize,
+    },
+    /// A painted value lies outside what the range is laid over.
+    #[error(
+        "the {property} image has {value} at column {column}, row {row}, \
+         but must hold numbers from 0 to 1"
+    )]
+    TexelOutOfRange {
+        /// What is painted.
+        property: &'static str,
+        /// Column from the left, from 0.
+        column: usize,
+        /// Row from the top, from 0.
+        row: usize,
+        /// The value found.
+        value: f32,
+    },
+    /// Black or white would make a property zero or negative.
+    #[error("the {property} range is [{low}, {high}], but both ends must be finite and above 0")]
+    RangeNotPositive {
+        /// What is painted.
+        property: &'static str,
+        /// What black means.
+        low: f64,
+        /// What white means.
+        high: f64,
+    },
+    /// A jump that would be everywhere or nowhere.
+    #[error("the ratio that counts as a sharp jump is {value}, but must be finite and above 1")]
+    JumpRatio {
+        /// The value found.
+        value: f64,
+    },
+    /// The springs under a composite layer would push it off its base.
+    #[error(
+        "the stack cannot be replaced by one composite layer: its gradient spring is \
+         {gradient_stiffness} N/m, but must lie between -{bound} and {bound}; \
+         let each layer keep its own wavelength instead"
+    )]
+    CompositeUnstable {
+        /// `K1'` (N/m).
+        gradient_stiffness: f64,
+        /// `2 √(D' K0')` (N/m).
+        bound: f64,
+    },
 }
 
 /// Accepts a finite positive `value`.

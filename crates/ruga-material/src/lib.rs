@@ -10,6 +10,10 @@
 //! the smallest force is the one seen. Rémillard and Kry 2013, eq. 3, and Li 2014, eq. 3.1, are
 //! limits of this and can be chosen by [`WavelengthModel`].
 //!
+//! A [`PropertyMap`] is what an artist paints over a layer; [`local_wrinkling`] is [`wrinkling`] at one
+//! painted place. A [`StackPair`] is a layer that carries another one: which of the two scales comes
+//! first, how they wrinkle together, and, by [`composite_layers`], what single layer stands for both.
+//!
 //! SI units; lengths in the rest configuration; compressive strain is positive. All is linear film
 //! theory, which fades above a critical strain of about 10 % (a modulus ratio below 50).
 //!
@@ -32,7 +36,12 @@ mod error;
 mod foundation;
 mod material;
 mod preset;
+mod property_map;
+mod relative;
+mod sharp_boundary;
+mod stack;
 mod strain;
+mod two_shells;
 mod wrinkling;
 
 pub use design::design_layer;
@@ -40,5 +49,9 @@ pub use error::MaterialError;
 pub use foundation::substrate_stiffness;
 pub use material::{LayerMaterial, Substrate};
 pub use preset::{PRESETS, Preset, preset};
+pub use property_map::{PropertyImage, PropertyMap, PropertyRanges, Wrap};
+pub use relative::{RelativeProperties, local_substrate, local_wrinkling};
+pub use sharp_boundary::{BoundaryCrossing, SHARP_RATIO, sharp_edges};
+pub use stack::{CompositeLayer, FirstScale, JointMode, StackLayer, StackPair, composite_layers};
 pub use strain::{CAP_START, capped_strain, effective_strain};
 pub use wrinkling::{WavelengthModel, Wrinkling, wrinkling};

@@ -102,27 +102,41 @@ impl Wrinkling {
             wave_number,
             exponent,
         } = wave;
-        let membrane_stiffness = layer.membrane_stiffness();
-        let bending_stiffness = layer.bending_stiffness();
-        let bending_force = bending_stiffness * wave_number * wave_number;
+        let shell = ShellStiffness {
+            bending: layer.bending_stiffness(),
+            membrane: layer.membrane_stiffness(),
+        };
+        let bending_force = shell.bending * wave_number * wave_number;
         let critical_force = bending_force * (1.0 + 2.0 / (2.0 - exponent));
-        let normal_stiffness = bending_force * wave_number * wave_number;
-        let tie_bound = MAX_TIE * membrane_stiffness * wave_number * wave_number;
+        // 2/(2 - p) - 1, without the difference of two nearly equal forces.
+        let gradient_stiffness = bending_force * exponent / (2.0 - exponent);
+        Self::on_springs(shell, wave_number, critical_force, gradient_stiffness)
+    }
+
+    /// A shell with the springs that its critical wave and force stand for.
+    pub(crate) fn on_springs(
+        shell: ShellStiffness,
+        wave_number: f64,
+        critical_force: f64,
+        gradient_stiffness: f64,
+    ) -> Self {
+        let squared = wave_number * wave_number;
+        let normal_stiffness = shell.bending * squared * squared;
+        let tie_bound = MAX_TIE * shell.membrane * squared;
         Self {
             wavelength: TAU / wave_number,
             wave_number,
-            critical_strain: critical_force / membrane_stiffness,
+            critical_strain: critical_force / shell.membrane,
             critical_force,
-            bending_stiffness,
-            membrane_stiffness,
+            bending_stiffness: shell.bending,
+            membrane_stiffness: shell.membrane,
             normal_stiffness,
-            // 2/(2 - p) - 1, without the difference of two nearly equal forces.
-            gradient_stiffness: bending_force * exponent / (2.0 - exponent),
+            gradient_stiffness,
             tangential_stiffness: (2.0 * normal_stiffness).min(tie_bound),
         }
     }
 
-    fn representable(self) -> Result<Self, MaterialError> {
+    pub(crate) fn representable(self) -> Result<Self, MaterialError> {
         require_representable("the wavelength (m)", self.wavelength)?;
         require_representable("the wave number (1/m)", self.wave_number)?;
         require_representable("the membrane stiffness (N/m)", self.membrane_stiffness)?;
@@ -148,20 +162,76 @@ pub fn wrinkling(
     substrate: &Substrate,
     model: WavelengthModel,
 ) -> Result<Wrinkling, MaterialError> {
-    layer.validate()?;
-    substrate.validate()?;
-    let wave = match model {
-        WavelengthModel::Layer => bonded_layer_wave(layer, substrate)?,
-        WavelengthModel::HalfSpace => half_space_wave(layer, substrate),
-        WavelengthModel::CerdaMahadevan => cerda_mahadevan_wave(layer, substrate),
-    };
+    let wave = critical_wave(layer, substrate, model)?;
     Wrinkling::new(layer, wave).representable()
+}
+
+/// What a shell brings along: `D` (N m) and `C` (N/m).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ShellStiffness {
+    pub(crate) bending: f64,
+    pub(crate) membrane: f64,
+}
+
+/// [`wrinkling`] of the same layer on the same substrate with its modulus scaled so that the
+/// wavelength is `stretch` times as long; also the factor on the modulus.
+///
+/// Needs no search: `dN/dk = 0` reads `2 D k⁴ = K (2 - p)`, and `K` is proportional to the modulus.
+pub(crate) fn stretched_wrinkling(
+    layer: &LayerMaterial,
+    substrate: &Substrate,
+    model: WavelengthModel,
+    stretch: f64,
+) -> Result<(Wrinkling, f64), MaterialError> {
+    let predicted = critical_wave(layer, substrate, model)?;
+    let wave_number = predicted.wave_number / stretch;
+    let (wave, factor) = match model {
+        WavelengthModel::Layer => {
+            let foundation = Foundation::new(substrate.poisson);
+            let height = substrate.thickness;
+            let before = foundation.at(predicted.wave_number * height);
+            let after = foundation.at(wave_number * height);
+            let softening = before.stiffness / after.stiffness * (2.0 - before.exponent)
+                / (2.0 - after.exponent);
+            let exponent = after.exponent;
+            (
+                CriticalWave {
+                    wave_number,
+                    exponent,
+                },
+                softening / stretch.powi(4),
+            )
+        }
+        WavelengthModel::HalfSpace | WavelengthModel::CerdaMahadevan => {
+            let exponent = predicted.exponent;
+            let wave = CriticalWave {
+                wave_number,
+                exponent,
+            };
+            (wave, stretch.powf(exponent - 4.0))
+        }
+    };
+    Ok((Wrinkling::new(layer, wave).representable()?, factor))
 }
 
 /// Where `N(k)` is smallest, and `p = d ln K / d ln k` there.
 struct CriticalWave {
     wave_number: f64,
     exponent: f64,
+}
+
+fn critical_wave(
+    layer: &LayerMaterial,
+    substrate: &Substrate,
+    model: WavelengthModel,
+) -> Result<CriticalWave, MaterialError> {
+    layer.validate()?;
+    substrate.validate()?;
+    match model {
+        WavelengthModel::Layer => bonded_layer_wave(layer, substrate),
+        WavelengthModel::HalfSpace => Ok(half_space_wave(layer, substrate)),
+        WavelengthModel::CerdaMahadevan => Ok(cerda_mahadevan_wave(layer, substrate)),
+    }
 }
 
 /// `k h = (3 Ē_s/Ē)^(1/3)`.

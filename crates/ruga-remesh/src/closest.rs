@@ -10,7 +10,7 @@ use ruga_mesh::{FaceId, MaterialPoint, PerEdge, TriMesh};
 const ON_CURVE: f64 = 1e-6;
 
 /// The place closest to `target` that a walk from `start` reaches, each step to the closest of
-/// the faces around and strictly closer than the last.
+/// the faces that meet at the present place, and strictly closer than it.
 ///
 /// It ends in the local minimum that lies nearest along the surface, which is what tells touching
 /// lips apart; a flood of all faces within the distance would find places across a fold as well.
@@ -22,18 +22,28 @@ pub(crate) fn descend(
 ) -> MaterialPoint {
     let (mut distance, mut place) = closest_on_face(mesh, positions, start, target);
     loop {
-        let around = mesh.faces()[place.face]
-            .into_iter()
-            .flat_map(|v| mesh.vertex_faces(v));
-        let best = around
-            .filter(|&&face| face != place.face)
-            .map(|&face| closest_on_face(mesh, positions, face, target))
+        let best = other_faces_at(mesh, place)
+            .map(|face| closest_on_face(mesh, positions, face, target))
             .min_by(|l, r| l.0.total_cmp(&r.0));
         match best {
             Some((closer, there)) if closer < distance => (distance, place) = (closer, there),
             _ => return place,
         }
     }
+}
+
+/// The faces that share a place with the one it is addressed in: none inside a face, the one
+/// across an edge, the fan at a corner.
+fn other_faces_at(mesh: &TriMesh, place: MaterialPoint) -> impl Iterator<Item = FaceId> + '_ {
+    let zero = |corner: usize| place.barycentric[corner % 3] <= 0.0;
+    let vertex = (0..3).find(|&c| zero(c + 1) && zero(c + 2));
+    let edge = (0..3).find(|&c| zero(c + 2));
+    let fan = vertex.map_or(&[][..], |c| mesh.vertex_faces(mesh.faces()[place.face][c]));
+    let across = edge
+        .filter(|_| vertex.is_none())
+        .and_then(|corner| mesh.neighbour(place.face, corner));
+    let others = fan.iter().copied().filter(move |&face| face != place.face);
+    others.chain(across)
 }
 
 /// The closest place on feature or border edges; `None` unless both ends lie on such edges.

@@ -102,27 +102,57 @@ fn include(worst: &mut [f64; 2], patch: &Patch, face: [u32; 3]) {
 }
 
 /// Whether a vertex may be removed towards `kept`: free, and on a feature only along it where it
-/// runs straight on to within the cosine `corner`.
+/// runs straight on to within the cosine `corner`, before and after.
 fn may_leave(patch: &Patch, gone: u32, kept: u32, is_feature: bool, corner: f64) -> bool {
     if patch.is_fixed(gone) {
         return false;
     }
-    let mut ends = [gone; 2];
-    let mut count = 0;
-    for (v, _) in patch.topology.neighbours(gone).filter(|n| n.1) {
-        if count < 2 {
-            ends[count] = v;
-        }
-        count += 1;
-    }
-    match count {
-        0 => true,
-        2 if is_feature => {
+    match feature_neighbours(patch, gone) {
+        Features::None => true,
+        Features::Curve(ends) if is_feature => {
             let other = if ends[0] == kept { ends[1] } else { ends[0] };
-            let [p, q, r] = [other, gone, kept].map(|v| patch.positions[v as usize]);
-            let (back, on) = (q - p, r - q);
-            back.dot(&on) >= corner * back.norm() * on.norm()
+            turn_cosine(patch, other, gone, kept) >= corner
+                && stays_straight(patch, kept, gone, other, corner)
+                && stays_straight(patch, other, gone, kept, corner)
         }
         _ => false,
+    }
+}
+
+/// Whether a feature that runs straight on at `v` still does so when it runs to `after` instead
+/// of `before`. Without this the turns of removed vertices would pile up in those that stay.
+fn stays_straight(patch: &Patch, v: u32, before: u32, after: u32, corner: f64) -> bool {
+    let Features::Curve(ends) = feature_neighbours(patch, v) else {
+        return true;
+    };
+    let far = if ends[0] == before { ends[1] } else { ends[0] };
+    far == after
+        || turn_cosine(patch, far, v, before) < corner
+        || turn_cosine(patch, far, v, after) >= corner
+}
+
+/// Cosine of the turn at `at` on the way from one vertex to another.
+fn turn_cosine(patch: &Patch, from: u32, at: u32, to: u32) -> f64 {
+    let [p, q, r] = [from, at, to].map(|v| patch.positions[v as usize]);
+    let (back, on) = (q - p, r - q);
+    back.dot(&on) / (back.norm() * on.norm()).max(f64::MIN_POSITIVE)
+}
+
+/// How features meet at a vertex.
+enum Features {
+    /// There is none.
+    None,
+    /// One passes, with these neighbours on it.
+    Curve([u32; 2]),
+    /// One ends or several meet.
+    Junction,
+}
+
+fn feature_neighbours(patch: &Patch, v: u32) -> Features {
+    let mut on_feature = patch.topology.neighbours(v).filter(|n| n.1).map(|n| n.0);
+    match (on_feature.next(), on_feature.next(), on_feature.next()) {
+        (None, _, _) => Features::None,
+        (Some(first), Some(second), None) => Features::Curve([first, second]),
+        _ => Features::Junction,
     }
 }

@@ -11,9 +11,9 @@ use crate::tensor2::Tensor2;
 /// Updates per vertex after which grading stops; fields met in practice need two or three.
 const MAX_UPDATES: usize = 40;
 
-/// A relative excess over the allowed growth that is left alone, so that a field that was graded
-/// on one mesh and carried to another is not graded again.
-const GRADING_SLACK: f64 = 0.25;
+/// Growth faster than the rate by this factor is left alone, so that a field that was graded on
+/// one mesh and carried to another is not graded again for rounding's sake.
+const RATE_SLACK: f64 = 1.25;
 
 /// Refines tensors until the wanted length grows by at most `rate` per metric length.
 ///
@@ -88,14 +88,13 @@ fn refine_neighbour(
     let length = (own.xx * x * x + 2.0 * own.xy * x * y + own.yy * y * y)
         .max(0.0)
         .sqrt();
-    let grown = own.scaled((1.0 + rate * length).powi(-2));
-    let bound = in_other_frame(grown, frame, &frames[w as usize]);
+    let own = in_other_frame(own, frame, &frames[w as usize]);
+    let bound = |rate: f64| own.scaled((1.0 + rate * length).powi(-2));
     let other = tensors[w as usize];
-    let tolerated = bound.scaled((1.0 + GRADING_SLACK).powi(-2));
-    if other.minus(tolerated).is_nonnegative() {
+    if other.minus(bound(RATE_SLACK * rate)).is_nonnegative() {
         return false;
     }
-    tensors[w as usize] = other.finest(bound);
+    tensors[w as usize] = other.finest(bound(rate));
     true
 }
 

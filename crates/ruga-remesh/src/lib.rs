@@ -3,7 +3,7 @@
 //! A [`SurfaceMesh`] lies on a [`Surface`], addressed by material points; a [`Sizing`] says at each
 //! vertex how long edges should be in each direction. [`remesh`] returns a mesh that follows it
 //! and a [`Transfer`] that turns per-vertex values of the old mesh into values of the new one.
-//! `sizing_field` derives a sizing from a wrinkled shape and from what drives it.
+//! [`sizing_field`] derives a sizing from a wrinkled shape and from what drives it.
 //!
 //! An edge `e` has the metric length `sqrt(eᵀ M e)` with the mean tensor `M` of its ends and is
 //! wanted near one. Splitting in independent sets, flipping to the anisotropic Delaunay condition
@@ -41,6 +41,7 @@ mod patch;
 mod relax;
 mod remesh;
 mod sizing;
+mod sizing_field;
 mod split;
 mod surface;
 mod tensor2;
@@ -48,6 +49,7 @@ mod transfer;
 
 pub use remesh::{RemeshReport, RemeshSettings, Remeshed, remesh};
 pub use sizing::{SizeLimits, Sizing, size_tensor};
+pub use sizing_field::{FaceDriver, Refinement, SizingInput, face_compression, sizing_field};
 pub use surface::{PolyhedralSurface, Surface, SurfaceMesh};
 pub use transfer::Transfer;
 

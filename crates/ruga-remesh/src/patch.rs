@@ -161,8 +161,9 @@ impl<'a> Patch<'a> {
         ]
     }
 
-    /// Splits an edge at the place of the surface closest to its middle.
-    pub(crate) fn split(&mut self, h: u32) {
+    /// Splits an edge at the place of the surface closest to its middle; whether that place is
+    /// closer to both ends than they are to each other and folds no face over.
+    pub(crate) fn try_split(&mut self, h: u32) -> bool {
         let (a, b) = (self.topology.tail(h), self.topology.head(h));
         let middle = (self.positions[a as usize] + self.positions[b as usize]) * 0.5;
         let ends = [self.points[a as usize], self.points[b as usize]];
@@ -171,14 +172,42 @@ impl<'a> Patch<'a> {
         } else {
             self.surface.closest(ends[0], middle)
         };
-        let origin = self.origin(a);
-        self.topology.split(h);
+        let m = self.positions.len() as u32;
         self.positions.push(Vector3::zeros());
         self.normals.push(Vector3::zeros());
         self.tensors.push(Matrix3::zeros());
         self.points.push(point);
-        self.origins.push(Some(origin));
-        self.place(self.positions.len() - 1, point);
+        self.origins.push(Some(self.origin(a)));
+        self.place(m as usize, point);
+        let is_sound = self.is_sound_split(h, m);
+        if is_sound {
+            self.topology.split(h);
+        } else {
+            self.positions.pop();
+            self.normals.pop();
+            self.tensors.pop();
+            self.points.pop();
+            self.origins.pop();
+        }
+        is_sound
+    }
+
+    /// Whether a surface put the middle `m` of an edge where it is of use. Refining a coarse mesh
+    /// may tilt faces, and mends that as it goes on; only a face that turns over is refused.
+    fn is_sound_split(&self, h: u32, m: u32) -> bool {
+        let (a, b) = (self.topology.tail(h), self.topology.head(h));
+        let distance = |v: u32, w: u32| {
+            (self.positions[v as usize] - self.positions[w as usize]).norm_squared()
+        };
+        let is_between = distance(a, m).max(distance(m, b)) < distance(a, b);
+        let mut sides = [Some(h), self.topology.twin(h)].into_iter().flatten();
+        is_between
+            && sides.all(|side| {
+                let [tail, head, apex] = self.corners(side);
+                let halves = [[tail, m, apex], [m, head, apex]].map(|f| self.uprightness(f));
+                let after = halves[0].min(halves[1]);
+                after > 0.0 || after >= self.uprightness([tail, head, apex])
+            })
     }
 
     /// Puts a new vertex at a place of the surface.
@@ -194,7 +223,8 @@ impl<'a> Patch<'a> {
             start,
             self.positions[v],
         );
-        self.tensors[v] = interpolate(old, &self.sizing.tensors, origin);
+        let tensor = interpolate(old, &self.sizing.tensors, origin);
+        self.tensors[v] = tangent_part(tensor, self.normals[v]);
         self.origins[v] = Some(origin);
     }
 
@@ -230,6 +260,12 @@ fn interpolate(
         sum += tensors[corner] * weight;
     }
     sum
+}
+
+/// The tensor that ignores the part of an edge along `normal`.
+fn tangent_part(tensor: Matrix3<f64>, normal: Vector3<f64>) -> Matrix3<f64> {
+    let projection = Matrix3::identity() - normal * normal.transpose();
+    projection * tensor * projection
 }
 
 /// Faces that were touched, each listed once, in order.

@@ -5,10 +5,24 @@ use nalgebra::Vector3;
 use crate::flip::flip_around;
 use crate::patch::{Patch, Touched};
 use crate::remesh::Counts;
-use crate::sizing::metric_area;
+use crate::sizing::{metric_area, metric_length};
 
-/// Moves each new interior vertex to the centroid of its faces, weighted by metric area (Chen
-/// 2004), where that does not make its worst face worse; then flips around what moved.
+/// How far beyond the centroid a vertex is moved. Bisection leaves grids of right triangles, in
+/// which the centroid is an unstable rest: 1.5 leaves it in four sweeps where 1 takes twelve; at
+/// 2 shapes get worse again.
+const OVERSHOOT: f64 = 1.5;
+
+/// Shape (1 equilateral, 0 degenerate) down to which the worst face at a vertex may fall when it
+/// moves. Moves that had to improve the worst face would leave those grids as they are, and with
+/// them a plate modulus that depends on direction: spread 15 % instead of 11 % between directions,
+/// mean 7 % instead of 3 % high, interpolated, with the per-hinge factor of the notes.
+const GOOD_SHAPE: f64 = 0.7;
+
+/// Metric length under which a step is not worth asking the surface for a place.
+const LEAST_STEP: f64 = 0.02;
+
+/// Moves each new interior vertex past the centroid of its faces, weighted by metric area (Chen
+/// 2004), where that leaves its faces in good shape; then flips around what moved.
 ///
 /// Old vertices stay, unless a collapse has set them free: what a vertex carries is carried
 /// exactly wherever the mesh is fine enough already, and on a mesh without new vertices nothing
@@ -38,33 +52,44 @@ fn move_to_centroid(patch: &mut Patch, v: u32) -> bool {
         .outgoing(v)
         .map(|h| patch.corners(h))
         .collect();
-    let (mut sum, mut area) = (Vector3::zeros(), 0.0);
-    for face in &faces {
-        let [p, q, r] = face.map(|v| patch.positions[v as usize]);
-        let mean = face
-            .iter()
-            .map(|&v| patch.tensors[v as usize])
-            .reduce(|l, r| l + r);
-        let weight = mean.map_or(0.0, |mean| metric_area(&[q - p, r - q, p - r], &mean));
-        sum += (p + q + r) * (weight / 3.0);
-        area += weight;
-    }
-    if area <= 0.0 {
+    let Some(centroid) = centroid(patch, &faces) else {
+        return false;
+    };
+    let here = patch.positions[v as usize];
+    let step = (centroid - here) * OVERSHOOT;
+    if metric_length(&step, &patch.tensors[v as usize]) < LEAST_STEP {
         return false;
     }
-    let worst = |patch: &Patch| faces.iter().map(|&f| patch.quality(f)).fold(1.0, f64::min);
-    let upright = |patch: &Patch| {
-        faces
-            .iter()
-            .map(|&f| patch.uprightness(f))
-            .fold(1.0, f64::min)
-    };
-    let before = (worst(patch), upright(patch));
-    patch.try_move(v, sum / area, |moved| {
-        worst(moved) > before.0
-            && Patch::stays_upright(before.1, upright(moved))
+    let (shape, upright) = worst(patch, &faces);
+    patch.try_move(v, here + step, |moved| {
+        let after = worst(moved, &faces);
+        after.0 > shape.min(GOOD_SHAPE)
+            && Patch::stays_upright(upright, after.1)
             && faces
                 .iter()
                 .all(|&[v, neighbour, _]| moved.may_join(v, neighbour))
+    })
+}
+
+/// Centroid of some faces weighted by metric area; `None` where they have none.
+fn centroid(patch: &Patch, faces: &[[u32; 3]]) -> Option<Vector3<f64>> {
+    let (mut sum, mut area) = (Vector3::zeros(), 0.0);
+    for face in faces {
+        let [p, q, r] = face.map(|v| patch.positions[v as usize]);
+        let [l, m, n] = face.map(|v| patch.tensors[v as usize]);
+        let weight = metric_area(&[q - p, r - q, p - r], &((l + m + n) / 3.0));
+        sum += (p + q + r) * (weight / 3.0);
+        area += weight;
+    }
+    (area > 0.0).then(|| sum / area)
+}
+
+/// Worst shape and uprightness of some faces.
+fn worst(patch: &Patch, faces: &[[u32; 3]]) -> (f64, f64) {
+    faces.iter().fold((1.0, 1.0), |(shape, upright), &face| {
+        (
+            patch.quality(face).min(shape),
+            patch.uprightness(face).min(upright),
+        )
     })
 }

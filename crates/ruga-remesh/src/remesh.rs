@@ -13,9 +13,9 @@ use crate::{RemeshError, SizeLimits, Sizing, Surface, SurfaceMesh, Transfer};
 /// Rounds of the closing loop; one that changes nothing ends it, and two are usual.
 const MAX_CLOSING_ROUNDS: usize = 8;
 
-/// Sweeps over the new vertices. Shapes improve most in the first; hinge bending needs about two
-/// (a mesh smoothed twice is within 1 to 2 % of the plate modulus, a raw one within 5 %).
-const RELAXATIONS: usize = 3;
+/// Sweeps over the new vertices. More give rounder triangles, slowly: the mean shape is 0.96 of
+/// equilateral after four and 0.97 after eight, at a tenth of the whole time for each.
+const RELAXATIONS: usize = 4;
 
 /// Interpolation weights below this are rounding: they are dropped, so that a new border vertex
 /// depends on border vertices alone.
@@ -69,7 +69,8 @@ pub struct RemeshReport {
     pub collapses: usize,
     /// Moves of new vertices.
     pub moves: usize,
-    /// Whether no pass ran into its bound. If not, the mesh is sound but less well shaped.
+    /// Whether no pass ran into its bound and no edge is too long. If not, the mesh is sound, but
+    /// less well shaped, or coarser where the surface had no place for a new vertex.
     pub converged: bool,
     /// Edges of the new mesh.
     pub edges: usize,
@@ -117,7 +118,7 @@ pub fn remesh(
     setting("corner_angle", settings.corner_angle, "0 to 1.57", |v| {
         (0.0..=1.57).contains(&v)
     })?;
-    let limited = sizing.limited(mesh, &settings.limits)?;
+    let limited = sizing.limited(mesh, surface, &settings.limits)?;
     let estimate = limited.vertex_estimate(mesh)?;
     if estimate > settings.max_vertices {
         return Err(RemeshError::TooManyVertices {
@@ -259,6 +260,7 @@ fn report(patch: &Patch, counts: Counts, converged: bool) -> RemeshReport {
         let [shortest, longest] = result.metric_lengths;
         result.metric_lengths = [shortest.min(length), longest.max(length)];
     }
+    result.converged &= result.too_long == 0;
     result
 }
 

@@ -12,7 +12,7 @@ const MAX_PASSES: usize = 64;
 ///
 /// The independent set and its order by length are those of Narain et al. (2012). Nothing is
 /// split twice in a pass, so that flips can mend triangles before they are cut again. Returns
-/// whether it ended by itself.
+/// whether it ended by itself. An edge that the surface has no middle for stays.
 pub(crate) fn split_long_edges(patch: &mut Patch, counts: &mut Counts) -> bool {
     let mut candidates: Vec<u32> = patch.topology.edges().collect();
     for _ in 0..MAX_PASSES {
@@ -22,20 +22,7 @@ pub(crate) fn split_long_edges(patch: &mut Patch, counts: &mut Counts) -> bool {
         }
         let mut touched = Touched::new();
         for h in long {
-            let twin = patch.topology.twin(h);
-            let faces = [Some(h), twin].into_iter().flatten().map(|e| e / 3);
-            if faces.clone().any(|face| touched.contains(face)) {
-                continue;
-            }
-            let first_new = patch.topology.face_slots() as u32;
-            faces.for_each(|face| {
-                touched.add(face);
-            });
-            patch.split(h);
-            counts.splits += 1;
-            for face in first_new..patch.topology.face_slots() as u32 {
-                touched.add(face);
-            }
+            split_if_untouched(patch, h, &mut touched, counts);
         }
         // An edge that waited has a touched face, so it is met again among their edges.
         let edges = touched.edges(&patch.topology);
@@ -43,6 +30,21 @@ pub(crate) fn split_long_edges(patch: &mut Patch, counts: &mut Counts) -> bool {
         candidates = touched.edges(&patch.topology);
     }
     false
+}
+
+/// Splits an edge unless an earlier split touched its faces.
+fn split_if_untouched(patch: &mut Patch, h: u32, touched: &mut Touched, counts: &mut Counts) {
+    let twin = patch.topology.twin(h);
+    let faces = [Some(h), twin].into_iter().flatten().map(|e| e / 3);
+    let first_new = patch.topology.face_slots() as u32;
+    if faces.clone().any(|face| touched.contains(face)) || !patch.try_split(h) {
+        return;
+    }
+    counts.splits += 1;
+    let new = first_new..patch.topology.face_slots() as u32;
+    faces.chain(new).for_each(|face| {
+        touched.add(face);
+    });
 }
 
 /// The edges that are too long, longest first.

@@ -42,6 +42,20 @@ impl Shape {
         du.cross(&dv).normalize()
     }
 
+    pub(crate) fn area(self) -> f64 {
+        match self {
+            Self::Flat | Self::Cylinder => 1.0,
+            Self::Sphere => 2.0 * 0.5f64.sin(),
+        }
+    }
+
+    pub(crate) fn perimeter(self) -> f64 {
+        match self {
+            Self::Flat | Self::Cylinder => 4.0,
+            Self::Sphere => 2.0 + 2.0 * 0.5f64.cos(),
+        }
+    }
+
     fn inverse(self, p: Vector3<f64>) -> [f64; 2] {
         match self {
             Self::Flat => [p.x, p.y],

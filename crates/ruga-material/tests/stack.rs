@@ -1,0 +1,507 @@
+//! Layers on layers: the notes' table, and the limits in which one layer is left.
+
+use proptest::prelude::*;
+use ruga_material::{
+    FirstScale, LayerMaterial, MaterialError, StackLayer, StackPair, Substrate, WavelengthModel,
+    Wrinkling, composite_layers, preset,
+};
+
+/// Skin in MPa and mm, as the notes print it.
+fn skin(young: f64, thickness: f64) -> LayerMaterial {
+    LayerMaterial {
+        young: young * 1e6,
+        poisson: 0.48,
+        thickness: thickness * 1e-3,
+        density: 1100.0,
+    }
+}
+
+/// Layers, bottom first, each on the one below.
+fn stack(layers: &[LayerMaterial], substrate: Substrate) -> Vec<StackLayer> {
+    let mut below = substrate;
+    let mut found = Vec::new();
+    for layer in layers {
+        let placed = StackLayer::new(*layer, &below, WavelengthModel::Layer);
+        found.push(placed.expect("valid materials"));
+        below = layer.as_substrate();
+    }
+    found
+}
+
+/// `(E2, h2, E1, h1, E_s, H)` in MPa and mm.
+fn pair(values: [f64; 6]) -> StackPair {
+    let [young2, height2, young1, height1, young, height] = values;
+    let layers = stack(
+        &[skin(young1, height1), skin(young2, height2)],
+        skin(young, height).as_substrate(),
+    );
+    StackPair::new(&layers[0], &layers[1]).expect("valid materials")
+}
+
+const LK: [f64; 6] = [600.0, 0.12, 4.0, 1.3, 0.5, 15.0];
+const THIN_FILM: [f64; 6] = [200.0, 0.04, 4.0, 1.3, 0.5, 15.0];
+const FACE2: [f64; 6] = [14.0, 0.05, 0.3, 1.0, 0.024, 8.0];
+const MIDDLE: [f64; 6] = [12.0, 0.05, 2.0, 1.0, 0.05, 10.0];
+const WEAK: [f64; 6] = [6.0, 0.03, 2.0, 1.0, 0.05, 10.0];
+
+fn assert_prints(found: f64, printed: f64, digit: f64, what: &str) {
+    assert!(
+        (found - printed).abs() <= 0.5 * digit,
+        "{what}: {found}, printed {printed}"
+    );
+}
+
+fn assert_close(found: f64, expected: f64, relative: f64, what: &str) {
+    assert!(
+        (found / expected - 1.0).abs() < relative,
+        "{what}: {found}, expected {expected}"
+    );
+}
+
+/// Layers 2.1: materials, λ1 and ε1 alone, λ2 and ε2 alone, S2/S1, e_j and λ_j; each number with
+/// the worth of its last digit. The λ_j printed as 16.1 and 15.1 are 16.16 and 15.17: the notes'
+/// are cut, so their digit counts twice.
+#[test]
+fn two_shell_table() {
+    type Printed = (f64, f64);
+    let table: [([f64; 6], [Printed; 7]); 6] = [
+        (
+            LK,
+            [
+                (11.3, 0.1),
+                (13.0, 1.0),
+                (2.46, 0.01),
+                (1.95, 0.01),
+                (13.9, 0.11),
+                (1.17, 0.01),
+                (12.2, 0.1),
+            ],
+        ),
+        (
+            THIN_FILM,
+            [
+                (11.3, 0.1),
+                (13.0, 1.0),
+                (0.64, 0.01),
+                (3.8, 0.1),
+                (1.5, 0.1),
+                (6.5, 0.1),
+                (12.4, 0.1),
+            ],
+        ),
+        (
+            FACE2,
+            [
+                (10.0, 0.1),
+                (9.7, 0.1),
+                (0.78, 0.01),
+                (4.0, 0.1),
+                (2.3, 0.1),
+                (3.9, 0.1),
+                (11.3, 0.1),
+            ],
+        ),
+        (
+            [40.0, 0.03, 1.0, 0.7, 0.02, 8.0],
+            [
+                (10.9, 0.1),
+                (3.9, 0.1),
+                (0.45, 0.01),
+                (4.5, 0.11),
+                (1.7, 0.1),
+                (2.04, 0.01),
+                (13.5, 0.1),
+            ],
+        ),
+        (
+            MIDDLE,
+            [
+                (14.4, 0.1),
+                (4.5, 0.1),
+                (0.40, 0.01),
+                (15.8, 0.1),
+                (0.30, 0.01),
+                (4.2, 0.1),
+                (16.1, 0.2),
+            ],
+        ),
+        (
+            WEAK,
+            [
+                (14.4, 0.1),
+                (4.5, 0.1),
+                (0.19, 0.01),
+                (25.0, 1.0),
+                (0.09, 0.01),
+                (4.5, 0.1),
+                (15.1, 0.2),
+            ],
+        ),
+    ];
+    for (values, printed) in table {
+        let found = pair(values);
+        let (lower, upper) = (found.lower.wrinkling, found.upper.wrinkling);
+        let numbers = [
+            1e3 * lower.wavelength,
+            100.0 * lower.critical_strain,
+            1e3 * upper.wavelength,
+            100.0 * upper.critical_strain,
+            found.membrane_ratio,
+            100.0 * found.joint.critical_strain,
+            1e3 * found.joint.wavelength,
+        ];
+        for (column, (number, (printed, digit))) in numbers.into_iter().zip(printed).enumerate() {
+            assert_prints(
+                number,
+                printed,
+                digit,
+                &format!("{values:?}, column {column}"),
+            );
+        }
+        assert!(found.joint.wavelength > 0.6 * lower.wavelength);
+    }
+}
+
+/// Layers 2.1 and 2.2: fine minima, the strain of a fine wave, the force ratio, the shares.
+#[test]
+fn what_the_notes_say_of_the_pairs() {
+    let lk = pair(LK);
+    assert_eq!(lk.fine, None);
+    assert_eq!(lk.first_scale(), FirstScale::Large);
+    assert!(lk.nominal_disagrees());
+    assert_prints(lk.force_ratio, 2.1, 0.1, "r_N");
+    assert_prints(lk.bending_transfer, 0.067, 1e-3, "β");
+    // The prototype prints 1.79 %; the springs' value is 1.781 %.
+    let fine = lk.strain(std::f64::consts::TAU / 2.5e-3);
+    assert_prints(100.0 * fine, 1.79, 0.02, "e(2.5 mm)");
+    assert_prints(lk.nominal_tie() / lk.shear_tie(), 6.4, 0.1, "tie");
+
+    let film = pair(THIN_FILM);
+    let fine = film.fine.expect("two minima");
+    assert_prints(100.0 * fine.critical_strain, 3.8, 0.1, "ε");
+    assert_prints(1e3 * fine.wavelength, 0.64, 0.01, "λ");
+    assert_eq!(film.first_scale(), FirstScale::Fine);
+    assert_prints(film.bending_transfer, 0.39, 0.01, "β");
+    assert_prints(film.nominal_tie() / film.shear_tie(), 24.0, 1.0, "tie");
+
+    let face = pair(FACE2);
+    let fine = face.fine.expect("two minima");
+    assert_prints(100.0 * fine.critical_strain, 4.0, 0.1, "ε");
+    assert_prints(1e3 * fine.wavelength, 0.79, 0.01, "λ");
+    assert_eq!(face.first_scale(), FirstScale::Large);
+    assert!(face.nominal_disagrees());
+    assert_prints(face.bending_transfer, 0.30, 0.01, "β");
+
+    // S2/S1 = .1: +5 %; .3: +12 % in wavelength, -7 % in onset.
+    for (values, longer, earlier) in [(WEAK, 0.05, 0.0), (MIDDLE, 0.12, 0.07)] {
+        let found = pair(values);
+        let alone = found.lower.wrinkling;
+        let length = found.joint.wavelength / alone.wavelength - 1.0;
+        assert!((length - longer).abs() < 0.01, "{length}");
+        let onset = 1.0 - found.joint.critical_strain / alone.critical_strain;
+        assert!((onset - earlier).abs() < 0.01, "{onset}");
+        assert!(!found.nominal_disagrees());
+        assert_eq!(found.first_scale(), FirstScale::Large);
+    }
+}
+
+/// The estimate `S2/S1 = 3 λ2/(8 ε2 λ1 √ε1)`, of half-spaces, within a quarter for all of the table.
+#[test]
+fn membrane_ratio_from_what_is_seen() {
+    for values in [LK, THIN_FILM, FACE2, MIDDLE, WEAK] {
+        let found = pair(values);
+        let (lower, upper) = (found.lower.wrinkling, found.upper.wrinkling);
+        let estimate = 3.0 * upper.wavelength
+            / (8.0 * upper.critical_strain * lower.wavelength * lower.critical_strain.sqrt());
+        assert_close(estimate, found.membrane_ratio, 0.25, "S2/S1");
+    }
+}
+
+/// The smaller root of `det(A - e B) = 0` by the textbook's formula, at each wave number.
+#[test]
+fn strain_is_the_smallest_eigenvalue() {
+    for values in [LK, THIN_FILM, FACE2, MIDDLE, WEAK] {
+        let found = pair(values);
+        let (one, two) = (found.lower.wrinkling, found.upper.wrinkling);
+        let lever = 0.5 * (found.lower.material.thickness + found.upper.material.thickness);
+        for step in 0..60 {
+            let k = one.wave_number * (f64::from(step) / 10.0 - 1.0).exp();
+            let (s1, s2) = (
+                one.membrane_stiffness * k * k,
+                two.membrane_stiffness * k * k,
+            );
+            let shear = 1.0 / (1.0 / s1 + 1.0 / found.shear_tie() + 1.0 / s2);
+            let below = one.normal_stiffness + one.gradient_stiffness * k * k;
+            let between = two.normal_stiffness + two.gradient_stiffness * k * k;
+            let first =
+                one.bending_stiffness * k.powi(4) + below + between + shear * (lever * k).powi(2);
+            let second = two.bending_stiffness * k.powi(4) + between;
+            let strain = found.strain(k);
+            let residual = (first - strain * s1) * (second - strain * s2) - between * between;
+            assert!(residual.abs() < 1e-12 * first * second, "{values:?}, k {k}");
+            // The other eigenvalue is the larger one: their sum is the trace.
+            assert!(first / s1 + second / s2 - strain >= strain * (1.0 - 1e-12));
+        }
+    }
+}
+
+/// The composite's springs give its wave, onset and stiffness; its material the same shell.
+#[test]
+fn composite_is_a_layer() {
+    for values in [LK, THIN_FILM, FACE2, MIDDLE, WEAK] {
+        let found = pair(values);
+        let composite = found.composite().expect("springs hold");
+        let (wave, layer) = (composite.wrinkling, composite.material);
+        let sum = |part: fn(&Wrinkling) -> f64| {
+            part(&found.lower.wrinkling) + part(&found.upper.wrinkling)
+        };
+        assert_close(
+            wave.membrane_stiffness,
+            sum(|w| w.membrane_stiffness),
+            1e-14,
+            "S'",
+        );
+        assert!(wave.bending_stiffness > sum(|w| w.bending_stiffness));
+        assert_close(wave.wavelength, found.joint.wavelength, 1e-14, "λ");
+        assert_close(
+            wave.critical_strain,
+            found.joint.critical_strain,
+            1e-14,
+            "e",
+        );
+        assert_close(
+            layer.membrane_stiffness(),
+            wave.membrane_stiffness,
+            1e-13,
+            "S'",
+        );
+        assert_close(
+            layer.bending_stiffness(),
+            wave.bending_stiffness,
+            1e-13,
+            "D'",
+        );
+        let mass = found.lower.material.thickness + found.upper.material.thickness;
+        assert_close(
+            layer.density * layer.thickness,
+            1100.0 * mass,
+            1e-13,
+            "mass",
+        );
+        let force = |k: f64| {
+            wave.bending_stiffness * k * k
+                + wave.gradient_stiffness
+                + wave.normal_stiffness / (k * k)
+        };
+        let least = force(wave.wave_number);
+        assert_close(least, wave.critical_force, 1e-12, "N'");
+        for factor in [0.3, 0.9, 1.1, 3.0] {
+            assert!(force(factor * wave.wave_number) > least && least > 0.0);
+        }
+        let bound = 2.0 * (wave.bending_stiffness * wave.normal_stiffness).sqrt();
+        assert!(wave.gradient_stiffness.abs() < bound);
+    }
+}
+
+/// Layers 2.4, amplitudes of the composite (mm) by `A = 2/k √(e - e_j)`, where no nonlinearity enters
+/// yet: LK at 1.3 % and 1.75 %, the middle pair at 4.6 %, face2 at 4.3 %. Two-digit strains leave
+/// a tenth of the smallest, `e - e_j` being .13 % there.
+#[test]
+fn composite_amplitudes_of_the_notes() {
+    for (values, strain, printed, within) in [
+        (LK, 0.013, 0.132, 0.07),
+        (LK, 0.0175, 0.296, 0.02),
+        (MIDDLE, 0.046, 0.342, 0.03),
+        (MIDDLE, 0.084, 1.030, 0.05),
+        (FACE2, 0.043, 0.226, 0.03),
+        (FACE2, 0.059, 0.496, 0.03),
+    ] {
+        let composite = pair(values).composite().expect("springs hold");
+        let amplitude = 1e3 * composite.wrinkling.amplitude(strain);
+        assert_close(
+            amplitude,
+            printed,
+            within,
+            &format!("{values:?} at {strain}"),
+        );
+    }
+}
+
+/// The less the upper layer carries, the more the pair is the lower layer alone.
+#[test]
+fn a_vanishing_upper_layer_leaves_the_lower_one() {
+    let lower = stack(&[skin(2.0, 1.0)], skin(0.05, 10.0).as_substrate())[0];
+    let mut last = f64::INFINITY;
+    for share in [1e-1, 1e-2, 1e-3, 1e-4] {
+        // Of constant modulus ratio, so that it keeps its critical strain and gets finer.
+        let layers = stack(
+            &[skin(2.0, 1.0), skin(6.0, share * 0.3)],
+            skin(0.05, 10.0).as_substrate(),
+        );
+        let found = StackPair::new(&layers[0], &layers[1]).expect("valid materials");
+        let off = (found.joint.wavelength / lower.wrinkling.wavelength - 1.0).abs()
+            + (found.joint.critical_strain / lower.wrinkling.critical_strain - 1.0).abs();
+        assert!(
+            off < 0.2 * last && off < 2.0 * found.membrane_ratio,
+            "{share}: {off}"
+        );
+        last = off;
+        let composite = found.composite().expect("springs hold").wrinkling;
+        let alone = lower.wrinkling;
+        for (together, alone) in [
+            (composite.bending_stiffness, alone.bending_stiffness),
+            (composite.membrane_stiffness, alone.membrane_stiffness),
+            (composite.normal_stiffness, alone.normal_stiffness),
+            (composite.gradient_stiffness, alone.gradient_stiffness),
+        ] {
+            assert_close(
+                together,
+                alone,
+                20.0 * found.membrane_ratio + 1e-6,
+                "composite",
+            );
+        }
+        assert_close(found.bending_transfer, 1.0, 1.1 * found.membrane_ratio, "β");
+    }
+    assert!(last < 1e-4, "{last}");
+}
+
+/// A layer cut in two glued halves is the layer: laminate theory, up to the shear of the lower half,
+/// which Kirchhoff's plate has not.
+#[test]
+fn two_halves_of_a_layer() {
+    let whole = skin(4.0, 0.02);
+    let half = skin(4.0, 0.01);
+    let substrate = skin(0.004, 10.0).as_substrate();
+    let lower = StackLayer::new(half, &substrate, WavelengthModel::Layer).expect("valid");
+    // The halves' own interface is rigid: an upper half held with its own modulus has a wave of
+    // about its thickness, so springs far stiffer than the substrate.
+    let upper = StackLayer::new(half, &half.as_substrate(), WavelengthModel::Layer).expect("valid");
+    let found = StackPair::new(&lower, &upper)
+        .expect("valid")
+        .composite()
+        .expect("holds");
+    let alone = StackLayer::new(whole, &substrate, WavelengthModel::Layer)
+        .expect("valid")
+        .wrinkling;
+    assert_close(
+        found.wrinkling.membrane_stiffness,
+        alone.membrane_stiffness,
+        1e-12,
+        "S",
+    );
+    assert_close(
+        found.wrinkling.bending_stiffness,
+        alone.bending_stiffness,
+        0.02,
+        "D",
+    );
+    // The stack is eight times as stiff as its lower layer, whose springs are a fit at half the
+    // wavelength and too stiff here: 16 % short. Known limit, see `StackPair`.
+    let short = found.wrinkling.wavelength / alone.wavelength;
+    assert!((short - 0.836).abs() < 0.005, "{short}");
+}
+
+#[test]
+fn composites_of_one_two_and_three() {
+    let substrate = skin(0.024, 8.0).as_substrate();
+    let layers = [skin(0.3, 1.0), skin(14.0, 0.05), skin(40.0, 0.002)];
+    assert_eq!(composite_layers(&[]), Ok(Vec::new()));
+
+    let one = stack(&layers[..1], substrate);
+    let found = composite_layers(&one).expect("one layer");
+    assert_eq!(
+        (found[0].material, found[0].wrinkling),
+        (one[0].material, one[0].wrinkling)
+    );
+
+    let two = stack(&layers[..2], substrate);
+    let found = composite_layers(&two).expect("two layers");
+    let pair = StackPair::new(&two[0], &two[1]).expect("valid");
+    assert_eq!(Ok(found[0]), pair.composite());
+    assert_eq!(found[1].wrinkling, two[1].wrinkling);
+
+    // A third layer that hardly carries anything changes hardly anything, and stiffens.
+    let three = stack(&layers, substrate);
+    let with_third = composite_layers(&three).expect("three layers");
+    let share = three[2].wrinkling.membrane_stiffness / found[0].wrinkling.membrane_stiffness;
+    let (before, after) = (found[0].wrinkling, with_third[0].wrinkling);
+    assert!(after.bending_stiffness > before.bending_stiffness);
+    assert_close(after.wavelength, before.wavelength, 2.0 * share, "λ");
+    assert_close(
+        after.critical_strain,
+        before.critical_strain,
+        2.0 * share,
+        "e",
+    );
+    assert_close(
+        after.membrane_stiffness,
+        three
+            .iter()
+            .map(|layer| layer.wrinkling.membrane_stiffness)
+            .sum(),
+        1e-13,
+        "S",
+    );
+    let pair = StackPair::new(&three[1], &three[2]).expect("valid");
+    assert_eq!(Ok(with_third[1]), pair.composite());
+}
+
+/// The presets of the two-layer face fit together.
+#[test]
+fn face2_is_a_stack() {
+    let [dermis, epidermis] =
+        ["face2-dermis", "face2-epidermis"].map(|name| preset(name).expect("a preset"));
+    assert_eq!(dermis.layer.as_substrate(), epidermis.substrate);
+    let layers = stack(&[dermis.layer, epidermis.layer], dermis.substrate);
+    let found = StackPair::new(&layers[0], &layers[1]).expect("valid");
+    let same = pair(FACE2);
+    assert_close(found.joint.wavelength, same.joint.wavelength, 1e-7, "λ");
+    assert_close(
+        found.joint.critical_strain,
+        same.joint.critical_strain,
+        1e-12,
+        "e",
+    );
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1000))]
+
+    /// Any pair whose upper layer is the finer one: the joint wave costs no more than either layer
+    /// alone, what is returned is finite, and composites keep to their bound or say so.
+    #[test]
+    fn any_pair_has_a_joint_wave(
+        substrate_young in -3.0..1.0_f64,
+        ratios in prop::array::uniform2(0.5..4.0_f64),
+        height in -1.0..2.0_f64,
+        thickness in -1.0..1.0_f64,
+        finer in -3.0..0.0_f64,
+        poisson in prop::array::uniform3(0.0..0.4999_f64),
+    ) {
+        let power = |exponent: f64| 10f64.powf(exponent);
+        let young = power(substrate_young);
+        let with = |layer: LayerMaterial, poisson| LayerMaterial { poisson, ..layer };
+        let base = with(skin(young, power(height)), poisson[0]).as_substrate();
+        let lower = with(skin(young * power(ratios[0]), power(thickness)), poisson[1]);
+        let upper = with(skin(young * power(ratios[0] + ratios[1]), power(thickness + finer)), poisson[2]);
+        let layers = stack(&[lower, upper], base);
+        let found = StackPair::new(&layers[0], &layers[1]).expect("valid");
+        let joint = found.joint;
+        prop_assert!(joint.critical_strain > 0.0 && joint.critical_strain.is_finite());
+        prop_assert!((found.strain(joint.wave_number) / joint.critical_strain - 1.0).abs() < 1e-12);
+        for factor in [0.98, 1.02] {
+            prop_assert!(found.strain(factor * joint.wave_number) >= joint.critical_strain);
+        }
+        if let Some(fine) = found.fine {
+            prop_assert!(fine.wave_number > joint.wave_number);
+        }
+        match found.composite() {
+            Ok(composite) => prop_assert_eq!(composite.material.validate(), Ok(())),
+            Err(MaterialError::CompositeUnstable { gradient_stiffness, bound }) => {
+                prop_assert!(gradient_stiffness.abs() >= bound);
+            }
+            Err(other) => prop_assert!(false, "{other}"),
+        }
+    }
+}

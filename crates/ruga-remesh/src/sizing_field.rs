@@ -1,0 +1,350 @@
+//! The sizing that a wrinkled shape and its driver ask for.
+
+use nalgebra::{Matrix3, Vector3};
+use ruga_mesh::{FaceId, Id, PerFace, PerVertex, face_normals, tangent_frame, vertex_normals};
+
+use crate::sizing::setting;
+use crate::surface::check_length;
+use crate::tensor2::Tensor2;
+use crate::{RemeshError, Sizing, SurfaceMesh};
+
+/// What the sizing is derived from.
+#[derive(Clone, Copy, Debug)]
+pub struct SizingInput<'a> {
+    /// The mesh with its rest positions.
+    pub mesh: &'a SurfaceMesh,
+    /// Present position of every vertex, m.
+    pub shape: &'a [Vector3<f64>],
+    /// Velocity of every vertex, m/s.
+    pub velocity: Option<&'a [Vector3<f64>]>,
+    /// What drives wrinkles at every face.
+    pub driver: Option<&'a PerFace<FaceDriver>>,
+    /// How strongly each of these refines.
+    pub refinement: Refinement,
+}
+
+/// How the driver compresses a face of the rest surface, and what the layer would make of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FaceDriver {
+    /// Shortening `I - U`, with `U` the right stretch tensor in the tangent plane of the rest
+    /// surface; positive where compressed, dimensionless. See [`face_compression`].
+    pub compression: Matrix3<f64>,
+    /// Critical wavelength, m; positive.
+    pub wavelength: f64,
+    /// Critical strain, positive; infinite where the layer cannot wrinkle.
+    pub critical_strain: f64,
+    /// Poisson ratio of the layer: strain across counts as `e1 + nu e2` (notes: never e1 alone).
+    pub poisson: f64,
+}
+
+/// How strongly shape, motion and driver refine. Infinite switches a term off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Refinement {
+    /// Turn of the normal along an edge of metric length one, radians, positive. Default 0.3, as
+    /// Narain et al.; a smaller value draws wrinkles smoother at more vertices.
+    pub angle: f64,
+    /// Difference of velocity along such an edge, m/s, positive. Default infinite: a static solve
+    /// has no velocities that mean anything. Cloth takes 0.5.
+    pub velocity: f64,
+    /// Length of an edge that is compressed to nothing, m, positive; at compression `e` edges are
+    /// `1 / sqrt(e)` times as long. It refines what is about to buckle without knowing its
+    /// wavelength. Default infinite, because the driver term knows it; cloth takes 5 mm.
+    pub compression: f64,
+    /// Mesh points per critical wavelength across wrinkles, positive; default 12. At 8 wavelengths
+    /// come out 3 % short, at 12 1 %, and cost grows with the square. It also bounds the three
+    /// terms above: finer than this a layer has no shape to show.
+    pub points_per_wavelength: f64,
+    /// Ratios of effective compression to critical strain at which the driver's term sets in and
+    /// is complete; increasing, not negative. Default 0.6 and 0.8: complete where the active region
+    /// begins, so that wrinkles meet a mesh that waits for them. Lower values refine sooner.
+    pub onset: [f64; 2],
+}
+
+impl Default for Refinement {
+    fn default() -> Self {
+        Self {
+            angle: 0.3,
+            velocity: f64::INFINITY,
+            compression: f64::INFINITY,
+            points_per_wavelength: 12.0,
+            onset: [0.6, 0.8],
+        }
+    }
+}
+
+/// The sizing of a shape: `M = finest(min(C + V + B, s), W)`, per vertex in the rest tangent plane.
+///
+/// ```text
+/// C = (∇n)ᵀ ∇n / angle²           n: vertex normals of the shape
+/// V = (∇v)ᵀ ∇v / velocity²
+/// B = max(I - U, 0) / compression²  U: stretch of the shape
+/// W = Σ s aᵢ dᵢ dᵢᵀ                 dᵢ: principal directions of the driver's compression eᵢ
+/// s = (points_per_wavelength / wavelength)²
+/// aᵢ = smooth step of (eᵢ + nu eⱼ) / critical_strain over onset
+/// ```
+/// Gradients are those of linear fields on the rest faces. C, V and B are Narain et al. (2012),
+/// section 4.1, B without its correction for curvature. Where drivers' directions disagree around
+/// a vertex the mean of `W` is scaled up, so that no direction on its own is under-resolved.
+///
+/// The result knows no limits (edge lengths, aspect, grading): [`remesh`](crate::remesh) holds it
+/// to its settings, and so does [`Sizing::limited`].
+///
+/// # Errors
+/// Arrays that do not fit, settings or driver values out of range, positions that are not finite.
+pub fn sizing_field(input: &SizingInput) -> Result<Sizing, RemeshError> {
+    check(input)?;
+    let SizingInput {
+        mesh,
+        shape,
+        refinement,
+        ..
+    } = *input;
+    let rest = mesh.positions.as_slice();
+    let normals = vertex_normals(&mesh.mesh, shape);
+    let areas: PerFace<f64> = face_normals(&mesh.mesh, rest)
+        .iter()
+        .map(|(_, n)| n.norm())
+        .collect();
+    let mut sums = PerVertex::filled(mesh.mesh.vertex_count(), Sums::default());
+    for (face, corners) in mesh.mesh.faces().iter() {
+        let at = |field: &[Vector3<f64>]| corners.map(|v| field[v.index()]);
+        let hats = hat_gradients(at(rest));
+        let mut own = squared(gradient(hats, at(&normals)), refinement.angle);
+        if let Some(velocity) = input.velocity {
+            own += squared(gradient(hats, at(velocity)), refinement.velocity);
+        }
+        if refinement.compression.is_finite() {
+            let shortening = face_compression(at(rest), at(shape));
+            own += principal(&shortening, hats, |e| e.max(0.0)) / refinement.compression.powi(2);
+        }
+        let wrinkles = input
+            .driver
+            .map(|drivers| wrinkle_term(&drivers[face], hats, &refinement));
+        for vertex in corners {
+            sums[*vertex].add(areas[face], own, wrinkles);
+        }
+    }
+    let rest_normals = vertex_normals(&mesh.mesh, rest);
+    let tensors = sums
+        .iter()
+        .zip(rest_normals)
+        .map(|((_, sum), normal)| sum.tensor(&tangent_frame(normal, Vector3::zeros())))
+        .collect();
+    Ok(Sizing { tensors })
+}
+
+/// The shortening `I - U` of a face, in the plane of its rest shape; zero for a degenerate one.
+///
+/// `rest` and `posed` are its corners, m. Eigenvalues are `1 - stretch` of the principal
+/// directions; the direction normal to the face has zero.
+pub fn face_compression(rest: [Vector3<f64>; 3], posed: [Vector3<f64>; 3]) -> Matrix3<f64> {
+    let hats = hat_gradients(rest);
+    let deformation = gradient(hats, posed);
+    principal(&(deformation.transpose() * deformation), hats, |c| {
+        1.0 - c.max(0.0).sqrt()
+    })
+}
+
+fn check(input: &SizingInput) -> Result<(), RemeshError> {
+    input.mesh.check()?;
+    let vertices = input.mesh.mesh.vertex_count();
+    check_length("shape", input.shape.len(), vertices)?;
+    let Refinement {
+        angle,
+        velocity,
+        compression,
+        points_per_wavelength,
+        onset,
+    } = input.refinement;
+    for (name, value) in [
+        ("angle", angle),
+        ("velocity", velocity),
+        ("compression", compression),
+    ] {
+        setting(name, value, "positive", |v| v > 0.0)?;
+    }
+    setting(
+        "points_per_wavelength",
+        points_per_wavelength,
+        "positive, finite",
+        |v| v > 0.0 && v.is_finite(),
+    )?;
+    setting("onset[0]", onset[0], "0 or more", |v| v >= 0.0)?;
+    setting("onset[1]", onset[1], "above onset[0], finite", |v| {
+        v > onset[0] && v.is_finite()
+    })?;
+    let fields = [Some(input.shape), input.velocity];
+    if let Some(velocity) = input.velocity {
+        check_length("velocity", velocity.len(), vertices)?;
+    }
+    for field in fields.into_iter().flatten() {
+        if let Some(i) = field.iter().position(|p| !p.iter().all(|c| c.is_finite())) {
+            return Err(RemeshError::Position {
+                vertex: Id::from_index(i),
+            });
+        }
+    }
+    if let Some(drivers) = input.driver {
+        check_length("driver", drivers.len(), input.mesh.mesh.face_count())?;
+        drivers
+            .iter()
+            .try_for_each(|(face, driver)| check_driver(face, driver))?;
+    }
+    Ok(())
+}
+
+fn check_driver(face: FaceId, driver: &FaceDriver) -> Result<(), RemeshError> {
+    let FaceDriver {
+        compression,
+        wavelength,
+        critical_strain,
+        poisson,
+    } = *driver;
+    let values = [
+        (
+            "compression",
+            compression.norm(),
+            "finite",
+            compression.norm().is_finite(),
+        ),
+        (
+            "wavelength",
+            wavelength,
+            "positive, finite",
+            wavelength > 0.0 && wavelength.is_finite(),
+        ),
+        (
+            "critical_strain",
+            critical_strain,
+            "positive",
+            critical_strain > 0.0,
+        ),
+        (
+            "poisson",
+            poisson,
+            "-1 to 0.5",
+            (-1.0..=0.5).contains(&poisson),
+        ),
+    ];
+    match values.into_iter().find(|value| !value.3) {
+        Some((what, value, accepted, _)) => Err(RemeshError::Face {
+            face,
+            what,
+            value,
+            accepted,
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Gradients of a face's three hat functions, 1/m, in its plane; zero for a degenerate face.
+fn hat_gradients([a, b, c]: [Vector3<f64>; 3]) -> [Vector3<f64>; 3] {
+    let normal = (b - a).cross(&(c - a));
+    let square = normal.norm_squared();
+    if square == 0.0 {
+        return [Vector3::zeros(); 3];
+    }
+    [c - b, a - c, b - a].map(|opposite| normal.cross(&opposite) / square)
+}
+
+/// Gradient of the linear field with the given corner values: maps a step on the rest face to the
+/// change of the field.
+fn gradient(hats: [Vector3<f64>; 3], values: [Vector3<f64>; 3]) -> Matrix3<f64> {
+    (0..3).fold(Matrix3::zeros(), |sum, i| {
+        sum + values[i] * hats[i].transpose()
+    })
+}
+
+fn squared(gradient: Matrix3<f64>, per: f64) -> Matrix3<f64> {
+    gradient.transpose() * gradient / (per * per)
+}
+
+/// A tensor of the face's plane with its eigenvalues mapped; zero for a degenerate face.
+fn principal(
+    tensor: &Matrix3<f64>,
+    hats: [Vector3<f64>; 3],
+    map: impl Fn(f64) -> f64,
+) -> Matrix3<f64> {
+    let normal = hats[0].cross(&hats[1]);
+    match normal.try_normalize(0.0) {
+        Some(normal) => {
+            let frame = tangent_frame(normal, hats[0]);
+            Tensor2::in_frame(tensor, &frame)
+                .map_eigenvalues(map)
+                .in_space(&frame)
+        }
+        None => Matrix3::zeros(),
+    }
+}
+
+/// What the driver asks for at a face.
+#[derive(Clone, Copy)]
+struct Wrinkles {
+    tensor: Matrix3<f64>,
+    /// Larger eigenvalue of the tensor, 1/m².
+    finest: f64,
+    /// The eigenvalue of complete refinement `s`, 1/m².
+    most: f64,
+}
+
+fn wrinkle_term(driver: &FaceDriver, hats: [Vector3<f64>; 3], refinement: &Refinement) -> Wrinkles {
+    let most = (refinement.points_per_wavelength / driver.wavelength).powi(2);
+    let trace = driver.compression.trace();
+    let [from, to] = refinement.onset;
+    let active = |e: f64| {
+        // In the plane the other principal value is what is left of the trace.
+        let ratio = (e + driver.poisson * (trace - e)) / driver.critical_strain;
+        let t = ((ratio - from) / (to - from)).clamp(0.0, 1.0);
+        most * t * t * (3.0 - 2.0 * t)
+    };
+    let tensor = principal(&driver.compression, hats, active);
+    Wrinkles {
+        tensor,
+        finest: tensor.symmetric_eigenvalues().max(),
+        most,
+    }
+}
+
+/// Sums over the faces around a vertex, weighted by rest area.
+#[derive(Clone, Debug, Default)]
+struct Sums {
+    area: f64,
+    own: Matrix3<f64>,
+    wrinkles: Matrix3<f64>,
+    finest: f64,
+    most: Option<f64>,
+}
+
+impl Sums {
+    fn add(&mut self, area: f64, own: Matrix3<f64>, wrinkles: Option<Wrinkles>) {
+        self.area += area;
+        self.own += own * area;
+        if let Some(term) = wrinkles {
+            self.wrinkles += term.tensor * area;
+            self.finest += term.finest * area;
+            *self.most.get_or_insert(0.0) += term.most * area;
+        }
+    }
+
+    fn tensor(&self, frame: &[Vector3<f64>; 2]) -> Matrix3<f64> {
+        if self.area <= 0.0 {
+            return Matrix3::zeros();
+        }
+        let own = Tensor2::in_frame(&(self.own / self.area), frame);
+        let Some(most) = self.most.map(|most| most / self.area) else {
+            return own.in_space(frame);
+        };
+        let mean = Tensor2::in_frame(&(self.wrinkles / self.area), frame);
+        let largest = mean.eigen().0[0];
+        let wrinkles = if largest > 0.0 {
+            mean.scaled(self.finest / self.area / largest)
+        } else {
+            mean
+        };
+        // A millionth of the finest length: far under every limit, and it keeps both definite.
+        let least = most * 1e-12;
+        let own = own.map_eigenvalues(|value| value.clamp(least, most));
+        let wrinkles = wrinkles.map_eigenvalues(|value| value.clamp(least, most));
+        own.finest(wrinkles).in_space(frame)
+    }
+}

@@ -1,0 +1,250 @@
+//! Every refusal, with the value that caused it.
+
+mod shapes;
+
+use nalgebra::{Matrix3, Vector3};
+use ruga_mesh::{FaceId, MaterialPoint, PerFace, PerVertex, TriMesh, VertexId};
+use ruga_remesh::{
+    FaceDriver, Refinement, RemeshError, RemeshSettings, SizeLimits, Sizing, SizingInput,
+    SurfaceMesh, remesh, sizing_field,
+};
+use shapes::{Shape, Sheet, grid};
+
+fn refused(change: impl Fn(&mut SurfaceMesh, &mut Sizing, &mut RemeshSettings)) -> RemeshError {
+    let mut mesh = grid(Shape::Flat, 3, 0.0, 1);
+    let mut sizing = Sizing::uniform(mesh.mesh.vertex_count(), 0.2);
+    let mut settings = RemeshSettings::default();
+    change(&mut mesh, &mut sizing, &mut settings);
+    remesh(&mesh, &sizing, &Sheet(Shape::Flat), &settings).expect_err("must be refused")
+}
+
+fn with_limits(limits: SizeLimits) -> RemeshError {
+    refused(|_, _, settings| settings.limits = limits)
+}
+
+#[test]
+fn settings_out_of_range_are_named() {
+    let good = SizeLimits::default();
+    let named = |error: RemeshError| match error {
+        RemeshError::Setting { name, .. } => name,
+        other => panic!("{other}"),
+    };
+    assert_eq!(
+        named(with_limits(SizeLimits {
+            min_edge: -1.0,
+            ..good
+        })),
+        "min_edge"
+    );
+    assert_eq!(
+        named(with_limits(SizeLimits {
+            min_edge: f64::NAN,
+            ..good
+        })),
+        "min_edge"
+    );
+    assert_eq!(
+        named(with_limits(SizeLimits {
+            max_edge: 0.0,
+            ..good
+        })),
+        "max_edge"
+    );
+    assert_eq!(
+        named(with_limits(SizeLimits {
+            max_edge: f64::INFINITY,
+            ..good
+        })),
+        "max_edge"
+    );
+    assert_eq!(
+        named(with_limits(SizeLimits {
+            aspect: 0.9,
+            ..good
+        })),
+        "aspect"
+    );
+    assert_eq!(
+        named(with_limits(SizeLimits {
+            grading: 0.0,
+            ..good
+        })),
+        "grading"
+    );
+    assert_eq!(
+        named(refused(|_, _, s| s.corner_angle = 2.0)),
+        "corner_angle"
+    );
+}
+
+#[test]
+fn an_empty_edge_range_is_contradictory() {
+    let error = with_limits(SizeLimits {
+        min_edge: 0.3,
+        max_edge: 0.2,
+        ..SizeLimits::default()
+    });
+    assert_eq!(
+        error.to_string(),
+        "min_edge = 0.3 m is longer than max_edge = 0.2 m"
+    );
+}
+
+#[test]
+fn arrays_that_do_not_fit_are_named() {
+    let short = refused(|_, sizing, _| *sizing = Sizing::uniform(3, 0.2));
+    assert_eq!(
+        short,
+        RemeshError::Length {
+            what: "sizing",
+            got: 3,
+            expected: 16
+        }
+    );
+    let short = refused(|mesh, _, _| mesh.fixed = PerVertex::filled(1, false));
+    assert_eq!(
+        short,
+        RemeshError::Length {
+            what: "fixed",
+            got: 1,
+            expected: 16
+        }
+    );
+}
+
+#[test]
+fn bad_numbers_name_their_vertex() {
+    let error = refused(|mesh, _, _| mesh.positions[VertexId(5)].y = f64::NAN);
+    assert_eq!(
+        error,
+        RemeshError::Position {
+            vertex: VertexId(5)
+        }
+    );
+    for bad in [
+        Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, 0.0)),
+        Matrix3::new(1.0, 2.0, 0.0, 0.0, 9.0, 0.0, 0.0, 0.0, 0.0),
+        Matrix3::from_element(f64::INFINITY),
+    ] {
+        let error = refused(|_, sizing, _| sizing.tensors[VertexId(7)] = bad);
+        assert_eq!(
+            error,
+            RemeshError::Tensor {
+                vertex: VertexId(7)
+            }
+        );
+    }
+}
+
+#[test]
+fn an_absurd_sizing_is_refused_before_it_fills_memory() {
+    let error =
+        refused(|mesh, sizing, _| *sizing = Sizing::uniform(mesh.mesh.vertex_count(), 1e-6));
+    assert!(
+        matches!(
+            error,
+            RemeshError::TooManyVertices {
+                limit: 2_000_000,
+                ..
+            }
+        ),
+        "{error}"
+    );
+}
+
+#[test]
+fn two_fans_at_a_vertex_and_loose_vertices_are_refused() {
+    for (count, faces) in [(5, vec![[0, 1, 2], [0, 3, 4]]), (4, vec![[0, 1, 2]])] {
+        let mesh = TriMesh::new(count, faces).expect("a mesh");
+        let point = MaterialPoint::at_corner(FaceId(0), 0);
+        let points = PerVertex::filled(count, point);
+        let mesh = SurfaceMesh::on_surface(mesh, points, &Sheet(Shape::Flat)).expect("fits");
+        let sizing = Sizing::uniform(count, 0.1);
+        let error = remesh(
+            &mesh,
+            &sizing,
+            &Sheet(Shape::Flat),
+            &RemeshSettings::default(),
+        );
+        let vertex = VertexId(if count == 5 { 0 } else { 3 });
+        assert_eq!(error.err(), Some(RemeshError::NonManifoldVertex { vertex }));
+    }
+}
+
+#[test]
+fn a_mesh_without_faces_is_left_alone() {
+    let mesh = TriMesh::new(0, Vec::new()).expect("an empty mesh");
+    let mesh = SurfaceMesh::on_surface(
+        mesh,
+        PerVertex::filled(0, MaterialPoint::at_corner(FaceId(0), 0)),
+        &Sheet(Shape::Flat),
+    )
+    .expect("fits");
+    let result = remesh(
+        &mesh,
+        &Sizing::uniform(0, 0.1),
+        &Sheet(Shape::Flat),
+        &RemeshSettings::default(),
+    );
+    assert_eq!(result.expect("nothing to do").mesh.mesh.face_count(), 0);
+}
+
+#[test]
+fn bad_drivers_and_refinements_are_named() {
+    let mesh = grid(Shape::Flat, 2, 0.0, 1);
+    let good = FaceDriver {
+        compression: Matrix3::zeros(),
+        wavelength: 0.1,
+        critical_strain: 0.1,
+        poisson: 0.48,
+    };
+    let refused = |bad: FaceDriver, refinement: Refinement| {
+        let mut driver = PerFace::filled(mesh.mesh.face_count(), good);
+        driver[FaceId(3)] = bad;
+        let input = SizingInput {
+            mesh: &mesh,
+            shape: mesh.positions.as_slice(),
+            velocity: None,
+            driver: Some(&driver),
+            refinement,
+        };
+        sizing_field(&input)
+            .expect_err("must be refused")
+            .to_string()
+    };
+    let fine = Refinement::default();
+    let error = refused(
+        FaceDriver {
+            wavelength: 0.0,
+            ..good
+        },
+        fine,
+    );
+    assert_eq!(error, "face 3: wavelength = 0; accepted: positive, finite");
+    let error = refused(
+        FaceDriver {
+            critical_strain: f64::NAN,
+            ..good
+        },
+        fine,
+    );
+    assert!(error.starts_with("face 3: critical_strain"), "{error}");
+    let error = refused(
+        FaceDriver {
+            poisson: 0.6,
+            ..good
+        },
+        fine,
+    );
+    assert!(error.starts_with("face 3: poisson"), "{error}");
+    let error = refused(
+        good,
+        Refinement {
+            onset: [0.8, 0.6],
+            ..fine
+        },
+    );
+    assert!(error.starts_with("onset[1]"), "{error}");
+    let error = refused(good, Refinement { angle: 0.0, ..fine });
+    assert!(error.starts_with("angle"), "{error}");
+}
