@@ -1,7 +1,7 @@
 //! Collapses edges that are too short.
 
 use crate::flip::flip_around;
-use crate::patch::{Patch, Touched};
+use crate::patch::{Patch, Touched, by_length_class};
 use crate::remesh::Counts;
 
 /// Passes after which collapsing stops; each removes a share of what can go, so a mesh a thousand
@@ -36,12 +36,11 @@ pub(crate) fn collapse_short_edges(patch: &mut Patch, corner: f64, counts: &mut 
 
 /// The edges that are too short, shortest first.
 fn short_edges(patch: &Patch, candidates: &[u32]) -> Vec<u32> {
-    let mut short: Vec<(f64, u32)> = candidates
-        .iter()
-        .map(|&h| (patch.half_edge_length(h), h))
-        .filter(|&(length, h)| patch.is_short(h, length))
-        .collect();
-    short.sort_unstable_by(|l, r| l.0.total_cmp(&r.0).then(l.1.cmp(&r.1)));
+    let mut short = by_length_class(candidates, |h| {
+        let length = patch.half_edge_length(h);
+        patch.is_short(h, length).then_some(length)
+    });
+    short.sort_unstable();
     short.into_iter().map(|(_, h)| h).collect()
 }
 
@@ -133,7 +132,7 @@ fn stays_straight(patch: &Patch, v: u32, before: u32, after: u32, corner: f64) -
 
 /// Cosine of the turn at `at` on the way from one vertex to another.
 fn turn_cosine(patch: &Patch, from: u32, at: u32, to: u32) -> f64 {
-    let [p, q, r] = [from, at, to].map(|v| patch.positions[v as usize]);
+    let [p, q, r] = [from, at, to].map(|v| patch.position(v));
     let (back, on) = (q - p, r - q);
     back.dot(&on) / (back.norm() * on.norm()).max(f64::MIN_POSITIVE)
 }

@@ -76,7 +76,7 @@ fn should_flip(patch: &Patch, h: u32) -> bool {
 ///
 /// With `u × v` and `u·Mv` at each apex it is Narain et al. (2012), section 4.2, normalised.
 fn delaunay_sine(patch: &Patch, quad: [u32; 4]) -> f64 {
-    let [a, b, c, d] = quad.map(|v| patch.positions[v as usize]);
+    let [a, b, c, d] = quad.map(|v| patch.position(v));
     let length = (b - a).norm();
     if length == 0.0 {
         return 0.0;
@@ -89,10 +89,7 @@ fn delaunay_sine(patch: &Patch, quad: [u32; 4]) -> f64 {
         (along, height, up / height.max(f64::MIN_POSITIVE))
     };
     let ((cx, cy, up), (dx, dy, down)) = (unfold(c), unfold(d));
-    let sum = quad
-        .iter()
-        .map(|&v| patch.tensors[v as usize])
-        .reduce(|l, r| l + r);
+    let sum = quad.iter().map(|&v| patch.tensor(v)).reduce(|l, r| l + r);
     let metric = sum.map_or(
         Tensor2 {
             xx: 1.0,
@@ -100,10 +97,7 @@ fn delaunay_sine(patch: &Patch, quad: [u32; 4]) -> f64 {
             yy: 1.0,
         },
         |sum| {
-            let (above, below) = (
-                Tensor2::in_frame(&sum, &[x, up]),
-                Tensor2::in_frame(&sum, &[x, -down]),
-            );
+            let (above, below) = (Tensor2::of(&sum, &[x, up]), Tensor2::of(&sum, &[x, -down]));
             Tensor2 {
                 xx: above.xx,
                 xy: (above.xy + below.xy) / 2.0,

@@ -45,6 +45,7 @@ mod sizing_field;
 mod split;
 mod surface;
 mod tensor2;
+mod tensor3;
 mod transfer;
 
 pub use remesh::{RemeshReport, RemeshSettings, Remeshed, remesh};

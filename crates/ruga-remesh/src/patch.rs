@@ -7,6 +7,7 @@ use ruga_mesh::{MaterialPoint, PerVertex, VertexId};
 use crate::closest::descend;
 use crate::half_edges::HalfEdges;
 use crate::sizing::{area_of_squares, metric_length};
+use crate::tensor3::Tensor3;
 use crate::{Sizing, Surface, SurfaceMesh};
 
 /// Metric length above which an edge is split: its halves are as far below one as it is above.
@@ -22,11 +23,17 @@ const COLLAPSE_OLD_BELOW: f64 = 0.63;
 /// only improve matters: 60 degrees, well before a face folds over.
 const UPRIGHT: f64 = 0.5;
 
+/// What every measure reads at a vertex, together so that it comes from memory together.
+#[derive(Clone, Copy, Debug, Default)]
+struct Site {
+    position: Vector3<f64>,
+    normal: Vector3<f64>,
+    tensor: Tensor3,
+}
+
 pub(crate) struct Patch<'a> {
     pub(crate) topology: HalfEdges,
-    pub(crate) positions: Vec<Vector3<f64>>,
-    pub(crate) normals: Vec<Vector3<f64>>,
-    pub(crate) tensors: Vec<Matrix3<f64>>,
+    sites: Vec<Site>,
     pub(crate) points: Vec<MaterialPoint>,
     /// Where each new vertex lies on the old mesh; `None` for an old vertex at its old place.
     pub(crate) origins: Vec<Option<MaterialPoint>>,
@@ -43,18 +50,29 @@ impl<'a> Patch<'a> {
         sizing: &'a Sizing,
         surface: &'a dyn Surface,
     ) -> Result<Self, u32> {
-        let points = old.points.as_slice().to_vec();
+        let site = |(v, &position)| Site {
+            position,
+            normal: surface.normal(old.points[v]),
+            tensor: Tensor3::from_matrix(&sizing.tensors[v]),
+        };
         Ok(Self {
             topology: HalfEdges::new(&old.mesh, &old.features)?,
-            positions: old.positions.as_slice().to_vec(),
-            normals: points.iter().map(|&p| surface.normal(p)).collect(),
-            tensors: sizing.tensors.as_slice().to_vec(),
-            points,
+            sites: old.positions.iter().map(site).collect(),
+            points: old.points.as_slice().to_vec(),
             origins: vec![None; old.mesh.vertex_count()],
             old,
             sizing,
             surface,
         })
+    }
+
+    pub(crate) fn position(&self, v: u32) -> Vector3<f64> {
+        self.sites[v as usize].position
+    }
+
+    /// Sizing tensor at a vertex, 1/m².
+    pub(crate) fn tensor(&self, v: u32) -> Tensor3 {
+        self.sites[v as usize].tensor
     }
 
     /// Whether a vertex was born or set free in this remesh.
@@ -77,8 +95,7 @@ impl<'a> Patch<'a> {
     /// The old vertex that a vertex is, at its old place.
     pub(crate) fn survivor(&self, v: u32) -> Option<VertexId> {
         let is_old = (v as usize) < self.old.positions.len();
-        (is_old && self.positions[v as usize] == self.old.positions[VertexId(v)])
-            .then_some(VertexId(v))
+        (is_old && self.position(v) == self.old.positions[VertexId(v)]).then_some(VertexId(v))
     }
 
     /// Lets an old vertex be moved like a new one.
@@ -90,9 +107,9 @@ impl<'a> Patch<'a> {
 
     /// Metric length between two vertices, with the mean of their tensors.
     pub(crate) fn length(&self, a: u32, b: u32) -> f64 {
-        let (a, b) = (a as usize, b as usize);
-        let mean = (self.tensors[a] + self.tensors[b]) * 0.5;
-        metric_length(&(self.positions[b] - self.positions[a]), &mean)
+        let (a, b) = (&self.sites[a as usize], &self.sites[b as usize]);
+        let mean = (a.tensor + b.tensor) * 0.5;
+        metric_length(&(b.position - a.position), &mean)
     }
 
     pub(crate) fn half_edge_length(&self, h: u32) -> f64 {
@@ -123,9 +140,9 @@ impl<'a> Patch<'a> {
 
     /// Shape of a triangle in the mean metric of its corners: 1 for equilateral, 0 for degenerate.
     pub(crate) fn quality(&self, [a, b, c]: [u32; 3]) -> f64 {
-        let mean = self.tensors[a as usize] + self.tensors[b as usize] + self.tensors[c as usize];
-        let [p, q, r] = [a, b, c].map(|v| self.positions[v as usize]);
-        let [x, y, z] = [q - p, r - q, p - r].map(|e| e.dot(&(mean * e)));
+        let mean = self.tensor(a) + self.tensor(b) + self.tensor(c);
+        let [p, q, r] = [a, b, c].map(|v| self.position(v));
+        let [x, y, z] = [q - p, r - q, p - r].map(|e| mean.square(&e));
         let sum = x + y + z;
         if sum > 0.0 {
             // 4 sqrt(3) A / (sum of squared sides).
@@ -137,13 +154,13 @@ impl<'a> Patch<'a> {
 
     /// Smallest cosine between a face's normal and the surface's normals at its corners.
     pub(crate) fn uprightness(&self, corners: [u32; 3]) -> f64 {
-        let [p, q, r] = corners.map(|v| self.positions[v as usize]);
+        let [p, q, r] = corners.map(|v| self.position(v));
         let normal = (q - p).cross(&(r - p));
         let length = normal.norm();
         if length == 0.0 {
             return -1.0;
         }
-        let cosine = |v: u32| normal.dot(&self.normals[v as usize]) / length;
+        let cosine = |v: u32| normal.dot(&self.sites[v as usize].normal) / length;
         corners.map(cosine).into_iter().fold(1.0, f64::min)
     }
 
@@ -165,17 +182,15 @@ impl<'a> Patch<'a> {
     /// closer to both ends than they are to each other and folds no face over.
     pub(crate) fn try_split(&mut self, h: u32) -> bool {
         let (a, b) = (self.topology.tail(h), self.topology.head(h));
-        let middle = (self.positions[a as usize] + self.positions[b as usize]) * 0.5;
+        let middle = (self.position(a) + self.position(b)) * 0.5;
         let ends = [self.points[a as usize], self.points[b as usize]];
         let point = if self.topology.is_feature(h) {
             self.surface.closest_on_feature(ends, middle)
         } else {
             self.surface.closest(ends[0], middle)
         };
-        let m = self.positions.len() as u32;
-        self.positions.push(Vector3::zeros());
-        self.normals.push(Vector3::zeros());
-        self.tensors.push(Matrix3::zeros());
+        let m = self.sites.len() as u32;
+        self.sites.push(Site::default());
         self.points.push(point);
         self.origins.push(Some(self.origin(a)));
         self.place(m as usize, point);
@@ -183,9 +198,7 @@ impl<'a> Patch<'a> {
         if is_sound {
             self.topology.split(h);
         } else {
-            self.positions.pop();
-            self.normals.pop();
-            self.tensors.pop();
+            self.sites.pop();
             self.points.pop();
             self.origins.pop();
         }
@@ -196,9 +209,7 @@ impl<'a> Patch<'a> {
     /// may tilt faces, and mends that as it goes on; only a face that turns over is refused.
     fn is_sound_split(&self, h: u32, m: u32) -> bool {
         let (a, b) = (self.topology.tail(h), self.topology.head(h));
-        let distance = |v: u32, w: u32| {
-            (self.positions[v as usize] - self.positions[w as usize]).norm_squared()
-        };
+        let distance = |v: u32, w: u32| (self.position(v) - self.position(w)).norm_squared();
         let is_between = distance(a, m).max(distance(m, b)) < distance(a, b);
         let mut sides = [Some(h), self.topology.twin(h)].into_iter().flatten();
         is_between
@@ -213,18 +224,16 @@ impl<'a> Patch<'a> {
     /// Puts a new vertex at a place of the surface.
     fn place(&mut self, v: usize, point: MaterialPoint) {
         let start = self.origin(v as u32).face;
-        self.points[v] = point;
-        self.positions[v] = self.surface.position(point);
-        self.normals[v] = self.surface.normal(point);
+        let (position, normal) = (self.surface.position(point), self.surface.normal(point));
         let old = self.old;
-        let origin = descend(
-            &old.mesh,
-            old.positions.as_slice(),
-            start,
-            self.positions[v],
-        );
+        let origin = descend(&old.mesh, old.positions.as_slice(), start, position);
         let tensor = interpolate(old, &self.sizing.tensors, origin);
-        self.tensors[v] = tangent_part(tensor, self.normals[v]);
+        self.sites[v] = Site {
+            position,
+            normal,
+            tensor: tangent_part(tensor, normal),
+        };
+        self.points[v] = point;
         self.origins[v] = Some(origin);
     }
 
@@ -236,13 +245,11 @@ impl<'a> Patch<'a> {
         accept: impl Fn(&Self) -> bool,
     ) -> bool {
         let i = v as usize;
-        let (point, position, normal) = (self.points[i], self.positions[i], self.normals[i]);
-        let (tensor, origin) = (self.tensors[i], self.origins[i]);
+        let (site, point, origin) = (self.sites[i], self.points[i], self.origins[i]);
         self.place(i, self.surface.closest(point, target));
         let is_accepted = accept(self);
         if !is_accepted {
-            (self.points[i], self.positions[i], self.normals[i]) = (point, position, normal);
-            (self.tensors[i], self.origins[i]) = (tensor, origin);
+            (self.sites[i], self.points[i], self.origins[i]) = (site, point, origin);
         }
         is_accepted
     }
@@ -263,9 +270,26 @@ fn interpolate(
 }
 
 /// The tensor that ignores the part of an edge along `normal`.
-fn tangent_part(tensor: Matrix3<f64>, normal: Vector3<f64>) -> Matrix3<f64> {
+fn tangent_part(tensor: Matrix3<f64>, normal: Vector3<f64>) -> Tensor3 {
     let projection = Matrix3::identity() - normal * normal.transpose();
-    projection * tensor * projection
+    Tensor3::from_matrix(&(projection * tensor * projection))
+}
+
+/// The edges for which `length` gives one, each with the class of its length, classes a quarter
+/// octave wide.
+///
+/// Within a class the order is that of the half-edges, which are near each other in memory where
+/// they are near each other on the surface. Exact order by length visits the mesh at random, and
+/// on a hundred thousand faces most of the time then goes into waiting for memory.
+pub(crate) fn by_length_class(
+    edges: &[u32],
+    length: impl Fn(u32) -> Option<f64>,
+) -> Vec<(i32, u32)> {
+    let class = |length: f64| (4.0 * length.max(f64::MIN_POSITIVE).log2()).floor() as i32;
+    edges
+        .iter()
+        .filter_map(|&h| length(h).map(|length| (class(length), h)))
+        .collect()
 }
 
 /// Faces that were touched, each listed once, in order.

@@ -55,9 +55,9 @@ fn move_to_centroid(patch: &mut Patch, v: u32) -> bool {
     let Some(centroid) = centroid(patch, &faces) else {
         return false;
     };
-    let here = patch.positions[v as usize];
+    let here = patch.position(v);
     let step = (centroid - here) * OVERSHOOT;
-    if metric_length(&step, &patch.tensors[v as usize]) < LEAST_STEP {
+    if metric_length(&step, &patch.tensor(v)) < LEAST_STEP {
         return false;
     }
     let (shape, upright) = worst(patch, &faces);
@@ -75,9 +75,9 @@ fn move_to_centroid(patch: &mut Patch, v: u32) -> bool {
 fn centroid(patch: &Patch, faces: &[[u32; 3]]) -> Option<Vector3<f64>> {
     let (mut sum, mut area) = (Vector3::zeros(), 0.0);
     for face in faces {
-        let [p, q, r] = face.map(|v| patch.positions[v as usize]);
-        let [l, m, n] = face.map(|v| patch.tensors[v as usize]);
-        let weight = metric_area(&[q - p, r - q, p - r], &((l + m + n) / 3.0));
+        let [p, q, r] = face.map(|v| patch.position(v));
+        let [l, m, n] = face.map(|v| patch.tensor(v));
+        let weight = metric_area(&[q - p, r - q, p - r], &((l + m + n) * (1.0 / 3.0)));
         sum += (p + q + r) * (weight / 3.0);
         area += weight;
     }

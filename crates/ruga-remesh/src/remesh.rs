@@ -168,7 +168,7 @@ fn finish(patch: &Patch, counts: Counts, converged: bool) -> Remeshed {
     let mesh = SurfaceMesh {
         mesh,
         points: take(&kept, |v| patch.points[v as usize]),
-        positions: take(&kept, |v| patch.positions[v as usize]),
+        positions: take(&kept, |v| patch.position(v)),
         features,
         fixed: take(&kept, |v| patch.is_fixed(v)),
     };
@@ -176,7 +176,7 @@ fn finish(patch: &Patch, counts: Counts, converged: bool) -> Remeshed {
         mesh,
         transfer: transfer(patch, &kept),
         sizing: Sizing {
-            tensors: take(&kept, |v| patch.tensors[v as usize]),
+            tensors: take(&kept, |v| patch.tensor(v).matrix()),
         },
         report: report(patch, counts, converged),
     }

@@ -6,6 +6,7 @@ use ruga_mesh::{Id, PerVertex, tangent_frame};
 use crate::grading::grade;
 use crate::surface::check_length;
 use crate::tensor2::Tensor2;
+use crate::tensor3::Tensor3;
 use crate::{RemeshError, Surface, SurfaceMesh};
 
 /// Vertices per metric area: 1.155 for equilateral triangles with edges of length one, times the
@@ -171,7 +172,7 @@ impl Sizing {
                 let sum = face
                     .iter()
                     .fold(Matrix3::zeros(), |sum, &v| sum + self.tensors[v]);
-                metric_area(&[b - a, c - b, a - c], &(sum / 3.0))
+                metric_area(&[b - a, c - b, a - c], &Tensor3::from_matrix(&(sum / 3.0)))
             })
             .sum();
         Ok((VERTICES_PER_METRIC_AREA * area) as usize)
@@ -210,13 +211,13 @@ pub fn size_tensor(
 }
 
 /// `sqrt(eᵀ M e)`.
-pub(crate) fn metric_length(edge: &Vector3<f64>, tensor: &Matrix3<f64>) -> f64 {
-    edge.dot(&(tensor * edge)).max(0.0).sqrt()
+pub(crate) fn metric_length(edge: &Vector3<f64>, tensor: &Tensor3) -> f64 {
+    tensor.square(edge).max(0.0).sqrt()
 }
 
 /// Metric area of a triangle with the given edge vectors, by Heron's formula.
-pub(crate) fn metric_area(edges: &[Vector3<f64>; 3], tensor: &Matrix3<f64>) -> f64 {
-    let [a, b, c] = edges.each_ref().map(|e| e.dot(&(tensor * e)));
+pub(crate) fn metric_area(edges: &[Vector3<f64>; 3], tensor: &Tensor3) -> f64 {
+    let [a, b, c] = edges.each_ref().map(|e| tensor.square(e));
     area_of_squares(a, b, c)
 }
 

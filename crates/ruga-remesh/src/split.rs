@@ -1,7 +1,9 @@
 //! Splits edges until none is too long.
 
+use std::cmp::Reverse;
+
 use crate::flip::flip_around;
-use crate::patch::{Patch, Touched};
+use crate::patch::{Patch, Touched, by_length_class};
 use crate::remesh::Counts;
 
 /// Passes after which splitting stops. Three at most are needed to halve all edges of a face, so
@@ -49,11 +51,10 @@ fn split_if_untouched(patch: &mut Patch, h: u32, touched: &mut Touched, counts: 
 
 /// The edges that are too long, longest first.
 fn long_edges(patch: &Patch, candidates: &[u32]) -> Vec<u32> {
-    let mut long: Vec<(f64, u32)> = candidates
-        .iter()
-        .map(|&h| (patch.half_edge_length(h), h))
-        .filter(|&(length, h)| patch.is_long(h, length))
-        .collect();
-    long.sort_unstable_by(|l, r| r.0.total_cmp(&l.0).then(l.1.cmp(&r.1)));
+    let mut long = by_length_class(candidates, |h| {
+        let length = patch.half_edge_length(h);
+        patch.is_long(h, length).then_some(length)
+    });
+    long.sort_unstable_by_key(|&(class, h)| (Reverse(class), h));
     long.into_iter().map(|(_, h)| h).collect()
 }

@@ -2,6 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::tensor3::Tensor3;
+
 /// A symmetric tensor in the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Tensor2 {
@@ -13,11 +15,17 @@ pub(crate) struct Tensor2 {
 impl Tensor2 {
     /// The tangent part of a tensor in space.
     pub(crate) fn in_frame(tensor: &Matrix3<f64>, frame: &[Vector3<f64>; 2]) -> Self {
+        Self::of(&Tensor3::from_matrix(tensor), frame)
+    }
+
+    /// The same of a packed tensor.
+    pub(crate) fn of(tensor: &Tensor3, frame: &[Vector3<f64>; 2]) -> Self {
         let [x, y] = frame;
+        let (mx, my) = (tensor.times(x), tensor.times(y));
         Self {
-            xx: x.dot(&(tensor * x)),
-            xy: x.dot(&(tensor * y)),
-            yy: y.dot(&(tensor * y)),
+            xx: x.dot(&mx),
+            xy: y.dot(&mx),
+            yy: y.dot(&my),
         }
     }
 
