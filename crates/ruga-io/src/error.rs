@@ -96,6 +96,16 @@ pub enum IoError {
         /// The nearest accepted name.
         suggestion: Option<String>,
     },
+    /// An image that the scene names cannot be used for what the scene wants of it.
+    #[error("{scene}: `{key}`: {source}")]
+    SceneImage {
+        /// The scene file.
+        scene: PathBuf,
+        /// The key that names the image, as `layers[0].map.image`.
+        key: String,
+        /// What is wrong with the image, its file named.
+        source: Box<IoError>,
+    },
     /// What was to be written contradicts itself; the caller's mistake.
     #[error("{path}: not written: {reason}")]
     Unwritten {

@@ -168,11 +168,22 @@ fn read_exr(bytes: &[u8]) -> Result<Image, String> {
         },
     };
     let planes: Vec<Vec<f32>> = planes.into_iter().map(plane_values).collect();
+    if width == 0 || height == 0 {
+        return Err(format!(
+            "is {width} x {height}; accepted: at least one texel"
+        ));
+    }
     if planes.iter().any(|plane| plane.len() != width * height) {
         return Err("its channels have different resolutions".to_owned());
     }
-    if planes.iter().flatten().any(|value| !value.is_finite()) {
-        return Err("it holds values that are not finite".to_owned());
+    for (channel, plane) in planes.iter().enumerate() {
+        if let Some(texel) = plane.iter().position(|value| !value.is_finite()) {
+            let (column, row) = (texel % width, texel / width);
+            return Err(format!(
+                "channel {channel} is {} at column {column}, row {row}; accepted: finite numbers",
+                plane[texel]
+            ));
+        }
     }
     Ok(Image {
         width,

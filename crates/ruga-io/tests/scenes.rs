@@ -8,8 +8,8 @@ use std::path::Path;
 
 use fixture::{Folder, SCENE, assert_says};
 use ruga_io::scene::{
-    Coupling, LayerDefinition, MapKind, NormalY, Region, Sampling, SubstrateDefinition,
-    WavelengthModel,
+    Coupling, Layer, LayerDefinition, MapKind, NormalY, Region, Sampling, SolverMode, Stack,
+    SubstrateDefinition, WavelengthModel,
 };
 use ruga_io::{IoError, LengthUnit, Scene};
 
@@ -174,6 +174,52 @@ fn a_preset_brings_its_substrate() {
     );
 }
 
+/// The pair of the two-layer face, and every meaning of a stack.
+#[test]
+fn a_stack_of_presets() {
+    let two = "
+version = 1
+stack = \"composite\"
+driver = { mesh = \"face.glb\" }
+solver = { mode = \"dynamic\", time_step = 0.01, damping = 0.0 }
+[[layers]]
+name = \"dermis\"
+preset = \"face2-dermis\"
+[[layers]]
+name = \"epidermis\"
+preset = \"face2-epidermis\"
+bending_transfer = 1.0
+";
+    let scene = parse(two).unwrap();
+    let presets: Vec<_> = scene.layers.iter().map(Layer::definition).collect();
+    let wanted =
+        ["face2-dermis", "face2-epidermis"].map(|name| Some(LayerDefinition::Preset(name)));
+    assert_eq!(presets, wanted);
+    assert_eq!(scene.substrate, None);
+    assert_eq!(scene.stack, Stack::Composite);
+    assert_eq!(scene.solver.mode, SolverMode::Dynamic);
+    assert_eq!((scene.solver.time_step, scene.solver.damping), (0.01, 0.0));
+    assert_eq!(scene.layers[1].bending_transfer, Some(1.0));
+    assert_eq!(scene.layers[0].bending_transfer, None);
+    assert_eq!(parse(&scene.to_toml()).unwrap(), scene);
+    let joint = parse(&two.replacen("composite", "joint", 1)).unwrap();
+    assert_eq!(joint.stack, Stack::Joint);
+    let slip = parse(&two.replacen("composite", "nominel", 1));
+    assert_says(slip, "scene.toml", &["stack", "did you mean `nominal`"]);
+    let slip = parse(&two.replacen("dynamic", "dinamic", 1));
+    assert_says(
+        slip,
+        "scene.toml",
+        &["solver.mode", "did you mean `dynamic`"],
+    );
+    let twice = parse(&two.replacen("\"epidermis\"", "\"Dermis\"", 1));
+    assert_says(
+        twice,
+        "scene.toml",
+        &["layers[1].name", "`Dermis` twice", "letter case"],
+    );
+}
+
 #[test]
 fn slips_of_the_hand_get_a_suggestion() {
     refused(
@@ -320,18 +366,61 @@ fn numbers_out_of_range() {
         "min_edge = 2.0",
         &["remesh.min_edge", "max_edge = 1"],
     );
-    refused("aspect = 2.0", "aspect = 0.5", &["remesh.aspect"]);
+    for bad in ["1.0", "nan"] {
+        let new = format!("min_edge = {bad}");
+        refused("min_edge = 0.0", &new, &["remesh.min_edge", "found"]);
+    }
+    refused(
+        "max_edge = 1.0",
+        "max_edge = 0.0",
+        &["remesh.max_edge", "found 0", "above 0"],
+    );
+    for bad in ["0.5", "4.5", "nan", "inf"] {
+        let new = format!("aspect = {bad}");
+        refused("aspect = 2.0", &new, &["remesh.aspect", "from 1 to 4"]);
+    }
+    assert!(with("aspect = 2.0", "aspect = 4.0").is_ok());
+    for bad in ["2.9", "-12", "nan", "inf"] {
+        let new = format!("points_per_wavelength = {bad}");
+        refused(
+            "points_per_wavelength = 12",
+            &new,
+            &["remesh.points_per_wavelength", "a number from 3"],
+        );
+    }
+    assert!(with("points_per_wavelength = 12", "points_per_wavelength = 3").is_ok());
+    for bad in ["nan", "inf"] {
+        let new = format!("damping = {bad}");
+        refused("damping = 0.5", &new, &["solver.damping", "from 0"]);
+        let new = format!("time_step = {bad}");
+        refused("time_step = 0.02", &new, &["solver.time_step", "above 0"]);
+    }
     refused("cells = 6", "cells = 0", &["interior.cells"]);
     refused(
         "density = 1100.0",
         "bending_transfer = 1.5",
         &["layers[0].bending_transfer"],
     );
-    refused(
-        "wavelength = [0.5, 2.0]",
-        "wavelength = [0, 2.0]",
-        &["layers[0].map.wavelength[0]"],
-    );
+    for bad in ["-0.1", "nan"] {
+        let new = format!("bending_transfer = {bad}");
+        refused(
+            "density = 1100.0",
+            &new,
+            &["layers[0].bending_transfer", "from 0 to 1"],
+        );
+    }
+    // Ranges that would make a property zero or negative, or infinite.
+    for property in ["wavelength", "young", "thickness"] {
+        let old = format!("{property} = [0.5, 2.0]");
+        for (range, end) in [("[0, 2.0]", 0), ("[0.5, -1.0]", 1), ("[0.5, inf]", 1)] {
+            let key = format!("layers[0].map.{property}[{end}]");
+            refused(
+                &old,
+                &format!("{property} = {range}"),
+                &[&key, "found", "above 0"],
+            );
+        }
+    }
     refused(
         "smoothing = \"loop\"",
         "vertex_budget = 0",

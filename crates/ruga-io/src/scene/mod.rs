@@ -21,7 +21,7 @@ pub use settings::{
 };
 pub use skin::{
     Coupling, Layer, LayerDefinition, PropertyMap, Sampling, Substrate, SubstrateDefinition,
-    WavelengthModel,
+    WavelengthModel, Wrap,
 };
 
 use crate::LengthUnit;

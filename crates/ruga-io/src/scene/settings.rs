@@ -61,13 +61,13 @@ pub enum LinearSolver {
 pub struct Remesh {
     /// Whether meshes change at all.
     pub enabled: bool,
-    /// Vertices per wavelength across a wrinkle.
+    /// Vertices per wavelength across a wrinkle, from 3: fewer cannot show it.
     pub points_per_wavelength: f64,
     /// Shortest edge, m.
     pub min_edge: f64,
     /// Longest edge, m.
     pub max_edge: f64,
-    /// Longest over shortest edge of a triangle, at most.
+    /// Longest over shortest edge of a triangle, at most; from 1 to 4.
     pub aspect: f64,
 }
 

@@ -196,7 +196,8 @@ pub enum WavelengthModel {
 
 /// Painted properties of a layer. Each is `lo + (hi - lo) c` times the layer's own value, `c` from
 /// 0 to 1 read linearly. Either one `image` (red: wavelength, green: Young's modulus, blue:
-/// thickness), or one grey image per property. A property without range keeps its value.
+/// thickness), or one grey image per property. A property without range keeps its value. The images
+/// are read by [`read_property_images`](crate::read_property_images).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PropertyMap {
@@ -221,4 +222,26 @@ pub struct PropertyMap {
     /// Grey image of the thickness alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub thickness_image: Option<PathBuf>,
+    /// What lies beyond the border of an image.
+    #[serde(skip_serializing_if = "is_default")]
+    pub wrap: Wrap,
+    /// Whether edges of the layer's mesh shall follow the places where the paint jumps.
+    #[serde(skip_serializing_if = "is_default")]
+    pub sharp: bool,
+}
+
+/// What lies beyond the border of a painted image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Wrap {
+    /// The border's own texels. The default, unlike that of glTF: maps are painted inside the unit
+    /// square, and repeating would mix both borders along each.
+    #[default]
+    Clamp,
+    /// The image again.
+    Repeat,
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }

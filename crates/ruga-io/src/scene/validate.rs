@@ -133,15 +133,19 @@ impl Scene {
 
     fn remesh_faults(&self) -> Checked {
         let remesh = &self.remesh;
-        positive("remesh.points_per_wavelength", remesh.points_per_wavelength)?;
+        // Two points per wave are its Nyquist limit; three are the least that can bend.
+        let points = remesh.points_per_wavelength;
+        if !(points >= 3.0 && points.is_finite()) {
+            return fault("remesh.points_per_wavelength", points, "a number from 3");
+        }
         not_negative("remesh.min_edge", remesh.min_edge)?;
         positive("remesh.max_edge", remesh.max_edge)?;
         if remesh.min_edge >= remesh.max_edge {
             let accepted = format!("a length below max_edge = {}", remesh.max_edge);
             return fault("remesh.min_edge", remesh.min_edge, &accepted);
         }
-        if !(remesh.aspect >= 1.0 && remesh.aspect.is_finite()) {
-            return fault("remesh.aspect", remesh.aspect, "a number from 1");
+        if !(1.0..=4.0).contains(&remesh.aspect) {
+            return fault("remesh.aspect", remesh.aspect, "a number from 1 to 4");
         }
         Ok(())
     }
