@@ -208,6 +208,46 @@ impl HalfEdges {
         (self.twins[h as usize], self.features[h as usize])
     }
 
+    /// Renumbers: vertex `vertices[i]` becomes `i`, faces follow the lowest of their new vertices.
+    ///
+    /// Only for meshes without removed vertices or faces.
+    pub(crate) fn renumber(&mut self, vertices: &[u32]) {
+        let mut number = vec![0; vertices.len()];
+        for (new, &old) in vertices.iter().enumerate() {
+            number[old as usize] = new as u32;
+        }
+        let mut faces: Vec<(u32, u32)> = (0..self.face_slots() as u32)
+            .map(|f| (self.lowest_corner(f, &number), f))
+            .collect();
+        faces.sort_unstable();
+        let mut half_edge = vec![NONE; self.tails.len()];
+        for (new, &(_, old)) in faces.iter().enumerate() {
+            for corner in 0..3 {
+                half_edge[(3 * old + corner) as usize] = 3 * new as u32 + corner;
+            }
+        }
+        let before = self.clone();
+        for (h, &new) in half_edge.iter().enumerate() {
+            let twin = before.twins[h];
+            self.tails[new as usize] = number[before.tails[h] as usize];
+            self.features[new as usize] = before.features[h];
+            self.twins[new as usize] = if twin == NONE {
+                NONE
+            } else {
+                half_edge[twin as usize]
+            };
+        }
+        for (new, &old) in vertices.iter().enumerate() {
+            self.starts[new] = half_edge[before.starts[old as usize] as usize];
+        }
+    }
+
+    fn lowest_corner(&self, face: u32, number: &[u32]) -> u32 {
+        (3 * face..3 * face + 3)
+            .map(|h| number[self.tail(h) as usize])
+            .fold(NONE, u32::min)
+    }
+
     /// Puts a new vertex on an edge; returns it. Its half-edges are features as the edge was.
     ///
     /// ```text
@@ -416,6 +456,24 @@ mod tests {
                 let ring = whole.ring(VertexId(v)).expect("one fan");
                 assert_eq!(ring.closed, !mesh.is_border_vertex(v));
                 assert_eq!(mesh.neighbours(v).count(), ring.vertices.len());
+            }
+        }
+    }
+
+    #[test]
+    fn renumbering_keeps_who_is_joined_to_whom() {
+        let mut mesh = square();
+        for h in [0, 4, 9, 13] {
+            mesh.split(h);
+        }
+        let before = mesh.clone();
+        let count = mesh.vertex_slots() as u32;
+        let order: Vec<u32> = (0..count).map(|v| (5 * v + 3) % count).collect();
+        mesh.renumber(&order);
+        check(&mesh);
+        for (a, &old_a) in (0..).zip(&order) {
+            for (b, &old_b) in (0..).zip(&order) {
+                assert_eq!(mesh.are_joined(a, b), before.are_joined(old_a, old_b));
             }
         }
     }

@@ -134,6 +134,9 @@ pub fn remesh(
     let corner = settings.corner_angle.cos();
     flip_everywhere(&mut patch, &mut counts);
     let mut converged = crate::split::split_long_edges(&mut patch, &mut counts);
+    if counts.splits > 0 {
+        patch.renumber();
+    }
     for _ in 0..RELAXATIONS {
         converged &= collapse_short_edges(&mut patch, corner, &mut counts);
         relax_new_vertices(&mut patch, &mut counts);
@@ -161,9 +164,10 @@ fn flip_everywhere(patch: &mut Patch, counts: &mut Counts) -> usize {
 }
 
 fn finish(patch: &Patch, counts: Counts, converged: bool) -> Remeshed {
-    let kept: Vec<u32> = (0..patch.topology.vertex_slots() as u32)
+    let mut kept: Vec<u32> = (0..patch.topology.vertex_slots() as u32)
         .filter(|&v| patch.topology.is_alive_vertex(v))
         .collect();
+    kept.sort_by_key(|&v| patch.old_vertex(v).map_or(u32::MAX, |old| old.0));
     let (mesh, features) = compact_mesh(&patch.topology, &kept);
     let mesh = SurfaceMesh {
         mesh,
@@ -215,9 +219,9 @@ fn transfer(patch: &Patch, kept: &[u32]) -> Transfer {
     let mut survivors = Vec::with_capacity(kept.len());
     for &v in kept {
         let survivor = patch.survivor(v);
-        match (survivor, patch.origins[v as usize]) {
-            (None, Some(origin)) => push_origin(&mut rows, patch.old, origin),
-            _ => rows.push_row(&mut [(v, 1.0)]),
+        match survivor {
+            Some(old) => rows.push_row(&mut [(old.0, 1.0)]),
+            None => push_origin(&mut rows, patch.old, patch.origin(v)),
         }
         survivors.push(survivor);
     }
