@@ -87,6 +87,17 @@ pub enum MaterialError {
         /// The value found.
         value: f64,
     },
+    /// Two layers together show the upper one's fine wave alone.
+    #[error(
+        "the stack has no large wave to replace it by: its lower layer wrinkles at {lower}, the \
+         upper one already at {upper}; let each layer keep its own wavelength instead"
+    )]
+    NoJointWave {
+        /// Critical strain of the lower layer alone.
+        lower: f64,
+        /// Critical strain of the upper layer alone.
+        upper: f64,
+    },
     /// The springs under a composite layer would push it off its base.
     #[error(
         "the stack cannot be replaced by one composite layer: its gradient spring is \

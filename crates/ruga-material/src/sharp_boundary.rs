@@ -5,11 +5,13 @@
 //! [`PropertyMap::crossings`] says where a mesh edge passes a boundary, so that a remesher can split
 //! it there; once no edge passes one, [`sharp_edges`] marks the edges that lie on it.
 //!
-//! What is sharp: where the paint changes by at least a given ratio within a square of 4 x 4 texels.
-//! Where the boundary is: where the value, bilinear between texels, passes the mean of the square's
-//! extremes. So an antialiased boundary, with one texel in between, is found once. Left open are
-//! corners of a boundary inside a face (no edge passes them) and noise in the paint, which comes out
-//! as many small boundaries; the ratio should be well above it.
+//! What is sharp: where the paint changes by at least a given ratio within a square of 4 x 4 texels,
+//! and hardly more than that within 8 x 8, which tells a step from a ramp however steep. Where the
+//! boundary is: where the value, bilinear between texels, passes the mean of the smaller square's
+//! extremes. So an antialiased boundary, with up to two texels in between, is found once, and one that
+//! was blurred over four or more is a ramp. Left open are corners of a boundary inside a face (no edge
+//! passes them), the lesser of two boundaries within four texels, and noise in the paint, which comes
+//! out as many small boundaries; the ratio should be well above it.
 
 use nalgebra::Vector2;
 
@@ -88,9 +90,11 @@ impl PropertyMap {
         for step in 0..steps {
             let (start, end) = (place(step), place(step + 1));
             let after = value(end);
-            let [low, high] = self.extremes(image, &line(0.5 * (start + end)));
+            let middle = line(0.5 * (start + end));
+            let [low, high] = self.extremes(image, &middle, 1);
             let level = 0.5 * (low + high);
-            if high >= jump_ratio * low && (before < level) != (after < level) {
+            let passes = (before < level) != (after < level);
+            if passes && high >= jump_ratio * low && self.is_step(image, &middle, high - low) {
                 let below = |parameter: f64| value(parameter) < level;
                 found.push(BoundaryCrossing {
                     parameter: bisect(start, end, before < level, below),
@@ -101,12 +105,20 @@ impl PropertyMap {
         }
     }
 
-    /// Smallest and largest value of the 4 x 4 texels around `uv`.
-    fn extremes(&self, image: &PropertyImage, uv: &Vector2<f64>) -> [f64; 2] {
+    /// Whether the paint changes within 8 x 8 texels by little more than its `change` within 4 x 4.
+    fn is_step(&self, image: &PropertyImage, uv: &Vector2<f64>, change: f64) -> bool {
+        // A ramp over 3 texels has all of its change in the smaller square, one over 4 three quarters.
+        const SHARE: f64 = 0.8;
+        let [low, high] = self.extremes(image, uv, 3);
+        change >= SHARE * (high - low)
+    }
+
+    /// Smallest and largest value of the four texels around `uv` and `rings` of texels about them.
+    fn extremes(&self, image: &PropertyImage, uv: &Vector2<f64>, rings: i64) -> [f64; 2] {
         let cell = image.cell(uv);
         let mut extremes = [f64::INFINITY, f64::NEG_INFINITY];
-        for row in -1..=2 {
-            for column in -1..=2 {
+        for row in -rings..=rings + 1 {
+            for column in -rings..=rings + 1 {
                 let c = image.texel(
                     cell.column.saturating_add(column),
                     cell.row.saturating_add(row),

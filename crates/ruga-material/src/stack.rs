@@ -12,6 +12,9 @@ use crate::{LayerMaterial, MaterialError, Substrate, WavelengthModel, Wrinkling,
 /// by itself is called misleading.
 const DISAGREEMENT: f64 = 1.5;
 
+/// Share of the lower layer's wavelength above which a wave of the pair counts as its large one.
+const LARGE: f64 = 0.6;
+
 /// A layer of a stack with its own critical wave on what lies directly below it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StackLayer {
@@ -100,9 +103,11 @@ pub struct StackPair {
     /// itself; with all of the strain the crests, stretched by it, lose their fine wrinkles. On a
     /// composite lower layer the share is 1.
     pub bending_transfer: f64,
-    /// The wave that both layers share: the minimum of the strain with the longest wave.
-    pub joint: JointMode,
-    /// The fine wave on top of it, where the strain has a second minimum.
+    /// The large wave that both layers share: the minimum of the strain with the longest wave, longer
+    /// than 0.6 times the lower layer's own. `None` where the upper layer wrinkles so early that no
+    /// such minimum is left: a lower layer that alone would not wrinkle below some 25 %.
+    pub joint: Option<JointMode>,
+    /// The fine wave, where the strain has a minimum at less than 0.6 times the lower layer's.
     pub fine: Option<JointMode>,
     shells: TwoShells,
 }
@@ -133,12 +138,16 @@ impl StackPair {
             lever,
         };
         let waves = [lower.wrinkling.wave_number, upper.wrinkling.wave_number];
+        for wave_number in waves {
+            require_representable("the wave number (1/m)", wave_number)?;
+        }
         let minima = shells.minima(waves);
-        let joint = minima.first().copied().ok_or(MaterialError::Overflow {
-            quantity: "the wavelength of the stack (m)",
-            value: f64::NAN,
-        })?;
-        require_representable("the critical strain of the stack", joint.strain)?;
+        for minimum in &minima {
+            require_representable("the critical strain of the stack", minimum.strain)?;
+        }
+        let large = |minimum: &&Minimum| LARGE * minimum.wave_number < waves[0];
+        let joint = minima.iter().find(large);
+        let fine = minima.iter().rev().find(|minimum| !large(minimum));
         let (below, above) = (shells.lower.membrane, shells.upper.membrane);
         Ok(Self {
             lower: *lower,
@@ -146,8 +155,8 @@ impl StackPair {
             membrane_ratio: above / below,
             force_ratio: upper.wrinkling.critical_force / lower.wrinkling.critical_force,
             bending_transfer: below / (below + above),
-            joint: joint.into(),
-            fine: minima.get(1).copied().map(JointMode::from),
+            joint: joint.copied().map(JointMode::from),
+            fine: fine.copied().map(JointMode::from),
             shells,
         })
     }
@@ -159,17 +168,19 @@ impl StackPair {
 
     /// Which scale comes first: the fine one if the upper layer alone wrinkles below the joint strain.
     pub fn first_scale(&self) -> FirstScale {
-        if self.upper.wrinkling.critical_strain < self.joint.critical_strain {
-            FirstScale::Fine
-        } else {
-            FirstScale::Large
+        let fine = self.upper.wrinkling.critical_strain;
+        match self.joint {
+            Some(joint) if joint.critical_strain <= fine => FirstScale::Large,
+            _ => FirstScale::Fine,
         }
     }
 
     /// Whether solving each layer by its own wavelength misleads about this pair: jointly it would
-    /// wrinkle at less than two thirds of the lower layer's own critical strain.
+    /// show its large wave at less than two thirds of the lower layer's own critical strain.
     pub fn nominal_disagrees(&self) -> bool {
-        self.joint.critical_strain < self.lower.wrinkling.critical_strain / DISAGREEMENT
+        let alone = self.lower.wrinkling.critical_strain;
+        self.joint
+            .is_some_and(|joint| joint.critical_strain < alone / DISAGREEMENT)
     }
 
     /// Tangential tie of an upper layer solved by its own wavelength, `K_t = Ē1 k_2/2` (Pa/m).
@@ -195,11 +206,16 @@ impl StackPair {
     /// of the bending strain and [`StackPair::shear_tie`].
     ///
     /// # Errors
+    /// [`MaterialError::NoJointWave`] when the pair has no large wave;
     /// [`MaterialError::CompositeUnstable`] unless `|K1'| < 2 √(D' K0')`, where the springs could be
     /// pushed in by a wave; [`MaterialError::Overflow`] when a result leaves the range of
     /// floating-point numbers.
     pub fn composite(&self) -> Result<CompositeLayer, MaterialError> {
-        let wave_number = self.joint.wave_number;
+        let joint = self.joint.ok_or(MaterialError::NoJointWave {
+            lower: self.lower.wrinkling.critical_strain,
+            upper: self.upper.wrinkling.critical_strain,
+        })?;
+        let wave_number = joint.wave_number;
         let squared = wave_number * wave_number;
         let TwoShells {
             lower,
@@ -212,7 +228,7 @@ impl StackPair {
             bending: lower.bending + upper.bending + sandwich,
             membrane: lower.membrane + upper.membrane,
         };
-        let critical_force = shell.membrane * self.joint.critical_strain;
+        let critical_force = shell.membrane * joint.critical_strain;
         let bound = 2.0 * shell.bending * squared;
         let gradient_stiffness = critical_force - bound;
         if gradient_stiffness.abs() >= bound {

@@ -38,6 +38,16 @@ impl Shell {
             gradient: wrinkling.gradient_stiffness,
         }
     }
+
+    /// `K0/k² + K1` (N/m), the springs against a wave, over `k²`.
+    ///
+    /// At least half of `K0/k²`, which acts only where `K1` is negative (thin, nearly incompressible
+    /// foundations) and the wave shorter than the shell's own: there the fit of value and slope would
+    /// turn into springs that push.
+    fn springs(&self, squared: f64) -> f64 {
+        let normal = self.normal / squared;
+        (normal + self.gradient).max(0.5 * normal)
+    }
 }
 
 /// Both shells and what ties them together.
@@ -72,8 +82,8 @@ impl TwoShells {
     pub(crate) fn strain(&self, wave_number: f64) -> f64 {
         let squared = wave_number * wave_number;
         let Self { lower, upper, .. } = self;
-        let below = lower.normal / squared + lower.gradient;
-        let between = upper.normal / squared + upper.gradient;
+        let below = lower.springs(squared);
+        let between = upper.springs(squared);
         let sandwich = self.shear(wave_number) * self.lever * self.lever;
         // The rows of A over k², without the coupling.
         let first = lower.bending * squared + below + sandwich;

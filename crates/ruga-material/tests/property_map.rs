@@ -226,9 +226,27 @@ fn smooth_paint_has_no_boundary_and_antialiased_paint_one() {
         map.crossings(&line.0, &line.1, SHARP_RATIO)
             .expect("a ratio above 1")
     };
-    let ramp = crossings(image(64, 8, |x, _| x as f32 / 63.0));
-    // Black is 0.5: three texels of 2/63 there are 19 %.
-    assert_eq!(ramp, Vec::new());
+    // From 0.5 to 2.5 over so many texels: beyond three it is a ramp, however steep.
+    for (texels, expected) in [
+        (1, 1),
+        (2, 1),
+        (3, 1),
+        (4, 0),
+        (5, 0),
+        (9, 0),
+        (16, 0),
+        (63, 0),
+    ] {
+        let ramp = |x: usize, _: usize| (x as f32 - 0.5 * (63 - texels) as f32) / texels as f32;
+        let found = crossings(image(64, 8, |x, y| ramp(x, y).clamp(0.0, 1.0)));
+        assert_eq!(found.len(), expected, "{texels}: {found:?}");
+        for crossing in &found {
+            // The middle of the ramp is that of the image.
+            let middle = (0.5 - line.0.x) / (line.1.x - line.0.x);
+            let off = (crossing.parameter - middle).abs() * 0.95 * 64.0;
+            assert!(off < 0.51, "{texels}: {off} texels");
+        }
+    }
     let soft = |x: usize, _: usize| match x {
         0..=31 => 0.0,
         32 => 0.4,

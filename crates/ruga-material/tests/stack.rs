@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use ruga_material::{
-    FirstScale, LayerMaterial, MaterialError, StackLayer, StackPair, Substrate, WavelengthModel,
-    Wrinkling, composite_layers, preset,
+    FirstScale, JointMode, LayerMaterial, MaterialError, StackLayer, StackPair, Substrate,
+    WavelengthModel, Wrinkling, composite_layers, preset,
 };
 
 /// Skin in MPa and mm, as the notes print it.
@@ -43,6 +43,11 @@ const THIN_FILM: [f64; 6] = [200.0, 0.04, 4.0, 1.3, 0.5, 15.0];
 const FACE2: [f64; 6] = [14.0, 0.05, 0.3, 1.0, 0.024, 8.0];
 const MIDDLE: [f64; 6] = [12.0, 0.05, 2.0, 1.0, 0.05, 10.0];
 const WEAK: [f64; 6] = [6.0, 0.03, 2.0, 1.0, 0.05, 10.0];
+
+/// The large wave of a pair that has one.
+fn joint(pair: &StackPair) -> JointMode {
+    pair.joint.expect("a large wave")
+}
 
 fn assert_prints(found: f64, printed: f64, digit: f64, what: &str) {
     assert!(
@@ -147,8 +152,8 @@ fn two_shell_table() {
             1e3 * upper.wavelength,
             100.0 * upper.critical_strain,
             found.membrane_ratio,
-            100.0 * found.joint.critical_strain,
-            1e3 * found.joint.wavelength,
+            100.0 * joint(&found).critical_strain,
+            1e3 * joint(&found).wavelength,
         ];
         for (column, (number, (printed, digit))) in numbers.into_iter().zip(printed).enumerate() {
             assert_prints(
@@ -158,7 +163,7 @@ fn two_shell_table() {
                 &format!("{values:?}, column {column}"),
             );
         }
-        assert!(found.joint.wavelength > 0.6 * lower.wavelength);
+        assert!(joint(&found).wavelength > 0.6 * lower.wavelength);
     }
 }
 
@@ -196,9 +201,9 @@ fn what_the_notes_say_of_the_pairs() {
     for (values, longer, earlier) in [(WEAK, 0.05, 0.0), (MIDDLE, 0.12, 0.07)] {
         let found = pair(values);
         let alone = found.lower.wrinkling;
-        let length = found.joint.wavelength / alone.wavelength - 1.0;
+        let length = joint(&found).wavelength / alone.wavelength - 1.0;
         assert!((length - longer).abs() < 0.01, "{length}");
-        let onset = 1.0 - found.joint.critical_strain / alone.critical_strain;
+        let onset = 1.0 - joint(&found).critical_strain / alone.critical_strain;
         assert!((onset - earlier).abs() < 0.01, "{onset}");
         assert!(!found.nominal_disagrees());
         assert_eq!(found.first_scale(), FirstScale::Large);
@@ -262,10 +267,10 @@ fn composite_is_a_layer() {
             "S'",
         );
         assert!(wave.bending_stiffness > sum(|w| w.bending_stiffness));
-        assert_close(wave.wavelength, found.joint.wavelength, 1e-14, "λ");
+        assert_close(wave.wavelength, joint(&found).wavelength, 1e-14, "λ");
         assert_close(
             wave.critical_strain,
-            found.joint.critical_strain,
+            joint(&found).critical_strain,
             1e-14,
             "e",
         );
@@ -339,8 +344,8 @@ fn a_vanishing_upper_layer_leaves_the_lower_one() {
             skin(0.05, 10.0).as_substrate(),
         );
         let found = StackPair::new(&layers[0], &layers[1]).expect("valid materials");
-        let off = (found.joint.wavelength / lower.wrinkling.wavelength - 1.0).abs()
-            + (found.joint.critical_strain / lower.wrinkling.critical_strain - 1.0).abs();
+        let off = (joint(&found).wavelength / lower.wrinkling.wavelength - 1.0).abs()
+            + (joint(&found).critical_strain / lower.wrinkling.critical_strain - 1.0).abs();
         assert!(
             off < 0.2 * last && off < 2.0 * found.membrane_ratio,
             "{share}: {off}"
@@ -456,13 +461,70 @@ fn face2_is_a_stack() {
     let layers = stack(&[dermis.layer, epidermis.layer], dermis.substrate);
     let found = StackPair::new(&layers[0], &layers[1]).expect("valid");
     let same = pair(FACE2);
-    assert_close(found.joint.wavelength, same.joint.wavelength, 1e-7, "λ");
+    assert_close(joint(&found).wavelength, joint(&same).wavelength, 1e-7, "λ");
     assert_close(
-        found.joint.critical_strain,
-        same.joint.critical_strain,
+        joint(&found).critical_strain,
+        joint(&same).critical_strain,
         1e-12,
         "e",
     );
+}
+
+/// A lower layer twelve times as stiff as its substrate is no film: the fine wave is all there is.
+#[test]
+fn a_pair_without_a_large_wave() {
+    let found = pair([90.0, 0.0387, 0.119, 1.262, 0.01, 1.0]);
+    assert_eq!(found.joint, None);
+    let fine = found.fine.expect("the upper layer wrinkles");
+    assert_close(fine.wavelength, found.upper.wrinkling.wavelength, 0.1, "λ");
+    assert_eq!(found.first_scale(), FirstScale::Fine);
+    assert!(!found.nominal_disagrees());
+    let words = found.composite().unwrap_err().to_string();
+    assert!(words.contains("no large wave"), "{words}");
+}
+
+/// Numbers that no material has end in an error, not in an endless search.
+#[test]
+fn spoilt_layers_are_refused() {
+    let good = pair(LK);
+    for bad in [0.0, f64::NAN, f64::INFINITY] {
+        let mut upper = good.upper;
+        upper.wrinkling.wave_number = bad;
+        assert!(StackPair::new(&good.lower, &upper).is_err());
+        let mut lower = good.lower;
+        lower.wrinkling.membrane_stiffness = bad;
+        let found = StackPair::new(&lower, &good.upper);
+        assert!(
+            found.is_err() || found.is_ok_and(|pair| pair.composite().is_err()),
+            "{bad}"
+        );
+    }
+}
+
+/// Springs far stiffer against slopes than any foundation give a wave that no fit of value and slope
+/// can hold.
+#[test]
+fn composite_springs_keep_to_their_bound() {
+    let good = pair(WEAK);
+    let mut lower = good.lower;
+    let wave = &mut lower.wrinkling;
+    wave.gradient_stiffness = 30.0 * wave.bending_stiffness * wave.wave_number.powi(2);
+    let found = StackPair::new(&lower, &good.upper)
+        .expect("finite")
+        .composite();
+    match found {
+        Err(MaterialError::CompositeUnstable {
+            gradient_stiffness,
+            bound,
+        }) => {
+            assert!(gradient_stiffness > bound && bound > 0.0);
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+fn lower_wave(pair: &StackPair) -> f64 {
+    pair.lower.wrinkling.wavelength
 }
 
 proptest! {
@@ -487,21 +549,28 @@ proptest! {
         let upper = with(skin(young * power(ratios[0] + ratios[1]), power(thickness + finer)), poisson[2]);
         let layers = stack(&[lower, upper], base);
         let found = StackPair::new(&layers[0], &layers[1]).expect("valid");
-        let joint = found.joint;
-        prop_assert!(joint.critical_strain > 0.0 && joint.critical_strain.is_finite());
-        prop_assert!((found.strain(joint.wave_number) / joint.critical_strain - 1.0).abs() < 1e-12);
-        for factor in [0.98, 1.02] {
-            prop_assert!(found.strain(factor * joint.wave_number) >= joint.critical_strain);
+        let modes = [found.joint, found.fine];
+        prop_assert!(modes.iter().flatten().count() > 0);
+        for mode in modes.into_iter().flatten() {
+            prop_assert!(mode.critical_strain > 0.0 && mode.critical_strain.is_finite());
+            prop_assert_eq!(found.strain(mode.wave_number), mode.critical_strain);
+            for factor in [0.98, 1.02] {
+                prop_assert!(found.strain(factor * mode.wave_number) >= mode.critical_strain);
+            }
         }
-        if let Some(fine) = found.fine {
-            prop_assert!(fine.wave_number > joint.wave_number);
-        }
+        let bound = lower_wave(&found) * 0.6;
+        prop_assert!(found.joint.is_none_or(|joint| joint.wavelength > bound));
+        prop_assert!(found.fine.is_none_or(|fine| fine.wavelength <= bound));
         match found.composite() {
             Ok(composite) => prop_assert_eq!(composite.material.validate(), Ok(())),
             Err(MaterialError::CompositeUnstable { gradient_stiffness, bound }) => {
                 prop_assert!(gradient_stiffness.abs() >= bound);
             }
-            Err(other) => prop_assert!(false, "{other}"),
+            Err(other) => {
+                prop_assert!(matches!(other, MaterialError::NoJointWave { .. }), "{other}");
+                prop_assert!(found.joint.is_none());
+                prop_assert_eq!(found.first_scale(), FirstScale::Fine);
+            }
         }
     }
 }
