@@ -103,7 +103,7 @@ pub(crate) struct Counts {
 ///
 /// Every pass is bounded, and no pass undoes another: no flip or collapse makes an edge that would
 /// be split, so splitting ends first; collapses only remove. A mesh that follows the sizing within
-/// the hysteresis (metric lengths in 0.6..=1.4, Delaunay to 3 degrees) comes back unchanged.
+/// the hysteresis (metric lengths in 0.63..=1.48, Delaunay to 3 degrees) comes back unchanged.
 /// The result depends on nothing but the input.
 ///
 /// # Errors
