@@ -1,9 +1,10 @@
 //! Files: glTF and OBJ in, GLB, OBJ, PNG and EXR out, and the scene.
 //!
 //! [`Scene`] is what the user asks for (`scene.toml`). [`MeshFile`] is the artist's file: the mesh
-//! with its blend shapes, and what it takes to write that mesh back. [`Wrinkles`] says which baked
-//! map belongs to which pose; [`PropertyImages`] what is painted over a layer; [`Report`] says how the run went. [`IoError`] is for people: it names
-//! the file, the element in it, what was found and what is accepted.
+//! with its blend shapes, and what it takes to write that mesh back. [`PropertyImages`] are what is
+//! painted over a layer. [`Wrinkles`] says which baked map belongs to which pose; [`Report`] says how
+//! the run went. [`IoError`] is for people: it names the file, the element in it, what was found and
+//! what is accepted.
 //!
 //! Formats: glTF 2.0 with `KHR_texture_transform` and `KHR_mesh_quantization`; Wavefront OBJ; PNG
 //! without colour-space chunks; OpenEXR of 32-bit floats; TOML; JSON.
