@@ -32,14 +32,14 @@ pub struct BaseSurface {
     tangents: [SparseRows; 2],
 }
 
-/// A base surface in one pose.
-#[derive(Clone, Debug)]
+/// Places of the smooth surface in one pose.
+#[derive(Clone, Debug, Default)]
 pub struct PosedSurface {
-    /// Position of every base vertex, m.
+    /// Position of every place, m.
     pub positions: Vec<Vector3<f64>>,
-    /// Unit normal of the limit surface at every base vertex.
+    /// Unit normal of the smooth surface at every place.
     pub normals: Vec<Vector3<f64>>,
-    /// Unit tangent at every base vertex that moves with the material.
+    /// Unit tangent at every place that moves with the material.
     pub tangents: Vec<Vector3<f64>>,
 }
 
@@ -139,6 +139,24 @@ impl BaseSurface {
         &self.uvs
     }
 
+    /// The driver's material point under every base vertex.
+    pub fn vertex_points(&self) -> Vec<MaterialPoint> {
+        let vertices = (0..self.mesh.vertex_count()).map(VertexId::from_index);
+        vertices
+            .filter_map(|vertex| MaterialPoint::of_vertex(&self.mesh, vertex))
+            .map(|point| self.on_driver(&point))
+            .collect()
+    }
+
+    /// The driver's material point under a place of a base face.
+    pub fn on_driver(&self, point: &MaterialPoint) -> MaterialPoint {
+        let origin = &self.origins[point.face];
+        MaterialPoint {
+            face: origin.face,
+            barycentric: origin.lift(point.barycentric),
+        }
+    }
+
     /// How often the driver's faces were split in four.
     pub fn levels(&self) -> u32 {
         self.levels
@@ -189,7 +207,7 @@ impl BaseSurface {
     }
 }
 
-fn material_tangent(direction: &Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
+pub(crate) fn material_tangent(direction: &Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
     let tangent = direction - normal * normal.dot(direction);
     tangent
         .try_normalize(1e-9 * direction.norm())

@@ -38,9 +38,11 @@ mod base_surface;
 mod driver;
 mod error;
 mod strain;
+mod surface_points;
 
 pub use artist_mesh::{ArtistMesh, BlendShape};
 pub use base_surface::{BaseSurface, PosedSurface, Smoothing};
 pub use driver::{Driver, Weights};
 pub use error::BlendError;
 pub use strain::{FaceStrain, face_strains, rest_frame};
+pub use surface_points::SurfacePoints;

@@ -8,7 +8,9 @@ use ruga_material::{
     LayerMaterial, MaterialError, PRESETS, Preset, Substrate, WavelengthModel, design_layer,
     preset, wrinkling,
 };
-use ruga_stepper::{Coupling, LayerSpec, LinearSolver, Modelling, PoseSpec, Region, Sampling};
+use ruga_stepper::{
+    Coupling, EdgeLimits, LayerSpec, LinearSolver, Modelling, PoseSpec, Region, Sampling,
+};
 
 use crate::arguments::Quality;
 use crate::error::{CliError, nearest};
@@ -209,6 +211,11 @@ pub(crate) fn modelling(scene: &Scene, region: Region, quality: Option<Quality>)
     Modelling {
         region,
         points_per_wavelength: quality.map_or(asked, Quality::points_per_wavelength),
+        remesh: scene.remesh.enabled.then_some(EdgeLimits {
+            min_edge: scene.remesh.min_edge,
+            max_edge: scene.remesh.max_edge,
+            aspect: scene.remesh.aspect,
+        }),
         vertex_budget: usize::try_from(scene.driver.vertex_budget).unwrap_or(usize::MAX),
         smoothing: match scene.driver.smoothing {
             scene::Smoothing::Loop => Smoothing::Loop,

@@ -17,6 +17,7 @@ pub(crate) struct Watch<'a> {
     started: Instant,
     phase: Option<(Phase, Instant)>,
     constraints: Duration,
+    remeshing: Duration,
     sampling: Duration,
     integration: Duration,
     bar: &'a ProgressBar,
@@ -37,6 +38,7 @@ impl<'a> Watch<'a> {
             started: Instant::now(),
             phase: None,
             constraints: Duration::ZERO,
+            remeshing: Duration::ZERO,
             sampling: Duration::ZERO,
             integration: Duration::ZERO,
             bar,
@@ -59,7 +61,7 @@ impl<'a> Watch<'a> {
         Ok(Seconds {
             constraints: mean(self.constraints),
             integration: mean(self.integration),
-            remeshing: None,
+            remeshing: mean(self.remeshing),
             sampling: mean(self.sampling),
             total: mean(self.started.elapsed()),
         })
@@ -71,6 +73,7 @@ impl<'a> Watch<'a> {
         };
         let spent = match phase {
             Phase::Constraints => &mut self.constraints,
+            Phase::Remeshing => &mut self.remeshing,
             Phase::Sampling => &mut self.sampling,
             Phase::Integration => &mut self.integration,
         };

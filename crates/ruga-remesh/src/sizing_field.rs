@@ -80,7 +80,8 @@ impl Default for Refinement {
 /// B = max(I - U, 0) / compression²  U: stretch of the shape
 /// W = Σ s aᵢ dᵢ dᵢᵀ                 dᵢ: principal directions of the driver's compression eᵢ
 /// s = (points_per_wavelength / wavelength)²
-/// aᵢ = smooth step of (eᵢ + nu eⱼ) / critical_strain over onset
+/// aᵢ = smooth step of (eᵢ + nu eⱼ) / critical_strain over onset; where the larger of the two
+///      wrinkles, the smaller one's is ((1 - nu²) eᵢ / critical_strain + nu)
 /// ```
 /// Gradients are those of linear fields on the rest faces. C, V and B are Narain et al. (2012),
 /// section 4.1, B without its correction for curvature. Where drivers' directions disagree around
@@ -292,8 +293,7 @@ fn wrinkle_term(driver: &FaceDriver, hats: [Vector3<f64>; 3], refinement: &Refin
     let trace = driver.compression.trace();
     let [from, to] = refinement.onset;
     let active = |e: f64| {
-        // In the plane the other principal value is what is left of the trace.
-        let ratio = (e + driver.poisson * (trace - e)) / driver.critical_strain;
+        let ratio = demand(e, trace - e, driver) / driver.critical_strain;
         let t = ((ratio - from) / (to - from)).clamp(0.0, 1.0);
         most * t * t * (3.0 - 2.0 * t)
     };
@@ -303,6 +303,20 @@ fn wrinkle_term(driver: &FaceDriver, hats: [Vector3<f64>; 3], refinement: &Refin
         finest: tensor.symmetric_eigenvalues().max(),
         most,
     }
+}
+
+/// Strain that drives wrinkles across the direction of principal compression `e`, beside `other`.
+///
+/// `e + nu other` for the larger of the two. Where that one wrinkles, its force stays at the
+/// critical one, and the smaller one is left with `(1 - nu^2) e + nu critical`: skin that is
+/// squeezed one way only wrinkles one way only, however much it is squeezed.
+fn demand(e: f64, other: f64, driver: &FaceDriver) -> f64 {
+    let poisson = driver.poisson;
+    if e >= other {
+        return e + poisson * other;
+    }
+    let first = (other + poisson * e).min(driver.critical_strain);
+    (1.0 - poisson * poisson) * e + poisson * first
 }
 
 /// Sums over the faces around a vertex, weighted by rest area.

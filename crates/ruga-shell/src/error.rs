@@ -104,6 +104,12 @@ pub enum ShellError {
         /// The determinant.
         determinant: f64,
     },
+    /// A factor of the bending stiffness is out of range.
+    #[error("bending factor {value}, expected a positive number")]
+    BendingFactor {
+        /// The factor.
+        value: f64,
+    },
     /// A compression direction has no component in its face.
     #[error("the compression direction of face {face} has no component in the face")]
     NoDirection {

@@ -32,6 +32,7 @@ pub struct LayerEnergy {
     membranes: Vec<Membrane>,
     membrane_slots: Vec<[Slot; 3]>,
     hinges: Vec<HingeElement>,
+    bending_factor: f64,
     foundation: LayerFoundation,
     foundation_hessian: Vec<f64>,
     pattern: Pattern,
@@ -122,6 +123,7 @@ impl LayerEnergy {
                 .map(|face| FACE_PAIRS.map(|([i, j], _)| pattern.slot(face[i], face[j])))
                 .collect(),
             hinges: hinge_elements(faces, &edges, rest_positions, &pattern),
+            bending_factor: 1.0,
             foundation_hessian: foundation.hessian(&edges, &pattern),
             faces: faces.to_vec(),
             unstretched: rest.clone(),
@@ -201,9 +203,26 @@ impl LayerEnergy {
                 &self.rest[right.face],
                 right.corner,
             );
-            element.hinge.stiffness =
-                shape.stiffness(0.5 * (modulus[0] + modulus[1]), HINGE_EXPONENT);
+            element.hinge.stiffness = self.bending_factor
+                * shape.stiffness(0.5 * (modulus[0] + modulus[1]), HINGE_EXPONENT);
         }
+    }
+
+    /// Scales the bending stiffness of all hinges, 1 when built.
+    ///
+    /// Triangles that are not equilateral bend more or less easily than the material; the
+    /// inverse of their [`response_modulus`](crate::response_modulus), as a share of the
+    /// material's, makes up for it on average.
+    ///
+    /// # Errors
+    /// [`ShellError::BendingFactor`] unless the factor is positive and finite.
+    pub fn set_bending_factor(&mut self, factor: f64) -> Result<(), ShellError> {
+        if !(factor > 0.0 && factor.is_finite()) {
+            return Err(ShellError::BendingFactor { value: factor });
+        }
+        self.bending_factor = factor;
+        self.set_hinge_stiffness();
+        Ok(())
     }
 
     /// Number of vertices, pinned ones included.

@@ -3,6 +3,7 @@
 use ruga_blend::BlendError;
 use ruga_constraint::ConstraintError;
 use ruga_material::MaterialError;
+use ruga_remesh::RemeshError;
 use ruga_shell::ShellError;
 use ruga_solver::SolverError;
 
@@ -41,6 +42,14 @@ pub enum StepperError {
         layer: String,
         /// What is wrong.
         source: ShellError,
+    },
+    /// The layer's mesh cannot be fitted to the pose.
+    #[error("layer '{layer}': {source}")]
+    Remesh {
+        /// Name of the layer.
+        layer: String,
+        /// What is wrong.
+        source: RemeshError,
     },
     /// The constraints cannot be sampled.
     #[error("layer '{layer}': {source}")]

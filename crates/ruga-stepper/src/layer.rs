@@ -3,9 +3,9 @@
 use nalgebra::{Matrix2, Matrix3, Rotation3, SymmetricEigen, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use ruga_blend::{BaseSurface, FaceStrain, PosedSurface, face_strains, rest_frame};
+use ruga_blend::{FaceStrain, PosedSurface, SurfacePoints, face_strains, rest_frame};
 use ruga_material::{CAP_START, Wrinkling, capped_strain};
-use ruga_mesh::{FaceId, Id, PerFace, TriMesh, VertexId};
+use ruga_mesh::{Id, PerFace, VertexId};
 use ruga_shell::{
     FaceParameters, HINGE_EXPONENT, LayerEnergy, LayerParameters, ResponseQuery, ShellError,
     face_corners, response_modulus,
@@ -17,6 +17,7 @@ use ruga_solver::{
 use crate::layer_objective::{LayerObjective, gather, scatter};
 use crate::low_pass_rows::low_pass_rows;
 use crate::measure::heights;
+use crate::skin_mesh::{Interpolation, RegionMesh, SkinMesh};
 use crate::{Coupling, LayerSpec, LayerSurface, StepperError};
 
 /// Levenberg floor in units of `K0 V_i`: keeps modes that slide along themselves from having a
@@ -40,8 +41,12 @@ pub(crate) struct LayerState {
 pub(crate) struct Layer {
     pub(crate) spec: LayerSpec,
     pub(crate) wrinkling: Wrinkling,
-    surface: BaseSurface,
-    rest: PosedSurface,
+    skin: SkinMesh,
+    /// What results are handed out on, and how they get there; `None` for the layer's own mesh.
+    region: RegionMesh,
+    interpolation: Option<Interpolation>,
+    /// Response bending modulus of the uncorrected mesh over that of the material, once measured.
+    pub(crate) bending_ratio: Option<f64>,
     areas: Vec<f64>,
     below: PosedSurface,
     /// What the surface below asks for.
@@ -57,19 +62,15 @@ pub(crate) struct Layer {
     free: Vec<VertexId>,
     floor: Vec<f64>,
     kkt: Kkt,
-    triangles: PerFace<u32>,
 }
 
 impl Layer {
-    /// Builds the layer on `surface`, at rest on it.
-    ///
-    /// `triangles` names the file's triangle of every driver face.
+    /// Builds the layer on `adapted`, or else on the region's own mesh, at rest.
     pub(crate) fn new(
         spec: &LayerSpec,
         wrinkling: &Wrinkling,
-        surface: BaseSurface,
-        rest: PosedSurface,
-        triangles: PerFace<u32>,
+        region: RegionMesh,
+        adapted: Option<SkinMesh>,
         seed: u64,
     ) -> Result<Self, StepperError> {
         let shell = |source| StepperError::Shell {
@@ -80,9 +81,11 @@ impl Layer {
             layer: spec.name.clone(),
             source,
         };
-        let mesh = surface.mesh();
-        let pinned = mesh.border_vertices();
-        let faces = corner_indices(mesh);
+        let interpolation = adapted.as_ref().map(|skin| region.interpolation_from(skin));
+        let skin = adapted.unwrap_or_else(|| region.skin.clone());
+        let rest = &skin.rest;
+        let pinned = skin.mesh.border_vertices();
+        let faces = skin.corner_indices();
         let parameters = layer_parameters(spec, wrinkling, faces.len(), rest.positions.len());
         let energy = LayerEnergy::new(&rest.positions, &faces, parameters, pinned.as_slice())
             .map_err(shell)?;
@@ -98,17 +101,19 @@ impl Layer {
             .iter()
             .flat_map(|v| [FLOOR * wrinkling.normal_stiffness * areas[v.index()]; 3])
             .collect();
-        let rows = low_pass_rows(spec, wrinkling, &surface, &rest, &pinned, &free)?;
+        let rows = low_pass_rows(spec, wrinkling, &skin, &pinned, &free)?;
         let kkt = Kkt::new(&pattern, &rows, 3).map_err(solver)?;
         let mut layer = Self {
             spec: spec.clone(),
             wrinkling: *wrinkling,
-            strains: face_strains(surface.mesh(), &rest.positions, &rest.positions),
+            strains: face_strains(&skin.mesh, &rest.positions, &rest.positions),
             positions: rest.positions.clone(),
             below: rest.clone(),
             share: 1.0,
-            surface,
-            rest,
+            skin,
+            region,
+            interpolation,
+            bending_ratio: None,
             areas,
             energy,
             is_metric_changed: false,
@@ -116,7 +121,6 @@ impl Layer {
             free,
             floor,
             kkt,
-            triangles,
         };
         layer.add_noise(seed);
         Ok(layer)
@@ -127,7 +131,7 @@ impl Layer {
     }
 
     pub(crate) fn face_count(&self) -> usize {
-        self.surface.mesh().face_count()
+        self.skin.mesh.face_count()
     }
 
     pub(crate) fn row_count(&self) -> usize {
@@ -143,7 +147,7 @@ impl Layer {
             let fineness = (self.areas[v.index()] / (usual_edge * usual_edge)).min(1.0);
             let size = NOISE * self.spec.material.thickness * fineness;
             let height = size * random.random_range(-1.0..1.0);
-            self.positions[v.index()] += self.rest.normals[v.index()] * height;
+            self.positions[v.index()] += self.skin.rest.normals[v.index()] * height;
         }
     }
 
@@ -165,7 +169,7 @@ impl Layer {
             let turn = turn_between(&self.below, &below, i);
             self.positions[i] = below.positions[i] + turn * deviation;
         }
-        self.strains = face_strains(self.surface.mesh(), &self.rest.positions, &below.positions);
+        self.strains = face_strains(&self.skin.mesh, &self.skin.rest.positions, &below.positions);
         let no_offset = vec![0.0; self.positions.len()];
         self.energy
             .set_base(&below.positions, &below.normals, &no_offset)
@@ -306,12 +310,12 @@ impl Layer {
     }
 
     pub(crate) fn rest(&self) -> &PosedSurface {
-        &self.rest
+        &self.skin.rest
     }
 
     /// Faces on which the surface below asks for more than the critical strain.
     pub(crate) fn supercritical_faces(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
-        let mesh = self.surface.mesh();
+        let mesh = &self.skin.mesh;
         self.strains
             .iter()
             .filter(move |(_, s)| self.effective(s) > self.wrinkling.critical_strain)
@@ -330,17 +334,29 @@ impl Layer {
         first + self.spec.material.poisson * second
     }
 
+    /// Makes up for triangles that bend more or less easily than the material, as measured where
+    /// and in the direction that `below` compresses the layer; the layer stays where it is.
+    pub(crate) fn calibrate_bending(&mut self, below: PosedSurface) -> Result<(), StepperError> {
+        let state = self.state();
+        self.set_below(below, 1.0)?;
+        self.bending_ratio = self.measured_bending_ratio();
+        if let Some(ratio) = self.bending_ratio {
+            let outcome = self.energy.set_bending_factor(1.0 / ratio);
+            outcome.map_err(|source| self.shell_error(source))?;
+        }
+        self.restore(&state)
+    }
+
     /// Response bending modulus of this mesh, compressed in the main direction, over that of the
     /// material; `None` where nothing is compressed enough or the mesh has no wrinkling mode.
     ///
     /// One direction for all: one that varies from face to face frustrates the mode and would
     /// count as stiffness.
-    pub(crate) fn bending_ratio(&self) -> Option<f64> {
-        let mesh = self.surface.mesh();
-        let faces = corner_indices(mesh);
-        let corners = face_corners(&self.rest.positions, &faces);
+    fn measured_bending_ratio(&self) -> Option<f64> {
+        let faces = self.skin.corner_indices();
+        let corners = face_corners(&self.skin.rest.positions, &faces);
         let directions = vec![self.main_direction(&corners)?; faces.len()];
-        let pinned = mesh.border_vertices();
+        let pinned = self.skin.mesh.border_vertices();
         let response = response_modulus(&ResponseQuery {
             faces: &faces,
             corners: &corners,
@@ -372,37 +388,35 @@ impl Layer {
         (eigen.eigenvalues[largest] > 0.0).then(|| eigen.eigenvectors.column(largest).into_owned())
     }
 
-    /// The layer as others see it.
-    pub(crate) fn snapshot(&self) -> LayerSurface {
-        let mesh = self.surface.mesh();
+    /// The layer as others see it, above the driver's `control` points.
+    pub(crate) fn snapshot(&self, control: &[Vector3<f64>]) -> LayerSurface {
+        let (positions, below) = match &self.interpolation {
+            None => (self.positions.clone(), self.below.clone()),
+            Some(interpolation) => {
+                let below = self.region.skin.points.pose(control);
+                let deviations = self.positions.iter().zip(&self.below.positions);
+                let deviations: Vec<_> = deviations.map(|(x, base)| x - base).collect();
+                let deviations = interpolation.apply(&deviations);
+                let positions = below.positions.iter().zip(&deviations);
+                (positions.map(|(base, d)| base + d).collect(), below)
+            }
+        };
         LayerSurface {
             name: self.spec.name.clone(),
-            positions: self.positions.clone(),
-            driver_positions: self.below.positions.clone(),
-            driver_normals: self.below.normals.clone(),
+            positions,
+            driver_positions: below.positions,
+            driver_normals: below.normals,
             offset: 0.0,
-            faces: corner_indices(mesh),
-            uvs: self.surface.uvs().as_slice().to_vec(),
-            artist: mesh
-                .faces()
-                .ids()
-                .map(|face: FaceId| {
-                    let origin = &self.surface.origins()[face];
-                    (self.triangles[origin.face], origin.corners)
-                })
-                .collect(),
+            faces: self.region.skin.corner_indices(),
+            uvs: self.region.uvs().to_vec(),
+            artist: self.region.artist().to_vec(),
         }
     }
 
-    /// The surface of base vertices this layer stands on.
-    pub(crate) fn surface(&self) -> &BaseSurface {
-        &self.surface
+    /// The driver's places under the layer's vertices.
+    pub(crate) fn points(&self) -> &SurfacePoints {
+        &self.skin.points
     }
-}
-
-fn corner_indices(mesh: &TriMesh) -> Vec<[u32; 3]> {
-    let faces = mesh.faces().as_slice().iter();
-    faces.map(|corners| corners.map(|v| v.0)).collect()
 }
 
 /// How the surface turns at one vertex between two poses.

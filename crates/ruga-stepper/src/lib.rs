@@ -28,7 +28,7 @@
 //! use ruga_blend::{ArtistMesh, BlendShape, Driver};
 //! use ruga_material::{WavelengthModel, preset};
 //! use ruga_stepper::{
-//!     Coupling, LayerSpec, Modelling, PoseSpec, Sampling, Silent, plan, simulate,
+//!     Coupling, EdgeLimits, LayerSpec, Modelling, PoseSpec, Sampling, Silent, plan, simulate,
 //! };
 //!
 //! let square = [[0.0, 0.0], [0.04, 0.0], [0.04, 0.04], [0.0, 0.04]];
@@ -72,7 +72,9 @@ mod model;
 mod plan;
 mod result;
 mod simulate;
+mod skin_mesh;
 
+mod adaptivity;
 mod layer;
 mod layer_objective;
 mod low_pass_rows;
@@ -85,7 +87,7 @@ mod observer;
 pub use plan::{LayerPlan, LoadPath, Plan, PosePlan, plan};
 pub use simulate::simulate;
 
-pub use model::{Coupling, LayerSpec, Mask, Modelling, PoseSpec, Region};
+pub use model::{Coupling, EdgeLimits, LayerSpec, Mask, Modelling, PoseSpec, Region};
 pub use result::{KeyResult, LayerReport, LayerSurface, PoseResult};
 
 pub use observer::{Frame, Observer, Phase, Progress, Silent};

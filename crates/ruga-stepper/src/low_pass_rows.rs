@@ -1,11 +1,11 @@
 //! The rows that keep a layer's large shape on the surface below.
 
-use ruga_blend::{BaseSurface, PosedSurface};
 use ruga_constraint::{ClusterSettings, Kernel, cluster_centres, constraint_rows};
 use ruga_material::Wrinkling;
 use ruga_mesh::{PerVertex, VertexId};
 use ruga_solver::ConstraintRows;
 
+use crate::skin_mesh::SkinMesh;
 use crate::{Coupling, LayerSpec, StepperError};
 
 /// Spacing of the low-pass rows beside a foundation, in wavelengths: away from the wavelength
@@ -21,8 +21,7 @@ const MIN_FREE_WEIGHT: f64 = 0.2;
 pub(crate) fn low_pass_rows(
     spec: &LayerSpec,
     wrinkling: &Wrinkling,
-    surface: &BaseSurface,
-    rest: &PosedSurface,
+    skin: &SkinMesh,
     pinned: &PerVertex<bool>,
     free: &[VertexId],
 ) -> Result<ConstraintRows, StepperError> {
@@ -46,7 +45,7 @@ pub(crate) fn low_pass_rows(
         layer: spec.name.clone(),
         source,
     };
-    let mesh = surface.mesh();
+    let SkinMesh { mesh, rest, .. } = skin;
     let centres = cluster_centres(
         mesh,
         &rest.positions,

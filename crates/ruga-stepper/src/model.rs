@@ -83,6 +83,27 @@ impl Mask {
     }
 }
 
+/// What the edges of a fitted mesh are held to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EdgeLimits {
+    /// Shortest, m; not negative.
+    pub min_edge: f64,
+    /// Longest, m; above `min_edge`. Half a wavelength is the most in any case.
+    pub max_edge: f64,
+    /// Largest ratio of the lengths in two directions, at least 1.
+    pub aspect: f64,
+}
+
+impl Default for EdgeLimits {
+    fn default() -> Self {
+        Self {
+            min_edge: 0.0,
+            max_edge: 1.0,
+            aspect: 2.0,
+        }
+    }
+}
+
 /// Choices that are not physics.
 #[derive(Clone, Debug)]
 pub struct Modelling {
@@ -92,6 +113,8 @@ pub struct Modelling {
     pub points_per_wavelength: f64,
     /// Vertices of one layer in one pose above which refinement stops, with a warning.
     pub vertex_budget: usize,
+    /// Limits of the mesh where it is fitted to the pose; `None` keeps it uniform.
+    pub remesh: Option<EdgeLimits>,
     /// The surface between the artist's vertices.
     pub smoothing: Smoothing,
     /// How linear systems are solved.
@@ -108,6 +131,7 @@ impl Default for Modelling {
             region: Region::Auto,
             points_per_wavelength: 12.0,
             vertex_budget: 300_000,
+            remesh: None,
             smoothing: Smoothing::Loop,
             linear: LinearSolver::Ldlt,
             tolerance: 1e-6,

@@ -2,13 +2,15 @@
 
 use crate::LayerSurface;
 
-/// What the time goes into: the columns of Li 2014, table 6-1, without remeshing.
+/// What the time goes into: the columns of Li 2014, table 6-1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// Cluster centres and constraint functions.
     Constraints,
     /// Driver positions, normals and rest metric at the layer's vertices.
     Sampling,
+    /// Fitting the mesh to what the pose asks for.
+    Remeshing,
     /// The solve.
     Integration,
 }

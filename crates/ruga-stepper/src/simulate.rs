@@ -1,5 +1,6 @@
 //! One pose from rest to full weight.
 
+use nalgebra::Vector3;
 use ruga_blend::{BaseSurface, Driver};
 use ruga_mesh::FaceId;
 use ruga_solver::{
@@ -7,9 +8,11 @@ use ruga_solver::{
     StopRule, Trial, Verdict,
 };
 
+use crate::adaptivity::adapted;
 use crate::layer::Layer;
 use crate::measure::waviness;
 use crate::plan::LayerPlan;
+use crate::skin_mesh::RegionMesh;
 use crate::{
     Frame, KeyResult, LayerReport, LayerSpec, LoadPath, Modelling, Observer, Phase, Plan,
     PoseResult, PoseSpec, Progress, StepperError,
@@ -44,16 +47,11 @@ pub fn simulate(
     }
     observer.phase(Phase::Sampling);
     let surface = layer_surface(driver, plan, layer_plan, modelling);
-    let rest = surface.pose(driver.rest());
+    let region = RegionMesh::new(driver, &surface, modelling.smoothing);
+    observer.phase(Phase::Remeshing);
+    let adapted = adapted(driver, layer, &plan.wrinkling[0], &region, spec, modelling)?;
     observer.phase(Phase::Constraints);
-    let layer = Layer::new(
-        layer,
-        &plan.wrinkling[0],
-        surface,
-        rest,
-        driver.triangles().clone(),
-        modelling.seed,
-    )?;
+    let layer = Layer::new(layer, &plan.wrinkling[0], region, adapted, modelling.seed)?;
     let mut run = PoseRun {
         driver,
         spec,
@@ -120,9 +118,6 @@ const LEAST_DEMAND: f64 = 0.9;
 /// Amplitude below which a layer counts as flat, in thicknesses.
 const LEAST_AMPLITUDE: f64 = 0.01;
 
-/// Error of the wavelength, from the mesh's bending modulus, that is not worth a warning.
-const WAVELENGTH_TOLERANCE: f64 = 0.03;
-
 /// What a load step asks for: the driver's pose and how much of its strain.
 #[derive(Clone, Copy, Debug)]
 struct Place {
@@ -165,10 +160,13 @@ struct PoseRun<'a> {
 
 impl PoseRun<'_> {
     fn follow(&mut self, path: LoadPath) -> Result<(), StepperError> {
+        let last = self.spec.keys.iter().copied().fold(0.0, f64::max);
+        let control = self.driver.pose(&self.spec.weights.scaled(last));
+        let below = self.layer.points().pose(&control);
+        self.layer.calibrate_bending(below)?;
         match path {
             LoadPath::Weight => {
                 // Beyond the last key nothing was planned for.
-                let last = self.spec.keys.iter().copied().fold(0.0, f64::max);
                 let keys = self.spec.keys.iter().copied();
                 let loads = loads_up_to(last, self.spec.steps, keys);
                 self.follow_loads(&loads, |weight| Place { weight, share: 1.0 })?;
@@ -201,7 +199,7 @@ impl PoseRun<'_> {
             self.observer.phase(Phase::Sampling);
             let place = place(trial.load);
             let control = self.driver.pose(&self.spec.weights.scaled(place.weight));
-            let below = self.layer.surface().pose(&control);
+            let below = self.layer.points().pose(&control);
             self.layer.set_below(below, place.share)?;
             self.observer.phase(Phase::Integration);
             let solve = self.solve(trial, place.load())?;
@@ -217,7 +215,7 @@ impl PoseRun<'_> {
             match stepper.report(outcome) {
                 Verdict::Keep => {
                     kept = self.layer.state();
-                    self.keep(place, &solve);
+                    self.keep(place, &control, &solve);
                 }
                 Verdict::Discard => self.layer.restore(&kept)?,
                 Verdict::GiveUp => {
@@ -261,7 +259,7 @@ impl PoseRun<'_> {
         Ok(solve)
     }
 
-    fn keep(&mut self, place: Place, solve: &SolveReport) {
+    fn keep(&mut self, place: Place, control: &[Vector3<f64>], solve: &SolveReport) {
         if solve.inertia.is_none() && self.layer.demand() > 1.0 && !self.told_of_missing_inertia {
             self.told_of_missing_inertia = true;
             self.result.warnings.push(format!(
@@ -269,7 +267,7 @@ impl PoseRun<'_> {
                 self.spec.name, self.layer.spec.name
             ));
         }
-        let layers = [self.layer.snapshot()];
+        let layers = [self.layer.snapshot(control)];
         self.observer.frame(&Frame {
             index: self.result.frames,
             load: place.load(),
@@ -307,7 +305,7 @@ impl PoseRun<'_> {
         self.report.wavelength_predicted = layer.wrinkling.wavelength;
         self.report.critical_strain_predicted = layer.wrinkling.critical_strain;
         self.report.energy = layer.energy();
-        self.report.bending_ratio = layer.bending_ratio();
+        self.report.bending_ratio = layer.bending_ratio;
         let heights = layer.heights();
         let faces = layer.supercritical_faces();
         if let Some(waves) = waviness(&heights, &layer.rest().positions, faces) {
@@ -315,25 +313,8 @@ impl PoseRun<'_> {
             let is_wrinkled = waves.amplitude > LEAST_AMPLITUDE * layer.spec.material.thickness;
             self.report.wavelength = is_wrinkled.then_some(waves.wavelength);
         }
-        self.warn_of_soft_triangles();
         self.result.layers.push(self.report);
         self.result
-    }
-
-    fn warn_of_soft_triangles(&mut self) {
-        let Some(ratio) = self.report.bending_ratio else {
-            return;
-        };
-        let change = ratio.powf(0.25) - 1.0;
-        if change.abs() > WAVELENGTH_TOLERANCE {
-            self.result.warnings.push(format!(
-                "pose '{}', layer '{}': the shape of its triangles gives the mesh {ratio:.2} of the layer's bending modulus: expect wavelengths {:.0} % too {}",
-                self.spec.name,
-                self.report.name,
-                100.0 * change.abs(),
-                if change < 0.0 { "short" } else { "long" }
-            ));
-        }
     }
 
     /// Whether a saddle at this load would be the onset of wrinkling: below the critical strain

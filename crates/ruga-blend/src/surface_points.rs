@@ -1,0 +1,106 @@
+//! Chosen places of the driver's smooth surface, in any pose.
+
+use nalgebra::Vector3;
+use ruga_mesh::{
+    LimitPointRows, LoopSurface, MaterialPoint, TriMesh, face_normals, vertex_normals,
+};
+
+use crate::base_surface::material_tangent;
+use crate::{Driver, PosedSurface, Smoothing};
+
+/// Material points of a driver, with what poses them.
+///
+/// The surface between the driver's vertices is linear in them, so that a pose costs a few
+/// products per point.
+#[derive(Clone, Debug)]
+pub struct SurfacePoints {
+    points: Vec<MaterialPoint>,
+    topology: TriMesh,
+    /// Rows of the limit surface; `None` for flat facets.
+    limit: Option<LimitPointRows>,
+}
+
+impl SurfacePoints {
+    /// Prepares `points` on the faces of `driver`.
+    pub fn new(driver: &Driver, points: &[MaterialPoint], smoothing: Smoothing) -> Self {
+        let limit = match smoothing {
+            Smoothing::Loop => {
+                let surface = LoopSurface::new(driver.topology(), driver.corners());
+                Some(surface.rows(points))
+            }
+            Smoothing::None => None,
+        };
+        Self {
+            points: points.to_vec(),
+            topology: driver.topology().clone(),
+            limit,
+        }
+    }
+
+    /// Where the points lie on the driver's faces.
+    pub fn points(&self) -> &[MaterialPoint] {
+        &self.points
+    }
+
+    /// Positions (m), unit normals and tangents from the driver's control points (m).
+    ///
+    /// On flat facets normals are those of the vertices, interpolated. A place without limit
+    /// normal, such as a corner, has its facet's.
+    pub fn pose(&self, control: &[Vector3<f64>]) -> PosedSurface {
+        match &self.limit {
+            Some(rows) => self.pose_limit(rows, control),
+            None => self.pose_facets(control),
+        }
+    }
+
+    fn pose_limit(&self, rows: &LimitPointRows, control: &[Vector3<f64>]) -> PosedSurface {
+        let facets = face_normals(&self.topology, control);
+        let mut posed = PosedSurface::default();
+        for (jet, point) in rows.apply(control).iter().zip(&self.points) {
+            let facet = || facets[point.face].try_normalize(0.0);
+            let normal = jet.normal().or_else(facet).unwrap_or_else(Vector3::z);
+            posed.positions.push(jet.position);
+            posed.normals.push(normal);
+            posed
+                .tangents
+                .push(self.tangent(&jet.first[0], &normal, point, control));
+        }
+        posed
+    }
+
+    fn pose_facets(&self, control: &[Vector3<f64>]) -> PosedSurface {
+        let normals = vertex_normals(&self.topology, control);
+        let mut posed = PosedSurface::default();
+        for point in &self.points {
+            let normal = point.interpolate(&self.topology, &normals);
+            let normal = normal.try_normalize(0.0).unwrap_or_else(Vector3::z);
+            posed
+                .positions
+                .push(point.interpolate(&self.topology, control));
+            posed.normals.push(normal);
+            posed
+                .tangents
+                .push(self.tangent(&Vector3::zeros(), &normal, point, control));
+        }
+        posed
+    }
+
+    /// A tangent that moves with the material: along `direction`, or else along the facet's first
+    /// edge.
+    fn tangent(
+        &self,
+        direction: &Vector3<f64>,
+        normal: &Vector3<f64>,
+        point: &MaterialPoint,
+        control: &[Vector3<f64>],
+    ) -> Vector3<f64> {
+        let [a, b, _] = self.topology.faces()[point.face].map(|v| control[v.0 as usize]);
+        let edge = b - a;
+        // At an innermost point of an irregular vertex derivatives may be tiny, never the edge.
+        if direction.norm() > 1e-6 * edge.norm() {
+            material_tangent(direction, normal)
+        } else {
+            material_tangent(&edge, normal)
+        }
+    }
+}

@@ -1,0 +1,288 @@
+//! The mesh a layer is computed on, and the one it is handed out on.
+
+use std::collections::VecDeque;
+
+use nalgebra::{Matrix3, Vector2, Vector3};
+use ruga_blend::{BaseSurface, Driver, PosedSurface, Smoothing, SurfacePoints};
+use ruga_mesh::{
+    FaceId, Id, LoopSurface, MaterialPoint, PerEdge, PerFace, PerVertex, SparseRows, SurfaceLookup,
+    TriMesh, VertexId, limit_rows,
+};
+use ruga_remesh::{
+    FaceDriver, PolyhedralSurface, Refinement, RemeshError, RemeshSettings, SizeLimits, Sizing,
+    SizingInput, SurfaceMesh, remesh, sizing_field,
+};
+
+/// Corrections of control points until the limit surface passes through the vertices; each leaves
+/// about a tenth of the error at 12 points per wavelength.
+const INTERPOLATION_STEPS: usize = 4;
+
+/// Lengths of edges, as multiples of what is wanted, that a mesh goes through. A mesh that is too
+/// fine stays so up to a factor of 0.6, because edges between old vertices are spared; split edges
+/// of a coarser one end nearer to what is wanted, with little more than half of the vertices. The
+/// last round sees the sizing where the one before put its vertices.
+const ROUNDS: [f64; 3] = [2.0, 1.0, 1.0];
+
+/// A triangle mesh whose vertices are material points of the driver.
+#[derive(Clone, Debug)]
+pub(crate) struct SkinMesh {
+    pub(crate) mesh: TriMesh,
+    pub(crate) points: SurfacePoints,
+    pub(crate) rest: PosedSurface,
+}
+
+impl SkinMesh {
+    fn new(driver: &Driver, mesh: TriMesh, points: &[MaterialPoint], smoothing: Smoothing) -> Self {
+        let points = SurfacePoints::new(driver, points, smoothing);
+        Self {
+            rest: points.pose(driver.rest()),
+            mesh,
+            points,
+        }
+    }
+
+    /// The vertices' indices at the corners of every triangle.
+    pub(crate) fn corner_indices(&self) -> Vec<[u32; 3]> {
+        let faces = self.mesh.faces().as_slice().iter();
+        faces.map(|corners| corners.map(|v| v.0)).collect()
+    }
+}
+
+/// The uniform mesh of the active region: every triangle lies in one of the artist's.
+#[derive(Clone, Debug)]
+pub(crate) struct RegionMesh {
+    pub(crate) skin: SkinMesh,
+    uvs: Vec<[Vector2<f64>; 3]>,
+    origins: PerFace<ruga_mesh::FaceOrigin>,
+    artist: Vec<(u32, [[f64; 3]; 3])>,
+    smoothing: Smoothing,
+}
+
+impl RegionMesh {
+    pub(crate) fn new(driver: &Driver, base: &BaseSurface, smoothing: Smoothing) -> Self {
+        let (mesh, copied) = one_fan_per_vertex(base.mesh());
+        let base_points = base.vertex_points();
+        let points: Vec<MaterialPoint> = copied.iter().map(|v| base_points[v.index()]).collect();
+        let origins = base.origins().clone();
+        Self {
+            skin: SkinMesh::new(driver, mesh, &points, smoothing),
+            uvs: base.uvs().as_slice().to_vec(),
+            artist: origins
+                .as_slice()
+                .iter()
+                .map(|origin| (driver.triangles()[origin.face], origin.corners))
+                .collect(),
+            origins,
+            smoothing,
+        }
+    }
+
+    /// Texture coordinates of every triangle's corners, V down.
+    pub(crate) fn uvs(&self) -> &[[Vector2<f64>; 3]] {
+        &self.uvs
+    }
+
+    /// For every triangle the file's triangle and its corners' places there.
+    pub(crate) fn artist(&self) -> &[(u32, [[f64; 3]; 3])] {
+        &self.artist
+    }
+
+    /// A mesh of the region that is as fine as `drivers` (per triangle of this mesh) and the rest
+    /// shape ask for, in the directions in which they do.
+    pub(crate) fn adapted(
+        &self,
+        driver: &Driver,
+        drivers: &PerFace<FaceDriver>,
+        refinement: Refinement,
+        settings: &RemeshSettings,
+    ) -> Result<SkinMesh, RemeshError> {
+        let mesh = &self.skin.mesh;
+        let seams = PerEdge::filled(mesh.edges().len(), false);
+        let surface = PolyhedralSurface::new(mesh, &self.skin.rest.positions, &seams)?;
+        let start = SurfaceMesh::on_surface(mesh.clone(), surface.vertex_points()?, &surface)?;
+        let sizing = sizing_field(&SizingInput {
+            mesh: &start,
+            shape: &self.skin.rest.positions,
+            velocity: None,
+            driver: Some(drivers),
+            refinement,
+        })?;
+        let wanted = sizing.limited(&start, &surface, &settings.limits)?;
+        let settings = RemeshSettings {
+            limits: SizeLimits {
+                min_edge: 0.0,
+                max_edge: f64::MAX,
+                aspect: settings.limits.aspect,
+                grading: f64::INFINITY,
+            },
+            ..*settings
+        };
+        let mut made = start;
+        for coarseness in ROUNDS {
+            let sizing = self.sizing_at(&made.points, &wanted, coarseness);
+            made = remesh(&made, &sizing, &surface, &settings)?.mesh;
+        }
+        let on_driver = |point: &MaterialPoint| {
+            let origin = &self.origins[point.face];
+            MaterialPoint {
+                face: origin.face,
+                barycentric: origin.lift(point.barycentric),
+            }
+        };
+        let points: Vec<MaterialPoint> = made.points.as_slice().iter().map(on_driver).collect();
+        Ok(SkinMesh::new(driver, made.mesh, &points, self.smoothing))
+    }
+
+    /// Sizing at places of this mesh from that at its vertices, for edges `coarseness` times as
+    /// long.
+    fn sizing_at(
+        &self,
+        places: &PerVertex<MaterialPoint>,
+        sizing: &Sizing,
+        coarseness: f64,
+    ) -> Sizing {
+        let tensor = |place: &MaterialPoint| {
+            let corners = self.skin.mesh.faces()[place.face].iter();
+            let weighted = corners.zip(place.barycentric);
+            let sum = weighted.map(|(&v, weight)| sizing.tensors[v] * weight);
+            sum.sum::<Matrix3<f64>>() / (coarseness * coarseness)
+        };
+        Sizing {
+            tensors: places.as_slice().iter().map(tensor).collect(),
+        }
+    }
+
+    /// How values at the vertices of `layer` become values at the vertices of this mesh.
+    pub(crate) fn interpolation_from(&self, layer: &SkinMesh) -> Interpolation {
+        let places = places_on(layer, &self.skin);
+        let corners = PerVertex::filled(layer.mesh.vertex_count(), false);
+        Interpolation {
+            at_vertices: limit_rows(&layer.mesh, &corners).position,
+            at_places: LoopSurface::new(&layer.mesh, &corners)
+                .rows(&places)
+                .position,
+        }
+    }
+}
+
+/// Smooth interpolation of what is known at a mesh's vertices.
+///
+/// The Loop limit of control values that are corrected until it passes through the given ones:
+/// smooth as the limit, without its loss of amplitude.
+#[derive(Clone, Debug)]
+pub(crate) struct Interpolation {
+    at_vertices: SparseRows,
+    at_places: SparseRows,
+}
+
+impl Interpolation {
+    pub(crate) fn apply(&self, values: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        let mut control = values.to_vec();
+        for _ in 0..INTERPOLATION_STEPS {
+            let reached = self.at_vertices.apply(&control);
+            for ((control, value), reached) in control.iter_mut().zip(values).zip(&reached) {
+                *control += value - reached;
+            }
+        }
+        self.at_places.apply(&control)
+    }
+}
+
+/// The place of `layer` under every vertex of `region`, both at rest.
+///
+/// Found from neighbour to neighbour along the region, so that parts that touch are not confused.
+fn places_on(layer: &SkinMesh, region: &SkinMesh) -> Vec<MaterialPoint> {
+    let lookup = SurfaceLookup::new(&layer.mesh, &layer.rest.positions);
+    let mesh = &region.mesh;
+    let mut places: PerVertex<Option<MaterialPoint>> = PerVertex::filled(mesh.vertex_count(), None);
+    let mut queue = VecDeque::new();
+    for seed in places.ids().collect::<Vec<_>>() {
+        if places[seed].is_some() {
+            continue;
+        }
+        places[seed] = lookup
+            .closest(&region.rest.positions[seed.index()])
+            .map(|found| found.point);
+        queue.push_back(seed);
+        while let Some(vertex) = queue.pop_front() {
+            let Some(near) = places[vertex] else { continue };
+            for &face in mesh.vertex_faces(vertex) {
+                for next in mesh.faces()[face] {
+                    if places[next].is_none() {
+                        places[next] = place_near(&lookup, region, near.face, vertex, next);
+                        queue.push_back(next);
+                    }
+                }
+            }
+        }
+    }
+    let anywhere = MaterialPoint::at_corner(FaceId(0), 0);
+    let found = places.into_vec().into_iter();
+    found.map(|place| place.unwrap_or(anywhere)).collect()
+}
+
+fn place_near(
+    lookup: &SurfaceLookup<'_>,
+    region: &SkinMesh,
+    start: FaceId,
+    from: VertexId,
+    to: VertexId,
+) -> Option<MaterialPoint> {
+    let [from, to] = [from, to].map(|v| region.rest.positions[v.index()]);
+    let reach = 2.0 * (to - from).norm();
+    lookup
+        .closest_near(start, &to, reach)
+        .or_else(|| lookup.closest(&to))
+        .map(|found| found.point)
+}
+
+/// The mesh with a vertex for every fan of faces, and the old vertex of every new one.
+///
+/// Two parts of a region that touch at a vertex only have nothing to do with each other.
+fn one_fan_per_vertex(mesh: &TriMesh) -> (TriMesh, Vec<VertexId>) {
+    let mut faces: Vec<[u32; 3]> = Vec::new();
+    for face in mesh.faces().as_slice() {
+        faces.push(face.map(|v| v.0));
+    }
+    let mut copied: Vec<VertexId> = (0..mesh.vertex_count()).map(VertexId::from_index).collect();
+    for vertex in (0..mesh.vertex_count()).map(VertexId::from_index) {
+        for fan in fans(mesh, vertex).into_iter().skip(1) {
+            let copy = copied.len() as u32;
+            copied.push(vertex);
+            for face in fan {
+                let corners = &mut faces[face.index()];
+                let corner = corners.iter_mut().find(|corner| **corner == vertex.0);
+                if let Some(corner) = corner {
+                    *corner = copy;
+                }
+            }
+        }
+    }
+    let split = TriMesh::new(copied.len(), faces);
+    (
+        split.expect("fans taken apart leave a manifold a manifold"),
+        copied,
+    )
+}
+
+/// The faces around a vertex, in groups that hang together by edges.
+fn fans(mesh: &TriMesh, vertex: VertexId) -> Vec<Vec<FaceId>> {
+    let mut left: Vec<FaceId> = mesh.vertex_faces(vertex).to_vec();
+    let mut fans = Vec::new();
+    while let Some(first) = left.first().copied() {
+        let mut fan = vec![first];
+        left.remove(0);
+        let mut next = 0;
+        while next < fan.len() {
+            for corner in 0..3 {
+                let neighbour = mesh.neighbour(fan[next], corner);
+                if let Some(at) = left.iter().position(|&f| Some(f) == neighbour) {
+                    fan.push(left.remove(at));
+                }
+            }
+            next += 1;
+        }
+        fans.push(fan);
+    }
+    fans
+}
