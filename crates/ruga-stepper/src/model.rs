@@ -131,7 +131,7 @@ impl Default for Modelling {
             region: Region::Auto,
             points_per_wavelength: 12.0,
             vertex_budget: 300_000,
-            remesh: None,
+            remesh: Some(EdgeLimits::default()),
             smoothing: Smoothing::Loop,
             linear: LinearSolver::Ldlt,
             tolerance: 1e-6,
