@@ -63,6 +63,7 @@ impl Skin {
             model: WavelengthModel::Layer,
             coupling: Coupling::Hybrid,
             sampling: Sampling::Quadrature,
+            map: None,
         };
         Self {
             file,

@@ -1,12 +1,13 @@
 //! From a scene to what the stepper simulates.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use ruga_blend::{Driver, Smoothing};
-use ruga_io::{Scene, scene};
+use ruga_io::{PropertyPlane, Scene, read_property_images, scene};
 use ruga_material::{
-    LayerMaterial, MaterialError, PRESETS, Preset, Substrate, WavelengthModel, design_layer,
-    preset, wrinkling,
+    LayerMaterial, MaterialError, PRESETS, Preset, PropertyImage, PropertyMap, Substrate,
+    WavelengthModel, Wrap, design_layer, preset, wrinkling,
 };
 use ruga_stepper::{
     Coupling, EdgeLimits, LayerSpec, LinearSolver, Modelling, PoseSpec, Region, Sampling,
@@ -32,13 +33,9 @@ pub(crate) fn not_yet(scene: &Scene, path: &Path) -> Vec<CliError> {
         found.push(("layers".to_owned(), count, ONE_LAYER));
     }
     for (i, layer) in scene.layers.iter().enumerate() {
-        if layer.map.is_some() {
-            let remedy = "leave `map` out; `driver.region` takes a painted mask";
-            found.push((
-                format!("layers[{i}].map"),
-                "a property map".to_owned(),
-                remedy,
-            ));
+        if layer.map.as_ref().is_some_and(|map| map.sharp) {
+            let remedy = "leave `sharp` out: properties then change within a triangle";
+            found.push((format!("layers[{i}].map.sharp"), "true".to_owned(), remedy));
         }
         if let Some(share) = layer.bending_transfer {
             let remedy = "leave `bending_transfer` out: there is no layer below";
@@ -118,6 +115,11 @@ pub(crate) fn layer(scene: &Scene, path: &Path) -> Result<LayerSpec, CliError> {
     };
     let model = wavelength_model(layer.model);
     wrinkling(&material, &substrate, model).map_err(wrong)?;
+    let map = layer
+        .map
+        .as_ref()
+        .map(|map| property_map(map, path, &format!("{key}.map")))
+        .transpose()?;
     Ok(LayerSpec {
         name: layer.name.clone(),
         material,
@@ -125,6 +127,33 @@ pub(crate) fn layer(scene: &Scene, path: &Path) -> Result<LayerSpec, CliError> {
         model,
         coupling: coupling(layer.coupling),
         sampling: sampling(layer.sampling),
+        map: map.map(Arc::new),
+    })
+}
+
+/// The painted properties of a layer.
+fn property_map(map: &scene::PropertyMap, path: &Path, key: &str) -> Result<PropertyMap, CliError> {
+    let images = read_property_images(map, path, key)?;
+    let image = |plane: PropertyPlane| PropertyImage {
+        width: plane.width,
+        height: plane.height,
+        values: plane.values,
+        range: plane.range,
+    };
+    let wrap = match map.wrap {
+        scene::Wrap::Clamp => Wrap::ClampToEdge,
+        scene::Wrap::Repeat => Wrap::Repeat,
+    };
+    PropertyMap::new(
+        images.wavelength.map(image),
+        images.young.map(image),
+        images.thickness.map(image),
+        wrap,
+    )
+    .map_err(|source| CliError::Material {
+        scene: path.to_owned(),
+        key: key.to_owned(),
+        source,
     })
 }
 

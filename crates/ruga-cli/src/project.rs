@@ -82,15 +82,18 @@ impl Project {
         Ok(plan)
     }
 
-    /// Changes whenever the result of a pose might: scene, mesh, mask, quality, release.
+    /// Changes whenever the result of a pose might: scene, mesh, mask, painted maps, quality, release.
     ///
     /// # Errors
-    /// The scene file has gone.
+    /// The scene file or a painted map has gone.
     pub(crate) fn fingerprint(&self) -> Result<Fingerprint, CliError> {
-        let text = fs::read(&self.path).map_err(|source| IoError::Unreadable {
-            path: self.path.clone(),
-            source,
-        })?;
+        let read = |path: &Path| {
+            fs::read(path).map_err(|source| IoError::Unreadable {
+                path: path.to_owned(),
+                source,
+            })
+        };
+        let text = read(&self.path)?;
         let mut hash = Fingerprint::new()
             .with(env!("CARGO_PKG_VERSION").as_bytes())
             .with(&text)
@@ -100,6 +103,16 @@ impl Project {
             let shape = [f64::from(mask.width), f64::from(mask.height)];
             let values = mask.values.iter().map(|&v| f64::from(v));
             hash = hash.with_numbers(shape.into_iter().chain(values));
+        }
+        for map in self
+            .scene
+            .layers
+            .iter()
+            .filter_map(|layer| layer.map.as_ref())
+        {
+            for image in map.images() {
+                hash = hash.with(&read(image)?);
+            }
         }
         Ok(hash)
     }

@@ -142,6 +142,7 @@ fn run(driver: &Driver, steps: u32, watch: &mut Watch) -> PoseResult {
         model: WavelengthModel::Layer,
         coupling: Coupling::Hybrid,
         sampling: Sampling::default(),
+        map: None,
     }];
     let weight = f64::from(steps) / f64::from(STEPS);
     let poses = [PoseSpec {

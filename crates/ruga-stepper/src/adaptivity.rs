@@ -6,12 +6,13 @@ use ruga_material::Wrinkling;
 use ruga_mesh::{Id, PerFace};
 use ruga_remesh::{FaceDriver, Refinement, RemeshSettings, SizeLimits, face_compression};
 
+use crate::local_skin::{LocalSkin, SkinProperties};
 use crate::skin_mesh::{RegionMesh, SkinMesh};
 use crate::{LayerSpec, Modelling, PoseSpec, StepperError};
 
 /// Longest edge where nothing wrinkles, in wavelengths: the low-pass rows, which reach further,
 /// still see a smooth average.
-const COARSEST: f64 = 0.5;
+pub(crate) const COARSEST: f64 = 0.5;
 
 /// The region's mesh fitted to the keys of a pose; `None` where meshes are to stay uniform.
 pub(crate) fn adapted(
@@ -25,7 +26,8 @@ pub(crate) fn adapted(
     let Some(limits) = modelling.remesh else {
         return Ok(None);
     };
-    let drivers = face_drivers(driver, layer, wrinkling, &region.skin, pose);
+    let properties = SkinProperties::new(layer, wrinkling, driver, &region.skin)?;
+    let drivers = face_drivers(driver, layer, &properties, &region.skin, pose);
     let refinement = Refinement {
         points_per_wavelength: modelling.points_per_wavelength,
         ..Refinement::default()
@@ -51,20 +53,21 @@ pub(crate) fn adapted(
 fn face_drivers(
     driver: &Driver,
     layer: &LayerSpec,
-    wrinkling: &Wrinkling,
+    properties: &SkinProperties,
     skin: &SkinMesh,
     pose: &PoseSpec,
 ) -> PerFace<FaceDriver> {
     let poisson = layer.material.poisson;
     let count = skin.mesh.face_count();
     let mut largest = PerFace::filled(count, f64::NEG_INFINITY);
-    let unloaded = FaceDriver {
+    let unloaded = |local: &LocalSkin| FaceDriver {
         compression: Matrix3::zeros(),
-        wavelength: wrinkling.wavelength,
-        critical_strain: wrinkling.critical_strain,
+        wavelength: local.wrinkling.wavelength,
+        critical_strain: local.wrinkling.critical_strain,
         poisson,
     };
-    let mut drivers = PerFace::filled(count, unloaded);
+    let faces = properties.faces.as_slice().iter();
+    let mut drivers: PerFace<FaceDriver> = faces.map(unloaded).collect();
     for &key in &pose.keys {
         let posed = skin.points.pose(&driver.pose(&pose.weights.scaled(key)));
         let strains = face_strains(&skin.mesh, &skin.rest.positions, &posed.positions);

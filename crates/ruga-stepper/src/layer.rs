@@ -3,9 +3,9 @@
 use nalgebra::{Matrix2, Matrix3, Rotation3, SymmetricEigen, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use ruga_blend::{FaceStrain, PosedSurface, SurfacePoints, face_strains, rest_frame};
+use ruga_blend::{Driver, FaceStrain, PosedSurface, SurfacePoints, face_strains, rest_frame};
 use ruga_material::{CAP_START, Wrinkling, capped_strain};
-use ruga_mesh::{Id, PerFace, VertexId};
+use ruga_mesh::{FaceId, Id, PerFace, VertexId};
 use ruga_shell::{
     FaceParameters, HINGE_EXPONENT, LayerEnergy, LayerParameters, ResponseQuery, ShellError,
     face_corners, response_modulus,
@@ -15,6 +15,7 @@ use ruga_solver::{
 };
 
 use crate::layer_objective::{LayerObjective, gather, scatter};
+use crate::local_skin::{LocalSkin, SkinProperties};
 use crate::low_pass_rows::low_pass_rows;
 use crate::measure::heights;
 use crate::skin_mesh::{Interpolation, RegionMesh, SkinMesh};
@@ -42,6 +43,7 @@ pub(crate) struct Layer {
     pub(crate) spec: LayerSpec,
     pub(crate) wrinkling: Wrinkling,
     skin: SkinMesh,
+    properties: SkinProperties,
     /// What results are handed out on, and how they get there; `None` for the layer's own mesh.
     region: RegionMesh,
     interpolation: Option<Interpolation>,
@@ -67,6 +69,7 @@ pub(crate) struct Layer {
 impl Layer {
     /// Builds the layer on `adapted`, or else on the region's own mesh, at rest.
     pub(crate) fn new(
+        driver: &Driver,
         spec: &LayerSpec,
         wrinkling: &Wrinkling,
         region: RegionMesh,
@@ -86,7 +89,8 @@ impl Layer {
         let rest = &skin.rest;
         let pinned = skin.mesh.border_vertices();
         let faces = skin.corner_indices();
-        let parameters = layer_parameters(spec, wrinkling, faces.len(), rest.positions.len());
+        let properties = SkinProperties::new(spec, wrinkling, driver, &skin)?;
+        let parameters = layer_parameters(spec, &properties);
         let energy = LayerEnergy::new(&rest.positions, &faces, parameters, pinned.as_slice())
             .map_err(shell)?;
         let free: Vec<VertexId> = pinned
@@ -99,9 +103,12 @@ impl Layer {
         let areas = energy.vertex_areas().to_vec();
         let floor = free
             .iter()
-            .flat_map(|v| [FLOOR * wrinkling.normal_stiffness * areas[v.index()]; 3])
+            .flat_map(|v| {
+                let stiffness = properties.vertices[v.index()].wrinkling.normal_stiffness;
+                [FLOOR * stiffness * areas[v.index()]; 3]
+            })
             .collect();
-        let rows = low_pass_rows(spec, wrinkling, &skin, &pinned, &free)?;
+        let rows = low_pass_rows(spec, &properties, &skin, &pinned, &free)?;
         let kkt = Kkt::new(&pattern, &rows, 3).map_err(solver)?;
         let mut layer = Self {
             spec: spec.clone(),
@@ -110,6 +117,7 @@ impl Layer {
             positions: rest.positions.clone(),
             below: rest.clone(),
             share: 1.0,
+            properties,
             skin,
             region,
             interpolation,
@@ -141,11 +149,15 @@ impl Layer {
     /// A little of every wave, so that none has to grow out of rounding errors.
     fn add_noise(&mut self, seed: u64) {
         let mut random = Pcg64Mcg::seed_from_u64(seed);
-        let usual_edge = self.wrinkling.wavelength / 12.0;
         for v in &self.free {
+            let LocalSkin {
+                material,
+                wrinkling,
+            } = &self.properties.vertices[v.index()];
+            let usual_edge = wrinkling.wavelength / 12.0;
             // Where the artist's mesh is much finer than asked for, the same noise would fold it.
             let fineness = (self.areas[v.index()] / (usual_edge * usual_edge)).min(1.0);
-            let size = NOISE * self.spec.material.thickness * fineness;
+            let size = NOISE * material.thickness * fineness;
             let height = size * random.random_range(-1.0..1.0);
             self.positions[v.index()] += self.skin.rest.normals[v.index()] * height;
         }
@@ -192,9 +204,9 @@ impl Layer {
     /// up to the critical strain, because a wrinkled layer carries no more.
     fn balance(&mut self) -> Result<(), StepperError> {
         let poisson = self.spec.material.poisson;
-        let critical = self.wrinkling.critical_strain;
-        let stretches = self
-            .rest_stretches(|[first, second]| [(critical - poisson * second).min(first), second]);
+        let stretches = self.rest_stretches(|critical, [first, second]| {
+            [(critical - poisson * second).min(first), second]
+        });
         self.set_rest_metric(&stretches)?;
         self.is_metric_changed = true;
         self.energy
@@ -207,7 +219,7 @@ impl Layer {
         let capped = self.strains.as_slice().iter().any(|s| s.first > CAP_START);
         let changed = capped || self.share < 1.0;
         if changed || self.is_metric_changed {
-            let stretches = self.rest_stretches(|offered| offered);
+            let stretches = self.rest_stretches(|_, offered| offered);
             self.set_rest_metric(&stretches)?;
         }
         self.is_metric_changed = changed;
@@ -215,12 +227,13 @@ impl Layer {
     }
 
     /// Stretches of the rest metric that leave of every face's offered principal strains what
-    /// `wanted` says.
-    fn rest_stretches(&self, wanted: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<Matrix2<f64>> {
-        let strains = self.strains.as_slice().iter();
+    /// `wanted` says, of the face's critical strain and these.
+    fn rest_stretches(&self, wanted: impl Fn(f64, [f64; 2]) -> [f64; 2]) -> Vec<Matrix2<f64>> {
+        let strains = self.strains.iter();
         strains
-            .map(|strain| {
-                let [first, second] = wanted(offered(strain, self.share));
+            .map(|(face, strain)| {
+                let critical = self.properties.faces[face].wrinkling.critical_strain;
+                let [first, second] = wanted(critical, offered(strain, self.share));
                 let ratio =
                     |has: f64, wanted: f64| ((1.0 - has) / (1.0 - wanted)).max(LEAST_STRETCH);
                 let d = strain.direction;
@@ -318,20 +331,23 @@ impl Layer {
         let mesh = &self.skin.mesh;
         self.strains
             .iter()
-            .filter(move |(_, s)| self.effective(s) > self.wrinkling.critical_strain)
+            .filter(|(face, s)| self.face_demand(*face, s) > 1.0)
             .map(move |(face, _)| mesh.faces()[face].map(|v| v.0))
     }
 
     /// Largest effective strain that the surface below asks for, in critical strains.
     pub(crate) fn demand(&self) -> f64 {
-        let strains = self.strains.as_slice().iter();
-        strains.map(|s| self.effective(s)).fold(0.0, f64::max) / self.wrinkling.critical_strain
+        let strains = self.strains.iter();
+        strains
+            .map(|(face, s)| self.face_demand(face, s))
+            .fold(0.0, f64::max)
     }
 
-    /// Effective strain that a face is loaded with.
-    fn effective(&self, strain: &FaceStrain) -> f64 {
+    /// Effective strain that a face is loaded with, in its critical strains.
+    fn face_demand(&self, face: FaceId, strain: &FaceStrain) -> f64 {
         let [first, second] = offered(strain, self.share);
-        first + self.spec.material.poisson * second
+        let effective = first + self.spec.material.poisson * second;
+        effective / self.properties.faces[face].wrinkling.critical_strain
     }
 
     /// Makes up for triangles that bend more or less easily than the material, as measured where
@@ -374,8 +390,8 @@ impl Layer {
     /// The direction in space in which most of the compression beyond the critical strain goes.
     fn main_direction(&self, corners: &[[Vector3<f64>; 3]]) -> Option<Vector3<f64>> {
         let mut tensor = Matrix3::zeros();
-        for (corners, strain) in corners.iter().zip(self.strains.as_slice()) {
-            let excess = self.effective(strain) - self.wrinkling.critical_strain;
+        for (corners, (face, strain)) in corners.iter().zip(self.strains.iter()) {
+            let excess = self.face_demand(face, strain) - 1.0;
             let [u, v] = rest_frame(*corners);
             let direction = u * strain.direction.x + v * strain.direction.y;
             let area = (corners[1] - corners[0])
@@ -436,23 +452,19 @@ fn offered(strain: &FaceStrain, share: f64) -> [f64; 2] {
     })
 }
 
-fn layer_parameters(
-    spec: &LayerSpec,
-    wrinkling: &Wrinkling,
-    faces: usize,
-    vertices: usize,
-) -> LayerParameters {
+fn layer_parameters(spec: &LayerSpec, properties: &SkinProperties) -> LayerParameters {
     let held = spec.coupling != Coupling::Constraint;
     let spring = |stiffness: f64| if held { stiffness } else { 0.0 };
-    let face = FaceParameters {
-        young: spec.material.young,
-        poisson: spec.material.poisson,
-        thickness: spec.material.thickness,
-        normal_stiffness: spring(wrinkling.normal_stiffness),
-        gradient_stiffness: spring(wrinkling.gradient_stiffness),
+    let face = |local: &LocalSkin| FaceParameters {
+        young: local.material.young,
+        poisson: local.material.poisson,
+        thickness: local.material.thickness,
+        normal_stiffness: spring(local.wrinkling.normal_stiffness),
+        gradient_stiffness: spring(local.wrinkling.gradient_stiffness),
     };
+    let tie = |local: &LocalSkin| spring(local.wrinkling.tangential_stiffness);
     LayerParameters {
-        faces: vec![face; faces],
-        tangential_stiffness: vec![spring(wrinkling.tangential_stiffness); vertices],
+        faces: properties.faces.as_slice().iter().map(face).collect(),
+        tangential_stiffness: properties.vertices.iter().map(tie).collect(),
     }
 }

@@ -51,6 +51,7 @@
 //!     model: WavelengthModel::Layer,
 //!     coupling: Coupling::Hybrid,
 //!     sampling: Sampling::Quadrature,
+//!     map: None,
 //! }];
 //! let poses = [PoseSpec {
 //!     name: "frown".into(),
@@ -77,6 +78,7 @@ mod skin_mesh;
 mod adaptivity;
 mod layer;
 mod layer_objective;
+mod local_skin;
 mod low_pass_rows;
 mod measure;
 mod region;

@@ -1,10 +1,10 @@
 //! The rows that keep a layer's large shape on the surface below.
 
 use ruga_constraint::{ClusterSettings, Kernel, cluster_centres, constraint_rows};
-use ruga_material::Wrinkling;
-use ruga_mesh::{PerVertex, VertexId};
+use ruga_mesh::{Id, PerVertex, VertexId};
 use ruga_solver::ConstraintRows;
 
+use crate::local_skin::SkinProperties;
 use crate::skin_mesh::SkinMesh;
 use crate::{Coupling, LayerSpec, StepperError};
 
@@ -20,7 +20,7 @@ const MIN_FREE_WEIGHT: f64 = 0.2;
 /// The rows of the layer's coupling on the coordinates of its free vertices, x, y, z in turn.
 pub(crate) fn low_pass_rows(
     spec: &LayerSpec,
-    wrinkling: &Wrinkling,
+    properties: &SkinProperties,
     skin: &SkinMesh,
     pinned: &PerVertex<bool>,
     free: &[VertexId],
@@ -29,14 +29,15 @@ pub(crate) fn low_pass_rows(
         layer: spec.name.clone(),
         source,
     };
-    let wavelength = wrinkling.wavelength;
-    let (spacing, kernel) = match spec.coupling {
+    let spacing = match spec.coupling {
         Coupling::Elastic => return Ok(ConstraintRows::none(3 * free.len())),
-        Coupling::Hybrid => (
-            HYBRID_SPACING * wavelength,
-            Kernel::beside_foundation(HYBRID_SPACING * wavelength),
-        ),
-        Coupling::Constraint => (CONSTRAINT_SPACING * wavelength, Kernel::alone(wavelength)),
+        Coupling::Hybrid => HYBRID_SPACING,
+        Coupling::Constraint => CONSTRAINT_SPACING,
+    };
+    let wavelength = |v: usize| properties.vertices[v].wrinkling.wavelength;
+    let kernel = |centre: &VertexId| match spec.coupling {
+        Coupling::Constraint => Kernel::alone(wavelength(centre.index())),
+        _ => Kernel::beside_foundation(spacing * wavelength(centre.index())),
     };
     if free.is_empty() {
         return Ok(ConstraintRows::none(0));
@@ -46,10 +47,11 @@ pub(crate) fn low_pass_rows(
         source,
     };
     let SkinMesh { mesh, rest, .. } = skin;
+    let spacings = (0..mesh.vertex_count()).map(|v| spacing * wavelength(v));
     let centres = cluster_centres(
         mesh,
         &rest.positions,
-        &PerVertex::filled(mesh.vertex_count(), spacing),
+        &spacings.collect(),
         free,
         &ClusterSettings::default(),
     )
@@ -59,7 +61,7 @@ pub(crate) fn low_pass_rows(
         &rest.positions,
         &rest.normals,
         &centres,
-        &vec![kernel; centres.len()],
+        &centres.iter().map(kernel).collect::<Vec<_>>(),
         spec.sampling,
     )
     .map_err(constraint)?;

@@ -1,9 +1,11 @@
 //! What is to be simulated: materials, couplings, poses and the choices of the planner.
 
+use std::sync::Arc;
+
 use nalgebra::Vector2;
 use ruga_blend::{Smoothing, Weights};
 use ruga_constraint::Sampling;
-use ruga_material::{LayerMaterial, Substrate, WavelengthModel};
+use ruga_material::{LayerMaterial, PropertyMap, Substrate, WavelengthModel};
 use ruga_solver::LinearSolver;
 
 /// How a layer is held by what lies below it.
@@ -33,6 +35,8 @@ pub struct LayerSpec {
     pub coupling: Coupling,
     /// How constraint functions are sampled.
     pub sampling: Sampling,
+    /// Painted properties, relative to `material` and the wavelength it gives.
+    pub map: Option<Arc<PropertyMap>>,
 }
 
 /// One pose to simulate.

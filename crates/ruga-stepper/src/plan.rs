@@ -5,8 +5,10 @@ use ruga_blend::{BaseSurface, Driver, PosedSurface};
 use ruga_material::{CAP_START, Wrinkling, wrinkling};
 use ruga_mesh::{FaceId, Id, PerFace};
 
-use crate::region::Demand;
-use crate::{LayerSpec, Modelling, PoseSpec, Region, StepperError};
+use crate::adaptivity::COARSEST;
+use crate::local_skin::local_skin;
+use crate::region::{ACTIVE_SHARE, Demand};
+use crate::{EdgeLimits, LayerSpec, Modelling, PoseSpec, Region, StepperError};
 
 /// Faces of the planning surface above which it is not subdivided further.
 const MAX_PLANNING_FACES: usize = 1_500_000;
@@ -16,6 +18,8 @@ const MAX_LEVELS: u32 = 10;
 const FACET_SHARE: f64 = 1.0 / 3.0;
 /// Loads, as shares of the last key, at which the way to the keys is looked at.
 const PASSING: [f64; 3] = [0.25, 0.5, 0.75];
+/// Edges beside the wrinkles over those across them, where a fitted mesh grows coarser.
+const GRADED: f64 = 2.0;
 /// Areas below a hundredth of a square centimetre are not worth a warning, m².
 const NEGLIGIBLE_AREA: f64 = 1e-6;
 
@@ -139,6 +143,11 @@ pub fn plan(
     if let Region::Mask(_) = modelling.region {
         planning.check_mask(&modelling.region)?;
     }
+    let local = layers
+        .iter()
+        .zip(&wrinkling)
+        .map(|(layer, nominal)| planning.local_wrinkling(layer, nominal))
+        .collect::<Result<Vec<_>, _>>()?;
     let mut warnings = Vec::new();
     let pose_plans = poses
         .iter()
@@ -147,6 +156,7 @@ pub fn plan(
                 driver,
                 layers,
                 &wrinkling,
+                &local,
                 pose,
                 modelling,
                 map_size,
@@ -206,6 +216,21 @@ impl PlanningSurface {
         }
     }
 
+    /// How the layer wrinkles on every face, by its map.
+    fn local_wrinkling(
+        &self,
+        layer: &LayerSpec,
+        nominal: &Wrinkling,
+    ) -> Result<PerFace<Wrinkling>, StepperError> {
+        let Some(map) = &layer.map else {
+            let faces = self.surface.mesh().face_count();
+            return Ok(PerFace::filled(faces, *nominal));
+        };
+        let uvs = self.surface.uvs().as_slice().iter();
+        uvs.map(|corners| Ok(local_skin(layer, &map.sample_face(corners))?.wrinkling))
+            .collect()
+    }
+
     fn check_mask(&self, region: &Region) -> Result<(), StepperError> {
         let Region::Mask(mask) = region else {
             return Ok(());
@@ -232,6 +257,7 @@ impl PlanningSurface {
         driver: &Driver,
         layers: &[LayerSpec],
         wrinkling: &[Wrinkling],
+        local: &[PerFace<Wrinkling>],
         pose: &PoseSpec,
         modelling: &Modelling,
         map_size: u32,
@@ -244,7 +270,9 @@ impl PlanningSurface {
         let mut demands: Vec<Demand> = layers
             .iter()
             .zip(wrinkling)
-            .map(|(layer, numbers)| {
+            .zip(local)
+            .map(|((layer, numbers), local)| {
+                let local = local.as_slice().iter();
                 Demand::new(
                     &self.surface,
                     &self.rest,
@@ -252,6 +280,7 @@ impl PlanningSurface {
                     &passing,
                     layer.material.poisson,
                     numbers.wavelength,
+                    local.map(|numbers| numbers.critical_strain).collect(),
                 )
             })
             .collect();
@@ -263,8 +292,10 @@ impl PlanningSurface {
             .iter()
             .zip(wrinkling)
             .zip(&demands)
-            .map(|((layer, numbers), demand)| {
-                let plan = self.layer_plan(layer, numbers, demand, pose, modelling, map_size);
+            .zip(local)
+            .map(|(((layer, numbers), demand), local)| {
+                let plan =
+                    self.layer_plan(layer, numbers, local, demand, pose, modelling, map_size);
                 warn(&plan, layer, pose, modelling, warnings);
                 plan
             })
@@ -280,6 +311,7 @@ impl PlanningSurface {
         &self,
         layer: &LayerSpec,
         numbers: &Wrinkling,
+        local: &PerFace<Wrinkling>,
         demand: &Demand,
         pose: &PoseSpec,
         modelling: &Modelling,
@@ -290,7 +322,6 @@ impl PlanningSurface {
             &self.rest,
             &modelling.region,
             numbers.wavelength,
-            numbers.critical_strain,
         );
         let quantile = |field: &PerFace<f64>, share: f64| {
             weighted_quantile(&active, field, &demand.areas, share)
@@ -311,8 +342,17 @@ impl PlanningSurface {
             let split = 2f64.powi(levels as i32 - planned as i32);
             (median / split, long / split)
         };
-        let levels = needed_levels(numbers.wavelength, modelling, faces_at, edges_at);
-        let faces = faces_at(levels);
+        let wavelengths = local.as_slice().iter().map(|numbers| numbers.wavelength);
+        let wavelengths: PerFace<f64> = wavelengths.collect();
+        let shortest = match active.is_empty() {
+            true => numbers.wavelength,
+            false => quantile(&wavelengths, 0.05),
+        };
+        let levels = needed_levels(shortest, modelling, faces_at, edges_at);
+        let faces = match modelling.remesh {
+            Some(limits) => fitted_faces(&active, demand, &wavelengths, &limits, modelling),
+            None => faces_at(levels),
+        };
         let vertices = (0.5 * faces + faces.sqrt()) as usize;
         let (seconds, memory) = cost(vertices, pose.steps);
         let radius = 1.0 / quantile(&self.curvatures, 0.95);
@@ -344,6 +384,33 @@ impl PlanningSurface {
     }
 }
 
+/// Triangles of a mesh fitted to what a pose asks for.
+///
+/// Where the layer wrinkles, edges across the wrinkles have the asked share of a wavelength, along
+/// them they are longer by the aspect; elsewhere they grow towards half a wavelength.
+fn fitted_faces(
+    active: &[FaceId],
+    demand: &Demand,
+    wavelengths: &PerFace<f64>,
+    limits: &EdgeLimits,
+    modelling: &Modelling,
+) -> f64 {
+    let per_area = |face: FaceId| {
+        let wavelength = wavelengths[face];
+        let longest = (COARSEST * wavelength).min(limits.max_edge);
+        let across = (wavelength / modelling.points_per_wavelength).max(limits.min_edge);
+        let (across, along) = match demand.demand(face) > ACTIVE_SHARE {
+            true => (across, (limits.aspect * across).min(longest)),
+            false => (GRADED * across, GRADED * across),
+        };
+        4.0 / (3f64.sqrt() * across.min(longest) * along.min(longest))
+    };
+    active
+        .iter()
+        .map(|&face| demand.areas[face] * per_area(face))
+        .sum()
+}
+
 /// Chooses the path of a pose, and says so where it is not the plain one.
 fn load_path(
     demands: &[Demand],
@@ -353,7 +420,7 @@ fn load_path(
 ) -> LoadPath {
     let detours = demands.iter().zip(wrinkling);
     let detour = detours
-        .map(|(demand, numbers)| demand.detour(numbers.wavelength, numbers.critical_strain))
+        .map(|(demand, numbers)| demand.detour(numbers.wavelength))
         .fold(0.0, f64::max);
     if detour == 0.0 {
         return LoadPath::Weight;

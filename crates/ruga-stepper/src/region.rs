@@ -27,6 +27,8 @@ pub(crate) struct Demand {
     passing: PerFace<f64>,
     /// Collapsed or turned over on the way.
     passing_folded: PerFace<bool>,
+    /// The layer's critical strain on every face.
+    critical: PerFace<f64>,
     /// Rest area of every face, m².
     pub(crate) areas: PerFace<f64>,
 }
@@ -42,6 +44,7 @@ impl Demand {
         passing: &[PosedSurface],
         poisson: f64,
         wavelength: f64,
+        critical: PerFace<f64>,
     ) -> Self {
         let mesh = surface.mesh();
         let count = mesh.face_count();
@@ -52,6 +55,7 @@ impl Demand {
             folded: PerFace::filled(count, false),
             passing: PerFace::filled(count, f64::NEG_INFINITY),
             passing_folded: PerFace::filled(count, false),
+            critical,
             areas: normals.as_slice().iter().map(|n| 0.5 * n.norm()).collect(),
         };
         // Averaging over more than 2 mm would remove real gradients at lids and mouth corners.
@@ -83,14 +87,15 @@ impl Demand {
     ///
     /// A blend shape moves points on straight lines: a part that it turns by an angle `a` is
     /// shorter half way by the factor `cos(a / 2)`.
-    pub(crate) fn detour(&self, wavelength: f64, critical_strain: f64) -> f64 {
+    pub(crate) fn detour(&self, wavelength: f64) -> f64 {
         let area_where = |test: &dyn Fn(FaceId) -> bool| -> f64 {
             let faces = self.areas.iter().filter(|&(face, _)| test(face));
             faces.map(|(_, area)| area).sum()
         };
-        let at_keys = area_where(&|face| self.effective[face] > critical_strain);
+        let critical = &self.critical;
+        let at_keys = area_where(&|face| self.effective[face] > critical[face]);
         let on_the_way = area_where(&|face| {
-            self.passing[face] > critical_strain && self.effective[face] <= critical_strain
+            self.passing[face] > critical[face] && self.effective[face] <= critical[face]
         });
         let worth_it = (DETOUR_SHARE * at_keys).max(wavelength * wavelength);
         if on_the_way > worth_it {
@@ -98,6 +103,11 @@ impl Demand {
         } else {
             0.0
         }
+    }
+
+    /// Largest effective strain over the keys, in critical strains.
+    pub(crate) fn demand(&self, face: FaceId) -> f64 {
+        self.effective[face] / self.critical[face]
     }
 
     /// Leaves out, too, what collapses on the way: it cannot be followed there.
@@ -114,7 +124,6 @@ impl Demand {
         rest: &PosedSurface,
         region: &Region,
         wavelength: f64,
-        critical_strain: f64,
     ) -> Vec<FaceId> {
         let mesh = surface.mesh();
         let allowed = |face: FaceId| match region {
@@ -128,7 +137,7 @@ impl Demand {
             .faces()
             .ids()
             .map(|face| {
-                let wrinkles = self.effective[face] > ACTIVE_SHARE * critical_strain;
+                let wrinkles = self.demand(face) > ACTIVE_SHARE;
                 matches!(region, Region::All) || (wrinkles && allowed(face))
             })
             .collect();

@@ -51,7 +51,14 @@ pub fn simulate(
     observer.phase(Phase::Remeshing);
     let adapted = adapted(driver, layer, &plan.wrinkling[0], &region, spec, modelling)?;
     observer.phase(Phase::Constraints);
-    let layer = Layer::new(layer, &plan.wrinkling[0], region, adapted, modelling.seed)?;
+    let layer = Layer::new(
+        driver,
+        layer,
+        &plan.wrinkling[0],
+        region,
+        adapted,
+        modelling.seed,
+    )?;
     let mut run = PoseRun {
         driver,
         spec,

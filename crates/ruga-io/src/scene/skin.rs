@@ -1,6 +1,6 @@
 //! `[substrate]` and `[[layers]]`: what the skin is made of.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
@@ -228,6 +228,20 @@ pub struct PropertyMap {
     /// Whether edges of the layer's mesh shall follow the places where the paint jumps.
     #[serde(skip_serializing_if = "is_default")]
     pub sharp: bool,
+}
+
+impl PropertyMap {
+    /// The image files that are named.
+    pub fn images(&self) -> impl Iterator<Item = &Path> {
+        [
+            &self.image,
+            &self.wavelength_image,
+            &self.young_image,
+            &self.thickness_image,
+        ]
+        .into_iter()
+        .filter_map(Option::as_deref)
+    }
 }
 
 /// What lies beyond the border of a painted image.

@@ -63,6 +63,7 @@ pub(crate) fn skin(name: &str, coupling: Coupling) -> LayerSpec {
         model: Default::default(),
         coupling,
         sampling: Sampling::Quadrature,
+        map: None,
     }
 }
 
