@@ -144,26 +144,22 @@ pub fn plan(
     if let Region::Mask(_) = modelling.region {
         planning.check_mask(&modelling.region)?;
     }
-    let local = layers
+    let planned = layers
         .iter()
         .zip(wrinkling)
-        .map(|(layer, nominal)| planning.local_wrinkling(layer, nominal))
-        .collect::<Result<Vec<_>, _>>()?;
+        .map(|(spec, numbers)| {
+            let local = planning.local_wrinkling(spec, numbers)?;
+            Ok(PlannedLayer {
+                spec,
+                numbers,
+                local,
+            })
+        })
+        .collect::<Result<Vec<_>, StepperError>>()?;
     let mut warnings = stacking.warnings(modelling.stack);
     let pose_plans = poses
         .iter()
-        .map(|pose| {
-            planning.pose_plan(
-                driver,
-                layers,
-                wrinkling,
-                &local,
-                pose,
-                modelling,
-                map_size,
-                &mut warnings,
-            )
-        })
+        .map(|pose| planning.pose_plan(driver, &planned, pose, modelling, map_size, &mut warnings))
         .collect();
     Ok(Plan {
         wrinkling: stacking.wrinkling,
@@ -174,6 +170,13 @@ pub fn plan(
         warnings,
         planning_levels: planning.surface.levels(),
     })
+}
+
+/// A layer with its critical wave, by itself and on every face of the planning surface.
+pub(crate) struct PlannedLayer<'a> {
+    pub(crate) spec: &'a LayerSpec,
+    pub(crate) numbers: &'a Wrinkling,
+    pub(crate) local: PerFace<Wrinkling>,
 }
 
 /// The whole driver, subdivided finely enough to measure strain on.
@@ -252,16 +255,10 @@ impl PlanningSurface {
         }
     }
 
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "the planner weighs all of the scene at once"
-    )]
     fn pose_plan(
         &self,
         driver: &Driver,
-        layers: &[LayerSpec],
-        wrinkling: &[Wrinkling],
-        local: &[PerFace<Wrinkling>],
+        layers: &[PlannedLayer<'_>],
         pose: &PoseSpec,
         modelling: &Modelling,
         map_size: u32,
@@ -273,34 +270,18 @@ impl PlanningSurface {
         let passing = PASSING.map(|share| posed(share * last));
         let mut demands: Vec<Demand> = layers
             .iter()
-            .zip(wrinkling)
-            .zip(local)
-            .map(|((layer, numbers), local)| {
-                let local = local.as_slice().iter();
-                Demand::new(
-                    &self.surface,
-                    &self.rest,
-                    &keys,
-                    &passing,
-                    layer.material.poisson,
-                    numbers.wavelength,
-                    local.map(|numbers| numbers.critical_strain).collect(),
-                )
-            })
+            .map(|layer| Demand::new(&self.surface, &self.rest, &keys, &passing, layer))
             .collect();
-        let path = load_path(&demands, wrinkling, pose, warnings);
+        let path = load_path(&demands, layers, pose, warnings);
         if path == LoadPath::Weight {
             demands.iter_mut().for_each(Demand::exclude_passing_folds);
         }
         let layers = layers
             .iter()
-            .zip(wrinkling)
             .zip(&demands)
-            .zip(local)
-            .map(|(((layer, numbers), demand), local)| {
-                let plan =
-                    self.layer_plan(layer, numbers, local, demand, pose, modelling, map_size);
-                warn(&plan, layer, pose, modelling, warnings);
+            .map(|(layer, demand)| {
+                let plan = self.layer_plan(layer, demand, pose, modelling, map_size);
+                warn(&plan, pose, modelling, warnings);
                 plan
             })
             .collect();
@@ -313,14 +294,17 @@ impl PlanningSurface {
 
     fn layer_plan(
         &self,
-        layer: &LayerSpec,
-        numbers: &Wrinkling,
-        local: &PerFace<Wrinkling>,
+        layer: &PlannedLayer<'_>,
         demand: &Demand,
         pose: &PoseSpec,
         modelling: &Modelling,
         map_size: u32,
     ) -> LayerPlan {
+        let PlannedLayer {
+            spec,
+            numbers,
+            local,
+        } = layer;
         let active = demand.active_faces(
             &self.surface,
             &self.rest,
@@ -361,7 +345,7 @@ impl PlanningSurface {
         let (seconds, memory) = cost(vertices, pose.steps);
         let radius = 1.0 / quantile(&self.curvatures, 0.95);
         LayerPlan {
-            name: layer.name.clone(),
+            name: spec.name.clone(),
             wavelength: numbers.wavelength,
             critical_strain: numbers.critical_strain,
             strain_median: quantile(&demand.effective, 0.5),
@@ -418,13 +402,13 @@ fn fitted_faces(
 /// Chooses the path of a pose, and says so where it is not the plain one.
 fn load_path(
     demands: &[Demand],
-    wrinkling: &[Wrinkling],
+    layers: &[PlannedLayer<'_>],
     pose: &PoseSpec,
     warnings: &mut Vec<String>,
 ) -> LoadPath {
-    let detours = demands.iter().zip(wrinkling);
+    let detours = demands.iter().zip(layers);
     let detour = detours
-        .map(|(demand, numbers)| demand.detour(numbers.wavelength))
+        .map(|(demand, layer)| demand.detour(layer.numbers.wavelength))
         .fold(0.0, f64::max);
     if detour == 0.0 {
         return LoadPath::Weight;
@@ -461,17 +445,11 @@ fn needed_levels(
     levels
 }
 
-fn warn(
-    plan: &LayerPlan,
-    layer: &LayerSpec,
-    pose: &PoseSpec,
-    modelling: &Modelling,
-    warnings: &mut Vec<String>,
-) {
+fn warn(plan: &LayerPlan, pose: &PoseSpec, modelling: &Modelling, warnings: &mut Vec<String>) {
     let mut say = |text: String| {
         warnings.push(format!(
             "pose '{}', layer '{}': {text}",
-            pose.name, layer.name
+            pose.name, plan.name
         ));
     };
     let cm2 = |area: f64| area * 1e4;

@@ -5,6 +5,7 @@ use ruga_blend::{BaseSurface, FaceStrain, PosedSurface, face_strains, rest_frame
 use ruga_mesh::{FaceId, Id, PerFace, TriMesh, edge_distances, face_normals};
 
 use crate::Region;
+use crate::plan::PlannedLayer;
 
 /// A face is active where the effective strain passes this share of the critical one.
 pub(crate) const ACTIVE_SHARE: f64 = 0.8;
@@ -42,10 +43,10 @@ impl Demand {
         rest: &PosedSurface,
         keys: &[PosedSurface],
         passing: &[PosedSurface],
-        poisson: f64,
-        wavelength: f64,
-        critical: PerFace<f64>,
+        layer: &PlannedLayer<'_>,
     ) -> Self {
+        let poisson = layer.spec.material.poisson;
+        let local = layer.local.as_slice().iter();
         let mesh = surface.mesh();
         let count = mesh.face_count();
         let normals = face_normals(mesh, &rest.positions);
@@ -55,11 +56,11 @@ impl Demand {
             folded: PerFace::filled(count, false),
             passing: PerFace::filled(count, f64::NEG_INFINITY),
             passing_folded: PerFace::filled(count, false),
-            critical,
+            critical: local.map(|numbers| numbers.critical_strain).collect(),
             areas: normals.as_slice().iter().map(|n| 0.5 * n.norm()).collect(),
         };
         // Averaging over more than 2 mm would remove real gradients at lids and mouth corners.
-        let width = (0.5 * wavelength).min(2e-3);
+        let width = (0.5 * layer.numbers.wavelength).min(2e-3);
         for pose in passing {
             let strains = face_strains(mesh, &rest.positions, &pose.positions);
             mark_folded(mesh, pose, &strains, &mut demand.passing_folded);

@@ -4,8 +4,8 @@ mod patch;
 
 use patch::{draft, driver, pose, skin};
 use ruga_stepper::{
-    Coupling, Frame, LinearSolver, Modelling, Observer, PoseResult, Progress, Silent, StepperError,
-    plan, simulate,
+    Coupling, Frame, LinearSolver, Modelling, Observer, PoseResult, Progress, Silent, plan,
+    simulate,
 };
 
 fn run(coupling: Coupling, modelling: &Modelling, observer: &mut dyn Observer) -> PoseResult {
