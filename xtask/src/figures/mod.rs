@@ -146,8 +146,8 @@ struct Top {
     skin: Surface,
     /// The mesh that it was computed on.
     mesh: Surface,
-    /// The strain that is drawn in full colour: twice that at which the layer begins to wrinkle,
-    /// which wrinkled skin keeps on average.
+    /// The strain that is drawn in full colour: half more than that at which the layer begins to
+    /// wrinkle, which wrinkled skin keeps on average.
     full_colour: f64,
 }
 
@@ -166,7 +166,7 @@ impl Top {
             // that it was computed on; read that one's file here as soon as there is one.
             mesh: skin.clone(),
             skin,
-            full_colour: 2.0 * layer.critical_strain_predicted.unwrap_or(0.05),
+            full_colour: 1.5 * layer.critical_strain_predicted.unwrap_or(0.05),
         }))
     }
 }

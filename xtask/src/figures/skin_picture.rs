@@ -12,9 +12,10 @@ use crate::light::skin;
 /// Pixels across.
 const WIDTH: usize = 900;
 
-/// How far the eye goes down from above the skin, and around it, rad.
+/// How far the eye goes down from above the skin, and around it, rad: to the side that lets the
+/// lamp, at the upper left, shine across wrinkles that run along y.
 const SLANT: f64 = 0.75;
-const TURN: f64 = 0.4;
+const TURN: f64 = -0.4;
 
 /// Draws a layer.
 pub(super) fn draw(layer: &Surface) -> Result<Canvas, Box<dyn Error>> {
