@@ -64,6 +64,7 @@ impl Skin {
             coupling: Coupling::Hybrid,
             sampling: Sampling::Quadrature,
             map: None,
+            bending_transfer: None,
         };
         Self {
             file,
@@ -130,8 +131,7 @@ impl Skin {
     /// When planner or stepper refuse.
     pub fn simulate(&self, pose: &PoseSpec, modelling: &Modelling) -> PoseResult {
         let plan = self.plan(pose, modelling);
-        let layers = std::slice::from_ref(&self.layer);
-        simulate(&self.driver, layers, &plan, 0, pose, modelling, &mut Silent)
+        simulate(&self.driver, &plan, 0, pose, modelling, &mut Silent)
             .expect("a pose that can be simulated")
     }
 

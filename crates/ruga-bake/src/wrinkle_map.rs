@@ -31,6 +31,26 @@ pub struct WrinkleMap {
 }
 
 impl WrinkleMap {
+    /// Replaces what `upper` covers: a layer that lies on this one, over a part of it.
+    ///
+    /// Padding never hides what is covered.
+    pub fn cover_with(&mut self, upper: &Self) {
+        for texel in 0..self.coverage.len().min(upper.coverage.len()) {
+            let covers = match upper.coverage[texel] {
+                Coverage::Neutral => false,
+                Coverage::Padded => self.coverage[texel] == Coverage::Neutral,
+                Coverage::Covered => true,
+            };
+            if covers {
+                self.normals[texel] = upper.normals[texel];
+                self.heights[texel] = upper.heights[texel];
+                self.coverage[texel] = upper.coverage[texel];
+            }
+        }
+        self.skipped_faces += upper.skipped_faces;
+        self.folded_samples += upper.folded_samples;
+    }
+
     /// A map of neutral texels.
     pub(crate) fn neutral(size: u32) -> Self {
         let texels = size as usize * size as usize;

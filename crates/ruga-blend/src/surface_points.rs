@@ -53,6 +53,22 @@ impl SurfacePoints {
         }
     }
 
+    /// Two tangents at every point that move with the material, m: how the surface changes with the
+    /// barycentric coordinates of its driver face.
+    pub fn derivatives(&self, control: &[Vector3<f64>]) -> Vec<[Vector3<f64>; 2]> {
+        match &self.limit {
+            Some(rows) => rows.apply(control).iter().map(|jet| jet.first).collect(),
+            None => {
+                let edges = |point: &MaterialPoint| {
+                    let [a, b, c] =
+                        self.topology.faces()[point.face].map(|v| control[v.0 as usize]);
+                    [b - a, c - a]
+                };
+                self.points.iter().map(edges).collect()
+            }
+        }
+    }
+
     fn pose_limit(&self, rows: &LimitPointRows, control: &[Vector3<f64>]) -> PosedSurface {
         let facets = face_normals(&self.topology, control);
         let mut posed = PosedSurface::default();

@@ -10,7 +10,7 @@ use ruga_material::{
     WavelengthModel, Wrap, design_layer, preset, wrinkling,
 };
 use ruga_stepper::{
-    Coupling, EdgeLimits, LayerSpec, LinearSolver, Modelling, PoseSpec, Region, Sampling,
+    Coupling, EdgeLimits, LayerSpec, LinearSolver, Modelling, PoseSpec, Region, Sampling, Stack,
 };
 
 use crate::arguments::Quality;
@@ -18,26 +18,17 @@ use crate::error::{CliError, nearest};
 
 /// Everything in the scene that this version cannot do, in the order of the scene.
 pub(crate) fn not_yet(scene: &Scene, path: &Path) -> Vec<CliError> {
-    const ONE_LAYER: &str = "leave one [[layers]] table and run one scene per layer";
     let mut found: Vec<(String, String, &'static str)> = Vec::new();
-    if scene.stack != scene::Stack::Nominal {
-        let stack = match scene.stack {
-            scene::Stack::Composite => "\"composite\"",
-            _ => "\"joint\"",
-        };
-        let remedy = "leave `stack` out: one layer is no stack";
-        found.push(("stack".to_owned(), stack.to_owned(), remedy));
-    }
-    if scene.layers.len() > 1 {
-        let count = format!("{} layers", scene.layers.len());
-        found.push(("layers".to_owned(), count, ONE_LAYER));
+    if scene.stack == scene::Stack::Joint {
+        let remedy = "take \"nominal\" or \"composite\"";
+        found.push(("stack".to_owned(), "\"joint\"".to_owned(), remedy));
     }
     for (i, layer) in scene.layers.iter().enumerate() {
         if layer.map.as_ref().is_some_and(|map| map.sharp) {
             let remedy = "leave `sharp` out: properties then change within a triangle";
             found.push((format!("layers[{i}].map.sharp"), "true".to_owned(), remedy));
         }
-        if let Some(share) = layer.bending_transfer {
+        if let Some(share) = layer.bending_transfer.filter(|_| i == 0) {
             let remedy = "leave `bending_transfer` out: there is no layer below";
             found.push((
                 format!("layers[{i}].bending_transfer"),
@@ -69,19 +60,38 @@ pub(crate) fn not_yet(scene: &Scene, path: &Path) -> Vec<CliError> {
         .collect()
 }
 
-/// The layer with its material and what carries it.
+/// The layers with their materials and what carries them, bottom first.
 ///
 /// # Errors
-/// [`CliError::UnknownPreset`] and [`CliError::Material`], naming the key.
-pub(crate) fn layer(scene: &Scene, path: &Path) -> Result<LayerSpec, CliError> {
+/// [`CliError::UnknownPreset`], [`CliError::Material`] and what a painted map is refused for, naming
+/// the key.
+pub(crate) fn layers(scene: &Scene, path: &Path) -> Result<Vec<LayerSpec>, CliError> {
+    let mut layers: Vec<LayerSpec> = Vec::new();
+    for index in 0..scene.layers.len() {
+        let below = match layers.last() {
+            Some(lower) => Some(lower.material.as_substrate()),
+            None => substrate(scene, path)?,
+        };
+        layers.push(layer(scene, index, below, path)?);
+    }
+    Ok(layers)
+}
+
+/// Layer number `index` on what is `below`; only a preset brings its own substrate.
+fn layer(
+    scene: &Scene,
+    index: usize,
+    below: Option<Substrate>,
+    path: &Path,
+) -> Result<LayerSpec, CliError> {
     // Reading a scene has refused what these three lines rely on.
-    let layer = &scene.layers[0];
+    let layer = &scene.layers[index];
     let one_way = "a scene that was read describes each layer in exactly one way";
     let carried = "a scene that was read has a substrate, unless its layer is a preset";
-    let key = "layers[0]";
+    let key = format!("layers[{index}]");
     let wrong = |source: MaterialError| CliError::Material {
         scene: path.to_owned(),
-        key: key.to_owned(),
+        key: key.clone(),
         source,
     };
     let definition = layer.definition().expect(one_way);
@@ -91,7 +101,7 @@ pub(crate) fn layer(scene: &Scene, path: &Path) -> Result<LayerSpec, CliError> {
         }
         _ => None,
     };
-    let substrate = substrate(scene, path)?
+    let substrate = below
         .or(preset.map(|preset| preset.substrate))
         .expect(carried);
     let (poisson, density) = (layer.poisson, layer.density);
@@ -128,6 +138,7 @@ pub(crate) fn layer(scene: &Scene, path: &Path) -> Result<LayerSpec, CliError> {
         coupling: coupling(layer.coupling),
         sampling: sampling(layer.sampling),
         map: map.map(Arc::new),
+        bending_transfer: layer.bending_transfer,
     })
 }
 
@@ -246,6 +257,10 @@ pub(crate) fn modelling(scene: &Scene, region: Region, quality: Option<Quality>)
             aspect: scene.remesh.aspect,
         }),
         vertex_budget: usize::try_from(scene.driver.vertex_budget).unwrap_or(usize::MAX),
+        stack: match scene.stack {
+            scene::Stack::Composite => Stack::Composite,
+            _ => Stack::Nominal,
+        },
         smoothing: match scene.driver.smoothing {
             scene::Smoothing::Loop => Smoothing::Loop,
             scene::Smoothing::None => Smoothing::None,

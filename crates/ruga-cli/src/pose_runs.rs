@@ -34,6 +34,9 @@ pub(crate) trait Product: Sync {
     /// Name of the command: poses made by another one are made again.
     const COMMAND: &'static str;
 
+    /// Whether it has a use for load steps, not for keys alone.
+    const WANTS_FRAMES: bool;
+
     /// Removes of an earlier run's files those among which new ones are about to appear: an
     /// interrupted run must not leave a mixture.
     fn begin(&self, earlier: &[String]);
@@ -135,10 +138,9 @@ impl<P: Product> PoseRun<'_, P> {
             files.extend(self.product.frame(spec, frame)?);
             Ok(())
         };
-        let mut watch = Watch::new(bar, given_up, &mut sink);
+        let mut watch = Watch::new(bar, given_up, P::WANTS_FRAMES, &mut sink);
         let result = simulate(
             &project.driver,
-            &project.layers,
             self.plan,
             index,
             spec,

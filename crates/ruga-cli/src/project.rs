@@ -40,7 +40,7 @@ impl Project {
         if let Some(first) = model::not_yet(&scene, path).into_iter().next() {
             return Err(first);
         }
-        let layers = vec![model::layer(&scene, path)?];
+        let layers = model::layers(&scene, path)?;
         let mesh = artist_mesh(&scene)?;
         let driver = driver(&mesh)?;
         let poses = model::poses(&scene, &driver, poses, path)?;

@@ -23,6 +23,8 @@ pub(crate) struct Watch<'a> {
     bar: &'a ProgressBar,
     /// Whether another pose has failed, so that this one is not worth finishing.
     given_up: &'a (dyn Fn() -> bool + Sync),
+    /// Whether the sink has a use for every layer in every frame.
+    wants_frames: bool,
     sink: &'a mut FrameSink<'a>,
     failure: Option<CliError>,
 }
@@ -32,6 +34,7 @@ impl<'a> Watch<'a> {
     pub(crate) fn new(
         bar: &'a ProgressBar,
         given_up: &'a (dyn Fn() -> bool + Sync),
+        wants_frames: bool,
         sink: &'a mut FrameSink<'a>,
     ) -> Self {
         Self {
@@ -43,6 +46,7 @@ impl<'a> Watch<'a> {
             integration: Duration::ZERO,
             bar,
             given_up,
+            wants_frames,
             sink,
             failure: None,
         }
@@ -94,6 +98,10 @@ impl Observer for Watch<'_> {
             progress.vertices, progress.iteration
         ));
         self.failure.is_none() && !interrupt::asked() && !(self.given_up)()
+    }
+
+    fn wants_frames(&self) -> bool {
+        self.wants_frames
     }
 
     fn frame(&mut self, frame: &Frame<'_>) {

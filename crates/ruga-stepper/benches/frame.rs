@@ -143,6 +143,7 @@ fn run(driver: &Driver, steps: u32, watch: &mut Watch) -> PoseResult {
         coupling: Coupling::Hybrid,
         sampling: Sampling::default(),
         map: None,
+        bending_transfer: None,
     }];
     let weight = f64::from(steps) / f64::from(STEPS);
     let poses = [PoseSpec {
@@ -158,7 +159,7 @@ fn run(driver: &Driver, steps: u32, watch: &mut Watch) -> PoseResult {
         ..Modelling::default()
     };
     let plan = plan(driver, &layers, &poses, &modelling, 2048).unwrap();
-    simulate(driver, &layers, &plan, 0, &poses[0], &modelling, watch).unwrap()
+    simulate(driver, &plan, 0, &poses[0], &modelling, watch).unwrap()
 }
 
 /// The layer that the run simulates, open to view.

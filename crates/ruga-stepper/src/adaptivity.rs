@@ -1,33 +1,36 @@
 //! Meshes that are fine only where, and in the direction that, a pose compresses the skin.
 
 use nalgebra::Matrix3;
-use ruga_blend::{Driver, face_strains};
+use ruga_blend::{Driver, FaceStrain, rest_frame};
 use ruga_material::Wrinkling;
-use ruga_mesh::{Id, PerFace};
-use ruga_remesh::{FaceDriver, Refinement, RemeshSettings, SizeLimits, face_compression};
+use ruga_mesh::{FaceId, Id, PerFace};
+use ruga_remesh::{FaceDriver, Refinement, RemeshSettings, SizeLimits};
 
+use crate::below::BelowSurface;
+use crate::layer::offered_strains;
 use crate::local_skin::{LocalSkin, SkinProperties};
 use crate::skin_mesh::{RegionMesh, SkinMesh};
-use crate::{LayerSpec, Modelling, PoseSpec, StepperError};
+use crate::{LayerSpec, Modelling, StepperError};
 
 /// Longest edge where nothing wrinkles, in wavelengths: the low-pass rows, which reach further,
 /// still see a smooth average.
 pub(crate) const COARSEST: f64 = 0.5;
 
-/// The region's mesh fitted to the keys of a pose; `None` where meshes are to stay uniform.
+/// The region's mesh fitted to what the surfaces `below` ask of it; `None` where meshes are to stay
+/// uniform.
 pub(crate) fn adapted(
     driver: &Driver,
     layer: &LayerSpec,
     wrinkling: &Wrinkling,
     region: &RegionMesh,
-    pose: &PoseSpec,
+    below: &[BelowSurface],
     modelling: &Modelling,
 ) -> Result<Option<SkinMesh>, StepperError> {
     let Some(limits) = modelling.remesh else {
         return Ok(None);
     };
-    let properties = SkinProperties::new(layer, wrinkling, driver, &region.skin)?;
-    let drivers = face_drivers(driver, layer, &properties, &region.skin, pose);
+    let properties = SkinProperties::new(layer, wrinkling, None, driver, &region.skin)?;
+    let drivers = face_drivers(layer.material.poisson, &properties, &region.skin, below);
     let refinement = Refinement {
         points_per_wavelength: modelling.points_per_wavelength,
         ..Refinement::default()
@@ -49,17 +52,13 @@ pub(crate) fn adapted(
     })
 }
 
-/// Every face's compression at the key that asks most of it.
+/// Every face's compression on the surface that asks most of it.
 fn face_drivers(
-    driver: &Driver,
-    layer: &LayerSpec,
+    poisson: f64,
     properties: &SkinProperties,
     skin: &SkinMesh,
-    pose: &PoseSpec,
+    below: &[BelowSurface],
 ) -> PerFace<FaceDriver> {
-    let poisson = layer.material.poisson;
-    let count = skin.mesh.face_count();
-    let mut largest = PerFace::filled(count, f64::NEG_INFINITY);
     let unloaded = |local: &LocalSkin| FaceDriver {
         compression: Matrix3::zeros(),
         wavelength: local.wrinkling.wavelength,
@@ -68,20 +67,24 @@ fn face_drivers(
     };
     let faces = properties.faces.as_slice().iter();
     let mut drivers: PerFace<FaceDriver> = faces.map(unloaded).collect();
-    for &key in &pose.keys {
-        let posed = skin.points.pose(&driver.pose(&pose.weights.scaled(key)));
-        let strains = face_strains(&skin.mesh, &skin.rest.positions, &posed.positions);
-        for (face, strain) in strains.iter() {
+    let mut largest = PerFace::filled(drivers.len(), f64::NEG_INFINITY);
+    for surface in below {
+        for (face, strain) in offered_strains(skin, surface).iter() {
             let effective = strain.effective(poisson);
             if effective > largest[face] {
                 largest[face] = effective;
-                let corners = skin.mesh.faces()[face];
-                drivers[face].compression = face_compression(
-                    corners.map(|v| skin.rest.positions[v.index()]),
-                    corners.map(|v| posed.positions[v.index()]),
-                );
+                drivers[face].compression = in_space(skin, face, strain);
             }
         }
     }
     drivers
+}
+
+/// The compression `I - U` of a face as a tensor in space.
+fn in_space(skin: &SkinMesh, face: FaceId, strain: &FaceStrain) -> Matrix3<f64> {
+    let corners = skin.mesh.faces()[face].map(|v| skin.rest.positions[v.index()]);
+    let [u, v] = rest_frame(corners);
+    let first = u * strain.direction.x + v * strain.direction.y;
+    let second = v * strain.direction.x - u * strain.direction.y;
+    first * first.transpose() * strain.first + second * second.transpose() * strain.second
 }

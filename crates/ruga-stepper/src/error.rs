@@ -13,12 +13,6 @@ pub enum StepperError {
     /// There is no layer to simulate.
     #[error("the scene has no layer; at least one [[layers]] is needed")]
     NoLayer,
-    /// More layers than this version can stack.
-    #[error("the scene has {count} layers; this version simulates one")]
-    TooManyLayers {
-        /// Layers in the scene.
-        count: usize,
-    },
     /// The region mask leaves nothing.
     #[error(
         "the region mask is black wherever the mesh has texture coordinates; paint at least one face white"
@@ -31,6 +25,14 @@ pub enum StepperError {
         layer: String,
         /// What is wrong.
         source: MaterialError,
+    },
+    /// A stack is to be one composite and a layer of it is painted.
+    #[error(
+        "layer '{layer}' has a property map, and stack = \"composite\" knows uniform layers only; leave the map out, or take stack = \"nominal\""
+    )]
+    PaintedComposite {
+        /// Name of the layer.
+        layer: String,
     },
     /// The driver cannot be posed.
     #[error(transparent)]

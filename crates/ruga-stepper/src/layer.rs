@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Matrix3, Rotation3, SymmetricEigen, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use ruga_blend::{Driver, FaceStrain, PosedSurface, SurfacePoints, face_strains, rest_frame};
+use ruga_blend::{Driver, FaceStrain, PosedSurface, face_strains, rest_frame};
 use ruga_material::{CAP_START, Wrinkling, capped_strain};
 use ruga_mesh::{FaceId, Id, PerFace, VertexId};
 use ruga_shell::{
@@ -14,6 +14,7 @@ use ruga_solver::{
     Iteration, Kkt, LowerPattern, NewtonSettings, SolveReport, SolverError, minimise,
 };
 
+use crate::below::BelowSurface;
 use crate::layer_objective::{LayerObjective, gather, scatter};
 use crate::local_skin::{LocalSkin, SkinProperties};
 use crate::low_pass_rows::low_pass_rows;
@@ -34,7 +35,7 @@ const LEAST_STRETCH: f64 = 0.05;
 /// Where a layer and the surface below it are.
 pub(crate) struct LayerState {
     positions: Vec<Vector3<f64>>,
-    below: PosedSurface,
+    below: BelowSurface,
     share: f64,
 }
 
@@ -50,8 +51,8 @@ pub(crate) struct Layer {
     /// Response bending modulus of the uncorrected mesh over that of the material, once measured.
     pub(crate) bending_ratio: Option<f64>,
     areas: Vec<f64>,
-    below: PosedSurface,
-    /// What the surface below asks for.
+    below: BelowSurface,
+    /// What the surface below asks for, relative to the rest metric with its transfer.
     strains: PerFace<FaceStrain>,
     /// Share of the strain that is loaded, in (0, 1].
     share: f64,
@@ -72,6 +73,7 @@ impl Layer {
         driver: &Driver,
         spec: &LayerSpec,
         wrinkling: &Wrinkling,
+        tie: Option<f64>,
         region: RegionMesh,
         adapted: Option<SkinMesh>,
         seed: u64,
@@ -89,7 +91,7 @@ impl Layer {
         let rest = &skin.rest;
         let pinned = skin.mesh.border_vertices();
         let faces = skin.corner_indices();
-        let properties = SkinProperties::new(spec, wrinkling, driver, &skin)?;
+        let properties = SkinProperties::new(spec, wrinkling, tie, driver, &skin)?;
         let parameters = layer_parameters(spec, &properties);
         let energy = LayerEnergy::new(&rest.positions, &faces, parameters, pinned.as_slice())
             .map_err(shell)?;
@@ -115,7 +117,10 @@ impl Layer {
             wrinkling: *wrinkling,
             strains: face_strains(&skin.mesh, &rest.positions, &rest.positions),
             positions: rest.positions.clone(),
-            below: rest.clone(),
+            below: BelowSurface {
+                posed: rest.clone(),
+                transfer: None,
+            },
             share: 1.0,
             properties,
             skin,
@@ -173,19 +178,19 @@ impl Layer {
     /// sharper than the layer is thick would otherwise be unstable without any compression.
     pub(crate) fn set_below(
         &mut self,
-        below: PosedSurface,
+        below: BelowSurface,
         share: f64,
     ) -> Result<(), StepperError> {
+        let (old, new) = (&self.below.posed, &below.posed);
         for i in 0..self.positions.len() {
-            let deviation = self.positions[i] - self.below.positions[i];
-            let turn = turn_between(&self.below, &below, i);
-            self.positions[i] = below.positions[i] + turn * deviation;
+            let deviation = self.positions[i] - old.positions[i];
+            self.positions[i] = new.positions[i] + turn_between(old, new, i) * deviation;
         }
-        self.strains = face_strains(&self.skin.mesh, &self.skin.rest.positions, &below.positions);
+        self.strains = offered_strains(&self.skin, &below);
         let no_offset = vec![0.0; self.positions.len()];
         self.energy
-            .set_base(&below.positions, &below.normals, &no_offset)
-            .and_then(|()| self.energy.set_rest_angles(&below.positions))
+            .set_base(&new.positions, &new.normals, &no_offset)
+            .and_then(|()| self.energy.set_rest_angles(&new.positions))
             .map_err(|source| self.shell_error(source))?;
         self.below = below;
         self.share = share;
@@ -210,14 +215,14 @@ impl Layer {
         self.set_rest_metric(&stretches)?;
         self.is_metric_changed = true;
         self.energy
-            .gradient(&self.below.positions, &mut self.reaction);
+            .gradient(&self.below.posed.positions, &mut self.reaction);
         Ok(())
     }
 
     /// Beyond 15 % the rest metric shrinks with the surface below, face by face.
     fn load_rest_metric(&mut self) -> Result<(), StepperError> {
         let capped = self.strains.as_slice().iter().any(|s| s.first > CAP_START);
-        let changed = capped || self.share < 1.0;
+        let changed = capped || self.share < 1.0 || self.below.transfer.is_some();
         if changed || self.is_metric_changed {
             let stretches = self.rest_stretches(|_, offered| offered);
             self.set_rest_metric(&stretches)?;
@@ -238,8 +243,12 @@ impl Layer {
                     |has: f64, wanted: f64| ((1.0 - has) / (1.0 - wanted)).max(LEAST_STRETCH);
                 let d = strain.direction;
                 let along = d * d.transpose();
-                along * ratio(strain.first, first)
-                    + (Matrix2::identity() - along) * ratio(strain.second, second)
+                let stretch = along * ratio(strain.first, first)
+                    + (Matrix2::identity() - along) * ratio(strain.second, second);
+                match &self.below.transfer {
+                    Some(transfer) => stretch * transfer[face.index()],
+                    None => stretch,
+                }
             })
             .collect()
     }
@@ -263,7 +272,7 @@ impl Layer {
         keep_going: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Result<SolveReport, SolverError> {
         // A row asks for the same average of the layer as of the surface below.
-        let base = gather(&self.free, &self.below.positions);
+        let base = gather(&self.free, &self.below.posed.positions);
         let mut targets = vec![0.0; self.kkt.rows().count()];
         self.kkt.rows().mul(&base, &mut targets)?;
         let mut unknowns = gather(&self.free, &self.positions);
@@ -316,14 +325,10 @@ impl Layer {
     pub(crate) fn heights(&self) -> Vec<f64> {
         heights(
             &self.positions,
-            &self.below.positions,
-            &self.below.normals,
+            &self.below.posed.positions,
+            &self.below.posed.normals,
             0.0,
         )
-    }
-
-    pub(crate) fn rest(&self) -> &PosedSurface {
-        &self.skin.rest
     }
 
     /// Faces on which the surface below asks for more than the critical strain.
@@ -352,7 +357,7 @@ impl Layer {
 
     /// Makes up for triangles that bend more or less easily than the material, as measured where
     /// and in the direction that `below` compresses the layer; the layer stays where it is.
-    pub(crate) fn calibrate_bending(&mut self, below: PosedSurface) -> Result<(), StepperError> {
+    pub(crate) fn calibrate_bending(&mut self, below: BelowSurface) -> Result<(), StepperError> {
         let state = self.state();
         self.set_below(below, 1.0)?;
         self.bending_ratio = self.measured_bending_ratio();
@@ -404,35 +409,66 @@ impl Layer {
         (eigen.eigenvalues[largest] > 0.0).then(|| eigen.eigenvectors.column(largest).into_owned())
     }
 
-    /// The layer as others see it, above the driver's `control` points.
-    pub(crate) fn snapshot(&self, control: &[Vector3<f64>]) -> LayerSurface {
-        let (positions, below) = match &self.interpolation {
-            None => (self.positions.clone(), self.below.clone()),
+    /// The layer as others see it: over `region_below`, which is what lies below the region's own
+    /// mesh, and the driver's `control` points.
+    pub(crate) fn snapshot(
+        &self,
+        control: &[Vector3<f64>],
+        region_below: &PosedSurface,
+        offset: f64,
+    ) -> LayerSurface {
+        let positions = match &self.interpolation {
+            None => self.positions.clone(),
             Some(interpolation) => {
-                let below = self.region.skin.points.pose(control);
-                let deviations = self.positions.iter().zip(&self.below.positions);
+                let deviations = self.positions.iter().zip(&self.below.posed.positions);
                 let deviations: Vec<_> = deviations.map(|(x, base)| x - base).collect();
                 let deviations = interpolation.apply(&deviations);
-                let positions = below.positions.iter().zip(&deviations);
-                (positions.map(|(base, d)| base + d).collect(), below)
+                let positions = region_below.positions.iter().zip(&deviations);
+                positions.map(|(base, d)| base + d).collect()
             }
         };
+        let driver = self.region.skin.points.pose(control);
         LayerSurface {
             name: self.spec.name.clone(),
             positions,
-            driver_positions: below.positions,
-            driver_normals: below.normals,
-            offset: 0.0,
+            driver_positions: driver.positions,
+            driver_normals: driver.normals,
+            offset,
             faces: self.region.skin.corner_indices(),
             uvs: self.region.uvs().to_vec(),
             artist: self.region.artist().to_vec(),
         }
     }
 
-    /// The driver's places under the layer's vertices.
-    pub(crate) fn points(&self) -> &SurfacePoints {
-        &self.skin.points
+    /// The layer's mesh at rest.
+    pub(crate) fn skin(&self) -> &SkinMesh {
+        &self.skin
     }
+
+    /// The mesh that results are handed out on.
+    pub(crate) fn region(&self) -> &RegionMesh {
+        &self.region
+    }
+
+    /// Where the layer's vertices are, m.
+    pub(crate) fn positions(&self) -> &[Vector3<f64>] {
+        &self.positions
+    }
+}
+
+/// What the surface below asks of every face, the untransferred part of its bending taken away.
+pub(crate) fn offered_strains(skin: &SkinMesh, below: &BelowSurface) -> PerFace<FaceStrain> {
+    let strains = face_strains(&skin.mesh, &skin.rest.positions, &below.posed.positions);
+    let Some(transfer) = &below.transfer else {
+        return strains;
+    };
+    let pairs = strains.as_slice().iter().zip(transfer);
+    pairs
+        .map(|(strain, stretch)| {
+            let inverse = stretch.try_inverse().unwrap_or_else(Matrix2::identity);
+            FaceStrain::from_cauchy_green(inverse.transpose() * strain.cauchy_green * inverse)
+        })
+        .collect()
 }
 
 /// How the surface turns at one vertex between two poses.

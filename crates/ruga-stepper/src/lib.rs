@@ -52,6 +52,7 @@
 //!     coupling: Coupling::Hybrid,
 //!     sampling: Sampling::Quadrature,
 //!     map: None,
+//!     bending_transfer: None,
 //! }];
 //! let poses = [PoseSpec {
 //!     name: "frown".into(),
@@ -62,7 +63,7 @@
 //! let draft = Modelling { points_per_wavelength: 6.0, ..Modelling::default() };
 //!
 //! let plan = plan(&driver, &layers, &poses, &draft, 1024)?;
-//! let result = simulate(&driver, &layers, &plan, 0, &poses[0], &draft, &mut Silent)?;
+//! let result = simulate(&driver, &plan, 0, &poses[0], &draft, &mut Silent)?;
 //! assert!(result.converged);
 //! // Deeper than a tenth of a millimetre: the skin wrinkles.
 //! assert!(result.layers[0].amplitude > 1e-4);
@@ -76,12 +77,15 @@ mod simulate;
 mod skin_mesh;
 
 mod adaptivity;
+mod below;
 mod layer;
 mod layer_objective;
+mod layer_run;
 mod local_skin;
 mod low_pass_rows;
 mod measure;
 mod region;
+mod stacking;
 
 mod error;
 mod observer;
@@ -89,7 +93,7 @@ mod observer;
 pub use plan::{LayerPlan, LoadPath, Plan, PosePlan, plan};
 pub use simulate::simulate;
 
-pub use model::{Coupling, EdgeLimits, LayerSpec, Mask, Modelling, PoseSpec, Region};
+pub use model::{Coupling, EdgeLimits, LayerSpec, Mask, Modelling, PoseSpec, Region, Stack};
 pub use result::{KeyResult, LayerReport, LayerSurface, PoseResult};
 
 pub use observer::{Frame, Observer, Phase, Progress, Silent};

@@ -23,11 +23,14 @@ pub(crate) struct SkinProperties {
 }
 
 impl SkinProperties {
+    /// `tie` is the tangential stiffness (Pa/m) where it is not the layer's own.
+    ///
     /// Samples the layer's map at the vertices; a face has the mean of its corners' properties
     /// (Li 2014, 5.2).
     pub(crate) fn new(
         spec: &LayerSpec,
         nominal: &Wrinkling,
+        tie: Option<f64>,
         driver: &Driver,
         skin: &SkinMesh,
     ) -> Result<Self, StepperError> {
@@ -45,7 +48,13 @@ impl SkinProperties {
         let places = skin.points.points().iter();
         let relative: Vec<RelativeProperties> =
             places.map(|place| map.sample(&uv(driver, place))).collect();
-        let local = |relative: &RelativeProperties| local_skin(spec, relative);
+        let local = |relative: &RelativeProperties| -> Result<LocalSkin, StepperError> {
+            let mut local = local_skin(spec, relative)?;
+            if let Some(tie) = tie {
+                local.wrinkling.tangential_stiffness = tie;
+            }
+            Ok(local)
+        };
         let corners = skin.mesh.faces().as_slice().iter();
         Ok(Self {
             faces: corners

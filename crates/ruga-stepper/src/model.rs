@@ -37,6 +37,20 @@ pub struct LayerSpec {
     pub sampling: Sampling,
     /// Painted properties, relative to `material` and the wavelength it gives.
     pub map: Option<Arc<PropertyMap>>,
+    /// Share of the bending strain of the layer below that this one feels, 0 to 1; from the
+    /// stiffness of both if left out.
+    pub bending_transfer: Option<f64>,
+}
+
+/// What a stack of layers means.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Stack {
+    /// Each layer has its own wrinkles, as painted, small ones on large ones.
+    #[default]
+    Nominal,
+    /// A lower layer is as stiff as it and all above it together: physical, with fine wrinkles
+    /// gathered in the valleys of large ones.
+    Composite,
 }
 
 /// One pose to simulate.
@@ -119,6 +133,8 @@ pub struct Modelling {
     pub vertex_budget: usize,
     /// Limits of the mesh where it is fitted to the pose; `None` keeps it uniform.
     pub remesh: Option<EdgeLimits>,
+    /// What a stack of layers means.
+    pub stack: Stack,
     /// The surface between the artist's vertices.
     pub smoothing: Smoothing,
     /// How linear systems are solved.
@@ -136,6 +152,7 @@ impl Default for Modelling {
             points_per_wavelength: 12.0,
             vertex_budget: 300_000,
             remesh: Some(EdgeLimits::default()),
+            stack: Stack::Nominal,
             smoothing: Smoothing::Loop,
             linear: LinearSolver::Ldlt,
             tolerance: 1e-6,

@@ -50,6 +50,11 @@ pub trait Observer {
         true
     }
 
+    /// Whether layers that lie on others are wanted in every load step, not at the keys alone.
+    fn wants_frames(&self) -> bool {
+        true
+    }
+
     /// A load step ends.
     fn frame(&mut self, frame: &Frame<'_>) {
         let _ = frame;
@@ -60,4 +65,8 @@ pub trait Observer {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;
 
-impl Observer for Silent {}
+impl Observer for Silent {
+    fn wants_frames(&self) -> bool {
+        false
+    }
+}

@@ -2,12 +2,14 @@
 
 use nalgebra::Vector3;
 use ruga_blend::{BaseSurface, Driver, PosedSurface};
-use ruga_material::{CAP_START, Wrinkling, wrinkling};
+use ruga_material::{CAP_START, StackPair, Wrinkling};
 use ruga_mesh::{FaceId, Id, PerFace};
 
 use crate::adaptivity::COARSEST;
+use crate::below::Seat;
 use crate::local_skin::local_skin;
 use crate::region::{ACTIVE_SHARE, Demand};
+use crate::stacking::Stacking;
 use crate::{EdgeLimits, LayerSpec, Modelling, PoseSpec, Region, StepperError};
 
 /// Faces of the planning surface above which it is not subdivided further.
@@ -32,6 +34,10 @@ pub struct Plan {
     pub poses: Vec<PosePlan>,
     /// What the user should know.
     pub warnings: Vec<String>,
+    /// Every layer with the one above it: what the two would do together.
+    pub pairs: Vec<StackPair>,
+    pub(crate) specs: Vec<LayerSpec>,
+    pub(crate) seats: Vec<Seat>,
     pub(crate) planning_levels: u32,
 }
 
@@ -125,17 +131,12 @@ pub fn plan(
     modelling: &Modelling,
     map_size: u32,
 ) -> Result<Plan, StepperError> {
-    let wrinkling = layers
-        .iter()
-        .map(|layer| {
-            wrinkling(&layer.material, &layer.substrate, layer.model).map_err(|source| {
-                StepperError::Material {
-                    layer: layer.name.clone(),
-                    source,
-                }
-            })
-        })
-        .collect::<Result<Vec<_>, _>>()?;
+    let stacking = Stacking::new(layers, modelling.stack)?;
+    let Stacking {
+        specs: layers,
+        wrinkling,
+        ..
+    } = &stacking;
     let Some(finest) = wrinkling.iter().map(|w| w.wavelength).reduce(f64::min) else {
         return Err(StepperError::NoLayer);
     };
@@ -145,17 +146,17 @@ pub fn plan(
     }
     let local = layers
         .iter()
-        .zip(&wrinkling)
+        .zip(wrinkling)
         .map(|(layer, nominal)| planning.local_wrinkling(layer, nominal))
         .collect::<Result<Vec<_>, _>>()?;
-    let mut warnings = Vec::new();
+    let mut warnings = stacking.warnings(modelling.stack);
     let pose_plans = poses
         .iter()
         .map(|pose| {
             planning.pose_plan(
                 driver,
                 layers,
-                &wrinkling,
+                wrinkling,
                 &local,
                 pose,
                 modelling,
@@ -165,7 +166,10 @@ pub fn plan(
         })
         .collect();
     Ok(Plan {
-        wrinkling,
+        wrinkling: stacking.wrinkling,
+        pairs: stacking.pairs,
+        specs: stacking.specs,
+        seats: stacking.seats,
         poses: pose_plans,
         warnings,
         planning_levels: planning.surface.levels(),

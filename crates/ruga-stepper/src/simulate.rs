@@ -1,101 +1,58 @@
-//! One pose from rest to full weight.
+//! One pose from rest to its keys, layer by layer.
 
 use nalgebra::Vector3;
 use ruga_blend::{BaseSurface, Driver};
 use ruga_mesh::FaceId;
-use ruga_solver::{
-    AtSaddle, LoadSettings, LoadStepper, NewtonSettings, Outcome, SolveReport, SolverError,
-    StopRule, Trial, Verdict,
-};
 
 use crate::adaptivity::adapted;
+use crate::below::{BelowSurface, LowerLayer, surface_below};
 use crate::layer::Layer;
-use crate::measure::waviness;
+use crate::layer_run::{Course, Ending, LayerRun};
 use crate::plan::LayerPlan;
-use crate::skin_mesh::RegionMesh;
+use crate::skin_mesh::{RegionMesh, SkinMesh};
 use crate::{
-    Frame, KeyResult, LayerReport, LayerSpec, LoadPath, Modelling, Observer, Phase, Plan,
-    PoseResult, PoseSpec, Progress, StepperError,
+    Frame, KeyResult, LayerReport, LayerSurface, LoadPath, Modelling, Observer, Phase, Plan,
+    PoseResult, PoseSpec, StepperError,
 };
 
 /// Simulates pose number `pose` of the plan.
 ///
-/// The layer follows the driver from rest to full weight, or at each key the growth of its strain
-/// ([`LoadPath`]); a load at which it first buckles is
-/// approached by bisection, so that the wavelength is chosen at the onset. Not converging is
-/// reported, not an error; the results reached until then are kept.
+/// The lowest layer that can wrinkle follows the driver from rest to full weight, or at each key
+/// the growth of its strain ([`LoadPath`]); a load at which it first buckles is approached by
+/// bisection, so that the wavelength is chosen at the onset. On its equilibrium the next layer is
+/// solved, its strain growing from none, and so on up (Li 2014). Not converging is reported, not
+/// an error; the results reached until then are kept.
 ///
 /// # Errors
-/// [`StepperError::TooManyLayers`], and what shell, constraints or solver refuse.
+/// What shell, constraints, remeshing or solver refuse.
 pub fn simulate(
     driver: &Driver,
-    layers: &[LayerSpec],
     plan: &Plan,
     pose: usize,
     spec: &PoseSpec,
     modelling: &Modelling,
     observer: &mut dyn Observer,
 ) -> Result<PoseResult, StepperError> {
-    let [layer] = layers else {
-        return Err(StepperError::TooManyLayers {
-            count: layers.len(),
-        });
-    };
-    let layer_plan = &plan.poses[pose].layers[0];
-    if layer_plan.region.is_empty() {
-        return Ok(neutral(spec, layer_plan));
-    }
-    observer.phase(Phase::Sampling);
-    let surface = layer_surface(driver, plan, layer_plan, modelling);
-    let region = RegionMesh::new(driver, &surface, modelling.smoothing);
-    observer.phase(Phase::Remeshing);
-    let adapted = adapted(driver, layer, &plan.wrinkling[0], &region, spec, modelling)?;
-    observer.phase(Phase::Constraints);
-    let layer = Layer::new(
+    let reports = plan.poses[pose].layers.iter().map(|layer| LayerReport {
+        name: layer.name.clone(),
+        wavelength_predicted: layer.wavelength,
+        critical_strain_predicted: layer.critical_strain,
+        ..LayerReport::default()
+    });
+    let mut run = StackRun {
         driver,
-        layer,
-        &plan.wrinkling[0],
-        region,
-        adapted,
-        modelling.seed,
-    )?;
-    let mut run = PoseRun {
-        driver,
+        plan,
+        pose,
         spec,
         modelling,
-        layer,
-        observer,
         result: PoseResult {
+            layers: reports.collect(),
             converged: true,
             ..PoseResult::default()
         },
-        report: LayerReport::default(),
-        told_of_missing_inertia: false,
     };
-    run.follow(plan.poses[pose].path)?;
-    Ok(run.finish())
-}
-
-/// What a pose gives in which nothing can wrinkle.
-fn neutral(spec: &PoseSpec, plan: &LayerPlan) -> PoseResult {
-    PoseResult {
-        keys: spec
-            .keys
-            .iter()
-            .map(|&load| KeyResult {
-                load,
-                layers: Vec::new(),
-            })
-            .collect(),
-        layers: vec![LayerReport {
-            name: plan.name.clone(),
-            wavelength_predicted: plan.wavelength,
-            critical_strain_predicted: plan.critical_strain,
-            ..LayerReport::default()
-        }],
-        converged: true,
-        ..PoseResult::default()
-    }
+    run.follow(observer)?;
+    Ok(run.result)
 }
 
 /// The part of the base surface that the plan wants simulated, at the plan's resolution.
@@ -119,28 +76,6 @@ fn layer_surface(
     whole.restrict(&faces)
 }
 
-/// Share of the critical strain below which nothing can wrinkle.
-const LEAST_DEMAND: f64 = 0.9;
-
-/// Amplitude below which a layer counts as flat, in thicknesses.
-const LEAST_AMPLITUDE: f64 = 0.01;
-
-/// What a load step asks for: the driver's pose and how much of its strain.
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    /// Fraction of the pose's weights.
-    weight: f64,
-    /// Share of the strain there.
-    share: f64,
-}
-
-impl Place {
-    /// The fraction of the pose as the user sees it.
-    fn load(self) -> f64 {
-        self.weight * self.share
-    }
-}
-
 /// `steps` equal steps to 1, as far as `last`, and the `keys`; ascending.
 fn loads_up_to(last: f64, steps: u32, keys: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let mut loads: Vec<f64> = (1..=steps)
@@ -153,198 +88,346 @@ fn loads_up_to(last: f64, steps: u32, keys: impl IntoIterator<Item = f64>) -> Ve
     loads
 }
 
-struct PoseRun<'a> {
-    driver: &'a Driver,
-    spec: &'a PoseSpec,
-    modelling: &'a Modelling,
-    layer: Layer,
-    observer: &'a mut dyn Observer,
-    result: PoseResult,
-    report: LayerReport,
-    /// Whether the user was told that minima and saddles look alike.
-    told_of_missing_inertia: bool,
+/// A fraction of the pose's weights, and a share of the strain there.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    weight: f64,
+    share: f64,
 }
 
-impl PoseRun<'_> {
-    fn follow(&mut self, path: LoadPath) -> Result<(), StepperError> {
-        let last = self.spec.keys.iter().copied().fold(0.0, f64::max);
-        let control = self.driver.pose(&self.spec.weights.scaled(last));
-        let below = self.layer.points().pose(&control);
-        self.layer.calibrate_bending(below)?;
-        match path {
-            LoadPath::Weight => {
-                // Beyond the last key nothing was planned for.
-                let keys = self.spec.keys.iter().copied();
-                let loads = loads_up_to(last, self.spec.steps, keys);
-                self.follow_loads(&loads, |weight| Place { weight, share: 1.0 })?;
-            }
-            LoadPath::Strain => {
-                let at_rest = self.layer.state();
-                let loads = loads_up_to(1.0, self.spec.steps, [1.0]);
-                for &weight in &self.spec.keys {
-                    self.layer.restore(&at_rest)?;
-                    if !self.follow_loads(&loads, |share| Place { weight, share })? {
-                        break;
-                    }
-                }
-            }
-        }
+/// The layers of one pose.
+struct StackRun<'a> {
+    driver: &'a Driver,
+    plan: &'a Plan,
+    pose: usize,
+    spec: &'a PoseSpec,
+    modelling: &'a Modelling,
+    result: PoseResult,
+}
+
+impl StackRun<'_> {
+    fn follow(&mut self, observer: &mut dyn Observer) -> Result<(), StepperError> {
+        let layers = &self.plan.poses[self.pose].layers;
+        let Some(lowest) = layers.iter().position(|layer| !layer.region.is_empty()) else {
+            self.result.keys = self.spec.keys.iter().map(|&load| flat_key(load)).collect();
+            return Ok(());
+        };
+        let keys: Vec<_> = self
+            .spec
+            .keys
+            .iter()
+            .map(|&key| self.control(key))
+            .collect();
+        let below = |skin: &SkinMesh| -> Vec<BelowSurface> {
+            let seat = self.plan.seats[lowest];
+            let keys = keys.iter();
+            keys.map(|control| surface_below(self.driver, skin, seat, control, None))
+                .collect()
+        };
+        let mut run = self.build(lowest, &below, observer)?;
+        let ending = match self.plan.poses[self.pose].path {
+            LoadPath::Weight => self.follow_weight(lowest, &mut run, observer)?,
+            LoadPath::Strain => self.follow_strain(lowest, &mut run, observer)?,
+        };
+        self.tell(&run, ending);
+        run.measure();
+        self.result.layers[lowest] = run.report;
         Ok(())
     }
 
-    /// Solves at every one of `loads`; `place` says what a load means. False when the observer
-    /// ended the work.
-    fn follow_loads(
+    fn follow_weight(
         &mut self,
-        loads: &[f64],
-        place: impl Fn(f64) -> Place,
+        lowest: usize,
+        run: &mut LayerRun,
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        let modelling = self.modelling;
+        // Beyond the last key nothing was planned for.
+        let last = self.spec.keys.iter().copied().fold(0.0, f64::max);
+        let loads = loads_up_to(last, self.spec.steps, self.spec.keys.iter().copied());
+        let mut course = DriverCourse {
+            stack: self,
+            lowest,
+            key: None,
+        };
+        run.follow(&mut course, &loads, modelling, observer)
+    }
+
+    fn follow_strain(
+        &mut self,
+        lowest: usize,
+        run: &mut LayerRun,
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        let modelling = self.modelling;
+        let at_rest = run.layer.state();
+        let loads = loads_up_to(1.0, self.spec.steps, [1.0]);
+        let mut worst = Ending::Reached;
+        for key in self.spec.keys.clone() {
+            run.layer.restore(&at_rest)?;
+            let mut course = DriverCourse {
+                stack: self,
+                lowest,
+                key: Some(key),
+            };
+            match run.follow(&mut course, &loads, modelling, observer)? {
+                Ending::Reached => {}
+                Ending::GaveUp => worst = Ending::GaveUp,
+                Ending::Interrupted => return Ok(Ending::Interrupted),
+            }
+        }
+        Ok(worst)
+    }
+
+    /// Where the driver's vertices are at a fraction of the pose.
+    fn control(&self, weight: f64) -> Vec<Vector3<f64>> {
+        self.driver.pose(&self.spec.weights.scaled(weight))
+    }
+
+    /// Builds layer number `index`, its mesh fitted to each of what may lie `below`, its hinges
+    /// corrected on the last.
+    fn build(
+        &self,
+        index: usize,
+        below: &dyn Fn(&SkinMesh) -> Vec<BelowSurface>,
+        observer: &mut dyn Observer,
+    ) -> Result<LayerRun, StepperError> {
+        let (driver, plan, modelling) = (self.driver, self.plan, self.modelling);
+        let (spec, seat) = (&plan.specs[index], plan.seats[index]);
+        let wrinkling = &plan.wrinkling[index];
+        observer.phase(Phase::Sampling);
+        let surface = layer_surface(
+            driver,
+            plan,
+            &plan.poses[self.pose].layers[index],
+            modelling,
+        );
+        let region = RegionMesh::new(driver, &surface, modelling.smoothing, seat.offset);
+        observer.phase(Phase::Remeshing);
+        let adapted = adapted(
+            driver,
+            spec,
+            wrinkling,
+            &region,
+            &below(&region.skin),
+            modelling,
+        )?;
+        observer.phase(Phase::Constraints);
+        let mut layer = Layer::new(
+            driver,
+            spec,
+            wrinkling,
+            seat.tie,
+            region,
+            adapted,
+            modelling.seed,
+        )?;
+        if let Some(last) = below(layer.skin()).pop() {
+            layer.calibrate_bending(last)?;
+        }
+        Ok(LayerRun::new(layer))
+    }
+
+    /// Takes over what a layer's run has to say.
+    fn tell(&mut self, run: &LayerRun, ending: Ending) {
+        self.result.converged &= ending == Ending::Reached;
+        self.result.interrupted |= ending == Ending::Interrupted;
+        for warning in &run.warnings {
+            let layer = &run.layer.spec.name;
+            let text = format!("pose '{}', layer '{layer}': {warning}", self.spec.name);
+            if !self.result.warnings.contains(&text) {
+                self.result.warnings.push(text);
+            }
+        }
+    }
+
+    /// Hands out what was reached at `place` by layer `lowest`, after solving the layers above.
+    /// False when the observer ends the work.
+    fn frame(
+        &mut self,
+        lowest: usize,
+        run: &LayerRun,
+        place: Place,
+        observer: &mut dyn Observer,
     ) -> Result<bool, StepperError> {
-        let mut stepper = LoadStepper::new(loads, LoadSettings::default())
-            .map_err(|source| self.solver_error(source))?;
-        let mut kept = self.layer.state();
-        while let Some(trial) = stepper.next_trial() {
-            self.observer.phase(Phase::Sampling);
-            let place = place(trial.load);
-            let control = self.driver.pose(&self.spec.weights.scaled(place.weight));
-            let below = self.layer.points().pose(&control);
-            self.layer.set_below(below, place.share)?;
-            self.observer.phase(Phase::Integration);
-            let solve = self.solve(trial, place.load())?;
-            if solve.stop == StopRule::Interrupted {
-                self.result.interrupted = true;
-                self.result.converged = false;
-                return Ok(false);
-            }
-            let outcome = self.outcome(trial, &solve);
-            if trial.probe && outcome == Outcome::Buckled {
-                self.report.onset_load = Some(place.load());
-            }
-            match stepper.report(outcome) {
-                Verdict::Keep => {
-                    kept = self.layer.state();
-                    self.keep(place, &control, &solve);
-                }
-                Verdict::Discard => self.layer.restore(&kept)?,
-                Verdict::GiveUp => {
-                    self.layer.restore(&kept)?;
-                    self.give_up(place.load(), &solve);
-                }
-            }
+        let control = self.control(place.weight);
+        let mut layers = vec![self.snapshot(lowest, run, &control, None)];
+        let is_key = |key: &f64| (key - place.weight).abs() < 1e-9;
+        let is_key = place.share == 1.0 && self.spec.keys.iter().any(is_key);
+        if is_key || (place.share == 1.0 && observer.wants_frames()) {
+            let upper = self.upper_layers(lowest, run, place, &control, observer)?;
+            let Some(upper) = upper else { return Ok(false) };
+            layers.extend(upper);
+        }
+        observer.frame(&Frame {
+            index: self.result.frames,
+            load: place.weight * place.share,
+            layers: &layers,
+        });
+        self.result.frames += 1;
+        if is_key {
+            self.result.keys.push(KeyResult {
+                load: place.weight,
+                layers,
+            });
         }
         Ok(true)
     }
 
-    fn solve(&mut self, trial: Trial, load: f64) -> Result<SolveReport, StepperError> {
-        let settings = NewtonSettings {
-            linear: self.modelling.linear,
-            at_saddle: if self.is_probe(trial) {
-                AtSaddle::Stop
-            } else {
-                AtSaddle::Leave
+    /// Solves the layers above `lowest` one on the other; `None` when the observer ends the work.
+    fn upper_layers(
+        &mut self,
+        lowest: usize,
+        run: &LayerRun,
+        place: Place,
+        control: &[Vector3<f64>],
+        observer: &mut dyn Observer,
+    ) -> Result<Option<Vec<LayerSurface>>, StepperError> {
+        let mut surfaces = Vec::new();
+        let mut below: Option<(usize, LayerRun)> = None;
+        for index in lowest + 1..self.plan.specs.len() {
+            if self.plan.poses[self.pose].layers[index].region.is_empty() {
+                continue;
+            }
+            let lower = match &below {
+                Some((index, run)) => self.lower(*index, run),
+                None => self.lower(lowest, run),
+            };
+            let seat = self.plan.seats[index];
+            let surface = |skin: &SkinMesh| {
+                vec![surface_below(
+                    self.driver,
+                    skin,
+                    seat,
+                    control,
+                    Some(&lower),
+                )]
+            };
+            let mut upper = self.build(index, &surface, observer)?;
+            let mut course = CarriedCourse {
+                below: surface_below(self.driver, upper.layer.skin(), seat, control, Some(&lower)),
+                weight: place.weight,
+            };
+            let loads = loads_up_to(1.0, self.spec.steps, [1.0]);
+            let ending = upper.follow(&mut course, &loads, self.modelling, observer)?;
+            surfaces.push(self.snapshot(index, &upper, control, Some(&lower)));
+            self.tell(&upper, ending);
+            if ending == Ending::Interrupted {
+                return Ok(None);
+            }
+            upper.measure();
+            self.add_report(index, &upper.report);
+            below = Some((index, upper));
+        }
+        Ok(Some(surfaces))
+    }
+
+    fn lower<'r>(&self, index: usize, run: &'r LayerRun) -> LowerLayer<'r> {
+        LowerLayer {
+            skin: run.layer.skin(),
+            positions: run.layer.positions(),
+            offset: self.plan.seats[index].offset,
+        }
+    }
+
+    /// The layer as others see it.
+    fn snapshot(
+        &self,
+        index: usize,
+        run: &LayerRun,
+        control: &[Vector3<f64>],
+        lower: Option<&LowerLayer<'_>>,
+    ) -> LayerSurface {
+        let seat = self.plan.seats[index];
+        let region = &run.layer.region().skin;
+        let below = surface_below(self.driver, region, seat, control, lower);
+        run.layer.snapshot(control, &below.posed, seat.offset)
+    }
+
+    /// Takes over the report of a layer that is solved anew in every frame; work adds up.
+    fn add_report(&mut self, index: usize, report: &LayerReport) {
+        let before = &self.result.layers[index];
+        self.result.layers[index] = LayerReport {
+            newton_iterations: before.newton_iterations + report.newton_iterations,
+            factorizations: before.factorizations + report.factorizations,
+            ..report.clone()
+        };
+    }
+}
+
+/// A key at which nothing wrinkles.
+fn flat_key(load: f64) -> KeyResult {
+    KeyResult {
+        load,
+        layers: Vec::new(),
+    }
+}
+
+/// The lowest layer's way: along the weights, or along the strain of one key.
+struct DriverCourse<'r, 'a> {
+    stack: &'r mut StackRun<'a>,
+    lowest: usize,
+    key: Option<f64>,
+}
+
+impl DriverCourse<'_, '_> {
+    fn place(&self, load: f64) -> Place {
+        match self.key {
+            None => Place {
+                weight: load,
+                share: 1.0,
             },
-            residual_tolerance: self.modelling.tolerance,
-            seed: self.modelling.seed,
-            ..NewtonSettings::default()
-        };
-        let vertices = self.layer.vertex_count();
-        let observer = &mut *self.observer;
-        let mut keep_going = |iteration: &ruga_solver::Iteration| {
-            observer.progress(Progress {
-                load,
-                iteration: iteration.index,
-                vertices,
-            })
-        };
-        let solve = self
-            .layer
-            .minimise(&settings, &mut keep_going)
-            .map_err(|source| self.solver_error(source))?;
-        self.report.newton_iterations += solve.iterations;
-        self.report.factorizations += solve.factorizations;
-        self.report.residual = solve.residual;
-        self.report.stop = Some(solve.stop);
-        Ok(solve)
-    }
-
-    fn keep(&mut self, place: Place, control: &[Vector3<f64>], solve: &SolveReport) {
-        if solve.inertia.is_none() && self.layer.demand() > 1.0 && !self.told_of_missing_inertia {
-            self.told_of_missing_inertia = true;
-            self.result.warnings.push(format!(
-                "pose '{}', layer '{}': linear = \"minres\" cannot tell a wrinkled state from an unstable flat one; compare with \"ldlt\"",
-                self.spec.name, self.layer.spec.name
-            ));
-        }
-        let layers = [self.layer.snapshot(control)];
-        self.observer.frame(&Frame {
-            index: self.result.frames,
-            load: place.load(),
-            layers: &layers,
-        });
-        self.result.frames += 1;
-        if place.share == 1.0
-            && self
-                .spec
-                .keys
-                .iter()
-                .any(|key| (key - place.weight).abs() < 1e-9)
-        {
-            self.result.keys.push(KeyResult {
-                load: place.weight,
-                layers: layers.into(),
-            });
+            Some(weight) => Place {
+                weight,
+                share: load,
+            },
         }
     }
+}
 
-    fn give_up(&mut self, load: f64, solve: &SolveReport) {
-        self.result.converged = false;
-        self.result.warnings.push(format!(
-            "pose '{}', layer '{}': no equilibrium found at load {load:.3} ({:?} after {} iterations, relative residual {:.1e})",
-            self.spec.name, self.layer.spec.name, solve.stop, solve.iterations, solve.residual
-        ));
+impl Course for DriverCourse<'_, '_> {
+    fn below(&self, skin: &SkinMesh, load: f64) -> (BelowSurface, f64) {
+        let place = self.place(load);
+        let control = self.stack.control(place.weight);
+        let seat = self.stack.plan.seats[self.lowest];
+        (
+            surface_below(self.stack.driver, skin, seat, &control, None),
+            place.share,
+        )
     }
 
-    fn finish(mut self) -> PoseResult {
-        let layer = &self.layer;
-        self.report.name.clone_from(&layer.spec.name);
-        self.report.vertices = layer.vertex_count();
-        self.report.faces = layer.face_count();
-        self.report.constraints = layer.row_count();
-        self.report.wavelength_predicted = layer.wrinkling.wavelength;
-        self.report.critical_strain_predicted = layer.wrinkling.critical_strain;
-        self.report.energy = layer.energy();
-        self.report.bending_ratio = layer.bending_ratio;
-        let heights = layer.heights();
-        let faces = layer.supercritical_faces();
-        if let Some(waves) = waviness(&heights, &layer.rest().positions, faces) {
-            self.report.amplitude = waves.amplitude;
-            let is_wrinkled = waves.amplitude > LEAST_AMPLITUDE * layer.spec.material.thickness;
-            self.report.wavelength = is_wrinkled.then_some(waves.wavelength);
-        }
-        self.result.layers.push(self.report);
-        self.result
+    fn shown(&self, load: f64) -> f64 {
+        let place = self.place(load);
+        place.weight * place.share
     }
 
-    /// Whether a saddle at this load would be the onset of wrinkling: below the critical strain
-    /// it is the noise of a detail finer than the layer is thick.
-    fn is_probe(&self, trial: Trial) -> bool {
-        trial.probe && self.layer.demand() > LEAST_DEMAND
+    fn kept(
+        &mut self,
+        run: &LayerRun,
+        load: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<bool, StepperError> {
+        let place = self.place(load);
+        self.stack.frame(self.lowest, run, place, observer)
+    }
+}
+
+/// An upper layer's way: its strain grows on a surface that stays.
+struct CarriedCourse {
+    below: BelowSurface,
+    weight: f64,
+}
+
+impl Course for CarriedCourse {
+    fn below(&self, _: &SkinMesh, load: f64) -> (BelowSurface, f64) {
+        (self.below.clone(), load)
     }
 
-    fn outcome(&self, trial: Trial, solve: &SolveReport) -> Outcome {
-        let left_saddle = solve.left_saddle && (!trial.probe || self.is_probe(trial));
-        if solve.stop == StopRule::Saddle || (left_saddle && solve.converged) {
-            Outcome::Buckled
-        } else if solve.converged {
-            Outcome::Stable
-        } else {
-            Outcome::Failed
-        }
+    fn shown(&self, load: f64) -> f64 {
+        self.weight * load
     }
 
-    fn solver_error(&self, source: SolverError) -> StepperError {
-        StepperError::Solver {
-            layer: self.layer.spec.name.clone(),
-            source,
-        }
+    fn kept(&mut self, _: &LayerRun, _: f64, _: &mut dyn Observer) -> Result<bool, StepperError> {
+        Ok(true)
     }
 }

@@ -33,13 +33,20 @@ pub(crate) struct SkinMesh {
 }
 
 impl SkinMesh {
-    fn new(driver: &Driver, mesh: TriMesh, points: &[MaterialPoint], smoothing: Smoothing) -> Self {
+    /// At rest `offset` above the driver.
+    fn new(
+        driver: &Driver,
+        mesh: TriMesh,
+        points: &[MaterialPoint],
+        smoothing: Smoothing,
+        offset: f64,
+    ) -> Self {
         let points = SurfacePoints::new(driver, points, smoothing);
-        Self {
-            rest: points.pose(driver.rest()),
-            mesh,
-            points,
+        let mut rest = points.pose(driver.rest());
+        for (x, normal) in rest.positions.iter_mut().zip(&rest.normals) {
+            *x += normal * offset;
         }
+        Self { rest, mesh, points }
     }
 
     /// The vertices' indices at the corners of every triangle.
@@ -57,16 +64,23 @@ pub(crate) struct RegionMesh {
     origins: PerFace<ruga_mesh::FaceOrigin>,
     artist: Vec<(u32, [[f64; 3]; 3])>,
     smoothing: Smoothing,
+    offset: f64,
 }
 
 impl RegionMesh {
-    pub(crate) fn new(driver: &Driver, base: &BaseSurface, smoothing: Smoothing) -> Self {
+    /// The region of `base`, at rest `offset` above the driver.
+    pub(crate) fn new(
+        driver: &Driver,
+        base: &BaseSurface,
+        smoothing: Smoothing,
+        offset: f64,
+    ) -> Self {
         let (mesh, copied) = one_fan_per_vertex(base.mesh());
         let base_points = base.vertex_points();
         let points: Vec<MaterialPoint> = copied.iter().map(|v| base_points[v.index()]).collect();
         let origins = base.origins().clone();
         Self {
-            skin: SkinMesh::new(driver, mesh, &points, smoothing),
+            skin: SkinMesh::new(driver, mesh, &points, smoothing, offset),
             uvs: base.uvs().as_slice().to_vec(),
             artist: origins
                 .as_slice()
@@ -75,6 +89,7 @@ impl RegionMesh {
                 .collect(),
             origins,
             smoothing,
+            offset,
         }
     }
 
@@ -131,7 +146,13 @@ impl RegionMesh {
             }
         };
         let points: Vec<MaterialPoint> = made.points.as_slice().iter().map(on_driver).collect();
-        Ok(SkinMesh::new(driver, made.mesh, &points, self.smoothing))
+        Ok(SkinMesh::new(
+            driver,
+            made.mesh,
+            &points,
+            self.smoothing,
+            self.offset,
+        ))
     }
 
     /// Sizing at places of this mesh from that at its vertices, for edges `coarseness` times as
@@ -178,15 +199,24 @@ pub(crate) struct Interpolation {
 
 impl Interpolation {
     pub(crate) fn apply(&self, values: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-        let mut control = values.to_vec();
-        for _ in 0..INTERPOLATION_STEPS {
-            let reached = self.at_vertices.apply(&control);
-            for ((control, value), reached) in control.iter_mut().zip(values).zip(&reached) {
-                *control += value - reached;
-            }
-        }
-        self.at_places.apply(&control)
+        self.at_places
+            .apply(&through_vertices(&self.at_vertices, values))
     }
+}
+
+/// Control points whose limit surface, by the rows `at_vertices`, passes closer to `values`.
+pub(crate) fn through_vertices(
+    at_vertices: &SparseRows,
+    values: &[Vector3<f64>],
+) -> Vec<Vector3<f64>> {
+    let mut control = values.to_vec();
+    for _ in 0..INTERPOLATION_STEPS {
+        let reached = at_vertices.apply(&control);
+        for ((control, value), reached) in control.iter_mut().zip(values).zip(&reached) {
+            *control += value - reached;
+        }
+    }
+    control
 }
 
 /// The place of `layer` under every vertex of `region`, both at rest.

@@ -13,7 +13,7 @@ fn run(coupling: Coupling, modelling: &Modelling, observer: &mut dyn Observer) -
     let layers = [skin("forehead-furrow", coupling)];
     let poses = [pose(&driver, "press", 1.0)];
     let plan = plan(&driver, &layers, &poses, modelling, 1024).expect("a valid scene");
-    simulate(&driver, &layers, &plan, 0, &poses[0], modelling, observer).expect("a valid scene")
+    simulate(&driver, &plan, 0, &poses[0], modelling, observer).expect("a valid scene")
 }
 
 #[test]
@@ -49,16 +49,7 @@ fn below_the_onset_the_layer_lies_on_the_driver() {
     };
     let poses = [pose(&driver, "press", 0.3)];
     let plan = plan(&driver, &layers, &poses, &modelling, 1024).unwrap();
-    let result = simulate(
-        &driver,
-        &layers,
-        &plan,
-        0,
-        &poses[0],
-        &modelling,
-        &mut Silent,
-    )
-    .unwrap();
+    let result = simulate(&driver, &plan, 0, &poses[0], &modelling, &mut Silent).unwrap();
     let surface = &result.keys[1].layers[0];
     for (x, p) in surface.positions.iter().zip(&surface.driver_positions) {
         assert!((x - p).norm() < 1e-6, "{}", (x - p).norm());
@@ -72,7 +63,7 @@ fn nothing_to_wrinkle_gives_keys_without_layers() {
     let layers = [skin("forehead-furrow", Coupling::Hybrid)];
     let poses = [pose(&driver, "press", 0.1)];
     let plan = plan(&driver, &layers, &poses, &draft(), 1024).unwrap();
-    let result = simulate(&driver, &layers, &plan, 0, &poses[0], &draft(), &mut Silent).unwrap();
+    let result = simulate(&driver, &plan, 0, &poses[0], &draft(), &mut Silent).unwrap();
     assert!(result.converged && result.keys.iter().all(|k| k.layers.is_empty()));
 }
 
@@ -127,18 +118,4 @@ fn minres_says_that_it_cannot_tell_saddles() {
         "{:?}",
         result.warnings
     );
-}
-
-#[test]
-fn two_layers_are_refused() {
-    let driver = driver();
-    let layer = skin("forehead-furrow", Coupling::Hybrid);
-    let layers = [layer.clone(), layer];
-    let poses = [pose(&driver, "press", 1.0)];
-    let plan = plan(&driver, &layers, &poses, &draft(), 1024).unwrap();
-    let result = simulate(&driver, &layers, &plan, 0, &poses[0], &draft(), &mut Silent);
-    assert!(matches!(
-        result,
-        Err(StepperError::TooManyLayers { count: 2 })
-    ));
 }

@@ -4,7 +4,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use ruga_bake::{BakeSettings, Relief, TangentFrame, bake};
 use ruga_blend::Weights;
 use ruga_io::{WrinkleMap, Wrinkles, scene};
-use ruga_stepper::{Frame, KeyResult, PoseResult, PoseSpec};
+use ruga_stepper::{Frame, KeyResult, LayerSurface, PoseResult, PoseSpec};
 
 use crate::arguments::RunArguments;
 use crate::artist_file::{file_name, write_artist_mesh};
@@ -60,6 +60,7 @@ struct WrinkleMaps<'a> {
 
 impl Product for WrinkleMaps<'_> {
     const COMMAND: &'static str = "bake";
+    const WANTS_FRAMES: bool = false;
 
     /// Maps are written when the pose is done; until then the earlier ones are of use.
     fn begin(&self, _: &[String]) {}
@@ -91,10 +92,20 @@ impl WrinkleMaps<'_> {
         let weights = pose.weights.scaled(key.load);
         let frames = posed_frames(&project.mesh.mesh, &project.driver, &weights)
             .map_err(|source| self.baking(pose, source))?;
-        let map = self
-            .pool
-            .install(|| bake(&relief(key), &frames, &self.settings()))
-            .map_err(|source| self.baking(pose, source))?;
+        let bake = |relief: &Relief<'_>| {
+            let baked = self
+                .pool
+                .install(|| bake(relief, &frames, &self.settings()));
+            baked.map_err(|source| self.baking(pose, source))
+        };
+        // A layer's relief has those of the layers below in it, and covers what it covers.
+        let mut map = match key.layers.first() {
+            Some(lowest) => bake(&relief(lowest))?,
+            None => bake(&EMPTY)?,
+        };
+        for layer in key.layers.iter().skip(1) {
+            map.cover_with(&bake(&relief(layer))?);
+        }
         if map.folded_samples > 0 {
             warnings.push(format!(
                 "at key {} the layer folds over in {} texels, which a normal map cannot hold",
@@ -160,16 +171,25 @@ impl WrinkleMaps<'_> {
     }
 }
 
-/// The top layer at a key; nothing where nothing wrinkles, which bakes neutral.
-fn relief(key: &KeyResult) -> Relief<'_> {
-    let top = key.layers.last();
+/// Nothing wrinkles: bakes neutral.
+const EMPTY: Relief<'static> = Relief {
+    positions: &[],
+    driver_positions: &[],
+    driver_normals: &[],
+    offset: 0.0,
+    faces: &[],
+    uvs: &[],
+    artist: &[],
+};
+
+fn relief(layer: &LayerSurface) -> Relief<'_> {
     Relief {
-        positions: top.map_or(&[], |layer| &layer.positions),
-        driver_positions: top.map_or(&[], |layer| &layer.driver_positions),
-        driver_normals: top.map_or(&[], |layer| &layer.driver_normals),
-        offset: top.map_or(0.0, |layer| layer.offset),
-        faces: top.map_or(&[], |layer| &layer.faces),
-        uvs: top.map_or(&[], |layer| &layer.uvs),
-        artist: top.map_or(&[], |layer| &layer.artist),
+        positions: &layer.positions,
+        driver_positions: &layer.driver_positions,
+        driver_normals: &layer.driver_normals,
+        offset: layer.offset,
+        faces: &layer.faces,
+        uvs: &layer.uvs,
+        artist: &layer.artist,
     }
 }

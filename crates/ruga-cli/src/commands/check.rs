@@ -63,7 +63,7 @@ impl Findings {
     fn parts(&mut self, scene: &Scene, path: &Path) -> Option<Project> {
         let not_yet = model::not_yet(scene, path);
         self.problems.extend(not_yet);
-        let layer = self.keep(model::layer(scene, path));
+        let layers = self.keep(model::layers(scene, path));
         let region = self.keep(project::region(scene));
         let mesh = self.keep(project::artist_mesh(scene));
         let driver = mesh
@@ -78,7 +78,7 @@ impl Findings {
         let poses = driver
             .as_ref()
             .and_then(|driver| self.keep(model::poses(scene, driver, &[], path)));
-        self.describe(scene, layer.as_ref(), region.as_ref(), poses.as_deref());
+        self.describe(scene, layers.as_deref(), region.as_ref(), poses.as_deref());
         let (mesh, driver) = (mesh?, driver?);
         self.describe_mesh(&mesh, &driver);
         let warnings = project::mesh_warnings(&mesh, &driver);
@@ -89,7 +89,7 @@ impl Findings {
             scene: scene.clone(),
             mesh,
             driver,
-            layers: vec![layer?],
+            layers: layers?,
             poses: poses?,
             warnings: Vec::new(),
         })
@@ -98,7 +98,7 @@ impl Findings {
     fn describe(
         &mut self,
         scene: &Scene,
-        layer: Option<&LayerSpec>,
+        layers: Option<&[LayerSpec]>,
         region: Option<&Region>,
         poses: Option<&[PoseSpec]>,
     ) {
@@ -108,7 +108,7 @@ impl Findings {
             let poses = counted(poses.len(), "pose");
             self.lines.push(format!("poses: {poses}, {maps}"));
         }
-        if let Some(layer) = layer {
+        for layer in layers.into_iter().flatten() {
             let material = &layer.material;
             self.lines.push(format!(
                 "layer `{}`: {:.4} MPa, {:.3} mm thick",

@@ -41,6 +41,7 @@ struct FrameMeshes<'a> {
 
 impl Product for FrameMeshes<'_> {
     const COMMAND: &'static str = "simulate";
+    const WANTS_FRAMES: bool = true;
 
     fn begin(&self, earlier: &[String]) {
         remove_frames(&self.arguments.output, earlier);

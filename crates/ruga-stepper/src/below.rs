@@ -1,0 +1,195 @@
+//! What lies below places of the skin: the layer below where there is one, the driver elsewhere.
+
+use nalgebra::{Matrix2, SymmetricEigen, Vector2, Vector3};
+use ruga_blend::{Driver, FaceStrain, PosedSurface, face_strains};
+use ruga_mesh::{
+    ClosestPlace, LoopSurface, MaterialPoint, PerFace, PerVertex, SurfaceLookup, TriMesh,
+    limit_rows,
+};
+
+use crate::skin_mesh::{SkinMesh, through_vertices};
+
+/// Squared stretches by which the bending of the layer below may change a rest metric: where that
+/// layer bends within twice its offset, the offset surface is about to turn inside out.
+const TRANSFER_RANGE: [f64; 2] = [0.25, 2.25];
+
+/// A place counts as beside the layer below when it lies this share of an edge outside.
+const BESIDE: f64 = 1e-3;
+
+/// A surface on which a layer would lie, and what of its bending the layer is not to feel.
+#[derive(Clone, Debug)]
+pub(crate) struct BelowSurface {
+    /// The layer's own place in it: offsets are included.
+    pub(crate) posed: PosedSurface,
+    /// Per face the symmetric stretch of the rest metric, in the face's rest frame, that takes the
+    /// untransferred part of the bending strain away.
+    pub(crate) transfer: Option<Vec<Matrix2<f64>>>,
+}
+
+/// The layer below, with its shape.
+pub(crate) struct LowerLayer<'a> {
+    pub(crate) skin: &'a SkinMesh,
+    pub(crate) positions: &'a [Vector3<f64>],
+    /// Its distance from the driver, m.
+    pub(crate) offset: f64,
+}
+
+/// How a layer lies on what is below.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Seat {
+    /// Distance from the driver along its normal, m.
+    pub(crate) offset: f64,
+    /// Share of the bending strain of what lies below that the layer feels, 0 to 1.
+    pub(crate) bending_transfer: f64,
+    /// Tangential stiffness per area where it is not the layer's own, Pa/m.
+    pub(crate) tie: Option<f64>,
+}
+
+/// The surface below the vertices of `skin`, whose rest positions include the seat's offset.
+pub(crate) fn surface_below(
+    driver: &Driver,
+    skin: &SkinMesh,
+    seat: Seat,
+    control: &[Vector3<f64>],
+    lower: Option<&LowerLayer<'_>>,
+) -> BelowSurface {
+    let mut middle = skin.points.pose(control);
+    let mut distance = vec![seat.offset; middle.positions.len()];
+    if let Some(lower) = lower {
+        let covered = add_lower(driver, skin, control, lower, &mut middle);
+        for (distance, _) in distance.iter_mut().zip(covered).filter(|(_, on)| *on) {
+            *distance -= lower.offset;
+        }
+    }
+    let lifted = |share: f64| -> Vec<Vector3<f64>> {
+        let normals = middle.positions.iter().zip(&middle.normals).zip(&distance);
+        normals.map(|((x, n), d)| x + n * (share * d)).collect()
+    };
+    let positions = lifted(1.0);
+    let transfer = (seat.offset > 0.0 && seat.bending_transfer < 1.0).then(|| {
+        // Where the layer rests, between the surface below and its own place.
+        let rest: Vec<Vector3<f64>> = skin
+            .rest
+            .positions
+            .iter()
+            .zip(&skin.rest.normals)
+            .zip(&distance)
+            .map(|((x, n), d)| x - n * ((1.0 - seat.bending_transfer) * d))
+            .collect();
+        let part = face_strains(&skin.mesh, &rest, &lifted(seat.bending_transfer));
+        let whole = face_strains(&skin.mesh, &skin.rest.positions, &positions);
+        untransferred(&whole, &part)
+    });
+    BelowSurface {
+        posed: PosedSurface {
+            positions,
+            ..middle
+        },
+        transfer,
+    }
+}
+
+/// `A = P^-1/2 W P^-1/2` per face, as stretch `A^1/2`, of the whole metric `W` and the part `P`
+/// that is felt: with this rest metric a layer in `W` is strained as one in `P`. For bending about
+/// one axis it is `l0' = l0 |dQ_t| / |dQ_teff|` of the notes.
+fn untransferred(whole: &PerFace<FaceStrain>, part: &PerFace<FaceStrain>) -> Vec<Matrix2<f64>> {
+    let pairs = whole.as_slice().iter().zip(part.as_slice());
+    pairs
+        .map(|(whole, part)| {
+            let root = power(&part.cauchy_green, -0.5, [1e-4, f64::MAX]);
+            let metric = root * whole.cauchy_green * root;
+            power(&metric, 0.5, TRANSFER_RANGE)
+        })
+        .collect()
+}
+
+/// A power of a symmetric positive matrix, its eigenvalues held to a range.
+fn power(matrix: &Matrix2<f64>, exponent: f64, [low, high]: [f64; 2]) -> Matrix2<f64> {
+    let eigen = SymmetricEigen::new(*matrix);
+    let values = eigen
+        .eigenvalues
+        .map(|value| value.clamp(low, high).powf(exponent));
+    let vectors = eigen.eigenvectors;
+    vectors * Matrix2::from_diagonal(&values) * vectors.transpose()
+}
+
+/// Adds to the driver what the layer below deviates from it, wherever that layer is.
+///
+/// Deviations, not positions, are interpolated: they vanish at the layer's ragged border, where a
+/// smooth surface through positions would cut the corners.
+fn add_lower(
+    driver: &Driver,
+    skin: &SkinMesh,
+    control: &[Vector3<f64>],
+    lower: &LowerLayer<'_>,
+    middle: &mut PosedSurface,
+) -> Vec<bool> {
+    let places = places_above(skin, lower.skin);
+    let inside: Vec<MaterialPoint> = places.iter().flatten().copied().collect();
+    let corners = PerVertex::filled(lower.skin.mesh.vertex_count(), false);
+    let at_vertices = limit_rows(&lower.skin.mesh, &corners).position;
+    let rows = LoopSurface::new(&lower.skin.mesh, &corners).rows(&inside);
+    let base = lower.skin.points.pose(control).positions;
+    let deviations = lower.positions.iter().zip(&base);
+    let deviations: Vec<Vector3<f64>> = deviations.map(|(x, base)| x - base).collect();
+    let mut jets = rows
+        .apply(&through_vertices(&at_vertices, &deviations))
+        .into_iter()
+        .zip(rows.apply(&lower.skin.rest.positions));
+    let rest = skin.points.derivatives(driver.rest());
+    let posed = skin.points.derivatives(control);
+    for (i, place) in places.iter().enumerate() {
+        let Some((deviation, lower_rest)) = place.and_then(|_| jets.next()) else {
+            continue;
+        };
+        middle.positions[i] += deviation.position;
+        let change = |tangent: &Vector3<f64>| {
+            let [u, v] = coordinates(tangent, &lower_rest.first);
+            deviation.first[0] * u + deviation.first[1] * v
+        };
+        let [first, second] = [0, 1].map(|d| posed[i][d] + change(&rest[i][d]));
+        if let Some(normal) = first.cross(&second).try_normalize(0.0) {
+            let tangent = first - normal * normal.dot(&first);
+            middle.tangents[i] = tangent.try_normalize(0.0).unwrap_or(middle.tangents[i]);
+            middle.normals[i] = normal;
+        }
+    }
+    places.iter().map(Option::is_some).collect()
+}
+
+/// Coordinates of a tangent in a basis of the tangent plane, by least squares.
+fn coordinates(tangent: &Vector3<f64>, [u, v]: &[Vector3<f64>; 2]) -> [f64; 2] {
+    let gram = Matrix2::new(u.dot(u), u.dot(v), u.dot(v), v.dot(v));
+    let right = Vector2::new(u.dot(tangent), v.dot(tangent));
+    let solved = gram
+        .try_inverse()
+        .map_or_else(Vector2::zeros, |g| g * right);
+    [solved.x, solved.y]
+}
+
+/// The place of the layer below under every vertex, where there is one.
+fn places_above(skin: &SkinMesh, lower: &SkinMesh) -> Vec<Option<MaterialPoint>> {
+    let lookup = SurfaceLookup::new(&lower.mesh, &lower.rest.positions);
+    let vertices = skin.rest.positions.iter().zip(&skin.rest.normals);
+    vertices
+        .map(|(x, normal)| {
+            let found = lookup.closest(x)?;
+            lies_on(&lower.mesh, &lower.rest.positions, &found, x, normal).then_some(found.point)
+        })
+        .collect()
+}
+
+/// Whether `x` lies over the place that is closest to it, not beside the border.
+fn lies_on(
+    mesh: &TriMesh,
+    positions: &[Vector3<f64>],
+    found: &ClosestPlace,
+    x: &Vector3<f64>,
+    normal: &Vector3<f64>,
+) -> bool {
+    let [a, b, _] = mesh.faces()[found.point.face].map(|v| positions[v.0 as usize]);
+    let away = x - found.point.interpolate(mesh, positions);
+    let sideways = away - normal * normal.dot(&away);
+    let on_border = found.point.barycentric.iter().any(|&w| w < 1e-9);
+    !on_border || sideways.norm() < BESIDE * (b - a).norm()
+}

@@ -1,0 +1,213 @@
+//! One layer on its way to its load, and what is told of it.
+
+use ruga_solver::{
+    AtSaddle, LoadSettings, LoadStepper, NewtonSettings, Outcome, SolveReport, SolverError,
+    StopRule, Trial, Verdict,
+};
+
+use crate::below::BelowSurface;
+use crate::layer::{Layer, LayerState};
+use crate::measure::waviness;
+use crate::skin_mesh::SkinMesh;
+use crate::{LayerReport, Modelling, Observer, Phase, Progress, StepperError};
+
+/// Share of the critical strain below which nothing can wrinkle.
+const LEAST_DEMAND: f64 = 0.9;
+
+/// Amplitude below which a layer counts as flat, in thicknesses.
+const LEAST_AMPLITUDE: f64 = 0.01;
+
+/// What a load means to a layer, and what follows from reaching one.
+pub(crate) trait Course {
+    /// The surface below the layer's vertices at `load`, and the share of its strain that counts.
+    fn below(&self, skin: &SkinMesh, load: f64) -> (BelowSurface, f64);
+
+    /// `load` as a fraction of the pose.
+    fn shown(&self, load: f64) -> f64;
+
+    /// The layer is in equilibrium at `load`; false when the observer ends the work.
+    fn kept(
+        &mut self,
+        run: &LayerRun,
+        load: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<bool, StepperError>;
+}
+
+/// How following a course ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Ending {
+    /// At the last load.
+    Reached,
+    /// Without an equilibrium for the next load.
+    GaveUp,
+    /// By the observer.
+    Interrupted,
+}
+
+/// A layer with its report.
+pub(crate) struct LayerRun {
+    pub(crate) layer: Layer,
+    pub(crate) report: LayerReport,
+    /// What the user should know, without the layer's name.
+    pub(crate) warnings: Vec<String>,
+}
+
+impl LayerRun {
+    pub(crate) fn new(layer: Layer) -> Self {
+        let report = LayerReport {
+            name: layer.spec.name.clone(),
+            vertices: layer.vertex_count(),
+            faces: layer.face_count(),
+            constraints: layer.row_count(),
+            wavelength_predicted: layer.wrinkling.wavelength,
+            critical_strain_predicted: layer.wrinkling.critical_strain,
+            ..LayerReport::default()
+        };
+        Self {
+            layer,
+            report,
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Solves at every one of `loads`, and in between where the layer begins to wrinkle.
+    pub(crate) fn follow(
+        &mut self,
+        course: &mut dyn Course,
+        loads: &[f64],
+        modelling: &Modelling,
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        let mut stepper = LoadStepper::new(loads, LoadSettings::default())
+            .map_err(|source| self.solver_error(source))?;
+        let mut kept = self.layer.state();
+        while let Some(trial) = stepper.next_trial() {
+            observer.phase(Phase::Sampling);
+            let (below, share) = course.below(self.layer.skin(), trial.load);
+            self.layer.set_below(below, share)?;
+            observer.phase(Phase::Integration);
+            let shown = course.shown(trial.load);
+            let solve = self.solve(trial, shown, modelling, observer)?;
+            if solve.stop == StopRule::Interrupted {
+                return Ok(Ending::Interrupted);
+            }
+            let outcome = self.outcome(trial, &solve);
+            if trial.probe && outcome == Outcome::Buckled {
+                self.report.onset_load = Some(shown);
+            }
+            match stepper.report(outcome) {
+                Verdict::Keep => {
+                    kept = self.layer.state();
+                    self.tell_of_missing_inertia(&solve);
+                    if !course.kept(self, trial.load, observer)? {
+                        return Ok(Ending::Interrupted);
+                    }
+                }
+                Verdict::Discard => self.layer.restore(&kept)?,
+                Verdict::GiveUp => {
+                    self.give_up(&kept, shown, &solve)?;
+                    return Ok(Ending::GaveUp);
+                }
+            }
+        }
+        Ok(Ending::Reached)
+    }
+
+    fn solve(
+        &mut self,
+        trial: Trial,
+        shown: f64,
+        modelling: &Modelling,
+        observer: &mut dyn Observer,
+    ) -> Result<SolveReport, StepperError> {
+        let settings = NewtonSettings {
+            linear: modelling.linear,
+            at_saddle: if self.is_probe(trial) {
+                AtSaddle::Stop
+            } else {
+                AtSaddle::Leave
+            },
+            residual_tolerance: modelling.tolerance,
+            seed: modelling.seed,
+            ..NewtonSettings::default()
+        };
+        let vertices = self.layer.vertex_count();
+        let mut keep_going = |iteration: &ruga_solver::Iteration| {
+            observer.progress(Progress {
+                load: shown,
+                iteration: iteration.index,
+                vertices,
+            })
+        };
+        let solve = self
+            .layer
+            .minimise(&settings, &mut keep_going)
+            .map_err(|source| self.solver_error(source))?;
+        self.report.newton_iterations += solve.iterations;
+        self.report.factorizations += solve.factorizations;
+        self.report.residual = solve.residual;
+        self.report.stop = Some(solve.stop);
+        Ok(solve)
+    }
+
+    fn tell_of_missing_inertia(&mut self, solve: &SolveReport) {
+        let warning = "linear = \"minres\" cannot tell a wrinkled state from an unstable flat one; compare with \"ldlt\"";
+        let is_told = self.warnings.iter().any(|told| told == warning);
+        if solve.inertia.is_none() && self.layer.demand() > 1.0 && !is_told {
+            self.warnings.push(warning.to_owned());
+        }
+    }
+
+    fn give_up(
+        &mut self,
+        kept: &LayerState,
+        shown: f64,
+        solve: &SolveReport,
+    ) -> Result<(), StepperError> {
+        self.layer.restore(kept)?;
+        self.warnings.push(format!(
+            "no equilibrium found at load {shown:.3} ({:?} after {} iterations, relative residual {:.1e})",
+            solve.stop, solve.iterations, solve.residual
+        ));
+        Ok(())
+    }
+
+    /// Measures the layer as it is now.
+    pub(crate) fn measure(&mut self) {
+        let layer = &self.layer;
+        self.report.energy = layer.energy();
+        self.report.bending_ratio = layer.bending_ratio;
+        let heights = layer.heights();
+        let faces = layer.supercritical_faces();
+        if let Some(waves) = waviness(&heights, &layer.skin().rest.positions, faces) {
+            self.report.amplitude = waves.amplitude;
+            let is_wrinkled = waves.amplitude > LEAST_AMPLITUDE * layer.spec.material.thickness;
+            self.report.wavelength = is_wrinkled.then_some(waves.wavelength);
+        }
+    }
+
+    /// Whether a saddle at this load would be the onset of wrinkling: below the critical strain
+    /// it is the noise of a detail finer than the layer is thick.
+    fn is_probe(&self, trial: Trial) -> bool {
+        trial.probe && self.layer.demand() > LEAST_DEMAND
+    }
+
+    fn outcome(&self, trial: Trial, solve: &SolveReport) -> Outcome {
+        let left_saddle = solve.left_saddle && (!trial.probe || self.is_probe(trial));
+        if solve.stop == StopRule::Saddle || (left_saddle && solve.converged) {
+            Outcome::Buckled
+        } else if solve.converged {
+            Outcome::Stable
+        } else {
+            Outcome::Failed
+        }
+    }
+
+    fn solver_error(&self, source: SolverError) -> StepperError {
+        StepperError::Solver {
+            layer: self.layer.spec.name.clone(),
+            source,
+        }
+    }
+}
