@@ -129,15 +129,29 @@ fn draw(name: &str, scene: &Path, report: &Report, folder: &Path) -> Result<(), 
         let strains = material.strains(&top.mesh)?;
         mesh_picture::draw(&top.mesh, &strains, top.full_colour)?
             .write(&folder.join(format!("{title}-mesh.png")))?;
-        let mark = if pose.converged {
-            ""
-        } else {
-            ", NOT CONVERGED"
-        };
-        let percent = 100.0 * top.full_colour;
-        println!("{title}: drawn; full red is {percent:.2} % compression{mark}");
+        println!("{title}: {}", findings(pose, top.full_colour));
     }
     Ok(())
+}
+
+/// What was drawn, in a line: wavelengths measured and predicted, bottom layer first.
+fn findings(pose: &PoseReport, full_colour: f64) -> String {
+    let mut line = String::new();
+    for layer in &pose.layers {
+        let length = |metres: Option<f64>| {
+            metres.map_or("none".to_owned(), |metres| {
+                format!("{:.2} mm", 1e3 * metres)
+            })
+        };
+        let found = length(layer.wavelength_m);
+        let predicted = length(layer.wavelength_predicted_m);
+        line += &format!("{} every {found} (predicted {predicted}), ", layer.name);
+    }
+    line += &format!("full red {:.1} % compression", 100.0 * full_colour);
+    if !pose.converged {
+        line += ", NOT CONVERGED";
+    }
+    line
 }
 
 /// The top layer at the end of a pose.
