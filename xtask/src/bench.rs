@@ -7,13 +7,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::SystemTime;
 
 use serde_json::Value;
 
-use crate::repository::{Outcome, cargo, run};
+use crate::repository::{Outcome, run, target_folder};
 
 /// Package and bench target, in the order they run.
 const BENCHES: &[(&str, &str)] = &[
@@ -71,16 +71,6 @@ pub(crate) fn bench() -> Outcome {
     }
     print!("{}", comparison(&measured));
     Ok(ExitCode::SUCCESS)
-}
-
-/// Where cargo builds, which a setting or a variable may have moved.
-fn target_folder() -> Result<PathBuf, Box<dyn Error>> {
-    let output = cargo(&["metadata", "--no-deps", "--format-version", "1"]).output()?;
-    let metadata: Value = serde_json::from_slice(&output.stdout)?;
-    let folder = metadata["target_directory"].as_str();
-    Ok(folder
-        .ok_or("cargo metadata names no target folder")?
-        .into())
 }
 
 /// Reads every result under `folder` that is not older than `start`.

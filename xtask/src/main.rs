@@ -9,6 +9,8 @@
 mod assets;
 mod bench;
 mod check;
+mod figures;
+mod light;
 mod picture;
 mod repository;
 
@@ -19,8 +21,11 @@ const USAGE: &str = "\
 usage: cargo xtask TASK
 
   check        format, lints, documentation and tests, as CI runs them
-  assets       regenerate the meshes under assets/
+  assets       regenerate the meshes and painted images under assets/
   bench        run the benchmarks on one thread and compare them
+  figures [DIR] [--quick]
+               simulate every scene under assets/ and draw the figures of Li 2014 into DIR
+               [default: target/figures]; --quick takes coarse meshes
   picture DIR  shade the maps that `ruga bake assets/forearm/scene.toml -o DIR` left in DIR
 ";
 
@@ -34,6 +39,10 @@ fn main() -> ExitCode {
         ["check"] => check::check(),
         ["assets"] => assets::regenerate(),
         ["bench"] => bench::bench(),
+        ["figures", words @ ..] => match figures::Wanted::read(words) {
+            Some(wanted) => figures::figures(&wanted),
+            None => return wrong_usage("`figures` takes a folder and `--quick`"),
+        },
         ["picture", folder] => picture::picture(Path::new(folder)),
         ["picture"] => return wrong_usage("`picture` needs the folder of a finished bake"),
         ["help" | "--help" | "-h"] => {

@@ -12,6 +12,7 @@ use nalgebra::Vector3;
 use ruga_io::scene::{MapFormat, MapKind};
 use ruga_io::{Image, PngTexels, map_file, read_image, write_png};
 
+use crate::light::{Light, skin, texel};
 use crate::repository::{Outcome, root};
 
 /// From left to right; each at its full pose.
@@ -27,9 +28,6 @@ const WIDTH: usize = 3 * SIDE + 2 * GAP;
 
 /// Normals seen for one pixel along each axis: maps are about this much finer.
 const SAMPLES: usize = 3;
-
-/// Red, green and blue of light in linear units.
-type Light = Vector3<f64>;
 
 /// Shades the maps of a finished bake of the forearm.
 pub(crate) fn picture(bake: &Path) -> Outcome {
@@ -76,8 +74,7 @@ fn pixel(map: &Image, row: usize, column: usize) -> [u8; 3] {
             at(column, j, map.width),
         ));
     }
-    let mean = light / (SAMPLES * SAMPLES) as f64;
-    mean.map(|c| (255.0 * srgb(c)).round() as u8).into()
+    texel(light / (SAMPLES * SAMPLES) as f64)
 }
 
 fn normal(map: &Image, row: usize, column: usize) -> Vector3<f64> {
@@ -86,42 +83,9 @@ fn normal(map: &Image, row: usize, column: usize) -> Vector3<f64> {
     Vector3::new(x, y, z).normalize()
 }
 
-/// Skin under a lamp at the upper left and a weak sky, seen from above.
-fn skin(normal: Vector3<f64>) -> Light {
-    let lamp = Vector3::new(-0.62, 0.58, 0.46).normalize();
-    let half = (lamp + Vector3::z()).normalize();
-    let albedo = Light::new(0.62, 0.33, 0.23);
-    let sky = Light::new(0.13, 0.14, 0.17) * (0.5 + 0.5 * normal.z);
-    // Light that enters skin comes out a little way off, red farther than blue: each colour
-    // reaches so far beyond the terminator.
-    let spread = Light::new(0.22, 0.09, 0.05);
-    let facing = normal.dot(&lamp);
-    let diffuse = spread.map(|s| ((facing + s) / (1.0 + s)).max(0.0));
-    let gloss = 0.20 * normal.dot(&half).max(0.0).powi(28);
-    albedo.component_mul(&(1.5 * diffuse + sky)) + Light::repeat(gloss)
-}
-
-/// IEC 61966-2-1.
-fn srgb(linear: f64) -> f64 {
-    let c = linear.clamp(0.0, 1.0);
-    if c <= 0.003_130_8 {
-        12.92 * c
-    } else {
-        1.055 * c.powf(1.0 / 2.4) - 0.055
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn light_comes_from_the_upper_left() {
-        let brightness = |x, y| skin(Vector3::new(x, y, 1.0).normalize()).sum();
-        let flat = brightness(0.0, 0.0);
-        assert!(brightness(-0.3, 0.0) > flat && brightness(0.0, 0.3) > flat);
-        assert!(brightness(0.3, 0.0) < flat && brightness(0.0, -0.3) < flat);
-    }
 
     #[test]
     fn a_pixel_shows_the_texels_under_it() {

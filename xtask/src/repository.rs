@@ -4,6 +4,8 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
+use serde_json::Value;
+
 /// What every task ends with: an exit code, or why it could not run.
 pub(crate) type Outcome = Result<ExitCode, Box<dyn Error>>;
 
@@ -22,6 +24,16 @@ pub(crate) fn cargo(arguments: &[&str]) -> Command {
         .current_dir(root())
         .stdin(std::process::Stdio::null());
     command
+}
+
+/// Where cargo builds, which a setting or a variable may have moved.
+pub(crate) fn target_folder() -> Result<PathBuf, Box<dyn Error>> {
+    let output = cargo(&["metadata", "--no-deps", "--format-version", "1"]).output()?;
+    let metadata: Value = serde_json::from_slice(&output.stdout)?;
+    let folder = metadata["target_directory"].as_str();
+    Ok(folder
+        .ok_or("cargo metadata names no target folder")?
+        .into())
 }
 
 /// Echoes a command as one would type it, runs it, and gives its exit code when it failed.

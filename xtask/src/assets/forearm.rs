@@ -87,6 +87,12 @@ fn texture_coordinate(place: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(0.5 + scale * place.x, 0.5 - scale * place.y)
 }
 
+/// The place along the arm (m from the middle) that has this V; the inverse of
+/// [`texture_coordinate`].
+pub(super) fn place_along(v: f64) -> f64 {
+    (0.5 - v) * SIDE / (1.0 - 2.0 * MARGIN)
+}
+
 /// Shortens the patch across the arm, the same width along it: by 12 % in the middle, fading to
 /// nothing over the last 2 cm, so that the patch joins the skin around it without a kink.
 fn compress(place: Vector2<f64>) -> Vector3<f64> {

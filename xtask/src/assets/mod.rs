@@ -1,29 +1,34 @@
-//! `assets`: the small meshes that scenes and tests use, made from code.
+//! `assets`: the small meshes and painted images that scenes and tests use, made from code.
 //!
 //! The same bytes on every run and every machine: nothing is ordered by a hash, and what
 //! trigonometry gives is rounded to the file's `f32` before anything is derived from it.
 
 mod finger;
 mod forearm;
+mod paint;
 
 #[cfg(test)]
 mod tests;
 
 use std::error::Error;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use ruga_blend::{ArtistMesh, BlendError, Driver, Weights};
-use ruga_io::{GlbAdditions, Material, MeshFile, MeshPart, write_glb};
+use ruga_io::{GlbAdditions, Material, MeshFile, MeshPart, PngTexels, write_glb, write_png};
 use ruga_mesh::vertex_normals;
 
 use crate::repository::{Outcome, root};
 
-/// Writes every mesh below `assets/`; the scenes beside them are edited by hand.
+/// Writes every mesh and image below `assets/`; the scenes beside them are edited by hand.
 pub(crate) fn regenerate() -> Outcome {
-    for name in write_meshes(&root().join("assets"))? {
+    let folder = root().join("assets");
+    for name in write_meshes(&folder)?
+        .into_iter()
+        .chain(write_images(&folder)?)
+    {
         println!("assets/{name}");
     }
     Ok(ExitCode::SUCCESS)
@@ -33,13 +38,31 @@ pub(crate) fn regenerate() -> Outcome {
 fn write_meshes(folder: &Path) -> Result<[&'static str; 2], Box<dyn Error>> {
     let names = ["forearm/forearm.glb", "finger/finger.glb"];
     for (name, mesh) in names.into_iter().zip([forearm::mesh()?, finger::mesh()?]) {
-        let path = folder.join(name);
-        if let Some(parent) = path.parent() {
-            fs::create_dir_all(parent)?;
-        }
+        let path = in_its_folder(folder, name)?;
         write_glb(&path, &mesh_file(&path, mesh), &GlbAdditions::default())?;
     }
     Ok(names)
+}
+
+/// Writes the painted properties below `folder`; gives their paths in it.
+fn write_images(folder: &Path) -> Result<[&'static str; 2], Box<dyn Error>> {
+    let names = ["heterogeneous/stiffness.png", "heterogeneous/thickness.png"];
+    let (packed, grey) = (paint::stiffness(), paint::thickness());
+    let images = [PngTexels::Rgb8(&packed), PngTexels::Grey8(&grey)];
+    for (name, texels) in names.into_iter().zip(images) {
+        let path = in_its_folder(folder, name)?;
+        write_png(&path, paint::TEXELS, paint::TEXELS, texels)?;
+    }
+    Ok(names)
+}
+
+/// The path of a file below `folder`, its own folder made if need be.
+fn in_its_folder(folder: &Path, name: &str) -> std::io::Result<PathBuf> {
+    let path = folder.join(name);
+    if let Some(parent) = path.parent() {
+        fs::create_dir_all(parent)?;
+    }
+    Ok(path)
 }
 
 /// The mesh in one part of plain skin, in metres, where it stands.

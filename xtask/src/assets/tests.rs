@@ -11,9 +11,11 @@ fn meshes() -> [ArtistMesh; 2] {
 }
 
 #[test]
-fn committed_meshes_are_what_the_code_makes() {
+fn committed_files_are_what_the_code_makes() {
     let folder = tempfile::tempdir().unwrap();
-    for name in write_meshes(folder.path()).unwrap() {
+    let meshes = write_meshes(folder.path()).unwrap();
+    let images = write_images(folder.path()).unwrap();
+    for name in meshes.into_iter().chain(images) {
         let made = fs::read(folder.path().join(name)).unwrap();
         let committed = fs::read(root().join("assets").join(name)).unwrap();
         assert!(committed == made, "{name}: run `cargo xtask assets`");
@@ -137,15 +139,75 @@ fn triangles_are_nearly_equilateral() {
     }
 }
 
+/// Every scene below `assets/`.
+fn scenes() -> Vec<(PathBuf, ruga_io::Scene)> {
+    let folders = fs::read_dir(root().join("assets")).unwrap();
+    let mut paths: Vec<PathBuf> = folders
+        .flat_map(|folder| fs::read_dir(folder.unwrap().path()).unwrap())
+        .map(|file| file.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e == "toml"))
+        .collect();
+    paths.sort();
+    assert_eq!(paths.len(), 12);
+    let read = |path: PathBuf| (path.clone(), ruga_io::Scene::read(&path).unwrap());
+    paths.into_iter().map(read).collect()
+}
+
 #[test]
 fn scenes_are_read_and_name_the_shapes_there_are() {
-    for (folder, mesh) in ["forearm", "finger"].into_iter().zip(meshes()) {
-        let path = root().join("assets").join(folder).join("scene.toml");
-        let scene = ruga_io::Scene::read(&path).unwrap();
-        let shapes: Vec<String> = mesh.shapes.iter().map(|s| s.name.clone()).collect();
-        let poses = scene.poses_or_shapes(&shapes, &path).unwrap();
-        assert_eq!(poses.len(), shapes.len());
-        assert_eq!(scene.driver.mesh_name.as_deref(), Some(mesh.name.as_str()));
-        assert!(path.with_file_name(&scene.driver.mesh).is_file());
+    for (path, scene) in scenes() {
+        let name = scene.driver.mesh_name.as_deref().unwrap();
+        let mesh = ruga_io::read_mesh(&scene.driver.mesh, Some(name), &Default::default());
+        let shapes: Vec<String> = mesh
+            .unwrap()
+            .mesh
+            .shapes
+            .into_iter()
+            .map(|s| s.name)
+            .collect();
+        assert!(!scene.poses_or_shapes(&shapes, &path).unwrap().is_empty());
+        for map in scene.layers.iter().filter_map(|layer| layer.map.as_ref()) {
+            ruga_io::read_property_images(map, &path, "map").unwrap();
+        }
     }
+}
+
+#[test]
+fn scenes_of_scale_differ_as_their_figure_says() {
+    let layer = |name: &str| {
+        let path = root().join("assets/scale").join(name);
+        let layer = ruga_io::Scene::read(&path).unwrap().layers.remove(0);
+        [layer.young.unwrap(), layer.thickness.unwrap()]
+    };
+    let [young, thickness] = layer("reference.toml");
+    let is_close = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
+    for (name, stiffer, thinner) in [
+        ("thin.toml", 1.0, 4.0),
+        ("stiff.toml", 64.0, 1.0),
+        ("thin-stiff.toml", 64.0, 4.0),
+    ] {
+        let own = layer(name);
+        assert!(is_close(own[0], young * stiffer), "{name}");
+        assert!(is_close(own[1] * thinner, thickness), "{name}");
+    }
+}
+
+#[test]
+fn paint_is_what_the_scenes_say() {
+    let at = |texels: &[u8], channels: usize, y: f64| {
+        let row = (0..paint::TEXELS)
+            .find(|&row| forearm::place_along((row as f64 + 0.5) / paint::TEXELS as f64) < y);
+        texels[channels * paint::TEXELS * row.unwrap() + channels / 2]
+    };
+    let (stiffness, thickness) = (paint::stiffness(), paint::thickness());
+    // Soft below, stiff above; in the middle 1.5 times the wavelength, the cube root.
+    assert_eq!([-0.045, 0.045].map(|y| at(&stiffness, 3, y)), [0, 255]);
+    let middle = 0.35 + 2.45 * f64::from(at(&stiffness, 3, 0.0)) / 255.0;
+    assert!(((middle / 0.35).cbrt() - 1.5).abs() < 0.02);
+    assert_eq!(
+        [-0.02, 0.0, 0.045].map(|y| at(&thickness, 1, y)),
+        [0, 255, 0]
+    );
+    let jump = [-0.0135, -0.0105].map(|y| at(&thickness, 1, y));
+    assert_eq!(jump, [0, 255]);
 }

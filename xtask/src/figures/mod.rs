@@ -1,0 +1,186 @@
+//! `figures`: the figures and the table of Li 2014, drawn from this project's own scenes.
+//!
+//! Every scene goes through the command `ruga simulate`, as a user's would. Of each pose's last
+//! load step come two pictures of the top layer: shaded skin, and its mesh in material space
+//! coloured by strain; of all of them a table of times.
+
+mod canvas;
+mod mesh_picture;
+mod run;
+mod skin_picture;
+mod surface;
+mod timing;
+
+#[cfg(test)]
+mod tests;
+
+use std::error::Error;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use ruga_io::{PoseReport, Report};
+
+use self::run::Run;
+use self::surface::{Material, Surface};
+use self::timing::{Timing, reference};
+use crate::repository::{Outcome, root, target_folder};
+
+/// Scenes below `assets/`, in the order of the figures that they stand for.
+const SCENES: [&str; 12] = [
+    // Figure 3-3.
+    "scale/reference.toml",
+    "scale/thin.toml",
+    "scale/stiff.toml",
+    "scale/thin-stiff.toml",
+    // Figure 6-1 (and 4-1, whose property map is the thickness).
+    "heterogeneous/stiffness.toml",
+    "heterogeneous/thickness.toml",
+    "heterogeneous/two-layers.toml",
+    // Figure 6-3.
+    "layers/one.toml",
+    "layers/two.toml",
+    // Figure 6-4, with one layer and with two.
+    "forearm/scene.toml",
+    "forearm/two-layers.toml",
+    // Beyond the thesis: a curved surface.
+    "finger/scene.toml",
+];
+
+/// What was asked for.
+#[derive(Debug, Default, PartialEq)]
+pub(crate) struct Wanted {
+    folder: Option<PathBuf>,
+    quick: bool,
+}
+
+impl Wanted {
+    /// Reads the words after `figures`; `None` when there is one too many.
+    pub(crate) fn read(words: &[&str]) -> Option<Self> {
+        let mut wanted = Self::default();
+        for word in words {
+            match *word {
+                "--quick" if !wanted.quick => wanted.quick = true,
+                folder if !folder.starts_with('-') && wanted.folder.is_none() => {
+                    wanted.folder = Some(folder.into());
+                }
+                _ => return None,
+            }
+        }
+        Some(wanted)
+    }
+}
+
+/// Simulates, draws, and prints the table.
+pub(crate) fn figures(wanted: &Wanted) -> Outcome {
+    let folder = match &wanted.folder {
+        Some(folder) => std::path::absolute(folder)?,
+        None => target_folder()?.join("figures"),
+    };
+    fs::create_dir_all(&folder)?;
+    let mut timings = Vec::new();
+    for scene in SCENES {
+        timings.extend(figure(scene, &folder, wanted.quick)?);
+    }
+    let text = timing::text(&timings);
+    fs::write(folder.join("timing.txt"), &text)?;
+    fs::write(folder.join("timing.csv"), timing::csv(&timings))?;
+    print!("\n{text}");
+    println!("\nPictures and table are in {}", folder.display());
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Simulates a scene and draws its poses; gives a row of the table for each.
+fn figure(scene: &str, folder: &Path, quick: bool) -> Result<Vec<Timing>, Box<dyn Error>> {
+    let name = name_of(scene);
+    let results = folder.join("runs").join(&name);
+    let path = root().join("assets").join(scene);
+    let report = match run::simulate(&path, &results, quick)? {
+        Run::Done(report) => report,
+        Run::Refused(reason) => {
+            println!("{name}: skipped; {reason}");
+            return Ok(Vec::new());
+        }
+    };
+    draw(&name, &path, &report, folder)?;
+    let row = |pose| Timing::of(&name, pose, reference(&name, &pose.name));
+    Ok(report.poses.iter().map(row).collect())
+}
+
+/// The scene's folder, and its own name where that says more than `scene`.
+fn name_of(scene: &str) -> String {
+    scene
+        .trim_end_matches(".toml")
+        .trim_end_matches("/scene")
+        .replace('/', "-")
+}
+
+/// Two pictures for every pose of a finished run.
+fn draw(name: &str, scene: &Path, report: &Report, folder: &Path) -> Result<(), Box<dyn Error>> {
+    let material = Material::read(scene)?;
+    for pose in &report.poses {
+        let title = format!("{name}-{}", pose.name);
+        let results = folder.join("runs").join(name);
+        let Some(top) = Top::read(&results, pose)? else {
+            println!("{title}: nothing wrinkles, nothing to draw");
+            continue;
+        };
+        skin_picture::draw(&top.skin)?.write(&folder.join(format!("{title}-skin.png")))?;
+        let strains = material.strains(&top.mesh)?;
+        mesh_picture::draw(&top.mesh, &strains, top.full_colour)?
+            .write(&folder.join(format!("{title}-mesh.png")))?;
+        println!("{title}: {}", findings(pose, top.full_colour));
+    }
+    Ok(())
+}
+
+/// What was drawn, in a line: wavelengths measured and predicted, bottom layer first.
+fn findings(pose: &PoseReport, full_colour: f64) -> String {
+    let mut line = String::new();
+    for layer in &pose.layers {
+        let length = |metres: Option<f64>| {
+            metres.map_or("none".to_owned(), |metres| {
+                format!("{:.2} mm", 1e3 * metres)
+            })
+        };
+        let found = length(layer.wavelength_m);
+        let predicted = length(layer.wavelength_predicted_m);
+        line += &format!("{} every {found} (predicted {predicted}), ", layer.name);
+    }
+    line += &format!("full red {:.1} % compression", 100.0 * full_colour);
+    if !pose.converged {
+        line += ", NOT CONVERGED";
+    }
+    line
+}
+
+/// The top layer at the end of a pose.
+struct Top {
+    /// Its smooth surface.
+    skin: Surface,
+    /// The mesh that it was computed on.
+    mesh: Surface,
+    /// The strain that is drawn in full colour: half more than that at which the layer begins to
+    /// wrinkle, which wrinkled skin keeps on average.
+    full_colour: f64,
+}
+
+impl Top {
+    /// Reads the last load step; `None` when there is none.
+    fn read(results: &Path, pose: &PoseReport) -> Result<Option<Self>, Box<dyn Error>> {
+        let Some(layer) = pose.layers.last() else {
+            return Ok(None);
+        };
+        let Some(file) = run::last_frame(results, &pose.name, &layer.name)? else {
+            return Ok(None);
+        };
+        let skin = Surface::read(&file)?;
+        Ok(Some(Self {
+            // `ruga simulate` writes the layer on one mesh for all frames and not on the one
+            // that it was computed on; read that one's file here as soon as there is one.
+            mesh: skin.clone(),
+            skin,
+            full_colour: 1.5 * layer.critical_strain_predicted.unwrap_or(0.05),
+        }))
+    }
+}

@@ -1,0 +1,110 @@
+//! The command `ruga simulate`, started as a user would, and what it leaves behind.
+
+use std::error::Error;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use ruga_io::Report;
+
+use crate::repository::cargo;
+
+/// How a run ended.
+pub(super) enum Run {
+    /// With results; poses that did not converge are marked in them.
+    Done(Report),
+    /// Not begun, for this reason.
+    Refused(String),
+}
+
+/// Exit codes of `ruga`: results written, though some pose may not have converged; could not run.
+const INCOMPLETE: i32 = 1;
+const REFUSED: i32 = 2;
+
+/// Simulates every pose of a scene on one thread, so that times can be compared.
+pub(super) fn simulate(scene: &Path, results: &Path, quick: bool) -> Result<Run, Box<dyn Error>> {
+    let build_and_run = ["run", "--release", "--quiet", "--package", "ruga-cli", "--"];
+    let mut command = cargo(&build_and_run);
+    command.env("RAYON_NUM_THREADS", "1");
+    command
+        .arg("simulate")
+        .arg(scene)
+        .arg("--output")
+        .arg(results);
+    command.args(["--threads", "1"]);
+    if quick {
+        command.args(["--quality", "draft"]);
+    }
+    let output = command.output()?;
+    let messages = String::from_utf8_lossy(&output.stderr);
+    match output.status.code() {
+        Some(0 | INCOMPLETE) => {
+            let report = fs::read(results.join("report.json"))?;
+            Ok(Run::Done(serde_json::from_slice(&report)?))
+        }
+        Some(REFUSED) => Ok(Run::Refused(first_error(&messages))),
+        _ => Err(format!("{}: {}\n{messages}", scene.display(), output.status).into()),
+    }
+}
+
+/// The line that says what is wrong, without the lines that say what to do.
+fn first_error(messages: &str) -> String {
+    let error = messages
+        .lines()
+        .find_map(|line| line.strip_prefix("error: "));
+    error.unwrap_or(messages).trim_end().to_owned()
+}
+
+/// The file of a layer in the last load step of a pose.
+pub(super) fn last_frame(
+    results: &Path,
+    pose: &str,
+    layer: &str,
+) -> Result<Option<PathBuf>, Box<dyn Error>> {
+    let folder = results.join("frames").join(pose);
+    if !folder.is_dir() {
+        return Ok(None);
+    }
+    // `<layer>.<number>.obj`, the number of fixed width up to 9999.
+    let number = |name: &str| -> Option<u32> {
+        let rest = name.strip_prefix(layer)?.strip_prefix('.')?;
+        rest.strip_suffix(".obj")?.parse().ok()
+    };
+    let mut last = None;
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        let name = path.file_name().and_then(|name| name.to_str());
+        last = last.max(name.and_then(number).map(|number| (number, path)));
+    }
+    Ok(last.map(|(_, path)| path))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_frame_has_the_highest_number() {
+        let folder = tempfile::tempdir().unwrap();
+        let frames = folder.path().join("frames/frown");
+        fs::create_dir_all(&frames).unwrap();
+        for name in [
+            "skin.9999.obj",
+            "skin.10000.obj",
+            "skin.two.obj",
+            "skin2.20000.obj",
+        ] {
+            fs::write(frames.join(name), "").unwrap();
+        }
+        let last = |pose, layer| last_frame(folder.path(), pose, layer).unwrap();
+        assert_eq!(last("frown", "skin"), Some(frames.join("skin.10000.obj")));
+        assert_eq!(last("frown", "fat"), None);
+        assert_eq!(last("smile", "skin"), None);
+    }
+
+    #[test]
+    fn a_refusal_is_one_line() {
+        let messages = "warning: this\nerror: that\nhelp: do so\n";
+        assert_eq!(first_error(messages), "that");
+        assert_eq!(first_error("killed\n"), "killed");
+    }
+}
