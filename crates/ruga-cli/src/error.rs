@@ -17,7 +17,7 @@ pub(crate) enum CliError {
     #[error(transparent)]
     Io(#[from] IoError),
     /// The scene asks for what this version cannot do.
-    #[error("{}: `{key}`: found {found}; this version simulates one static layer", scene.display())]
+    #[error("{}: `{key}`: found {found}; this version cannot do that yet", scene.display())]
     #[diagnostic(help("{remedy}"))]
     NotYet {
         scene: PathBuf,

@@ -79,11 +79,20 @@ fn kind(file: &str) -> Option<&str> {
     file.split('/').next()
 }
 
-/// Removes the frames among the files of an `earlier` run, before new ones are written among
-/// them.
-pub(crate) fn remove_frames(folder: &Path, earlier: &[String]) {
-    let frames = earlier.iter().filter(|file| kind(file) == Some("frames"));
-    remove(folder, frames);
+/// Removes a pose's frames, of whatever earlier run, before new ones are written among them.
+pub(crate) fn remove_frames(folder: &Path, pose: &str) {
+    let Ok(entries) = fs::read_dir(folder.join("frames").join(pose)) else {
+        return;
+    };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let is_frame = name.to_str().and_then(|name| name.strip_suffix(".obj"));
+        let number = is_frame.and_then(|stem| stem.rsplit_once('.'));
+        if number.is_some_and(|(_, n)| n.len() >= 4 && n.bytes().all(|b| b.is_ascii_digit())) {
+            // What cannot be removed is written over, or left behind as it was.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
 }
 
 fn remove<'a>(folder: &Path, files: impl Iterator<Item = &'a String>) {
@@ -125,23 +134,25 @@ mod tests {
         assert!(!folder.path().join(earlier[0]).exists());
         assert!(folder.path().join(earlier[1]).exists());
     }
+
     #[test]
-    fn frames_go_before_new_ones_come_and_nothing_outside_the_folder() {
+    fn frames_go_before_new_ones_come_and_nothing_else() {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let output = folder.path().join("out");
-        fs::create_dir_all(output.join("frames")).expect("a folder");
-        let names = [
-            "frames/a.obj",
-            "keep.png",
-            "../outside.obj",
-            "frames/../../outside.obj",
-        ];
-        for name in ["out/frames/a.obj", "out/keep.png", "outside.obj"] {
-            fs::write(folder.path().join(name), "x").expect("a file");
+        let frames = folder.path().join("frames/a");
+        fs::create_dir_all(&frames).expect("a folder");
+        for name in [
+            "skin.0007.obj",
+            "skin.0123.obj",
+            "mine.obj",
+            "skin.0007.blend",
+        ] {
+            fs::write(frames.join(name), "x").expect("a file");
         }
-        remove_frames(&output, &names.map(str::to_owned));
-        assert!(!output.join("frames/a.obj").exists());
-        assert!(output.join("keep.png").exists());
-        assert!(folder.path().join("outside.obj").exists());
+        remove_frames(folder.path(), "a");
+        remove_frames(folder.path(), "b");
+        let left = fs::read_dir(&frames).expect("a folder");
+        let mut left: Vec<_> = left.flatten().map(|entry| entry.file_name()).collect();
+        left.sort();
+        assert_eq!(left, ["mine.obj", "skin.0007.blend"]);
     }
 }

@@ -37,9 +37,9 @@ pub(crate) trait Product: Sync {
     /// Whether it has a use for load steps, not for keys alone.
     const WANTS_FRAMES: bool;
 
-    /// Removes of an earlier run's files those among which new ones are about to appear: an
+    /// Removes of earlier runs' files those among which new ones are about to appear: an
     /// interrupted run must not leave a mixture.
-    fn begin(&self, earlier: &[String]);
+    fn begin(&self, pose: &PoseSpec);
 
     /// Writes a load step, if it is to be written; returns the files.
     fn frame(&self, pose: &PoseSpec, frame: &Frame<'_>) -> Result<Vec<String>, CliError>;
@@ -105,7 +105,7 @@ impl<P: Product> PoseRun<'_, P> {
             return Ok(Some(record));
         }
         let earlier = PoseRecord::forget(folder, &spec.name)?;
-        self.product.begin(&earlier);
+        self.product.begin(spec);
         let bar = self.progress.start(&spec.name, index + 1);
         let record = self.simulate(index, &bar, given_up);
         let ending = match &record {
@@ -236,11 +236,11 @@ fn stop_rule(rule: StopRule) -> String {
 }
 
 fn ending(report: &PoseReport) -> String {
-    let seconds: f64 = report
-        .layers
-        .iter()
+    // Every layer's entry has the time of the whole pose.
+    let layers = report.layers.iter();
+    let seconds = layers
         .filter_map(|layer| layer.seconds.total)
-        .sum();
+        .fold(0.0, f64::max);
     if report.frames == 0 && report.converged {
         return "nothing to wrinkle".to_owned();
     }

@@ -181,7 +181,7 @@ impl LayerEnergy {
     /// Makes the angles of `positions` (m) the rest angles: the layer is not bent there.
     ///
     /// # Errors
-    /// [`ShellError::Length`] for an array of another size.
+    /// [`ShellError::LengthMismatch`] for an array of another size.
     pub fn set_rest_angles(&mut self, positions: &[Vector3<f64>]) -> Result<(), ShellError> {
         check_length("positions", self.vertex_count(), positions.len())?;
         for element in &mut self.hinges {

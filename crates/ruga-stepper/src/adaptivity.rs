@@ -9,7 +9,7 @@ use ruga_remesh::{FaceDriver, Refinement, RemeshSettings, SizeLimits};
 use crate::below::BelowSurface;
 use crate::layer::offered_strains;
 use crate::local_skin::{LocalSkin, SkinProperties};
-use crate::skin_mesh::{RegionMesh, SkinMesh};
+use crate::skin_mesh::{Adapted, MeshDemand, RegionMesh, SkinMesh};
 use crate::{LayerSpec, Modelling, StepperError};
 
 /// Longest edge where nothing wrinkles, in wavelengths: the low-pass rows, which reach further,
@@ -25,7 +25,7 @@ pub(crate) fn adapted(
     region: &RegionMesh,
     below: &[BelowSurface],
     modelling: &Modelling,
-) -> Result<Option<SkinMesh>, StepperError> {
+) -> Result<Option<Adapted>, StepperError> {
     let Some(limits) = modelling.remesh else {
         return Ok(None);
     };
@@ -38,14 +38,23 @@ pub(crate) fn adapted(
     let settings = RemeshSettings {
         limits: SizeLimits {
             min_edge: limits.min_edge,
-            max_edge: limits.max_edge.min(COARSEST * wrinkling.wavelength),
+            max_edge: limits.max_edge,
             aspect: limits.aspect,
             ..SizeLimits::default()
         },
-        max_vertices: modelling.vertex_budget,
         ..RemeshSettings::default()
     };
-    let adapted = region.adapted(driver, &drivers, refinement, &settings);
+    let longest = properties.vertices.iter();
+    let longest: Vec<f64> = longest
+        .map(|local| COARSEST * local.wrinkling.wavelength)
+        .collect();
+    let demand = MeshDemand {
+        drivers: &drivers,
+        longest: &longest,
+        refinement,
+        budget: modelling.vertex_budget,
+    };
+    let adapted = region.adapted(driver, &demand, &settings);
     adapted.map(Some).map_err(|source| StepperError::Remesh {
         layer: layer.name.clone(),
         source,

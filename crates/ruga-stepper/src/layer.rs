@@ -1,4 +1,4 @@
-//! One layer on a fixed mesh, held by a surface below it.
+//! One layer, held by a surface below it.
 
 use nalgebra::{Matrix2, Matrix3, Rotation3, SymmetricEigen, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -32,6 +32,9 @@ const NOISE: f64 = 1e-3;
 /// an area.
 const LEAST_STRETCH: f64 = 0.05;
 
+/// Ratios of a mesh's bending modulus to the material's that can be the triangles' doing.
+const BENDING_RATIOS: [f64; 2] = [0.5, 2.0];
+
 /// Where a layer and the surface below it are.
 pub(crate) struct LayerState {
     positions: Vec<Vector3<f64>>,
@@ -45,8 +48,9 @@ pub(crate) struct Layer {
     pub(crate) wrinkling: Wrinkling,
     skin: SkinMesh,
     properties: SkinProperties,
-    /// What results are handed out on, and how they get there; `None` for the layer's own mesh.
+    /// What results are handed out on.
     region: RegionMesh,
+    /// How they get there; `None` where that is the layer's own mesh.
     interpolation: Option<Interpolation>,
     /// Response bending modulus of the uncorrected mesh over that of the material, once measured.
     pub(crate) bending_ratio: Option<f64>,
@@ -202,14 +206,15 @@ impl Layer {
 
     /// Sets the forces with which the surface below holds the layer in its own shape.
     ///
-    /// The artist's posed shape is skin in equilibrium: with what a layer lying on it pulls,
-    /// presses and bends, the surface pushes back. Without this a layer under tension flattens
+    /// The artist's posed shape is skin in equilibrium: against what a layer lying on it pulls and
+    /// presses, the surface pushes back. Without this a layer under tension flattens
     /// the artist's shape, one under half of the critical compression doubles every bump as long
     /// as a wrinkle, and on a cylinder an elastic foundation delays the onset. Compression counts
     /// up to the critical strain, because a wrinkled layer carries no more.
     fn balance(&mut self) -> Result<(), StepperError> {
         let poisson = self.spec.material.poisson;
         let stretches = self.rest_stretches(|critical, [first, second]| {
+            let second = second.min(critical / (1.0 + poisson));
             [(critical - poisson * second).min(first), second]
         });
         self.set_rest_metric(&stretches)?;
@@ -357,15 +362,20 @@ impl Layer {
 
     /// Makes up for triangles that bend more or less easily than the material, as measured where
     /// and in the direction that `below` compresses the layer; the layer stays where it is.
-    pub(crate) fn calibrate_bending(&mut self, below: BelowSurface) -> Result<(), StepperError> {
+    /// False when something is compressed enough to wrinkle and could not be measured.
+    pub(crate) fn calibrate_bending(&mut self, below: BelowSurface) -> Result<bool, StepperError> {
         let state = self.state();
         self.set_below(below, 1.0)?;
-        self.bending_ratio = self.measured_bending_ratio();
+        let [low, high] = BENDING_RATIOS;
+        let measured = self.measured_bending_ratio();
+        self.bending_ratio = measured.map(|ratio| ratio.clamp(low, high));
         if let Some(ratio) = self.bending_ratio {
             let outcome = self.energy.set_bending_factor(1.0 / ratio);
             outcome.map_err(|source| self.shell_error(source))?;
         }
-        self.restore(&state)
+        let is_measured = self.bending_ratio.is_some() || self.demand() <= 1.0;
+        self.restore(&state)?;
+        Ok(is_measured)
     }
 
     /// Response bending modulus of this mesh, compressed in the main direction, over that of the

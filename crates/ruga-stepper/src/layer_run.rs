@@ -82,6 +82,7 @@ impl LayerRun {
         let mut stepper = LoadStepper::new(loads, LoadSettings::default())
             .map_err(|source| self.solver_error(source))?;
         let mut kept = self.layer.state();
+        let mut onset = None;
         while let Some(trial) = stepper.next_trial() {
             observer.phase(Phase::Sampling);
             let (below, share) = course.below(self.layer.skin(), trial.load);
@@ -94,12 +95,16 @@ impl LayerRun {
             }
             let outcome = self.outcome(trial, &solve);
             if trial.probe && outcome == Outcome::Buckled {
-                self.report.onset_load = Some(shown);
+                onset = Some(shown);
             }
             match stepper.report(outcome) {
                 Verdict::Keep => {
                     kept = self.layer.state();
                     self.tell_of_missing_inertia(&solve);
+                    if !trial.probe {
+                        // Where it first wrinkled; another key's course may begin anew.
+                        self.report.onset_load = self.report.onset_load.or(onset);
+                    }
                     if !course.kept(self, trial.load, observer)? {
                         return Ok(Ending::Interrupted);
                     }

@@ -21,7 +21,9 @@ const FACET_SHARE: f64 = 1.0 / 3.0;
 /// Loads, as shares of the last key, at which the way to the keys is looked at.
 const PASSING: [f64; 3] = [0.25, 0.5, 0.75];
 /// Edges beside the wrinkles over those across them, where a fitted mesh grows coarser.
-const GRADED: f64 = 2.0;
+const GRADED: f64 = 3.0;
+/// Vertices of the uniform mesh that a fitted one may be handed out on, in vertex budgets.
+const HANDED_OUT: f64 = 4.0;
 /// Areas below a hundredth of a square centimetre are not worth a warning, m².
 const NEGLIGIBLE_AREA: f64 = 1e-6;
 
@@ -115,6 +117,8 @@ pub struct LayerPlan {
     pub seconds: f64,
     /// Expected memory, bytes.
     pub memory: f64,
+    /// Vertices that would meet what was asked for.
+    needed: f64,
     pub(crate) region: Vec<u64>,
 }
 
@@ -280,7 +284,7 @@ impl PlanningSurface {
             .iter()
             .zip(&demands)
             .map(|(layer, demand)| {
-                let plan = self.layer_plan(layer, demand, pose, modelling, map_size);
+                let plan = self.layer_plan(layer, demand, (pose, path), modelling, map_size);
                 warn(&plan, pose, modelling, warnings);
                 plan
             })
@@ -296,7 +300,7 @@ impl PlanningSurface {
         &self,
         layer: &PlannedLayer<'_>,
         demand: &Demand,
-        pose: &PoseSpec,
+        (pose, path): (&PoseSpec, LoadPath),
         modelling: &Modelling,
         map_size: u32,
     ) -> LayerPlan {
@@ -305,12 +309,9 @@ impl PlanningSurface {
             numbers,
             local,
         } = layer;
-        let active = demand.active_faces(
-            &self.surface,
-            &self.rest,
-            &modelling.region,
-            numbers.wavelength,
-        );
+        let waves = local.as_slice().iter().map(|numbers| numbers.wavelength);
+        let longest = waves.fold(0.0, f64::max);
+        let active = demand.active_faces(&self.surface, &self.rest, &modelling.region, longest);
         let quantile = |field: &PerFace<f64>, share: f64| {
             weighted_quantile(&active, field, &demand.areas, share)
         };
@@ -337,12 +338,31 @@ impl PlanningSurface {
             false => quantile(&wavelengths, 0.05),
         };
         let levels = needed_levels(shortest, modelling, faces_at, edges_at);
-        let faces = match modelling.remesh {
-            Some(limits) => fitted_faces(&active, demand, &wavelengths, &limits, modelling),
-            None => faces_at(levels),
+        let vertices_of = |faces: f64| 0.5 * faces + faces.sqrt();
+        let uniform_points = shortest / edges_at(levels).0;
+        let (needed, points) = match modelling.remesh {
+            Some(limits) => {
+                let faces = fitted_faces(&active, demand, &wavelengths, &limits, modelling);
+                let needed = vertices_of(faces);
+                let short = (modelling.vertex_budget as f64 / needed).min(1.0).sqrt();
+                let points = modelling.points_per_wavelength * short;
+                (needed, points.min(uniform_points))
+            }
+            // Refinement goes in steps of four.
+            None if uniform_points < 0.9 * modelling.points_per_wavelength => {
+                (4.0 * vertices_of(faces_at(levels)), uniform_points)
+            }
+            None => (vertices_of(faces_at(levels)), uniform_points),
         };
-        let vertices = (0.5 * faces + faces.sqrt()) as usize;
-        let (seconds, memory) = cost(vertices, pose.steps);
+        let vertices = match modelling.remesh {
+            Some(_) => needed.min(modelling.vertex_budget as f64),
+            None => vertices_of(faces_at(levels)),
+        } as usize;
+        let sequences = match path {
+            LoadPath::Weight => 1,
+            LoadPath::Strain => pose.keys.len() as u32,
+        };
+        let (seconds, memory) = cost(vertices, pose.steps * sequences);
         let radius = 1.0 / quantile(&self.curvatures, 0.95);
         LayerPlan {
             name: spec.name.clone(),
@@ -360,11 +380,10 @@ impl PlanningSurface {
                 .fold(0.0, |sum, area| sum + area),
             vertices: if active.is_empty() { 0 } else { vertices },
             levels,
-            points_per_wavelength: numbers.wavelength / edges_at(levels).0,
+            points_per_wavelength: points,
+            needed,
             chi: numbers.curvature_measure(radius),
-            texels_per_wavelength: quantile(&self.uv_density, 0.5)
-                * f64::from(map_size)
-                * numbers.wavelength,
+            texels_per_wavelength: quantile(&self.uv_density, 0.5) * f64::from(map_size) * shortest,
             seconds,
             memory,
             region: active.iter().map(|f| u64::from(f.0)).collect(),
@@ -437,7 +456,12 @@ fn needed_levels(
         let (median, long) = edges_at(levels);
         median > 1.1 * target || long > 1.65 * target || long > FACET_SHARE * wavelength
     };
-    let budget = 2.0 * modelling.vertex_budget as f64;
+    // A fitted mesh is handed out on the uniform one, which costs little.
+    let vertices = match modelling.remesh {
+        Some(_) => HANDED_OUT * modelling.vertex_budget as f64,
+        None => modelling.vertex_budget as f64,
+    };
+    let budget = 2.0 * vertices;
     let mut levels = 0;
     while is_coarse(levels) && levels < MAX_LEVELS && faces_at(levels + 1) <= budget {
         levels += 1;
@@ -487,8 +511,7 @@ fn warn(plan: &LayerPlan, pose: &PoseSpec, modelling: &Modelling, warnings: &mut
 
 /// Which change brings the vertices under the budget.
 fn remedy(plan: &LayerPlan, modelling: &Modelling) -> String {
-    // Refinement goes in steps of four.
-    let needed = 4.0 * plan.vertices as f64;
+    let needed = plan.needed;
     let share = modelling.vertex_budget as f64 / needed;
     let reached = plan.points_per_wavelength;
     let quality = if reached >= 6.0 {
@@ -497,7 +520,7 @@ fn remedy(plan: &LayerPlan, modelling: &Modelling) -> String {
         "`--quality draft` needs more too"
     };
     format!(
-        "the next refinement would need about {needed:.0} vertices: paint a region mask of at \
+        "that would need about {needed:.0} vertices: paint a region mask of at \
          most {:.0} % of the active area, or raise the critical strain above {:.1} % so that \
          half as much of the pose wrinkles; {quality}",
         100.0 * share.min(1.0),

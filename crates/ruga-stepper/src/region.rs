@@ -24,7 +24,9 @@ pub(crate) struct Demand {
     pub(crate) compression: PerFace<f64>,
     /// Collapsed or turned-over faces.
     pub(crate) folded: PerFace<bool>,
-    /// Largest effective strain on the way to the keys.
+    /// The same, without averaging.
+    raw: PerFace<f64>,
+    /// Largest effective strain on the way to the keys, without averaging.
     passing: PerFace<f64>,
     /// Collapsed or turned over on the way.
     passing_folded: PerFace<bool>,
@@ -54,6 +56,7 @@ impl Demand {
             effective: PerFace::filled(count, f64::NEG_INFINITY),
             compression: PerFace::filled(count, f64::NEG_INFINITY),
             folded: PerFace::filled(count, false),
+            raw: PerFace::filled(count, f64::NEG_INFINITY),
             passing: PerFace::filled(count, f64::NEG_INFINITY),
             passing_folded: PerFace::filled(count, false),
             critical: local.map(|numbers| numbers.critical_strain).collect(),
@@ -76,6 +79,8 @@ impl Demand {
             for face in demand.areas.ids() {
                 let first = strains[face].first;
                 demand.compression[face] = demand.compression[face].max(first);
+                let raw = strains[face].effective(poisson);
+                demand.raw[face] = demand.raw[face].max(raw);
                 let effective = smooth[face].effective(poisson);
                 demand.effective[face] = demand.effective[face].max(effective);
             }
@@ -94,9 +99,9 @@ impl Demand {
             faces.map(|(_, area)| area).sum()
         };
         let critical = &self.critical;
-        let at_keys = area_where(&|face| self.effective[face] > critical[face]);
+        let at_keys = area_where(&|face| self.raw[face] > critical[face]);
         let on_the_way = area_where(&|face| {
-            self.passing[face] > critical[face] && self.effective[face] <= critical[face]
+            self.passing[face] > critical[face] && self.raw[face] <= critical[face]
         });
         let worth_it = (DETOUR_SHARE * at_keys).max(wavelength * wavelength);
         if on_the_way > worth_it {

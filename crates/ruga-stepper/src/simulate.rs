@@ -88,6 +88,9 @@ fn loads_up_to(last: f64, steps: u32, keys: impl IntoIterator<Item = f64>) -> Ve
     loads
 }
 
+/// Edges longer than asked for by less than this factor are not worth a word.
+const WORTH_TELLING: f64 = 1.1;
+
 /// A fraction of the pose's weights, and a share of the strain there.
 #[derive(Clone, Copy, Debug)]
 struct Place {
@@ -204,14 +207,10 @@ impl StackRun<'_> {
         );
         let region = RegionMesh::new(driver, &surface, modelling.smoothing, seat.offset);
         observer.phase(Phase::Remeshing);
-        let adapted = adapted(
-            driver,
-            spec,
-            wrinkling,
-            &region,
-            &below(&region.skin),
-            modelling,
-        )?;
+        let surfaces = below(&region.skin);
+        let adapted = adapted(driver, spec, wrinkling, &region, &surfaces, modelling)?;
+        let coarseness = adapted.as_ref().map_or(1.0, |adapted| adapted.coarseness);
+        let adapted = adapted.map(|adapted| adapted.skin);
         observer.phase(Phase::Constraints);
         let mut layer = Layer::new(
             driver,
@@ -222,10 +221,25 @@ impl StackRun<'_> {
             adapted,
             modelling.seed,
         )?;
+        let mut is_measured = true;
         if let Some(last) = below(layer.skin()).pop() {
-            layer.calibrate_bending(last)?;
+            is_measured = layer.calibrate_bending(last)?;
         }
-        Ok(LayerRun::new(layer))
+        let mut run = LayerRun::new(layer);
+        if coarseness > WORTH_TELLING {
+            run.warnings.push(format!(
+                "the vertex budget of {} leaves {:.1} points per wavelength of {} asked for",
+                modelling.vertex_budget,
+                modelling.points_per_wavelength / coarseness,
+                modelling.points_per_wavelength
+            ));
+        }
+        if !is_measured {
+            run.warnings.push(
+                "the bending modulus of its mesh could not be measured; wavelengths may be some per cent short".to_owned(),
+            );
+        }
+        Ok(run)
     }
 
     /// Takes over what a layer's run has to say.

@@ -56,6 +56,24 @@ impl SkinMesh {
     }
 }
 
+/// What a mesh of a region is to resolve.
+pub(crate) struct MeshDemand<'a> {
+    /// What drives wrinkles on every triangle of the region's mesh.
+    pub(crate) drivers: &'a PerFace<FaceDriver>,
+    /// Longest edge at every vertex, m.
+    pub(crate) longest: &'a [f64],
+    pub(crate) refinement: Refinement,
+    /// Vertices that there may be.
+    pub(crate) budget: usize,
+}
+
+/// A fitted mesh.
+pub(crate) struct Adapted {
+    pub(crate) skin: SkinMesh,
+    /// Edges over those asked for, where the budget did not allow them; 1 where it did.
+    pub(crate) coarseness: f64,
+}
+
 /// The uniform mesh of the active region: every triangle lies in one of the artist's.
 #[derive(Clone, Debug)]
 pub(crate) struct RegionMesh {
@@ -103,27 +121,31 @@ impl RegionMesh {
         &self.artist
     }
 
-    /// A mesh of the region that is as fine as `drivers` (per triangle of this mesh) and the rest
-    /// shape ask for, in the directions in which they do.
+    /// A mesh of the region that is as fine as `demand` and the rest shape ask for, in the
+    /// directions in which they do, or as the budget allows.
     pub(crate) fn adapted(
         &self,
         driver: &Driver,
-        drivers: &PerFace<FaceDriver>,
-        refinement: Refinement,
+        demand: &MeshDemand<'_>,
         settings: &RemeshSettings,
-    ) -> Result<SkinMesh, RemeshError> {
+    ) -> Result<Adapted, RemeshError> {
         let mesh = &self.skin.mesh;
         let seams = PerEdge::filled(mesh.edges().len(), false);
         let surface = PolyhedralSurface::new(mesh, &self.skin.rest.positions, &seams)?;
         let start = SurfaceMesh::on_surface(mesh.clone(), surface.vertex_points()?, &surface)?;
-        let sizing = sizing_field(&SizingInput {
+        let mut sizing = sizing_field(&SizingInput {
             mesh: &start,
             shape: &self.skin.rest.positions,
             velocity: None,
-            driver: Some(drivers),
-            refinement,
+            driver: Some(demand.drivers),
+            refinement: demand.refinement,
         })?;
+        for (tensor, longest) in sizing.tensors.as_mut_slice().iter_mut().zip(demand.longest) {
+            *tensor += Matrix3::identity() / (longest * longest);
+        }
         let wanted = sizing.limited(&start, &surface, &settings.limits)?;
+        let estimate = wanted.vertex_estimate(&start)? as f64;
+        let coarseness = (estimate / demand.budget as f64).sqrt().max(1.0);
         let settings = RemeshSettings {
             limits: SizeLimits {
                 min_edge: 0.0,
@@ -134,8 +156,8 @@ impl RegionMesh {
             ..*settings
         };
         let mut made = start;
-        for coarseness in ROUNDS {
-            let sizing = self.sizing_at(&made.points, &wanted, coarseness);
+        for round in ROUNDS {
+            let sizing = self.sizing_at(&made.points, &wanted, round * coarseness);
             made = remesh(&made, &sizing, &surface, &settings)?.mesh;
         }
         let on_driver = |point: &MaterialPoint| {
@@ -146,13 +168,8 @@ impl RegionMesh {
             }
         };
         let points: Vec<MaterialPoint> = made.points.as_slice().iter().map(on_driver).collect();
-        Ok(SkinMesh::new(
-            driver,
-            made.mesh,
-            &points,
-            self.smoothing,
-            self.offset,
-        ))
+        let skin = SkinMesh::new(driver, made.mesh, &points, self.smoothing, self.offset);
+        Ok(Adapted { skin, coarseness })
     }
 
     /// Sizing at places of this mesh from that at its vertices, for edges `coarseness` times as

@@ -63,7 +63,7 @@ impl Product for WrinkleMaps<'_> {
     const WANTS_FRAMES: bool = false;
 
     /// Maps are written when the pose is done; until then the earlier ones are of use.
-    fn begin(&self, _: &[String]) {}
+    fn begin(&self, _: &PoseSpec) {}
 
     /// Maps are made of whole poses, not of their frames.
     fn frame(&self, _: &PoseSpec, _: &Frame<'_>) -> Result<Vec<String>, CliError> {

@@ -1,6 +1,6 @@
 //! `ruga plan`: what will be modelled, where, how fine and at what cost.
 
-use ruga_stepper::{LayerPlan, Plan};
+use ruga_stepper::{LayerPlan, LoadPath, Plan};
 use serde::Serialize;
 
 use crate::arguments::PlanArguments;
@@ -147,6 +147,8 @@ struct PlanJson<'a> {
 #[derive(Serialize)]
 struct PoseJson<'a> {
     name: &'a str,
+    /// What grows from load step to load step: `weight` or `strain`.
+    path: &'static str,
     layers: Vec<LayerJson<'a>>,
 }
 
@@ -211,6 +213,10 @@ fn json(project: &Project, plan: &Plan) -> String {
             .iter()
             .map(|pose| PoseJson {
                 name: &pose.name,
+                path: match pose.path {
+                    LoadPath::Weight => "weight",
+                    LoadPath::Strain => "strain",
+                },
                 layers: pose.layers.iter().map(LayerJson::new).collect(),
             })
             .collect(),

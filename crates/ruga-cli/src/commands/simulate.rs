@@ -43,8 +43,8 @@ impl Product for FrameMeshes<'_> {
     const COMMAND: &'static str = "simulate";
     const WANTS_FRAMES: bool = true;
 
-    fn begin(&self, earlier: &[String]) {
-        remove_frames(&self.arguments.output, earlier);
+    fn begin(&self, pose: &PoseSpec) {
+        remove_frames(&self.arguments.output, &pose.name);
     }
 
     fn frame(&self, pose: &PoseSpec, frame: &Frame<'_>) -> Result<Vec<String>, CliError> {

@@ -55,19 +55,19 @@ pub enum LinearSolver {
     Minres,
 }
 
-/// `[remesh]`: how the layers' meshes follow the wrinkles.
+/// `[remesh]`: how the layers' meshes are fitted to what a pose asks for.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Remesh {
-    /// Whether meshes change at all.
+    /// Whether meshes are fitted; if not, they are as fine everywhere.
     pub enabled: bool,
     /// Vertices per wavelength across a wrinkle, from 3: fewer cannot show it.
     pub points_per_wavelength: f64,
     /// Shortest edge, m.
     pub min_edge: f64,
-    /// Longest edge, m.
+    /// Longest edge, m; half a wavelength is the most in any case.
     pub max_edge: f64,
-    /// Longest over shortest edge of a triangle, at most; from 1 to 4.
+    /// Longest over shortest wanted edge at a place, at most; from 1 to 4.
     pub aspect: f64,
 }
 
