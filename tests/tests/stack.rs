@@ -39,7 +39,7 @@ fn run(skin: &Skin, upper: &LayerSpec, weight: f64, stack: Stack) -> PoseResult 
     let poses = [skin.pose(&[("compress", weight)], 4)];
     let modelling = Modelling {
         region: middle(),
-        points_per_wavelength: 8.0,
+        points_per_wavelength: 6.0,
         stack,
         ..Modelling::default()
     };
