@@ -4,7 +4,7 @@ mod patch;
 
 use nalgebra::{Rotation3, Vector3};
 use patch::{patch, shape};
-use ruga_blend::{BaseSurface, Driver, Smoothing, face_strains};
+use ruga_blend::{BaseSurface, Driver, Smoothing, SurfacePoints, face_strains};
 use ruga_mesh::{FaceId, MaterialPoint};
 
 /// A patch bent over a saddle.
@@ -111,5 +111,38 @@ fn strain_of_a_known_map() {
         assert!((strain.first - 0.2).abs() < 1e-12);
         assert!((strain.second + 0.05).abs() < 1e-12);
         assert!((strain.effective(0.5) - 0.175).abs() < 1e-12);
+    }
+}
+
+/// Points chosen by their addresses lie where the base surface has them, and turn with it.
+#[test]
+fn chosen_points_lie_on_the_base_surface() {
+    let driver = saddle();
+    for smoothing in [Smoothing::Loop, Smoothing::None] {
+        let base = BaseSurface::new(&driver, &all_faces(&driver), 2, smoothing);
+        let points = SurfacePoints::new(&driver, &base.vertex_points(), smoothing);
+        let turn = Rotation3::from_euler_angles(0.3, -0.7, 1.1);
+        let turned: Vec<_> = driver.rest().iter().map(|p| turn * p).collect();
+        let (there, here) = (base.pose(&turned), points.pose(&turned));
+        for (a, b) in there.positions.iter().zip(&here.positions) {
+            assert!((a - b).norm() < 1e-12, "{smoothing:?}");
+        }
+        for (v, (a, b)) in there.normals.iter().zip(&here.normals).enumerate() {
+            // Flat facets have one normal each, or those of the vertices interpolated; at corners
+            // the limit has none.
+            let limit = smoothing == Smoothing::Loop && a.cross(b).norm() < 1e-6;
+            let facets = smoothing == Smoothing::None && a.dot(b) > 0.9;
+            let (n, t) = (here.normals[v], here.tangents[v]);
+            assert!(
+                limit || facets || a.dot(b) > 0.99,
+                "{smoothing:?}, vertex {v}"
+            );
+            assert!(n.dot(&t).abs() < 1e-12 && (t.norm() - 1.0).abs() < 1e-12);
+        }
+        let rest = points.derivatives(driver.rest());
+        for (a, b) in rest.iter().zip(points.derivatives(&turned)) {
+            assert!((turn * a[0] - b[0]).norm() < 1e-12);
+            assert!((turn * a[1] - b[1]).norm() < 1e-12);
+        }
     }
 }

@@ -75,6 +75,26 @@ fn rest_angles_can_be_those_of_another_shape() {
     assert!(layer.set_rest_angles(&bent[1..]).is_err());
 }
 
+/// The factor scales bending alone, and a new rest metric keeps it.
+#[test]
+fn the_bending_factor_scales_bending() {
+    let (mut layer, rest, faces) = sheet(0.0, 0.0);
+    let lifted: Vec<_> = rest
+        .iter()
+        .map(|x| x + Vector3::z() * (1e-4 * (5e3 * x.y).sin()))
+        .collect();
+    let before = layer.energy_parts(&lifted);
+    layer.set_bending_factor(1.25).expect("a positive factor");
+    let unstretched = vec![Matrix2::identity(); faces.len()];
+    layer.set_rest_metric(&unstretched).expect("as many faces");
+    let after = layer.energy_parts(&lifted);
+    assert!((after.bending / before.bending - 1.25).abs() < 1e-12);
+    assert!((after.membrane / before.membrane - 1.0).abs() < 1e-12);
+    for factor in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(layer.set_bending_factor(factor).is_err(), "{factor}");
+    }
+}
+
 #[test]
 fn rigid_motion_costs_nothing() {
     let (layer, rest, _) = sheet(0.0, 0.0);

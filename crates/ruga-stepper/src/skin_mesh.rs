@@ -334,3 +334,55 @@ fn fans(mesh: &TriMesh, vertex: VertexId) -> Vec<Vec<FaceId>> {
     }
     fans
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+
+    /// A grid of 24 by 24 squares of side 1, each cut in two.
+    fn grid() -> (TriMesh, Vec<Vector3<f64>>) {
+        let at = |i: u32, j: u32| 25 * j + i;
+        let mut faces = Vec::new();
+        for (i, j) in (0..24).flat_map(|j| (0..24).map(move |i| (i, j))) {
+            faces.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+            faces.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+        }
+        let positions = (0..625).map(|v| Vector3::new(f64::from(v % 25), f64::from(v / 25), 0.0));
+        (
+            TriMesh::new(625, faces).expect("a grid"),
+            positions.collect(),
+        )
+    }
+
+    /// Of a wave of 12 edges, the limit through corrected points loses little, the plain one much.
+    #[test]
+    fn a_wave_keeps_its_amplitude() {
+        let (mesh, positions) = grid();
+        let corners = PerVertex::filled(625, false);
+        let at_vertices = limit_rows(&mesh, &corners).position;
+        let height = |p: &Vector3<f64>| Vector3::z() * (TAU * p.x / 12.0).sin();
+        let wave: Vec<_> = positions.iter().map(height).collect();
+        let corrected = at_vertices.apply(&through_vertices(&at_vertices, &wave));
+        let plain = at_vertices.apply(&wave);
+        // A crest in the middle of the grid.
+        let crest = 25 * 12 + 15;
+        let loss = |found: &[Vector3<f64>]| 1.0 - found[crest].z / wave[crest].z;
+        assert!(loss(&plain).abs() > 0.02, "{}", loss(&plain));
+        assert!(loss(&corrected).abs() < 0.003, "{}", loss(&corrected));
+    }
+
+    /// Two triangles that share a vertex alone come apart there, and nowhere else.
+    #[test]
+    fn fans_come_apart() {
+        let mesh = TriMesh::new(5, vec![[0, 1, 2], [2, 3, 4]]).expect("two triangles");
+        let (split, copied) = one_fan_per_vertex(&mesh);
+        assert_eq!(split.vertex_count(), 6);
+        assert_eq!(copied[5], VertexId(2));
+        assert_eq!(split.faces().as_slice()[0].map(|v| v.0), [0, 1, 2]);
+        assert_eq!(split.faces().as_slice()[1].map(|v| v.0), [5, 3, 4]);
+        let (mesh, _) = grid();
+        assert_eq!(one_fan_per_vertex(&mesh).1.len(), 625);
+    }
+}
