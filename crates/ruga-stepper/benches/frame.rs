@@ -156,6 +156,8 @@ fn run(driver: &Driver, steps: u32, watch: &mut Watch) -> PoseResult {
         // The planner counts the longest edges, the diagonals.
         points_per_wavelength: 8.0,
         region: ruga_stepper::Region::All,
+        // The very mesh that a factorisation is timed on.
+        remesh: None,
         ..Modelling::default()
     };
     let plan = plan(driver, &layers, &poses, &modelling, 2048).unwrap();
