@@ -8,9 +8,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use ruga_material::{
-    PropertyImage, PropertyMap, RelativeProperties, WavelengthModel, Wrap, local_wrinkling,
-};
+use ruga_material::{PropertyImage, PropertyMap, RelativeProperties, Wrap, local_wrinkling};
 use ruga_stepper::{LayerSurface, Modelling};
 use ruga_tests::{Skin, asset};
 
@@ -69,9 +67,6 @@ fn local_wavelength(layer: &LayerSurface, window: [f64; 2]) -> f64 {
 }
 
 fn check(name: &str, skin: &Skin, layer: &LayerSurface, window: [f64; 2], at: RelativeProperties) {
-    let WavelengthModel::Layer = skin.layer.model else {
-        panic!("the default model");
-    };
     let predicted = local_wrinkling(
         &skin.layer.material,
         &skin.layer.substrate,

@@ -102,7 +102,7 @@ impl BaseSurface {
     /// The part of this surface made of `faces`.
     pub fn restrict(&self, faces: &[FaceId]) -> Self {
         let part = self.mesh.submesh(faces);
-        let rows = |rows: &SparseRows| select_rows(rows, part.vertices.as_slice());
+        let rows = |rows: &SparseRows| rows.select(part.vertices.as_slice());
         Self {
             origins: part
                 .faces
@@ -144,17 +144,8 @@ impl BaseSurface {
         let vertices = (0..self.mesh.vertex_count()).map(VertexId::from_index);
         vertices
             .filter_map(|vertex| MaterialPoint::of_vertex(&self.mesh, vertex))
-            .map(|point| self.on_driver(&point))
+            .map(|point| self.origins[point.face].place(point.barycentric))
             .collect()
-    }
-
-    /// The driver's material point under a place of a base face.
-    pub fn on_driver(&self, point: &MaterialPoint) -> MaterialPoint {
-        let origin = &self.origins[point.face];
-        MaterialPoint {
-            face: origin.face,
-            barycentric: origin.lift(point.barycentric),
-        }
     }
 
     /// How often the driver's faces were split in four.
@@ -292,13 +283,4 @@ fn to_driver(rows: &SparseRows, vertices: &ruga_mesh::PerVertex<VertexId>) -> Sp
         renamed.push_row(&mut terms);
     }
     renamed
-}
-
-fn select_rows(rows: &SparseRows, chosen: &[VertexId]) -> SparseRows {
-    let mut selected = SparseRows::default();
-    for vertex in chosen {
-        let mut terms: Vec<(u32, f64)> = rows.row(vertex.index()).collect();
-        selected.push_row(&mut terms);
-    }
-    selected
 }

@@ -6,7 +6,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::{FaceId, Id, PerFace, PerVertex, Ring, SparseRows, TriMesh, VertexId};
+use crate::{FaceId, Id, MaterialPoint, PerFace, PerVertex, Ring, SparseRows, TriMesh, VertexId};
 
 /// Where a subdivided face came from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +25,14 @@ impl FaceOrigin {
                 .map(|corner| barycentric[corner] * self.corners[corner][i])
                 .sum()
         })
+    }
+
+    /// The place of the coarse mesh under a point given in the fine face.
+    pub fn place(&self, barycentric: [f64; 3]) -> MaterialPoint {
+        MaterialPoint {
+            face: self.face,
+            barycentric: self.lift(barycentric),
+        }
     }
 }
 

@@ -1,5 +1,5 @@
-//! Plans and runs the wrinkling of a layer on a posed mesh: a driver, layers and poses go in, the
-//! wrinkled surface at every key comes out.
+//! Plans and runs the wrinkling of layers on a posed mesh: a driver, layers and poses go in, the
+//! wrinkled surfaces at every key come out.
 //!
 //! A [`LayerSpec`] is a material, what carries it and how the two hold together; a [`PoseSpec`] is
 //! a set of blend-shape weights and the loads at which results are kept. [`plan()`] compares what
@@ -17,7 +17,8 @@
 //! averages of the layer, taken over more than a wavelength, at the same averages of that surface
 //! (Li 2014, ch. 4). The base also pushes back with what a layer lying flat on it exerts, so that
 //! the artist's own shape is in equilibrium. A load at which the layer buckles is approached by
-//! bisection, because wrinkles choose their length at the onset.
+//! bisection, because wrinkles choose their length at the onset. A layer's mesh is fitted to what
+//! the pose asks for; the next layer is then solved on what this one has become ([`Stack`]).
 //!
 //! SI units; positions are in space, loads are fractions of a pose in (0, 1]. The crate alone
 //! changes the state of a simulation. It reads no clock and no file and prints nothing; the same

@@ -160,13 +160,7 @@ impl RegionMesh {
             let sizing = self.sizing_at(&made.points, &wanted, round * coarseness);
             made = remesh(&made, &sizing, &surface, &settings)?.mesh;
         }
-        let on_driver = |point: &MaterialPoint| {
-            let origin = &self.origins[point.face];
-            MaterialPoint {
-                face: origin.face,
-                barycentric: origin.lift(point.barycentric),
-            }
-        };
+        let on_driver = |point: &MaterialPoint| self.origins[point.face].place(point.barycentric);
         let points: Vec<MaterialPoint> = made.points.as_slice().iter().map(on_driver).collect();
         let skin = SkinMesh::new(driver, made.mesh, &points, self.smoothing, self.offset);
         Ok(Adapted { skin, coarseness })
