@@ -11,7 +11,7 @@ use crate::measures::{PrincipalStrain, vertex_normals};
 use crate::membrane::{Membrane, Stress};
 use crate::parameters::check_length;
 use crate::pattern::{Pattern, Slot};
-use crate::{LayerParameters, RestTriangle, ShellError};
+use crate::{FaceParameters, LayerParameters, RestTriangle, ShellError};
 
 /// Membrane, bending and foundation of one layer.
 ///
@@ -280,25 +280,15 @@ impl LayerEnergy {
         self.foundation
             .write_gradient(&self.faces, x, &self.pattern, gradient);
         for (face, membrane) in self.faces.iter().zip(&self.membranes) {
-            self.add_forces(gradient, face, &membrane.gradient(&gather(x, face)));
+            let forces = membrane.gradient(&gather(x, face));
+            self.pattern.add_forces(gradient, face, &forces);
         }
         for HingeElement {
             hinge, vertices, ..
         } in &self.hinges
         {
-            self.add_forces(gradient, vertices, &hinge.gradient(&gather(x, vertices)));
-        }
-    }
-
-    #[inline]
-    fn add_forces(&self, gradient: &mut [f64], vertices: &[u32], forces: &[Vector3<f64>]) {
-        for (&vertex, force) in vertices.iter().zip(forces) {
-            if let Some(free) = self.pattern.free(vertex) {
-                let target = &mut gradient[3 * free..3 * free + 3];
-                target[0] += force.x;
-                target[1] += force.y;
-                target[2] += force.z;
-            }
+            let forces = hinge.gradient(&gather(x, vertices));
+            self.pattern.add_forces(gradient, vertices, &forces);
         }
     }
 
@@ -391,10 +381,36 @@ impl LayerEnergy {
     fn check(&self, x: &[Vector3<f64>]) {
         assert_eq!(x.len(), self.vertex_count(), "one position per vertex");
     }
+
+    pub(crate) fn faces(&self) -> &[[u32; 3]] {
+        &self.faces
+    }
+
+    /// Rest triangles under the present rest metric.
+    pub(crate) fn rest_triangles(&self) -> &[RestTriangle] {
+        &self.rest
+    }
+
+    pub(crate) fn is_pinned(&self, vertex: usize) -> bool {
+        self.pattern.free(vertex as u32).is_none()
+    }
+
+    /// Every two vertices that share a face or a hinge.
+    pub(crate) fn stencil_pairs(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        stencil_pairs(&self.faces, &self.edges)
+    }
+
+    /// Whether no foundation holds the layer.
+    pub(crate) fn is_unsupported(&self) -> bool {
+        let springs = |p: &FaceParameters| p.normal_stiffness != 0.0 || p.gradient_stiffness != 0.0;
+        let tied = |&stiffness: &f64| stiffness != 0.0;
+        !self.parameters.faces.iter().any(springs)
+            && !self.parameters.tangential_stiffness.iter().any(tied)
+    }
 }
 
 #[inline]
-fn gather<const N: usize>(x: &[Vector3<f64>], vertices: &[u32; N]) -> [Vector3<f64>; N] {
+pub(crate) fn gather<const N: usize>(x: &[Vector3<f64>], vertices: &[u32; N]) -> [Vector3<f64>; N] {
     vertices.map(|v| x[v as usize])
 }
 

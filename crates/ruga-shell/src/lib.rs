@@ -3,7 +3,8 @@
 //! A [`LayerEnergy`] sums three kinds of stencil over an indexed triangle mesh: a [`Membrane`] per
 //! face, a [`Hinge`] per interior edge, and a foundation ([`NormalFoundation`] per face,
 //! [`TangentialTie`] per vertex) towards a base that each frame replaces. Each stencil can be used
-//! alone. [`response_modulus`] says how stiffly a given mesh really bends.
+//! alone. [`response_modulus`] says how stiffly a given mesh really bends. A [`JointEnergy`] is two
+//! layers, one on springs above the other ([`LayerTie`] per face), that move together.
 //!
 //! ```text
 //! E = sum_faces  A C/2 ((1 - nu) E:E + nu tr(E)^2)             St. Venant-Kirchhoff, plane stress
@@ -48,6 +49,7 @@
 //! # Ok::<(), ruga_shell::ShellError>(())
 //! ```
 
+mod joint_energy;
 mod layer_energy;
 mod layer_foundation;
 mod measures;
@@ -57,6 +59,7 @@ mod pattern;
 mod foundation;
 mod hinge;
 mod hinge_stiffness;
+mod layer_tie;
 mod membrane;
 mod response;
 
@@ -64,12 +67,14 @@ mod edges;
 mod error;
 mod rest_triangle;
 
+pub use joint_energy::{JointEnergy, JointParts};
 pub use layer_energy::{EnergyParts, LayerEnergy};
 pub use parameters::{FaceParameters, LayerParameters};
 
 pub use foundation::{Anchor, NormalFoundation, TangentialTie};
 pub use hinge::{Hinge, HingeCurvature, HingeState};
 pub use hinge_stiffness::{HINGE_EXPONENT, HingeShape, MAX_EDGE_RATIO};
+pub use layer_tie::{LayerTie, TieParameters, TieState};
 pub use membrane::{Membrane, MembraneState, Stress};
 
 pub use measures::PrincipalStrain;

@@ -1,6 +1,6 @@
 //! Where each 3×3 block of the Hessian lies among the values of its lower triangle.
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 
 /// Marks a pinned vertex.
 const PINNED: u32 = u32::MAX;
@@ -125,6 +125,24 @@ impl Pattern {
             } else {
                 Placement::Transposed
             },
+        }
+    }
+
+    /// Adds forces on vertices to a vector over the free ones' coordinates.
+    #[inline]
+    pub(crate) fn add_forces(
+        &self,
+        gradient: &mut [f64],
+        vertices: &[u32],
+        forces: &[Vector3<f64>],
+    ) {
+        for (&vertex, force) in vertices.iter().zip(forces) {
+            if let Some(free) = self.free(vertex) {
+                let target = &mut gradient[3 * free..3 * free + 3];
+                target[0] += force.x;
+                target[1] += force.y;
+                target[2] += force.z;
+            }
         }
     }
 
