@@ -10,7 +10,8 @@ use crate::{RestTriangle, ShellError};
 pub struct TieParameters {
     /// `K0` of the upper layer on the lower one (N/m³), ≥ 0.
     pub normal_stiffness: f64,
-    /// `K1` on the gradient of the deviation (N/m), any sign.
+    /// `K1` on the gradient of the deviation (N/m), any sign; as in a layer, a negative one is kept,
+    /// and `K0` and bending have to outweigh it.
     pub gradient_stiffness: f64,
     /// `Kt` against sliding (N/m³), ≥ 0; the shear of the lower layer across its thickness,
     /// `mu_1/h_1`.
@@ -63,12 +64,9 @@ impl TieParameters {
 /// d_i = r_i - n (n.r_i)                drift
 /// E   = NormalFoundation(w) + 1/2 Kt A/3 sum_i |d_i|^2
 ///
-///       5 (y_2)
-///      /|\           corner i of the upper face, vertex 3 + i of the stencil, lies above
-///    3-+-4           corner i of the lower face, vertex i
-///    | 2 |
-///    |/ \|
-///    0---1
+///    3-----4   (5 behind)       upper corner y_i is vertex 3 + i of the stencil,
+///    |     |                    r_i stand upright between
+///    0-----1   (2 behind)       lower corner x_i is vertex i; 0, 1, 2 counter-clockwise from above
 /// ```
 ///
 /// The normal part is that of a layer on a fixed base, so that an upper layer costs the same on a
@@ -81,8 +79,8 @@ impl TieParameters {
 /// lower triangle, row by row: (0,0) (1,0) (1,1) (2,0) ... (5,5).
 ///
 /// # Validity
-/// A lower face that has collapsed to a line has no normal: the tie then pulls the corners
-/// together, and is finite.
+/// A lower face that has collapsed to a line has no normal: the shear tie then pulls the corners
+/// together, and nothing is NaN.
 ///
 /// The normal is a facet's. Where the surface has a curvature `kappa` in one direction, the normals
 /// of the equilateral faces around a vertex, edge `e`, scatter about their mean by
