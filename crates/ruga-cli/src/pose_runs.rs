@@ -152,7 +152,7 @@ impl<P: Product> PoseRun<'_, P> {
             pose: spec.name.clone(),
             source: Box::new(source),
         })?;
-        let seconds = watch.finish(result.frames)?;
+        let seconds = watch.finish(result.layers.len(), result.frames)?;
         if result.interrupted {
             return Ok(None);
         }
@@ -169,7 +169,7 @@ fn record(
     inputs: Fingerprint,
     name: &str,
     result: PoseResult,
-    seconds: &Seconds,
+    seconds: &[Seconds],
     made: PoseFiles,
 ) -> PoseRecord {
     let maps: BTreeMap<String, String> = made
@@ -193,7 +193,8 @@ fn record(
             layers: result
                 .layers
                 .into_iter()
-                .map(|layer| layer_report(layer, seconds))
+                .zip(seconds)
+                .map(|(layer, seconds)| layer_report(layer, seconds))
                 .collect(),
         },
         maps: made.maps,
@@ -236,11 +237,8 @@ fn stop_rule(rule: StopRule) -> String {
 }
 
 fn ending(report: &PoseReport) -> String {
-    // Every layer's entry has the time of the whole pose.
     let layers = report.layers.iter();
-    let seconds = layers
-        .filter_map(|layer| layer.seconds.total)
-        .fold(0.0, f64::max);
+    let seconds: f64 = layers.filter_map(|layer| layer.seconds.total).sum();
     if report.frames == 0 && report.converged {
         return "nothing to wrinkle".to_owned();
     }

@@ -1,5 +1,6 @@
 //! Watches one pose: a clock, a progress bar, the frames on their way out, the wish to stop.
 
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
@@ -12,14 +13,19 @@ use crate::interrupt;
 /// What to do with every load step.
 pub(crate) type FrameSink<'a> = dyn FnMut(&Frame<'_>) -> Result<(), CliError> + 'a;
 
-/// An observer with a clock.
-pub(crate) struct Watch<'a> {
-    started: Instant,
-    phase: Option<(Phase, Instant)>,
+/// What a layer's time went into.
+#[derive(Clone, Copy, Debug, Default)]
+struct Spent {
     constraints: Duration,
     remeshing: Duration,
     sampling: Duration,
     integration: Duration,
+}
+
+/// An observer with a clock.
+pub(crate) struct Watch<'a> {
+    phase: Option<(usize, Phase, Instant)>,
+    spent: BTreeMap<usize, Spent>,
     bar: &'a ProgressBar,
     /// Whether another pose has failed, so that this one is not worth finishing.
     given_up: &'a (dyn Fn() -> bool + Sync),
@@ -38,12 +44,8 @@ impl<'a> Watch<'a> {
         sink: &'a mut FrameSink<'a>,
     ) -> Self {
         Self {
-            started: Instant::now(),
             phase: None,
-            constraints: Duration::ZERO,
-            remeshing: Duration::ZERO,
-            sampling: Duration::ZERO,
-            integration: Duration::ZERO,
+            spent: BTreeMap::new(),
             bar,
             given_up,
             wants_frames,
@@ -52,43 +54,50 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Stops the clock: seconds per frame, or what went wrong with a frame.
+    /// Stops the clock: every layer's seconds per frame, or what went wrong with a frame.
     ///
     /// # Errors
     /// The first error of the frame sink.
-    pub(crate) fn finish(mut self, frames: usize) -> Result<Seconds, CliError> {
+    pub(crate) fn finish(mut self, layers: usize, frames: usize) -> Result<Vec<Seconds>, CliError> {
         self.close_phase();
         if let Some(failure) = self.failure {
             return Err(failure);
         }
         let mean = |spent: Duration| Some(spent.as_secs_f64() / frames.max(1) as f64);
-        Ok(Seconds {
-            constraints: mean(self.constraints),
-            integration: mean(self.integration),
-            remeshing: mean(self.remeshing),
-            sampling: mean(self.sampling),
-            total: mean(self.started.elapsed()),
-        })
+        let of_layer = |layer| {
+            let spent: Spent = self.spent.get(&layer).copied().unwrap_or_default();
+            Seconds {
+                constraints: mean(spent.constraints),
+                integration: mean(spent.integration),
+                remeshing: mean(spent.remeshing),
+                sampling: mean(spent.sampling),
+                total: mean(
+                    spent.constraints + spent.integration + spent.remeshing + spent.sampling,
+                ),
+            }
+        };
+        Ok((0..layers).map(of_layer).collect())
     }
 
     fn close_phase(&mut self) {
-        let Some((phase, since)) = self.phase.take() else {
+        let Some((layer, phase, since)) = self.phase.take() else {
             return;
         };
+        let spent = self.spent.entry(layer).or_default();
         let spent = match phase {
-            Phase::Constraints => &mut self.constraints,
-            Phase::Remeshing => &mut self.remeshing,
-            Phase::Sampling => &mut self.sampling,
-            Phase::Integration => &mut self.integration,
+            Phase::Constraints => &mut spent.constraints,
+            Phase::Remeshing => &mut spent.remeshing,
+            Phase::Sampling => &mut spent.sampling,
+            Phase::Integration => &mut spent.integration,
         };
         *spent += since.elapsed();
     }
 }
 
 impl Observer for Watch<'_> {
-    fn phase(&mut self, phase: Phase) {
+    fn phase(&mut self, layer: usize, phase: Phase) {
         self.close_phase();
-        self.phase = Some((phase, Instant::now()));
+        self.phase = Some((layer, phase, Instant::now()));
     }
 
     fn progress(&mut self, progress: Progress) -> bool {

@@ -12,8 +12,16 @@ const MAX_TRIALS: usize = 30;
 /// Energy differences below this times the energy are rounding.
 const ROUNDING: f64 = 1e-14;
 
-/// Shortens `step` until the energy falls enough; leaves `trial` at the accepted point and
-/// returns its energy.
+/// An accepted step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Accepted {
+    /// Share of the step that was taken.
+    pub(crate) length: f64,
+    /// Energy there.
+    pub(crate) energy: f64,
+}
+
+/// Shortens `step` until the energy falls enough; leaves `trial` at the accepted point.
 ///
 /// `None` when `step` does not descend or no length is accepted.
 pub(crate) fn line_search(
@@ -23,7 +31,7 @@ pub(crate) fn line_search(
     step: &[f64],
     slope: f64,
     trial: &mut [f64],
-) -> Option<f64> {
+) -> Option<Accepted> {
     if slope.is_nan() || slope >= 0.0 {
         return None;
     }
@@ -34,13 +42,40 @@ pub(crate) fn line_search(
             *trial = x + length * step;
         }
         let reached = objective.value(trial);
+        let accepted = |energy| Accepted { length, energy };
         if reached <= energy + SUFFICIENT * length * slope && -slope * length > noise {
-            return Some(reached);
+            return Some(accepted(reached));
         }
         if reached <= energy + noise && -slope * length <= noise {
-            return slope_has_flattened(objective, trial, step, slope).then_some(reached);
+            let is_flat = slope_has_flattened(objective, trial, step, slope);
+            return is_flat.then(|| accepted(reached));
         }
         length *= shrink(energy, slope * length, reached);
+    }
+    None
+}
+
+/// Goes from `x` along the parabola `x + s step + s^2 bend` as far as the energy falls below
+/// `energy`, from `s = 1` down to `least`; leaves `trial` there and returns its energy.
+pub(crate) fn curved_search(
+    objective: &dyn Objective,
+    x: &[f64],
+    energy: f64,
+    [step, bend]: [&[f64]; 2],
+    least: f64,
+    trial: &mut [f64],
+) -> Option<f64> {
+    let mut length: f64 = 1.0;
+    while length > least {
+        let directions = step.iter().zip(bend);
+        for ((trial, x), (step, bend)) in trial.iter_mut().zip(x).zip(directions) {
+            *trial = x + length * (step + length * bend);
+        }
+        let reached = objective.value(trial);
+        if reached < energy {
+            return Some(reached);
+        }
+        length *= 0.5;
     }
     None
 }

@@ -20,6 +20,10 @@ pub struct LoadSettings {
     pub bracket: f64,
     /// Steps below this share of the full load are given up. In (0, 1), default 1e-3.
     pub smallest_step: f64,
+    /// Load of the first trial, in (0, 1]; 1, the default, starts with the first key. A load
+    /// that is known to lie just below the onset saves the trials far above it, which are dear.
+    /// From there on trials grow by `growth` at most.
+    pub first: f64,
 }
 
 impl Default for LoadSettings {
@@ -29,6 +33,7 @@ impl Default for LoadSettings {
             landing: 1.05,
             bracket: 1.1 / 1.05,
             smallest_step: 1e-3,
+            first: 1.0,
         }
     }
 }
@@ -119,6 +124,11 @@ impl LoadStepper {
             let setting = "smallest_step";
             return Err(SolverError::Setting { setting, value });
         }
+        let value = settings.first;
+        if !(value > 0.0 && value <= 1.0) {
+            let setting = "first";
+            return Err(SolverError::Setting { setting, value });
+        }
         Ok(Self {
             keys: keys.to_vec(),
             settings,
@@ -142,7 +152,7 @@ impl LoadStepper {
         let reach = (self.kept + self.longest_step).min(key);
         self.trial = match self.phase {
             Phase::Unbuckled => Some(Trial {
-                load: reach,
+                load: reach.min(self.settings.first.max(self.kept * self.settings.growth)),
                 probe: true,
             }),
             Phase::Bracketed(buckled) if self.is_narrow(buckled) => Some(Trial {

@@ -296,4 +296,11 @@ fn settings_outside_their_range() {
         ..Default::default()
     };
     assert!(LoadStepper::new(&[1.0], settings).is_err());
+    for first in [0.0, 1.1, f64::NAN] {
+        let settings = LoadSettings {
+            first,
+            ..Default::default()
+        };
+        assert!(LoadStepper::new(&[1.0], settings).is_err());
+    }
 }

@@ -113,7 +113,7 @@ impl Watch {
 }
 
 impl Observer for Watch {
-    fn phase(&mut self, phase: Phase) {
+    fn phase(&mut self, _: usize, phase: Phase) {
         if phase == Phase::Sampling {
             self.started = Instant::now();
             self.iterations = 0;

@@ -16,11 +16,11 @@ use ruga_solver::{
 
 use crate::below::BelowSurface;
 use crate::layer_objective::{LayerObjective, gather, scatter};
-use crate::local_skin::{LocalSkin, SkinProperties};
+use crate::local_skin::{LocalSkin, SkinProperties, uv};
 use crate::low_pass_rows::low_pass_rows;
 use crate::measure::heights;
 use crate::skin_mesh::{Interpolation, RegionMesh, SkinMesh};
-use crate::{Coupling, LayerSpec, LayerSurface, StepperError};
+use crate::{ComputedMesh, Coupling, LayerSpec, LayerSurface, StepperError};
 
 /// Levenberg floor in units of `K0 V_i`: keeps modes that slide along themselves from having a
 /// random sign, and is far below what any wrinkle feels.
@@ -90,7 +90,8 @@ impl Layer {
             layer: spec.name.clone(),
             source,
         };
-        let interpolation = adapted.as_ref().map(|skin| region.interpolation_from(skin));
+        let to_region = |skin: &SkinMesh| Interpolation::new(skin, &region.skin);
+        let interpolation = adapted.as_ref().map(to_region);
         let skin = adapted.unwrap_or_else(|| region.skin.clone());
         let rest = &skin.rest;
         let pinned = skin.mesh.border_vertices();
@@ -270,6 +271,23 @@ impl Layer {
         }
     }
 
+    /// Takes over how `other`, the same layer on another mesh, deviates from the surface below;
+    /// both are on the same one.
+    pub(crate) fn take_shape(&mut self, other: &Layer) {
+        let interpolation = Interpolation::new(&other.skin, &self.skin);
+        let deviations = interpolation.apply(&other.deviations());
+        for v in &self.free {
+            let i = v.index();
+            self.positions[i] = self.below.posed.positions[i] + deviations[i];
+        }
+    }
+
+    /// Way from the surface below to every vertex, m.
+    fn deviations(&self) -> Vec<Vector3<f64>> {
+        let pairs = self.positions.iter().zip(&self.below.posed.positions);
+        pairs.map(|(x, base)| x - base).collect()
+    }
+
     /// Finds the equilibrium near the present positions and moves there.
     pub(crate) fn minimise(
         &mut self,
@@ -290,6 +308,7 @@ impl Layer {
             reaction: &self.reaction,
             base: &base,
             area: self.areas.iter().sum(),
+            energy_scale: self.energy_scale(),
             wrinkling: &self.wrinkling,
             thickness: self.spec.material.thickness,
         };
@@ -303,6 +322,21 @@ impl Layer {
         )?;
         scatter(&self.free, &unknowns, &mut self.positions);
         Ok(report)
+    }
+
+    /// Energy that wrinkling is about, J: what a critical compression costs, or what wrinkles save
+    /// of a larger one.
+    fn energy_scale(&self) -> f64 {
+        let faces = self.skin.mesh.faces();
+        let of_face = |(face, strain): (FaceId, &FaceStrain)| {
+            let [a, b, c] = faces[face].map(|v| self.skin.rest.positions[v.index()]);
+            let area = 0.5 * (b - a).cross(&(c - a)).norm();
+            let numbers = &self.properties.faces[face].wrinkling;
+            let excess = (self.face_demand(face, strain) - 1.0).max(1.0);
+            let strain = numbers.critical_strain * excess;
+            0.5 * numbers.membrane_stiffness * strain * strain * area
+        };
+        self.strains.iter().map(of_face).sum()
     }
 
     /// Shape of the layer and of the surface below it, to return to.
@@ -353,9 +387,37 @@ impl Layer {
             .fold(0.0, f64::max)
     }
 
+    /// The share of the strain at which the demand is `wanted`; all of it where that is not enough.
+    pub(crate) fn share_for(&self, wanted: f64) -> f64 {
+        let demand = |share: f64| {
+            let faces = self.strains.iter();
+            faces
+                .map(|(face, s)| self.face_demand_at(share, face, s))
+                .fold(0.0, f64::max)
+        };
+        if demand(1.0) <= wanted {
+            return 1.0;
+        }
+        let (mut low, mut high) = (0.0, 1.0);
+        // To a per cent of the share: the onset is not known better.
+        while high - low > 0.01 * high {
+            let middle = 0.5 * (low + high);
+            if demand(middle) < wanted {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        high
+    }
+
     /// Effective strain that a face is loaded with, in its critical strains.
     fn face_demand(&self, face: FaceId, strain: &FaceStrain) -> f64 {
-        let [first, second] = offered(strain, self.share);
+        self.face_demand_at(self.share, face, strain)
+    }
+
+    fn face_demand_at(&self, share: f64, face: FaceId, strain: &FaceStrain) -> f64 {
+        let [first, second] = offered(strain, share);
         let effective = first + self.spec.material.poisson * second;
         effective / self.properties.faces[face].wrinkling.critical_strain
     }
@@ -423,6 +485,7 @@ impl Layer {
     /// mesh, and the driver's `control` points.
     pub(crate) fn snapshot(
         &self,
+        driver: &Driver,
         control: &[Vector3<f64>],
         region_below: &PosedSurface,
         offset: f64,
@@ -430,23 +493,32 @@ impl Layer {
         let positions = match &self.interpolation {
             None => self.positions.clone(),
             Some(interpolation) => {
-                let deviations = self.positions.iter().zip(&self.below.posed.positions);
-                let deviations: Vec<_> = deviations.map(|(x, base)| x - base).collect();
-                let deviations = interpolation.apply(&deviations);
+                let deviations = interpolation.apply(&self.deviations());
                 let positions = region_below.positions.iter().zip(&deviations);
                 positions.map(|(base, d)| base + d).collect()
             }
         };
-        let driver = self.region.skin.points.pose(control);
+        let below = self.region.skin.points.pose(control);
         LayerSurface {
             name: self.spec.name.clone(),
             positions,
-            driver_positions: driver.positions,
-            driver_normals: driver.normals,
+            driver_positions: below.positions,
+            driver_normals: below.normals,
             offset,
             faces: self.region.skin.corner_indices(),
             uvs: self.region.uvs().to_vec(),
             artist: self.region.artist().to_vec(),
+            computed: ComputedMesh {
+                positions: self.positions.clone(),
+                faces: self.skin.corner_indices(),
+                uvs: self
+                    .skin
+                    .points
+                    .points()
+                    .iter()
+                    .map(|p| uv(driver, p))
+                    .collect(),
+            },
         }
     }
 
@@ -458,6 +530,11 @@ impl Layer {
     /// The mesh that results are handed out on.
     pub(crate) fn region(&self) -> &RegionMesh {
         &self.region
+    }
+
+    /// How results get to the mesh they are handed out on; `None` where that is the layer's own.
+    pub(crate) fn interpolation(&self) -> Option<&Interpolation> {
+        self.interpolation.as_ref()
     }
 
     /// Where the layer's vertices are, m.

@@ -19,6 +19,8 @@ pub(crate) struct LayerObjective<'a> {
     /// Where the dead load does no work, m.
     pub(crate) base: &'a [f64],
     pub(crate) area: f64,
+    /// Energy that wrinkling is about, J.
+    pub(crate) energy_scale: f64,
     pub(crate) wrinkling: &'a Wrinkling,
     pub(crate) thickness: f64,
 }
@@ -69,8 +71,7 @@ impl Objective for LayerObjective<'_> {
     }
 
     fn energy_scale(&self) -> f64 {
-        let w = self.wrinkling;
-        0.5 * w.membrane_stiffness * w.critical_strain.powi(2) * self.area
+        self.energy_scale
     }
 
     fn force_scale(&self) -> f64 {

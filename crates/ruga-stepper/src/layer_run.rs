@@ -14,6 +14,18 @@ use crate::{LayerReport, Modelling, Observer, Phase, Progress, StepperError};
 /// Share of the critical strain below which nothing can wrinkle.
 const LEAST_DEMAND: f64 = 0.9;
 
+/// Where the way up to the onset of a layer begins that lies on another, in critical strains: as
+/// high as nothing buckles. Far above the onset a trial costs ten times as much.
+const FIRST_DEMAND: f64 = 0.9;
+
+/// Largest factor between two steps' strains on a surface that has moved: up to 2 the wavelength
+/// is kept.
+const GROWTH: f64 = 1.5;
+
+/// Newton decrement, in energy scales, at which a state that is only passed is good enough. What
+/// is left then is the pattern sliding along itself, and the next load moves it anyway.
+const PASSING: f64 = 1e-3;
+
 /// Amplitude below which a layer counts as flat, in thicknesses.
 const LEAST_AMPLITUDE: f64 = 0.01;
 
@@ -24,6 +36,9 @@ pub(crate) trait Course {
 
     /// `load` as a fraction of the pose.
     fn shown(&self, load: f64) -> f64;
+
+    /// Whether the state at `load` is wanted for itself, not only on the way to others.
+    fn is_result(&self, load: f64) -> bool;
 
     /// The layer is in equilibrium at `load`; false when the observer ends the work.
     fn kept(
@@ -45,8 +60,19 @@ pub(crate) enum Ending {
     Interrupted,
 }
 
+/// How exact a state has to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Pace {
+    /// It decides something or is handed out.
+    Result,
+    /// It is the start of the next.
+    Passing,
+}
+
 /// A layer with its report.
 pub(crate) struct LayerRun {
+    /// Number of the layer in its stack.
+    pub(crate) index: usize,
     pub(crate) layer: Layer,
     pub(crate) report: LayerReport,
     /// What the user should know, without the layer's name.
@@ -54,7 +80,7 @@ pub(crate) struct LayerRun {
 }
 
 impl LayerRun {
-    pub(crate) fn new(layer: Layer) -> Self {
+    pub(crate) fn new(index: usize, layer: Layer) -> Self {
         let report = LayerReport {
             name: layer.spec.name.clone(),
             vertices: layer.vertex_count(),
@@ -65,9 +91,27 @@ impl LayerRun {
             ..LayerReport::default()
         };
         Self {
+            index,
             layer,
             report,
             warnings: Vec::new(),
+        }
+    }
+
+    /// Counts in what an earlier run of the same layer has done.
+    pub(crate) fn take_history(&mut self, before: LayerRun) {
+        self.report.newton_iterations += before.report.newton_iterations;
+        self.report.factorizations += before.report.factorizations;
+        self.report.onset_load = self.report.onset_load.or(before.report.onset_load);
+        for warning in before.warnings {
+            self.warn(warning);
+        }
+    }
+
+    /// Adds to the warnings what is not among them.
+    fn warn(&mut self, warning: String) {
+        if !self.warnings.contains(&warning) {
+            self.warnings.push(warning);
         }
     }
 
@@ -79,17 +123,100 @@ impl LayerRun {
         modelling: &Modelling,
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
-        let mut stepper = LoadStepper::new(loads, LoadSettings::default())
-            .map_err(|source| self.solver_error(source))?;
+        self.climb(course, loads, LoadSettings::default(), modelling, observer)
+    }
+
+    /// Solves at load 1, with no more steps on the way than it takes to find the onset.
+    pub(crate) fn follow_from_onset(
+        &mut self,
+        course: &mut dyn Course,
+        modelling: &Modelling,
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        let (below, share) = course.below(self.layer.skin(), 1.0);
+        self.layer.set_below(below, share)?;
+        let settings = LoadSettings {
+            first: self.layer.share_for(FIRST_DEMAND),
+            ..LoadSettings::default()
+        };
+        self.climb(course, &[1.0], settings, modelling, observer)
+    }
+
+    /// Goes on from the present shape on a surface that has moved.
+    ///
+    /// The strain grows from what the layer is used to. Gives up where it was not wrinkled and now
+    /// may be: then the onset has to be found.
+    pub(crate) fn move_on(
+        &mut self,
+        below: BelowSurface,
+        shown: f64,
+        modelling: &Modelling,
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        let before = self.layer.demand();
+        observer.phase(self.index, Phase::Sampling);
+        self.layer.set_below(below.clone(), 1.0)?;
+        let demand = self.layer.demand();
+        if before < 1.0 && demand > LEAST_DEMAND {
+            return Ok(Ending::GaveUp);
+        }
+        let mut share = if demand > LEAST_DEMAND {
+            self.layer.share_for(before)
+        } else {
+            1.0
+        };
+        observer.phase(self.index, Phase::Integration);
+        loop {
+            share = (share * GROWTH).min(1.0);
+            self.layer.set_below(below.clone(), share)?;
+            let pace = if share < 1.0 {
+                Pace::Passing
+            } else {
+                Pace::Result
+            };
+            let solve = self.solve(AtSaddle::Leave, pace, shown, modelling, observer)?;
+            if solve.stop == StopRule::Interrupted {
+                return Ok(Ending::Interrupted);
+            }
+            if !solve.converged {
+                return Ok(Ending::GaveUp);
+            }
+            if share == 1.0 {
+                self.tell_of_missing_inertia(&solve);
+                return Ok(Ending::Reached);
+            }
+        }
+    }
+
+    fn climb(
+        &mut self,
+        course: &mut dyn Course,
+        loads: &[f64],
+        settings: LoadSettings,
+        modelling: &Modelling,
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        let mut stepper =
+            LoadStepper::new(loads, settings).map_err(|source| self.solver_error(source))?;
         let mut kept = self.layer.state();
         let mut onset = None;
         while let Some(trial) = stepper.next_trial() {
-            observer.phase(Phase::Sampling);
+            observer.phase(self.index, Phase::Sampling);
             let (below, share) = course.below(self.layer.skin(), trial.load);
             self.layer.set_below(below, share)?;
-            observer.phase(Phase::Integration);
+            observer.phase(self.index, Phase::Integration);
             let shown = course.shown(trial.load);
-            let solve = self.solve(trial, shown, modelling, observer)?;
+            let at_saddle = if self.is_probe(trial) {
+                AtSaddle::Stop
+            } else {
+                AtSaddle::Leave
+            };
+            let pace = if trial.probe || course.is_result(trial.load) {
+                Pace::Result
+            } else {
+                Pace::Passing
+            };
+            let solve = self.solve(at_saddle, pace, shown, modelling, observer)?;
             if solve.stop == StopRule::Interrupted {
                 return Ok(Ending::Interrupted);
             }
@@ -121,21 +248,23 @@ impl LayerRun {
 
     fn solve(
         &mut self,
-        trial: Trial,
+        at_saddle: AtSaddle,
+        pace: Pace,
         shown: f64,
         modelling: &Modelling,
         observer: &mut dyn Observer,
     ) -> Result<SolveReport, StepperError> {
+        let usual = NewtonSettings::default();
         let settings = NewtonSettings {
             linear: modelling.linear,
-            at_saddle: if self.is_probe(trial) {
-                AtSaddle::Stop
-            } else {
-                AtSaddle::Leave
+            at_saddle,
+            energy_tolerance: match pace {
+                Pace::Result => usual.energy_tolerance,
+                Pace::Passing => PASSING,
             },
             residual_tolerance: modelling.tolerance,
             seed: modelling.seed,
-            ..NewtonSettings::default()
+            ..usual
         };
         let vertices = self.layer.vertex_count();
         let mut keep_going = |iteration: &ruga_solver::Iteration| {
@@ -158,9 +287,8 @@ impl LayerRun {
 
     fn tell_of_missing_inertia(&mut self, solve: &SolveReport) {
         let warning = "linear = \"minres\" cannot tell a wrinkled state from an unstable flat one; compare with \"ldlt\"";
-        let is_told = self.warnings.iter().any(|told| told == warning);
-        if solve.inertia.is_none() && self.layer.demand() > 1.0 && !is_told {
-            self.warnings.push(warning.to_owned());
+        if solve.inertia.is_none() && self.layer.demand() > 1.0 {
+            self.warn(warning.to_owned());
         }
     }
 

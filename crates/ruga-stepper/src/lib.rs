@@ -82,11 +82,13 @@ mod below;
 mod layer;
 mod layer_objective;
 mod layer_run;
+mod layer_setup;
 mod local_skin;
 mod low_pass_rows;
 mod measure;
 mod region;
 mod stacking;
+mod upper_layers;
 
 mod error;
 mod observer;
@@ -95,7 +97,7 @@ pub use plan::{LayerPlan, LoadPath, Plan, PosePlan, plan};
 pub use simulate::simulate;
 
 pub use model::{Coupling, EdgeLimits, LayerSpec, Mask, Modelling, PoseSpec, Region, Stack};
-pub use result::{KeyResult, LayerReport, LayerSurface, PoseResult};
+pub use result::{ComputedMesh, KeyResult, LayerReport, LayerSurface, PoseResult};
 
 pub use observer::{Frame, Observer, Phase, Progress, Silent};
 

@@ -81,7 +81,7 @@ pub(crate) fn local_skin(
 }
 
 /// Texture coordinate of a place of the driver.
-fn uv(driver: &Driver, place: &MaterialPoint) -> Vector2<f64> {
+pub(crate) fn uv(driver: &Driver, place: &MaterialPoint) -> Vector2<f64> {
     let face: FaceId = place.face;
     let [a, b, c] = driver.uvs()[face];
     let [u, v, w] = place.barycentric;

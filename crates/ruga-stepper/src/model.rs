@@ -127,7 +127,8 @@ impl Default for EdgeLimits {
 pub struct Modelling {
     /// Where to simulate.
     pub region: Region,
-    /// Edges per wavelength asked for; 12 is the standard quality.
+    /// Edges per wavelength asked for; 12 is the standard quality. A layer that carries another has
+    /// at least 18.
     pub points_per_wavelength: f64,
     /// Vertices of one layer in one pose above which refinement stops, with a warning.
     pub vertex_budget: usize,
@@ -143,6 +144,20 @@ pub struct Modelling {
     pub tolerance: f64,
     /// Seed of the initial noise.
     pub seed: u64,
+}
+
+/// Edges per wavelength below another layer, at least: with fewer the upper layer sees a polygon,
+/// and wrinkles at its corners.
+const CARRYING_POINTS: f64 = 18.0;
+
+impl Modelling {
+    /// Edges per wavelength of layer number `index` of `layers`.
+    pub(crate) fn points_of(&self, index: usize, layers: usize) -> f64 {
+        match index + 1 < layers {
+            true => self.points_per_wavelength.max(CARRYING_POINTS),
+            false => self.points_per_wavelength,
+        }
+    }
 }
 
 impl Default for Modelling {

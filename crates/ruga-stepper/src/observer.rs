@@ -39,9 +39,10 @@ pub struct Frame<'a> {
 
 /// Watches a simulation; the library itself has no clock and prints nothing.
 pub trait Observer {
-    /// The next piece of work begins; a caller with a clock can tell how long the last one took.
-    fn phase(&mut self, phase: Phase) {
-        let _ = phase;
+    /// The next piece of work on layer number `layer` begins; a caller with a clock can tell how
+    /// long the last one took.
+    fn phase(&mut self, layer: usize, phase: Phase) {
+        let _ = (layer, phase);
     }
 
     /// An iteration ends; `false` asks to stop as soon as possible.
@@ -50,12 +51,13 @@ pub trait Observer {
         true
     }
 
-    /// Whether layers that lie on others are wanted in every load step, not at the keys alone.
+    /// Whether results are wanted in every load step, not at the keys alone; what lies between is
+    /// then only passed, less exactly and without the layers on top.
     fn wants_frames(&self) -> bool {
         true
     }
 
-    /// A load step ends.
+    /// A load step ends: every one, or those at keys.
     fn frame(&mut self, frame: &Frame<'_>) {
         let _ = frame;
     }

@@ -117,6 +117,8 @@ pub struct LayerPlan {
     pub seconds: f64,
     /// Expected memory, bytes.
     pub memory: f64,
+    /// Edges per wavelength asked for.
+    asked_points: f64,
     /// Vertices that would meet what was asked for.
     needed: f64,
     pub(crate) region: Vec<u64>,
@@ -151,12 +153,14 @@ pub fn plan(
     let planned = layers
         .iter()
         .zip(wrinkling)
-        .map(|(spec, numbers)| {
+        .enumerate()
+        .map(|(index, (spec, numbers))| {
             let local = planning.local_wrinkling(spec, numbers)?;
             Ok(PlannedLayer {
                 spec,
                 numbers,
                 local,
+                points: modelling.points_of(index, layers.len()),
             })
         })
         .collect::<Result<Vec<_>, StepperError>>()?;
@@ -181,6 +185,8 @@ pub(crate) struct PlannedLayer<'a> {
     pub(crate) spec: &'a LayerSpec,
     pub(crate) numbers: &'a Wrinkling,
     pub(crate) local: PerFace<Wrinkling>,
+    /// Edges per wavelength asked for.
+    pub(crate) points: f64,
 }
 
 /// The whole driver, subdivided finely enough to measure strain on.
@@ -308,6 +314,7 @@ impl PlanningSurface {
             spec,
             numbers,
             local,
+            points: asked,
         } = layer;
         let waves = local.as_slice().iter().map(|numbers| numbers.wavelength);
         let longest = waves.fold(0.0, f64::max);
@@ -337,19 +344,19 @@ impl PlanningSurface {
             true => numbers.wavelength,
             false => quantile(&wavelengths, 0.05),
         };
-        let levels = needed_levels(shortest, modelling, faces_at, edges_at);
+        let levels = needed_levels(shortest, (modelling, *asked), faces_at, edges_at);
         let vertices_of = |faces: f64| 0.5 * faces + faces.sqrt();
         let uniform_points = shortest / edges_at(levels).0;
         let (needed, points) = match modelling.remesh {
             Some(limits) => {
-                let faces = fitted_faces(&active, demand, &wavelengths, &limits, modelling);
+                let faces = fitted_faces(&active, demand, &wavelengths, &limits, *asked);
                 let needed = vertices_of(faces);
                 let short = (modelling.vertex_budget as f64 / needed).min(1.0).sqrt();
-                let points = modelling.points_per_wavelength * short;
+                let points = asked * short;
                 (needed, points.min(uniform_points))
             }
             // Refinement goes in steps of four.
-            None if uniform_points < 0.9 * modelling.points_per_wavelength => {
+            None if uniform_points < 0.9 * asked => {
                 (4.0 * vertices_of(faces_at(levels)), uniform_points)
             }
             None => (vertices_of(faces_at(levels)), uniform_points),
@@ -381,6 +388,7 @@ impl PlanningSurface {
             vertices: if active.is_empty() { 0 } else { vertices },
             levels,
             points_per_wavelength: points,
+            asked_points: *asked,
             needed,
             chi: numbers.curvature_measure(radius),
             texels_per_wavelength: quantile(&self.uv_density, 0.5) * f64::from(map_size) * shortest,
@@ -400,12 +408,12 @@ fn fitted_faces(
     demand: &Demand,
     wavelengths: &PerFace<f64>,
     limits: &EdgeLimits,
-    modelling: &Modelling,
+    points: f64,
 ) -> f64 {
     let per_area = |face: FaceId| {
         let wavelength = wavelengths[face];
         let longest = (COARSEST * wavelength).min(limits.max_edge);
-        let across = (wavelength / modelling.points_per_wavelength).max(limits.min_edge);
+        let across = (wavelength / points).max(limits.min_edge);
         let (across, along) = match demand.demand(face) > ACTIVE_SHARE {
             true => (across, (limits.aspect * across).min(longest)),
             false => (GRADED * across, GRADED * across),
@@ -446,11 +454,11 @@ fn load_path(
 /// `faces_at` and `edges_at` (median and 95th percentile, m) say what a number of splits gives.
 fn needed_levels(
     wavelength: f64,
-    modelling: &Modelling,
+    (modelling, points): (&Modelling, f64),
     faces_at: impl Fn(u32) -> f64,
     edges_at: impl Fn(u32) -> (f64, f64),
 ) -> u32 {
-    let target = wavelength / modelling.points_per_wavelength;
+    let target = wavelength / points;
     // A tenth of slack: the next split would quadruple the cost for little.
     let is_coarse = |levels: u32| {
         let (median, long) = edges_at(levels);
@@ -498,12 +506,12 @@ fn warn(plan: &LayerPlan, pose: &PoseSpec, modelling: &Modelling, warnings: &mut
             plan.texels_per_wavelength
         ));
     }
-    if plan.points_per_wavelength < 0.9 * modelling.points_per_wavelength {
+    if plan.points_per_wavelength < 0.9 * plan.asked_points {
         say(format!(
             "the vertex budget of {} stops refinement at {:.1} points per wavelength ({} asked for); {}",
             modelling.vertex_budget,
             plan.points_per_wavelength,
-            modelling.points_per_wavelength,
+            plan.asked_points,
             remedy(plan, modelling)
         ));
     }

@@ -23,6 +23,20 @@ pub struct LayerSurface {
     /// For every triangle the file's triangle it lies in and its corners' barycentric
     /// coordinates there.
     pub artist: Vec<(u32, [[f64; 3]; 3])>,
+    /// What it was computed on.
+    pub computed: ComputedMesh,
+}
+
+/// The mesh on which a layer was computed: finer only where, and in the direction that, it
+/// wrinkles, while results are handed out on a uniform one.
+#[derive(Clone, Debug, Default)]
+pub struct ComputedMesh {
+    /// Vertex positions, m.
+    pub positions: Vec<Vector3<f64>>,
+    /// Triangles.
+    pub faces: Vec<[u32; 3]>,
+    /// Texture coordinate of every vertex, V down; at a seam of one of its sides.
+    pub uvs: Vec<Vector2<f64>>,
 }
 
 /// A pose after simulation.

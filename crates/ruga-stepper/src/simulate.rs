@@ -1,18 +1,14 @@
 //! One pose from rest to its keys, layer by layer.
 
 use nalgebra::Vector3;
-use ruga_blend::{BaseSurface, Driver};
-use ruga_mesh::FaceId;
+use ruga_blend::Driver;
 
-use crate::adaptivity::adapted;
-use crate::below::{BelowSurface, LowerLayer, surface_below};
-use crate::layer::Layer;
+use crate::below::{BelowSurface, surface_below};
 use crate::layer_run::{Course, Ending, LayerRun};
-use crate::plan::LayerPlan;
-use crate::skin_mesh::{RegionMesh, SkinMesh};
+use crate::skin_mesh::SkinMesh;
 use crate::{
-    Frame, KeyResult, LayerReport, LayerSurface, LoadPath, Modelling, Observer, Phase, Plan,
-    PoseResult, PoseSpec, StepperError,
+    Frame, KeyResult, LayerReport, LoadPath, Modelling, Observer, Phase, Plan, PoseResult,
+    PoseSpec, StepperError,
 };
 
 /// Simulates pose number `pose` of the plan.
@@ -20,8 +16,9 @@ use crate::{
 /// The lowest layer that can wrinkle follows the driver from rest to full weight, or at each key
 /// the growth of its strain ([`LoadPath`]); a load at which it first buckles is approached by
 /// bisection, so that the wavelength is chosen at the onset. On its equilibrium the next layer is
-/// solved, its strain growing from none, and so on up (Li 2014). Not converging is reported, not
-/// an error; the results reached until then are kept.
+/// solved, its strain growing from none, and so on up (Li 2014); from one result to the next it goes
+/// on from its last shape, on a mesh that is fitted anew when the old one no longer serves. Not
+/// converging is reported, not an error; the results reached until then are kept.
 ///
 /// # Errors
 /// What shell, constraints, remeshing or solver refuse.
@@ -50,30 +47,10 @@ pub fn simulate(
             converged: true,
             ..PoseResult::default()
         },
+        upper: plan.specs.iter().map(|_| None).collect(),
     };
     run.follow(observer)?;
     Ok(run.result)
-}
-
-/// The part of the base surface that the plan wants simulated, at the plan's resolution.
-fn layer_surface(
-    driver: &Driver,
-    plan: &Plan,
-    layer: &LayerPlan,
-    modelling: &Modelling,
-) -> BaseSurface {
-    let whole_driver = |face: &u64| FaceId((face >> (2 * plan.planning_levels)) as u32);
-    let mut coarse: Vec<FaceId> = layer.region.iter().map(whole_driver).collect();
-    coarse.dedup();
-    let whole = BaseSurface::new(driver, &coarse, layer.levels, modelling.smoothing);
-    // Faces larger than the region's are taken when any part of them is in it.
-    let level = plan.planning_levels.min(layer.levels);
-    let shift = 2 * (plan.planning_levels - level);
-    let mut region: Vec<u64> = layer.region.iter().map(|face| face >> shift).collect();
-    region.dedup();
-    let wanted = |face: &FaceId| region.binary_search(&whole.ancestor(*face, level)).is_ok();
-    let faces: Vec<FaceId> = whole.mesh().faces().ids().filter(wanted).collect();
-    whole.restrict(&faces)
 }
 
 /// `steps` equal steps to 1, as far as `last`, and the `keys`; ascending.
@@ -88,24 +65,23 @@ fn loads_up_to(last: f64, steps: u32, keys: impl IntoIterator<Item = f64>) -> Ve
     loads
 }
 
-/// Edges longer than asked for by less than this factor are not worth a word.
-const WORTH_TELLING: f64 = 1.1;
-
 /// A fraction of the pose's weights, and a share of the strain there.
 #[derive(Clone, Copy, Debug)]
-struct Place {
-    weight: f64,
-    share: f64,
+pub(crate) struct Place {
+    pub(crate) weight: f64,
+    pub(crate) share: f64,
 }
 
 /// The layers of one pose.
-struct StackRun<'a> {
-    driver: &'a Driver,
-    plan: &'a Plan,
-    pose: usize,
+pub(crate) struct StackRun<'a> {
+    pub(crate) driver: &'a Driver,
+    pub(crate) plan: &'a Plan,
+    pub(crate) pose: usize,
     spec: &'a PoseSpec,
-    modelling: &'a Modelling,
-    result: PoseResult,
+    pub(crate) modelling: &'a Modelling,
+    pub(crate) result: PoseResult,
+    /// The layers above the lowest one, as they were left by the last frame that had them.
+    pub(crate) upper: Vec<Option<LayerRun>>,
 }
 
 impl StackRun<'_> {
@@ -152,6 +128,7 @@ impl StackRun<'_> {
             stack: self,
             lowest,
             key: None,
+            wants_frames: observer.wants_frames(),
         };
         run.follow(&mut course, &loads, modelling, observer)
     }
@@ -172,6 +149,7 @@ impl StackRun<'_> {
                 stack: self,
                 lowest,
                 key: Some(key),
+                wants_frames: observer.wants_frames(),
             };
             match run.follow(&mut course, &loads, modelling, observer)? {
                 Ending::Reached => {}
@@ -187,63 +165,8 @@ impl StackRun<'_> {
         self.driver.pose(&self.spec.weights.scaled(weight))
     }
 
-    /// Builds layer number `index`, its mesh fitted to each of what may lie `below`, its hinges
-    /// corrected on the last.
-    fn build(
-        &self,
-        index: usize,
-        below: &dyn Fn(&SkinMesh) -> Vec<BelowSurface>,
-        observer: &mut dyn Observer,
-    ) -> Result<LayerRun, StepperError> {
-        let (driver, plan, modelling) = (self.driver, self.plan, self.modelling);
-        let (spec, seat) = (&plan.specs[index], plan.seats[index]);
-        let wrinkling = &plan.wrinkling[index];
-        observer.phase(Phase::Sampling);
-        let surface = layer_surface(
-            driver,
-            plan,
-            &plan.poses[self.pose].layers[index],
-            modelling,
-        );
-        let region = RegionMesh::new(driver, &surface, modelling.smoothing, seat.offset);
-        observer.phase(Phase::Remeshing);
-        let surfaces = below(&region.skin);
-        let adapted = adapted(driver, spec, wrinkling, &region, &surfaces, modelling)?;
-        let coarseness = adapted.as_ref().map_or(1.0, |adapted| adapted.coarseness);
-        let adapted = adapted.map(|adapted| adapted.skin);
-        observer.phase(Phase::Constraints);
-        let mut layer = Layer::new(
-            driver,
-            spec,
-            wrinkling,
-            seat.tie,
-            region,
-            adapted,
-            modelling.seed,
-        )?;
-        let mut is_measured = true;
-        if let Some(last) = below(layer.skin()).pop() {
-            is_measured = layer.calibrate_bending(last)?;
-        }
-        let mut run = LayerRun::new(layer);
-        if coarseness > WORTH_TELLING {
-            run.warnings.push(format!(
-                "the vertex budget of {} leaves {:.1} points per wavelength of {} asked for",
-                modelling.vertex_budget,
-                modelling.points_per_wavelength / coarseness,
-                modelling.points_per_wavelength
-            ));
-        }
-        if !is_measured {
-            run.warnings.push(
-                "the bending modulus of its mesh could not be measured; wavelengths may be some per cent short".to_owned(),
-            );
-        }
-        Ok(run)
-    }
-
     /// Takes over what a layer's run has to say.
-    fn tell(&mut self, run: &LayerRun, ending: Ending) {
+    pub(crate) fn tell(&mut self, run: &LayerRun, ending: Ending) {
         self.result.converged &= ending == Ending::Reached;
         self.result.interrupted |= ending == Ending::Interrupted;
         for warning in &run.warnings {
@@ -255,6 +178,11 @@ impl StackRun<'_> {
         }
     }
 
+    fn is_key(&self, place: Place) -> bool {
+        let mut keys = self.spec.keys.iter();
+        place.share == 1.0 && keys.any(|key| (key - place.weight).abs() < 1e-9)
+    }
+
     /// Hands out what was reached at `place` by layer `lowest`, after solving the layers above.
     /// False when the observer ends the work.
     fn frame(
@@ -264,11 +192,15 @@ impl StackRun<'_> {
         place: Place,
         observer: &mut dyn Observer,
     ) -> Result<bool, StepperError> {
+        let is_key = self.is_key(place);
+        if !is_key && !observer.wants_frames() {
+            self.result.frames += 1;
+            return Ok(true);
+        }
+        observer.phase(lowest, Phase::Sampling);
         let control = self.control(place.weight);
-        let mut layers = vec![self.snapshot(lowest, run, &control, None)];
-        let is_key = |key: &f64| (key - place.weight).abs() < 1e-9;
-        let is_key = place.share == 1.0 && self.spec.keys.iter().any(is_key);
-        if is_key || (place.share == 1.0 && observer.wants_frames()) {
+        let mut layers = vec![self.snapshot(run, &control, None)];
+        if place.share == 1.0 {
             let upper = self.upper_layers(lowest, run, place, &control, observer)?;
             let Some(upper) = upper else { return Ok(false) };
             layers.extend(upper);
@@ -287,86 +219,6 @@ impl StackRun<'_> {
         }
         Ok(true)
     }
-
-    /// Solves the layers above `lowest` one on the other; `None` when the observer ends the work.
-    fn upper_layers(
-        &mut self,
-        lowest: usize,
-        run: &LayerRun,
-        place: Place,
-        control: &[Vector3<f64>],
-        observer: &mut dyn Observer,
-    ) -> Result<Option<Vec<LayerSurface>>, StepperError> {
-        let mut surfaces = Vec::new();
-        let mut below: Option<(usize, LayerRun)> = None;
-        for index in lowest + 1..self.plan.specs.len() {
-            if self.plan.poses[self.pose].layers[index].region.is_empty() {
-                continue;
-            }
-            let lower = match &below {
-                Some((index, run)) => self.lower(*index, run),
-                None => self.lower(lowest, run),
-            };
-            let seat = self.plan.seats[index];
-            let surface = |skin: &SkinMesh| {
-                vec![surface_below(
-                    self.driver,
-                    skin,
-                    seat,
-                    control,
-                    Some(&lower),
-                )]
-            };
-            let mut upper = self.build(index, &surface, observer)?;
-            let mut course = CarriedCourse {
-                below: surface_below(self.driver, upper.layer.skin(), seat, control, Some(&lower)),
-                weight: place.weight,
-            };
-            let loads = loads_up_to(1.0, self.spec.steps, [1.0]);
-            let ending = upper.follow(&mut course, &loads, self.modelling, observer)?;
-            surfaces.push(self.snapshot(index, &upper, control, Some(&lower)));
-            self.tell(&upper, ending);
-            if ending == Ending::Interrupted {
-                return Ok(None);
-            }
-            upper.measure();
-            self.add_report(index, &upper.report);
-            below = Some((index, upper));
-        }
-        Ok(Some(surfaces))
-    }
-
-    fn lower<'r>(&self, index: usize, run: &'r LayerRun) -> LowerLayer<'r> {
-        LowerLayer {
-            skin: run.layer.skin(),
-            positions: run.layer.positions(),
-            offset: self.plan.seats[index].offset,
-        }
-    }
-
-    /// The layer as others see it.
-    fn snapshot(
-        &self,
-        index: usize,
-        run: &LayerRun,
-        control: &[Vector3<f64>],
-        lower: Option<&LowerLayer<'_>>,
-    ) -> LayerSurface {
-        let seat = self.plan.seats[index];
-        let region = &run.layer.region().skin;
-        let below = surface_below(self.driver, region, seat, control, lower);
-        run.layer.snapshot(control, &below.posed, seat.offset)
-    }
-
-    /// Takes over the report of a layer that is solved anew in every frame; work adds up.
-    fn add_report(&mut self, index: usize, report: &LayerReport) {
-        let before = &self.result.layers[index];
-        self.result.layers[index] = LayerReport {
-            newton_iterations: before.newton_iterations + report.newton_iterations,
-            factorizations: before.factorizations + report.factorizations,
-            ..report.clone()
-        };
-    }
 }
 
 /// A key at which nothing wrinkles.
@@ -382,6 +234,7 @@ struct DriverCourse<'r, 'a> {
     stack: &'r mut StackRun<'a>,
     lowest: usize,
     key: Option<f64>,
+    wants_frames: bool,
 }
 
 impl DriverCourse<'_, '_> {
@@ -415,6 +268,10 @@ impl Course for DriverCourse<'_, '_> {
         place.weight * place.share
     }
 
+    fn is_result(&self, load: f64) -> bool {
+        self.wants_frames || self.stack.is_key(self.place(load))
+    }
+
     fn kept(
         &mut self,
         run: &LayerRun,
@@ -423,25 +280,5 @@ impl Course for DriverCourse<'_, '_> {
     ) -> Result<bool, StepperError> {
         let place = self.place(load);
         self.stack.frame(self.lowest, run, place, observer)
-    }
-}
-
-/// An upper layer's way: its strain grows on a surface that stays.
-struct CarriedCourse {
-    below: BelowSurface,
-    weight: f64,
-}
-
-impl Course for CarriedCourse {
-    fn below(&self, _: &SkinMesh, load: f64) -> (BelowSurface, f64) {
-        (self.below.clone(), load)
-    }
-
-    fn shown(&self, load: f64) -> f64 {
-        self.weight * load
-    }
-
-    fn kept(&mut self, _: &LayerRun, _: f64, _: &mut dyn Observer) -> Result<bool, StepperError> {
-        Ok(true)
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use nalgebra::{Matrix3, Vector2, Vector3};
+use nalgebra::{Matrix3, SymmetricEigen, Vector2, Vector3};
 use ruga_blend::{BaseSurface, Driver, PosedSurface, Smoothing, SurfacePoints};
 use ruga_mesh::{
     FaceId, Id, LoopSurface, MaterialPoint, PerEdge, PerFace, PerVertex, SparseRows, SurfaceLookup,
@@ -23,6 +23,9 @@ const INTERPOLATION_STEPS: usize = 1;
 /// of a coarser one end nearer to what is wanted, with little more than half of the vertices. The
 /// last round sees the sizing where the one before put its vertices.
 const ROUNDS: [f64; 3] = [2.0, 1.0, 1.0];
+
+/// Edges over those asked for that a fitted mesh may have here and there.
+const TOO_LONG: f64 = 1.5;
 
 /// A triangle mesh whose vertices are material points of the driver.
 #[derive(Clone, Debug)]
@@ -62,9 +65,20 @@ pub(crate) struct MeshDemand<'a> {
     pub(crate) drivers: &'a PerFace<FaceDriver>,
     /// Longest edge at every vertex, m.
     pub(crate) longest: &'a [f64],
+    /// Largest ratio of edges along and across the wrinkles at every vertex.
+    pub(crate) aspects: &'a [f64],
     pub(crate) refinement: Refinement,
     /// Vertices that there may be.
     pub(crate) budget: usize,
+}
+
+/// What a mesh of a region is to be like.
+struct Wanted<'a> {
+    surface: PolyhedralSurface<'a>,
+    start: SurfaceMesh,
+    sizing: Sizing,
+    /// Edges over those asked for, where the budget does not allow them; 1 where it does.
+    coarseness: f64,
 }
 
 /// A fitted mesh.
@@ -81,6 +95,8 @@ pub(crate) struct RegionMesh {
     uvs: Vec<[Vector2<f64>; 3]>,
     origins: PerFace<ruga_mesh::FaceOrigin>,
     artist: Vec<(u32, [[f64; 3]; 3])>,
+    /// Edges that a fitted mesh keeps.
+    features: PerEdge<bool>,
     smoothing: Smoothing,
     offset: f64,
 }
@@ -98,6 +114,7 @@ impl RegionMesh {
         let points: Vec<MaterialPoint> = copied.iter().map(|v| base_points[v.index()]).collect();
         let origins = base.origins().clone();
         Self {
+            features: PerEdge::filled(mesh.edges().len(), false),
             skin: SkinMesh::new(driver, mesh, &points, smoothing, offset),
             uvs: base.uvs().as_slice().to_vec(),
             artist: origins
@@ -129,23 +146,12 @@ impl RegionMesh {
         demand: &MeshDemand<'_>,
         settings: &RemeshSettings,
     ) -> Result<Adapted, RemeshError> {
-        let mesh = &self.skin.mesh;
-        let seams = PerEdge::filled(mesh.edges().len(), false);
-        let surface = PolyhedralSurface::new(mesh, &self.skin.rest.positions, &seams)?;
-        let start = SurfaceMesh::on_surface(mesh.clone(), surface.vertex_points()?, &surface)?;
-        let mut sizing = sizing_field(&SizingInput {
-            mesh: &start,
-            shape: &self.skin.rest.positions,
-            velocity: None,
-            driver: Some(demand.drivers),
-            refinement: demand.refinement,
-        })?;
-        for (tensor, longest) in sizing.tensors.as_mut_slice().iter_mut().zip(demand.longest) {
-            *tensor += Matrix3::identity() / (longest * longest);
-        }
-        let wanted = sizing.limited(&start, &surface, &settings.limits)?;
-        let estimate = wanted.vertex_estimate(&start)? as f64;
-        let coarseness = (estimate / demand.budget as f64).sqrt().max(1.0);
+        let Wanted {
+            surface,
+            start,
+            sizing: wanted,
+            coarseness,
+        } = self.wanted(demand, settings)?;
         let settings = RemeshSettings {
             limits: SizeLimits {
                 min_edge: 0.0,
@@ -166,6 +172,60 @@ impl RegionMesh {
         Ok(Adapted { skin, coarseness })
     }
 
+    /// What `demand` and the rest shape ask for at this mesh's vertices.
+    fn wanted(
+        &self,
+        demand: &MeshDemand<'_>,
+        settings: &RemeshSettings,
+    ) -> Result<Wanted<'_>, RemeshError> {
+        let mesh = &self.skin.mesh;
+        let surface = PolyhedralSurface::new(mesh, &self.skin.rest.positions, &self.features)?;
+        let start = SurfaceMesh::on_surface(mesh.clone(), surface.vertex_points()?, &surface)?;
+        let mut sizing = sizing_field(&SizingInput {
+            mesh: &start,
+            shape: &self.skin.rest.positions,
+            velocity: None,
+            driver: Some(demand.drivers),
+            refinement: demand.refinement,
+        })?;
+        let limits = demand.longest.iter().zip(demand.aspects);
+        for (tensor, (longest, aspect)) in sizing.tensors.as_mut_slice().iter_mut().zip(limits) {
+            *tensor += Matrix3::identity() / (longest * longest);
+            limit_aspect(tensor, *aspect);
+        }
+        let sizing = sizing.limited(&start, &surface, &settings.limits)?;
+        let estimate = sizing.vertex_estimate(&start)? as f64;
+        Ok(Wanted {
+            coarseness: (estimate / demand.budget as f64).sqrt().max(1.0),
+            surface,
+            start,
+            sizing,
+        })
+    }
+
+    /// Share of this mesh's vertices under which the triangle of `layer`, a mesh of the same
+    /// region, is longer than `demand` allows by the factor that a fitted mesh may have anywhere.
+    pub(crate) fn share_too_coarse(
+        &self,
+        layer: &SkinMesh,
+        places: &[MaterialPoint],
+        demand: &MeshDemand<'_>,
+        settings: &RemeshSettings,
+    ) -> Result<f64, RemeshError> {
+        let Wanted {
+            sizing, coarseness, ..
+        } = self.wanted(demand, settings)?;
+        let longest = TOO_LONG * coarseness;
+        let too_coarse = places.iter().zip(sizing.tensors.as_slice());
+        let too_coarse = too_coarse.filter(|(place, tensor)| {
+            let [a, b, c] = layer.mesh.faces()[place.face].map(|v| layer.rest.positions[v.index()]);
+            [b - a, c - b, a - c]
+                .iter()
+                .any(|edge| edge.dot(&(*tensor * edge)) > longest * longest)
+        });
+        Ok(too_coarse.count() as f64 / places.len().max(1) as f64)
+    }
+
     /// Sizing at places of this mesh from that at its vertices, for edges `coarseness` times as
     /// long.
     fn sizing_at(
@@ -184,18 +244,15 @@ impl RegionMesh {
             tensors: places.as_slice().iter().map(tensor).collect(),
         }
     }
+}
 
-    /// How values at the vertices of `layer` become values at the vertices of this mesh.
-    pub(crate) fn interpolation_from(&self, layer: &SkinMesh) -> Interpolation {
-        let places = places_on(layer, &self.skin);
-        let corners = PerVertex::filled(layer.mesh.vertex_count(), false);
-        Interpolation {
-            at_vertices: limit_rows(&layer.mesh, &corners).position,
-            at_places: LoopSurface::new(&layer.mesh, &corners)
-                .rows(&places)
-                .position,
-        }
-    }
+/// Shortens the long directions of a sizing tensor to `aspect` times the short one.
+fn limit_aspect(tensor: &mut Matrix3<f64>, aspect: f64) {
+    let eigen = SymmetricEigen::new(*tensor);
+    let least = eigen.eigenvalues.max() / (aspect * aspect);
+    let values = eigen.eigenvalues.map(|value| value.max(least));
+    let vectors = eigen.eigenvectors;
+    *tensor = vectors * Matrix3::from_diagonal(&values) * vectors.transpose();
 }
 
 /// Smooth interpolation of what is known at a mesh's vertices.
@@ -206,9 +263,28 @@ impl RegionMesh {
 pub(crate) struct Interpolation {
     at_vertices: SparseRows,
     at_places: SparseRows,
+    places: Vec<MaterialPoint>,
 }
 
 impl Interpolation {
+    /// How values at the vertices of one mesh become values at those of another, of the same skin.
+    pub(crate) fn new(from: &SkinMesh, to: &SkinMesh) -> Self {
+        let places = places_on(from, to);
+        let corners = PerVertex::filled(from.mesh.vertex_count(), false);
+        Self {
+            at_vertices: limit_rows(&from.mesh, &corners).position,
+            at_places: LoopSurface::new(&from.mesh, &corners)
+                .rows(&places)
+                .position,
+            places,
+        }
+    }
+
+    /// Where on the one mesh the vertices of the other are.
+    pub(crate) fn places(&self) -> &[MaterialPoint] {
+        &self.places
+    }
+
     pub(crate) fn apply(&self, values: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         self.at_places
             .apply(&through_vertices(&self.at_vertices, values))

@@ -174,12 +174,10 @@ impl Top {
         let Some(file) = run::last_frame(results, &pose.name, &layer.name)? else {
             return Ok(None);
         };
-        let skin = Surface::read(&file)?;
+        let computed = format!("meshes/{}/{}.obj", pose.name, layer.name);
         Ok(Some(Self {
-            // `ruga simulate` writes the layer on one mesh for all frames and not on the one
-            // that it was computed on; read that one's file here as soon as there is one.
-            mesh: skin.clone(),
-            skin,
+            mesh: Surface::read(&results.join(computed))?,
+            skin: Surface::read(&file)?,
             full_colour: 1.5 * layer.critical_strain_predicted.unwrap_or(0.05),
         }))
     }

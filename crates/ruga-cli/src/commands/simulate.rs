@@ -57,25 +57,55 @@ impl Product for FrameMeshes<'_> {
         Ok(files)
     }
 
-    fn pose(&self, _: &PoseSpec, _: &PoseResult) -> Result<PoseFiles, CliError> {
-        Ok(PoseFiles::default())
+    /// The meshes of the last key, as they were computed on.
+    fn pose(&self, pose: &PoseSpec, result: &PoseResult) -> Result<PoseFiles, CliError> {
+        let mut made = PoseFiles::default();
+        for layer in result.keys.last().iter().flat_map(|key| &key.layers) {
+            let file = format!("meshes/{}/{}.obj", pose.name, layer.name);
+            let computed = &layer.computed;
+            self.write_obj(
+                &file,
+                &layer.name,
+                &computed.positions,
+                &computed.faces,
+                (&computed.uvs, &computed.faces),
+            )?;
+            made.files.push(file);
+        }
+        Ok(made)
     }
 }
 
 impl FrameMeshes<'_> {
     fn write(&self, file: &str, layer: &LayerSurface) -> Result<(), CliError> {
         let (uvs, uv_triangles) = shared_uvs(&layer.uvs);
-        let positions: Vec<Vector3<f64>> = layer
-            .positions
+        self.write_obj(
+            file,
+            &layer.name,
+            &layer.positions,
+            &layer.faces,
+            (&uvs, &uv_triangles),
+        )
+    }
+
+    fn write_obj(
+        &self,
+        file: &str,
+        name: &str,
+        positions: &[Vector3<f64>],
+        triangles: &[[u32; 3]],
+        (uvs, uv_triangles): (&[Vector2<f64>], &[[u32; 3]]),
+    ) -> Result<(), CliError> {
+        let positions: Vec<Vector3<f64>> = positions
             .iter()
             .map(|p| self.placement.in_world(p))
             .collect();
         let frame = ObjFrame {
-            name: &layer.name,
+            name,
             positions: &positions,
-            triangles: &layer.faces,
-            uvs: &uvs,
-            uv_triangles: &uv_triangles,
+            triangles,
+            uvs,
+            uv_triangles,
         };
         Ok(write_obj_frame(&self.arguments.output.join(file), &frame)?)
     }

@@ -1,0 +1,131 @@
+//! Layers as a pose needs them: their region, their mesh, their hinges.
+
+use ruga_blend::{BaseSurface, Driver};
+use ruga_mesh::FaceId;
+
+use crate::adaptivity::{adapted, still_serves};
+use crate::below::BelowSurface;
+use crate::layer::Layer;
+use crate::layer_run::LayerRun;
+use crate::plan::LayerPlan;
+use crate::simulate::StackRun;
+use crate::skin_mesh::{RegionMesh, SkinMesh};
+use crate::{Modelling, Observer, Phase, Plan, StepperError};
+
+/// Edges longer than asked for by less than this factor are not worth a word.
+const WORTH_TELLING: f64 = 1.1;
+
+impl StackRun<'_> {
+    /// Builds layer number `index`, its mesh fitted to each of what may lie `below`, its hinges
+    /// corrected on the last.
+    pub(crate) fn build(
+        &self,
+        index: usize,
+        below: &dyn Fn(&SkinMesh) -> Vec<BelowSurface>,
+        observer: &mut dyn Observer,
+    ) -> Result<LayerRun, StepperError> {
+        let (driver, modelling) = (self.driver, self.modelling);
+        observer.phase(index, Phase::Sampling);
+        let layer = &self.plan.poses[self.pose].layers[index];
+        let surface = layer_surface(driver, self.plan, layer, modelling);
+        let offset = self.plan.seats[index].offset;
+        let region = RegionMesh::new(driver, &surface, modelling.smoothing, offset);
+        self.build_on(index, region, below, observer)
+    }
+
+    /// The same on a region whose mesh is there already.
+    fn build_on(
+        &self,
+        index: usize,
+        region: RegionMesh,
+        below: &dyn Fn(&SkinMesh) -> Vec<BelowSurface>,
+        observer: &mut dyn Observer,
+    ) -> Result<LayerRun, StepperError> {
+        let (driver, plan, modelling) = (self.driver, self.plan, self.modelling);
+        let spec = &plan.specs[index];
+        let wrinkling = &plan.wrinkling[index];
+        observer.phase(index, Phase::Remeshing);
+        let surfaces = below(&region.skin);
+        let points = modelling.points_of(index, plan.specs.len());
+        let asked = (modelling, points);
+        let adapted = adapted(driver, spec, wrinkling, &region, &surfaces, asked)?;
+        let coarseness = adapted.as_ref().map_or(1.0, |adapted| adapted.coarseness);
+        let adapted = adapted.map(|adapted| adapted.skin);
+        observer.phase(index, Phase::Constraints);
+        let tie = plan.seats[index].tie;
+        let mut layer = Layer::new(
+            driver,
+            spec,
+            wrinkling,
+            tie,
+            region,
+            adapted,
+            modelling.seed,
+        )?;
+        let mut is_measured = true;
+        if let Some(last) = below(layer.skin()).pop() {
+            is_measured = layer.calibrate_bending(last)?;
+        }
+        let mut run = LayerRun::new(index, layer);
+        if coarseness > WORTH_TELLING {
+            run.warnings.push(format!(
+                "the vertex budget of {} leaves {:.1} points per wavelength of {} asked for",
+                modelling.vertex_budget,
+                points / coarseness,
+                points
+            ));
+        }
+        if !is_measured {
+            run.warnings.push(
+                "the bending modulus of its mesh could not be measured; wavelengths may be some per cent short".to_owned(),
+            );
+        }
+        Ok(run)
+    }
+
+    /// The layer on a mesh that resolves what now lies `below` it: its own, or where too much has
+    /// changed a new one to which its shape is carried over.
+    pub(crate) fn refitted(
+        &self,
+        mut run: LayerRun,
+        below: &dyn Fn(&SkinMesh) -> BelowSurface,
+        observer: &mut dyn Observer,
+    ) -> Result<LayerRun, StepperError> {
+        let index = run.index;
+        observer.phase(index, Phase::Remeshing);
+        let layer = &run.layer;
+        let surface = below(&layer.region().skin);
+        let points = self.modelling.points_of(index, self.plan.specs.len());
+        if still_serves(self.driver, layer, &surface, (self.modelling, points))? {
+            return Ok(run);
+        }
+        run.layer.set_below(below(run.layer.skin()), 1.0)?;
+        let region = run.layer.region().clone();
+        let mut fitted = self.build_on(index, region, &|skin| vec![below(skin)], observer)?;
+        fitted.layer.set_below(below(fitted.layer.skin()), 1.0)?;
+        fitted.layer.take_shape(&run.layer);
+        fitted.take_history(run);
+        Ok(fitted)
+    }
+}
+
+/// The part of the base surface that the plan wants simulated, at the plan's resolution.
+fn layer_surface(
+    driver: &Driver,
+    plan: &Plan,
+    layer: &LayerPlan,
+    modelling: &Modelling,
+) -> BaseSurface {
+    let whole_driver = |face: &u64| FaceId((face >> (2 * plan.planning_levels)) as u32);
+    let mut coarse: Vec<FaceId> = layer.region.iter().map(whole_driver).collect();
+    coarse.dedup();
+    let whole = BaseSurface::new(driver, &coarse, layer.levels, modelling.smoothing);
+    // Faces larger than the region's are taken when any part of them is in it.
+    let level = plan.planning_levels.min(layer.levels);
+    let shift = 2 * (plan.planning_levels - level);
+    let mut region: Vec<u64> = layer.region.iter().map(|face| face >> shift).collect();
+    region.dedup();
+    let wanted = |face: &FaceId| region.binary_search(&whole.ancestor(*face, level)).is_ok();
+    let faces: Vec<FaceId> = whole.mesh().faces().ids().filter(wanted).collect();
+    whole.restrict(&faces)
+}

@@ -1,0 +1,125 @@
+//! Layers that lie on others, solved on what those have become.
+
+use nalgebra::Vector3;
+
+use crate::below::{BelowSurface, LowerLayer, surface_below};
+use crate::layer_run::{Course, Ending, LayerRun};
+use crate::simulate::{Place, StackRun};
+use crate::skin_mesh::SkinMesh;
+use crate::{LayerSurface, Observer, Phase, StepperError};
+
+impl StackRun<'_> {
+    /// Solves the layers above `lowest` one on the other; `None` when the observer ends the work.
+    pub(crate) fn upper_layers(
+        &mut self,
+        lowest: usize,
+        run: &LayerRun,
+        place: Place,
+        control: &[Vector3<f64>],
+        observer: &mut dyn Observer,
+    ) -> Result<Option<Vec<LayerSurface>>, StepperError> {
+        let mut surfaces = Vec::new();
+        let mut solved: Vec<LayerRun> = Vec::new();
+        for index in lowest + 1..self.plan.specs.len() {
+            if self.plan.poses[self.pose].layers[index].region.is_empty() {
+                continue;
+            }
+            let lower = self.lower(solved.last().unwrap_or(run));
+            let (mut upper, ending) = self.upper_layer(index, &lower, place, control, observer)?;
+            self.tell(&upper, ending);
+            if ending == Ending::Interrupted {
+                return Ok(None);
+            }
+            observer.phase(index, Phase::Sampling);
+            surfaces.push(self.snapshot(&upper, control, Some(&lower)));
+            upper.measure();
+            self.result.layers[index] = upper.report.clone();
+            solved.push(upper);
+        }
+        for run in solved {
+            let index = run.index;
+            self.upper[index] = Some(run);
+        }
+        Ok(Some(surfaces))
+    }
+
+    /// Solves one layer on the `lower` one: from its last shape if there is one from which the
+    /// equilibrium can be reached, else from none.
+    fn upper_layer(
+        &mut self,
+        index: usize,
+        lower: &LowerLayer<'_>,
+        place: Place,
+        control: &[Vector3<f64>],
+        observer: &mut dyn Observer,
+    ) -> Result<(LayerRun, Ending), StepperError> {
+        let seat = self.plan.seats[index];
+        let last = self.upper[index].take();
+        let below = |skin: &SkinMesh| surface_below(self.driver, skin, seat, control, Some(lower));
+        let mut history = None;
+        if let Some(last) = last {
+            let mut run = self.refitted(last, &below, observer)?;
+            let surface = below(run.layer.skin());
+            match run.move_on(surface, place.weight, self.modelling, observer)? {
+                Ending::GaveUp => history = Some(run),
+                ending => return Ok((run, ending)),
+            }
+        }
+        let mut run = self.build(index, &|skin| vec![below(skin)], observer)?;
+        if let Some(history) = history {
+            run.take_history(history);
+        }
+        let mut course = CarriedCourse {
+            below: below(run.layer.skin()),
+            weight: place.weight,
+        };
+        let ending = run.follow_from_onset(&mut course, self.modelling, observer)?;
+        Ok((run, ending))
+    }
+
+    fn lower<'r>(&self, run: &'r LayerRun) -> LowerLayer<'r> {
+        LowerLayer {
+            skin: run.layer.skin(),
+            positions: run.layer.positions(),
+            offset: self.plan.seats[run.index].offset,
+        }
+    }
+
+    /// The layer as others see it.
+    pub(crate) fn snapshot(
+        &self,
+        run: &LayerRun,
+        control: &[Vector3<f64>],
+        lower: Option<&LowerLayer<'_>>,
+    ) -> LayerSurface {
+        let seat = self.plan.seats[run.index];
+        let region = &run.layer.region().skin;
+        let below = surface_below(self.driver, region, seat, control, lower);
+        run.layer
+            .snapshot(self.driver, control, &below.posed, seat.offset)
+    }
+}
+
+/// An upper layer's way: its strain grows on a surface that stays.
+struct CarriedCourse {
+    below: BelowSurface,
+    weight: f64,
+}
+
+impl Course for CarriedCourse {
+    fn below(&self, _: &SkinMesh, load: f64) -> (BelowSurface, f64) {
+        (self.below.clone(), load)
+    }
+
+    fn shown(&self, load: f64) -> f64 {
+        self.weight * load
+    }
+
+    fn is_result(&self, load: f64) -> bool {
+        load == 1.0
+    }
+
+    fn kept(&mut self, _: &LayerRun, _: f64, _: &mut dyn Observer) -> Result<bool, StepperError> {
+        Ok(true)
+    }
+}
