@@ -10,7 +10,8 @@ use ruga_material::{
     WavelengthModel, Wrap, design_layer, preset, wrinkling,
 };
 use ruga_stepper::{
-    Coupling, EdgeLimits, LayerSpec, LinearSolver, Modelling, PoseSpec, Region, Sampling, Stack,
+    Coupling, Dynamics, EdgeLimits, LayerSpec, LinearSolver, Modelling, PoseSpec, Region, Sampling,
+    Stack,
 };
 
 use crate::arguments::Quality;
@@ -19,10 +20,6 @@ use crate::error::{CliError, nearest};
 /// Everything in the scene that this version cannot do, in the order of the scene.
 pub(crate) fn not_yet(scene: &Scene, path: &Path) -> Vec<CliError> {
     let mut found: Vec<(String, String, &'static str)> = Vec::new();
-    if scene.stack == scene::Stack::Joint {
-        let remedy = "take \"nominal\" or \"composite\"";
-        found.push(("stack".to_owned(), "\"joint\"".to_owned(), remedy));
-    }
     for (i, layer) in scene.layers.iter().enumerate() {
         if layer.map.as_ref().is_some_and(|map| map.sharp) {
             let remedy = "leave `sharp` out: properties then change within a triangle";
@@ -36,10 +33,6 @@ pub(crate) fn not_yet(scene: &Scene, path: &Path) -> Vec<CliError> {
                 remedy,
             ));
         }
-    }
-    if scene.solver.mode == scene::SolverMode::Dynamic {
-        let remedy = "set `mode = \"static\"`";
-        found.push(("solver.mode".to_owned(), "\"dynamic\"".to_owned(), remedy));
     }
     if scene.interior.is_some() {
         let remedy = "leave the [interior] table out";
@@ -258,8 +251,16 @@ pub(crate) fn modelling(scene: &Scene, region: Region, quality: Option<Quality>)
         }),
         vertex_budget: usize::try_from(scene.driver.vertex_budget).unwrap_or(usize::MAX),
         stack: match scene.stack {
+            scene::Stack::Nominal => Stack::Nominal,
             scene::Stack::Composite => Stack::Composite,
-            _ => Stack::Nominal,
+            scene::Stack::Joint => Stack::Joint,
+        },
+        dynamics: match scene.solver.mode {
+            scene::SolverMode::Static => None,
+            scene::SolverMode::Dynamic => Some(Dynamics {
+                time_step: scene.solver.time_step,
+                damping: scene.solver.damping,
+            }),
         },
         smoothing: match scene.driver.smoothing {
             scene::Smoothing::Loop => Smoothing::Loop,

@@ -57,12 +57,6 @@ fn what_later_versions_will_do() {
             "`layers[0].bending_transfer`",
         ),
         ("[remesh]", "[interior]\n[remesh]", "`interior`"),
-        (
-            "[remesh]",
-            "[solver]\nmode = \"dynamic\"\n[remesh]",
-            "`solver.mode`",
-        ),
-        ("version = 1", "version = 1\nstack = \"joint\"", "`stack`"),
     ] {
         refuses(&Folder::with(from, to), &["scene.toml", key, version]);
     }

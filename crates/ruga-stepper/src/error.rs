@@ -26,13 +26,23 @@ pub enum StepperError {
         /// What is wrong.
         source: MaterialError,
     },
-    /// A stack is to be one composite and a layer of it is painted.
+    /// The layers of a stack are to act together and one of them is painted.
     #[error(
-        "layer '{layer}' has a property map, and stack = \"composite\" knows uniform layers only; leave the map out, or take stack = \"nominal\""
+        "layer '{layer}' has a property map, and stack = \"{stack}\" knows uniform layers only; leave the map out, or take stack = \"nominal\""
     )]
-    PaintedComposite {
+    PaintedStack {
         /// Name of the layer.
         layer: String,
+        /// What the stack was to be.
+        stack: &'static str,
+    },
+    /// A stack is to be solved at once and is no pair.
+    #[error(
+        "stack = \"joint\" solves two layers at once, the scene has {found}; take \"nominal\" or \"composite\""
+    )]
+    NoPair {
+        /// Number of layers.
+        found: usize,
     },
     /// The driver cannot be posed.
     #[error(transparent)]

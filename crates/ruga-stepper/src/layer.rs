@@ -7,8 +7,8 @@ use ruga_blend::{Driver, FaceStrain, PosedSurface, face_strains, rest_frame};
 use ruga_material::{CAP_START, Wrinkling, capped_strain};
 use ruga_mesh::{FaceId, Id, PerFace, VertexId};
 use ruga_shell::{
-    FaceParameters, HINGE_EXPONENT, LayerEnergy, LayerParameters, ResponseQuery, ShellError,
-    face_corners, response_modulus,
+    FaceParameters, HINGE_EXPONENT, LayerParameters, ResponseQuery, ShellError, face_corners,
+    response_modulus,
 };
 use ruga_solver::{
     Iteration, Kkt, LowerPattern, NewtonSettings, SolveReport, SolverError, minimise,
@@ -18,9 +18,10 @@ use crate::below::BelowSurface;
 use crate::layer_objective::{LayerObjective, gather, scatter};
 use crate::local_skin::{LocalSkin, SkinProperties, uv};
 use crate::low_pass_rows::low_pass_rows;
-use crate::measure::heights;
+use crate::motion::{Inertia, Motion};
+use crate::skin_energy::{SkinEnergy, UpperShell};
 use crate::skin_mesh::{Interpolation, RegionMesh, SkinMesh};
-use crate::{ComputedMesh, Coupling, LayerSpec, LayerSurface, StepperError};
+use crate::{ComputedMesh, Coupling, Dynamics, LayerSpec, LayerSurface, StepperError};
 
 /// Levenberg floor in units of `K0 V_i`: keeps modes that slide along themselves from having a
 /// random sign, and is far below what any wrinkle feels.
@@ -60,12 +61,19 @@ pub(crate) struct Layer {
     strains: PerFace<FaceStrain>,
     /// Share of the strain that is loaded, in (0, 1].
     share: f64,
+    /// Of the layer's vertices, then of those of a layer that moves together with it.
     positions: Vec<Vector3<f64>>,
-    energy: LayerEnergy,
+    /// Where these would be without wrinkles, on the surface below.
+    base: Vec<Vector3<f64>>,
+    energy: SkinEnergy,
+    /// The layer that moves together with this one.
+    upper: Option<UpperShell>,
     /// Whether the energy's rest metric may differ from the rest surface's.
     is_metric_changed: bool,
     /// Dead load on the coordinates that move, N.
     reaction: Vec<f64>,
+    /// Velocities, where it moves in time.
+    motion: Option<Motion>,
     free: Vec<VertexId>,
     floor: Vec<f64>,
     kkt: Kkt,
@@ -77,7 +85,7 @@ impl Layer {
         driver: &Driver,
         spec: &LayerSpec,
         wrinkling: &Wrinkling,
-        tie: Option<f64>,
+        (tie, upper): (Option<f64>, Option<UpperShell>),
         region: RegionMesh,
         adapted: Option<SkinMesh>,
         seed: u64,
@@ -98,12 +106,20 @@ impl Layer {
         let faces = skin.corner_indices();
         let properties = SkinProperties::new(spec, wrinkling, tie, driver, &skin)?;
         let parameters = layer_parameters(spec, &properties);
-        let energy = LayerEnergy::new(&rest.positions, &faces, parameters, pinned.as_slice())
-            .map_err(shell)?;
-        let free: Vec<VertexId> = pinned
-            .iter()
-            .filter(|(_, pinned)| !**pinned)
-            .map(|(v, _)| v)
+        let surface = (rest.positions.as_slice(), rest.normals.as_slice());
+        let energy = SkinEnergy::new(
+            surface,
+            &faces,
+            parameters,
+            upper.as_ref(),
+            pinned.as_slice(),
+        )
+        .map_err(shell)?;
+        let positions = energy.laid_on(&rest.positions, &rest.normals);
+        let vertices = rest.positions.len();
+        let free: Vec<VertexId> = (0..positions.len())
+            .map(VertexId::from_index)
+            .filter(|v| !pinned[VertexId::from_index(v.index() % vertices)])
             .collect();
         let (starts, entries) = energy.pattern();
         let pattern = LowerPattern::new(starts.to_vec(), entries.to_vec()).map_err(solver)?;
@@ -111,8 +127,9 @@ impl Layer {
         let floor = free
             .iter()
             .flat_map(|v| {
-                let stiffness = properties.vertices[v.index()].wrinkling.normal_stiffness;
-                [FLOOR * stiffness * areas[v.index()]; 3]
+                let i = v.index() % vertices;
+                let stiffness = properties.vertices[i].wrinkling.normal_stiffness;
+                [FLOOR * stiffness * areas[i]; 3]
             })
             .collect();
         let rows = low_pass_rows(spec, &properties, &skin, &pinned, &free)?;
@@ -121,7 +138,8 @@ impl Layer {
             spec: spec.clone(),
             wrinkling: *wrinkling,
             strains: face_strains(&skin.mesh, &rest.positions, &rest.positions),
-            positions: rest.positions.clone(),
+            base: positions.clone(),
+            positions,
             below: BelowSurface {
                 posed: rest.clone(),
                 transfer: None,
@@ -134,8 +152,10 @@ impl Layer {
             bending_ratio: None,
             areas,
             energy,
+            upper,
             is_metric_changed: false,
             reaction: vec![0.0; 3 * free.len()],
+            motion: None,
             free,
             floor,
             kkt,
@@ -145,7 +165,7 @@ impl Layer {
     }
 
     pub(crate) fn vertex_count(&self) -> usize {
-        self.positions.len()
+        self.skin.mesh.vertex_count()
     }
 
     pub(crate) fn face_count(&self) -> usize {
@@ -159,17 +179,19 @@ impl Layer {
     /// A little of every wave, so that none has to grow out of rounding errors.
     fn add_noise(&mut self, seed: u64) {
         let mut random = Pcg64Mcg::seed_from_u64(seed);
+        let vertices = self.vertex_count();
         for v in &self.free {
+            let i = v.index() % vertices;
             let LocalSkin {
                 material,
                 wrinkling,
-            } = &self.properties.vertices[v.index()];
+            } = &self.properties.vertices[i];
             let usual_edge = wrinkling.wavelength / 12.0;
             // Where the artist's mesh is much finer than asked for, the same noise would fold it.
-            let fineness = (self.areas[v.index()] / (usual_edge * usual_edge)).min(1.0);
+            let fineness = (self.areas[i] / (usual_edge * usual_edge)).min(1.0);
             let size = NOISE * material.thickness * fineness;
             let height = size * random.random_range(-1.0..1.0);
-            self.positions[v.index()] += self.skin.rest.normals[v.index()] * height;
+            self.positions[v.index()] += self.skin.rest.normals[i] * height;
         }
     }
 
@@ -187,15 +209,17 @@ impl Layer {
         share: f64,
     ) -> Result<(), StepperError> {
         let (old, new) = (&self.below.posed, &below.posed);
-        for i in 0..self.positions.len() {
-            let deviation = self.positions[i] - old.positions[i];
-            self.positions[i] = new.positions[i] + turn_between(old, new, i) * deviation;
+        let base = self.energy.laid_on(&new.positions, &new.normals);
+        let vertices = self.vertex_count();
+        for (i, base) in base.iter().enumerate() {
+            let deviation = self.positions[i] - self.base[i];
+            self.positions[i] = base + turn_between(old, new, i % vertices) * deviation;
         }
+        self.base = base;
         self.strains = offered_strains(&self.skin, &below);
-        let no_offset = vec![0.0; self.positions.len()];
         self.energy
-            .set_base(&new.positions, &new.normals, &no_offset)
-            .and_then(|()| self.energy.set_rest_angles(&new.positions))
+            .set_base(&new.positions, &new.normals)
+            .and_then(|()| self.energy.set_rest_angles(&self.base))
             .map_err(|source| self.shell_error(source))?;
         self.below = below;
         self.share = share;
@@ -220,8 +244,7 @@ impl Layer {
         });
         self.set_rest_metric(&stretches)?;
         self.is_metric_changed = true;
-        self.energy
-            .gradient(&self.below.posed.positions, &mut self.reaction);
+        self.energy.gradient(&self.base, &mut self.reaction);
         Ok(())
     }
 
@@ -272,20 +295,57 @@ impl Layer {
     }
 
     /// Takes over how `other`, the same layer on another mesh, deviates from the surface below;
-    /// both are on the same one.
+    /// both are on the same one, and no layer moves together with them.
     pub(crate) fn take_shape(&mut self, other: &Layer) {
         let interpolation = Interpolation::new(&other.skin, &self.skin);
         let deviations = interpolation.apply(&other.deviations());
         for v in &self.free {
             let i = v.index();
-            self.positions[i] = self.below.posed.positions[i] + deviations[i];
+            self.positions[i] = self.base[i] + deviations[i];
         }
     }
 
     /// Way from the surface below to every vertex, m.
     fn deviations(&self) -> Vec<Vector3<f64>> {
-        let pairs = self.positions.iter().zip(&self.below.posed.positions);
+        let pairs = self.positions.iter().zip(&self.base);
+        let pairs = pairs.take(self.vertex_count());
         pairs.map(|(x, base)| x - base).collect()
+    }
+
+    /// The same of the layer that moves together with this one.
+    fn upper_deviations(&self) -> Vec<Vector3<f64>> {
+        let pairs = self.positions.iter().zip(&self.base);
+        let pairs = pairs.skip(self.vertex_count());
+        pairs.map(|(x, base)| x - base).collect()
+    }
+
+    /// Lets the layer move in time from now on, first at rest.
+    pub(crate) fn set_in_motion(&mut self, dynamics: Dynamics) {
+        let vertices = self.properties.vertices.iter().zip(&self.areas);
+        let mass = |(local, area): (&LocalSkin, &f64)| {
+            local.material.density * local.material.thickness * area
+        };
+        let mut masses: Vec<f64> = vertices.map(mass).collect();
+        if let Some(upper) = &self.upper {
+            masses.extend(self.areas.iter().map(|area| upper.mass_per_area() * area));
+        }
+        self.motion = Some(Motion::new(dynamics, masses));
+    }
+
+    /// Moves from where it was at `start` by one step in time, the present positions being a guess
+    /// at where that ends.
+    pub(crate) fn step_in_time(
+        &mut self,
+        start: &[Vector3<f64>],
+        settings: &NewtonSettings,
+        keep_going: &mut dyn FnMut(&Iteration) -> bool,
+    ) -> Result<SolveReport, SolverError> {
+        let inertia = self.motion.as_ref().map(|motion| motion.inertia(start));
+        let report = self.minimise_with(inertia.as_ref(), settings, keep_going)?;
+        if let Some(motion) = &mut self.motion {
+            motion.moved(start, &self.positions);
+        }
+        Ok(report)
     }
 
     /// Finds the equilibrium near the present positions and moves there.
@@ -294,8 +354,17 @@ impl Layer {
         settings: &NewtonSettings,
         keep_going: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Result<SolveReport, SolverError> {
+        self.minimise_with(None, settings, keep_going)
+    }
+
+    fn minimise_with(
+        &mut self,
+        inertia: Option<&Inertia>,
+        settings: &NewtonSettings,
+        keep_going: &mut dyn FnMut(&Iteration) -> bool,
+    ) -> Result<SolveReport, SolverError> {
         // A row asks for the same average of the layer as of the surface below.
-        let base = gather(&self.free, &self.below.posed.positions);
+        let base = gather(&self.free, &self.base);
         let mut targets = vec![0.0; self.kkt.rows().count()];
         self.kkt.rows().mul(&base, &mut targets)?;
         let mut unknowns = gather(&self.free, &self.positions);
@@ -307,6 +376,7 @@ impl Layer {
             floor: &self.floor,
             reaction: &self.reaction,
             base: &base,
+            inertia,
             area: self.areas.iter().sum(),
             energy_scale: self.energy_scale(),
             wrinkling: &self.wrinkling,
@@ -362,12 +432,22 @@ impl Layer {
 
     /// Wrinkle heights, m.
     pub(crate) fn heights(&self) -> Vec<f64> {
-        heights(
-            &self.positions,
-            &self.below.posed.positions,
-            &self.below.posed.normals,
-            0.0,
-        )
+        self.along_normals(&self.deviations())
+    }
+
+    /// Wrinkle heights of the layer that moves together with this one, m.
+    pub(crate) fn upper_heights(&self) -> Vec<f64> {
+        self.along_normals(&self.upper_deviations())
+    }
+
+    fn along_normals(&self, deviations: &[Vector3<f64>]) -> Vec<f64> {
+        let normals = self.below.posed.normals.iter();
+        normals.zip(deviations).map(|(n, d)| n.dot(d)).collect()
+    }
+
+    /// The layer that moves together with this one.
+    pub(crate) fn upper(&self) -> Option<&UpperShell> {
+        self.upper.as_ref()
     }
 
     /// Faces on which the surface below asks for more than the critical strain.
@@ -490,36 +570,64 @@ impl Layer {
         region_below: &PosedSurface,
         offset: f64,
     ) -> LayerSurface {
-        let positions = match &self.interpolation {
-            None => self.positions.clone(),
-            Some(interpolation) => {
-                let deviations = interpolation.apply(&self.deviations());
-                let positions = region_below.positions.iter().zip(&deviations);
-                positions.map(|(base, d)| base + d).collect()
-            }
-        };
+        let own = &self.positions[..self.vertex_count()];
+        let computed = self.computed(driver, own);
         let below = self.region.skin.points.pose(control);
         LayerSurface {
             name: self.spec.name.clone(),
-            positions,
+            positions: self.on_region(&region_below.positions, self.deviations()),
             driver_positions: below.positions,
             driver_normals: below.normals,
             offset,
             faces: self.region.skin.corner_indices(),
             uvs: self.region.uvs().to_vec(),
             artist: self.region.artist().to_vec(),
-            computed: ComputedMesh {
-                positions: self.positions.clone(),
-                faces: self.skin.corner_indices(),
-                uvs: self
-                    .skin
-                    .points
-                    .points()
-                    .iter()
-                    .map(|p| uv(driver, p))
-                    .collect(),
-            },
+            computed,
         }
+    }
+
+    /// The layer that moves together with this one, of which `own` is the [`Self::snapshot`].
+    pub(crate) fn upper_snapshot(
+        &self,
+        driver: &Driver,
+        own: &LayerSurface,
+        region_below: &PosedSurface,
+    ) -> Option<LayerSurface> {
+        let upper = self.upper.as_ref()?;
+        let above = self
+            .energy
+            .laid_on(&region_below.positions, &region_below.normals);
+        let above = &above[region_below.positions.len()..];
+        Some(LayerSurface {
+            name: upper.name.clone(),
+            positions: self.on_region(above, self.upper_deviations()),
+            offset: own.offset + upper.lever,
+            computed: self.computed(driver, &self.positions[self.vertex_count()..]),
+            ..own.clone()
+        })
+    }
+
+    fn computed(&self, driver: &Driver, positions: &[Vector3<f64>]) -> ComputedMesh {
+        let points = self.skin.points.points().iter();
+        ComputedMesh {
+            positions: positions.to_vec(),
+            faces: self.skin.corner_indices(),
+            uvs: points.map(|point| uv(driver, point)).collect(),
+        }
+    }
+
+    /// Deviations at the layer's vertices, added to places of the region's.
+    fn on_region(
+        &self,
+        places: &[Vector3<f64>],
+        deviations: Vec<Vector3<f64>>,
+    ) -> Vec<Vector3<f64>> {
+        let deviations = match &self.interpolation {
+            None => deviations,
+            Some(interpolation) => interpolation.apply(&deviations),
+        };
+        let pairs = places.iter().zip(&deviations);
+        pairs.map(|(place, deviation)| place + deviation).collect()
     }
 
     /// The layer's mesh at rest.
@@ -537,7 +645,7 @@ impl Layer {
         self.interpolation.as_ref()
     }
 
-    /// Where the layer's vertices are, m.
+    /// Where the layer's vertices are, and those of a layer that moves together with it, m.
     pub(crate) fn positions(&self) -> &[Vector3<f64>] {
         &self.positions
     }

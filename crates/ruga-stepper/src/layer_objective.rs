@@ -3,12 +3,14 @@
 use nalgebra::Vector3;
 use ruga_material::Wrinkling;
 use ruga_mesh::{Id, VertexId};
-use ruga_shell::LayerEnergy;
 use ruga_solver::{LowerPattern, Objective};
+
+use crate::motion::Inertia;
+use crate::skin_energy::SkinEnergy;
 
 /// A layer's energy as a function of the coordinates that move.
 pub(crate) struct LayerObjective<'a> {
-    pub(crate) energy: &'a LayerEnergy,
+    pub(crate) energy: &'a SkinEnergy,
     pub(crate) free: &'a [VertexId],
     /// Where pinned vertices are.
     pub(crate) positions: &'a [Vector3<f64>],
@@ -18,6 +20,8 @@ pub(crate) struct LayerObjective<'a> {
     pub(crate) reaction: &'a [f64],
     /// Where the dead load does no work, m.
     pub(crate) base: &'a [f64],
+    /// What a step in time adds.
+    pub(crate) inertia: Option<&'a Inertia>,
     pub(crate) area: f64,
     /// Energy that wrinkling is about, J.
     pub(crate) energy_scale: f64,
@@ -43,6 +47,23 @@ impl LayerObjective<'_> {
     }
 }
 
+/// `w` and `c` of every coordinate that moves.
+impl LayerObjective<'_> {
+    fn inertia(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let of_vertex = |inertia: &Inertia, v: &VertexId| {
+            let (weight, centre) = (inertia.weights[v.index()], inertia.centres[v.index()]);
+            [centre.x, centre.y, centre.z].map(|c| (weight, c))
+        };
+        let free = self.inertia.into_iter();
+        free.flat_map(move |inertia| self.free.iter().flat_map(move |v| of_vertex(inertia, v)))
+    }
+
+    fn inertia_energy(&self, x: &[f64]) -> f64 {
+        let terms = self.inertia().zip(x);
+        terms.map(|((w, c), x)| 0.5 * w * (x - c) * (x - c)).sum()
+    }
+}
+
 impl Objective for LayerObjective<'_> {
     fn pattern(&self) -> &LowerPattern {
         &self.pattern
@@ -50,6 +71,7 @@ impl Objective for LayerObjective<'_> {
 
     fn value(&self, x: &[f64]) -> f64 {
         self.energy.value(&self.all_positions(x)) - self.work_of_reaction(x)
+            + self.inertia_energy(x)
     }
 
     fn gradient(&self, x: &[f64], gradient: &mut [f64]) -> f64 {
@@ -58,12 +80,20 @@ impl Objective for LayerObjective<'_> {
         for (gradient, reaction) in gradient.iter_mut().zip(self.reaction) {
             *gradient -= reaction;
         }
-        self.energy.value(&positions) - self.work_of_reaction(x)
+        for (gradient, ((w, c), x)) in gradient.iter_mut().zip(self.inertia().zip(x)) {
+            *gradient += w * (x - c);
+        }
+        self.energy.value(&positions) - self.work_of_reaction(x) + self.inertia_energy(x)
     }
 
     fn hessian(&self, x: &[f64], exact: &mut [f64], relaxed: &mut [f64]) {
-        self.energy
-            .hessian(&self.all_positions(x), exact, Some(relaxed));
+        self.energy.hessian(&self.all_positions(x), exact, relaxed);
+        for (column, (w, _)) in self.inertia().enumerate() {
+            // A column of the lower triangle begins with its diagonal.
+            let diagonal = self.pattern.column_starts()[column];
+            exact[diagonal] += w;
+            relaxed[diagonal] += w;
+        }
     }
 
     fn floor(&self) -> &[f64] {

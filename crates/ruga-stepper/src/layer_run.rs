@@ -1,5 +1,6 @@
 //! One layer on its way to its load, and what is told of it.
 
+use nalgebra::Vector3;
 use ruga_solver::{
     AtSaddle, LoadSettings, LoadStepper, NewtonSettings, Outcome, SolveReport, SolverError,
     StopRule, Trial, Verdict,
@@ -9,7 +10,7 @@ use crate::below::BelowSurface;
 use crate::layer::{Layer, LayerState};
 use crate::measure::waviness;
 use crate::skin_mesh::SkinMesh;
-use crate::{LayerReport, Modelling, Observer, Phase, Progress, StepperError};
+use crate::{LayerPlan, LayerReport, Modelling, Observer, Phase, Progress, StepperError};
 
 /// Share of the critical strain below which nothing can wrinkle.
 const LEAST_DEMAND: f64 = 0.9;
@@ -25,6 +26,13 @@ const GROWTH: f64 = 1.5;
 /// Newton decrement, in energy scales, at which a state that is only passed is good enough. What
 /// is left then is the pattern sliding along itself, and the next load moves it anyway.
 const PASSING: f64 = 1e-3;
+
+/// Newton decrement of the equilibrium, in energy scales, at which a moving layer counts as being
+/// there.
+const AT_REST: f64 = 1e-4;
+
+/// Steps in time after which a layer that still moves is given up.
+const MOST_STEPS_TO_REST: usize = 200;
 
 /// Amplitude below which a layer counts as flat, in thicknesses.
 const LEAST_AMPLITUDE: f64 = 0.01;
@@ -80,14 +88,14 @@ pub(crate) struct LayerRun {
 }
 
 impl LayerRun {
-    pub(crate) fn new(index: usize, layer: Layer) -> Self {
+    pub(crate) fn new(index: usize, layer: Layer, planned: &LayerPlan) -> Self {
         let report = LayerReport {
             name: layer.spec.name.clone(),
             vertices: layer.vertex_count(),
             faces: layer.face_count(),
             constraints: layer.row_count(),
-            wavelength_predicted: layer.wrinkling.wavelength,
-            critical_strain_predicted: layer.wrinkling.critical_strain,
+            wavelength_predicted: planned.wavelength,
+            critical_strain_predicted: planned.critical_strain,
             ..LayerReport::default()
         };
         Self {
@@ -174,7 +182,7 @@ impl LayerRun {
             } else {
                 Pace::Result
             };
-            let solve = self.solve(AtSaddle::Leave, pace, shown, modelling, observer)?;
+            let solve = self.solve((AtSaddle::Leave, pace), shown, modelling, observer)?;
             if solve.stop == StopRule::Interrupted {
                 return Ok(Ending::Interrupted);
             }
@@ -186,6 +194,91 @@ impl LayerRun {
                 return Ok(Ending::Reached);
             }
         }
+    }
+
+    /// Moves in time through `loads`, and stands still at the `keys` until the layer rests.
+    pub(crate) fn follow_in_time(
+        &mut self,
+        course: &mut dyn Course,
+        (loads, keys): (&[f64], &[f64]),
+        modelling: &Modelling,
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        for &load in loads {
+            observer.phase(self.index, Phase::Sampling);
+            let start = self.layer.positions().to_vec();
+            let (below, share) = course.below(self.layer.skin(), load);
+            self.layer.set_below(below, share)?;
+            observer.phase(self.index, Phase::Integration);
+            let shown = course.shown(load);
+            let is_key = keys.iter().any(|key| (key - load).abs() < 1e-9);
+            let ending = self.move_in_time(start, is_key, shown, modelling, observer)?;
+            if ending != Ending::Reached {
+                return Ok(ending);
+            }
+            if !course.kept(self, load, observer)? {
+                return Ok(Ending::Interrupted);
+            }
+        }
+        Ok(Ending::Reached)
+    }
+
+    /// One step in time from `start`, or as many as it takes to come to rest.
+    fn move_in_time(
+        &mut self,
+        mut start: Vec<Vector3<f64>>,
+        until_rest: bool,
+        shown: f64,
+        modelling: &Modelling,
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        for _ in 0..MOST_STEPS_TO_REST {
+            let from = Some(start.as_slice());
+            let solve = self.solve_from(
+                from,
+                (AtSaddle::Leave, Pace::Result),
+                shown,
+                modelling,
+                observer,
+            )?;
+            if solve.stop == StopRule::Interrupted {
+                return Ok(Ending::Interrupted);
+            }
+            if !solve.converged {
+                self.warnings.push(format!(
+                    "no step in time found at load {shown:.3} ({:?} after {} iterations, relative residual {:.1e})",
+                    solve.stop, solve.iterations, solve.residual
+                ));
+                return Ok(Ending::GaveUp);
+            }
+            self.tell_of_missing_inertia(&solve);
+            if !until_rest || self.rests(modelling)? {
+                return Ok(Ending::Reached);
+            }
+            start = self.layer.positions().to_vec();
+        }
+        self.warnings.push(format!(
+            "still moving after {MOST_STEPS_TO_REST} steps in time at load {shown:.3}; longer ones or more damping bring it to rest"
+        ));
+        Ok(Ending::GaveUp)
+    }
+
+    /// Whether the layer is in equilibrium, and a stable one.
+    fn rests(&mut self, modelling: &Modelling) -> Result<bool, StepperError> {
+        let settings = NewtonSettings {
+            linear: modelling.linear,
+            at_saddle: AtSaddle::Stop,
+            max_iterations: 1,
+            energy_tolerance: AT_REST,
+            residual_tolerance: modelling.tolerance,
+            ..NewtonSettings::default()
+        };
+        let state = self.layer.state();
+        let solve = self.layer.minimise(&settings, &mut |_| true);
+        let solve = solve.map_err(|source| self.solver_error(source))?;
+        self.report.factorizations += solve.factorizations;
+        self.layer.restore(&state)?;
+        Ok(solve.converged)
     }
 
     fn climb(
@@ -216,7 +309,7 @@ impl LayerRun {
             } else {
                 Pace::Passing
             };
-            let solve = self.solve(at_saddle, pace, shown, modelling, observer)?;
+            let solve = self.solve((at_saddle, pace), shown, modelling, observer)?;
             if solve.stop == StopRule::Interrupted {
                 return Ok(Ending::Interrupted);
             }
@@ -246,10 +339,22 @@ impl LayerRun {
         Ok(Ending::Reached)
     }
 
+    /// Finds the equilibrium.
     fn solve(
         &mut self,
-        at_saddle: AtSaddle,
-        pace: Pace,
+        how: (AtSaddle, Pace),
+        shown: f64,
+        modelling: &Modelling,
+        observer: &mut dyn Observer,
+    ) -> Result<SolveReport, StepperError> {
+        self.solve_from(None, how, shown, modelling, observer)
+    }
+
+    /// Finds the equilibrium, or the end of a step in time from `start`.
+    fn solve_from(
+        &mut self,
+        start: Option<&[Vector3<f64>]>,
+        (at_saddle, pace): (AtSaddle, Pace),
         shown: f64,
         modelling: &Modelling,
         observer: &mut dyn Observer,
@@ -274,10 +379,12 @@ impl LayerRun {
                 vertices,
             })
         };
-        let solve = self
-            .layer
-            .minimise(&settings, &mut keep_going)
-            .map_err(|source| self.solver_error(source))?;
+        let layer = &mut self.layer;
+        let solve = match start {
+            None => layer.minimise(&settings, &mut keep_going),
+            Some(start) => layer.step_in_time(start, &settings, &mut keep_going),
+        };
+        let solve = solve.map_err(|source| self.solver_error(source))?;
         self.report.newton_iterations += solve.iterations;
         self.report.factorizations += solve.factorizations;
         self.report.residual = solve.residual;
@@ -317,6 +424,28 @@ impl LayerRun {
             self.report.amplitude = waves.amplitude;
             let is_wrinkled = waves.amplitude > LEAST_AMPLITUDE * layer.spec.material.thickness;
             self.report.wavelength = is_wrinkled.then_some(waves.wavelength);
+        }
+    }
+
+    /// The report of the layer that moves together with this one, over `empty`.
+    pub(crate) fn upper_report(&self, empty: &LayerReport) -> LayerReport {
+        let layer = &self.layer;
+        let positions = &layer.skin().rest.positions;
+        let waves = waviness(
+            &layer.upper_heights(),
+            positions,
+            layer.supercritical_faces(),
+        );
+        LayerReport {
+            name: empty.name.clone(),
+            wavelength_predicted: empty.wavelength_predicted,
+            critical_strain_predicted: empty.critical_strain_predicted,
+            amplitude: waves.map_or(0.0, |waves| waves.amplitude),
+            wavelength: self
+                .report
+                .wavelength
+                .and(waves.map(|waves| waves.wavelength)),
+            ..self.report.clone()
         }
     }
 

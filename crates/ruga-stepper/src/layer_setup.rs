@@ -43,21 +43,21 @@ impl StackRun<'_> {
     ) -> Result<LayerRun, StepperError> {
         let (driver, plan, modelling) = (self.driver, self.plan, self.modelling);
         let spec = &plan.specs[index];
-        let wrinkling = &plan.wrinkling[index];
+        let wrinkling = &plan.simulated[index];
         observer.phase(index, Phase::Remeshing);
         let surfaces = below(&region.skin);
-        let points = modelling.points_of(index, plan.specs.len());
+        let points = modelling.points_of(index, plan.meshes());
         let asked = (modelling, points);
         let adapted = adapted(driver, spec, wrinkling, &region, &surfaces, asked)?;
         let coarseness = adapted.as_ref().map_or(1.0, |adapted| adapted.coarseness);
         let adapted = adapted.map(|adapted| adapted.skin);
         observer.phase(index, Phase::Constraints);
-        let tie = plan.seats[index].tie;
+        let carrying = (plan.seats[index].tie, plan.joint.clone());
         let mut layer = Layer::new(
             driver,
             spec,
             wrinkling,
-            tie,
+            carrying,
             region,
             adapted,
             modelling.seed,
@@ -66,7 +66,7 @@ impl StackRun<'_> {
         if let Some(last) = below(layer.skin()).pop() {
             is_measured = layer.calibrate_bending(last)?;
         }
-        let mut run = LayerRun::new(index, layer);
+        let mut run = LayerRun::new(index, layer, &plan.poses[self.pose].layers[index]);
         if coarseness > WORTH_TELLING {
             run.warnings.push(format!(
                 "the vertex budget of {} leaves {:.1} points per wavelength of {} asked for",
@@ -95,7 +95,7 @@ impl StackRun<'_> {
         observer.phase(index, Phase::Remeshing);
         let layer = &run.layer;
         let surface = below(&layer.region().skin);
-        let points = self.modelling.points_of(index, self.plan.specs.len());
+        let points = self.modelling.points_of(index, self.plan.meshes());
         if still_serves(self.driver, layer, &surface, (self.modelling, points))? {
             return Ok(run);
         }

@@ -86,7 +86,9 @@ mod layer_setup;
 mod local_skin;
 mod low_pass_rows;
 mod measure;
+mod motion;
 mod region;
+mod skin_energy;
 mod stacking;
 mod upper_layers;
 
@@ -96,7 +98,9 @@ mod observer;
 pub use plan::{LayerPlan, LoadPath, Plan, PosePlan, plan};
 pub use simulate::simulate;
 
-pub use model::{Coupling, EdgeLimits, LayerSpec, Mask, Modelling, PoseSpec, Region, Stack};
+pub use model::{
+    Coupling, Dynamics, EdgeLimits, LayerSpec, Mask, Modelling, PoseSpec, Region, Stack,
+};
 pub use result::{ComputedMesh, KeyResult, LayerReport, LayerSurface, PoseResult};
 
 pub use observer::{Frame, Observer, Phase, Progress, Silent};

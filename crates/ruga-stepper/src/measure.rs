@@ -3,18 +3,6 @@
 use nalgebra::Vector3;
 use ruga_blend::rest_frame;
 
-/// Height of the layer over the smooth driver, offset removed, m.
-pub(crate) fn heights(
-    positions: &[Vector3<f64>],
-    base: &[Vector3<f64>],
-    normals: &[Vector3<f64>],
-    offset: f64,
-) -> Vec<f64> {
-    (0..positions.len())
-        .map(|i| normals[i].dot(&(positions[i] - base[i])) - offset)
-        .collect()
-}
-
 /// Wavelength and amplitude over some faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Waviness {

@@ -51,6 +51,9 @@ pub enum Stack {
     /// A lower layer is as stiff as it and all above it together: physical, with fine wrinkles
     /// gathered in the valleys of large ones.
     Composite,
+    /// Two layers are solved at once, on one mesh that is as fine as the upper one needs: the
+    /// reference for the other two, for small patches.
+    Joint,
 }
 
 /// One pose to simulate.
@@ -122,6 +125,19 @@ impl Default for EdgeLimits {
     }
 }
 
+/// Motion instead of a sequence of equilibria: implicit Euler on the lowest layer (Li 2014,
+/// eq. 5.2).
+///
+/// A pose then takes [`PoseSpec::steps`] time steps, and stands still at every key until the skin
+/// rests. Layers on others are thin and light, and follow at once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dynamics {
+    /// Length of a step, s; positive.
+    pub time_step: f64,
+    /// Force against the motion over mass and velocity, 1/s; not negative.
+    pub damping: f64,
+}
+
 /// Choices that are not physics.
 #[derive(Clone, Debug)]
 pub struct Modelling {
@@ -136,6 +152,8 @@ pub struct Modelling {
     pub remesh: Option<EdgeLimits>,
     /// What a stack of layers means.
     pub stack: Stack,
+    /// How the skin moves; `None` takes it from equilibrium to equilibrium.
+    pub dynamics: Option<Dynamics>,
     /// The surface between the artist's vertices.
     pub smoothing: Smoothing,
     /// How linear systems are solved.
@@ -168,6 +186,7 @@ impl Default for Modelling {
             vertex_budget: 300_000,
             remesh: Some(EdgeLimits::default()),
             stack: Stack::Nominal,
+            dynamics: None,
             smoothing: Smoothing::Loop,
             linear: LinearSolver::Ldlt,
             tolerance: 1e-6,

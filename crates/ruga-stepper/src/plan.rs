@@ -9,8 +9,9 @@ use crate::adaptivity::COARSEST;
 use crate::below::Seat;
 use crate::local_skin::local_skin;
 use crate::region::{ACTIVE_SHARE, Demand};
+use crate::skin_energy::UpperShell;
 use crate::stacking::Stacking;
-use crate::{EdgeLimits, LayerSpec, Modelling, PoseSpec, Region, StepperError};
+use crate::{EdgeLimits, LayerSpec, Modelling, PoseSpec, Region, Stack, StepperError};
 
 /// Faces of the planning surface above which it is not subdivided further.
 const MAX_PLANNING_FACES: usize = 1_500_000;
@@ -39,7 +40,11 @@ pub struct Plan {
     /// Every layer with the one above it: what the two would do together.
     pub pairs: Vec<StackPair>,
     pub(crate) specs: Vec<LayerSpec>,
+    /// What is solved at once with its finest wave and its first onset.
+    pub(crate) simulated: Vec<Wrinkling>,
     pub(crate) seats: Vec<Seat>,
+    /// The layer that moves together with the lowest one.
+    pub(crate) joint: Option<UpperShell>,
     pub(crate) planning_levels: u32,
 }
 
@@ -68,6 +73,14 @@ pub enum LoadPath {
 }
 
 impl Plan {
+    /// How many layers have a mesh of their own.
+    pub(crate) fn meshes(&self) -> usize {
+        match self.joint {
+            Some(_) => 1,
+            None => self.specs.len(),
+        }
+    }
+
     /// The file's triangles that have a simulated part in pose number `pose`, ascending.
     pub fn active_triangles(&self, driver: &Driver, pose: usize) -> Vec<u32> {
         let shift = 2 * self.planning_levels;
@@ -124,6 +137,21 @@ pub struct LayerPlan {
     pub(crate) region: Vec<u64>,
 }
 
+impl LayerPlan {
+    /// A layer that is solved together with this one, on its mesh; the cost stands with this one.
+    fn carried_along(&self, name: &str, numbers: &Wrinkling) -> Self {
+        Self {
+            name: name.to_owned(),
+            wavelength: numbers.wavelength,
+            critical_strain: numbers.critical_strain,
+            seconds: 0.0,
+            memory: 0.0,
+            region: Vec::new(),
+            ..self.clone()
+        }
+    }
+}
+
 /// Finds out what `poses` ask of `layers`.
 ///
 /// `map_size` is the side of the maps in texels.
@@ -140,7 +168,7 @@ pub fn plan(
     let stacking = Stacking::new(layers, modelling.stack)?;
     let Stacking {
         specs: layers,
-        wrinkling,
+        simulated: wrinkling,
         ..
     } = &stacking;
     let Some(finest) = wrinkling.iter().map(|w| w.wavelength).reduce(f64::min) else {
@@ -150,9 +178,15 @@ pub fn plan(
     if let Region::Mask(_) = modelling.region {
         planning.check_mask(&modelling.region)?;
     }
+    // A layer that moves together with the lowest one has no mesh of its own.
+    let simulated = match stacking.joint {
+        Some(_) => 1,
+        None => layers.len(),
+    };
     let planned = layers
         .iter()
         .zip(wrinkling)
+        .take(simulated)
         .enumerate()
         .map(|(index, (spec, numbers))| {
             let local = planning.local_wrinkling(spec, numbers)?;
@@ -160,17 +194,27 @@ pub fn plan(
                 spec,
                 numbers,
                 local,
-                points: modelling.points_of(index, layers.len()),
+                points: modelling.points_of(index, simulated),
             })
         })
         .collect::<Result<Vec<_>, StepperError>>()?;
     let mut warnings = stacking.warnings(modelling.stack);
-    let pose_plans = poses
+    let mut pose_plans: Vec<PosePlan> = poses
         .iter()
         .map(|pose| planning.pose_plan(driver, &planned, pose, modelling, map_size, &mut warnings))
         .collect();
+    if let (Some(upper), Some(pair)) = (&stacking.joint, stacking.pairs.first()) {
+        for pose in &mut pose_plans {
+            pose.layers[0].wavelength = stacking.wrinkling[0].wavelength;
+            pose.layers[0].critical_strain = stacking.wrinkling[0].critical_strain;
+            let carried = pose.layers[0].carried_along(&upper.name, &pair.upper.wrinkling);
+            pose.layers.push(carried);
+        }
+    }
     Ok(Plan {
+        joint: stacking.joint,
         wrinkling: stacking.wrinkling,
+        simulated: stacking.simulated,
         pairs: stacking.pairs,
         specs: stacking.specs,
         seats: stacking.seats,
@@ -369,7 +413,12 @@ impl PlanningSurface {
             LoadPath::Weight => 1,
             LoadPath::Strain => pose.keys.len() as u32,
         };
-        let (seconds, memory) = cost(vertices, pose.steps * sequences);
+        // Two layers on one mesh have twice the unknowns.
+        let unknowns = match modelling.stack {
+            Stack::Joint => 2 * vertices,
+            Stack::Nominal | Stack::Composite => vertices,
+        };
+        let (seconds, memory) = cost(unknowns, pose.steps * sequences);
         let radius = 1.0 / quantile(&self.curvatures, 0.95);
         LayerPlan {
             name: spec.name.clone(),

@@ -110,6 +110,9 @@ impl StackRun<'_> {
         };
         self.tell(&run, ending);
         run.measure();
+        if let Some(upper) = run.layer.upper() {
+            self.result.layers[upper.index] = run.upper_report(&self.result.layers[upper.index]);
+        }
         self.result.layers[lowest] = run.report;
         Ok(())
     }
@@ -130,7 +133,8 @@ impl StackRun<'_> {
             key: None,
             wants_frames: observer.wants_frames(),
         };
-        run.follow(&mut course, &loads, modelling, observer)
+        let keys = course.stack.spec.keys.clone();
+        follow_course(run, &mut course, (&loads, &keys), modelling, observer)
     }
 
     fn follow_strain(
@@ -151,7 +155,7 @@ impl StackRun<'_> {
                 key: Some(key),
                 wants_frames: observer.wants_frames(),
             };
-            match run.follow(&mut course, &loads, modelling, observer)? {
+            match follow_course(run, &mut course, (&loads, &[1.0]), modelling, observer)? {
                 Ending::Reached => {}
                 Ending::GaveUp => worst = Ending::GaveUp,
                 Ending::Interrupted => return Ok(Ending::Interrupted),
@@ -199,7 +203,7 @@ impl StackRun<'_> {
         }
         observer.phase(lowest, Phase::Sampling);
         let control = self.control(place.weight);
-        let mut layers = vec![self.snapshot(run, &control, None)];
+        let mut layers = self.snapshot(run, &control, None);
         if place.share == 1.0 {
             let upper = self.upper_layers(lowest, run, place, &control, observer)?;
             let Some(upper) = upper else { return Ok(false) };
@@ -218,6 +222,23 @@ impl StackRun<'_> {
             });
         }
         Ok(true)
+    }
+}
+
+/// Follows a course from equilibrium to equilibrium, or in time.
+fn follow_course(
+    run: &mut LayerRun,
+    course: &mut dyn Course,
+    (loads, keys): (&[f64], &[f64]),
+    modelling: &Modelling,
+    observer: &mut dyn Observer,
+) -> Result<Ending, StepperError> {
+    match modelling.dynamics {
+        None => run.follow(course, loads, modelling, observer),
+        Some(dynamics) => {
+            run.layer.set_in_motion(dynamics);
+            run.follow_in_time(course, (loads, keys), modelling, observer)
+        }
     }
 }
 

@@ -1,18 +1,26 @@
 //! What every layer of a stack is by itself, and how it lies on the one below.
 
+use std::f64::consts::TAU;
+
 use ruga_material::{StackLayer, StackPair, Wrinkling, composite_layers, wrinkling};
 
 use crate::below::Seat;
+use crate::skin_energy::UpperShell;
 use crate::{Coupling, LayerSpec, Stack, StepperError};
 
 /// The layers as they are simulated, bottom first.
 #[derive(Clone, Debug)]
 pub(crate) struct Stacking {
     pub(crate) specs: Vec<LayerSpec>,
+    /// How every layer wrinkles, as it is told.
     pub(crate) wrinkling: Vec<Wrinkling>,
+    /// The same with the finest wave and the first onset of what is solved at once.
+    pub(crate) simulated: Vec<Wrinkling>,
     pub(crate) seats: Vec<Seat>,
     /// Every layer with the one above it.
     pub(crate) pairs: Vec<StackPair>,
+    /// The layer that moves together with the lowest one.
+    pub(crate) joint: Option<UpperShell>,
 }
 
 impl Stacking {
@@ -28,23 +36,27 @@ impl Stacking {
         let mut stacking = Self {
             specs: layers.to_vec(),
             wrinkling: alone.iter().map(|layer| layer.wrinkling).collect(),
+            simulated: Vec::new(),
             seats: vec![Seat::default(); layers.len()],
             pairs,
+            joint: None,
         };
-        if stack == Stack::Composite {
-            stacking.replace_by_composites(&alone)?;
+        match stack {
+            Stack::Nominal => {}
+            Stack::Composite => stacking.replace_by_composites(&alone)?,
+            Stack::Joint => stacking.require_pair()?,
         }
         stacking.seat(layers, stack);
+        stacking.simulated.clone_from(&stacking.wrinkling);
+        if stack == Stack::Joint {
+            stacking.join();
+        }
         Ok(stacking)
     }
 
     /// Lets every layer stand for itself and all above it.
     fn replace_by_composites(&mut self, alone: &[StackLayer]) -> Result<(), StepperError> {
-        if let Some(painted) = self.specs.iter().find(|spec| spec.map.is_some()) {
-            return Err(StepperError::PaintedComposite {
-                layer: painted.name.clone(),
-            });
-        }
+        self.require_uniform("composite")?;
         let composites =
             composite_layers(alone).map_err(|source| material(&self.specs[0], source))?;
         for (k, composite) in composites.into_iter().enumerate() {
@@ -54,6 +66,51 @@ impl Stacking {
         Ok(())
     }
 
+    fn require_uniform(&self, stack: &'static str) -> Result<(), StepperError> {
+        let painted = self.specs.iter().find(|spec| spec.map.is_some());
+        painted.map_or(Ok(()), |painted| {
+            Err(StepperError::PaintedStack {
+                layer: painted.name.clone(),
+                stack,
+            })
+        })
+    }
+
+    fn require_pair(&self) -> Result<(), StepperError> {
+        let found = self.specs.len();
+        if found != 2 {
+            return Err(StepperError::NoPair { found });
+        }
+        self.require_uniform("joint")
+    }
+
+    /// Lets the lowest layer carry the other along: what it looks out for is the first wave of the
+    /// pair, its mesh is as fine as the finer one needs.
+    fn join(&mut self) {
+        let pair = self.pairs[0];
+        let modes = [pair.joint, pair.fine];
+        let strains = modes.iter().flatten().map(|mode| mode.critical_strain);
+        let own = self.wrinkling[0];
+        if let Some(mode) = pair.joint {
+            self.wrinkling[0].wavelength = mode.wavelength;
+            self.wrinkling[0].wave_number = mode.wave_number;
+            self.wrinkling[0].critical_strain = mode.critical_strain;
+        }
+        let wavelength = own.wavelength.min(pair.upper.wrinkling.wavelength);
+        self.simulated[0] = Wrinkling {
+            wavelength,
+            wave_number: TAU / wavelength,
+            critical_strain: strains.fold(own.critical_strain, f64::min),
+            // Both carry what wrinkling relieves.
+            membrane_stiffness: own.membrane_stiffness + pair.upper.wrinkling.membrane_stiffness,
+            ..own
+        };
+        // Rows as close as the fine waves would hold down the large ones.
+        self.specs[0].coupling = Coupling::Elastic;
+        let lever = self.seats[1].offset;
+        self.joint = Some(UpperShell::new(&self.specs[1].name, 1, &pair, lever));
+    }
+
     /// Puts the upper layers on those below; `layers` have their real thicknesses.
     fn seat(&mut self, layers: &[LayerSpec], stack: Stack) {
         for (k, pair) in self.pairs.iter().enumerate() {
@@ -61,7 +118,7 @@ impl Stacking {
             let step = 0.5 * (layers[k].material.thickness + layers[upper].material.thickness);
             let (tie, transfer) = match stack {
                 Stack::Nominal => (pair.nominal_tie(), pair.bending_transfer),
-                Stack::Composite => (pair.shear_tie(), 1.0),
+                Stack::Composite | Stack::Joint => (pair.shear_tie(), 1.0),
             };
             self.wrinkling[upper].tangential_stiffness = tie;
             self.seats[upper] = Seat {

@@ -31,7 +31,7 @@ impl StackRun<'_> {
                 return Ok(None);
             }
             observer.phase(index, Phase::Sampling);
-            surfaces.push(self.snapshot(&upper, control, Some(&lower)));
+            surfaces.extend(self.snapshot(&upper, control, Some(&lower)));
             upper.measure();
             self.result.layers[index] = upper.report.clone();
             solved.push(upper);
@@ -85,18 +85,20 @@ impl StackRun<'_> {
         }
     }
 
-    /// The layer as others see it.
+    /// The layer, and one that moves together with it, as others see them.
     pub(crate) fn snapshot(
         &self,
         run: &LayerRun,
         control: &[Vector3<f64>],
         lower: Option<&LowerLayer<'_>>,
-    ) -> LayerSurface {
+    ) -> Vec<LayerSurface> {
+        let (driver, layer) = (self.driver, &run.layer);
         let seat = self.plan.seats[run.index];
-        let region = &run.layer.region().skin;
-        let below = surface_below(self.driver, region, seat, control, lower);
-        run.layer
-            .snapshot(self.driver, control, &below.posed, seat.offset)
+        let region = &layer.region().skin;
+        let below = surface_below(driver, region, seat, control, lower).posed;
+        let own = layer.snapshot(driver, control, &below, seat.offset);
+        let upper = layer.upper_snapshot(driver, &own, &below);
+        std::iter::once(own).chain(upper).collect()
     }
 }
 
