@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use ruga_constraint::{ClusterSettings, Kernel, Sampling, cluster_centres, constraint_rows};
 use ruga_material::Wrinkling;
-use ruga_mesh::{Id, PerVertex, TriMesh, VertexId, vertex_normals};
+use ruga_mesh::{Id, MaterialPoint, PerVertex, TriMesh, VertexId, vertex_normals};
 use ruga_solver::ConstraintRows;
 
 use crate::{FilmCoupling, Strip};
@@ -37,6 +37,8 @@ pub(crate) fn averages(
     let settings = ClusterSettings::default();
     let centres =
         cluster_centres(&mesh, rest, &spacings, &candidates, &settings).expect("valid centres");
+    let place = |&centre: &VertexId| MaterialPoint::of_vertex(&mesh, centre);
+    let centres: Vec<_> = centres.iter().filter_map(place).collect();
     let normals = vertex_normals(&mesh, rest);
     let kernels = vec![kernel; centres.len()];
     let sampling = Sampling::Quadrature;

@@ -6,11 +6,15 @@ mod film;
 mod film_objective;
 mod film_rows;
 mod film_spec;
+mod rectangle;
+mod remeshed_film;
 mod skin;
 mod strip;
 
 pub use base::Base;
 pub use film::{Film, Step};
 pub use film_spec::{BaseReaction, FilmCoupling, FilmSpec};
+pub use rectangle::Rectangle;
+pub use remeshed_film::{Carry, RemeshedFilm, RemeshedSpec, Target, WrinkledState};
 pub use skin::{Skin, asset, shared_data, tilts};
 pub use strip::{Strip, equilateral, equilateral_tube, unstructured};

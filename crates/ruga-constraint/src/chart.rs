@@ -1,9 +1,11 @@
 //! The surface around a centre, laid out in its tangent plane and cut to what the centre sees.
 
 use nalgebra::{Vector2, Vector3};
-use ruga_mesh::{FaceId, Id, TriMesh, VertexId, tangent_coordinates};
+use ruga_mesh::{FaceId, Id, TriMesh, VertexId};
 
 use crate::Kernel;
+use crate::centre::Centre;
+use crate::unroll::Unrolling;
 
 /// Faces whose edges change length by more than this factor in the chart straddle its far side,
 /// where coordinates coming around a finger from two sides meet.
@@ -59,7 +61,7 @@ impl<'a> Charts<'a> {
     }
 
     /// Everything within `radius` of `centre`, with all faces that touch that disc.
-    pub(crate) fn around(&mut self, centre: VertexId, radius: f64) -> Chart {
+    pub(crate) fn around(&mut self, centre: &Centre, radius: f64) -> Chart {
         let (vertices, places) = self.lay_out(centre, radius);
         for (slot, vertex) in vertices.iter().enumerate() {
             self.slots[vertex.index()] = slot as u32;
@@ -81,41 +83,30 @@ impl<'a> Charts<'a> {
         chart
     }
 
-    fn lay_out(&self, centre: VertexId, radius: f64) -> (Vec<VertexId>, Vec<Vector2<f64>>) {
-        let axis = self.axis(centre);
-        let mut laid_out = radius + 2.0 * self.reach[centre.index()];
+    fn lay_out(&self, centre: &Centre, radius: f64) -> (Vec<VertexId>, Vec<Vector2<f64>>) {
+        let unrolling = Unrolling {
+            mesh: self.mesh,
+            positions: self.positions,
+            normals: self.normals,
+        };
+        let axis = centre.axis(self.mesh, self.positions);
+        let own_reach = centre
+            .carriers()
+            .fold(0.0_f64, |m, v| m.max(self.reach[v.index()]));
+        let mut laid_out = radius + 2.0 * own_reach;
         loop {
-            let found = tangent_coordinates(
-                self.mesh,
-                self.positions,
-                self.normals,
-                centre,
-                axis,
-                laid_out,
-            );
+            let found = unrolling.around(centre, axis, laid_out);
             // A face that touches the disc has its corners within one edge of a vertex inside it,
             // or spans it whole.
             let longest = found
                 .iter()
-                .filter(|t| t.place.norm() <= radius)
-                .fold(0.0_f64, |m, t| m.max(self.reach[t.vertex.index()]));
+                .filter(|(_, place)| place.norm() <= radius)
+                .fold(0.0_f64, |m, (v, _)| m.max(self.reach[v.index()]));
             if radius + longest <= laid_out {
-                return found.into_iter().map(|t| (t.vertex, t.place)).unzip();
+                return found.into_iter().unzip();
             }
             laid_out = radius + 1.001 * longest;
         }
-    }
-
-    /// Towards the neighbour with the lowest id: turns and mirrors with the mesh.
-    fn axis(&self, centre: VertexId) -> Vector3<f64> {
-        let corners = self.mesh.vertex_faces(centre).iter();
-        corners
-            .flat_map(|&face| self.mesh.faces()[face])
-            .filter(|&v| v != centre)
-            .min()
-            .map_or_else(Vector3::x, |v| {
-                self.positions[v.index()] - self.positions[centre.index()]
-            })
     }
 
     /// Adds the faces that lie whole and sound in the chart; returns the border edges near by, the
@@ -165,7 +156,7 @@ impl Chart {
     /// Drops the faces that the centre doesn't see: those behind a slit, a hole or a bay.
     ///
     /// A face counts by its middle, so that the two lips of a closed slit stay apart.
-    fn hide(&mut self, centre: VertexId, borders: &[[Vector2<f64>; 2]]) {
+    fn hide(&mut self, centre: &Centre, borders: &[[Vector2<f64>; 2]]) {
         let own_sectors = self.own_sectors(centre);
         let places = &self.places;
         self.faces.retain(|face| {
@@ -180,16 +171,20 @@ impl Chart {
         });
     }
 
-    /// The directions in which the faces at the centre lie.
-    fn own_sectors(&self, centre: VertexId) -> Vec<[Vector2<f64>; 2]> {
-        let Ok(own) = self.vertices.binary_search(&centre) else {
-            return Vec::new();
-        };
-        let sector = |face: &[u32; 3]| {
-            let corner = face.iter().position(|&s| s as usize == own)?;
-            Some([1, 2].map(|step| self.places[face[(corner + step) % 3] as usize]))
-        };
-        self.faces.iter().filter_map(sector).collect()
+    /// The directions in which the faces at the centre lie: from the centre they are seen through
+    /// the edges that it doesn't lie on.
+    fn own_sectors(&self, centre: &Centre) -> Vec<[Vector2<f64>; 2]> {
+        let own: Vec<u32> = centre
+            .carriers()
+            .filter_map(|v| Some(self.vertices.binary_search(&v).ok()? as u32))
+            .collect();
+        let holds = |corners: &[u32]| own.iter().all(|slot| corners.contains(slot));
+        let edges = self.faces.iter().filter(|face| holds(&face[..]));
+        edges
+            .flat_map(|face| (0..3).map(|i| [face[i], face[(i + 1) % 3]]))
+            .filter(|edge| !holds(&edge[..]))
+            .map(|edge| edge.map(|slot| self.places[slot as usize]))
+            .collect()
     }
 
     /// Centroid of the kernel on the part of the surface that the centre sees, m.

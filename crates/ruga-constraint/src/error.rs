@@ -1,6 +1,6 @@
 //! What can be wrong with a request for centres or rows.
 
-use ruga_mesh::VertexId;
+use ruga_mesh::{FaceId, VertexId};
 
 /// Why no centres or rows can be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -18,7 +18,7 @@ pub enum ConstraintError {
         /// Elements found.
         found: usize,
     },
-    /// A candidate or centre is no vertex of the mesh.
+    /// A candidate is no vertex of the mesh.
     #[error("vertex {vertex} was asked for, but the mesh has {count} vertices", vertex = vertex.0)]
     VertexOutOfRange {
         /// The vertex asked for.
@@ -32,11 +32,31 @@ pub enum ConstraintError {
         /// The vertex.
         vertex: VertexId,
     },
-    /// The normal of a centre has no direction.
-    #[error("the normal of centre {vertex} is no unit vector: its faces are degenerate", vertex = vertex.0)]
-    NormalNotUnit {
-        /// The centre.
-        vertex: VertexId,
+    /// A centre is on no face of the mesh.
+    #[error("centre {centre} is on face {face}, but the mesh has {count} faces", face = face.0)]
+    FaceOutOfRange {
+        /// Its number in the list.
+        centre: usize,
+        /// The face asked for.
+        face: FaceId,
+        /// Faces there are.
+        count: usize,
+    },
+    /// Barycentric coordinates of a centre are negative, not finite, or don't sum to one.
+    #[error(
+        "centre {centre} has the barycentric coordinates {barycentric:?}; none may be negative, and their sum is one"
+    )]
+    OutsideFace {
+        /// Its number in the list.
+        centre: usize,
+        /// The coordinates found.
+        barycentric: [f64; 3],
+    },
+    /// A centre has no normal: those of the vertices around it aren't unit vectors or cancel.
+    #[error("centre {centre} has no normal: faces around it are degenerate or folded")]
+    NoNormal {
+        /// Its number in the list.
+        centre: usize,
     },
     /// A spacing is zero, negative or not finite.
     #[error("the spacing at vertex {vertex} is {spacing} m; it must be positive", vertex = vertex.0)]
@@ -47,10 +67,12 @@ pub enum ConstraintError {
         spacing: f64,
     },
     /// A kernel's width or cut is zero, negative or not finite.
-    #[error("the kernel at centre {vertex} has sigma {sigma} m and cut {cut}; both must be positive", vertex = vertex.0)]
+    #[error(
+        "the kernel at centre {centre} has sigma {sigma} m and cut {cut}; both must be positive"
+    )]
     BadKernel {
-        /// The centre.
-        vertex: VertexId,
+        /// The centre's number in the list.
+        centre: usize,
         /// The width found, m.
         sigma: f64,
         /// The cut found, in widths.

@@ -4,7 +4,8 @@
 //! wavelength. A [`Kernel`] says how a neighbourhood is weighted around each of them.
 //! [`constraint_rows`] samples these weightings on a mesh, by a [`Sampling`]: each
 //! [`ConstraintRow`] is an average of vertices which a solver may hold at the same average of the
-//! surface below.
+//! surface below. Centres and kernels belong to the surface, rows to one mesh of it: after a remesh
+//! the same functions are sampled again.
 //!
 //! Li 2014 (multi-layer skin), chapter 4, and Rémillard and Kry 2013 (embedded shells), section 3;
 //! [`cluster_centres`], [`Kernel`] and [`Sampling`] say where we differ.
@@ -14,7 +15,7 @@
 //! ```
 //! use nalgebra::Vector3;
 //! use ruga_constraint::{ClusterSettings, Kernel, Sampling, cluster_centres, constraint_rows};
-//! use ruga_mesh::{PerVertex, TriMesh, subdivide, vertex_normals};
+//! use ruga_mesh::{MaterialPoint, PerVertex, TriMesh, subdivide, vertex_normals};
 //!
 //! // Two triangles, 4 cm wide, subdivided to edges of 1.25 mm; rows every 15 mm.
 //! let coarse = TriMesh::new(4, vec![[0, 1, 2], [0, 2, 3]])?;
@@ -27,6 +28,8 @@
 //! let everywhere: Vec<_> = spacing.ids().collect();
 //! let settings = ClusterSettings::default();
 //! let centres = cluster_centres(&fine.mesh, &positions, &spacing, &everywhere, &settings)?;
+//! let centres: Vec<_> =
+//!     centres.iter().filter_map(|&v| MaterialPoint::of_vertex(&fine.mesh, v)).collect();
 //! let kernels = vec![Kernel::beside_foundation(0.015); centres.len()];
 //! let set = constraint_rows(
 //!     &fine.mesh, &positions, &normals, &centres, &kernels, Sampling::Quadrature,
@@ -37,6 +40,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod centre;
 mod chart;
 mod cluster_centres;
 mod error;
@@ -45,10 +49,11 @@ mod moment_match;
 mod quadrature;
 mod region_graph;
 mod rows;
+mod unroll;
 
 pub use cluster_centres::{ClusterSettings, cluster_centres};
 pub use kernel::Kernel;
-pub use rows::{ConstraintRow, ConstraintSet, DropReason, Order, Sampling, constraint_rows};
+pub use rows::{ConstraintRow, ConstraintSet, Order, Sampling, constraint_rows};
 
 pub use error::ConstraintError;
 pub use moment_match::Degradation;

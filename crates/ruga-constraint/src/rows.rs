@@ -1,8 +1,11 @@
 //! Constraint functions sampled at the vertices of a mesh.
 
-use nalgebra::{Matrix2, Vector2, Vector3};
-use ruga_mesh::{Id, TriMesh, VertexId, vertex_areas};
+use std::collections::BTreeSet;
 
+use nalgebra::{Matrix2, Vector2, Vector3};
+use ruga_mesh::{Id, MaterialPoint, TriMesh, VertexId, vertex_areas};
+
+use crate::centre::Centre;
 use crate::chart::{Chart, Charts};
 use crate::moment_match::{match_moments, normalise};
 use crate::quadrature::quadrature_weights;
@@ -38,8 +41,8 @@ pub enum Order {
 /// One weighted average over vertices; the same weights serve x, y and z.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConstraintRow {
-    /// Where the average is taken.
-    pub centre: VertexId,
+    /// Around which of the given centres the average is taken, counted from 0.
+    pub centre: usize,
     /// Vertices with weights other than zero, ascending; the weights sum to one
     /// (with [`Sampling::AdjustedAsPrinted`], not).
     pub weights: Vec<(VertexId, f64)>,
@@ -47,27 +50,23 @@ pub struct ConstraintRow {
     pub order: Order,
 }
 
-/// Why a centre has no row.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DropReason {
-    /// It stood in the list before: its row would be the same.
-    Duplicate,
-    /// No face uses the vertex.
-    NoFaces,
-}
-
 /// Rows, and what had to be given up on the way.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ConstraintSet {
     /// One row per centre that was kept, in the order of the centres.
     pub rows: Vec<ConstraintRow>,
-    /// Centres whose row was meant to be affine and reproduces constants only.
-    pub degraded: Vec<(VertexId, Degradation)>,
-    /// Centres without a row.
-    pub dropped: Vec<(VertexId, DropReason)>,
+    /// Numbers of the centres whose row was meant to be affine and reproduces constants only.
+    pub degraded: Vec<(usize, Degradation)>,
+    /// Numbers of the centres that stand where an earlier one does: their row would be the same.
+    pub duplicates: Vec<usize>,
 }
 
 /// Samples one constraint function per centre on a mesh.
+///
+/// A centre is a place of the surface, given by its address on this mesh; a vertex is one by
+/// [`MaterialPoint::of_vertex`]. After a remesh the same functions are sampled anew: the centres
+/// stay where they are on the surface, and [`ruga_mesh::SurfaceLookup`] finds their addresses on
+/// the new mesh. What then differs of a row's value of a smooth field is the error of sampling.
 ///
 /// Distances and coordinates are geodesic on the given positions, which are the rest positions:
 /// supports end where the surface ends and at what a centre can't see past a border; they don't
@@ -77,35 +76,36 @@ pub struct ConstraintSet {
 /// `positions` (m) and unit `normals` per vertex; `kernels` per centre, m.
 ///
 /// # Errors
-/// [`ConstraintError`] for an empty mesh, arrays that don't fit, a centre that is no vertex or has
-/// no normal, positions that aren't finite, kernels that aren't positive.
+/// [`ConstraintError`] for an empty mesh, arrays that don't fit, a centre that is no place of the
+/// mesh or has no normal, positions that aren't finite, kernels that aren't positive.
 pub fn constraint_rows(
     mesh: &TriMesh,
     positions: &[Vector3<f64>],
     normals: &[Vector3<f64>],
-    centres: &[VertexId],
+    centres: &[MaterialPoint],
     kernels: &[Kernel],
     sampling: Sampling,
 ) -> Result<ConstraintSet, ConstraintError> {
     check_length("normals", mesh.vertex_count(), normals.len())?;
     check_length("kernels", centres.len(), kernels.len())?;
     check_mesh(mesh, positions)?;
-    for (&centre, kernel) in centres.iter().zip(kernels) {
-        check_centre(mesh, normals, centre, kernel)?;
+    let mut checked = Vec::with_capacity(centres.len());
+    for (number, (place, kernel)) in centres.iter().zip(kernels).enumerate() {
+        checked.push(Centre::new(mesh, place, number)?);
+        check_kernel(number, kernel)?;
+        check_normals(normals, &checked[number], number)?;
     }
     let areas = vertex_areas(mesh, positions);
     let mut charts = Charts::new(mesh, positions, normals);
-    let mut is_taken = vec![false; mesh.vertex_count()];
+    let mut taken = BTreeSet::new();
     let mut set = ConstraintSet::default();
-    for (&centre, kernel) in centres.iter().zip(kernels) {
-        if std::mem::replace(&mut is_taken[centre.index()], true) {
-            set.dropped.push((centre, DropReason::Duplicate));
-        } else if mesh.vertex_faces(centre).is_empty() {
-            set.dropped.push((centre, DropReason::NoFaces));
-        } else {
+    for (number, (centre, kernel)) in checked.iter().zip(kernels).enumerate() {
+        if taken.insert(centre.key()) {
             let chart = charts.around(centre, kernel.radius());
             let (weights, outcome) = sample(&chart, kernel, &areas, centre, sampling);
-            set.push(centre, &chart, &weights, outcome);
+            set.push(number, &chart, &weights, outcome);
+        } else {
+            set.duplicates.push(number);
         }
     }
     Ok(set)
@@ -114,7 +114,7 @@ pub fn constraint_rows(
 impl ConstraintSet {
     fn push(
         &mut self,
-        centre: VertexId,
+        centre: usize,
         chart: &Chart,
         weights: &[f64],
         outcome: Result<Order, Degradation>,
@@ -136,7 +136,7 @@ fn sample(
     chart: &Chart,
     kernel: &Kernel,
     areas: &[f64],
-    centre: VertexId,
+    centre: &Centre,
     sampling: Sampling,
 ) -> (Vec<f64>, Result<Order, Degradation>) {
     if sampling == Sampling::Quadrature {
@@ -161,7 +161,7 @@ fn sample(
     (weights, outcome)
 }
 
-fn area_weights(chart: &Chart, kernel: &Kernel, areas: &[f64], centre: VertexId) -> Vec<f64> {
+fn area_weights(chart: &Chart, kernel: &Kernel, areas: &[f64], centre: &Centre) -> Vec<f64> {
     let seen = chart.seen_vertices();
     let mut weights: Vec<f64> = (chart.vertices.iter().zip(&chart.places).zip(seen))
         .map(|((vertex, place), is_seen)| {
@@ -172,11 +172,13 @@ fn area_weights(chart: &Chart, kernel: &Kernel, areas: &[f64], centre: VertexId)
             }
         })
         .collect();
-    // With nothing but degenerate faces around it the centre stands for itself.
-    if weights.iter().all(|&w| w <= 0.0)
-        && let Ok(own) = chart.vertices.binary_search(&centre)
-    {
-        weights[own] = 1.0;
+    // With nothing but degenerate faces around it, or no vertex near, the centre stands for itself.
+    if weights.iter().all(|&w| w <= 0.0) {
+        for (vertex, weight) in centre.weights() {
+            if let Ok(own) = chart.vertices.binary_search(vertex) {
+                weights[own] = *weight;
+            }
+        }
     }
     weights
 }
@@ -239,23 +241,27 @@ pub(crate) fn check_vertex(mesh: &TriMesh, vertex: VertexId) -> Result<(), Const
     })
 }
 
-fn check_centre(
-    mesh: &TriMesh,
+fn check_kernel(centre: usize, kernel: &Kernel) -> Result<(), ConstraintError> {
+    if kernel.is_valid() {
+        return Ok(());
+    }
+    Err(ConstraintError::BadKernel {
+        centre,
+        sigma: kernel.sigma,
+        cut: kernel.cut,
+    })
+}
+
+fn check_normals(
     normals: &[Vector3<f64>],
-    centre: VertexId,
-    kernel: &Kernel,
+    centre: &Centre,
+    number: usize,
 ) -> Result<(), ConstraintError> {
-    check_vertex(mesh, centre)?;
-    if !kernel.is_valid() {
-        return Err(ConstraintError::BadKernel {
-            vertex: centre,
-            sigma: kernel.sigma,
-            cut: kernel.cut,
-        });
+    let is_unit = |v: &VertexId| (normals[v.index()].norm() - 1.0).abs() < 1e-6;
+    // Opposite normals at the ends of an edge leave none in between.
+    let has_direction = centre.interpolate(normals).norm() > 1e-3;
+    match centre.carriers().find(|v| !is_unit(v)) {
+        None if has_direction => Ok(()),
+        _ => Err(ConstraintError::NoNormal { centre: number }),
     }
-    let is_unit = (normals[centre.index()].norm() - 1.0).abs() < 1e-6;
-    if !is_unit && !mesh.vertex_faces(centre).is_empty() {
-        return Err(ConstraintError::NormalNotUnit { vertex: centre });
-    }
-    Ok(())
 }

@@ -5,10 +5,10 @@ mod meshes;
 use meshes::{Patch, irregular_square};
 use nalgebra::Vector3;
 use ruga_constraint::{
-    ClusterSettings, ConstraintError, Degradation, DropReason, Kernel, Order, Sampling,
-    cluster_centres, constraint_rows,
+    ClusterSettings, ConstraintError, Degradation, Kernel, Order, Sampling, cluster_centres,
+    constraint_rows,
 };
-use ruga_mesh::{PerVertex, TriMesh, VertexId, vertex_normals};
+use ruga_mesh::{FaceId, MaterialPoint, PerVertex, TriMesh, VertexId, vertex_normals};
 
 /// `columns` by 3 vertices, rows one unit apart, columns `step` apart; the middle row first.
 fn tall_strip(columns: usize, step: f64) -> Patch {
@@ -74,7 +74,7 @@ fn two_three_and_four_vertices_degrade_to_a_constant() {
         let set = patch.rows(&[VertexId(0)], kernel(radius), Sampling::Adjusted);
         assert_eq!(set.rows[0].weights.len(), count);
         assert_eq!(set.rows[0].order, Order::Constant);
-        assert_eq!(set.degraded, [(VertexId(0), Degradation::FewVertices)]);
+        assert_eq!(set.degraded, [(0, Degradation::FewVertices)]);
     }
 }
 
@@ -96,28 +96,34 @@ fn quadrature_needs_no_vertex_in_the_support_but_the_centre() {
 }
 
 #[test]
-fn duplicates_and_vertices_without_faces_are_dropped_and_named() {
-    let triangle = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [9.0, 9.0]];
-    let patch = Patch::new(
-        triangle.map(|[x, y]| Vector3::new(x, y, 0.0)).to_vec(),
-        vec![[0, 1, 2]],
-    );
+fn a_place_that_was_listed_before_is_left_out_under_any_address() {
+    let patch = irregular_square(4, 1, &[]);
     let kernel = Kernel {
-        sigma: 1.0,
+        sigma: 0.3,
         cut: 2.0,
     };
+    let vertex = VertexId(12);
+    let fan = patch.mesh.vertex_faces(vertex);
+    let first = patch.mesh.faces()[fan[0]];
+    let other = *first.iter().find(|&&v| v != vertex).expect("two others");
+    // A part of the way from one vertex to the other.
+    let place = |part: f64, &face: &FaceId| MaterialPoint {
+        face,
+        barycentric: patch.mesh.faces()[face].map(|v| match v {
+            v if v == vertex => 1.0 - part,
+            v if v == other => part,
+            _ => 0.0,
+        }),
+    };
+    let mut centres: Vec<_> = fan[..3].iter().map(|face| place(0.0, face)).collect();
+    let is_beside = |face: &&FaceId| patch.mesh.faces()[**face].contains(&other);
+    centres.extend(fan.iter().filter(is_beside).map(|face| place(0.25, face)));
+    assert_eq!(centres.len(), 5);
     for sampling in [Sampling::Area, Sampling::Adjusted, Sampling::Quadrature] {
-        let centres = [VertexId(1), VertexId(3), VertexId(1), VertexId(0)];
-        let set = patch.rows(&centres, kernel, sampling);
-        let kept: Vec<u32> = set.rows.iter().map(|row| row.centre.0).collect();
-        assert_eq!(kept, [1, 0]);
-        assert_eq!(
-            set.dropped,
-            [
-                (VertexId(3), DropReason::NoFaces),
-                (VertexId(1), DropReason::Duplicate)
-            ]
-        );
+        let set = patch.rows_at(&centres, kernel, sampling);
+        let kept: Vec<usize> = set.rows.iter().map(|row| row.centre).collect();
+        assert_eq!(kept, [0, 3]);
+        assert_eq!(set.duplicates, [1, 2, 4]);
     }
 }
 
@@ -154,25 +160,44 @@ fn mistakes_are_named() {
         sigma: 0.5,
         cut: 2.0,
     };
-    let rows = |patch: &Patch, centre: u32, kernel: Kernel, kernels: usize| {
+    let at = |face: u32, barycentric: [f64; 3]| MaterialPoint {
+        face: FaceId(face),
+        barycentric,
+    };
+    let middle = at(3, [0.25, 0.25, 0.5]);
+    let rows = |patch: &Patch, centre: MaterialPoint, kernel: Kernel, kernels: usize| {
         constraint_rows(
             &patch.mesh,
             &patch.positions,
             &patch.normals,
-            &[VertexId(centre)],
+            &[centre],
             &vec![kernel; kernels],
             Sampling::Area,
         )
     };
     assert_eq!(
-        rows(&patch, 25, kernel, 1),
-        Err(ConstraintError::VertexOutOfRange {
-            vertex: VertexId(25),
-            count: 25
+        rows(&patch, at(32, [1.0, 0.0, 0.0]), kernel, 1),
+        Err(ConstraintError::FaceOutOfRange {
+            centre: 0,
+            face: FaceId(32),
+            count: 32
         })
     );
+    for barycentric in [
+        [0.5, 0.6, -0.1],
+        [0.5, 0.5, 0.1],
+        [0.0; 3],
+        [f64::NAN, 0.5, 0.5],
+        [f64::INFINITY, 0.0, 0.0],
+    ] {
+        let result = rows(&patch, at(3, barycentric), kernel, 1);
+        assert!(matches!(
+            result,
+            Err(ConstraintError::OutsideFace { centre: 0, .. })
+        ));
+    }
     assert_eq!(
-        rows(&patch, 3, kernel, 2),
+        rows(&patch, middle, kernel, 2),
         Err(ConstraintError::WrongLength {
             what: "kernels",
             expected: 1,
@@ -186,25 +211,27 @@ fn mistakes_are_named() {
         (0.5, f64::NAN),
         (0.5, 0.0),
     ] {
-        let result = rows(&patch, 3, Kernel { sigma, cut }, 1);
+        let result = rows(&patch, middle, Kernel { sigma, cut }, 1);
         assert!(matches!(result, Err(ConstraintError::BadKernel { .. })));
     }
     let mut broken = patch.clone();
     broken.positions[7].y = f64::INFINITY;
     assert_eq!(
-        rows(&broken, 3, kernel, 1),
+        rows(&broken, middle, kernel, 1),
         Err(ConstraintError::PositionNotFinite {
             vertex: VertexId(7)
         })
     );
+    let [first, second, _] = patch.mesh.faces()[FaceId(3)];
     let mut lost = patch.clone();
-    lost.normals[3] = Vector3::zeros();
-    assert_eq!(
-        rows(&lost, 3, kernel, 1),
-        Err(ConstraintError::NormalNotUnit {
-            vertex: VertexId(3)
-        })
-    );
+    lost.normals[first.0 as usize] = Vector3::zeros();
+    let no_normal = Err(ConstraintError::NoNormal { centre: 0 });
+    assert_eq!(rows(&lost, middle, kernel, 1), no_normal);
+    // On the edge that it isn't on it plays no part.
+    assert!(rows(&lost, at(3, [0.0, 0.5, 0.5]), kernel, 1).is_ok());
+    let mut folded = patch.clone();
+    folded.normals[second.0 as usize] = -folded.normals[first.0 as usize];
+    assert_eq!(rows(&folded, at(3, [0.5, 0.5, 0.0]), kernel, 1), no_normal);
 }
 
 #[test]

@@ -5,7 +5,7 @@ mod meshes;
 use meshes::{Patch, irregular_hills};
 use nalgebra::{Rotation3, Vector3};
 use ruga_constraint::{ConstraintSet, Kernel, Sampling};
-use ruga_mesh::VertexId;
+use ruga_mesh::MaterialPoint;
 
 const KERNEL: Kernel = Kernel {
     sigma: 0.15,
@@ -18,13 +18,19 @@ const SAMPLINGS: [Sampling; 4] = [
     Sampling::Quadrature,
 ];
 
-/// Centres inside, on and near the border of a surface of `irregular_hills`.
+/// Centres at vertices, on edges and in faces, inside, on and near the border of a surface of
+/// `irregular_hills`.
+fn centres(patch: &Patch) -> Vec<MaterialPoint> {
+    let addresses = [[1.0, 0.0, 0.0], [0.3, 0.7, 0.0], [0.2, 0.5, 0.3]];
+    let faces = patch.mesh.faces().ids().step_by(47);
+    let addressed = faces.zip(addresses.iter().cycle());
+    addressed
+        .map(|(face, &barycentric)| MaterialPoint { face, barycentric })
+        .collect()
+}
+
 fn rows(patch: &Patch, sampling: Sampling) -> ConstraintSet {
-    let centres: Vec<VertexId> = (0..patch.positions.len() as u32)
-        .step_by(23)
-        .map(VertexId)
-        .collect();
-    patch.rows(&centres, KERNEL, sampling)
+    patch.rows_at(&centres(patch), KERNEL, sampling)
 }
 
 /// Largest difference of a weight, over the largest weight.
@@ -76,7 +82,19 @@ fn reflection() {
     let patch = irregular_hills(40, 3);
     let mirrored = patch.mirrored();
     for sampling in SAMPLINGS {
-        let d = difference(&rows(&patch, sampling), &rows(&mirrored, sampling));
+        // The mirrored faces list their corners in another order.
+        let centres: Vec<_> = centres(&patch)
+            .into_iter()
+            .map(|place| {
+                let [a, b, c] = place.barycentric;
+                MaterialPoint {
+                    barycentric: [a, c, b],
+                    ..place
+                }
+            })
+            .collect();
+        let reflected = mirrored.rows_at(&centres, KERNEL, sampling);
+        let d = difference(&rows(&patch, sampling), &reflected);
         assert!(d < 1e-9, "{sampling:?}: {d}");
     }
 }
@@ -87,7 +105,8 @@ fn repetition_and_company() {
     for sampling in SAMPLINGS {
         let together = rows(&patch, sampling);
         assert_eq!(together, rows(&patch, sampling));
-        let alone = patch.rows(&[together.rows[7].centre], KERNEL, sampling);
-        assert_eq!(alone.rows[0], together.rows[7]);
+        let alone = patch.rows_at(&centres(&patch)[7..8], KERNEL, sampling);
+        assert_eq!(together.rows[7].centre, 7);
+        assert_eq!(alone.rows[0].weights, together.rows[7].weights);
     }
 }

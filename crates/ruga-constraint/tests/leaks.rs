@@ -5,7 +5,7 @@ mod meshes;
 use meshes::{Patch, equilateral_rectangle};
 use nalgebra::Vector3;
 use ruga_constraint::{Kernel, Sampling};
-use ruga_mesh::Id;
+use ruga_mesh::{FaceId, Id, MaterialPoint, VertexId};
 
 const SAMPLINGS: [Sampling; 3] = [Sampling::Area, Sampling::Adjusted, Sampling::Quadrature];
 
@@ -84,7 +84,7 @@ fn both_lips_of_a_slit_are_served_alike() {
     for sampling in SAMPLINGS {
         // A vertex on the slit and its copy see one half of the square each.
         let own = patch.vertex_near(Vector3::zeros());
-        let copy = ruga_mesh::VertexId(41 * 41 + 20);
+        let copy = VertexId(41 * 41 + 20);
         assert_eq!(patch.positions[own.index()], patch.positions[copy.index()]);
         let set = patch.rows(&[own, copy], kernel, sampling);
         let mean_x = |row: usize| -> f64 {
@@ -96,6 +96,50 @@ fn both_lips_of_a_slit_are_served_alike() {
         };
         assert!(mean_x(0) < -0.05 && mean_x(1) > 0.05, "{sampling:?}");
         assert!((mean_x(0) + mean_x(1)).abs() < 1e-3, "{sampling:?}");
+    }
+}
+
+#[test]
+fn a_centre_on_a_lip_or_as_good_as_on_it_sees_one_side_of_the_slit() {
+    let patch = slit_square(40, 2.0);
+    let is_on_slit = |v: VertexId| patch.positions[v.index()].x.abs() < 1e-9;
+    let is_left = |v: VertexId| v.index() < 41 * 41 && patch.positions[v.index()].x < 1e-9;
+    let corners = |face: FaceId| patch.mesh.faces()[face];
+    let is_lip = |&face: &FaceId| {
+        let on_slit = corners(face).iter().filter(|&&v| is_on_slit(v)).count();
+        on_slit == 2 && corners(face).iter().all(|&v| is_left(v))
+    };
+    let face = patch.mesh.faces().ids().filter(is_lip).nth(20);
+    let face = face.expect("a lip along the whole slit");
+    // A distance from the lip, in heights of the face.
+    let place = |distance: f64| {
+        let own = |v: VertexId| {
+            if is_on_slit(v) {
+                0.5 * (1.0 - distance)
+            } else {
+                distance
+            }
+        };
+        MaterialPoint {
+            face,
+            barycentric: corners(face).map(own),
+        }
+    };
+    let kernel = Kernel {
+        sigma: 0.2,
+        cut: 2.0,
+    };
+    for sampling in SAMPLINGS {
+        for distance in [0.0, 1e-17, 1e-13, -1e-13, 1e-10, 1e-8, 1e-3, 0.5] {
+            let set = patch.rows_at(&[place(distance)], kernel, sampling);
+            let row = &set.rows[0];
+            assert!(
+                row.weights.iter().all(|(v, _)| is_left(*v)),
+                "{sampling:?} {distance}"
+            );
+            let centroid = patch.average(row, |p| p.x);
+            assert!(centroid < -0.05, "{sampling:?} {distance}: {centroid}");
+        }
     }
 }
 

@@ -28,10 +28,7 @@ fn field(p: &Vector3<f64>) -> f64 {
 
 fn value(patch: &Patch, centre: VertexId, sampling: Sampling) -> f64 {
     let set = patch.rows(&[centre], KERNEL, sampling);
-    let terms = set.rows[0].weights.iter();
-    terms
-        .map(|(v, w)| w * field(&patch.positions[v.0 as usize]))
-        .sum()
+    patch.average(&set.rows[0], field)
 }
 
 /// Standard deviation over remeshes of the row at `place`, per sampling.

@@ -19,7 +19,7 @@ use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, BaseSurface, BlendShape, Driver, PosedSurface, Smoothing};
 use ruga_constraint::{ClusterSettings, Kernel, Sampling, cluster_centres, constraint_rows};
 use ruga_material::{Preset, WavelengthModel, Wrinkling, preset, wrinkling};
-use ruga_mesh::{FaceId, Id, PerVertex, VertexId};
+use ruga_mesh::{FaceId, Id, MaterialPoint, PerVertex, VertexId};
 use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters};
 use ruga_solver::{ConstraintRows, Kkt, LowerPattern};
 use ruga_stepper::{
@@ -218,6 +218,8 @@ impl Shell {
         let spacings = PerVertex::filled(mesh.vertex_count(), spacing);
         let settings = ClusterSettings::default();
         let centres = cluster_centres(mesh, &rest.positions, &spacings, free, &settings).unwrap();
+        let place = |&centre: &VertexId| MaterialPoint::of_vertex(mesh, centre);
+        let centres: Vec<_> = centres.iter().filter_map(place).collect();
         let kernels = vec![kernel; centres.len()];
         let (points, normals) = (&rest.positions, &rest.normals);
         let set = constraint_rows(

@@ -1,7 +1,7 @@
 //! The rows that keep a layer's large shape on the surface below.
 
 use ruga_constraint::{ClusterSettings, Kernel, cluster_centres, constraint_rows};
-use ruga_mesh::{Id, PerVertex, VertexId};
+use ruga_mesh::{Id, MaterialPoint, PerVertex, VertexId};
 use ruga_solver::ConstraintRows;
 
 use crate::local_skin::SkinProperties;
@@ -56,11 +56,12 @@ pub(crate) fn low_pass_rows(
         &ClusterSettings::default(),
     )
     .map_err(constraint)?;
+    let place = |&centre: &VertexId| MaterialPoint::of_vertex(mesh, centre);
     let set = constraint_rows(
         mesh,
         &rest.positions,
         &rest.normals,
-        &centres,
+        &centres.iter().filter_map(place).collect::<Vec<_>>(),
         &centres.iter().map(kernel).collect::<Vec<_>>(),
         spec.sampling,
     )

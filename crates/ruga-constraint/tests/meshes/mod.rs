@@ -4,8 +4,8 @@
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use ruga_constraint::{ConstraintSet, Kernel, Sampling, constraint_rows};
-use ruga_mesh::{TriMesh, VertexId, vertex_normals};
+use ruga_constraint::{ConstraintRow, ConstraintSet, Kernel, Sampling, constraint_rows};
+use ruga_mesh::{Id, MaterialPoint, SurfaceLookup, TriMesh, VertexId, vertex_normals};
 
 /// A mesh with positions and unit normals.
 #[derive(Clone)]
@@ -53,9 +53,22 @@ impl Patch {
         )
     }
 
+    /// Rows around vertices.
     pub(crate) fn rows(
         &self,
         centres: &[VertexId],
+        kernel: Kernel,
+        sampling: Sampling,
+    ) -> ConstraintSet {
+        let place = |&v: &VertexId| MaterialPoint::of_vertex(&self.mesh, v).expect("it has faces");
+        let centres: Vec<_> = centres.iter().map(place).collect();
+        self.rows_at(&centres, kernel, sampling)
+    }
+
+    /// Rows around any places.
+    pub(crate) fn rows_at(
+        &self,
+        centres: &[MaterialPoint],
         kernel: Kernel,
         sampling: Sampling,
     ) -> ConstraintSet {
@@ -69,6 +82,21 @@ impl Patch {
             sampling,
         )
         .expect("valid input")
+    }
+
+    /// The places of the facets that are closest to `targets`.
+    pub(crate) fn places_near(&self, targets: &[Vector3<f64>]) -> Vec<MaterialPoint> {
+        let lookup = SurfaceLookup::new(&self.mesh, &self.positions);
+        let place = |p: &Vector3<f64>| lookup.closest(p).expect("a surface").point;
+        targets.iter().map(place).collect()
+    }
+
+    /// What a row makes of a field over space.
+    pub(crate) fn average(&self, row: &ConstraintRow, field: impl Fn(&Vector3<f64>) -> f64) -> f64 {
+        let terms = row.weights.iter();
+        terms
+            .map(|(v, w)| w * field(&self.positions[v.index()]))
+            .sum()
     }
 }
 
