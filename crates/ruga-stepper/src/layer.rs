@@ -17,7 +17,7 @@ use ruga_solver::{
 use crate::below::BelowSurface;
 use crate::layer_objective::{LayerObjective, gather, scatter};
 use crate::local_skin::{LocalSkin, SkinProperties, uv};
-use crate::low_pass_rows::low_pass_rows;
+use crate::low_pass_rows::{RowCentre, low_pass_rows, row_centres};
 use crate::motion::{Inertia, Motion};
 use crate::skin_energy::{SkinEnergy, UpperShell};
 use crate::skin_mesh::{Interpolation, RegionMesh, SkinMesh};
@@ -41,6 +41,17 @@ pub(crate) struct LayerState {
     positions: Vec<Vector3<f64>>,
     below: BelowSurface,
     share: f64,
+}
+
+/// How a layer is held, beyond what its own material says.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Holding {
+    /// Tangential stiffness per area where it is not the layer's own, Pa/m.
+    pub(crate) tie: Option<f64>,
+    /// A layer that moves together with it.
+    pub(crate) upper: Option<UpperShell>,
+    /// Where its rows are centred; by its wavelength where nothing is said.
+    pub(crate) centres: Option<Vec<RowCentre>>,
 }
 
 /// A layer: mesh, energy, rows, and its present shape.
@@ -76,6 +87,7 @@ pub(crate) struct Layer {
     motion: Option<Motion>,
     free: Vec<VertexId>,
     floor: Vec<f64>,
+    centres: Vec<RowCentre>,
     kkt: Kkt,
 }
 
@@ -85,7 +97,7 @@ impl Layer {
         driver: &Driver,
         spec: &LayerSpec,
         wrinkling: &Wrinkling,
-        (tie, upper): (Option<f64>, Option<UpperShell>),
+        holding: Holding,
         region: RegionMesh,
         adapted: Option<SkinMesh>,
         seed: u64,
@@ -104,6 +116,7 @@ impl Layer {
         let rest = &skin.rest;
         let pinned = skin.mesh.border_vertices();
         let faces = skin.corner_indices();
+        let Holding { tie, upper, .. } = holding;
         let properties = SkinProperties::new(spec, wrinkling, tie, driver, &skin)?;
         let parameters = layer_parameters(spec, &properties);
         let surface = (rest.positions.as_slice(), rest.normals.as_slice());
@@ -132,7 +145,11 @@ impl Layer {
                 [FLOOR * stiffness * areas[i]; 3]
             })
             .collect();
-        let rows = low_pass_rows(spec, &properties, &skin, &pinned, &free)?;
+        let centres = match holding.centres {
+            Some(centres) => centres,
+            None => row_centres(spec, &properties, &skin, &free)?,
+        };
+        let rows = low_pass_rows(spec, &centres, &skin, &pinned, &free)?;
         let kkt = Kkt::new(&pattern, &rows, 3).map_err(solver)?;
         let mut layer = Self {
             spec: spec.clone(),
@@ -158,6 +175,7 @@ impl Layer {
             motion: None,
             free,
             floor,
+            centres,
             kkt,
         };
         layer.add_noise(seed);
@@ -628,6 +646,11 @@ impl Layer {
         };
         let pairs = places.iter().zip(&deviations);
         pairs.map(|(place, deviation)| place + deviation).collect()
+    }
+
+    /// Where the rows of the layer's coupling are centred.
+    pub(crate) fn row_centres(&self) -> &[RowCentre] {
+        &self.centres
     }
 
     /// The layer's mesh at rest.

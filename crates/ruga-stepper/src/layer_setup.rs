@@ -5,8 +5,9 @@ use ruga_mesh::FaceId;
 
 use crate::adaptivity::{adapted, still_serves};
 use crate::below::BelowSurface;
-use crate::layer::Layer;
+use crate::layer::{Holding, Layer};
 use crate::layer_run::LayerRun;
+use crate::low_pass_rows::RowCentre;
 use crate::plan::LayerPlan;
 use crate::simulate::StackRun;
 use crate::skin_mesh::{RegionMesh, SkinMesh};
@@ -30,14 +31,15 @@ impl StackRun<'_> {
         let surface = layer_surface(driver, self.plan, layer, modelling);
         let offset = self.plan.seats[index].offset;
         let region = RegionMesh::new(driver, &surface, modelling.smoothing, offset);
-        self.build_on(index, region, below, observer)
+        self.build_on(index, region, None, below, observer)
     }
 
-    /// The same on a region whose mesh is there already.
+    /// The same on a region whose mesh is there already, its rows at given `centres`.
     fn build_on(
         &self,
         index: usize,
         region: RegionMesh,
+        centres: Option<Vec<RowCentre>>,
         below: &dyn Fn(&SkinMesh) -> Vec<BelowSurface>,
         observer: &mut dyn Observer,
     ) -> Result<LayerRun, StepperError> {
@@ -52,12 +54,16 @@ impl StackRun<'_> {
         let coarseness = adapted.as_ref().map_or(1.0, |adapted| adapted.coarseness);
         let adapted = adapted.map(|adapted| adapted.skin);
         observer.phase(index, Phase::Constraints);
-        let carrying = (plan.seats[index].tie, plan.joint.clone());
+        let holding = Holding {
+            tie: plan.seats[index].tie,
+            upper: plan.joint.clone(),
+            centres,
+        };
         let mut layer = Layer::new(
             driver,
             spec,
             wrinkling,
-            carrying,
+            holding,
             region,
             adapted,
             modelling.seed,
@@ -101,7 +107,9 @@ impl StackRun<'_> {
         }
         run.layer.set_below(below(run.layer.skin()), 1.0)?;
         let region = run.layer.region().clone();
-        let mut fitted = self.build_on(index, region, &|skin| vec![below(skin)], observer)?;
+        let centres = Some(run.layer.row_centres().to_vec());
+        let surfaces = |skin: &SkinMesh| vec![below(skin)];
+        let mut fitted = self.build_on(index, region, centres, &surfaces, observer)?;
         fitted.layer.set_below(below(fitted.layer.skin()), 1.0)?;
         fitted.layer.take_shape(&run.layer);
         fitted.take_history(run);

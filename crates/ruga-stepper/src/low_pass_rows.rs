@@ -1,7 +1,8 @@
 //! The rows that keep a layer's large shape on the surface below.
 
-use ruga_constraint::{ClusterSettings, Kernel, cluster_centres, constraint_rows};
-use ruga_mesh::{Id, MaterialPoint, PerVertex, VertexId};
+use nalgebra::Vector3;
+use ruga_constraint::{ClusterSettings, ConstraintError, Kernel, cluster_centres, constraint_rows};
+use ruga_mesh::{Id, MaterialPoint, PerVertex, SurfaceLookup, VertexId};
 use ruga_solver::ConstraintRows;
 
 use crate::local_skin::SkinProperties;
@@ -17,10 +18,54 @@ const CONSTRAINT_SPACING: f64 = 0.577_350_269_189_625_8;
 /// A row is dropped when less than this share of its weight is on vertices that move.
 const MIN_FREE_WEIGHT: f64 = 0.2;
 
-/// The rows of the layer's coupling on the coordinates of its free vertices, x, y, z in turn.
-pub(crate) fn low_pass_rows(
+/// A place around which the layer's average is held, the same on every mesh of the skin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RowCentre {
+    /// At rest, m.
+    at: Vector3<f64>,
+    kernel: Kernel,
+}
+
+/// Where the rows of the layer's coupling are centred, by its wavelength there.
+pub(crate) fn row_centres(
     spec: &LayerSpec,
     properties: &SkinProperties,
+    skin: &SkinMesh,
+    free: &[VertexId],
+) -> Result<Vec<RowCentre>, StepperError> {
+    let spacing = match spec.coupling {
+        Coupling::Elastic => return Ok(Vec::new()),
+        Coupling::Hybrid => HYBRID_SPACING,
+        Coupling::Constraint => CONSTRAINT_SPACING,
+    };
+    if free.is_empty() {
+        return Ok(Vec::new());
+    }
+    let wavelength = |v: usize| properties.vertices[v].wrinkling.wavelength;
+    let spacings = (0..skin.mesh.vertex_count()).map(|v| spacing * wavelength(v));
+    let rest = &skin.rest.positions;
+    let centres = cluster_centres(
+        &skin.mesh,
+        rest,
+        &spacings.collect(),
+        free,
+        &ClusterSettings::default(),
+    )
+    .map_err(|source| constraint(spec, source))?;
+    let centre = |v: VertexId| RowCentre {
+        at: rest[v.index()],
+        kernel: match spec.coupling {
+            Coupling::Constraint => Kernel::alone(wavelength(v.index())),
+            _ => Kernel::beside_foundation(spacing * wavelength(v.index())),
+        },
+    };
+    Ok(centres.into_iter().map(centre).collect())
+}
+
+/// The rows around `centres` on the coordinates of the layer's free vertices, x, y, z in turn.
+pub(crate) fn low_pass_rows(
+    spec: &LayerSpec,
+    centres: &[RowCentre],
     skin: &SkinMesh,
     pinned: &PerVertex<bool>,
     free: &[VertexId],
@@ -29,43 +74,24 @@ pub(crate) fn low_pass_rows(
         layer: spec.name.clone(),
         source,
     };
-    let spacing = match spec.coupling {
-        Coupling::Elastic => return Ok(ConstraintRows::none(3 * free.len())),
-        Coupling::Hybrid => HYBRID_SPACING,
-        Coupling::Constraint => CONSTRAINT_SPACING,
-    };
-    let wavelength = |v: usize| properties.vertices[v].wrinkling.wavelength;
-    let kernel = |centre: &VertexId| match spec.coupling {
-        Coupling::Constraint => Kernel::alone(wavelength(centre.index())),
-        _ => Kernel::beside_foundation(spacing * wavelength(centre.index())),
-    };
-    if free.is_empty() {
-        return Ok(ConstraintRows::none(0));
+    if centres.is_empty() {
+        return Ok(ConstraintRows::none(3 * free.len()));
     }
-    let constraint = |source| StepperError::Constraint {
-        layer: spec.name.clone(),
-        source,
-    };
     let SkinMesh { mesh, rest, .. } = skin;
-    let spacings = (0..mesh.vertex_count()).map(|v| spacing * wavelength(v));
-    let centres = cluster_centres(
-        mesh,
-        &rest.positions,
-        &spacings.collect(),
-        free,
-        &ClusterSettings::default(),
-    )
-    .map_err(constraint)?;
-    let place = |&centre: &VertexId| MaterialPoint::of_vertex(mesh, centre);
+    let lookup = SurfaceLookup::new(mesh, &rest.positions);
+    let (places, kernels): (Vec<MaterialPoint>, Vec<Kernel>) = centres
+        .iter()
+        .filter_map(|centre| Some((lookup.closest(&centre.at)?.point, centre.kernel)))
+        .unzip();
     let set = constraint_rows(
         mesh,
         &rest.positions,
         &rest.normals,
-        &centres.iter().filter_map(place).collect::<Vec<_>>(),
-        &centres.iter().map(kernel).collect::<Vec<_>>(),
+        &places,
+        &kernels,
         spec.sampling,
     )
-    .map_err(constraint)?;
+    .map_err(|source| constraint(spec, source))?;
     let mut unknown = PerVertex::filled(mesh.vertex_count(), None);
     for (i, &v) in free.iter().enumerate() {
         unknown[v] = Some(3 * i);
@@ -89,4 +115,11 @@ pub(crate) fn low_pass_rows(
         }
     }
     ConstraintRows::new(starts, columns, values, 3 * free.len()).map_err(solver)
+}
+
+fn constraint(spec: &LayerSpec, source: ConstraintError) -> StepperError {
+    StepperError::Constraint {
+        layer: spec.name.clone(),
+        source,
+    }
 }
