@@ -193,3 +193,122 @@ fn lies_on(
     let on_border = found.point.barycentric.iter().any(|&w| w < 1e-9);
     !on_border || sideways.norm() < BESIDE * (b - a).norm()
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector2;
+    use ruga_blend::{ArtistMesh, BaseSurface, BlendShape, Smoothing, rest_frame};
+    use ruga_mesh::Id;
+
+    use super::*;
+    use crate::skin_mesh::RegionMesh;
+
+    const SIDE: f64 = 0.04;
+    const CELLS: usize = 20;
+    const OFFSET: f64 = 7e-4;
+    const TRANSFER: f64 = 0.3;
+
+    /// Places of faces and the stretches of their rest metrics, where the flat square is bent to
+    /// `shape`; in its plane's axes, away from its border.
+    fn stretches(
+        shape: &dyn Fn(Vector2<f64>) -> Vector3<f64>,
+    ) -> Vec<(Vector2<f64>, Matrix2<f64>)> {
+        let places = (0..=CELLS).flat_map(|j| (0..=CELLS).map(move |i| [i, j]));
+        let places: Vec<Vector2<f64>> = places
+            .map(|c| SIDE * (Vector2::from(c.map(|c| c as f64 / CELLS as f64)).add_scalar(-0.5)))
+            .collect();
+        let at = |i: usize, j: usize| (j * (CELLS + 1) + i) as u32;
+        let cells = (0..CELLS).flat_map(|j| (0..CELLS).map(move |i| (i, j)));
+        let triangles = cells.flat_map(|(i, j)| {
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        });
+        let flat = |p: &Vector2<f64>| Vector3::new(p.x, p.y, 0.0);
+        let driver = Driver::new(&ArtistMesh {
+            positions: places.iter().map(flat).collect(),
+            uvs: Some(places.clone()),
+            triangles: triangles.collect(),
+            shapes: vec![BlendShape {
+                name: "bend".into(),
+                position_deltas: places.iter().map(|p| shape(*p) - flat(p)).collect(),
+                normal_deltas: None,
+            }],
+            ..ArtistMesh::default()
+        })
+        .expect("a square");
+        let faces: Vec<_> = driver.topology().faces().ids().collect();
+        let base = BaseSurface::new(&driver, &faces, 1, Smoothing::Loop);
+        let skin = RegionMesh::new(&driver, &base, Smoothing::Loop, OFFSET).skin;
+        let seat = Seat {
+            offset: OFFSET,
+            bending_transfer: TRANSFER,
+            tie: None,
+        };
+        let control = driver.pose(&driver.weights([("bend", 1.0)]).expect("a shape"));
+        let below = surface_below(&driver, &skin, seat, &control, None);
+        let transfer = below.transfer.expect("a part is not transferred");
+        let faces = skin.mesh.faces().as_slice().iter().zip(transfer);
+        faces
+            .map(|(corners, stretch)| {
+                let [a, b, c] = corners.map(|v| skin.rest.positions[v.index()]);
+                let [u, v] = rest_frame([a, b, c]).map(|axis| axis.xy());
+                let axes = Matrix2::from_columns(&[u, v]);
+                let centre = (a + b + c).xy() / 3.0;
+                (centre, axes * stretch * axes.transpose())
+            })
+            .filter(|(centre, _)| centre.amax() < 0.25 * SIDE)
+            .collect()
+    }
+
+    /// `(1 + t k) / (1 + b t k)` for the curvature `k` of a crest.
+    fn expected(curvature: f64) -> f64 {
+        let bent = OFFSET * curvature;
+        (1.0 + bent) / (1.0 + TRANSFER * bent)
+    }
+
+    fn sorted(stretch: &Matrix2<f64>) -> [f64; 2] {
+        let values = stretch.symmetric_eigenvalues();
+        [values.min(), values.max()]
+    }
+
+    /// Round the cylinder the rest metric takes up what is not transferred, along it nothing.
+    #[test]
+    fn a_cylinder_stretches_the_rest_metric_around_it() {
+        let radius = 0.015;
+        let cylinder = |p: Vector2<f64>| {
+            let angle = p.x / radius;
+            radius * Vector3::new(angle.sin(), p.y / radius, angle.cos() - 1.0)
+        };
+        for (_, stretch) in stretches(&cylinder) {
+            let [along, around] = sorted(&stretch);
+            assert!((along - 1.0).abs() < 1e-5, "{along}");
+            assert!((around - expected(1.0 / radius)).abs() < 2e-4, "{around}");
+        }
+    }
+
+    /// In the middle of a saddle one direction is stretched and one shortened, each by its own
+    /// curvature; for small ones the share that is not transferred times the bending strain.
+    #[test]
+    fn a_saddle_has_both_signs() {
+        let saddle = |curvature: f64| {
+            let shape = move |p: Vector2<f64>| {
+                let height = 0.5 * curvature * (p.y * p.y - p.x * p.x);
+                Vector3::new(p.x, p.y, height)
+            };
+            let mut found = stretches(&shape);
+            found.sort_by(|a, b| a.0.norm().total_cmp(&b.0.norm()));
+            // The two faces that share the middle.
+            0.5 * (found[0].1 + found[1].1)
+        };
+        let curvature = 1.0 / 0.015;
+        let [low, high] = sorted(&saddle(curvature));
+        assert!((high - expected(curvature)).abs() < 2e-3, "{high}");
+        assert!((low - expected(-curvature)).abs() < 2e-3, "{low}");
+        let step = 0.5;
+        let slope = (saddle(step) - saddle(-step)) / (2.0 * step);
+        let [low, high] = sorted(&slope);
+        let expected = (1.0 - TRANSFER) * OFFSET;
+        assert!((high / expected - 1.0).abs() < 0.02, "{high} {expected}");
+        assert!((low / expected + 1.0).abs() < 0.02, "{low} {expected}");
+    }
+}
