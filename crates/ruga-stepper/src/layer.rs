@@ -1,27 +1,31 @@
 //! One layer, held by a surface below it.
 
-use nalgebra::{Matrix2, Matrix3, Rotation3, SymmetricEigen, Vector3};
+mod bending;
+mod demand;
+mod snapshot;
+
+pub(crate) use demand::offered_strains;
+
+use nalgebra::{Matrix2, Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use ruga_blend::{Driver, FaceStrain, PosedSurface, face_strains, rest_frame};
-use ruga_material::{CAP_START, Wrinkling, capped_strain};
-use ruga_mesh::{FaceId, Id, PerFace, VertexId};
-use ruga_shell::{
-    FaceParameters, HINGE_EXPONENT, LayerParameters, ResponseQuery, ShellError, face_corners,
-    response_modulus,
-};
+use ruga_blend::{Driver, FaceStrain, PosedSurface, face_strains};
+use ruga_material::{CAP_START, Wrinkling};
+use ruga_mesh::{Id, PerFace, VertexId};
+use ruga_shell::{FaceParameters, LayerParameters, ShellError};
 use ruga_solver::{
     Iteration, Kkt, LowerPattern, NewtonSettings, SolveReport, SolverError, minimise,
 };
 
+use self::demand::offered;
 use crate::below::BelowSurface;
 use crate::layer_objective::{LayerObjective, gather, scatter};
-use crate::local_skin::{LocalSkin, SkinProperties, uv};
+use crate::local_skin::{LocalSkin, SkinProperties};
 use crate::low_pass_rows::{RowCentre, low_pass_rows, row_centres};
 use crate::motion::{Inertia, Motion};
 use crate::skin_energy::{SkinEnergy, UpperShell};
 use crate::skin_mesh::{Interpolation, RegionMesh, SkinMesh};
-use crate::{ComputedMesh, Coupling, Dynamics, LayerSpec, LayerSurface, StepperError};
+use crate::{Coupling, Dynamics, LayerSpec, StepperError};
 
 /// Levenberg floor in units of `K0 V_i`: keeps modes that slide along themselves from having a
 /// random sign, and is far below what any wrinkle feels.
@@ -32,9 +36,6 @@ const NOISE: f64 = 1e-3;
 /// Least factor by which a rest triangle may shrink, so that one which collapses on the way keeps
 /// an area.
 const LEAST_STRETCH: f64 = 0.05;
-
-/// Ratios of a mesh's bending modulus to the material's that can be the triangles' doing.
-const BENDING_RATIOS: [f64; 2] = [0.5, 2.0];
 
 /// Where a layer and the surface below it are.
 pub(crate) struct LayerState {
@@ -412,21 +413,6 @@ impl Layer {
         Ok(report)
     }
 
-    /// Energy that wrinkling is about, J: what a critical compression costs, or what wrinkles save
-    /// of a larger one.
-    fn energy_scale(&self) -> f64 {
-        let faces = self.skin.mesh.faces();
-        let of_face = |(face, strain): (FaceId, &FaceStrain)| {
-            let [a, b, c] = faces[face].map(|v| self.skin.rest.positions[v.index()]);
-            let area = 0.5 * (b - a).cross(&(c - a)).norm();
-            let numbers = &self.properties.faces[face].wrinkling;
-            let excess = (self.face_demand(face, strain) - 1.0).max(1.0);
-            let strain = numbers.critical_strain * excess;
-            0.5 * numbers.membrane_stiffness * strain * strain * area
-        };
-        self.strains.iter().map(of_face).sum()
-    }
-
     /// Shape of the layer and of the surface below it, to return to.
     pub(crate) fn state(&self) -> LayerState {
         LayerState {
@@ -468,186 +454,6 @@ impl Layer {
         self.upper.as_ref()
     }
 
-    /// Faces on which the surface below asks for more than the critical strain.
-    pub(crate) fn supercritical_faces(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
-        let mesh = &self.skin.mesh;
-        self.strains
-            .iter()
-            .filter(|(face, s)| self.face_demand(*face, s) > 1.0)
-            .map(move |(face, _)| mesh.faces()[face].map(|v| v.0))
-    }
-
-    /// Largest effective strain that the surface below asks for, in critical strains.
-    pub(crate) fn demand(&self) -> f64 {
-        let strains = self.strains.iter();
-        strains
-            .map(|(face, s)| self.face_demand(face, s))
-            .fold(0.0, f64::max)
-    }
-
-    /// The share of the strain at which the demand is `wanted`; all of it where that is not enough.
-    pub(crate) fn share_for(&self, wanted: f64) -> f64 {
-        let demand = |share: f64| {
-            let faces = self.strains.iter();
-            faces
-                .map(|(face, s)| self.face_demand_at(share, face, s))
-                .fold(0.0, f64::max)
-        };
-        if demand(1.0) <= wanted {
-            return 1.0;
-        }
-        let (mut low, mut high) = (0.0, 1.0);
-        // To a per cent of the share: the onset is not known better.
-        while high - low > 0.01 * high {
-            let middle = 0.5 * (low + high);
-            if demand(middle) < wanted {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        high
-    }
-
-    /// Effective strain that a face is loaded with, in its critical strains.
-    fn face_demand(&self, face: FaceId, strain: &FaceStrain) -> f64 {
-        self.face_demand_at(self.share, face, strain)
-    }
-
-    fn face_demand_at(&self, share: f64, face: FaceId, strain: &FaceStrain) -> f64 {
-        let [first, second] = offered(strain, share);
-        let effective = first + self.spec.material.poisson * second;
-        effective / self.properties.faces[face].wrinkling.critical_strain
-    }
-
-    /// Makes up for triangles that bend more or less easily than the material, as measured where
-    /// and in the direction that `below` compresses the layer; the layer stays where it is.
-    /// False when something is compressed enough to wrinkle and could not be measured.
-    pub(crate) fn calibrate_bending(&mut self, below: BelowSurface) -> Result<bool, StepperError> {
-        let state = self.state();
-        self.set_below(below, 1.0)?;
-        let [low, high] = BENDING_RATIOS;
-        let measured = self.measured_bending_ratio();
-        self.bending_ratio = measured.map(|ratio| ratio.clamp(low, high));
-        if let Some(ratio) = self.bending_ratio {
-            let outcome = self.energy.set_bending_factor(1.0 / ratio);
-            outcome.map_err(|source| self.shell_error(source))?;
-        }
-        let is_measured = self.bending_ratio.is_some() || self.demand() <= 1.0;
-        self.restore(&state)?;
-        Ok(is_measured)
-    }
-
-    /// Response bending modulus of this mesh, compressed in the main direction, over that of the
-    /// material; `None` where nothing is compressed enough or the mesh has no wrinkling mode.
-    ///
-    /// One direction for all: one that varies from face to face frustrates the mode and would
-    /// count as stiffness.
-    fn measured_bending_ratio(&self) -> Option<f64> {
-        let faces = self.skin.corner_indices();
-        let corners = face_corners(&self.skin.rest.positions, &faces);
-        let directions = vec![self.main_direction(&corners)?; faces.len()];
-        let pinned = self.skin.mesh.border_vertices();
-        let response = response_modulus(&ResponseQuery {
-            faces: &faces,
-            corners: &corners,
-            directions: &directions,
-            fixed: pinned.as_slice(),
-            bending_modulus: self.wrinkling.bending_stiffness,
-            hinge_exponent: HINGE_EXPONENT,
-            normal_stiffness: self.wrinkling.normal_stiffness,
-            gradient_stiffness: self.wrinkling.gradient_stiffness,
-        });
-        let modulus = response.ok().filter(|r| r.converged)?.bending_modulus;
-        Some(modulus / self.wrinkling.bending_stiffness)
-    }
-
-    /// The direction in space in which most of the compression beyond the critical strain goes.
-    fn main_direction(&self, corners: &[[Vector3<f64>; 3]]) -> Option<Vector3<f64>> {
-        let mut tensor = Matrix3::zeros();
-        for (corners, (face, strain)) in corners.iter().zip(self.strains.iter()) {
-            let excess = self.face_demand(face, strain) - 1.0;
-            let [u, v] = rest_frame(*corners);
-            let direction = u * strain.direction.x + v * strain.direction.y;
-            let area = (corners[1] - corners[0])
-                .cross(&(corners[2] - corners[0]))
-                .norm();
-            tensor += direction * direction.transpose() * (area * excess.max(0.0));
-        }
-        let eigen = SymmetricEigen::new(tensor);
-        let largest = eigen.eigenvalues.imax();
-        (eigen.eigenvalues[largest] > 0.0).then(|| eigen.eigenvectors.column(largest).into_owned())
-    }
-
-    /// The layer as others see it: over `region_below`, which is what lies below the region's own
-    /// mesh, and the driver's `control` points.
-    pub(crate) fn snapshot(
-        &self,
-        driver: &Driver,
-        control: &[Vector3<f64>],
-        region_below: &PosedSurface,
-        offset: f64,
-    ) -> LayerSurface {
-        let own = &self.positions[..self.vertex_count()];
-        let computed = self.computed(driver, own);
-        let below = self.region.skin.points.pose(control);
-        LayerSurface {
-            name: self.spec.name.clone(),
-            positions: self.on_region(&region_below.positions, self.deviations()),
-            driver_positions: below.positions,
-            driver_normals: below.normals,
-            offset,
-            faces: self.region.skin.corner_indices(),
-            uvs: self.region.uvs().to_vec(),
-            artist: self.region.artist().to_vec(),
-            computed,
-        }
-    }
-
-    /// The layer that moves together with this one, of which `own` is the [`Self::snapshot`].
-    pub(crate) fn upper_snapshot(
-        &self,
-        driver: &Driver,
-        own: &LayerSurface,
-        region_below: &PosedSurface,
-    ) -> Option<LayerSurface> {
-        let upper = self.upper.as_ref()?;
-        let above = self
-            .energy
-            .laid_on(&region_below.positions, &region_below.normals);
-        let above = &above[region_below.positions.len()..];
-        Some(LayerSurface {
-            name: upper.name.clone(),
-            positions: self.on_region(above, self.upper_deviations()),
-            offset: own.offset + upper.lever,
-            computed: self.computed(driver, &self.positions[self.vertex_count()..]),
-            ..own.clone()
-        })
-    }
-
-    fn computed(&self, driver: &Driver, positions: &[Vector3<f64>]) -> ComputedMesh {
-        let points = self.skin.points.points().iter();
-        ComputedMesh {
-            positions: positions.to_vec(),
-            faces: self.skin.corner_indices(),
-            uvs: points.map(|point| uv(driver, point)).collect(),
-        }
-    }
-
-    /// Deviations at the layer's vertices, added to places of the region's.
-    fn on_region(
-        &self,
-        places: &[Vector3<f64>],
-        deviations: Vec<Vector3<f64>>,
-    ) -> Vec<Vector3<f64>> {
-        let deviations = match &self.interpolation {
-            None => deviations,
-            Some(interpolation) => interpolation.apply(&deviations),
-        };
-        let pairs = places.iter().zip(&deviations);
-        pairs.map(|(place, deviation)| place + deviation).collect()
-    }
-
     /// Where the rows of the layer's coupling are centred.
     pub(crate) fn row_centres(&self) -> &[RowCentre] {
         &self.centres
@@ -674,21 +480,6 @@ impl Layer {
     }
 }
 
-/// What the surface below asks of every face, the untransferred part of its bending taken away.
-pub(crate) fn offered_strains(skin: &SkinMesh, below: &BelowSurface) -> PerFace<FaceStrain> {
-    let strains = face_strains(&skin.mesh, &skin.rest.positions, &below.posed.positions);
-    let Some(transfer) = &below.transfer else {
-        return strains;
-    };
-    let pairs = strains.as_slice().iter().zip(transfer);
-    pairs
-        .map(|(strain, stretch)| {
-            let inverse = stretch.try_inverse().unwrap_or_else(Matrix2::identity);
-            FaceStrain::from_cauchy_green(inverse.transpose() * strain.cauchy_green * inverse)
-        })
-        .collect()
-}
-
 /// How the surface turns at one vertex between two poses.
 fn turn_between(old: &PosedSurface, new: &PosedSurface, vertex: usize) -> Rotation3<f64> {
     let frame = |surface: &PosedSurface| {
@@ -696,14 +487,6 @@ fn turn_between(old: &PosedSurface, new: &PosedSurface, vertex: usize) -> Rotati
         Rotation3::from_basis_unchecked(&[t, n.cross(&t), n])
     };
     frame(new) * frame(old).inverse()
-}
-
-/// Principal strains, capped, of which only a share is loaded: `share` times their Green strain.
-fn offered(strain: &FaceStrain, share: f64) -> [f64; 2] {
-    [capped_strain(strain.first), strain.second].map(|strain| {
-        let inverse_square = (1.0 - strain).max(LEAST_STRETCH).powi(-2);
-        1.0 - (1.0 - share + share * inverse_square).powf(-0.5)
-    })
 }
 
 fn layer_parameters(spec: &LayerSpec, properties: &SkinProperties) -> LayerParameters {

@@ -58,7 +58,7 @@ impl UpperShell {
 /// one, those of the upper.
 #[derive(Clone, Debug)]
 pub(crate) enum SkinEnergy {
-    One(LayerEnergy),
+    One(Box<LayerEnergy>),
     Two(Box<JointEnergy>, f64),
 }
 
@@ -73,7 +73,7 @@ impl SkinEnergy {
     ) -> Result<Self, ShellError> {
         let lower = LayerEnergy::new(rest, faces, parameters, pinned)?;
         let Some(upper) = upper else {
-            return Ok(Self::One(lower));
+            return Ok(Self::One(Box::new(lower)));
         };
         let above = lifted(rest, normals, upper.lever);
         let parameters = upper.parameters(faces.len(), rest.len());

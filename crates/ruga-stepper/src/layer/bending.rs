@@ -1,0 +1,73 @@
+//! Correction of the hinges for the shape of the mesh's triangles.
+
+use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+use ruga_blend::rest_frame;
+use ruga_shell::{HINGE_EXPONENT, ResponseQuery, face_corners, response_modulus};
+
+use super::Layer;
+use crate::StepperError;
+use crate::below::BelowSurface;
+
+/// Ratios of a mesh's bending modulus to the material's that can be the triangles' doing.
+const BENDING_RATIOS: [f64; 2] = [0.5, 2.0];
+
+impl Layer {
+    /// Makes up for triangles that bend more or less easily than the material, as measured where
+    /// and in the direction that `below` compresses the layer; the layer stays where it is.
+    /// False when something is compressed enough to wrinkle and could not be measured.
+    pub(crate) fn calibrate_bending(&mut self, below: BelowSurface) -> Result<bool, StepperError> {
+        let state = self.state();
+        self.set_below(below, 1.0)?;
+        let [low, high] = BENDING_RATIOS;
+        let measured = self.measured_bending_ratio();
+        self.bending_ratio = measured.map(|ratio| ratio.clamp(low, high));
+        if let Some(ratio) = self.bending_ratio {
+            let outcome = self.energy.set_bending_factor(1.0 / ratio);
+            outcome.map_err(|source| self.shell_error(source))?;
+        }
+        let is_measured = self.bending_ratio.is_some() || self.demand() <= 1.0;
+        self.restore(&state)?;
+        Ok(is_measured)
+    }
+
+    /// Response bending modulus of this mesh, compressed in the main direction, over that of the
+    /// material; `None` where nothing is compressed enough or the mesh has no wrinkling mode.
+    ///
+    /// One direction for all: one that varies from face to face frustrates the mode and would
+    /// count as stiffness.
+    fn measured_bending_ratio(&self) -> Option<f64> {
+        let faces = self.skin.corner_indices();
+        let corners = face_corners(&self.skin.rest.positions, &faces);
+        let directions = vec![self.main_direction(&corners)?; faces.len()];
+        let pinned = self.skin.mesh.border_vertices();
+        let response = response_modulus(&ResponseQuery {
+            faces: &faces,
+            corners: &corners,
+            directions: &directions,
+            fixed: pinned.as_slice(),
+            bending_modulus: self.wrinkling.bending_stiffness,
+            hinge_exponent: HINGE_EXPONENT,
+            normal_stiffness: self.wrinkling.normal_stiffness,
+            gradient_stiffness: self.wrinkling.gradient_stiffness,
+        });
+        let modulus = response.ok().filter(|r| r.converged)?.bending_modulus;
+        Some(modulus / self.wrinkling.bending_stiffness)
+    }
+
+    /// The direction in space in which most of the compression beyond the critical strain goes.
+    fn main_direction(&self, corners: &[[Vector3<f64>; 3]]) -> Option<Vector3<f64>> {
+        let mut tensor = Matrix3::zeros();
+        for (corners, (face, strain)) in corners.iter().zip(self.strains.iter()) {
+            let excess = self.face_demand(face, strain) - 1.0;
+            let [u, v] = rest_frame(*corners);
+            let direction = u * strain.direction.x + v * strain.direction.y;
+            let area = (corners[1] - corners[0])
+                .cross(&(corners[2] - corners[0]))
+                .norm();
+            tensor += direction * direction.transpose() * (area * excess.max(0.0));
+        }
+        let eigen = SymmetricEigen::new(tensor);
+        let largest = eigen.eigenvalues.imax();
+        (eigen.eigenvalues[largest] > 0.0).then(|| eigen.eigenvectors.column(largest).into_owned())
+    }
+}
