@@ -1,11 +1,10 @@
 //! The surface around a centre, laid out in its tangent plane and cut to what the centre sees.
 
 use nalgebra::{Vector2, Vector3};
-use ruga_mesh::{FaceId, Id, TriMesh, VertexId};
+use ruga_mesh::{FaceId, Id, TangentCentre, TriMesh, VertexId, tangent_coordinates};
 
 use crate::Kernel;
 use crate::centre::Centre;
-use crate::unroll::Unrolling;
 
 /// Faces whose edges change length by more than this factor in the chart straddle its far side,
 /// where coordinates coming around a finger from two sides meet.
@@ -83,27 +82,35 @@ impl<'a> Charts<'a> {
         chart
     }
 
+    fn tangent_centre(&self, centre: &Centre) -> TangentCentre {
+        TangentCentre {
+            origin: centre.interpolate(self.positions),
+            normal: centre.interpolate(self.normals).normalize(),
+            axis: centre.axis(self.mesh, self.positions),
+            around: match centre.weights() {
+                [(own, _)] => vec![*own],
+                _ => centre.neighbours(self.mesh).collect(),
+            },
+        }
+    }
+
     fn lay_out(&self, centre: &Centre, radius: f64) -> (Vec<VertexId>, Vec<Vector2<f64>>) {
-        let unrolling = Unrolling {
-            mesh: self.mesh,
-            positions: self.positions,
-            normals: self.normals,
-        };
-        let axis = centre.axis(self.mesh, self.positions);
+        let place = self.tangent_centre(centre);
         let own_reach = centre
             .carriers()
             .fold(0.0_f64, |m, v| m.max(self.reach[v.index()]));
         let mut laid_out = radius + 2.0 * own_reach;
         loop {
-            let found = unrolling.around(centre, axis, laid_out);
+            let found =
+                tangent_coordinates(self.mesh, self.positions, self.normals, &place, laid_out);
             // A face that touches the disc has its corners within one edge of a vertex inside it,
             // or spans it whole.
             let longest = found
                 .iter()
-                .filter(|(_, place)| place.norm() <= radius)
-                .fold(0.0_f64, |m, (v, _)| m.max(self.reach[v.index()]));
+                .filter(|found| found.place.norm() <= radius)
+                .fold(0.0_f64, |m, found| m.max(self.reach[found.vertex.index()]));
             if radius + longest <= laid_out {
-                return found.into_iter().unzip();
+                return found.into_iter().map(|f| (f.vertex, f.place)).unzip();
             }
             laid_out = radius + 1.001 * longest;
         }

@@ -49,7 +49,6 @@ mod moment_match;
 mod quadrature;
 mod region_graph;
 mod rows;
-mod unroll;
 
 pub use cluster_centres::{ClusterSettings, cluster_centres};
 pub use kernel::Kernel;

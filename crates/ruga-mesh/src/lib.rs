@@ -58,4 +58,6 @@ pub use planar_lookup::{PlanarLookup, barycentric};
 pub use sparse_rows::SparseRows;
 pub use surface_jet::SurfaceJet;
 pub use surface_lookup::{ClosestPlace, SurfaceLookup};
-pub use tangent_coordinates::{TangentCoordinates, tangent_coordinates, tangent_frame};
+pub use tangent_coordinates::{
+    TangentCentre, TangentCoordinates, tangent_coordinates, tangent_frame,
+};

@@ -1,4 +1,4 @@
-//! Geodesic polar coordinates around a vertex.
+//! Geodesic polar coordinates around a place.
 
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -16,54 +16,58 @@ pub struct TangentCoordinates {
     pub place: Vector2<f64>,
 }
 
+/// A place of a surface around which to unroll it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TangentCentre {
+    /// The place, m.
+    pub origin: Vector3<f64>,
+    /// Unit normal there.
+    pub normal: Vector3<f64>,
+    /// Direction of the first coordinate; need not be tangent.
+    pub axis: Vector3<f64>,
+    /// Where to start: the vertex that the place is, or the vertices around it.
+    pub around: Vec<VertexId>,
+}
+
 /// Vertices within `radius` of `centre`, reached over the surface, with tangent coordinates.
 ///
 /// The discrete exponential map of Schmidt, Grimm and Wyvill, *Interactive decal compositing*,
 /// 2006: Dijkstra's order, each vertex taking the coordinates of its nearest reached neighbour
 /// plus the edge between them, rotated into the centre's tangent plane. Exact on a flat mesh;
 /// on a curved one the error grows with the square of radius over curvature radius. Nothing
-/// leaks through the air from one side of a finger to the other.
+/// leaks through the air from one side of a finger to the other. Starts from all vertices around
+/// the place at once, so that a centre inside a face is one like any other.
 ///
-/// `normals` are unit; `axis` gives the direction of the first coordinate and need not be tangent.
-/// Sorted by vertex.
+/// `positions` (m) and unit `normals` per vertex. Sorted by vertex.
 pub fn tangent_coordinates(
     mesh: &TriMesh,
     positions: &[Vector3<f64>],
     normals: &[Vector3<f64>],
-    centre: VertexId,
-    axis: Vector3<f64>,
+    centre: &TangentCentre,
     radius: f64,
 ) -> Vec<TangentCoordinates> {
-    let normal = normals[centre.index()];
-    let frame = tangent_frame(normal, axis);
+    let plane = TangentPlane {
+        normal: centre.normal,
+        frame: tangent_frame(centre.normal, centre.axis),
+    };
+    let start = |&vertex: &VertexId| {
+        let way = positions[vertex.index()] - centre.origin;
+        Front::new(vertex, plane.lay(way, plane.normal))
+    };
+    let mut queue: BinaryHeap<Front> = centre.around.iter().map(start).collect();
     let mut settled: BTreeMap<VertexId, Vector2<f64>> = BTreeMap::new();
-    let mut queue = BinaryHeap::from([Front {
-        distance: 0.0,
-        vertex: centre,
-        place: Vector2::zeros(),
-    }]);
     while let Some(front) = queue.pop() {
-        if settled.contains_key(&front.vertex) {
+        if front.distance > radius || settled.contains_key(&front.vertex) {
             continue;
         }
         settled.insert(front.vertex, front.place);
         let from = front.vertex.index();
         for &face in mesh.vertex_faces(front.vertex) {
-            for vertex in mesh.faces()[face] {
-                if settled.contains_key(&vertex) {
-                    continue;
-                }
-                let step = flatten(positions[vertex.index()] - positions[from], normals[from]);
-                let step = turn(step, normals[from], normal);
-                let place = front.place + Vector2::new(step.dot(&frame[0]), step.dot(&frame[1]));
-                let distance = place.norm();
-                if distance <= radius {
-                    queue.push(Front {
-                        distance,
-                        vertex,
-                        place,
-                    });
-                }
+            let corners = mesh.faces()[face].into_iter();
+            for vertex in corners.filter(|v| !settled.contains_key(v)) {
+                let edge = positions[vertex.index()] - positions[from];
+                let place = front.place + plane.lay(edge, normals[from]);
+                queue.push(Front::new(vertex, place));
             }
         }
     }
@@ -71,6 +75,20 @@ pub fn tangent_coordinates(
         .into_iter()
         .map(|(vertex, place)| TangentCoordinates { vertex, place })
         .collect()
+}
+
+/// The plane that everything is laid out in.
+struct TangentPlane {
+    normal: Vector3<f64>,
+    frame: [Vector3<f64>; 2],
+}
+
+impl TangentPlane {
+    /// An edge that starts where the surface has the given normal, turned into the plane.
+    fn lay(&self, edge: Vector3<f64>, normal: Vector3<f64>) -> Vector2<f64> {
+        let step = turn(flatten(edge, normal), normal, self.normal);
+        Vector2::new(step.dot(&self.frame[0]), step.dot(&self.frame[1]))
+    }
 }
 
 /// Two unit tangents that with `normal` make a right-handed frame; the first lies along `axis`.
@@ -114,6 +132,16 @@ struct Front {
     distance: f64,
     vertex: VertexId,
     place: Vector2<f64>,
+}
+
+impl Front {
+    fn new(vertex: VertexId, place: Vector2<f64>) -> Self {
+        Self {
+            distance: place.norm(),
+            vertex,
+            place,
+        }
+    }
 }
 
 impl Ord for Front {

@@ -4,7 +4,8 @@ use nalgebra::{Rotation3, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use ruga_mesh::{
-    Id, TangentCoordinates, TriMesh, VertexId, tangent_coordinates, tangent_frame, vertex_normals,
+    Id, TangentCentre, TangentCoordinates, TriMesh, VertexId, tangent_coordinates, tangent_frame,
+    vertex_normals,
 };
 
 /// Irregular points of [-1, 1]², the middle one at the origin, and faces with random diagonals.
@@ -43,6 +44,24 @@ fn middle(cells: usize) -> VertexId {
     VertexId(((cells + 1) * (cells + 1) / 2) as u32)
 }
 
+/// Unrolled around a vertex.
+fn around(
+    mesh: &TriMesh,
+    positions: &[Vector3<f64>],
+    normals: &[Vector3<f64>],
+    centre: VertexId,
+    axis: Vector3<f64>,
+    radius: f64,
+) -> Vec<TangentCoordinates> {
+    let centre = TangentCentre {
+        origin: positions[centre.index()],
+        normal: normals[centre.index()],
+        axis,
+        around: vec![centre],
+    };
+    tangent_coordinates(mesh, positions, normals, &centre, radius)
+}
+
 #[test]
 fn exact_on_a_tilted_plane() {
     let cells = 30;
@@ -58,7 +77,7 @@ fn exact_on_a_tilted_plane() {
         let normals = vertex_normals(&mesh, &positions);
         let axis = turn * Vector3::x() + 5.0 * (turn * Vector3::z());
         let radius = 0.6;
-        let found = tangent_coordinates(&mesh, &positions, &normals, middle(cells), axis, radius);
+        let found = around(&mesh, &positions, &normals, middle(cells), axis, radius);
         let error = |t: &TangentCoordinates| (t.place - places[t.vertex.index()]).norm();
         let worst = found.iter().map(error).fold(0.0, f64::max);
         assert!(worst < 1e-13 * radius, "{worst}");
@@ -89,7 +108,7 @@ fn cylinder_error(radius: f64) -> f64 {
             .map(|p| Vector3::new(p.x.sin(), 0.0, p.x.cos()))
             .collect();
         let centre = middle(cells);
-        for t in tangent_coordinates(&mesh, &positions, &normals, centre, Vector3::x(), radius) {
+        for t in around(&mesh, &positions, &normals, centre, Vector3::x(), radius) {
             worst = worst.max((t.place - unrolled[t.vertex.index()]).norm() / radius);
         }
     }
@@ -122,7 +141,7 @@ fn the_other_side_of_a_thin_fold_is_out_of_reach() {
     let mesh = TriMesh::new(positions.len(), faces).expect("a square");
     let normals = vertex_normals(&mesh, &positions);
     let centre = middle(cells);
-    let found = tangent_coordinates(&mesh, &positions, &normals, centre, Vector3::x(), 0.4);
+    let found = around(&mesh, &positions, &normals, centre, Vector3::x(), 0.4);
     assert!(found.len() > 100);
     for t in found {
         assert!(places[t.vertex.index()].x > -0.5);
@@ -135,7 +154,7 @@ fn a_radius_below_every_edge_leaves_the_centre() {
     let positions: Vec<_> = places.iter().map(|p| Vector3::new(p.x, p.y, 0.0)).collect();
     let mesh = TriMesh::new(positions.len(), faces).expect("a square");
     let normals = vertex_normals(&mesh, &positions);
-    let found = tangent_coordinates(&mesh, &positions, &normals, middle(4), Vector3::x(), 1e-3);
+    let found = around(&mesh, &positions, &normals, middle(4), Vector3::x(), 1e-3);
     assert_eq!(found.len(), 1);
     assert_eq!(
         (found[0].vertex, found[0].place),
