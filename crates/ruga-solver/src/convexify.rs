@@ -55,13 +55,15 @@ impl Convexifier {
         }
     }
 
-    /// Factorises the Hessian, relaxed as little as its inertia allows.
+    /// Factorises the Hessian, relaxed as little as its inertia allows, or by `hint` where that is
+    /// enough.
     pub(crate) fn factorize(
         &mut self,
         kkt: &mut Kkt,
         exact: &[f64],
         relaxed: &[f64],
         floor: &[f64],
+        hint: Option<f64>,
     ) -> Result<Convexified, SolverError> {
         let inertia = self.inertia(kkt, exact, floor)?;
         let mut outcome = Convexified {
@@ -70,6 +72,12 @@ impl Convexifier {
             shift: 0.0,
         };
         if inertia.is_minimum() {
+            return Ok(outcome);
+        }
+        if let Some(hint) = hint
+            && self.try_relaxation(kkt, exact, relaxed, floor, hint)?
+        {
+            outcome.relaxation = hint;
             return Ok(outcome);
         }
         outcome.relaxation = self.relax(kkt, exact, relaxed, floor)?.unwrap_or(1.0);

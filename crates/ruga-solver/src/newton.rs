@@ -97,6 +97,8 @@ struct Newton<'a> {
     trial: Vec<f64>,
     multipliers: Vec<f64>,
     indefinite_iterations: usize,
+    /// A relaxation that may do for the first step.
+    hint: Option<f64>,
     /// What is known of a factor that a small restoration left usable.
     at_hand: Option<Factored>,
     report: SolveReport,
@@ -142,6 +144,7 @@ impl<'a> Newton<'a> {
             multipliers: vec![0.0; rows],
             kkt,
             indefinite_iterations: 0,
+            hint: Some(settings.first_relaxation).filter(|&hint| hint > 0.0),
             at_hand: None,
             report: empty_report(),
         })
@@ -247,6 +250,7 @@ impl<'a> Newton<'a> {
             &self.exact,
             &self.relaxed,
             self.objective.floor(),
+            self.hint.take(),
         )?;
         self.report.shift_used = self.report.shift_used.max(outcome.shift);
         Ok(Factored {
@@ -339,6 +343,9 @@ impl<'a> Newton<'a> {
         report.decrement = iteration.decrement;
         report.inertia = iteration.inertia;
         report.relaxation_used = report.relaxation_used.max(iteration.relaxation);
+        if iteration.index == 0 {
+            report.first_relaxation = iteration.relaxation;
+        }
         report.left_saddle |= indefinite;
     }
 
@@ -470,6 +477,7 @@ fn empty_report() -> SolveReport {
         infeasibility: 0.0,
         inertia: None,
         relaxation_used: 0.0,
+        first_relaxation: 0.0,
         shift_used: 0.0,
         left_saddle: false,
         linear_iterations: 0,

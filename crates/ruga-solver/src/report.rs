@@ -53,6 +53,11 @@ pub struct NewtonSettings {
     pub energy_tolerance: f64,
     /// Stop when the largest residual force is below this times the force scale. Default 1e-7.
     pub residual_tolerance: f64,
+    /// Share of the compressive stress stiffness to leave out of the first step if its Hessian is
+    /// indefinite, from the [`SolveReport::first_relaxation`] of a similar solve: spares the search
+    /// for the least that will do. That search picks the mode that buckles first; a pattern that is
+    /// there already and only moved does not need it. In [0, 1]; 0, the default, searches.
+    pub first_relaxation: f64,
     /// Seed of the vectors that negative curvature is searched from. Default 1.
     pub seed: u64,
 }
@@ -65,6 +70,7 @@ impl Default for NewtonSettings {
             max_iterations: 100,
             energy_tolerance: 1e-6,
             residual_tolerance: 1e-7,
+            first_relaxation: 0.0,
             seed: 1,
         }
     }
@@ -81,6 +87,9 @@ impl NewtonSettings {
         }
         if self.residual_tolerance.is_nan() || self.residual_tolerance < 0.0 {
             return refuse("residual_tolerance", self.residual_tolerance);
+        }
+        if !(0.0..=1.0).contains(&self.first_relaxation) {
+            return refuse("first_relaxation", self.first_relaxation);
         }
         if let LinearSolver::Minres {
             tolerance,
@@ -161,6 +170,8 @@ pub struct SolveReport {
     pub inertia: Option<Inertia>,
     /// Largest share of the compressive stress stiffness that had to be left out, 0 to 1.
     pub relaxation_used: f64,
+    /// What was left out of the first step, 0 to 1.
+    pub first_relaxation: f64,
     /// Largest diagonal shift, relative to the mean diagonal, that was needed on top of full
     /// relaxation; 0 nearly always.
     pub shift_used: f64,

@@ -34,6 +34,9 @@ const AT_REST: f64 = 1e-4;
 /// Steps in time after which a layer that still moves is given up.
 const MOST_STEPS_TO_REST: usize = 200;
 
+/// The relaxation that a solve is tried with first, over what the last one needed: lets it shrink.
+const SLOWLY_LESS: f64 = 0.97;
+
 /// Amplitude below which a layer counts as flat, in thicknesses.
 const LEAST_AMPLITUDE: f64 = 0.01;
 
@@ -83,6 +86,8 @@ pub(crate) struct LayerRun {
     pub(crate) index: usize,
     pub(crate) layer: Layer,
     pub(crate) report: LayerReport,
+    /// What had to be left out of the first step of the last solve that began with a pattern.
+    relaxation: f64,
     /// What the user should know, without the layer's name.
     pub(crate) warnings: Vec<String>,
 }
@@ -102,6 +107,7 @@ impl LayerRun {
             index,
             layer,
             report,
+            relaxation: 0.0,
             warnings: Vec::new(),
         }
     }
@@ -368,6 +374,11 @@ impl LayerRun {
                 Pace::Passing => PASSING,
             },
             residual_tolerance: modelling.tolerance,
+            first_relaxation: if at_saddle == AtSaddle::Leave {
+                SLOWLY_LESS * self.relaxation
+            } else {
+                0.0
+            },
             seed: modelling.seed,
             ..usual
         };
@@ -385,6 +396,9 @@ impl LayerRun {
             Some(start) => layer.step_in_time(start, &settings, &mut keep_going),
         };
         let solve = solve.map_err(|source| self.solver_error(source))?;
+        if solve.converged && solve.first_relaxation > 0.0 {
+            self.relaxation = solve.first_relaxation;
+        }
         self.report.newton_iterations += solve.iterations;
         self.report.factorizations += solve.factorizations;
         self.report.residual = solve.residual;
