@@ -195,6 +195,7 @@ pub fn plan(
                 numbers,
                 local,
                 points: modelling.points_of(index, simulated),
+                is_lowest: index == 0,
             })
         })
         .collect::<Result<Vec<_>, StepperError>>()?;
@@ -231,6 +232,8 @@ pub(crate) struct PlannedLayer<'a> {
     pub(crate) local: PerFace<Wrinkling>,
     /// Edges per wavelength asked for.
     pub(crate) points: f64,
+    /// Whether it lies on the driver.
+    pub(crate) is_lowest: bool,
 }
 
 /// The whole driver, subdivided finely enough to measure strain on.
@@ -359,6 +362,7 @@ impl PlanningSurface {
             numbers,
             local,
             points: asked,
+            is_lowest,
         } = layer;
         let waves = local.as_slice().iter().map(|numbers| numbers.wavelength);
         let longest = waves.fold(0.0, f64::max);
@@ -409,16 +413,14 @@ impl PlanningSurface {
             Some(_) => needed.min(modelling.vertex_budget as f64),
             None => vertices_of(faces_at(levels)),
         } as usize;
-        let sequences = match path {
-            LoadPath::Weight => 1,
-            LoadPath::Strain => pose.keys.len() as u32,
-        };
         // Two layers on one mesh have twice the unknowns.
         let unknowns = match modelling.stack {
             Stack::Joint => 2 * vertices,
             Stack::Nominal | Stack::Composite => vertices,
         };
-        let (seconds, memory) = cost(unknowns, pose.steps * sequences);
+        let handed_out = vertices_of(faces_at(levels));
+        let work = factorisations(*is_lowest, pose, path);
+        let (seconds, memory) = cost(unknowns, handed_out, work);
         let radius = 1.0 / quantile(&self.curvatures, 0.95);
         LayerPlan {
             name: spec.name.clone(),
@@ -588,13 +590,27 @@ fn remedy(plan: &LayerPlan, modelling: &Modelling) -> String {
 /// Seconds and bytes of a pose, from runs at 2 to 150 thousand vertices on one core.
 ///
 /// A numeric factorisation grows with the 3/2 power of the vertices (nested dissection of a
-/// surface), its memory with `n log n`. Finding the onset takes about forty factorisations,
-/// each load step on a real face about sixteen.
-fn cost(vertices: usize, steps: u32) -> (f64, f64) {
+/// surface), its memory with `n log n`; the mesh that results are handed out on has ten kilobytes
+/// for every one of its vertices, `handed_out`.
+fn cost(vertices: usize, handed_out: f64, factorisations: f64) -> (f64, f64) {
     let n = vertices as f64;
     let factorisation = 7.5e-8 * n.powf(1.5) + 1e-5 * n;
-    let memory = n * (900.0 + 260.0 * n.max(2.0).log2());
-    ((40.0 + 16.0 * f64::from(steps)) * factorisation, memory)
+    let memory = n * (900.0 + 260.0 * n.max(2.0).log2()) + 1e4 * handed_out;
+    (factorisations * factorisation, memory)
+}
+
+/// Factorisations of a layer in one pose.
+///
+/// The lowest layer takes about forty to find its onset and sixteen for each of its load steps on a
+/// real face. One on another layer takes two hundred to wrinkle on what that has become at the
+/// first key, and goes on from there in thirty.
+fn factorisations(is_lowest: bool, pose: &PoseSpec, path: LoadPath) -> f64 {
+    let keys = pose.keys.len() as f64;
+    match (is_lowest, path) {
+        (true, LoadPath::Weight) => 40.0 + 16.0 * f64::from(pose.steps),
+        (true, LoadPath::Strain) => keys * (40.0 + 16.0 * f64::from(pose.steps)),
+        (false, _) => 170.0 + 30.0 * keys,
+    }
 }
 
 fn mean_edge([a, b, c]: [Vector3<f64>; 3]) -> f64 {
