@@ -177,7 +177,7 @@ impl Top {
         };
         let computed = format!("meshes/{}/{}.obj", pose.name, layer.name);
         Ok(Some(Self {
-            mesh: Surface::read(&results.join(computed))?,
+            mesh: Surface::read(&results.join(computed))?.without_torn()?,
             skin: Surface::read(&file)?,
             least_full_colour: 1.5 * layer.critical_strain_predicted.unwrap_or(0.05),
         }))
