@@ -125,11 +125,14 @@ fn draw(name: &str, scene: &Path, report: &Report, folder: &Path) -> Result<(), 
             println!("{title}: nothing wrinkles, nothing to draw");
             continue;
         };
-        skin_picture::draw(&top.skin)?.write(&folder.join(format!("{title}-skin.png")))?;
+        let compressed = material.strains(&top.skin)?;
+        skin_picture::draw(&top.skin, &compressed)?
+            .write(&folder.join(format!("{title}-skin.png")))?;
         let strains = material.strains(&top.mesh)?;
-        mesh_picture::draw(&top.mesh, &strains, top.full_colour)?
+        let full_colour = mesh_picture::full_colour(&top.mesh, &strains, top.least_full_colour);
+        mesh_picture::draw(&top.mesh, &strains, full_colour)?
             .write(&folder.join(format!("{title}-mesh.png")))?;
-        println!("{title}: {}", findings(pose, top.full_colour));
+        println!("{title}: {}", findings(pose, full_colour));
     }
     Ok(())
 }
@@ -160,9 +163,9 @@ struct Top {
     skin: Surface,
     /// The mesh that it was computed on.
     mesh: Surface,
-    /// The strain that is drawn in full colour: half more than that at which the layer begins to
-    /// wrinkle, which wrinkled skin keeps on average.
-    full_colour: f64,
+    /// No less strain than this is drawn in full colour: half more than that at which the layer
+    /// begins to wrinkle, which wrinkled skin keeps on average.
+    least_full_colour: f64,
 }
 
 impl Top {
@@ -176,9 +179,9 @@ impl Top {
         };
         let computed = format!("meshes/{}/{}.obj", pose.name, layer.name);
         Ok(Some(Self {
-            mesh: Surface::read(&results.join(computed))?,
+            mesh: Surface::read(&results.join(computed))?.without_torn()?,
             skin: Surface::read(&file)?,
-            full_colour: 1.5 * layer.critical_strain_predicted.unwrap_or(0.05),
+            least_full_colour: 1.5 * layer.critical_strain_predicted.unwrap_or(0.05),
         }))
     }
 }

@@ -3,7 +3,8 @@
 use std::error::Error;
 
 use nalgebra::{Matrix3, Vector2, Vector3};
-use ruga_mesh::{face_normals, vertex_normals};
+use ruga_blend::FaceStrain;
+use ruga_mesh::{PerFace, face_normals, vertex_normals};
 
 use super::canvas::Canvas;
 use super::surface::Surface;
@@ -17,13 +18,21 @@ const WIDTH: usize = 900;
 const SLANT: f64 = 0.75;
 const TURN: f64 = -0.4;
 
-/// Draws a layer.
-pub(super) fn draw(layer: &Surface) -> Result<Canvas, Box<dyn Error>> {
+/// Draws a layer, looking at where it is compressed most.
+pub(super) fn draw(
+    layer: &Surface,
+    strains: &PerFace<FaceStrain>,
+) -> Result<Canvas, Box<dyn Error>> {
     let faces = face_normals(&layer.mesh, &layer.positions);
-    let mean: Vector3<f64> = faces.as_slice().iter().sum();
+    let mean: Vector3<f64> = faces
+        .as_slice()
+        .iter()
+        .zip(strains.as_slice())
+        .map(|(normal, strain)| normal * strain.first.max(0.0))
+        .sum();
     let above = mean
         .try_normalize(0.0)
-        .ok_or("a closed or empty layer has no side to look at it from")?;
+        .ok_or("a layer that nothing compresses has no side to look at it from")?;
     let skin_axes = skin_axes(above);
     let view = slanted() * skin_axes;
     let seen: Vec<Vector3<f64>> = layer.positions.iter().map(|p| view * p).collect();

@@ -3,10 +3,13 @@
 use std::error::Error;
 use std::path::Path;
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{SVector, Vector2, Vector3};
 use ruga_blend::{Driver, FaceStrain, Smoothing, SurfacePoints, face_strains};
 use ruga_io::{ObjOptions, Scene, read_mesh, scene};
 use ruga_mesh::{MaterialPoint, PerFace, PlanarLookup, TriMesh, barycentric};
+
+/// Times the usual stretch from space to texture at which a triangle counts as torn apart.
+const TORN: f64 = 5.0;
 
 /// A triangle mesh in space and in the texture.
 #[derive(Clone, Debug)]
@@ -31,6 +34,40 @@ impl Surface {
         })
     }
 
+    /// The surface without the triangles across seams of the texture, which a mesh with one texture
+    /// coordinate per vertex tears apart there.
+    pub(super) fn without_torn(&self) -> Result<Self, Box<dyn Error>> {
+        let stretches: Vec<f64> = self
+            .corners(&self.positions)
+            .into_iter()
+            .zip(self.corners(&self.uvs))
+            .map(|(places, uvs)| longest(&uvs) / longest(&places))
+            .collect();
+        let mut sorted = stretches.clone();
+        sorted.sort_by(f64::total_cmp);
+        let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+        let mut index = vec![None; self.uvs.len()];
+        let (mut positions, mut uvs) = (Vec::new(), Vec::new());
+        let mut kept = |v: u32| {
+            let v = v as usize;
+            *index[v].get_or_insert_with(|| {
+                positions.push(self.positions[v]);
+                uvs.push(self.uvs[v]);
+                uvs.len() as u32 - 1
+            })
+        };
+        let faces = self.mesh.faces().as_slice().iter().zip(&stretches);
+        let triangles = faces
+            .filter(|(_, stretch)| **stretch <= TORN * usual)
+            .map(|(face, _)| face.map(|v| kept(v.0)))
+            .collect();
+        Ok(Self {
+            mesh: TriMesh::new(uvs.len(), triangles)?,
+            positions,
+            uvs,
+        })
+    }
+
     /// The corners of a triangle, of whatever is known at the vertices.
     pub(super) fn corners<T: Copy>(&self, values: &[T]) -> Vec<[T; 3]> {
         let faces = self.mesh.faces().as_slice().iter();
@@ -38,6 +75,13 @@ impl Surface {
             .map(|face| face.map(|v| values[v.0 as usize]))
             .collect()
     }
+}
+
+/// The longest side of a triangle.
+fn longest<const N: usize>(corners: &[SVector<f64, N>; 3]) -> f64 {
+    (0..3).fold(0.0, |length: f64, i| {
+        length.max((corners[(i + 1) % 3] - corners[i]).norm())
+    })
 }
 
 /// The artist's mesh at rest, looked up by texture coordinates.
@@ -108,5 +152,32 @@ impl Material {
                 barycentric: place.map(|b| b / sum),
             })
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_across_a_seam_are_left_out() {
+        // A square, and beside it a triangle whose tip is mapped to the far left.
+        let places = [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]].map(Vector2::from);
+        let far = [[2.0, 0.0], [2.0, 1.0]].map(Vector2::from);
+        let positions: Vec<_> = places.iter().chain(&far).map(|p| p.push(0.0)).collect();
+        let uvs = [
+            places.to_vec(),
+            far.map(|p| p - Vector2::x() * 20.0).to_vec(),
+        ]
+        .concat();
+        let triangles = vec![[0, 2, 1], [1, 2, 3], [2, 4, 3]];
+        let surface = Surface {
+            mesh: TriMesh::new(6, triangles).unwrap(),
+            positions,
+            uvs,
+        };
+        let whole = surface.without_torn().unwrap();
+        assert_eq!(whole.mesh.faces().as_slice().len(), 2);
+        assert_eq!([whole.uvs.len(), whole.positions.len()], [4, 4]);
     }
 }

@@ -1,6 +1,7 @@
 //! `ruga plan`: what will be modelled, where, how fine and at what cost.
 
-use ruga_stepper::{LayerPlan, LoadPath, Plan};
+use ruga_material::{FirstScale, StackPair};
+use ruga_stepper::{LayerPlan, LoadPath, Plan, Stack};
 use serde::Serialize;
 
 use crate::arguments::PlanArguments;
@@ -23,6 +24,10 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<Outcome, CliError> {
     }
     messages::result(&layers_table(&project, &plan));
     messages::result("");
+    if !plan.pairs.is_empty() {
+        messages::result(&pairs_table(&project, &plan));
+        messages::result("");
+    }
     messages::result(&poses_table(&plan));
     messages::result(&totals(&plan));
     for warning in project.warnings.iter().chain(&plan.warnings) {
@@ -56,6 +61,65 @@ fn layers_table(project: &Project, plan: &Plan) -> String {
         "thickness",
     ];
     table(&headings, &rows)
+}
+
+/// Every layer on the one that carries it: what the two would do together.
+fn pairs_table(project: &Project, plan: &Plan) -> String {
+    let rows: Vec<Vec<String>> = pairs(project, plan)
+        .iter()
+        .map(|pair| {
+            let joint = |value: Option<f64>| value.unwrap_or(f64::NAN);
+            vec![
+                format!("{} on {}", pair.upper, pair.lower),
+                number(pair.membrane_ratio, 2, ""),
+                number(pair.force_ratio, 2, ""),
+                number(1e3 * joint(pair.joint_wavelength_m), 2, "mm"),
+                number(1e2 * joint(pair.joint_critical_strain), 2, "%"),
+                pair.first_scale.to_owned(),
+                number(pair.bending_transfer, 3, ""),
+            ]
+        })
+        .collect();
+    let headings = [
+        "pair",
+        "membrane ratio",
+        "force ratio",
+        "joint wavelength",
+        "joint critical strain",
+        "first scale",
+        "bending transfer",
+    ];
+    table(&headings, &rows)
+}
+
+fn pairs<'a>(project: &'a Project, plan: &Plan) -> Vec<PairJson<'a>> {
+    let layers = project.layers.windows(2);
+    let named = layers.zip(&plan.pairs);
+    named
+        .map(|(layers, pair)| PairJson {
+            lower: &layers[0].name,
+            upper: &layers[1].name,
+            membrane_ratio: pair.membrane_ratio,
+            force_ratio: pair.force_ratio,
+            joint_wavelength_m: pair.joint.map(|joint| joint.wavelength),
+            joint_critical_strain: pair.joint.map(|joint| joint.critical_strain),
+            first_scale: match pair.first_scale() {
+                FirstScale::Fine => "fine",
+                FirstScale::Large => "large",
+            },
+            bending_transfer: layers[1]
+                .bending_transfer
+                .unwrap_or(usual_bending_transfer(project.modelling.stack, pair)),
+        })
+        .collect()
+}
+
+/// What the upper layer feels of the lower one's bending unless the scene says it.
+fn usual_bending_transfer(stack: Stack, pair: &StackPair) -> f64 {
+    match stack {
+        Stack::Nominal => pair.bending_transfer,
+        Stack::Composite => 1.0,
+    }
 }
 
 fn poses_table(plan: &Plan) -> String {
@@ -140,8 +204,27 @@ struct PlanJson<'a> {
     ruga: &'a str,
     scene: String,
     warnings: Vec<&'a String>,
+    /// Bottom first; empty for a single layer.
+    pairs: Vec<PairJson<'a>>,
     poses: Vec<PoseJson<'a>>,
     total: TotalJson,
+}
+
+/// A layer on the one below. Where the two have no wave in common, that wave's numbers are `null`.
+#[derive(Serialize)]
+struct PairJson<'a> {
+    lower: &'a str,
+    upper: &'a str,
+    /// Membrane stiffness of the upper layer over that of the lower one.
+    membrane_ratio: f64,
+    /// Critical force of the upper layer over that of the lower one, each alone.
+    force_ratio: f64,
+    joint_wavelength_m: Option<f64>,
+    joint_critical_strain: Option<f64>,
+    /// What a growing compression would show first of both together: `fine` or `large`.
+    first_scale: &'static str,
+    /// The share that is used: the scene's, or what its kind of stack has.
+    bending_transfer: f64,
 }
 
 #[derive(Serialize)]
@@ -208,6 +291,7 @@ fn json(project: &Project, plan: &Plan) -> String {
         ruga: env!("CARGO_PKG_VERSION"),
         scene: project.path.to_string_lossy().into_owned(),
         warnings: project.warnings.iter().chain(&plan.warnings).collect(),
+        pairs: pairs(project, plan),
         poses: plan
             .poses
             .iter()
