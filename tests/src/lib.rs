@@ -6,11 +6,15 @@ mod film;
 mod film_objective;
 mod film_rows;
 mod film_spec;
+mod patch;
 mod skin;
 mod strip;
+mod two_scales;
 
 pub use base::Base;
 pub use film::{Film, Step};
 pub use film_spec::{BaseReaction, FilmCoupling, FilmSpec};
+pub use patch::Patch;
 pub use skin::{Skin, asset, shared_data, tilts};
 pub use strip::{Strip, equilateral, equilateral_tube, unstructured};
+pub use two_scales::{FineHeights, Profile, TwoScales, Window};
