@@ -166,7 +166,7 @@ fn crests_keep_fine_wrinkles() {
         let ratio = ratio.expect("a peak");
         assert!((ratio - 1.0).abs() < 0.15, "{ratio}");
     }
-    assert!(nominal.prominence() > 30.0, "{}", nominal.prominence());
+    assert!(nominal.prominence() > 10.0, "{}", nominal.prominence());
     let kept = nominal.crest_over_flank();
     assert!(kept > 0.85, "{kept}");
     // In one dimension 0.33 where the large wave is 0.6 mm high, 0.19 at 0.9 mm.
