@@ -169,6 +169,20 @@ impl JointEnergy {
         Ok(())
     }
 
+    /// Sets every face's Green strain without stress, of each layer, as
+    /// [`LayerEnergy::set_natural_strains`].
+    ///
+    /// # Errors
+    /// [`ShellError::LengthMismatch`] for an array of another size.
+    pub fn set_natural_strains(
+        &mut self,
+        lower: &[Matrix2<f64>],
+        upper: &[Matrix2<f64>],
+    ) -> Result<(), ShellError> {
+        self.lower.set_natural_strains(lower)?;
+        self.upper.set_natural_strains(upper)
+    }
+
     /// Makes the angles of `positions` (m, both layers) the rest angles of each layer.
     ///
     /// # Errors

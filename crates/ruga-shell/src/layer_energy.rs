@@ -156,7 +156,8 @@ impl LayerEnergy {
     /// Stretches every rest triangle, as built, by a 2×2 matrix in its local frame
     /// ([`crate::rest_frame`]): the rest metric becomes `S^T S`. Replaces any earlier stretch.
     ///
-    /// Membrane, hinge stiffness and foundation all follow; rest angles stay.
+    /// Membrane, hinge stiffness and foundation all follow; rest angles stay, and natural strains
+    /// are zero again.
     ///
     /// # Errors
     /// [`ShellError::LengthMismatch`], [`ShellError::InvertedStretch`],
@@ -175,6 +176,21 @@ impl LayerEnergy {
         self.foundation
             .set_rest(&self.faces, &self.edges, &self.rest, &self.parameters);
         self.foundation_hessian = self.foundation.hessian(&self.edges, &self.pattern);
+        Ok(())
+    }
+
+    /// Sets every face's Green strain without stress, in the frame of its stretched rest triangle.
+    ///
+    /// With `(1 - s)` times the strain of a surface the layer on it has `s` times its strain, while
+    /// hinges and foundation, and so the length of the waves, stay those of the rest metric.
+    ///
+    /// # Errors
+    /// [`ShellError::LengthMismatch`] for an array of another size.
+    pub fn set_natural_strains(&mut self, strains: &[Matrix2<f64>]) -> Result<(), ShellError> {
+        check_length("natural strains", self.faces.len(), strains.len())?;
+        for (membrane, strain) in self.membranes.iter_mut().zip(strains) {
+            *membrane = membrane.with_natural_strain(*strain);
+        }
         Ok(())
     }
 

@@ -6,7 +6,7 @@ use crate::RestTriangle;
 
 /// St. Venant-Kirchhoff plane stress on a linear triangle.
 ///
-/// `W = A C/2 ((1 - nu) E:E + nu tr(E)^2)`, `E = (F^T F - I)/2`, `C = E_young h/(1 - nu^2)`.
+/// `W = A C/2 ((1 - nu) E:E + nu tr(E)^2)`, `E = (F^T F - I)/2 - E_0`, `C = E_young h/(1 - nu^2)`.
 /// Linear triangles do not lock here: the strain `u' + w'^2/2` is constant per triangle.
 ///
 /// # Shapes and units
@@ -21,6 +21,8 @@ pub struct Membrane {
     /// `A C`.
     stiffness: f64,
     poisson: f64,
+    /// `E_0`: Green strain at which there is no stress, zero when built.
+    natural: Matrix2<f64>,
 }
 
 /// Which stress enters the geometric part of a Hessian.
@@ -49,7 +51,15 @@ impl Membrane {
             gradients: [g1, g2],
             stiffness: rest.area() * tension,
             poisson,
+            natural: Matrix2::zeros(),
         }
+    }
+
+    /// The same with the stress-free Green strain `natural`, in the rest frame.
+    ///
+    /// Unlike another rest metric it leaves lengths, areas and what bends per area as they are.
+    pub fn with_natural_strain(self, natural: Matrix2<f64>) -> Self {
+        Self { natural, ..self }
     }
 
     /// Deformation gradient, strain and stress at `x`.
@@ -57,7 +67,8 @@ impl Membrane {
     pub fn state(&self, x: &[Vector3<f64>; 3]) -> MembraneState {
         let [g1, g2] = self.gradients;
         let deformation = (x[1] - x[0]) * g1.transpose() + (x[2] - x[0]) * g2.transpose();
-        let strain = 0.5 * (deformation.transpose() * deformation - Matrix2::identity());
+        let strain =
+            0.5 * (deformation.transpose() * deformation - Matrix2::identity()) - self.natural;
         let pressure = self.poisson * strain.trace();
         let stress = self.stiffness
             * ((1.0 - self.poisson) * strain + Matrix2::from_diagonal_element(pressure));
@@ -133,7 +144,7 @@ impl Membrane {
 }
 
 impl MembraneState {
-    /// Green strain in the face's rest frame.
+    /// Green strain in the face's rest frame, less the natural one.
     pub fn strain(&self) -> Matrix2<f64> {
         self.strain
     }

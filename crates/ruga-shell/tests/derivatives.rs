@@ -5,7 +5,7 @@ mod meshes;
 
 use differences::{assembled, check_assembled, check_stencil, dense, flat, full, rest_corners};
 use meshes::{random_rotation, random_vector, rng, symmetric};
-use nalgebra::Vector3;
+use nalgebra::{Matrix2, Vector3};
 use ruga_shell::{
     Anchor, Hinge, HingeCurvature, HingeState, Membrane, NormalFoundation, RestTriangle, Stress,
     TangentialTie,
@@ -16,7 +16,9 @@ fn membrane() {
     for seed in 0..40 {
         let mut rng = rng(1000 + seed);
         let rest = RestTriangle::new(&rest_corners(seed), 0).unwrap();
-        let membrane = Membrane::new(&rest, 2.5, 0.48);
+        let shear = 1e-3 * seed as f64;
+        let natural = Matrix2::new(0.1, shear, shear, -0.2);
+        let membrane = Membrane::new(&rest, 2.5, 0.48).with_natural_strain(natural);
         let turn = random_rotation(&mut rng);
         let noise = if seed % 2 == 0 { 0.3 } else { 1e-3 };
         let height = rest.seen_from_edge(0).2;

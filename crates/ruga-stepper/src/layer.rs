@@ -10,14 +10,14 @@ use nalgebra::{Matrix2, Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use ruga_blend::{Driver, FaceStrain, PosedSurface, face_strains};
-use ruga_material::{CAP_START, Wrinkling};
-use ruga_mesh::{Id, PerFace, VertexId};
+use ruga_material::{CAP_START, Wrinkling, capped_strain};
+use ruga_mesh::{FaceId, Id, PerFace, VertexId};
 use ruga_shell::{FaceParameters, LayerParameters, ShellError};
 use ruga_solver::{
     Iteration, Kkt, LowerPattern, NewtonSettings, SolveReport, SolverError, minimise,
 };
 
-use self::demand::offered;
+use self::demand::{green_strain, offered};
 use crate::below::BelowSurface;
 use crate::layer_objective::{LayerObjective, gather, scatter};
 use crate::local_skin::{LocalSkin, SkinProperties};
@@ -216,9 +216,10 @@ impl Layer {
 
     /// Moves the surface below; the layer is carried along, turning with it.
     ///
-    /// With a `share` under 1 the layer's rest metric lies between that of the posed surface, on
-    /// which it is unstrained, and its own: `(1 - share) C + share I`, so that the Green strain
-    /// grows linearly while the surface stays where it is.
+    /// With a `share` under 1 the layer feels only that part of the surface's Green strain, while
+    /// the surface stays where it is. Hinges and foundation stay those of the whole strain: with a
+    /// rest metric between posed and rest, waves would be chosen in the posed surface's lengths and
+    /// end up too long by the compression.
     ///
     /// The layer is not bent where it lies in the posed surface: folds that the artist has drawn
     /// sharper than the layer is thick would otherwise be unstable without any compression.
@@ -245,7 +246,8 @@ impl Layer {
         if self.spec.coupling != Coupling::Constraint {
             self.balance()?;
         }
-        self.load_rest_metric()
+        self.set_rest_metric()?;
+        self.set_felt_strains(|_, offered| offered)
     }
 
     /// Sets the forces with which the surface below holds the layer in its own shape.
@@ -257,52 +259,56 @@ impl Layer {
     /// up to the critical strain, because a wrinkled layer carries no more.
     fn balance(&mut self) -> Result<(), StepperError> {
         let poisson = self.spec.material.poisson;
-        let stretches = self.rest_stretches(|critical, [first, second]| {
+        let wanted = |critical: f64, [first, second]: [f64; 2]| {
             let second = second.min(critical / (1.0 + poisson));
             [(critical - poisson * second).min(first), second]
-        });
-        self.set_rest_metric(&stretches)?;
-        self.is_metric_changed = true;
+        };
+        self.set_rest_metric()?;
+        self.set_felt_strains(wanted)?;
         self.energy.gradient(&self.base, &mut self.reaction);
         Ok(())
     }
 
-    /// Beyond 15 % the rest metric shrinks with the surface below, face by face.
-    fn load_rest_metric(&mut self) -> Result<(), StepperError> {
+    /// Shrinks the rest metric with the surface below, face by face, where that asks for more than
+    /// 15 %, and takes out what of its bending is not transferred.
+    fn set_rest_metric(&mut self) -> Result<(), StepperError> {
         let capped = self.strains.as_slice().iter().any(|s| s.first > CAP_START);
-        let changed = capped || self.share < 1.0 || self.below.transfer.is_some();
+        let changed = capped || self.below.transfer.is_some();
         if changed || self.is_metric_changed {
-            let stretches = self.rest_stretches(|_, offered| offered);
-            self.set_rest_metric(&stretches)?;
+            let strains = self.strains.iter();
+            let stretches: Vec<_> = strains.map(|(f, s)| self.rest_stretch(f, s)).collect();
+            let outcome = self.energy.set_rest_metric(&stretches);
+            outcome.map_err(|source| self.shell_error(source))?;
         }
         self.is_metric_changed = changed;
         Ok(())
     }
 
-    /// Stretches of the rest metric that leave of every face's offered principal strains what
-    /// `wanted` says, of the face's critical strain and these.
-    fn rest_stretches(&self, wanted: impl Fn(f64, [f64; 2]) -> [f64; 2]) -> Vec<Matrix2<f64>> {
-        let strains = self.strains.iter();
-        strains
-            .map(|(face, strain)| {
-                let critical = self.properties.faces[face].wrinkling.critical_strain;
-                let [first, second] = wanted(critical, offered(strain, self.share));
-                let ratio =
-                    |has: f64, wanted: f64| ((1.0 - has) / (1.0 - wanted)).max(LEAST_STRETCH);
-                let d = strain.direction;
-                let along = d * d.transpose();
-                let stretch = along * ratio(strain.first, first)
-                    + (Matrix2::identity() - along) * ratio(strain.second, second);
-                match &self.below.transfer {
-                    Some(transfer) => stretch * transfer[face.index()],
-                    None => stretch,
-                }
-            })
-            .collect()
+    fn rest_stretch(&self, face: FaceId, strain: &FaceStrain) -> Matrix2<f64> {
+        let ratio = (1.0 - strain.first) / (1.0 - capped_strain(strain.first));
+        let along = strain.direction * strain.direction.transpose();
+        let stretch = Matrix2::identity() + along * (ratio.max(LEAST_STRETCH) - 1.0);
+        match &self.below.transfer {
+            Some(transfer) => stretch * transfer[face.index()],
+            None => stretch,
+        }
     }
 
-    fn set_rest_metric(&mut self, stretches: &[Matrix2<f64>]) -> Result<(), StepperError> {
-        let outcome = self.energy.set_rest_metric(stretches);
+    /// Lets the layer feel of every face's offered principal strains what `wanted` says, of the
+    /// face's critical strain and these.
+    fn set_felt_strains(
+        &mut self,
+        wanted: impl Fn(f64, [f64; 2]) -> [f64; 2],
+    ) -> Result<(), StepperError> {
+        let strains = self.strains.iter();
+        let natural: Vec<_> = strains
+            .map(|(face, strain)| {
+                let critical = self.properties.faces[face].wrinkling.critical_strain;
+                let felt = wanted(critical, offered(strain, self.share));
+                green_strain(strain, offered(strain, 1.0)) - green_strain(strain, felt)
+            })
+            .collect();
+        let outcome = self.energy.set_natural_strains(&natural);
         outcome.map_err(|source| self.shell_error(source))
     }
 

@@ -125,6 +125,17 @@ impl SkinEnergy {
         }
     }
 
+    /// One Green strain without stress per face, of all layers.
+    pub(crate) fn set_natural_strains(
+        &mut self,
+        strains: &[Matrix2<f64>],
+    ) -> Result<(), ShellError> {
+        match self {
+            Self::One(layer) => layer.set_natural_strains(strains),
+            Self::Two(joint, _) => joint.set_natural_strains(strains, strains),
+        }
+    }
+
     pub(crate) fn set_bending_factor(&mut self, factor: f64) -> Result<(), ShellError> {
         match self {
             Self::One(layer) => layer.set_bending_factor(factor),

@@ -5,7 +5,7 @@ use ruga_blend::{FaceStrain, face_strains};
 use ruga_material::capped_strain;
 use ruga_mesh::{FaceId, Id, PerFace};
 
-use super::{LEAST_STRETCH, Layer};
+use super::Layer;
 use crate::below::BelowSurface;
 use crate::skin_mesh::SkinMesh;
 
@@ -93,10 +93,17 @@ pub(crate) fn offered_strains(skin: &SkinMesh, below: &BelowSurface) -> PerFace<
         .collect()
 }
 
-/// Principal strains, capped, of which only a share is loaded: `share` times their Green strain.
+/// Principal strains, capped, of which only a share is felt: `share` times their Green strain.
 pub(super) fn offered(strain: &FaceStrain, share: f64) -> [f64; 2] {
     [capped_strain(strain.first), strain.second].map(|strain| {
-        let inverse_square = (1.0 - strain).max(LEAST_STRETCH).powi(-2);
-        1.0 - (1.0 - share + share * inverse_square).powf(-0.5)
+        let squared = (1.0 - strain).powi(2);
+        1.0 - (1.0 - share * (1.0 - squared)).max(0.0).sqrt()
     })
+}
+
+/// Green strain of these compressions along the principal directions of `strain`.
+pub(super) fn green_strain(strain: &FaceStrain, compressions: [f64; 2]) -> Matrix2<f64> {
+    let [first, second] = compressions.map(|e| 0.5 * ((1.0 - e).powi(2) - 1.0));
+    let along = strain.direction * strain.direction.transpose();
+    along * first + (Matrix2::identity() - along) * second
 }
