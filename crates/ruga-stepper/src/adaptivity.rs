@@ -150,9 +150,9 @@ impl<'a> Wishes<'a> {
 /// the wrinkles by `r a sin D`, which is to stay below `2 a`. The scatter follows from the
 /// coherence `C` of the averaged direction as `sqrt(-ln(C) / 2)`.
 fn aspects(skin: &SkinMesh, drivers: &PerFace<FaceDriver>, most: f64, reach: f64) -> Vec<f64> {
-    // Up to here no scatter asks for less.
+    // Up to here no scatter asks for less, and the mesh's own limit holds.
     if most <= 2.0 {
-        return vec![most; skin.mesh.vertex_count()];
+        return vec![f64::INFINITY; skin.mesh.vertex_count()];
     }
     let tensors = averaged_directions(skin, drivers, reach);
     let aspect = |tensor: &Matrix3<f64>| {

@@ -248,6 +248,9 @@ impl RegionMesh {
 
 /// Shortens the long directions of a sizing tensor to `aspect` times the short one.
 fn limit_aspect(tensor: &mut Matrix3<f64>, aspect: f64) {
+    if aspect == f64::INFINITY {
+        return;
+    }
     let eigen = SymmetricEigen::new(*tensor);
     let least = eigen.eigenvalues.max() / (aspect * aspect);
     let values = eigen.eigenvalues.map(|value| value.max(least));

@@ -118,7 +118,7 @@ fn pairs<'a>(project: &'a Project, plan: &Plan) -> Vec<PairJson<'a>> {
 fn usual_bending_transfer(stack: Stack, pair: &StackPair) -> f64 {
     match stack {
         Stack::Nominal => pair.bending_transfer,
-        Stack::Composite => 1.0,
+        Stack::Composite | Stack::Joint => 1.0,
     }
 }
 
