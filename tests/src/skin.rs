@@ -64,6 +64,7 @@ impl Skin {
             coupling: Coupling::Hybrid,
             sampling: Sampling::Quadrature,
             map: None,
+            sharp: false,
             bending_transfer: None,
         };
         Self {

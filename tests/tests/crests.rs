@@ -30,6 +30,7 @@ fn layer(preset_name: &str) -> LayerSpec {
         coupling: Coupling::Hybrid,
         sampling: Sampling::Quadrature,
         map: None,
+        sharp: false,
         bending_transfer: None,
     }
 }

@@ -83,26 +83,41 @@ fn check(name: &str, skin: &Skin, layer: &LayerSurface, window: [f64; 2], at: Re
     assert!((ratio - 1.0).abs() < 0.1, "{name}: {ratio}");
 }
 
-#[test]
-fn a_step_of_thickness_makes_two_wavelengths() {
-    // Thin on the left, as thick as the layer says on the right.
+/// Thin on the left, as thick as the layer says on the right.
+fn step(sharp: bool) -> Skin {
     let halves = (0..64).map(|i| if i < 32 { 0.0 } else { 1.0 }).collect();
     let thickness = image(halves, [0.5, 1.0]);
     let map = PropertyMap::new(None, None, thickness, Wrap::ClampToEdge).expect("a map");
-    let skin = painted_forearm(map);
-    let layer = compressed(&skin);
+    let mut skin = painted_forearm(map);
+    skin.layer.sharp = sharp;
+    skin
+}
+
+fn check_step(skin: &Skin) {
+    let layer = compressed(skin);
     let thin = RelativeProperties {
         thickness: 0.5,
         ..RelativeProperties::default()
     };
-    check("thin", &skin, &layer, [0.15, 0.43], thin);
+    check("thin", skin, &layer, [0.15, 0.43], thin);
     check(
         "thick",
-        &skin,
+        skin,
         &layer,
         [0.57, 0.85],
         RelativeProperties::default(),
     );
+}
+
+#[test]
+fn a_step_of_thickness_makes_two_wavelengths() {
+    check_step(&step(false));
+}
+
+/// The same with edges along the step.
+#[test]
+fn a_sharp_step_of_thickness_makes_two_wavelengths() {
+    check_step(&step(true));
 }
 
 #[test]

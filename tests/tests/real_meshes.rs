@@ -107,7 +107,8 @@ fn gradient(corners: [Vector3<f64>; 3], values: [f64; 3]) -> (Vector2<f64>, f64)
     (slope, 0.5 * twice_area)
 }
 
-fn check_real(name: &str, skin: &Skin, weights: &[(&str, f64)], steps: u32) {
+/// `tolerance` of the wavelength: where a region holds few waves, lengths come in large steps.
+fn check_real(name: &str, skin: &Skin, weights: &[(&str, f64)], (steps, tolerance): (u32, f64)) {
     let mut pose = skin.pose(weights, steps);
     pose.keys = vec![REST, 1.0];
     let result = skin.simulate(&pose, &draft(6.0));
@@ -136,7 +137,10 @@ fn check_real(name: &str, skin: &Skin, weights: &[(&str, f64)], steps: u32) {
         map.folded_samples,
         1e3 * largest(map.heights.iter().map(|h| f64::from(*h))),
     );
-    assert!((ratio - 1.0).abs() < 0.2, "{name}: wavelength {ratio}");
+    assert!(
+        (ratio - 1.0).abs() < tolerance,
+        "{name}: wavelength {ratio}"
+    );
     assert!(angle < 25.0, "{name}: {angle} degrees");
     check_texels(&map);
 }
@@ -161,7 +165,7 @@ fn face_raising_its_brows() {
     };
     let skin = Skin::new(&path, "forehead-furrow");
     let brows = [("browInnerUp_L", 1.0), ("browInnerUp_R", 1.0)];
-    check_real("face", &skin, &brows, 2);
+    check_real("face", &skin, &brows, (2, 0.2));
 }
 
 /// Whole fingers turn on straight lines, so the strain grows instead of the weight.
@@ -171,7 +175,8 @@ fn flexed_fingers() {
         return;
     };
     let skin = Skin::new(&path, "reference-dermis");
-    check_real("hand", &skin, &[("fingersFlex", 1.0)], 8);
+    // Fingers are narrower than a wavelength.
+    check_real("hand", &skin, &[("fingersFlex", 1.0)], (8, 0.3));
 }
 
 #[test]

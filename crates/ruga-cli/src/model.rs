@@ -21,10 +21,6 @@ use crate::error::{CliError, nearest};
 pub(crate) fn not_yet(scene: &Scene, path: &Path) -> Vec<CliError> {
     let mut found: Vec<(String, String, &'static str)> = Vec::new();
     for (i, layer) in scene.layers.iter().enumerate() {
-        if layer.map.as_ref().is_some_and(|map| map.sharp) {
-            let remedy = "leave `sharp` out: properties then change within a triangle";
-            found.push((format!("layers[{i}].map.sharp"), "true".to_owned(), remedy));
-        }
         if let Some(share) = layer.bending_transfer.filter(|_| i == 0) {
             let remedy = "leave `bending_transfer` out: there is no layer below";
             found.push((
@@ -131,6 +127,7 @@ fn layer(
         coupling: coupling(layer.coupling),
         sampling: sampling(layer.sampling),
         map: map.map(Arc::new),
+        sharp: layer.map.as_ref().is_some_and(|map| map.sharp),
         bending_transfer: layer.bending_transfer,
     })
 }

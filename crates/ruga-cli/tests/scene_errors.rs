@@ -46,11 +46,8 @@ fn a_value_out_of_range() {
 #[test]
 fn what_later_versions_will_do() {
     let version = "this version cannot do that yet";
-    let map =
-        "critical_strain = 0.05\nmap = { image = \"a.png\", young = [0.5, 2.0], sharp = true }";
     let transfer = "critical_strain = 0.05\nbending_transfer = 0.5";
     for (from, to, key) in [
-        ("critical_strain = 0.05", map, "`layers[0].map.sharp`"),
         (
             "critical_strain = 0.05",
             transfer,

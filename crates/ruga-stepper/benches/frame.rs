@@ -143,6 +143,7 @@ fn run(driver: &Driver, steps: u32, watch: &mut Watch) -> PoseResult {
         coupling: Coupling::Hybrid,
         sampling: Sampling::default(),
         map: None,
+        sharp: false,
         bending_transfer: None,
     }];
     let weight = f64::from(steps) / f64::from(STEPS);

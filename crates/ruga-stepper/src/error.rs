@@ -26,6 +26,16 @@ pub enum StepperError {
         /// What is wrong.
         source: MaterialError,
     },
+    /// A painted map jumps nearly everywhere.
+    #[error(
+        "layer '{layer}': the sharp boundaries in its map cross {percent:.0} % of the mesh's edges, far more than wrinkles can follow; blur the noise or fine pattern in the paint, or leave `sharp` out"
+    )]
+    TooManyBoundaries {
+        /// Name of the layer.
+        layer: String,
+        /// Edges that a boundary crosses, of hundred.
+        percent: f64,
+    },
     /// The layers of a stack are to act together and one of them is painted.
     #[error(
         "layer '{layer}' has a property map, and stack = \"{stack}\" knows uniform layers only; leave the map out, or take stack = \"nominal\""

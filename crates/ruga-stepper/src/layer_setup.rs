@@ -30,7 +30,8 @@ impl StackRun<'_> {
         let layer = &self.plan.poses[self.pose].layers[index];
         let surface = layer_surface(driver, self.plan, layer, modelling);
         let offset = self.plan.seats[index].offset;
-        let region = RegionMesh::new(driver, &surface, modelling.smoothing, offset);
+        let spec = &self.plan.specs[index];
+        let region = RegionMesh::new(driver, &surface, spec, modelling.smoothing, offset)?;
         self.build_on(index, region, None, below, observer)
     }
 

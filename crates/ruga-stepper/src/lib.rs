@@ -53,6 +53,7 @@
 //!     coupling: Coupling::Hybrid,
 //!     sampling: Sampling::Quadrature,
 //!     map: None,
+//!     sharp: false,
 //!     bending_transfer: None,
 //! }];
 //! let poses = [PoseSpec {
@@ -79,6 +80,7 @@ mod skin_mesh;
 
 mod adaptivity;
 mod below;
+mod boundary_cut;
 mod layer;
 mod layer_objective;
 mod layer_run;

@@ -37,6 +37,9 @@ pub struct LayerSpec {
     pub sampling: Sampling,
     /// Painted properties, relative to `material` and the wavelength it gives.
     pub map: Option<Arc<PropertyMap>>,
+    /// Whether edges of the layer's mesh follow the places where the map jumps by a fifth or more, so
+    /// that no triangle lies across them; without effect where it does not.
+    pub sharp: bool,
     /// Share of the bending strain of the layer below that this one feels, 0 to 1; from the
     /// stiffness of both if left out.
     pub bending_transfer: Option<f64>,

@@ -13,6 +13,9 @@ use ruga_remesh::{
     SizingInput, SurfaceMesh, remesh, sizing_field,
 };
 
+use crate::boundary_cut::{Cut, Piece, blend, cut_along, faces_beside};
+use crate::{LayerSpec, StepperError};
+
 /// Corrections of control points towards a limit surface that passes through the vertices. The
 /// limit alone loses some 4 % of a wave's amplitude at 12 points per wavelength; one correction
 /// leaves 0.2 % of it, more would bring back what is as short as the edges and no wrinkle.
@@ -33,6 +36,9 @@ pub(crate) struct SkinMesh {
     pub(crate) mesh: TriMesh,
     pub(crate) points: SurfacePoints,
     pub(crate) rest: PosedSurface,
+    /// Faces beside a sharp boundary of the layer's map, each with a texture coordinate well inside
+    /// it: their corners are on the boundary and say nothing about either side.
+    pub(crate) beside: Vec<(FaceId, Vector2<f64>)>,
 }
 
 impl SkinMesh {
@@ -49,7 +55,12 @@ impl SkinMesh {
         for (x, normal) in rest.positions.iter_mut().zip(&rest.normals) {
             *x += normal * offset;
         }
-        Self { rest, mesh, points }
+        Self {
+            rest,
+            mesh,
+            points,
+            beside: Vec::new(),
+        }
     }
 
     /// The vertices' indices at the corners of every triangle.
@@ -88,7 +99,8 @@ pub(crate) struct Adapted {
     pub(crate) coarseness: f64,
 }
 
-/// The uniform mesh of the active region: every triangle lies in one of the artist's.
+/// The uniform mesh of the active region: every triangle lies in one of the artist's, and, where the
+/// layer's map is sharp, on one side of each of its boundaries.
 #[derive(Clone, Debug)]
 pub(crate) struct RegionMesh {
     pub(crate) skin: SkinMesh,
@@ -102,21 +114,51 @@ pub(crate) struct RegionMesh {
 }
 
 impl RegionMesh {
-    /// The region of `base`, at rest `offset` above the driver.
+    /// The region of `base` that `layer` covers, at rest `offset` above the driver.
+    ///
+    /// # Errors
+    /// [`StepperError::TooManyBoundaries`].
     pub(crate) fn new(
         driver: &Driver,
         base: &BaseSurface,
+        layer: &LayerSpec,
         smoothing: Smoothing,
         offset: f64,
-    ) -> Self {
+    ) -> Result<Self, StepperError> {
         let (mesh, copied) = one_fan_per_vertex(base.mesh());
         let base_points = base.vertex_points();
-        let points: Vec<MaterialPoint> = copied.iter().map(|v| base_points[v.index()]).collect();
-        let origins = base.origins().clone();
-        Self {
-            features: PerEdge::filled(mesh.edges().len(), false),
-            skin: SkinMesh::new(driver, mesh, &points, smoothing, offset),
+        let piece = Piece {
+            mesh,
+            points: copied.iter().map(|v| base_points[v.index()]).collect(),
+            origins: base.origins().clone(),
             uvs: base.uvs().as_slice().to_vec(),
+        };
+        let Cut { piece, features } = match layer.map.as_deref().filter(|_| layer.sharp) {
+            None => Cut::none(piece),
+            Some(map) => cut_along(map, driver, piece).map_err(|crossings| {
+                StepperError::TooManyBoundaries {
+                    layer: layer.name.clone(),
+                    percent: 100.0 * crossings.share,
+                }
+            })?,
+        };
+        let Piece {
+            mesh,
+            points,
+            origins,
+            uvs,
+        } = piece;
+        let beside = faces_beside(&mesh, &features).into_iter();
+        let beside = beside
+            .map(|(face, weights)| (face, blend(&uvs[face.index()], weights)))
+            .collect();
+        Ok(Self {
+            features,
+            skin: SkinMesh {
+                beside,
+                ..SkinMesh::new(driver, mesh, &points, smoothing, offset)
+            },
+            uvs,
             artist: origins
                 .as_slice()
                 .iter()
@@ -125,7 +167,7 @@ impl RegionMesh {
             origins,
             smoothing,
             offset,
-        }
+        })
     }
 
     /// Texture coordinates of every triangle's corners, V down.
@@ -168,8 +210,33 @@ impl RegionMesh {
         }
         let on_driver = |point: &MaterialPoint| self.origins[point.face].place(point.barycentric);
         let points: Vec<MaterialPoint> = made.points.as_slice().iter().map(on_driver).collect();
+        let beside = self.beside(&made);
         let skin = SkinMesh::new(driver, made.mesh, &points, self.smoothing, self.offset);
+        let skin = SkinMesh { beside, ..skin };
         Ok(Adapted { skin, coarseness })
+    }
+
+    /// The faces of a fitted mesh beside features, each with a texture coordinate inside: that of the
+    /// place of this mesh below, because a fitted face may lie across a seam.
+    fn beside(&self, fitted: &SurfaceMesh) -> Vec<(FaceId, Vector2<f64>)> {
+        let lookup = SurfaceLookup::new(&self.skin.mesh, &self.skin.rest.positions);
+        let faces = faces_beside(&fitted.mesh, &fitted.features).into_iter();
+        faces
+            .map(|(face, weights)| {
+                let corners = fitted.mesh.faces()[face];
+                let weighted = corners.iter().zip(weights);
+                let target: Vector3<f64> = weighted.map(|(&v, w)| fitted.positions[v] * w).sum();
+                let near = fitted.points[corners[nearest(weights)]];
+                // All of the way from the corner to the target is within this reach.
+                let reach = (fitted.positions[corners[nearest(weights)]] - target).norm();
+                let found = lookup.closest_near(near.face, &target, reach);
+                let place = found.map_or(near, |found| found.point);
+                (
+                    face,
+                    blend(&self.uvs[place.face.index()], place.barycentric),
+                )
+            })
+            .collect()
     }
 
     /// What `demand` and the rest shape ask for at this mesh's vertices.
@@ -180,7 +247,10 @@ impl RegionMesh {
     ) -> Result<Wanted<'_>, RemeshError> {
         let mesh = &self.skin.mesh;
         let surface = PolyhedralSurface::new(mesh, &self.skin.rest.positions, &self.features)?;
-        let start = SurfaceMesh::on_surface(mesh.clone(), surface.vertex_points()?, &surface)?;
+        let start = SurfaceMesh {
+            features: self.features.clone(),
+            ..SurfaceMesh::on_surface(mesh.clone(), surface.vertex_points()?, &surface)?
+        };
         let mut sizing = sizing_field(&SizingInput {
             mesh: &start,
             shape: &self.skin.rest.positions,
@@ -244,6 +314,14 @@ impl RegionMesh {
             tensors: places.as_slice().iter().map(tensor).collect(),
         }
     }
+}
+
+/// The corner with the largest weight.
+fn nearest(weights: [f64; 3]) -> usize {
+    (1..3).fold(
+        0,
+        |best, i| if weights[i] > weights[best] { i } else { best },
+    )
 }
 
 /// Shortens the long directions of a sizing tensor to `aspect` times the short one.

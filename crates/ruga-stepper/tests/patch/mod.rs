@@ -64,6 +64,7 @@ pub(crate) fn skin(name: &str, coupling: Coupling) -> LayerSpec {
         coupling,
         sampling: Sampling::Quadrature,
         map: None,
+        sharp: false,
         bending_transfer: None,
     }
 }

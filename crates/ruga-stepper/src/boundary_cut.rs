@@ -1,0 +1,419 @@
+//! Cuts a mesh along the sharp boundaries of a painted map, so that each face lies on one side.
+//!
+//! Every edge that a boundary crosses gets a vertex there, and the faces around it are split:
+//!
+//! ```text
+//!       2               2               2
+//!      / \             /|\             / \
+//!     X---X           / | \           X---X
+//!    / `.  \         /  |  \         / \ / \
+//!   0----`--1       0---X---1       0---X---1
+//! ```
+//!
+//! A boundary that passes a vertex closely goes through it instead, because faces far smaller than
+//! the rest would help nobody. What is still crossed, as by a band that passes between two vertices,
+//! is cut in further passes. Then the edges on both sides of which the paint differs are features.
+//! Left as without cuts: corners of a boundary inside a face, which become chords, and what is finer
+//! than a fifth of an edge.
+
+use nalgebra::{Vector2, Vector3};
+use ruga_blend::Driver;
+use ruga_material::{BoundaryCrossing, PropertyMap, SHARP_RATIO, sharp_edges};
+use ruga_mesh::{
+    Edge, EdgeId, FaceId, FaceOrigin, Id, MaterialPoint, PerEdge, PerFace, TriMesh, VertexId,
+};
+
+/// Distance of a crossing from a vertex, in edges, up to which the boundary goes through the vertex:
+/// the mesh's error of place, and the least side of the faces that cutting makes.
+const SNAP: f64 = 0.02;
+
+/// The same for a vertex that lies on the boundary already. More than [`SNAP`], or the boundary would
+/// leave along one edge of a vertex that another one has drawn it to, and turn by a right angle.
+const SNAP_ON_BOUNDARY: f64 = 0.2;
+
+/// Passes: three bands may lie across one edge.
+const MOST_PASSES: usize = 6;
+
+/// Share of a mesh's edges that boundaries may cross. Stripes of a whole wavelength cross one edge
+/// in six; what crosses every third is finer than any wrinkle, or noise.
+const MOST_CROSSED: f64 = 0.35;
+
+/// Weights of the corners for a place inside a face that has one edge on a boundary: near the corner
+/// off it, because antialiased paint is mixed for a texel or two beside the boundary.
+const BESIDE: [f64; 2] = [0.15, 0.7];
+
+/// Part of a surface: places on the driver, and texture coordinates per corner.
+#[derive(Clone, Debug)]
+pub(crate) struct Piece {
+    pub(crate) mesh: TriMesh,
+    /// The driver's place under every vertex.
+    pub(crate) points: Vec<MaterialPoint>,
+    /// Where every face lies in a face of the driver.
+    pub(crate) origins: PerFace<FaceOrigin>,
+    /// Texture coordinates of every face's corners.
+    pub(crate) uvs: Vec<[Vector2<f64>; 3]>,
+}
+
+/// A piece whose edges follow the boundaries.
+pub(crate) struct Cut {
+    pub(crate) piece: Piece,
+    /// Edges across which the paint jumps.
+    pub(crate) features: PerEdge<bool>,
+}
+
+impl Cut {
+    /// The piece as it is.
+    pub(crate) fn none(piece: Piece) -> Self {
+        Self {
+            features: PerEdge::filled(piece.mesh.edges().len(), false),
+            piece,
+        }
+    }
+}
+
+/// Boundaries cross too many edges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct TooManyCrossings {
+    /// Share of the edges.
+    pub(crate) share: f64,
+}
+
+/// Cuts a piece of the driver along the boundaries of `map`; a map without any leaves it as it is.
+pub(crate) fn cut_along(
+    map: &PropertyMap,
+    driver: &Driver,
+    piece: Piece,
+) -> Result<Cut, TooManyCrossings> {
+    let mut cutter = Cutter::new(map, driver, piece);
+    for pass in 0..MOST_PASSES {
+        let crossings = cutter.crossings();
+        let crossed = crossings.iter().filter(|found| !found.is_empty()).count();
+        let share = crossed as f64 / crossings.len().max(1) as f64;
+        if pass == 0 && share > MOST_CROSSED {
+            return Err(TooManyCrossings { share });
+        }
+        cutter.snap(&crossings);
+        let places = cutter.places(&crossings);
+        if places.iter().all(Option::is_none) {
+            break;
+        }
+        cutter.cut(&places);
+    }
+    Ok(Cut {
+        features: cutter.features(),
+        piece: cutter.piece,
+    })
+}
+
+/// Faces beside features, each with weights of its corners for a place well inside it.
+pub(crate) fn faces_beside(mesh: &TriMesh, features: &PerEdge<bool>) -> Vec<(FaceId, [f64; 3])> {
+    let mut on_feature = vec![false; mesh.vertex_count()];
+    for (edge, _) in features.iter().filter(|(_, is_feature)| **is_feature) {
+        for v in mesh.edges()[edge].vertices {
+            on_feature[v.index()] = true;
+        }
+    }
+    let faces = mesh.faces().iter();
+    faces
+        .filter_map(|(face, corners)| {
+            let on = corners.map(|v| on_feature[v.index()]);
+            on.contains(&true).then(|| (face, inside(on)))
+        })
+        .collect()
+}
+
+/// Weights of a face's corners, of which some are `on` a boundary, for a place inside.
+fn inside(on: [bool; 3]) -> [f64; 3] {
+    match on.iter().filter(|on| **on).count() {
+        2 => on.map(|on| if on { BESIDE[0] } else { BESIDE[1] }),
+        _ => [1.0 / 3.0; 3],
+    }
+}
+
+/// The mean of three texture coordinates with weights that sum to one.
+pub(crate) fn blend(uvs: &[Vector2<f64>; 3], weights: [f64; 3]) -> Vector2<f64> {
+    uvs[0] * weights[0] + uvs[1] * weights[1] + uvs[2] * weights[2]
+}
+
+struct Cutter<'a> {
+    map: &'a PropertyMap,
+    piece: Piece,
+    /// On the driver's facets, m: lengths are all that is asked of them.
+    positions: Vec<Vector3<f64>>,
+    /// Mean length of the uncut edges around every vertex, m.
+    sizes: Vec<f64>,
+    on_boundary: Vec<bool>,
+    /// Faces that the last pass made.
+    is_new: Vec<bool>,
+}
+
+impl<'a> Cutter<'a> {
+    fn new(map: &'a PropertyMap, driver: &Driver, piece: Piece) -> Self {
+        let place = |point: &MaterialPoint| point.interpolate(driver.topology(), driver.rest());
+        let positions: Vec<Vector3<f64>> = piece.points.iter().map(place).collect();
+        let vertices = positions.len();
+        Self {
+            map,
+            sizes: mean_edges(&piece.mesh, &positions),
+            positions,
+            on_boundary: vec![false; vertices],
+            is_new: vec![true; piece.mesh.face_count()],
+            piece,
+        }
+    }
+
+    /// Where boundaries cross every edge, from its first vertex on; none on an edge that lies on
+    /// one, where rounding alone would decide.
+    fn crossings(&self) -> Vec<Vec<BoundaryCrossing>> {
+        let edges = self.piece.mesh.edges().iter();
+        edges
+            .map(|(id, edge)| {
+                let is_new = edge.faces.iter().flatten().any(|f| self.is_new[f.index()]);
+                let [a, b] = edge.vertices.map(|v| self.on_boundary[v.index()]);
+                if !is_new || (a && b) {
+                    return Vec::new();
+                }
+                self.crossings_of(id, edge)
+            })
+            .collect()
+    }
+
+    /// The crossings of one edge, on the side of a seam where the paint jumps most.
+    fn crossings_of(&self, id: EdgeId, edge: &Edge) -> Vec<BoundaryCrossing> {
+        let mut lines: Vec<[Vector2<f64>; 2]> = Vec::new();
+        for &face in edge.faces.iter().flatten() {
+            let line = self.line(face, id, edge);
+            if !lines.contains(&line) {
+                lines.push(line);
+            }
+        }
+        let largest =
+            |found: &[BoundaryCrossing]| found.iter().fold(0.0, |most: f64, c| most.max(c.ratio));
+        let sides = lines.iter().map(|[from, to]| {
+            let found = self.map.crossings(from, to, SHARP_RATIO);
+            found.expect("the ratio is above 1")
+        });
+        sides
+            .reduce(|best, other| match largest(&other) > largest(&best) {
+                true => other,
+                false => best,
+            })
+            .unwrap_or_default()
+    }
+
+    /// Texture coordinates of an edge's two vertices as one of its faces has them.
+    fn line(&self, face: FaceId, id: EdgeId, edge: &Edge) -> [Vector2<f64>; 2] {
+        let mesh = &self.piece.mesh;
+        let corner = edge_corner(mesh, face, id);
+        let uvs = &self.piece.uvs[face.index()];
+        let [tail, head] = [uvs[corner], uvs[(corner + 1) % 3]];
+        match mesh.faces()[face][corner] == edge.vertices[0] {
+            true => [tail, head],
+            false => [head, tail],
+        }
+    }
+
+    /// How far a crossing is from both ends of its edge, in edges of the uncut mesh.
+    fn distances(&self, edge: &Edge, crossing: &BoundaryCrossing) -> [f64; 2] {
+        let [a, b] = edge.vertices.map(Id::index);
+        let length = (self.positions[b] - self.positions[a]).norm();
+        let along = [crossing.parameter, 1.0 - crossing.parameter];
+        [
+            along[0] * length / self.sizes[a],
+            along[1] * length / self.sizes[b],
+        ]
+    }
+
+    /// Lets boundaries that pass a vertex closely go through it.
+    fn snap(&mut self, crossings: &[Vec<BoundaryCrossing>]) {
+        for (edge, found) in self.piece.mesh.edges().as_slice().iter().zip(crossings) {
+            for crossing in found {
+                let distances = self.distances(edge, crossing);
+                for (v, distance) in edge.vertices.into_iter().zip(distances) {
+                    if distance < SNAP {
+                        self.on_boundary[v.index()] = true;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Where each edge is to be cut, as a share of the way: at its largest jump.
+    fn places(&self, crossings: &[Vec<BoundaryCrossing>]) -> Vec<Option<f64>> {
+        let edges = self.piece.mesh.edges().as_slice().iter();
+        edges
+            .zip(crossings)
+            .map(|(edge, found)| {
+                let on = edge.vertices.map(|v| self.on_boundary[v.index()]);
+                if on == [true; 2] {
+                    return None;
+                }
+                let least = on.map(|on| if on { SNAP_ON_BOUNDARY } else { SNAP });
+                let is_inside = |crossing: &&BoundaryCrossing| {
+                    let distances = self.distances(edge, crossing);
+                    distances[0] >= least[0] && distances[1] >= least[1]
+                };
+                let inside = found.iter().filter(is_inside);
+                let best = inside.reduce(|best, c| if c.ratio > best.ratio { c } else { best });
+                best.map(|crossing| crossing.parameter)
+            })
+            .collect()
+    }
+
+    fn cut(&mut self, places: &[Option<f64>]) {
+        let born = self.add_vertices(places);
+        let mut faces = Vec::new();
+        let mut origins = Vec::new();
+        let mut uvs = Vec::new();
+        let mut is_new = Vec::new();
+        let mesh = &self.piece.mesh;
+        for face in mesh.faces().ids() {
+            let places = self.places_in(face, &born, places);
+            let vertex = |at: usize| places[at].0;
+            let length = |[a, b]: [usize; 2]| {
+                let [a, b] = [a, b].map(|at| self.positions[vertex(at) as usize]);
+                (b - a).norm()
+            };
+            let cut = std::array::from_fn(|edge| vertex(3 + edge) != u32::MAX);
+            let children = children(cut, length);
+            let (origin, own) = (&self.piece.origins[face], &self.piece.uvs[face.index()]);
+            for child in &children {
+                faces.push(child.map(vertex));
+                let weights = child.map(|at| places[at].1);
+                origins.push(FaceOrigin {
+                    face: origin.face,
+                    corners: weights.map(|weights| origin.lift(weights)),
+                });
+                uvs.push(weights.map(|weights| blend(own, weights)));
+                is_new.push(children.len() > 1);
+            }
+        }
+        let mesh = TriMesh::new(self.positions.len(), faces);
+        self.piece.mesh = mesh.expect("neighbours are cut at the same vertices");
+        self.piece.origins = origins.into();
+        self.piece.uvs = uvs;
+        self.is_new = is_new;
+    }
+
+    /// A vertex on every edge that is cut; its number.
+    fn add_vertices(&mut self, places: &[Option<f64>]) -> Vec<Option<u32>> {
+        let mut born = Vec::with_capacity(places.len());
+        for (id, place) in self.piece.mesh.edges().ids().zip(places) {
+            let number = self.positions.len() as u32;
+            born.push(place.map(|_| number));
+            let Some(share) = *place else { continue };
+            let edge = self.piece.mesh.edges()[id];
+            let face = edge.faces[0].expect("an edge has a face to its left");
+            let corner = edge_corner(&self.piece.mesh, face, id);
+            // `vertices` runs the way in which the first face runs the edge.
+            let mut weights = [0.0; 3];
+            weights[corner] = 1.0 - share;
+            weights[(corner + 1) % 3] = share;
+            let [a, b] = edge.vertices.map(Id::index);
+            let mix = |a: f64, b: f64| a + (b - a) * share;
+            self.piece
+                .points
+                .push(self.piece.origins[face].place(weights));
+            self.positions
+                .push(self.positions[a].lerp(&self.positions[b], share));
+            self.sizes.push(mix(self.sizes[a], self.sizes[b]));
+            self.on_boundary.push(true);
+        }
+        born
+    }
+
+    /// Vertex and weights of a face's three corners, then of the cuts of its edges.
+    fn places_in(
+        &self,
+        face: FaceId,
+        born: &[Option<u32>],
+        places: &[Option<f64>],
+    ) -> [(u32, [f64; 3]); 6] {
+        let mesh = &self.piece.mesh;
+        let corners = mesh.faces()[face];
+        let edges = mesh.face_edges(face);
+        std::array::from_fn(|at| {
+            let mut weights = [0.0; 3];
+            if at < 3 {
+                weights[at] = 1.0;
+                return (corners[at].0, weights);
+            }
+            let corner = at - 3;
+            let edge = edges[corner];
+            let (Some(vertex), Some(share)) = (born[edge.index()], places[edge.index()]) else {
+                return (u32::MAX, weights);
+            };
+            let is_along = mesh.edges()[edge].vertices[0] == corners[corner];
+            let share = if is_along { share } else { 1.0 - share };
+            weights[corner] = 1.0 - share;
+            weights[(corner + 1) % 3] = share;
+            (vertex, weights)
+        })
+    }
+
+    /// Edges between vertices on a boundary, on both sides of which the paint differs.
+    fn features(&self) -> PerEdge<bool> {
+        let mesh = &self.piece.mesh;
+        let is_on = |v: VertexId| self.on_boundary[v.index()];
+        let faces = mesh.faces().as_slice().iter().zip(&self.piece.uvs);
+        let values: Vec<_> = faces
+            .map(|(corners, uvs)| self.map.sample(&blend(uvs, inside(corners.map(is_on)))))
+            .collect();
+        let pair = |edge: &Edge| match edge.vertices.map(is_on) {
+            [true, true] => edge.faces.map(|face| face.map(Id::index)),
+            _ => [None; 2],
+        };
+        let pairs: Vec<_> = mesh.edges().as_slice().iter().map(pair).collect();
+        // A thin face is inside the mixed paint beside the boundary, and has half of the jump.
+        let sharp = sharp_edges(&pairs, &values, SHARP_RATIO.sqrt());
+        sharp.expect("the ratio is above 1").into()
+    }
+}
+
+/// Mean length of the edges around every vertex.
+fn mean_edges(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Vec<f64> {
+    let mut sums = vec![(0.0, 0.0); positions.len()];
+    for edge in mesh.edges().as_slice() {
+        let [a, b] = edge.vertices.map(Id::index);
+        let length = (positions[b] - positions[a]).norm();
+        for v in [a, b] {
+            sums[v].0 += length;
+            sums[v].1 += 1.0;
+        }
+    }
+    sums.iter().map(|(sum, count)| sum / count).collect()
+}
+
+/// The corner of a face at which one of its edges begins.
+fn edge_corner(mesh: &TriMesh, face: FaceId, edge: EdgeId) -> usize {
+    let corner = mesh.face_edges(face).iter().position(|&e| e == edge);
+    corner.expect("a face has the edges that have the face")
+}
+
+/// The parts of a face whose edges are `cut`: corners are 0 to 2, the cut of edge `i` is `3 + i`.
+/// Of the two diagonals of a quadrilateral the one with the lesser `length` is taken.
+fn children(cut: [bool; 3], length: impl Fn([usize; 2]) -> f64) -> Vec<[usize; 3]> {
+    let next = |i: usize| (i + 1) % 3;
+    let count = cut.iter().filter(|cut| **cut).count();
+    let Some(first) = cut.iter().position(|&is_cut| is_cut) else {
+        return vec![[0, 1, 2]];
+    };
+    if count == 1 {
+        let (b, apex) = (next(first), next(next(first)));
+        return vec![[first, 3 + first, apex], [3 + first, b, apex]];
+    }
+    let Some(whole) = cut.iter().position(|&is_cut| !is_cut) else {
+        return vec![[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
+    };
+    // The apex is opposite the whole edge from `a` to `b`; both other edges are cut.
+    let (a, b) = (whole, next(whole));
+    let apex = next(b);
+    let (left, right) = (3 + apex, 3 + b);
+    let mut parts = vec![[apex, left, right]];
+    if length([left, b]) <= length([a, right]) {
+        parts.extend([[left, a, b], [left, b, right]]);
+    } else {
+        parts.extend([[left, a, right], [a, b, right]]);
+    }
+    parts
+}
