@@ -114,6 +114,7 @@ impl Observer for Watch<'_> {
     }
 
     fn frame(&mut self, frame: &Frame<'_>) {
+        self.close_phase();
         if self.failure.is_none() {
             self.failure = (self.sink)(frame).err();
         }

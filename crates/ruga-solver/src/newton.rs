@@ -27,8 +27,9 @@ const MAX_RESTORATIONS: usize = 3;
 /// a tenth of this; half of a wrinkled frame's factorisations would go into it.
 const NEARLY_FEASIBLE: f64 = 1e-3;
 
-/// Share of a Newton step below which it is worth bending.
+/// Share of a Newton step below which it is worth bending, and below which something else is wrong.
 const SHORT: f64 = 0.6;
+const LEAST: f64 = 1e-3;
 
 /// Distance at which the bend is measured, as a share of the shortened step.
 const DIFFERENCE: f64 = 0.1;
@@ -390,13 +391,14 @@ impl<'a> Newton<'a> {
             slope,
             &mut self.trial,
         );
+        let at_saddle = iteration.inertia.is_some_and(|it| !it.is_minimum());
+        let is_bent = iteration.inertia.is_some() && !at_saddle;
         let newton = match newton {
-            Some(accepted) if accepted.length < SHORT && iteration.relaxation == 0.0 => {
+            Some(accepted) if is_bent && (LEAST..SHORT).contains(&accepted.length) => {
                 Some(self.bend(x, accepted)?)
             }
             other => other.map(|accepted| accepted.energy),
         };
-        let at_saddle = iteration.inertia.is_some_and(|it| !it.is_minimum());
         if at_saddle && self.settings.at_saddle == AtSaddle::Leave {
             let curvature = search_curvature(
                 self.objective,
@@ -445,9 +447,16 @@ impl Newton<'_> {
         for ((force, sum), gradient) in self.force.iter_mut().zip(&sum).zip(&self.gradient) {
             *force = -0.5 * (sum - 2.0 * gradient) / (reach * reach);
         }
+        // Behind `x` the energy may end.
+        if !self.force.iter().all(|force| force.is_finite()) {
+            self.step = step;
+            return Ok(straight.energy);
+        }
         self.offset.fill(0.0);
         self.step = vec![0.0; x.len()];
+        let multipliers = self.multipliers.clone();
         self.solve()?;
+        self.multipliers = multipliers;
         let mut trial = vec![0.0; x.len()];
         let bent = curved_search(
             self.objective,

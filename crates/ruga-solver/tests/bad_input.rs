@@ -275,6 +275,14 @@ fn settings_outside_their_range() {
             residual_tolerance: -1.0,
             ..Default::default()
         },
+        NewtonSettings {
+            first_relaxation: 1.1,
+            ..Default::default()
+        },
+        NewtonSettings {
+            first_relaxation: f64::NAN,
+            ..Default::default()
+        },
     ];
     for settings in bad {
         let result = minimise(

@@ -202,6 +202,7 @@ mod tests {
 
     use super::*;
     use crate::skin_mesh::RegionMesh;
+    use crate::{Coupling, LayerSpec, Sampling};
 
     const SIDE: f64 = 0.04;
     const CELLS: usize = 20;
@@ -238,7 +239,20 @@ mod tests {
         .expect("a square");
         let faces: Vec<_> = driver.topology().faces().ids().collect();
         let base = BaseSurface::new(&driver, &faces, 1, Smoothing::Loop);
-        let skin = RegionMesh::new(&driver, &base, Smoothing::Loop, OFFSET).skin;
+        let preset = ruga_material::preset("knuckle").expect("a preset");
+        let layer = LayerSpec {
+            name: "skin".into(),
+            material: preset.layer,
+            substrate: preset.substrate,
+            model: ruga_material::WavelengthModel::Layer,
+            coupling: Coupling::Elastic,
+            sampling: Sampling::Quadrature,
+            map: None,
+            sharp: false,
+            bending_transfer: None,
+        };
+        let region = RegionMesh::new(&driver, &base, &layer, Smoothing::Loop, OFFSET);
+        let skin = region.expect("a plain layer").skin;
         let seat = Seat {
             offset: OFFSET,
             bending_transfer: TRANSFER,

@@ -243,10 +243,10 @@ impl Layer {
             .map_err(|source| self.shell_error(source))?;
         self.below = below;
         self.share = share;
+        self.set_rest_metric()?;
         if self.spec.coupling != Coupling::Constraint {
             self.balance()?;
         }
-        self.set_rest_metric()?;
         self.set_felt_strains(|_, offered| offered)
     }
 
@@ -263,7 +263,6 @@ impl Layer {
             let second = second.min(critical / (1.0 + poisson));
             [(critical - poisson * second).min(first), second]
         };
-        self.set_rest_metric()?;
         self.set_felt_strains(wanted)?;
         self.energy.gradient(&self.base, &mut self.reaction);
         Ok(())
@@ -402,7 +401,7 @@ impl Layer {
             reaction: &self.reaction,
             base: &base,
             inertia,
-            area: self.areas.iter().sum(),
+            vertex_area: self.areas.iter().sum::<f64>() / self.areas.len().max(1) as f64,
             energy_scale: self.energy_scale(),
             wrinkling: &self.wrinkling,
             thickness: self.spec.material.thickness,

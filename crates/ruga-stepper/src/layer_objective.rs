@@ -22,7 +22,8 @@ pub(crate) struct LayerObjective<'a> {
     pub(crate) base: &'a [f64],
     /// What a step in time adds.
     pub(crate) inertia: Option<&'a Inertia>,
-    pub(crate) area: f64,
+    /// Mean area of a vertex, m².
+    pub(crate) vertex_area: f64,
     /// Energy that wrinkling is about, J.
     pub(crate) energy_scale: f64,
     pub(crate) wrinkling: &'a Wrinkling,
@@ -105,8 +106,7 @@ impl Objective for LayerObjective<'_> {
     }
 
     fn force_scale(&self) -> f64 {
-        let per_vertex = self.area / self.positions.len().max(1) as f64;
-        self.wrinkling.normal_stiffness * self.thickness * per_vertex
+        self.wrinkling.normal_stiffness * self.thickness * self.vertex_area
     }
 
     fn length_scale(&self) -> f64 {

@@ -9,6 +9,7 @@ use ruga_solver::{
 use crate::below::BelowSurface;
 use crate::layer::{Layer, LayerState};
 use crate::measure::waviness;
+use crate::skin_energy::UpperShell;
 use crate::skin_mesh::SkinMesh;
 use crate::{LayerPlan, LayerReport, Modelling, Observer, Phase, Progress, StepperError};
 
@@ -71,6 +72,19 @@ pub(crate) enum Ending {
     Interrupted,
 }
 
+/// Where a step in time led.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Arrival {
+    /// Where it was to lead: to its end, or to rest.
+    Resting,
+    /// To a state that still moves where it was to rest.
+    Moving,
+    /// To no state.
+    Nowhere,
+    /// Ended by the observer.
+    Interrupted,
+}
+
 /// How exact a state has to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Pace {
@@ -117,6 +131,7 @@ impl LayerRun {
         self.report.newton_iterations += before.report.newton_iterations;
         self.report.factorizations += before.report.factorizations;
         self.report.onset_load = self.report.onset_load.or(before.report.onset_load);
+        self.relaxation = before.relaxation;
         for warning in before.warnings {
             self.warn(warning);
         }
@@ -158,16 +173,15 @@ impl LayerRun {
 
     /// Goes on from the present shape on a surface that has moved.
     ///
-    /// The strain grows from what the layer is used to. Gives up where it was not wrinkled and now
-    /// may be: then the onset has to be found.
+    /// The strain grows from the demand `before`, which the layer is used to. Gives up where it was
+    /// not wrinkled and now may be: then the onset has to be found.
     pub(crate) fn move_on(
         &mut self,
         below: BelowSurface,
-        shown: f64,
+        (before, shown): (f64, f64),
         modelling: &Modelling,
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
-        let before = self.layer.demand();
         observer.phase(self.index, Phase::Sampling);
         self.layer.set_below(below.clone(), 1.0)?;
         let demand = self.layer.demand();
@@ -210,23 +224,30 @@ impl LayerRun {
         modelling: &Modelling,
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
+        let mut worst = Ending::Reached;
         for &load in loads {
             observer.phase(self.index, Phase::Sampling);
+            let before = self.layer.state();
             let start = self.layer.positions().to_vec();
             let (below, share) = course.below(self.layer.skin(), load);
             self.layer.set_below(below, share)?;
             observer.phase(self.index, Phase::Integration);
             let shown = course.shown(load);
             let is_key = keys.iter().any(|key| (key - load).abs() < 1e-9);
-            let ending = self.move_in_time(start, is_key, shown, modelling, observer)?;
-            if ending != Ending::Reached {
-                return Ok(ending);
+            match self.move_in_time(start, is_key, shown, modelling, observer)? {
+                Arrival::Resting => {}
+                Arrival::Moving => worst = Ending::GaveUp,
+                Arrival::Nowhere => {
+                    self.layer.restore(&before)?;
+                    return Ok(Ending::GaveUp);
+                }
+                Arrival::Interrupted => return Ok(Ending::Interrupted),
             }
             if !course.kept(self, load, observer)? {
                 return Ok(Ending::Interrupted);
             }
         }
-        Ok(Ending::Reached)
+        Ok(worst)
     }
 
     /// One step in time from `start`, or as many as it takes to come to rest.
@@ -237,7 +258,7 @@ impl LayerRun {
         shown: f64,
         modelling: &Modelling,
         observer: &mut dyn Observer,
-    ) -> Result<Ending, StepperError> {
+    ) -> Result<Arrival, StepperError> {
         for _ in 0..MOST_STEPS_TO_REST {
             let from = Some(start.as_slice());
             let solve = self.solve_from(
@@ -248,28 +269,28 @@ impl LayerRun {
                 observer,
             )?;
             if solve.stop == StopRule::Interrupted {
-                return Ok(Ending::Interrupted);
+                return Ok(Arrival::Interrupted);
             }
             if !solve.converged {
                 self.warnings.push(format!(
                     "no step in time found at load {shown:.3} ({:?} after {} iterations, relative residual {:.1e})",
                     solve.stop, solve.iterations, solve.residual
                 ));
-                return Ok(Ending::GaveUp);
+                return Ok(Arrival::Nowhere);
             }
             self.tell_of_missing_inertia(&solve);
             if !until_rest || self.rests(modelling)? {
-                return Ok(Ending::Reached);
+                return Ok(Arrival::Resting);
             }
             start = self.layer.positions().to_vec();
         }
         self.warnings.push(format!(
-            "still moving after {MOST_STEPS_TO_REST} steps in time at load {shown:.3}; longer ones or more damping bring it to rest"
+            "still moving after {MOST_STEPS_TO_REST} steps in time at load {shown:.3}; longer ones may bring it to rest"
         ));
-        Ok(Ending::GaveUp)
+        Ok(Arrival::Moving)
     }
 
-    /// Whether the layer is in equilibrium, and a stable one.
+    /// Whether the layer is in equilibrium, a stable one as far as the linear solver can tell.
     fn rests(&mut self, modelling: &Modelling) -> Result<bool, StepperError> {
         let settings = NewtonSettings {
             linear: modelling.linear,
@@ -297,6 +318,8 @@ impl LayerRun {
     ) -> Result<Ending, StepperError> {
         let mut stepper =
             LoadStepper::new(loads, settings).map_err(|source| self.solver_error(source))?;
+        // The first pattern is chosen with care.
+        self.relaxation = 0.0;
         let mut kept = self.layer.state();
         let mut onset = None;
         while let Some(trial) = stepper.next_trial() {
@@ -396,7 +419,7 @@ impl LayerRun {
             Some(start) => layer.step_in_time(start, &settings, &mut keep_going),
         };
         let solve = solve.map_err(|source| self.solver_error(source))?;
-        if solve.converged && solve.first_relaxation > 0.0 {
+        if solve.converged && solve.first_relaxation > 0.0 && self.layer.demand() > 1.0 {
             self.relaxation = solve.first_relaxation;
         }
         self.report.newton_iterations += solve.iterations;
@@ -432,6 +455,9 @@ impl LayerRun {
         let layer = &self.layer;
         self.report.energy = layer.energy();
         self.report.bending_ratio = layer.bending_ratio;
+        // What was measured at an earlier key may be gone.
+        self.report.amplitude = 0.0;
+        self.report.wavelength = None;
         let heights = layer.heights();
         let faces = layer.supercritical_faces();
         if let Some(waves) = waviness(&heights, &layer.skin().rest.positions, faces) {
@@ -441,25 +467,25 @@ impl LayerRun {
         }
     }
 
-    /// The report of the layer that moves together with this one, over `empty`.
-    pub(crate) fn upper_report(&self, empty: &LayerReport) -> LayerReport {
+    /// The report of the layer that moves together with this one, over what was `planned` of it.
+    /// Energy and work of both stand with this one.
+    pub(crate) fn upper_report(&self, upper: &UpperShell, planned: &LayerReport) -> LayerReport {
         let layer = &self.layer;
         let positions = &layer.skin().rest.positions;
-        let waves = waviness(
-            &layer.upper_heights(),
-            positions,
-            layer.supercritical_faces(),
-        );
+        let heights = layer.upper_heights();
+        let waves = waviness(&heights, positions, layer.supercritical_faces());
+        let is_wrinkled = |amplitude: f64| amplitude > LEAST_AMPLITUDE * upper.thickness();
         LayerReport {
-            name: empty.name.clone(),
-            wavelength_predicted: empty.wavelength_predicted,
-            critical_strain_predicted: empty.critical_strain_predicted,
+            vertices: self.report.vertices,
+            faces: self.report.faces,
             amplitude: waves.map_or(0.0, |waves| waves.amplitude),
-            wavelength: self
-                .report
-                .wavelength
-                .and(waves.map(|waves| waves.wavelength)),
-            ..self.report.clone()
+            wavelength: waves
+                .filter(|waves| is_wrinkled(waves.amplitude))
+                .map(|waves| waves.wavelength),
+            residual: self.report.residual,
+            stop: self.report.stop,
+            onset_load: self.report.onset_load,
+            ..planned.clone()
         }
     }
 

@@ -111,6 +111,7 @@ impl StackRun<'_> {
         let centres = Some(run.layer.row_centres().to_vec());
         let surfaces = |skin: &SkinMesh| vec![below(skin)];
         let mut fitted = self.build_on(index, region, centres, &surfaces, observer)?;
+        observer.phase(index, Phase::Remeshing);
         fitted.layer.set_below(below(fitted.layer.skin()), 1.0)?;
         fitted.layer.take_shape(&run.layer);
         fitted.take_history(run);

@@ -55,7 +55,8 @@ pub enum Stack {
     /// gathered in the valleys of large ones.
     Composite,
     /// Two layers are solved at once, on one mesh that is as fine as the upper one needs: the
-    /// reference for the other two, for small patches.
+    /// reference for the other two, for small patches. Both are held by foundations and ties alone,
+    /// whatever their couplings; what the upper one feels of the lower one's bending follows.
     Joint,
 }
 
@@ -131,8 +132,9 @@ impl Default for EdgeLimits {
 /// Motion instead of a sequence of equilibria: implicit Euler on the lowest layer (Li 2014,
 /// eq. 5.2).
 ///
-/// A pose then takes [`PoseSpec::steps`] time steps, and stands still at every key until the skin
-/// rests. Layers on others are thin and light, and follow at once.
+/// Every load step is then a step in time, however much the load grows in it ([`PoseSpec::steps`] of
+/// them to full load, one more for a key between two), and at every key the driver stands still until
+/// the skin rests. Layers on others are thin and light, and follow at once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dynamics {
     /// Length of a step, s; positive.

@@ -98,6 +98,6 @@ pub struct LayerReport {
     pub stop: Option<StopRule>,
     /// Response bending modulus of this very mesh over that of the material.
     pub bending_ratio: Option<f64>,
-    /// Load at which the layer first buckled.
+    /// Load at which the layer first buckled; `None` for motion in time, which looks for none.
     pub onset_load: Option<f64>,
 }

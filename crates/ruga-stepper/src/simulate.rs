@@ -111,7 +111,8 @@ impl StackRun<'_> {
         self.tell(&run, ending);
         run.measure();
         if let Some(upper) = run.layer.upper() {
-            self.result.layers[upper.index] = run.upper_report(&self.result.layers[upper.index]);
+            let planned = &self.result.layers[upper.index];
+            self.result.layers[upper.index] = run.upper_report(upper, planned);
         }
         self.result.layers[lowest] = run.report;
         Ok(())

@@ -36,6 +36,11 @@ impl UpperShell {
         }
     }
 
+    /// m.
+    pub(crate) fn thickness(&self) -> f64 {
+        self.material.thickness
+    }
+
     /// kg/m².
     pub(crate) fn mass_per_area(&self) -> f64 {
         self.material.density * self.material.thickness

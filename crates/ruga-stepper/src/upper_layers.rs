@@ -19,12 +19,12 @@ impl StackRun<'_> {
         observer: &mut dyn Observer,
     ) -> Result<Option<Vec<LayerSurface>>, StepperError> {
         let mut surfaces = Vec::new();
-        let mut solved: Vec<LayerRun> = Vec::new();
+        let mut solved: Vec<(LayerRun, Ending)> = Vec::new();
         for index in lowest + 1..self.plan.specs.len() {
             if self.plan.poses[self.pose].layers[index].region.is_empty() {
                 continue;
             }
-            let lower = self.lower(solved.last().unwrap_or(run));
+            let lower = self.lower(solved.last().map_or(run, |(run, _)| run));
             let (mut upper, ending) = self.upper_layer(index, &lower, place, control, observer)?;
             self.tell(&upper, ending);
             if ending == Ending::Interrupted {
@@ -34,9 +34,10 @@ impl StackRun<'_> {
             surfaces.extend(self.snapshot(&upper, control, Some(&lower)));
             upper.measure();
             self.result.layers[index] = upper.report.clone();
-            solved.push(upper);
+            solved.push((upper, ending));
         }
-        for run in solved {
+        // From a state that is none, nothing goes on.
+        for (run, _) in solved.into_iter().filter(|(_, e)| *e == Ending::Reached) {
             let index = run.index;
             self.upper[index] = Some(run);
         }
@@ -58,9 +59,10 @@ impl StackRun<'_> {
         let below = |skin: &SkinMesh| surface_below(self.driver, skin, seat, control, Some(lower));
         let mut history = None;
         if let Some(last) = last {
+            let before = last.layer.demand();
             let mut run = self.refitted(last, &below, observer)?;
             let surface = below(run.layer.skin());
-            match run.move_on(surface, place.weight, self.modelling, observer)? {
+            match run.move_on(surface, (before, place.weight), self.modelling, observer)? {
                 Ending::GaveUp => history = Some(run),
                 ending => return Ok((run, ending)),
             }

@@ -1,0 +1,82 @@
+//! A valley that bends: the way down it is long, and straight steps hardly follow.
+
+#![allow(clippy::unwrap_used, reason = "a failing unwrap fails the test")]
+
+use ruga_solver::{
+    ConstraintRows, Kkt, LowerPattern, NewtonSettings, Objective, SolveReport, minimise,
+};
+
+/// `k/4 (x^2 + y^2 - 1)^2 - e x`: a circular valley that slopes gently towards (1, 0).
+struct Valley {
+    stiffness: f64,
+    slope: f64,
+    pattern: LowerPattern,
+}
+
+impl Objective for Valley {
+    fn pattern(&self) -> &LowerPattern {
+        &self.pattern
+    }
+
+    fn value(&self, x: &[f64]) -> f64 {
+        let excess = x[0] * x[0] + x[1] * x[1] - 1.0;
+        0.25 * self.stiffness * excess * excess - self.slope * x[0]
+    }
+
+    fn gradient(&self, x: &[f64], gradient: &mut [f64]) -> f64 {
+        let excess = x[0] * x[0] + x[1] * x[1] - 1.0;
+        gradient[0] = self.stiffness * excess * x[0] - self.slope;
+        gradient[1] = self.stiffness * excess * x[1];
+        self.value(x)
+    }
+
+    fn hessian(&self, x: &[f64], exact: &mut [f64], relaxed: &mut [f64]) {
+        let k = self.stiffness;
+        let excess = x[0] * x[0] + x[1] * x[1] - 1.0;
+        let stretched = excess.max(0.0);
+        for (values, excess) in [(exact, excess), (relaxed, stretched)] {
+            values[0] = k * (excess + 2.0 * x[0] * x[0]);
+            values[1] = 2.0 * k * x[0] * x[1];
+            values[2] = k * (excess + 2.0 * x[1] * x[1]);
+        }
+    }
+
+    fn floor(&self) -> &[f64] {
+        &[1e-9, 1e-9]
+    }
+
+    fn energy_scale(&self) -> f64 {
+        self.slope
+    }
+
+    fn force_scale(&self) -> f64 {
+        self.slope
+    }
+
+    fn length_scale(&self) -> f64 {
+        1.0
+    }
+}
+
+fn solve() -> (SolveReport, [f64; 2]) {
+    let valley = Valley {
+        stiffness: 100.0,
+        slope: 1e-2,
+        pattern: LowerPattern::from_stencils(2, [[0, 1].as_slice()]).unwrap(),
+    };
+    let mut kkt = Kkt::new(&valley.pattern, &ConstraintRows::none(2), 1).unwrap();
+    let mut x = [2f64.cos(), 2f64.sin()];
+    let settings = NewtonSettings::default();
+    let mut keep_going = |_: &_| true;
+    let report = minimise(&valley, &[], &mut x, &mut kkt, &settings, &mut keep_going).unwrap();
+    (report, x)
+}
+
+/// Straight steps alone take 80.
+#[test]
+fn bent_steps_follow_the_valley() {
+    let (report, x) = solve();
+    assert!(report.converged, "{report:?}");
+    assert!((x[0] - 1.0).abs() < 1e-3 && x[1].abs() < 0.05, "{x:?}");
+    assert!(report.iterations < 60, "{} iterations", report.iterations);
+}

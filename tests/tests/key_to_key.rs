@@ -1,0 +1,75 @@
+//! An upper layer that goes on from one key to the next, on a mesh fitted anew.
+
+use ruga_material::{WavelengthModel, preset};
+use ruga_stepper::{Coupling, LayerSpec, Modelling, PoseResult, Sampling, Silent, plan, simulate};
+use ruga_tests::Patch;
+
+fn layer(preset_name: &str) -> LayerSpec {
+    let preset = preset(preset_name).expect("a preset");
+    LayerSpec {
+        name: preset_name.to_owned(),
+        material: preset.layer,
+        substrate: preset.substrate,
+        model: WavelengthModel::Layer,
+        coupling: Coupling::Hybrid,
+        sampling: Sampling::Quadrature,
+        map: None,
+        sharp: false,
+        bending_transfer: None,
+    }
+}
+
+/// The thesis' two layers on a small patch, compressed by 10 %: the lower one stays flat.
+fn run(keys: &[f64]) -> PoseResult {
+    let patch = Patch {
+        length: 30e-3,
+        width: 16e-3,
+        compression: 0.1,
+    };
+    let driver = patch.driver();
+    let lower = layer("reference-dermis");
+    let upper = LayerSpec {
+        substrate: lower.material.as_substrate(),
+        ..layer("reference-epidermis")
+    };
+    let mut pose = patch.pose(&driver, 2);
+    pose.keys = keys.to_vec();
+    let poses = [pose];
+    let modelling = Modelling {
+        points_per_wavelength: 6.0,
+        region: ruga_stepper::Region::All,
+        ..Modelling::default()
+    };
+    let plan = plan(&driver, &[lower, upper], &poses, &modelling, 1024).expect("a plan");
+    let result = simulate(&driver, &plan, 0, &poses[0], &modelling, &mut Silent);
+    result.expect("two layers that can be simulated")
+}
+
+/// Flat at the first key on a coarse mesh, wrinkled at the next, deeper at the last.
+#[test]
+fn keys_on_the_way_do_not_change_the_last() {
+    let [direct, through] = [&[1.0][..], &[0.1, 0.6, 1.0]].map(run);
+    assert!(direct.converged && through.converged);
+    assert_eq!(through.keys.len(), 3);
+    let vertices = |key: usize| through.keys[key].layers[1].computed.positions.len();
+    assert!(vertices(0) < vertices(1), "fitted anew where it wrinkles");
+    assert_eq!(vertices(1), vertices(2), "the mesh still serves");
+    let [direct, through] = [&direct, &through].map(|result| &result.layers[1]);
+    let wavelength = through.wavelength.expect("wrinkles") / through.wavelength_predicted;
+    assert!((wavelength - 1.0).abs() < 0.15, "{wavelength}");
+    for (what, through, direct) in [
+        ("energy", through.energy, direct.energy),
+        ("amplitude", through.amplitude, direct.amplitude),
+    ] {
+        let ratio = through / direct;
+        assert!((ratio - 1.0).abs() < 0.03, "{what} {ratio}");
+    }
+}
+
+/// What lies between keys changes nothing from run to run.
+#[test]
+fn going_on_is_deterministic() {
+    let [a, b] = [0, 1].map(|_| run(&[0.4, 0.7]));
+    let positions = |result: &PoseResult| result.keys[1].layers[1].positions.clone();
+    assert_eq!(positions(&a), positions(&b));
+}
