@@ -26,6 +26,7 @@ usage: cargo xtask TASK
   figures [DIR] [--quick]
                simulate every scene under assets/ and draw the figures of Li 2014 into DIR
                [default: target/figures]; --quick takes coarse meshes
+               and few load steps
   picture DIR  shade the maps that `ruga bake assets/forearm/scene.toml -o DIR` left in DIR
 ";
 

@@ -18,7 +18,8 @@
 //! (Li 2014, ch. 4). The base also pushes back with what a layer lying flat on it exerts, so that
 //! the artist's own shape is in equilibrium. A load at which the layer buckles is approached by
 //! bisection, because wrinkles choose their length at the onset. A layer's mesh is fitted to what
-//! the pose asks for; the next layer is then solved on what this one has become ([`Stack`]).
+//! the pose asks for; the next layer is then solved on what this one has become, going on from its own
+//! last shape, or two are solved at once ([`Stack`]). With [`Dynamics`] load steps are steps in time.
 //!
 //! SI units; positions are in space, loads are fractions of a pose in (0, 1]. The crate alone
 //! changes the state of a simulation. It reads no clock and no file and prints nothing; the same

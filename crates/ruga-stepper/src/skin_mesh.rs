@@ -76,7 +76,8 @@ pub(crate) struct MeshDemand<'a> {
     pub(crate) drivers: &'a PerFace<FaceDriver>,
     /// Longest edge at every vertex, m.
     pub(crate) longest: &'a [f64],
-    /// Largest ratio of edges along and across the wrinkles at every vertex.
+    /// Largest ratio of edges along and across the wrinkles at every vertex; infinite where the
+    /// mesh's own limit is enough.
     pub(crate) aspects: &'a [f64],
     pub(crate) refinement: Refinement,
     /// Vertices that there may be.
