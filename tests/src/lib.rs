@@ -19,6 +19,6 @@ pub use film_spec::{BaseReaction, FilmCoupling, FilmSpec};
 pub use patch::Patch;
 pub use rectangle::Rectangle;
 pub use remeshed_film::{Carry, RemeshedFilm, RemeshedSpec, Target, WrinkledState};
-pub use skin::{Skin, asset, shared_data, tilts};
+pub use skin::{Skin, asset, findings, shared_data, skin_layer, tilts};
 pub use strip::{Strip, equilateral, equilateral_tube, unstructured};
 pub use two_scales::{FineHeights, Profile, TwoScales, Window};

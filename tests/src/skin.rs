@@ -9,8 +9,8 @@ use ruga_io::{MeshFile, ObjOptions, read_mesh};
 use ruga_material::{WavelengthModel, preset};
 use ruga_mesh::Id;
 use ruga_stepper::{
-    Coupling, KeyResult, LayerSpec, Modelling, Plan, PoseResult, PoseSpec, Sampling, Silent, plan,
-    simulate,
+    Coupling, KeyResult, LayerReport, LayerSpec, Modelling, Plan, PoseResult, PoseSpec, Sampling,
+    Silent, plan, simulate,
 };
 
 /// A mesh under one layer.
@@ -47,6 +47,39 @@ pub fn asset(name: &str) -> PathBuf {
     beside("../assets").join(name)
 }
 
+/// A layer of a preset, held the default way.
+///
+/// # Panics
+/// When the preset is unknown.
+pub fn skin_layer(name: &str, preset_name: &str) -> LayerSpec {
+    let preset = preset(preset_name).expect("a preset");
+    LayerSpec {
+        name: name.to_owned(),
+        material: preset.layer,
+        substrate: preset.substrate,
+        model: WavelengthModel::Layer,
+        coupling: Coupling::Hybrid,
+        sampling: Sampling::Quadrature,
+        map: None,
+        sharp: false,
+        bending_transfer: None,
+    }
+}
+
+/// What was measured on a layer, in a line.
+pub fn findings(layer: &LayerReport) -> String {
+    format!(
+        "{}: {} vertices, onset {:?}, wavelength {:.2} of {:.2} mm, amplitude {:.4} mm, {} factorisations",
+        layer.name,
+        layer.vertices,
+        layer.onset_load,
+        1e3 * layer.wavelength.unwrap_or(f64::NAN),
+        1e3 * layer.wavelength_predicted,
+        1e3 * layer.amplitude,
+        layer.factorizations
+    )
+}
+
 impl Skin {
     /// Reads the only mesh of a file and covers it with a preset, held the default way.
     ///
@@ -55,18 +88,7 @@ impl Skin {
     pub fn new(path: &Path, preset_name: &str) -> Self {
         let file = read_mesh(path, None, &ObjOptions::default()).expect("a mesh that can be read");
         let driver = Driver::new(&file.mesh).expect("a mesh that can be simulated");
-        let preset = preset(preset_name).expect("a preset");
-        let layer = LayerSpec {
-            name: "skin".to_owned(),
-            material: preset.layer,
-            substrate: preset.substrate,
-            model: WavelengthModel::Layer,
-            coupling: Coupling::Hybrid,
-            sampling: Sampling::Quadrature,
-            map: None,
-            sharp: false,
-            bending_transfer: None,
-        };
+        let layer = skin_layer("skin", preset_name);
         Self {
             file,
             driver,

@@ -5,12 +5,10 @@
     reason = "the measured values are what --nocapture is for"
 )]
 
-use ruga_material::{WavelengthModel, preset};
 use ruga_stepper::{
-    Coupling, LayerReport, LayerSpec, Modelling, PoseResult, Sampling, Silent, Stack, plan,
-    simulate,
+    Coupling, LayerReport, LayerSpec, Modelling, PoseResult, Silent, Stack, plan, simulate,
 };
-use ruga_tests::{FineHeights, Patch, TwoScales, Window};
+use ruga_tests::{FineHeights, Patch, TwoScales, Window, skin_layer};
 
 /// Of the patch, m: three large waves long and not quite two wide. Its border, which lies on the
 /// driver, delays the lower layer's onset by a fifth.
@@ -19,21 +17,6 @@ const WIDTH: f64 = 20e-3;
 
 /// How much thicker, and softer, than the preset the upper layer of the face is.
 const THICKER: f64 = 3.0;
-
-fn layer(preset_name: &str) -> LayerSpec {
-    let preset = preset(preset_name).expect("a preset");
-    LayerSpec {
-        name: preset_name.to_owned(),
-        material: preset.layer,
-        substrate: preset.substrate,
-        model: WavelengthModel::Layer,
-        coupling: Coupling::Hybrid,
-        sampling: Sampling::Quadrature,
-        map: None,
-        sharp: false,
-        bending_transfer: None,
-    }
-}
 
 /// Two layers on a patch that has been compressed.
 struct Pair {
@@ -149,8 +132,8 @@ fn compressed(patch: &Patch, layers: &[LayerSpec], stack: Stack) -> PoseResult {
 /// feels its share of the bending.
 #[test]
 fn crests_keep_fine_wrinkles() {
-    let lower = layer("reference-dermis");
-    let upper = layer("reference-epidermis");
+    let lower = skin_layer("reference-dermis", "reference-dermis");
+    let upper = skin_layer("reference-epidermis", "reference-epidermis");
     let papers = LayerSpec {
         coupling: Coupling::Constraint,
         bending_transfer: Some(1.0),
@@ -179,8 +162,8 @@ fn crests_keep_fine_wrinkles() {
 /// relieves the rest of the upper layer.
 #[test]
 fn composite_gathers_fine_wrinkles_in_valleys() {
-    let lower = layer("face2-dermis");
-    let mut upper = layer("face2-epidermis");
+    let lower = skin_layer("face2-dermis", "face2-dermis");
+    let mut upper = skin_layer("face2-epidermis", "face2-epidermis");
     // As stiff in its plane, so that the large wave hardly changes, but with twice the fine
     // wavelength: a twentieth of the time.
     upper.material.thickness *= THICKER;

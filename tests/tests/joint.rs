@@ -7,7 +7,7 @@
 
 use ruga_material::preset;
 use ruga_stepper::{LayerSpec, Mask, Modelling, PoseResult, Region, Silent, Stack, plan, simulate};
-use ruga_tests::{Skin, asset};
+use ruga_tests::{Skin, asset, findings};
 
 /// The middle of the patch, 4 cm along the compression and 2 cm across.
 fn middle() -> Region {
@@ -49,16 +49,7 @@ fn run(skin: &Skin, stack: Stack, weight: f64) -> PoseResult {
     let result = simulate(&skin.driver, &plan, 0, &poses[0], &modelling, &mut Silent)
         .expect("a stack that can be simulated");
     for layer in &result.layers {
-        println!(
-            "{stack:?}, {}: {} vertices, onset {:?}, wavelength {:.2} of {:.2} mm, amplitude {:.4} mm, {} factorisations",
-            layer.name,
-            layer.vertices,
-            layer.onset_load,
-            1e3 * layer.wavelength.unwrap_or(f64::NAN),
-            1e3 * layer.wavelength_predicted,
-            1e3 * layer.amplitude,
-            layer.factorizations
-        );
+        println!("{stack:?}, {}", findings(layer));
     }
     assert!(result.converged, "{:?}", result.warnings);
     result

@@ -1,23 +1,7 @@
 //! An upper layer that goes on from one key to the next, on a mesh fitted anew.
 
-use ruga_material::{WavelengthModel, preset};
-use ruga_stepper::{Coupling, LayerSpec, Modelling, PoseResult, Sampling, Silent, plan, simulate};
-use ruga_tests::Patch;
-
-fn layer(preset_name: &str) -> LayerSpec {
-    let preset = preset(preset_name).expect("a preset");
-    LayerSpec {
-        name: preset_name.to_owned(),
-        material: preset.layer,
-        substrate: preset.substrate,
-        model: WavelengthModel::Layer,
-        coupling: Coupling::Hybrid,
-        sampling: Sampling::Quadrature,
-        map: None,
-        sharp: false,
-        bending_transfer: None,
-    }
-}
+use ruga_stepper::{LayerSpec, Modelling, PoseResult, Silent, plan, simulate};
+use ruga_tests::{Patch, skin_layer};
 
 /// The thesis' two layers on a small patch, compressed by 10 %: the lower one stays flat.
 fn run(keys: &[f64]) -> PoseResult {
@@ -27,10 +11,10 @@ fn run(keys: &[f64]) -> PoseResult {
         compression: 0.1,
     };
     let driver = patch.driver();
-    let lower = layer("reference-dermis");
+    let lower = skin_layer("reference-dermis", "reference-dermis");
     let upper = LayerSpec {
         substrate: lower.material.as_substrate(),
-        ..layer("reference-epidermis")
+        ..skin_layer("reference-epidermis", "reference-epidermis")
     };
     let mut pose = patch.pose(&driver, 2);
     pose.keys = keys.to_vec();

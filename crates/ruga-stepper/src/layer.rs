@@ -331,16 +331,17 @@ impl Layer {
 
     /// Way from the surface below to every vertex, m.
     fn deviations(&self) -> Vec<Vector3<f64>> {
-        let pairs = self.positions.iter().zip(&self.base);
-        let pairs = pairs.take(self.vertex_count());
-        pairs.map(|(x, base)| x - base).collect()
+        self.all_deviations().take(self.vertex_count()).collect()
     }
 
     /// The same of the layer that moves together with this one.
     fn upper_deviations(&self) -> Vec<Vector3<f64>> {
+        self.all_deviations().skip(self.vertex_count()).collect()
+    }
+
+    fn all_deviations(&self) -> impl Iterator<Item = Vector3<f64>> + '_ {
         let pairs = self.positions.iter().zip(&self.base);
-        let pairs = pairs.skip(self.vertex_count());
-        pairs.map(|(x, base)| x - base).collect()
+        pairs.map(|(x, base)| x - base)
     }
 
     /// Lets the layer move in time from now on, first at rest.

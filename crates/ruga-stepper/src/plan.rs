@@ -81,6 +81,12 @@ impl Plan {
         }
     }
 
+    /// Share of the bending strain of what lies below that layer number `layer` feels, by the scene or
+    /// by what the stack means.
+    pub fn bending_transfer(&self, layer: usize) -> f64 {
+        self.seats[layer].bending_transfer
+    }
+
     /// The file's triangles that have a simulated part in pose number `pose`, ascending.
     pub fn active_triangles(&self, driver: &Driver, pose: usize) -> Vec<u32> {
         let shift = 2 * self.planning_levels;

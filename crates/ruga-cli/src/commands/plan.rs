@@ -1,7 +1,7 @@
 //! `ruga plan`: what will be modelled, where, how fine and at what cost.
 
-use ruga_material::{FirstScale, StackPair};
-use ruga_stepper::{LayerPlan, LoadPath, Plan, Stack};
+use ruga_material::FirstScale;
+use ruga_stepper::{LayerPlan, LoadPath, Plan};
 use serde::Serialize;
 
 use crate::arguments::PlanArguments;
@@ -96,7 +96,8 @@ fn pairs<'a>(project: &'a Project, plan: &Plan) -> Vec<PairJson<'a>> {
     let layers = project.layers.windows(2);
     let named = layers.zip(&plan.pairs);
     named
-        .map(|(layers, pair)| PairJson {
+        .enumerate()
+        .map(|(lower, (layers, pair))| PairJson {
             lower: &layers[0].name,
             upper: &layers[1].name,
             membrane_ratio: pair.membrane_ratio,
@@ -107,19 +108,9 @@ fn pairs<'a>(project: &'a Project, plan: &Plan) -> Vec<PairJson<'a>> {
                 FirstScale::Fine => "fine",
                 FirstScale::Large => "large",
             },
-            bending_transfer: layers[1]
-                .bending_transfer
-                .unwrap_or(usual_bending_transfer(project.modelling.stack, pair)),
+            bending_transfer: plan.bending_transfer(lower + 1),
         })
         .collect()
-}
-
-/// What the upper layer feels of the lower one's bending unless the scene says it.
-fn usual_bending_transfer(stack: Stack, pair: &StackPair) -> f64 {
-    match stack {
-        Stack::Nominal => pair.bending_transfer,
-        Stack::Composite | Stack::Joint => 1.0,
-    }
 }
 
 fn poses_table(plan: &Plan) -> String {
