@@ -3,8 +3,7 @@
 use nalgebra::{Matrix2, SymmetricEigen, Vector2, Vector3};
 use ruga_blend::{Driver, FaceStrain, PosedSurface, face_strains};
 use ruga_mesh::{
-    ClosestPlace, LoopSurface, MaterialPoint, PerFace, PerVertex, SurfaceLookup, TriMesh,
-    limit_rows,
+    Id, LoopSurface, MaterialPoint, PerFace, PerVertex, SurfaceLookup, TriMesh, limit_rows,
 };
 
 use crate::skin_mesh::{SkinMesh, through_vertices};
@@ -15,6 +14,9 @@ const TRANSFER_RANGE: [f64; 2] = [0.25, 2.25];
 
 /// A place counts as beside the layer below when it lies this share of an edge outside.
 const BESIDE: f64 = 1e-3;
+
+/// Barycentric weight under which a place lies on the opposite edge.
+const ON_EDGE: f64 = 1e-9;
 
 /// A surface on which a layer would lie, and what of its bending the layer is not to feel.
 #[derive(Clone, Debug)]
@@ -170,35 +172,38 @@ fn coordinates(tangent: &Vector3<f64>, [u, v]: &[Vector3<f64>; 2]) -> [f64; 2] {
 /// The place of the layer below under every vertex, where there is one.
 fn places_above(skin: &SkinMesh, lower: &SkinMesh) -> Vec<Option<MaterialPoint>> {
     let lookup = SurfaceLookup::new(&lower.mesh, &lower.rest.positions);
+    let border = lower.mesh.border_vertices();
     let vertices = skin.rest.positions.iter().zip(&skin.rest.normals);
     vertices
         .map(|(x, normal)| {
-            let found = lookup.closest(x)?;
-            lies_on(&lower.mesh, &lower.rest.positions, &found, x, normal).then_some(found.point)
+            let point = lookup.closest(x)?.point;
+            let away = x - point.interpolate(&lower.mesh, &lower.rest.positions);
+            let sideways = away - normal * normal.dot(&away);
+            let [a, b, _] = lower.mesh.faces()[point.face].map(|v| v.index());
+            let edge = lower.rest.positions[b] - lower.rest.positions[a];
+            let is_beside = sideways.norm() > BESIDE * edge.norm();
+            (!is_beside || !is_on_border(&lower.mesh, &border, &point)).then_some(point)
         })
         .collect()
 }
 
-/// Whether `x` lies over the place that is closest to it, not beside the border.
-fn lies_on(
-    mesh: &TriMesh,
-    positions: &[Vector3<f64>],
-    found: &ClosestPlace,
-    x: &Vector3<f64>,
-    normal: &Vector3<f64>,
-) -> bool {
-    let [a, b, _] = mesh.faces()[found.point.face].map(|v| positions[v.0 as usize]);
-    let away = x - found.point.interpolate(mesh, positions);
-    let sideways = away - normal * normal.dot(&away);
-    let on_border = found.point.barycentric.iter().any(|&w| w < 1e-9);
-    !on_border || sideways.norm() < BESIDE * (b - a).norm()
+/// Whether a place lies on the border of its mesh. On an edge or a vertex in the middle nothing is
+/// beside the mesh, however much the facets' normals there differ from the surface's.
+fn is_on_border(mesh: &TriMesh, border: &PerVertex<bool>, place: &MaterialPoint) -> bool {
+    let corners = mesh.faces()[place.face];
+    let weight = |corner: usize| place.barycentric[corner % 3];
+    (0..3).any(|corner| {
+        let on_edge = weight(corner + 2) < ON_EDGE;
+        let at_vertex = on_edge && weight(corner + 1) < ON_EDGE;
+        on_edge && mesh.neighbour(place.face, corner).is_none()
+            || at_vertex && border[corners[corner]]
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use nalgebra::Vector2;
     use ruga_blend::{ArtistMesh, BaseSurface, BlendShape, Smoothing, rest_frame};
-    use ruga_mesh::Id;
 
     use super::*;
     use crate::skin_mesh::RegionMesh;
@@ -209,11 +214,10 @@ mod tests {
     const OFFSET: f64 = 7e-4;
     const TRANSFER: f64 = 0.3;
 
-    /// Places of faces and the stretches of their rest metrics, where the flat square is bent to
-    /// `shape`; in its plane's axes, away from its border.
-    fn stretches(
-        shape: &dyn Fn(Vector2<f64>) -> Vector3<f64>,
-    ) -> Vec<(Vector2<f64>, Matrix2<f64>)> {
+    type Shape<'a> = &'a dyn Fn(Vector2<f64>) -> Vector3<f64>;
+
+    /// A square with a blend shape that takes it from one shape to another.
+    fn square(rest: Shape, bent: Shape) -> Driver {
         let places = (0..=CELLS).flat_map(|j| (0..=CELLS).map(move |i| [i, j]));
         let places: Vec<Vector2<f64>> = places
             .map(|c| SIDE * (Vector2::from(c.map(|c| c as f64 / CELLS as f64)).add_scalar(-0.5)))
@@ -224,21 +228,24 @@ mod tests {
             let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
             [[a, b, c], [a, c, d]]
         });
-        let flat = |p: &Vector2<f64>| Vector3::new(p.x, p.y, 0.0);
-        let driver = Driver::new(&ArtistMesh {
-            positions: places.iter().map(flat).collect(),
+        Driver::new(&ArtistMesh {
+            positions: places.iter().map(|p| rest(*p)).collect(),
             uvs: Some(places.clone()),
             triangles: triangles.collect(),
             shapes: vec![BlendShape {
                 name: "bend".into(),
-                position_deltas: places.iter().map(|p| shape(*p) - flat(p)).collect(),
+                position_deltas: places.iter().map(|p| bent(*p) - rest(*p)).collect(),
                 normal_deltas: None,
             }],
             ..ArtistMesh::default()
         })
-        .expect("a square");
+        .expect("a square")
+    }
+
+    /// All of a driver as a layer's mesh, at a distance.
+    fn skin(driver: &Driver, levels: u32, offset: f64) -> SkinMesh {
         let faces: Vec<_> = driver.topology().faces().ids().collect();
-        let base = BaseSurface::new(&driver, &faces, 1, Smoothing::Loop);
+        let base = BaseSurface::new(driver, &faces, levels, Smoothing::Loop);
         let preset = ruga_material::preset("knuckle").expect("a preset");
         let layer = LayerSpec {
             name: "skin".into(),
@@ -251,8 +258,15 @@ mod tests {
             sharp: false,
             bending_transfer: None,
         };
-        let region = RegionMesh::new(&driver, &base, &layer, Smoothing::Loop, OFFSET);
-        let skin = region.expect("a plain layer").skin;
+        let region = RegionMesh::new(driver, &base, &layer, Smoothing::Loop, offset);
+        region.expect("a plain layer").skin
+    }
+
+    /// Places of faces and the stretches of their rest metrics, where the flat square is bent to
+    /// `shape`; in its plane's axes, away from its border.
+    fn stretches(shape: Shape) -> Vec<(Vector2<f64>, Matrix2<f64>)> {
+        let driver = square(&|p| Vector3::new(p.x, p.y, 0.0), shape);
+        let skin = skin(&driver, 1, OFFSET);
         let seat = Seat {
             offset: OFFSET,
             bending_transfer: TRANSFER,
@@ -283,6 +297,31 @@ mod tests {
     fn sorted(stretch: &Matrix2<f64>) -> [f64; 2] {
         let values = stretch.symmetric_eigenvalues();
         [values.min(), values.max()]
+    }
+
+    /// Also over its vertices and edges, where what is closest lies on the border of a facet.
+    #[test]
+    fn a_layer_covers_all_of_a_bumpy_one() {
+        let bumps = |p: Vector2<f64>| {
+            let height = 1e-3 * (500.0 * p.x).sin() * (500.0 * p.y).cos();
+            Vector3::new(p.x, p.y, height)
+        };
+        let driver = square(&bumps, &bumps);
+        let lower = skin(&driver, 0, 0.0);
+        for levels in [0, 1] {
+            let upper = skin(&driver, levels, OFFSET);
+            let places = places_above(&upper, &lower);
+            let inside = upper
+                .rest
+                .positions
+                .iter()
+                .map(|x| x.xy().amax() < 0.45 * SIDE);
+            let uncovered = places
+                .iter()
+                .zip(inside)
+                .filter(|(p, inside)| p.is_none() && *inside);
+            assert_eq!(uncovered.count(), 0, "at level {levels}");
+        }
     }
 
     /// Round the cylinder the rest metric takes up what is not transferred, along it nothing.
