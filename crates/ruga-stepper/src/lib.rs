@@ -82,6 +82,7 @@ mod skin_mesh;
 mod adaptivity;
 mod below;
 mod boundary_cut;
+mod cover;
 mod layer;
 mod layer_objective;
 mod layer_run;
@@ -93,6 +94,8 @@ mod motion;
 mod region;
 mod skin_energy;
 mod stacking;
+#[cfg(test)]
+mod test_square;
 mod upper_layers;
 
 mod error;

@@ -1,9 +1,12 @@
 //! One pose from rest to its keys, layer by layer.
 
+use std::rc::Rc;
+
 use nalgebra::Vector3;
 use ruga_blend::Driver;
 
 use crate::below::{BelowSurface, surface_below};
+use crate::cover::Covers;
 use crate::layer_run::{Course, Ending, LayerRun};
 use crate::skin_mesh::SkinMesh;
 use crate::{
@@ -48,6 +51,7 @@ pub fn simulate(
             ..PoseResult::default()
         },
         upper: plan.specs.iter().map(|_| None).collect(),
+        covers: Rc::default(),
     };
     run.follow(observer)?;
     Ok(run.result)
@@ -82,6 +86,8 @@ pub(crate) struct StackRun<'a> {
     pub(crate) result: PoseResult,
     /// The layers above the lowest one, as they were left by the last frame that had them.
     pub(crate) upper: Vec<Option<LayerRun>>,
+    /// Where their meshes lie on those below.
+    pub(crate) covers: Rc<Covers>,
 }
 
 impl StackRun<'_> {

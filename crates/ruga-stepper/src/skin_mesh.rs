@@ -1,6 +1,7 @@
 //! The mesh a layer is computed on, and the one it is handed out on.
 
 use std::collections::VecDeque;
+use std::sync::{Arc, Weak};
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector2, Vector3};
 use ruga_blend::{BaseSurface, Driver, PosedSurface, Smoothing, SurfacePoints};
@@ -39,6 +40,34 @@ pub(crate) struct SkinMesh {
     /// Faces beside a sharp boundary of the layer's map, each with a texture coordinate well inside
     /// it: their corners are on the boundary and say nothing about either side.
     pub(crate) beside: Vec<(FaceId, Vector2<f64>)>,
+    /// What tells it from others; copies share it.
+    pub(crate) identity: Identity,
+}
+
+/// Equal for an original and its copies only.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Identity(Arc<()>);
+
+impl Identity {
+    /// Something to know it by that does not keep it.
+    pub(crate) fn mark(&self) -> Mark {
+        Mark(Arc::downgrade(&self.0))
+    }
+}
+
+/// Reminder of an [`Identity`].
+#[derive(Debug)]
+pub(crate) struct Mark(Weak<()>);
+
+impl Mark {
+    pub(crate) fn is_of(&self, identity: &Identity) -> bool {
+        std::ptr::eq(self.0.as_ptr(), Arc::as_ptr(&identity.0))
+    }
+
+    /// Whether nothing of that identity is left.
+    pub(crate) fn is_stale(&self) -> bool {
+        self.0.strong_count() == 0
+    }
 }
 
 impl SkinMesh {
@@ -60,6 +89,7 @@ impl SkinMesh {
             mesh,
             points,
             beside: Vec::new(),
+            identity: Identity::default(),
         }
     }
 

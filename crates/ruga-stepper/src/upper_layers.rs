@@ -1,8 +1,11 @@
 //! Layers that lie on others, solved on what those have become.
 
+use std::rc::Rc;
+
 use nalgebra::Vector3;
 
 use crate::below::{BelowSurface, LowerLayer, surface_below};
+use crate::cover::Covers;
 use crate::layer_run::{Course, Ending, LayerRun};
 use crate::simulate::{Place, StackRun};
 use crate::skin_mesh::SkinMesh;
@@ -18,13 +21,14 @@ impl StackRun<'_> {
         control: &[Vector3<f64>],
         observer: &mut dyn Observer,
     ) -> Result<Option<Vec<LayerSurface>>, StepperError> {
+        let covers = Rc::clone(&self.covers);
         let mut surfaces = Vec::new();
         let mut solved: Vec<(LayerRun, Ending)> = Vec::new();
         for index in lowest + 1..self.plan.specs.len() {
             if self.plan.poses[self.pose].layers[index].region.is_empty() {
                 continue;
             }
-            let lower = self.lower(solved.last().map_or(run, |(run, _)| run));
+            let lower = self.lower(solved.last().map_or(run, |(run, _)| run), &covers);
             let (mut upper, ending) = self.upper_layer(index, &lower, place, control, observer)?;
             self.tell(&upper, ending);
             if ending == Ending::Interrupted {
@@ -79,11 +83,12 @@ impl StackRun<'_> {
         Ok((run, ending))
     }
 
-    fn lower<'r>(&self, run: &'r LayerRun) -> LowerLayer<'r> {
+    fn lower<'r>(&self, run: &'r LayerRun, covers: &'r Covers) -> LowerLayer<'r> {
         LowerLayer {
             skin: run.layer.skin(),
             positions: run.layer.positions(),
             offset: self.plan.seats[run.index].offset,
+            covers,
         }
     }
 

@@ -1,0 +1,59 @@
+//! A square driver and layers' meshes on it, for tests.
+
+use nalgebra::{Vector2, Vector3};
+use ruga_blend::{ArtistMesh, BaseSurface, BlendShape, Driver, Smoothing};
+
+use crate::skin_mesh::{RegionMesh, SkinMesh};
+use crate::{Coupling, LayerSpec, Sampling};
+
+pub(crate) const SIDE: f64 = 0.04;
+const CELLS: usize = 20;
+
+/// Where a place of the square is.
+pub(crate) type Shape<'a> = &'a dyn Fn(Vector2<f64>) -> Vector3<f64>;
+
+/// A square with a blend shape that takes it from one shape to another.
+pub(crate) fn square(rest: Shape, bent: Shape) -> Driver {
+    let places = (0..=CELLS).flat_map(|j| (0..=CELLS).map(move |i| [i, j]));
+    let places: Vec<Vector2<f64>> = places
+        .map(|c| SIDE * (Vector2::from(c.map(|c| c as f64 / CELLS as f64)).add_scalar(-0.5)))
+        .collect();
+    let at = |i: usize, j: usize| (j * (CELLS + 1) + i) as u32;
+    let cells = (0..CELLS).flat_map(|j| (0..CELLS).map(move |i| (i, j)));
+    let triangles = cells.flat_map(|(i, j)| {
+        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    });
+    Driver::new(&ArtistMesh {
+        positions: places.iter().map(|p| rest(*p)).collect(),
+        uvs: Some(places.clone()),
+        triangles: triangles.collect(),
+        shapes: vec![BlendShape {
+            name: "bend".into(),
+            position_deltas: places.iter().map(|p| bent(*p) - rest(*p)).collect(),
+            normal_deltas: None,
+        }],
+        ..ArtistMesh::default()
+    })
+    .expect("a square")
+}
+
+/// All of a driver as a layer's mesh, at a distance.
+pub(crate) fn skin(driver: &Driver, levels: u32, offset: f64) -> SkinMesh {
+    let faces: Vec<_> = driver.topology().faces().ids().collect();
+    let base = BaseSurface::new(driver, &faces, levels, Smoothing::Loop);
+    let preset = ruga_material::preset("knuckle").expect("a preset");
+    let layer = LayerSpec {
+        name: "skin".into(),
+        material: preset.layer,
+        substrate: preset.substrate,
+        model: ruga_material::WavelengthModel::Layer,
+        coupling: Coupling::Elastic,
+        sampling: Sampling::Quadrature,
+        map: None,
+        sharp: false,
+        bending_transfer: None,
+    };
+    let region = RegionMesh::new(driver, &base, &layer, Smoothing::Loop, offset);
+    region.expect("a plain layer").skin
+}
