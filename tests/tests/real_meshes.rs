@@ -179,6 +179,13 @@ fn flexed_fingers() {
     check_real("hand", &skin, &[("fingersFlex", 1.0)], (8, 0.3));
 }
 
+/// The joint's radius is 5.7 of an eyelid's wavelengths: from 5 on, waves are as long as on a plane.
+#[test]
+fn flexed_finger_with_fine_wrinkles() {
+    let skin = Skin::new(&asset("finger/finger.glb"), "eyelid");
+    check_real("finger", &skin, &[("flex", 1.0)], (2, 0.1));
+}
+
 #[test]
 fn odd_files_are_planned_or_refused() {
     let Some(folder) = shared_data("gltf-edge-cases") else {
