@@ -130,7 +130,11 @@ fn places_above(skin: &SkinMesh, lower: &SkinMesh) -> Vec<Option<MaterialPoint>>
 
 /// Whether a place lies on the border of its mesh. On an edge or a vertex in the middle nothing is
 /// beside the mesh, however much the facets' normals there differ from the surface's.
-fn is_on_border(mesh: &TriMesh, border: &PerVertex<bool>, place: &MaterialPoint) -> bool {
+pub(crate) fn is_on_border(
+    mesh: &TriMesh,
+    border: &PerVertex<bool>,
+    place: &MaterialPoint,
+) -> bool {
     let corners = mesh.faces()[place.face];
     let weight = |corner: usize| place.barycentric[corner % 3];
     (0..3).any(|corner| {

@@ -83,6 +83,7 @@ mod adaptivity;
 mod below;
 mod boundary_cut;
 mod cover;
+mod facet_address;
 mod layer;
 mod layer_objective;
 mod layer_run;

@@ -15,6 +15,7 @@ use ruga_remesh::{
 };
 
 use crate::boundary_cut::{Cut, Piece, blend, cut_along, faces_beside};
+use crate::facet_address::{FacetAddresses, Piece as Facets};
 use crate::{LayerSpec, StepperError};
 
 /// Corrections of control points towards a limit surface that passes through the vertices. The
@@ -80,17 +81,22 @@ impl SkinMesh {
         offset: f64,
     ) -> Self {
         let points = SurfacePoints::new(driver, points, smoothing);
-        let mut rest = points.pose(driver.rest());
-        for (x, normal) in rest.positions.iter_mut().zip(&rest.normals) {
-            *x += normal * offset;
-        }
-        Self {
-            rest,
+        let on_driver = Self {
+            rest: points.pose(driver.rest()),
             mesh,
             points,
             beside: Vec::new(),
             identity: Identity::default(),
+        };
+        on_driver.lifted(offset)
+    }
+
+    /// At rest so much higher.
+    fn lifted(mut self, offset: f64) -> Self {
+        for (x, normal) in self.rest.positions.iter_mut().zip(&self.rest.normals) {
+            *x += normal * offset;
         }
+        self
     }
 
     /// The vertices' indices at the corners of every triangle.
@@ -135,9 +141,12 @@ pub(crate) struct Adapted {
 #[derive(Clone, Debug)]
 pub(crate) struct RegionMesh {
     pub(crate) skin: SkinMesh,
+    /// Of the material points.
     uvs: Vec<[Vector2<f64>; 3]>,
     origins: PerFace<ruga_mesh::FaceOrigin>,
-    artist: Vec<(u32, [[f64; 3]; 3])>,
+    /// Where results are shown.
+    addresses: FacetAddresses,
+    artist: Vec<u32>,
     /// Edges that a fitted mesh keeps.
     features: PerEdge<bool>,
     smoothing: Smoothing,
@@ -183,17 +192,28 @@ impl RegionMesh {
         let beside = beside
             .map(|(face, weights)| (face, blend(&uvs[face.index()], weights)))
             .collect();
+        let skin = SkinMesh::new(driver, mesh, &points, smoothing, 0.0);
+        let addresses = FacetAddresses::new(
+            driver,
+            &Facets {
+                mesh: &skin.mesh,
+                points: &points,
+                positions: &skin.rest.positions,
+                origins: &origins,
+                uvs: &uvs,
+            },
+        );
+        let artist = origins.as_slice().iter();
         Ok(Self {
             features,
             skin: SkinMesh {
                 beside,
-                ..SkinMesh::new(driver, mesh, &points, smoothing, offset)
+                ..skin.lifted(offset)
             },
             uvs,
-            artist: origins
-                .as_slice()
-                .iter()
-                .map(|origin| (driver.triangles()[origin.face], origin.corners))
+            addresses,
+            artist: artist
+                .map(|origin| driver.triangles()[origin.face])
                 .collect(),
             origins,
             smoothing,
@@ -201,14 +221,24 @@ impl RegionMesh {
         })
     }
 
-    /// Texture coordinates of every triangle's corners, V down.
+    /// Texture coordinates of the material points of every triangle's corners, V down.
+    #[cfg(test)]
     pub(crate) fn uvs(&self) -> &[[Vector2<f64>; 3]] {
         &self.uvs
     }
 
+    /// Texture coordinates of every triangle's corners, V down, as the artist's flat triangles show
+    /// them.
+    pub(crate) fn shown_uvs(&self) -> &[[Vector2<f64>; 3]] {
+        &self.addresses.uvs
+    }
+
     /// For every triangle the file's triangle and its corners' places there.
-    pub(crate) fn artist(&self) -> &[(u32, [[f64; 3]; 3])] {
-        &self.artist
+    pub(crate) fn artist(&self) -> Vec<(u32, [[f64; 3]; 3])> {
+        let triangles = self.artist.iter().copied();
+        triangles
+            .zip(self.addresses.corners.iter().copied())
+            .collect()
     }
 
     /// A mesh of the region that is as fine as `demand` and the rest shape ask for, in the

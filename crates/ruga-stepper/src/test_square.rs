@@ -14,6 +14,11 @@ pub(crate) type Shape<'a> = &'a dyn Fn(Vector2<f64>) -> Vector3<f64>;
 
 /// A square with a blend shape that takes it from one shape to another.
 pub(crate) fn square(rest: Shape, bent: Shape) -> Driver {
+    Driver::new(&square_mesh(rest, bent)).expect("a square")
+}
+
+/// The same as a file has it.
+pub(crate) fn square_mesh(rest: Shape, bent: Shape) -> ArtistMesh {
     let places = (0..=CELLS).flat_map(|j| (0..=CELLS).map(move |i| [i, j]));
     let places: Vec<Vector2<f64>> = places
         .map(|c| SIDE * (Vector2::from(c.map(|c| c as f64 / CELLS as f64)).add_scalar(-0.5)))
@@ -24,7 +29,7 @@ pub(crate) fn square(rest: Shape, bent: Shape) -> Driver {
         let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
         [[a, b, c], [a, c, d]]
     });
-    Driver::new(&ArtistMesh {
+    ArtistMesh {
         positions: places.iter().map(|p| rest(*p)).collect(),
         uvs: Some(places.clone()),
         triangles: triangles.collect(),
@@ -34,12 +39,16 @@ pub(crate) fn square(rest: Shape, bent: Shape) -> Driver {
             normal_deltas: None,
         }],
         ..ArtistMesh::default()
-    })
-    .expect("a square")
+    }
 }
 
 /// All of a driver as a layer's mesh, at a distance.
 pub(crate) fn skin(driver: &Driver, levels: u32, offset: f64) -> SkinMesh {
+    region(driver, levels, offset).skin
+}
+
+/// All of a driver as the mesh that a layer's results are handed out on.
+pub(crate) fn region(driver: &Driver, levels: u32, offset: f64) -> RegionMesh {
     let faces: Vec<_> = driver.topology().faces().ids().collect();
     let base = BaseSurface::new(driver, &faces, levels, Smoothing::Loop);
     let preset = ruga_material::preset("knuckle").expect("a preset");
@@ -55,5 +64,5 @@ pub(crate) fn skin(driver: &Driver, levels: u32, offset: f64) -> SkinMesh {
         bending_transfer: None,
     };
     let region = RegionMesh::new(driver, &base, &layer, Smoothing::Loop, offset);
-    region.expect("a plain layer").skin
+    region.expect("a plain layer")
 }

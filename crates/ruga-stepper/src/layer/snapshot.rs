@@ -27,8 +27,8 @@ impl Layer {
             driver_normals: below.normals,
             offset,
             faces: self.region.skin.corner_indices(),
-            uvs: self.region.uvs().to_vec(),
-            artist: self.region.artist().to_vec(),
+            uvs: self.region.shown_uvs().to_vec(),
+            artist: self.region.artist(),
             computed,
         }
     }

@@ -1,0 +1,345 @@
+//! Where on the artist's flat triangles a place of the smooth surface is.
+//!
+//! Loop subdivision moves vertices sideways as well: where quads of a face are cut along either
+//! diagonal, by half a millimetre and to the other side at every vertex. On the smooth surface
+//! texture coordinates make up for it, but maps are looked at on the flat triangles, where straight
+//! fine lines would come out as zigzags. So results are addressed by the closest place on those.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use nalgebra::{Matrix2, Matrix2x3, Matrix3x2, Vector2, Vector3};
+use ruga_blend::Driver;
+use ruga_mesh::{
+    FaceId, FaceOrigin, Id, MaterialPoint, PerFace, PerVertex, SurfaceLookup, TriMesh,
+};
+
+use crate::cover::is_on_border;
+use crate::local_skin::uv;
+
+/// Distance from seams and borders, in largest ways sideways, over which addresses are faded back
+/// to those of the material points, so that islands stay as large as they are.
+const FADE: f64 = 4.0;
+
+/// Part of the way from the flat triangle, in the texture, by which the closest place may miss where
+/// the triangle's own plane says it is; beyond, there is a seam between.
+const CONTINUOUS: f64 = 0.5;
+
+/// Share of its area in the texture that a triangle keeps, and attempts to see to it.
+const LEAST_AREA: f64 = 0.2;
+const ATTEMPTS: usize = 8;
+
+/// A mesh of places of the smooth surface, none of its faces across an edge of the driver.
+pub(crate) struct Piece<'a> {
+    pub(crate) mesh: &'a TriMesh,
+    pub(crate) points: &'a [MaterialPoint],
+    /// Where the surface is there, at rest, m.
+    pub(crate) positions: &'a [Vector3<f64>],
+    pub(crate) origins: &'a PerFace<FaceOrigin>,
+    /// Texture coordinates of the material points, per face and corner.
+    pub(crate) uvs: &'a [[Vector2<f64>; 3]],
+}
+
+/// Texture coordinates of the corners of every face, and their barycentric coordinates in the
+/// driver's face it lies in; these may be beyond the face's edges.
+#[derive(Clone, Debug)]
+pub(crate) struct FacetAddresses {
+    pub(crate) uvs: Vec<[Vector2<f64>; 3]>,
+    pub(crate) corners: Vec<[[f64; 3]; 3]>,
+}
+
+impl FacetAddresses {
+    pub(crate) fn new(driver: &Driver, piece: &Piece<'_>) -> Self {
+        let ways = ways(driver, piece);
+        let mut shares = faded(piece, &ways);
+        for _ in 0..ATTEMPTS {
+            if !halve_where_folded(piece, &ways, &mut shares) {
+                break;
+            }
+        }
+        let uvs: Vec<_> = (0..piece.uvs.len())
+            .map(|face| shifted(piece, &ways, &shares, face))
+            .collect();
+        let corners = uvs.iter().enumerate().map(|(face, uvs)| {
+            let origin = &piece.origins[FaceId::from_index(face)];
+            barycentric(&driver.uvs()[origin.face], uvs).unwrap_or(origin.corners)
+        });
+        Self {
+            corners: corners.collect(),
+            uvs,
+        }
+    }
+}
+
+/// The way of one vertex: in space to the closest place of the flat triangles' plane, m, and in the
+/// texture; `None` across a seam or at one, or on the border.
+type Way = Option<(f64, Vector2<f64>)>;
+
+fn ways(driver: &Driver, piece: &Piece<'_>) -> Vec<Way> {
+    let lookup = SurfaceLookup::new(driver.topology(), driver.rest());
+    let border = driver.topology().border_vertices();
+    let seams = seam_vertices(piece);
+    let vertices = piece.points.iter().zip(piece.positions).zip(seams);
+    vertices
+        .map(|((point, x), is_seam)| {
+            (!is_seam && !is_on_border(driver.topology(), &border, point))
+                .then(|| way(driver, &lookup, point, x))
+                .flatten()
+        })
+        .collect()
+}
+
+fn way(
+    driver: &Driver,
+    lookup: &SurfaceLookup<'_>,
+    point: &MaterialPoint,
+    x: &Vector3<f64>,
+) -> Way {
+    let flat = point.interpolate(driver.topology(), driver.rest());
+    let place = lookup.closest_near(point.face, x, (x - flat).norm())?.point;
+    let sideways = (place.interpolate(driver.topology(), driver.rest()) - flat).norm();
+    let way = uv(driver, &place) - uv(driver, point);
+    let texture = in_texture(driver, point.face)?;
+    let away = x - flat;
+    ((way - texture * away).norm() <= CONTINUOUS * texture.norm() * away.norm())
+        .then_some((sideways, way))
+}
+
+/// Derivative of a face's texture coordinates by the place in space.
+fn in_texture(driver: &Driver, face: FaceId) -> Option<Matrix2x3<f64>> {
+    let [a, b, c] = driver.topology().faces()[face].map(|v| driver.rest()[v.index()]);
+    let edges = Matrix3x2::from_columns(&[b - a, c - a]);
+    let coordinates = (edges.transpose() * edges).try_inverse()? * edges.transpose();
+    let [p, q, r] = driver.uvs()[face];
+    Some(Matrix2::from_columns(&[q - p, r - p]) * coordinates)
+}
+
+/// Vertices with more than one texture coordinate.
+fn seam_vertices(piece: &Piece<'_>) -> Vec<bool> {
+    let mut known: Vec<Option<Vector2<f64>>> = vec![None; piece.points.len()];
+    let mut seams = vec![false; piece.points.len()];
+    let scale: f64 = piece
+        .uvs
+        .iter()
+        .flatten()
+        .map(Vector2::amax)
+        .fold(1.0, f64::max);
+    for (corners, uvs) in piece.mesh.faces().as_slice().iter().zip(piece.uvs) {
+        for (vertex, uv) in corners.iter().zip(uvs) {
+            let i = vertex.index();
+            match &known[i] {
+                // As far as rounding goes: faces that share an edge may interpolate it apart.
+                Some(known) => seams[i] |= (known - uv).amax() > 1e-9 * scale,
+                None => known[i] = Some(*uv),
+            }
+        }
+    }
+    seams
+}
+
+/// The share of its way that every vertex takes: rising with the distance from those with none.
+fn faded(piece: &Piece<'_>, ways: &[Way]) -> Vec<f64> {
+    let reach = FADE * ways.iter().flatten().map(|way| way.0).fold(0.0, f64::max);
+    if reach == 0.0 {
+        return vec![0.0; ways.len()];
+    }
+    let held: Vec<bool> = ways.iter().map(Option::is_none).collect();
+    let share = |distance: f64| {
+        let t = distance / reach;
+        t * t * (3.0 - 2.0 * t)
+    };
+    distances(piece, &held, reach)
+        .into_iter()
+        .map(share)
+        .collect()
+}
+
+/// Distance of every vertex from the `held` ones along edges, m, as far as `reach`.
+fn distances(piece: &Piece<'_>, held: &[bool], reach: f64) -> Vec<f64> {
+    let mut neighbours: PerVertex<Vec<u32>> = PerVertex::filled(held.len(), Vec::new());
+    for edge in piece.mesh.edges().as_slice() {
+        let [a, b] = edge.vertices;
+        neighbours[a].push(b.0);
+        neighbours[b].push(a.0);
+    }
+    let neighbours = neighbours.as_slice();
+    let mut distances: Vec<f64> = held.iter().map(|h| if *h { 0.0 } else { reach }).collect();
+    let mut front: BinaryHeap<Reached> = (0..)
+        .zip(held)
+        .filter(|(_, held)| **held)
+        .map(|(vertex, _)| Reached(0.0, vertex))
+        .collect();
+    while let Some(Reached(distance, vertex)) = front.pop() {
+        let from = piece.positions[vertex as usize];
+        if distance > distances[vertex as usize] {
+            continue;
+        }
+        for &next in &neighbours[vertex as usize] {
+            let there = distance + (piece.positions[next as usize] - from).norm();
+            if there < distances[next as usize] {
+                distances[next as usize] = there;
+                front.push(Reached(there, next));
+            }
+        }
+    }
+    distances
+}
+
+/// A vertex and its distance; the nearest is the greatest.
+#[derive(PartialEq)]
+struct Reached(f64, u32);
+
+impl Eq for Reached {}
+
+impl Ord for Reached {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.0.total_cmp(&self.0).then(other.1.cmp(&self.1))
+    }
+}
+
+impl PartialOrd for Reached {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+fn shifted(piece: &Piece<'_>, ways: &[Way], shares: &[f64], face: usize) -> [Vector2<f64>; 3] {
+    let corners = piece.mesh.faces()[FaceId::from_index(face)];
+    std::array::from_fn(|k| {
+        let i = corners[k].index();
+        let way = ways[i].map_or_else(Vector2::zeros, |way| way.1);
+        piece.uvs[face][k] + way * shares[i]
+    })
+}
+
+/// Halves the shares at the corners of faces that have all but lost their area; whether there were
+/// any.
+fn halve_where_folded(piece: &Piece<'_>, ways: &[Way], shares: &mut [f64]) -> bool {
+    let area = |[a, b, c]: &[Vector2<f64>; 3]| (b - a).perp(&(c - a));
+    let is_folded = |face: usize| {
+        let before = area(&piece.uvs[face]);
+        let after = area(&shifted(piece, ways, shares, face));
+        after * before.signum() < LEAST_AREA * before.abs()
+    };
+    let folded: Vec<usize> = (0..piece.uvs.len()).filter(|&f| is_folded(f)).collect();
+    for &face in &folded {
+        for vertex in piece.mesh.faces()[FaceId::from_index(face)] {
+            shares[vertex.index()] *= 0.5;
+        }
+    }
+    !folded.is_empty()
+}
+
+/// Barycentric coordinates of three places of the texture in a face of it.
+fn barycentric(face: &[Vector2<f64>; 3], places: &[Vector2<f64>; 3]) -> Option<[[f64; 3]; 3]> {
+    let [a, b, c] = face;
+    let inverse = Matrix2::from_columns(&[b - a, c - a]).try_inverse()?;
+    Some(places.map(|place| {
+        let t = inverse * (place - a);
+        [1.0 - t.x - t.y, t.x, t.y]
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    use super::*;
+    use crate::skin_mesh::RegionMesh;
+    use crate::test_square::{SIDE, region, square_mesh};
+
+    /// A flat square of uneven triangles, its texture as flat as itself.
+    fn uneven() -> Driver {
+        let mut random = Pcg64Mcg::seed_from_u64(3);
+        let flat = |p: Vector2<f64>| Vector3::new(p.x, p.y, 0.0);
+        let mut mesh = square_mesh(&flat, &flat);
+        for x in &mut mesh.positions {
+            if x.amax() < 0.49 * SIDE {
+                x.x += 3e-4 * random.random_range(-1.0..1.0);
+                x.y += 3e-4 * random.random_range(-1.0..1.0);
+            }
+        }
+        // Every other pair of triangles cut the other way.
+        for pair in mesh.triangles.chunks_exact_mut(2).step_by(2) {
+            let ([a, b, c], d) = (pair[0], pair[1][2]);
+            pair.copy_from_slice(&[[a, b, d], [b, c, d]]);
+        }
+        mesh.uvs = Some(mesh.positions.iter().map(Vector3::xy).collect());
+        Driver::new(&mesh).expect("a square")
+    }
+
+    /// Largest distance in the texture from where a vertex is, in the middle; and of all from `uvs`.
+    fn misses(region: &RegionMesh, uvs: &[[Vector2<f64>; 3]]) -> f64 {
+        let faces = region.skin.mesh.faces().as_slice().iter().zip(uvs);
+        let corners = faces.flat_map(|(corners, uvs)| corners.iter().zip(uvs));
+        corners
+            .map(|(v, uv)| (region.skin.rest.positions[v.index()].xy(), uv))
+            .filter(|(x, _)| x.amax() < 0.3 * SIDE)
+            .map(|(x, uv)| (x - uv).norm())
+            .fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn places_are_shown_where_they_are() {
+        let region = region(&uneven(), 2, 5e-4);
+        let [before, after] = [region.uvs(), region.shown_uvs()].map(|uvs| misses(&region, uvs));
+        assert!(before > 1e-4, "{before} m");
+        assert!(after < 1e-12, "{after} m");
+    }
+
+    /// The square's border stays the border of its texture, and nothing is folded.
+    #[test]
+    fn islands_stay_whole() {
+        let region = region(&uneven(), 2, 0.0);
+        let area = |[a, b, c]: &[Vector2<f64>; 3]| 0.5 * (b - a).perp(&(c - a));
+        let areas: Vec<f64> = region.shown_uvs().iter().map(area).collect();
+        assert!(areas.iter().all(|area| *area > 0.0));
+        let total: f64 = areas.iter().sum();
+        assert!((total / (SIDE * SIDE) - 1.0).abs() < 1e-9, "{total}");
+    }
+
+    /// The texture of one half lies elsewhere: no address crosses the seam.
+    #[test]
+    fn seams_are_not_crossed() {
+        let mut random = Pcg64Mcg::seed_from_u64(4);
+        let flat = |p: Vector2<f64>| Vector3::new(p.x, p.y, 0.0);
+        let mut mesh = square_mesh(&flat, &flat);
+        let own = mesh.positions.len() as u32;
+        let on_seam = |x: &Vector3<f64>| x.x.abs() < 1e-9 && x.y.abs() < 0.49 * SIDE;
+        for x in &mut mesh.positions {
+            x.y += if on_seam(x) {
+                2e-4 * random.random_range(-1.0..1.0)
+            } else {
+                0.0
+            };
+        }
+        let copies = mesh.positions.clone();
+        let far = Vector2::new(1.0, 0.0);
+        let uvs: Vec<_> = copies.iter().map(Vector3::xy).collect();
+        mesh.uvs = Some(
+            uvs.iter()
+                .copied()
+                .chain(uvs.iter().map(|uv| uv + far))
+                .collect(),
+        );
+        mesh.positions.extend(copies.iter().copied());
+        for shape in &mut mesh.shapes {
+            shape.position_deltas = vec![Vector3::zeros(); mesh.positions.len()];
+        }
+        for corners in &mut mesh.triangles {
+            if corners.iter().any(|v| copies[*v as usize].x > 1e-9) {
+                *corners = corners.map(|v| v + own);
+            }
+        }
+        let region = region(&Driver::new(&mesh).expect("a square in two halves"), 2, 0.0);
+        let total: f64 = (region.shown_uvs().iter())
+            .map(|[a, b, c]| 0.5 * (b - a).perp(&(c - a)))
+            .inspect(|area| assert!(*area > 0.0))
+            .sum();
+        assert!((total / (SIDE * SIDE) - 1.0).abs() < 1e-9, "{total}");
+        for uvs in region.shown_uvs() {
+            assert!(uvs.iter().all(|uv| uv.x < 0.5) || uvs.iter().all(|uv| uv.x > 0.5));
+        }
+    }
+}
