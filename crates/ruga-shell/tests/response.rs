@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use meshes::{PeriodicMesh, blue_noise, lattice, outline};
 use nalgebra::Vector3;
-use ruga_shell::{HINGE_EXPONENT, ResponseQuery, face_corners, response_modulus};
+use ruga_shell::{BendingModel, HINGE_EXPONENT, ResponseQuery, face_corners, response_modulus};
 
 /// Edge of the equilateral mesh that all others have the vertex density of; 12 per wavelength.
 const EDGE: f64 = 1.0 / 12.0;
@@ -38,6 +38,8 @@ fn modulus(mesh: &PeriodicMesh, exponent: f64) -> [f64; 2] {
             directions: &directions,
             fixed: &fixed,
             bending_modulus: 1.0,
+            poisson: 0.48,
+            bending_model: BendingModel::Hinge,
             hinge_exponent: exponent,
             normal_stiffness: (2.0 * PI).powi(4),
             gradient_stiffness: 0.0,
@@ -144,6 +146,8 @@ fn patch(shape: impl Fn(&Vector3<f64>) -> Vector3<f64>, gradient: f64) -> f64 {
         directions: &directions,
         fixed: &outline(columns, rows),
         bending_modulus: 1.0,
+        poisson: 0.48,
+        bending_model: BendingModel::Hinge,
         hinge_exponent: HINGE_EXPONENT,
         normal_stiffness: (2.0 * PI).powi(4),
         gradient_stiffness: gradient,
