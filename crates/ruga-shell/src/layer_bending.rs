@@ -7,8 +7,8 @@ use crate::hinge::{Hinge, HingeState};
 use crate::hinge_stiffness::{HINGE_EXPONENT, HingeShape};
 use crate::layer_energy::gather;
 use crate::pattern::{Pattern, Slot};
-use crate::stars::{Star, inner_vertices, is_border_hinge, star_areas, stars};
-use crate::vertex_curvature::{rows, weighted};
+use crate::stars::{Star, stars};
+use crate::vertex_curvature::weighted;
 use crate::{BendingModel, LayerParameters, RestTriangle};
 
 /// Hinges at all inner edges and, if the model has them, the stars that their angles go into.
@@ -26,19 +26,15 @@ struct HingeElement {
     /// Index of the edge it lies on.
     edge: usize,
     slots: [Slot; 6],
-    /// Whether it has a stiffness of its own.
-    stiff: bool,
 }
 
 #[derive(Clone, Debug)]
 struct StarElement {
     star: Star,
-    /// Per spoke, see [`rows`].
+    /// Per inner edge, see [`crate::StarShape`].
     rows: Vec<Vector3<f64>>,
-    /// Per spoke, the hinge on it.
+    /// Per inner edge, the hinge on it.
     hinges: Vec<u32>,
-    /// Per spoke, where the hinge's four vertices are in the star.
-    corners: Vec<[u8; 4]>,
     /// Of the blocks below the diagonal, row by row.
     slots: Vec<Slot>,
 }
@@ -61,15 +57,10 @@ pub(crate) struct BendingStencils {
 }
 
 impl BendingStencils {
-    pub(crate) fn new(
-        model: BendingModel,
-        faces: &[[u32; 3]],
-        edges: &[Edge],
-        vertices: usize,
-    ) -> Self {
+    pub(crate) fn new(model: BendingModel, faces: &[[u32; 3]], edges: &[Edge]) -> Self {
         let stars = match model {
             BendingModel::Hinge => Vec::new(),
-            BendingModel::VertexCurvature => stars(faces, edges, vertices),
+            BendingModel::VertexCurvature => stars(faces, edges),
         };
         Self { stars }
     }
@@ -88,7 +79,6 @@ impl LayerBending {
         rest: &[Vector3<f64>],
         pattern: &Pattern,
     ) -> Self {
-        let inner = inner_vertices(&stencils.stars, rest.len());
         let mut hinge_of = vec![0; edges.len()];
         let mut hinges = Vec::new();
         for (edge, topology) in edges.iter().enumerate() {
@@ -104,7 +94,6 @@ impl LayerBending {
                 vertices,
                 edge,
                 slots: HINGE_PAIRS.map(|([i, j], _)| pattern.slot(vertices[i], vertices[j])),
-                stiff: is_border_hinge(topology, &inner),
             });
         }
         let stars = stencils.stars.into_iter();
@@ -129,32 +118,26 @@ impl LayerBending {
     /// Recomputes every stiffness for another rest metric or factor.
     pub(crate) fn set_rest(
         &mut self,
-        faces: &[[u32; 3]],
         edges: &[Edge],
         rest: &[RestTriangle],
         parameters: &LayerParameters,
-        vertices: usize,
     ) {
         let modulus = |face: usize| parameters.faces[face].bending_modulus();
-        for element in self.hinges.iter_mut().filter(|element| element.stiff) {
-            let edge = &edges[element.edge];
-            let Some(right) = edge.right else { continue };
-            let shape = HingeShape::between(edge.left, right, rest);
-            let mean = 0.5 * (modulus(edge.left.face) + modulus(right.face));
-            element.hinge.stiffness = self.factor * shape.stiffness(mean, HINGE_EXPONENT);
+        let factor = self.factor;
+        if self.stars.is_empty() {
+            for element in &mut self.hinges {
+                let edge = &edges[element.edge];
+                let Some(right) = edge.right else { continue };
+                let shape = HingeShape::between(edge.left, right, rest);
+                let mean = 0.5 * (modulus(edge.left.face) + modulus(right.face));
+                element.hinge.stiffness = factor * shape.stiffness(mean, HINGE_EXPONENT);
+            }
         }
-        let areas = star_areas(
-            self.stars.iter().map(|element| &element.star),
-            faces,
-            edges,
-            rest,
-            vertices,
-        );
-        for (element, area) in self.stars.iter_mut().zip(areas) {
-            let star = &element.star;
-            let stiffness = self.factor * area * star.mean(rest, modulus);
-            let poisson = star.mean(rest, |face| parameters.faces[face].poisson);
-            element.rows = rows(&star.shape(rest), stiffness, poisson);
+        for element in &mut self.stars {
+            let shape = element.star.shape(rest);
+            let stiffness = factor * shape.area() * element.star.mean(rest, modulus);
+            let poisson = |face: usize| parameters.faces[face].poisson;
+            element.rows = shape.rows(stiffness, element.star.mean(rest, poisson));
         }
     }
 
@@ -171,17 +154,9 @@ impl LayerBending {
                 .map(|element| element.hinge.value(&gather(x, &element.vertices)))
                 .sum();
         }
-        let bends: Vec<_> = self
-            .hinges
-            .iter()
-            .map(|element| element.state(x).angle() - element.hinge.rest_angle)
-            .collect();
-        let hinges = self.hinges.iter().zip(&bends);
-        let folds: f64 = hinges
-            .map(|(element, bend)| 0.5 * element.hinge.stiffness * bend * bend)
-            .sum();
+        let bends = self.bends(&self.states(x));
         let curved = |star: &StarElement| 0.5 * star.bend(&bends).norm_squared();
-        folds + self.stars.iter().map(curved).sum::<f64>()
+        self.stars.iter().map(curved).sum()
     }
 
     pub(crate) fn add_gradient(&self, x: &[Vector3<f64>], pattern: &Pattern, gradient: &mut [f64]) {
@@ -212,21 +187,21 @@ impl LayerBending {
         if self.stars.is_empty() {
             for element in &self.hinges {
                 let state = element.state(x);
-                let blocks = element.add_gauss_newton(&state, pattern, relaxed);
-                let moment = element.moment(&state);
-                element.add_curvature(&state, moment, blocks, pattern, exact);
+                let mut blocks = element.hinge.gauss_newton(&state);
+                if !relaxed.is_empty() {
+                    element.add(&blocks, pattern, relaxed);
+                }
+                element.hinge.add_curvature(&state, &mut blocks);
+                element.add(&blocks, pattern, exact);
             }
             return;
         }
         let states = self.states(x);
         let moments = self.moments(&states);
         for ((element, state), moment) in self.hinges.iter().zip(&states).zip(moments) {
-            let blocks = if element.stiff {
-                element.add_gauss_newton(state, pattern, relaxed)
-            } else {
-                [Matrix3::zeros(); 10]
-            };
-            element.add_curvature(state, moment, blocks, pattern, exact);
+            let mut blocks = [Matrix3::zeros(); 10];
+            state.add_curvature(moment, &mut blocks);
+            element.add(&blocks, pattern, exact);
         }
         let gradients: Vec<_> = states.iter().map(HingeState::angle_gradient).collect();
         let mut slopes = Vec::new();
@@ -239,16 +214,18 @@ impl LayerBending {
         self.hinges.iter().map(|element| element.state(x)).collect()
     }
 
-    /// Derivative of the energy by the angle of each hinge (J).
-    fn moments(&self, states: &[HingeState]) -> Vec<f64> {
+    /// How far each angle is from its rest value (rad).
+    fn bends(&self, states: &[HingeState]) -> Vec<f64> {
         let elements = self.hinges.iter().zip(states);
-        let bends: Vec<_> = elements
+        elements
             .map(|(element, state)| state.angle() - element.hinge.rest_angle)
-            .collect();
-        let own = self.hinges.iter().zip(&bends);
-        let mut moments: Vec<_> = own
-            .map(|(element, bend)| element.hinge.stiffness * bend)
-            .collect();
+            .collect()
+    }
+
+    /// Derivative of the stars' energy by each angle (J).
+    fn moments(&self, states: &[HingeState]) -> Vec<f64> {
+        let bends = self.bends(states);
+        let mut moments = vec![0.0; bends.len()];
         for star in &self.stars {
             let bend = star.bend(&bends);
             for (&hinge, row) in star.hinges.iter().zip(&star.rows) {
@@ -264,38 +241,6 @@ impl HingeElement {
         HingeState::new(&gather(x, &self.vertices))
     }
 
-    fn moment(&self, state: &HingeState) -> f64 {
-        self.hinge.stiffness * (state.angle() - self.hinge.rest_angle)
-    }
-
-    /// Returns the blocks that it adds.
-    #[inline]
-    fn add_gauss_newton(
-        &self,
-        state: &HingeState,
-        pattern: &Pattern,
-        relaxed: &mut [f64],
-    ) -> [Matrix3<f64>; 10] {
-        let blocks = self.hinge.gauss_newton(state);
-        if !relaxed.is_empty() {
-            self.add(&blocks, pattern, relaxed);
-        }
-        blocks
-    }
-
-    #[inline]
-    fn add_curvature(
-        &self,
-        state: &HingeState,
-        moment: f64,
-        mut blocks: [Matrix3<f64>; 10],
-        pattern: &Pattern,
-        exact: &mut [f64],
-    ) {
-        state.add_curvature(moment, &mut blocks);
-        self.add(&blocks, pattern, exact);
-    }
-
     #[inline]
     fn add(&self, blocks: &[Matrix3<f64>; 10], pattern: &Pattern, values: &mut [f64]) {
         for (&vertex, block) in self.vertices.iter().zip(HINGE_DIAGONAL) {
@@ -309,20 +254,9 @@ impl HingeElement {
 
 impl StarElement {
     fn new(star: Star, hinge_of: &[u32], pattern: &Pattern) -> Self {
-        let count = star.spokes.len();
-        let corners = star.spokes.iter().enumerate().map(|(k, spoke)| {
-            let [next, last] = [(k + 1) % count, (k + count - 1) % count];
-            let [spoke_end, left, right] = [k, next, last].map(|k| k as u8 + 1);
-            if spoke.outward {
-                [0, spoke_end, left, right]
-            } else {
-                [spoke_end, 0, right, left]
-            }
-        });
         Self {
             rows: Vec::new(),
-            hinges: star.spokes.iter().map(|s| hinge_of[s.edge]).collect(),
-            corners: corners.collect(),
+            hinges: star.folds.iter().map(|fold| hinge_of[fold.edge]).collect(),
             slots: star.pairs().map(|[i, j]| pattern.slot(i, j)).collect(),
             star,
         }
@@ -331,8 +265,8 @@ impl StarElement {
     /// Half its square is the energy.
     #[inline]
     fn bend(&self, bends: &[f64]) -> Vector3<f64> {
-        let spokes = self.hinges.iter().map(|&hinge| bends[hinge as usize]);
-        weighted(&self.rows, spokes)
+        let folds = self.hinges.iter().map(|&hinge| bends[hinge as usize]);
+        weighted(&self.rows, folds)
     }
 
     /// `J^T J`, with `J` the derivative of the star's bend; `slopes` is room to work in.
@@ -345,9 +279,9 @@ impl StarElement {
         relaxed: &mut [f64],
     ) {
         slopes.clear();
-        slopes.resize(self.rows.len() + 1, Matrix3::zeros());
-        for ((&hinge, corners), row) in self.hinges.iter().zip(&self.corners).zip(&self.rows) {
-            for (&i, g) in corners.iter().zip(&gradients[hinge as usize]) {
+        slopes.resize(self.star.vertices().count(), Matrix3::zeros());
+        for ((&hinge, fold), row) in self.hinges.iter().zip(&self.star.folds).zip(&self.rows) {
+            for (&i, g) in fold.corners.iter().zip(&gradients[hinge as usize]) {
                 slopes[i as usize] += row * g.transpose();
             }
         }

@@ -106,7 +106,7 @@ impl LayerEnergy {
             .map(|(index, face)| RestTriangle::new(&corners(face), index))
             .collect::<Result<Vec<_>, _>>()?;
 
-        let stencils = BendingStencils::new(bending_model, faces, &edges, vertices);
+        let stencils = BendingStencils::new(bending_model, faces, &edges);
         let pairs = stencil_pairs(faces, &edges).chain(stencils.pairs());
         let pattern = Pattern::new(pinned, pairs);
         let anchors = vertex_normals(rest_positions, faces)
@@ -204,14 +204,8 @@ impl LayerEnergy {
     }
 
     fn set_bending_stiffness(&mut self) {
-        let vertices = self.vertex_count();
-        self.bending.set_rest(
-            &self.faces,
-            &self.edges,
-            &self.rest,
-            &self.parameters,
-            vertices,
-        );
+        self.bending
+            .set_rest(&self.edges, &self.rest, &self.parameters);
     }
 
     /// The model that the layer was built with.

@@ -9,8 +9,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector2, Vector3};
 use crate::edges::{Edge, edges};
 use crate::hinge::HingeState;
 use crate::parameters::check_length;
-use crate::stars::{inner_vertices, is_border_hinge, star_areas, stars};
-use crate::vertex_curvature::rows;
+use crate::stars::stars;
 use crate::{BendingModel, HingeShape, NormalFoundation, RestTriangle, ShellError, rest_frame};
 
 /// A sheet on a foundation, compressed along one direction per face.
@@ -202,10 +201,10 @@ impl FreeIndex {
     }
 
     /// Adds the square of a sum of deviations.
-    fn add_square(&self, entries: &mut Entries, row: &[(u32, f64)]) {
+    fn add_square(&self, entries: &mut Entries, stiffness: f64, row: &[(u32, f64)]) {
         for &(i, a) in row {
             for &(j, b) in row {
-                self.add(entries, i, j, a * b);
+                self.add(entries, i, j, stiffness * a * b);
             }
         }
     }
@@ -229,41 +228,48 @@ fn add_bending(
     free: &FreeIndex,
     entries: &mut Entries,
 ) {
-    let stars = match query.bending_model {
-        BendingModel::Hinge => Vec::new(),
-        BendingModel::VertexCurvature => stars(query.faces, edges, query.fixed.len()),
-    };
-    let inner = inner_vertices(&stars, query.fixed.len());
     let folds = folds(query, edges);
-    for (edge, fold) in edges.iter().zip(&folds) {
-        let (Some(right), true) = (edge.right, is_border_hinge(edge, &inner)) else {
-            continue;
-        };
-        let shape = HingeShape::between(edge.left, right, rest);
-        let root = shape
-            .stiffness(query.bending_modulus, query.hinge_exponent)
-            .sqrt();
-        let row: Vec<_> = fold.iter().map(|&(v, by)| (v, root * by)).collect();
-        free.add_square(entries, &row);
+    match query.bending_model {
+        BendingModel::Hinge => add_hinges(query, edges, rest, &folds, free, entries),
+        BendingModel::VertexCurvature => add_stars(query, edges, rest, &folds, free, entries),
     }
-    let areas = star_areas(stars.iter(), query.faces, edges, rest, query.fixed.len());
-    for (star, area) in stars.iter().zip(areas) {
-        let weights = rows(
-            &star.shape(rest),
-            query.bending_modulus * area,
-            query.poisson,
-        );
+}
+
+fn add_hinges(
+    query: &ResponseQuery,
+    edges: &[Edge],
+    rest: &[RestTriangle],
+    folds: &[[(u32, f64); 4]],
+    free: &FreeIndex,
+    entries: &mut Entries,
+) {
+    for (edge, fold) in edges.iter().zip(folds) {
+        let Some(right) = edge.right else { continue };
+        let shape = HingeShape::between(edge.left, right, rest);
+        let stiffness = shape.stiffness(query.bending_modulus, query.hinge_exponent);
+        free.add_square(entries, stiffness, fold);
+    }
+}
+
+fn add_stars(
+    query: &ResponseQuery,
+    edges: &[Edge],
+    rest: &[RestTriangle],
+    folds: &[[(u32, f64); 4]],
+    free: &FreeIndex,
+    entries: &mut Entries,
+) {
+    for star in stars(query.faces, edges) {
+        let shape = star.shape(rest);
+        let weights = shape.rows(query.bending_modulus * shape.area(), query.poisson);
         for component in 0..3 {
             let mut row: Vec<_> = star.vertices().map(|vertex| (vertex, 0.0)).collect();
-            for (spoke, weight) in star.spokes.iter().zip(&weights) {
-                for &(vertex, by) in &folds[spoke.edge] {
-                    let mut places = row.iter_mut();
-                    if let Some((_, sum)) = places.find(|(of_star, _)| *of_star == vertex) {
-                        *sum += weight[component] * by;
-                    }
+            for (fold, weight) in star.folds.iter().zip(&weights) {
+                for (corner, (_, by)) in fold.corners.iter().zip(folds[fold.edge]) {
+                    row[*corner as usize].1 += weight[component] * by;
                 }
             }
-            free.add_square(entries, &row);
+            free.add_square(entries, 1.0, &row);
         }
     }
 }

@@ -1,93 +1,143 @@
-//! The closed fans of faces around the inner vertices of an indexed triangle mesh.
+//! The fans of faces around the vertices of an indexed triangle mesh.
 
 use crate::edges::{Edge, Side};
 use crate::{RestTriangle, StarShape};
 
-/// A vertex with faces all around it.
+/// A vertex with its faces, all around it or, on a border, from one border edge to the other.
 #[derive(Clone, Debug)]
 pub(crate) struct Star {
     pub(crate) centre: u32,
-    /// Counter-clockwise.
-    pub(crate) spokes: Vec<Spoke>,
+    /// The faces, counter-clockwise, and the corner of each that is the centre.
+    fan: Vec<Side>,
+    /// The neighbours, counter-clockwise: as many as faces, or one more at a border.
+    ring: Vec<u32>,
+    /// The edges at the centre that two of its faces share, counter-clockwise.
+    pub(crate) folds: Vec<Fold>,
 }
 
-/// An edge from the centre of a star outwards.
+/// An edge from the centre of a star to one of its neighbours.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Spoke {
-    /// Its outer end.
-    pub(crate) vertex: u32,
+pub(crate) struct Fold {
     /// Its index among the edges.
     pub(crate) edge: usize,
-    /// Whether the edge runs from the centre outwards as its left face winds it.
-    pub(crate) outward: bool,
-    /// The face between this spoke and the next, and the corner of it that is the centre.
-    pub(crate) side: Side,
+    /// Tail, head, left and right apex, as its left face winds it, among [`Star::vertices`].
+    pub(crate) corners: [u32; 4],
 }
 
-/// The stars of all vertices that are not on a border, by ascending centre.
+/// A step about a vertex needs the edges' two sides; these are their indices by face and corner.
+struct Corners<'a> {
+    faces: &'a [[u32; 3]],
+    edges: &'a [Edge],
+    /// The edge that starts at each corner of each face.
+    edge: Vec<[usize; 3]>,
+}
+
+/// The stars of all vertices with at least two faces in a fan, by face and corner of their first.
 ///
-/// A vertex at which two fans touch has no star: it counts as border.
-pub(crate) fn stars(faces: &[[u32; 3]], edges: &[Edge], vertices: usize) -> Vec<Star> {
-    let of_corner = edges_of_corners(faces, edges);
-    let mut first = vec![None; vertices];
-    let mut degree = vec![0; vertices];
-    for (face, corners) in faces.iter().enumerate() {
-        for (corner, &vertex) in corners.iter().enumerate() {
-            first[vertex as usize].get_or_insert(Side { face, corner });
-            degree[vertex as usize] += 1;
+/// A vertex at which several fans touch has a star for each.
+pub(crate) fn stars(faces: &[[u32; 3]], edges: &[Edge]) -> Vec<Star> {
+    let corners = Corners::new(faces, edges);
+    let mut seen = vec![[false; 3]; faces.len()];
+    let mut stars = Vec::new();
+    for face in 0..faces.len() {
+        for corner in 0..3 {
+            if seen[face][corner] {
+                continue;
+            }
+            let star = corners.star(Side { face, corner });
+            for side in &star.fan {
+                seen[side.face][side.corner] = true;
+            }
+            if !star.folds.is_empty() {
+                stars.push(star);
+            }
         }
     }
-    (0..vertices)
-        .filter_map(|vertex| {
-            let spokes = closed_fan(first[vertex]?, faces, edges, &of_corner)?;
-            (spokes.len() == degree[vertex]).then_some(Star {
-                centre: vertex as u32,
-                spokes,
-            })
-        })
-        .collect()
+    stars
 }
 
-/// Index of the edge that starts at each corner of each face.
-fn edges_of_corners(faces: &[[u32; 3]], edges: &[Edge]) -> Vec<[usize; 3]> {
-    let mut of_corner = vec![[0; 3]; faces.len()];
-    for (index, edge) in edges.iter().enumerate() {
-        for side in std::iter::once(edge.left).chain(edge.right) {
-            of_corner[side.face][side.corner] = index;
+impl<'a> Corners<'a> {
+    fn new(faces: &'a [[u32; 3]], edges: &'a [Edge]) -> Self {
+        let mut edge = vec![[0; 3]; faces.len()];
+        for (index, sides) in edges.iter().enumerate() {
+            for side in std::iter::once(sides.left).chain(sides.right) {
+                edge[side.face][side.corner] = index;
+            }
         }
+        Self { faces, edges, edge }
     }
-    of_corner
-}
 
-/// Turns counter-clockwise about a corner until the first face comes again; none at a border.
-fn closed_fan(
-    start: Side,
-    faces: &[[u32; 3]],
-    edges: &[Edge],
-    of_corner: &[[usize; 3]],
-) -> Option<Vec<Spoke>> {
-    let mut spokes = Vec::with_capacity(8);
-    let mut side = start;
-    loop {
-        let edge = of_corner[side.face][side.corner];
-        let left = edges[edge].left;
-        spokes.push(Spoke {
-            vertex: faces[side.face][(side.corner + 1) % 3],
-            edge,
-            outward: left.face == side.face && left.corner == side.corner,
-            side,
-        });
-        let last = (side.corner + 2) % 3;
-        let next = &edges[of_corner[side.face][last]];
-        let right = next.right?;
-        // The edge ends at the centre in this face; in the next one it starts there.
-        side = if next.left.face == side.face && next.left.corner == last {
-            right
+    /// The other side of the edge that starts at this corner.
+    fn across(&self, side: Side) -> Option<Side> {
+        let edge = &self.edges[self.edge[side.face][side.corner]];
+        if edge.left.face == side.face && edge.left.corner == side.corner {
+            edge.right
         } else {
-            next.left
-        };
-        if side.face == start.face {
-            return Some(spokes);
+            Some(edge.left)
+        }
+    }
+
+    /// The next face about the corner's vertex, counter-clockwise, and its corner there.
+    fn next(&self, side: Side) -> Option<Side> {
+        self.across(Side {
+            corner: (side.corner + 2) % 3,
+            ..side
+        })
+    }
+
+    fn last(&self, side: Side) -> Option<Side> {
+        self.across(side).map(|other| Side {
+            corner: (other.corner + 1) % 3,
+            ..other
+        })
+    }
+
+    fn star(&self, any: Side) -> Star {
+        let mut first = any;
+        while let Some(last) = self.last(first) {
+            first = last;
+            if first.face == any.face {
+                break;
+            }
+        }
+        let mut fan = vec![first];
+        let mut end = self.next(first);
+        while let Some(side) = end.filter(|side| side.face != first.face) {
+            fan.push(side);
+            end = self.next(side);
+        }
+        let corner = |side: &Side, k: usize| self.faces[side.face][(side.corner + k) % 3];
+        let mut ring: Vec<_> = fan.iter().map(|side| corner(side, 1)).collect();
+        if end.is_none() {
+            ring.extend(fan.last().map(|side| corner(side, 2)));
+        }
+        let count = ring.len();
+        let folds = fan.iter().enumerate();
+        Star {
+            centre: corner(&first, 0),
+            folds: folds
+                .skip(usize::from(end.is_none()))
+                .map(|(k, side)| self.fold(*side, k, count))
+                .collect(),
+            fan,
+            ring,
+        }
+    }
+
+    /// The edge at which face `k` of a star begins.
+    fn fold(&self, side: Side, k: usize, count: usize) -> Fold {
+        let edge = self.edge[side.face][side.corner];
+        let left = self.edges[edge].left;
+        let [next, last] = [(k + 1) % count, (k + count - 1) % count];
+        let [end, next, last] = [k, next, last].map(|k| k as u32 + 1);
+        let outward = left.face == side.face && left.corner == side.corner;
+        Fold {
+            edge,
+            corners: if outward {
+                [0, end, next, last]
+            } else {
+                [end, 0, last, next]
+            },
         }
     }
 }
@@ -96,88 +146,37 @@ impl Star {
     /// The star as its rest triangles show it.
     pub(crate) fn shape(&self, rest: &[RestTriangle]) -> StarShape {
         let fan: Vec<_> = self
-            .spokes
+            .fan
             .iter()
-            .map(|spoke| (rest[spoke.side.face], spoke.side.corner))
+            .map(|side| (rest[side.face], side.corner))
             .collect();
-        StarShape::new(&fan)
+        if self.ring.len() == fan.len() {
+            StarShape::closed(&fan)
+        } else {
+            StarShape::open(&fan)
+        }
     }
 
-    /// Centre, then the outer ends.
+    /// Centre, then the neighbours.
     pub(crate) fn vertices(&self) -> impl Iterator<Item = u32> + '_ {
-        std::iter::once(self.centre).chain(self.spokes.iter().map(|spoke| spoke.vertex))
+        std::iter::once(self.centre).chain(self.ring.iter().copied())
     }
 
-    /// Every two of its vertices.
+    /// Every two of its vertices, the later one first, in the order of a lower triangle.
     pub(crate) fn pairs(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
-        let second = |i: usize| self.vertices().take(i);
+        let earlier = |i: usize| self.vertices().take(i);
         self.vertices()
             .enumerate()
-            .flat_map(move |(i, a)| second(i).map(move |b| [a, b]))
+            .flat_map(move |(i, a)| earlier(i).map(move |b| [a, b]))
     }
 
     /// Mean over the faces, weighted by their area.
     pub(crate) fn mean(&self, rest: &[RestTriangle], value: impl Fn(usize) -> f64) -> f64 {
         let (mut sum, mut area) = (0.0, 0.0);
-        for Spoke { side, .. } in &self.spokes {
+        for side in &self.fan {
             sum += rest[side.face].area() * value(side.face);
             area += rest[side.face].area();
         }
         sum / area
     }
-}
-
-/// The area (m²) that each star stands for: a third of its faces, and of what the border vertices
-/// have, equal shares to each of their inner neighbours.
-///
-/// A border vertex without inner neighbours has hinges of its own, see [`is_border_hinge`].
-pub(crate) fn star_areas<'a>(
-    stars: impl Iterator<Item = &'a Star> + Clone,
-    faces: &[[u32; 3]],
-    edges: &[Edge],
-    rest: &[RestTriangle],
-    vertices: usize,
-) -> Vec<f64> {
-    let mut own = vec![0.0; vertices];
-    for (face, rest) in faces.iter().zip(rest) {
-        for &vertex in face {
-            own[vertex as usize] += rest.area() / 3.0;
-        }
-    }
-    let inner = inner_vertices(stars.clone(), vertices);
-    let mut receivers = vec![0_u32; vertices];
-    let across = |edge: &Edge| {
-        let [a, b] = edge.ends.map(|v| v as usize);
-        match (inner[a], inner[b]) {
-            (true, false) => Some((a, b)),
-            (false, true) => Some((b, a)),
-            _ => None,
-        }
-    };
-    for (_, border) in edges.iter().filter_map(across) {
-        receivers[border] += 1;
-    }
-    let mut areas = own.clone();
-    for (receiver, border) in edges.iter().filter_map(across) {
-        areas[receiver] += own[border] / f64::from(receivers[border]);
-    }
-    stars.map(|star| areas[star.centre as usize]).collect()
-}
-
-/// Whether each vertex is the centre of a star.
-pub(crate) fn inner_vertices<'a>(
-    stars: impl IntoIterator<Item = &'a Star>,
-    vertices: usize,
-) -> Vec<bool> {
-    let mut inner = vec![false; vertices];
-    for star in stars {
-        inner[star.centre as usize] = true;
-    }
-    inner
-}
-
-/// Whether two faces meet at an edge that is a spoke of no star: it keeps a hinge, because nothing
-/// else would resist its fold.
-pub(crate) fn is_border_hinge(edge: &Edge, inner: &[bool]) -> bool {
-    edge.right.is_some() && edge.ends.iter().all(|&v| !inner[v as usize])
 }

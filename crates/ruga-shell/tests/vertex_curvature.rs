@@ -26,12 +26,13 @@ fn star(valence: usize, seed: u64, height: impl Fn(f64, f64) -> f64) -> Vec<Vect
     points
 }
 
-fn fan(points: &[Vector3<f64>]) -> Vec<(RestTriangle, usize)> {
-    let valence = points.len() - 1;
-    (0..valence)
+/// The faces of a star whose first neighbour follows the last, or of one with a border between.
+fn fan(points: &[Vector3<f64>], faces: usize) -> Vec<(RestTriangle, usize)> {
+    let neighbours = points.len() - 1;
+    (0..faces)
         .map(|k| {
             // Each face starts at another corner, so that none is taken for granted.
-            let mut corners = [0, k + 1, (k + 1) % valence + 1].map(|i| points[i]);
+            let mut corners = [0, k + 1, (k + 1) % neighbours + 1].map(|i| points[i]);
             corners.rotate_right(k % 3);
             let face = RestTriangle::new(&corners, k).expect("a proper triangle");
             (face, k % 3)
@@ -39,19 +40,38 @@ fn fan(points: &[Vector3<f64>]) -> Vec<(RestTriangle, usize)> {
         .collect()
 }
 
+fn closed(points: &[Vector3<f64>]) -> StarShape {
+    StarShape::closed(&fan(points, points.len() - 1))
+}
+
+/// Angles at the edges from the first point to each neighbour.
 fn angles(points: &[Vector3<f64>]) -> Vec<f64> {
-    let valence = points.len() - 1;
-    (0..valence)
+    let count = points.len() - 1;
+    (0..count)
         .map(|k| {
-            let at = |i: usize| points[1 + (k + i) % valence];
-            let corners = [points[0], at(0), at(1), at(valence - 1)];
-            HingeState::new(&corners).angle()
+            let at = |i: usize| points[1 + (k + i) % count];
+            HingeState::new(&[points[0], at(0), at(1), at(count - 1)]).angle()
         })
         .collect()
 }
 
 fn stencil(rest: &[Vector3<f64>], poisson: f64) -> VertexCurvature {
-    VertexCurvature::new(&StarShape::new(&fan(rest)), 0.7, poisson, angles(rest))
+    VertexCurvature::new(&closed(rest), 0.7, poisson, angles(rest))
+}
+
+/// Half the star: its first and last neighbour are on a border.
+fn border_stencil(rest: &[Vector3<f64>], poisson: f64) -> VertexCurvature {
+    let inner = rest.len() - 3;
+    let angles = angles(rest)[1..=inner].to_vec();
+    let shape = StarShape::open(&fan(rest, inner + 1));
+    VertexCurvature::new(&shape, 0.7, poisson, angles)
+}
+
+/// The points of a star from its first neighbour to the one `faces` on.
+fn half_star(faces: usize, seed: u64, height: impl Fn(f64, f64) -> f64) -> Vec<Vector3<f64>> {
+    let mut points = star(2 * faces, seed, height);
+    points.truncate(faces + 2);
+    points
 }
 
 fn saddle(x: f64, y: f64) -> f64 {
@@ -81,6 +101,63 @@ fn derivatives_of_stars_of_any_valence() {
                 |y| stencil.gradient(y),
                 &stencil.hessian(&x, HingeCurvature::Full),
                 &format!("valence {valence}, noise {noise}"),
+            );
+        }
+    }
+}
+
+#[test]
+fn derivatives_of_border_stars() {
+    for faces in 2..=6 {
+        for (case, noise) in [0.0, 1e-3, 0.1, 0.3].into_iter().enumerate() {
+            let seed = (100 * faces + case) as u64;
+            let mut rng = rng(seed);
+            let rest = half_star(faces, seed, saddle);
+            let stencil = border_stencil(&rest, 0.3);
+            let x: Vec<_> = rest
+                .iter()
+                .map(|p| p + random_vector(&mut rng) * noise)
+                .collect();
+            check_points(
+                &x,
+                1e-3,
+                |y| stencil.value(y),
+                |y| stencil.gradient(y),
+                &stencil.hessian(&x, HingeCurvature::Full),
+                &format!("{faces} faces at a border, noise {noise}"),
+            );
+        }
+    }
+}
+
+/// Bent along the border a plate's border is a beam; bent across it costs nothing there.
+#[test]
+fn border_stars_have_no_moment_across_the_border() {
+    let lattice = affine_star();
+    // Along the first axis: neighbours on the border are the first and the fourth.
+    let half: Vec<_> = [0, 1, 2, 3, 4].map(|i| lattice[i]).to_vec();
+    let shape = StarShape::open(&fan(&half, 3));
+    for poisson in [0.0, 0.3, 0.48] {
+        let stencil = VertexCurvature::new(&shape, 2.0, poisson, vec![0.0; 2]);
+        for (k, l, m) in [
+            (1.0, 0.0, 0.0),
+            (0.0, 1.0, 0.0),
+            (0.0, 0.0, 1.0),
+            (1.0, -2.0, 0.5),
+        ] {
+            let scale = 1e-4;
+            let bent: Vec<_> = half
+                .iter()
+                .map(|p| {
+                    let z = 0.5 * (k * p.x * p.x + l * p.y * p.y) + m * p.x * p.y;
+                    Vector3::new(p.x, p.y, scale * z)
+                })
+                .collect();
+            let expected = (1.0 - poisson * poisson) * k * k + 2.0 * (1.0 - poisson) * m * m;
+            let found = stencil.value(&bent) / (scale * scale);
+            assert!(
+                (found - expected).abs() < 1e-6,
+                "{poisson} {k} {l} {m}: {found}, {expected}"
             );
         }
     }
@@ -187,7 +264,7 @@ fn odd_rest_shapes_stay_finite() {
             .map(|p| p + random_vector(&mut rng) * 1e-4)
             .collect();
         assert!(stencil.value(&x).is_finite());
-        let shape = StarShape::new(&fan(&rest));
+        let shape = closed(&rest);
         assert!(shape.correction().norm() < 20.0, "{shape:?}");
     }
 }
@@ -207,7 +284,7 @@ fn affine_star() -> Vec<Vector3<f64>> {
 #[test]
 fn lattice_stars_are_exact_on_quadratic_surfaces() {
     let flat = affine_star();
-    let shape = StarShape::new(&fan(&flat));
+    let shape = closed(&flat);
     assert!((shape.correction() - Matrix3::identity()).amax() < 1e-12);
     for k in [
         [1.0, 0.0, 0.0],
@@ -233,7 +310,7 @@ fn lattice_stars_are_exact_on_quadratic_surfaces() {
 #[test]
 fn the_poisson_ratio_is_that_of_the_plate() {
     let lattice = affine_star();
-    let shape = StarShape::new(&fan(&lattice));
+    let shape = closed(&lattice);
     for poisson in [0.0, 0.3, 0.48] {
         let stencil = VertexCurvature::new(&shape, 2.0, poisson, vec![0.0; 6]);
         for (k, l) in [(1.0, 0.0), (1.0, 1.0), (1.0, -1.0), (0.5, 2.0)] {
