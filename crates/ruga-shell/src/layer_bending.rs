@@ -51,29 +51,18 @@ const HINGE_PAIRS: [([usize; 2], usize); 6] = [
 ];
 const HINGE_DIAGONAL: [usize; 4] = [0, 2, 5, 9];
 
-/// The stars of a model and which vertices its stencils couple.
-pub(crate) struct BendingStencils {
-    stars: Vec<Star>,
-}
-
-impl BendingStencils {
-    pub(crate) fn new(model: BendingModel, faces: &[[u32; 3]], edges: &[Edge]) -> Self {
-        let stars = match model {
-            BendingModel::Hinge => Vec::new(),
-            BendingModel::VertexCurvature => stars(faces, edges),
-        };
-        Self { stars }
-    }
-
-    pub(crate) fn pairs(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
-        self.stars.iter().flat_map(Star::pairs)
+/// The stars that a model bends at; none with hinges.
+pub(crate) fn bending_stars(model: BendingModel, faces: &[[u32; 3]], edges: &[Edge]) -> Vec<Star> {
+    match model {
+        BendingModel::Hinge => Vec::new(),
+        BendingModel::VertexCurvature => stars(faces, edges),
     }
 }
 
 impl LayerBending {
     /// Rest angles are those of `rest`; stiffness is set later, because the rest metric changes it.
     pub(crate) fn new(
-        stencils: BendingStencils,
+        stars: Vec<Star>,
         faces: &[[u32; 3]],
         edges: &[Edge],
         rest: &[Vector3<f64>],
@@ -96,9 +85,9 @@ impl LayerBending {
                 slots: HINGE_PAIRS.map(|([i, j], _)| pattern.slot(vertices[i], vertices[j])),
             });
         }
-        let stars = stencils.stars.into_iter();
         Self {
             stars: stars
+                .into_iter()
                 .map(|star| StarElement::new(star, &hinge_of, pattern))
                 .collect(),
             hinges,

@@ -4,12 +4,13 @@ use nalgebra::{Matrix2, Vector3};
 
 use crate::edges::{Edge, edges};
 use crate::foundation::Anchor;
-use crate::layer_bending::{BendingStencils, LayerBending};
+use crate::layer_bending::{LayerBending, bending_stars};
 use crate::layer_foundation::{LayerFoundation, anchors};
 use crate::measures::{PrincipalStrain, vertex_normals};
 use crate::membrane::{Membrane, Stress};
 use crate::parameters::check_length;
 use crate::pattern::{Pattern, Slot};
+use crate::stars::Star;
 use crate::{BendingModel, FaceParameters, LayerParameters, RestTriangle, ShellError};
 
 /// Membrane, bending and foundation of one layer.
@@ -106,8 +107,8 @@ impl LayerEnergy {
             .map(|(index, face)| RestTriangle::new(&corners(face), index))
             .collect::<Result<Vec<_>, _>>()?;
 
-        let stencils = BendingStencils::new(bending_model, faces, &edges);
-        let pairs = stencil_pairs(faces, &edges).chain(stencils.pairs());
+        let stars = bending_stars(bending_model, faces, &edges);
+        let pairs = stencil_pairs(faces, &edges).chain(stars.iter().flat_map(Star::pairs));
         let pattern = Pattern::new(pinned, pairs);
         let anchors = vertex_normals(rest_positions, faces)
             .into_iter()
@@ -121,7 +122,7 @@ impl LayerEnergy {
                 .iter()
                 .map(|face| FACE_PAIRS.map(|([i, j], _)| pattern.slot(face[i], face[j])))
                 .collect(),
-            bending: LayerBending::new(stencils, faces, &edges, rest_positions, &pattern),
+            bending: LayerBending::new(stars, faces, &edges, rest_positions, &pattern),
             bending_model,
             foundation_hessian: foundation.hessian(&edges, &pattern),
             faces: faces.to_vec(),
@@ -155,7 +156,7 @@ impl LayerEnergy {
     /// Stretches every rest triangle, as built, by a 2×2 matrix in its local frame
     /// ([`crate::rest_frame`]): the rest metric becomes `S^T S`. Replaces any earlier stretch.
     ///
-    /// Membrane, hinge stiffness and foundation all follow; rest angles stay, and natural strains
+    /// Membrane, bending stiffness and foundation all follow; rest angles stay, and natural strains
     /// are zero again.
     ///
     /// # Errors
@@ -181,7 +182,7 @@ impl LayerEnergy {
     /// Sets every face's Green strain without stress, in the frame of its stretched rest triangle.
     ///
     /// With `(1 - s)` times the strain of a surface the layer on it has `s` times its strain, while
-    /// hinges and foundation, and so the length of the waves, stay those of the rest metric.
+    /// bending and foundation, and so the length of the waves, stay those of the rest metric.
     ///
     /// # Errors
     /// [`ShellError::LengthMismatch`] for an array of another size.

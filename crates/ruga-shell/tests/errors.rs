@@ -191,6 +191,15 @@ fn response_queries() {
     ] {
         assert!(matches!(error(unstable), ShellError::UnstableSheet { .. }));
     }
+    for poisson in [-1.0, 1.1, f64::NAN] {
+        assert!(matches!(
+            error(ResponseQuery { poisson, ..query }),
+            ShellError::ParameterOutOfRange {
+                name: "poisson",
+                ..
+            }
+        ));
+    }
     let negative = ResponseQuery {
         normal_stiffness: -1.0,
         ..query
