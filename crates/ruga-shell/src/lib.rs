@@ -51,6 +51,7 @@
 //! # Ok::<(), ruga_shell::ShellError>(())
 //! ```
 
+mod bending_model;
 mod joint_energy;
 mod layer_bending;
 mod layer_energy;
@@ -72,6 +73,7 @@ mod error;
 mod rest_triangle;
 mod stars;
 
+pub use bending_model::BendingModel;
 pub use joint_energy::{JointEnergy, JointParts};
 pub use layer_energy::{EnergyParts, LayerEnergy};
 pub use parameters::{FaceParameters, LayerParameters};
@@ -81,7 +83,7 @@ pub use hinge::{Hinge, HingeCurvature, HingeState};
 pub use hinge_stiffness::{HINGE_EXPONENT, HingeShape, MAX_EDGE_RATIO};
 pub use layer_tie::{LayerTie, TieParameters, TieState};
 pub use membrane::{Membrane, MembraneState, Stress};
-pub use vertex_curvature::{BendingModel, StarShape, VertexCurvature};
+pub use vertex_curvature::{StarShape, VertexCurvature};
 
 pub use measures::PrincipalStrain;
 pub use response::{ResponseModulus, ResponseQuery, face_corners, response_modulus};
