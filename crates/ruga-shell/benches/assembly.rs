@@ -1,12 +1,13 @@
-//! Cost of one gradient and one exact Hessian, per face, at about 9.4 thousand vertices.
+//! Cost of one gradient and one exact Hessian, per face, at about 9.4 thousand vertices, with either
+//! bending model.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use nalgebra::Vector3;
-use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters};
+use nalgebra::{Matrix2, Vector3};
+use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters};
 
 const SIDE: usize = 97;
 
-fn layer() -> (LayerEnergy, Vec<Vector3<f64>>, usize) {
+fn layer(model: BendingModel) -> (LayerEnergy, Vec<Vector3<f64>>, usize) {
     let edge = 2e-4;
     let mut rest = Vec::new();
     for j in 0..SIDE {
@@ -40,7 +41,8 @@ fn layer() -> (LayerEnergy, Vec<Vector3<f64>>, usize) {
     };
     let parameters = LayerParameters::uniform(skin, faces.len(), 1e10, rest.len());
     let pinned = vec![false; rest.len()];
-    let layer = LayerEnergy::new(&rest, &faces, parameters, &pinned).expect("a valid lattice");
+    let layer = LayerEnergy::with_bending(&rest, &faces, parameters, &pinned, model)
+        .expect("a valid lattice");
     let wrinkled = rest
         .iter()
         .map(|p| Vector3::new(0.97 * p.x, p.y, 5e-5 * (2.5e3 * p.x).sin()))
@@ -49,12 +51,17 @@ fn layer() -> (LayerEnergy, Vec<Vector3<f64>>, usize) {
 }
 
 fn assembly(criterion: &mut Criterion) {
-    let (layer, x, faces) = layer();
+    measure(criterion, "assembly", BendingModel::Hinge);
+    measure(criterion, "assembly, stars", BendingModel::VertexCurvature);
+}
+
+fn measure(criterion: &mut Criterion, name: &str, model: BendingModel) {
+    let (mut layer, x, faces) = layer(model);
     let mut gradient = vec![0.0; layer.dof_count()];
     let mut exact = vec![0.0; layer.pattern().1.len()];
     let mut relaxed = exact.clone();
     // Throughput is printed as elements (faces) per second; 0.67 M/s is 1.5 us per face.
-    let mut group = criterion.benchmark_group("assembly");
+    let mut group = criterion.benchmark_group(name);
     group.throughput(criterion::Throughput::Elements(faces as u64));
     group.bench_function("value", |b| b.iter(|| layer.value(&x)));
     group.bench_function("gradient", |b| b.iter(|| layer.gradient(&x, &mut gradient)));
@@ -66,6 +73,10 @@ fn assembly(criterion: &mut Criterion) {
     });
     group.bench_function("exact and relaxed Hessian", |b| {
         b.iter(|| layer.hessian(&x, &mut exact, Some(&mut relaxed)));
+    });
+    let unstretched = vec![Matrix2::identity(); faces];
+    group.bench_function("new rest metric", |b| {
+        b.iter(|| layer.set_rest_metric(&unstretched).expect("as many faces"));
     });
     group.finish();
 }

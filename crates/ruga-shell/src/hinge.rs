@@ -110,6 +110,45 @@ impl HingeState {
         let at_1 = -(left.foot * at_2 + right.foot * at_3);
         [-(at_1 + at_2 + at_3), at_1, at_2, at_3]
     }
+
+    /// Adds `moment` (J) times `d2theta` to blocks in the order of [`Hinge::hessian`].
+    ///
+    /// Per side, with unit vectors e (edge), m (outward), n = e x m, edge length l, foot t and
+    /// height h, the angle by which the apex turns about the edge has the second derivatives
+    ///
+    /// ```text
+    /// apex, apex   -P/h^2                                P = n m^T + m n^T
+    /// apex, head    t P/h^2 - e n^T/(l h)
+    /// head, head   -(t^2/h^2 + 1/(2 l^2)) P + t (e n^T + n e^T)/(l h)
+    /// ```
+    ///
+    /// and the tail's rows make the sums vanish. The (l^-2) term is symmetric only summed over the
+    /// two sides, whose antisymmetric parts cancel; here each keeps its symmetric part.
+    #[inline]
+    pub fn add_curvature(&self, moment: f64, blocks: &mut [Matrix3<f64>; 10]) {
+        let half_inverse_square = 0.5 * self.inverse_length * self.inverse_length;
+        // Positions in the list of the blocks (apex, tail), (apex, head), (apex, apex).
+        for ((side, turn), [tail, head, apex]) in
+            self.sides.iter().zip(TURN).zip([[3, 4, 5], [6, 7, 9]])
+        {
+            let weight = moment * turn;
+            let outer = side.normal * side.outward.transpose();
+            let bend = (outer + outer.transpose()) * weight;
+            let twist = self.direction
+                * (side.normal * (weight * self.inverse_length * side.inverse_height)).transpose();
+            let inverse_square = side.inverse_height * side.inverse_height;
+            let (t, s) = (side.foot, 1.0 - side.foot);
+            let twist_both = twist + twist.transpose();
+            blocks[apex] -= bend * inverse_square;
+            blocks[head] += bend * (t * inverse_square) - twist;
+            blocks[tail] += bend * (s * inverse_square) + twist;
+            blocks[0] -= bend * (s * s * inverse_square + half_inverse_square) + twist_both * s;
+            blocks[1] += bend * (half_inverse_square - s * t * inverse_square)
+                + twist.transpose() * s
+                - twist * t;
+            blocks[2] += twist_both * t - bend * (t * t * inverse_square + half_inverse_square);
+        }
+    }
 }
 
 impl Hinge {
@@ -157,43 +196,9 @@ impl Hinge {
     }
 
     /// Adds `k (theta - theta_rest) d2theta` to blocks in the order of [`Self::hessian`].
-    ///
-    /// Per side, with unit vectors e (edge), m (outward), n = e x m, edge length l, foot t and
-    /// height h, the angle by which the apex turns about the edge has the second derivatives
-    ///
-    /// ```text
-    /// apex, apex   -P/h^2                                P = n m^T + m n^T
-    /// apex, head    t P/h^2 - e n^T/(l h)
-    /// head, head   -(t^2/h^2 + 1/(2 l^2)) P + t (e n^T + n e^T)/(l h)
-    /// ```
-    ///
-    /// and the tail's rows make the sums vanish. The (l^-2) term is symmetric only summed over the
-    /// two sides, whose antisymmetric parts cancel; here each keeps its symmetric part.
     #[inline]
     pub fn add_curvature(&self, state: &HingeState, blocks: &mut [Matrix3<f64>; 10]) {
-        let moment = self.stiffness * (state.angle - self.rest_angle);
-        let half_inverse_square = 0.5 * state.inverse_length * state.inverse_length;
-        // Positions in the list of the blocks (apex, tail), (apex, head), (apex, apex).
-        for ((side, turn), [tail, head, apex]) in
-            state.sides.iter().zip(TURN).zip([[3, 4, 5], [6, 7, 9]])
-        {
-            let weight = moment * turn;
-            let outer = side.normal * side.outward.transpose();
-            let bend = (outer + outer.transpose()) * weight;
-            let twist = state.direction
-                * (side.normal * (weight * state.inverse_length * side.inverse_height)).transpose();
-            let inverse_square = side.inverse_height * side.inverse_height;
-            let (t, s) = (side.foot, 1.0 - side.foot);
-            let twist_both = twist + twist.transpose();
-            blocks[apex] -= bend * inverse_square;
-            blocks[head] += bend * (t * inverse_square) - twist;
-            blocks[tail] += bend * (s * inverse_square) + twist;
-            blocks[0] -= bend * (s * s * inverse_square + half_inverse_square) + twist_both * s;
-            blocks[1] += bend * (half_inverse_square - s * t * inverse_square)
-                + twist.transpose() * s
-                - twist * t;
-            blocks[2] += twist_both * t - bend * (t * t * inverse_square + half_inverse_square);
-        }
+        state.add_curvature(self.stiffness * (state.angle - self.rest_angle), blocks);
     }
 }
 

@@ -1,6 +1,7 @@
 //! The stiffness that makes hinges bend like a plate.
 
 use crate::RestTriangle;
+use crate::edges::Side;
 
 /// Default exponent of the per-hinge factor.
 ///
@@ -38,6 +39,16 @@ impl HingeShape {
             areas: left.area() + right.area(),
             edge_ratio: left.edge_ratio().max(right.edge_ratio()),
         }
+    }
+
+    /// The two sides of an inner edge.
+    pub(crate) fn between(left: Side, right: Side, rest: &[RestTriangle]) -> Self {
+        Self::new(
+            &rest[left.face],
+            left.corner,
+            &rest[right.face],
+            right.corner,
+        )
     }
 
     /// Derivative of the angle by the height of tail, head, left and right apex above the plane.

@@ -4,14 +4,14 @@ use nalgebra::{Matrix2, Vector3};
 
 use crate::edges::{Edge, edges};
 use crate::foundation::Anchor;
-use crate::hinge::{Hinge, HingeState};
-use crate::hinge_stiffness::{HINGE_EXPONENT, HingeShape};
+use crate::layer_bending::{LayerBending, bending_stars};
 use crate::layer_foundation::{LayerFoundation, anchors};
 use crate::measures::{PrincipalStrain, vertex_normals};
 use crate::membrane::{Membrane, Stress};
 use crate::parameters::check_length;
 use crate::pattern::{Pattern, Slot};
-use crate::{FaceParameters, LayerParameters, RestTriangle, ShellError};
+use crate::stars::Star;
+use crate::{BendingModel, FaceParameters, LayerParameters, RestTriangle, ShellError};
 
 /// Membrane, bending and foundation of one layer.
 ///
@@ -31,42 +31,24 @@ pub struct LayerEnergy {
     rest: Vec<RestTriangle>,
     membranes: Vec<Membrane>,
     membrane_slots: Vec<[Slot; 3]>,
-    hinges: Vec<HingeElement>,
-    bending_factor: f64,
+    bending: LayerBending,
+    bending_model: BendingModel,
     foundation: LayerFoundation,
     foundation_hessian: Vec<f64>,
     pattern: Pattern,
 }
 
-#[derive(Clone, Copy, Debug)]
-struct HingeElement {
-    hinge: Hinge,
-    vertices: [u32; 4],
-    /// Index of the edge it lies on.
-    edge: usize,
-    slots: [Slot; 6],
-}
-
 /// Row and column, within a stencil, of the off-diagonal blocks in the order of the slots, and
 /// their positions in the stencil's list of lower blocks.
 const FACE_PAIRS: [([usize; 2], usize); 3] = [([1, 0], 1), ([2, 0], 3), ([2, 1], 4)];
-const HINGE_PAIRS: [([usize; 2], usize); 6] = [
-    ([1, 0], 1),
-    ([2, 0], 3),
-    ([2, 1], 4),
-    ([3, 0], 6),
-    ([3, 1], 7),
-    ([3, 2], 8),
-];
 const FACE_DIAGONAL: [usize; 3] = [0, 2, 5];
-const HINGE_DIAGONAL: [usize; 4] = [0, 2, 5, 9];
 
 /// Where the energy of a layer sits (J).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EnergyParts {
     /// In-plane stretch.
     pub membrane: f64,
-    /// Hinges.
+    /// Out of the plane.
     pub bending: f64,
     /// Foundation, `K0` term.
     pub normal: f64,
@@ -84,6 +66,21 @@ impl EnergyParts {
 }
 
 impl LayerEnergy {
+    /// A layer that bends in hinges, at rest on itself: [`Self::with_bending`] with
+    /// [`BendingModel::Hinge`].
+    ///
+    /// # Errors
+    /// Those of [`Self::with_bending`].
+    pub fn new(
+        rest_positions: &[Vector3<f64>],
+        faces: &[[u32; 3]],
+        parameters: LayerParameters,
+        pinned: &[bool],
+    ) -> Result<Self, ShellError> {
+        let model = BendingModel::Hinge;
+        Self::with_bending(rest_positions, faces, parameters, pinned, model)
+    }
+
     /// A layer at rest on itself: rest angles and metric are those of `rest_positions` (m), the
     /// base is the rest surface with its area-weighted normals and no offset.
     ///
@@ -91,11 +88,12 @@ impl LayerEnergy {
     ///
     /// # Errors
     /// Any [`ShellError`] about lengths, indices, orientation, degenerate faces or parameters.
-    pub fn new(
+    pub fn with_bending(
         rest_positions: &[Vector3<f64>],
         faces: &[[u32; 3]],
         parameters: LayerParameters,
         pinned: &[bool],
+        bending_model: BendingModel,
     ) -> Result<Self, ShellError> {
         let vertices = rest_positions.len();
         check_length("pinned", vertices, pinned.len())?;
@@ -109,7 +107,9 @@ impl LayerEnergy {
             .map(|(index, face)| RestTriangle::new(&corners(face), index))
             .collect::<Result<Vec<_>, _>>()?;
 
-        let pattern = Pattern::new(pinned, stencil_pairs(faces, &edges));
+        let stars = bending_stars(bending_model, faces, &edges);
+        let pairs = stencil_pairs(faces, &edges).chain(stars.iter().flat_map(Star::pairs));
+        let pattern = Pattern::new(pinned, pairs);
         let anchors = vertex_normals(rest_positions, faces)
             .into_iter()
             .zip(rest_positions)
@@ -122,8 +122,8 @@ impl LayerEnergy {
                 .iter()
                 .map(|face| FACE_PAIRS.map(|([i, j], _)| pattern.slot(face[i], face[j])))
                 .collect(),
-            hinges: hinge_elements(faces, &edges, rest_positions, &pattern),
-            bending_factor: 1.0,
+            bending: LayerBending::new(stars, faces, &edges, rest_positions, &pattern),
+            bending_model,
             foundation_hessian: foundation.hessian(&edges, &pattern),
             faces: faces.to_vec(),
             unstretched: rest.clone(),
@@ -133,7 +133,7 @@ impl LayerEnergy {
             foundation,
             pattern,
         };
-        this.set_hinge_stiffness();
+        this.set_bending_stiffness();
         Ok(this)
     }
 
@@ -156,7 +156,7 @@ impl LayerEnergy {
     /// Stretches every rest triangle, as built, by a 2×2 matrix in its local frame
     /// ([`crate::rest_frame`]): the rest metric becomes `S^T S`. Replaces any earlier stretch.
     ///
-    /// Membrane, hinge stiffness and foundation all follow; rest angles stay, and natural strains
+    /// Membrane, bending stiffness and foundation all follow; rest angles stay, and natural strains
     /// are zero again.
     ///
     /// # Errors
@@ -172,7 +172,7 @@ impl LayerEnergy {
             .map(|(face, (rest, stretch))| rest.stretched(stretch, face))
             .collect::<Result<_, _>>()?;
         self.membranes = membranes(&self.rest, &self.parameters);
-        self.set_hinge_stiffness();
+        self.set_bending_stiffness();
         self.foundation
             .set_rest(&self.faces, &self.edges, &self.rest, &self.parameters);
         self.foundation_hessian = self.foundation.hessian(&self.edges, &self.pattern);
@@ -182,7 +182,7 @@ impl LayerEnergy {
     /// Sets every face's Green strain without stress, in the frame of its stretched rest triangle.
     ///
     /// With `(1 - s)` times the strain of a surface the layer on it has `s` times its strain, while
-    /// hinges and foundation, and so the length of the waves, stay those of the rest metric.
+    /// bending and foundation, and so the length of the waves, stay those of the rest metric.
     ///
     /// # Errors
     /// [`ShellError::LengthMismatch`] for an array of another size.
@@ -200,31 +200,21 @@ impl LayerEnergy {
     /// [`ShellError::LengthMismatch`] for an array of another size.
     pub fn set_rest_angles(&mut self, positions: &[Vector3<f64>]) -> Result<(), ShellError> {
         check_length("positions", self.vertex_count(), positions.len())?;
-        for element in &mut self.hinges {
-            element.hinge.rest_angle =
-                HingeState::new(&gather(positions, &element.vertices)).angle();
-        }
+        self.bending.set_rest_angles(positions);
         Ok(())
     }
 
-    fn set_hinge_stiffness(&mut self) {
-        for element in &mut self.hinges {
-            let edge = &self.edges[element.edge];
-            let Some(right) = edge.right else { continue };
-            let modulus = [edge.left.face, right.face]
-                .map(|face| self.parameters.faces[face].bending_modulus());
-            let shape = HingeShape::new(
-                &self.rest[edge.left.face],
-                edge.left.corner,
-                &self.rest[right.face],
-                right.corner,
-            );
-            element.hinge.stiffness = self.bending_factor
-                * shape.stiffness(0.5 * (modulus[0] + modulus[1]), HINGE_EXPONENT);
-        }
+    fn set_bending_stiffness(&mut self) {
+        self.bending
+            .set_rest(&self.edges, &self.rest, &self.parameters);
     }
 
-    /// Scales the bending stiffness of all hinges, 1 when built.
+    /// The model that the layer was built with.
+    pub fn bending_model(&self) -> BendingModel {
+        self.bending_model
+    }
+
+    /// Scales the bending stiffness, 1 when built.
     ///
     /// Triangles that are not equilateral bend more or less easily than the material; the
     /// inverse of their [`response_modulus`](crate::response_modulus), as a share of the
@@ -236,8 +226,8 @@ impl LayerEnergy {
         if !(factor > 0.0 && factor.is_finite()) {
             return Err(ShellError::BendingFactor { value: factor });
         }
-        self.bending_factor = factor;
-        self.set_hinge_stiffness();
+        self.bending.set_factor(factor);
+        self.set_bending_stiffness();
         Ok(())
     }
 
@@ -278,11 +268,7 @@ impl LayerEnergy {
                 .zip(&self.membranes)
                 .map(|(face, membrane)| membrane.value(&gather(x, face)))
                 .sum(),
-            bending: self
-                .hinges
-                .iter()
-                .map(|element| element.hinge.value(&gather(x, &element.vertices)))
-                .sum(),
+            bending: self.bending.value(x),
             normal,
             gradient,
             tangential,
@@ -299,19 +285,13 @@ impl LayerEnergy {
             let forces = membrane.gradient(&gather(x, face));
             self.pattern.add_forces(gradient, face, &forces);
         }
-        for HingeElement {
-            hinge, vertices, ..
-        } in &self.hinges
-        {
-            let forces = hinge.gradient(&gather(x, vertices));
-            self.pattern.add_forces(gradient, vertices, &forces);
-        }
+        self.bending.add_gradient(x, &self.pattern, gradient);
     }
 
     /// Writes the second derivative (N/m), values in the order of [`Self::pattern`].
     ///
     /// `relaxed`, if asked for, takes the same matrix without compressive stress stiffness: tensile
-    /// stress only in the membrane's geometric part, `k g g^T` in the hinges. It is positive
+    /// stress only in the membrane's geometric part, no second derivatives of angles in bending. It is positive
     /// semidefinite up to a negative `K1`.
     pub fn hessian(&self, x: &[Vector3<f64>], exact: &mut [f64], relaxed: Option<&mut [f64]>) {
         self.check(x);
@@ -319,12 +299,12 @@ impl LayerEnergy {
         match relaxed {
             None => {
                 self.add_membrane(x, exact, &mut []);
-                self.add_bending(x, exact, &mut []);
+                self.bending.add_hessian(x, &self.pattern, exact, &mut []);
             }
             Some(relaxed) => {
                 relaxed.copy_from_slice(&self.foundation_hessian);
                 self.add_membrane(x, exact, relaxed);
-                self.add_bending(x, exact, relaxed);
+                self.bending.add_hessian(x, &self.pattern, exact, relaxed);
             }
         }
     }
@@ -348,26 +328,6 @@ impl LayerEnergy {
             if !relaxed.is_empty() {
                 add(relaxed, Stress::Tensile);
             }
-        }
-    }
-
-    fn add_bending(&self, x: &[Vector3<f64>], exact: &mut [f64], relaxed: &mut [f64]) {
-        for element in &self.hinges {
-            let state = HingeState::new(&gather(x, &element.vertices));
-            let mut blocks = element.hinge.gauss_newton(&state);
-            let add = |values: &mut [f64], blocks: &[nalgebra::Matrix3<f64>; 10]| {
-                for (&vertex, block) in element.vertices.iter().zip(HINGE_DIAGONAL) {
-                    self.pattern.add_diagonal(values, vertex, &blocks[block]);
-                }
-                for (&slot, (_, block)) in element.slots.iter().zip(HINGE_PAIRS) {
-                    Pattern::add_block(values, slot, &blocks[block]);
-                }
-            };
-            if !relaxed.is_empty() {
-                add(relaxed, &blocks);
-            }
-            element.hinge.add_curvature(&state, &mut blocks);
-            add(exact, &blocks);
         }
     }
 
@@ -411,9 +371,9 @@ impl LayerEnergy {
         self.pattern.free(vertex as u32).is_none()
     }
 
-    /// Every two vertices that share a face or a hinge.
+    /// Every two vertices that share a stencil.
     pub(crate) fn stencil_pairs(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
-        stencil_pairs(&self.faces, &self.edges)
+        stencil_pairs(&self.faces, &self.edges).chain(self.bending.star_pairs())
     }
 
     /// Whether no foundation holds the layer.
@@ -434,32 +394,6 @@ fn membranes(rest: &[RestTriangle], parameters: &LayerParameters) -> Vec<Membran
     rest.iter()
         .zip(&parameters.faces)
         .map(|(rest, p)| Membrane::new(rest, p.tension_modulus(), p.poisson))
-        .collect()
-}
-
-/// Hinges with their rest angles; stiffness is set later, because the rest metric can change it.
-fn hinge_elements(
-    faces: &[[u32; 3]],
-    edges: &[Edge],
-    rest: &[Vector3<f64>],
-    pattern: &Pattern,
-) -> Vec<HingeElement> {
-    edges
-        .iter()
-        .enumerate()
-        .filter_map(|(edge, topology)| {
-            let (vertices, _) = topology.hinge(faces)?;
-            let rest_angle = HingeState::new(&gather(rest, &vertices)).angle();
-            Some(HingeElement {
-                hinge: Hinge {
-                    stiffness: 0.0,
-                    rest_angle,
-                },
-                vertices,
-                edge,
-                slots: HINGE_PAIRS.map(|([i, j], _)| pattern.slot(vertices[i], vertices[j])),
-            })
-        })
         .collect()
 }
 

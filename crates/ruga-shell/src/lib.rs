@@ -1,7 +1,8 @@
 //! Energies of a thin layer on a surface: positions in; value, gradient and Hessian out.
 //!
 //! A [`LayerEnergy`] sums three kinds of stencil over an indexed triangle mesh: a [`Membrane`] per
-//! face, a [`Hinge`] per interior edge, and a foundation ([`NormalFoundation`] per face,
+//! face, bending by the [`BendingModel`] asked for (a [`Hinge`] per interior edge, or a
+//! [`VertexCurvature`] per interior vertex), and a foundation ([`NormalFoundation`] per face,
 //! [`TangentialTie`] per vertex) towards a base that each frame replaces. Each stencil can be used
 //! alone. [`response_modulus`] says how stiffly a given mesh really bends. A [`JointEnergy`] is two
 //! layers, one on springs above the other ([`LayerTie`] per face), that move together.
@@ -9,6 +10,7 @@
 //! ```text
 //! E = sum_faces  A C/2 ((1 - nu) E:E + nu tr(E)^2)             St. Venant-Kirchhoff, plane stress
 //!   + sum_edges  k/2 (theta - theta_rest)^2                    Grinspun 2003, calibrated to D
+//!  or sum_stars  A D/2 ((tr kappa)^2 - 2 (1 - nu) det kappa)   kappa linear in theta - theta_rest
 //!   + 1/2 int    K0 w^2 + K1 |grad w|^2 + Kt |x_t - p_t|^2     Pasternak, w = n.(x - p) - offset
 //! ```
 //!
@@ -49,7 +51,9 @@
 //! # Ok::<(), ruga_shell::ShellError>(())
 //! ```
 
+mod bending_model;
 mod joint_energy;
+mod layer_bending;
 mod layer_energy;
 mod layer_foundation;
 mod measures;
@@ -62,11 +66,14 @@ mod hinge_stiffness;
 mod layer_tie;
 mod membrane;
 mod response;
+mod vertex_curvature;
 
 mod edges;
 mod error;
 mod rest_triangle;
+mod stars;
 
+pub use bending_model::BendingModel;
 pub use joint_energy::{JointEnergy, JointParts};
 pub use layer_energy::{EnergyParts, LayerEnergy};
 pub use parameters::{FaceParameters, LayerParameters};
@@ -76,6 +83,7 @@ pub use hinge::{Hinge, HingeCurvature, HingeState};
 pub use hinge_stiffness::{HINGE_EXPONENT, HingeShape, MAX_EDGE_RATIO};
 pub use layer_tie::{LayerTie, TieParameters, TieState};
 pub use membrane::{Membrane, MembraneState, Stress};
+pub use vertex_curvature::{StarShape, VertexCurvature};
 
 pub use measures::PrincipalStrain;
 pub use response::{ResponseModulus, ResponseQuery, face_corners, response_modulus};

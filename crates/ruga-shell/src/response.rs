@@ -9,7 +9,8 @@ use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector2, Vector3};
 use crate::edges::{Edge, edges};
 use crate::hinge::HingeState;
 use crate::parameters::check_length;
-use crate::{HingeShape, NormalFoundation, RestTriangle, ShellError, rest_frame};
+use crate::stars::stars;
+use crate::{BendingModel, HingeShape, NormalFoundation, RestTriangle, ShellError, rest_frame};
 
 /// A sheet on a foundation, compressed along one direction per face.
 ///
@@ -25,8 +26,12 @@ pub struct ResponseQuery<'a> {
     pub directions: &'a [Vector3<f64>],
     /// Vertices held at zero deviation.
     pub fixed: &'a [bool],
-    /// Plate modulus `D` (N m) that the hinges are meant to have, > 0.
+    /// Plate modulus `D` (N m) that the sheet is meant to have, > 0.
     pub bending_modulus: f64,
+    /// Poisson ratio, in (-1, 1]; hinges do not know it.
+    pub poisson: f64,
+    /// What bends.
+    pub bending_model: BendingModel,
     /// Exponent of the per-hinge factor; [`crate::HINGE_EXPONENT`] is what a layer uses.
     pub hinge_exponent: f64,
     /// Foundation stiffness `K0` (N/m³), > 0; sets the wavelength `2 pi (D/K0)^(1/4)` probed.
@@ -42,6 +47,9 @@ pub struct ResponseModulus {
     pub critical_force: f64,
     /// `D_eff` (N m), from `N_min = 2 sqrt(D_eff K0) + K1`.
     pub bending_modulus: f64,
+    /// What the half-consistent foundation has of its stiffness in this mode, `w^T M w` over that
+    /// of the lumped mass. `bending_modulus` over this is what the bending alone responds with.
+    pub mass_share: f64,
     /// Normal deviation of each vertex in the mode; the largest is 1.
     pub mode: Vec<f64>,
     /// Lanczos steps taken.
@@ -68,14 +76,15 @@ pub fn face_corners(positions: &[Vector3<f64>], faces: &[[u32; 3]]) -> Vec<[Vect
 /// Smallest `N` with `w^T (B + K0 M + K1 G) w = N w^T G_d w` over deviations `w` along the vertex
 /// normals, and the plate modulus it corresponds to.
 ///
-/// `B` is the hinge energy linearised at rest, `M` and `G` the foundation's mass and gradient, `G_d`
+/// `B` is the bending energy linearised at rest, `M` and `G` the foundation's mass and gradient, `G_d`
 /// the gradient along the compression. This is the modulus with which a mesh *responds*: energies
 /// of interpolated cylinders overrate an unstructured mesh, whose vertices relax.
 ///
 /// # Validity
 /// With uniform stiffness. A patch of ten wavelengths square between fixed borders reads 0.5 % high.
 /// The half-consistent mass takes off `(k a)^2/16` on edges `a`: 1.7 % at 12 points per wavelength,
-/// so that the perfect mesh reads 0.98 across its rows and 1.00 along them.
+/// so that the perfect mesh of hinges reads 0.98 across its rows and 1.00 along them, and more where
+/// triangles are stretched and the direction slanted; `mass_share` says how much.
 ///
 /// # Errors
 /// [`ShellError::UnstableSheet`], [`ShellError::NoDirection`], and those of bad meshes.
@@ -91,7 +100,7 @@ pub fn response_modulus(query: &ResponseQuery) -> Result<ResponseModulus, ShellE
     let free = FreeIndex::new(query.fixed);
 
     let mut stiffness = Vec::new();
-    add_hinges(query, &edges, &rest, &free, &mut stiffness);
+    add_bending(query, &edges, &rest, &free, &mut stiffness);
     add_foundation(query, &rest, &free, &mut stiffness);
     let mut load = Vec::new();
     add_load(query, &rest, &free, &mut load)?;
@@ -111,10 +120,12 @@ pub fn response_modulus(query: &ResponseQuery) -> Result<ResponseModulus, ShellE
 
     let critical_force = 1.0 / lanczos.eigenvalue;
     let bending_force = 0.5 * (critical_force - query.gradient_stiffness);
+    let mode = free.spread(&lanczos.vector);
     Ok(ResponseModulus {
         critical_force,
         bending_modulus: bending_force * bending_force / query.normal_stiffness,
-        mode: free.spread(&lanczos.vector),
+        mass_share: mass_share(query, &rest, &mode),
+        mode,
         iterations: lanczos.steps,
         converged: lanczos.converged,
     })
@@ -124,29 +135,32 @@ fn check_query(query: &ResponseQuery) -> Result<(), ShellError> {
     let faces = query.faces.len();
     check_length("corners", faces, query.corners.len())?;
     check_length("directions", faces, query.directions.len())?;
+    let above = |value: f64, least: f64| value > least && value.is_finite();
+    let (modulus, normal) = (query.bending_modulus, query.normal_stiffness);
+    let (exponent, gradient) = (query.hinge_exponent, query.gradient_stiffness);
+    let poisson = above(query.poisson, -1.0) && query.poisson <= 1.0;
     let checks = [
-        ("bending_modulus", query.bending_modulus, 0.0, "> 0"),
-        ("normal_stiffness", query.normal_stiffness, 0.0, "> 0"),
-        ("hinge_exponent", query.hinge_exponent, f64::MIN, "finite"),
+        ("bending_modulus", modulus, above(modulus, 0.0), "> 0"),
+        ("normal_stiffness", normal, above(normal, 0.0), "> 0"),
+        ("poisson", query.poisson, poisson, "-1 < nu <= 1"),
+        ("hinge_exponent", exponent, exponent.is_finite(), "finite"),
         (
             "gradient_stiffness",
-            query.gradient_stiffness,
-            f64::MIN,
+            gradient,
+            gradient.is_finite(),
             "finite",
         ),
     ];
-    for (name, value, above, range) in checks {
-        if !(value > above && value.is_finite()) {
-            return Err(ShellError::ParameterOutOfRange {
-                element: "response query",
-                index: 0,
-                name,
-                value,
-                range,
-            });
-        }
+    match checks.into_iter().find(|(_, _, valid, _)| !valid) {
+        None => Ok(()),
+        Some((name, value, _, range)) => Err(ShellError::ParameterOutOfRange {
+            element: "response query",
+            index: 0,
+            name,
+            value,
+            range,
+        }),
     }
-    Ok(())
 }
 
 /// Numbers the vertices that may deviate.
@@ -186,6 +200,15 @@ impl FreeIndex {
         }
     }
 
+    /// Adds the square of a sum of deviations.
+    fn add_square(&self, entries: &mut Entries, stiffness: f64, row: &[(u32, f64)]) {
+        for &(i, a) in row {
+            for &(j, b) in row {
+                self.add(entries, i, j, stiffness * a * b);
+            }
+        }
+    }
+
     fn spread(&self, free: &[f64]) -> Vec<f64> {
         let signed = free.iter().fold(
             0.0,
@@ -198,46 +221,99 @@ impl FreeIndex {
     }
 }
 
-fn add_hinges(
+fn add_bending(
     query: &ResponseQuery,
     edges: &[Edge],
     rest: &[RestTriangle],
     free: &FreeIndex,
     entries: &mut Entries,
 ) {
-    let normals = corner_normals(query);
-    for edge in edges {
-        let Some((vertices, right)) = edge.hinge(query.faces) else {
-            continue;
-        };
-        let left = edge.left;
-        let shape = HingeShape::new(
-            &rest[left.face],
-            left.corner,
-            &rest[right.face],
-            right.corner,
-        );
+    let folds = folds(query, edges);
+    match query.bending_model {
+        BendingModel::Hinge => add_hinges(query, edges, rest, &folds, free, entries),
+        BendingModel::VertexCurvature => add_stars(query, edges, rest, &folds, free, entries),
+    }
+}
+
+fn add_hinges(
+    query: &ResponseQuery,
+    edges: &[Edge],
+    rest: &[RestTriangle],
+    folds: &[[(u32, f64); 4]],
+    free: &FreeIndex,
+    entries: &mut Entries,
+) {
+    for (edge, fold) in edges.iter().zip(folds) {
+        let Some(right) = edge.right else { continue };
+        let shape = HingeShape::between(edge.left, right, rest);
         let stiffness = shape.stiffness(query.bending_modulus, query.hinge_exponent);
-        let corner = |face: usize, k: usize| query.corners[face][k % 3];
-        // The right apex is placed from its own face's copy of the edge's head.
-        let head = corner(left.face, left.corner + 1);
-        let apex = head + corner(right.face, right.corner + 2) - corner(right.face, right.corner);
-        let state = HingeState::new(&[
-            corner(left.face, left.corner),
-            head,
-            corner(left.face, left.corner + 2),
-            apex,
-        ]);
-        let gradient = state.angle_gradient();
-        let by_deviation: [f64; 4] =
-            std::array::from_fn(|i| gradient[i].dot(&normals[vertices[i] as usize]));
-        for i in 0..4 {
-            for j in 0..4 {
-                let value = stiffness * by_deviation[i] * by_deviation[j];
-                free.add(entries, vertices[i], vertices[j], value);
+        free.add_square(entries, stiffness, fold);
+    }
+}
+
+fn add_stars(
+    query: &ResponseQuery,
+    edges: &[Edge],
+    rest: &[RestTriangle],
+    folds: &[[(u32, f64); 4]],
+    free: &FreeIndex,
+    entries: &mut Entries,
+) {
+    for star in stars(query.faces, edges) {
+        let shape = star.shape(rest);
+        let weights = shape.rows(query.bending_modulus * shape.area(), query.poisson);
+        for component in 0..3 {
+            let mut row: Vec<_> = star.vertices().map(|vertex| (vertex, 0.0)).collect();
+            for (fold, weight) in star.folds.iter().zip(&weights) {
+                for (corner, (_, by)) in fold.corners.iter().zip(folds[fold.edge]) {
+                    row[*corner as usize].1 += weight[component] * by;
+                }
             }
+            free.add_square(entries, 1.0, &row);
         }
     }
+}
+
+/// Derivative of each edge's angle by the deviations of its four vertices; zero at borders.
+fn folds(query: &ResponseQuery, edges: &[Edge]) -> Vec<[(u32, f64); 4]> {
+    let normals = corner_normals(query);
+    let corner = |face: usize, k: usize| query.corners[face][k % 3];
+    edges
+        .iter()
+        .map(|edge| {
+            let Some((vertices, right)) = edge.hinge(query.faces) else {
+                return [(0, 0.0); 4];
+            };
+            let left = edge.left;
+            // The right apex is placed from its own face's copy of the edge's head.
+            let head = corner(left.face, left.corner + 1);
+            let apex =
+                head + corner(right.face, right.corner + 2) - corner(right.face, right.corner);
+            let state = HingeState::new(&[
+                corner(left.face, left.corner),
+                head,
+                corner(left.face, left.corner + 2),
+                apex,
+            ]);
+            let gradient = state.angle_gradient();
+            std::array::from_fn(|i| {
+                let vertex = vertices[i];
+                (vertex, gradient[i].dot(&normals[vertex as usize]))
+            })
+        })
+        .collect()
+}
+
+/// `w^T M w` with the foundation's mass over that with a lumped one.
+fn mass_share(query: &ResponseQuery, rest: &[RestTriangle], mode: &[f64]) -> f64 {
+    let (mut mixed, mut lumped) = (0.0, 0.0);
+    for (face, rest) in query.faces.iter().zip(rest) {
+        let w = face.map(|v| mode[v as usize]);
+        let [normal, _] = NormalFoundation::new(rest, 1.0, 0.0).values(w);
+        mixed += 2.0 * normal;
+        lumped += rest.area() / 3.0 * dot(&w, &w);
+    }
+    mixed / lumped
 }
 
 fn corner_normals(query: &ResponseQuery) -> Vec<Vector3<f64>> {

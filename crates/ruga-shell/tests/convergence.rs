@@ -7,7 +7,8 @@ use std::f64::consts::PI;
 use meshes::{jittered, lattice};
 use nalgebra::Vector3;
 use ruga_shell::{
-    FaceParameters, HingeShape, LayerEnergy, LayerParameters, MAX_EDGE_RATIO, RestTriangle,
+    BendingModel, FaceParameters, HingeShape, LayerEnergy, LayerParameters, MAX_EDGE_RATIO,
+    RestTriangle,
 };
 
 const SKIN: FaceParameters = FaceParameters {
@@ -18,14 +19,20 @@ const SKIN: FaceParameters = FaceParameters {
     gradient_stiffness: 0.0,
 };
 
-/// Bending energy per area of the inner hinges' surface `z = shape(x, y)` in units of `D`, curvature
-/// scaled to one: twice the energy over `D kappa^2 A`.
-fn bending(rotation: f64, shape: impl Fn(f64, f64) -> f64) -> f64 {
+/// Twice the bending energy of the surface `z = shape(x, y)` over `D kappa^2` and the area that
+/// bends, curvature scaled to one.
+fn bending(
+    model: BendingModel,
+    poisson: f64,
+    rotation: f64,
+    shape: impl Fn(f64, f64) -> f64,
+) -> f64 {
     let (columns, rows, edge, curvature) = (80, 92, 1e-3, 0.05);
     let mesh = lattice(columns, rows, edge);
-    let parameters = LayerParameters::uniform(SKIN, mesh.faces.len(), 0.0, mesh.positions.len());
+    let skin = FaceParameters { poisson, ..SKIN };
+    let parameters = LayerParameters::uniform(skin, mesh.faces.len(), 0.0, mesh.positions.len());
     let pinned = vec![false; mesh.positions.len()];
-    let layer = LayerEnergy::new(&mesh.positions, &mesh.faces, parameters, &pinned)
+    let layer = LayerEnergy::with_bending(&mesh.positions, &mesh.faces, parameters, &pinned, model)
         .expect("a valid lattice");
     let (sin, cos) = rotation.sin_cos();
     let x: Vec<_> = mesh
@@ -39,19 +46,44 @@ fn bending(rotation: f64, shape: impl Fn(f64, f64) -> f64) -> f64 {
     // Outline hinges are missing: the lattice has 3 hinges per vertex inside; count their share.
     let hinges = mesh.faces.len() as f64 * 1.5;
     let outline = (2 * (columns - 1) + 2 * (rows - 1)) as f64;
-    let present = (3.0 * mesh.faces.len() as f64 - outline) / 2.0 / hinges;
+    let present = match model {
+        BendingModel::Hinge => (3.0 * mesh.faces.len() as f64 - outline) / 2.0 / hinges,
+        BendingModel::VertexCurvature => 1.0,
+    };
     let area: f64 = layer.vertex_areas().iter().sum();
     2.0 * layer.energy_parts(&x).bending
-        / (SKIN.bending_modulus() * curvature * curvature * area * present)
+        / (skin.bending_modulus() * curvature * curvature * area * present)
 }
 
 #[test]
 fn cylinders_bend_with_the_plate_modulus_in_every_direction() {
     for k in 0..12 {
         let rotation = f64::from(k) * PI / 12.0;
-        let stiffness = bending(rotation, |u, _| 0.5 * u * u);
+        let stiffness = bending(BendingModel::Hinge, 0.48, rotation, |u, _| 0.5 * u * u);
         // The outline's missing hinges are not spread evenly over the three directions.
         assert!((stiffness - 1.0).abs() < 0.01, "{k}: {stiffness}");
+        for poisson in [0.0, 0.3, 0.48] {
+            let model = BendingModel::VertexCurvature;
+            let stiffness = bending(model, poisson, rotation, |u, _| 0.5 * u * u);
+            // At the outline, 2 % of the area, nothing resists bending across it.
+            assert!(
+                stiffness < 1.001 && stiffness > 0.98,
+                "{poisson} {k}: {stiffness}"
+            );
+        }
+    }
+}
+
+#[test]
+fn sphere_and_saddle_show_the_poisson_ratio_of_stars() {
+    for poisson in [0.0, 0.3, 0.48] {
+        for (sign, expected) in [(1.0, 2.0 * (1.0 + poisson)), (-1.0, 2.0 * (1.0 - poisson))] {
+            let model = BendingModel::VertexCurvature;
+            let found = bending(model, poisson, 0.2, |u, v| 0.5 * (u * u + sign * v * v));
+            // 2 % of the area lie at the outline, where bending across it is free.
+            let ratio = found / expected;
+            assert!(ratio < 1.001 && ratio > 0.975, "{poisson} {sign}: {ratio}");
+        }
     }
 }
 
@@ -111,30 +143,32 @@ fn stretched_triangles_keep_the_plain_hinge() {
 #[test]
 fn sphere_and_saddle_show_the_hinges_poisson_ratio_of_minus_a_third() {
     // Table of the calibration: 4/3 and 8/3 of the cylinder; a plate has 2 (1 +- nu).
-    let sphere = bending(0.2, |u, v| 0.5 * (u * u + v * v));
-    let saddle = bending(0.2, |u, v| 0.5 * (u * u - v * v));
+    let hinges = BendingModel::Hinge;
+    let sphere = bending(hinges, 0.48, 0.2, |u, v| 0.5 * (u * u + v * v));
+    let saddle = bending(hinges, 0.48, 0.2, |u, v| 0.5 * (u * u - v * v));
     assert!((sphere - 4.0 / 3.0).abs() < 0.01, "{sphere}");
     assert!((saddle - 8.0 / 3.0).abs() < 0.02, "{saddle}");
 }
 
 #[test]
 fn a_developable_bend_costs_little_membrane_energy() {
-    let (columns, rows, edge, radius) = (40, 12, 1e-4, 5e-3);
-    let mesh = jittered(columns, rows, edge, 0.2, 8);
-    let parameters = LayerParameters::uniform(SKIN, mesh.faces.len(), 0.0, mesh.positions.len());
-    let pinned = vec![false; mesh.positions.len()];
-    let layer = LayerEnergy::new(&mesh.positions, &mesh.faces, parameters, &pinned)
-        .expect("a valid lattice");
-    let x: Vec<_> = mesh
-        .positions
-        .iter()
-        .map(|p| {
+    for model in [BendingModel::Hinge, BendingModel::VertexCurvature] {
+        let (columns, rows, edge, radius) = (40, 12, 1e-4, 5e-3);
+        let mesh = jittered(columns, rows, edge, 0.2, 8);
+        let count = mesh.positions.len();
+        let parameters = LayerParameters::uniform(SKIN, mesh.faces.len(), 0.0, count);
+        let pinned = vec![false; count];
+        let layer =
+            LayerEnergy::with_bending(&mesh.positions, &mesh.faces, parameters, &pinned, model)
+                .expect("a valid lattice");
+        let bend = |p: &Vector3<f64>| {
             let angle = p.x / radius;
             Vector3::new(radius * angle.sin(), p.y, radius * (1.0 - angle.cos()))
-        })
-        .collect();
-    let parts = layer.energy_parts(&x);
-    assert!(parts.membrane < 0.01 * parts.bending, "{parts:?}");
+        };
+        let x: Vec<_> = mesh.positions.iter().map(bend).collect();
+        let parts = layer.energy_parts(&x);
+        assert!(parts.membrane < 0.01 * parts.bending, "{parts:?}");
+    }
 }
 
 /// Foundation energy of `w = sin(k x)` over whole wavelengths, per `1/4 area`: `K0 + K1 k^2`.

@@ -3,12 +3,14 @@
 mod differences;
 mod meshes;
 
-use differences::{assembled, check_assembled, check_stencil, dense, flat, full, rest_corners};
+use differences::{
+    MODELS, assembled, check_assembled, check_stencil, dense, flat, full, rest_corners,
+};
 use meshes::{random_rotation, random_vector, rng, symmetric};
 use nalgebra::{Matrix2, Vector3};
 use ruga_shell::{
-    Anchor, Hinge, HingeCurvature, HingeState, Membrane, NormalFoundation, RestTriangle, Stress,
-    TangentialTie,
+    Anchor, BendingModel, Hinge, HingeCurvature, HingeState, Membrane, NormalFoundation,
+    RestTriangle, Stress, TangentialTie,
 };
 
 #[test]
@@ -185,7 +187,14 @@ fn tangential_tie() {
 
 #[test]
 fn assembled_layer() {
-    let (layer, x) = assembled();
+    for model in MODELS {
+        check_layer(model);
+    }
+}
+
+fn check_layer(model: BendingModel) {
+    let (layer, x) = assembled(model);
+    assert_eq!(layer.bending_model(), model);
     let mut exact = vec![7.0; layer.pattern().1.len()];
     let mut again = exact.clone();
     let mut relaxed = exact.clone();
@@ -206,7 +215,13 @@ fn assembled_layer() {
 
 #[test]
 fn relaxed_layer_is_positive_where_the_exact_one_is_not() {
-    let (layer, x) = assembled();
+    for model in MODELS {
+        check_relaxed_layer(model);
+    }
+}
+
+fn check_relaxed_layer(model: BendingModel) {
+    let (layer, x) = assembled(model);
     let squeezed: Vec<_> = x.iter().map(|p| 0.7 * p).collect();
     let mut exact = vec![0.0; layer.pattern().1.len()];
     let mut relaxed = exact.clone();

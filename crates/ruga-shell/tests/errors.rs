@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix2, Vector3};
 use ruga_shell::{
-    FaceParameters, LayerEnergy, LayerParameters, ResponseQuery, ShellError, face_corners,
-    response_modulus,
+    BendingModel, FaceParameters, LayerEnergy, LayerParameters, ResponseQuery, ShellError,
+    face_corners, response_modulus,
 };
 
 const FACE: FaceParameters = FaceParameters {
@@ -163,6 +163,8 @@ fn response_queries() {
         directions: &directions,
         fixed: &[false; 4],
         bending_modulus: 1.0,
+        poisson: 0.48,
+        bending_model: BendingModel::Hinge,
         hinge_exponent: 0.5,
         normal_stiffness: 1.0,
         gradient_stiffness: 0.0,
@@ -188,6 +190,15 @@ fn response_queries() {
         },
     ] {
         assert!(matches!(error(unstable), ShellError::UnstableSheet { .. }));
+    }
+    for poisson in [-1.0, 1.1, f64::NAN] {
+        assert!(matches!(
+            error(ResponseQuery { poisson, ..query }),
+            ShellError::ParameterOutOfRange {
+                name: "poisson",
+                ..
+            }
+        ));
     }
     let negative = ResponseQuery {
         normal_stiffness: -1.0,

@@ -4,7 +4,7 @@ mod meshes;
 
 use meshes::{jittered, random_rotation, random_vector, rng};
 use nalgebra::{Matrix2, Vector3};
-use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters, rest_frame};
+use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters, rest_frame};
 
 const SKIN: FaceParameters = FaceParameters {
     young: 6e8,
@@ -14,8 +14,14 @@ const SKIN: FaceParameters = FaceParameters {
     gradient_stiffness: 0.0,
 };
 
+const MODELS: [BendingModel; 2] = [BendingModel::Hinge, BendingModel::VertexCurvature];
+
 /// A curved sheet, free of any foundation unless `normal` is set.
-fn sheet(normal: f64, tangential: f64) -> (LayerEnergy, Vec<Vector3<f64>>, Vec<[u32; 3]>) {
+fn sheet(
+    model: BendingModel,
+    normal: f64,
+    tangential: f64,
+) -> (LayerEnergy, Vec<Vector3<f64>>, Vec<[u32; 3]>) {
     let mesh = jittered(12, 11, 2e-4, 0.25, 5);
     let rest: Vec<_> = mesh
         .positions
@@ -29,7 +35,8 @@ fn sheet(normal: f64, tangential: f64) -> (LayerEnergy, Vec<Vector3<f64>>, Vec<[
     let parameters =
         LayerParameters::uniform(face, mesh.faces.len(), tangential, mesh.positions.len());
     let pinned = vec![false; rest.len()];
-    let layer = LayerEnergy::new(&rest, &mesh.faces, parameters, &pinned).expect("a valid sheet");
+    let layer = LayerEnergy::with_bending(&rest, &mesh.faces, parameters, &pinned, model)
+        .expect("a valid sheet");
     (layer, rest, mesh.faces)
 }
 
@@ -39,151 +46,166 @@ fn largest(values: &[f64]) -> f64 {
 
 #[test]
 fn rest_is_free_of_force() {
-    let (layer, rest, _) = sheet(1e9, 2e9);
-    let mut gradient = vec![1.0; layer.dof_count()];
-    layer.gradient(&rest, &mut gradient);
-    let unit = SKIN.tension_modulus() * 2e-4;
-    assert!(largest(&gradient) < 1e-13 * unit);
-    assert!(layer.value(&rest) < 1e-26 * unit);
+    for model in MODELS {
+        let (layer, rest, _) = sheet(model, 1e9, 2e9);
+        let mut gradient = vec![1.0; layer.dof_count()];
+        layer.gradient(&rest, &mut gradient);
+        let unit = SKIN.tension_modulus() * 2e-4;
+        assert!(largest(&gradient) < 1e-13 * unit);
+        assert!(layer.value(&rest) < 1e-26 * unit);
+    }
 }
 
 /// A sheet bent isometrically has no energy once its angles there count as rest.
 #[test]
 fn rest_angles_can_be_those_of_another_shape() {
-    let (mut layer, rest, _) = sheet(0.0, 0.0);
-    let bent: Vec<_> = rest
-        .iter()
-        .map(|x| {
-            let (radius, height) = (3e-3, x.z);
-            let angle = x.x / radius;
-            Vector3::new(
-                (radius + height) * angle.sin(),
-                x.y,
-                (radius + height) * angle.cos() - radius,
-            )
-        })
-        .collect();
-    let bending = |layer: &LayerEnergy, x: &[Vector3<f64>]| layer.energy_parts(x).bending;
-    let before = bending(&layer, &bent);
-    layer.set_rest_angles(&bent).expect("as many positions");
-    assert!(bending(&layer, &bent) < 1e-20 * before);
-    let straight = bending(&layer, &rest);
-    assert!(
-        (straight / before - 1.0).abs() < 1e-6,
-        "{straight} {before}"
-    );
-    assert!(layer.set_rest_angles(&bent[1..]).is_err());
+    for model in MODELS {
+        let (mut layer, rest, _) = sheet(model, 0.0, 0.0);
+        let bent: Vec<_> = rest
+            .iter()
+            .map(|x| {
+                let (radius, height) = (3e-3, x.z);
+                let angle = x.x / radius;
+                Vector3::new(
+                    (radius + height) * angle.sin(),
+                    x.y,
+                    (radius + height) * angle.cos() - radius,
+                )
+            })
+            .collect();
+        let bending = |layer: &LayerEnergy, x: &[Vector3<f64>]| layer.energy_parts(x).bending;
+        let before = bending(&layer, &bent);
+        layer.set_rest_angles(&bent).expect("as many positions");
+        assert!(bending(&layer, &bent) < 1e-20 * before);
+        let straight = bending(&layer, &rest);
+        assert!(
+            (straight / before - 1.0).abs() < 1e-6,
+            "{straight} {before}"
+        );
+        assert!(layer.set_rest_angles(&bent[1..]).is_err());
+    }
 }
 
 /// The factor scales bending alone, and a new rest metric keeps it.
 #[test]
 fn the_bending_factor_scales_bending() {
-    let (mut layer, rest, faces) = sheet(0.0, 0.0);
-    let lifted: Vec<_> = rest
-        .iter()
-        .map(|x| x + Vector3::z() * (1e-4 * (5e3 * x.y).sin()))
-        .collect();
-    let before = layer.energy_parts(&lifted);
-    layer.set_bending_factor(1.25).expect("a positive factor");
-    let unstretched = vec![Matrix2::identity(); faces.len()];
-    layer.set_rest_metric(&unstretched).expect("as many faces");
-    let after = layer.energy_parts(&lifted);
-    assert!((after.bending / before.bending - 1.25).abs() < 1e-12);
-    assert!((after.membrane / before.membrane - 1.0).abs() < 1e-12);
-    for factor in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert!(layer.set_bending_factor(factor).is_err(), "{factor}");
+    for model in MODELS {
+        let (mut layer, rest, faces) = sheet(model, 0.0, 0.0);
+        let lifted: Vec<_> = rest
+            .iter()
+            .map(|x| x + Vector3::z() * (1e-4 * (5e3 * x.y).sin()))
+            .collect();
+        let before = layer.energy_parts(&lifted);
+        layer.set_bending_factor(1.25).expect("a positive factor");
+        let unstretched = vec![Matrix2::identity(); faces.len()];
+        layer.set_rest_metric(&unstretched).expect("as many faces");
+        let after = layer.energy_parts(&lifted);
+        assert!((after.bending / before.bending - 1.25).abs() < 1e-12);
+        assert!((after.membrane / before.membrane - 1.0).abs() < 1e-12);
+        for factor in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(layer.set_bending_factor(factor).is_err(), "{factor}");
+        }
     }
 }
 
 #[test]
 fn rigid_motion_costs_nothing() {
-    let (layer, rest, _) = sheet(0.0, 0.0);
-    // One per cent strain on every face is what the energy is compared with.
-    let stretched: Vec<_> = rest.iter().map(|x| 1.01 * x).collect();
-    let scale = layer.value(&stretched);
-    let mut gradient = vec![0.0; layer.dof_count()];
-    for seed in 0..10 {
-        let mut rng = rng(seed);
-        let turn = random_rotation(&mut rng);
-        let shift = random_vector(&mut rng) * 1e-2;
-        let moved: Vec<_> = rest.iter().map(|x| turn * x + shift).collect();
-        assert!(layer.value(&moved) < 1e-14 * scale);
-        layer.gradient(&moved, &mut gradient);
-        assert!(largest(&gradient) < 1e-10 * SKIN.tension_modulus() * 2e-4);
+    for model in MODELS {
+        let (layer, rest, _) = sheet(model, 0.0, 0.0);
+        // One per cent strain on every face is what the energy is compared with.
+        let stretched: Vec<_> = rest.iter().map(|x| 1.01 * x).collect();
+        let scale = layer.value(&stretched);
+        let mut gradient = vec![0.0; layer.dof_count()];
+        for seed in 0..10 {
+            let mut rng = rng(seed);
+            let turn = random_rotation(&mut rng);
+            let shift = random_vector(&mut rng) * 1e-2;
+            let moved: Vec<_> = rest.iter().map(|x| turn * x + shift).collect();
+            assert!(layer.value(&moved) < 1e-14 * scale);
+            layer.gradient(&moved, &mut gradient);
+            assert!(largest(&gradient) < 1e-10 * SKIN.tension_modulus() * 2e-4);
+        }
     }
 }
 
 #[test]
 fn moving_layer_and_base_together_changes_nothing() {
-    let (mut layer, rest, _) = sheet(1e9, 2e9);
-    let mut rng = rng(77);
-    let x: Vec<_> = rest
-        .iter()
-        .map(|x| x + random_vector(&mut rng) * 2e-5)
-        .collect();
-    let normals: Vec<_> = rest
-        .iter()
-        .map(|_| (Vector3::z() + 0.3 * random_vector(&mut rng)).normalize())
-        .collect();
-    let offsets: Vec<_> = (0..rest.len()).map(|i| 1e-6 * i as f64).collect();
-    layer.set_base(&rest, &normals, &offsets).unwrap();
-    let before = layer.energy_parts(&x);
-    let turn = random_rotation(&mut rng);
-    let shift = random_vector(&mut rng) * 1e-3;
-    let moved =
-        |points: &[Vector3<f64>]| -> Vec<_> { points.iter().map(|p| turn * p + shift).collect() };
-    let turned: Vec<_> = normals.iter().map(|n| turn * n).collect();
-    layer.set_base(&moved(&rest), &turned, &offsets).unwrap();
-    let after = layer.energy_parts(&moved(&x));
-    for (a, b) in [
-        (before.membrane, after.membrane),
-        (before.bending, after.bending),
-        (before.normal, after.normal),
-        (before.gradient, after.gradient),
-        (before.tangential, after.tangential),
-    ] {
-        assert!((a - b).abs() <= 1e-10 * before.total());
+    for model in MODELS {
+        let (mut layer, rest, _) = sheet(model, 1e9, 2e9);
+        let mut rng = rng(77);
+        let x: Vec<_> = rest
+            .iter()
+            .map(|x| x + random_vector(&mut rng) * 2e-5)
+            .collect();
+        let normals: Vec<_> = rest
+            .iter()
+            .map(|_| (Vector3::z() + 0.3 * random_vector(&mut rng)).normalize())
+            .collect();
+        let offsets: Vec<_> = (0..rest.len()).map(|i| 1e-6 * i as f64).collect();
+        layer.set_base(&rest, &normals, &offsets).unwrap();
+        let before = layer.energy_parts(&x);
+        let turn = random_rotation(&mut rng);
+        let shift = random_vector(&mut rng) * 1e-3;
+        let moved = |points: &[Vector3<f64>]| -> Vec<_> {
+            points.iter().map(|p| turn * p + shift).collect()
+        };
+        let turned: Vec<_> = normals.iter().map(|n| turn * n).collect();
+        layer.set_base(&moved(&rest), &turned, &offsets).unwrap();
+        let after = layer.energy_parts(&moved(&x));
+        for (a, b) in [
+            (before.membrane, after.membrane),
+            (before.bending, after.bending),
+            (before.normal, after.normal),
+            (before.gradient, after.gradient),
+            (before.tangential, after.tangential),
+        ] {
+            assert!((a - b).abs() <= 1e-10 * before.total());
+        }
     }
 }
 
 #[test]
 fn translation_sums_of_the_hessian_are_the_foundation_alone() {
-    let (layer, rest, _) = sheet(0.0, 0.0);
-    let mut rng = rng(3);
-    let x: Vec<_> = rest
-        .iter()
-        .map(|x| x + random_vector(&mut rng) * 3e-5)
-        .collect();
-    let (starts, rows) = layer.pattern();
-    let mut values = vec![0.0; rows.len()];
-    layer.hessian(&x, &mut values, None);
-    // H t for a translation t along x: rows must vanish.
-    let mut product = vec![0.0; layer.dof_count()];
-    for column in 0..layer.dof_count() {
-        for k in starts[column]..starts[column + 1] {
-            let row = rows[k];
-            product[row] += values[k] * f64::from(column % 3 == 0);
-            if row != column {
-                product[column] += values[k] * f64::from(row % 3 == 0);
+    for model in MODELS {
+        let (layer, rest, _) = sheet(model, 0.0, 0.0);
+        let mut rng = rng(3);
+        let x: Vec<_> = rest
+            .iter()
+            .map(|x| x + random_vector(&mut rng) * 3e-5)
+            .collect();
+        let (starts, rows) = layer.pattern();
+        let mut values = vec![0.0; rows.len()];
+        layer.hessian(&x, &mut values, None);
+        // H t for a translation t along x: rows must vanish.
+        let mut product = vec![0.0; layer.dof_count()];
+        for column in 0..layer.dof_count() {
+            for k in starts[column]..starts[column + 1] {
+                let row = rows[k];
+                product[row] += values[k] * f64::from(column % 3 == 0);
+                if row != column {
+                    product[column] += values[k] * f64::from(row % 3 == 0);
+                }
             }
         }
+        assert!(largest(&product) < 1e-12 * largest(&values));
     }
-    assert!(largest(&product) < 1e-12 * largest(&values));
 }
 
 #[test]
 fn runs_repeat_bit_by_bit() {
-    let (first, rest, _) = sheet(1e9, 2e9);
-    let (second, _, _) = sheet(1e9, 2e9);
-    let x: Vec<_> = rest.iter().map(|x| 0.97 * x).collect();
-    let both = [&first, &second].map(|layer| {
-        let mut gradient = vec![0.0; layer.dof_count()];
-        let mut hessian = vec![0.0; layer.pattern().1.len()];
-        layer.gradient(&x, &mut gradient);
-        layer.hessian(&x, &mut hessian, None);
-        (layer.value(&x).to_bits(), gradient, hessian)
-    });
-    assert_eq!(both[0], both[1]);
+    for model in MODELS {
+        let (first, rest, _) = sheet(model, 1e9, 2e9);
+        let (second, _, _) = sheet(model, 1e9, 2e9);
+        let x: Vec<_> = rest.iter().map(|x| 0.97 * x).collect();
+        let both = [&first, &second].map(|layer| {
+            let mut gradient = vec![0.0; layer.dof_count()];
+            let mut hessian = vec![0.0; layer.pattern().1.len()];
+            layer.gradient(&x, &mut gradient);
+            layer.hessian(&x, &mut hessian, None);
+            (layer.value(&x).to_bits(), gradient, hessian)
+        });
+        assert_eq!(both[0], both[1]);
+    }
 }
 
 #[test]
@@ -226,7 +248,7 @@ fn a_rest_stretch_moves_the_rest_state_to_the_stretched_shape() {
 
 #[test]
 fn principal_direction_is_that_of_the_compression() {
-    let (layer, rest, faces) = sheet(0.0, 0.0);
+    let (layer, rest, faces) = sheet(BendingModel::Hinge, 0.0, 0.0);
     let squeezed: Vec<_> = rest
         .iter()
         .map(|x| Vector3::new(0.9 * x.x, x.y, x.z))

@@ -3,12 +3,12 @@
 mod differences;
 mod meshes;
 
-use differences::{assembled, check_assembled, check_stencil, dense, full, rest_corners};
+use differences::{MODELS, assembled, check_assembled, check_stencil, dense, full, rest_corners};
 use meshes::{jittered, random_rotation, random_vector, rng, symmetric};
 use nalgebra::{Matrix2, Vector3};
 use ruga_shell::{
-    FaceParameters, JointEnergy, LayerEnergy, LayerParameters, LayerTie, RestTriangle,
-    TieParameters, TieState,
+    BendingModel, FaceParameters, JointEnergy, LayerEnergy, LayerParameters, LayerTie,
+    RestTriangle, TieParameters, TieState,
 };
 
 /// A tie on a face from equilateral to a sliver, and six points that it does not like: the lower
@@ -94,8 +94,8 @@ fn a_tie_on_a_collapsed_face_stays_finite() {
 }
 
 /// The crumpled layer with another one on it, as crumpled, both rest metrics stretched.
-fn assembled_joint() -> (JointEnergy, Vec<Vector3<f64>>) {
-    let (lower, below) = assembled();
+fn assembled_joint(models: [BendingModel; 2]) -> (JointEnergy, Vec<Vector3<f64>>) {
+    let (lower, below) = assembled(models[0]);
     let mesh = jittered(7, 6, 1.0, 0.25, 11);
     let mut rng = rng(13);
     let face = FaceParameters {
@@ -111,7 +111,8 @@ fn assembled_joint() -> (JointEnergy, Vec<Vector3<f64>>) {
         pinned[vertex as usize] = false;
     }
     let upper =
-        LayerEnergy::new(&mesh.positions, &mesh.faces, parameters, &pinned).expect("valid input");
+        LayerEnergy::with_bending(&mesh.positions, &mesh.faces, parameters, &pinned, models[1])
+            .expect("valid input");
     let ties: Vec<_> = mesh
         .faces
         .iter()
@@ -140,9 +141,23 @@ fn assembled_joint() -> (JointEnergy, Vec<Vector3<f64>>) {
     (joint, [below, above].concat())
 }
 
+/// Also with one model below and the other above.
+const BOTH: [[BendingModel; 2]; 4] = [
+    [MODELS[0], MODELS[0]],
+    [MODELS[0], MODELS[1]],
+    [MODELS[1], MODELS[0]],
+    [MODELS[1], MODELS[1]],
+];
+
 #[test]
 fn assembled_pair() {
-    let (joint, x) = assembled_joint();
+    for models in BOTH {
+        check_pair(models);
+    }
+}
+
+fn check_pair(models: [BendingModel; 2]) {
+    let (joint, x) = assembled_joint(models);
     let mut exact = vec![7.0; joint.pattern().1.len()];
     let mut again = exact.clone();
     let mut relaxed = exact.clone();
@@ -160,7 +175,13 @@ fn assembled_pair() {
 
 #[test]
 fn relaxed_pair_is_positive_where_the_exact_one_is_not() {
-    let (joint, x) = assembled_joint();
+    for models in BOTH {
+        check_relaxed_pair(models);
+    }
+}
+
+fn check_relaxed_pair(models: [BendingModel; 2]) {
+    let (joint, x) = assembled_joint(models);
     let squeezed: Vec<_> = x.iter().map(|p| 0.7 * p).collect();
     let mut exact = vec![0.0; joint.pattern().1.len()];
     let mut relaxed = exact.clone();

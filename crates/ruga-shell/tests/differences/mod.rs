@@ -2,11 +2,12 @@
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector3};
-use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters};
+use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters};
 
 use crate::meshes::{jittered, outline, random_rotation, random_vector, rng, symmetric};
 
 pub(crate) const TOLERANCE: f64 = 1e-6;
+pub(crate) const MODELS: [BendingModel; 2] = [BendingModel::Hinge, BendingModel::VertexCurvature];
 
 /// Full matrix of a stencil whose lower blocks are listed row by row.
 pub(crate) fn full<const N: usize, const B: usize>(blocks: &[Matrix3<f64>; B]) -> DMatrix<f64> {
@@ -24,6 +25,65 @@ pub(crate) fn full<const N: usize, const B: usize>(blocks: &[Matrix3<f64>; B]) -
         }
     }
     matrix
+}
+
+/// The same of a stencil with any number of points.
+pub(crate) fn full_points(blocks: &[Matrix3<f64>]) -> DMatrix<f64> {
+    let count = (0..)
+        .find(|n| n * (n + 1) / 2 >= blocks.len())
+        .expect("a triangle number");
+    let mut matrix = DMatrix::zeros(3 * count, 3 * count);
+    let mut next = blocks.iter();
+    for i in 0..count {
+        for (j, block) in (0..=i).zip(next.by_ref()) {
+            matrix.fixed_view_mut::<3, 3>(3 * i, 3 * j).copy_from(block);
+            let mirrored = block.transpose();
+            matrix
+                .fixed_view_mut::<3, 3>(3 * j, 3 * i)
+                .copy_from(&mirrored);
+        }
+    }
+    matrix
+}
+
+/// [`check_stencil`] for any number of points.
+pub(crate) fn check_points(
+    x: &[Vector3<f64>],
+    step: f64,
+    value: impl Fn(&[Vector3<f64>]) -> f64,
+    gradient: impl Fn(&[Vector3<f64>]) -> Vec<Vector3<f64>>,
+    hessian: &[Matrix3<f64>],
+    what: &str,
+) {
+    let flat = |v: Vec<Vector3<f64>>| {
+        DVector::from_iterator(3 * v.len(), v.iter().flat_map(|v| v.iter().copied()))
+    };
+    let moved = |k: usize, by: f64| {
+        let mut y = x.to_vec();
+        y[k / 3][k % 3] += by * step;
+        y
+    };
+    let stencil = |f: &dyn Fn(f64) -> DVector<f64>| {
+        (8.0 * (f(1.0) - f(-1.0)) - (f(2.0) - f(-2.0))) / (12.0 * step)
+    };
+    let (mut by_value, mut by_gradient) = (Vec::new(), Vec::new());
+    for k in 0..3 * x.len() {
+        by_value.push(stencil(&|s| DVector::from_element(1, value(&moved(k, s))))[0]);
+        by_gradient.push(stencil(&|s| flat(gradient(&moved(k, s)))));
+    }
+    let size = 3 * x.len();
+    let exact = full_points(hessian);
+    // At rest there is no force: compare with that of a displacement by a hundredth.
+    let unit = 1e-2 * exact.amax();
+    let found = flat(gradient(x));
+    let error = (found.clone() - DVector::from_vec(by_value)).amax() / found.amax().max(unit);
+    assert!(
+        error < TOLERANCE,
+        "{what} gradient: relative error {error:e}"
+    );
+    assert_eq!(exact.nrows(), size);
+    let what = format!("{what} Hessian");
+    assert_close(&exact, &DMatrix::from_columns(&by_gradient), &what);
 }
 
 pub(crate) fn flat<const N: usize>(vectors: &[Vector3<f64>; N]) -> DVector<f64> {
@@ -143,7 +203,7 @@ pub(crate) fn rest_corners(seed: u64) -> [Vector3<f64>; 3] {
 }
 
 /// A crumpled layer on a bumpy base, stretched rest metric, pinned outline, units of order one.
-pub(crate) fn assembled() -> (LayerEnergy, Vec<Vector3<f64>>) {
+pub(crate) fn assembled(model: BendingModel) -> (LayerEnergy, Vec<Vector3<f64>>) {
     let (columns, rows) = (7, 6);
     let mesh = jittered(columns, rows, 1.0, 0.25, 11);
     let mut rng = rng(12);
@@ -168,7 +228,8 @@ pub(crate) fn assembled() -> (LayerEnergy, Vec<Vector3<f64>>) {
         .iter()
         .map(|p| p + Vector3::z() * (0.3 * (p.x * p.y).sin()))
         .collect();
-    let mut layer = LayerEnergy::new(&rest, &mesh.faces, parameters, &pinned).expect("valid input");
+    let mut layer = LayerEnergy::with_bending(&rest, &mesh.faces, parameters, &pinned, model)
+        .expect("valid input");
     let stretch: Vec<_> = mesh
         .faces
         .iter()

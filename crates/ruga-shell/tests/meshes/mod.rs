@@ -122,6 +122,20 @@ impl PeriodicMesh {
         Self::with_faces(self.cell, points, self.faces.clone())
     }
 
+    /// The same faces with everything `factor` times as long along x.
+    pub(crate) fn stretched(&self, factor: f64) -> Self {
+        let stretch = |p: &Vector2<f64>| Vector2::new(p.x * factor, p.y);
+        let points = self.points.iter().map(stretch).collect();
+        let mut corners = self.corners.clone();
+        corners.iter_mut().flatten().for_each(|p| p.x *= factor);
+        Self {
+            cell: stretch(&self.cell),
+            points,
+            faces: self.faces.clone(),
+            corners,
+        }
+    }
+
     fn with_faces(cell: Vector2<f64>, points: Vec<Vector2<f64>>, faces: Vec<[u32; 3]>) -> Self {
         let nearest =
             |p: Vector2<f64>| Vector2::from_fn(|k, _| p[k] - cell[k] * (p[k] / cell[k]).round());
