@@ -269,6 +269,7 @@ pub(crate) fn modelling(scene: &Scene, region: Region, quality: Option<Quality>)
         },
         tolerance: scene.solver.tolerance,
         seed: scene.solver.seed,
+        ..Modelling::default()
     }
 }
 

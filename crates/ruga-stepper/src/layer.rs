@@ -12,7 +12,7 @@ use rand_pcg::Pcg64Mcg;
 use ruga_blend::{Driver, FaceStrain, PosedSurface, face_strains};
 use ruga_material::{CAP_START, Wrinkling, capped_strain};
 use ruga_mesh::{FaceId, Id, PerFace, VertexId};
-use ruga_shell::{FaceParameters, LayerParameters, ShellError};
+use ruga_shell::{BendingModel, FaceParameters, LayerParameters, ShellError};
 use ruga_solver::{
     Iteration, Kkt, LowerPattern, NewtonSettings, SolveReport, SolverError, minimise,
 };
@@ -51,6 +51,8 @@ pub(crate) struct Holding {
     pub(crate) tie: Option<f64>,
     /// A layer that moves together with it.
     pub(crate) upper: Option<UpperShell>,
+    /// How their bending is measured.
+    pub(crate) bending: BendingModel,
     /// Where its rows are centred; by its wavelength where nothing is said.
     pub(crate) centres: Option<Vec<RowCentre>>,
 }
@@ -65,6 +67,7 @@ pub(crate) struct Layer {
     region: RegionMesh,
     /// How they get there; `None` where that is the layer's own mesh.
     interpolation: Option<Interpolation>,
+    bending: BendingModel,
     /// Response bending modulus of the uncorrected mesh over that of the material, once measured.
     pub(crate) bending_ratio: Option<f64>,
     areas: Vec<f64>,
@@ -117,7 +120,12 @@ impl Layer {
         let rest = &skin.rest;
         let pinned = skin.mesh.border_vertices();
         let faces = skin.corner_indices();
-        let Holding { tie, upper, .. } = holding;
+        let Holding {
+            tie,
+            upper,
+            bending,
+            ..
+        } = holding;
         let properties = SkinProperties::new(spec, wrinkling, tie, driver, &skin)?;
         let parameters = layer_parameters(spec, &properties);
         let surface = (rest.positions.as_slice(), rest.normals.as_slice());
@@ -126,6 +134,7 @@ impl Layer {
             &faces,
             parameters,
             upper.as_ref(),
+            bending,
             pinned.as_slice(),
         )
         .map_err(shell)?;
@@ -167,6 +176,7 @@ impl Layer {
             skin,
             region,
             interpolation,
+            bending,
             bending_ratio: None,
             areas,
             energy,

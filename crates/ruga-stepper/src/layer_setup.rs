@@ -58,6 +58,7 @@ impl StackRun<'_> {
         let holding = Holding {
             tie: plan.seats[index].tie,
             upper: plan.joint.clone(),
+            bending: modelling.bending,
             centres,
         };
         let mut layer = Layer::new(

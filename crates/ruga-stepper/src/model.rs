@@ -6,6 +6,7 @@ use nalgebra::Vector2;
 use ruga_blend::{Smoothing, Weights};
 use ruga_constraint::Sampling;
 use ruga_material::{LayerMaterial, PropertyMap, Substrate, WavelengthModel};
+use ruga_shell::BendingModel;
 use ruga_solver::LinearSolver;
 
 /// How a layer is held by what lies below it.
@@ -124,7 +125,7 @@ impl Default for EdgeLimits {
         Self {
             min_edge: 0.0,
             max_edge: 1.0,
-            aspect: 2.0,
+            aspect: 4.0,
         }
     }
 }
@@ -161,6 +162,8 @@ pub struct Modelling {
     pub dynamics: Option<Dynamics>,
     /// The surface between the artist's vertices.
     pub smoothing: Smoothing,
+    /// How bending is measured on a mesh.
+    pub bending: BendingModel,
     /// How linear systems are solved.
     pub linear: LinearSolver,
     /// Relative residual at which a solve may stop.
@@ -193,6 +196,7 @@ impl Default for Modelling {
             stack: Stack::Nominal,
             dynamics: None,
             smoothing: Smoothing::Loop,
+            bending: BendingModel::VertexCurvature,
             linear: LinearSolver::Ldlt,
             tolerance: 1e-6,
             seed: 1,

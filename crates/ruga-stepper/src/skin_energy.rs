@@ -3,7 +3,8 @@
 use nalgebra::{Matrix2, Vector3};
 use ruga_material::{LayerMaterial, StackPair};
 use ruga_shell::{
-    FaceParameters, JointEnergy, LayerEnergy, LayerParameters, ShellError, TieParameters,
+    BendingModel, FaceParameters, JointEnergy, LayerEnergy, LayerParameters, ShellError,
+    TieParameters,
 };
 
 /// The upper one of two layers that move together.
@@ -74,15 +75,16 @@ impl SkinEnergy {
         faces: &[[u32; 3]],
         parameters: LayerParameters,
         upper: Option<&UpperShell>,
+        bending: BendingModel,
         pinned: &[bool],
     ) -> Result<Self, ShellError> {
-        let lower = LayerEnergy::new(rest, faces, parameters, pinned)?;
+        let lower = LayerEnergy::with_bending(rest, faces, parameters, pinned, bending)?;
         let Some(upper) = upper else {
             return Ok(Self::One(Box::new(lower)));
         };
         let above = lifted(rest, normals, upper.lever);
         let parameters = upper.parameters(faces.len(), rest.len());
-        let shell = LayerEnergy::new(&above, faces, parameters, pinned)?;
+        let shell = LayerEnergy::with_bending(&above, faces, parameters, pinned, bending)?;
         let ties = vec![upper.tie; faces.len()];
         let levers = vec![upper.lever; rest.len()];
         let joint = JointEnergy::new(lower, shell, &ties, &levers)?;

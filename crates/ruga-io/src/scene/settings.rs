@@ -78,7 +78,7 @@ impl Default for Remesh {
             points_per_wavelength: 12.0,
             min_edge: 0.0,
             max_edge: 1.0,
-            aspect: 2.0,
+            aspect: 4.0,
         }
     }
 }

@@ -1,8 +1,8 @@
-//! Correction of the hinges for the shape of the mesh's triangles.
+//! How the mesh's triangles bend, and the correction of hinges for it.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use ruga_blend::rest_frame;
-use ruga_shell::{HINGE_EXPONENT, ResponseQuery, face_corners, response_modulus};
+use ruga_shell::{BendingModel, HINGE_EXPONENT, ResponseQuery, face_corners, response_modulus};
 
 use super::Layer;
 use crate::StepperError;
@@ -12,8 +12,9 @@ use crate::below::BelowSurface;
 const BENDING_RATIOS: [f64; 2] = [0.5, 2.0];
 
 impl Layer {
-    /// Makes up for triangles that bend more or less easily than the material, as measured where
-    /// and in the direction that `below` compresses the layer; the layer stays where it is.
+    /// Measures how the mesh bends where, and in the direction that, `below` compresses the layer,
+    /// and makes up for hinges that bend more or less easily than the material; the layer stays
+    /// where it is.
     /// False when something is compressed enough to wrinkle and could not be measured.
     pub(crate) fn calibrate_bending(&mut self, below: BelowSurface) -> Result<bool, StepperError> {
         let state = self.state();
@@ -21,7 +22,9 @@ impl Layer {
         let [low, high] = BENDING_RATIOS;
         let measured = self.measured_bending_ratio();
         self.bending_ratio = measured.map(|ratio| ratio.clamp(low, high));
-        if let Some(ratio) = self.bending_ratio {
+        if let Some(ratio) = self.bending_ratio
+            && self.bending == BendingModel::Hinge
+        {
             let outcome = self.energy.set_bending_factor(1.0 / ratio);
             outcome.map_err(|source| self.shell_error(source))?;
         }
@@ -47,6 +50,8 @@ impl Layer {
             fixed: pinned.as_slice(),
             bending_modulus: self.wrinkling.bending_stiffness,
             hinge_exponent: HINGE_EXPONENT,
+            poisson: self.spec.material.poisson,
+            bending_model: self.bending,
             normal_stiffness: self.wrinkling.normal_stiffness,
             gradient_stiffness: self.wrinkling.gradient_stiffness,
         });
