@@ -1,0 +1,154 @@
+//! What a pattern of wrinkles is measured by.
+
+use std::f64::consts::{PI, TAU};
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rustfft::num_complex::Complex64;
+
+use super::fourier::Grid;
+
+/// Heights over a periodic rectangle.
+#[derive(Clone)]
+pub struct HeightField {
+    /// Where they are.
+    pub grid: Grid,
+    /// Row after row of x, m.
+    pub heights: Vec<f64>,
+}
+
+/// Directions of the slopes of a pattern, as shares of all its squared slope.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Orientation {
+    /// Shares of equal sectors of the half circle, the first one centred on x.
+    pub shares: Vec<f64>,
+    /// Means of `exp(2 i phi)` and `exp(4 i phi)` over the slopes, by their cosine and sine.
+    moments: [[f64; 2]; 2],
+}
+
+impl HeightField {
+    /// `sqrt(2)` RMS height about the mean, m: the amplitude of a sine.
+    pub fn amplitude(&self) -> f64 {
+        let count = self.heights.len() as f64;
+        let mean = self.heights.iter().sum::<f64>() / count;
+        let squares: f64 = self.heights.iter().map(|h| (h - mean).powi(2)).sum();
+        (2.0 * squares / count).sqrt()
+    }
+
+    /// Mean wave number (1/m) over the spectrum's power between two wave numbers.
+    ///
+    /// The centre of the ring, which a coarse spectrum of a few waves per box tells far better than
+    /// the place of its highest coefficient.
+    pub fn mean_wave_number(&self, band: [f64; 2]) -> f64 {
+        let (mut sum, mut total) = (0.0, 0.0);
+        for (mode, c) in self.coefficients().iter().enumerate() {
+            let k = self.grid.wave_vector(mode).norm();
+            if (band[0]..=band[1]).contains(&k) {
+                sum += k * c.norm_sqr();
+                total += c.norm_sqr();
+            }
+        }
+        sum / total
+    }
+
+    /// Power of the spectrum by wave number, in bins of `width` (1/m) from zero, m^2.
+    pub fn spectrum(&self, width: f64, bins: usize) -> Vec<f64> {
+        let mut power = vec![0.0; bins];
+        for (mode, c) in self.coefficients().iter().enumerate().skip(1) {
+            let bin = (self.grid.wave_vector(mode).norm() / width) as usize;
+            if let Some(power) = power.get_mut(bin) {
+                *power += c.norm_sqr();
+            }
+        }
+        power
+    }
+
+    /// Directions of the slopes, weighted with their squares, in a number of sectors.
+    pub fn orientation(&self, sectors: usize) -> Orientation {
+        let slopes = self.grid.slopes(&self.coefficients());
+        let [along, across] = self.grid.fields([&slopes[0], &slopes[1]]);
+        let mut shares = vec![0.0; sectors];
+        let (mut moments, mut total) = ([[0.0; 2]; 2], 0.0);
+        for (x, y) in along.iter().zip(&across) {
+            let weight = x * x + y * y;
+            let angle = y.atan2(*x).rem_euclid(PI);
+            shares[(angle / PI * sectors as f64).round() as usize % sectors] += weight;
+            for (moment, order) in moments.iter_mut().zip([2.0, 4.0]) {
+                let (sin, cos) = (order * angle).sin_cos();
+                moment[0] += weight * cos;
+                moment[1] += weight * sin;
+            }
+            total += weight;
+        }
+        Orientation {
+            shares: shares.iter().map(|share| share / total).collect(),
+            moments: moments.map(|moment| moment.map(|m| m / total)),
+        }
+    }
+
+    fn coefficients(&self) -> Vec<Complex64> {
+        let [coefficients, _] = self.grid.coefficients([&self.heights, &self.heights]);
+        coefficients
+    }
+}
+
+impl Orientation {
+    /// How one-directional the slopes are: `|<exp(2 i phi)>|`, 0 for none and for two directions at
+    /// right angles, 1 for one direction.
+    pub fn alignment(&self) -> f64 {
+        self.moments[0][0].hypot(self.moments[0][1])
+    }
+
+    /// How four-fold the slopes are: `|<exp(4 i phi)>|`, 0 where every direction is as frequent, 1
+    /// for two directions at right angles.
+    pub fn crossing(&self) -> f64 {
+        self.moments[1][0].hypot(self.moments[1][1])
+    }
+
+    /// Mean of `cos(4 phi)`: positive where slopes lie along the axes, negative where along the
+    /// diagonals.
+    pub fn along_axes(&self) -> f64 {
+        self.moments[1][0]
+    }
+
+    /// Share of the slopes that another histogram has elsewhere, 0 to 1.
+    pub fn distance(&self, other: &Self) -> f64 {
+        let differences = self.shares.iter().zip(&other.shares);
+        0.5 * differences.map(|(a, b)| (a - b).abs()).sum::<f64>()
+    }
+
+    /// The two mean directions of the slopes on either side of an axis (radians from x), each
+    /// between it and the next right angle.
+    pub fn lobes(&self, axis: f64) -> [f64; 2] {
+        let sectors = self.shares.len();
+        let (mut sums, mut totals) = ([0.0; 2], [0.0; 2]);
+        for (sector, share) in self.shares.iter().enumerate() {
+            let angle = PI * sector as f64 / sectors as f64 - axis;
+            let angle = (angle + 0.5 * PI).rem_euclid(PI) - 0.5 * PI;
+            let side = usize::from(angle > 0.0);
+            sums[side] += share * angle;
+            totals[side] += share;
+        }
+        [sums[0] / totals[0], sums[1] / totals[1]].map(|angle| angle + axis)
+    }
+}
+
+/// White noise between plus and minus `size`, m.
+pub fn noise(grid: &Grid, size: f64, seed: u64) -> Vec<f64> {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    (0..grid.points())
+        .map(|_| size * random.random_range(-1.0..1.0))
+        .collect()
+}
+
+/// A wave of given amplitude (m) and orders on a grid.
+pub fn wave(grid: &Grid, amplitude: f64, orders: [i64; 2]) -> Vec<f64> {
+    let height = |point: usize| {
+        let place = grid.place(point);
+        let turns = (0..2)
+            .map(|axis| orders[axis] as f64 * place[axis] / grid.extent[axis])
+            .sum::<f64>();
+        amplitude * (TAU * turns).cos()
+    };
+    (0..grid.points()).map(height).collect()
+}
