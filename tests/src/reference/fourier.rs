@@ -134,6 +134,29 @@ impl Grid {
         ]
     }
 
+    /// Moves every row of a field by a number of spacings, which takes samples at `x + shift` to
+    /// samples at `x`.
+    pub fn shift_rows(&self, field: &mut [f64], shift: impl Fn(usize) -> f64) {
+        let count = self.size[0];
+        for (row, values) in field.chunks_exact_mut(count).enumerate() {
+            let turn = TAU * shift(row) / count as f64;
+            let mut waves: Vec<_> = values.iter().map(|&v| Complex64::from(v)).collect();
+            self.forward[0].process(&mut waves);
+            for (order, wave) in waves.iter_mut().enumerate() {
+                let signed = if 2 * order <= count {
+                    order as f64
+                } else {
+                    order as f64 - count as f64
+                };
+                *wave *= Complex64::from_polar(1.0 / count as f64, -turn * signed);
+            }
+            self.inverse[0].process(&mut waves);
+            for (value, wave) in values.iter_mut().zip(&waves) {
+                *value = wave.re;
+            }
+        }
+    }
+
     /// Coefficients of the slopes along x and y.
     pub fn slopes(&self, coefficients: &[Complex64]) -> [Vec<Complex64>; 2] {
         [0, 1].map(|axis| {
@@ -157,9 +180,21 @@ mod tests {
     use super::*;
 
     #[test]
+    fn rows_that_are_sampled_further_on_come_back() {
+        let grid = Grid::new([10, 2], [1.0, 1.0]);
+        let at = |x: f64| (TAU * 3.0 * x).cos() + (TAU * x).sin();
+        let place = |i: usize| (i % 10) as f64 + if i >= 10 { 0.5 } else { 0.0 };
+        let mut field: Vec<f64> = (0..20).map(|i| at(0.1 * place(i))).collect();
+        grid.shift_rows(&mut field, |row| 0.5 * row as f64);
+        for (i, value) in field.iter().enumerate() {
+            assert!((value - at(0.1 * (i % 10) as f64)).abs() < 1e-12);
+        }
+    }
+
+    #[test]
     fn a_wave_has_one_pair_of_coefficients_and_its_own_slope() {
         let grid = Grid::new([12, 8], [3.0, 2.0]);
-        let k = Vector2::new(TAU * 2.0 / 3.0, TAU * -1.0 / 2.0);
+        let k = Vector2::new(TAU * 2.0 / 3.0, -TAU / 2.0);
         let wave: Vec<f64> = (0..96).map(|i| k.dot(&grid.place(i)).cos()).collect();
         let ramp: Vec<f64> = (0..96).map(|i| i as f64).collect();
         let [found, other] = grid.coefficients([&wave, &ramp]);

@@ -24,6 +24,8 @@ pub struct Orientation {
     pub shares: Vec<f64>,
     /// Means of `exp(2 i phi)` and `exp(4 i phi)` over the slopes, by their cosine and sine.
     moments: [[f64; 2]; 2],
+    tilt: f64,
+    left_share: f64,
 }
 
 impl HeightField {
@@ -35,20 +37,24 @@ impl HeightField {
         (2.0 * squares / count).sqrt()
     }
 
-    /// Mean wave number (1/m) over the spectrum's power between two wave numbers.
+    /// Means of the wave number and of the sizes of its components along x and y (1/m), over the
+    /// spectrum's power between two wave numbers.
     ///
     /// The centre of the ring, which a coarse spectrum of a few waves per box tells far better than
     /// the place of its highest coefficient.
-    pub fn mean_wave_number(&self, band: [f64; 2]) -> f64 {
-        let (mut sum, mut total) = (0.0, 0.0);
+    pub fn mean_wave(&self, band: [f64; 2]) -> [f64; 3] {
+        let (mut sums, mut total) = ([0.0; 3], 0.0);
         for (mode, c) in self.coefficients().iter().enumerate() {
-            let k = self.grid.wave_vector(mode).norm();
+            let wave = self.grid.wave_vector(mode);
+            let k = wave.norm();
             if (band[0]..=band[1]).contains(&k) {
-                sum += k * c.norm_sqr();
+                for (sum, k) in sums.iter_mut().zip([k, wave.x.abs(), wave.y.abs()]) {
+                    *sum += k * c.norm_sqr();
+                }
                 total += c.norm_sqr();
             }
         }
-        sum / total
+        sums.map(|sum| sum / total)
     }
 
     /// Power of the spectrum by wave number, in bins of `width` (1/m) from zero, m^2.
@@ -69,6 +75,7 @@ impl HeightField {
         let [along, across] = self.grid.fields([&slopes[0], &slopes[1]]);
         let mut shares = vec![0.0; sectors];
         let (mut moments, mut total) = ([[0.0; 2]; 2], 0.0);
+        let (mut tilt, mut left) = (0.0, 0.0);
         for (x, y) in along.iter().zip(&across) {
             let weight = x * x + y * y;
             let angle = y.atan2(*x).rem_euclid(PI);
@@ -78,11 +85,15 @@ impl HeightField {
                 moment[0] += weight * cos;
                 moment[1] += weight * sin;
             }
+            tilt += weight * angle.min(PI - angle);
+            left += if angle < 0.5 * PI { weight } else { 0.0 };
             total += weight;
         }
         Orientation {
             shares: shares.iter().map(|share| share / total).collect(),
             moments: moments.map(|moment| moment.map(|m| m / total)),
+            tilt: tilt / total,
+            left_share: left / total,
         }
     }
 
@@ -117,19 +128,28 @@ impl Orientation {
         0.5 * differences.map(|(a, b)| (a - b).abs()).sum::<f64>()
     }
 
-    /// The two mean directions of the slopes on either side of an axis (radians from x), each
-    /// between it and the next right angle.
-    pub fn lobes(&self, axis: f64) -> [f64; 2] {
-        let sectors = self.shares.len();
-        let (mut sums, mut totals) = ([0.0; 2], [0.0; 2]);
-        for (sector, share) in self.shares.iter().enumerate() {
-            let angle = PI * sector as f64 / sectors as f64 - axis;
-            let angle = (angle + 0.5 * PI).rem_euclid(PI) - 0.5 * PI;
-            let side = usize::from(angle > 0.0);
-            sums[side] += share * angle;
-            totals[side] += share;
+    /// Mean angle between the slopes and x, radians: 0 for crests along y, pi/4 for a herringbone
+    /// with right angles and for a pattern without direction.
+    pub fn tilt(&self) -> f64 {
+        self.tilt
+    }
+
+    /// Share of the slopes on the left of x, up to a right angle.
+    pub fn left_share(&self) -> f64 {
+        self.left_share
+    }
+
+    /// The mean of several patterns with as many sectors.
+    pub fn mean(patterns: &[Self]) -> Self {
+        let count = patterns.len() as f64;
+        let mean = |value: &dyn Fn(&Self) -> f64| patterns.iter().map(value).sum::<f64>() / count;
+        let sectors = patterns.first().map_or(0, |p| p.shares.len());
+        Self {
+            shares: (0..sectors).map(|i| mean(&|p| p.shares[i])).collect(),
+            moments: [0, 1].map(|i| [0, 1].map(|j| mean(&|p| p.moments[i][j]))),
+            tilt: mean(&|p| p.tilt),
+            left_share: mean(&|p| p.left_share),
         }
-        [sums[0] / totals[0], sums[1] / totals[1]].map(|angle| angle + axis)
     }
 }
 

@@ -7,6 +7,7 @@ use std::collections::VecDeque;
 
 use rustfft::num_complex::Complex64;
 
+use super::height_field::noise;
 use super::plate::Plate;
 
 /// When [`Plate::relax`] stops.
@@ -15,15 +16,23 @@ pub struct RelaxSettings {
     /// Squared gradient, in the metric of the linear resistance, over `C eps_c^2`; about the energy
     /// that is still to gain, over twice the scale of the energy gap.
     pub tolerance: f64,
-    /// Steps at most.
+    /// Steps of one descent at most.
     pub max_iterations: usize,
+    /// Size of the noise (m) that a state which looks like a minimum is disturbed with, to leave it
+    /// if it is a saddle; 0 for none.
+    pub kick: f64,
+    /// Seed of that noise.
+    pub seed: u64,
 }
 
-impl Default for RelaxSettings {
-    fn default() -> Self {
+impl RelaxSettings {
+    /// Those of a film of some thickness, m.
+    pub fn new(thickness: f64) -> Self {
         Self {
             tolerance: 1e-7,
             max_iterations: 3000,
+            kick: 1e-2 * thickness,
+            seed: 1,
         }
     }
 }
@@ -41,6 +50,15 @@ pub struct Relaxed {
     pub converged: bool,
 }
 
+/// Disturbances of one relaxation at most.
+const MAX_KICKS: u64 = 20;
+
+/// Steps in which a disturbance has grown if there is anything for it to grow on.
+const STEPS_AFTER_KICK: usize = 60;
+
+/// Decrease of the energy over `C eps_c^2 / 2` that tells a saddle from a minimum.
+const SADDLE: f64 = 1e-4;
+
 /// Steps that the curvature is remembered from.
 const MEMORY: usize = 12;
 
@@ -49,12 +67,50 @@ type Pair = (Vec<Complex64>, Vec<Complex64>, f64);
 
 impl Plate {
     /// Moves heights (m, row after row) to a minimum of the energy under mean compressive strains
-    /// along x and y. Their mean is not changed.
+    /// along x and y.
     pub fn relax(
         &self,
         heights: &mut [f64],
         strain: [f64; 2],
         settings: &RelaxSettings,
+    ) -> Relaxed {
+        let saddle = SADDLE * 0.5 * self.energy_scale();
+        let mut reached = self.descend(heights, strain, settings, 0);
+        for kick in 0..MAX_KICKS {
+            if settings.kick == 0.0 {
+                break;
+            }
+            let mut disturbed = noise(&self.grid, settings.kick, settings.seed + kick);
+            for (d, h) in disturbed.iter_mut().zip(&*heights) {
+                *d += h;
+            }
+            let next = self.descend(&mut disturbed, strain, settings, STEPS_AFTER_KICK);
+            let gain = reached.energy_gap - next.energy_gap;
+            let iterations = reached.iterations + next.iterations;
+            if gain > 0.0 {
+                heights.copy_from_slice(&disturbed);
+                reached = next;
+            }
+            reached.iterations = iterations;
+            if gain < saddle {
+                break;
+            }
+        }
+        reached
+    }
+
+    /// `C eps_c^2`, J/m^2.
+    fn energy_scale(&self) -> f64 {
+        self.film.membrane_stiffness * self.film.critical_strain.powi(2)
+    }
+
+    /// At least `least` steps of L-BFGS. The mean of the heights is not changed.
+    fn descend(
+        &self,
+        heights: &mut [f64],
+        strain: [f64; 2],
+        settings: &RelaxSettings,
+        least: usize,
     ) -> Relaxed {
         let scales: Vec<f64> = self.resistance.iter().map(|r| r.sqrt()).collect();
         let [start, _] = self.grid.coefficients([heights, heights]);
@@ -70,12 +126,14 @@ impl Plate {
             }
             (energy, gradient, heights)
         };
-        let scale = self.film.membrane_stiffness * self.film.critical_strain.powi(2);
+        let scale = self.energy_scale();
         let (mut energy, mut gradient, mut now) = evaluate(&x);
         let mut pairs: VecDeque<Pair> = VecDeque::new();
         let mut residual = dot(&gradient, &gradient) / scale;
         let mut iterations = 0;
-        while residual > settings.tolerance && iterations < settings.max_iterations {
+        while (residual > settings.tolerance || iterations < least)
+            && iterations < settings.max_iterations
+        {
             iterations += 1;
             let mut step = direction(&gradient, &pairs);
             let mut slope = dot(&gradient, &step);
