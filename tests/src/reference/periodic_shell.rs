@@ -211,3 +211,77 @@ fn folded(energy: &LayerEnergy, mesh: &PeriodicMesh) -> (LowerPattern, Vec<Slot>
     let pattern = LowerPattern::new(columns, rows).expect("sorted columns");
     (pattern, slots)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::FilmSpec;
+
+    const SIZE: [usize; 2] = [6, 4];
+
+    /// A shell under strain, and a state of it that is bent and sheared everywhere.
+    fn shaken(move_by: usize) -> (PeriodicShell, Vec<f64>) {
+        let spec = FilmSpec::flat(150.0);
+        let film = spec.theory();
+        let mesh = PeriodicMesh::new(SIZE[0], SIZE[1], film.wavelength / 8.0, 1);
+        let mut shell = PeriodicShell::new(mesh, &spec.film, film);
+        shell.set_strain([0.04, 0.03]);
+        let mut x = shell.base();
+        for (index, x) in x.iter_mut().enumerate() {
+            let (vertex, axis) = (index / 3, index % 3);
+            let column = (vertex % SIZE[0] + move_by) % SIZE[0];
+            let number = (vertex / SIZE[0] * SIZE[0] + column) * 3 + axis;
+            let size = if axis == 2 { 0.3 } else { 0.05 };
+            *x += size * spec.film.thickness * (1.7 * (number * number) as f64).sin();
+        }
+        (shell, x)
+    }
+
+    #[test]
+    fn the_seam_costs_nothing() {
+        let [(shell, here), (_, there)] = [shaken(0), shaken(2)];
+        let [a, b] = [here, there].map(|x| shell.value(&x));
+        // The copies have a stiffness of 1e-9.
+        assert!((a / b - 1.0).abs() < 1e-7, "{a} {b}");
+    }
+
+    #[test]
+    fn folded_derivatives_are_those_of_the_value() {
+        let (shell, x) = shaken(0);
+        let step = 1e-6 * shell.mesh.edge;
+        let direction: Vec<f64> = (0..x.len()).map(|i| (0.9 * i as f64).cos()).collect();
+        let at = |share: f64| -> Vec<f64> {
+            let pairs = x.iter().zip(&direction);
+            pairs.map(|(x, d)| x + share * step * d).collect()
+        };
+        let forces = |x: &[f64]| {
+            let mut gradient = vec![0.0; x.len()];
+            shell.gradient(x, &mut gradient);
+            gradient
+        };
+        let slope = (shell.value(&at(1.0)) - shell.value(&at(-1.0))) / (2.0 * step);
+        let exact: f64 = forces(&x).iter().zip(&direction).map(|(g, d)| g * d).sum();
+        assert!((slope / exact - 1.0).abs() < 1e-6, "{slope} {exact}");
+
+        let pattern = shell.pattern();
+        let mut values = [0, 1].map(|_| vec![0.0; pattern.entries()]);
+        let [hessian, relaxed] = &mut values;
+        shell.hessian(&x, hessian, relaxed);
+        let mut product = vec![0.0; x.len()];
+        for column in 0..x.len() {
+            let range = pattern.column_starts()[column]..pattern.column_starts()[column + 1];
+            for (&row, value) in pattern.rows()[range.clone()].iter().zip(&hessian[range]) {
+                product[row] += value * direction[column];
+                if row != column {
+                    product[column] += value * direction[row];
+                }
+            }
+        }
+        let [up, down] = [forces(&at(1.0)), forces(&at(-1.0))];
+        let scale = product.iter().fold(0.0_f64, |a, p| a.max(p.abs()));
+        for ((up, down), product) in up.iter().zip(&down).zip(&product) {
+            let error = (up - down) / (2.0 * step) - product;
+            assert!(error.abs() < 1e-6 * scale, "{error} of {scale}");
+        }
+    }
+}
