@@ -5,21 +5,25 @@
 //! `alignment` is 1 if all crests are parallel and 0 without direction; its `crossing` is 1 for two
 //! directions at right angles and 0 if all directions are as frequent.
 //!
-//! Each test has a long version with larger patches, finer meshes and more seeds, which prints a
-//! table: `cargo test -p ruga-tests --test patterns -- --ignored --nocapture`.
+//! Labyrinth, herringbone and sheet have long versions with larger patches, finer meshes and more
+//! seeds, which print a table:
+//! `cargo test -p ruga-tests --test patterns -- --ignored --nocapture`.
 
 #![allow(
     clippy::print_stdout,
     reason = "the measured values are what --nocapture is for"
 )]
 
-use ruga_material::LayerMaterial;
+use nalgebra::Vector2;
+use ruga_blend::{ArtistMesh, BlendShape, Driver};
+use ruga_material::{LayerMaterial, WavelengthModel};
 use ruga_solver::NewtonSettings;
+use ruga_stepper::{LayerSpec, LayerSurface, Modelling, PoseSpec, Region, Silent, plan, simulate};
 use ruga_tests::reference::{
     Carrier, Grid, HeightField, Orientation, Plate, RelaxSettings, ShellPatch, StretchedSheet,
-    noise,
+    noise, square,
 };
-use ruga_tests::{FilmCoupling, FilmSpec};
+use ruga_tests::{FilmCoupling, FilmSpec, findings, skin_layer};
 
 /// So stiff a film that what a plate leaves out is below 1 %: the critical strain is 0.5 %.
 const MODULUS_RATIO: f64 = 1000.0;
@@ -38,6 +42,8 @@ struct Size {
 struct Findings {
     /// Wave number, and the sizes of its components, over the critical one.
     wave: [f64; 3],
+    /// `sqrt(<|grad w|^2> / <w^2>)` over the critical wave number.
+    slope_wave: f64,
     /// Over `2 sqrt(eps_c)/k_c`.
     amplitude: f64,
     /// Energy below the flat state, over `C eps_c^2 / 2`.
@@ -51,6 +57,7 @@ impl Findings {
         let k = film.wave_number;
         Self {
             wave: field.mean_wave([0.4 * k, 1.8 * k]).map(|found| found / k),
+            slope_wave: field.slope_wave_number() / k,
             amplitude: 0.5 * field.amplitude() * k / film.critical_strain.sqrt(),
             gap: -energy_gap / (0.5 * film.membrane_stiffness * film.critical_strain.powi(2)),
             orientation: field.orientation(SECTORS),
@@ -137,6 +144,7 @@ fn shell_path(spec: &FilmSpec, size: Size, path: &[[f64; 2]], seed: u64) -> Vec<
         seed,
         // A pattern without direction creeps along valleys of no consequence.
         energy_tolerance: 1e-5,
+        max_iterations: 400,
         ..NewtonSettings::default()
     };
     let mut step = |(index, loads): (usize, &[f64; 2])| {
@@ -206,16 +214,124 @@ fn equal_compression_from_noise_makes_a_labyrinth() {
     check_labyrinths(&shells, &plates, [0.2, 0.6]);
 }
 
-/// Four labyrinths of a hundred square waves, against sixteen of the plate.
+/// Three labyrinths of 64 square waves, against sixteen of the plate.
 #[test]
 #[ignore = "takes minutes; cargo test -p ruga-tests --test patterns -- --ignored --nocapture"]
 fn labyrinths_have_the_wave_of_the_plate_and_no_direction() {
     let size = Size {
-        waves: 10,
+        waves: 8,
         points: 10,
     };
-    let [shells, plates] = labyrinths(size, 4, 16);
-    check_labyrinths(&shells, &plates, [0.1, 0.2]);
+    let [shells, plates] = labyrinths(size, 3, 16);
+    check_labyrinths(&shells, &plates, [0.1, 0.35]);
+}
+
+/// The same through planner, blend shape, load path and adaptive mesh, on a square whose border is
+/// pinned: what an artist gets.
+#[test]
+fn a_blend_shape_that_shrinks_a_square_makes_a_labyrinth() {
+    let spec = FilmSpec::flat(MODULUS_RATIO);
+    let film = spec.theory();
+    let side = 6.0 * film.wavelength;
+    let strain = 2.0 * film.critical_strain / (1.0 + spec.film.poisson);
+    let driver = shrinking_square(side, strain);
+    let layers = [LayerSpec {
+        material: spec.film,
+        substrate: spec.substrate,
+        model: WavelengthModel::HalfSpace,
+        ..skin_layer("film", "forehead-furrow")
+    }];
+    let poses = [PoseSpec {
+        name: "shrink".to_owned(),
+        weights: driver.weights([("shrink", 1.0)]).expect("its only shape"),
+        keys: vec![1.0],
+        steps: 4,
+    }];
+    let modelling = Modelling {
+        points_per_wavelength: 10.0,
+        region: Region::All,
+        ..Modelling::default()
+    };
+    let plan = plan(&driver, &layers, &poses, &modelling, 256).expect("a plan");
+    let result = simulate(&driver, &plan, 0, &poses[0], &modelling, &mut Silent).expect("a film");
+    println!("{}", findings(&result.layers[0]));
+    assert!(result.converged, "{:?}", result.warnings);
+    // The border is left out by a wave.
+    let inner = (0.5 * side - film.wavelength) * (1.0 - strain);
+    let [wave_number, alignment] = measured(&result.keys[0].layers[0], inner, 1.0 - strain);
+    let size = Size {
+        waves: 6,
+        points: 8,
+    };
+    let path = [[strain / film.critical_strain; 2]];
+    let plates: Vec<_> = (1..=4)
+        .flat_map(|seed| plate_path(&spec, Carrier::Pasternak, size, &path, seed))
+        .collect();
+    let wanted = mean(&plates, |f| f.slope_wave);
+    println!(
+        "wave number {:.4}, plate {wanted:.4}; alignment {alignment:.3}",
+        wave_number / film.wave_number
+    );
+    assert_near("wave number", wave_number / film.wave_number, wanted, 0.05);
+    assert!(alignment < 0.2, "{alignment}");
+}
+
+/// A flat square about the origin with a shape that shrinks it in both directions.
+fn shrinking_square(side: f64, strain: f64) -> Driver {
+    const CELLS: usize = 8;
+    let place = |i: usize| Vector2::new((i % (CELLS + 1)) as f64, (i / (CELLS + 1)) as f64);
+    let uvs: Vec<_> = (0..(CELLS + 1).pow(2))
+        .map(|i| place(i) / CELLS as f64)
+        .collect();
+    let positions: Vec<_> = uvs
+        .iter()
+        .map(|uv| (uv.add_scalar(-0.5) * side).push(0.0))
+        .collect();
+    let cell = |i: usize| {
+        let [a, b] = [i / CELLS, i / CELLS + 1].map(|j| (j * (CELLS + 1) + i % CELLS) as u32);
+        [[a, a + 1, b], [a + 1, b + 1, b]]
+    };
+    let artist = ArtistMesh {
+        name: "square".to_owned(),
+        shapes: vec![BlendShape {
+            name: "shrink".to_owned(),
+            position_deltas: positions.iter().map(|p| p * -strain).collect(),
+            normal_deltas: None,
+        }],
+        positions,
+        uvs: Some(uvs),
+        triangles: (0..CELLS * CELLS).flat_map(cell).collect(),
+        normals: None,
+    };
+    Driver::new(&artist).expect("a square")
+}
+
+/// `sqrt(int |grad w|^2 / int w^2)` (1/m, in rest lengths) and the alignment of the slopes, over the
+/// triangles of a flat layer with both |x| and |y| up to `reach`.
+fn measured(layer: &LayerSurface, reach: f64, stretch: f64) -> [f64; 2] {
+    let (mut squares, mut slopes, mut turns) = (0.0, 0.0, Vector2::zeros());
+    for face in &layer.faces {
+        let p = face.map(|v| layer.driver_positions[v as usize].xy() / stretch);
+        let centre = (p[0] + p[1] + p[2]) / 3.0;
+        if centre.amax() * stretch > reach {
+            continue;
+        }
+        let [a, b, c] = face.map(|v| {
+            let v = v as usize;
+            (layer.positions[v] - layer.driver_positions[v]).z
+        });
+        let (s, t) = (p[1] - p[0], p[2] - p[0]);
+        let twice_area = s.perp(&t);
+        let slope = Vector2::new(
+            (t.y * (b - a) - s.y * (c - a)) / twice_area,
+            (s.x * (c - a) - t.x * (b - a)) / twice_area,
+        );
+        squares += twice_area * square(a, b, c);
+        slopes += twice_area * slope.norm_squared();
+        turns +=
+            twice_area * Vector2::new(slope.x.powi(2) - slope.y.powi(2), 2.0 * slope.x * slope.y);
+    }
+    [(slopes / squares).sqrt(), turns.norm() / slopes]
 }
 
 /// Compression along x to 2.5 critical strains, then along y to as much.
@@ -236,7 +352,8 @@ fn check_herringbone(shell: &[Findings], plate: &[Findings], tolerances: [f64; 2
     // As many crests along x as there were.
     assert_near("crests along x", found.wave[1], straight.wave[1], 0.1);
     assert_near("wave number", found.wave[0], wanted.wave[0], wave);
-    assert_near("jogs along y", found.wave[2], wanted.wave[2], 2.0 * wave);
+    // The box holds a few jogs, a whole number, chosen by the noise where the crests give way.
+    assert_near("jogs along y", found.wave[2], wanted.wave[2], 0.15);
     assert_near("amplitude", found.amplitude, wanted.amplitude, energy);
     assert_near("energy gap", found.gap, wanted.gap, energy);
     let (found, wanted) = (&found.orientation, &wanted.orientation);
@@ -330,12 +447,12 @@ fn check_stretched(thinness: f64, rows: usize, stretches: &[f64], tolerances: [f
 
 #[test]
 fn a_pulled_sheet_wrinkles_with_the_power_of_a_quarter() {
-    check_stretched(4000.0, 64, &[0.005, 0.01], [0.02, 0.05]);
+    check_stretched(4000.0, 64, &[0.005, 0.01], [0.015, 0.03]);
 }
 
 /// The same at twice the resolution, over three octaves of pull.
 #[test]
 #[ignore = "takes minutes; cargo test -p ruga-tests --test patterns -- --ignored --nocapture"]
 fn a_pulled_sheet_keeps_to_its_power_over_a_range() {
-    check_stretched(4000.0, 128, &[0.005, 0.01, 0.02, 0.04], [0.015, 0.025]);
+    check_stretched(4000.0, 128, &[0.005, 0.01, 0.02, 0.04], [0.01, 0.02]);
 }

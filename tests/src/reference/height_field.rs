@@ -57,6 +57,16 @@ impl HeightField {
         sums.map(|sum| sum / total)
     }
 
+    /// `sqrt(<|grad w|^2> / <w^2>)` (1/m), which can be told on any mesh as well.
+    pub fn slope_wave_number(&self) -> f64 {
+        let (mut slopes, mut squares) = (0.0, 0.0);
+        for (mode, c) in self.coefficients().iter().enumerate().skip(1) {
+            slopes += self.grid.slope_vector(mode).norm_squared() * c.norm_sqr();
+            squares += c.norm_sqr();
+        }
+        (slopes / squares).sqrt()
+    }
+
     /// Power of the spectrum by wave number, in bins of `width` (1/m) from zero, m^2.
     pub fn spectrum(&self, width: f64, bins: usize) -> Vec<f64> {
         let mut power = vec![0.0; bins];

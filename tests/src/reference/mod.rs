@@ -32,4 +32,4 @@ pub use height_field::{HeightField, Orientation, noise, wave};
 pub use plate::{Carrier, Plate};
 pub use relax::{RelaxSettings, Relaxed};
 pub use shell_patch::ShellPatch;
-pub use stretched_sheet::{SheetState, StretchedSheet};
+pub use stretched_sheet::{SheetState, StretchedSheet, square};

@@ -32,7 +32,7 @@ pub struct StretchedSheet {
 /// A wrinkled sheet.
 #[derive(Clone, Debug)]
 pub struct SheetState {
-    /// `2 pi sqrt(int w^2 / int w_y^2)`, in rest coordinates, m.
+    /// `2 pi sqrt(int w^2 / int w_y^2)`, in rest coordinates, m; squares as in [`square`].
     pub wavelength: f64,
     /// The same along the pull, twice the length of the wrinkles; Cerda and Mahadevan set it to
     /// `2 L`, m.
@@ -168,7 +168,7 @@ impl StretchedSheet {
             let twice_area = s.perp(&t);
             let across = (s.x * (c - a) - t.x * (b - a)) / twice_area;
             let along = (t.y * (b - a) - s.y * (c - a)) / twice_area;
-            squares += twice_area / 12.0 * ((a + b + c).powi(2) + a * a + b * b + c * c);
+            squares += twice_area * square(a, b, c);
             slopes[0] += twice_area * across * across;
             slopes[1] += twice_area * along * along;
         }
@@ -186,6 +186,15 @@ impl StretchedSheet {
         scatter(self.energy.free_vertices(), x, &mut positions);
         positions
     }
+}
+
+/// Mean square of heights over a triangle, half lumped and half consistent.
+///
+/// The slopes of a linear interpolant and these squares are short of a wave's by the same share;
+/// consistent squares alone make a wave of 8 points 2.5 % shorter than it is.
+pub fn square(a: f64, b: f64, c: f64) -> f64 {
+    let own = a * a + b * b + c * c;
+    0.5 * (((a + b + c).powi(2) + own) / 12.0 + own / 3.0)
 }
 
 impl Objective for StretchedSheet {
