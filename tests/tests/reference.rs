@@ -59,6 +59,14 @@ fn chain_with_the_hinges_of_the_anchors_reproduces_them() {
             let relative = state.amplitude / film.amplitude(strain);
             assert_near(&at(&format!("A at {load}")), relative, wanted, 0.005);
         }
+        for &(load, wanted) in anchor.energy_gaps {
+            let excess = (load - 1.0) * film.critical_strain;
+            let gap = chain
+                .wrinkled(load * film.critical_strain, film.wavelength)
+                .energy_gap;
+            let relative = gap / (-0.5 * film.membrane_stiffness * excess * excess);
+            assert_near(&at(&format!("gap at {load}")), relative, wanted, 0.01);
+        }
     }
 }
 
@@ -226,9 +234,11 @@ fn plate_finds_its_wave_from_noise() {
     let field = HeightField { grid, heights };
     let k = field.mean_wave([0.5 * film.wave_number, 1.5 * film.wave_number])[0];
     assert_near("k", k, film.wave_number, 0.5 / 8.0);
-    let orientation = field.orientation(18);
-    println!("{:.3?}", orientation.shares);
-    assert!(orientation.alignment() > 0.9);
+    let spectrum = field.spectrum(0.2 * film.wave_number, 10);
+    println!("{spectrum:?}");
+    let total: f64 = spectrum.iter().sum();
+    assert!(spectrum[4] + spectrum[5] > 0.95 * total, "around k_c");
+    assert!(field.orientation(18).alignment() > 0.95);
     let gap = -0.5 * film.membrane_stiffness * (strain - film.critical_strain).powi(2);
     assert_near("gap", relaxed.energy_gap, gap, 0.05);
 }

@@ -169,8 +169,12 @@ pub struct Anchor {
     pub wavelength: f64,
     /// Strain at the onset over the critical one.
     pub onset: f64,
-    /// Amplitudes at [`Anchor::LOADS`] over `(2/k_c) sqrt(eps - eps_c)`.
+    /// Amplitudes at [`Anchor::LOADS`] over `(2/k_c) sqrt(eps - eps_c)`, in waves of the critical
+    /// length.
     pub amplitudes: [f64; 5],
+    /// Strains over the critical one, and the energy gaps there over `-C/2 (eps - eps_c)^2`, where
+    /// they were measured.
+    pub energy_gaps: &'static [(f64, f64)],
 }
 
 impl Anchor {
@@ -184,18 +188,21 @@ impl Anchor {
             wavelength: 1.027,
             onset: 1.079,
             amplitudes: [0.753, 0.883, 0.910, 0.901, 0.875],
+            energy_gaps: &[],
         },
         Self {
             modulus_ratio: 150.0,
             wavelength: 1.006,
             onset: 1.018,
             amplitudes: [0.946, 0.972, 0.978, 0.975, 0.970],
+            energy_gaps: &[(3.0, 0.900), (4.0, 0.890)],
         },
         Self {
             modulus_ratio: 1000.0,
             wavelength: 1.001,
             onset: 1.005,
             amplitudes: [0.985, 0.992, 0.994, 0.994, 0.992],
+            energy_gaps: &[],
         },
     ];
 }

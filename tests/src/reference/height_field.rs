@@ -182,3 +182,46 @@ pub fn wave(grid: &Grid, amplitude: f64, orders: [i64; 2]) -> Vec<f64> {
     };
     (0..grid.points()).map(height).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn field(waves: &[[i64; 2]]) -> HeightField {
+        let grid = Grid::new([32, 32], [TAU; 2]);
+        let mut heights = vec![0.0; grid.points()];
+        for orders in waves {
+            let other = wave(&grid, 2.0, *orders);
+            for (height, other) in heights.iter_mut().zip(other) {
+                *height += other;
+            }
+        }
+        HeightField { grid, heights }
+    }
+
+    #[test]
+    fn a_wave_has_its_amplitude_number_and_direction() {
+        let field = field(&[[3, 4]]);
+        assert!((field.amplitude() - 2.0).abs() < 1e-12);
+        let [k, x, y] = field.mean_wave([1.0, 10.0]);
+        assert!((k - 5.0).abs() < 1e-9 && (x - 3.0).abs() < 1e-9 && (y - 4.0).abs() < 1e-9);
+        assert!((field.slope_wave_number() - 5.0).abs() < 1e-9);
+        let spectrum = field.spectrum(1.0, 8);
+        assert!((spectrum[5] / spectrum.iter().sum::<f64>() - 1.0).abs() < 1e-9);
+        let orientation = field.orientation(12);
+        assert!((orientation.alignment() - 1.0).abs() < 1e-9);
+        assert!((orientation.tilt() - 4.0_f64.atan2(3.0)).abs() < 1e-9);
+        assert!((orientation.shares[4] - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn waves_at_right_angles_cross_and_have_no_direction() {
+        let diagonal = field(&[[3, 3]]).orientation(12);
+        let other = field(&[[3, -3]]).orientation(12);
+        assert!((diagonal.distance(&other) - 1.0).abs() < 1e-9);
+        let both = Orientation::mean(&[diagonal, other]);
+        assert!(both.alignment() < 1e-9);
+        assert!((both.crossing() - 1.0).abs() < 1e-9 && (both.along_axes() + 1.0).abs() < 1e-9);
+        assert!((both.left_share() - 0.5).abs() < 1e-9);
+    }
+}
