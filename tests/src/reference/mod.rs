@@ -23,6 +23,7 @@ mod periodic_shell;
 mod plate;
 mod relax;
 mod shell_patch;
+mod square_driver;
 mod stretched_sheet;
 
 pub use analytic::{Anchor, BendingLaw, FilmTheory, Onset};
@@ -31,5 +32,6 @@ pub use fourier::Grid;
 pub use height_field::{HeightField, Orientation, noise, wave};
 pub use plate::{Carrier, Plate};
 pub use relax::{RelaxSettings, Relaxed};
-pub use shell_patch::ShellPatch;
+pub use shell_patch::{PatchRows, ShellPatch};
+pub use square_driver::shrinking_square;
 pub use stretched_sheet::{SheetState, StretchedSheet, square};

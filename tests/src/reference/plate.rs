@@ -89,16 +89,7 @@ impl Plate {
     /// heights given by their coefficients, m.
     pub fn energy(&self, heights: &[Complex64], strain: [f64; 2]) -> (f64, Vec<Complex64>) {
         let grid = &self.grid;
-        let slopes = grid.slopes(heights);
-        let slopes = grid.fields([&slopes[0], &slopes[1]]);
-        let product = |a: usize, b: usize| -> Vec<f64> {
-            let terms = slopes[a].iter().zip(&slopes[b]);
-            terms.map(|(x, y)| 0.5 * x * y).collect()
-        };
-        let [xx, yy] = grid.coefficients([&product(0, 0), &product(1, 1)]);
-        let [xy, _] = grid.coefficients([&product(0, 1), &vec![0.0; grid.points()]]);
-
-        let mut forces = [xx, yy, xy];
+        let (slopes, mut forces) = self.strains(heights);
         let membrane = self.to_forces(&mut forces, strain);
         let [xx, yy] = grid.fields([&forces[0], &forces[1]]);
         let [xy, _] = grid.fields([&forces[2], &vec![Complex64::ZERO; grid.points()]]);
@@ -121,6 +112,53 @@ impl Plate {
         });
         let gradient = gradient.collect();
         (carried + membrane, gradient)
+    }
+
+    /// How far the film slides along x and y (m) beyond its mean strain when it has the given heights,
+    /// m.
+    pub fn slides(&self, heights: &[f64]) -> [Vec<f64>; 2] {
+        let [heights, _] = self.grid.coefficients([heights, heights]);
+        let (_, [xx, yy, xy]) = self.strains(&heights);
+        let nu = self.poisson;
+        let mut slides = [0, 1].map(|_| vec![Complex64::ZERO; xx.len()]);
+        for mode in 0..xx.len() {
+            let k = self.grid.slope_vector(mode);
+            let size = k.norm();
+            if size == 0.0 {
+                continue;
+            }
+            let (along, across) = (k / size, Vector2::new(-k.y, k.x) / size);
+            let part = |a: &Vector2<f64>, b: &Vector2<f64>| {
+                xx[mode] * (a.x * b.x) + yy[mode] * (a.y * b.y) + xy[mode] * (a.x * b.y + a.y * b.x)
+            };
+            let tie = self.tie(size * size);
+            let stretch = -(part(&along, &along) + part(&across, &across) * nu) / (1.0 + tie);
+            let shear = part(&along, &across) * (nu - 1.0) / (0.5 * (1.0 - nu) + tie);
+            for axis in 0..2 {
+                let slope = stretch * along[axis] + shear * across[axis];
+                slides[axis][mode] = slope / Complex64::new(0.0, size);
+            }
+        }
+        self.grid.fields([&slides[0], &slides[1]])
+    }
+
+    /// Slopes along x and y, and the coefficients of `q_xx, q_yy, q_xy`.
+    fn strains(&self, heights: &[Complex64]) -> ([Vec<f64>; 2], [Vec<Complex64>; 3]) {
+        let grid = &self.grid;
+        let slopes = grid.slopes(heights);
+        let slopes = grid.fields([&slopes[0], &slopes[1]]);
+        let product = |a: usize, b: usize| -> Vec<f64> {
+            let terms = slopes[a].iter().zip(&slopes[b]);
+            terms.map(|(x, y)| 0.5 * x * y).collect()
+        };
+        let [xx, yy] = grid.coefficients([&product(0, 0), &product(1, 1)]);
+        let [xy, _] = grid.coefficients([&product(0, 1), &vec![0.0; grid.points()]]);
+        (slopes, [xx, yy, xy])
+    }
+
+    /// `Kt/(C k^2)` at a squared wave number.
+    fn tie(&self, square: f64) -> f64 {
+        self.film.tangential_stiffness / (self.film.membrane_stiffness * square)
     }
 
     /// Turns the coefficients of `q_xx, q_yy, q_xy` into those of the membrane forces, N/m; the
@@ -151,7 +189,7 @@ impl Plate {
             return self.stress(q);
         }
         let (stiffness, nu) = (self.film.membrane_stiffness, self.poisson);
-        let tie = self.film.tangential_stiffness / (stiffness * square);
+        let tie = self.tie(square);
         let along = k / square.sqrt();
         let frame = Matrix2::new(along.x, -along.y, along.y, along.x);
         let q = frame.transpose() * q * frame;

@@ -10,8 +10,28 @@ use super::fourier::Grid;
 use super::height_field::HeightField;
 use super::periodic_mesh::PeriodicMesh;
 use super::periodic_shell::PeriodicShell;
-use crate::FilmCoupling;
 use crate::film_rows::{Row, to_constraint_rows};
+
+/// Low-pass rows that hold a patch beside its springs, 1.5 wavelengths apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PatchRows {
+    /// None: the elastic coupling.
+    None,
+    /// On the heights alone.
+    Heights,
+    /// On all three coordinates: the hybrid coupling.
+    All,
+}
+
+impl PatchRows {
+    fn axes(self) -> &'static [usize] {
+        match self {
+            Self::None => &[],
+            Self::Heights => &[2],
+            Self::All => &[0, 1, 2],
+        }
+    }
+}
 
 /// A periodic patch of film on a flat base.
 pub struct ShellPatch {
@@ -26,20 +46,16 @@ impl ShellPatch {
     /// triangles along y, of edges `edge` m long. The springs are those of `film`.
     ///
     /// # Panics
-    /// For a coupling by rows alone, an odd number of rows, or an invalid material.
+    /// For an odd number of rows of triangles, or an invalid material.
     pub fn new(
         material: &LayerMaterial,
         film: Wrinkling,
-        coupling: FilmCoupling,
+        rows: PatchRows,
         size: [usize; 2],
         edge: f64,
     ) -> Self {
         let mesh = PeriodicMesh::new(size[0], size[1], edge, 1);
-        let rows = match coupling {
-            FilmCoupling::Elastic => Vec::new(),
-            FilmCoupling::Hybrid => averages(&mesh, &film),
-            FilmCoupling::Constraint(_) => panic!("a patch has springs"),
-        };
+        let rows = averages(&mesh, &film, rows.axes());
         let shell = PeriodicShell::new(mesh, material, film);
         let rows = to_constraint_rows(&rows, shell.floor().len());
         Self {
@@ -58,6 +74,20 @@ impl ShellPatch {
     pub fn raise(&mut self, heights: &[f64]) {
         for (x, height) in self.x.chunks_exact_mut(3).zip(heights) {
             x[2] += height;
+        }
+    }
+
+    /// Moves the film by slides along x and y and heights (m), fields on the grid of
+    /// [`heights`](Self::heights).
+    pub fn displace(&mut self, fields: &[Vec<f64>; 3]) {
+        let grid = self.heights().grid;
+        for (axis, field) in fields.iter().enumerate() {
+            let mut values = field.clone();
+            // Odd rows of vertices stand half an edge further than the grid.
+            grid.shift_rows(&mut values, |row| -0.5 * (row % 2) as f64);
+            for (x, value) in self.x.chunks_exact_mut(3).zip(&values) {
+                x[axis] += value;
+            }
         }
     }
 
@@ -93,8 +123,9 @@ impl ShellPatch {
     }
 }
 
-/// Rows of averages around the points of a hexagonal lattice, 1.5 wavelengths apart.
-fn averages(mesh: &PeriodicMesh, film: &Wrinkling) -> Vec<Row> {
+/// Rows of averages of some coordinates around the points of a hexagonal lattice, 1.5 wavelengths
+/// apart.
+fn averages(mesh: &PeriodicMesh, film: &Wrinkling, axes: &[usize]) -> Vec<Row> {
     let spacing = 1.5 * film.wavelength;
     let kernel = Kernel::beside_foundation(spacing);
     // The supports of centres at the border reach beyond it.
@@ -125,7 +156,7 @@ fn averages(mesh: &PeriodicMesh, film: &Wrinkling) -> Vec<Row> {
         for (vertex, weight) in &row.weights {
             weights[wide.origins[vertex.0 as usize].0] += weight;
         }
-        for axis in 0..3 {
+        for axis in axes {
             let entries = weights.iter().enumerate().filter(|(_, w)| **w != 0.0);
             rows.push(entries.map(|(vertex, w)| (3 * vertex + axis, *w)).collect());
         }
