@@ -217,9 +217,9 @@ fn check_labyrinths(shells: &[Findings], plates: &[Findings]) -> f64 {
     mean(shells, |f| f.orientation.crossing())
 }
 
-/// With the hybrid coupling wave number, amplitude and energy are the plate's, but the pattern is a
-/// herringbone of two directions: rows on the slides hold the film where the domains of a labyrinth
-/// make it slide, over two to four waves.
+/// With the hybrid coupling wave number, amplitude and energy are the plate's, but two directions
+/// prevail (a crossing of 0.4 to 0.8, against 0.05 to 0.3): rows on the slides hold the film where
+/// the domains of a labyrinth make it slide, over two to four waves.
 #[test]
 fn equal_compression_of_a_hybrid_film_has_the_wave_of_the_plate() {
     let size = Size {
@@ -243,8 +243,8 @@ fn equal_compression_makes_labyrinths_unless_rows_hold_the_slides() {
     let [held, _] = labyrinths(PatchRows::All, size, 3, 0);
     let [free, held] = [free, held].map(|shells| check_labyrinths(&shells, &plates));
     println!("crossing {free:.2} with rows on the heights, {held:.2} with rows on all");
-    assert!(free < 0.4);
-    assert!(held > 0.5);
+    assert!(free < 0.3);
+    assert!(held > 1.5 * free);
 }
 
 /// What becomes of the plate's labyrinth in a shell that starts from it; the plate's first.
