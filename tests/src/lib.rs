@@ -8,6 +8,7 @@ mod film_rows;
 mod film_spec;
 mod patch;
 mod rectangle;
+pub mod reference;
 mod remeshed_film;
 mod skin;
 mod strip;

@@ -1,0 +1,177 @@
+//! A strip of film in plane strain as a chain of points, over half a wave.
+//!
+//! Crest and trough are planes of symmetry, so that nothing can slide and no wave is counted
+//! twice; the length of the box is the half wave. Waves that merge or split are outside.
+
+use nalgebra::{DMatrix, DVector};
+use ruga_material::Wrinkling;
+
+use super::analytic::{BendingLaw, Onset};
+use super::chain_energy::ChainEnergy;
+
+/// A film on Pasternak springs, and how finely it is cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Chain {
+    /// Stiffnesses of the film and its springs, and the scales of linear theory.
+    pub film: Wrinkling,
+    /// How bending feels the stretch.
+    pub bending: BendingLaw,
+    /// Points per wave, even; 32 to 64.
+    pub points: usize,
+}
+
+/// A film in equilibrium.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChainState {
+    /// `sqrt(2)` RMS height about its mean, m.
+    pub amplitude: f64,
+    /// Energy per rest area less that of the flat film, J/m^2.
+    pub energy_gap: f64,
+    /// Heights of the points of a half wave, m, from crest to trough.
+    pub heights: Vec<f64>,
+    /// Newton steps.
+    pub iterations: usize,
+    /// Whether the last step was short enough.
+    pub converged: bool,
+}
+
+/// Shares of the critical wavelength between which the best one is looked for.
+const WAVELENGTHS: [f64; 2] = [0.8, 1.35];
+
+/// Strain up to which a flat film is asked for its stability.
+const LARGEST_STRAIN: f64 = 0.4;
+
+const MAX_ITERATIONS: usize = 100;
+
+/// Length of a Newton step, over the longest coordinate, that ends the solve.
+const STEP_TOLERANCE: f64 = 1e-11;
+
+impl Chain {
+    /// Where the flat film becomes unstable first, over all wavelengths.
+    pub fn onset(&self) -> Onset {
+        let [low, high] = WAVELENGTHS.map(|share| share * self.film.wavelength);
+        let wavelength = lowest(low, high, |wavelength| self.onset_at(wavelength));
+        Onset {
+            strain: self.onset_at(wavelength),
+            wavelength,
+        }
+    }
+
+    /// Strain at which the flat film becomes unstable against one wavelength (m) and its
+    /// harmonics.
+    pub fn onset_at(&self, wavelength: f64) -> f64 {
+        let is_stable = |strain: f64| {
+            let energy = self.energy(strain, wavelength);
+            let (_, _, hessian) = energy.derivatives(&energy.flat());
+            hessian.cholesky().is_some()
+        };
+        let (mut low, mut high) = (0.0, LARGEST_STRAIN);
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if is_stable(middle) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        0.5 * (low + high)
+    }
+
+    /// Wavelength (m) of least energy at a strain beyond the onset.
+    pub fn best_wavelength(&self, strain: f64) -> f64 {
+        let [low, high] = WAVELENGTHS.map(|share| share * self.film.wavelength);
+        lowest(low, high, |wavelength| {
+            self.wrinkled(strain, wavelength).energy_gap
+        })
+    }
+
+    /// The film at a strain, in waves of one length (m); the flat state below the onset.
+    pub fn wrinkled(&self, strain: f64, wavelength: f64) -> ChainState {
+        let energy = self.energy(strain, wavelength);
+        let guess = self
+            .film
+            .amplitude(strain)
+            .max(0.1 * self.film.amplitude(2.0 * strain));
+        let mut state = energy.sine(guess);
+        let (iterations, converged) = newton(&energy, &mut state);
+        let heights = state.as_slice()[..=energy.segments].to_vec();
+        ChainState {
+            amplitude: energy.amplitude(&state),
+            energy_gap: (energy.value(&state) - energy.value(&energy.flat())) / energy.length(),
+            heights,
+            iterations,
+            converged,
+        }
+    }
+
+    fn energy(&self, strain: f64, wavelength: f64) -> ChainEnergy {
+        ChainEnergy {
+            film: self.film,
+            bending: self.bending,
+            segments: self.points / 2,
+            segment: wavelength / self.points as f64,
+            strain,
+        }
+    }
+}
+
+/// Newton's method with a shift where the Hessian is indefinite; how many steps, and whether the
+/// last one was short.
+fn newton(energy: &ChainEnergy, state: &mut DVector<f64>) -> (usize, bool) {
+    for iteration in 0..MAX_ITERATIONS {
+        let (value, gradient, hessian) = energy.derivatives(state);
+        let step = descent(hessian, &gradient);
+        let slope = gradient.dot(&step);
+        let mut length = 1.0;
+        // Rounding hides the last decrease.
+        let rounding = 1e-14 * value.abs();
+        while energy.value(&(&*state + &step * length)) > value + 1e-4 * length * slope + rounding
+            && length > 1e-10
+        {
+            length *= 0.5;
+        }
+        *state += &step * length;
+        if step.amax() <= STEP_TOLERANCE * energy.length() {
+            return (iteration + 1, true);
+        }
+    }
+    (MAX_ITERATIONS, false)
+}
+
+/// `-H^-1 g`, with the smallest of a row of shifts that makes the matrix positive definite.
+fn descent(hessian: DMatrix<f64>, gradient: &DVector<f64>) -> DVector<f64> {
+    let scale = hessian.diagonal().amax();
+    let mut shift = 0.0;
+    loop {
+        let mut shifted = hessian.clone();
+        for i in 0..gradient.len() {
+            shifted[(i, i)] += shift;
+        }
+        if let Some(factor) = shifted.cholesky() {
+            return -factor.solve(gradient);
+        }
+        shift = (10.0 * shift).max(1e-8 * scale);
+    }
+}
+
+/// Place of the minimum of a function with a single one, by the golden section.
+fn lowest(mut low: f64, mut high: f64, value: impl Fn(f64) -> f64) -> f64 {
+    let share = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let [mut a, mut b] = [high - share * (high - low), low + share * (high - low)];
+    let [mut at_a, mut at_b] = [value(a), value(b)];
+    // Near its minimum a function is flat: the place is known to about the root of its rounding.
+    while high - low > 1e-5 * high {
+        if at_a < at_b {
+            high = b;
+            (b, at_b) = (a, at_a);
+            a = high - share * (high - low);
+            at_a = value(a);
+        } else {
+            low = a;
+            (a, at_a) = (b, at_b);
+            b = low + share * (high - low);
+            at_b = value(b);
+        }
+    }
+    0.5 * (low + high)
+}
