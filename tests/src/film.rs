@@ -65,8 +65,10 @@ impl Film {
         let theory = spec.theory();
         let rest = spec.base.points(&strip, 0.0);
         let pinned = strip.ends();
-        let energy = LayerEnergy::new(&rest, &strip.faces, spec.parameters(&strip), &pinned)
-            .expect("a valid layer");
+        let parameters = spec.parameters(&strip);
+        let energy =
+            LayerEnergy::with_bending(&rest, &strip.faces, parameters, &pinned, spec.bending)
+                .expect("a valid layer");
         let free = energy.free_vertices().to_vec();
         let (starts, entries) = energy.pattern();
         let pattern =

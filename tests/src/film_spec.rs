@@ -1,7 +1,7 @@
 //! What a film is made of and how it is held.
 
 use ruga_material::{LayerMaterial, Substrate, WavelengthModel, Wrinkling, wrinkling};
-use ruga_shell::{FaceParameters, LayerParameters};
+use ruga_shell::{BendingModel, FaceParameters, LayerParameters};
 
 use crate::{Base, Strip, equilateral};
 
@@ -39,6 +39,8 @@ pub struct FilmSpec {
     pub coupling: FilmCoupling,
     /// Dead load.
     pub reaction: BaseReaction,
+    /// How its bending is measured.
+    pub bending: BendingModel,
     /// Factor on the foundation's `K1`; 1 for what theory asks.
     pub gradient_factor: f64,
 }
@@ -65,6 +67,7 @@ impl FilmSpec {
             base: Base::Flat,
             coupling: FilmCoupling::Hybrid,
             reaction: BaseReaction::None,
+            bending: BendingModel::VertexCurvature,
             gradient_factor: 1.0,
         }
     }

@@ -7,7 +7,9 @@ use ruga_constraint::{ClusterSettings, Kernel, Sampling, cluster_centres, constr
 use ruga_material::Wrinkling;
 use ruga_mesh::{Id, LoopSurface, PerVertex, SurfaceLookup, VertexId, limit_rows, vertex_normals};
 use ruga_remesh::SurfaceMesh;
-use ruga_shell::{HINGE_EXPONENT, LayerEnergy, ResponseQuery, face_corners, response_modulus};
+use ruga_shell::{
+    BendingModel, HINGE_EXPONENT, LayerEnergy, ResponseQuery, face_corners, response_modulus,
+};
 use ruga_solver::{Kkt, LowerPattern, NewtonSettings, SolveReport, minimise};
 
 use crate::film_objective::{FilmObjective, gather, scatter};
@@ -263,8 +265,10 @@ impl Discrete {
         let rest = mesh.positions.as_slice();
         let pinned = strip.ends();
         let parameters = spec.film.parameters(&strip);
+        let bending = spec.film.bending;
         let mut energy =
-            LayerEnergy::new(rest, &strip.faces, parameters, &pinned).expect("a valid layer");
+            LayerEnergy::with_bending(rest, &strip.faces, parameters, &pinned, bending)
+                .expect("a valid layer");
         let base = compressed(spec, theory, rest);
         let (normals, offsets) = (vec![Vector3::z(); rest.len()], vec![0.0; rest.len()]);
         energy
@@ -381,6 +385,8 @@ fn bending_ratio(
         fixed: pinned,
         bending_modulus: theory.bending_stiffness,
         hinge_exponent: HINGE_EXPONENT,
+        poisson: 0.0,
+        bending_model: BendingModel::Hinge,
         normal_stiffness: theory.normal_stiffness,
         gradient_stiffness: theory.gradient_stiffness,
     });

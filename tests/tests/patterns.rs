@@ -1,221 +1,19 @@
-//! Patterns in two directions: the simulator's shell against the spectral plate, on the same
-//! periodic base.
+//! Labyrinth, herringbone and pulled sheet against their references.
 //!
-//! Angles are those of the slopes (across the crests), weighted with their squares. A pattern's
-//! `alignment` is 1 if all crests are parallel and 0 without direction; its `crossing` is 1 for two
-//! directions at right angles and 0 if all directions are as frequent.
-//!
-//! Labyrinth, herringbone and sheet have long versions with larger patches, finer meshes and more
-//! seeds, which print a table:
-//! `cargo test -p ruga-tests --test patterns -- --ignored --nocapture`.
+//! Larger patches, finer meshes and more seeds: `cargo xtask patterns`.
 
 #![allow(
     clippy::print_stdout,
     reason = "the measured values are what --nocapture is for"
 )]
 
-use nalgebra::Vector2;
-use ruga_material::{LayerMaterial, WavelengthModel};
-use ruga_solver::NewtonSettings;
-use ruga_stepper::{LayerSpec, LayerSurface, Modelling, PoseSpec, Region, Silent, plan, simulate};
-use ruga_tests::reference::{
-    Carrier, Grid, HeightField, Orientation, PatchRows, Plate, RelaxSettings, ShellPatch,
-    StretchedSheet, noise, shrinking_square, square,
-};
+mod pattern_checks;
+
+use pattern_checks::*;
+use ruga_material::WavelengthModel;
+use ruga_stepper::{LayerSpec, Modelling, PoseSpec, Region, Silent, plan, simulate};
+use ruga_tests::reference::{Carrier, PatchRows, shrinking_square};
 use ruga_tests::{FilmSpec, findings, skin_layer};
-
-/// So stiff a film that what a plate leaves out is below 1 %: the critical strain is 0.5 %.
-const MODULUS_RATIO: f64 = 1000.0;
-
-/// Sectors of a histogram of angles, 15 degrees each.
-const SECTORS: usize = 12;
-
-/// A patch, by its size in critical wavelengths and the points on each.
-#[derive(Clone, Copy)]
-struct Size {
-    waves: usize,
-    points: usize,
-}
-
-/// What a pattern is compared by.
-struct Findings {
-    /// Wave number, and the sizes of its components, over the critical one.
-    wave: [f64; 3],
-    /// `sqrt(<|grad w|^2> / <w^2>)` over the critical wave number.
-    slope_wave: f64,
-    /// Over `2 sqrt(eps_c)/k_c`.
-    amplitude: f64,
-    /// Energy below the flat state, over `C eps_c^2 / 2`.
-    gap: f64,
-    orientation: Orientation,
-}
-
-impl Findings {
-    fn new(spec: &FilmSpec, field: &HeightField, energy_gap: f64) -> Self {
-        let film = spec.theory();
-        let k = film.wave_number;
-        Self {
-            wave: field.mean_wave([0.4 * k, 1.8 * k]).map(|found| found / k),
-            slope_wave: field.slope_wave_number() / k,
-            amplitude: 0.5 * field.amplitude() * k / film.critical_strain.sqrt(),
-            gap: -energy_gap / (0.5 * film.membrane_stiffness * film.critical_strain.powi(2)),
-            orientation: field.orientation(SECTORS),
-        }
-    }
-
-    fn print(&self, name: &str) {
-        let o = &self.orientation;
-        println!(
-            "{name:26} k {:.3} ({:.3} {:.3})  A {:.3}  gap {:.3}  alignment {:.2}  crossing {:.2}  tilt {:.1}  {:.2?}",
-            self.wave[0],
-            self.wave[1],
-            self.wave[2],
-            self.amplitude,
-            self.gap,
-            o.alignment(),
-            o.crossing(),
-            o.tilt().to_degrees(),
-            o.shares
-        );
-    }
-}
-
-fn mean(findings: &[Findings], value: impl Fn(&Findings) -> f64) -> f64 {
-    findings.iter().map(value).sum::<f64>() / findings.len() as f64
-}
-
-fn mean_orientation(findings: &[Findings]) -> Orientation {
-    let all: Vec<_> = findings.iter().map(|f| f.orientation.clone()).collect();
-    Orientation::mean(&all)
-}
-
-fn assert_near(what: &str, found: f64, wanted: f64, tolerance: f64) {
-    let error = found / wanted - 1.0;
-    assert!(
-        error.abs() < tolerance,
-        "{what}: {found:.4}, not {wanted:.4}, {error:+.3}"
-    );
-}
-
-/// The plate through a path of strains (critical ones) along x and y; findings at every step.
-fn plate_path(
-    spec: &FilmSpec,
-    carrier: Carrier,
-    size: Size,
-    path: &[[f64; 2]],
-    seed: u64,
-) -> Vec<Findings> {
-    let film = spec.theory();
-    let side = size.waves as f64 * film.wavelength;
-    let count = size.waves * 8;
-    let grid = Grid::new([count; 2], [side; 2]);
-    let plate = Plate::new(grid.clone(), film, spec.film.poisson, carrier);
-    let mut heights = noise(&grid, 1e-3 * spec.film.thickness, seed);
-    let settings = RelaxSettings {
-        seed: 100 * seed,
-        ..RelaxSettings::new(spec.film.thickness)
-    };
-    let step = |loads: &[f64; 2]| {
-        let strain = loads.map(|load| load * film.critical_strain);
-        let relaxed = plate.relax(&mut heights, strain, &settings);
-        assert!(relaxed.converged, "{relaxed:?}");
-        let field = HeightField {
-            grid: grid.clone(),
-            heights: heights.clone(),
-        };
-        let found = Findings::new(spec, &field, relaxed.energy_gap);
-        found.print(&format!("plate {seed} at {loads:.2?}"));
-        found
-    };
-    path.iter().map(step).collect()
-}
-
-/// The flat shell.
-fn shell(spec: &FilmSpec, rows: PatchRows, size: Size) -> ShellPatch {
-    let film = spec.theory();
-    let columns = size.waves * size.points;
-    let edge = film.wavelength / size.points as f64;
-    let lines = 2 * (columns as f64 / 3.0_f64.sqrt()).round() as usize;
-    ShellPatch::new(&spec.film, film, rows, [columns, lines], edge)
-}
-
-/// Solves a shell under critical strains along x and y.
-fn solve(spec: &FilmSpec, shell: &mut ShellPatch, loads: &[f64; 2], seed: u64) -> Findings {
-    let settings = NewtonSettings {
-        seed,
-        // A pattern without direction creeps along valleys of no consequence.
-        energy_tolerance: 1e-5,
-        max_iterations: 400,
-        ..NewtonSettings::default()
-    };
-    let strain = loads.map(|load| load * spec.theory().critical_strain);
-    let report = shell.solve(strain, &settings);
-    println!(
-        "{:?} after {} iterations, {} factorisations",
-        report.stop, report.iterations, report.factorizations
-    );
-    assert!(report.converged);
-    let found = Findings::new(spec, &shell.heights(), shell.energy_gap());
-    found.print(&format!("shell {seed} at {loads:.2?}"));
-    found
-}
-
-/// The shell through a path.
-fn shell_path(
-    spec: &FilmSpec,
-    rows: PatchRows,
-    size: Size,
-    path: &[[f64; 2]],
-    seed: u64,
-) -> Vec<Findings> {
-    let mut shell = shell(spec, rows, size);
-    let grid = shell.heights().grid;
-    let step = |(index, loads): (usize, &[f64; 2])| {
-        // A pattern that is exactly straight stays so.
-        let seed = 100 * seed + index as u64;
-        shell.raise(&noise(&grid, 1e-3 * spec.film.thickness, seed));
-        solve(spec, &mut shell, loads, seed)
-    };
-    path.iter().enumerate().map(step).collect()
-}
-
-/// Equal compression along x and y, twice what wrinkles a film, at once from noise.
-fn labyrinths(rows: PatchRows, size: Size, shells: u64, plates: u64) -> [Vec<Findings>; 2] {
-    let spec = FilmSpec::flat(MODULUS_RATIO);
-    // Both directions press: the critical strain is that much smaller.
-    let path = [[2.0 / (1.0 + spec.film.poisson); 2]];
-    let last = |mut steps: Vec<Findings>| steps.remove(steps.len() - 1);
-    let shells = (1..=shells).map(|seed| last(shell_path(&spec, rows, size, &path, seed)));
-    let shells = shells.collect();
-    let plates = (1..=plates)
-        .map(|seed| last(plate_path(&spec, Carrier::Pasternak, size, &path, seed)))
-        .collect();
-    [shells, plates]
-}
-
-/// Wave number within 5 % of the plate's, amplitude and energy within 3 %, no single direction.
-/// Returns how much two directions at right angles prevail.
-fn check_labyrinths(shells: &[Findings], plates: &[Findings]) -> f64 {
-    let compare = |what: &str, tolerance: f64, value: fn(&Findings) -> f64| {
-        let [found, wanted] = [mean(shells, value), mean(plates, value)];
-        println!("{what}: shell {found:.4}, plate {wanted:.4}");
-        assert_near(what, found, wanted, tolerance);
-    };
-    compare("wave number", 0.05, |f| f.wave[0]);
-    compare("amplitude", 0.03, |f| f.amplitude);
-    compare("energy gap", 0.03, |f| f.gap);
-    let [shell, plate] = [shells, plates].map(mean_orientation);
-    println!(
-        "alignment {:.3} and {:.3}, crossing {:.3} and {:.3}, distance {:.3}",
-        shell.alignment(),
-        plate.alignment(),
-        shell.crossing(),
-        plate.crossing(),
-        shell.distance(&plate)
-    );
-    assert!(shell.alignment() < 0.2);
-    mean(shells, |f| f.orientation.crossing())
-}
 
 /// With the hybrid coupling wave number, amplitude and energy are the plate's, but two directions
 /// prevail (a crossing of 0.4 to 0.8, against 0.05 to 0.3): rows on the slides hold the film where
@@ -230,59 +28,6 @@ fn equal_compression_of_a_hybrid_film_has_the_wave_of_the_plate() {
     check_labyrinths(&shells, &plates);
 }
 
-/// Three patches of 64 square waves, against sixteen of the plate: with rows on the heights alone
-/// they are labyrinths, with rows on the slides as well, today, they are not.
-#[test]
-#[ignore = "takes minutes; cargo test -p ruga-tests --test patterns -- --ignored --nocapture"]
-fn equal_compression_makes_labyrinths_unless_rows_hold_the_slides() {
-    let size = Size {
-        waves: 8,
-        points: 10,
-    };
-    let [free, plates] = labyrinths(PatchRows::Heights, size, 3, 16);
-    let [held, _] = labyrinths(PatchRows::All, size, 3, 0);
-    let [free, held] = [free, held].map(|shells| check_labyrinths(&shells, &plates));
-    println!("crossing {free:.2} with rows on the heights, {held:.2} with rows on all");
-    assert!(free < 0.3);
-    assert!(held > 1.5 * free);
-}
-
-/// What becomes of the plate's labyrinth in a shell that starts from it; the plate's first.
-fn given_labyrinth(rows: PatchRows, size: Size, seed: u64) -> [Findings; 2] {
-    let spec = FilmSpec::flat(MODULUS_RATIO);
-    let film = spec.theory();
-    let load = 2.0 / (1.0 + spec.film.poisson);
-    let mut shell = shell(&spec, rows, size);
-    let grid = shell.heights().grid;
-    let plate = Plate::new(grid.clone(), film, spec.film.poisson, Carrier::Pasternak);
-    let mut heights = noise(&grid, 1e-3 * spec.film.thickness, seed);
-    let settings = RelaxSettings::new(spec.film.thickness);
-    let relaxed = plate.relax(&mut heights, [load * film.critical_strain; 2], &settings);
-    assert!(relaxed.converged);
-    let field = HeightField { grid, heights };
-    let given = Findings::new(&spec, &field, relaxed.energy_gap);
-    given.print("plate");
-    let [along, across] = plate.slides(&field.heights);
-    shell.displace(&[along, across, field.heights]);
-    let found = solve(&spec, &mut shell, &[load; 2], seed);
-    let distance = found.orientation.distance(&given.orientation);
-    println!("distance of the histograms {distance:.3}");
-    [given, found]
-}
-
-/// Without rows on the slides the plate's labyrinth is the shell's too: the same waves in the same
-/// directions, none of them alone.
-fn check_given_labyrinth(size: Size, tolerance: f64) {
-    let [given, found] = given_labyrinth(PatchRows::Heights, size, 2);
-    assert_near("wave number", found.wave[0], given.wave[0], tolerance);
-    assert_near("amplitude", found.amplitude, given.amplitude, tolerance);
-    assert_near("energy gap", found.gap, given.gap, tolerance);
-    let (found, given) = (&found.orientation, &given.orientation);
-    assert!(found.distance(given) < 4.0 * tolerance);
-    assert!(found.alignment() < 0.15);
-    assert!((found.crossing() - given.crossing()).abs() < 0.1);
-}
-
 #[test]
 fn a_labyrinth_of_the_plate_is_one_of_the_shell() {
     let size = Size {
@@ -290,29 +35,6 @@ fn a_labyrinth_of_the_plate_is_one_of_the_shell() {
         points: 8,
     };
     check_given_labyrinth(size, 0.03);
-}
-
-#[test]
-#[ignore = "takes minutes; cargo test -p ruga-tests --test patterns -- --ignored --nocapture"]
-fn a_larger_labyrinth_of_the_plate_is_one_of_the_shell() {
-    let size = Size {
-        waves: 8,
-        points: 12,
-    };
-    check_given_labyrinth(size, 0.02);
-}
-
-/// Today's wrong result: rows on the slides turn the plate's labyrinth into a herringbone.
-#[test]
-#[ignore = "takes minutes; cargo test -p ruga-tests --test patterns -- --ignored --nocapture"]
-fn a_hybrid_film_does_not_keep_the_labyrinth_of_the_plate() {
-    let size = Size {
-        waves: 6,
-        points: 8,
-    };
-    let [given, found] = given_labyrinth(PatchRows::All, size, 2);
-    assert!(found.orientation.distance(&given.orientation) > 0.25);
-    assert!(found.orientation.crossing() > 0.5);
 }
 
 /// The same through planner, blend shape, load path and adaptive mesh, on a square whose border is
@@ -365,69 +87,6 @@ fn a_blend_shape_that_shrinks_a_square_makes_a_labyrinth() {
     assert!(alignment < 0.2, "{alignment}");
 }
 
-/// `sqrt(int |grad w|^2 / int w^2)` (1/m, in rest lengths) and the alignment of the slopes, over the
-/// triangles of a flat layer with both |x| and |y| up to `reach`.
-fn measured(layer: &LayerSurface, reach: f64, stretch: f64) -> [f64; 2] {
-    let (mut squares, mut slopes, mut turns) = (0.0, 0.0, Vector2::zeros());
-    for face in &layer.faces {
-        let p = face.map(|v| layer.driver_positions[v as usize].xy() / stretch);
-        let centre = (p[0] + p[1] + p[2]) / 3.0;
-        if centre.amax() * stretch > reach {
-            continue;
-        }
-        let [a, b, c] = face.map(|v| {
-            let v = v as usize;
-            (layer.positions[v] - layer.driver_positions[v]).z
-        });
-        let (s, t) = (p[1] - p[0], p[2] - p[0]);
-        let twice_area = s.perp(&t);
-        let slope = Vector2::new(
-            (t.y * (b - a) - s.y * (c - a)) / twice_area,
-            (s.x * (c - a) - t.x * (b - a)) / twice_area,
-        );
-        squares += twice_area * square(a, b, c);
-        slopes += twice_area * slope.norm_squared();
-        turns +=
-            twice_area * Vector2::new(slope.x.powi(2) - slope.y.powi(2), 2.0 * slope.x * slope.y);
-    }
-    [(slopes / squares).sqrt(), turns.norm() / slopes]
-}
-
-/// Compression along x to 2.5 critical strains, then along y to as much.
-const HERRINGBONE: [[f64; 2]; 6] = [
-    [1.1, 0.0],
-    [1.5, 0.0],
-    [2.5, 0.0],
-    [2.5, 1.15],
-    [2.5, 1.6],
-    [2.5, 2.5],
-];
-
-fn check_herringbone(shell: &[Findings], plate: &[Findings], tolerances: [f64; 2]) {
-    let [wave, energy] = tolerances;
-    let straight = &shell[2];
-    assert!(straight.orientation.alignment() > 0.99, "straight first");
-    let [found, wanted] = [shell, plate].map(|steps| &steps[5]);
-    // As many crests along x as there were.
-    assert_near("crests along x", found.wave[1], straight.wave[1], 0.1);
-    assert_near("wave number", found.wave[0], wanted.wave[0], wave);
-    // The box holds a few jogs, a whole number, chosen by the noise where the crests give way.
-    assert_near("jogs along y", found.wave[2], wanted.wave[2], 0.15);
-    assert_near("amplitude", found.amplitude, wanted.amplitude, energy);
-    assert_near("energy gap", found.gap, wanted.gap, energy);
-    let (found, wanted) = (&found.orientation, &wanted.orientation);
-    let distance = found.distance(wanted);
-    println!("distance of the histograms {distance:.3}");
-    assert!(distance < 0.15);
-    // Two directions, equally frequent, nearly at right angles; few slopes along x or y.
-    assert!((found.left_share() - 0.5).abs() < 0.05);
-    let tilt = found.tilt().to_degrees();
-    assert!((30.0..50.0).contains(&tilt), "tilt {tilt}");
-    assert!((tilt - wanted.tilt().to_degrees()).abs() < 3.0);
-    let near_diagonals = found.shares[2..=4].iter().chain(&found.shares[8..=10]);
-    assert!(near_diagonals.sum::<f64>() > 0.75);
-}
-
 #[test]
 fn compression_across_straight_wrinkles_makes_a_herringbone() {
     let spec = FilmSpec::flat(MODULUS_RATIO);
@@ -440,78 +99,7 @@ fn compression_across_straight_wrinkles_makes_a_herringbone() {
     check_herringbone(&shell, &plate, [0.05, 0.05]);
 }
 
-/// Eight waves at 12 points, against the plate on springs; the plate on the half-space itself is
-/// printed beside it.
-#[test]
-#[ignore = "takes minutes; cargo test -p ruga-tests --test patterns -- --ignored --nocapture"]
-fn herringbone_of_eight_waves_is_the_plates() {
-    let spec = FilmSpec::flat(MODULUS_RATIO);
-    let size = Size {
-        waves: 8,
-        points: 12,
-    };
-    let plate = plate_path(&spec, Carrier::Pasternak, size, &HERRINGBONE, 1);
-    plate_path(&spec, Carrier::HalfSpace, size, &HERRINGBONE, 1);
-    let shell = shell_path(&spec, PatchRows::All, size, &HERRINGBONE, 1);
-    check_herringbone(&shell, &plate, [0.03, 0.03]);
-}
-
-/// Wavelength and length of the wrinkles, and the wavelength that theory has for this length (m), of
-/// a sheet pulled by some shares of its own.
-fn stretched(thinness: f64, rows: usize, stretches: &[f64]) -> Vec<[f64; 3]> {
-    let width = 0.1;
-    let material = LayerMaterial {
-        young: 1e6,
-        poisson: 0.3,
-        thickness: width / thinness,
-        density: 1100.0,
-    };
-    let length = 2.5 * width;
-    let pull = |&stretch: &f64| {
-        let mut sheet = StretchedSheet::new(&material, [length, width], rows);
-        let state = sheet.wrinkle(stretch, 1);
-        let inside = 0.5 * state.lengthwise;
-        println!(
-            "width/thickness {thinness}, stretch {stretch}: lam/W {:.4}, over theory {:.3}; wrinkles {:.3} as long as the sheet, over their theory {:.3}; height/h {:.2}, {} iterations",
-            state.wavelength / width,
-            state.wavelength / sheet.theory(stretch, length),
-            inside / length,
-            state.wavelength / sheet.theory(stretch, inside),
-            state.height / material.thickness,
-            state.solve.iterations
-        );
-        assert!(state.solve.converged);
-        assert!(state.height > material.thickness, "wrinkled");
-        [state.wavelength, inside, sheet.theory(stretch, inside)]
-    };
-    stretches.iter().map(pull).collect()
-}
-
-/// The law `lam = 2 sqrt(pi) (B/T)^(1/4) L^(1/2)` holds with the length of the wrinkles in the place
-/// of the sheet's. They cover seven tenths of it, and shrink as the pull grows: by the sheet's own
-/// length, wavelengths come out a sixth too short and fall faster than with the power -1/4.
-fn check_stretched(thinness: f64, rows: usize, stretches: &[f64], tolerances: [f64; 2]) {
-    let found = stretched(thinness, rows, stretches);
-    let last = stretches.len() - 1;
-    let pull = (stretches[last] / stretches[0]).ln();
-    let raw = (found[last][0] / found[0][0]).ln() / pull;
-    let reduced = raw - 0.5 * (found[last][1] / found[0][1]).ln() / pull;
-    println!("exponent {raw:.3}, of wrinkles of one length {reduced:.3}");
-    assert!((reduced + 0.25).abs() < tolerances[0], "{reduced}");
-    assert!((raw + 0.25).abs() < 0.05, "{raw}");
-    for [wavelength, _, theory] in found {
-        assert_near("wavelength", wavelength, theory, tolerances[1]);
-    }
-}
-
 #[test]
 fn a_pulled_sheet_wrinkles_with_the_power_of_a_quarter() {
     check_stretched(4000.0, 64, &[0.005, 0.01], [0.015, 0.03]);
-}
-
-/// The same at twice the resolution, over three octaves of pull.
-#[test]
-#[ignore = "takes minutes; cargo test -p ruga-tests --test patterns -- --ignored --nocapture"]
-fn a_pulled_sheet_keeps_to_its_power_over_a_range() {
-    check_stretched(4000.0, 128, &[0.005, 0.01, 0.02, 0.04], [0.01, 0.02]);
 }
