@@ -1,0 +1,150 @@
+//! What a run is asked for and what it answers.
+
+use std::collections::BTreeMap;
+
+use ruga_constraint::Sampling;
+use ruga_solver::LinearSolver;
+use ruga_tests::FilmCoupling;
+use serde::{Deserialize, Serialize};
+
+/// Spacing of hard rows in wavelengths: a hex lattice then lets the wavelength itself through.
+const HARD_SPACING: f64 = 0.577;
+
+/// One combination of choices.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Request {
+    pub(crate) problem: Problem,
+    /// Mesh edges per wavelength, across the wrinkles.
+    pub(crate) points: f64,
+    pub(crate) coupling: Coupling,
+    pub(crate) sampling: RowSampling,
+    pub(crate) bending: Bending,
+    pub(crate) mesh: Mesh,
+    pub(crate) solver: Solver,
+    /// Of the mesh's irregularity and of the initial noise.
+    pub(crate) seed: u64,
+    /// Seconds of the processor after which the run counts as failed.
+    pub(crate) limit_s: f64,
+}
+
+/// What is simulated.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Problem {
+    /// A film compressed evenly, against theory.
+    Film,
+}
+
+/// What holds the skin.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Coupling {
+    Constraint,
+    Elastic,
+    Hybrid,
+}
+
+/// How averages are sampled.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum RowSampling {
+    Area,
+    Adjusted,
+    Quadrature,
+}
+
+/// What resists bending. A further operator is a further variant, and what [`crate::film`] does
+/// with it.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Bending {
+    /// Hinges, corrected by what their mesh responds with.
+    Hinge,
+}
+
+/// Shape of the triangles.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Mesh {
+    /// As long as wide everywhere.
+    Uniform,
+    /// Up to twice as long along the wrinkles as across them.
+    Adaptive,
+}
+
+/// Solver of the linear systems.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Solver {
+    Ldlt,
+    Minres,
+}
+
+impl Coupling {
+    pub(crate) fn of_film(self) -> FilmCoupling {
+        match self {
+            Self::Constraint => FilmCoupling::Constraint(HARD_SPACING),
+            Self::Elastic => FilmCoupling::Elastic,
+            Self::Hybrid => FilmCoupling::Hybrid,
+        }
+    }
+}
+
+impl RowSampling {
+    pub(crate) fn kind(self) -> Sampling {
+        match self {
+            Self::Area => Sampling::Area,
+            Self::Adjusted => Sampling::Adjusted,
+            Self::Quadrature => Sampling::Quadrature,
+        }
+    }
+}
+
+impl Solver {
+    pub(crate) fn kind(self) -> LinearSolver {
+        match self {
+            Self::Ldlt => LinearSolver::Ldlt,
+            Self::Minres => LinearSolver::minres(),
+        }
+    }
+}
+
+/// A request with its answer.
+#[derive(Debug, Serialize)]
+pub(crate) struct Response {
+    pub(crate) request: Request,
+    #[serde(flatten)]
+    pub(crate) outcome: Outcome,
+}
+
+/// What came of a run.
+#[derive(Debug, Default, Serialize)]
+pub(crate) struct Outcome {
+    /// Why the run failed; nothing when it did not.
+    pub(crate) failure: Option<String>,
+    /// Seconds of the processor for everything but measuring.
+    pub(crate) cpu_s: f64,
+    /// Load steps that were asked for.
+    pub(crate) frames: usize,
+    pub(crate) vertices: usize,
+    /// Averages that are held, per coordinate.
+    pub(crate) rows: usize,
+    pub(crate) newton_iterations: usize,
+    pub(crate) linear_iterations: usize,
+    pub(crate) linear_stalls: usize,
+    /// Signed relative errors, and the angle in degrees, by name; without those that could not be
+    /// measured.
+    pub(crate) errors: BTreeMap<&'static str, f64>,
+    /// What else was measured, by name.
+    pub(crate) values: BTreeMap<&'static str, f64>,
+}
+
+impl Outcome {
+    pub(crate) fn failed(reason: String) -> Self {
+        Self {
+            failure: Some(reason),
+            ..Self::default()
+        }
+    }
+}
