@@ -1,0 +1,212 @@
+//! Which runs the chart is made of.
+
+use serde_json::{Value, json};
+
+/// Points per wavelength.
+const POINTS: [u32; 6] = [4, 6, 8, 12, 16, 24];
+
+/// Seeds of a full chart; a quick one has the first three.
+const SEEDS: u64 = 5;
+const QUICK_SEEDS: u64 = 3;
+
+/// Seconds of the processor after which a run counts as failed.
+const LIMIT_S: f64 = 150.0;
+const QUICK_LIMIT_S: f64 = 60.0;
+
+/// How a film is discretised and solved, but for its resolution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Method {
+    pub(super) coupling: &'static str,
+    pub(super) sampling: &'static str,
+    pub(super) bending: &'static str,
+    pub(super) mesh: &'static str,
+    pub(super) solver: &'static str,
+}
+
+/// A method at a resolution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Setting {
+    pub(super) method: Method,
+    /// Edges per wavelength.
+    pub(super) points: u32,
+}
+
+/// One run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Run {
+    pub(super) setting: Setting,
+    pub(super) seed: u64,
+    pub(super) limit_s: f64,
+}
+
+const fn method(
+    coupling: &'static str,
+    sampling: &'static str,
+    mesh: &'static str,
+    solver: &'static str,
+) -> Method {
+    Method {
+        coupling,
+        sampling,
+        bending: BENDINGS[0],
+        mesh,
+        solver,
+    }
+}
+
+/// Bending operators that the measuring program knows; the first is taken for everything.
+const BENDINGS: [&str; 1] = ["hinge"];
+
+/// What `ruga` does unless told otherwise.
+pub(super) const DEFAULT: Method = method("hybrid", "quadrature", "adaptive", "ldlt");
+
+/// What the papers do: Rémillard & Kry 2013 and Li 2014.
+pub(super) const PAPERS: Method = method("constraint", "area", "uniform", "minres");
+
+/// The qualities of the command line, by their points per wavelength.
+pub(super) const QUALITIES: [(&str, u32); 3] = [("draft", 6), ("standard", 12), ("fine", 24)];
+
+/// Methods that are factorised, the most interesting ones first. Nothing is sampled where the
+/// coupling has no averages.
+const FACTORISED: [Method; 14] = [
+    DEFAULT,
+    method("elastic", "quadrature", "adaptive", "ldlt"),
+    method("constraint", "area", "uniform", "ldlt"),
+    method("hybrid", "quadrature", "uniform", "ldlt"),
+    method("elastic", "quadrature", "uniform", "ldlt"),
+    method("constraint", "quadrature", "adaptive", "ldlt"),
+    method("constraint", "quadrature", "uniform", "ldlt"),
+    method("constraint", "area", "adaptive", "ldlt"),
+    method("hybrid", "area", "adaptive", "ldlt"),
+    method("hybrid", "adjusted", "adaptive", "ldlt"),
+    method("constraint", "adjusted", "uniform", "ldlt"),
+    method("constraint", "adjusted", "adaptive", "ldlt"),
+    method("hybrid", "area", "uniform", "ldlt"),
+    method("hybrid", "adjusted", "uniform", "ldlt"),
+];
+
+/// How many of them a quick chart has.
+const QUICK_METHODS: usize = 5;
+
+/// Methods that are iterated beside the papers' own, at two resolutions: MINRES takes minutes, and
+/// with a foundation, which buckles in the middle of the way, it finds no wrinkles at all.
+const ITERATED: [Method; 4] = [
+    method("constraint", "quadrature", "uniform", "minres"),
+    method("constraint", "area", "adaptive", "minres"),
+    method("hybrid", "quadrature", "adaptive", "minres"),
+    method("elastic", "quadrature", "adaptive", "minres"),
+];
+const ITERATED_POINTS: [u32; 2] = [6, 12];
+
+/// All runs, one seed after another, so that a chart of the first seeds is whole.
+pub(super) fn runs(quick: bool) -> Vec<Run> {
+    let (seeds, limit_s) = match quick {
+        true => (QUICK_SEEDS, QUICK_LIMIT_S),
+        false => (SEEDS, LIMIT_S),
+    };
+    let settings = settings(quick);
+    let of_seed = |seed| {
+        settings.iter().map(move |&setting| Run {
+            setting,
+            seed,
+            limit_s,
+        })
+    };
+    (1..=seeds).flat_map(of_seed).collect()
+}
+
+fn settings(quick: bool) -> Vec<Setting> {
+    let mut settings = Vec::new();
+    let mut add = |method: &Method, points: &[u32]| {
+        settings.extend(points.iter().map(|&points| Setting {
+            method: *method,
+            points,
+        }));
+    };
+    if quick {
+        // The default up to the fine quality, the others as far as the time allows.
+        for method in &FACTORISED[..QUICK_METHODS] {
+            let count = if *method == DEFAULT { 6 } else { 4 };
+            add(method, &POINTS[..count]);
+        }
+        add(&PAPERS, &POINTS[..4]);
+        return settings;
+    }
+    for method in &FACTORISED {
+        add(method, &POINTS);
+    }
+    add(&PAPERS, &POINTS);
+    for method in &ITERATED {
+        add(method, &ITERATED_POINTS);
+    }
+    settings
+}
+
+impl Run {
+    /// What the measuring program is asked.
+    pub(super) fn request(&self) -> Value {
+        let method = &self.setting.method;
+        json!({
+            "problem": "film",
+            "points": f64::from(self.setting.points),
+            "coupling": method.coupling,
+            "sampling": method.sampling,
+            "bending": method.bending,
+            "mesh": method.mesh,
+            "solver": method.solver,
+            "seed": self.seed,
+            "limit_s": self.limit_s,
+        })
+    }
+}
+
+impl Method {
+    /// The same, solved by factorisation.
+    pub(super) fn factorised(self) -> Self {
+        Self {
+            solver: "ldlt",
+            ..self
+        }
+    }
+
+    /// In words, for people.
+    pub(super) fn words(&self) -> String {
+        let sampling = match self.coupling {
+            "elastic" => String::new(),
+            _ => format!(" {}", self.sampling),
+        };
+        let solver = match self.solver {
+            "ldlt" => "LDLT",
+            _ => "MINRES",
+        };
+        format!("{}{sampling}, {} mesh, {solver}", self.coupling, self.mesh)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_run_is_asked_for_once_and_the_quick_ones_are_among_them() {
+        let key = |run: &Run| format!("{:?} {}", run.setting, run.seed);
+        let mut full: Vec<String> = runs(false).iter().map(key).collect();
+        let count = full.len();
+        full.sort();
+        full.dedup();
+        assert_eq!(full.len(), count);
+        assert!(runs(true).iter().all(|run| full.contains(&key(run))));
+    }
+
+    #[test]
+    fn default_and_papers_are_measured_at_every_quality() {
+        let has = |quick: bool, method: Method, points: u32| {
+            let wanted = Setting { method, points };
+            runs(quick).iter().any(|run| run.setting == wanted)
+        };
+        for (_, points) in QUALITIES {
+            assert!(has(false, DEFAULT, points) && has(true, DEFAULT, points));
+            assert!(has(false, PAPERS, points));
+        }
+    }
+}
