@@ -295,8 +295,8 @@ impl Film {
         self.ramp_with(loads, noise, &settings, &mut |_| true)
     }
 
-    /// The same by other settings, of which the seed is that of the initial noise too; a solve that
-    /// `keep_going` ends has failed, and so has the ramp when it ends every one.
+    /// The same by other settings, of which the seed is that of the initial noise too; `keep_going` ends the
+    /// ramp by returning `false`.
     pub fn ramp_with(
         &mut self,
         loads: &[f64],
@@ -324,6 +324,9 @@ impl Film {
             };
             self.shake(noise.every, &mut random);
             let solve = self.solve_watched(load, &settings, keep_going);
+            if solve.stop == StopRule::Interrupted {
+                break;
+            }
             if stepper.report(outcome(&solve)) == Verdict::Keep {
                 kept.clone_from(&self.positions);
                 kept_load = load;

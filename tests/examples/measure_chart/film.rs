@@ -205,7 +205,8 @@ fn lines(wavelength: f64) -> Vec<Vec<Vector2<f64>>> {
 /// box: boxes of several lengths give as many waves and the loads at which they appear, and the least
 /// point of the curve through them is looked for.
 ///
-/// Averages alone have no such curve, as every box places them anew: medians then.
+/// Averages alone have no such curve, as every box places them anew: the mean deviation of the waves
+/// and the median of the loads then.
 fn first_mode(spec: &FilmSpec, strip: &Strip, request: &Request) -> Option<[f64; 2]> {
     let (guess, boxes) = match request.coupling {
         Coupling::Constraint => (None, FEW_BOXES.as_slice()),
@@ -222,12 +223,11 @@ fn first_mode(spec: &FilmSpec, strip: &Strip, request: &Request) -> Option<[f64;
     }
     match request.coupling {
         Coupling::Constraint => {
-            let median = |axis: usize| {
-                let mut values: Vec<f64> = waves.iter().map(|wave| wave[axis]).collect();
-                values.sort_by(f64::total_cmp);
-                values[values.len() / 2]
-            };
-            Some([median(0), median(1)])
+            let mut onsets: Vec<f64> = waves.iter().map(|wave| wave[1]).collect();
+            onsets.sort_by(f64::total_cmp);
+            let off = waves.iter().map(|wave| (wave[0] / WAVELENGTH - 1.0).abs());
+            let mean = off.sum::<f64>() / waves.len() as f64;
+            Some([WAVELENGTH * (1.0 + mean), onsets[onsets.len() / 2]])
         }
         Coupling::Elastic | Coupling::Hybrid => least(&waves),
     }
@@ -242,7 +242,8 @@ fn onset(film: &mut Film, start: f64) -> Option<[f64; 2]> {
         let mode = stiffness(load)?;
         let slope = (mode.stiffness - stiffness_before) / (load - before);
         let next = load - mode.stiffness / slope;
-        if (next - load).abs() < 1e-5 * load {
+        // What a secant is off by after a step this short is far below a millionth.
+        if (next - load).abs() < 2e-4 * load {
             return Some([mode.relative_wavelength, next]);
         }
         if !(next.is_finite() && next > 0.0) {

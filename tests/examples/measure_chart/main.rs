@@ -19,6 +19,7 @@
 
 mod cpu_time;
 mod film;
+mod patch;
 mod request;
 
 use std::error::Error;
@@ -41,6 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn measured(request: Request) -> Response {
     let run = || match request.problem {
         Problem::Film => film::measure(&request),
+        Problem::Patch => patch::measure(&request),
     };
     let outcome = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);

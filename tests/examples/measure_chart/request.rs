@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 const HARD_SPACING: f64 = 0.577;
 
 /// One combination of choices.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Request {
     pub(crate) problem: Problem,
@@ -26,6 +26,25 @@ pub(crate) struct Request {
     pub(crate) seed: u64,
     /// Seconds of the processor after which the run counts as failed.
     pub(crate) limit_s: f64,
+    /// Resolution of what a patch is compared with; told back only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) reference_points: Option<f64>,
+    /// What a patch is compared with: the answer to the same question at a finer resolution. A patch
+    /// without one is a reference itself.
+    #[serde(default, skip_serializing)]
+    pub(crate) reference: Option<PatchShape>,
+}
+
+/// What of a patch is compared.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub(crate) struct PatchShape {
+    /// Dominant wavelength, m.
+    pub(crate) wavelength: f64,
+    /// `sqrt(2)` RMS height, m.
+    pub(crate) amplitude: f64,
+    /// Along lines across the wrinkles, at equal distances: the x and y components of unit normals,
+    /// one after the other.
+    pub(crate) lines: Vec<Vec<f64>>,
 }
 
 /// What is simulated.
@@ -34,6 +53,8 @@ pub(crate) struct Request {
 pub(crate) enum Problem {
     /// A film compressed evenly, against theory.
     Film,
+    /// A patch of skin compressed most in its middle, as a user would have it, against itself.
+    Patch,
 }
 
 /// What holds the skin.
@@ -138,6 +159,9 @@ pub(crate) struct Outcome {
     pub(crate) errors: BTreeMap<&'static str, f64>,
     /// What else was measured, by name.
     pub(crate) values: BTreeMap<&'static str, f64>,
+    /// What later patches are compared with, if this one was compared with nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) shape: Option<PatchShape>,
 }
 
 impl Outcome {

@@ -41,8 +41,8 @@ pub(super) fn measured(runs: &[Run], file: &Path) -> io::Result<Vec<Value>> {
     Ok(lines)
 }
 
-/// Measures what `file` does not have yet of `runs`.
-pub(super) fn measure(program: &Path, runs: &[Run], file: &Path) -> io::Result<()> {
+/// Measures what `file` does not have yet of `runs`, and `fine`, which patches are compared with.
+pub(super) fn measure(program: &Path, (runs, fine): (&[Run], &Run), file: &Path) -> io::Result<()> {
     let known: BTreeSet<String> = read(file)?
         .iter()
         .map(|line| key(&line["request"]))
@@ -50,6 +50,7 @@ pub(super) fn measure(program: &Path, runs: &[Run], file: &Path) -> io::Result<(
     let missing = runs.iter().map(Run::request);
     let missing: VecDeque<Value> = missing.filter(|r| !known.contains(&key(r))).collect();
     let queue = Queue {
+        reference: reference(program, (&missing, fine), file)?,
         total: missing.len(),
         state: Mutex::new(State {
             missing,
@@ -67,6 +68,33 @@ pub(super) fn measure(program: &Path, runs: &[Run], file: &Path) -> io::Result<(
         }
         Ok(())
     })
+}
+
+/// What the patches among `missing` are compared with: kept in `file`, or measured and kept there.
+fn reference(
+    program: &Path,
+    (missing, fine): (&VecDeque<Value>, &Run),
+    file: &Path,
+) -> io::Result<Value> {
+    if !missing.iter().any(|request| request["problem"] == "patch") {
+        return Ok(Value::Null);
+    }
+    let wanted = key(&fine.request());
+    let is_it = |line: &Value| key(&line["request"]) == wanted && line["shape"].is_object();
+    if let Some(known) = read(file)?.into_iter().find(is_it) {
+        return Ok(known["shape"].clone());
+    }
+    eprintln!("measuring the fine mesh that patches are compared with ...");
+    let (line, _) = Worker::start(program)?.measure(&fine.request(), &Value::Null);
+    let mut known = OpenOptions::new().create(true).append(true).open(file)?;
+    known.write_all(format!("{line}\n").as_bytes())?;
+    match &line["shape"] {
+        Value::Null => Err(io::Error::other(format!(
+            "no reference: {}",
+            line["failure"]
+        ))),
+        shape => Ok(shape.clone()),
+    }
 }
 
 /// What makes a run the same as another: all that is asked for but the time that it may take.
@@ -92,6 +120,8 @@ fn read(file: &Path) -> io::Result<Vec<Value>> {
 
 /// What the workers share.
 struct Queue {
+    /// What patches are compared with; nothing where none is missing.
+    reference: Value,
     total: usize,
     state: Mutex<State>,
 }
@@ -119,9 +149,10 @@ impl Queue {
             .as_str()
             .map_or(String::new(), |f| format!("  ({f})"));
         eprintln!(
-            "{:4} of {}  {:>2} points  {:<10} {:<10} {:<8} {:<6}  seed {}  {:7.2} s{failure}",
+            "{:4} of {}  {:<5} {:>2} points  {:<10} {:<10} {:<8} {:<6}  seed {}  {:7.2} s{failure}",
             state.done,
             self.total,
+            word("problem"),
             request["points"].as_f64().unwrap_or_default(),
             word("coupling"),
             word("sampling"),
@@ -141,7 +172,7 @@ fn work(program: &Path, queue: &Queue) -> io::Result<()> {
             Some(worker) => worker,
             None => Worker::start(program)?,
         };
-        let (line, survivor) = alive.measure(&request);
+        let (line, survivor) = alive.measure(&request, &queue.reference);
         worker = survivor;
         queue.keep(&line)?;
     }
@@ -175,8 +206,12 @@ impl Worker {
     }
 
     /// The answer, and the worker unless it died of the question.
-    fn measure(mut self, request: &Value) -> (Value, Option<Self>) {
-        match self.ask(request) {
+    fn measure(mut self, request: &Value, reference: &Value) -> (Value, Option<Self>) {
+        let mut question = request.clone();
+        if request["problem"] == "patch" {
+            question["reference"] = reference.clone();
+        }
+        match self.ask(&question) {
             Some(answer) => (answer, Some(self)),
             None => (json!({ "request": request, "failure": "crashed" }), None),
         }

@@ -36,7 +36,8 @@ pub(crate) fn chart(wanted: &Wanted) -> Outcome {
         Err(code) => return Ok(code),
     };
     let file = wanted.folder("chart")?.join(RUNS);
-    measure::measure(&program, &plan::runs(wanted.quick), &file)?;
+    let runs = plan::runs(wanted.quick);
+    measure::measure(&program, (&runs, &plan::reference(wanted.quick)), &file)?;
     redraw(wanted)
 }
 

@@ -1,16 +1,16 @@
 //! The page: five panels, a key, what they say, and where they come from.
 
 use super::axis::Axis;
-use super::panel::{FAINT, INK, Panel, look, mark_of};
-use super::plan::{DEFAULT, Method, PAPERS};
+use super::panel::{FAINT, INK, Panel, look, mark, promise_bar};
+use super::plan::{DEFAULT, Method, PAPERS, Problem};
 use super::results::{Measure, Point};
 use super::svg::{Anchor, Drawing, Style};
 use super::verdict::{Ratio, acceptance, ratios};
 
-const SIZE: [f64; 2] = [1560.0, 1190.0];
+const SIZE: [f64; 2] = [1560.0, 1500.0];
 const TOP: f64 = 178.0;
-const FIELD: [f64; 2] = [440.0, 348.0];
-const PITCH: [f64; 2] = [508.0, 468.0];
+const FIELD: [f64; 2] = [440.0, 312.0];
+const PITCH: [f64; 2] = [508.0, 424.0];
 const LEFT: f64 = 72.0;
 
 const PLAIN: Style<'static> = Style {
@@ -24,28 +24,40 @@ const PLAIN: Style<'static> = Style {
 pub(super) fn page(points: &[Point], command: &str) -> Drawing {
     let mut drawing = Drawing::new(SIZE);
     heading(&mut drawing, points);
-    let costs = points.iter().flat_map(|p| [p.seconds.low, p.seconds.high]);
-    let x = Axis::around(costs, [0.0, 1.0], 1.15);
-    let order = [
+    let film = [
         Measure::Normals,
         Measure::Wavelength,
         Measure::Amplitude,
         Measure::Onset,
         Measure::Gap,
     ];
-    for (i, measure) in order.into_iter().enumerate() {
-        let corner = corner(i);
-        let frame = [
-            corner[0],
-            corner[1],
-            corner[0] + FIELD[0],
-            corner[1] + FIELD[1],
-        ];
-        Panel::new(points, measure, frame, x).draw(&mut drawing);
-    }
+    let patch = [
+        Measure::PatchNormals,
+        Measure::PatchWavelength,
+        Measure::PatchAmplitude,
+    ];
+    row(&mut drawing, points, Problem::Film, (&film, 0));
+    row(&mut drawing, points, Problem::Patch, (&patch, 6));
     key(&mut drawing, corner(5), points);
     caption(&mut drawing, points, command);
     drawing
+}
+
+/// Panels from a cell on, with one axis of costs.
+fn row(
+    drawing: &mut Drawing,
+    points: &[Point],
+    problem: Problem,
+    (measures, first): (&[Measure], usize),
+) {
+    let own = points.iter().filter(|p| p.setting.problem == problem);
+    let costs = own.flat_map(|p| [p.seconds.low, p.seconds.high]);
+    let x = Axis::around(costs, [0.0, 1.0], 1.15);
+    for (i, &measure) in measures.iter().enumerate() {
+        let [left, top] = corner(first + i);
+        let frame = [left, top, left + FIELD[0], top + FIELD[1]];
+        Panel::new(points, measure, frame, x).draw(drawing);
+    }
 }
 
 fn corner(cell: usize) -> [f64; 2] {
@@ -127,7 +139,7 @@ fn key(drawing: &mut Drawing, [left, top]: [f64; 2], points: &[Point]) {
         (with("uniform", "minres"), 218.0, "MINRES; round: LDLᵀ"),
     ];
     for (method, shift, words) in marks {
-        mark_of(drawing, [left + 7.0 + shift, y - 5.0], &method, FAINT, 5.0);
+        mark(drawing, [left + 7.0 + shift, y - 5.0], &method, FAINT, 5.0);
         drawing.text([left + 18.0 + shift, y], words, PLAIN);
     }
     y += 24.0;
@@ -145,13 +157,7 @@ fn key(drawing: &mut Drawing, [left, top]: [f64; 2], points: &[Point]) {
     );
     drawing.text([left + 32.0, y], "Pareto line", PLAIN);
     let x = left + 132.0;
-    drawing.line(&[[x, y - 8.0], [x + 22.0, y - 8.0]], "#0072b2", 2.4, "");
-    drawing.line(
-        &[[x + 5.0, y - 3.0], [x + 11.0, y - 7.0], [x + 17.0, y - 3.0]],
-        "#0072b2",
-        1.4,
-        "",
-    );
+    promise_bar(drawing, [x + 12.0, y - 8.0]);
     drawing.text([x + 32.0, y], "promised", PLAIN);
     let x = left + 250.0;
     for [from, to] in [[-4.0, 4.0], [4.0, -4.0]] {
@@ -167,18 +173,22 @@ fn key(drawing: &mut Drawing, [left, top]: [f64; 2], points: &[Point]) {
     times(drawing, [left, y + 30.0], &ratios(points));
 }
 
-/// The default's errors beside what they may be.
+/// The default's errors beside what they may be; gives how far down it reaches.
 fn promises(drawing: &mut Drawing, [left, top]: [f64; 2], points: &[Point]) -> f64 {
     let bold = Style {
         size: 15.0,
         bold: true,
         ..PLAIN
     };
-    drawing.text(
-        [left, top],
-        "The default’s error, and what is promised",
-        bold,
-    );
+    let faint = Style {
+        colour: FAINT,
+        ..PLAIN
+    };
+    drawing.text([left, top], "The default’s error", bold);
+    let columns = [("standard", left + 180.0), ("fine", left + 320.0)];
+    for (name, x) in columns {
+        drawing.text([x, top], name, faint);
+    }
     let mut y = top;
     let all = acceptance(points);
     for measure in [
@@ -190,20 +200,20 @@ fn promises(drawing: &mut Drawing, [left, top]: [f64; 2], points: &[Point]) -> f
         y += 20.0;
         drawing.text([left, y], measure.name(), PLAIN);
         let own = all.iter().filter(|a| a.measure == measure);
-        for (column, (a, name)) in own.zip(["standard", "fine"]).enumerate() {
-            let x = left + 104.0 + 176.0 * column as f64;
-            let error = a.error.map_or("–".to_owned(), |e| measure.words(e));
-            let colour = if a.is_met() { INK } else { "#b00020" };
-            let style = Style {
-                colour,
-                bold: !a.is_met(),
-                ..PLAIN
-            };
+        for (promise, (_, x)) in own.zip(columns) {
+            let error = promise.error.map_or("–".to_owned(), |e| measure.words(e));
+            let colour = if promise.is_met() { INK } else { "#b00020" };
             drawing.text(
                 [x, y],
-                &format!("{name} {error} ≤ {:.1} %", 100.0 * a.accepted),
-                style,
+                &error,
+                Style {
+                    colour,
+                    bold: true,
+                    ..PLAIN
+                },
             );
+            let accepted = format!("of {:.1} %", 100.0 * promise.accepted);
+            drawing.text([x + 62.0, y], &accepted, faint);
         }
     }
     y
@@ -236,7 +246,7 @@ fn times(drawing: &mut Drawing, [left, top]: [f64; 2], ratios: &[Ratio]) {
             },
         );
         let text = format!(
-            "at its best, {} with {} points",
+            "at {} with {} points",
             ratio.measure.words(ratio.error),
             ratio.points
         );

@@ -5,7 +5,7 @@ use super::labels::Labels;
 use super::plan::{DEFAULT, Method, PAPERS, QUALITIES};
 use super::results::{Measure, Point};
 use super::svg::{Anchor, Drawing, Style};
-use super::verdict::{acceptance, curve, pareto};
+use super::verdict::{acceptance, curve, default_at, pareto};
 
 /// Of grid, secondary and primary text.
 pub(super) const GRID: &str = "#e6e6e6";
@@ -76,27 +76,34 @@ pub(super) struct Panel<'a> {
     y: Axis,
 }
 
+/// Degrees as they are, shares in per cent.
+fn scale(measure: Measure) -> f64 {
+    if measure.is_angle() { 1.0 } else { 100.0 }
+}
+
 fn title(measure: Measure) -> [&'static str; 2] {
     match measure {
-        Measure::Normals => ["Normal map", "RMS angle to the exact one, degrees"],
+        Measure::Normals => ["Normals", "RMS angle to the exact ones, degrees"],
         Measure::Wavelength => ["Wavelength", "of the first mode, error in %"],
         Measure::Amplitude => ["Amplitude", "at 2 and 4 critical strains, error in %"],
         Measure::Onset => ["Onset of wrinkling", "strain of the first mode, error in %"],
         Measure::Gap => ["Energy gap", "flat to wrinkled, error in %"],
+        Measure::PatchNormals => [
+            "Normals of the patch",
+            "RMS angle to a finer mesh’s, degrees",
+        ],
+        Measure::PatchWavelength => ["Wavelength of the patch", "against a finer mesh, in %"],
+        Measure::PatchAmplitude => ["Amplitude of the patch", "against a finer mesh, in %"],
     }
 }
 
 impl<'a> Panel<'a> {
     /// `x` is shared by all panels.
     pub(super) fn new(points: &'a [Point], measure: Measure, frame: [f64; 4], x: Axis) -> Self {
-        let scale = if measure == Measure::Normals {
-            1.0
-        } else {
-            100.0
-        };
+        let scale = scale(measure);
         let spreads = points.iter().filter_map(|point| point.errors.get(&measure));
         let values = spreads.flat_map(|s| [s.median, s.high]).map(|v| scale * v);
-        let least = if measure == Measure::Normals {
+        let least = if measure.is_angle() {
             0.0
         } else {
             100.0 * LEAST_SHARE
@@ -116,11 +123,7 @@ impl<'a> Panel<'a> {
     }
 
     fn height(&self, error: f64) -> f64 {
-        let scale = if self.measure == Measure::Normals {
-            1.0
-        } else {
-            100.0
-        };
+        let scale = scale(self.measure);
         self.y.place(scale * error)
     }
 
@@ -132,6 +135,9 @@ impl<'a> Panel<'a> {
                 labels.avoid(self.place(point, error), 3.0);
             }
         }
+        for method in lined() {
+            self.avoid_curve(&method, &mut labels);
+        }
         self.draw_failures(drawing, &mut labels);
         for point in self
             .points
@@ -140,7 +146,13 @@ impl<'a> Panel<'a> {
         {
             if let Some(error) = point.error(self.measure) {
                 let look = look(&point.setting.method);
-                mark(drawing, self.place(point, error), point, look.pale, 3.2);
+                mark(
+                    drawing,
+                    self.place(point, error),
+                    &point.setting.method,
+                    look.pale,
+                    3.2,
+                );
             }
         }
         let line: Vec<[f64; 2]> = pareto(self.points, self.measure)
@@ -217,13 +229,31 @@ impl<'a> Panel<'a> {
     /// Settings of which no run succeeded: crosses at the top, at their cost.
     fn draw_failures(&self, drawing: &mut Drawing, labels: &mut Labels) {
         let y = self.frame[1] + 9.0;
-        for point in self.points.iter().filter(|p| p.failed == p.runs) {
+        let of_problem = |p: &&Point| p.setting.problem == self.measure.problem();
+        let failed = self.points.iter().filter(|p| p.failed == p.runs);
+        for point in failed.filter(of_problem) {
             let x = self.x.place(point.seconds.median);
             let colour = look(&point.setting.method).colour;
             for [from, to] in [[-4.0, 4.0], [4.0, -4.0]] {
                 drawing.line(&[[x - 4.0, y + from], [x + 4.0, y + to]], colour, 1.8, "");
             }
             labels.avoid([x, y], 6.0);
+        }
+    }
+
+    /// Keeps labels off a line, every few pixels of it.
+    fn avoid_curve(&self, method: &Method, labels: &mut Labels) {
+        let curve = curve(self.points, *method, self.measure);
+        let places: Vec<_> = curve
+            .iter()
+            .map(|(p, error)| self.place(p, *error))
+            .collect();
+        for ends in places.windows(2) {
+            for step in 0..=20 {
+                let share = f64::from(step) / 20.0;
+                let at = [0, 1].map(|i| ends[0][i] + share * (ends[1][i] - ends[0][i]));
+                labels.avoid(at, 2.0);
+            }
         }
     }
 
@@ -253,28 +283,20 @@ impl<'a> Panel<'a> {
             mark(
                 drawing,
                 self.place(point, *error),
-                point,
+                &point.setting.method,
                 look.colour,
                 radius,
             );
         }
     }
 
-    /// What the default promises at its qualities: bars that its whiskers should end below.
+    /// What the default promises at its qualities: bars that its marks have to be below.
     fn draw_promises(&self, drawing: &mut Drawing) {
         let own = acceptance(self.points);
         for promise in own.iter().filter(|promise| promise.measure == self.measure) {
-            let is_it =
-                |p: &&Point| p.setting.method == DEFAULT && p.setting.points == promise.points;
+            let is_it = |p: &&Point| p.setting == default_at(promise.points, self.measure);
             if let Some(point) = self.points.iter().find(is_it) {
-                let [x, y] = self.place(point, promise.accepted);
-                drawing.line(&[[x - 11.0, y], [x + 11.0, y]], "#0072b2", 2.4, "");
-                drawing.line(
-                    &[[x - 6.0, y + 5.0], [x, y + 1.0], [x + 6.0, y + 5.0]],
-                    "#0072b2",
-                    1.4,
-                    "",
-                );
+                promise_bar(drawing, self.place(point, promise.accepted));
             }
         }
     }
@@ -320,14 +342,16 @@ fn is_quality(point: &Point) -> bool {
     point.setting.method == DEFAULT && is_named
 }
 
-/// Round if factorised, square if iterated; hollow on a uniform mesh.
-pub(super) fn mark(drawing: &mut Drawing, at: [f64; 2], point: &Point, colour: &str, radius: f64) {
-    let method = &point.setting.method;
-    mark_of(drawing, at, method, colour, radius);
+/// A bar with teeth towards what is allowed.
+pub(super) fn promise_bar(drawing: &mut Drawing, [x, y]: [f64; 2]) {
+    drawing.line(&[[x - 12.0, y], [x + 12.0, y]], "#0072b2", 2.6, "");
+    for tooth in [-8.0, 0.0, 8.0] {
+        drawing.line(&[[x + tooth, y], [x + tooth, y + 6.0]], "#0072b2", 1.4, "");
+    }
 }
 
-/// The mark of a method.
-pub(super) fn mark_of(
+/// The mark of a method: round if factorised, square if iterated; hollow on a uniform mesh.
+pub(super) fn mark(
     drawing: &mut Drawing,
     at: [f64; 2],
     method: &Method,

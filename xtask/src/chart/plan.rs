@@ -23,9 +23,28 @@ pub(super) struct Method {
     pub(super) solver: &'static str,
 }
 
-/// A method at a resolution.
+/// What is simulated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Problem {
+    /// A film compressed evenly, against theory.
+    Film,
+    /// A patch of skin compressed in its middle, through the product, against a finer mesh.
+    Patch,
+}
+
+impl Problem {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Film => "film",
+            Self::Patch => "patch",
+        }
+    }
+}
+
+/// A method at a resolution, on a problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Setting {
+    pub(super) problem: Problem,
     pub(super) method: Method,
     /// Edges per wavelength.
     pub(super) points: u32,
@@ -37,6 +56,8 @@ pub(super) struct Run {
     pub(super) setting: Setting,
     pub(super) seed: u64,
     pub(super) limit_s: f64,
+    /// Resolution of what a patch is compared with.
+    pub(super) reference_points: Option<u32>,
 }
 
 const fn method(
@@ -88,6 +109,9 @@ const FACTORISED: [Method; 14] = [
 /// How many of them a quick chart has.
 const QUICK_METHODS: usize = 5;
 
+/// How many of them are tried on the patch.
+const PATCH_METHODS: usize = 5;
+
 /// Methods that are iterated beside the papers' own, at two resolutions: MINRES takes minutes, and
 /// with a foundation, which buckles in the middle of the way, it finds no wrinkles at all.
 const ITERATED: [Method; 4] = [
@@ -98,56 +122,94 @@ const ITERATED: [Method; 4] = [
 ];
 const ITERATED_POINTS: [u32; 2] = [6, 12];
 
-/// All runs, one seed after another, so that a chart of the first seeds is whole.
+/// All runs: first those of the quick chart, seed after seed, so that it is whole early, then the
+/// rest.
 pub(super) fn runs(quick: bool) -> Vec<Run> {
     let (seeds, limit_s) = match quick {
         true => (QUICK_SEEDS, QUICK_LIMIT_S),
         false => (SEEDS, LIMIT_S),
     };
-    let settings = settings(quick);
-    let of_seed = |seed| {
-        settings.iter().map(move |&setting| Run {
-            setting,
-            seed,
-            limit_s,
-        })
-    };
-    (1..=seeds).flat_map(of_seed).collect()
+    let first = settings(true);
+    let rest = settings(quick).into_iter();
+    let rest: Vec<Setting> = rest.filter(|setting| !first.contains(setting)).collect();
+    let mut runs = Vec::new();
+    for settings in [first, rest] {
+        for seed in 1..=seeds {
+            runs.extend(settings.iter().map(|&setting| Run {
+                setting,
+                seed,
+                limit_s,
+                reference_points: match setting.problem {
+                    Problem::Film => None,
+                    Problem::Patch => Some(reference_points(quick)),
+                },
+            }));
+        }
+    }
+    runs
 }
 
 fn settings(quick: bool) -> Vec<Setting> {
     let mut settings = Vec::new();
-    let mut add = |method: &Method, points: &[u32]| {
+    let mut add = |problem: Problem, method: &Method, points: &[u32]| {
         settings.extend(points.iter().map(|&points| Setting {
+            problem,
             method: *method,
             points,
         }));
     };
     if quick {
         // The default up to the fine quality, the others as far as the time allows.
-        for method in &FACTORISED[..QUICK_METHODS] {
-            let count = if *method == DEFAULT { 6 } else { 4 };
-            add(method, &POINTS[..count]);
+        for (problem, count) in [(Problem::Film, QUICK_METHODS), (Problem::Patch, 3)] {
+            for method in &FACTORISED[..count] {
+                let count = if *method == DEFAULT { 6 } else { 4 };
+                add(problem, method, &POINTS[..count]);
+            }
         }
-        add(&PAPERS, &POINTS[..4]);
+        add(Problem::Film, &PAPERS, &POINTS[..4]);
+        add(Problem::Patch, &PAPERS, &POINTS[1..2]);
         return settings;
     }
-    for method in &FACTORISED {
-        add(method, &POINTS);
+    for (problem, count) in [
+        (Problem::Film, FACTORISED.len()),
+        (Problem::Patch, PATCH_METHODS),
+    ] {
+        for method in &FACTORISED[..count] {
+            add(problem, method, &POINTS);
+        }
     }
-    add(&PAPERS, &POINTS);
+    add(Problem::Film, &PAPERS, &POINTS);
+    add(Problem::Patch, &PAPERS, &ITERATED_POINTS);
     for method in &ITERATED {
-        add(method, &ITERATED_POINTS);
+        add(Problem::Film, method, &ITERATED_POINTS);
     }
     settings
+}
+
+/// What patches are compared with: an even mesh, finer than any; as fine as the finest in a quick chart.
+pub(super) fn reference(quick: bool) -> Run {
+    Run {
+        setting: Setting {
+            problem: Problem::Patch,
+            method: method("hybrid", "quadrature", "uniform", "ldlt"),
+            points: reference_points(quick),
+        },
+        seed: 1,
+        limit_s: 1200.0,
+        reference_points: None,
+    }
+}
+
+const fn reference_points(quick: bool) -> u32 {
+    if quick { 24 } else { 32 }
 }
 
 impl Run {
     /// What the measuring program is asked.
     pub(super) fn request(&self) -> Value {
         let method = &self.setting.method;
-        json!({
-            "problem": "film",
+        let mut request = json!({
+            "problem": self.setting.problem.name(),
             "points": f64::from(self.setting.points),
             "coupling": method.coupling,
             "sampling": method.sampling,
@@ -156,7 +218,11 @@ impl Run {
             "solver": method.solver,
             "seed": self.seed,
             "limit_s": self.limit_s,
-        })
+        });
+        if let Some(points) = self.reference_points {
+            request["reference_points"] = f64::from(points).into();
+        }
+        request
     }
 }
 
@@ -201,7 +267,11 @@ mod tests {
     #[test]
     fn default_and_papers_are_measured_at_every_quality() {
         let has = |quick: bool, method: Method, points: u32| {
-            let wanted = Setting { method, points };
+            let wanted = Setting {
+                problem: Problem::Film,
+                method,
+                points,
+            };
             runs(quick).iter().any(|run| run.setting == wanted)
         };
         for (_, points) in QUALITIES {

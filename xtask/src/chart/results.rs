@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 
-use super::plan::{Method, Run, Setting};
+use super::plan::{Method, Problem, Run, Setting};
 
 /// What is compared with the known film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -16,16 +16,34 @@ pub(super) enum Measure {
     Amplitude,
     Onset,
     Gap,
+    PatchNormals,
+    PatchWavelength,
+    PatchAmplitude,
 }
 
 impl Measure {
-    pub(super) const ALL: [Self; 5] = [
+    pub(super) const ALL: [Self; 8] = [
         Self::Normals,
         Self::Wavelength,
         Self::Amplitude,
         Self::Onset,
         Self::Gap,
+        Self::PatchNormals,
+        Self::PatchWavelength,
+        Self::PatchAmplitude,
     ];
+
+    pub(super) fn problem(self) -> Problem {
+        match self {
+            Self::PatchNormals | Self::PatchWavelength | Self::PatchAmplitude => Problem::Patch,
+            _ => Problem::Film,
+        }
+    }
+
+    /// Whether it is measured in degrees; else it is a share.
+    pub(super) fn is_angle(self) -> bool {
+        matches!(self, Self::Normals | Self::PatchNormals)
+    }
 
     /// In tables.
     pub(super) fn name(self) -> &'static str {
@@ -35,6 +53,9 @@ impl Measure {
             Self::Amplitude => "amplitude",
             Self::Onset => "onset",
             Self::Gap => "gap",
+            Self::PatchNormals => "patch-normals",
+            Self::PatchWavelength => "patch-wavelength",
+            Self::PatchAmplitude => "patch-amplitude",
         }
     }
 
@@ -46,6 +67,9 @@ impl Measure {
             Self::Amplitude => &["amplitude-2", "amplitude-4"],
             Self::Onset => &["onset"],
             Self::Gap => &["gap"],
+            Self::PatchNormals => &["patch-normals"],
+            Self::PatchWavelength => &["patch-wavelength"],
+            Self::PatchAmplitude => &["patch-amplitude"],
         }
     }
 
@@ -56,9 +80,9 @@ impl Measure {
 
     /// An error for people: degrees, or per cent.
     pub(super) fn words(self, error: f64) -> String {
-        match self {
-            Self::Normals => format!("{error:.2}°"),
-            _ => format!("{:.2} %", 100.0 * error),
+        match self.is_angle() {
+            true => format!("{error:.2}°"),
+            false => format!("{:.2} %", 100.0 * error),
         }
     }
 }
@@ -134,7 +158,7 @@ pub(super) fn points(runs: &[Run], lines: &[Value]) -> Vec<Point> {
     settings.iter().filter_map(point).collect()
 }
 
-type Key<'a> = ([&'a str; 5], u32);
+type Key<'a> = ([&'a str; 6], u32);
 
 fn setting_key(setting: Setting) -> Key<'static> {
     let Method {
@@ -144,12 +168,24 @@ fn setting_key(setting: Setting) -> Key<'static> {
         mesh,
         solver,
     } = setting.method;
-    ([coupling, sampling, bending, mesh, solver], setting.points)
+    (
+        [
+            setting.problem.name(),
+            coupling,
+            sampling,
+            bending,
+            mesh,
+            solver,
+        ],
+        setting.points,
+    )
 }
 
 fn request_of(line: &Value) -> Option<Key<'_>> {
     let request = &line["request"];
-    let names = ["coupling", "sampling", "bending", "mesh", "solver"];
+    let names = [
+        "problem", "coupling", "sampling", "bending", "mesh", "solver",
+    ];
     let words = names.map(|name| request[name].as_str().unwrap_or_default());
     Some((words, request["points"].as_f64()? as u32))
 }
@@ -217,9 +253,14 @@ pub(super) mod tests {
 
     fn run(method: Method, seed: u64) -> Run {
         Run {
-            setting: Setting { method, points: 12 },
+            setting: Setting {
+                problem: Problem::Film,
+                method,
+                points: 12,
+            },
             seed,
             limit_s: 60.0,
+            reference_points: None,
         }
     }
 

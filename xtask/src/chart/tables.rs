@@ -10,7 +10,7 @@ use super::verdict::{acceptance, distance_from_pareto, ratios};
 /// for normals.
 pub(super) fn csv(points: &[Point]) -> String {
     let mut header =
-        "points_per_wavelength,coupling,sampling,bending,mesh,solver,runs,failed,vertices,\
+        "problem,points_per_wavelength,coupling,sampling,bending,mesh,solver,runs,failed,vertices,\
                       seconds_per_frame,seconds_low,seconds_high,seconds_per_thousand_vertices"
             .to_owned();
     for measure in Measure::ALL {
@@ -21,6 +21,7 @@ pub(super) fn csv(points: &[Point]) -> String {
     for point in points {
         let method = &point.setting.method;
         let mut cells = vec![
+            point.setting.problem.name().to_owned(),
             point.setting.points.to_string(),
             method.coupling.to_owned(),
             method.sampling.to_owned(),
@@ -62,6 +63,7 @@ pub(super) fn json(points: &[Point]) -> Value {
             .map(|(measure, s)| (measure.name().to_owned(), spread(s)))
             .collect();
         json!({
+            "problem": point.setting.problem.name(),
             "points_per_wavelength": point.setting.points,
             "coupling": method.coupling,
             "sampling": method.sampling,
@@ -83,6 +85,7 @@ pub(super) fn json(points: &[Point]) -> Value {
             "measure": r.measure.name(), "ratio": r.value(), "is_lower_bound": r.is_bound,
             "error": r.error, "papers_points_per_wavelength": r.points,
             "papers_seconds": r.seconds[0], "default_seconds": r.seconds[1],
+            "papers_resolutions_more_accurate_than_any_default": r.unreached,
         })
     });
     let acceptance = acceptance(points);

@@ -1,6 +1,6 @@
 //! What the points say: which are best, what the papers' way costs, whether the default is accurate.
 
-use super::plan::{DEFAULT, Method, PAPERS, QUALITIES};
+use super::plan::{DEFAULT, Method, PAPERS, QUALITIES, Setting};
 use super::results::{Measure, Point};
 
 /// Largest median errors that the default may have, by points per wavelength; normals are not
@@ -42,19 +42,22 @@ impl Acceptance {
     }
 }
 
-/// What a method costs over what the default costs with the same error.
+/// What the papers' way costs over what the default costs with the same error, at the resolution
+/// that suits the papers best.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ratio {
     pub(super) measure: Measure,
-    /// Points per wavelength at which the method is most accurate.
+    /// That resolution, in points per wavelength.
     pub(super) points: u32,
-    /// Its error there.
+    /// The papers' error there.
     pub(super) error: f64,
-    /// Seconds per frame, the method's and the default's.
+    /// Seconds per frame, the papers' and the default's.
     pub(super) seconds: [f64; 2],
     /// Whether the default is more accurate even where it is coarsest, so that the true ratio is
     /// greater.
     pub(super) is_bound: bool,
+    /// Resolutions at which the papers' way is more accurate than the default at any.
+    pub(super) unreached: usize,
 }
 
 impl Ratio {
@@ -114,27 +117,44 @@ fn seconds_for(curve: &[(&Point, f64)], error: f64) -> Option<f64> {
     None
 }
 
-/// The default against the papers' way, at the resolution where that is most accurate.
+/// The default against the papers' way, where both were measured.
 pub(super) fn ratios(points: &[Point]) -> Vec<Ratio> {
-    let ratio = |&measure: &Measure| {
-        let papers = curve(points, PAPERS, measure);
-        let best = papers.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let of = |&measure: &Measure| {
         let default = curve(points, DEFAULT, measure);
+        let papers = curve(points, PAPERS, measure);
+        let ratio = |&(point, error): &(&Point, f64)| {
+            Some(Ratio {
+                measure,
+                points: point.setting.points,
+                error,
+                seconds: [point.seconds.median, seconds_for(&default, error)?],
+                is_bound: default.first()?.1 <= error,
+                unreached: 0,
+            })
+        };
+        let all: Vec<Ratio> = papers.iter().filter_map(ratio).collect();
+        let least = all.iter().min_by(|a, b| a.value().total_cmp(&b.value()))?;
         Some(Ratio {
-            measure,
-            points: best.0.setting.points,
-            error: best.1,
-            seconds: [best.0.seconds.median, seconds_for(&default, best.1)?],
-            is_bound: default.first()?.1 <= best.1,
+            unreached: papers.len() - all.len(),
+            ..*least
         })
     };
-    Measure::ALL.iter().filter_map(ratio).collect()
+    Measure::ALL.iter().filter_map(of).collect()
+}
+
+/// The default at a resolution, on the problem of a measure.
+pub(super) fn default_at(points: u32, measure: Measure) -> Setting {
+    Setting {
+        problem: measure.problem(),
+        method: DEFAULT,
+        points,
+    }
 }
 
 /// What was promised of the default, kept or not.
 pub(super) fn acceptance(points: &[Point]) -> Vec<Acceptance> {
     let promise = |resolution: u32, (measure, accepted): (Measure, f64)| {
-        let is_it = |p: &&Point| p.setting.method == DEFAULT && p.setting.points == resolution;
+        let is_it = |p: &&Point| p.setting == default_at(resolution, measure);
         Acceptance {
             points: resolution,
             measure,
@@ -183,8 +203,14 @@ pub(super) fn text(points: &[Point]) -> String {
     ));
     let ratios = ratios(points);
     for r in &ratios {
+        let unreached = match r.unreached {
+            0 => String::new(),
+            count => format!(
+                "; at {count} of its resolutions it is more accurate than the default at any"
+            ),
+        };
         lines.push(format!(
-            "  {:<10} {}{:.0} x: {} at {} points takes the papers' way {:.3} s per frame, the default {:.4} s",
+            "  {:<16} {}{:.1} x: {} at {} points in {:.3} s per frame, the default in {:.4} s{unreached}",
             r.measure.name(),
             if r.is_bound { "more than " } else { "" },
             r.value(),
@@ -201,7 +227,7 @@ pub(super) fn text(points: &[Point]) -> String {
         ));
     }
     lines.push(
-        "  (at the papers' most accurate resolution; the default's cost by a straight line of\n  \
+        "  (at the resolution that suits the papers best; the default's cost by a straight line of\n  \
          logarithms between its two nearest resolutions; `more than`: its coarsest mesh has a smaller\n  \
          error already)\n\nCost of the default over the cheapest way to be as accurate (1: on the Pareto line):"
             .to_owned(),
@@ -213,14 +239,15 @@ pub(super) fn text(points: &[Point]) -> String {
             format!("{name} {distance:>6}")
         };
         let all = QUALITIES.map(of_quality).join("   ");
-        lines.push(format!("  {:<10} {all}", measure.name()));
+        lines.push(format!("  {:<16} {all}", measure.name()));
     }
     lines.push("\nRuns that failed:".to_owned());
     for point in points.iter().filter(|point| point.failed > 0) {
         lines.push(format!(
-            "  {} of {}  {} at {} points: {}",
+            "  {} of {}  {}: {} at {} points: {}",
             point.failed,
             point.runs,
+            point.setting.problem.name(),
             point.setting.method.words(),
             point.setting.points,
             point.failures[0],
@@ -231,7 +258,7 @@ pub(super) fn text(points: &[Point]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::plan::Setting;
+    use super::super::plan::Problem;
     use super::super::results::Spread;
     use super::*;
 
@@ -242,7 +269,11 @@ mod tests {
             high: value,
         };
         Point {
-            setting: Setting { method, points },
+            setting: Setting {
+                problem: Problem::Film,
+                method,
+                points,
+            },
             runs: 5,
             failed: 0,
             failures: Vec::new(),
@@ -265,11 +296,16 @@ mod tests {
     #[test]
     fn equal_error_is_found_between_resolutions() {
         let mut points = default_curve();
-        points.push(point(PAPERS, 6, 2.0, 0.3));
         points.push(point(PAPERS, 12, 8.0, 0.08));
         for ratio in ratios(&points) {
             assert_eq!((ratio.points, ratio.is_bound), (12, false));
             assert!((ratio.value() - 40.0).abs() < 1e-9);
+        }
+        points.push(point(PAPERS, 6, 2.0, 0.3));
+        for ratio in ratios(&points) {
+            // What suits the papers best counts.
+            assert_eq!((ratio.points, ratio.is_bound), (6, true));
+            assert!((ratio.value() - 20.0).abs() < 1e-9);
         }
     }
 
@@ -281,6 +317,8 @@ mod tests {
         assert!(ratio.is_bound && (ratio.value() - 80.0).abs() < 1e-9);
         // And what it cannot reach at all gives nothing.
         points.push(point(PAPERS, 24, 80.0, 0.001));
+        assert_eq!(ratios(&points)[0].unreached, 1);
+        points.retain(|p| p.setting.method == DEFAULT || p.setting.points == 24);
         assert!(ratios(&points).is_empty());
     }
 
