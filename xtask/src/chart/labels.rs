@@ -18,38 +18,35 @@ impl Labels {
             .push([x - radius, y - radius, x + radius, y + radius]);
     }
 
-    /// Writes a text beside a point: at the first of eight places around it, near before far, that
-    /// is inside of `frame` (left, top, right, bottom) and covers least.
+    /// Writes a text beside one of some points: at the first of eight places around each, near before
+    /// far, that is inside of `frame` (left, top, right, bottom) and covers least.
     pub(super) fn write(
         &mut self,
         drawing: &mut Drawing,
-        [x, y]: [f64; 2],
+        points: &[[f64; 2]],
         text: &str,
         style: Style,
         frame: [f64; 4],
     ) {
         let width = LETTER * style.size * text.chars().count() as f64;
         let mut best: Option<(f64, [f64; 2], [f64; 4], Anchor)> = None;
-        for gap in [9.0, 16.0, 26.0] {
-            for (dx, dy, anchor) in AROUND {
-                let at = [x + gap * dx, y + gap * dy + 0.36 * style.size];
-                let left = match anchor {
-                    Anchor::Start => at[0],
-                    Anchor::Middle => at[0] - 0.5 * width,
-                    Anchor::End => at[0] - width,
-                };
-                let area = [
-                    left,
-                    at[1] - 0.85 * style.size,
-                    left + width,
-                    at[1] + 0.2 * style.size,
-                ];
-                let outside = excess(area, frame);
-                let covered: f64 = self.taken.iter().map(|other| overlap(area, *other)).sum();
-                let cost = covered + 50.0 * outside + 0.3 * gap;
-                if best.is_none_or(|(least, ..)| cost < least) {
-                    best = Some((cost, at, area, anchor));
-                }
+        let around = points.iter().flat_map(|point| {
+            let gaps = [9.0, 16.0, 26.0].into_iter();
+            gaps.flat_map(move |gap| AROUND.map(|direction| (*point, gap, direction)))
+        });
+        for ([x, y], gap, (dx, dy, anchor)) in around {
+            let at = [x + gap * dx, y + gap * dy + 0.36 * style.size];
+            let left = match anchor {
+                Anchor::Start => at[0],
+                Anchor::Middle => at[0] - 0.5 * width,
+                Anchor::End => at[0] - width,
+            };
+            let size = style.size;
+            let area = [left, at[1] - 0.85 * size, left + width, at[1] + 0.2 * size];
+            let covered: f64 = self.taken.iter().map(|other| overlap(area, *other)).sum();
+            let cost = covered + 50.0 * excess(area, frame) + 0.3 * gap;
+            if best.is_none_or(|(least, ..)| cost < least) {
+                best = Some((cost, at, area, anchor));
             }
         }
         if let Some((_, at, area, anchor)) = best {
@@ -101,7 +98,7 @@ mod tests {
         for text in ["one", "two", "three", "four"] {
             labels.write(
                 &mut drawing,
-                [100.0, 100.0],
+                &[[100.0, 100.0]],
                 text,
                 style,
                 [0.0, 0.0, 200.0, 200.0],
@@ -126,7 +123,7 @@ mod tests {
             bold: false,
         };
         let frame = [0.0, 0.0, 200.0, 200.0];
-        labels.write(&mut drawing, [195.0, 100.0], "to the left", style, frame);
+        labels.write(&mut drawing, &[[195.0, 100.0]], "to the left", style, frame);
         assert_eq!(excess(labels.taken[0], frame), 0.0);
     }
 }

@@ -10,8 +10,10 @@ mod plan;
 mod results;
 mod tables;
 mod verdict;
+mod words;
 
 mod axis;
+mod key;
 mod labels;
 mod page;
 mod panel;
@@ -57,7 +59,7 @@ pub(crate) fn redraw(wanted: &Wanted) -> Outcome {
     let page = page::page(&points, command);
     fs::write(folder.join("chart.svg"), page.svg())?;
     fs::write(folder.join("chart.png"), page.png(SCALE)?)?;
-    print!("\n{}", verdict::text(&points));
+    print!("\n{}", words::words(&points));
     println!("\nChart and tables are in {}", folder.display());
     Ok(ExitCode::SUCCESS)
 }

@@ -159,12 +159,11 @@ impl<'a> Panel<'a> {
             .iter()
             .map(|(point, error)| self.place(point, *error))
             .collect();
-        drawing.line(&line, "#000000", 8.0, "");
-        drawing.line(&line, "#ffe680", 6.0, "");
+        pareto_line(drawing, &line);
         for method in lined() {
             self.draw_curve(drawing, &method);
         }
-        self.draw_promises(drawing);
+        self.draw_promises(drawing, &mut labels);
         self.draw_names(drawing, &mut labels);
     }
 
@@ -234,9 +233,7 @@ impl<'a> Panel<'a> {
         for point in failed.filter(of_problem) {
             let x = self.x.place(point.seconds.median);
             let colour = look(&point.setting.method).colour;
-            for [from, to] in [[-4.0, 4.0], [4.0, -4.0]] {
-                drawing.line(&[[x - 4.0, y + from], [x + 4.0, y + to]], colour, 1.8, "");
-            }
+            cross(drawing, [x, y], colour);
             labels.avoid([x, y], 6.0);
         }
     }
@@ -291,12 +288,14 @@ impl<'a> Panel<'a> {
     }
 
     /// What the default promises at its qualities: bars that its marks have to be below.
-    fn draw_promises(&self, drawing: &mut Drawing) {
+    fn draw_promises(&self, drawing: &mut Drawing, labels: &mut Labels) {
         let own = acceptance(self.points);
         for promise in own.iter().filter(|promise| promise.measure == self.measure) {
             let is_it = |p: &&Point| p.setting == default_at(promise.points, self.measure);
             if let Some(point) = self.points.iter().find(is_it) {
-                promise_bar(drawing, self.place(point, promise.accepted));
+                let place = self.place(point, promise.accepted);
+                promise_bar(drawing, place);
+                labels.avoid(place, 10.0);
             }
         }
     }
@@ -310,26 +309,29 @@ impl<'a> Panel<'a> {
         };
         let default = curve(self.points, DEFAULT, self.measure);
         for (name, quality) in QUALITIES {
-            if let Some((point, error)) = default.iter().find(|(p, _)| p.setting.points == quality)
-            {
-                let at = self.place(point, *error);
-                labels.write(drawing, at, &format!("{name} {quality}"), style, self.frame);
+            let is_it = |own: &&(&Point, f64)| own.0.setting.points == quality;
+            if let Some((point, error)) = default.iter().find(is_it) {
+                let at = [self.place(point, *error)];
+                labels.write(
+                    drawing,
+                    &at,
+                    &format!("{name} {quality}"),
+                    style,
+                    self.frame,
+                );
             }
         }
         for method in lined().iter().rev() {
             let look = look(method);
             let curve = curve(self.points, *method, self.measure);
-            let end = if *method == DEFAULT {
-                curve.first()
-            } else {
-                curve.last()
-            };
-            if let (Some((point, error)), Some(name)) = (end, look.name) {
+            let places = curve.iter().rev().map(|(p, error)| self.place(p, *error));
+            let places: Vec<_> = places.collect();
+            if let Some(name) = look.name {
                 let style = Style {
                     colour: look.colour,
                     ..style
                 };
-                labels.write(drawing, self.place(point, *error), name, style, self.frame);
+                labels.write(drawing, &places, name, style, self.frame);
             }
         }
     }
@@ -340,6 +342,20 @@ fn is_quality(point: &Point) -> bool {
         .iter()
         .any(|quality| quality.1 == point.setting.points);
     point.setting.method == DEFAULT && is_named
+}
+
+/// Where every run failed.
+pub(super) fn cross(drawing: &mut Drawing, [x, y]: [f64; 2], colour: &str) {
+    for [from, to] in [[-4.0, 4.0], [4.0, -4.0]] {
+        let stroke = [[x - 4.0, y + from], [x + 4.0, y + to]];
+        drawing.line(&stroke, colour, 1.8, "");
+    }
+}
+
+/// A yellow band with a rim, so that it is seen under lines and without colours.
+pub(super) fn pareto_line(drawing: &mut Drawing, line: &[[f64; 2]]) {
+    drawing.line(line, "#000000", 8.0, "");
+    drawing.line(line, "#ffe680", 6.0, "");
 }
 
 /// A bar with teeth towards what is allowed.

@@ -201,7 +201,7 @@ pub(super) fn reference(quick: bool) -> Run {
 }
 
 const fn reference_points(quick: bool) -> u32 {
-    if quick { 24 } else { 32 }
+    if quick { 24 } else { 28 }
 }
 
 impl Run {

@@ -1,6 +1,6 @@
 //! What the points say: which are best, what the papers' way costs, whether the default is accurate.
 
-use super::plan::{DEFAULT, Method, PAPERS, QUALITIES, Setting};
+use super::plan::{DEFAULT, Method, PAPERS, Setting};
 use super::results::{Measure, Point};
 
 /// Largest median errors that the default may have, by points per wavelength; normals are not
@@ -179,81 +179,6 @@ pub(super) fn distance_from_pareto(
     let best = pareto(points, measure);
     let cheapest = best.iter().find(|(_, reached)| reached <= error)?;
     Some(point.seconds.median / cheapest.0.seconds.median)
-}
-
-/// All of it, for people.
-pub(super) fn text(points: &[Point]) -> String {
-    let mut lines =
-        vec!["The default against the film that is known, median of the seeds:".to_owned()];
-    for a in acceptance(points) {
-        let error = a
-            .error
-            .map_or("not measured".to_owned(), |e| a.measure.words(e));
-        let mark = if a.is_met() { "kept" } else { "MISSED" };
-        lines.push(format!(
-            "  {:>2} points  {:<10} {error:>12}, promised {:<7} {mark}",
-            a.points,
-            a.measure.name(),
-            a.measure.words(a.accepted),
-        ));
-    }
-    lines.push(format!(
-        "\nThe papers' way ({}) over the default, in cost at equal error:",
-        PAPERS.words()
-    ));
-    let ratios = ratios(points);
-    for r in &ratios {
-        let unreached = match r.unreached {
-            0 => String::new(),
-            count => format!(
-                "; at {count} of its resolutions it is more accurate than the default at any"
-            ),
-        };
-        lines.push(format!(
-            "  {:<16} {}{:.1} x: {} at {} points in {:.3} s per frame, the default in {:.4} s{unreached}",
-            r.measure.name(),
-            if r.is_bound { "more than " } else { "" },
-            r.value(),
-            r.measure.words(r.error),
-            r.points,
-            r.seconds[0],
-            r.seconds[1],
-        ));
-    }
-    if let Some(least) = ratios.iter().map(Ratio::value).min_by(f64::total_cmp) {
-        let verdict = if least >= 5.0 { "holds" } else { "FAILS" };
-        lines.push(format!(
-            "  least {least:.1} x; `at least 5 times cheaper` {verdict}"
-        ));
-    }
-    lines.push(
-        "  (at the resolution that suits the papers best; the default's cost by a straight line of\n  \
-         logarithms between its two nearest resolutions; `more than`: its coarsest mesh has a smaller\n  \
-         error already)\n\nCost of the default over the cheapest way to be as accurate (1: on the Pareto line):"
-            .to_owned(),
-    );
-    for measure in Measure::ALL {
-        let of_quality = |(name, quality): (&str, u32)| {
-            let distance = distance_from_pareto(points, measure, quality);
-            let distance = distance.map_or("-".to_owned(), |d| format!("{d:.2}"));
-            format!("{name} {distance:>6}")
-        };
-        let all = QUALITIES.map(of_quality).join("   ");
-        lines.push(format!("  {:<16} {all}", measure.name()));
-    }
-    lines.push("\nRuns that failed:".to_owned());
-    for point in points.iter().filter(|point| point.failed > 0) {
-        lines.push(format!(
-            "  {} of {}  {}: {} at {} points: {}",
-            point.failed,
-            point.runs,
-            point.setting.problem.name(),
-            point.setting.method.words(),
-            point.setting.points,
-            point.failures[0],
-        ));
-    }
-    lines.join("\n") + "\n"
 }
 
 #[cfg(test)]
