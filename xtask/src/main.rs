@@ -33,7 +33,8 @@ usage: cargo xtask TASK
                and few load steps
   chart [DIR] [--quick]
                measure speed against accuracy and draw the chart into DIR
-               [default: target/chart]; goes on where an earlier run ended;
+               [default: target/chart]; goes on where an earlier run ended,
+               so measure changed code into another folder;
                --quick takes fewer and coarser runs, in five minutes;
                chart --redraw [DIR] [--quick] draws what there is
   picture DIR  shade the maps that `ruga bake assets/forearm/scene.toml -o DIR` left in DIR

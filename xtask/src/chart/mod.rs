@@ -1,9 +1,10 @@
 //! `chart`: speed against accuracy, measured and drawn.
 //!
 //! Every combination of resolution, coupling, sampling, mesh and solver that makes sense is run by
-//! `tests/examples/measure_chart` on a film whose wrinkles are known. Runs are kept in `runs.jsonl`,
-//! and a later chart into the same folder goes on from there; what they say together is in
-//! `chart.csv`, `chart.json` and the page `chart.svg` and `chart.png`.
+//! `tests/examples/measure_chart`: on a film whose wrinkles are known, and some of them on a patch
+//! through the product. Runs are kept in `runs.jsonl`, and a later chart into the same folder goes on
+//! from there, so a changed solver wants a new folder. What they say together is in `chart.csv`,
+//! `chart.json` and the page `chart.svg` and `chart.png`.
 
 mod measure;
 mod plan;
