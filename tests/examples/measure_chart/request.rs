@@ -26,9 +26,6 @@ pub(crate) struct Request {
     pub(crate) seed: u64,
     /// Seconds of the processor after which the run counts as failed.
     pub(crate) limit_s: f64,
-    /// Resolution of what a patch is compared with; told back only.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) reference_points: Option<f64>,
     /// What a patch is compared with: the answer to the same question at a finer resolution. A patch
     /// without one is a reference itself.
     #[serde(default, skip_serializing)]

@@ -1,5 +1,8 @@
 //! Logarithmic axes.
 
+/// Numbers that fit beside an axis.
+const MOST_LABELS: usize = 12;
+
 /// A range of positive values along a stretch of the page.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Axis {
@@ -52,13 +55,11 @@ impl Axis {
             .collect()
     }
 
-    /// Ticks that carry a number: powers of ten, or all where there are fewer than two of these.
+    /// Ticks that carry a number: all where they are few, else powers of ten.
     pub(super) fn labelled(&self) -> Vec<f64> {
         let ticks = self.ticks();
-        let powers = ticks.iter().filter(|tick| tick.1).count();
-        let labelled = ticks
-            .iter()
-            .filter(|tick| powers > 1 || tick.1 || powers == 0 || ticks.len() < 7);
+        let are_few = ticks.len() <= MOST_LABELS;
+        let labelled = ticks.iter().filter(|tick| are_few || tick.1);
         labelled.map(|tick| tick.0).collect()
     }
 }
@@ -73,8 +74,9 @@ mod tests {
         for (value, place) in [(0.1, 0.0), (1.0, 50.0), (10.0, 100.0), (0.001, 0.0)] {
             assert!((axis.place(value) - place).abs() < 1e-9);
         }
-        assert_eq!(axis.ticks().len(), 7);
-        assert_eq!(axis.labelled().len(), 3);
+        assert_eq!(axis.labelled().len(), 7);
+        let wide = Axis::around([1e-3, 1e3].into_iter(), [0.0, 100.0], 1.0);
+        assert_eq!([wide.ticks().len(), wide.labelled().len()], [19, 7]);
     }
 
     #[test]

@@ -13,7 +13,7 @@ use std::sync::{Mutex, PoisonError};
 
 use serde_json::{Value, json};
 
-use super::plan::Run;
+use super::plan::{REFERENCE, Run};
 use crate::repository::{run, target_folder};
 
 /// Processes at a time; times are those of the processor, so that they do not disturb each other
@@ -41,8 +41,8 @@ pub(super) fn measured(runs: &[Run], file: &Path) -> io::Result<Vec<Value>> {
     Ok(lines)
 }
 
-/// Measures what `file` does not have yet of `runs`, and `fine`, which patches are compared with.
-pub(super) fn measure(program: &Path, (runs, fine): (&[Run], &Run), file: &Path) -> io::Result<()> {
+/// Measures what `file` does not have yet of `runs`.
+pub(super) fn measure(program: &Path, runs: &[Run], file: &Path) -> io::Result<()> {
     let known: BTreeSet<String> = read(file)?
         .iter()
         .map(|line| key(&line["request"]))
@@ -50,7 +50,7 @@ pub(super) fn measure(program: &Path, (runs, fine): (&[Run], &Run), file: &Path)
     let missing = runs.iter().map(Run::request);
     let missing: VecDeque<Value> = missing.filter(|r| !known.contains(&key(r))).collect();
     let queue = Queue {
-        reference: reference(program, (&missing, fine), file)?,
+        reference: reference(program, &missing, file)?,
         total: missing.len(),
         state: Mutex::new(State {
             missing,
@@ -71,21 +71,17 @@ pub(super) fn measure(program: &Path, (runs, fine): (&[Run], &Run), file: &Path)
 }
 
 /// What the patches among `missing` are compared with: kept in `file`, or measured and kept there.
-fn reference(
-    program: &Path,
-    (missing, fine): (&VecDeque<Value>, &Run),
-    file: &Path,
-) -> io::Result<Value> {
+fn reference(program: &Path, missing: &VecDeque<Value>, file: &Path) -> io::Result<Value> {
     if !missing.iter().any(|request| request["problem"] == "patch") {
         return Ok(Value::Null);
     }
-    let wanted = key(&fine.request());
+    let wanted = key(&REFERENCE.request());
     let is_it = |line: &Value| key(&line["request"]) == wanted && line["shape"].is_object();
     if let Some(known) = read(file)?.into_iter().find(is_it) {
         return Ok(known["shape"].clone());
     }
     eprintln!("measuring the fine mesh that patches are compared with ...");
-    let (line, _) = Worker::start(program)?.measure(&fine.request(), &Value::Null);
+    let (line, _) = Worker::start(program)?.measure(&REFERENCE.request(), &Value::Null);
     let mut known = OpenOptions::new().create(true).append(true).open(file)?;
     known.write_all(format!("{line}\n").as_bytes())?;
     match &line["shape"] {

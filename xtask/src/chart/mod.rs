@@ -39,8 +39,7 @@ pub(crate) fn chart(wanted: &Wanted) -> Outcome {
         Err(code) => return Ok(code),
     };
     let file = wanted.folder("chart")?.join(RUNS);
-    let runs = plan::runs(wanted.quick);
-    measure::measure(&program, (&runs, &plan::reference(wanted.quick)), &file)?;
+    measure::measure(&program, &plan::runs(wanted.quick), &file)?;
     redraw(wanted)
 }
 

@@ -125,7 +125,7 @@ fn caption(drawing: &mut Drawing, points: &[Point], command: &str) {
         "belong to the mesh, and MINRES shares them with LDLᵀ. Normals: along lines across the wrinkles, each shifted to \
          its best. Patch: three critical strains in its middle, none at its ends, in"
             .to_owned(),
-        "six frames through the product’s own planner and stepper, against an even hybrid mesh of more points.".to_owned(),
+        "six frames through the product’s own planner and stepper, against an even hybrid mesh of 32 points per wavelength.".to_owned(),
         format!(
             "{failed} of {runs} runs failed, {of_minres} of {minres} with MINRES, which was pushed by noise of a film \
              thickness. More numbers beside this chart in chart.csv and chart.json. Reproduce: {command}"

@@ -260,7 +260,6 @@ pub(super) mod tests {
             },
             seed,
             limit_s: 60.0,
-            reference_points: None,
         }
     }
 
