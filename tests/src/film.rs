@@ -8,11 +8,12 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{Matrix2, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use ruga_constraint::Sampling;
 use ruga_material::Wrinkling;
 use ruga_shell::{LayerEnergy, rest_frame};
 use ruga_solver::{
-    AtSaddle, Kkt, LoadSettings, LoadStepper, LowerPattern, NewtonSettings, Outcome, SolveReport,
-    StopRule, Verdict, inertia_at, minimise,
+    AtSaddle, Iteration, Kkt, LoadSettings, LoadStepper, LowerPattern, NewtonSettings, Outcome,
+    SolveReport, StopRule, Verdict, inertia_at, minimise,
 };
 
 use crate::film_objective::{FilmObjective, gather, scatter};
@@ -39,20 +40,29 @@ pub struct Step {
     pub relative_gap: f64,
 }
 
+/// Random heights in film thicknesses, without which a perfect film has no reason to wrinkle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// Of the film at rest.
+    pub first: f64,
+    /// Before every load step: for a solver that cannot tell a saddle, and would stay there.
+    pub every: f64,
+}
+
 /// The film and the base below it.
 pub struct Film {
     /// What linear theory says.
     pub wrinkling: Wrinkling,
-    spec: FilmSpec,
-    strip: Strip,
-    rest: Vec<Vector3<f64>>,
-    energy: LayerEnergy,
-    free: Vec<u32>,
-    kkt: Kkt,
+    pub(crate) spec: FilmSpec,
+    pub(crate) strip: Strip,
+    pub(crate) rest: Vec<Vector3<f64>>,
+    pub(crate) energy: LayerEnergy,
+    pub(crate) free: Vec<u32>,
+    pub(crate) kkt: Kkt,
     floor: Vec<f64>,
-    positions: Vec<Vector3<f64>>,
+    pub(crate) positions: Vec<Vector3<f64>>,
     /// Base of the present load.
-    points: Vec<Vector3<f64>>,
+    pub(crate) points: Vec<Vector3<f64>>,
     normals: Vec<Vector3<f64>>,
     /// Dead load on the coordinates that move, N.
     reaction: Vec<f64>,
@@ -62,6 +72,11 @@ pub struct Film {
 impl Film {
     /// Lays the film on its base, unstrained.
     pub fn new(spec: &FilmSpec, strip: Strip) -> Self {
+        Self::sampled(spec, strip, Sampling::Quadrature)
+    }
+
+    /// The same with averages sampled in another way.
+    pub fn sampled(spec: &FilmSpec, strip: Strip, sampling: Sampling) -> Self {
         let theory = spec.theory();
         let rest = spec.base.points(&strip, 0.0);
         let pinned = strip.ends();
@@ -73,7 +88,14 @@ impl Film {
         let (starts, entries) = energy.pattern();
         let pattern =
             LowerPattern::new(starts.to_vec(), entries.to_vec()).expect("a valid pattern");
-        let mut rows = averages(&strip, &rest, &pinned, &free, &theory, spec.coupling);
+        let mut rows = averages(
+            &strip,
+            &rest,
+            &pinned,
+            &free,
+            &theory,
+            (spec.coupling, sampling),
+        );
         let averages = rows.len();
         rows.extend(side_rollers(&strip, &free));
         let rows = to_constraint_rows(&rows, 3 * free.len());
@@ -105,7 +127,7 @@ impl Film {
     }
 
     /// Compresses the film by `load` critical strains and carries it along with the base.
-    fn set_load(&mut self, load: f64) {
+    pub(crate) fn set_load(&mut self, load: f64) {
         let strain = load * self.wrinkling.critical_strain;
         let points = self.spec.base.points(&self.strip, strain);
         for (x, (old, new)) in self
@@ -168,7 +190,11 @@ impl Film {
     pub fn lay_down(&mut self, load: f64, noise: f64, seed: u64) {
         self.set_load(load);
         self.positions.clone_from(&self.points);
-        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        self.shake(noise, &mut Pcg64Mcg::seed_from_u64(seed));
+    }
+
+    /// Moves the film by noise of `noise` thicknesses.
+    fn shake(&mut self, noise: f64, random: &mut Pcg64Mcg) {
         for &v in &self.free {
             let height = noise * self.spec.film.thickness * random.random_range(-1.0..1.0);
             self.positions[v as usize] += self.normals[v as usize] * height;
@@ -177,6 +203,15 @@ impl Film {
 
     /// Solves at `load` from the present shape, carried along with the base.
     pub fn solve(&mut self, load: f64, settings: &NewtonSettings) -> SolveReport {
+        self.solve_watched(load, settings, &mut |_| true)
+    }
+
+    fn solve_watched(
+        &mut self,
+        load: f64,
+        settings: &NewtonSettings,
+        keep_going: &mut dyn FnMut(&Iteration) -> bool,
+    ) -> SolveReport {
         self.set_load(load);
         let base = gather(&self.free, &self.points);
         let mut targets = vec![0.0; self.kkt.rows().count()];
@@ -186,14 +221,13 @@ impl Film {
             .expect("sizes match");
         let mut x = gather(&self.free, &self.positions);
         let (objective, kkt) = self.objective(&base);
-        let mut keep_going = |_: &_| true;
-        let report = minimise(&objective, &targets, &mut x, kkt, settings, &mut keep_going)
-            .expect("valid input");
+        let report =
+            minimise(&objective, &targets, &mut x, kkt, settings, keep_going).expect("valid input");
         scatter(&self.free, &x, &mut self.positions);
         report
     }
 
-    fn objective<'a>(&'a mut self, base: &'a [f64]) -> (FilmObjective<'a>, &'a mut Kkt) {
+    pub(crate) fn objective<'a>(&'a mut self, base: &'a [f64]) -> (FilmObjective<'a>, &'a mut Kkt) {
         let objective = FilmObjective {
             energy: &self.energy,
             free: &self.free,
@@ -252,11 +286,32 @@ impl Film {
 
     /// Loads up to the last of `loads`, through the onset; a step for each load kept.
     pub fn ramp(&mut self, loads: &[f64], seed: u64) -> Vec<Step> {
+        let settings = NewtonSettings {
+            seed,
+            ..NewtonSettings::default()
+        };
+        let noise = Noise {
+            first: 1e-3,
+            every: 0.0,
+        };
+        self.ramp_with(loads, noise, &settings, &mut |_| true)
+    }
+
+    /// The same by other settings, of which the seed is that of the initial noise too; `keep_going` ends the
+    /// ramp by returning `false`.
+    pub fn ramp_with(
+        &mut self,
+        loads: &[f64],
+        noise: Noise,
+        settings: &NewtonSettings,
+        keep_going: &mut dyn FnMut(&Iteration) -> bool,
+    ) -> Vec<Step> {
         let full = *loads.last().expect("some load");
         let keys: Vec<f64> = loads.iter().map(|l| l / full).collect();
         let mut stepper =
             LoadStepper::new(&keys, LoadSettings::default()).expect("increasing loads");
-        self.lay_down(0.0, 1e-3, seed);
+        self.lay_down(0.0, noise.first, settings.seed);
+        let mut random = Pcg64Mcg::seed_from_u64(settings.seed);
         let (mut kept, mut kept_load) = (self.positions.clone(), 0.0);
         let mut steps = Vec::new();
         while let Some(trial) = stepper.next_trial() {
@@ -267,10 +322,13 @@ impl Film {
                 } else {
                     AtSaddle::Leave
                 },
-                seed,
-                ..NewtonSettings::default()
+                ..settings.clone()
             };
-            let solve = self.solve(load, &settings);
+            self.shake(noise.every, &mut random);
+            let solve = self.solve_watched(load, &settings, keep_going);
+            if solve.stop == StopRule::Interrupted {
+                break;
+            }
             if stepper.report(outcome(&solve)) == Verdict::Keep {
                 kept.clone_from(&self.positions);
                 kept_load = load;
@@ -343,7 +401,7 @@ impl Film {
 
     /// Twice the length over the number of half-waves that fits `heights` best, in material
     /// coordinates: the strongest sine with nodes at both pinned ends.
-    fn wavelength(&self, heights: &[f64]) -> f64 {
+    pub(crate) fn wavelength(&self, heights: &[f64]) -> f64 {
         let areas = self.energy.vertex_areas();
         let strength = |half_waves: usize| -> f64 {
             let k = PI * half_waves as f64 / self.strip.length;

@@ -18,7 +18,7 @@ pub(crate) fn averages(
     pinned: &[bool],
     free: &[u32],
     theory: &Wrinkling,
-    coupling: FilmCoupling,
+    (coupling, sampling): (FilmCoupling, Sampling),
 ) -> Vec<Row> {
     let (spacing, kernel) = match coupling {
         FilmCoupling::Elastic => return Vec::new(),
@@ -41,7 +41,6 @@ pub(crate) fn averages(
     let centres: Vec<_> = centres.iter().filter_map(place).collect();
     let normals = vertex_normals(&mesh, rest);
     let kernels = vec![kernel; centres.len()];
-    let sampling = Sampling::Quadrature;
     let set =
         constraint_rows(&mesh, rest, &normals, &centres, &kernels, sampling).expect("valid rows");
     let weights = set.rows.iter().map(|row| {

@@ -4,6 +4,7 @@
 mod base;
 mod film;
 mod film_objective;
+mod film_probe;
 mod film_rows;
 mod film_spec;
 mod patch;
@@ -15,7 +16,8 @@ mod strip;
 mod two_scales;
 
 pub use base::Base;
-pub use film::{Film, Step};
+pub use film::{Film, Noise, Step};
+pub use film_probe::FlatMode;
 pub use film_spec::{BaseReaction, FilmCoupling, FilmSpec};
 pub use patch::Patch;
 pub use rectangle::Rectangle;

@@ -48,6 +48,28 @@ impl Rectangle {
         remesh(mesh, &sizing, self, &RemeshSettings::default()).expect("a valid sizing")
     }
 
+    /// A flat mesh with edges of about `edges[0]` along x and `edges[1]` along y (m), of which
+    /// every vertex wants up to the share `jitter` more or less.
+    ///
+    /// It has been remeshed three times, by when it no longer shows the halving that it began with.
+    pub fn fitted(&self, edges: [f64; 2], jitter: f64, seed: u64) -> SurfaceMesh {
+        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        let mut mesh = self.meshed(edges[0]);
+        for _ in 0..3 {
+            let tensors = (0..mesh.mesh.vertex_count()).map(|_| {
+                let share = 1.0 + jitter * random.random_range(-1.0..1.0);
+                let [x, y] = edges.map(|edge| (edge * share).powi(-2));
+                Matrix3::from_diagonal(&Vector3::new(x, y, 0.0))
+            });
+            let sizing = Sizing {
+                tensors: tensors.collect(),
+            };
+            let made = remesh(&mesh, &sizing, self, &RemeshSettings::default());
+            mesh = made.expect("a valid sizing").mesh;
+        }
+        mesh
+    }
+
     /// Coordinates of a place, m.
     pub fn coordinates(&self, at: MaterialPoint) -> Vector2<f64> {
         let [_, b, c] = at.barycentric;

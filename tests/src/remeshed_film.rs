@@ -372,7 +372,7 @@ fn compressed(spec: &RemeshedSpec, theory: &Wrinkling, rest: &[Vector3<f64>]) ->
 }
 
 /// Response bending modulus of a mesh over that of the material.
-fn bending_ratio(
+pub(crate) fn bending_ratio(
     theory: &Wrinkling,
     rest: &[Vector3<f64>],
     faces: &[[u32; 3]],

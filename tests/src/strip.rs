@@ -3,6 +3,9 @@
 use nalgebra::Vector2;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use ruga_remesh::SurfaceMesh;
+
+use crate::Rectangle;
 
 /// A meshed rectangle `[0, length] x [0, width]`.
 #[derive(Clone, Debug)]
@@ -20,6 +23,29 @@ pub struct Strip {
 }
 
 impl Strip {
+    /// A mesh of the plane as a strip.
+    pub fn of(mesh: &SurfaceMesh, rectangle: &Rectangle) -> Self {
+        let positions = mesh.positions.as_slice().iter();
+        let faces = mesh.mesh.faces().as_slice().iter();
+        Self {
+            points: positions.map(|p| p.xy()).collect(),
+            faces: faces.map(|face| face.map(|v| v.0)).collect(),
+            length: rectangle.length,
+            width: rectangle.width,
+            is_closed: false,
+        }
+    }
+
+    /// The same mesh stretched along x.
+    pub fn stretched(&self, factor: f64) -> Self {
+        let mut stretched = self.clone();
+        stretched.length *= factor;
+        for point in &mut stretched.points {
+            point.x *= factor;
+        }
+        stretched
+    }
+
     /// Which vertices lie at an end.
     pub fn ends(&self) -> Vec<bool> {
         let tolerance = 1e-9 * self.length;

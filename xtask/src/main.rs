@@ -8,14 +8,18 @@
 
 mod assets;
 mod bench;
+mod chart;
 mod check;
 mod figures;
 mod light;
 mod picture;
 mod repository;
+mod wanted;
 
 use std::path::Path;
 use std::process::ExitCode;
+
+use wanted::Wanted;
 
 const USAGE: &str = "\
 usage: cargo xtask TASK
@@ -27,6 +31,12 @@ usage: cargo xtask TASK
                simulate every scene under assets/ and draw the figures of Li 2014 into DIR
                [default: target/figures]; --quick takes coarse meshes
                and few load steps
+  chart [DIR] [--quick]
+               measure speed against accuracy and draw the chart into DIR
+               [default: target/chart]; goes on where an earlier run ended,
+               so measure changed code into another folder;
+               --quick takes fewer and coarser runs, in five minutes;
+               chart --redraw [DIR] [--quick] draws what there is
   picture DIR  shade the maps that `ruga bake assets/forearm/scene.toml -o DIR` left in DIR
 ";
 
@@ -40,9 +50,17 @@ fn main() -> ExitCode {
         ["check"] => check::check(),
         ["assets"] => assets::regenerate(),
         ["bench"] => bench::bench(),
-        ["figures", words @ ..] => match figures::Wanted::read(words) {
+        ["figures", words @ ..] => match Wanted::read(words) {
             Some(wanted) => figures::figures(&wanted),
             None => return wrong_usage("`figures` takes a folder and `--quick`"),
+        },
+        ["chart", "--redraw", words @ ..] => match Wanted::read(words) {
+            Some(wanted) => chart::redraw(&wanted),
+            None => return wrong_usage("`chart --redraw` takes a folder and `--quick`"),
+        },
+        ["chart", words @ ..] => match Wanted::read(words) {
+            Some(wanted) => chart::chart(&wanted),
+            None => return wrong_usage("`chart` takes a folder and `--quick`"),
         },
         ["picture", folder] => picture::picture(Path::new(folder)),
         ["picture"] => return wrong_usage("`picture` needs the folder of a finished bake"),

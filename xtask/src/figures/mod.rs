@@ -16,7 +16,7 @@ mod tests;
 
 use std::error::Error;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 use ruga_io::{PoseReport, Report};
@@ -24,7 +24,8 @@ use ruga_io::{PoseReport, Report};
 use self::run::Run;
 use self::surface::{Material, Surface};
 use self::timing::{Timing, reference};
-use crate::repository::{Outcome, root, target_folder};
+use crate::repository::{Outcome, root};
+use crate::wanted::Wanted;
 
 /// Scenes below `assets/`, in the order of the figures that they stand for.
 const SCENES: [&str; 12] = [
@@ -47,37 +48,9 @@ const SCENES: [&str; 12] = [
     "finger/scene.toml",
 ];
 
-/// What was asked for.
-#[derive(Debug, Default, PartialEq)]
-pub(crate) struct Wanted {
-    folder: Option<PathBuf>,
-    quick: bool,
-}
-
-impl Wanted {
-    /// Reads the words after `figures`; `None` when there is one too many.
-    pub(crate) fn read(words: &[&str]) -> Option<Self> {
-        let mut wanted = Self::default();
-        for word in words {
-            match *word {
-                "--quick" if !wanted.quick => wanted.quick = true,
-                folder if !folder.starts_with('-') && wanted.folder.is_none() => {
-                    wanted.folder = Some(folder.into());
-                }
-                _ => return None,
-            }
-        }
-        Some(wanted)
-    }
-}
-
 /// Simulates, draws, and prints the table.
 pub(crate) fn figures(wanted: &Wanted) -> Outcome {
-    let folder = match &wanted.folder {
-        Some(folder) => std::path::absolute(folder)?,
-        None => target_folder()?.join("figures"),
-    };
-    fs::create_dir_all(&folder)?;
+    let folder = wanted.folder("figures")?;
     let mut timings = Vec::new();
     for scene in SCENES {
         timings.extend(figure(scene, &folder, wanted.quick)?);

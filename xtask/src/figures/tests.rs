@@ -6,19 +6,6 @@ use ruga_io::{ObjFrame, write_obj_frame};
 use super::*;
 
 #[test]
-fn arguments_are_a_folder_and_a_flag_in_any_order() {
-    let wanted = |folder: Option<&str>, quick| {
-        let folder = folder.map(PathBuf::from);
-        Some(Wanted { folder, quick })
-    };
-    assert_eq!(Wanted::read(&[]), wanted(None, false));
-    assert_eq!(Wanted::read(&["--quick", "out"]), wanted(Some("out"), true));
-    assert_eq!(Wanted::read(&["out", "--quick"]), wanted(Some("out"), true));
-    assert_eq!(Wanted::read(&["out", "two"]), None);
-    assert_eq!(Wanted::read(&["--slow"]), None);
-}
-
-#[test]
 fn every_scene_and_every_row_of_the_thesis_has_its_place() {
     for scene in SCENES {
         let path = root().join("assets").join(scene);
