@@ -13,6 +13,7 @@ mod figures;
 mod light;
 mod picture;
 mod repository;
+mod stability;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -23,6 +24,7 @@ usage: cargo xtask TASK
   check        format, lints, documentation and tests, as CI runs them
   assets       regenerate the meshes and painted images under assets/
   bench        run the benchmarks on one thread and compare them
+  stability    run the stability suite and print what each method does in it
   figures [DIR] [--quick]
                simulate every scene under assets/ and draw the figures of Li 2014 into DIR
                [default: target/figures]; --quick takes coarse meshes
@@ -40,6 +42,7 @@ fn main() -> ExitCode {
         ["check"] => check::check(),
         ["assets"] => assets::regenerate(),
         ["bench"] => bench::bench(),
+        ["stability"] => stability::stability(),
         ["figures", words @ ..] => match figures::Wanted::read(words) {
             Some(wanted) => figures::figures(&wanted),
             None => return wrong_usage("`figures` takes a folder and `--quick`"),

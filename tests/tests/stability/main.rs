@@ -5,9 +5,12 @@
 //! adjusted as printed, Newton on the norm of the forces or with MINRES, one load step.
 
 mod extremes;
+mod heterogeneous;
 mod invariance;
 mod loads;
+mod meshes;
 mod range;
+mod rows;
 mod starts;
 
 use nalgebra::Vector3;

@@ -183,7 +183,7 @@ fn t18_fold() {
     let reached = largest_angle(&computed.positions, &computed.faces);
     assert!(reached < FRAC_PI_2, "{reached}");
     let numbers = format!(
-        "continuous if flat at rest; bent at rest by a, jumps by 2 pi k a at 180; at the cap and 6 points per lam {:.0} are reached",
+        "continuous if flat at rest; bent at rest by a, jumps by 2 pi k a at 180; at the cap and 6 points per lam {:.0} degrees are reached",
         reached.to_degrees()
     );
     table_line(test, "ruga", Finding::Bounded, &numbers);
