@@ -12,6 +12,8 @@ mod rectangle;
 pub mod reference;
 mod remeshed_film;
 mod skin;
+mod stability;
+mod stability_newton;
 mod strip;
 mod two_scales;
 
@@ -23,5 +25,7 @@ pub use patch::Patch;
 pub use rectangle::Rectangle;
 pub use remeshed_film::{Carry, RemeshedFilm, RemeshedSpec, Target, WrinkledState};
 pub use skin::{Skin, asset, findings, shared_data, skin_layer, tilts};
+pub use stability::{Finding, Sheet, SheetSpec, table_line};
+pub use stability_newton::ResidualSolve;
 pub use strip::{Strip, equilateral, equilateral_tube, unstructured};
 pub use two_scales::{FineHeights, Profile, TwoScales, Window};

@@ -6,6 +6,7 @@
     reason = "the measured values are what --nocapture is for"
 )]
 
+use ruga_shell::BendingModel;
 use ruga_tests::{Film, FilmCoupling, FilmSpec};
 
 #[test]
@@ -13,6 +14,7 @@ fn rows_alone_set_the_wavelength_and_buckle_early() {
     let spec = FilmSpec {
         // A hex lattice then lets the wavelength itself through.
         coupling: FilmCoupling::Constraint(1.0 / 3.0_f64.sqrt()),
+        bending: BendingModel::Hinge,
         ..FilmSpec::flat(150.0)
     };
     // 2.3 wavelengths wide, so that the lattice has rows.

@@ -41,6 +41,11 @@ fn keys_on_the_way_do_not_change_the_last() {
     let [direct, through] = [&direct, &through].map(|result| &result.layers[1]);
     let wavelength = through.wavelength.expect("wrinkles") / through.wavelength_predicted;
     assert!((wavelength - 1.0).abs() < 0.15, "{wavelength}");
+    println!(
+        "wavelengths {:.4} and {:.4} mm",
+        1e3 * through.wavelength.unwrap_or(0.0),
+        1e3 * direct.wavelength.unwrap_or(0.0)
+    );
     for (what, through, direct) in [
         ("energy", through.energy, direct.energy),
         ("amplitude", through.amplitude, direct.amplitude),

@@ -14,6 +14,7 @@ mod figures;
 mod light;
 mod picture;
 mod repository;
+mod stability;
 mod wanted;
 
 use std::path::Path;
@@ -27,6 +28,8 @@ usage: cargo xtask TASK
   check        format, lints, documentation and tests, as CI runs them
   assets       regenerate the meshes and painted images under assets/
   bench        run the benchmarks on one thread and compare them
+  stability    run the stability suite and print what each method does in it
+  patterns     run labyrinths, herringbone and pulled sheet at length, half an hour
   figures [DIR] [--quick]
                simulate every scene under assets/ and draw the figures of Li 2014 into DIR
                [default: target/figures]; --quick takes coarse meshes
@@ -50,6 +53,8 @@ fn main() -> ExitCode {
         ["check"] => check::check(),
         ["assets"] => assets::regenerate(),
         ["bench"] => bench::bench(),
+        ["stability"] => stability::stability(),
+        ["patterns"] => patterns(),
         ["figures", words @ ..] => match Wanted::read(words) {
             Some(wanted) => figures::figures(&wanted),
             None => return wrong_usage("`figures` takes a folder and `--quick`"),
@@ -78,6 +83,20 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Runs the program with the long comparisons of patterns.
+fn patterns() -> repository::Outcome {
+    let program = [
+        "run",
+        "--release",
+        "--package",
+        "ruga-tests",
+        "--example",
+        "patterns",
+    ];
+    let failed = repository::run(&[], &program)?;
+    Ok(failed.unwrap_or(ExitCode::SUCCESS))
 }
 
 fn wrong_usage(reason: &str) -> ExitCode {
