@@ -102,4 +102,16 @@ fn t11_films_as_soft_as_their_base() {
         Finding::Bounded,
         &numbers,
     );
+
+    soft.material.young = 0.4 * soft.substrate.young;
+    let numbers = wrinkling(&soft.material, &soft.substrate, soft.model).expect("a wavelength");
+    let thickness = soft.material.thickness / numbers.wavelength;
+    assert!(thickness > 0.3, "{thickness}");
+    let plan = planned(&patch(0.4), &soft, &draft());
+    assert_eq!(plan.poses[0].layers[0].active_area, 0.0);
+    let numbers = format!(
+        "eps_c {:.2}: planned as what cannot wrinkle at 40 %, not simulated",
+        numbers.critical_strain
+    );
+    table_line(TEST, "ruga: h/lam 0.3", Finding::Holds, &numbers);
 }

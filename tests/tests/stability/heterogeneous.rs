@@ -1,13 +1,21 @@
 //! T14: a film that becomes ten times as thick within one triangle.
 
+use std::sync::Arc;
+
 use nalgebra::{Matrix3, Vector3};
 use ruga_constraint::{ClusterSettings, Kernel, Sampling, cluster_centres, constraint_rows};
+use ruga_material::{PropertyImage, PropertyMap, Wrap};
 use ruga_mesh::{MaterialPoint, PerVertex, VertexId, vertex_normals};
 use ruga_remesh::{RemeshSettings, Sizing, SurfaceMesh, remesh};
 use ruga_shell::LayerParameters;
-use ruga_tests::{FilmCoupling, FilmSpec, Finding, Rectangle, Sheet, SheetSpec, Strip, table_line};
+use ruga_stepper::LayerSpec;
+use ruga_tests::{
+    FilmCoupling, FilmSpec, Finding, Patch, Rectangle, Sheet, SheetSpec, Strip, table_line,
+};
 
-use crate::{compress, exact};
+use crate::{compress, draft, exact, patch, planned, simulated, skin};
+
+const TEST: &str = "T14 thickness times 10 in one triangle";
 
 const RATIO: f64 = 10.0;
 
@@ -128,19 +136,18 @@ impl Stepped {
 }
 
 /// Longest edge over shortest, in the triangle where they differ most.
-fn largest_edge_ratio(mesh: &SurfaceMesh) -> f64 {
-    let ratios = mesh.mesh.faces().as_slice().iter().map(|face| {
-        let [a, b, c] = face.map(|v| mesh.positions[v]);
+fn largest_edge_ratio(positions: &[Vector3<f64>], faces: &[[u32; 3]]) -> f64 {
+    let ratios = faces.iter().map(|face| {
+        let [a, b, c] = face.map(|v| positions[v as usize]);
         let lengths = [(b - a).norm(), (c - b).norm(), (a - c).norm()];
-        lengths.iter().fold(0.0_f64, |m, l| m.max(*l))
-            / lengths.iter().fold(f64::MAX, |m, l| m.min(*l))
+        let longest = lengths.iter().copied().fold(0.0, f64::max);
+        longest / lengths.iter().copied().fold(f64::MAX, f64::min)
     });
     ratios.fold(1.0, f64::max)
 }
 
 #[test]
 fn t14_spacing_follows_the_wavelength() {
-    let test = "T14 thickness times 10 in one triangle";
     let film = Stepped::new(4.0, 0.6, 3.0);
     let mesh = film.meshed(5.0);
     let (centres, spacings) = film.centres(&mesh);
@@ -168,17 +175,23 @@ fn t14_spacing_follows_the_wavelength() {
         (0.7..1.2).contains(&thick) && (0.7..1.2).contains(&thin),
         "{thick} {thin}"
     );
-    let ratio = largest_edge_ratio(&mesh);
+    let faces: Vec<[u32; 3]> = mesh
+        .mesh
+        .faces()
+        .as_slice()
+        .iter()
+        .map(|f| f.map(|v| v.0))
+        .collect();
+    let ratio = largest_edge_ratio(mesh.positions.as_slice(), &faces);
     assert!(ratio < 4.0, "{ratio}");
     let numbers = format!(
         "nearest rows at {thick:.2} and {thin:.2} local spacings ({few} and {many} rows); edges in a triangle differ {ratio:.1} times at most"
     );
-    table_line(test, "ruga: rows and mesh", Finding::Holds, &numbers);
+    table_line(TEST, "ruga: rows and mesh", Finding::Holds, &numbers);
 }
 
 #[test]
 fn t14_both_sides_wrinkle() {
-    let test = "T14 thickness times 10 in one triangle";
     let film = Stepped::new(3.4, 0.4, 0.3);
     let (mut sheet, strip) = film.sheet(&film.meshed(12.0));
     let [thick, thin] = &film.specs;
@@ -209,11 +222,48 @@ fn t14_both_sides_wrinkle() {
     let numbers = format!(
         "converges in {steps} steps at 3 loads; A over local theory: thick {low:.2}, thin (0.4 thick waves long) {high:.2}"
     );
-    table_line(test, "ruga: film", Finding::Bounded, &numbers);
+    table_line(TEST, "ruga: film", Finding::Bounded, &numbers);
     table_line(
-        test,
+        TEST,
         "papers",
         Finding::NotApplicable,
         "LK's spacing follows lam too",
     );
+}
+
+/// Skin that a map makes ten times as thin over a tenth of a patch.
+fn painted() -> LayerSpec {
+    const TEXELS: usize = 512;
+    let value = |texel: usize| f32::from(u8::from(texel % TEXELS < 9 * TEXELS / 10));
+    let thickness = PropertyImage {
+        width: TEXELS,
+        height: 1,
+        values: (0..TEXELS).map(value).collect(),
+        range: [1.0 / RATIO, 1.0],
+    };
+    let map = PropertyMap::new(None, None, Some(thickness), Wrap::ClampToEdge).expect("a map");
+    LayerSpec {
+        map: Some(Arc::new(map)),
+        ..skin()
+    }
+}
+
+#[test]
+fn t14_painted() {
+    let narrow = Patch {
+        width: 0.01,
+        ..patch(0.12)
+    };
+    let plan = planned(&narrow, &painted(), &draft());
+    assert!(plan.warnings.is_empty(), "{:?}", plan.warnings);
+    let result = simulated(&narrow, &painted(), &draft(), 4);
+    assert!(result.converged && result.warnings.is_empty());
+    let computed = &result.keys[0].layers[0].computed;
+    let ratio = largest_edge_ratio(&computed.positions, &computed.faces);
+    assert!(ratio < 6.5, "{ratio}");
+    let numbers = format!(
+        "painted, from the driver on: converges on {} vertices; edges in a triangle differ {ratio:.1} times at most",
+        result.layers[0].vertices
+    );
+    table_line(TEST, "ruga: stepper", Finding::Bounded, &numbers);
 }

@@ -1,12 +1,15 @@
 //! T7 and T8: meshes too coarse, and triangles that hardly are any.
 
-use nalgebra::{Vector2, Vector3};
-use ruga_blend::{ArtistMesh, BlendShape, Driver, Smoothing};
+use nalgebra::Vector2;
+use ruga_blend::{Driver, Smoothing};
 use ruga_shell::ShellError;
-use ruga_stepper::{Modelling, PoseResult, Silent, StepperError, plan, simulate};
+use ruga_stepper::{Modelling, PoseResult, StepperError};
 use ruga_tests::{Film, FilmSpec, Finding, Strip, equilateral, table_line};
 
-use crate::{compressed, draft, exact, patch, planned, rows_alone, skin};
+use crate::{
+    compressed, draft, exact, patch, patch_mesh, placed_patch, planned, rows_alone, simulated_on,
+    skin,
+};
 
 /// Wavelength and amplitude over theory's at 2 critical strains on a mesh of so many points per
 /// wavelength.
@@ -78,36 +81,15 @@ fn add_slivers(points: &mut Vec<Vector2<f64>>, faces: &mut Vec<[u32; 3]>, height
 
 /// A patch whose artist left slivers of this height in edges, or none.
 fn sliver_driver(height: Option<f64>) -> Driver {
-    let flat = patch(0.12);
-    let grid = equilateral(flat.length, 12, 7);
-    let (mut points, mut triangles) = (grid.points, grid.faces);
+    let (mut points, mut triangles) = patch_mesh();
     if let Some(height) = height {
         add_slivers(&mut points, &mut triangles, height);
     }
-    let middle = Vector2::new(0.5 * grid.length, 0.5 * grid.width);
-    let positions: Vec<_> = points.iter().map(|p| (p - middle).push(0.0)).collect();
-    let press = |p: &Vector3<f64>| Vector3::x() * (-flat.compression * p.x);
-    let artist = ArtistMesh {
-        name: "patch".to_owned(),
-        shapes: vec![BlendShape {
-            name: "compress".to_owned(),
-            position_deltas: positions.iter().map(press).collect(),
-            normal_deltas: None,
-        }],
-        positions,
-        normals: None,
-        uvs: Some(points.iter().map(|p| p / flat.length).collect()),
-        triangles,
-    };
-    Driver::new(&artist).expect("a rectangle")
+    placed_patch(&points, &triangles, |p| *p)
 }
 
 fn with_slivers(height: Option<f64>, modelling: &Modelling) -> Result<PoseResult, StepperError> {
-    let driver = sliver_driver(height);
-    let pose = patch(0.12).pose(&driver, 4);
-    let poses = std::slice::from_ref(&pose);
-    let plan = plan(&driver, &[skin()], poses, modelling, 1024)?;
-    simulate(&driver, &plan, 0, &pose, modelling, &mut Silent)
+    simulated_on(&sliver_driver(height), &skin(), modelling, 4)
 }
 
 /// Heights of slivers in edges: aspect 50; an angle of 170 degrees; area of a millionth.

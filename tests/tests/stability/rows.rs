@@ -4,10 +4,10 @@ use nalgebra::{DMatrix, Vector2, Vector3};
 use ruga_constraint::{Degradation, Kernel, Sampling, constraint_rows};
 use ruga_mesh::{MaterialPoint, TriMesh, VertexId, vertex_normals};
 use ruga_tests::{
-    Film, FilmCoupling, FilmSpec, Finding, Sheet, SheetSpec, Strip, equilateral, table_line,
+    Film, FilmCoupling, FilmSpec, Finding, Patch, Sheet, SheetSpec, Strip, equilateral, table_line,
 };
 
-use crate::{compress, exact, rows_alone};
+use crate::{compress, draft, exact, patch, rows_alone, simulated, skin};
 
 type Averages = Vec<Vec<(u32, f64)>>;
 
@@ -86,7 +86,7 @@ fn t6_degenerate_clusters() {
     assert_eq!(sampled(Sampling::Adjusted), [(0, Degradation::FewVertices)]);
     assert_eq!(sampled(Sampling::Quadrature), []);
     let numbers = format!(
-        "converges in {} steps; duplicates dropped, order lowered; quadrature rows never degrade",
+        "converges in {} steps; duplicates dropped, order lowered if adjusted; quadrature (the default) keeps it",
         solve.iterations
     );
     table_line(test, "ruga", Finding::Holds, &numbers);
@@ -234,6 +234,7 @@ fn t13_borders() {
         )
     };
     let flares = sheet.flares(&rows_alone(), 2.0);
+    assert!(flares.iter().all(|flare| *flare < 1.2), "{flares:?}");
     table_line(
         test,
         "papers: rows alone, quadrature",
@@ -250,10 +251,34 @@ fn t13_borders() {
         ..spec
     };
     let flares = sheet.flares(&elastic, 2.0);
+    assert!(flares.iter().all(|flare| *flare < 1.6), "{flares:?}");
     table_line(
         test,
         "ruga: elastic, no rows",
         Finding::Bounded,
         &told(flares),
     );
+}
+
+/// A region's border is pinned, which stiffens what is narrow; the stepper takes that for the
+/// triangles' doing and makes the hinges softer, by up to two.
+#[test]
+fn t13_narrow_regions() {
+    let ratio = |width: f64| {
+        let narrow = Patch {
+            width,
+            ..patch(0.12)
+        };
+        let result = simulated(&narrow, &skin(), &draft(), 4);
+        assert!(result.converged);
+        result.layers[0].bending_ratio.expect("wrinkles")
+    };
+    // Known bug: meshes of the same kind, four waves and one wave wide, ought to agree.
+    let [wide, narrow] = [0.04, 0.01].map(ratio);
+    assert!((0.7..1.1).contains(&wide), "{wide}");
+    assert!((1.6..=2.0).contains(&narrow), "{narrow}");
+    let numbers = format!(
+        "bending modulus of the mesh measured as {wide:.2} in a region 4 lam wide, {narrow:.2} in one 1 lam wide"
+    );
+    table_line("T13 a narrow region", "ruga", Finding::Fails, &numbers);
 }
