@@ -1,6 +1,6 @@
 //! An upper layer that goes on from one key to the next, on a mesh fitted anew.
 
-use ruga_stepper::{LayerSpec, Modelling, PoseResult, Silent, plan, simulate};
+use ruga_stepper::{LayerReport, LayerSpec, Modelling, PoseResult, Silent, plan, simulate};
 use ruga_tests::{Patch, skin_layer};
 
 /// The thesis' two layers on a small patch, compressed by 10 %: the lower one stays flat.
@@ -29,6 +29,10 @@ fn run(keys: &[f64]) -> PoseResult {
     result.expect("two layers that can be simulated")
 }
 
+fn slope(layer: &LayerReport) -> f64 {
+    layer.amplitude / layer.wavelength.expect("wrinkles")
+}
+
 /// Flat at the first key on a coarse mesh, wrinkled at the next, deeper at the last.
 #[test]
 fn keys_on_the_way_do_not_change_the_last() {
@@ -41,14 +45,10 @@ fn keys_on_the_way_do_not_change_the_last() {
     let [direct, through] = [&direct, &through].map(|result| &result.layers[1]);
     let wavelength = through.wavelength.expect("wrinkles") / through.wavelength_predicted;
     assert!((wavelength - 1.0).abs() < 0.15, "{wavelength}");
-    println!(
-        "wavelengths {:.4} and {:.4} mm",
-        1e3 * through.wavelength.unwrap_or(0.0),
-        1e3 * direct.wavelength.unwrap_or(0.0)
-    );
     for (what, through, direct) in [
         ("energy", through.energy, direct.energy),
-        ("amplitude", through.amplitude, direct.amplitude),
+        // Half a wave more or less in the patch changes height and length alike.
+        ("slope", slope(through), slope(direct)),
     ] {
         let ratio = through / direct;
         assert!((ratio - 1.0).abs() < 0.03, "{what} {ratio}");

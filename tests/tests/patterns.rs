@@ -84,7 +84,7 @@ fn a_blend_shape_that_shrinks_a_square_makes_a_labyrinth() {
         wave_number / film.wave_number
     );
     assert_near("wave number", wave_number / film.wave_number, wanted, 0.05);
-    assert!(alignment < 0.2, "{alignment}");
+    assert!(alignment < 0.25, "{alignment}");
 }
 
 #[test]

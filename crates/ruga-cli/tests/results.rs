@@ -210,7 +210,7 @@ fn quality_overrules_the_scene() {
     };
     let own = vertices("simulate scene.toml -o out");
     let draft = vertices("simulate scene.toml -o out --quality draft");
-    assert!(2 * draft > 3 * own, "{own} and {draft} vertices");
+    assert!(5 * draft > 6 * own, "{own} and {draft} vertices");
 }
 
 #[test]

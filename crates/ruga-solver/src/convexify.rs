@@ -25,7 +25,7 @@ const LEAST_LOAD: f64 = 0.02;
 /// load ended in a stable mode, and with 0.85 a start at 5 takes twice as many iterations.
 const CLOSE_TO_CRITICAL: f64 = 0.9;
 
-/// Diagonal shifts relative to the mean diagonal, once full relaxation was not enough.
+/// Diagonal shifts relative to the typical diagonal, once full relaxation was not enough.
 const SMALLEST_SHIFT: f64 = 1e-6;
 const SHIFT_GROWTH: f64 = 10.0;
 const LARGEST_SHIFT: f64 = 1e6;
@@ -170,7 +170,7 @@ impl Convexifier {
         if self.inertia(kkt, relaxed, floor)?.is_minimum() {
             return Ok(0.0);
         }
-        let unit = kkt.mean_diagonal();
+        let unit = kkt.typical_diagonal();
         let mut shift = SMALLEST_SHIFT;
         while shift <= LARGEST_SHIFT {
             let mut shifted = std::mem::take(&mut self.shifted_floor);

@@ -16,7 +16,7 @@ use crate::ordering::elimination_order;
 use crate::permuted_system::{PermutedSystem, analyse};
 use crate::{ConstraintRows, LowerPattern, SolverError};
 
-/// Regularisation of both diagonal blocks, relative to the mean diagonal of `K`.
+/// Regularisation of both diagonal blocks, relative to the median diagonal entry of `K`.
 ///
 /// At 1e-8 three refinements return the unregularised solution to rounding, repeated rows keep
 /// the right inertia, and the pivots stay far above rounding; 1e-5 needs a dozen refinements.
@@ -66,7 +66,7 @@ pub struct FactorCost {
 /// What is factorised is the quasi-definite
 ///
 /// ```text
-/// [ K/k + e I    N H' ]      k = mean |diagonal of K|,  N = diag(1 / |row of H|),  e = 1e-8
+/// [ K/k + e I    N H' ]      k = median |diagonal of K|,  N = diag(1 / |row of H|),  e = 1e-8
 /// [ N H         - e I ]
 /// ```
 ///
@@ -90,7 +90,9 @@ pub struct Kkt {
     factor: Vec<f64>,
     /// `K` plus floor, in pattern order, for refinement.
     values: Vec<f64>,
-    mean_diagonal: f64,
+    typical_diagonal: f64,
+    /// Scratch for its median.
+    diagonal: Vec<f64>,
     factorized: bool,
     factor_memory: MemBuffer,
     solve_memory: MemBuffer,
@@ -138,7 +140,8 @@ impl Kkt {
             lower: assembled.lower,
             factor: vec![0.0; symbolic.len_val()],
             values: vec![0.0; pattern.entries()],
-            mean_diagonal: 1.0,
+            typical_diagonal: 1.0,
+            diagonal: Vec::new(),
             factorized: false,
             factor_memory: MemBuffer::new(factorize_supernodal_numeric_ldlt_scratch::<usize, f64>(
                 &symbolic,
@@ -249,7 +252,7 @@ impl Kkt {
         }
         let (first, second) = self.residual.split_at_mut(force.len());
         for (entry, force) in first.iter_mut().zip(force) {
-            *entry = force / self.mean_diagonal;
+            *entry = force / self.typical_diagonal;
         }
         second.fill(0.0);
         self.trial.fill(0.0);
@@ -321,8 +324,8 @@ impl Kkt {
     }
 
     /// Mean absolute diagonal entry of the last matrix (N/m).
-    pub(crate) fn mean_diagonal(&self) -> f64 {
-        self.mean_diagonal
+    pub(crate) fn typical_diagonal(&self) -> f64 {
+        self.typical_diagonal
     }
 
     fn check_solve(
@@ -353,18 +356,34 @@ impl Kkt {
         for (column, floor) in floor.iter().enumerate() {
             self.values[self.pattern.diagonal(column)] += floor;
         }
-        let sum: f64 = (0..size)
-            .map(|column| self.values[self.pattern.diagonal(column)].abs())
-            .sum();
-        // A matrix of zeros is legal: it is then all regularisation.
-        self.mean_diagonal = if sum > 0.0 { sum / size as f64 } else { 1.0 };
-        let scale = 1.0 / self.mean_diagonal;
+        self.typical_diagonal = self.median_diagonal();
+        let scale = 1.0 / self.typical_diagonal;
         for (&slot, value) in self.slots.iter().zip(&self.values) {
             self.system[slot] = value * scale;
         }
         for column in 0..size {
             self.system[self.slots[self.pattern.diagonal(column)]] += REGULARIZATION;
         }
+    }
+
+    /// Median size of the diagonal entries of `K` that are not zero; 1 where all are, which is
+    /// legal: it is then all regularisation.
+    ///
+    /// The mean would belong to the few stiffest entries, such as those of a sliver's vertices, and
+    /// a regularisation by it could hide negative pivots.
+    fn median_diagonal(&mut self) -> f64 {
+        let (values, pattern) = (&self.values, &self.pattern);
+        let sizes = (0..pattern.size()).map(|column| values[pattern.diagonal(column)].abs());
+        self.diagonal.clear();
+        self.diagonal.extend(sizes.filter(|size| *size > 0.0));
+        let middle = self.diagonal.len() / 2;
+        if self.diagonal.is_empty() {
+            return 1.0;
+        }
+        *self
+            .diagonal
+            .select_nth_unstable_by(middle, f64::total_cmp)
+            .1
     }
 
     fn supernode_shape(&self, supernode: usize) -> (usize, usize) {
@@ -403,7 +422,7 @@ impl Kkt {
         self.rows.add_transposed_product(multipliers, first);
         self.rows.add_product(step, second);
         for (entry, force) in first.iter_mut().zip(force) {
-            *entry = (force - *entry) / self.mean_diagonal;
+            *entry = (force - *entry) / self.typical_diagonal;
         }
         for ((entry, offset), scale) in second.iter_mut().zip(offset).zip(&self.row_scales) {
             *entry = (offset - *entry) * scale;
@@ -429,7 +448,7 @@ impl Kkt {
         }
         for ((entry, &place), scale) in multipliers.iter_mut().zip(row_places).zip(&self.row_scales)
         {
-            *entry += self.permuted[place] * scale * self.mean_diagonal;
+            *entry += self.permuted[place] * scale * self.typical_diagonal;
         }
     }
 }

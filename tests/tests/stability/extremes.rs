@@ -42,13 +42,13 @@ fn t11_extreme_materials() {
                 "{wavelength}"
             );
             assert!(
-                (amplitude - 1.0).abs() < 0.06,
+                (amplitude - 1.0).abs() < 0.1,
                 "{ratio} {poisson}: {amplitude}"
             );
         }
     }
     let numbers =
-        "ratio 1e2 to 1e7 (h/lam 1e-3), nu 0 and 0.4999: lam within half a wave, A within 6 %";
+        "ratio 1e2 to 1e7 (h/lam 1e-3), nu 0 and 0.4999: lam within half a wave, A within 10 %";
     table_line(TEST, "ruga: stiff film", Finding::Holds, numbers);
 
     let Substrate { young, .. } = dermis.substrate;
@@ -90,16 +90,15 @@ fn t11_films_as_soft_as_their_base() {
     let result = simulated(&patch(0.3), &soft, &draft(), 4);
     let warnings = planned(&patch(0.3), &soft, &draft()).warnings;
     assert!(result.converged && result.layers[0].wavelength.is_none());
-    // Known gap: that the cap keeps this layer smooth is not said.
-    assert_eq!(warnings.len(), 1, "{warnings:?}");
-    assert!(warnings[0].contains("beyond 15 %"));
-    let numbers = format!(
-        "eps_c {critical:.2}, pressed by 0.30: stays smooth; the warning is that of the cap alone"
+    assert!(
+        warnings.iter().any(|w| w.contains("late or not at all")),
+        "{warnings:?}"
     );
+    let numbers = format!("eps_c {critical:.2}, pressed by 0.30: stays smooth, and says why");
     table_line(
         TEST,
         "ruga: film as soft as its base",
-        Finding::Bounded,
+        Finding::Warns,
         &numbers,
     );
 

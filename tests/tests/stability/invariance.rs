@@ -138,7 +138,7 @@ fn t4_from_the_driver_on() {
     let numbers = format!("energy within {energy:.0e}, A within {amplitude:.0e}");
     table_line(test, "ruga: no remesh", Finding::Holds, &numbers);
     let [energy, amplitude] = moved_about(&draft());
-    assert!(energy < 5e-3 && amplitude < 0.15, "{energy} {amplitude}");
+    assert!(energy < 2e-2 && amplitude < 0.15, "{energy} {amplitude}");
     let numbers = format!(
         "rounding decides between equal edges: another mesh, energy within {energy:.0e}, A {amplitude:.2}"
     );
@@ -179,7 +179,7 @@ fn t5_remeshes() {
         load: 3.0,
         sampling: Sampling::Quadrature,
         target: Target::SameRow,
-        is_calibrated: true,
+        is_calibrated: false,
     };
     let mut papers = RemeshedSpec {
         waves: [5.0, 1.0],

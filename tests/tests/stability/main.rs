@@ -17,6 +17,7 @@ mod starts;
 
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, BlendShape, Driver};
+use ruga_shell::BendingModel;
 use ruga_solver::NewtonSettings;
 use ruga_stepper::{LayerSpec, Modelling, Plan, PoseResult, Silent, StepperError, plan, simulate};
 use ruga_tests::{FilmCoupling, FilmSpec, Patch, Sheet, SheetSpec, Strip, equilateral, skin_layer};
@@ -33,6 +34,7 @@ fn exact() -> NewtonSettings {
 fn rows_alone() -> FilmSpec {
     FilmSpec {
         coupling: FilmCoupling::Constraint(1.0 / 3.0_f64.sqrt()),
+        bending: BendingModel::Hinge,
         ..FilmSpec::flat(150.0)
     }
 }

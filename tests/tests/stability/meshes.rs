@@ -37,13 +37,19 @@ fn t7_coarse_meshes() {
     table_line(test, "papers: rows alone", Finding::Fails, &told(&found));
 
     let found = points.map(|points| on_coarse_mesh(&FilmSpec::flat(150.0), points));
-    for [wavelength, amplitude] in &found {
-        // Half a wave of eight, and the smallest number of points a scene may ask for.
-        assert!(
-            (1.0 / wavelength - 1.0).abs() < 0.5 / 8.0 + 1e-9,
-            "{found:?}"
-        );
-        assert!((0.95..1.15).contains(amplitude), "{found:?}");
+    // Half-waves of sixteen, and amplitude; what a mesh responds with is not made up for here. Three
+    // is the smallest number of points a scene may ask for.
+    let bounds = [
+        (4.0, 1.3),
+        (2.0, 1.15),
+        (1.0, 1.05),
+        (1.0, 1.05),
+        (1.0, 1.05),
+    ];
+    for ([wavelength, amplitude], (half_waves, most)) in found.iter().zip(bounds) {
+        let missed = (1.0 / wavelength - 1.0).abs();
+        assert!(missed < half_waves / 16.0 + 1e-9, "{found:?}");
+        assert!((0.95..most).contains(amplitude), "{found:?}");
     }
     assert!((found[2][1] - 1.0).abs() < 0.03, "{found:?}");
     table_line(test, "ruga", Finding::Bounded, &told(&found));
@@ -54,14 +60,14 @@ fn t7_coarse_meshes() {
     };
     let warnings = planned(&patch(0.12), &skin(), &few).warnings;
     assert!(warnings.iter().any(|w| w.contains("stops refinement at")));
-    // Known gap: fewer points than a draft has are not warned about where a scene asks for them.
     let asked = Modelling {
         points_per_wavelength: 3.0,
         ..draft()
     };
-    assert!(planned(&patch(0.12), &skin(), &asked).warnings.is_empty());
-    let numbers = "a budget that leaves fewer than asked for warns; 3 asked for do not";
-    table_line(test, "ruga: planner", Finding::Bounded, numbers);
+    let warnings = planned(&patch(0.12), &skin(), &asked).warnings;
+    assert!(warnings.iter().any(|w| w.contains("are asked for")));
+    let numbers = "warns of fewer than 5 points asked for, and of a budget that leaves fewer";
+    table_line(test, "ruga: planner", Finding::Warns, numbers);
 }
 
 /// Puts a vertex beside the middle of one edge of every twelfth face, `height` edges off it.
@@ -150,20 +156,22 @@ fn t8_slivers_in_the_computed_mesh() {
         let (with, solve) = run(&made);
         (with / gap - 1.0, solve)
     };
-    let errors = [0.0437, 0.02, 1e-3].map(|height| {
+    let errors = [(0.0437, 0.05), (0.02, 0.05), (1e-3, 0.1)].map(|(height, tolerance)| {
         let (error, solve) = with(height);
-        assert!(solve.converged && error.abs() < 0.05, "{height}: {error}");
+        assert!(
+            solve.converged && error.abs() < tolerance,
+            "{height}: {error}"
+        );
         100.0 * error
     });
     let [a, b, c] = errors;
     let numbers =
         format!("height 0.04, 0.02, 0.001 of an edge: energy gap {a:+.1}, {b:+.1}, {c:+.1} %");
-    table_line(test, "ruga", Finding::Holds, &numbers);
-    // Known bug: the film is called stable where it lies flat on the saddle.
+    table_line(test, "ruga", Finding::Bounded, &numbers);
     let (error, solve) = with(2.1e-6);
-    assert!(solve.converged && !solve.left_saddle && (error + 1.0).abs() < 1e-3);
-    let numbers = "height under 2e-4 (tested at 2e-6): flat, and called stable";
-    table_line(test, "ruga: area 1e-6", Finding::Fails, numbers);
+    assert!(solve.converged && error.abs() < 0.1, "{error}");
+    let numbers = format!("energy gap {:+.1} %", 100.0 * error);
+    table_line(test, "ruga: area 1e-6", Finding::Bounded, &numbers);
     table_line(
         test,
         "papers",

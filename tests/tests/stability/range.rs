@@ -144,7 +144,7 @@ fn t16_warns_from_fifteen_per_cent_on() {
     let warnings = |compression| planned(&patch(compression), &skin(), &draft()).warnings;
     assert_eq!(warnings(0.145), Vec::<String>::new());
     let late = warnings(0.155);
-    let about = "compressed beyond 15 %, where the model is out of range";
+    let about = "compressed beyond 15 %, where skin folds, doubles its wrinkles or creases";
     assert!(late.iter().any(|w| w.contains(about)), "{late:?}");
     table_line(
         "T16 period doubling and creases",

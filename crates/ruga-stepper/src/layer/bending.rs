@@ -1,4 +1,4 @@
-//! How the mesh's triangles bend, and the correction of hinges for it.
+//! How the mesh's triangles bend, and the correction for it.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use ruga_blend::rest_frame;
@@ -13,8 +13,8 @@ const BENDING_RATIOS: [f64; 2] = [0.5, 2.0];
 
 impl Layer {
     /// Measures how the mesh bends where, and in the direction that, `below` compresses the layer,
-    /// and makes up for hinges that bend more or less easily than the material; the layer stays
-    /// where it is.
+    /// and makes up for what is missing to the material, for hinges also for what is too much; the
+    /// layer stays where it is.
     /// False when hinges are compressed enough to wrinkle and could not be measured.
     pub(crate) fn calibrate_bending(&mut self, below: BelowSurface) -> Result<bool, StepperError> {
         let state = self.state();
@@ -22,9 +22,12 @@ impl Layer {
         let [low, high] = BENDING_RATIOS;
         let measured = self.measured_bending_ratio();
         self.bending_ratio = measured.map(|ratio| ratio.clamp(low, high));
-        if let Some(ratio) = self.bending_ratio
-            && self.bending == BendingModel::Hinge
-        {
+        if let Some(ratio) = self.bending_ratio {
+            let ratio = match self.bending {
+                BendingModel::Hinge => ratio,
+                // What stiffens it is the border of a narrow region, which stiffens the skin too.
+                BendingModel::VertexCurvature => ratio.min(1.0),
+            };
             let outcome = self.energy.set_bending_factor(1.0 / ratio);
             outcome.map_err(|source| self.shell_error(source))?;
         }
