@@ -6,7 +6,7 @@ use ruga_solver::{SolverError, inertia_at, softest_mode};
 
 use crate::Film;
 use crate::film_objective::gather;
-use crate::remeshed_film::bending_ratio;
+use crate::remeshed_film::bending_factor;
 
 /// Inverse iterations towards a mode; near its own onset it is softer than others by far.
 const ITERATIONS: usize = 15;
@@ -24,9 +24,9 @@ impl Film {
     /// Makes up for triangles that bend more or less easily than the material, as the product does.
     pub fn calibrate_bending(&mut self) {
         let pinned = self.strip.ends();
-        let ratio = bending_ratio(&self.wrinkling, &self.rest, &self.strip.faces, &pinned);
+        let factor = bending_factor(&self.spec, &self.rest, &self.strip.faces, &pinned);
         self.energy
-            .set_bending_factor(1.0 / ratio)
+            .set_bending_factor(factor)
             .expect("a positive factor");
     }
 

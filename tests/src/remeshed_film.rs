@@ -275,7 +275,7 @@ impl Discrete {
             .set_base(&base, &normals, &offsets)
             .expect("a valid base");
         if spec.is_calibrated {
-            let factor = 1.0 / bending_ratio(theory, rest, &strip.faces, &pinned);
+            let factor = bending_factor(&spec.film, rest, &strip.faces, &pinned);
             energy
                 .set_bending_factor(factor)
                 .expect("a positive factor");
@@ -371,13 +371,14 @@ fn compressed(spec: &RemeshedSpec, theory: &Wrinkling, rest: &[Vector3<f64>]) ->
     rest.iter().map(place).collect()
 }
 
-/// Response bending modulus of a mesh over that of the material.
-pub(crate) fn bending_ratio(
-    theory: &Wrinkling,
+/// Factor on the bending of a mesh that makes up for what it responds with, as a layer does it.
+pub(crate) fn bending_factor(
+    spec: &FilmSpec,
     rest: &[Vector3<f64>],
     faces: &[[u32; 3]],
     pinned: &[bool],
 ) -> f64 {
+    let theory = spec.theory();
     let response = response_modulus(&ResponseQuery {
         faces,
         corners: &face_corners(rest, faces),
@@ -385,12 +386,16 @@ pub(crate) fn bending_ratio(
         fixed: pinned,
         bending_modulus: theory.bending_stiffness,
         hinge_exponent: HINGE_EXPONENT,
-        poisson: 0.0,
-        bending_model: BendingModel::Hinge,
+        poisson: spec.film.poisson,
+        bending_model: spec.bending,
         normal_stiffness: theory.normal_stiffness,
         gradient_stiffness: theory.gradient_stiffness,
     });
-    response.expect("a sheet that buckles").bending_modulus / theory.bending_stiffness
+    let ratio = response.expect("a sheet that buckles").bending_modulus / theory.bending_stiffness;
+    match spec.bending {
+        BendingModel::Hinge => 1.0 / ratio,
+        BendingModel::VertexCurvature => 1.0 / ratio.min(1.0),
+    }
 }
 
 /// Values at the vertices of a new mesh, on the smooth surface through those of the old one.

@@ -52,6 +52,7 @@ fn check(ratio: f64, seed: Option<u64>, anchors: [f64; 5], gaps: [f64; 2]) {
     let name = format!("ratio {ratio}, mesh {seed:?}");
     let spec = FilmSpec::flat(ratio);
     let mut film = Film::new(&spec, strip(&spec, seed));
+    film.calibrate_bending();
     let onset = film.onset(0.9, 1.15);
     let expected = 1.0 + film.wrinkling.critical_strain;
     println!("{name}: onset {onset:.4}, anchor {expected:.4}");

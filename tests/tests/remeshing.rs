@@ -30,7 +30,7 @@ fn film() -> RemeshedSpec {
         load: 3.0,
         sampling: Sampling::Quadrature,
         target: Target::SameRow,
-        is_calibrated: false,
+        is_calibrated: true,
     }
 }
 

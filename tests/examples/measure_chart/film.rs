@@ -12,7 +12,7 @@ use ruga_solver::NewtonSettings;
 use ruga_tests::{Film, FilmSpec, Noise, Rectangle, Step, Strip};
 
 use crate::cpu_time::cpu_seconds;
-use crate::request::{Bending, Coupling, Mesh, Outcome, Request, Solver};
+use crate::request::{Coupling, Mesh, Outcome, Request, Solver};
 
 const RATIO: f64 = 150.0;
 /// Extent in wavelengths: two rows of averages fit across.
@@ -109,9 +109,7 @@ fn meshed(spec: &FilmSpec, request: &Request) -> Strip {
 
 fn laid(spec: &FilmSpec, strip: Strip, request: &Request) -> Film {
     let mut film = Film::sampled(spec, strip, request.sampling.kind());
-    if matches!(request.bending, Bending::Hinge) {
-        film.calibrate_bending();
-    }
+    film.calibrate_bending();
     film
 }
 

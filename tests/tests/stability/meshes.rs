@@ -108,17 +108,24 @@ fn t8_slivers_of_the_artist() {
         smoothing: Smoothing::None,
         ..draft()
     };
-    for (name, modelling) in [("ruga", &draft()), ("ruga: facets", &facets)] {
+    // On facets, at draft quality, a sliver may decide for half a wave more.
+    for (name, modelling, tolerance, finding) in [
+        ("ruga", &draft(), 0.05, Finding::Holds),
+        ("ruga: facets", &facets, 0.2, Finding::Bounded),
+    ] {
         let plain = with_slivers(None, modelling).expect("a patch");
         let errors = HEIGHTS.map(|height| {
             let made = with_slivers(Some(height), modelling).expect("a patch");
             assert!(made.converged, "{:?}", made.warnings);
             made.layers[0].energy / plain.layers[0].energy - 1.0
         });
-        assert!(errors.iter().all(|error| error.abs() < 0.05), "{errors:?}");
+        assert!(
+            errors.iter().all(|error| error.abs() < tolerance),
+            "{errors:?}"
+        );
         let [a, b, c] = errors.map(|error| 100.0 * error);
         let numbers = format!("in the artist's mesh, remeshed: energy {a:+.1}, {b:+.1}, {c:+.1} %");
-        table_line(test, name, Finding::Holds, &numbers);
+        table_line(test, name, finding, &numbers);
     }
     let as_drawn = Modelling {
         remesh: None,
