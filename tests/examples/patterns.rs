@@ -1,5 +1,5 @@
 //! Labyrinths, herringbone and pulled sheet at length: prints what was measured, panics where it is
-//! not what was found before. Takes half an hour: `cargo xtask patterns`.
+//! not what was found before. Takes many minutes: `cargo xtask patterns`.
 
 #![allow(
     clippy::print_stdout,

@@ -153,7 +153,22 @@ impl Skin {
     /// # Panics
     /// When planner or stepper refuse.
     pub fn simulate(&self, pose: &PoseSpec, modelling: &Modelling) -> PoseResult {
-        let plan = self.plan(pose, modelling);
+        self.simulate_stack(std::slice::from_ref(&self.layer), pose, modelling)
+    }
+
+    /// The same for these layers instead of its own.
+    ///
+    /// # Panics
+    /// When planner or stepper refuse.
+    pub fn simulate_stack(
+        &self,
+        layers: &[LayerSpec],
+        pose: &PoseSpec,
+        modelling: &Modelling,
+    ) -> PoseResult {
+        let poses = std::slice::from_ref(pose);
+        let plan =
+            plan(&self.driver, layers, poses, modelling, 1024).expect("a pose that can be planned");
         simulate(&self.driver, &plan, 0, pose, modelling, &mut Silent)
             .expect("a pose that can be simulated")
     }

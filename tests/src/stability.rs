@@ -92,10 +92,14 @@ impl SheetSpec {
             faces: strip.faces.clone(),
             parameters: spec.parameters(strip),
             averages: Vec::new(),
-            coupling: {
-                let held = (spec.coupling, Sampling::Quadrature);
-                averages(strip, &rest, &pinned, &free, &theory, held)
-            },
+            coupling: averages(
+                strip,
+                &rest,
+                &pinned,
+                &free,
+                &theory,
+                (spec.coupling, Sampling::Quadrature),
+            ),
             bending: spec.bending,
             rollers: side_rollers(strip, &free),
             rest,

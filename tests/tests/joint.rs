@@ -6,7 +6,7 @@
 )]
 
 use ruga_material::preset;
-use ruga_stepper::{LayerSpec, Mask, Modelling, PoseResult, Region, Silent, Stack, plan, simulate};
+use ruga_stepper::{LayerSpec, Mask, Modelling, PoseResult, Region, Stack};
 use ruga_tests::{Skin, asset, findings};
 
 /// The middle of the patch, 4 cm along the compression and 2 cm across.
@@ -38,16 +38,14 @@ fn pair(skin: &Skin) -> [LayerSpec; 2] {
 
 fn run(skin: &Skin, stack: Stack, weight: f64) -> PoseResult {
     let layers = pair(skin);
-    let poses = [skin.pose(&[("compress", weight)], 4)];
+    let pose = skin.pose(&[("compress", weight)], 4);
     let modelling = Modelling {
         region: middle(),
         points_per_wavelength: 5.0,
         stack,
         ..Modelling::default()
     };
-    let plan = plan(&skin.driver, &layers, &poses, &modelling, 1024).expect("a plan");
-    let result = simulate(&skin.driver, &plan, 0, &poses[0], &modelling, &mut Silent)
-        .expect("a stack that can be simulated");
+    let result = skin.simulate_stack(&layers, &pose, &modelling);
     for layer in &result.layers {
         println!("{stack:?}, {}", findings(layer));
     }

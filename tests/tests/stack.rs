@@ -6,9 +6,7 @@
 )]
 
 use ruga_material::{LayerMaterial, preset};
-use ruga_stepper::{
-    Coupling, LayerSpec, Mask, Modelling, PoseResult, Region, Silent, Stack, plan, simulate,
-};
+use ruga_stepper::{Coupling, LayerSpec, Mask, Modelling, PoseResult, Region, Stack, plan};
 use ruga_tests::{Skin, asset, findings};
 
 /// The middle of the patch, 4 by 3 cm.
@@ -36,16 +34,14 @@ fn on(lower: &LayerSpec, material: LayerMaterial) -> LayerSpec {
 /// The forearm's compression, `weight` times as strong, under two layers.
 fn run(skin: &Skin, upper: &LayerSpec, weight: f64, stack: Stack) -> PoseResult {
     let layers = [skin.layer.clone(), upper.clone()];
-    let poses = [skin.pose(&[("compress", weight)], 4)];
+    let pose = skin.pose(&[("compress", weight)], 4);
     let modelling = Modelling {
         region: middle(),
         points_per_wavelength: 6.0,
         stack,
         ..Modelling::default()
     };
-    let plan = plan(&skin.driver, &layers, &poses, &modelling, 1024).expect("a plan");
-    let result = simulate(&skin.driver, &plan, 0, &poses[0], &modelling, &mut Silent)
-        .expect("a stack that can be simulated");
+    let result = skin.simulate_stack(&layers, &pose, &modelling);
     for layer in &result.layers {
         println!("{stack:?}, {}", findings(layer));
     }

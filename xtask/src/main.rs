@@ -29,7 +29,7 @@ usage: cargo xtask TASK
   assets       regenerate the meshes and painted images under assets/
   bench        run the benchmarks on one thread and compare them
   stability    run the stability suite and print what each method does in it
-  patterns     run labyrinths, herringbone and pulled sheet at length, half an hour
+  patterns     run labyrinths, herringbone and pulled sheet at length
   figures [DIR] [--quick]
                simulate every scene under assets/ and draw the figures of Li 2014 into DIR
                [default: target/figures]; --quick takes coarse meshes
@@ -38,7 +38,7 @@ usage: cargo xtask TASK
                measure speed against accuracy and draw the chart into DIR
                [default: target/chart]; goes on where an earlier run ended,
                so measure changed code into another folder;
-               --quick takes fewer and coarser runs, in five minutes;
+               --quick takes fewer and coarser runs;
                chart --redraw [DIR] [--quick] draws what there is
   picture DIR  shade the maps that `ruga bake assets/forearm/scene.toml -o DIR` left in DIR
 ";

@@ -78,6 +78,18 @@ fn saddle(x: f64, y: f64) -> f64 {
     0.3 * (x * x - y * y) + 0.1 * x * y
 }
 
+/// Gradient and Hessian at `x` against differences of the value.
+fn check_stencil(stencil: &VertexCurvature, x: &[Vector3<f64>], name: &str) {
+    check_points(
+        x,
+        1e-3,
+        |y| stencil.value(y),
+        |y| stencil.gradient(y),
+        &stencil.hessian(x, HingeCurvature::Full),
+        name,
+    );
+}
+
 #[test]
 fn derivatives_of_stars_of_any_valence() {
     for valence in 3..=9 {
@@ -94,14 +106,7 @@ fn derivatives_of_stars_of_any_valence() {
                 .iter()
                 .map(|p| turn * p + random_vector(&mut rng) * noise)
                 .collect();
-            check_points(
-                &x,
-                1e-3,
-                |y| stencil.value(y),
-                |y| stencil.gradient(y),
-                &stencil.hessian(&x, HingeCurvature::Full),
-                &format!("valence {valence}, noise {noise}"),
-            );
+            check_stencil(&stencil, &x, &format!("valence {valence}, noise {noise}"));
         }
     }
 }
@@ -118,12 +123,9 @@ fn derivatives_of_border_stars() {
                 .iter()
                 .map(|p| p + random_vector(&mut rng) * noise)
                 .collect();
-            check_points(
+            check_stencil(
+                &stencil,
                 &x,
-                1e-3,
-                |y| stencil.value(y),
-                |y| stencil.gradient(y),
-                &stencil.hessian(&x, HingeCurvature::Full),
                 &format!("{faces} faces at a border, noise {noise}"),
             );
         }
@@ -173,14 +175,7 @@ fn derivatives_of_strongly_bent_stars() {
             .iter()
             .map(|p| Vector3::new((1.2 * p.x).sin(), p.y + 0.1 * p.x, (1.2 * p.x).cos()))
             .collect();
-        check_points(
-            &x,
-            1e-3,
-            |y| stencil.value(y),
-            |y| stencil.gradient(y),
-            &stencil.hessian(&x, HingeCurvature::Full),
-            &format!("bent, valence {valence}"),
-        );
+        check_stencil(&stencil, &x, &format!("bent, valence {valence}"));
     }
 }
 

@@ -71,8 +71,8 @@ impl FacetAddresses {
     }
 }
 
-/// The way of one vertex: in space to the closest place of the flat triangles' plane, m, and in the
-/// texture; `None` across a seam or at one, or on the border.
+/// From a vertex' place on its flat triangle to the one that is closest to where the surface is: how
+/// far, m, and in the texture; `None` across a seam or at one, or on the border.
 type Way = Option<(f64, Vector2<f64>)>;
 
 fn ways(driver: &Driver, piece: &Piece<'_>) -> Vec<Way> {
@@ -269,7 +269,7 @@ mod tests {
         Driver::new(&mesh).expect("a square")
     }
 
-    /// Largest distance in the texture from where a vertex is, in the middle; and of all from `uvs`.
+    /// Largest distance in the middle between where a vertex is and where `uvs` show it.
     fn misses(region: &RegionMesh, uvs: &[[Vector2<f64>; 3]]) -> f64 {
         let faces = region.skin.mesh.faces().as_slice().iter().zip(uvs);
         let corners = faces.flat_map(|(corners, uvs)| corners.iter().zip(uvs));

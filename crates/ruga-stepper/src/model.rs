@@ -162,7 +162,7 @@ pub struct Modelling {
     pub dynamics: Option<Dynamics>,
     /// The surface between the artist's vertices.
     pub smoothing: Smoothing,
-    /// How bending is measured on a mesh.
+    /// What the bending energy is made up of.
     pub bending: BendingModel,
     /// How linear systems are solved.
     pub linear: LinearSolver,

@@ -214,30 +214,19 @@ impl Plate {
 
 #[cfg(test)]
 mod tests {
-    use ruga_material::{LayerMaterial, WavelengthModel, wrinkling};
-
     use super::*;
+    use crate::FilmSpec;
 
     #[test]
     fn gradient_is_the_derivative_of_the_energy() {
-        let material = LayerMaterial {
-            young: 1e8,
-            poisson: 0.3,
-            thickness: 1e-4,
-            density: 1100.0,
-        };
-        let base = Substrate {
-            young: 1e5,
-            poisson: 0.3,
-            thickness: 1.0,
-        };
-        let film = wrinkling(&material, &base, WavelengthModel::HalfSpace).expect("materials");
+        let spec = FilmSpec::flat(1000.0);
+        let film = spec.theory();
         let side = 2.0 * film.wavelength;
         let grid = Grid::new([12, 10], [side, 0.9 * side]);
         let plate = Plate::new(grid, film, 0.3, Carrier::HalfSpace);
         let strain = [0.02, 0.01];
         let field = |seed: f64| -> Vec<Complex64> {
-            let value = |i: usize| material.thickness * (seed * (i * i + 1) as f64).sin();
+            let value = |i: usize| spec.film.thickness * (seed * (i * i + 1) as f64).sin();
             let values: Vec<f64> = (0..120).map(value).collect();
             let [coefficients, _] = plate.grid.coefficients([&values, &values]);
             coefficients

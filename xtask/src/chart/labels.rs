@@ -85,22 +85,23 @@ fn excess(area: [f64; 4], frame: [f64; 4]) -> f64 {
 mod tests {
     use super::*;
 
+    const STYLE: Style<'static> = Style {
+        size: 10.0,
+        colour: "#000000",
+        anchor: Anchor::Start,
+        bold: false,
+    };
+
     #[test]
     fn a_second_label_goes_elsewhere() {
         let mut drawing = Drawing::new([200.0, 200.0]);
         let mut labels = Labels::default();
-        let style = Style {
-            size: 10.0,
-            colour: "#000000",
-            anchor: Anchor::Start,
-            bold: false,
-        };
         for text in ["one", "two", "three", "four"] {
             labels.write(
                 &mut drawing,
                 &[[100.0, 100.0]],
                 text,
-                style,
+                STYLE,
                 [0.0, 0.0, 200.0, 200.0],
             );
         }
@@ -116,14 +117,8 @@ mod tests {
     fn no_label_leaves_the_frame() {
         let mut drawing = Drawing::new([200.0, 200.0]);
         let mut labels = Labels::default();
-        let style = Style {
-            size: 10.0,
-            colour: "#000000",
-            anchor: Anchor::Start,
-            bold: false,
-        };
         let frame = [0.0, 0.0, 200.0, 200.0];
-        labels.write(&mut drawing, &[[195.0, 100.0]], "to the left", style, frame);
+        labels.write(&mut drawing, &[[195.0, 100.0]], "to the left", STYLE, frame);
         assert_eq!(excess(labels.taken[0], frame), 0.0);
     }
 }
