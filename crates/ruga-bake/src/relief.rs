@@ -24,8 +24,8 @@ pub struct Relief<'a> {
     pub faces: &'a [[u32; 3]],
     /// UV of the corners of every face, V down. Each face lies in one chart.
     pub uvs: &'a [[Vector2<f64>; 3]],
-    /// For every face the artist's triangle that it lies in, and its corners' barycentric
-    /// coordinates there.
+    /// For every face the artist's triangle whose skin it is, and barycentric coordinates of its
+    /// corners' UVs there; beside an edge of that triangle they may leave [0, 1].
     pub artist: &'a [(u32, [[f64; 3]; 3])],
 }
 

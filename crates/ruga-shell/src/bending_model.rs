@@ -1,12 +1,11 @@
 //! The choice between the two bending energies.
 
 /// How the bending energy of a layer is made up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BendingModel {
     /// A [`Hinge`](crate::Hinge) per inner edge: the cheaper one, and right on meshes that are
     /// nearly equilateral. On triangles stretched 2:1 it is from 20 % too soft to 170 % too stiff, by
     /// direction, and its Poisson ratio is -1/3 whatever the material's.
-    #[default]
     Hinge,
     /// A [`VertexCurvature`](crate::VertexCurvature) per vertex: the modulus is that of the plate, to
     /// 3 % at 12 edges per wavelength, on irregular triangles and on those stretched 2:1 in any

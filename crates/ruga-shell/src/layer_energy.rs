@@ -16,8 +16,8 @@ use crate::{BendingModel, FaceParameters, LayerParameters, RestTriangle, ShellEr
 /// Membrane, bending and foundation of one layer.
 ///
 /// Every vertex has a position; only those that are not pinned have degrees of freedom, three
-/// each (x, y, z) in the order of the vertices. A pinned vertex still strains its faces, bends its
-/// hinges and deviates from the base. Terms are summed in a fixed order: same input, same bytes.
+/// each (x, y, z) in the order of the vertices. A pinned vertex still strains its faces, bends
+/// and deviates from the base. Terms are summed in a fixed order: same input, same bytes.
 ///
 /// # Panics
 /// Methods that take positions or a target slice panic when its length is not the layer's.

@@ -2,7 +2,7 @@
 //!
 //! A [`LayerEnergy`] sums three kinds of stencil over an indexed triangle mesh: a [`Membrane`] per
 //! face, bending by the [`BendingModel`] asked for (a [`Hinge`] per interior edge, or a
-//! [`VertexCurvature`] per interior vertex), and a foundation ([`NormalFoundation`] per face,
+//! [`VertexCurvature`] per vertex that has an inner edge), and a foundation ([`NormalFoundation`] per face,
 //! [`TangentialTie`] per vertex) towards a base that each frame replaces. Each stencil can be used
 //! alone. [`response_modulus`] says how stiffly a given mesh really bends. A [`JointEnergy`] is two
 //! layers, one on springs above the other ([`LayerTie`] per face), that move together.

@@ -275,7 +275,12 @@ pub struct VertexCurvature {
 impl VertexCurvature {
     /// `stiffness` is `D` (N m) times the star's area (m²), `poisson` in (-1, 1], `rest_angles` one
     /// per inner edge (rad).
+    ///
+    /// # Panics
+    /// Where `rest_angles` are not one per inner edge or `poisson` is outside its range.
     pub fn new(shape: &StarShape, stiffness: f64, poisson: f64, rest_angles: Vec<f64>) -> Self {
+        assert_eq!(rest_angles.len(), shape.weights.len(), "one angle per edge");
+        assert!(-1.0 < poisson && poisson <= 1.0, "Poisson ratio {poisson}");
         Self {
             rows: shape.rows(stiffness, poisson),
             closed: matches!(shape.kind, StarKind::Closed(_)),

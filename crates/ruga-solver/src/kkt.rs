@@ -323,7 +323,7 @@ impl Kkt {
         }
     }
 
-    /// Mean absolute diagonal entry of the last matrix (N/m).
+    /// Median absolute diagonal entry of the last matrix (N/m).
     pub(crate) fn typical_diagonal(&self) -> f64 {
         self.typical_diagonal
     }

@@ -404,7 +404,7 @@ impl<'a> Newton<'a> {
                 self.objective,
                 self.kkt,
                 &mut self.generator,
-                &self.exact,
+                [&self.exact, &self.relaxed],
                 x,
                 energy,
                 &self.gradient,

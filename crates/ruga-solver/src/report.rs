@@ -172,7 +172,7 @@ pub struct SolveReport {
     pub relaxation_used: f64,
     /// What was left out of the first step, 0 to 1.
     pub first_relaxation: f64,
-    /// Largest diagonal shift, relative to the mean diagonal, that was needed on top of full
+    /// Largest diagonal shift, relative to the median diagonal, that was needed on top of full
     /// relaxation; 0 nearly always.
     pub shift_used: f64,
     /// Whether the Hessian was indefinite somewhere on the way.

@@ -62,7 +62,7 @@ pub fn softest_mode(
     let (exact, _) = factorize_at(objective, x, kkt)?;
     let mut generator = Pcg64Mcg::seed_from_u64(seed);
     let mut mode = random_vector(&mut generator, x.len());
-    inverse_iterations(kkt, &mut mode, iterations.max(1))?;
+    inverse_iterations(kkt, None, &mut mode, iterations.max(1))?;
     let rayleigh_quotient = rayleigh_quotient(kkt, &exact, &mode);
     Ok(SoftMode {
         mode,
@@ -89,18 +89,27 @@ fn random_vector(generator: &mut Pcg64Mcg, size: usize) -> Vec<f64> {
     (0..size).map(|_| generator.random::<f64>() - 0.5).collect()
 }
 
-/// Turns `mode` towards the softest mode of the factorised matrix; largest entry 1.
+/// Turns `mode` towards the softest mode of the factorised matrix, softest in relation to the
+/// `metric` where there is one; largest entry 1.
 ///
 /// Unrefined: the regularisation hardly changes the mode, and what it leaves of `H v` shrinks
 /// with the mode's stiffness, far below what counts as a violation.
 fn inverse_iterations(
     kkt: &mut Kkt,
+    metric: Option<&[f64]>,
     mode: &mut [f64],
     iterations: usize,
 ) -> Result<(), SolverError> {
     let mut next = vec![0.0; mode.len()];
     for _ in 0..iterations {
-        kkt.solve_once(mode, &mut next)?;
+        match metric {
+            Some(metric) => {
+                let mut weighted = vec![0.0; mode.len()];
+                kkt.pattern().add_product(metric, mode, &mut weighted);
+                kkt.solve_once(&weighted, &mut next)?;
+            }
+            None => kkt.solve_once(mode, &mut next)?,
+        }
         let largest = largest(&next);
         // The null space of the constraints may be empty.
         let scale = if largest > 0.0 { 1.0 / largest } else { 0.0 };
@@ -129,23 +138,25 @@ pub(crate) struct CurvatureStep {
     pub(crate) energy: f64,
 }
 
-/// Follows the softest mode of the factorised matrix downhill as long as the energy falls.
+/// Follows the buckling mode of the factorised matrix downhill as long as the energy falls.
 ///
 /// `exact` is the Hessian whose negative curvature is looked for; what is factorised is a
 /// relaxation of it, so the first few inverse iterations may end in a mode that is soft, but
-/// stable.
+/// stable. They weigh with the `relaxed` Hessian, because that makes them the power iteration for
+/// the buckling load: a layer that hardly resists sliding has modes softer than any wrinkle, but in
+/// relation to what they cost without compression none is softer than the one that buckles.
 pub(crate) fn search_curvature(
     objective: &dyn Objective,
     kkt: &mut Kkt,
     generator: &mut Pcg64Mcg,
-    exact: &[f64],
+    [exact, relaxed]: [&[f64]; 2],
     x: &[f64],
     energy: f64,
     gradient: &[f64],
 ) -> Result<Option<CurvatureStep>, SolverError> {
     let mut mode = random_vector(generator, x.len());
     for _ in 0..MAX_INVERSE_ITERATIONS / INVERSE_ITERATIONS {
-        inverse_iterations(kkt, &mut mode, INVERSE_ITERATIONS)?;
+        inverse_iterations(kkt, Some(relaxed), &mut mode, INVERSE_ITERATIONS)?;
         if rayleigh_quotient(kkt, exact, &mode) < 0.0 {
             break;
         }

@@ -1,4 +1,4 @@
-//! Layers as a pose needs them: their region, their mesh, their hinges.
+//! Layers as a pose needs them: their region, their mesh, their bending.
 
 use ruga_blend::{BaseSurface, Driver};
 use ruga_mesh::FaceId;
@@ -17,8 +17,8 @@ use crate::{Modelling, Observer, Phase, Plan, StepperError};
 const WORTH_TELLING: f64 = 1.1;
 
 impl StackRun<'_> {
-    /// Builds layer number `index`, its mesh fitted to each of what may lie `below`, its hinges
-    /// corrected on the last.
+    /// Builds layer number `index`, its mesh fitted to each of what may lie `below`, its
+    /// bending corrected on the last.
     pub(crate) fn build(
         &self,
         index: usize,
@@ -85,7 +85,7 @@ impl StackRun<'_> {
         }
         if !is_measured {
             run.warnings.push(
-                "the bending modulus of its mesh could not be measured; wavelengths may be some per cent short".to_owned(),
+                "the bending modulus of its mesh could not be measured; wavelengths may be off by some per cent".to_owned(),
             );
         }
         Ok(run)

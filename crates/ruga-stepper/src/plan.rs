@@ -565,7 +565,7 @@ fn warn(plan: &LayerPlan, pose: &PoseSpec, modelling: &Modelling, warnings: &mut
     }
     if plan.asked_points < FEWEST_POINTS {
         say(format!(
-            "{:.1} points per wavelength are asked for: below {FEWEST_POINTS:.0} wrinkles come out several per cent too high; draft quality has 6",
+            "remesh.points_per_wavelength asks for {:.1}: below {FEWEST_POINTS:.0} wrinkles come out several per cent too high; `--quality draft` has 6",
             plan.asked_points
         ));
     }

@@ -20,8 +20,8 @@ pub struct LayerSurface {
     pub faces: Vec<[u32; 3]>,
     /// Texture coordinates of the corners of every triangle, V down.
     pub uvs: Vec<[Vector2<f64>; 3]>,
-    /// For every triangle the file's triangle it lies in and its corners' barycentric
-    /// coordinates there.
+    /// For every triangle the file's triangle whose skin it is, and barycentric coordinates of its
+    /// corners' texture coordinates there; beside an edge of that triangle they may leave [0, 1].
     pub artist: Vec<(u32, [[f64; 3]; 3])>,
     /// What it was computed on.
     pub computed: ComputedMesh,
@@ -35,7 +35,8 @@ pub struct ComputedMesh {
     pub positions: Vec<Vector3<f64>>,
     /// Triangles.
     pub faces: Vec<[u32; 3]>,
-    /// Texture coordinate of every vertex, V down; at a seam of one of its sides.
+    /// Texture coordinate of every vertex's material point, V down; at a seam of one of its sides.
+    /// Maps and frames are addressed by the closest place of the file's flat triangles instead.
     pub uvs: Vec<Vector2<f64>>,
 }
 

@@ -15,7 +15,7 @@ impl Layer {
     /// Measures how the mesh bends where, and in the direction that, `below` compresses the layer,
     /// and makes up for what is missing to the material, for hinges also for what is too much; the
     /// layer stays where it is.
-    /// False when hinges are compressed enough to wrinkle and could not be measured.
+    /// False when the layer is compressed enough to wrinkle and could not be measured.
     pub(crate) fn calibrate_bending(&mut self, below: BelowSurface) -> Result<bool, StepperError> {
         let state = self.state();
         self.set_below(below, 1.0)?;
@@ -31,9 +31,7 @@ impl Layer {
             let outcome = self.energy.set_bending_factor(1.0 / ratio);
             outcome.map_err(|source| self.shell_error(source))?;
         }
-        let is_measured = self.bending != BendingModel::Hinge
-            || self.bending_ratio.is_some()
-            || self.demand() <= 1.0;
+        let is_measured = self.bending_ratio.is_some() || self.demand() <= 1.0;
         self.restore(&state)?;
         Ok(is_measured)
     }
