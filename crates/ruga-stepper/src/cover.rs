@@ -10,6 +10,7 @@ use ruga_mesh::{
     limit_rows,
 };
 
+use crate::fading::faded_from;
 use crate::skin_mesh::{Mark, SkinMesh, through_vertices};
 
 /// A place counts as beside the layer below when it lies this share of an edge outside.
@@ -23,6 +24,8 @@ const ON_EDGE: f64 = 1e-9;
 pub(crate) struct Cover {
     /// The vertices above that lie on it.
     vertices: Vec<u32>,
+    /// How far each is from those beside it: 0 to 1.
+    shares: Vec<f64>,
     /// Its limit surface there.
     rows: LimitPointRows,
     /// Its limit surface at its own vertices.
@@ -32,8 +35,10 @@ pub(crate) struct Cover {
 }
 
 impl Cover {
-    fn new(driver: &Driver, skin: &SkinMesh, lower: &SkinMesh) -> Self {
+    fn new(driver: &Driver, skin: &SkinMesh, lower: &SkinMesh, rim: f64) -> Self {
         let places = places_above(skin, lower);
+        let beside: Vec<bool> = places.iter().map(Option::is_none).collect();
+        let shares = faded_from(&skin.mesh, &skin.rest.positions, &beside, rim);
         let (vertices, inside): (Vec<u32>, Vec<MaterialPoint>) = (0..)
             .zip(places)
             .filter_map(|(vertex, place)| Some((vertex, place?)))
@@ -54,6 +59,7 @@ impl Cover {
             tangents: tangents.collect(),
             at_vertices: limit_rows(&lower.mesh, &corners).position,
             rows,
+            shares: vertices.iter().map(|&v| shares[v as usize]).collect(),
             vertices,
         }
     }
@@ -61,6 +67,12 @@ impl Cover {
     /// The vertices above that lie on the layer below, ascending.
     pub(crate) fn vertices(&self) -> &[u32] {
         &self.vertices
+    }
+
+    /// Per covered vertex 0 to 1: 1 where every vertex within the rim is covered too, 0 beside those
+    /// that are not.
+    pub(crate) fn shares(&self) -> &[f64] {
+        &self.shares
     }
 
     /// What the lower layer's vertices have, at every covered vertex, and its derivatives along the
@@ -86,8 +98,15 @@ pub(crate) struct Covers {
 }
 
 impl Covers {
-    /// The cover of `lower` by `skin`.
-    pub(crate) fn of(&self, driver: &Driver, skin: &SkinMesh, lower: &SkinMesh) -> Rc<Cover> {
+    /// The cover of `lower` by `skin`, with a rim of that width, m, the same for every call with these
+    /// meshes.
+    pub(crate) fn of(
+        &self,
+        driver: &Driver,
+        skin: &SkinMesh,
+        lower: &SkinMesh,
+        rim: f64,
+    ) -> Rc<Cover> {
         let mut known = self.known.borrow_mut();
         known.retain(|(pair, _)| !pair.iter().any(Mark::is_stale));
         let found = known.iter().find(|([above, below], _)| {
@@ -96,7 +115,7 @@ impl Covers {
         if let Some((_, cover)) = found {
             return Rc::clone(cover);
         }
-        let cover = Rc::new(Cover::new(driver, skin, lower));
+        let cover = Rc::new(Cover::new(driver, skin, lower, rim));
         let pair = [skin, lower].map(|mesh| mesh.identity.mark());
         known.push((pair, Rc::clone(&cover)));
         cover
@@ -163,7 +182,7 @@ mod tests {
         let lower = skin(&driver, 0, 0.0);
         for levels in [0, 1] {
             let upper = skin(&driver, levels, OFFSET);
-            let cover = Cover::new(&driver, &upper, &lower);
+            let cover = Cover::new(&driver, &upper, &lower, OFFSET);
             let positions = (0..).zip(&upper.rest.positions);
             let uncovered = positions
                 .filter(|(_, x)| x.xy().amax() < 0.45 * SIDE)
@@ -179,11 +198,11 @@ mod tests {
         let driver = square(&flat, &flat);
         let covers = Covers::default();
         let [lower, upper] = [0.0, OFFSET].map(|offset| skin(&driver, 0, offset));
-        let first = covers.of(&driver, &upper, &lower);
-        let again = covers.of(&driver, &upper.clone(), &lower);
+        let first = covers.of(&driver, &upper, &lower, OFFSET);
+        let again = covers.of(&driver, &upper.clone(), &lower, OFFSET);
         assert!(Rc::ptr_eq(&first, &again));
         drop(upper);
-        let other = covers.of(&driver, &skin(&driver, 0, OFFSET), &lower);
+        let other = covers.of(&driver, &skin(&driver, 0, OFFSET), &lower, OFFSET);
         assert!(!Rc::ptr_eq(&first, &other));
         assert_eq!(covers.known.borrow().len(), 1);
     }

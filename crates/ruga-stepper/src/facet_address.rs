@@ -5,16 +5,12 @@
 //! texture coordinates make up for it, but maps are looked at on the flat triangles, where straight
 //! fine lines would come out as zigzags. So results are addressed by the closest place on those.
 
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
-
 use nalgebra::{Matrix2, Matrix2x3, Matrix3x2, Vector2, Vector3};
 use ruga_blend::Driver;
-use ruga_mesh::{
-    FaceId, FaceOrigin, Id, MaterialPoint, PerFace, PerVertex, SurfaceLookup, TriMesh,
-};
+use ruga_mesh::{FaceId, FaceOrigin, Id, MaterialPoint, PerFace, SurfaceLookup, TriMesh};
 
 use crate::cover::is_on_border;
+use crate::fading::faded_from;
 use crate::local_skin::uv;
 
 /// Distance from seams and borders, in largest ways sideways, over which addresses are faded back
@@ -156,63 +152,7 @@ fn faded(piece: &Piece<'_>, ways: &[Way]) -> Vec<f64> {
         return vec![0.0; ways.len()];
     }
     let held: Vec<bool> = ways.iter().map(Option::is_none).collect();
-    let share = |distance: f64| {
-        let t = distance / reach;
-        t * t * (3.0 - 2.0 * t)
-    };
-    distances(piece, &held, reach)
-        .into_iter()
-        .map(share)
-        .collect()
-}
-
-/// Distance of every vertex from the `held` ones along edges, m, as far as `reach`.
-fn distances(piece: &Piece<'_>, held: &[bool], reach: f64) -> Vec<f64> {
-    let mut neighbours: PerVertex<Vec<u32>> = PerVertex::filled(held.len(), Vec::new());
-    for edge in piece.mesh.edges().as_slice() {
-        let [a, b] = edge.vertices;
-        neighbours[a].push(b.0);
-        neighbours[b].push(a.0);
-    }
-    let neighbours = neighbours.as_slice();
-    let mut distances: Vec<f64> = held.iter().map(|h| if *h { 0.0 } else { reach }).collect();
-    let mut front: BinaryHeap<Reached> = (0..)
-        .zip(held)
-        .filter(|(_, held)| **held)
-        .map(|(vertex, _)| Reached(0.0, vertex))
-        .collect();
-    while let Some(Reached(distance, vertex)) = front.pop() {
-        let from = piece.positions[vertex as usize];
-        if distance > distances[vertex as usize] {
-            continue;
-        }
-        for &next in &neighbours[vertex as usize] {
-            let there = distance + (piece.positions[next as usize] - from).norm();
-            if there < distances[next as usize] {
-                distances[next as usize] = there;
-                front.push(Reached(there, next));
-            }
-        }
-    }
-    distances
-}
-
-/// A vertex and its distance; the nearest is the greatest.
-#[derive(PartialEq)]
-struct Reached(f64, u32);
-
-impl Eq for Reached {}
-
-impl Ord for Reached {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.0.total_cmp(&self.0).then(other.1.cmp(&self.1))
-    }
-}
-
-impl PartialOrd for Reached {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
+    faded_from(piece.mesh, piece.positions, &held, reach)
 }
 
 fn shifted(piece: &Piece<'_>, ways: &[Way], shares: &[f64], face: usize) -> [Vector2<f64>; 3] {

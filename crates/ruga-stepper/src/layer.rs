@@ -11,7 +11,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use ruga_blend::{Driver, FaceStrain, PosedSurface, face_strains};
 use ruga_material::{CAP_START, Wrinkling, capped_strain};
-use ruga_mesh::{FaceId, Id, PerFace, PerVertex, TriMesh, VertexId};
+use ruga_mesh::{FaceId, Id, PerFace, VertexId};
 use ruga_shell::{BendingModel, FaceParameters, LayerParameters, ShellError};
 use ruga_solver::{
     Iteration, Kkt, LowerPattern, NewtonSettings, SolveReport, SolverError, minimise,
@@ -118,7 +118,7 @@ impl Layer {
         let interpolation = adapted.as_ref().map(to_region);
         let skin = adapted.unwrap_or_else(|| region.skin.clone());
         let rest = &skin.rest;
-        let pinned = clamped_vertices(&skin.mesh);
+        let pinned = skin.mesh.border_vertices();
         let faces = skin.corner_indices();
         let Holding {
             tie,
@@ -503,22 +503,6 @@ fn turn_between(old: &PosedSurface, new: &PosedSurface, vertex: usize) -> Rotati
         Rotation3::from_basis_unchecked(&[t, n.cross(&t), n])
     };
     frame(new) * frame(old).inverse()
-}
-
-/// Vertices that lie on the surface below: those on the border and their neighbours.
-///
-/// Skin goes on beyond the region, unwrinkled. Pinned at the border alone it would end in a hinge:
-/// a furrow met the smooth skin around it at up to 36 degrees, and a layer lying above that kink was
-/// stretched to twice its length or turned inside out.
-fn clamped_vertices(mesh: &TriMesh) -> PerVertex<bool> {
-    let border = mesh.border_vertices();
-    let mut clamped = border.clone();
-    for corners in mesh.faces().as_slice() {
-        if corners.iter().any(|&v| border[v]) {
-            corners.iter().for_each(|&v| clamped[v] = true);
-        }
-    }
-    clamped
 }
 
 fn layer_parameters(spec: &LayerSpec, properties: &SkinProperties) -> LayerParameters {

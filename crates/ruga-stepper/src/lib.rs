@@ -84,6 +84,7 @@ mod below;
 mod boundary_cut;
 mod cover;
 mod facet_address;
+mod fading;
 mod layer;
 mod layer_objective;
 mod layer_run;

@@ -2,6 +2,7 @@
 
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, BaseSurface, BlendShape, Driver, Smoothing};
+use ruga_mesh::FaceId;
 
 use crate::skin_mesh::{RegionMesh, SkinMesh};
 use crate::{Coupling, LayerSpec, Sampling};
@@ -50,7 +51,12 @@ pub(crate) fn skin(driver: &Driver, levels: u32, offset: f64) -> SkinMesh {
 /// All of a driver as the mesh that a layer's results are handed out on.
 pub(crate) fn region(driver: &Driver, levels: u32, offset: f64) -> RegionMesh {
     let faces: Vec<_> = driver.topology().faces().ids().collect();
-    let base = BaseSurface::new(driver, &faces, levels, Smoothing::Loop);
+    region_of(driver, &faces, levels, offset)
+}
+
+/// Some faces of a driver as the mesh that a layer's results are handed out on.
+pub(crate) fn region_of(driver: &Driver, faces: &[FaceId], levels: u32, offset: f64) -> RegionMesh {
+    let base = BaseSurface::new(driver, faces, levels, Smoothing::Loop);
     let preset = ruga_material::preset("knuckle").expect("a preset");
     let layer = LayerSpec {
         name: "skin".into(),
