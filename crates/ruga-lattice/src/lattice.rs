@@ -1,0 +1,285 @@
+//! The lattice: elements, nodes, and how they interpolate.
+
+use nalgebra::{Matrix3, Vector3};
+use ruga_mesh::{Id, TriMesh};
+
+use crate::closed_surface::check_closed;
+use crate::face_cutting::Coincidence;
+use crate::grid::{Grid, Index};
+use crate::node_merging::merge_nodes;
+use crate::pieces::{Dissection, dissect};
+use crate::places::{Place, SurfacePlaces};
+use crate::shape::QuadraturePoint;
+use crate::{ElementId, LatticeError, NodeId, Shape};
+
+/// How a lattice is built.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LatticeSpec {
+    /// Cells along the longest side of the surface's box, 1 to [`MAX_CELLS`]; default 6.
+    ///
+    /// The other sides get the nearest whole number, at least one: cells are as near to cubes as
+    /// that allows, and a box is filled exactly.
+    pub cells: u32,
+    /// Shape functions; default quadratic.
+    pub shape: Shape,
+    /// What an element that the body fills only in part weighs and resists; default its share.
+    pub filling: Filling,
+}
+
+/// Most cells along a side that [`LatticeSpec`] accepts: two million cells.
+pub const MAX_CELLS: u32 = 128;
+
+impl Default for LatticeSpec {
+    fn default() -> Self {
+        Self {
+            cells: 6,
+            shape: Shape::Quadratic,
+            filling: Filling::Share,
+        }
+    }
+}
+
+/// How much material an element has whose piece of the body is smaller than its cell.
+///
+/// Shape functions and quadrature are the whole cell's in both cases.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Filling {
+    /// Mass and stiffness in proportion to the volume of its piece: the lattice weighs what the
+    /// body weighs, and superimposed elements don't count their cell twice. Stiffness not under
+    /// [`LEAST_STIFFNESS`] of a full cell's, so that a splinter's nodes stay held.
+    #[default]
+    Share,
+    /// As if the cell were full: RK 5.1, which says nothing of a share.
+    Whole,
+}
+
+/// Least stiffness of an element, as a share of a full one's, with [`Filling::Share`].
+pub const LEAST_STIFFNESS: f64 = 0.01;
+
+/// Positions of the grid that are tried until no vertex lies on a plane.
+const ATTEMPTS: u32 = 8;
+
+/// A coarse hexahedral lattice around a body: one element for each connected piece of the body in
+/// a cell of a regular grid.
+///
+/// Elements in the same cell are superimposed: they share place but no nodes, unless they hang
+/// together through neighbours. A configuration of the lattice is one vector per node; within an
+/// element positions are `x = sum_i N_i(X) q_i`.
+#[derive(Clone, Debug)]
+pub struct Lattice {
+    shape: Shape,
+    filling: Filling,
+    grid: Grid,
+    elements: Vec<Element>,
+    /// Nodes of all elements, one after the other.
+    element_nodes: Vec<NodeId>,
+    rest: Vec<Vector3<f64>>,
+    surface: SurfacePlaces,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Element {
+    cell: Index,
+    /// Volume of its piece of the body, m³.
+    volume: f64,
+}
+
+impl Lattice {
+    /// Builds the lattice of the body inside a closed surface (RK 5.1).
+    ///
+    /// `positions` (m) are those of the mesh's vertices at rest. The surface may have several
+    /// parts: separate bodies, and hollows whose normals point into them.
+    ///
+    /// # Errors
+    /// [`LatticeError::OpenSurface`], [`LatticeError::SelfIntersection`] and
+    /// [`LatticeError::WrongSide`] for a surface without a well-defined inside;
+    /// [`LatticeError::CannotCut`] where parts of it touch up to a billionth of a cell; and those
+    /// about array lengths, coordinates that are not finite, and settings out of range.
+    ///
+    /// # Validity
+    /// The test for self-intersection is exact but for rounding: parts that touch, or overlap by
+    /// less than about 1e-13 of a face's size, may pass it. Where that leads to contradicting
+    /// pieces, cutting refuses it.
+    pub fn build(
+        mesh: &TriMesh,
+        positions: &[Vector3<f64>],
+        spec: &LatticeSpec,
+    ) -> Result<Self, LatticeError> {
+        if !(1..=MAX_CELLS).contains(&spec.cells) {
+            return Err(LatticeError::Setting {
+                name: "cells",
+                value: f64::from(spec.cells),
+                accepted: "1 to 128",
+            });
+        }
+        check_closed(mesh, positions)?;
+        let (grid, dissection) = dissect_somewhere(mesh, positions, spec.cells)?;
+        Ok(Self::assemble(mesh, positions, spec, grid, dissection))
+    }
+
+    fn assemble(
+        mesh: &TriMesh,
+        positions: &[Vector3<f64>],
+        spec: &LatticeSpec,
+        grid: Grid,
+        dissection: Dissection,
+    ) -> Self {
+        let shape = spec.shape;
+        let pieces = &dissection.pieces;
+        let (numbers, count) = merge_nodes(pieces.len(), &dissection.links, shape);
+        let mut rest = vec![Vector3::zeros(); count];
+        for (piece, nodes) in pieces.iter().zip(numbers.chunks(shape.nodes_per_element())) {
+            for (local, &node) in nodes.iter().enumerate() {
+                rest[node as usize] = node_rest(shape, &grid, piece.cell, local);
+            }
+        }
+        let elements = pieces.iter().map(|piece| Element {
+            cell: piece.cell,
+            volume: piece.volume,
+        });
+        Self {
+            shape,
+            filling: spec.filling,
+            elements: elements.collect(),
+            element_nodes: numbers.into_iter().map(NodeId).collect(),
+            rest,
+            surface: SurfacePlaces::new(mesh, positions, dissection),
+            grid,
+        }
+    }
+
+    /// Shape functions of the elements.
+    pub fn shape(&self) -> Shape {
+        self.shape
+    }
+
+    /// Edge lengths of a cell along x, y, z (m).
+    pub fn cell_size(&self) -> Vector3<f64> {
+        self.grid.size
+    }
+
+    /// Number of elements.
+    pub fn element_count(&self) -> usize {
+        self.elements.len()
+    }
+
+    /// Number of nodes.
+    pub fn node_count(&self) -> usize {
+        self.rest.len()
+    }
+
+    /// All elements, in order: by cell, x slowest.
+    pub fn elements(&self) -> impl ExactSizeIterator<Item = ElementId> + use<> {
+        (0..self.elements.len()).map(ElementId::from_index)
+    }
+
+    /// Node vectors at rest (m), with which every point has its rest position.
+    pub fn rest_positions(&self) -> &[Vector3<f64>] {
+        &self.rest
+    }
+
+    /// The nodes of an element; node `(i, j, k)` along x, y, z is entry `(i n + j) n + k`, with
+    /// `n` nodes per axis.
+    pub fn element_nodes(&self, element: ElementId) -> &[NodeId] {
+        let n = self.shape.nodes_per_element();
+        &self.element_nodes[n * element.index()..n * (element.index() + 1)]
+    }
+
+    /// Lower corner of an element's cell (m); elements with the same one are superimposed.
+    pub fn element_corner(&self, element: ElementId) -> Vector3<f64> {
+        self.grid.corner(self.cell(element))
+    }
+
+    /// Volume of the piece of the body in an element (m³).
+    pub fn element_volume(&self, element: ElementId) -> f64 {
+        self.elements[element.index()].volume
+    }
+
+    /// Volume of the body (m³).
+    pub fn volume(&self) -> f64 {
+        self.elements.iter().map(|e| e.volume).sum()
+    }
+
+    /// Volume whose mass an element carries (m³).
+    pub(crate) fn mass_volume(&self, element: ElementId) -> f64 {
+        match self.filling {
+            Filling::Share => self.element_volume(element),
+            Filling::Whole => self.grid.cell_volume(),
+        }
+    }
+
+    /// Volume whose stiffness an element has (m³).
+    pub(crate) fn stiff_volume(&self, element: ElementId) -> f64 {
+        self.mass_volume(element)
+            .max(LEAST_STIFFNESS * self.grid.cell_volume())
+    }
+
+    pub(crate) fn cell(&self, element: ElementId) -> Index {
+        self.elements[element.index()].cell
+    }
+
+    pub(crate) fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    pub(crate) fn surface(&self) -> &SurfacePlaces {
+        &self.surface
+    }
+
+    /// Every element's quadrature points: the same ones, as the cells are equal.
+    pub(crate) fn quadrature(&self) -> Vec<QuadraturePoint> {
+        self.shape.quadrature(&self.grid.size)
+    }
+
+    /// Where a place is when the nodes are at `q` (m).
+    pub fn position(&self, place: &Place, q: &[Vector3<f64>]) -> Vector3<f64> {
+        let shape = self.shape.evaluate(&place.local, &self.grid.size);
+        let terms = self.element_nodes(place.element).iter().zip(shape.values);
+        terms.map(|(node, value)| q[node.index()] * value).sum()
+    }
+
+    /// Deformation gradient `F = dx/dX` at a place when the nodes are at `q` (m).
+    pub fn deformation(&self, place: &Place, q: &[Vector3<f64>]) -> Matrix3<f64> {
+        let shape = self.shape.evaluate(&place.local, &self.grid.size);
+        let terms = self
+            .element_nodes(place.element)
+            .iter()
+            .zip(shape.gradients);
+        terms
+            .map(|(node, gradient)| q[node.index()] * gradient.transpose())
+            .sum()
+    }
+}
+
+fn dissect_somewhere(
+    mesh: &TriMesh,
+    positions: &[Vector3<f64>],
+    cells: u32,
+) -> Result<(Grid, Dissection), LatticeError> {
+    let used = || mesh.faces().as_slice().iter().flatten();
+    let (mut low, mut high) = (
+        Vector3::repeat(f64::INFINITY),
+        Vector3::repeat(-f64::INFINITY),
+    );
+    for vertex in used() {
+        low = low.inf(&positions[vertex.index()]);
+        high = high.sup(&positions[vertex.index()]);
+    }
+    let mut last = Coincidence(low);
+    for attempt in 0..ATTEMPTS {
+        let grid = Grid::around(&low, &high, cells, attempt);
+        match dissect(mesh, positions, &grid) {
+            Ok(dissection) => return Ok((grid, dissection)),
+            Err(coincidence) => last = coincidence,
+        }
+    }
+    let position = last.0.into();
+    Err(LatticeError::CannotCut { position })
+}
+
+fn node_rest(shape: Shape, grid: &Grid, cell: Index, local: usize) -> Vector3<f64> {
+    let n = shape.nodes_per_axis();
+    let steps = [local / (n * n), local / n % n, local % n];
+    let place = Vector3::from_fn(|axis, _| steps[axis] as f64 + shape.first_node());
+    grid.corner(cell) + place.component_mul(&grid.size)
+}
