@@ -2,19 +2,20 @@
 
 use std::collections::BTreeMap;
 
+use nalgebra::Vector2;
 use petgraph::unionfind::UnionFind;
 use ruga_mesh::FaceId;
 
 use crate::face_cutting::{Coincidence, Corner, Fragment, Side};
 use crate::grid::{CellFace, Grid, across, below};
+use crate::moments::Section;
 use crate::solid_intervals::{End, Interval, pierced_edge};
 
 /// A connected part of the body's section with a square between two cells.
 #[derive(Clone, Debug)]
 pub(crate) struct Region {
     pub(crate) square: CellFace,
-    /// m².
-    pub(crate) area: f64,
+    pub(crate) section: Section,
     /// Mesh faces whose cuts are on its outline.
     pub(crate) faces: Vec<FaceId>,
     /// Intervals on its outline, by index.
@@ -44,9 +45,12 @@ pub(crate) fn face_regions(
     let mut regions = Vec::new();
     for (square, pieces) in &outlines {
         let failed = || Coincidence(grid.corner(square.at));
-        let loops = closed_loops(pieces).ok_or_else(failed)?;
+        let corner = grid.corner(square.at);
+        let [u, v] = across(square.axis);
+        let origin = Vector2::new(corner[u], corner[v]);
+        let loops = closed_loops(pieces, &origin).ok_or_else(failed)?;
         let first = regions.len();
-        let (outer, holes): (Vec<_>, Vec<_>) = loops.iter().partition(|l| l.area > 0.0);
+        let (outer, holes): (Vec<_>, Vec<_>) = loops.iter().partition(|l| l.section.area > 0.0);
         for outline in &outer {
             regions.push(region(*square, outline, pieces));
         }
@@ -54,7 +58,7 @@ pub(crate) fn face_regions(
             let owner = owner(hole, &outer, pieces).ok_or_else(failed)?;
             let hole = region(*square, hole, pieces);
             let whole = &mut regions[first + owner];
-            whole.area += hole.area;
+            whole.section.add(&hole.section);
             whole.faces.extend(hole.faces);
             whole.intervals.extend(hole.intervals);
         }
@@ -67,7 +71,7 @@ pub(crate) fn face_regions(
 struct Piece {
     ends: [End; 2],
     /// In-plane coordinates of the ends, m.
-    points: [[f64; 2]; 2],
+    points: [Vector2<f64>; 2],
     source: Source,
 }
 
@@ -110,7 +114,8 @@ fn add_cuts(fragment: &Fragment, outlines: &mut BTreeMap<CellFace, Vec<Piece>>) 
             .or_default()
             .push(Piece {
                 ends: [start, stop],
-                points: corners.map(|c| [fragment.positions[c][u], fragment.positions[c][v]]),
+                points: corners
+                    .map(|c| Vector2::new(fragment.positions[c][u], fragment.positions[c][v])),
                 source: Source::Cut(fragment.face),
             });
     }
@@ -131,7 +136,7 @@ fn add_interval(
         let point = |coordinate: f64| {
             let mut point = corner;
             point[edge.axis] = coordinate;
-            [point[u], point[v]]
+            Vector2::new(point[u], point[v])
         };
         let forward = Piece {
             ends: interval.ends,
@@ -166,23 +171,23 @@ impl Piece {
     }
 
     /// Whether a ray from `point` along the first axis passes this piece.
-    fn is_passed(&self, point: [f64; 2]) -> bool {
+    fn is_passed(&self, point: Vector2<f64>) -> bool {
         let [a, b] = self.points;
-        (a[1] > point[1]) != (b[1] > point[1]) && {
-            let share = (point[1] - a[1]) / (b[1] - a[1]);
-            a[0] + (b[0] - a[0]) * share > point[0]
+        (a.y > point.y) != (b.y > point.y) && {
+            let share = (point.y - a.y) / (b.y - a.y);
+            a.x + (b.x - a.x) * share > point.x
         }
     }
 }
 
 struct Loop {
     pieces: Vec<usize>,
-    /// Positive when it runs counter-clockwise, m².
-    area: f64,
+    /// Positive area when it runs counter-clockwise.
+    section: Section,
 }
 
 /// Groups the pieces of one square; `None` when an end is not the start of exactly one piece.
-fn closed_loops(pieces: &[Piece]) -> Option<Vec<Loop>> {
+fn closed_loops(pieces: &[Piece], origin: &Vector2<f64>) -> Option<Vec<Loop>> {
     let mut starts: Vec<(End, usize)> = by_end(pieces, 0);
     let mut stops: Vec<(End, usize)> = by_end(pieces, 1);
     starts.sort_unstable();
@@ -195,17 +200,17 @@ fn closed_loops(pieces: &[Piece]) -> Option<Vec<Loop>> {
         }
         groups.union(start.1, stop.1);
     }
-    let origin = pieces.first()?.points[0];
     let mut loops: BTreeMap<usize, Loop> = BTreeMap::new();
     for (i, piece) in pieces.iter().enumerate() {
         let empty = || Loop {
             pieces: Vec::new(),
-            area: 0.0,
+            section: Section::default(),
         };
         let outline = loops.entry(groups.find(i)).or_insert_with(empty);
-        let [[ax, ay], [bx, by]] = piece.points.map(|p| [p[0] - origin[0], p[1] - origin[1]]);
         outline.pieces.push(i);
-        outline.area += 0.5 * (ax * by - ay * bx);
+        outline
+            .section
+            .add_segment(&piece.points.map(|p| p - origin));
     }
     Some(loops.into_values().collect())
 }
@@ -225,7 +230,7 @@ fn region(square: CellFace, outline: &Loop, pieces: &[Piece]) -> Region {
     }
     Region {
         square,
-        area: outline.area,
+        section: outline.section,
         faces,
         intervals,
     }
@@ -243,6 +248,6 @@ fn owner(hole: &Loop, outer: &[&Loop], pieces: &[Piece]) -> Option<usize> {
     };
     let around = outer.iter().enumerate().filter(|(_, o)| is_around(o));
     around
-        .min_by(|a, b| a.1.area.total_cmp(&b.1.area))
+        .min_by(|a, b| a.1.section.area.total_cmp(&b.1.section.area))
         .map(|(i, _)| i)
 }

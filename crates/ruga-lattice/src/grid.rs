@@ -88,10 +88,6 @@ impl Grid {
     pub(crate) fn local(&self, cell: Index, point: &Vector3<f64>) -> Vector3<f64> {
         (point - self.corner(cell)).component_div(&self.size)
     }
-
-    pub(crate) fn cell_volume(&self) -> f64 {
-        self.size.product()
-    }
 }
 
 /// One step down along an axis; `None` at the grid's border.

@@ -6,10 +6,10 @@ use ruga_mesh::{Id, TriMesh};
 use crate::closed_surface::check_closed;
 use crate::face_cutting::Coincidence;
 use crate::grid::{Grid, Index};
+use crate::moments::Moments;
 use crate::node_merging::merge_nodes;
 use crate::pieces::{Dissection, dissect};
 use crate::places::{Place, SurfacePlaces};
-use crate::shape::QuadraturePoint;
 use crate::{ElementId, LatticeError, NodeId, Shape};
 
 /// How a lattice is built.
@@ -22,7 +22,7 @@ pub struct LatticeSpec {
     pub cells: u32,
     /// Shape functions; default quadratic.
     pub shape: Shape,
-    /// What an element that the body fills only in part weighs and resists; default its share.
+    /// What of a cell that the body fills in part counts; default its piece of the body.
     pub filling: Filling,
 }
 
@@ -34,27 +34,28 @@ impl Default for LatticeSpec {
         Self {
             cells: 6,
             shape: Shape::Quadratic,
-            filling: Filling::Share,
+            filling: Filling::Piece,
         }
     }
 }
 
-/// How much material an element has whose piece of the body is smaller than its cell.
-///
-/// Shape functions and quadrature are the whole cell's in both cases.
+/// Where an element has its material, if the body fills its cell only in part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Filling {
-    /// Mass and stiffness in proportion to the volume of its piece: the lattice weighs what the
-    /// body weighs, and superimposed elements don't count their cell twice. Stiffness not under
-    /// [`LEAST_STIFFNESS`] of a full cell's, so that a splinter's nodes stay held.
+    /// Where the body is. Quadrature points are those of the box with the piece's volume, centre
+    /// and second moments: mass, its centre and its inertia are exact, and so is stiffness against
+    /// stretching and bending. The void has [`VOID_STIFFNESS`].
     #[default]
-    Share,
-    /// As if the cell were full: RK 5.1, which says nothing of a share.
+    Piece,
+    /// In the whole cell, as in RK 5: at its 27 or 8 quadrature points. Superimposed elements count
+    /// their cell twice, and a thin limb that lies askew in the grid is several times too stiff.
     Whole,
 }
 
-/// Least stiffness of an element, as a share of a full one's, with [`Filling::Share`].
-pub const LEAST_STIFFNESS: f64 = 0.01;
+/// Stiffness of the void in a cell with [`Filling::Piece`], as a share of the material's.
+///
+/// It holds nodes that the body hardly touches, which would otherwise have next to no stiffness.
+pub const VOID_STIFFNESS: f64 = 1e-3;
 
 /// Positions of the grid that are tried until no vertex lies on a plane.
 const ATTEMPTS: u32 = 8;
@@ -80,8 +81,8 @@ pub struct Lattice {
 #[derive(Clone, Copy, Debug)]
 struct Element {
     cell: Index,
-    /// Volume of its piece of the body, m³.
-    volume: f64,
+    /// Of its piece of the body.
+    moments: Moments,
 }
 
 impl Lattice {
@@ -135,7 +136,7 @@ impl Lattice {
         }
         let elements = pieces.iter().map(|piece| Element {
             cell: piece.cell,
-            volume: piece.volume,
+            moments: piece.moments,
         });
         Self {
             shape,
@@ -192,26 +193,20 @@ impl Lattice {
 
     /// Volume of the piece of the body in an element (m³).
     pub fn element_volume(&self, element: ElementId) -> f64 {
-        self.elements[element.index()].volume
+        self.moments(element).volume
     }
 
     /// Volume of the body (m³).
     pub fn volume(&self) -> f64 {
-        self.elements.iter().map(|e| e.volume).sum()
+        self.elements.iter().map(|e| e.moments.volume).sum()
     }
 
-    /// Volume whose mass an element carries (m³).
-    pub(crate) fn mass_volume(&self, element: ElementId) -> f64 {
-        match self.filling {
-            Filling::Share => self.element_volume(element),
-            Filling::Whole => self.grid.cell_volume(),
-        }
+    pub(crate) fn moments(&self, element: ElementId) -> &Moments {
+        &self.elements[element.index()].moments
     }
 
-    /// Volume whose stiffness an element has (m³).
-    pub(crate) fn stiff_volume(&self, element: ElementId) -> f64 {
-        self.mass_volume(element)
-            .max(LEAST_STIFFNESS * self.grid.cell_volume())
+    pub(crate) fn filling(&self) -> Filling {
+        self.filling
     }
 
     pub(crate) fn cell(&self, element: ElementId) -> Index {
@@ -224,11 +219,6 @@ impl Lattice {
 
     pub(crate) fn surface(&self) -> &SurfacePlaces {
         &self.surface
-    }
-
-    /// Every element's quadrature points: the same ones, as the cells are equal.
-    pub(crate) fn quadrature(&self) -> Vec<QuadraturePoint> {
-        self.shape.quadrature(&self.grid.size)
     }
 
     /// Where a place is when the nodes are at `q` (m).

@@ -5,11 +5,13 @@ use rayon::prelude::*;
 
 use crate::error::check_length;
 use crate::pattern::Pattern;
+use crate::quadrature::{Integrand, Quadrature, QuadraturePoint};
 use crate::rotated_linear::Tangent;
-use crate::shape::QuadraturePoint;
+
 use crate::{Lattice, LatticeError, RotatedLinear, SolidMaterial};
 
-/// Rotated linear elasticity of all elements (RK 5), each at its 27 or 8 quadrature points.
+/// Rotated linear elasticity of all elements (RK 5), each at 27 or 8 quadrature
+/// points, and as many again where it is not full.
 ///
 /// Every node has a vector; only those that are not pinned have degrees of freedom, three each
 /// (x, y, z) in the order of the nodes. Elements are evaluated in parallel on the caller's thread
@@ -20,15 +22,13 @@ use crate::{Lattice, LatticeError, RotatedLinear, SolidMaterial};
 #[derive(Clone, Debug)]
 pub struct LatticeEnergy {
     law: RotatedLinear,
-    quadrature: Vec<QuadraturePoint>,
-    /// `sum_p share_p grad N_i . grad N_j` over the lower blocks of an element, 1/m²: the same for
-    /// all elements, and so at every state the part of the Hessian that `2 mu |F|^2 / 2` makes.
-    laplacian: Vec<f64>,
+    quadrature: Quadrature,
+    /// For each of its tables `sum_p V_p grad N_i . grad N_j` over the lower blocks of an element
+    /// (m): what `|F|^2 / 2` contributes to the Hessian, the same at every state.
+    laplacians: Vec<Vec<f64>>,
     nodes_per_element: usize,
     /// Nodes of all elements, one after the other.
     nodes: Vec<u32>,
-    /// Volume with stiffness, of each element (m³).
-    volumes: Vec<f64>,
     pattern: Pattern,
 }
 
@@ -54,16 +54,13 @@ impl LatticeEnergy {
         let nodes_per_element = lattice.shape().nodes_per_element();
         let element_nodes = lattice.elements().flat_map(|e| lattice.element_nodes(e));
         let nodes: Vec<u32> = element_nodes.map(|node| node.0).collect();
-        let quadrature = lattice.quadrature();
+        let quadrature = Quadrature::new(lattice, Integrand::Stiffness);
+        let tables = quadrature.tables().iter();
         Ok(Self {
             law: RotatedLinear::new(material.young, material.poisson),
-            laplacian: laplacian(&quadrature, nodes_per_element),
+            laplacians: tables.map(|points| laplacian(points)).collect(),
             quadrature,
             nodes_per_element,
-            volumes: lattice
-                .elements()
-                .map(|e| lattice.stiff_volume(e))
-                .collect(),
             pattern: Pattern::new(pinned, nodes.chunks(nodes_per_element)),
             nodes,
         })
@@ -99,13 +96,12 @@ impl LatticeEnergy {
         self.check(q);
         let energy = |element: usize| {
             let x = self.gather(element, q);
-            let density = self.quadrature.iter().map(|point| {
-                let f = deformation(point, &x);
-                point.share * self.law.energy(&f)
-            });
-            self.volumes[element] * density.sum::<f64>()
+            let points = self.points(element).iter();
+            points
+                .map(|point| point.volume * self.law.energy(&deformation(point, &x)))
+                .sum()
         };
-        let elements = 0..self.volumes.len();
+        let elements = 0..self.element_count();
         elements.into_par_iter().map(energy).collect()
     }
 
@@ -114,7 +110,7 @@ impl LatticeEnergy {
         self.check(q);
         assert_eq!(gradient.len(), self.dof_count(), "one entry per dof");
         gradient.fill(0.0);
-        let elements = 0..self.volumes.len();
+        let elements = 0..self.element_count();
         let forces: Vec<Vec<Vector3<f64>>> = elements
             .into_par_iter()
             .map(|element| self.element_gradient(element, q))
@@ -134,9 +130,9 @@ impl LatticeEnergy {
     fn element_gradient(&self, element: usize, q: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         let x = self.gather(element, q);
         let mut forces = vec![Vector3::zeros(); x.len()];
-        for point in &self.quadrature {
+        for point in self.points(element) {
             let stress = self.law.stress(&deformation(point, &x));
-            let stress = stress * (self.volumes[element] * point.share);
+            let stress = stress * point.volume;
             for (force, gradient) in forces.iter_mut().zip(&point.shape.gradients) {
                 *force += stress * gradient;
             }
@@ -155,8 +151,8 @@ impl LatticeEnergy {
         if let Some(relaxed) = relaxed.as_deref_mut() {
             relaxed.fill(0.0);
         }
-        for first in (0..self.volumes.len()).step_by(BATCH) {
-            let batch = first..(first + BATCH).min(self.volumes.len());
+        for first in (0..self.element_count()).step_by(BATCH) {
+            let batch = first..(first + BATCH).min(self.element_count());
             let hessians: Vec<ElementHessian> = batch
                 .clone()
                 .into_par_iter()
@@ -179,16 +175,16 @@ impl LatticeEnergy {
         with_relaxed: bool,
     ) -> ElementHessian {
         let x = self.gather(element, q);
-        let volume = self.volumes[element];
-        let stiffness = 2.0 * self.law.shear() * volume;
+        let stiffness = 2.0 * self.law.shear();
+        let laplacian = &self.laplacians[self.quadrature.table_of(element)];
         let linear = |&l: &f64| Matrix3::from_diagonal_element(stiffness * l);
-        let mut exact: Vec<Matrix3<f64>> = self.laplacian.iter().map(linear).collect();
+        let mut exact: Vec<Matrix3<f64>> = laplacian.iter().map(linear).collect();
         // By how much the relaxed Hessian is above the exact one.
         let mut raise = vec![Matrix3::zeros(); if with_relaxed { exact.len() } else { 0 }];
-        for point in &self.quadrature {
+        for point in self.points(element) {
             let tangent = self.law.tangent(&deformation(point, &x));
             let gradients = &point.shape.gradients;
-            let weight = volume * point.share;
+            let weight = point.volume;
             add_outer(
                 &mut exact,
                 &tangent.rotation,
@@ -208,6 +204,14 @@ impl LatticeEnergy {
             *raise += exact;
         }
         (exact, raise)
+    }
+
+    fn element_count(&self) -> usize {
+        self.nodes.len() / self.nodes_per_element
+    }
+
+    fn points(&self, element: usize) -> &[QuadraturePoint] {
+        &self.quadrature.tables()[self.quadrature.table_of(element)]
     }
 
     fn element_nodes(&self, element: usize) -> &[u32] {
@@ -245,18 +249,23 @@ impl LatticeEnergy {
     }
 }
 
-fn laplacian(quadrature: &[QuadraturePoint], nodes: usize) -> Vec<f64> {
-    let mut laplacian = Vec::with_capacity(nodes * (nodes + 1) / 2);
-    for i in 0..nodes {
-        for j in 0..=i {
-            let terms = quadrature.iter().map(|point| {
-                let gradients = &point.shape.gradients;
-                point.share * gradients[i].dot(&gradients[j])
-            });
-            laplacian.push(terms.sum());
-        }
-    }
-    laplacian
+fn laplacian(points: &[QuadraturePoint]) -> Vec<f64> {
+    lower_integrals(points, |point, i, j| {
+        let gradients = &point.shape.gradients;
+        gradients[i].dot(&gradients[j])
+    })
+}
+
+/// Integrals over an element of what belongs to two of its nodes, for its lower blocks.
+pub(crate) fn lower_integrals(
+    points: &[QuadraturePoint],
+    integrand: impl Fn(&QuadraturePoint, usize, usize) -> f64,
+) -> Vec<f64> {
+    let nodes = points.first().map_or(0, |point| point.shape.values.len());
+    let lower = (0..nodes).flat_map(|i| (0..=i).map(move |j| (i, j)));
+    lower
+        .map(|(i, j)| points.iter().map(|p| p.volume * integrand(p, i, j)).sum())
+        .collect()
 }
 
 #[inline]

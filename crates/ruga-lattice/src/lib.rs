@@ -13,8 +13,8 @@
 //! ```
 //!
 //! After Rémillard and Kry 2013, "Embedded Thin Shells for Wrinkle Simulation" (RK), sections 3, 5
-//! and 6.2. Different from it: an element's mass and stiffness are in proportion to the volume of
-//! its piece ([`Filling`]), and the grid fits the surface's box along every axis.
+//! and 6.2. Different from it: an element has its material where its piece of the body is
+//! ([`Filling`]), and the grid fits the surface's box along every axis.
 //!
 //! SI units: metres, newtons, joules, kilograms. *Rest* positions `X` are those of the surface that
 //! the lattice was built from. The Hessian is symmetric, its lower triangle in compressed columns
@@ -49,6 +49,7 @@ mod shape;
 mod lattice_energy;
 mod mass;
 mod pattern;
+mod quadrature;
 mod rotated_linear;
 mod signed_svd;
 
@@ -59,6 +60,7 @@ mod closed_surface;
 mod face_cutting;
 mod face_regions;
 mod grid;
+mod moments;
 mod node_merging;
 mod pieces;
 mod self_intersection;
@@ -67,7 +69,7 @@ mod solid_intervals;
 mod error;
 mod ids;
 
-pub use lattice::{Filling, LEAST_STIFFNESS, Lattice, LatticeSpec, MAX_CELLS};
+pub use lattice::{Filling, Lattice, LatticeSpec, MAX_CELLS, VOID_STIFFNESS};
 pub use shape::Shape;
 
 pub use lattice_energy::LatticeEnergy;

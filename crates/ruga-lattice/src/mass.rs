@@ -3,14 +3,15 @@
 use nalgebra::{Matrix3, Vector3};
 use ruga_mesh::Id;
 
+use crate::lattice_energy::lower_integrals;
+use crate::quadrature::{Integrand, Quadrature};
 use crate::{Lattice, LatticeEnergy, LatticeError};
 
 impl Lattice {
     /// Lumped masses of the nodes (kg) at a density (kg/m³): row sums of the consistent matrix.
     ///
-    /// They are positive, as the shape functions are, and sum to the mass of the body with
-    /// [`Filling::Share`](crate::Filling::Share), of all elements' cells otherwise. Within an
-    /// element mass is spread evenly.
+    /// They sum to the mass of the body with [`Filling::Piece`](crate::Filling::Piece), and have its
+    /// centre; to that of all elements' cells with [`Filling::Whole`](crate::Filling::Whole).
     ///
     /// # Errors
     /// [`LatticeError::Setting`] unless the density is positive and finite.
@@ -22,12 +23,14 @@ impl Lattice {
                 accepted: "a positive number",
             });
         }
-        let shares = mean_values(self);
+        let quadrature = Quadrature::new(self, Integrand::Mass);
         let mut masses = vec![0.0; self.node_count()];
         for element in self.elements() {
-            let mass = density * self.mass_volume(element);
-            for (node, share) in self.element_nodes(element).iter().zip(&shares) {
-                masses[node.index()] += mass * share;
+            for point in quadrature.points(element) {
+                let nodes = self.element_nodes(element).iter();
+                for (node, value) in nodes.zip(&point.shape.values) {
+                    masses[node.index()] += density * point.volume * value;
+                }
             }
         }
         Ok(masses)
@@ -45,49 +48,24 @@ impl Lattice {
         let masses = self.node_masses(density)?;
         Ok(masses.into_iter().map(|mass| gravity * mass).collect())
     }
-
-    /// `int N_i N_j / V` over the lower blocks of an element.
-    fn mean_products(&self) -> Vec<f64> {
-        let quadrature = self.quadrature();
-        let n = self.shape().nodes_per_element();
-        let lower = (0..n).flat_map(|i| (0..=i).map(move |j| (i, j)));
-        lower
-            .map(|(i, j)| {
-                let terms = quadrature.iter().map(|point| {
-                    let values = &point.shape.values;
-                    point.share * values[i] * values[j]
-                });
-                terms.sum()
-            })
-            .collect()
-    }
-}
-
-/// `int N_i / V` of an element.
-fn mean_values(lattice: &Lattice) -> Vec<f64> {
-    let mut means = vec![0.0; lattice.shape().nodes_per_element()];
-    for point in lattice.quadrature() {
-        for (mean, value) in means.iter_mut().zip(&point.shape.values) {
-            *mean += point.share * value;
-        }
-    }
-    means
 }
 
 impl LatticeEnergy {
     /// The consistent mass matrix of a lattice (kg) at a density (kg/m³), values in the order of
-    /// [`Self::pattern`]; quadrature is exact.
+    /// [`Self::pattern`]. Its kinetic energy is exact for every rigid motion of the body.
     ///
     /// # Errors
     /// [`LatticeError::Setting`]; [`LatticeError::Length`] for another lattice than the energy's.
     pub fn mass(&self, lattice: &Lattice, density: f64) -> Result<Vec<f64>, LatticeError> {
         crate::error::check_length("nodes", self.blocks().node_count(), lattice.node_count())?;
         lattice.node_masses(density)?;
-        let products = lattice.mean_products();
+        let quadrature = Quadrature::new(lattice, Integrand::Mass);
         let mut values = vec![0.0; self.blocks().rows.len()];
         for element in lattice.elements() {
-            let mass = density * lattice.mass_volume(element);
-            let block = |&p: &f64| Matrix3::from_diagonal_element(mass * p);
+            let products = lower_integrals(quadrature.points(element), |point, i, j| {
+                point.shape.values[i] * point.shape.values[j]
+            });
+            let block = |&p: &f64| Matrix3::from_diagonal_element(density * p);
             let blocks: Vec<Matrix3<f64>> = products.iter().map(block).collect();
             let nodes: Vec<u32> = lattice.element_nodes(element).iter().map(|n| n.0).collect();
             self.blocks().add_stencil(&mut values, &nodes, &blocks);

@@ -8,15 +8,15 @@ use ruga_mesh::{EdgeId, FaceId, PerFace, TriMesh, face_normals};
 
 use crate::face_cutting::{Coincidence, Fragment, Side, cut_faces};
 use crate::face_regions::{Region, face_regions};
-use crate::grid::{CellFace, Grid, GridEdge, Index, Plane, across, below};
+use crate::grid::{CellFace, Grid, GridEdge, Index, across, below};
+use crate::moments::Moments;
 use crate::solid_intervals::{Interval, solid_intervals};
 
 /// A connected part of the body within one cell.
 #[derive(Clone, Debug)]
 pub(crate) struct Piece {
     pub(crate) cell: Index,
-    /// m³.
-    pub(crate) volume: f64,
+    pub(crate) moments: Moments,
 }
 
 /// Two pieces that touch across a square: the one below it along `axis`, and the one above.
@@ -145,8 +145,8 @@ impl<'a> Borders<'a> {
 
     /// The wall of a hollow within a cell touches nothing; a ray from it finds the piece around.
     fn join_hollows(&mut self, normals: &PerFace<Vector3<f64>>) -> Result<(), Coincidence> {
-        let volumes = self.volumes();
-        let is_hollow = |group: usize| volumes.get(&group).is_some_and(|&volume| volume < 0.0);
+        let moments = self.moments();
+        let is_hollow = |group: usize| moments.get(&group).is_some_and(|m| m.volume < 0.0);
         let mut tips: BTreeMap<usize, (usize, Vector3<f64>)> = BTreeMap::new();
         for (i, fragment) in self.fragments.iter().enumerate() {
             let group = self.groups.find(i);
@@ -204,36 +204,30 @@ impl<'a> Borders<'a> {
             .iter()
             .enumerate()
             .filter(|(_, r)| r.square == end);
-        let widest = regions.max_by(|a, b| a.1.area.total_cmp(&b.1.area))?;
+        let widest = regions.max_by(|a, b| a.1.section.area.total_cmp(&b.1.section.area))?;
         Some(self.side(widest.0, Facing::Below))
     }
 
-    /// Volume within each group of borders, by the divergence theorem: the integral of x over what
-    /// faces along x, measured from the cell's lower end (m³).
-    fn volumes(&self) -> BTreeMap<usize, f64> {
-        let mut volumes = BTreeMap::new();
+    /// Moments of the solid within each group of borders.
+    fn moments(&self) -> BTreeMap<usize, Moments> {
+        let mut moments: BTreeMap<usize, Moments> = BTreeMap::new();
         for (i, fragment) in self.fragments.iter().enumerate() {
-            let axis = 0;
-            let index = fragment.cell[axis];
-            let low = self.grid.coordinate(Plane { axis, index });
-            let flux: f64 = fragment
-                .triangles()
-                .map(|[a, b, c]| {
-                    let across = (b - a).cross(&(c - a)).x / 2.0;
-                    across * ((a.x - low) + (b.x - low) + (c.x - low)) / 3.0
-                })
-                .sum();
-            *volumes.entry(self.groups.find(i)).or_insert(0.0) += flux;
+            let corner = self.grid.corner(fragment.cell);
+            let group = moments.entry(self.groups.find(i)).or_default();
+            for triangle in fragment.triangles() {
+                group.add_triangle(&triangle.map(|p| p - corner));
+            }
         }
         for (r, region) in self.regions.iter().enumerate() {
             for facing in [Facing::Below, Facing::Above] {
-                let ends_it = region.square.axis == 0 && matches!(facing, Facing::Below);
-                let width = if ends_it { self.grid.size.x } else { 0.0 };
                 let group = self.groups.find(self.side(r, facing));
-                *volumes.entry(group).or_insert(0.0) += region.area * width;
+                let group = moments.entry(group).or_default();
+                if region.square.axis == 0 && matches!(facing, Facing::Below) {
+                    group.add_upper_end(self.grid.size.x, &region.section);
+                }
             }
         }
-        volumes
+        moments
     }
 
     fn cell_of_side(&self, region: usize, facing: Facing) -> Index {
@@ -246,7 +240,7 @@ impl<'a> Borders<'a> {
     }
 
     fn into_dissection(self, fragments: Vec<Fragment>) -> Dissection {
-        let volumes = self.volumes();
+        let moments = self.moments();
         let mut cells: BTreeMap<usize, Index> = BTreeMap::new();
         for (i, fragment) in self.fragments.iter().enumerate() {
             cells.insert(self.groups.find(i), fragment.cell);
@@ -273,7 +267,7 @@ impl<'a> Borders<'a> {
             pieces: (order.iter())
                 .map(|&(cell, group)| Piece {
                     cell,
-                    volume: volumes[&group],
+                    moments: moments[&group],
                 })
                 .collect(),
             fragments,

@@ -1,4 +1,4 @@
-//! Shape functions of an element and their quadrature.
+//! Shape functions of an element.
 
 use nalgebra::Vector3;
 
@@ -89,22 +89,15 @@ impl Shape {
         ShapeValues { values, gradients }
     }
 
-    /// The Gauss points of an element, with their share of its volume.
-    pub(crate) fn quadrature(self, size: &Vector3<f64>) -> Vec<QuadraturePoint> {
+    /// The Gauss points of the unit cube, with their share of its volume.
+    pub(crate) fn gauss_points(self) -> impl Iterator<Item = (Vector3<f64>, f64)> {
         let gauss = self.gauss();
-        let mut points = Vec::with_capacity(gauss.len().pow(3));
-        for x in gauss {
-            for y in gauss {
-                for z in gauss {
-                    let local = Vector3::new(x[0], y[0], z[0]);
-                    points.push(QuadraturePoint {
-                        share: x[1] * y[1] * z[1],
-                        shape: self.evaluate(&local, size),
-                    });
-                }
-            }
-        }
-        points
+        gauss.iter().flat_map(move |x| {
+            gauss.iter().flat_map(move |y| {
+                let point = |z: &[f64; 2]| (Vector3::new(x[0], y[0], z[0]), x[1] * y[1] * z[1]);
+                gauss.iter().map(point)
+            })
+        })
     }
 }
 
@@ -113,10 +106,4 @@ impl Shape {
 pub(crate) struct ShapeValues {
     pub(crate) values: Vec<f64>,
     pub(crate) gradients: Vec<Vector3<f64>>,
-}
-
-#[derive(Clone, Debug)]
-pub(crate) struct QuadraturePoint {
-    pub(crate) share: f64,
-    pub(crate) shape: ShapeValues,
 }
