@@ -86,6 +86,10 @@ impl LatticeEnergy {
         &self.pattern
     }
 
+    pub(crate) fn blocks_mut(&mut self) -> &mut Pattern {
+        &mut self.pattern
+    }
+
     /// Energy (J) with the nodes at `q` (m). Not a number if a node is not finite.
     pub fn value(&self, q: &[Vector3<f64>]) -> f64 {
         self.element_energies(q).iter().sum()

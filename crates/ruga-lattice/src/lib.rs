@@ -55,6 +55,7 @@ mod signed_svd;
 
 mod embedding;
 mod places;
+mod surface_stiffness;
 
 mod closed_surface;
 mod face_cutting;
@@ -77,6 +78,7 @@ pub use rotated_linear::{RotatedLinear, SolidMaterial};
 
 pub use embedding::Embedding;
 pub use places::Place;
+pub use surface_stiffness::SurfacePattern;
 
 pub use error::LatticeError;
 pub use ids::{ElementId, NodeId};

@@ -35,30 +35,38 @@ impl Pattern {
         for (free, &node) in free_nodes.iter().enumerate() {
             free_of[node as usize] = free as u32;
         }
-        let mut neighbours = vec![Vec::new(); free_nodes.len()];
+        let mut this = Self {
+            free_of,
+            column_starts: Vec::new(),
+            rows: Vec::new(),
+            neighbours: vec![Vec::new(); free_nodes.len()],
+            free_nodes,
+        };
+        this.widen(stencils);
+        this
+    }
+
+    /// Couples all nodes of more stencils.
+    pub(crate) fn widen<'a>(&mut self, stencils: impl Iterator<Item = &'a [u32]>) {
+        let Self {
+            free_of,
+            neighbours,
+            ..
+        } = self;
         for stencil in stencils {
             let free = || {
-                stencil
-                    .iter()
-                    .map(|&n| free_of[n as usize])
-                    .filter(|&f| f != PINNED)
+                let numbers = stencil.iter().map(|&node| free_of[node as usize]);
+                numbers.filter(|&free| free != PINNED)
             };
             for low in free() {
                 neighbours[low as usize].extend(free().filter(|&high| high > low));
             }
         }
-        for list in &mut neighbours {
+        for list in neighbours.iter_mut() {
             list.sort_unstable();
             list.dedup();
         }
-        let (column_starts, rows) = lay_out(&neighbours);
-        Self {
-            free_of,
-            free_nodes,
-            column_starts,
-            rows,
-            neighbours,
-        }
+        (self.column_starts, self.rows) = lay_out(&self.neighbours);
     }
 
     /// Number of a node among the free ones.
