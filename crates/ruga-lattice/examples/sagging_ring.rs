@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .map(|node| node.x < -RING)
         .collect();
     let energy = LatticeEnergy::new(&lattice, &FOAM, &pinned)?;
-    let weights = lattice.weights(DENSITY, &Vector3::new(0.0, 0.0, -9.81))?;
+    let weights = lattice.gravity_load(DENSITY, &Vector3::new(0.0, 0.0, -9.81))?;
     eprintln!(
         "{} faces, {} elements, {} degrees of freedom, {:.3} kg",
         mesh.face_count(),

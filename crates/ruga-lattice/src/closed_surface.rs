@@ -50,7 +50,8 @@ fn check_sides(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Result<(), Lattice
         let point = positions[mesh.faces()[face][0].index()];
         let depth = depth_within_others(mesh, positions, &parts, part as u32, &point);
         let expected = i64::from(volume < 0.0);
-        if volume == 0.0 || depth != expected {
+        // Coordinates whose cubes overflow or vanish have no volume that could be told.
+        if volume == 0.0 || !volume.is_finite() || depth != expected {
             return Err(LatticeError::WrongSide {
                 face,
                 volume,

@@ -44,7 +44,7 @@ pub(crate) struct Fragment {
 }
 
 impl Fragment {
-    /// Twice the area vectors and the mean points of a fan of triangles.
+    /// A fan of triangles that makes it up.
     pub(crate) fn triangles(&self) -> impl Iterator<Item = [Vector3<f64>; 3]> + '_ {
         let first = self.positions[0];
         let pairs = self.positions[1..].windows(2);

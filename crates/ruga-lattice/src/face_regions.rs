@@ -16,6 +16,8 @@ use crate::solid_intervals::{End, Interval, pierced_edge};
 pub(crate) struct Region {
     pub(crate) square: CellFace,
     pub(crate) section: Section,
+    /// The outlines around it and its holes, in-plane coordinates (m).
+    outlines: Vec<[Vector2<f64>; 2]>,
     /// Mesh faces whose cuts are on its outline.
     pub(crate) faces: Vec<FaceId>,
     /// Intervals on its outline, by index.
@@ -35,7 +37,7 @@ pub(crate) fn face_regions(
     intervals: &[Interval],
     grid: &Grid,
 ) -> Result<Vec<Region>, Coincidence> {
-    let mut outlines: BTreeMap<CellFace, Vec<Piece>> = BTreeMap::new();
+    let mut outlines: BTreeMap<CellFace, Vec<Part>> = BTreeMap::new();
     for fragment in fragments {
         add_cuts(fragment, &mut outlines);
     }
@@ -43,22 +45,23 @@ pub(crate) fn face_regions(
         add_interval(index, interval, grid, &mut outlines);
     }
     let mut regions = Vec::new();
-    for (square, pieces) in &outlines {
+    for (square, parts) in &outlines {
         let failed = || Coincidence(grid.corner(square.at));
         let corner = grid.corner(square.at);
         let [u, v] = across(square.axis);
         let origin = Vector2::new(corner[u], corner[v]);
-        let loops = closed_loops(pieces, &origin).ok_or_else(failed)?;
+        let loops = closed_loops(parts, &origin).ok_or_else(failed)?;
         let first = regions.len();
         let (outer, holes): (Vec<_>, Vec<_>) = loops.iter().partition(|l| l.section.area > 0.0);
         for outline in &outer {
-            regions.push(region(*square, outline, pieces));
+            regions.push(region(*square, outline, parts));
         }
         for hole in holes {
-            let owner = owner(hole, &outer, pieces).ok_or_else(failed)?;
-            let hole = region(*square, hole, pieces);
+            let owner = owner(hole, &outer, parts).ok_or_else(failed)?;
+            let hole = region(*square, hole, parts);
             let whole = &mut regions[first + owner];
             whole.section.add(&hole.section);
+            whole.outlines.extend(hole.outlines);
             whole.faces.extend(hole.faces);
             whole.intervals.extend(hole.intervals);
         }
@@ -66,9 +69,16 @@ pub(crate) fn face_regions(
     Ok(regions)
 }
 
-/// A directed piece of an outline, the body to its left seen against the axis of the square.
+impl Region {
+    /// Whether a point of the square, in-plane coordinates (m), lies in it.
+    pub(crate) fn contains(&self, point: &Vector2<f64>) -> bool {
+        passed(self.outlines.iter(), point)
+    }
+}
+
+/// A directed part of an outline, the body to its left seen against the axis of the square.
 #[derive(Clone, Copy, Debug)]
-struct Piece {
+struct Part {
     ends: [End; 2],
     /// In-plane coordinates of the ends, m.
     points: [Vector2<f64>; 2],
@@ -85,7 +95,7 @@ enum Source {
 ///
 /// Counter-clockwise around the outward normal, a fragment above the plane has the body to its
 /// left on the cut.
-fn add_cuts(fragment: &Fragment, outlines: &mut BTreeMap<CellFace, Vec<Piece>>) {
+fn add_cuts(fragment: &Fragment, outlines: &mut BTreeMap<CellFace, Vec<Part>>) {
     let count = fragment.sides.len();
     for (i, side) in fragment.sides.iter().enumerate() {
         let &Side::Cut(plane) = side else { continue };
@@ -112,7 +122,7 @@ fn add_cuts(fragment: &Fragment, outlines: &mut BTreeMap<CellFace, Vec<Piece>>) 
         outlines
             .entry(CellFace { at, axis })
             .or_default()
-            .push(Piece {
+            .push(Part {
                 ends: [start, stop],
                 points: corners
                     .map(|c| Vector2::new(fragment.positions[c][u], fragment.positions[c][v])),
@@ -126,7 +136,7 @@ fn add_interval(
     index: usize,
     interval: &Interval,
     grid: &Grid,
-    outlines: &mut BTreeMap<CellFace, Vec<Piece>>,
+    outlines: &mut BTreeMap<CellFace, Vec<Part>>,
 ) {
     let edge = interval.edge;
     let corner = grid.corner(edge.at);
@@ -138,7 +148,7 @@ fn add_interval(
             point[edge.axis] = coordinate;
             Vector2::new(point[u], point[v])
         };
-        let forward = Piece {
+        let forward = Part {
             ends: interval.ends,
             points: interval.coordinates.map(point),
             source: Source::Interval(index),
@@ -147,7 +157,7 @@ fn add_interval(
         let runs_forward_on_lower_side = edge.axis == u;
         for (at, is_lower_side) in [(Some(edge.at), true), (below(edge.at, other), false)] {
             let Some(at) = at else { continue };
-            let piece = if is_lower_side == runs_forward_on_lower_side {
+            let part = if is_lower_side == runs_forward_on_lower_side {
                 forward
             } else {
                 forward.reversed()
@@ -155,12 +165,12 @@ fn add_interval(
             outlines
                 .entry(CellFace { at, axis })
                 .or_default()
-                .push(piece);
+                .push(part);
         }
     }
 }
 
-impl Piece {
+impl Part {
     fn reversed(&self) -> Self {
         let ([start, stop], [from, to]) = (self.ends, self.points);
         Self {
@@ -169,30 +179,32 @@ impl Piece {
             source: self.source,
         }
     }
+}
 
-    /// Whether a ray from `point` along the first axis passes this piece.
-    fn is_passed(&self, point: Vector2<f64>) -> bool {
-        let [a, b] = self.points;
+/// Whether a ray from `point` along the first axis passes an odd number of segments.
+fn passed<'a>(segments: impl Iterator<Item = &'a [Vector2<f64>; 2]>, point: &Vector2<f64>) -> bool {
+    let is_passed = |[a, b]: &&[Vector2<f64>; 2]| {
         (a.y > point.y) != (b.y > point.y) && {
             let share = (point.y - a.y) / (b.y - a.y);
             a.x + (b.x - a.x) * share > point.x
         }
-    }
+    };
+    segments.filter(is_passed).count() % 2 == 1
 }
 
 struct Loop {
-    pieces: Vec<usize>,
+    parts: Vec<usize>,
     /// Positive area when it runs counter-clockwise.
     section: Section,
 }
 
-/// Groups the pieces of one square; `None` when an end is not the start of exactly one piece.
-fn closed_loops(pieces: &[Piece], origin: &Vector2<f64>) -> Option<Vec<Loop>> {
-    let mut starts: Vec<(End, usize)> = by_end(pieces, 0);
-    let mut stops: Vec<(End, usize)> = by_end(pieces, 1);
+/// Groups the parts of one square; `None` when an end is not the start of exactly one part.
+fn closed_loops(parts: &[Part], origin: &Vector2<f64>) -> Option<Vec<Loop>> {
+    let mut starts: Vec<(End, usize)> = by_end(parts, 0);
+    let mut stops: Vec<(End, usize)> = by_end(parts, 1);
     starts.sort_unstable();
     stops.sort_unstable();
-    let mut groups = UnionFind::new(pieces.len());
+    let mut groups = UnionFind::new(parts.len());
     for (i, (start, stop)) in starts.iter().zip(&stops).enumerate() {
         let repeats = i > 0 && starts[i - 1].0 == start.0;
         if start.0 != stop.0 || repeats {
@@ -201,29 +213,29 @@ fn closed_loops(pieces: &[Piece], origin: &Vector2<f64>) -> Option<Vec<Loop>> {
         groups.union(start.1, stop.1);
     }
     let mut loops: BTreeMap<usize, Loop> = BTreeMap::new();
-    for (i, piece) in pieces.iter().enumerate() {
+    for (i, part) in parts.iter().enumerate() {
         let empty = || Loop {
-            pieces: Vec::new(),
+            parts: Vec::new(),
             section: Section::default(),
         };
         let outline = loops.entry(groups.find(i)).or_insert_with(empty);
-        outline.pieces.push(i);
+        outline.parts.push(i);
         outline
             .section
-            .add_segment(&piece.points.map(|p| p - origin));
+            .add_segment(&part.points.map(|p| p - origin));
     }
     Some(loops.into_values().collect())
 }
 
-fn by_end(pieces: &[Piece], end: usize) -> Vec<(End, usize)> {
-    let ends = pieces.iter().enumerate();
-    ends.map(|(i, piece)| (piece.ends[end], i)).collect()
+fn by_end(parts: &[Part], end: usize) -> Vec<(End, usize)> {
+    let ends = parts.iter().enumerate();
+    ends.map(|(i, part)| (part.ends[end], i)).collect()
 }
 
-fn region(square: CellFace, outline: &Loop, pieces: &[Piece]) -> Region {
+fn region(square: CellFace, outline: &Loop, parts: &[Part]) -> Region {
     let (mut faces, mut intervals) = (Vec::new(), Vec::new());
-    for &piece in &outline.pieces {
-        match pieces[piece].source {
+    for &part in &outline.parts {
+        match parts[part].source {
             Source::Cut(face) => faces.push(face),
             Source::Interval(index) => intervals.push(index),
         }
@@ -231,21 +243,17 @@ fn region(square: CellFace, outline: &Loop, pieces: &[Piece]) -> Region {
     Region {
         square,
         section: outline.section,
+        outlines: outline.parts.iter().map(|&p| parts[p].points).collect(),
         faces,
         intervals,
     }
 }
 
 /// The smallest outline around a hole.
-fn owner(hole: &Loop, outer: &[&Loop], pieces: &[Piece]) -> Option<usize> {
-    let point = pieces[*hole.pieces.first()?].points[0];
-    let is_around = |outline: &Loop| {
-        let passed = outline
-            .pieces
-            .iter()
-            .filter(|&&p| pieces[p].is_passed(point));
-        passed.count() % 2 == 1
-    };
+fn owner(hole: &Loop, outer: &[&Loop], parts: &[Part]) -> Option<usize> {
+    let point = parts[*hole.parts.first()?].points[0];
+    let is_around =
+        |outline: &Loop| passed(outline.parts.iter().map(|&p| &parts[p].points), &point);
     let around = outer.iter().enumerate().filter(|(_, o)| is_around(o));
     around
         .min_by(|a, b| a.1.section.area.total_cmp(&b.1.section.area))

@@ -40,7 +40,7 @@ impl Lattice {
     ///
     /// # Errors
     /// Those of [`Self::node_masses`].
-    pub fn weights(
+    pub fn gravity_load(
         &self,
         density: f64,
         gravity: &Vector3<f64>,

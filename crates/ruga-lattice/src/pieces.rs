@@ -1,6 +1,6 @@
 //! The connected pieces of the body in each cell, and which of them hang together across cells.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Vector3;
 use petgraph::unionfind::UnionFind;
@@ -146,7 +146,12 @@ impl<'a> Borders<'a> {
     /// The wall of a hollow within a cell touches nothing; a ray from it finds the piece around.
     fn join_hollows(&mut self, normals: &PerFace<Vector3<f64>>) -> Result<(), Coincidence> {
         let moments = self.moments();
-        let is_hollow = |group: usize| moments.get(&group).is_some_and(|m| m.volume < 0.0);
+        let sides = self.fragments.len()..self.fragments.len() + 2 * self.regions.len();
+        let open: BTreeSet<usize> = sides.map(|side| self.groups.find(side)).collect();
+        let is_hollow = |group: usize| {
+            let is_negative = moments.get(&group).is_some_and(|m| m.volume < 0.0);
+            is_negative && !open.contains(&group)
+        };
         let mut tips: BTreeMap<usize, (usize, Vector3<f64>)> = BTreeMap::new();
         for (i, fragment) in self.fragments.iter().enumerate() {
             let group = self.groups.find(i);
@@ -195,17 +200,14 @@ impl<'a> Borders<'a> {
         if let Some((_, fragment)) = hits.min_by(|a, b| a.0.total_cmp(&b.0)) {
             return Some(fragment);
         }
-        // Nothing on the way to the cell's end. One region there, or the biggest, is around.
+        // Nothing on the way to the cell's end.
         let mut at = cell;
         at[0] += 1;
         let end = CellFace { at, axis: 0 };
-        let regions = self
-            .regions
-            .iter()
-            .enumerate()
-            .filter(|(_, r)| r.square == end);
-        let widest = regions.max_by(|a, b| a.1.section.area.total_cmp(&b.1.section.area))?;
-        Some(self.side(widest.0, Facing::Below))
+        let exit = tip.yz();
+        let is_left = |region: &Region| region.square == end && region.contains(&exit);
+        let left = self.regions.iter().position(is_left)?;
+        Some(self.side(left, Facing::Below))
     }
 
     /// Moments of the solid within each group of borders.
@@ -275,10 +277,10 @@ impl<'a> Borders<'a> {
     }
 }
 
-type Side2 = (CellFace, Facing);
+type SquareSide = (CellFace, Facing);
 
 /// For each of the four cells around an edge the two squares of it that meet there.
-fn squares_around(edge: GridEdge) -> Vec<[Side2; 2]> {
+fn squares_around(edge: GridEdge) -> Vec<[SquareSide; 2]> {
     let [a, b] = across(edge.axis);
     let mut around = Vec::with_capacity(4);
     for (beyond_a, facing_a) in [

@@ -32,6 +32,9 @@ pub(crate) struct Quadrature {
 /// Share of its cell from which on an element counts as full.
 const FULL: f64 = 1.0 - 1e-9;
 
+/// Share of its cell up to which an element counts as empty: rounding decides where its piece is.
+const EMPTY: f64 = 1e-12;
+
 impl Quadrature {
     pub(crate) fn new(lattice: &Lattice, integrand: Integrand) -> Self {
         let cell_volume = lattice.cell_size().product();
@@ -46,7 +49,10 @@ impl Quadrature {
                 this.table_of.push(0);
                 continue;
             }
-            let mut points = piece_points(lattice, moments);
+            let mut points = Vec::new();
+            if moments.volume > EMPTY * cell_volume {
+                points = piece_points(lattice, moments);
+            }
             if integrand == Integrand::Stiffness {
                 let void = (cell_volume - moments.volume) * VOID_STIFFNESS;
                 points.extend(cell_points(lattice, void));

@@ -10,7 +10,10 @@ use crate::signed_svd::SignedSvd;
 pub struct SolidMaterial {
     /// Young's modulus, Pa; positive.
     pub young: f64,
-    /// Poisson's ratio, -1 to 0.4999. Near one half trilinear elements lock.
+    /// Poisson's ratio, over -1, at most 0.4999.
+    ///
+    /// Near one half elements lock: at 0.48 a bar of one quadratic element across bends a tenth too
+    /// little, one of trilinear elements less than half as much as it should.
     pub poisson: f64,
 }
 

@@ -68,12 +68,11 @@ fn intersect(mesh: &TriMesh, positions: &[Vector3<f64>], faces: [FaceId; 2]) -> 
         })
     };
     match shared {
-        0 => {
+        0 | 1 => {
             one_way(first, second)
                 || one_way(second, first)
                 || overlap_in_plane(corners(first), corners(second))
         }
-        1 => one_way(first, second) || one_way(second, first),
         _ => folded_flat(first, second, positions),
     }
 }
@@ -103,7 +102,7 @@ fn pierces([p, q]: [Vector3<f64>; 2], [a, b, c]: [Vector3<f64>; 3]) -> bool {
     touched < 2 && (turns.iter().all(|&t| t >= 0.0) || turns.iter().all(|&t| t <= 0.0))
 }
 
-/// Whether two triangles of one plane, without a common vertex, overlap.
+/// Whether two triangles of one plane, with one common vertex or none, overlap.
 fn overlap_in_plane(first: [Vector3<f64>; 3], second: [Vector3<f64>; 3]) -> bool {
     let [a, b, c] = &first;
     if second.iter().any(|p| volume(p, a, b, c) != 0.0) {

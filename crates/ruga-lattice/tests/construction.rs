@@ -4,7 +4,7 @@ mod shapes;
 
 use std::collections::BTreeSet;
 
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Unit, Vector3};
 use ruga_lattice::{ElementId, Lattice, LatticeSpec, Shape};
 use ruga_mesh::{FaceId, MaterialPoint};
 use shapes::{Surface, block, spec, sphere, torus, two_slabs};
@@ -229,6 +229,25 @@ fn a_hollow_belongs_to_the_piece_around_it() {
 }
 
 #[test]
+fn a_hollow_is_not_given_to_a_bigger_piece_of_the_same_cell() {
+    let hollow = sphere(0.04, 8, 6)
+        .rotated([1.0, 2.0, 3.0], 0.7)
+        .inside_out();
+    let thin = block([1.0, 1.0, 0.1], [4, 4, 1]);
+    let thick = block([1.0, 1.0, 0.3], [4, 4, 1]).shifted(0.0, 0.0, 0.12);
+    let surface = thin.and(thick).and(hollow.clone().shifted(0.2, 0.3, 0.05));
+    let lattice = surface.lattice(spec(2));
+    check(&surface, &lattice);
+    let points = [Vector3::new(0.2, 0.3, 0.095), Vector3::new(0.2, 0.3, 0.2)];
+    let places = lattice.places_near(&points).expect("finite");
+    let [below, above] = [0, 1].map(|k| lattice.element_volume(places[k].element));
+    // A quarter of each slab, but for the grid's slack; the hollow is negative.
+    assert!((below - (0.025 + hollow.volume())).abs() < 1e-5, "{below}");
+    assert!((above - 0.075).abs() < 2e-5, "{above}");
+    assert!(hollow.volume() < -1e-4);
+}
+
+#[test]
 fn any_orientation_and_resolution_fits_together() {
     for seed in 0..12u32 {
         let turn = f64::from(seed) * 0.37;
@@ -250,4 +269,79 @@ fn symmetric_bodies_whose_vertices_lie_on_planes_are_cut_elsewhere() {
         check(&surface, &lattice);
         assert_eq!(lattice.element_count(), cells.pow(3));
     }
+}
+
+/// Two linked rings, and how deep a point lies in them (m, negative inside).
+fn chain() -> (Surface, impl Fn(&Vector3<f64>) -> f64) {
+    let (ring, tube) = (1.0, 0.28);
+    let link = torus(ring, tube, [60, 28]);
+    let other = |p: &Vector3<f64>| Vector3::new(p.x + 1.0, p.z, -p.y);
+    let surface = link
+        .clone()
+        .and(link.map(other))
+        .rotated([1.0, 0.4, 0.2], 0.6);
+    let turn = Rotation3::from_axis_angle(&Unit::new_normalize(Vector3::new(1.0, 0.4, 0.2)), -0.6);
+    let depth = move |p: &Vector3<f64>| {
+        let p = turn * p;
+        let to_ring = |p: Vector3<f64>| (p.xy().norm() - ring).hypot(p.z) - tube;
+        to_ring(p).min(to_ring(Vector3::new(p.x - 1.0, -p.z, p.y)))
+    };
+    (surface, depth)
+}
+
+#[test]
+fn pieces_are_those_of_a_flood_fill() {
+    let (surface, depth) = chain();
+    for cells in [1, 2, 3, 5] {
+        let lattice = surface.lattice(spec(cells));
+        check(&surface, &lattice);
+        assert_eq!(bodies(&lattice), 2, "the links are apart");
+        let pieces = lattice.elements().map(|e| check_cell(&lattice, e, &depth));
+        assert!(pieces.max() > Some(1), "no elements are superimposed");
+    }
+}
+
+/// All samples of a cell that hang together lie in one element, and those that don't in several;
+/// how many there are.
+fn check_cell(
+    lattice: &Lattice,
+    element: ElementId,
+    depth: impl Fn(&Vector3<f64>) -> f64,
+) -> usize {
+    const N: usize = 10;
+    let corner = lattice.element_corner(element);
+    let place = |at: [usize; 3]| {
+        let local = Vector3::from(at.map(|i| (i as f64 + 0.5) / N as f64));
+        corner + local.component_mul(&lattice.cell_size())
+    };
+    let all = (0..N * N * N).map(|s| [s / (N * N), s / N % N, s % N]);
+    // Clear of the facets, which lie a little inside the round torus.
+    let mut left: BTreeSet<[usize; 3]> = all.filter(|&at| depth(&place(at)) < -0.01).collect();
+    let mut seen = BTreeSet::new();
+    while let Some(seed) = left.pop_first() {
+        let mut group = vec![seed];
+        let mut next = 0;
+        while let Some(&at) = group.get(next) {
+            next += 1;
+            for axis in 0..3 {
+                for step in [usize::MAX, 1] {
+                    let mut beside = at;
+                    beside[axis] = at[axis].wrapping_add(step);
+                    if left.remove(&beside) {
+                        group.push(beside);
+                    }
+                }
+            }
+        }
+        let points: Vec<Vector3<f64>> = group.iter().map(|&at| place(at)).collect();
+        let places = lattice.places_near(&points).expect("finite");
+        assert!(places.iter().all(|p| p.element == places[0].element));
+        let is_new = seen.insert(places[0].element);
+        assert!(
+            is_new || group.len() < 4,
+            "a group of {} shares an element",
+            group.len()
+        );
+    }
+    seen.len()
 }

@@ -33,9 +33,18 @@ fn held(lattice: &Lattice, points: &[Vector3<f64>]) -> Springs {
     }
 }
 
-/// Deflection of the end's middle over beam theory's; the beam lies along `along` in the grid.
+/// Deflection of the end's middle over beam theory's; `place` puts the beam's places in the grid.
 fn deflection(
     surface: &Surface,
+    spec: LatticeSpec,
+    place: impl Fn(Vector3<f64>) -> Vector3<f64>,
+) -> f64 {
+    deflection_of(surface, &MATERIAL, spec, place)
+}
+
+fn deflection_of(
+    surface: &Surface,
+    material: &SolidMaterial,
     spec: LatticeSpec,
     place: impl Fn(Vector3<f64>) -> Vector3<f64>,
 ) -> f64 {
@@ -50,9 +59,9 @@ fn deflection(
         }
     }
     let problem = Problem {
-        energy: LatticeEnergy::new(&lattice, &MATERIAL, &pinned).expect("valid input"),
+        energy: LatticeEnergy::new(&lattice, material, &pinned).expect("valid input"),
         springs: vec![held(&lattice, &root)],
-        forces: lattice.weights(WEIGHT, &down).expect("positive"),
+        forces: lattice.gravity_load(WEIGHT, &down).expect("positive"),
         floor: 0.0,
     };
     let rest = lattice.rest_positions();
@@ -105,4 +114,20 @@ fn a_bar_askew_in_the_grid_bends_as_one_along_it() {
         whole[0] < -0.6 && whole[1] < -0.25 && whole[1] > -0.4,
         "{whole:?}"
     );
+}
+
+#[test]
+fn nearly_incompressible_elements_lock_and_quadratic_ones_less() {
+    // A known limit, which the material's documentation names.
+    let bar = block([LENGTH, 1.0, 1.0], [8, 1, 1]);
+    let stiff = SolidMaterial {
+        poisson: 0.48,
+        ..MATERIAL
+    };
+    let [quadratic, linear] = [Shape::Quadratic, Shape::Linear].map(|shape| {
+        let spec = LatticeSpec { shape, ..spec(8) };
+        deflection_of(&bar, &stiff, spec, |p| p)
+    });
+    assert!((0.85..0.93).contains(&quadratic), "{quadratic}");
+    assert!((0.38..0.46).contains(&linear), "{linear}");
 }

@@ -113,6 +113,23 @@ fn bodies_inside_out_or_within_each_other_are_refused() {
 }
 
 #[test]
+fn size_does_not_matter_but_has_limits() {
+    let surface = sphere(1.0, 16, 9).rotated([1.0, 2.0, 3.0], 0.5);
+    let unit = surface.lattice(spec(5));
+    for scale in [1e-9, 1e-3, 1e6, 1e20] {
+        let scaled = surface.clone().map(|p| p * scale).lattice(spec(5));
+        assert_eq!(scaled.element_count(), unit.element_count());
+        assert_eq!(scaled.node_count(), unit.node_count());
+        let volume = scaled.volume() / (unit.volume() * scale * scale * scale);
+        assert!((volume - 1.0).abs() < 1e-12);
+    }
+    for scale in [1e-150, 1e200] {
+        let error = refused(&surface.clone().map(|p| p * scale));
+        assert!(!error.to_string().is_empty());
+    }
+}
+
+#[test]
 fn bad_arrays_and_settings_are_named() {
     let mesh = cube().mesh();
     let positions = cube().positions;

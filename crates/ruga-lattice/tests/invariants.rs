@@ -131,7 +131,7 @@ fn lattice_weighs_what_the_body_weighs() {
             assert!((total / (density * volume) - 1.0).abs() < 1e-12);
             assert!(masses.iter().all(|&m| m > 0.0));
             let g = Vector3::new(0.0, 0.0, -9.81);
-            let weights = lattice.weights(density, &g).expect("positive");
+            let weights = lattice.gravity_load(density, &g).expect("positive");
             let weight: Vector3<f64> = weights.iter().sum();
             assert!((weight - g * total).norm() < 1e-12 * total);
             check_consistent_mass(&lattice, density, &masses);
