@@ -43,12 +43,13 @@ impl Default for LatticeSpec {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Filling {
     /// Where the body is. Quadrature points are those of the box with the piece's volume, centre
-    /// and second moments: mass, its centre and its inertia are exact, and so is stiffness against
-    /// stretching and bending. The void has [`VOID_STIFFNESS`].
+    /// and second moments: mass, its centre and its inertia are exact, and so is the energy of small
+    /// strains that vary linearly, as in stretching and bending. The void has [`VOID_STIFFNESS`].
     #[default]
     Piece,
     /// In the whole cell, as in RK 5: at its 27 or 8 quadrature points. Superimposed elements count
-    /// their cell twice, and a thin limb that lies askew in the grid is several times too stiff.
+    /// their cell twice, and a thin limb that lies askew in the grid is several times too stiff
+    /// where cells are as thick as it is.
     Whole,
 }
 

@@ -86,10 +86,10 @@ fn quadratic_elements_bend_as_a_beam_and_linear_ones_are_stiff() {
         let quadratic = error(Shape::Quadratic, cells);
         assert!(quadratic.abs() < tolerance, "{cells} cells: {quadratic}");
     }
-    // Trilinear elements shear when they should bend: -66, -33, -11 and -3 %, second order.
-    let linear = [4, 8, 16, 32].map(|cells| error(Shape::Linear, cells));
-    assert!(linear[1] < -0.25 && linear[3].abs() < 0.04, "{linear:?}");
-    assert!(linear[3] / linear[2] < 0.3, "{linear:?}");
+    // Trilinear elements shear when they should bend: measured -66, -33 and -11 %, -3 % with 32.
+    let linear = [4, 8, 16].map(|cells| error(Shape::Linear, cells));
+    assert!(linear[1] < -0.25 && linear[2] > -0.12, "{linear:?}");
+    assert!(linear[2] / linear[1] < 0.35, "{linear:?}");
 }
 
 #[test]
@@ -103,15 +103,15 @@ fn a_bar_askew_in_the_grid_bends_as_one_along_it() {
         };
         deflection(&bar, spec, |p| turn * p) - 1.0
     };
-    // Cells of twice the bar's thickness to a quarter: measured -8, -2.0, -0.5 and -0.16 %.
-    for (cells, tolerance) in [(4, 0.1), (8, 0.03), (16, 0.01), (32, 0.003)] {
+    // Cells of twice the bar's thickness to a half: measured -8, -2.0 and -0.5 %, -0.16 % with 32.
+    for (cells, tolerance) in [(4, 0.1), (8, 0.03), (16, 0.01)] {
         let found = error(Filling::Piece, cells);
         assert!(found.abs() < tolerance, "{cells} cells: {found}");
     }
-    // Whole cells make the bar thicker: a third too stiff even with four cells across.
-    let whole = [8, 32].map(|cells| error(Filling::Whole, cells));
+    // Whole cells make the bar thicker: it bends half as much even with two cells across.
+    let whole = [8, 16].map(|cells| error(Filling::Whole, cells));
     assert!(
-        whole[0] < -0.6 && whole[1] < -0.25 && whole[1] > -0.4,
+        whole[0] < -0.6 && (-0.55..-0.45).contains(&whole[1]),
         "{whole:?}"
     );
 }
