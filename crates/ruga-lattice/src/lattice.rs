@@ -26,8 +26,9 @@ pub struct LatticeSpec {
     pub filling: Filling,
 }
 
-/// Most cells along a side that [`LatticeSpec`] accepts: two million cells.
-pub const MAX_CELLS: u32 = 128;
+/// Most cells along a side that [`LatticeSpec`] accepts: a quarter of a million if the body fills its
+/// box, for which building takes 0.8 GB.
+pub const MAX_CELLS: u32 = 64;
 
 impl Default for LatticeSpec {
     fn default() -> Self {
@@ -111,7 +112,7 @@ impl Lattice {
             return Err(LatticeError::Setting {
                 name: "cells",
                 value: f64::from(spec.cells),
-                accepted: "1 to 128",
+                accepted: "1 to 64",
             });
         }
         check_closed(mesh, positions)?;
