@@ -10,7 +10,7 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer,
     LayerAttributes, LineOrder, WritableImage, f16,
 };
-use fixture::{Folder, SQUARE_OBJ, assert_says, read, square};
+use fixture::{Folder, SQUARE_OBJ, assert_says, data_uri, read, square};
 use ruga_io::{ExrTexels, GlbAdditions, read_image, read_mask, write_exr, write_glb};
 use serde_json::json;
 
@@ -72,6 +72,29 @@ fn coordinates_beyond_32_bits() {
     let written = write_glb(&path, &file, &GlbAdditions::default());
     assert_says(written, "b.glb", &["vertex 1", "32 bits"]);
     assert!(!path.exists());
+}
+
+/// Messages once held the whole of a data: URI with a slip, or named the buffer's file alone.
+#[test]
+fn gltf_buffers_with_a_slip_in_their_uri() {
+    let folder = Folder::new();
+    let (mut json, bin) = square();
+    let uri = data_uri(&bin);
+    for (slip, words) in [
+        (uri.replacen("data", "ata", 1), "not a relative path"),
+        (uri.replacen("data:", "data", 1), "cannot read"),
+        ("gone.bin".to_owned(), "no such file"),
+    ] {
+        json["buffers"][0]["uri"] = json!(slip);
+        let file = folder.file("a.gltf", json.to_string());
+        let error = read(&file).expect_err("there is no buffer").to_string();
+        assert!(error.len() < 400, "{error}");
+        assert_says::<()>(
+            read(&file).map(drop),
+            "a.gltf",
+            &["buffer 0", words, &slip[..8]],
+        );
+    }
 }
 
 /// The decoder took three bytes from a palette's last colour, whatever there was.
