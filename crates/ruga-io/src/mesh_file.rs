@@ -126,8 +126,9 @@ pub fn read_mesh(
 }
 
 /// Coordinates beyond this are no lengths in metres and no texture coordinates. OBJ can spell
-/// numbers that the 32 bits of the GLB which is written in the end cannot hold.
-const LARGEST_COORDINATE: f64 = 1e30;
+/// numbers that the 32 bits of the GLB which is written in the end cannot hold. In 32 bits, so that
+/// what is written with the largest is read again.
+const LARGEST_COORDINATE: f32 = 1e30;
 
 fn check_magnitudes(file: &MeshFile) -> Result<(), IoError> {
     let mesh = &file.mesh;
@@ -139,7 +140,7 @@ fn check_magnitudes(file: &MeshFile) -> Result<(), IoError> {
         )
     });
     let vectors = std::iter::once(("the mesh".to_owned(), &mesh.positions)).chain(shapes);
-    let too_large = |c: &f64| c.abs() > LARGEST_COORDINATE;
+    let too_large = |c: &f64| c.abs() as f32 > LARGEST_COORDINATE;
     let fault = |element: String, value: f64| {
         let reason = format!("found {value:e}; accepted: numbers up to {LARGEST_COORDINATE:e}");
         Err(IoError::malformed(&file.path, element, reason))
