@@ -85,10 +85,11 @@ impl Target {
         Self::ALL.into_iter().find(|target| target.name() == name)
     }
 
-    /// Seconds after which an input counts as too slow.
+    /// Seconds of computing after which an input counts as too slow; the commands that scenes go
+    /// through are watched on their own.
     pub fn patience(self) -> f64 {
         match self {
-            Self::Program => 300.0,
+            Self::Program => 60.0,
             Self::Remesh => 5.0,
             _ => 2.0,
         }

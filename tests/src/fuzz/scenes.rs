@@ -180,8 +180,9 @@ impl FuzzScene {
     fn layer(&mut self, index: usize, nominal: bool, chance: &mut Chance) -> String {
         let mut table = format!("[[layers]]\nname = \"layer{index}\"\n");
         let finer = 0.6_f64.powi(index as i32);
-        // What is made of numbers may have wrinkles so small that planning takes its time.
-        match chance.below(16) {
+        // The others may wrinkle so finely on what lies below that planning takes its time.
+        let kind = if index == 0 { chance.below(12) } else { 2 };
+        match kind {
             0 => table += "preset = \"forehead-furrow\"\n",
             1 => {
                 let (young, thickness) = (chance.magnitude(5.0, 8.0), chance.magnitude(-3.7, -2.5));

@@ -81,7 +81,7 @@ fn watch(
     let mut child = start(folder, target, first, seconds);
     let lines = lines(&mut child);
     let complaints = complaints(&mut child);
-    let patience = Duration::from_secs_f64(3.0 * target.patience() + 10.0);
+    let patience = Duration::from_secs_f64(10.0 * target.patience() + 30.0);
     let mut current = None;
     loop {
         match lines.recv_timeout(patience) {

@@ -57,12 +57,12 @@ pub(crate) fn again(folder: &Path, input: &str) -> Option<ExitCode> {
 /// Tries an input in a folder of its own, which stays if there is a find.
 fn tried(folder: &Path, target: Target, number: u64) -> Verdict {
     let folder = fresh(folder, target, number);
-    let started = Instant::now();
+    let started = cpu_seconds();
     let fuzzer = own_path();
     let tried = panic::catch_unwind(AssertUnwindSafe(|| {
         target.try_input(number, &folder, &fuzzer)
     }));
-    let seconds = started.elapsed().as_secs_f64();
+    let seconds = cpu_seconds() - started;
     let verdict = match tried {
         Ok(verdict) if seconds <= target.patience() => verdict,
         Ok(verdict) => Verdict::Find(format!("slow: {seconds:.0} s, then {verdict:?}")),
@@ -95,6 +95,20 @@ fn verdict_line(verdict: &Verdict) -> String {
         Verdict::Rejected => "rejected".to_owned(),
         Verdict::Find(what) => format!("find {}", what.replace(['\n', '\r'], " ")),
     }
+}
+
+/// Seconds that this process has computed, whatever else the machine does.
+#[cfg(unix)]
+fn cpu_seconds() -> f64 {
+    use rustix::time::{ClockId, clock_gettime};
+    let time = clock_gettime(ClockId::ProcessCPUTime);
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
+}
+
+#[cfg(not(unix))]
+fn cpu_seconds() -> f64 {
+    static START: std::sync::LazyLock<Instant> = std::sync::LazyLock::new(Instant::now);
+    START.elapsed().as_secs_f64()
 }
 
 /// Lets the system refuse absurd demands for memory, which would otherwise only be reserved.
