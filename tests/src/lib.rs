@@ -7,6 +7,7 @@ mod film_objective;
 mod film_probe;
 mod film_rows;
 mod film_spec;
+pub mod fuzz;
 mod patch;
 mod rectangle;
 pub mod reference;

@@ -11,6 +11,7 @@ mod bench;
 mod chart;
 mod check;
 mod figures;
+mod fuzz;
 mod light;
 mod picture;
 mod repository;
@@ -30,6 +31,10 @@ usage: cargo xtask TASK
   bench        run the benchmarks on one thread and compare them
   stability    run the stability suite and print what each method does in it
   patterns     run labyrinths, herringbone and pulled sheet at length
+  fuzz [SECONDS] [--from NUMBER] [TARGET]...
+               try random input for SECONDS [default: 600]; inputs with finds go to target/fuzz;
+               targets: scene, gltf, obj, png, exr, remesh, program [default: all];
+               fuzz again TARGET-NUMBER tries one input again
   figures [DIR] [--quick]
                simulate every scene under assets/ and draw the figures of Li 2014 into DIR
                [default: target/figures]; --quick takes coarse meshes
@@ -55,6 +60,7 @@ fn main() -> ExitCode {
         ["bench"] => bench::bench(),
         ["stability"] => stability::stability(),
         ["patterns"] => patterns(),
+        ["fuzz", words @ ..] => fuzz::fuzz(words),
         ["figures", words @ ..] => match Wanted::read(words) {
             Some(wanted) => figures::figures(&wanted),
             None => return wrong_usage("`figures` takes a folder and `--quick`"),

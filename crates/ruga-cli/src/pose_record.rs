@@ -115,6 +115,38 @@ mod tests {
     use super::*;
 
     #[test]
+    fn numbers_come_back_to_the_last_bit() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let inputs = Fingerprint::new();
+        // Three that were read back one bit off.
+        let numbers = [
+            0.009071926551786267,
+            3.5664748782203764e-7,
+            6.791338225313123e-9,
+        ];
+        for number in numbers {
+            let mut report = PoseReport {
+                name: "a".to_owned(),
+                ..PoseReport::default()
+            };
+            report.layers.push(ruga_io::LayerReport {
+                energy_j: Some(number),
+                ..ruga_io::LayerReport::default()
+            });
+            let record = PoseRecord {
+                inputs: inputs.text(),
+                report: report.clone(),
+                maps: Vec::new(),
+                files: Vec::new(),
+                warnings: Vec::new(),
+            };
+            record.write(folder.path()).expect("a folder to write to");
+            let found = PoseRecord::find(folder.path(), "a", inputs).expect("the record");
+            assert_eq!(found.report, report);
+        }
+    }
+
+    #[test]
     fn leftovers_of_the_other_command_stay() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let earlier = ["frames/a/skin.0007.obj", "maps/a_100_normal.png"];

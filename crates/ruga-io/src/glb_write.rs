@@ -88,7 +88,30 @@ fn check(path: &Path, file: &MeshFile, additions: &GlbAdditions<'_>) -> Result<(
     {
         return Err(IoError::unwritten(path, "its parts do not fit its mesh"));
     }
-    Ok(())
+    check_numbers(path, file)
+}
+
+/// glTF has 32 bits for a number, and accepts no infinite ones.
+fn check_numbers(path: &Path, file: &MeshFile) -> Result<(), IoError> {
+    let mesh = &file.mesh;
+    let units = units_per_metre(file);
+    let fits = |value: f64| (value as f32).is_finite();
+    let shapes = mesh.shapes.iter().map(|shape| &shape.position_deltas);
+    for vectors in std::iter::once(&mesh.positions).chain(shapes) {
+        let wrong = |v: &Vector3<f64>| !v.iter().all(|c| fits(c * units));
+        if let Some(vertex) = vectors.iter().position(wrong) {
+            let reason = format!("a coordinate of vertex {vertex} needs more than 32 bits");
+            return Err(IoError::unwritten(path, reason));
+        }
+    }
+    let uvs = mesh.uvs.iter().flatten().flatten();
+    match uvs.into_iter().all(|c| fits(*c)) {
+        true => Ok(()),
+        false => Err(IoError::unwritten(
+            path,
+            "a texture coordinate needs more than 32 bits",
+        )),
+    }
 }
 
 /// A document in the making.
@@ -113,7 +136,7 @@ impl<'a> Document<'a> {
             maps: additions.maps,
             tangents: additions.tangents.filter(|_| normals.is_some()),
             normals,
-            units_per_metre: 1.0 / uniform_scale(&file.stretch).unwrap_or(1.0),
+            units_per_metre: units_per_metre(file),
             buffer: GlbBuffer::default(),
             written: Vec::new(),
             materials: Vec::new(),
@@ -297,6 +320,10 @@ impl<'a> Document<'a> {
         }
         node
     }
+}
+
+fn units_per_metre(file: &MeshFile) -> f64 {
+    1.0 / uniform_scale(&file.stretch).unwrap_or(1.0)
 }
 
 /// The factor of a stretch that is one number.

@@ -110,7 +110,9 @@ fn load_buffer(
     let buffer = &root.buffers[index];
     let bytes = match buffer.uri.as_deref() {
         Some(uri) if uri.starts_with("data:") => decode_data_uri(uri).map_err(fault)?,
-        Some(uri) => read_bytes(&external_file(path, uri).map_err(fault)?)?,
+        Some(uri) => external_file(path, uri)
+            .and_then(|file| read_bytes(&file).map_err(|error| shortened(&error.to_string())))
+            .map_err(fault)?,
         None if index == 0 => binary
             .take()
             .ok_or_else(|| fault("has no uri, and the file has no binary chunk".to_owned()))?,
@@ -128,10 +130,24 @@ fn external_file(path: &Path, uri: &str) -> Result<PathBuf, String> {
         .split_once(':')
         .is_some_and(|(scheme, _)| scheme.len() > 1 && !scheme.contains('/'));
     if has_scheme {
+        let uri = shortened(uri);
         return Err(format!("uri `{uri}` is not a relative path or data: URI"));
     }
-    let relative = decode_percent(uri).ok_or_else(|| format!("uri `{uri}` is not valid"))?;
+    let relative =
+        decode_percent(uri).ok_or_else(|| format!("uri `{}` is not valid", shortened(uri)))?;
     Ok(path.parent().unwrap_or(Path::new("")).join(relative))
+}
+
+/// The text, or its ends: a data: URI with a slip in its first letters is megabytes long.
+fn shortened(text: &str) -> String {
+    const MOST: usize = 200;
+    if text.chars().count() <= MOST {
+        return text.to_owned();
+    }
+    let start: String = text.chars().take(MOST / 2).collect();
+    let end: String = text.chars().rev().take(MOST / 2).collect();
+    let end: String = end.chars().rev().collect();
+    format!("{start} ... {end}")
 }
 
 /// Replaces `%20` and the like; `None` when the result is not UTF-8.

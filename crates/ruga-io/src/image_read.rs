@@ -1,6 +1,7 @@
 //! Painted images: masks and property maps, PNG or EXR, values as stored.
 
 use std::io::Cursor;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use exr::prelude::{FlatSamples, MetaData, ReadChannels, ReadLayers, read};
@@ -67,11 +68,14 @@ pub fn read_image(path: &Path) -> Result<Image, IoError> {
     const EXR: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
     let bytes = read_bytes(path)?;
     if bytes.starts_with(PNG) {
-        return read_png(&bytes)
-            .map_err(|error| IoError::malformed(path, "PNG", plain_words(&error)));
+        return read_png(&bytes).map_err(|reason| IoError::malformed(path, "PNG", reason));
     }
     if bytes.starts_with(EXR) {
-        return read_exr(&bytes).map_err(|reason| IoError::malformed(path, "EXR", reason));
+        // Where the crate is built with overflow checks, its B44 decoder panics on damaged blocks.
+        let read = catch_unwind(AssertUnwindSafe(|| read_exr(&bytes)));
+        return read
+            .unwrap_or_else(|_| Err("its texels are damaged".to_owned()))
+            .map_err(|reason| IoError::malformed(path, "EXR", reason));
     }
     let found = if bytes.starts_with(&[0xff, 0xd8, 0xff]) {
         "this is a JPEG, which is too coarse for masks and properties"
@@ -85,7 +89,7 @@ pub fn read_image(path: &Path) -> Result<Image, IoError> {
     })
 }
 
-fn plain_words(error: &DecodingError) -> String {
+fn plain_words(error: DecodingError) -> String {
     match error {
         DecodingError::IoError(io) if io.kind() == std::io::ErrorKind::UnexpectedEof => {
             "the file is cut short".to_owned()
@@ -94,23 +98,32 @@ fn plain_words(error: &DecodingError) -> String {
     }
 }
 
-fn read_png(bytes: &[u8]) -> Result<Image, DecodingError> {
+fn read_png(bytes: &[u8]) -> Result<Image, String> {
     // One row of working memory per limit; the image itself is bounded by its sides below.
     let limits = Limits { bytes: 1 << 28 };
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
     decoder.set_transformations(Transformations::EXPAND);
     decoder.set_ignore_iccp_chunk(true);
     decoder.set_ignore_text_chunk(true);
-    let mut reader = decoder.read_info()?;
-    let (width, height) = (reader.info().width as usize, reader.info().height as usize);
+    let mut reader = decoder.read_info().map_err(plain_words)?;
+    let info = reader.info();
+    let (width, height) = (info.width as usize, info.height as usize);
+    check_size(width, height, info.raw_row_length() * height, bytes.len())?;
+    // The decoder takes for granted that a palette is made of whole colours.
+    if let Some(length) = info.palette.as_ref().map(|palette| palette.len())
+        && length % 3 != 0
+    {
+        return Err(format!(
+            "its palette has {length} bytes; accepted: a multiple of 3"
+        ));
+    }
     let size = reader
         .output_buffer_size()
-        .filter(|_| width.max(height) <= LONGEST_SIDE)
-        .ok_or(DecodingError::LimitsExceeded)?;
+        .ok_or_else(|| plain_words(DecodingError::LimitsExceeded))?;
     let mut data = vec![0; size];
-    let info = reader.next_frame(&mut data)?;
+    let info = reader.next_frame(&mut data).map_err(plain_words)?;
     // Catches files that end after the last texel but before their end mark.
-    reader.finish()?;
+    reader.finish().map_err(plain_words)?;
     let values: Vec<f32> = match info.bit_depth {
         png::BitDepth::Sixteen => data
             .chunks_exact(2)
@@ -137,6 +150,28 @@ fn read_png(bytes: &[u8]) -> Result<Image, DecodingError> {
             .flat_map(|texel| texel[..kept].iter().copied())
             .collect(),
     })
+}
+
+/// Refuses a header that asks for more memory than its file can fill.
+fn check_size(
+    width: usize,
+    height: usize,
+    texel_bytes: usize,
+    file_bytes: usize,
+) -> Result<(), String> {
+    // Deflate makes at most 258 bytes from two bits, a factor of 1032, and nothing else makes more.
+    const MOST_COMPRESSED: usize = 2000;
+    if width.max(height) > LONGEST_SIDE {
+        return Err(format!(
+            "is {width} x {height}; accepted: up to {LONGEST_SIDE} texels a side"
+        ));
+    }
+    if texel_bytes / MOST_COMPRESSED > file_bytes {
+        return Err(format!(
+            "says that it is {width} x {height}, but its {file_bytes} bytes cannot hold that many texels"
+        ));
+    }
+    Ok(())
 }
 
 fn read_exr(bytes: &[u8]) -> Result<Image, String> {
@@ -201,11 +236,16 @@ fn check_exr_size(bytes: &[u8]) -> Result<(), String> {
         .map_err(|error| error.to_string())?;
     for header in &meta.headers {
         let (width, height) = (header.layer_size.x(), header.layer_size.y());
-        if width.max(height) > LONGEST_SIDE || header.channels.list.len() > MOST_CHANNELS {
+        let channels = &header.channels.list;
+        if channels.len() > MOST_CHANNELS {
+            let found = channels.len();
             return Err(format!(
-                "is {width} x {height}; accepted: up to {LONGEST_SIDE} texels a side"
+                "has {found} channels; accepted: up to {MOST_CHANNELS}"
             ));
         }
+        let texel = channels.iter().map(|c| c.sample_type.bytes_per_sample());
+        let sides = width.min(LONGEST_SIDE) * height.min(LONGEST_SIDE);
+        check_size(width, height, sides * texel.sum::<usize>(), bytes.len())?;
     }
     Ok(())
 }

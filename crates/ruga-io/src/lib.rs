@@ -47,6 +47,7 @@ mod image_read;
 mod image_write;
 mod mesh_file;
 mod obj_frame;
+mod obj_indices;
 mod obj_mesh;
 mod property_images;
 mod report;

@@ -112,7 +112,7 @@ pub fn read_mesh(
         .extension()
         .map(|e| e.to_string_lossy().to_lowercase())
         .unwrap_or_default();
-    match extension.as_str() {
+    let file = match extension.as_str() {
         "glb" | "gltf" => read_gltf(path, mesh_name),
         "obj" => read_obj(path, mesh_name, obj),
         _ => Err(IoError::UnknownFormat {
@@ -120,5 +120,42 @@ pub fn read_mesh(
             found: format!("`.{extension}` is not a mesh file"),
             accepted: ".glb, .gltf, .obj",
         }),
+    }?;
+    check_magnitudes(&file)?;
+    Ok(file)
+}
+
+/// Coordinates beyond this are no lengths in metres and no texture coordinates. OBJ can spell
+/// numbers that the 32 bits of the GLB which is written in the end cannot hold. In 32 bits, so that
+/// what is written with the largest is read again.
+const LARGEST_COORDINATE: f32 = 1e30;
+
+fn check_magnitudes(file: &MeshFile) -> Result<(), IoError> {
+    let mesh = &file.mesh;
+    let shapes = mesh.shapes.iter();
+    let shapes = shapes.map(|shape| {
+        (
+            format!("blend shape `{}`", shape.name),
+            &shape.position_deltas,
+        )
+    });
+    let vectors = std::iter::once(("the mesh".to_owned(), &mesh.positions)).chain(shapes);
+    let too_large = |c: &f64| c.abs() as f32 > LARGEST_COORDINATE;
+    let fault = |element: String, value: f64| {
+        let reason = format!("found {value:e}; accepted: numbers up to {LARGEST_COORDINATE:e}");
+        Err(IoError::malformed(&file.path, element, reason))
+    };
+    for (whose, vectors) in vectors {
+        for (vertex, vector) in vectors.iter().enumerate() {
+            if let Some(value) = vector.iter().copied().find(too_large) {
+                return fault(format!("vertex {vertex} of {whose}"), value);
+            }
+        }
     }
+    for (vertex, uv) in mesh.uvs.iter().flatten().enumerate() {
+        if let Some(value) = uv.iter().copied().find(too_large) {
+            return fault(format!("texture coordinate of vertex {vertex}"), value);
+        }
+    }
+    Ok(())
 }

@@ -8,6 +8,7 @@ use ruga_blend::{ArtistMesh, BlendShape};
 use tobj::{LoadError, LoadOptions, Model};
 
 use crate::error::{nearest, read_bytes};
+use crate::obj_indices::check_indices;
 use crate::{IoError, MeshFile, MeshPart, ObjOptions};
 
 /// Reads the rest shape and a file per blend shape.
@@ -197,6 +198,7 @@ fn read_target(
 
 fn load(path: &Path) -> Result<Vec<Model>, IoError> {
     let bytes = read_bytes(path)?;
+    check_indices(path, &bytes)?;
     let options = LoadOptions {
         triangulate: true,
         ignore_points: true,

@@ -351,7 +351,7 @@ fn obj_files() {
         &["no triangles"],
     );
     let bad = folder.file("face.obj", "v 0 0 0\nf 1 2 3\n");
-    assert_says(read(&bad), "face.obj", &["out of bounds"]);
+    assert_says(read(&bad), "face.obj", &["line 2", "index 2", "1 vertices"]);
     let bad = folder.file("nan.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     assert_says(read(&bad), "nan.obj", &["finite"]);
     let good = folder.file("good.obj", SQUARE_OBJ);

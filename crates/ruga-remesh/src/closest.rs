@@ -133,9 +133,10 @@ fn closest_on_face(
     let part =
         |p: Vector3<f64>, q: Vector3<f64>| (q - p).cross(&(target - p)).dot(&normal) / double_area;
     let [u, v, w] = [part(b, c), part(c, a), part(a, b)];
-    if double_area > 0.0 && u >= 0.0 && v >= 0.0 && w >= 0.0 {
+    let sum = u + v + w;
+    // In a face with hardly any area rounding may leave nothing of the three, which is no place.
+    if double_area > 0.0 && u >= 0.0 && v >= 0.0 && w >= 0.0 && sum > 0.5 {
         // Normalised, so that the coordinates sum to one to the last bit that division allows.
-        let sum = u + v + w;
         let barycentric = [u / sum, v / sum, w / sum];
         let distance = (target - a).dot(&normal).powi(2) / double_area;
         return (distance, MaterialPoint { face, barycentric });
@@ -144,4 +145,22 @@ fn closest_on_face(
         .map(|corner| closest_on_edge(mesh, positions, face, corner, target))
         .min_by(|l, r| l.0.total_cmp(&r.0))
         .expect("a face has three edges")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_face_of_hardly_any_area_gives_finite_coordinates() {
+        let mesh = TriMesh::new(3, vec![[0, 1, 2]]).expect("one face");
+        // The area squared is the smallest number there is, its thirds are zero.
+        let side = 1.49e-81;
+        let corners = [[0.0, 0.0], [side, 0.0], [0.0, side]];
+        let positions = corners.map(|[x, y]| Vector3::new(x, y, 0.0));
+        let target = Vector3::new(side / 3.0, side / 3.0, 0.0);
+        let place = descend(&mesh, &positions, FaceId(0), target);
+        let sum: f64 = place.barycentric.iter().sum();
+        assert!((sum - 1.0).abs() < 1e-12, "{:?}", place.barycentric);
+    }
 }

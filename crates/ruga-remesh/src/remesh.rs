@@ -31,7 +31,8 @@ pub struct RemeshSettings {
     /// value keeps a curved border's area better (a turn of 0.35 cuts 2 %), at more vertices.
     pub corner_angle: f64,
     /// Refuse a sizing that asks for more vertices than this. Default two million, some 2 GB in
-    /// the solver's factor.
+    /// the solver's factor. On a surface so crumpled that its normals say nothing about its faces
+    /// the estimate may be far too low: there splitting stops at twice as many new vertices.
     pub max_vertices: usize,
 }
 
@@ -133,7 +134,9 @@ pub fn remesh(
     let mut counts = Counts::default();
     let corner = settings.corner_angle.cos();
     flip_everywhere(&mut patch, &mut counts);
-    let mut converged = crate::split::split_long_edges(&mut patch, &mut counts);
+    let most = settings.max_vertices.saturating_mul(2);
+    let most = most.saturating_add(mesh.mesh.vertex_count());
+    let mut converged = crate::split::split_long_edges(&mut patch, &mut counts, most);
     if counts.splits > 0 {
         patch.renumber();
     }

@@ -14,8 +14,13 @@ const MAX_PASSES: usize = 64;
 ///
 /// The independent set and its order by length are those of Narain et al. (2012). Nothing is
 /// split twice in a pass, so that flips can mend triangles before they are cut again. Returns
-/// whether it ended by itself. An edge that the surface has no middle for stays.
-pub(crate) fn split_long_edges(patch: &mut Patch, counts: &mut Counts) -> bool {
+/// whether it ended by itself, not at `most_vertices`. An edge that the surface has no middle for
+/// stays.
+pub(crate) fn split_long_edges(
+    patch: &mut Patch,
+    counts: &mut Counts,
+    most_vertices: usize,
+) -> bool {
     let mut candidates: Vec<u32> = patch.topology.edges().collect();
     for _ in 0..MAX_PASSES {
         let long = long_edges(patch, &candidates);
@@ -24,6 +29,9 @@ pub(crate) fn split_long_edges(patch: &mut Patch, counts: &mut Counts) -> bool {
         }
         let mut touched = Touched::new();
         for h in long {
+            if patch.topology.vertex_slots() >= most_vertices {
+                return false;
+            }
             split_if_untouched(patch, h, &mut touched, counts);
         }
         // An edge that waited has a touched face, so it is met again among their edges.

@@ -54,6 +54,14 @@ pub enum StepperError {
         /// Number of layers.
         found: usize,
     },
+    /// The active region is so narrow that nothing in it can move.
+    #[error(
+        "layer '{layer}': every vertex of its mesh is on the border of its region, which is held; enlarge the region, or lower `min_edge` or the wavelength"
+    )]
+    NoRoom {
+        /// Name of the layer.
+        layer: String,
+    },
     /// The driver cannot be posed.
     #[error(transparent)]
     Blend(#[from] BlendError),

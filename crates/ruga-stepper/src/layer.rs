@@ -114,6 +114,9 @@ impl Layer {
             layer: spec.name.clone(),
             source,
         };
+        // A mesh may be fitted so coarsely that all of it is border, which is held.
+        let adapted =
+            adapted.filter(|skin| skin.mesh.border_vertices().as_slice().contains(&false));
         let to_region = |skin: &SkinMesh| Interpolation::new(skin, &region.skin);
         let interpolation = adapted.as_ref().map(to_region);
         let skin = adapted.unwrap_or_else(|| region.skin.clone());
@@ -144,6 +147,11 @@ impl Layer {
             .map(VertexId::from_index)
             .filter(|v| !pinned[VertexId::from_index(v.index() % vertices)])
             .collect();
+        if free.is_empty() {
+            return Err(StepperError::NoRoom {
+                layer: spec.name.clone(),
+            });
+        }
         let (starts, entries) = energy.pattern();
         let pattern = LowerPattern::new(starts.to_vec(), entries.to_vec()).map_err(solver)?;
         let areas = energy.vertex_areas().to_vec();

@@ -213,8 +213,10 @@ fn smoothed_strains(
     let passes = (8.0 * width * width / mean_edge_squared)
         .round()
         .clamp(0.0, 40.0) as u32;
+    // On a million faces a new list for every pass would cost as much as the sums.
+    let mut before = tensors.clone();
     for _ in 0..passes {
-        let before = tensors.clone();
+        std::mem::swap(&mut before, &mut tensors);
         for (i, tensor) in tensors.iter_mut().enumerate() {
             let here = normals.as_slice()[i].norm();
             let (mut sum, mut weight) = (before[i] * here, here);
