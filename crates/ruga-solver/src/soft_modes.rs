@@ -142,9 +142,11 @@ pub(crate) struct CurvatureStep {
 ///
 /// `exact` is the Hessian whose negative curvature is looked for; what is factorised is a
 /// relaxation of it, so the first few inverse iterations may end in a mode that is soft, but
-/// stable. They weigh with the `relaxed` Hessian, because that makes them the power iteration for
+/// stable. The next ones weigh with the `relaxed` Hessian, which makes them the power iteration for
 /// the buckling load: a layer that hardly resists sliding has modes softer than any wrinkle, but in
-/// relation to what they cost without compression none is softer than the one that buckles.
+/// relation to what they cost without compression none is softer than the one that buckles. From
+/// the beginning they would keep too much of the random vector's shortest waves, and the last of a
+/// round takes those away.
 pub(crate) fn search_curvature(
     objective: &dyn Objective,
     kkt: &mut Kkt,
@@ -155,11 +157,13 @@ pub(crate) fn search_curvature(
     gradient: &[f64],
 ) -> Result<Option<CurvatureStep>, SolverError> {
     let mut mode = random_vector(generator, x.len());
-    for _ in 0..MAX_INVERSE_ITERATIONS / INVERSE_ITERATIONS {
-        inverse_iterations(kkt, Some(relaxed), &mut mode, INVERSE_ITERATIONS)?;
+    inverse_iterations(kkt, None, &mut mode, INVERSE_ITERATIONS)?;
+    for _ in 1..MAX_INVERSE_ITERATIONS / INVERSE_ITERATIONS {
         if rayleigh_quotient(kkt, exact, &mode) < 0.0 {
             break;
         }
+        inverse_iterations(kkt, Some(relaxed), &mut mode, INVERSE_ITERATIONS - 1)?;
+        inverse_iterations(kkt, None, &mut mode, 1)?;
     }
     if dot(gradient, &mode) > 0.0 {
         for entry in &mut mode {

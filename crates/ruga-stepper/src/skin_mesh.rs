@@ -199,6 +199,7 @@ impl RegionMesh {
                 mesh: &skin.mesh,
                 points: &points,
                 positions: &skin.rest.positions,
+                normals: &skin.rest.normals,
                 origins: &origins,
                 uvs: &uvs,
             },

@@ -132,10 +132,13 @@ impl Orientation {
         self.moments[1][0]
     }
 
-    /// Share of the slopes that another histogram has elsewhere, 0 to 1.
+    /// Share of the slopes that another histogram has elsewhere, 0 to 1; half of what is in the next
+    /// bin counts as being in the same one, because straight crests may fall on either side of an edge.
     pub fn distance(&self, other: &Self) -> f64 {
-        let differences = self.shares.iter().zip(&other.shares);
-        0.5 * differences.map(|(a, b)| (a - b).abs()).sum::<f64>()
+        let count = self.shares.len();
+        let more = |bin: usize| self.shares[bin % count] - other.shares[bin % count];
+        let smooth = |bin: usize| 0.25 * (more(bin + count - 1) + 2.0 * more(bin) + more(bin + 1));
+        0.5 * (0..count).map(|bin| smooth(bin).abs()).sum::<f64>()
     }
 
     /// Mean angle between the slopes and x, radians: 0 for crests along y, pi/4 for a herringbone

@@ -65,7 +65,11 @@ fn t7_coarse_meshes() {
         ..draft()
     };
     let warnings = planned(&patch(0.12), &skin(), &asked).warnings;
-    assert!(warnings.iter().any(|w| w.contains("are asked for")));
+    assert!(
+        warnings
+            .iter()
+            .any(|w| w.contains("points_per_wavelength asks for"))
+    );
     let numbers = "warns of fewer than 5 points asked for, and of a budget that leaves fewer";
     table_line(test, "ruga: planner", Finding::Warns, numbers);
 }

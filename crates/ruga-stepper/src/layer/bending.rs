@@ -8,7 +8,9 @@ use super::Layer;
 use crate::StepperError;
 use crate::below::BelowSurface;
 
-/// Ratios of a mesh's bending modulus to the material's that can be the triangles' doing.
+/// Ratios of a mesh's bending modulus to the material's that can be the triangles' doing. A smaller
+/// one is a failed measurement: on meshes of less than two hundred vertices one in forty ends in a
+/// vector that is no wrinkle.
 const BENDING_RATIOS: [f64; 2] = [0.5, 2.0];
 
 impl Layer {
@@ -21,7 +23,9 @@ impl Layer {
         self.set_below(below, 1.0)?;
         let [low, high] = BENDING_RATIOS;
         let measured = self.measured_bending_ratio();
-        self.bending_ratio = measured.map(|ratio| ratio.clamp(low, high));
+        self.bending_ratio = measured
+            .filter(|ratio| *ratio >= low)
+            .map(|ratio| ratio.min(high));
         if let Some(ratio) = self.bending_ratio {
             let ratio = match self.bending {
                 BendingModel::Hinge => ratio,
