@@ -39,12 +39,13 @@ usage: cargo xtask TASK
                simulate every scene under assets/ and draw the figures of Li 2014 into DIR
                [default: target/figures]; --quick takes coarse meshes
                and few load steps
-  chart [DIR] [--quick]
+  chart [DIR] [--quick] [--redraw]
                measure speed against accuracy and draw the chart into DIR
                [default: target/chart]; goes on where an earlier run ended,
-               so measure changed code into another folder;
-               --quick takes fewer and coarser runs;
-               chart --redraw [DIR] [--quick] draws what there is
+               so measure changed code into another folder; takes about an
+               hour of processor time, on two cores half as long;
+               --quick takes fewer and coarser runs, six minutes of it;
+               --redraw draws the runs that there are
   picture DIR  shade the maps that `ruga bake assets/forearm/scene.toml -o DIR` left in DIR
 ";
 
@@ -65,14 +66,15 @@ fn main() -> ExitCode {
             Some(wanted) => figures::figures(&wanted),
             None => return wrong_usage("`figures` takes a folder and `--quick`"),
         },
-        ["chart", "--redraw", words @ ..] => match Wanted::read(words) {
-            Some(wanted) => chart::redraw(&wanted),
-            None => return wrong_usage("`chart --redraw` takes a folder and `--quick`"),
-        },
-        ["chart", words @ ..] => match Wanted::read(words) {
-            Some(wanted) => chart::chart(&wanted),
-            None => return wrong_usage("`chart` takes a folder and `--quick`"),
-        },
+        ["chart", words @ ..] => {
+            let others = words.iter().copied().filter(|word| *word != "--redraw");
+            let others: Vec<&str> = others.collect();
+            match Wanted::read(&others) {
+                Some(wanted) if others.len() < words.len() => chart::redraw(&wanted),
+                Some(wanted) => chart::chart(&wanted),
+                None => return wrong_usage("`chart` takes a folder, `--quick` and `--redraw`"),
+            }
+        }
         ["picture", folder] => picture::picture(Path::new(folder)),
         ["picture"] => return wrong_usage("`picture` needs the folder of a finished bake"),
         ["help" | "--help" | "-h"] => {

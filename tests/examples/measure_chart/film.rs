@@ -7,12 +7,15 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use ruga_remesh::{RemeshSettings, Sizing, SurfaceMesh, remesh};
 use ruga_solver::NewtonSettings;
 use ruga_tests::{Film, FilmSpec, Noise, Rectangle, Step, Strip};
 
 use crate::cpu_time::cpu_seconds;
-use crate::request::{Coupling, Mesh, Outcome, Request, Solver};
+use crate::request::{Coupling, Outcome, Request, Solver};
 
 const RATIO: f64 = 150.0;
 /// Extent in wavelengths: two rows of averages fit across.
@@ -21,6 +24,8 @@ const WAVES: [f64; 2] = [6.0, 2.0];
 const LOADS: [f64; 8] = [0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0];
 /// Share by which every vertex wants its edges longer or shorter.
 const JITTER: f64 = 0.1;
+/// Longest edge along the wrinkles, in wavelengths, as the product's meshes have it.
+const LONGEST: f64 = 0.5;
 
 /// Lengths of the boxes in which the first mode is looked for, over that of the box: half a wave
 /// apart.
@@ -66,16 +71,12 @@ pub(crate) fn measure(request: &Request) -> Outcome {
     };
     compare(&film, &steps, &mut outcome);
     // The first mode belongs to the discretisation, whatever solves the linear systems.
-    if matches!(request.solver, Solver::Ldlt) {
-        match first_mode(&spec, &strip, request) {
-            Some([wavelength, onset]) => {
-                outcome
-                    .errors
-                    .insert("wavelength", wavelength / WAVELENGTH - 1.0);
-                outcome.errors.insert("onset", onset / ONSET - 1.0);
-            }
-            None => outcome.failure = outcome.failure.or(Some("no first mode found".to_owned())),
-        }
+    if matches!(request.solver, Solver::Ldlt)
+        && let Some([wavelength, onset]) = first_mode(&spec, &strip, request)
+    {
+        let errors = &mut outcome.errors;
+        errors.insert("wavelength", wavelength / WAVELENGTH - 1.0);
+        errors.insert("onset", onset / ONSET - 1.0);
     }
     outcome
 }
@@ -99,12 +100,33 @@ fn meshed(spec: &FilmSpec, request: &Request) -> Strip {
         radius: None,
     };
     let across = wavelength / request.points;
-    let along = match request.mesh {
-        Mesh::Uniform => across,
-        Mesh::Adaptive => request.bending.aspect() * across,
-    };
-    let mesh = rectangle.fitted([across, along], JITTER, request.seed);
+    let aspect = request.mesh.aspect(request.bending).unwrap_or(1.0);
+    let along = (aspect * across).min(LONGEST * wavelength);
+    let mesh = fitted(&rectangle, [across, along], request.seed);
     Strip::of(&mesh, &rectangle)
+}
+
+/// [`Rectangle::fitted`] for any aspect: that one is held to the remesher's own bound, which is that
+/// of hinges.
+fn fitted(rectangle: &Rectangle, edges: [f64; 2], seed: u64) -> SurfaceMesh {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    let mut settings = RemeshSettings::default();
+    // Jitter changes both lengths alike, so that this cuts none.
+    settings.limits.aspect = edges[1] / edges[0];
+    let mut mesh = rectangle.meshed(edges[0]);
+    for _ in 0..3 {
+        let tensors = (0..mesh.mesh.vertex_count()).map(|_| {
+            let share = 1.0 + JITTER * random.random_range(-1.0..1.0);
+            let [x, y] = edges.map(|edge| (edge * share).powi(-2));
+            Matrix3::from_diagonal(&Vector3::new(x, y, 0.0))
+        });
+        let sizing = Sizing {
+            tensors: tensors.collect(),
+        };
+        let made = remesh(&mesh, &sizing, rectangle, &settings);
+        mesh = made.expect("a valid sizing").mesh;
+    }
+    mesh
 }
 
 fn laid(spec: &FilmSpec, strip: Strip, request: &Request) -> Film {
@@ -123,11 +145,20 @@ fn failure(film: &mut Film, steps: &[Step], cpu_s: f64, request: &Request) -> Op
         };
         return Some(format!("{reason} at {reached:.2} critical strains"));
     }
+    if steps.last().is_some_and(|step| !has_wrinkled(film, step)) {
+        return Some("stayed flat".to_owned());
+    }
     match film.is_minimum() {
         Ok(true) => None,
         Ok(false) => Some("ended on a saddle".to_owned()),
         Err(error) => Some(error.to_string()),
     }
+}
+
+/// Whether a step is more than noise that the compression has magnified.
+fn has_wrinkled(film: &Film, step: &Step) -> bool {
+    let theory = &film.wrinkling;
+    step.amplitude > 0.1 * amplitude(theory.wavelength, theory.critical_strain, step.load)
 }
 
 /// Amplitudes, energy gap and normals against the anchors, as far as the run got.
@@ -186,12 +217,13 @@ fn normal_angle(film: &Film) -> f64 {
     mean.sqrt()
 }
 
-/// Lines across the wrinkles: all but a wave at the ends and a quarter along the sides.
+/// Lines across the wrinkles, from the film's middle: all but a wave at the ends and a quarter along
+/// the sides.
 fn lines(wavelength: f64) -> Vec<Vec<Vector2<f64>>> {
     let (columns, rows) = (32 * (WAVES[0] as usize - 2), 12);
     let place = |column: usize, row: usize| {
         let [x, y] = [column, row].map(|i| i as f64 + 0.5);
-        let x = 1.0 + x / columns as f64 * (WAVES[0] - 2.0);
+        let x = (x / columns as f64 - 0.5) * (WAVES[0] - 2.0);
         let y = 0.25 + y / rows as f64 * (WAVES[1] - 0.5);
         Vector2::new(x, y) * wavelength
     };
@@ -222,11 +254,10 @@ fn first_mode(spec: &FilmSpec, strip: &Strip, request: &Request) -> Option<[f64;
     }
     match request.coupling {
         Coupling::Constraint => {
-            let mut onsets: Vec<f64> = waves.iter().map(|wave| wave[1]).collect();
-            onsets.sort_by(f64::total_cmp);
+            let onset = median(waves.iter().map(|wave| wave[1]).collect())?;
             let off = waves.iter().map(|wave| (wave[0] / WAVELENGTH - 1.0).abs());
             let mean = off.sum::<f64>() / waves.len() as f64;
-            Some([WAVELENGTH * (1.0 + mean), onsets[onsets.len() / 2]])
+            Some([WAVELENGTH * (1.0 + mean), onset])
         }
         Coupling::Elastic | Coupling::Hybrid => least(&waves),
     }
@@ -267,18 +298,34 @@ fn bracketed(film: &mut Film) -> Option<f64> {
     Some(high)
 }
 
-/// Least point of the curve that fits best: with a foundation of half-space stiffness at a wave
+/// Least point of the curve through most of them: with a foundation of half-space stiffness at a wave
 /// longer or shorter by the share `x`, the load is greater by `4/3 x^2` of itself.
+///
+/// On coarse meshes waves of nearly equal loads mix, and one box in ten gives one that is none of
+/// them: medians of the slopes between two boxes, and of the loads, pass that over.
 fn least(waves: &[[f64; 2]]) -> Option<[f64; 2]> {
-    let count = waves.len() as f64;
-    let mean = |value: &dyn Fn(&[f64; 2]) -> f64| waves.iter().map(value).sum::<f64>() / count;
-    let curvature = 4.0 / 3.0 * mean(&|wave| wave[1]);
-    let position = |wave: &[f64; 2]| wave[0].ln();
-    let lowered = |wave: &[f64; 2]| wave[1] - curvature * position(wave).powi(2);
-    let [x, y] = [mean(&position), mean(&lowered)];
-    let slope = mean(&|wave| (position(wave) - x) * (lowered(wave) - y))
-        / mean(&|wave| (position(wave) - x).powi(2));
+    let curvature = 4.0 / 3.0 * median(waves.iter().map(|wave| wave[1]).collect())?;
+    let lowered = |wave: &[f64; 2]| {
+        let x = wave[0].ln();
+        [x, wave[1] - curvature * x * x]
+    };
+    let places: Vec<[f64; 2]> = waves.iter().map(lowered).collect();
+    let pairs = (0..places.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+    let slopes = pairs.filter_map(|(i, j)| {
+        let [dx, dy] = [0, 1].map(|k| places[i][k] - places[j][k]);
+        (dx.abs() > SAME_WAVE).then(|| dy / dx)
+    });
+    let slope = median(slopes.collect())?;
+    let y = median(places.iter().map(|[x, y]| y - slope * x).collect())?;
     let least = -0.5 * slope / curvature;
-    let load = y - slope * x - curvature * least * least;
-    (least.is_finite() && least.abs() < 0.2).then(|| [least.exp(), load])
+    (least.abs() < 0.2).then(|| [least.exp(), y - curvature * least * least])
+}
+
+/// Wavelengths closer than this share are no two places of a curve.
+const SAME_WAVE: f64 = 0.005;
+
+/// `None` of nothing.
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
 }

@@ -16,7 +16,7 @@ use ruga_stepper::{
 use ruga_tests::FilmSpec;
 
 use crate::cpu_time::cpu_seconds;
-use crate::request::{Coupling, Mesh, Outcome, PatchShape, Request};
+use crate::request::{Coupling, Outcome, PatchShape, Request};
 
 const RATIO: f64 = 150.0;
 /// Extent in wavelengths.
@@ -128,13 +128,13 @@ fn layer(spec: &FilmSpec, request: &Request) -> LayerSpec {
 fn modelling(request: &Request) -> Modelling {
     Modelling {
         points_per_wavelength: request.points,
-        remesh: match request.mesh {
-            Mesh::Uniform => None,
-            Mesh::Adaptive => Some(EdgeLimits {
-                aspect: request.bending.aspect(),
+        remesh: request
+            .mesh
+            .aspect(request.bending)
+            .map(|aspect| EdgeLimits {
+                aspect,
                 ..EdgeLimits::default()
             }),
-        },
         bending: request.bending.model(),
         linear: request.solver.kind(),
         seed: request.seed,

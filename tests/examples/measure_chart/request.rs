@@ -92,7 +92,7 @@ impl Bending {
     }
 
     /// How much longer than wide triangles may be for it.
-    pub(crate) fn aspect(self) -> f64 {
+    fn aspect(self) -> f64 {
         match self {
             Self::Hinge => 2.0,
             Self::VertexCurvature => EdgeLimits::default().aspect,
@@ -108,6 +108,19 @@ pub(crate) enum Mesh {
     Uniform,
     /// Longer along the wrinkles than across them, as far as the bending model allows.
     Adaptive,
+    /// The same, but at most twice as long as across.
+    AdaptiveTwo,
+}
+
+impl Mesh {
+    /// How much longer than wide triangles may be; nothing where they are not fitted at all.
+    pub(crate) fn aspect(self, bending: Bending) -> Option<f64> {
+        match self {
+            Self::Uniform => None,
+            Self::Adaptive => Some(bending.aspect()),
+            Self::AdaptiveTwo => Some(bending.aspect().min(2.0)),
+        }
+    }
 }
 
 /// Solver of the linear systems.

@@ -145,13 +145,14 @@ impl Queue {
             .as_str()
             .map_or(String::new(), |f| format!("  ({f})"));
         eprintln!(
-            "{:4} of {}  {:<5} {:>2} points  {:<10} {:<10} {:<8} {:<6}  seed {}  {:7.2} s{failure}",
+            "{:4} of {}  {:<5} {:>2} points  {:<10} {:<10} {:<7} {:<12} {:<6}  seed {}  {:7.2} s{failure}",
             state.done,
             self.total,
             word("problem"),
             request["points"].as_f64().unwrap_or_default(),
             word("coupling"),
             word("sampling"),
+            word("bending").split('-').next().unwrap_or_default(),
             word("mesh"),
             word("solver"),
             request["seed"],

@@ -4,7 +4,7 @@
 //! `tests/examples/measure_chart`: on a film whose wrinkles are known, and some of them on a patch
 //! through the product. Runs are kept in `runs.jsonl`, and a later chart into the same folder goes on
 //! from there, so a changed solver wants a new folder. What they say together is in `chart.csv`,
-//! `chart.json` and the page `chart.svg` and `chart.png`.
+//! `chart.json` and the page `chart.svg` and `chart.png`; `summary.png` is the picture in the README.
 
 mod measure;
 mod plan;
@@ -59,6 +59,8 @@ pub(crate) fn redraw(wanted: &Wanted) -> Outcome {
     let page = page::page(&points, command);
     fs::write(folder.join("chart.svg"), page.svg())?;
     fs::write(folder.join("chart.png"), page.png(SCALE)?)?;
+    let summary = page::summary(&points, command);
+    fs::write(folder.join("summary.png"), summary.png(1.0)?)?;
     print!("\n{}", words::words(&points));
     println!("\nChart and tables are in {}", folder.display());
     Ok(ExitCode::SUCCESS)

@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::labels::Labels;
-use super::plan::{DEFAULT, HINGED, Method, PAPERS, QUALITIES};
+use super::plan::{DEFAULT, ELASTIC, HINGED, Method, PAPERS, QUALITIES};
 use super::results::{Measure, Point};
 use super::svg::{Anchor, Drawing, Style};
 use super::verdict::{acceptance, curve, default_at, pareto};
@@ -34,17 +34,13 @@ pub(super) fn look(method: &Method) -> Look {
         "elastic" => ("#009e73", "#a3d9c8"),
         _ => ("#d55e00", "#f2c3a0"),
     };
-    let elastic = Method {
-        coupling: "elastic",
-        ..DEFAULT
-    };
     let (name, width, dash) = if *method == DEFAULT {
         (Some("default: hybrid"), 3.2, "")
     } else if *method == PAPERS {
         (Some("papers: hard rows, MINRES"), 3.2, "")
     } else if *method == PAPERS.factorised() {
         (Some("papers’ rows, LDLᵀ"), 1.8, "7 5")
-    } else if *method == elastic {
+    } else if *method == ELASTIC {
         (Some("elastic"), 1.8, "")
     } else if *method == HINGED {
         (Some("hinges"), 1.8, "")
@@ -62,11 +58,7 @@ pub(super) fn look(method: &Method) -> Look {
 
 /// Methods with a line, the most important one last, on top.
 pub(super) fn lined() -> [Method; 5] {
-    let elastic = Method {
-        coupling: "elastic",
-        ..DEFAULT
-    };
-    [PAPERS.factorised(), elastic, HINGED, PAPERS, DEFAULT]
+    [PAPERS.factorised(), ELASTIC, HINGED, PAPERS, DEFAULT]
 }
 
 /// A panel's place on the page and its axes.
@@ -378,7 +370,7 @@ pub(super) fn mark(
     radius: f64,
 ) {
     let (fill, stroke) = match method.mesh {
-        "adaptive" => (colour, ("#ffffff", 1.2)),
+        "adaptive" | "adaptive-two" => (colour, ("#ffffff", 1.2)),
         _ => ("#ffffff", (colour, 1.8)),
     };
     match method.solver {

@@ -76,12 +76,15 @@ pub(super) fn curve(points: &[Point], method: Method, measure: Measure) -> Vec<(
     curve
 }
 
-/// Points that no other beats in both cost and error, by cost. Points of which half the runs or more
-/// failed are out.
+/// Runs that a point on the Pareto line has at least: one lucky seed is no method.
+const FEWEST_RUNS: usize = 3;
+
+/// Points that no other beats in both cost and error, by cost. Points of few runs are out, and those
+/// of which half or more failed.
 pub(super) fn pareto(points: &[Point], measure: Measure) -> Vec<(&Point, f64)> {
     let mut all: Vec<_> = points
         .iter()
-        .filter(|point| 2 * point.failed < point.runs)
+        .filter(|point| point.runs >= FEWEST_RUNS && 2 * point.failed < point.runs)
         .filter_map(|point| Some((point, point.error(measure)?)))
         .collect();
     all.sort_by(|a, b| a.0.seconds.median.total_cmp(&b.0.seconds.median));
