@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector3;
 use ruga_constraint::{ClusterSettings, Kernel, Sampling, cluster_centres, constraint_rows};
 use ruga_material::Wrinkling;
 use ruga_mesh::{Id, LoopSurface, PerVertex, SurfaceLookup, VertexId, limit_rows, vertex_normals};
@@ -95,7 +95,7 @@ impl RemeshedFilm {
                 .mesh;
         }
         let functions = Functions::new(spec, &theory, &rectangle);
-        let discrete = Discrete::new(spec, &theory, &mesh, &functions);
+        let discrete = Discrete::new(spec, &theory, &mesh, (&functions, &rectangle));
         let mut film = Self {
             spec: *spec,
             theory,
@@ -135,7 +135,8 @@ impl RemeshedFilm {
             Carry::Smooth => smoothly(&self.mesh, &deviations, &made.mesh),
         };
         self.mesh = made.mesh;
-        self.discrete = Discrete::new(&self.spec, &self.theory, &self.mesh, &self.functions);
+        let given = (&self.functions, &self.rectangle);
+        self.discrete = Discrete::new(&self.spec, &self.theory, &self.mesh, given);
         let lifted = self.discrete.base.iter().zip(carried);
         self.positions = lifted.map(|(base, u)| base + u).collect();
     }
@@ -259,9 +260,9 @@ impl Discrete {
         spec: &RemeshedSpec,
         theory: &Wrinkling,
         mesh: &SurfaceMesh,
-        functions: &Functions,
+        (functions, rectangle): (&Functions, &Rectangle),
     ) -> Self {
-        let strip = as_strip(mesh, spec, theory);
+        let strip = Strip::of(mesh, rectangle);
         let rest = mesh.positions.as_slice();
         let pinned = strip.ends();
         let parameters = spec.film.parameters(&strip);
@@ -352,19 +353,6 @@ fn held_averages(
     (rows, targets)
 }
 
-fn as_strip(mesh: &SurfaceMesh, spec: &RemeshedSpec, theory: &Wrinkling) -> Strip {
-    let faces = mesh.mesh.faces().as_slice().iter();
-    let positions = mesh.positions.as_slice().iter();
-    let [length, width] = spec.waves.map(|waves| waves * theory.wavelength);
-    Strip {
-        points: positions.map(|p| Vector2::new(p.x, p.y)).collect(),
-        faces: faces.map(|face| face.map(|v| v.0)).collect(),
-        length,
-        width,
-        is_closed: false,
-    }
-}
-
 fn compressed(spec: &RemeshedSpec, theory: &Wrinkling, rest: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
     let stretch = 1.0 - spec.load * theory.critical_strain;
     let place = |p: &Vector3<f64>| Vector3::new(p.x * stretch, p.y, 0.0);
@@ -391,7 +379,12 @@ pub(crate) fn bending_factor(
         normal_stiffness: theory.normal_stiffness,
         gradient_stiffness: theory.gradient_stiffness,
     });
-    let ratio = response.expect("a sheet that buckles").bending_modulus / theory.bending_stiffness;
+    let ratio = response
+        .ok()
+        .filter(|response| response.converged)
+        .map(|response| response.bending_modulus / theory.bending_stiffness)
+        .filter(|ratio| *ratio >= 0.5)
+        .map_or(1.0, |ratio| ratio.min(2.0));
     match spec.bending {
         BendingModel::Hinge => 1.0 / ratio,
         BendingModel::VertexCurvature => 1.0 / ratio.min(1.0),

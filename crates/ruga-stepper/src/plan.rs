@@ -622,14 +622,13 @@ fn cost(vertices: usize, handed_out: f64, factorisations: f64) -> (f64, f64) {
 
 /// Factorisations of a layer in one pose.
 ///
-/// The lowest layer takes about forty to find its onset and sixteen for each of its load steps on a
-/// real face. One on another layer takes two hundred to wrinkle on what that has become at the
+/// The lowest layer takes about thirty to find its onset and eleven for each of its load steps. One on another layer takes two hundred to wrinkle on what that has become at the
 /// first key, and goes on from there in thirty.
 fn factorisations(is_lowest: bool, pose: &PoseSpec, path: LoadPath) -> f64 {
     let keys = pose.keys.len() as f64;
     match (is_lowest, path) {
-        (true, LoadPath::Weight) => 40.0 + 16.0 * f64::from(pose.steps),
-        (true, LoadPath::Strain) => keys * (40.0 + 16.0 * f64::from(pose.steps)),
+        (true, LoadPath::Weight) => 28.0 + 11.0 * f64::from(pose.steps),
+        (true, LoadPath::Strain) => keys * (28.0 + 11.0 * f64::from(pose.steps)),
         (false, _) => 170.0 + 30.0 * keys,
     }
 }

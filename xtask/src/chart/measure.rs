@@ -137,7 +137,7 @@ impl Queue {
     fn keep(&self, line: &Value) -> io::Result<()> {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         // In one piece, and behind what an interruption may have cut off.
-        state.file.write_all(format!("{line}\n").as_bytes())?;
+        state.file.write_all(format!("\n{line}\n").as_bytes())?;
         state.done += 1;
         let request = &line["request"];
         let word = |name: &str| request[name].as_str().unwrap_or_default().to_owned();

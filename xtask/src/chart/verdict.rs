@@ -66,10 +66,11 @@ impl Ratio {
     }
 }
 
-/// Points of a method that have an error, by cost.
+/// Points of a method that have an error, by cost; those of which half or more failed are out.
 pub(super) fn curve(points: &[Point], method: Method, measure: Measure) -> Vec<(&Point, f64)> {
     let own = points.iter().filter(|point| point.setting.method == method);
     let mut curve: Vec<_> = own
+        .filter(|point| 2 * point.failed < point.runs)
         .filter_map(|point| Some((point, point.error(measure)?)))
         .collect();
     curve.sort_by(|a, b| a.0.seconds.median.total_cmp(&b.0.seconds.median));
