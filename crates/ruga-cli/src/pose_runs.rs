@@ -230,6 +230,7 @@ fn stop_rule(rule: StopRule) -> String {
         StopRule::IterationLimit => "iteration limit",
         StopRule::LineSearch => "line search",
         StopRule::Infeasible => "infeasible",
+        StopRule::Breakdown => "breakdown",
         StopRule::OutsideDomain => "outside domain",
         StopRule::Interrupted => "interrupted",
     }

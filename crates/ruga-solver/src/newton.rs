@@ -52,9 +52,8 @@ const SADDLE_ITERATIONS: usize = 5;
 /// # Errors
 /// [`SolverError::PatternMismatch`], [`SizeMismatch`](SolverError::SizeMismatch),
 /// [`Setting`](SolverError::Setting), [`NotFinite`](SolverError::NotFinite) for bad input or an
-/// objective with derivatives that are not finite where its energy is,
-/// [`Breakdown`](SolverError::Breakdown) when no shift makes the Hessian factorisable. `x` is
-/// then left at the last iterate.
+/// objective with derivatives that are not finite where its energy is. `x` is then left at the last
+/// iterate.
 pub fn minimise(
     objective: &dyn Objective,
     rhs: &[f64],
@@ -70,7 +69,10 @@ pub fn minimise(
     check_finite("x", x)?;
     check_finite("constraint right-hand side", rhs)?;
     let mut newton = Newton::new(objective, rhs, kkt, settings)?;
-    let stop = newton.run(x, keep_going)?;
+    let stop = match newton.run(x, keep_going) {
+        Err(SolverError::Breakdown { .. }) => StopRule::Breakdown,
+        other => other?,
+    };
     newton.report.stop = stop;
     newton.report.converged = matches!(stop, StopRule::Decrement | StopRule::Residual);
     newton.report.infeasibility = newton.violation(x);

@@ -122,6 +122,9 @@ pub enum StopRule {
     LineSearch,
     /// The constraints contradict each other: no `x` satisfies them.
     Infeasible,
+    /// No relaxation and no diagonal shift gives the Hessian the inertia of a minimum: stiffnesses lie
+    /// too far apart for the factorisation.
+    Breakdown,
     /// The start, moved onto the constraints, has no finite energy.
     OutsideDomain,
     /// The caller asked to stop.
