@@ -58,6 +58,10 @@ pub struct ResponseModulus {
     pub converged: bool,
 }
 
+/// Share of a new direction outside the space so far at which that is as good as whole: a coarse
+/// mesh has few modes.
+const EXHAUSTED: f64 = 1e-7;
+
 /// Relative change of the critical force, over [`CHECK_EVERY`] Lanczos steps, at which it is
 /// accepted.
 const FORCE_TOLERANCE: f64 = 1e-6;
@@ -421,6 +425,7 @@ impl Lanczos {
         let mut vector = image.clone();
         let size = vector.len();
         factor.solve_in_place(MatMut::from_column_major_slice_mut(&mut vector, size, 1));
+        let whole = dot(&vector, &image).max(0.0).sqrt();
         for _ in 0..2 {
             for (v, av) in self.vectors.iter().zip(&self.images) {
                 let overlap = dot(&vector, av);
@@ -429,8 +434,8 @@ impl Lanczos {
             }
         }
         let norm = dot(&vector, &image).max(0.0).sqrt();
-        let negligible = 1e-12 * self.alphas.iter().copied().fold(0.0, f64::max);
-        if norm.is_nan() || norm <= negligible {
+        // What cancellation leaves is rounding, of which the one is not the image of the other.
+        if norm.is_nan() || norm <= EXHAUSTED * whole {
             return false;
         }
         if !self.vectors.is_empty() {

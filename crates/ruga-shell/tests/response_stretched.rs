@@ -186,3 +186,26 @@ fn stars_are_a_tenth_too_stiff_with_the_long_side_across_the_wrinkles_at_4_to_1(
         assert!(hinge.bending > 1.7, "{angle}: {hinge:?}");
     }
 }
+
+/// A coarse mesh has few modes; a direction made of nothing but rounding is none of them.
+#[test]
+fn coarse_meshes_respond_like_skin() {
+    for seed in 0..40 {
+        for edges in [3.0, 4.0, 5.0] {
+            let noise = Noise {
+                stretch: 1.0,
+                angle: 90.0,
+                edges,
+                smoothings: 1,
+                seed,
+            };
+            let mesh = noise.mesh();
+            let response = noise.response(&mesh, BendingModel::VertexCurvature, 0.3);
+            println!("{} {seed} {edges} {response:?}", mesh.points.len());
+            assert!(
+                (0.6..1.4).contains(&response.bending),
+                "{seed} {edges} {response:?}"
+            );
+        }
+    }
+}

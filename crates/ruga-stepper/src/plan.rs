@@ -427,6 +427,7 @@ impl PlanningSurface {
         let handed_out = vertices_of(faces_at(levels));
         let work = factorisations(*is_lowest, pose, path);
         let (seconds, memory) = cost(unknowns, handed_out, work);
+        let memory = memory + PER_TEXEL * f64::from(map_size).powi(2);
         let radius = 1.0 / quantile(&self.curvatures, 0.95);
         LayerPlan {
             name: spec.name.clone(),
@@ -608,15 +609,18 @@ fn remedy(plan: &LayerPlan, modelling: &Modelling) -> String {
     )
 }
 
+/// Bytes for every texel of a map while it is baked and written.
+const PER_TEXEL: f64 = 30.0;
+
 /// Seconds and bytes of a pose, from runs at 2 to 150 thousand vertices on one core.
 ///
 /// A numeric factorisation grows with the 3/2 power of the vertices (nested dissection of a
-/// surface), its memory with `n log n`; the mesh that results are handed out on has ten kilobytes
+/// surface), its memory with `n log n`; the mesh that results are handed out on has eight kilobytes
 /// for every one of its vertices, `handed_out`.
 fn cost(vertices: usize, handed_out: f64, factorisations: f64) -> (f64, f64) {
     let n = vertices as f64;
     let factorisation = 7.5e-8 * n.powf(1.5) + 1e-5 * n;
-    let memory = n * (900.0 + 260.0 * n.max(2.0).log2()) + 1e4 * handed_out;
+    let memory = n * (900.0 + 260.0 * n.max(2.0).log2()) + 8e3 * handed_out;
     (factorisations * factorisation, memory)
 }
 
