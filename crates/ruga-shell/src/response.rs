@@ -60,7 +60,7 @@ pub struct ResponseModulus {
 
 /// Share of a new direction outside the space so far at which that is as good as whole: a coarse
 /// mesh has few modes.
-const EXHAUSTED: f64 = 1e-7;
+const EXHAUSTED: f64 = 1e-12;
 
 /// Relative change of the critical force, over [`CHECK_EVERY`] Lanczos steps, at which it is
 /// accepted.
@@ -417,25 +417,28 @@ struct Lanczos {
 }
 
 impl Lanczos {
-    /// Adds the direction `A^-1 image`; false if it lies in the space already.
+    /// Adds the direction `A^-1 image`, as far as it is new; false if it lies in the space already.
     ///
     /// Full reorthogonalisation, twice: the basis is short, and ghost eigenvalues would spoil the
     /// convergence test.
     fn extend(&mut self, factor: &Llt<usize, f64>, mut image: Vec<f64>) -> bool {
-        let mut vector = image.clone();
-        let size = vector.len();
-        factor.solve_in_place(MatMut::from_column_major_slice_mut(&mut vector, size, 1));
-        let whole = dot(&vector, &image).max(0.0).sqrt();
+        let whole = dot(&image, &image);
         for _ in 0..2 {
             for (v, av) in self.vectors.iter().zip(&self.images) {
-                let overlap = dot(&vector, av);
-                axpy(&mut vector, -overlap, v);
+                let overlap = dot(&image, v);
                 axpy(&mut image, -overlap, av);
             }
         }
-        let norm = dot(&vector, &image).max(0.0).sqrt();
-        // What cancellation leaves is rounding, of which the one is not the image of the other.
-        if norm.is_nan() || norm <= EXHAUSTED * whole {
+        if dot(&image, &image) <= EXHAUSTED * EXHAUSTED * whole {
+            return false;
+        }
+        // Solved for last: what cancellation leaves of an earlier solution is not the solution of what
+        // it leaves of the image, and some moduli came out a thousand times too small.
+        let mut vector = image.clone();
+        let size = vector.len();
+        factor.solve_in_place(MatMut::from_column_major_slice_mut(&mut vector, size, 1));
+        let norm = dot(&vector, &image).sqrt();
+        if norm.is_nan() || norm == 0.0 {
             return false;
         }
         if !self.vectors.is_empty() {

@@ -187,7 +187,7 @@ fn stars_are_a_tenth_too_stiff_with_the_long_side_across_the_wrinkles_at_4_to_1(
     }
 }
 
-/// A coarse mesh has few modes; a direction made of nothing but rounding is none of them.
+/// Also with three edges per wavelength, where the space of all modes is soon exhausted.
 #[test]
 fn coarse_meshes_respond_like_skin() {
     for seed in 0..40 {

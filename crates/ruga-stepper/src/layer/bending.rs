@@ -9,8 +9,7 @@ use crate::StepperError;
 use crate::below::BelowSurface;
 
 /// Ratios of a mesh's bending modulus to the material's that can be the triangles' doing. A smaller
-/// one is a failed measurement: on meshes of less than two hundred vertices one in forty ends in a
-/// vector that is no wrinkle.
+/// one counts as not measured.
 const BENDING_RATIOS: [f64; 2] = [0.5, 2.0];
 
 impl Layer {
