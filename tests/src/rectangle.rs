@@ -54,6 +54,9 @@ impl Rectangle {
     /// It has been remeshed three times, by when it no longer shows the halving that it began with.
     pub fn fitted(&self, edges: [f64; 2], jitter: f64, seed: u64) -> SurfaceMesh {
         let mut random = Pcg64Mcg::seed_from_u64(seed);
+        let mut settings = RemeshSettings::default();
+        // The remesher's own bound is that of hinges; jitter changes both lengths alike.
+        settings.limits.aspect = edges[1] / edges[0];
         let mut mesh = self.meshed(edges[0]);
         for _ in 0..3 {
             let tensors = (0..mesh.mesh.vertex_count()).map(|_| {
@@ -64,7 +67,7 @@ impl Rectangle {
             let sizing = Sizing {
                 tensors: tensors.collect(),
             };
-            let made = remesh(&mesh, &sizing, self, &RemeshSettings::default());
+            let made = remesh(&mesh, &sizing, self, &settings);
             mesh = made.expect("a valid sizing").mesh;
         }
         mesh

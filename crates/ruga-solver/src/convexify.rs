@@ -59,8 +59,8 @@ impl Convexifier {
     }
 
     /// Factorises the Hessian, relaxed as little as its inertia allows, or by `hint` where that is
-    /// enough. After the first saddle the search begins at what the last one took, which saves two
-    /// thirds of the factorisations on the way from a saddle with many modes.
+    /// enough. After the first saddle the search begins at what the last one took, which saves
+    /// three of five factorisations on the way from a saddle with many modes.
     pub(crate) fn factorize(
         &mut self,
         kkt: &mut Kkt,
@@ -96,7 +96,7 @@ impl Convexifier {
         Ok(outcome)
     }
 
-    /// Finds a relaxation at most one step above what is needed, from `last` on, and leaves its
+    /// Finds a relaxation that is enough, from one step below `last` on upwards, and leaves its
     /// factor; `None` when even 1 is not enough.
     fn relax_near(
         &mut self,

@@ -626,7 +626,8 @@ fn cost(vertices: usize, handed_out: f64, factorisations: f64) -> (f64, f64) {
 
 /// Factorisations of a layer in one pose.
 ///
-/// The lowest layer takes about thirty to find its onset and eleven for each of its load steps. One on another layer takes two hundred to wrinkle on what that has become at the
+/// The lowest layer takes about thirty to find its onset and eleven for each of its load steps. One on
+/// another layer takes two hundred to wrinkle on what that has become at the
 /// first key, and goes on from there in thirty.
 fn factorisations(is_lowest: bool, pose: &PoseSpec, path: LoadPath) -> f64 {
     let keys = pose.keys.len() as f64;

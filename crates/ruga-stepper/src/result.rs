@@ -36,7 +36,8 @@ pub struct ComputedMesh {
     /// Triangles.
     pub faces: Vec<[u32; 3]>,
     /// Texture coordinate of every vertex's material point, V down; at a seam of one of its sides.
-    /// Maps and frames are addressed by the closest place of the file's flat triangles instead.
+    /// Maps and frames are addressed by the place on the file's flat triangles that lies straight
+    /// above or below.
     pub uvs: Vec<Vector2<f64>>,
 }
 

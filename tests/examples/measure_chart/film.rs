@@ -7,10 +7,7 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{Matrix3, Vector2, Vector3};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
-use ruga_remesh::{RemeshSettings, Sizing, SurfaceMesh, remesh};
+use nalgebra::{Vector2, Vector3};
 use ruga_solver::NewtonSettings;
 use ruga_tests::{Film, FilmSpec, Noise, Rectangle, Step, Strip};
 
@@ -102,31 +99,8 @@ fn meshed(spec: &FilmSpec, request: &Request) -> Strip {
     let across = wavelength / request.points;
     let aspect = request.mesh.aspect(request.bending).unwrap_or(1.0);
     let along = (aspect * across).min(LONGEST * wavelength);
-    let mesh = fitted(&rectangle, [across, along], request.seed);
+    let mesh = rectangle.fitted([across, along], JITTER, request.seed);
     Strip::of(&mesh, &rectangle)
-}
-
-/// [`Rectangle::fitted`] for any aspect: that one is held to the remesher's own bound, which is that
-/// of hinges.
-fn fitted(rectangle: &Rectangle, edges: [f64; 2], seed: u64) -> SurfaceMesh {
-    let mut random = Pcg64Mcg::seed_from_u64(seed);
-    let mut settings = RemeshSettings::default();
-    // Jitter changes both lengths alike, so that this cuts none.
-    settings.limits.aspect = edges[1] / edges[0];
-    let mut mesh = rectangle.meshed(edges[0]);
-    for _ in 0..3 {
-        let tensors = (0..mesh.mesh.vertex_count()).map(|_| {
-            let share = 1.0 + JITTER * random.random_range(-1.0..1.0);
-            let [x, y] = edges.map(|edge| (edge * share).powi(-2));
-            Matrix3::from_diagonal(&Vector3::new(x, y, 0.0))
-        });
-        let sizing = Sizing {
-            tensors: tensors.collect(),
-        };
-        let made = remesh(&mesh, &sizing, rectangle, &settings);
-        mesh = made.expect("a valid sizing").mesh;
-    }
-    mesh
 }
 
 fn laid(spec: &FilmSpec, strip: Strip, request: &Request) -> Film {
