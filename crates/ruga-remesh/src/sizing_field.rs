@@ -289,19 +289,32 @@ struct Wrinkles {
 }
 
 fn wrinkle_term(driver: &FaceDriver, hats: [Vector3<f64>; 3], refinement: &Refinement) -> Wrinkles {
-    let most = (refinement.points_per_wavelength / driver.wavelength).powi(2);
     let trace = driver.compression.trace();
-    let [from, to] = refinement.onset;
-    let active = |e: f64| {
-        let ratio = demand(e, trace - e, driver) / driver.critical_strain;
-        let t = ((ratio - from) / (to - from)).clamp(0.0, 1.0);
-        most * t * t * (3.0 - 2.0 * t)
-    };
-    let tensor = principal(&driver.compression, hats, active);
+    let tensor = principal(&driver.compression, hats, |e| {
+        driver.wrinkle_size(e, trace - e, refinement)
+    });
     Wrinkles {
         tensor,
         finest: tensor.symmetric_eigenvalues().max(),
-        most,
+        most: driver.finest(refinement),
+    }
+}
+
+impl FaceDriver {
+    /// `s aᵢ` of [`sizing_field`]: the eigenvalue, 1/m², that wrinkles across the direction of
+    /// principal compression `strain` ask of the sizing, where that across it is `other`.
+    ///
+    /// The tensor [`Self::compression`] is not used: whoever knows no directions can still tell
+    /// lengths, `1 / sqrt` of it, and so the number of vertices.
+    pub fn wrinkle_size(&self, strain: f64, other: f64, refinement: &Refinement) -> f64 {
+        let [from, to] = refinement.onset;
+        let ratio = demand(strain, other, self) / self.critical_strain;
+        let t = ((ratio - from) / (to - from)).clamp(0.0, 1.0);
+        self.finest(refinement) * t * t * (3.0 - 2.0 * t)
+    }
+
+    fn finest(&self, refinement: &Refinement) -> f64 {
+        (refinement.points_per_wavelength / self.wavelength).powi(2)
     }
 }
 

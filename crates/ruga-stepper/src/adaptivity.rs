@@ -18,6 +18,11 @@ use crate::{EdgeLimits, LayerSpec, Modelling, StepperError};
 /// still see a smooth average.
 pub(crate) const COARSEST: f64 = 0.5;
 
+/// Edges per wavelength along the wrinkles, at least. With two, oblique waves are so soft that the
+/// pattern of a film eight times beyond its onset drifted on for hundreds of iterations (8525
+/// vertices, given up after 200 s); with 2.25 it took 37 s, with 2.5 21 s.
+const LEAST_ALONG: f64 = 2.5;
+
 /// Rounds of averaging of directions, at most: the region's mesh may be far finer than the reach.
 const MOST_PASSES: f64 = 40.0;
 
@@ -40,7 +45,7 @@ pub(crate) fn adapted(
     let drivers = SkinDemand::new(driver, layer, wrinkling, region, below)?;
     let wishes = Wishes::new(&drivers, region, &limits, points);
     let demand = wishes.demand(modelling.vertex_budget);
-    let adapted = region.adapted(driver, &demand, &settings(&limits));
+    let adapted = region.adapted(driver, &demand, &settings(&limits, points));
     adapted
         .map(Some)
         .map_err(|source| remesh_error(layer, source))
@@ -62,16 +67,21 @@ pub(crate) fn still_serves(
     let wishes = Wishes::new(&drivers, region, &limits, points);
     let demand = wishes.demand(modelling.vertex_budget);
     let places = interpolation.places();
-    let share = region.share_too_coarse(layer.skin(), places, &demand, &settings(&limits));
+    let share = region.share_too_coarse(layer.skin(), places, &demand, &settings(&limits, points));
     Ok(share.map_err(|source| remesh_error(spec, source))? <= TOLERATED)
 }
 
-fn settings(limits: &EdgeLimits) -> RemeshSettings {
+/// Largest ratio of edges along and across the wrinkles where these have `points` per wavelength.
+pub(crate) fn aspect(limits: &EdgeLimits, points: f64) -> f64 {
+    limits.aspect.min(points / LEAST_ALONG).max(1.0)
+}
+
+fn settings(limits: &EdgeLimits, points: f64) -> RemeshSettings {
     RemeshSettings {
         limits: SizeLimits {
             min_edge: limits.min_edge,
             max_edge: limits.max_edge,
-            aspect: limits.aspect,
+            aspect: aspect(limits, points),
             ..SizeLimits::default()
         },
         ..RemeshSettings::default()
@@ -120,10 +130,11 @@ impl<'a> Wishes<'a> {
         let waves = demand.properties.vertices.iter();
         let waves = waves.map(|local| local.wrinkling.wavelength);
         let across = waves.clone().fold(f64::MAX, f64::min) / points;
-        let reach = limits.aspect * across;
+        let aspect = aspect(limits, points);
+        let reach = aspect * across;
         Self {
             longest: waves.map(|wavelength| COARSEST * wavelength).collect(),
-            aspects: aspects(&region.skin, &demand.drivers, limits.aspect, reach),
+            aspects: aspects(&region.skin, &demand.drivers, aspect, reach),
             drivers: &demand.drivers,
             points,
         }

@@ -116,7 +116,8 @@ pub struct EdgeLimits {
     pub min_edge: f64,
     /// Longest, m; above `min_edge`. Half a wavelength is the most in any case.
     pub max_edge: f64,
-    /// Largest ratio of the lengths in two directions, at least 1.
+    /// Largest ratio of the lengths in two directions, at least 1. Two and a half edges per
+    /// wavelength along the wrinkles are kept in any case.
     pub aspect: f64,
 }
 

@@ -1,11 +1,12 @@
 //! What will be modelled, where, how fine and at what cost; nothing is simulated here.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use ruga_blend::{BaseSurface, Driver, PosedSurface};
 use ruga_material::{CAP_START, StackPair, Wrinkling};
 use ruga_mesh::{FaceId, Id, PerFace};
+use ruga_remesh::{FaceDriver, Refinement};
 
-use crate::adaptivity::COARSEST;
+use crate::adaptivity::{COARSEST, aspect};
 use crate::below::Seat;
 use crate::local_skin::local_skin;
 use crate::region::{ACTIVE_SHARE, Demand};
@@ -403,7 +404,10 @@ impl PlanningSurface {
         let uniform_points = shortest / edges_at(levels).0;
         let (needed, points) = match modelling.remesh {
             Some(limits) => {
-                let faces = fitted_faces(&active, demand, &wavelengths, &limits, *asked);
+                let faces = {
+                    let skin = (&wavelengths, spec.material.poisson);
+                    fitted_faces(&active, demand, skin, &limits, *asked)
+                };
                 let needed = vertices_of(faces);
                 let short = (modelling.vertex_budget as f64 / needed).min(1.0).sqrt();
                 let points = asked * short;
@@ -460,20 +464,36 @@ impl PlanningSurface {
 /// Triangles of a mesh fitted to what a pose asks for.
 ///
 /// Where the layer wrinkles, edges across the wrinkles have the asked share of a wavelength, along
-/// them they are longer by the aspect; elsewhere they grow towards half a wavelength.
+/// them they are longer by the aspect, unless it wrinkles that way too; elsewhere they grow towards
+/// half a wavelength.
 fn fitted_faces(
     active: &[FaceId],
     demand: &Demand,
-    wavelengths: &PerFace<f64>,
+    (wavelengths, poisson): (&PerFace<f64>, f64),
     limits: &EdgeLimits,
     points: f64,
 ) -> f64 {
+    let refinement = Refinement {
+        points_per_wavelength: points,
+        ..Refinement::default()
+    };
     let per_area = |face: FaceId| {
         let wavelength = wavelengths[face];
         let longest = (COARSEST * wavelength).min(limits.max_edge);
         let across = (wavelength / points).max(limits.min_edge);
         let (across, along) = match demand.demand(face) > ACTIVE_SHARE {
-            true => (across, (limits.aspect * across).min(longest)),
+            true => {
+                let driver = FaceDriver {
+                    compression: Matrix3::zeros(),
+                    wavelength,
+                    critical_strain: demand.critical(face),
+                    poisson,
+                };
+                let [first, second] = demand.principal[face];
+                let size = driver.wrinkle_size(second, first, &refinement);
+                let along = (aspect(limits, points) * across).min(longest);
+                (across, along.min(size.sqrt().recip()).max(across))
+            }
             false => (GRADED * across, GRADED * across),
         };
         4.0 / (3f64.sqrt() * across.min(longest) * along.min(longest))

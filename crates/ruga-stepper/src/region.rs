@@ -26,6 +26,8 @@ pub(crate) struct Demand {
     pub(crate) folded: PerFace<bool>,
     /// The same, without averaging.
     raw: PerFace<f64>,
+    /// Principal compressions at the key that asks most, without averaging.
+    pub(crate) principal: PerFace<[f64; 2]>,
     /// Largest effective strain on the way to the keys, without averaging.
     passing: PerFace<f64>,
     /// Collapsed or turned over on the way.
@@ -57,6 +59,7 @@ impl Demand {
             compression: PerFace::filled(count, f64::NEG_INFINITY),
             folded: PerFace::filled(count, false),
             raw: PerFace::filled(count, f64::NEG_INFINITY),
+            principal: PerFace::filled(count, [0.0; 2]),
             passing: PerFace::filled(count, f64::NEG_INFINITY),
             passing_folded: PerFace::filled(count, false),
             critical: local.map(|numbers| numbers.critical_strain).collect(),
@@ -80,7 +83,10 @@ impl Demand {
                 let first = strains[face].first;
                 demand.compression[face] = demand.compression[face].max(first);
                 let raw = strains[face].effective(poisson);
-                demand.raw[face] = demand.raw[face].max(raw);
+                if raw > demand.raw[face] {
+                    demand.raw[face] = raw;
+                    demand.principal[face] = [strains[face].first, strains[face].second];
+                }
                 let effective = smooth[face].effective(poisson);
                 demand.effective[face] = demand.effective[face].max(effective);
             }
@@ -109,6 +115,11 @@ impl Demand {
         } else {
             0.0
         }
+    }
+
+    /// The layer's critical strain.
+    pub(crate) fn critical(&self, face: FaceId) -> f64 {
+        self.critical[face]
     }
 
     /// Largest effective strain over the keys, in critical strains.

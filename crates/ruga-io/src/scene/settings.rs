@@ -67,7 +67,8 @@ pub struct Remesh {
     pub min_edge: f64,
     /// Longest edge, m; half a wavelength is the most in any case.
     pub max_edge: f64,
-    /// Longest over shortest wanted edge at a place, at most; from 1 to 4.
+    /// Longest over shortest wanted edge at a place, at most; from 1 to 4. Two and a half edges per
+    /// wavelength along the wrinkles are kept in any case.
     pub aspect: f64,
 }
 
