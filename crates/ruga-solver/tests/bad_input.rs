@@ -312,3 +312,53 @@ fn settings_outside_their_range() {
         assert!(LoadStepper::new(&[1.0], settings).is_err());
     }
 }
+
+/// `x y`, a saddle without any stiffness of its own.
+struct BareSaddle {
+    pattern: LowerPattern,
+}
+
+impl Objective for BareSaddle {
+    fn pattern(&self) -> &LowerPattern {
+        &self.pattern
+    }
+    fn value(&self, x: &[f64]) -> f64 {
+        x[0] * x[1]
+    }
+    fn gradient(&self, x: &[f64], gradient: &mut [f64]) -> f64 {
+        gradient.copy_from_slice(&[x[1], x[0]]);
+        self.value(x)
+    }
+    fn hessian(&self, _: &[f64], exact: &mut [f64], relaxed: &mut [f64]) {
+        // On the diagonal next to nothing, which shifts are measured by.
+        exact.copy_from_slice(&[1e-30, 1.0, 1e-30]);
+        relaxed.copy_from_slice(exact);
+    }
+    fn floor(&self) -> &[f64] {
+        &[0.0; 2]
+    }
+    fn energy_scale(&self) -> f64 {
+        1.0
+    }
+    fn force_scale(&self) -> f64 {
+        1.0
+    }
+    fn length_scale(&self) -> f64 {
+        1.0
+    }
+}
+
+#[test]
+fn a_hessian_that_no_shift_mends_ends_the_solve_and_says_so() {
+    let pattern = LowerPattern::new(vec![0, 2, 3], vec![0, 1, 1]).unwrap();
+    let mut kkt = Kkt::new(&pattern, &ConstraintRows::none(2), 1).unwrap();
+    let saddle = BareSaddle { pattern };
+    let mut x = [1.0, 2.0];
+    let settings = NewtonSettings::default();
+    let report = minimise(&saddle, &[], &mut x, &mut kkt, &settings, &mut |_| true).unwrap();
+    assert_eq!(
+        (report.stop, report.converged),
+        (StopRule::Breakdown, false)
+    );
+    assert_eq!(x, [1.0, 2.0]);
+}

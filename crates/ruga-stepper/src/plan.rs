@@ -429,7 +429,8 @@ impl PlanningSurface {
             Stack::Nominal | Stack::Composite => vertices,
         };
         let handed_out = vertices_of(faces_at(levels));
-        let work = factorisations(*is_lowest, pose, path);
+        let strain = quantile(&demand.effective, 0.99);
+        let work = factorisations(*is_lowest, pose, path, strain / numbers.critical_strain);
         let (seconds, memory) = cost(unknowns, handed_out, work);
         let memory = memory + PER_TEXEL * f64::from(map_size).powi(2);
         let radius = 1.0 / quantile(&self.curvatures, 0.95);
@@ -438,7 +439,7 @@ impl PlanningSurface {
             wavelength: numbers.wavelength,
             critical_strain: numbers.critical_strain,
             strain_median: quantile(&demand.effective, 0.5),
-            strain_p99: quantile(&demand.effective, 0.99),
+            strain_p99: strain,
             active_area: area_where(&|_| true),
             capped_area: area_where(&|f| demand.compression[f] > CAP_START),
             folded_area: demand
@@ -644,16 +645,18 @@ fn cost(vertices: usize, handed_out: f64, factorisations: f64) -> (f64, f64) {
     (factorisations * factorisation, memory)
 }
 
-/// Factorisations of a layer in one pose.
+/// Factorisations of a layer in one pose that asks for `demand` critical strains where it asks most.
 ///
-/// The lowest layer takes about thirty to find its onset and eleven for each of its load steps. One on
-/// another layer takes two hundred to wrinkle on what that has become at the
-/// first key, and goes on from there in thirty.
-fn factorisations(is_lowest: bool, pose: &PoseSpec, path: LoadPath) -> f64 {
+/// The lowest layer takes about thirty to find its onset and twenty for each load step beyond it. One
+/// on another layer takes two hundred to wrinkle on what that has become at the first key, and goes
+/// on from there in thirty.
+fn factorisations(is_lowest: bool, pose: &PoseSpec, path: LoadPath, demand: f64) -> f64 {
     let keys = pose.keys.len() as f64;
+    let beyond = (1.0 - 1.0 / demand.max(1.0)) * f64::from(pose.steps);
+    let lowest = 28.0 + 20.0 * beyond;
     match (is_lowest, path) {
-        (true, LoadPath::Weight) => 28.0 + 11.0 * f64::from(pose.steps),
-        (true, LoadPath::Strain) => keys * (28.0 + 11.0 * f64::from(pose.steps)),
+        (true, LoadPath::Weight) => lowest,
+        (true, LoadPath::Strain) => keys * lowest,
         (false, _) => 170.0 + 30.0 * keys,
     }
 }

@@ -3,7 +3,9 @@
 mod patch;
 
 use patch::{SIDE, draft, driver, pose, skin};
-use ruga_stepper::{Coupling, Mask, Modelling, Region, StepperError, plan};
+use ruga_stepper::{
+    Coupling, Mask, Modelling, Observer, Progress, Region, StepperError, plan, simulate,
+};
 
 #[test]
 fn only_what_can_wrinkle_is_planned() {
@@ -97,6 +99,35 @@ fn the_budget_stops_refinement_and_names_remedies() {
     let warning = plan.warnings.join("\n");
     for word in ["budget of 3000", "mask", "critical strain", "draft"] {
         assert!(warning.contains(word), "{warning}");
+    }
+}
+
+/// Ends the work with the first iteration: by then the mesh is there.
+struct Hasty;
+
+impl Observer for Hasty {
+    fn progress(&mut self, _: Progress) -> bool {
+        false
+    }
+}
+
+/// Skin that is squeezed in both directions wrinkles in both, on a mesh that is as fine in both.
+#[test]
+fn the_planned_mesh_is_the_one_that_is_made() {
+    let driver = driver();
+    let layers = [skin("forehead-furrow", Coupling::Hybrid)];
+    for (points, shape) in [(12.0, "press"), (12.0, "squeeze"), (8.0, "press")] {
+        let poses = [pose(&driver, shape, 1.0)];
+        let modelling = Modelling {
+            points_per_wavelength: points,
+            ..Modelling::default()
+        };
+        let plan = plan(&driver, &layers, &poses, &modelling, 1024).unwrap();
+        let made = simulate(&driver, &plan, 0, &poses[0], &modelling, &mut Hasty).unwrap();
+        let (planned, made) = (plan.poses[0].layers[0].vertices, made.layers[0].vertices);
+        let ratio = made as f64 / planned as f64;
+        println!("{shape} at {points} points: {made} vertices, {planned} planned");
+        assert!((0.75..1.5).contains(&ratio), "{shape} at {points}: {ratio}");
     }
 }
 

@@ -2,10 +2,12 @@
 
 mod patch;
 
+use nalgebra::{Vector2, Vector3};
 use patch::{draft, driver, pose, skin};
+use ruga_blend::{ArtistMesh, BlendShape, Driver};
 use ruga_stepper::{
-    Coupling, Frame, LinearSolver, Modelling, Observer, PoseResult, Progress, Silent, plan,
-    simulate,
+    Coupling, Frame, LinearSolver, Modelling, Observer, PoseResult, Progress, Silent, StepperError,
+    plan, simulate,
 };
 
 fn run(coupling: Coupling, modelling: &Modelling, observer: &mut dyn Observer) -> PoseResult {
@@ -117,5 +119,49 @@ fn minres_says_that_it_cannot_tell_saddles() {
         result.warnings.iter().any(|w| w.contains("minres")),
         "{:?}",
         result.warnings
+    );
+}
+
+/// Two triangles have no vertex inside.
+#[test]
+fn a_mesh_that_is_all_border_is_refused() {
+    let square = [[0.0, 0.0], [0.02, 0.0], [0.02, 0.02], [0.0, 0.02]];
+    let driver = Driver::new(&ArtistMesh {
+        positions: square.map(|[x, y]| Vector3::new(x, y, 0.0)).to_vec(),
+        uvs: Some(
+            square
+                .map(|[x, y]| Vector2::new(50.0 * x, 50.0 * y))
+                .to_vec(),
+        ),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        shapes: vec![BlendShape {
+            name: "press".into(),
+            position_deltas: square
+                .map(|[x, _]| Vector3::new(-0.1 * x, 0.0, 0.0))
+                .to_vec(),
+            normal_deltas: None,
+        }],
+        ..ArtistMesh::default()
+    })
+    .unwrap();
+    let layers = [skin("forehead-furrow", Coupling::Hybrid)];
+    let modelling = Modelling {
+        vertex_budget: 1,
+        remesh: None,
+        ..draft()
+    };
+    let spec = pose(&driver, "press", 1.0);
+    let plan = plan(
+        &driver,
+        &layers,
+        std::slice::from_ref(&spec),
+        &modelling,
+        1024,
+    )
+    .unwrap();
+    let refused = simulate(&driver, &plan, 0, &spec, &modelling, &mut Silent);
+    assert!(
+        matches!(refused, Err(StepperError::NoRoom { .. })),
+        "{refused:?}"
     );
 }

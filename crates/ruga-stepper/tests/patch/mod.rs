@@ -8,7 +8,8 @@ use ruga_stepper::{Coupling, LayerSpec, Modelling, PoseSpec, Sampling};
 /// Side of the patch, m: six wavelengths.
 pub(crate) const SIDE: f64 = 0.06;
 
-/// A flat square; `press` shortens its middle by 12 %, fading towards the border.
+/// A flat square; `press` shortens its middle by 12 % in x, fading towards the border, `squeeze` in
+/// x and y.
 pub(crate) fn driver() -> Driver {
     let cells = 12;
     let mut mesh = ArtistMesh {
@@ -34,7 +35,16 @@ pub(crate) fn driver() -> Driver {
     mesh.uvs = Some(uvs);
     let wave = std::f64::consts::TAU / SIDE;
     let press = |p: &Vector3<f64>| Vector3::new(0.06 * ((wave * p.x).sin() / wave - p.x), 0.0, 0.0);
+    let squeeze = |p: &Vector3<f64>| {
+        let along = |c: f64| 0.06 * ((wave * c).sin() / wave - c);
+        Vector3::new(along(p.x), along(p.y), 0.0)
+    };
     mesh.shapes = vec![
+        BlendShape {
+            name: "squeeze".into(),
+            position_deltas: mesh.positions.iter().map(squeeze).collect(),
+            normal_deltas: None,
+        },
         BlendShape {
             name: "press".into(),
             position_deltas: mesh.positions.iter().map(press).collect(),
