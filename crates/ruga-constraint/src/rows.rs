@@ -36,15 +36,19 @@ pub enum Order {
     Constant,
     /// Affine functions too: the centroid of the weights is that of the kernel.
     Affine,
+    /// A function of the whole surface, of [`spectral_rows`](crate::spectral_rows): no average
+    /// around a centre, so the weights sum to zero.
+    Global,
 }
 
 /// One weighted average over vertices; the same weights serve x, y and z.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConstraintRow {
-    /// Around which of the given centres the average is taken, counted from 0.
+    /// Around which of the given centres the average is taken, or which of the global functions it
+    /// is, counted from 0.
     pub centre: usize,
     /// Vertices with weights other than zero, ascending; the weights sum to one
-    /// (with [`Sampling::AdjustedAsPrinted`], not).
+    /// (with [`Sampling::AdjustedAsPrinted`], not; with [`Order::Global`], to zero).
     pub weights: Vec<(VertexId, f64)>,
     /// What the row reproduces.
     pub order: Order,

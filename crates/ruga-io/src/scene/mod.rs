@@ -3,21 +3,25 @@
 //! The structs keep the raw values of the file, defaults filled in; [`Layer::definition`] and
 //! [`Substrate::definition`] say which of the ways to describe a material was used.
 
+mod interior;
 mod names;
 mod read;
 mod settings;
 mod skin;
 mod validate;
+mod validate_interior;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+pub use interior::{
+    CellShape, Cylinder, Handle, Interior, Motion, Obstacle, ObstacleShape, Plane, Sphere,
+};
 pub use names::{is_usable_file_name, usable_file_name};
 pub use settings::{
-    Bake, CellShape, Frame, Interior, LinearSolver, MapFormat, MapKind, NormalY, Remesh, Solver,
-    SolverMode,
+    Bake, Frame, LinearSolver, MapFormat, MapKind, NormalY, Remesh, Solver, SolverMode,
 };
 pub use skin::{
     Coupling, Layer, LayerDefinition, PropertyMap, Sampling, Substrate, SubstrateDefinition,
@@ -45,7 +49,8 @@ pub struct Scene {
     pub substrate: Option<Substrate>,
     /// The layers, bottom first.
     pub layers: Vec<Layer>,
-    /// The poses; none means every blend shape at weight 1, see [`Scene::poses_or_shapes`].
+    /// The poses; none means every blend shape at weight 1, or a body without shapes under its own
+    /// weight, see [`Scene::poses_or_shapes`].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub poses: Vec<Pose>,
     /// How frames are solved.
@@ -146,13 +151,14 @@ pub enum Smoothing {
     None,
 }
 
-/// A set of weights, and where on the way to it maps are baked.
+/// A set of weights and motions, and where on the way to it maps are baked.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pose {
     /// Its name, also in file names.
     pub name: String,
-    /// Weight of each blend shape that takes part.
+    /// Weight of each blend shape that takes part; may be left out when there is an [`Interior`].
+    #[serde(default)]
     pub weights: BTreeMap<String, f64>,
     /// Fractions of the weights at which maps are baked, in (0, 1].
     #[serde(default = "default_keys")]
@@ -160,6 +166,9 @@ pub struct Pose {
     /// Load steps from rest to the full pose.
     #[serde(default = "default_steps")]
     pub steps: u32,
+    /// Where handles and obstacles of the [`Interior`] go; what is not named stands still.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub motions: Vec<Motion>,
 }
 
 fn default_keys() -> Vec<f64> {
@@ -174,10 +183,19 @@ impl Pose {
     /// One blend shape at weight 1, with the default keys and steps.
     pub fn of_shape(name: impl Into<String>, shape: &str) -> Self {
         Self {
-            name: name.into(),
             weights: BTreeMap::from([(shape.to_owned(), 1.0)]),
+            ..Self::at_rest(name)
+        }
+    }
+
+    /// Neither shapes nor motions, with the default keys and steps: a body under its own weight.
+    pub fn at_rest(name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            weights: BTreeMap::new(),
             keys: default_keys(),
             steps: default_steps(),
+            motions: Vec::new(),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The optional tables: `[solver]`, `[remesh]`, `[bake]`, `[interior]`.
+//! The optional tables: `[solver]`, `[remesh]`, `[bake]`.
 
 use serde::{Deserialize, Serialize};
 
@@ -182,34 +182,4 @@ pub enum Frame {
     Driver,
     /// The artist's own posed mesh's: what a high-to-low bake gives.
     Mesh,
-}
-
-/// `[interior]`: one layer on an embedded lattice.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Interior {
-    /// Lattice cells along the longest side.
-    pub cells: u32,
-    /// The lattice's elements.
-    pub shape: CellShape,
-}
-
-impl Default for Interior {
-    fn default() -> Self {
-        Self {
-            cells: 6,
-            shape: CellShape::Quadratic,
-        }
-    }
-}
-
-/// The lattice's elements.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum CellShape {
-    /// Quadratic B-splines.
-    #[default]
-    Quadratic,
-    /// Trilinear, for comparison.
-    Linear,
 }

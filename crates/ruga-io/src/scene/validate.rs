@@ -4,18 +4,27 @@ use std::path::Path;
 
 use super::names::{file_name_fault, same_file, usable_file_name};
 use super::read::scene_error;
-use super::{Layer, Pose, PropertyMap, Scene, Substrate};
+use super::validate_interior::motion_faults;
+use super::{Interior, Layer, Pose, PropertyMap, Scene, Substrate};
 use crate::IoError;
 use crate::error::nearest;
 use crate::wrinkles::key_percent;
 
 /// A key and what is wrong with its value.
-struct Fault {
-    key: String,
-    reason: String,
+pub(super) struct Fault {
+    pub(super) key: String,
+    pub(super) reason: String,
+    /// The accepted value that was probably meant.
+    pub(super) suggestion: Option<String>,
 }
 
-type Checked = Result<(), Fault>;
+impl Fault {
+    fn at(self, path: &Path) -> IoError {
+        scene_error(path, &self.key, None, &self.reason, self.suggestion)
+    }
+}
+
+pub(super) type Checked = Result<(), Fault>;
 
 impl Scene {
     /// The version of the layout that this crate reads.
@@ -24,35 +33,33 @@ impl Scene {
     /// Checks ranges, names and contradictions; `path` is for messages.
     ///
     /// # Errors
-    /// [`IoError::Scene`] for the first fault, in the order of the file.
+    /// [`IoError::Scene`] for the first fault, in the order of the file, with `[interior]` before
+    /// the poses.
     pub fn validate(&self, path: &Path) -> Result<(), IoError> {
-        self.faults()
-            .map_err(|fault| scene_error(path, &fault.key, None, &fault.reason, None))
+        self.faults().map_err(|fault| fault.at(path))
     }
 
-    /// The poses of the scene, or one per blend shape when it has none.
+    /// The poses of the scene; when it has none, one per blend shape; when there is none of these
+    /// either, one pose `rest` of a body on which gravity acts.
     ///
     /// Names made from shapes are usable as file names: what is not becomes `_`.
     ///
     /// # Errors
-    /// [`IoError::Scene`] when a pose weighs a blend shape that is not among `shapes`, or when
-    /// there is neither pose nor shape; `path` is for messages.
+    /// [`IoError::Scene`] when a pose weighs a blend shape that is not among `shapes`, when blend
+    /// shapes are to move a body that does not follow them, or when there is neither pose nor shape
+    /// nor gravity; `path` is for messages.
     pub fn poses_or_shapes(&self, shapes: &[String], path: &Path) -> Result<Vec<Pose>, IoError> {
-        if self.poses.is_empty() && shapes.is_empty() {
-            let reason = "the mesh has no blend shapes, so there is nothing to pose";
-            return Err(scene_error(path, "driver.mesh", None, reason, None));
-        }
-        for (i, pose) in self.poses.iter().enumerate() {
-            let unknown = pose.weights.keys().find(|shape| !shapes.contains(shape));
-            if let Some(shape) = unknown {
-                let key = format!("poses[{i}].weights.{shape}");
-                let reason = format!("the mesh has no blend shape `{shape}`");
-                let suggestion = nearest(shape, shapes.iter().map(String::as_str));
-                return Err(scene_error(path, &key, None, &reason, suggestion));
-            }
+        let fault = (self.nothing_moves(shapes))
+            .or_else(|| self.unknown_shape(shapes))
+            .or_else(|| self.shape_without_effect(shapes));
+        if let Some(fault) = fault {
+            return Err(fault.at(path));
         }
         if !self.poses.is_empty() {
             return Ok(self.poses.clone());
+        }
+        if shapes.is_empty() {
+            return Ok(vec![Pose::at_rest("rest")]);
         }
         let mut names = Vec::new();
         for shape in shapes {
@@ -63,6 +70,63 @@ impl Scene {
             .zip(shapes)
             .map(|(name, shape)| Pose::of_shape(name, shape))
             .collect())
+    }
+
+    fn nothing_moves(&self, shapes: &[String]) -> Option<Fault> {
+        if !self.poses.is_empty() || !shapes.is_empty() {
+            return None;
+        }
+        let (key, reason) = match &self.interior {
+            None => (
+                "driver.mesh",
+                "the mesh has no blend shapes, so there is nothing to pose",
+            ),
+            Some(interior) if interior.gravity == [0.0; 3] => (
+                "interior",
+                "nothing moves the body: give [[poses]] with motions, or gravity",
+            ),
+            Some(_) => return None,
+        };
+        Some(Fault {
+            key: key.to_owned(),
+            reason: reason.to_owned(),
+            suggestion: None,
+        })
+    }
+
+    fn unknown_shape(&self, shapes: &[String]) -> Option<Fault> {
+        self.poses.iter().enumerate().find_map(|(i, pose)| {
+            let shape = pose.weights.keys().find(|shape| !shapes.contains(shape))?;
+            Some(Fault {
+                key: format!("poses[{i}].weights.{shape}"),
+                reason: format!("the mesh has no blend shape `{shape}`"),
+                suggestion: nearest(shape, shapes.iter().map(String::as_str)),
+            })
+        })
+    }
+
+    /// A body goes where its inside goes: blend shapes move it by `follow` or not at all.
+    fn shape_without_effect(&self, shapes: &[String]) -> Option<Fault> {
+        const REMEDY: &str = "`follow` in [interior] (Pa/m), by which the surface is drawn to them";
+        if self.interior.as_ref()?.follow.is_some() {
+            return None;
+        }
+        let posed = |(i, pose): (usize, &Pose)| {
+            (!pose.weights.is_empty()).then(|| format!("poses[{i}].weights"))
+        };
+        let (key, remedy) = match self.poses.iter().enumerate().find_map(posed) {
+            Some(key) => (key, REMEDY.to_owned()),
+            None if self.poses.is_empty() && !shapes.is_empty() => (
+                "poses".to_owned(),
+                format!("{REMEDY}; or [[poses]] with motions"),
+            ),
+            None => return None,
+        };
+        Some(Fault {
+            key,
+            reason: format!("blend shapes alone do not move a body; accepted: {remedy}"),
+            suggestion: None,
+        })
     }
 
     fn faults(&self) -> Checked {
@@ -87,11 +151,14 @@ impl Scene {
             substrate.faults()?;
         }
         self.layer_faults()?;
+        // Before the poses, which name its parts.
+        if let Some(interior) = &self.interior {
+            interior.faults(self.layers.len())?;
+        }
         self.pose_faults()?;
         self.solver_faults()?;
         self.remesh_faults()?;
-        self.bake_faults()?;
-        self.interior_faults()
+        self.bake_faults()
     }
 
     fn layer_faults(&self) -> Checked {
@@ -114,7 +181,7 @@ impl Scene {
     fn pose_faults(&self) -> Checked {
         for (i, pose) in self.poses.iter().enumerate() {
             let key = format!("poses[{i}]");
-            pose.faults(&key)?;
+            pose.faults(&key, self.interior.as_ref())?;
             let earlier = self.poses.iter().take(i).map(|other| &other.name);
             unique_name(&format!("{key}.name"), &pose.name, earlier)?;
         }
@@ -169,18 +236,6 @@ impl Scene {
         }
         if bake.maps.is_empty() {
             return fault("bake.maps", "[]", "at least one of \"normal\", \"height\"");
-        }
-        Ok(())
-    }
-
-    fn interior_faults(&self) -> Checked {
-        let Some(interior) = &self.interior else {
-            return Ok(());
-        };
-        within("interior.cells", u64::from(interior.cells), 1, 1000)?;
-        if self.layers.len() != 1 {
-            let found = format!("{} layers", self.layers.len());
-            return fault("interior", found, "exactly one layer on a lattice");
         }
         Ok(())
     }
@@ -289,9 +344,9 @@ impl PropertyMap {
 }
 
 impl Pose {
-    fn faults(&self, key: &str) -> Checked {
+    fn faults(&self, key: &str, interior: Option<&Interior>) -> Checked {
         within(&format!("{key}.steps"), u64::from(self.steps), 1, 100_000)?;
-        if self.weights.is_empty() {
+        if self.weights.is_empty() && interior.is_none() {
             return fault(&format!("{key}.weights"), "{}", "at least one blend shape");
         }
         for (shape, weight) in &self.weights {
@@ -322,18 +377,19 @@ impl Pose {
                 );
             }
         }
-        Ok(())
+        motion_faults(key, &self.motions, interior)
     }
 }
 
-fn fault(key: &str, found: impl std::fmt::Display, accepted: &str) -> Checked {
+pub(super) fn fault(key: &str, found: impl std::fmt::Display, accepted: &str) -> Checked {
     Err(Fault {
         key: key.to_owned(),
         reason: format!("found {found}; accepted: {accepted}"),
+        suggestion: None,
     })
 }
 
-fn positive(key: &str, value: f64) -> Checked {
+pub(super) fn positive(key: &str, value: f64) -> Checked {
     if value > 0.0 && value.is_finite() {
         return Ok(());
     }
@@ -354,7 +410,7 @@ fn poisson(key: &str, value: f64) -> Checked {
     fault(key, value, "a number above -1 and below 0.5, such as 0.48")
 }
 
-fn within(key: &str, value: u64, least: u64, most: u64) -> Checked {
+pub(super) fn within(key: &str, value: u64, least: u64, most: u64) -> Checked {
     if (least..=most).contains(&value) {
         return Ok(());
     }

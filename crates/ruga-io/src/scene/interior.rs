@@ -1,0 +1,171 @@
+//! `[interior]`: the soft body below the layer, what holds it and what it runs into; and the
+//! motions of poses.
+
+use serde::{Deserialize, Serialize};
+
+/// `[interior]`: one layer on an embedded lattice (Rémillard and Kry 2013).
+///
+/// What lies inside has the Young's modulus and the Poisson ratio of `[substrate]`. All lengths are
+/// metres; `length_unit` converts OBJ input alone.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Interior {
+    /// Lattice cells along the longest side, 1 to 1000.
+    pub cells: u32,
+    /// The lattice's elements.
+    pub shape: CellShape,
+    /// Density of the inside, kg/m3, above 0.
+    pub density: f64,
+    /// Acceleration of whatever has mass, m/s2; none if left out.
+    pub gravity: [f64; 3],
+    /// Stiffness per area of springs that draw the surface to the posed blend shapes, Pa/m, above 0;
+    /// left out, blend shapes move nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub follow: Option<f64>,
+    /// Parts of the body that are held and moved.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub handles: Vec<Handle>,
+    /// What the layer cannot enter.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub obstacles: Vec<Obstacle>,
+}
+
+impl Default for Interior {
+    fn default() -> Self {
+        Self {
+            cells: 6,
+            shape: CellShape::Quadratic,
+            density: 1100.0,
+            gravity: [0.0; 3],
+            follow: None,
+            handles: Vec::new(),
+            obstacles: Vec::new(),
+        }
+    }
+}
+
+impl Interior {
+    /// Names of what a pose can move: handles, then obstacles.
+    pub fn movable(&self) -> impl Iterator<Item = &str> {
+        let handles = self.handles.iter().map(|handle| handle.name.as_str());
+        handles.chain(self.obstacles.iter().map(|obstacle| obstacle.name.as_str()))
+    }
+}
+
+/// The lattice's elements.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CellShape {
+    /// Quadratic B-splines.
+    #[default]
+    Quadratic,
+    /// Trilinear, for comparison.
+    Linear,
+}
+
+/// One of `[[interior.handles]]`: the part of the body in a box, which moves as poses tell it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Handle {
+    /// Its name in motions.
+    pub name: String,
+    /// Lowest corner of the box at rest, m.
+    pub min: [f64; 3],
+    /// Highest corner, m; above the lowest along every axis.
+    pub max: [f64; 3],
+}
+
+/// One of `[[interior.obstacles]]`: a rigid thing without friction. Exactly one shape is given.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Obstacle {
+    /// Its name in motions.
+    pub name: String,
+    /// Everything behind a plane.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plane: Option<Plane>,
+    /// A ball.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sphere: Option<Sphere>,
+    /// A straight cylinder: a button.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cylinder: Option<Cylinder>,
+}
+
+/// The shape of an obstacle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ObstacleShape {
+    /// Everything behind a plane.
+    Plane(Plane),
+    /// A ball.
+    Sphere(Sphere),
+    /// A straight cylinder.
+    Cylinder(Cylinder),
+}
+
+impl Obstacle {
+    /// The one shape that is given; `None` when there are none or several, which
+    /// [`validate`](super::Scene::validate) refuses.
+    pub fn shape(&self) -> Option<ObstacleShape> {
+        match (self.plane, self.sphere, self.cylinder) {
+            (Some(plane), None, None) => Some(ObstacleShape::Plane(plane)),
+            (None, Some(sphere), None) => Some(ObstacleShape::Sphere(sphere)),
+            (None, None, Some(cylinder)) => Some(ObstacleShape::Cylinder(cylinder)),
+            _ => None,
+        }
+    }
+}
+
+/// A plane and everything behind it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Plane {
+    /// A point on it, m.
+    pub point: [f64; 3],
+    /// Towards the free side, of any length but zero.
+    pub normal: [f64; 3],
+}
+
+/// A ball.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sphere {
+    /// Its centre, m.
+    pub centre: [f64; 3],
+    /// Its radius, m, above 0.
+    pub radius: f64,
+}
+
+/// A straight cylinder with flat ends.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cylinder {
+    /// Centre of one end, m.
+    pub from: [f64; 3],
+    /// Centre of the other end, m; elsewhere than `from`.
+    pub to: [f64; 3],
+    /// Its radius, m, above 0.
+    pub radius: f64,
+}
+
+/// One of the `motions` of a pose: where a handle or an obstacle is at one time.
+///
+/// Several motions of one thing are its keyframes, in ascending order; between them, and between
+/// the rest and the first, it moves evenly. After the last it stays.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Motion {
+    /// Name of the handle or obstacle.
+    pub of: String,
+    /// When, as a fraction of the pose, in (0, 1].
+    pub at: f64,
+    /// `move`: way from where it is at rest, m, after it has been turned; none if left out.
+    #[serde(default, rename = "move")]
+    pub translation: [f64; 3],
+    /// Axis times angle, degrees, by the right-hand rule; none if left out.
+    #[serde(default)]
+    pub turn: [f64; 3],
+    /// A point of the axis at rest, m; the origin if left out.
+    #[serde(default)]
+    pub about: [f64; 3],
+}

@@ -1,0 +1,186 @@
+//! What `[interior]` and the motions of poses must mean, beyond being well-formed.
+
+use super::validate::{Checked, Fault, fault, positive, within};
+use super::{Cylinder, Handle, Interior, Motion, Obstacle, ObstacleShape, Plane, Sphere};
+use crate::error::nearest;
+
+impl Interior {
+    pub(super) fn faults(&self, layers: usize) -> Checked {
+        within("interior.cells", u64::from(self.cells), 1, 1000)?;
+        positive("interior.density", self.density)?;
+        finite("interior.gravity", &self.gravity)?;
+        self.follow
+            .map_or(Ok(()), |stiffness| positive("interior.follow", stiffness))?;
+        for (i, handle) in self.handles.iter().enumerate() {
+            let key = format!("interior.handles[{i}]");
+            self.name_fault(&key, i)?;
+            handle.faults(&key)?;
+        }
+        for (i, obstacle) in self.obstacles.iter().enumerate() {
+            let key = format!("interior.obstacles[{i}]");
+            self.name_fault(&key, self.handles.len() + i)?;
+            obstacle.faults(&key)?;
+        }
+        if layers != 1 {
+            let found = format!("{layers} layers");
+            return fault("interior", found, "exactly one layer on a lattice");
+        }
+        Ok(())
+    }
+
+    /// Whether what stands at `place` among all that can be moved has a name of its own.
+    fn name_fault(&self, key: &str, place: usize) -> Checked {
+        let names: Vec<&str> = self.movable().take(place + 1).collect();
+        let Some((name, earlier)) = names.split_last() else {
+            return Ok(());
+        };
+        let key = format!("{key}.name");
+        if name.trim().is_empty() {
+            return fault(&key, format!("`{name}`"), "a name that motions can give");
+        }
+        if earlier.contains(name) {
+            let accepted = "a different name for each handle and obstacle";
+            return fault(&key, format!("`{name}` twice"), accepted);
+        }
+        Ok(())
+    }
+}
+
+impl Handle {
+    fn faults(&self, key: &str) -> Checked {
+        finite(&format!("{key}.min"), &self.min)?;
+        finite(&format!("{key}.max"), &self.max)?;
+        for (axis, (min, max)) in self.min.iter().zip(self.max).enumerate() {
+            if *min >= max {
+                let accepted = format!("a coordinate below max[{axis}] = {max}");
+                return fault(&format!("{key}.min[{axis}]"), min, &accepted);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Obstacle {
+    fn faults(&self, key: &str) -> Checked {
+        match self.shape() {
+            Some(ObstacleShape::Plane(plane)) => plane.faults(&format!("{key}.plane")),
+            Some(ObstacleShape::Sphere(sphere)) => sphere.faults(&format!("{key}.sphere")),
+            Some(ObstacleShape::Cylinder(cylinder)) => cylinder.faults(&format!("{key}.cylinder")),
+            None => {
+                let given = [
+                    ("plane", self.plane.is_some()),
+                    ("sphere", self.sphere.is_some()),
+                    ("cylinder", self.cylinder.is_some()),
+                ];
+                let given: Vec<&str> = given.iter().filter(|g| g.1).map(|g| g.0).collect();
+                let found = match given.as_slice() {
+                    [] => "none of them".to_owned(),
+                    names => names.join(", "),
+                };
+                fault(key, found, "exactly one of plane, sphere, cylinder")
+            }
+        }
+    }
+}
+
+impl Plane {
+    fn faults(&self, key: &str) -> Checked {
+        finite(&format!("{key}.point"), &self.point)?;
+        let accepted = "a direction that is not zero, such as [0.0, 0.0, 1.0]";
+        direction(&format!("{key}.normal"), &self.normal, accepted)
+    }
+}
+
+impl Sphere {
+    fn faults(&self, key: &str) -> Checked {
+        finite(&format!("{key}.centre"), &self.centre)?;
+        positive(&format!("{key}.radius"), self.radius)
+    }
+}
+
+impl Cylinder {
+    fn faults(&self, key: &str) -> Checked {
+        finite(&format!("{key}.from"), &self.from)?;
+        let to = format!("{key}.to");
+        finite(&to, &self.to)?;
+        let axis: [f64; 3] = std::array::from_fn(|i| self.to[i] - self.from[i]);
+        if !has_length(&axis) {
+            let accepted = "another point than `from`, the centre of the other end";
+            return fault(&to, format!("{:?}", self.to), accepted);
+        }
+        positive(&format!("{key}.radius"), self.radius)
+    }
+}
+
+/// Checks the motions of the pose at `key`.
+pub(super) fn motion_faults(key: &str, motions: &[Motion], interior: Option<&Interior>) -> Checked {
+    if motions.is_empty() {
+        return Ok(());
+    }
+    let Some(interior) = interior else {
+        let accepted = "motions of handles and obstacles of an [interior] table, which is missing";
+        let found = format!("{} of them", motions.len());
+        return fault(&format!("{key}.motions"), found, accepted);
+    };
+    for (i, motion) in motions.iter().enumerate() {
+        let key = format!("{key}.motions[{i}]");
+        motion.faults(&key, interior)?;
+        let before = motions.iter().take(i).rfind(|other| other.of == motion.of);
+        if let Some(before) = before.filter(|before| before.at >= motion.at) {
+            let accepted = format!(
+                "a fraction above {}, that of the keyframe of `{}` before it",
+                before.at, motion.of
+            );
+            return fault(&format!("{key}.at"), motion.at, &accepted);
+        }
+    }
+    Ok(())
+}
+
+impl Motion {
+    fn faults(&self, key: &str, interior: &Interior) -> Checked {
+        if !interior.movable().any(|name| name == self.of) {
+            return unknown_name(&format!("{key}.of"), &self.of, interior);
+        }
+        if !(self.at > 0.0 && self.at <= 1.0) {
+            return fault(&format!("{key}.at"), self.at, "a fraction in (0, 1]");
+        }
+        finite(&format!("{key}.move"), &self.translation)?;
+        finite(&format!("{key}.turn"), &self.turn)?;
+        finite(&format!("{key}.about"), &self.about)
+    }
+}
+
+fn unknown_name(key: &str, name: &str, interior: &Interior) -> Checked {
+    let names: Vec<String> = interior.movable().map(|n| format!("`{n}`")).collect();
+    let accepted = match names.as_slice() {
+        [] => "the name of a handle or an obstacle, of which [interior] has none".to_owned(),
+        names => format!("a handle or an obstacle: {}", names.join(", ")),
+    };
+    Err(Fault {
+        key: key.to_owned(),
+        reason: format!("found `{name}`; accepted: {accepted}"),
+        suggestion: nearest(name, interior.movable()),
+    })
+}
+
+fn finite(key: &str, values: &[f64; 3]) -> Checked {
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(i) => fault(&format!("{key}[{i}]"), values[i], "a finite number"),
+        None => Ok(()),
+    }
+}
+
+fn direction(key: &str, values: &[f64; 3], accepted: &str) -> Checked {
+    finite(key, values)?;
+    if has_length(values) {
+        return Ok(());
+    }
+    fault(key, format!("{values:?}"), accepted)
+}
+
+/// Whether the vector can be made a unit vector: squares of tiny or huge numbers are none.
+fn has_length(vector: &[f64; 3]) -> bool {
+    let squared: f64 = vector.iter().map(|x| x * x).sum();
+    squared.is_normal()
+}
