@@ -198,6 +198,21 @@ impl Lattice {
         self.moments(element).volume
     }
 
+    /// Centre of the piece of the body in an element (m), which lies in its cell.
+    pub fn element_centre(&self, element: ElementId) -> Vector3<f64> {
+        let moments = self.moments(element);
+        let size = self.cell_size();
+        let centre = moments.centre();
+        // Of a piece with next to no volume rounding decides.
+        let inside = |c: usize| centre[c] >= 0.0 && centre[c] <= size[c];
+        let local = if (0..3).all(inside) {
+            centre
+        } else {
+            0.5 * size
+        };
+        self.element_corner(element) + local
+    }
+
     /// Volume of the body (m³).
     pub fn volume(&self) -> f64 {
         self.elements.iter().map(|e| e.moments.volume).sum()

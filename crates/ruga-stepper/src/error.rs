@@ -2,6 +2,7 @@
 
 use ruga_blend::BlendError;
 use ruga_constraint::ConstraintError;
+use ruga_lattice::LatticeError;
 use ruga_material::MaterialError;
 use ruga_remesh::RemeshError;
 use ruga_shell::ShellError;
@@ -61,6 +62,44 @@ pub enum StepperError {
     NoRoom {
         /// Name of the layer.
         layer: String,
+    },
+    /// The lattice inside a body cannot be built.
+    #[error("interior: {0}")]
+    Lattice(#[from] LatticeError),
+    /// A handle holds nothing.
+    #[error(
+        "handle '{handle}' holds no cell of the lattice: no part of the body in a cell has its centre in the box; enlarge the box or take more cells"
+    )]
+    EmptyHandle {
+        /// Name of the handle.
+        handle: String,
+    },
+    /// Handles hold all of a body.
+    #[error("the handles hold every node of the lattice; make them smaller or take more cells")]
+    HeldBody,
+    /// An obstacle has no surface.
+    #[error(
+        "obstacle '{obstacle}' has no shape: radius, length and normal must be positive and finite"
+    )]
+    ShapelessObstacle {
+        /// Name of the obstacle.
+        obstacle: String,
+    },
+    /// A motion is of something that is not there.
+    #[error("pose '{pose}' moves '{name}', which is neither a handle nor an obstacle")]
+    UnknownMover {
+        /// Name of the pose.
+        pose: String,
+        /// What it names.
+        name: String,
+    },
+    /// The keyframes of a motion are out of order.
+    #[error("pose '{pose}': the keyframes of '{name}' must ascend, over 0 and up to 1")]
+    Keyframes {
+        /// Name of the pose.
+        pose: String,
+        /// What moves.
+        name: String,
     },
     /// The driver cannot be posed.
     #[error(transparent)]

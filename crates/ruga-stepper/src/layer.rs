@@ -219,14 +219,7 @@ impl Layer {
         let vertices = self.vertex_count();
         for v in &self.free {
             let i = v.index() % vertices;
-            let LocalSkin {
-                material,
-                wrinkling,
-            } = &self.properties.vertices[i];
-            let usual_edge = wrinkling.wavelength / 12.0;
-            // Where the artist's mesh is much finer than asked for, the same noise would fold it.
-            let fineness = (self.areas[i] / (usual_edge * usual_edge)).min(1.0);
-            let size = NOISE * material.thickness * fineness;
+            let size = noise_size(&self.properties.vertices[i], self.areas[i]);
             let height = size * random.random_range(-1.0..1.0);
             self.positions[v.index()] += self.skin.rest.normals[i] * height;
         }
@@ -502,6 +495,14 @@ impl Layer {
     pub(crate) fn positions(&self) -> &[Vector3<f64>] {
         &self.positions
     }
+}
+
+/// Largest noise at a vertex with this area (m²), m.
+pub(crate) fn noise_size(local: &LocalSkin, area: f64) -> f64 {
+    let usual_edge = local.wrinkling.wavelength / 12.0;
+    // Where the artist's mesh is much finer than asked for, the same noise would fold it.
+    let fineness = (area / (usual_edge * usual_edge)).min(1.0);
+    NOISE * local.material.thickness * fineness
 }
 
 /// How the surface turns at one vertex between two poses.

@@ -14,7 +14,7 @@ use crate::skin_mesh::SkinMesh;
 use crate::{LayerPlan, LayerReport, Modelling, Observer, Phase, Progress, StepperError};
 
 /// Share of the critical strain below which nothing can wrinkle.
-const LEAST_DEMAND: f64 = 0.9;
+pub(crate) const LEAST_DEMAND: f64 = 0.9;
 
 /// Where the way up to the onset of a layer begins that lies on another, in critical strains: as
 /// high as nothing buckles. Far above the onset a trial costs ten times as much.
@@ -27,11 +27,11 @@ const GROWTH: f64 = 1.5;
 /// Newton decrement, in energy scales, at which a state is a result. Where a pattern is held fast
 /// the last step, which is taken, leaves a square of it; on a whole forehead some defect always
 /// slides a little further, for hundreds of iterations, while the energy changes by a thousandth.
-const SETTLED: f64 = 3e-5;
+pub(crate) const SETTLED: f64 = 3e-5;
 
 /// Newton decrement, in energy scales, at which a state that is only passed is good enough. What
 /// is left then is the pattern sliding along itself, and the next load moves it anyway.
-const PASSING: f64 = 1e-3;
+pub(crate) const PASSING: f64 = 1e-3;
 
 /// Newton decrement of the equilibrium, in energy scales, at which a moving layer counts as being
 /// there.
@@ -41,10 +41,10 @@ const AT_REST: f64 = 1e-4;
 const MOST_STEPS_TO_REST: usize = 200;
 
 /// The relaxation that a solve is tried with first, over what the last one needed: lets it shrink.
-const SLOWLY_LESS: f64 = 0.97;
+pub(crate) const SLOWLY_LESS: f64 = 0.97;
 
 /// Amplitude below which a layer counts as flat, in thicknesses.
-const LEAST_AMPLITUDE: f64 = 0.01;
+pub(crate) const LEAST_AMPLITUDE: f64 = 0.01;
 
 /// What a load means to a layer, and what follows from reaching one.
 pub(crate) trait Course {
@@ -92,7 +92,7 @@ enum Arrival {
 
 /// How exact a state has to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Pace {
+pub(crate) enum Pace {
     /// It decides something or is handed out.
     Result,
     /// It is the start of the next.

@@ -100,6 +100,8 @@ mod stacking;
 mod test_square;
 mod upper_layers;
 
+mod embedded;
+
 mod error;
 mod observer;
 
@@ -110,6 +112,11 @@ pub use model::{
     Coupling, Dynamics, EdgeLimits, LayerSpec, Mask, Modelling, PoseSpec, Region, Stack,
 };
 pub use result::{ComputedMesh, KeyResult, LayerReport, LayerSurface, PoseResult};
+
+pub use embedded::{
+    Body, BodyPlan, BodyPose, Handle, Keyframe, Motion, Obstacle, ObstacleShape, plan_body,
+    simulate_body,
+};
 
 pub use observer::{Frame, Observer, Phase, Progress, Silent};
 

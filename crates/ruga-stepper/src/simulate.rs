@@ -58,7 +58,7 @@ pub fn simulate(
 }
 
 /// `steps` equal steps to 1, as far as `last`, and the `keys`; ascending.
-fn loads_up_to(last: f64, steps: u32, keys: impl IntoIterator<Item = f64>) -> Vec<f64> {
+pub(crate) fn loads_up_to(last: f64, steps: u32, keys: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let mut loads: Vec<f64> = (1..=steps)
         .map(|i| f64::from(i) / f64::from(steps))
         .filter(|&load| load < last)
@@ -226,6 +226,7 @@ impl StackRun<'_> {
             self.result.keys.push(KeyResult {
                 load: place.weight,
                 layers,
+                artist_positions: None,
             });
         }
         Ok(true)
@@ -254,6 +255,7 @@ fn flat_key(load: f64) -> KeyResult {
     KeyResult {
         load,
         layers: Vec::new(),
+        artist_positions: None,
     }
 }
 

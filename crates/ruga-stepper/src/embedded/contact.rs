@@ -1,0 +1,132 @@
+//! What keeps a layer out of obstacles.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::obstacle::PlacedObstacle;
+
+/// Where the obstacle begins to push, in thicknesses of the layer.
+const REACH: f64 = 0.05;
+
+/// Way into an obstacle, in thicknesses, for which the pressure grows by the interior's Young's
+/// modulus. The interior bears no more than a part of that, so that a layer sinks in by less than a
+/// tenth of its thickness; a stiffer obstacle would outweigh all other stiffnesses of a vertex.
+const GIVE: f64 = 0.1;
+
+/// Ways through an obstacle that are looked at between two places of a vertex.
+const SAMPLES: u32 = 8;
+
+/// Frictionless obstacles: an energy per area of the distance `d` of every vertex.
+///
+/// ```text
+/// s = reach - d     W = 0,  k s^3 / (6 reach),  k/2 (s - reach/2)^2 + k reach^2/24
+///                       for s < 0, up to reach, beyond
+/// ```
+/// Twice continuously differentiable: with a kink in the pressure Newton's method goes back and
+/// forth between touching and not touching.
+#[derive(Clone, Debug)]
+pub(crate) struct Contact {
+    pub(crate) obstacles: Vec<PlacedObstacle>,
+    /// Pa/m.
+    stiffness: f64,
+    /// m.
+    reach: f64,
+}
+
+impl Contact {
+    /// For a layer so thick (m) on an interior with this modulus (Pa).
+    pub(crate) fn new(obstacles: Vec<PlacedObstacle>, young: f64, thickness: f64) -> Self {
+        Self {
+            obstacles,
+            stiffness: young / (GIVE * thickness),
+            reach: REACH * thickness,
+        }
+    }
+
+    /// J, for vertices with these areas (m²).
+    pub(crate) fn value(&self, x: &[Vector3<f64>], areas: &[f64]) -> f64 {
+        let pairs = || x.iter().zip(areas);
+        let of = |obstacle: &PlacedObstacle| -> f64 {
+            let energy = |(x, area)| area * self.pressure(obstacle.distance(x).value)[0];
+            pairs().map(energy).sum()
+        };
+        self.obstacles.iter().map(of).sum()
+    }
+
+    /// Force on a vertex against growing coordinates: the energy's gradient, N.
+    pub(crate) fn gradient(&self, x: &Vector3<f64>, area: f64) -> Vector3<f64> {
+        let mut sum = Vector3::zeros();
+        for obstacle in &self.obstacles {
+            let distance = obstacle.distance(x);
+            sum -= distance.gradient * (area * self.pressure(distance.value)[1]);
+        }
+        sum
+    }
+
+    /// The energy's second derivative at a vertex, exact and without the obstacle's curvature, which
+    /// makes it negative along a surface that curves away; `None` where nothing touches, N/m.
+    pub(crate) fn hessian(&self, x: &Vector3<f64>, area: f64) -> Option<[Matrix3<f64>; 2]> {
+        let mut sum = None;
+        for obstacle in &self.obstacles {
+            let distance = obstacle.distance(x);
+            let [_, slope, bend] = self.pressure(distance.value);
+            if slope > 0.0 {
+                let normal = distance.gradient;
+                let stiff = normal * normal.transpose() * (area * bend);
+                let [exact, relaxed] = sum.unwrap_or([Matrix3::zeros(); 2]);
+                let curved = distance.hessian * (area * slope);
+                sum = Some([exact + stiff - curved, relaxed + stiff]);
+            }
+        }
+        sum
+    }
+
+    /// Deepest way of any vertex into any obstacle, m; 0 where none is inside.
+    pub(crate) fn penetration(&self, x: &[Vector3<f64>]) -> f64 {
+        let depths = self.obstacles.iter().flat_map(|obstacle| {
+            let depth = |x: &Vector3<f64>| -obstacle.distance(x).value;
+            x.iter().map(depth)
+        });
+        depths.fold(0.0, f64::max)
+    }
+
+    /// Whether a vertex has passed through an obstacle on a straight way, as seen by the obstacle,
+    /// from one place to another, or has ended more than `depth` (m) inside.
+    pub(crate) fn is_passed(
+        &self,
+        (from, x): (&[PlacedObstacle], &[Vector3<f64>]),
+        to: &[Vector3<f64>],
+        depth: f64,
+    ) -> bool {
+        let passes = |(before, now): (&PlacedObstacle, &PlacedObstacle)| {
+            let depth = depth.min(0.5 * now.shape.half_depth());
+            x.iter().zip(to).any(|(x, to)| {
+                let start = before.placement.pull_back(x);
+                let way = now.placement.pull_back(to) - start;
+                (1..=SAMPLES).any(|k| {
+                    let place = start + way * (f64::from(k) / f64::from(SAMPLES));
+                    super::obstacle::distance(&now.shape, &place).value < -depth
+                })
+            })
+        };
+        from.iter().zip(&self.obstacles).any(passes)
+    }
+
+    /// Energy per area (J/m²), pressure (Pa) and stiffness per area (Pa/m) at a distance (m).
+    fn pressure(&self, distance: f64) -> [f64; 3] {
+        let Self {
+            stiffness: k,
+            reach,
+            ..
+        } = *self;
+        let s = reach - distance;
+        if s <= 0.0 {
+            [0.0; 3]
+        } else if s < reach {
+            let share = s / reach;
+            [k * s * s * share / 6.0, 0.5 * k * s * share, k * share]
+        } else {
+            let t = s - 0.5 * reach;
+            [0.5 * k * t * t + k * reach * reach / 24.0, k * t, k]
+        }
+    }
+}

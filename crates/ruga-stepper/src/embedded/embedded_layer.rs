@@ -1,0 +1,511 @@
+//! A layer on a body: meshes, energies, and where everything is now.
+
+use nalgebra::{Rotation3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use ruga_blend::{BaseSurface, Driver, FaceStrain, face_strains};
+use ruga_lattice::Embedding;
+use ruga_material::Wrinkling;
+use ruga_mesh::{FaceId, Id, PerFace};
+use ruga_remesh::{FaceDriver, Refinement, RemeshSettings, SizeLimits};
+use ruga_solver::{Iteration, Kkt, NewtonSettings, SolveReport, SolverError, minimise};
+
+use super::contact::Contact;
+use super::handles::Moves;
+use super::inertia::BodyInertia;
+use super::objective::{BodyObjective, Moment, Scales};
+use super::obstacle::PlacedObstacle;
+use super::plan::BodyPlan;
+use super::prediction::Prediction;
+use super::system::BodySystem;
+use crate::layer::noise_size;
+use crate::local_skin::{LocalSkin, SkinProperties, uv};
+use crate::skin_mesh::{Interpolation, MeshDemand, RegionMesh, SkinMesh};
+use crate::{ComputedMesh, Dynamics, LayerSurface, Modelling, StepperError};
+
+/// Where a body and its layer are.
+#[derive(Clone, Debug)]
+pub(crate) struct BodyState {
+    /// The layer's vertices, m.
+    pub(crate) x: Vec<Vector3<f64>>,
+    /// Lattice nodes, m.
+    pub(crate) q: Vec<Vector3<f64>>,
+    /// Of the nodes, m/s.
+    pub(crate) velocities: Vec<Vector3<f64>>,
+    pub(crate) obstacles: Vec<PlacedObstacle>,
+    /// Where the artist's vertices are drawn to; empty where nothing draws them, m.
+    pub(crate) targets: Vec<Vector3<f64>>,
+}
+
+/// A body with its layer in one pose.
+pub(crate) struct EmbeddedLayer<'p> {
+    plan: &'p BodyPlan,
+    region: RegionMesh,
+    /// Of the region's vertices.
+    region_embedding: Embedding,
+    /// How results get there; `None` where that is the layer's own mesh.
+    interpolation: Option<Interpolation>,
+    /// Of the artist's vertices.
+    control: Embedding,
+    pub(crate) skin: SkinMesh,
+    properties: SkinProperties,
+    pub(crate) system: BodySystem,
+    kkt: Kkt,
+    prediction: Prediction,
+    pub(crate) state: BodyState,
+    /// Normals of the surface below in the last solve.
+    normals: Vec<Vector3<f64>>,
+}
+
+impl<'p> EmbeddedLayer<'p> {
+    /// At rest.
+    pub(crate) fn new(
+        driver: &Driver,
+        plan: &'p BodyPlan,
+        modelling: &Modelling,
+    ) -> Result<Self, StepperError> {
+        let spec = &plan.spec;
+        let (region, fitted) = meshes(driver, plan, modelling)?;
+        let interpolation = fitted
+            .as_ref()
+            .map(|skin| Interpolation::new(skin, &region.skin));
+        let skin = fitted.unwrap_or_else(|| region.skin.clone());
+        let properties = SkinProperties::new(spec, &plan.wrinkling, None, driver, &skin)?;
+        let made_of = (&properties, modelling.bending);
+        let system = BodySystem::new(driver, plan, &skin, made_of, &plan.held)?;
+        let solver = |source| StepperError::Solver {
+            layer: spec.name.clone(),
+            source,
+        };
+        let nodes = system.lattice.free_nodes().len();
+        let kkt = Kkt::with_dense_end(&system.layout.pattern, &system.rows, 3, nodes);
+        let carrier = &plan.carrier;
+        let rest = carrier.lattice.rest_positions();
+        let mut layer = Self {
+            state: BodyState {
+                x: skin.rest.positions.clone(),
+                q: rest.to_vec(),
+                velocities: vec![Vector3::zeros(); rest.len()],
+                obstacles: Vec::new(),
+                targets: match &system.follow {
+                    Some(_) => driver.rest().to_vec(),
+                    None => Vec::new(),
+                },
+            },
+            normals: system.embedding.normals(rest),
+            kkt: kkt.map_err(solver)?,
+            prediction: Prediction::new(&system.lattice).map_err(solver)?,
+            region_embedding: carrier.embed(&region.skin)?,
+            control: carrier.embed_control(driver)?,
+            plan,
+            region,
+            interpolation,
+            skin,
+            properties,
+            system,
+        };
+        layer.add_noise(modelling.seed);
+        Ok(layer)
+    }
+
+    /// A little of every wave, so that none has to grow out of rounding errors.
+    fn add_noise(&mut self, seed: u64) {
+        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        let vertices = self.properties.vertices.iter().zip(&self.system.areas);
+        for ((x, normal), (local, area)) in self.state.x.iter_mut().zip(&self.normals).zip(vertices)
+        {
+            *x += normal * (noise_size(local, *area) * random.random_range(-1.0..1.0));
+        }
+    }
+
+    /// Puts handles, obstacles and targets where they are at `time`; the inside moves with the
+    /// handles, and the layer with the inside.
+    pub(crate) fn place(
+        &mut self,
+        driver: &Driver,
+        (moves, weights): (&Moves<'_>, &ruga_blend::Weights),
+        time: f64,
+    ) -> Result<(), StepperError> {
+        let mut ways = self.handle_ways(moves, time);
+        if ways.iter().any(|way| *way != Vector3::zeros()) {
+            let both = [&self.system.all_nodes, &self.system.lattice];
+            let outcome = self.prediction.fill_in(both, &self.state.q, &mut ways);
+            outcome.map_err(|source| self.solver_error(source))?;
+        }
+        self.move_nodes(&ways);
+        self.set_surroundings(driver, (moves, weights), time);
+        Ok(())
+    }
+
+    /// The same for a step in time: the inside goes where its velocity takes it. Returns what the
+    /// step adds to the energy.
+    pub(crate) fn place_in_time(
+        &mut self,
+        driver: &Driver,
+        (moves, weights): (&Moves<'_>, &ruga_blend::Weights),
+        time: f64,
+        dynamics: Dynamics,
+    ) -> BodyInertia {
+        let inertia = BodyInertia::new(dynamics, &self.state.q, &self.state.velocities);
+        let mut ways = self.handle_ways(moves, time);
+        for &node in self.system.lattice.free_nodes() {
+            let node = node as usize;
+            ways[node] = inertia.centres[node] - self.state.q[node];
+        }
+        self.move_nodes(&ways);
+        self.set_surroundings(driver, (moves, weights), time);
+        inertia
+    }
+
+    fn set_surroundings(
+        &mut self,
+        driver: &Driver,
+        (moves, weights): (&Moves<'_>, &ruga_blend::Weights),
+        time: f64,
+    ) {
+        self.state.obstacles = moves.obstacles(time);
+        if self.system.follow.is_some() {
+            self.state.targets = driver.pose(&weights.scaled(time));
+        }
+    }
+
+    /// Ways of the held nodes from where they are to where they are at `time`; 0 for others.
+    fn handle_ways(&self, moves: &Moves<'_>, time: f64) -> Vec<Vector3<f64>> {
+        let rest = self.plan.carrier.lattice.rest_positions();
+        let handles = self.plan.body.handles.len();
+        let placements: Vec<_> = (0..handles).map(|i| moves.handle(i, time)).collect();
+        let nodes = self.plan.held.holder.iter().zip(rest).zip(&self.state.q);
+        let way = |((holder, rest), q): ((&Option<usize>, &Vector3<f64>), &Vector3<f64>)| {
+            holder.map_or(Vector3::zeros(), |i| placements[i].apply(rest) - q)
+        };
+        nodes.map(way).collect()
+    }
+
+    /// Moves the nodes; the layer is carried along, turning with the surface below.
+    fn move_nodes(&mut self, ways: &[Vector3<f64>]) {
+        let embedding = &self.system.embedding;
+        let before = Frames::new(embedding, &self.state.q);
+        for (q, way) in self.state.q.iter_mut().zip(ways) {
+            *q += way;
+        }
+        let after = Frames::new(embedding, &self.state.q);
+        for (i, x) in self.state.x.iter_mut().enumerate() {
+            let turn = after.rotations[i] * before.rotations[i].inverse();
+            *x = after.positions[i] + turn * (*x - before.positions[i]);
+        }
+    }
+
+    /// Finds the equilibrium near the present state, or the end of a step in time, and moves there.
+    pub(crate) fn minimise(
+        &mut self,
+        inertia: Option<BodyInertia>,
+        settings: &NewtonSettings,
+        keep_going: &mut dyn FnMut(&Iteration) -> bool,
+    ) -> Result<SolveReport, SolverError> {
+        self.normals = self.present_normals();
+        let moment = self.moment(inertia);
+        let targets = self.system.row_targets(&self.state.q);
+        let mut unknowns = self.unknowns();
+        let objective = BodyObjective {
+            system: &self.system,
+            moment: &moment,
+            scales: self.scales(),
+        };
+        let report = minimise(
+            &objective,
+            &targets,
+            &mut unknowns,
+            &mut self.kkt,
+            settings,
+            keep_going,
+        )?;
+        self.set_unknowns(&unknowns);
+        Ok(report)
+    }
+
+    /// What the next solve holds fast.
+    pub(crate) fn moment(&self, inertia: Option<BodyInertia>) -> Moment {
+        let factor = inertia.as_ref().map_or(0.0, |inertia| inertia.factor);
+        let BodyState {
+            q,
+            obstacles,
+            targets,
+            ..
+        } = &self.state;
+        Moment {
+            q: q.clone(),
+            normals: self.normals.clone(),
+            constant: self.system.constant_hessian(&self.normals, factor),
+            contact: self.contact(obstacles.clone()),
+            targets: targets.clone(),
+            inertia,
+        }
+    }
+
+    fn contact(&self, obstacles: Vec<PlacedObstacle>) -> Contact {
+        let (young, thickness) = (self.plan.body.material.young, self.thickness());
+        Contact::new(obstacles, young, thickness)
+    }
+
+    pub(crate) fn unknowns(&self) -> Vec<f64> {
+        let mut unknowns: Vec<f64> = self.state.x.iter().flat_map(|x| [x.x, x.y, x.z]).collect();
+        unknowns.extend(self.system.lattice.unknowns(&self.state.q));
+        unknowns
+    }
+
+    fn set_unknowns(&mut self, unknowns: &[f64]) {
+        let (layer, body) = unknowns.split_at(self.system.layout.shell_unknowns());
+        for (x, entries) in self.state.x.iter_mut().zip(layer.chunks_exact(3)) {
+            *x = Vector3::from_column_slice(entries);
+        }
+        self.system.lattice.set_unknowns(body, &mut self.state.q);
+    }
+
+    /// Normals of the surface below; where it has collapsed, those of before.
+    fn present_normals(&self) -> Vec<Vector3<f64>> {
+        let mut normals = self.system.embedding.normals(&self.state.q);
+        for (normal, before) in normals.iter_mut().zip(&self.normals) {
+            if *normal == Vector3::zeros() {
+                *normal = *before;
+            }
+        }
+        normals
+    }
+
+    /// Largest angle by which the surface below has turned since the normals of the last solve, rad.
+    pub(crate) fn turned(&self) -> f64 {
+        let pairs = self.normals.iter().zip(self.present_normals());
+        pairs
+            .map(|(old, new)| old.cross(&new).norm().atan2(old.dot(&new)))
+            .fold(0.0, f64::max)
+    }
+
+    /// Whether a vertex got through an obstacle on its way from an earlier state.
+    pub(crate) fn has_passed(&self, before: &BodyState) -> bool {
+        // Before the first step obstacles are where they are at rest, which is not in the state.
+        let from = match before.obstacles.is_empty() {
+            true => &self.state.obstacles,
+            false => &before.obstacles,
+        };
+        let contact = self.contact(self.state.obstacles.clone());
+        contact.is_passed((from, &before.x), &self.state.x, self.thickness())
+    }
+
+    /// Deepest way of a vertex into an obstacle, m.
+    pub(crate) fn penetration(&self) -> f64 {
+        let contact = self.contact(self.state.obstacles.clone());
+        contact.penetration(&self.state.x)
+    }
+
+    pub(crate) fn scales(&self) -> Scales {
+        let areas = &self.system.areas;
+        let vertex_area = areas.iter().sum::<f64>() / areas.len().max(1) as f64;
+        Scales {
+            energy: self.energy_scale(),
+            force: self.wrinkling().normal_stiffness * self.thickness() * vertex_area,
+            length: self.thickness(),
+        }
+    }
+
+    /// Energy that wrinkling is about, as in a layer on a given surface, J.
+    fn energy_scale(&self) -> f64 {
+        let of_face = |(face, strain): (FaceId, &FaceStrain)| {
+            let corners = self.skin.mesh.faces()[face];
+            let [a, b, c] = corners.map(|v| self.skin.rest.positions[v.index()]);
+            let area = 0.5 * (b - a).cross(&(c - a)).norm();
+            let numbers = &self.properties.faces[face].wrinkling;
+            let excess = (self.face_demand(face, strain) - 1.0).max(1.0);
+            let strain = numbers.critical_strain * excess;
+            0.5 * numbers.membrane_stiffness * strain * strain * area
+        };
+        self.strains().iter().map(of_face).sum()
+    }
+
+    /// Strains of the surface below under the layer's faces.
+    pub(crate) fn strains(&self) -> PerFace<FaceStrain> {
+        let below = self.system.embedding.positions(&self.state.q);
+        face_strains(&self.skin.mesh, &self.skin.rest.positions, &below)
+    }
+
+    /// Effective strain of a face in its critical strains.
+    fn face_demand(&self, face: FaceId, strain: &FaceStrain) -> f64 {
+        let critical = self.properties.faces[face].wrinkling.critical_strain;
+        strain.effective(self.plan.spec.material.poisson) / critical
+    }
+
+    /// Largest effective strain of the surface below, in critical strains.
+    pub(crate) fn demand(&self) -> f64 {
+        let strains = self.strains();
+        let demands = strains.iter().map(|(face, s)| self.face_demand(face, s));
+        demands.fold(0.0, f64::max)
+    }
+
+    /// Faces that the surface below compresses beyond the critical strain.
+    pub(crate) fn supercritical_faces(&self) -> Vec<[u32; 3]> {
+        let strains = self.strains();
+        let faces = strains
+            .iter()
+            .filter(|(f, s)| self.face_demand(*f, s) > 1.0);
+        faces
+            .map(|(face, _)| self.skin.mesh.faces()[face].map(|v| v.0))
+            .collect()
+    }
+
+    /// Wrinkle heights, m.
+    pub(crate) fn heights(&self) -> Vec<f64> {
+        let normals = self.present_normals();
+        let pairs = normals.iter().zip(self.deviations());
+        pairs.map(|(n, e)| n.dot(&e)).collect()
+    }
+
+    /// From the surface below to the layer, m.
+    fn deviations(&self) -> Vec<Vector3<f64>> {
+        let below = self.system.embedding.positions(&self.state.q);
+        let pairs = self.state.x.iter().zip(&below);
+        pairs.map(|(x, below)| x - below).collect()
+    }
+
+    /// Elastic energy of layer, foundation and inside, J.
+    pub(crate) fn energy(&self) -> f64 {
+        let BodySystem {
+            shell,
+            foundation,
+            lattice,
+            ..
+        } = &self.system;
+        let e = self.deviations();
+        let springs = foundation.as_ref().map_or(0.0, |foundation| {
+            let forces = foundation.forces(&self.normals, &e);
+            forces.iter().zip(&e).map(|(f, e)| 0.5 * f.dot(e)).sum()
+        });
+        shell.value(&self.state.x) + springs + lattice.value(&self.state.q)
+    }
+
+    /// Where the artist's vertices are, in the order of [`Driver::pose`], m.
+    pub(crate) fn artist_positions(&self) -> Vec<Vector3<f64>> {
+        self.control.positions(&self.state.q)
+    }
+
+    /// The layer as others see it.
+    pub(crate) fn snapshot(&self, driver: &Driver) -> LayerSurface {
+        let q = &self.state.q;
+        let below = self.region_embedding.positions(q);
+        let deviations = match &self.interpolation {
+            None => self.deviations(),
+            Some(interpolation) => interpolation.apply(&self.deviations()),
+        };
+        let positions = below.iter().zip(&deviations).map(|(b, e)| b + e);
+        let points = self.skin.points.points().iter();
+        LayerSurface {
+            name: self.plan.spec.name.clone(),
+            positions: positions.collect(),
+            driver_normals: self.region_embedding.normals(q),
+            driver_positions: below,
+            offset: 0.0,
+            faces: self.region.skin.corner_indices(),
+            uvs: self.region.shown_uvs().to_vec(),
+            artist: self.region.artist(),
+            computed: ComputedMesh {
+                positions: self.state.x.clone(),
+                faces: self.skin.corner_indices(),
+                uvs: points.map(|point| uv(driver, point)).collect(),
+            },
+        }
+    }
+
+    #[cfg(test)]
+    pub(crate) fn kkt(&self) -> &Kkt {
+        &self.kkt
+    }
+
+    pub(crate) fn thickness(&self) -> f64 {
+        self.plan.spec.material.thickness
+    }
+
+    fn wrinkling(&self) -> &Wrinkling {
+        &self.plan.wrinkling
+    }
+
+    pub(crate) fn solver_error(&self, source: SolverError) -> StepperError {
+        StepperError::Solver {
+            layer: self.plan.spec.name.clone(),
+            source,
+        }
+    }
+}
+
+/// An embedded surface with how it has turned.
+struct Frames {
+    positions: Vec<Vector3<f64>>,
+    rotations: Vec<Rotation3<f64>>,
+}
+
+impl Frames {
+    fn new(embedding: &Embedding, q: &[Vector3<f64>]) -> Self {
+        let [first, second] = [0, 1].map(|k| embedding.tangent_rows()[k].apply(q));
+        let rotation = |(a, b): (&Vector3<f64>, &Vector3<f64>)| {
+            let along = a.try_normalize(0.0);
+            let normal = a.cross(b).try_normalize(0.0);
+            match along.zip(normal) {
+                Some((t, n)) => Rotation3::from_basis_unchecked(&[t, n.cross(&t), n]),
+                None => Rotation3::identity(),
+            }
+        };
+        Self {
+            positions: embedding.positions(q),
+            rotations: first.iter().zip(&second).map(rotation).collect(),
+        }
+    }
+}
+
+/// The mesh that results are handed out on, and the uniform one to compute on where it is another.
+fn meshes(
+    driver: &Driver,
+    plan: &BodyPlan,
+    modelling: &Modelling,
+) -> Result<(RegionMesh, Option<SkinMesh>), StepperError> {
+    let base = BaseSurface::new(driver, &plan.faces, plan.levels, modelling.smoothing);
+    let region = RegionMesh::new(driver, &base, &plan.spec, modelling.smoothing, 0.0)?;
+    let Some(limits) = modelling.remesh else {
+        return Ok((region, None));
+    };
+    let properties = SkinProperties::new(&plan.spec, &plan.wrinkling, None, driver, &region.skin)?;
+    let unloaded = |local: &LocalSkin| FaceDriver {
+        compression: nalgebra::Matrix3::zeros(),
+        wavelength: local.wrinkling.wavelength,
+        critical_strain: local.wrinkling.critical_strain,
+        poisson: plan.spec.material.poisson,
+    };
+    let edges = plan.edge / plan.wavelength;
+    let edge = |local: &LocalSkin| {
+        let edge = edges * local.wrinkling.wavelength;
+        edge.clamp(limits.min_edge, limits.max_edge)
+    };
+    let longest: Vec<f64> = properties.vertices.iter().map(edge).collect();
+    let demand = MeshDemand {
+        drivers: &properties.faces.as_slice().iter().map(unloaded).collect(),
+        longest: &longest,
+        aspects: &vec![f64::INFINITY; longest.len()],
+        refinement: Refinement {
+            angle: f64::INFINITY,
+            points_per_wavelength: modelling.points_per_wavelength,
+            ..Refinement::default()
+        },
+        budget: modelling.vertex_budget,
+    };
+    let settings = RemeshSettings {
+        limits: SizeLimits {
+            min_edge: limits.min_edge,
+            max_edge: limits.max_edge,
+            aspect: limits.aspect,
+            ..SizeLimits::default()
+        },
+        ..RemeshSettings::default()
+    };
+    let adapted = region.adapted(driver, &demand, &settings);
+    let adapted = adapted.map_err(|source| StepperError::Remesh {
+        layer: plan.spec.name.clone(),
+        source,
+    })?;
+    Ok((region, Some(adapted.skin)))
+}

@@ -1,0 +1,187 @@
+//! The springs between a layer and a surface that moves with a lattice.
+
+use nalgebra::{Matrix3, Vector3};
+use ruga_lattice::{Embedding, SurfacePattern};
+use ruga_mesh::{Id, VertexId};
+use ruga_shell::{NormalFoundation, RestTriangle, ShellError};
+
+use crate::local_skin::SkinProperties;
+use crate::skin_mesh::SkinMesh;
+use crate::{Coupling, LayerSpec};
+
+/// Pasternak foundation and tangential tie as a function of `e = x - B q`:
+///
+/// ```text
+/// E = 1/2 e' F e      F_ij = m_ij n_i n_j' + d_ij t_i (I - n_i n_i')
+/// ```
+/// `m` is the scalar stiffness between normal deviations, `t` the tie, `n` the surface's normals,
+/// which stay as they are during one solve. The same energy as in a shell on a given surface, only
+/// that here the surface gives way.
+#[derive(Clone, Debug)]
+pub(crate) struct Foundation {
+    /// Per vertex the vertices it shares faces with, itself included, ascending; and `m`.
+    neighbours: Vec<Vec<(u32, f64)>>,
+    /// N/m.
+    ties: Vec<f64>,
+    /// Lower triangle of `F`.
+    points: Vec<u32>,
+    column_starts: Vec<usize>,
+    rows: Vec<usize>,
+}
+
+impl Foundation {
+    /// `None` for a layer that is held by rows alone.
+    pub(crate) fn new(
+        spec: &LayerSpec,
+        skin: &SkinMesh,
+        properties: &SkinProperties,
+        areas: &[f64],
+    ) -> Result<Option<Self>, ShellError> {
+        if spec.coupling == Coupling::Constraint {
+            return Ok(None);
+        }
+        let mut neighbours: Vec<Vec<(u32, f64)>> = vec![Vec::new(); areas.len()];
+        for (face, corners) in skin.mesh.faces().iter() {
+            let at = |v: VertexId| skin.rest.positions[v.index()];
+            let rest = RestTriangle::new(&corners.map(at), face.index())?;
+            let numbers = &properties.faces[face].wrinkling;
+            let (normal, gradient) = (numbers.normal_stiffness, numbers.gradient_stiffness);
+            let matrix = NormalFoundation::new(&rest, normal, gradient).matrix();
+            for (i, row) in corners.iter().enumerate() {
+                for (j, column) in corners.iter().enumerate() {
+                    neighbours[row.index()].push((column.0, matrix[(i, j)]));
+                }
+            }
+        }
+        neighbours.iter_mut().for_each(add_up);
+        let ties = properties.vertices.iter().zip(areas);
+        let ties = ties.map(|(local, area)| local.wrinkling.tangential_stiffness * area);
+        let (column_starts, rows) = lower_pattern(&neighbours);
+        Ok(Some(Self {
+            ties: ties.collect(),
+            points: (0..areas.len() as u32).collect(),
+            neighbours,
+            column_starts,
+            rows,
+        }))
+    }
+
+    /// Vertices whose deviations pull at vertex `i`, ascending.
+    pub(crate) fn neighbours(&self, i: usize) -> impl Iterator<Item = usize> + '_ {
+        self.neighbours[i].iter().map(|(j, _)| *j as usize)
+    }
+
+    /// `F e` (N) for ways `e` (m) from the surface, with the unit `normals`.
+    pub(crate) fn forces(&self, normals: &[Vector3<f64>], e: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        let heights: Vec<f64> = normals.iter().zip(e).map(|(n, e)| n.dot(e)).collect();
+        let force = |i: usize| {
+            let sum = |s: f64, (j, m): &(u32, f64)| s + m * heights[*j as usize];
+            let lift = self.neighbours[i].iter().fold(0.0, sum);
+            let drift = e[i] - normals[i] * heights[i];
+            normals[i] * lift + drift * self.ties[i]
+        };
+        (0..e.len()).map(force).collect()
+    }
+
+    /// Where the entries of [`Self::hessian`] are.
+    pub(crate) fn pattern(&self) -> SurfacePattern<'_> {
+        SurfacePattern {
+            points: &self.points,
+            column_starts: &self.column_starts,
+            rows: &self.rows,
+        }
+    }
+
+    /// The lower triangle of `F` (N/m).
+    pub(crate) fn hessian(&self, normals: &[Vector3<f64>]) -> Vec<f64> {
+        let mut values = Vec::with_capacity(self.rows.len());
+        for j in 0..self.points.len() {
+            let blocks: Vec<_> = below(&self.neighbours, j)
+                .map(|&(i, m)| self.block(normals, [i as usize, j], m))
+                .collect();
+            for c in 0..3 {
+                for (k, block) in blocks.iter().enumerate() {
+                    let first = if k == 0 { c } else { 0 };
+                    values.extend((first..3).map(|r| block[(r, c)]));
+                }
+            }
+        }
+        values
+    }
+
+    /// Row `i` of `F B`: nodes, ascending, each with its block (N/m).
+    pub(crate) fn times(
+        &self,
+        embedding: &Embedding,
+        normals: &[Vector3<f64>],
+        i: usize,
+    ) -> Vec<(u32, Matrix3<f64>)> {
+        // All blocks but the tie's begin with the normal here: one vector per node is enough.
+        let mut lifts: Vec<(u32, Vector3<f64>)> = Vec::new();
+        for &(j, m) in &self.neighbours[i] {
+            let lift = normals[j as usize] * m;
+            let row = embedding.rows().row(j as usize);
+            lifts.extend(row.map(|(node, weight)| (node, lift * weight)));
+        }
+        lifts.sort_by_key(|lift| lift.0);
+        lifts.dedup_by(|next, sum| {
+            let is_same = next.0 == sum.0;
+            if is_same {
+                sum.1 += next.1;
+            }
+            is_same
+        });
+        let n = normals[i];
+        let tangential = (Matrix3::identity() - n * n.transpose()) * self.ties[i];
+        let mut blocks: Vec<_> = lifts
+            .into_iter()
+            .map(|(node, lift)| (node, n * lift.transpose()))
+            .collect();
+        for (node, weight) in embedding.rows().row(i) {
+            if let Ok(place) = blocks.binary_search_by_key(&node, |block| block.0) {
+                blocks[place].1 += tangential * weight;
+            }
+        }
+        blocks
+    }
+
+    fn block(&self, normals: &[Vector3<f64>], [i, j]: [usize; 2], m: f64) -> Matrix3<f64> {
+        let block = normals[i] * normals[j].transpose() * m;
+        if i != j {
+            return block;
+        }
+        let across = Matrix3::identity() - normals[i] * normals[i].transpose();
+        block + across * self.ties[i]
+    }
+}
+
+/// Sorts by vertex and adds up what belongs to the same one.
+fn add_up(terms: &mut Vec<(u32, f64)>) {
+    terms.sort_by_key(|term| term.0);
+    terms.dedup_by(|next, sum| {
+        let is_same = next.0 == sum.0;
+        if is_same {
+            sum.1 += next.1;
+        }
+        is_same
+    });
+}
+
+/// The neighbours of `j` from itself on.
+fn below(neighbours: &[Vec<(u32, f64)>], j: usize) -> impl Iterator<Item = &(u32, f64)> {
+    neighbours[j].iter().filter(move |(i, _)| *i as usize >= j)
+}
+
+fn lower_pattern(neighbours: &[Vec<(u32, f64)>]) -> (Vec<usize>, Vec<usize>) {
+    let (mut starts, mut rows) = (vec![0], Vec::new());
+    for j in 0..neighbours.len() {
+        for c in 0..3 {
+            for &(i, _) in below(neighbours, j) {
+                let first = if i as usize == j { c } else { 0 };
+                rows.extend((first..3).map(|r| 3 * i as usize + r));
+            }
+            starts.push(rows.len());
+        }
+    }
+    (starts, rows)
+}

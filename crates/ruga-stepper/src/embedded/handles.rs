@@ -1,0 +1,203 @@
+//! What is moved from outside: parts of the body, and obstacles.
+
+use nalgebra::{Rotation3, Vector3};
+use ruga_lattice::Lattice;
+use ruga_mesh::Id;
+
+use super::obstacle::{PlacedObstacle, check};
+use crate::{Body, BodyPose, Handle, Keyframe, Motion, StepperError};
+
+/// A rigid motion: a turn about a point, then a translation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Placement {
+    /// m.
+    pub(crate) translation: Vector3<f64>,
+    /// Axis times angle, rad.
+    pub(crate) turn: Vector3<f64>,
+    /// A point of the axis at rest, m.
+    pub(crate) about: Vector3<f64>,
+}
+
+impl Placement {
+    /// Where a motion is at `time`, in (0, 1]: straight between keyframes, as far as the last.
+    pub(crate) fn at(motion: Option<&Motion>, time: f64) -> Self {
+        let Some(frames) = motion.map(|m| &m.keyframes).filter(|f| !f.is_empty()) else {
+            return Self::default();
+        };
+        let next = frames.partition_point(|frame| frame.at < time);
+        let Some(end) = frames.get(next) else {
+            return Self::of(&frames[frames.len() - 1]);
+        };
+        // Without a turn any point is on the axis.
+        let (at, start) = match next.checked_sub(1) {
+            Some(last) => (frames[last].at, Self::of(&frames[last])),
+            None => (
+                0.0,
+                Self {
+                    about: end.about,
+                    ..Self::default()
+                },
+            ),
+        };
+        let share = (time - at) / (end.at - at);
+        let between = |a: Vector3<f64>, b: Vector3<f64>| a + (b - a) * share;
+        Self {
+            translation: between(start.translation, end.translation),
+            turn: between(start.turn, end.turn),
+            about: between(start.about, end.about),
+        }
+    }
+
+    fn of(frame: &Keyframe) -> Self {
+        Self {
+            translation: frame.translation,
+            turn: frame.turn,
+            about: frame.about,
+        }
+    }
+
+    pub(crate) fn rotation(&self) -> Rotation3<f64> {
+        Rotation3::from_scaled_axis(self.turn)
+    }
+
+    /// Where a place at rest is now.
+    pub(crate) fn apply(&self, rest: &Vector3<f64>) -> Vector3<f64> {
+        if self.turn == Vector3::zeros() {
+            return rest + self.translation;
+        }
+        self.rotation() * (rest - self.about) + self.about + self.translation
+    }
+
+    /// Where a place now would be at rest.
+    pub(crate) fn pull_back(&self, now: &Vector3<f64>) -> Vector3<f64> {
+        if self.turn == Vector3::zeros() {
+            return now - self.translation;
+        }
+        self.rotation().inverse() * (now - self.translation - self.about) + self.about
+    }
+}
+
+/// The nodes of every handle, and who holds them.
+#[derive(Clone, Debug)]
+pub(crate) struct HeldNodes {
+    /// Per node the number of the handle that holds it.
+    pub(crate) holder: Vec<Option<usize>>,
+}
+
+impl HeldNodes {
+    /// Nodes of every element whose piece of the body has its centre in a handle's box; of the first
+    /// such handle where there are several.
+    pub(crate) fn new(lattice: &Lattice, handles: &[Handle]) -> Result<Self, StepperError> {
+        let mut holder = vec![None; lattice.node_count()];
+        for (number, handle) in handles.iter().enumerate() {
+            let mut is_empty = true;
+            for element in lattice.elements() {
+                let centre = lattice.element_centre(element);
+                let inside = (0..3).all(|c| (handle.min[c]..=handle.max[c]).contains(&centre[c]));
+                if !inside {
+                    continue;
+                }
+                is_empty = false;
+                for node in lattice.element_nodes(element) {
+                    holder[node.index()].get_or_insert(number);
+                }
+            }
+            if is_empty {
+                return Err(StepperError::EmptyHandle {
+                    handle: handle.name.clone(),
+                });
+            }
+        }
+        if holder.iter().all(Option::is_some) {
+            return Err(StepperError::HeldBody);
+        }
+        Ok(Self { holder })
+    }
+
+    pub(crate) fn pinned(&self) -> Vec<bool> {
+        self.holder.iter().map(Option::is_some).collect()
+    }
+}
+
+/// Everything that moves in one pose.
+#[derive(Clone, Debug)]
+pub(crate) struct Moves<'a> {
+    body: &'a Body,
+    motions: &'a [Motion],
+}
+
+impl<'a> Moves<'a> {
+    pub(crate) fn new(body: &'a Body, pose: &'a BodyPose) -> Result<Self, StepperError> {
+        body.obstacles.iter().try_for_each(check)?;
+        for motion in &pose.motions {
+            let handles = body.handles.iter().map(|handle| &handle.name);
+            let mut names = handles.chain(body.obstacles.iter().map(|obstacle| &obstacle.name));
+            if !names.any(|name| *name == motion.of) {
+                return Err(StepperError::UnknownMover {
+                    pose: pose.pose.name.clone(),
+                    name: motion.of.clone(),
+                });
+            }
+            let times = || motion.keyframes.iter().map(|frame| frame.at);
+            let ascend = times().zip(times().skip(1)).all(|(a, b)| a < b);
+            if !ascend || !times().all(|at| at > 0.0 && at <= 1.0) {
+                return Err(StepperError::Keyframes {
+                    pose: pose.pose.name.clone(),
+                    name: motion.of.clone(),
+                });
+            }
+        }
+        Ok(Self {
+            body,
+            motions: &pose.motions,
+        })
+    }
+
+    /// Where handle number `handle` is.
+    pub(crate) fn handle(&self, handle: usize, time: f64) -> Placement {
+        Placement::at(self.motion_of(&self.body.handles[handle].name), time)
+    }
+
+    pub(crate) fn obstacles(&self, time: f64) -> Vec<PlacedObstacle> {
+        let obstacles = self.body.obstacles.iter();
+        obstacles
+            .map(|obstacle| PlacedObstacle {
+                shape: obstacle.shape,
+                placement: Placement::at(self.motion_of(&obstacle.name), time),
+            })
+            .collect()
+    }
+
+    fn motion_of(&self, name: &str) -> Option<&'a Motion> {
+        self.motions.iter().find(|motion| motion.of == name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn motions_pass_their_keyframes_and_can_be_undone() {
+        let frame = |at: f64, x: f64, turn: f64| Keyframe {
+            at,
+            translation: Vector3::new(x, 0.0, 0.0),
+            turn: Vector3::new(0.0, 0.0, turn),
+            about: Vector3::new(1.0, 2.0, 0.0),
+        };
+        let motion = Motion {
+            of: "foot".into(),
+            keyframes: vec![frame(0.5, 2.0, 1.0), frame(0.8, 4.0, 0.0)],
+        };
+        let at = |time: f64| Placement::at(Some(&motion), time);
+        assert_eq!(at(0.25).translation.x, 1.0);
+        assert_eq!(at(0.25).turn.z, 0.5);
+        assert_eq!(at(0.5).translation.x, 2.0);
+        assert!((at(0.65).translation.x - 3.0).abs() < 1e-12);
+        assert_eq!(at(1.0).translation.x, 4.0);
+        // The point that is turned about only moves along.
+        assert!((at(0.5).apply(&Vector3::new(1.0, 2.0, 0.0)).x - 3.0).abs() < 1e-15);
+        let place = Vector3::new(0.3, -0.4, 0.5);
+        assert!((at(0.4).pull_back(&at(0.4).apply(&place)) - place).norm() < 1e-15);
+    }
+}

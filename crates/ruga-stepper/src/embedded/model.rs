@@ -1,0 +1,109 @@
+//! What a body is made of, what holds it, and what moves.
+
+use nalgebra::Vector3;
+use ruga_lattice::{Shape, SolidMaterial};
+
+use crate::PoseSpec;
+
+/// A soft body whose surface carries one layer (Rémillard and Kry 2013, RK): what lies inside, what
+/// holds it and what it runs into.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// Lattice cells along the longest side.
+    pub cells: u32,
+    /// The lattice's elements.
+    pub shape: Shape,
+    /// What the inside is made of.
+    pub material: SolidMaterial,
+    /// Its density, kg/m3.
+    pub density: f64,
+    /// Acceleration of whatever has mass, m/s2.
+    pub gravity: Vector3<f64>,
+    /// Parts of the body that stay where they are put.
+    pub handles: Vec<Handle>,
+    /// What the layer cannot enter.
+    pub obstacles: Vec<Obstacle>,
+    /// Stiffness per area of springs that draw the body's surface to the posed blend shapes, Pa/m
+    /// (RK 7.4: muscles); `None` leaves it to itself.
+    pub follow: Option<f64>,
+}
+
+/// A part of the body that moves as it is told: the lattice cells whose part of the body has its
+/// centre in a box.
+#[derive(Clone, Debug)]
+pub struct Handle {
+    /// Name in motions and messages.
+    pub name: String,
+    /// Lowest corner of the box, at rest, m.
+    pub min: Vector3<f64>,
+    /// Highest corner, m.
+    pub max: Vector3<f64>,
+}
+
+/// A rigid thing without friction.
+#[derive(Clone, Debug)]
+pub struct Obstacle {
+    /// Name in motions and messages.
+    pub name: String,
+    /// Where it is as long as nothing moves it.
+    pub shape: ObstacleShape,
+}
+
+/// Shapes of obstacles; lengths in m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ObstacleShape {
+    /// Everything behind a plane.
+    Plane {
+        /// On the plane.
+        point: Vector3<f64>,
+        /// Towards the free side; any length.
+        normal: Vector3<f64>,
+    },
+    /// A ball.
+    Sphere {
+        /// Its centre.
+        centre: Vector3<f64>,
+        /// Its radius.
+        radius: f64,
+    },
+    /// A straight cylinder with flat ends whose rim is rounded by a tenth of the radius: a button.
+    Cylinder {
+        /// Centre of one end.
+        from: Vector3<f64>,
+        /// Centre of the other.
+        to: Vector3<f64>,
+        /// Its radius.
+        radius: f64,
+    },
+}
+
+/// One pose of a body.
+#[derive(Clone, Debug)]
+pub struct BodyPose {
+    /// Name, weights of the blend shapes that the body follows, keys and steps.
+    pub pose: PoseSpec,
+    /// How handles and obstacles move on the way; what is not named stands still.
+    pub motions: Vec<Motion>,
+}
+
+/// The way of one handle or obstacle.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    /// Name of the handle or obstacle.
+    pub of: String,
+    /// Where it is when, ascending in `at`; straight in between, from where it is at rest at 0.
+    pub keyframes: Vec<Keyframe>,
+}
+
+/// Where a moved thing is at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Keyframe {
+    /// Fraction of the pose, in (0, 1].
+    pub at: f64,
+    /// Way from where it is at rest, m, after it has been turned.
+    pub translation: Vector3<f64>,
+    /// Axis times angle, rad.
+    pub turn: Vector3<f64>,
+    /// A point of the axis at rest, m.
+    pub about: Vector3<f64>,
+}

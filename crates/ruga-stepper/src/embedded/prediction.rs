@@ -1,0 +1,71 @@
+//! Where the inside of a body goes when its handles move, before anything is solved.
+
+use nalgebra::Vector3;
+use ruga_lattice::LatticeEnergy;
+use ruga_solver::{ConstraintRows, Kkt, LowerPattern, SolverError};
+
+/// Floor in units of the lattice's mean stiffness.
+const FLOOR: f64 = 1e-9;
+
+/// Moves free nodes with the held ones so that the lattice, as stiff as it is now, is strained least.
+///
+/// Without it the elements around a handle would take up all of a step's motion, and Newton's method
+/// would begin far from where it ends.
+#[derive(Debug)]
+pub(crate) struct Prediction {
+    kkt: Kkt,
+}
+
+impl Prediction {
+    pub(crate) fn new(free: &LatticeEnergy) -> Result<Self, SolverError> {
+        let (starts, rows) = free.pattern();
+        let pattern = LowerPattern::new(starts.to_vec(), rows.to_vec())?;
+        let rows = ConstraintRows::none(pattern.size());
+        Ok(Self {
+            kkt: Kkt::new(&pattern, &rows, 3)?,
+        })
+    }
+
+    /// Ways of the free nodes, all others having `ways`; `q` are all nodes (m).
+    pub(crate) fn fill_in(
+        &mut self,
+        [all, free]: [&LatticeEnergy; 2],
+        q: &[Vector3<f64>],
+        ways: &mut [Vector3<f64>],
+    ) -> Result<(), SolverError> {
+        let relaxed_hessian = |energy: &LatticeEnergy| {
+            let mut exact = vec![0.0; energy.pattern().1.len()];
+            let mut relaxed = exact.clone();
+            energy.hessian(q, &mut exact, Some(&mut relaxed));
+            relaxed
+        };
+        let (starts, rows) = all.pattern();
+        let pattern = LowerPattern::new(starts.to_vec(), rows.to_vec())?;
+        let pull = product(&pattern, &relaxed_hessian(all), ways);
+        let force: Vec<f64> = free.unknowns(&pull).iter().map(|f| -f).collect();
+        let hessian = relaxed_hessian(free);
+        let diagonal = free.pattern().0.iter().take(free.dof_count());
+        let mean = diagonal.map(|&k| hessian[k]).sum::<f64>() / free.dof_count().max(1) as f64;
+        let floor = vec![FLOOR * mean; free.dof_count()];
+        self.kkt.factorize(&hessian, &floor)?;
+        let mut step = vec![0.0; force.len()];
+        self.kkt.solve(&force, &[], &mut step, &mut [])?;
+        free.set_unknowns(&step, ways);
+        Ok(())
+    }
+}
+
+/// Symmetric matrix times vectors.
+fn product(pattern: &LowerPattern, values: &[f64], v: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    let mut product = vec![Vector3::zeros(); v.len()];
+    for (column, range) in pattern.column_starts().windows(2).enumerate() {
+        let range = range[0]..range[1];
+        for (&row, value) in pattern.rows()[range.clone()].iter().zip(&values[range]) {
+            product[row / 3][row % 3] += value * v[column / 3][column % 3];
+            if row != column {
+                product[column / 3][column % 3] += value * v[row / 3][row % 3];
+            }
+        }
+    }
+    product
+}

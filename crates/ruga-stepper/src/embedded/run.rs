@@ -1,0 +1,395 @@
+//! A body on its way through a pose, and what is told of it.
+
+use ruga_blend::Driver;
+use ruga_material::CAP_START;
+use ruga_solver::{
+    AtSaddle, LoadSettings, LoadStepper, NewtonSettings, Outcome, SolveReport, StopRule, Trial,
+    Verdict,
+};
+
+use super::embedded_layer::{BodyState, EmbeddedLayer};
+use super::handles::Moves;
+use super::inertia::BodyInertia;
+use super::plan::BodyPlan;
+use crate::layer_run::{
+    Ending, LEAST_AMPLITUDE, LEAST_DEMAND, PASSING, Pace, SETTLED, SLOWLY_LESS,
+};
+use crate::measure::waviness;
+use crate::simulate::loads_up_to;
+use crate::{
+    BodyPose, Dynamics, Frame, KeyResult, LayerReport, Modelling, Observer, Phase, PoseResult,
+    Progress, StepperError,
+};
+
+/// Angle in rad by which the surface below may have turned since a solve whose foundation stands on
+/// its normals: a layer that is a tenth of a wavelength off then moves by a ten-thousandth of one.
+const TURNED: f64 = 1e-3;
+
+/// Halvings of a step in time before it counts as impossible.
+const HALVINGS: u32 = 4;
+
+/// A pose under way.
+pub(crate) struct BodyRun<'a> {
+    driver: &'a Driver,
+    pose: &'a BodyPose,
+    modelling: &'a Modelling,
+    moves: Moves<'a>,
+    pub(crate) layer: EmbeddedLayer<'a>,
+    report: LayerReport,
+    result: PoseResult,
+    /// What had to be left out of the first step of the last solve that began with a pattern.
+    relaxation: f64,
+    /// Solves that were repeated because the surface below had turned.
+    pub(crate) repeated: usize,
+}
+
+impl<'a> BodyRun<'a> {
+    pub(crate) fn new(
+        driver: &'a Driver,
+        plan: &'a BodyPlan,
+        pose: &'a BodyPose,
+        modelling: &'a Modelling,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, StepperError> {
+        observer.phase(0, Phase::Remeshing);
+        let moves = Moves::new(&plan.body, pose)?;
+        let layer = EmbeddedLayer::new(driver, plan, modelling)?;
+        let report = LayerReport {
+            name: plan.spec.name.clone(),
+            vertices: layer.skin.mesh.vertex_count(),
+            faces: layer.skin.mesh.face_count(),
+            constraints: layer.system.rows.count() / 3,
+            wavelength_predicted: plan.wavelength,
+            critical_strain_predicted: plan.critical_strain,
+            ..LayerReport::default()
+        };
+        Ok(Self {
+            driver,
+            pose,
+            modelling,
+            moves,
+            layer,
+            report,
+            result: PoseResult {
+                converged: true,
+                ..PoseResult::default()
+            },
+            relaxation: 0.0,
+            repeated: 0,
+        })
+    }
+
+    pub(crate) fn follow(&mut self, observer: &mut dyn Observer) -> Result<(), StepperError> {
+        let keys = &self.pose.pose.keys;
+        // Beyond the last key nothing is asked for.
+        let last = keys.iter().copied().fold(0.0, f64::max);
+        let loads = loads_up_to(last, self.pose.pose.steps, keys.iter().copied());
+        let ending = match self.modelling.dynamics {
+            None => self.climb(&loads, observer)?,
+            Some(dynamics) => self.move_in_time(&loads, dynamics, observer)?,
+        };
+        self.result.converged &= ending == Ending::Reached;
+        self.result.interrupted |= ending == Ending::Interrupted;
+        self.measure();
+        Ok(())
+    }
+
+    pub(crate) fn into_result(mut self) -> PoseResult {
+        self.result.layers = vec![self.report];
+        self.result
+    }
+
+    /// From equilibrium to equilibrium.
+    fn climb(
+        &mut self,
+        loads: &[f64],
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        let stepper = LoadStepper::new(loads, LoadSettings::default());
+        let mut stepper = stepper.map_err(|source| self.layer.solver_error(source))?;
+        let mut kept = self.layer.state.clone();
+        let mut onset = None;
+        while let Some(trial) = stepper.next_trial() {
+            let (outcome, solve) = self.trial(trial, observer)?;
+            if solve.stop == StopRule::Interrupted {
+                return Ok(Ending::Interrupted);
+            }
+            if trial.probe && outcome == Outcome::Buckled {
+                onset = Some(trial.load);
+            }
+            match stepper.report(outcome) {
+                Verdict::Keep => {
+                    if !trial.probe {
+                        self.report.onset_load = self.report.onset_load.or(onset);
+                    }
+                    if !self.settle(None, trial.load, observer)? {
+                        return Ok(Ending::Interrupted);
+                    }
+                    kept = self.layer.state.clone();
+                    self.frame(trial.load, observer);
+                }
+                Verdict::Discard => self.layer.state.clone_from(&kept),
+                Verdict::GiveUp => {
+                    self.layer.state.clone_from(&kept);
+                    self.tell_of_failure("no equilibrium found", trial.load, &solve);
+                    return Ok(Ending::GaveUp);
+                }
+            }
+        }
+        Ok(Ending::Reached)
+    }
+
+    /// Looks for the equilibrium at a load.
+    fn trial(
+        &mut self,
+        trial: Trial,
+        observer: &mut dyn Observer,
+    ) -> Result<(Outcome, SolveReport), StepperError> {
+        let before = self.layer.state.clone();
+        observer.phase(0, Phase::Sampling);
+        let weights = &self.pose.pose.weights;
+        self.layer
+            .place(self.driver, (&self.moves, weights), trial.load)?;
+        observer.phase(0, Phase::Integration);
+        let at_saddle = match trial.probe {
+            true => AtSaddle::Stop,
+            false => AtSaddle::Leave,
+        };
+        let pace = match trial.probe || self.is_result(trial.load, observer) {
+            true => Pace::Result,
+            false => Pace::Passing,
+        };
+        let mut solve = self.solve(None, (at_saddle, pace), trial.load, observer)?;
+        let mut is_probe = trial.probe;
+        if solve.stop == StopRule::Saddle && self.layer.demand() < LEAST_DEMAND {
+            // Nothing wrinkles yet: what gives way is the body, or a noise of the mesh.
+            solve = self.solve(None, (AtSaddle::Leave, pace), trial.load, observer)?;
+            is_probe = self.layer.demand() > LEAST_DEMAND;
+        }
+        let left_saddle = solve.left_saddle && (!trial.probe || is_probe);
+        let outcome = if solve.stop == StopRule::Saddle {
+            Outcome::Buckled
+        } else if !solve.converged || self.layer.has_passed(&before) {
+            Outcome::Failed
+        } else if left_saddle {
+            Outcome::Buckled
+        } else {
+            Outcome::Stable
+        };
+        Ok((outcome, solve))
+    }
+
+    /// Solves once more where the surface below has turned away from the normals that its
+    /// foundation stands on; false when interrupted.
+    fn settle(
+        &mut self,
+        inertia: Option<&BodyInertia>,
+        load: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<bool, StepperError> {
+        if !self.is_result(load, observer) || self.layer.turned() <= TURNED {
+            return Ok(true);
+        }
+        let before = self.layer.state.clone();
+        let how = (AtSaddle::Leave, Pace::Result);
+        let solve = self.solve(inertia.cloned(), how, load, observer)?;
+        self.repeated += 1;
+        if !solve.converged {
+            self.layer.state = before;
+        }
+        Ok(solve.stop != StopRule::Interrupted)
+    }
+
+    /// One step in time per load.
+    fn move_in_time(
+        &mut self,
+        loads: &[f64],
+        dynamics: Dynamics,
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        let mut from = 0.0;
+        for &load in loads {
+            let before = self.layer.state.clone();
+            match self.step([from, load], dynamics, HALVINGS, observer)? {
+                Ending::Reached => self.frame(load, observer),
+                ending => {
+                    self.layer.state = before;
+                    return Ok(ending);
+                }
+            }
+            from = load;
+        }
+        Ok(Ending::Reached)
+    }
+
+    /// One step in time between two loads, in halves where it cannot be made at once.
+    fn step(
+        &mut self,
+        [from, to]: [f64; 2],
+        dynamics: Dynamics,
+        halvings: u32,
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        let before = self.layer.state.clone();
+        let solve = self.step_at_once(&before, to, dynamics, observer)?;
+        if solve.stop == StopRule::Interrupted {
+            return Ok(Ending::Interrupted);
+        }
+        if solve.converged && !self.layer.has_passed(&before) {
+            return Ok(Ending::Reached);
+        }
+        self.layer.state = before;
+        if halvings == 0 {
+            self.tell_of_failure("no step in time found", to, &solve);
+            return Ok(Ending::GaveUp);
+        }
+        let half = Dynamics {
+            time_step: 0.5 * dynamics.time_step,
+            ..dynamics
+        };
+        let middle = 0.5 * (from + to);
+        match self.step([from, middle], half, halvings - 1, observer)? {
+            Ending::Reached => self.step([middle, to], half, halvings - 1, observer),
+            ending => Ok(ending),
+        }
+    }
+
+    fn step_at_once(
+        &mut self,
+        before: &BodyState,
+        to: f64,
+        dynamics: Dynamics,
+        observer: &mut dyn Observer,
+    ) -> Result<SolveReport, StepperError> {
+        observer.phase(0, Phase::Sampling);
+        let weights = &self.pose.pose.weights;
+        let around = (&self.moves, weights);
+        let inertia = self.layer.place_in_time(self.driver, around, to, dynamics);
+        observer.phase(0, Phase::Integration);
+        let how = (AtSaddle::Leave, Pace::Result);
+        let mut solve = self.solve(Some(inertia.clone()), how, to, observer)?;
+        if solve.converged && !self.settle(Some(&inertia), to, observer)? {
+            solve.stop = StopRule::Interrupted;
+        }
+        let ends = self.layer.state.q.iter().zip(&before.q);
+        self.layer.state.velocities = ends
+            .map(|(end, q)| (end - q) / dynamics.time_step)
+            .collect();
+        Ok(solve)
+    }
+
+    fn solve(
+        &mut self,
+        inertia: Option<BodyInertia>,
+        (at_saddle, pace): (AtSaddle, Pace),
+        load: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<SolveReport, StepperError> {
+        let settings = NewtonSettings {
+            linear: self.modelling.linear,
+            at_saddle,
+            energy_tolerance: match pace {
+                Pace::Result => SETTLED,
+                Pace::Passing => PASSING,
+            },
+            residual_tolerance: self.modelling.tolerance,
+            first_relaxation: match at_saddle {
+                AtSaddle::Leave => SLOWLY_LESS * self.relaxation,
+                AtSaddle::Stop => 0.0,
+            },
+            seed: self.modelling.seed,
+            ..NewtonSettings::default()
+        };
+        let vertices = self.report.vertices;
+        let mut keep_going = |iteration: &ruga_solver::Iteration| {
+            observer.progress(Progress {
+                load,
+                iteration: iteration.index,
+                vertices,
+            })
+        };
+        let solve = self.layer.minimise(inertia, &settings, &mut keep_going);
+        let solve = solve.map_err(|source| self.layer.solver_error(source))?;
+        if solve.converged && solve.first_relaxation > 0.0 {
+            self.relaxation = solve.first_relaxation;
+        }
+        self.report.newton_iterations += solve.iterations;
+        self.report.factorizations += solve.factorizations;
+        self.report.residual = solve.residual;
+        self.report.stop = Some(solve.stop);
+        Ok(solve)
+    }
+
+    fn is_result(&self, load: f64, observer: &dyn Observer) -> bool {
+        observer.wants_frames() || self.is_key(load)
+    }
+
+    fn is_key(&self, load: f64) -> bool {
+        let mut keys = self.pose.pose.keys.iter();
+        keys.any(|key| (key - load).abs() < 1e-9)
+    }
+
+    /// Hands out what was reached.
+    fn frame(&mut self, load: f64, observer: &mut dyn Observer) {
+        if self.is_result(load, observer) {
+            let layers = vec![self.layer.snapshot(self.driver)];
+            observer.frame(&Frame {
+                index: self.result.frames,
+                load,
+                layers: &layers,
+            });
+            if self.is_key(load) {
+                self.result.keys.push(KeyResult {
+                    load,
+                    layers,
+                    artist_positions: Some(self.layer.artist_positions()),
+                });
+            }
+        }
+        self.result.frames += 1;
+    }
+
+    fn tell_of_failure(&mut self, what: &str, load: f64, solve: &SolveReport) {
+        let why = match solve.converged {
+            true => "a vertex passed through an obstacle".to_owned(),
+            false => format!(
+                "{:?} after {} iterations, relative residual {:.1e}",
+                solve.stop, solve.iterations, solve.residual
+            ),
+        };
+        self.warn(format!("{what} at load {load:.3} ({why})"));
+    }
+
+    fn warn(&mut self, warning: String) {
+        let (pose, layer) = (&self.pose.pose.name, &self.report.name);
+        let text = format!("pose '{pose}', layer '{layer}': {warning}");
+        self.result.warnings.push(text);
+    }
+
+    fn measure(&mut self) {
+        let layer = &self.layer;
+        self.report.energy = layer.energy();
+        let faces = layer.supercritical_faces();
+        let rest = &layer.skin.rest.positions;
+        let waves = waviness(&layer.heights(), rest, faces.into_iter());
+        if let Some(waves) = waves {
+            self.report.amplitude = waves.amplitude;
+            let is_wrinkled = waves.amplitude > LEAST_AMPLITUDE * layer.thickness();
+            self.report.wavelength = is_wrinkled.then_some(waves.wavelength);
+        }
+        let strains = layer.strains();
+        let capped = strains.iter().filter(|(_, s)| s.first > CAP_START).count();
+        let percent = 100.0 * capped as f64 / strains.len().max(1) as f64;
+        if percent >= 1.0 {
+            self.warn(format!(
+                "{percent:.0} % of the layer are compressed beyond 15 %, where skin folds, doubles its wrinkles or creases, which is not modelled"
+            ));
+        }
+        let depth = self.layer.penetration() / self.layer.thickness();
+        if depth > 0.1 {
+            self.warn(format!(
+                "the layer is {depth:.1} of its thickness inside an obstacle"
+            ));
+        }
+    }
+}
