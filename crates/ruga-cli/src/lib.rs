@@ -22,12 +22,14 @@ mod arguments;
 mod commands;
 mod run;
 
+mod body;
 mod model;
 mod project;
 mod texture_space;
 
 mod artist_file;
 mod map_files;
+mod planned;
 mod pose_queue;
 mod pose_record;
 mod pose_runs;

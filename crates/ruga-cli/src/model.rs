@@ -17,36 +17,15 @@ use ruga_stepper::{
 use crate::arguments::Quality;
 use crate::error::{CliError, nearest};
 
-/// Everything in the scene that this version cannot do, in the order of the scene.
-pub(crate) fn not_yet(scene: &Scene, path: &Path) -> Vec<CliError> {
-    let mut found: Vec<(String, String, &'static str)> = Vec::new();
-    for (i, layer) in scene.layers.iter().enumerate() {
-        if let Some(share) = layer.bending_transfer.filter(|_| i == 0) {
-            let remedy = "leave `bending_transfer` out: there is no layer below";
-            found.push((
-                format!("layers[{i}].bending_transfer"),
-                share.to_string(),
-                remedy,
-            ));
-        }
-    }
-    if scene.interior.is_some() {
-        let remedy = "leave the [interior] table out";
-        found.push((
-            "interior".to_owned(),
-            "an embedded lattice".to_owned(),
-            remedy,
-        ));
-    }
-    found
-        .into_iter()
-        .map(|(key, found, remedy)| CliError::NotYet {
-            scene: path.to_owned(),
-            key,
-            found,
-            remedy,
-        })
-        .collect()
+/// What is wrong with a share of bending for the lowest layer, which has none below.
+pub(crate) fn bending_without_layer(scene: &Scene, path: &Path) -> Option<CliError> {
+    let share = scene.layers.first()?.bending_transfer?;
+    Some(CliError::NotYet {
+        scene: path.to_owned(),
+        key: "layers[0].bending_transfer".to_owned(),
+        found: share.to_string(),
+        remedy: "leave `bending_transfer` out: there is no layer below",
+    })
 }
 
 /// The layers with their materials and what carries them, bottom first.

@@ -6,11 +6,12 @@ use std::thread;
 
 use ruga_io::{LayerReport, PoseReport, Seconds, WrinkleMap};
 use ruga_stepper::StopRule;
-use ruga_stepper::{Frame, Plan, PoseResult, PoseSpec, simulate};
+use ruga_stepper::{Frame, PoseResult, PoseSpec};
 
 use crate::arguments::RunArguments;
 use crate::error::CliError;
 use crate::fingerprint::Fingerprint;
+use crate::planned::Planned;
 use crate::pose_queue::run_all;
 use crate::pose_record::PoseRecord;
 use crate::progress::PoseProgress;
@@ -60,7 +61,7 @@ pub(crate) fn thread_count(arguments: &RunArguments) -> usize {
 /// The first pose that cannot be simulated or written.
 pub(crate) fn run_poses<P: Product>(
     project: &Project,
-    plan: &Plan,
+    plan: &Planned,
     arguments: &RunArguments,
     product: &P,
 ) -> Result<Vec<Option<PoseRecord>>, CliError> {
@@ -81,7 +82,7 @@ pub(crate) fn run_poses<P: Product>(
 /// What all poses share.
 struct PoseRun<'a, P> {
     project: &'a Project,
-    plan: &'a Plan,
+    plan: &'a Planned,
     arguments: &'a RunArguments,
     inputs: Fingerprint,
     progress: PoseProgress,
@@ -139,15 +140,8 @@ impl<P: Product> PoseRun<'_, P> {
             Ok(())
         };
         let mut watch = Watch::new(bar, given_up, P::WANTS_FRAMES, &mut sink);
-        let result = simulate(
-            &project.driver,
-            self.plan,
-            index,
-            spec,
-            &project.modelling,
-            &mut watch,
-        )
-        .map_err(|source| CliError::Simulation {
+        let result = self.plan.simulate(project, index, &mut watch);
+        let result = result.map_err(|source| CliError::Simulation {
             scene: project.path.clone(),
             pose: spec.name.clone(),
             source: Box::new(source),

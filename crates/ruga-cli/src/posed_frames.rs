@@ -14,14 +14,32 @@ pub(crate) fn posed_frames(
     driver: &Driver,
     weights: &Weights,
 ) -> Result<Vec<[TangentFrame; 3]>, BakeError> {
-    let control = driver.pose(weights);
-    let positions: Vec<Vector3<f64>> = driver
-        .welded()
-        .iter()
-        .map(|welded| control[welded.index()])
-        .collect();
-    let normals = blended_normals(artist, weights)
-        .unwrap_or_else(|| smooth_normals(&artist.triangles, driver, &positions));
+    let normals = blended_normals(artist, weights);
+    frames(artist, driver, &driver.pose(weights), normals)
+}
+
+/// The same with the welded vertices at `control`, m: where a body has taken them.
+///
+/// # Errors
+/// Those of [`posed_frames`].
+pub(crate) fn moved_frames(
+    artist: &ArtistMesh,
+    driver: &Driver,
+    control: &[Vector3<f64>],
+) -> Result<Vec<[TangentFrame; 3]>, BakeError> {
+    frames(artist, driver, control, None)
+}
+
+/// Smooth normals are taken where the file gives none.
+fn frames(
+    artist: &ArtistMesh,
+    driver: &Driver,
+    control: &[Vector3<f64>],
+    normals: Option<Vec<Vector3<f64>>>,
+) -> Result<Vec<[TangentFrame; 3]>, BakeError> {
+    let welded = driver.welded().iter();
+    let positions: Vec<Vector3<f64>> = welded.map(|welded| control[welded.index()]).collect();
+    let normals = normals.unwrap_or_else(|| smooth_normals(&artist.triangles, driver, &positions));
     let uvs = artist.uvs.as_deref().unwrap_or_default();
     tangent_frames(&positions, &normals, uvs, &artist.triangles)
 }

@@ -5,12 +5,15 @@ use std::path::{Path, PathBuf};
 
 use ruga_blend::Driver;
 use ruga_io::{IoError, MeshFile, ObjOptions, Scene, read_mask, read_mesh, scene};
-use ruga_stepper::{LayerSpec, Mask, Modelling, Plan, PoseSpec, Region, plan};
+use ruga_stepper::{
+    Body, LayerSpec, Mask, Modelling, Motion, PoseSpec, Region, StepperError, plan, plan_body,
+};
 
 use crate::arguments::Quality;
 use crate::error::{CliError, counted};
 use crate::fingerprint::Fingerprint;
-use crate::{model, texture_space};
+use crate::planned::Planned;
+use crate::{body, model, texture_space};
 
 /// What a command works on.
 pub(crate) struct Project {
@@ -21,6 +24,10 @@ pub(crate) struct Project {
     pub(crate) driver: Driver,
     pub(crate) layers: Vec<LayerSpec>,
     pub(crate) poses: Vec<PoseSpec>,
+    /// The body that the layer lies on, if it is one.
+    pub(crate) body: Option<Body>,
+    /// What moves in each pose.
+    pub(crate) motions: Vec<Vec<Motion>>,
     pub(crate) modelling: Modelling,
     /// What was assumed or left out while reading.
     pub(crate) warnings: Vec<String>,
@@ -37,8 +44,8 @@ impl Project {
         quality: Option<Quality>,
     ) -> Result<Self, CliError> {
         let scene = Scene::read(path)?;
-        if let Some(first) = model::not_yet(&scene, path).into_iter().next() {
-            return Err(first);
+        if let Some(refused) = model::bending_without_layer(&scene, path) {
+            return Err(refused);
         }
         let layers = model::layers(&scene, path)?;
         let mesh = artist_mesh(&scene)?;
@@ -50,6 +57,8 @@ impl Project {
         Ok(Self {
             path: path.to_owned(),
             warnings,
+            body: body_of(&scene, &layers),
+            motions: motions_of(&scene, &poses),
             scene,
             mesh,
             driver,
@@ -63,23 +72,29 @@ impl Project {
     ///
     /// # Errors
     /// [`CliError::Model`], such as a mask that leaves nothing; [`CliError::OverlappingUvs`].
-    pub(crate) fn plan(&self) -> Result<Plan, CliError> {
-        let plan = plan(
-            &self.driver,
-            &self.layers,
-            &self.poses,
-            &self.modelling,
-            self.scene.bake.size,
-        )
-        .map_err(|source| CliError::Model {
+    pub(crate) fn plan(&self) -> Result<Planned, CliError> {
+        let planned = self.planned().map_err(|source| CliError::Model {
             scene: self.path.clone(),
             source: Box::new(source),
         })?;
-        for (index, pose) in plan.poses.iter().enumerate() {
-            let active = plan.active_triangles(&self.driver, index);
+        for (index, pose) in self.poses.iter().enumerate() {
+            let active = planned.active_triangles(self, index);
             texture_space::check_active(&self.mesh, &pose.name, &active)?;
         }
-        Ok(plan)
+        Ok(planned)
+    }
+
+    fn planned(&self) -> Result<Planned, StepperError> {
+        let (driver, modelling) = (&self.driver, &self.modelling);
+        Ok(match (&self.body, self.layers.first()) {
+            (Some(body), Some(layer)) => {
+                Planned::Body(Box::new(plan_body(driver, layer, body, modelling)?))
+            }
+            _ => {
+                let size = self.scene.bake.size;
+                Planned::Skin(plan(driver, &self.layers, &self.poses, modelling, size)?)
+            }
+        })
     }
 
     /// Changes whenever the result of a pose might: scene, mesh, mask, painted maps, quality, release.
@@ -116,6 +131,18 @@ impl Project {
         }
         Ok(hash)
     }
+}
+
+/// The body below the layer, where the scene has one.
+pub(crate) fn body_of(scene: &Scene, layers: &[LayerSpec]) -> Option<Body> {
+    let (interior, layer) = (scene.interior.as_ref()?, layers.first()?);
+    Some(body::body(interior, &layer.substrate))
+}
+
+/// What moves in each of `poses`.
+pub(crate) fn motions_of(scene: &Scene, poses: &[PoseSpec]) -> Vec<Vec<Motion>> {
+    let names = poses.iter().map(|pose| pose.name.as_str());
+    names.map(|name| body::motions(scene, name)).collect()
 }
 
 /// The artist's mesh, read from the file that the scene names.

@@ -1,11 +1,11 @@
 //! What a run of several poses comes to: the report, the table, the outcome.
 
 use ruga_io::{PoseReport, Report};
-use ruga_stepper::Plan;
 
 use crate::arguments::RunArguments;
 use crate::error::{CliError, counted};
 use crate::messages;
+use crate::planned::Planned;
 use crate::pose_record::PoseRecord;
 use crate::project::Project;
 use crate::run::Outcome;
@@ -17,7 +17,7 @@ use crate::table::{ABSENT, duration, number, table};
 /// The report cannot be written.
 pub(crate) fn conclude(
     project: &Project,
-    plan: &Plan,
+    plan: &Planned,
     arguments: &RunArguments,
     records: &[Option<PoseRecord>],
 ) -> Result<Outcome, CliError> {
@@ -28,7 +28,7 @@ pub(crate) fn conclude(
         project.path.to_string_lossy().into_owned(),
     );
     let own = finished.iter().flat_map(|record| &record.warnings);
-    let all = project.warnings.iter().chain(&plan.warnings).chain(own);
+    let all = project.warnings.iter().chain(plan.warnings()).chain(own);
     report.warnings = all.cloned().collect();
     if missing > 0 {
         report.warnings.push(format!(

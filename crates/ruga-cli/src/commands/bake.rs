@@ -12,7 +12,7 @@ use crate::error::CliError;
 use crate::map_files::write_maps;
 use crate::pose_record::PoseRecord;
 use crate::pose_runs::{PoseFiles, Product, run_poses, thread_count};
-use crate::posed_frames::posed_frames;
+use crate::posed_frames::{moved_frames, posed_frames};
 use crate::project::Project;
 use crate::run::Outcome;
 use crate::{interrupt, messages, output_folder, summary};
@@ -28,7 +28,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
         pool.install(|| Project::read(&arguments.scene, &arguments.poses, arguments.quality))?;
     let plan = pool.install(|| project.plan())?;
     output_folder::prepare(&arguments.output)?;
-    for warning in project.warnings.iter().chain(&plan.warnings) {
+    for warning in project.warnings.iter().chain(plan.warnings()) {
         messages::warning(warning);
     }
     let maps = WrinkleMaps {
@@ -89,9 +89,12 @@ impl WrinkleMaps<'_> {
         warnings: &mut Vec<String>,
     ) -> Result<Vec<WrinkleMap>, CliError> {
         let project = self.project;
-        let weights = pose.weights.scaled(key.load);
-        let frames = posed_frames(&project.mesh.mesh, &project.driver, &weights)
-            .map_err(|source| self.baking(pose, source))?;
+        let (artist, driver) = (&project.mesh.mesh, &project.driver);
+        let frames = match &key.artist_positions {
+            Some(positions) => moved_frames(artist, driver, positions),
+            None => posed_frames(artist, driver, &pose.weights.scaled(key.load)),
+        };
+        let frames = frames.map_err(|source| self.baking(pose, source))?;
         let bake = |relief: &Relief<'_>| {
             let baked = self
                 .pool

@@ -25,7 +25,7 @@ pub(crate) fn run(arguments: &CheckArguments) -> Result<Outcome, CliError> {
     if let Some(project) = parts.filter(|_| findings.problems.is_empty()) {
         let planned = project.plan();
         if let Some(plan) = findings.keep(planned) {
-            findings.warnings.extend(plan.warnings);
+            findings.warnings.extend_from_slice(plan.warnings());
         }
     }
     for line in &findings.lines {
@@ -61,8 +61,8 @@ impl Findings {
 
     /// Looks at every part of the scene, whatever is wrong with the others.
     fn parts(&mut self, scene: &Scene, path: &Path) -> Option<Project> {
-        let not_yet = model::not_yet(scene, path);
-        self.problems.extend(not_yet);
+        let refused = model::bending_without_layer(scene, path);
+        self.problems.extend(refused);
         let layers = self.keep(model::layers(scene, path));
         let region = self.keep(project::region(scene));
         let mesh = self.keep(project::artist_mesh(scene));
@@ -83,14 +83,17 @@ impl Findings {
         self.describe_mesh(&mesh, &driver);
         let warnings = project::mesh_warnings(&mesh, &driver);
         self.warnings.extend(warnings);
+        let (layers, poses) = (layers?, poses?);
         Some(Project {
             path: path.to_owned(),
             modelling: model::modelling(scene, region?, None),
+            body: project::body_of(scene, &layers),
+            motions: project::motions_of(scene, &poses),
             scene: scene.clone(),
             mesh,
             driver,
-            layers: layers?,
-            poses: poses?,
+            layers,
+            poses,
             warnings: Vec::new(),
         })
     }

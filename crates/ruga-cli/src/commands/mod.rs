@@ -1,5 +1,7 @@
 //! The commands, one per module; each returns how it ended.
 
+mod body_plan;
+
 pub(crate) mod bake;
 pub(crate) mod check;
 pub(crate) mod new;

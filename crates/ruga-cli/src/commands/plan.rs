@@ -1,12 +1,14 @@
 //! `ruga plan`: what will be modelled, where, how fine and at what cost.
 
-use ruga_material::FirstScale;
+use ruga_material::{FirstScale, Wrinkling};
 use ruga_stepper::{LayerPlan, LoadPath, Plan};
 use serde::Serialize;
 
+use super::body_plan;
 use crate::arguments::PlanArguments;
 use crate::error::CliError;
 use crate::messages;
+use crate::planned::Planned;
 use crate::project::Project;
 use crate::run::Outcome;
 use crate::table::{ABSENT, duration, memory, number, table};
@@ -17,30 +19,41 @@ use crate::table::{ABSENT, duration, memory, number, table};
 /// Whatever keeps the scene from being read or planned.
 pub(crate) fn run(arguments: &PlanArguments) -> Result<Outcome, CliError> {
     let project = Project::read(&arguments.scene, &[], arguments.quality)?;
-    let plan = project.plan()?;
+    let planned = project.plan()?;
     if arguments.json {
-        messages::result(&json(&project, &plan));
+        messages::result(&match &planned {
+            Planned::Skin(plan) => json(&project, plan),
+            Planned::Body(plan) => body_plan::json(&project, plan),
+        });
         return Ok(Outcome::Done);
     }
-    messages::result(&layers_table(&project, &plan));
-    messages::result("");
-    if !plan.pairs.is_empty() {
-        messages::result(&pairs_table(&project, &plan));
-        messages::result("");
+    match &planned {
+        Planned::Skin(plan) => print(&project, plan),
+        Planned::Body(plan) => body_plan::print(&project, plan),
     }
-    messages::result(&poses_table(&plan));
-    messages::result(&totals(&plan));
-    for warning in project.warnings.iter().chain(&plan.warnings) {
+    for warning in project.warnings.iter().chain(planned.warnings()) {
         messages::warning(warning);
     }
     Ok(Outcome::Done)
 }
 
-fn layers_table(project: &Project, plan: &Plan) -> String {
+fn print(project: &Project, plan: &Plan) {
+    messages::result(&layers_table(project, &plan.wrinkling));
+    messages::result("");
+    if !plan.pairs.is_empty() {
+        messages::result(&pairs_table(project, plan));
+        messages::result("");
+    }
+    messages::result(&poses_table(plan));
+    messages::result(&totals(plan));
+}
+
+/// Every layer with its critical wave.
+pub(super) fn layers_table(project: &Project, waves: &[Wrinkling]) -> String {
     let rows: Vec<Vec<String>> = project
         .layers
         .iter()
-        .zip(&plan.wrinkling)
+        .zip(waves)
         .map(|(layer, numbers)| {
             vec![
                 layer.name.clone(),

@@ -23,7 +23,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     let project = Project::read(&arguments.scene, &arguments.poses, arguments.quality)?;
     let plan = project.plan()?;
     output_folder::prepare(&arguments.output)?;
-    for warning in project.warnings.iter().chain(&plan.warnings) {
+    for warning in project.warnings.iter().chain(plan.warnings()) {
         messages::warning(warning);
     }
     let meshes = FrameMeshes {

@@ -6,6 +6,7 @@ mod simulate;
 
 mod carrier;
 mod contact;
+mod cost;
 mod embedded_layer;
 mod foundation;
 mod handles;

@@ -62,6 +62,17 @@ pub struct BodyPlan {
     pub(crate) levels: u32,
 }
 
+impl BodyPlan {
+    /// The file's triangles that the layer covers, ascending.
+    pub fn covered_triangles(&self, driver: &Driver) -> Vec<u32> {
+        let faces = self.faces.iter();
+        let mut triangles: Vec<u32> = faces.map(|face| driver.triangles()[*face]).collect();
+        triangles.sort_unstable();
+        triangles.dedup();
+        triangles
+    }
+}
+
 /// Finds out what a body under a layer will be made of: its lattice, and the layer's mesh.
 ///
 /// The layer covers the whole surface, or the faces on which the mask of

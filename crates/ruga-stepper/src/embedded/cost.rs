@@ -1,0 +1,30 @@
+//! What a body's simulation will cost.
+
+use ruga_material::Wrinkling;
+
+use super::plan::BodyPlan;
+
+/// Factorisations of a load step, and seconds of one for a vertex count to the power 3/2 and 1.
+const PER_STEP: f64 = 8.0;
+const FACTOR: [f64; 2] = [1.2e-7, 6e-5];
+
+/// Bytes per vertex, and per lattice node.
+const BYTES: [f64; 2] = [12e3, 30e3];
+
+impl BodyPlan {
+    /// The layer's critical wave on its substrate.
+    pub fn wrinkling(&self) -> Wrinkling {
+        self.wrinkling
+    }
+
+    /// Expected time of a load step on one core, s.
+    pub fn seconds_per_step(&self) -> f64 {
+        let vertices = self.vertices as f64;
+        PER_STEP * (FACTOR[0] * vertices.powf(1.5) + FACTOR[1] * vertices)
+    }
+
+    /// Expected memory, bytes.
+    pub fn memory(&self) -> f64 {
+        BYTES[0] * self.vertices as f64 + BYTES[1] * self.nodes as f64
+    }
+}
