@@ -3,6 +3,7 @@
 //! The same bytes on every run and every machine: nothing is ordered by a hash, and what
 //! trigonometry gives is rounded to the file's `f32` before anything is derived from it.
 
+mod boxed;
 mod finger;
 mod forearm;
 mod paint;
@@ -35,13 +36,30 @@ pub(crate) fn regenerate() -> Outcome {
 }
 
 /// Writes the meshes below `folder`; gives their paths in it.
-fn write_meshes(folder: &Path) -> Result<[&'static str; 2], Box<dyn Error>> {
-    let names = ["forearm/forearm.glb", "finger/finger.glb"];
-    for (name, mesh) in names.into_iter().zip([forearm::mesh()?, finger::mesh()?]) {
+fn write_meshes(folder: &Path) -> Result<[&'static str; 5], Box<dyn Error>> {
+    let names = [
+        "forearm/forearm.glb",
+        "finger/finger.glb",
+        "pillow/pillow.glb",
+        "slab/slab.glb",
+        "bar/bar.glb",
+    ];
+    for (name, mesh) in names.into_iter().zip(meshes()?) {
         let path = in_its_folder(folder, name)?;
         write_glb(&path, &mesh_file(&path, mesh), &GlbAdditions::default())?;
     }
     Ok(names)
+}
+
+/// The meshes: two pieces of skin that blend shapes move, then three soft bodies.
+fn meshes() -> Result<[ArtistMesh; 5], BlendError> {
+    Ok([
+        forearm::mesh()?,
+        finger::mesh()?,
+        boxed::pillow()?,
+        boxed::slab()?,
+        boxed::bar()?,
+    ])
 }
 
 /// Writes the painted properties below `folder`; gives their paths in it.

@@ -6,8 +6,19 @@ use ruga_mesh::{PlanarLookup, face_normals};
 
 use super::*;
 
-fn meshes() -> [ArtistMesh; 2] {
-    [forearm::mesh().unwrap(), finger::mesh().unwrap()]
+fn meshes() -> [ArtistMesh; 5] {
+    super::meshes().unwrap()
+}
+
+/// The soft bodies, centred at the origin, with the lengths of their sides and the area of their
+/// smooth surface.
+fn bodies() -> [(ArtistMesh, [f64; 3], f64); 3] {
+    let [_, _, pillow, slab, bar] = meshes();
+    [
+        (pillow, [0.12, 0.12, 0.04], 0.03387),
+        (slab, [0.12, 0.12, 0.03], 0.04085),
+        (bar, [0.2, 0.04, 0.04], 0.03277),
+    ]
 }
 
 #[test]
@@ -40,12 +51,66 @@ fn files_hold_the_meshes_without_loss() {
 }
 
 #[test]
-fn the_finger_is_closed() {
-    let driver = Driver::new(&finger::mesh().unwrap()).unwrap();
-    let topology = driver.topology();
-    assert!(topology.edges().iter().all(|(_, edge)| !edge.is_border()));
-    let (vertices, edges) = (topology.vertex_count(), topology.edges().len());
-    assert_eq!(vertices + topology.face_count() - edges, 2);
+fn bodies_and_the_finger_are_closed() {
+    for mesh in &meshes()[1..] {
+        let driver = Driver::new(mesh).unwrap();
+        let topology = driver.topology();
+        assert!(topology.edges().iter().all(|(_, edge)| !edge.is_border()));
+        let (vertices, edges) = (topology.vertex_count(), topology.edges().len());
+        assert_eq!(vertices + topology.face_count() - edges, 2);
+    }
+}
+
+#[test]
+fn bodies_are_as_large_as_they_should_be() {
+    for (mesh, sides, area) in bodies() {
+        let driver = Driver::new(&mesh).unwrap();
+        for (axis, side) in sides.into_iter().enumerate() {
+            let along = driver.rest().iter().map(|p| p[axis]);
+            let (low, high) = along.fold((0.0, 0.0), |(l, h): (f64, f64), x| (l.min(x), h.max(x)));
+            assert!((high - 0.5 * side).abs() < 1e-8, "{}: {high}", mesh.name);
+            assert!((low + 0.5 * side).abs() < 1e-8, "{}: {low}", mesh.name);
+        }
+        let normals = face_normals(driver.topology(), driver.rest());
+        let found: f64 = normals.iter().map(|(_, n)| 0.5 * n.norm()).sum();
+        assert!((found / area - 1.0).abs() < 0.01, "{}: {found}", mesh.name);
+        assert!((2000..4000).contains(&driver.topology().face_count()));
+    }
+}
+
+/// Seen from the origin every face shows its inner side, and together they cover the view once: no
+/// two faces can cross.
+#[test]
+fn bodies_do_not_cross_themselves() {
+    for (mesh, ..) in bodies() {
+        let driver = Driver::new(&mesh).unwrap();
+        let mut whole = 0.0;
+        for (face, vertices) in driver.topology().faces().iter() {
+            let [a, b, c] = vertices.map(|v| driver.rest()[v.0 as usize].normalize());
+            let solid_angle = 2.0
+                * a.dot(&b.cross(&c))
+                    .atan2(1.0 + a.dot(&b) + b.dot(&c) + c.dot(&a));
+            assert!(solid_angle > 1e-5, "{} {face:?}: {solid_angle}", mesh.name);
+            whole += solid_angle;
+        }
+        assert!((whole / (4.0 * std::f64::consts::PI) - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn bodies_are_round_everywhere() {
+    for (mesh, ..) in bodies() {
+        let driver = Driver::new(&mesh).unwrap();
+        let topology = driver.topology();
+        let normals = face_normals(topology, driver.rest());
+        for face in topology.faces().ids() {
+            for corner in 0..3 {
+                let other = topology.neighbour(face, corner).unwrap();
+                let angle = normals[face].angle(&normals[other]).to_degrees();
+                assert!(angle < 46.0, "{} at {face:?}: {angle}", mesh.name);
+            }
+        }
+    }
 }
 
 #[test]
@@ -119,7 +184,10 @@ fn charts_lie_in_the_texture_unmirrored_and_apart() {
 
 #[test]
 fn triangles_are_nearly_equilateral() {
-    for (mesh, edge) in meshes().into_iter().zip([6.7e-3, 3.5e-3]) {
+    for (mesh, edge) in meshes()
+        .into_iter()
+        .zip([6.7e-3, 3.5e-3, 4.4e-3, 5.0e-3, 5.0e-3])
+    {
         let driver = Driver::new(&mesh).unwrap();
         let mut lengths: Vec<f64> = driver
             .topology()
@@ -148,7 +216,7 @@ fn scenes() -> Vec<(PathBuf, ruga_io::Scene)> {
         .filter(|path| path.extension().is_some_and(|e| e == "toml"))
         .collect();
     paths.sort();
-    assert_eq!(paths.len(), 12);
+    assert_eq!(paths.len(), 16);
     let read = |path: PathBuf| (path.clone(), ruga_io::Scene::read(&path).unwrap());
     paths.into_iter().map(read).collect()
 }
