@@ -5,11 +5,11 @@
     reason = "the measured values are what --nocapture is for"
 )]
 
-use ruga_material::{Substrate, WavelengthModel, Wrinkling, wrinkling};
+use ruga_material::{LayerMaterial, Substrate, WavelengthModel, Wrinkling, wrinkling};
 use ruga_tests::FilmSpec;
 use ruga_tests::reference::{
-    Anchor, BendingLaw, Carrier, Chain, FilmTheory, Grid, HeightField, Plate, RelaxSettings, noise,
-    wave,
+    Anchor, BendingLaw, Carrier, Chain, DenseBlock, FilmTheory, Grid, HeightField, Plate,
+    RelaxSettings, noise, wave,
 };
 
 /// Points per wave of a chain.
@@ -241,4 +241,53 @@ fn plate_finds_its_wave_from_noise() {
     assert!(field.orientation(18).alignment() > 0.95);
     let gap = -0.5 * film.membrane_stiffness * (strain - film.critical_strain).powi(2);
     assert_near("gap", relaxed.energy_gap, gap, 0.05);
+}
+
+/// Theory puts the block's forces on the skin's mid-surface; the volume knows that they act on its
+/// lower face, and that a pressed block is no longer the block at rest.
+#[test]
+fn dense_volume_wrinkles_like_a_shell_on_a_bonded_layer() {
+    for (ratio, tolerance) in [(30.0, 0.06), (300.0, 0.02), (3000.0, 0.02)] {
+        let skin = LayerMaterial {
+            young: ratio * 1e4,
+            poisson: 0.45,
+            thickness: 1e-3,
+            density: 1e3,
+        };
+        let block = Substrate {
+            young: 1e4,
+            poisson: 0.45,
+            thickness: 0.03,
+        };
+        let theory = wrinkling(&skin, &block, WavelengthModel::Layer).unwrap();
+        let dense = DenseBlock::new(skin, block);
+        let onset = dense.onset([0.8, 1.25].map(|share| share * theory.wavelength));
+        let strain = theory.critical_strain * (1.0 + 7.0 / 6.0 * theory.critical_strain);
+        assert_near("wavelength", onset.wavelength, theory.wavelength, tolerance);
+        assert_near("onset", onset.strain, strain, tolerance);
+    }
+}
+
+#[test]
+fn dense_volume_is_resolved() {
+    let skin = LayerMaterial {
+        young: 3e6,
+        poisson: 0.45,
+        thickness: 1e-3,
+        density: 1e3,
+    };
+    let block = Substrate {
+        young: 1e4,
+        poisson: 0.45,
+        thickness: 0.03,
+    };
+    let dense = DenseBlock::new(skin, block);
+    let finer = DenseBlock {
+        along: 7,
+        through: 2,
+        down: 14,
+        ..dense
+    };
+    let [coarse, fine] = [dense, finer].map(|block| block.onset_at(0.029));
+    assert_near("resolution", coarse, fine, 0.005);
 }

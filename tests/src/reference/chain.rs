@@ -8,6 +8,7 @@ use ruga_material::Wrinkling;
 
 use super::analytic::{BendingLaw, Onset};
 use super::chain_energy::ChainEnergy;
+use super::lowest;
 
 /// A film on Pasternak springs, and how finely it is cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +42,9 @@ const WAVELENGTHS: [f64; 2] = [0.8, 1.35];
 /// Strain up to which a flat film is asked for its stability.
 const LARGEST_STRAIN: f64 = 0.4;
 
+/// How closely wavelengths are searched for.
+const FINE: f64 = 1e-5;
+
 const MAX_ITERATIONS: usize = 100;
 
 /// Length of a Newton step, over the longest coordinate, that ends the solve.
@@ -50,7 +54,7 @@ impl Chain {
     /// Where the flat film becomes unstable first, over all wavelengths.
     pub fn onset(&self) -> Onset {
         let [low, high] = WAVELENGTHS.map(|share| share * self.film.wavelength);
-        let wavelength = lowest(low, high, |wavelength| self.onset_at(wavelength));
+        let wavelength = lowest(low, high, FINE, |wavelength| self.onset_at(wavelength));
         Onset {
             strain: self.onset_at(wavelength),
             wavelength,
@@ -80,7 +84,7 @@ impl Chain {
     /// Wavelength (m) of least energy at a strain beyond the onset.
     pub fn best_wavelength(&self, strain: f64) -> f64 {
         let [low, high] = WAVELENGTHS.map(|share| share * self.film.wavelength);
-        lowest(low, high, |wavelength| {
+        lowest(low, high, FINE, |wavelength| {
             self.wrinkled(strain, wavelength).energy_gap
         })
     }
@@ -152,26 +156,4 @@ fn descent(hessian: DMatrix<f64>, gradient: &DVector<f64>) -> DVector<f64> {
         }
         shift = (10.0 * shift).max(1e-8 * scale);
     }
-}
-
-/// Place of the minimum of a function with a single one, by the golden section.
-fn lowest(mut low: f64, mut high: f64, value: impl Fn(f64) -> f64) -> f64 {
-    let share = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let [mut a, mut b] = [high - share * (high - low), low + share * (high - low)];
-    let [mut at_a, mut at_b] = [value(a), value(b)];
-    // Near its minimum a function is flat: the place is known to about the root of its rounding.
-    while high - low > 1e-5 * high {
-        if at_a < at_b {
-            high = b;
-            (b, at_b) = (a, at_a);
-            a = high - share * (high - low);
-            at_a = value(a);
-        } else {
-            low = a;
-            (a, at_a) = (b, at_b);
-            b = low + share * (high - low);
-            at_b = value(b);
-        }
-    }
-    0.5 * (low + high)
 }
