@@ -1,5 +1,7 @@
 //! A layer on a body: meshes, energies, and where everything is now.
 
+use std::sync::Arc;
+
 use nalgebra::{Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -55,7 +57,12 @@ pub(crate) struct EmbeddedLayer<'p> {
     pub(crate) state: BodyState,
     /// Normals of the surface below in the last solve.
     normals: Vec<Vector3<f64>>,
+    /// What they and an inertia make of the Hessian.
+    constant: Option<(f64, Arc<Vec<f64>>)>,
 }
+
+/// Angle in rad by which the surface below may have turned before its foundation is set up anew.
+const AS_BEFORE: f64 = 1e-4;
 
 impl<'p> EmbeddedLayer<'p> {
     /// At rest.
@@ -95,6 +102,7 @@ impl<'p> EmbeddedLayer<'p> {
                 },
             },
             normals: system.embedding.normals(rest),
+            constant: None,
             kkt: kkt.map_err(solver)?,
             prediction: Prediction::new(&system.lattice).map_err(solver)?,
             region_embedding: carrier.embed(&region.skin)?,
@@ -207,7 +215,10 @@ impl<'p> EmbeddedLayer<'p> {
         settings: &NewtonSettings,
         keep_going: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Result<SolveReport, SolverError> {
-        self.normals = self.present_normals();
+        if self.turned() > AS_BEFORE {
+            self.normals = self.present_normals();
+            self.constant = None;
+        }
         let moment = self.moment(inertia);
         let targets = self.system.row_targets(&self.state.q);
         let mut unknowns = self.unknowns();
@@ -235,8 +246,14 @@ impl<'p> EmbeddedLayer<'p> {
     }
 
     /// What the next solve holds fast.
-    pub(crate) fn moment(&self, inertia: Option<BodyInertia>) -> Moment {
+    pub(crate) fn moment(&mut self, inertia: Option<BodyInertia>) -> Moment {
         let factor = inertia.as_ref().map_or(0.0, |inertia| inertia.factor);
+        let known = self.constant.take().filter(|(of, _)| *of == factor);
+        let (_, constant) = known.unwrap_or_else(|| {
+            let values = self.system.constant_hessian(&self.normals, factor);
+            (factor, Arc::new(values))
+        });
+        self.constant = Some((factor, Arc::clone(&constant)));
         let BodyState {
             q,
             obstacles,
@@ -246,7 +263,7 @@ impl<'p> EmbeddedLayer<'p> {
         Moment {
             q: q.clone(),
             normals: self.normals.clone(),
-            constant: self.system.constant_hessian(&self.normals, factor),
+            constant,
             contact: self.contact(obstacles.clone()),
             targets: targets.clone(),
             inertia,
