@@ -117,45 +117,12 @@ impl Kkt {
         rows: &ConstraintRows,
         block: usize,
     ) -> Result<Self, SolverError> {
-        check_shape(pattern, rows, block)?;
-        Self::in_order(
-            pattern,
-            rows,
-            block,
-            elimination_order(pattern, rows, block, 0)?,
-        )
-    }
-
-    /// The same for unknowns of which the `last` vertices may each be coupled with a large part of
-    /// the others: where that costs less they are eliminated last, one after the other.
-    ///
-    /// # Errors
-    /// As [`Kkt::new`]; [`SolverError::SizeMismatch`] when there are not so many vertices.
-    pub fn with_dense_end(
-        pattern: &LowerPattern,
-        rows: &ConstraintRows,
-        block: usize,
-        last: usize,
-    ) -> Result<Self, SolverError> {
-        let dissected = Self::new(pattern, rows, block)?;
-        if last == 0 {
-            return Ok(dissected);
+        let unknowns = pattern.size();
+        if block == 0 || !unknowns.is_multiple_of(block) {
+            return Err(SolverError::BlockSize { unknowns, block });
         }
-        let vertices = pattern.size() / block;
-        check_length("last vertices", vertices.min(last), last)?;
-        let order = elimination_order(pattern, rows, block, last)?;
-        let ended = Self::in_order(pattern, rows, block, order)?;
-        let is_better = ended.cost().flops < dissected.cost().flops;
-        Ok(if is_better { ended } else { dissected })
-    }
-
-    /// Analyses the system in the elimination order `order[new] = old`.
-    fn in_order(
-        pattern: &LowerPattern,
-        rows: &ConstraintRows,
-        block: usize,
-        order: Vec<usize>,
-    ) -> Result<Self, SolverError> {
+        check_length("constraint columns", unknowns, rows.unknowns())?;
+        let order = elimination_order(pattern, rows, block)?;
         let mut placement = vec![0; order.len()];
         for (new, &old) in order.iter().enumerate() {
             placement[old] = new;
@@ -495,18 +462,6 @@ impl std::fmt::Debug for Kkt {
             .field("cost", &self.cost())
             .finish_non_exhaustive()
     }
-}
-
-fn check_shape(
-    pattern: &LowerPattern,
-    rows: &ConstraintRows,
-    block: usize,
-) -> Result<(), SolverError> {
-    let unknowns = pattern.size();
-    if block == 0 || !unknowns.is_multiple_of(block) {
-        return Err(SolverError::BlockSize { unknowns, block });
-    }
-    check_length("constraint columns", unknowns, rows.unknowns())
 }
 
 fn norm(vector: &[f64]) -> f64 {

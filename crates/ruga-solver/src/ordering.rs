@@ -4,31 +4,20 @@
 //! constraint rows (the three rows of a cluster). Ordering nodes instead of scalars makes the
 //! graph nine times smaller and keeps the supernodes of the factor whole.
 
-use std::ops::Range;
-
 use crate::{ConstraintRows, LowerPattern, SolverError};
 
 /// Elimination order of unknowns and rows together: `order[new] = old`, rows after unknowns in
 /// the old numbering.
-///
-/// The `last` nodes of the unknowns come last, in their own order, and are not looked at when the
-/// others are dissected: nodes that touch thousands of others make every cut a bad one.
 pub(crate) fn elimination_order(
     pattern: &LowerPattern,
     rows: &ConstraintRows,
     block: usize,
-    last: usize,
 ) -> Result<Vec<usize>, SolverError> {
     let size = pattern.size();
     let total = size + rows.count();
     let vertices = size / block;
-    let mut adjacency = node_adjacency(pattern, rows, block);
-    let end = vertices - last..vertices;
-    take_out(&mut adjacency, &end);
-    // With the last nodes taken out, what follows them has moved up.
-    let place = |node: usize| node + if node < end.start { 0 } else { last };
-    let first = dissect(&adjacency)?;
-    let ordered = first.into_iter().map(place).chain(end.clone());
+    let adjacency = node_adjacency(pattern, rows, block);
+    let ordered = dissect(&adjacency)?;
     let mut order = Vec::with_capacity(total);
     for node in ordered {
         let (first, end) = if node < vertices {
@@ -69,20 +58,6 @@ fn node_adjacency(pattern: &LowerPattern, rows: &ConstraintRows, block: usize) -
         neighbours.dedup();
     }
     adjacency
-}
-
-/// Removes a range of nodes and numbers the others without a gap.
-fn take_out(adjacency: &mut Vec<Vec<usize>>, nodes: &Range<usize>) {
-    if nodes.is_empty() {
-        return;
-    }
-    adjacency.drain(nodes.clone());
-    for neighbours in adjacency {
-        neighbours.retain(|node| !nodes.contains(node));
-        for node in neighbours.iter_mut().filter(|node| **node >= nodes.end) {
-            *node -= nodes.len();
-        }
-    }
 }
 
 fn dissect(adjacency: &[Vec<usize>]) -> Result<Vec<usize>, SolverError> {

@@ -94,7 +94,9 @@ pub enum StepperError {
         name: String,
     },
     /// The keyframes of a motion are out of order.
-    #[error("pose '{pose}': the keyframes of '{name}' must ascend, over 0 and up to 1")]
+    #[error(
+        "pose '{pose}': the keyframes of '{name}' must be finite and ascend, over 0 and up to 1"
+    )]
     Keyframes {
         /// Name of the pose.
         pose: String,

@@ -7,10 +7,11 @@ use super::obstacle::PlacedObstacle;
 /// Where the obstacle begins to push, in thicknesses of the layer.
 const REACH: f64 = 0.05;
 
-/// Way into an obstacle, in thicknesses, for which the pressure grows by the interior's Young's
-/// modulus. The interior bears no more than a part of that, so that a layer sinks in by less than a
-/// tenth of its thickness; a stiffer obstacle would outweigh all other stiffnesses of a vertex.
-const GIVE: f64 = 0.1;
+/// Way into an obstacle, in thicknesses, for which the pressure grows by Young's modulus: of the
+/// interior, which bears no more than a part of that, and of the layer, which is bent around edges
+/// by pressures far above the interior's modulus. A layer then sinks in by less than a tenth of its
+/// thickness, and the obstacle is hardly stiffer for a vertex than the layer's own faces are.
+const GIVE: [f64; 2] = [0.1, 0.5];
 
 /// Ways through an obstacle that are looked at between two places of a vertex.
 const SAMPLES: u32 = 8;
@@ -33,11 +34,15 @@ pub(crate) struct Contact {
 }
 
 impl Contact {
-    /// For a layer so thick (m) on an interior with this modulus (Pa).
-    pub(crate) fn new(obstacles: Vec<PlacedObstacle>, young: f64, thickness: f64) -> Self {
+    /// For an interior with this Young's modulus (Pa) and a layer with this one, so thick (m).
+    pub(crate) fn new(
+        obstacles: Vec<PlacedObstacle>,
+        [interior, layer]: [f64; 2],
+        thickness: f64,
+    ) -> Self {
         Self {
             obstacles,
-            stiffness: young / (GIVE * thickness),
+            stiffness: (interior / GIVE[0] + layer / GIVE[1]) / thickness,
             reach: REACH * thickness,
         }
     }

@@ -140,7 +140,10 @@ impl<'a> Moves<'a> {
             }
             let times = || motion.keyframes.iter().map(|frame| frame.at);
             let ascend = times().zip(times().skip(1)).all(|(a, b)| a < b);
-            if !ascend || !times().all(|at| at > 0.0 && at <= 1.0) {
+            let numbers = |f: &Keyframe| [f.translation, f.turn, f.about];
+            let mut places = motion.keyframes.iter().flat_map(numbers);
+            let is_finite = places.all(|v| v.iter().all(|c| c.is_finite()));
+            if !ascend || !is_finite || !times().all(|at| at > 0.0 && at <= 1.0) {
                 return Err(StepperError::Keyframes {
                     pose: pose.pose.name.clone(),
                     name: motion.of.clone(),

@@ -1,5 +1,7 @@
 //! The energy of a body and its layer as the solver sees it.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 use ruga_solver::{LowerPattern, Objective};
 
@@ -15,7 +17,7 @@ pub(crate) struct Moment {
     /// Unit normals of the surface below the layer's vertices.
     pub(crate) normals: Vec<Vector3<f64>>,
     /// [`BodySystem::constant_hessian`] for these normals and this inertia.
-    pub(crate) constant: Vec<f64>,
+    pub(crate) constant: Arc<Vec<f64>>,
     pub(crate) contact: Contact,
     /// Where the artist's vertices are drawn to, m; empty where nothing draws them.
     pub(crate) targets: Vec<Vector3<f64>>,

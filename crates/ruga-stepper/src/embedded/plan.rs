@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 use ruga_blend::Driver;
+use ruga_lattice::LatticeError;
 use ruga_material::{Wrinkling, wrinkling};
 use ruga_mesh::{FaceId, Id};
 
@@ -94,6 +95,7 @@ pub fn plan_body(
         layer: layer.name.clone(),
         source,
     })?;
+    check(body)?;
     let faces = covered_faces(driver, modelling)?;
     let carrier = Carrier::new(driver, body, modelling.smoothing)?;
     let held = HeldNodes::new(&carrier.lattice, &body.handles)?;
@@ -127,6 +129,23 @@ pub fn plan_body(
         levels: mesh.levels,
         carrier: Arc::new(carrier),
     })
+}
+
+fn check(body: &Body) -> Result<(), StepperError> {
+    let refuse = |name, value, accepted| {
+        Err(StepperError::Lattice(LatticeError::Setting {
+            name,
+            value,
+            accepted,
+        }))
+    };
+    if let Some(value) = body.follow.filter(|k| !(*k > 0.0 && k.is_finite())) {
+        return refuse("follow", value, "a positive number");
+    }
+    if let Some(&value) = body.gravity.iter().find(|c| !c.is_finite()) {
+        return refuse("gravity", value, "a finite number");
+    }
+    Ok(())
 }
 
 fn covered_faces(driver: &Driver, modelling: &Modelling) -> Result<Vec<FaceId>, StepperError> {

@@ -56,7 +56,11 @@ impl Prediction {
 }
 
 /// Symmetric matrix times vectors.
-fn product(pattern: &LowerPattern, values: &[f64], v: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+pub(crate) fn product(
+    pattern: &LowerPattern,
+    values: &[f64],
+    v: &[Vector3<f64>],
+) -> Vec<Vector3<f64>> {
     let mut product = vec![Vector3::zeros(); v.len()];
     for (column, range) in pattern.column_starts().windows(2).enumerate() {
         let range = range[0]..range[1];

@@ -271,10 +271,7 @@ impl<'a> BodyRun<'a> {
         if solve.converged && !self.settle(Some(&inertia), to, observer)? {
             solve.stop = StopRule::Interrupted;
         }
-        let ends = self.layer.state.q.iter().zip(&before.q);
-        self.layer.state.velocities = ends
-            .map(|(end, q)| (end - q) / dynamics.time_step)
-            .collect();
+        self.layer.take_velocities(before, dynamics.time_step);
         Ok(solve)
     }
 

@@ -1,1 +1,390 @@
+//! A body and its layer against what mechanics says of any such thing.
 
+use nalgebra::{Rotation3, Vector2, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use ruga_blend::{ArtistMesh, BlendShape, Driver, Smoothing};
+use ruga_lattice::{Shape, SolidMaterial};
+use ruga_material::{LayerMaterial, Substrate, WavelengthModel};
+use ruga_solver::{NewtonSettings, Objective};
+
+use super::embedded_layer::EmbeddedLayer;
+use super::handles::Moves;
+use super::objective::BodyObjective;
+use super::prediction::product;
+use crate::{
+    Body, BodyPlan, BodyPose, Coupling, Dynamics, Handle, LayerSpec, Modelling, Obstacle,
+    ObstacleShape, PoseSpec, Sampling, plan_body,
+};
+
+const SIDES: [f64; 3] = [0.02, 0.015, 0.01];
+
+/// A block of 2 x 2 x 2 squares a side, with a shape that shears it.
+fn block() -> Driver {
+    let at = |c: [usize; 3]| Vector3::from_fn(|axis, _| 0.5 * SIDES[axis] * c[axis] as f64);
+    let mut mesh = ArtistMesh::default();
+    for axis in 0..3 {
+        let [a, b] = [(axis + 1) % 3, (axis + 2) % 3];
+        for (side, [i, j]) in [0, 2]
+            .map(|s| (0..2).flat_map(move |i| (0..2).map(move |j| (s, [i, j]))))
+            .into_iter()
+            .flatten()
+        {
+            let first = mesh.positions.len() as u32;
+            for [u, v] in [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]] {
+                let mut corner = [0; 3];
+                corner[axis] = side;
+                corner[a] = u;
+                corner[b] = v;
+                mesh.positions.push(at(corner));
+            }
+            let order = if side == 2 { [1, 2, 3] } else { [3, 2, 1] };
+            let [p, q, r] = order.map(|k| first + k);
+            mesh.triangles.extend([[first, p, q], [first, q, r]]);
+        }
+    }
+    let sheared = |p: &Vector3<f64>| Vector3::new(0.2 * p.z, 0.0, 0.1 * p.x);
+    mesh.shapes = vec![BlendShape {
+        name: "shear".into(),
+        position_deltas: mesh.positions.iter().map(sheared).collect(),
+        normal_deltas: None,
+    }];
+    mesh.uvs = Some(
+        mesh.positions
+            .iter()
+            .map(|p| Vector2::new(p.x, p.y + p.z))
+            .collect(),
+    );
+    Driver::new(&mesh).expect("a closed block")
+}
+
+fn skin(coupling: Coupling) -> LayerSpec {
+    LayerSpec {
+        name: "skin".into(),
+        material: LayerMaterial {
+            young: 5e6,
+            poisson: 0.4,
+            thickness: 5e-4,
+            density: 1100.0,
+        },
+        substrate: Substrate {
+            young: 5e4,
+            poisson: 0.4,
+            thickness: 0.1,
+        },
+        model: WavelengthModel::HalfSpace,
+        coupling,
+        sampling: Sampling::Quadrature,
+        map: None,
+        sharp: false,
+        bending_transfer: None,
+    }
+}
+
+fn body() -> Body {
+    Body {
+        cells: 3,
+        shape: Shape::Quadratic,
+        material: SolidMaterial {
+            young: 5e4,
+            poisson: 0.4,
+        },
+        density: 900.0,
+        gravity: Vector3::zeros(),
+        handles: Vec::new(),
+        obstacles: Vec::new(),
+        follow: None,
+    }
+}
+
+fn modelling() -> Modelling {
+    Modelling {
+        points_per_wavelength: 5.0,
+        smoothing: Smoothing::None,
+        ..Modelling::default()
+    }
+}
+
+fn still(driver: &Driver) -> BodyPose {
+    BodyPose {
+        pose: PoseSpec {
+            name: "pose".into(),
+            weights: driver.weights([("shear", 1.0)]).expect("its shape"),
+            keys: vec![1.0],
+            steps: 1,
+        },
+        motions: Vec::new(),
+    }
+}
+
+fn planned(driver: &Driver, spec: &LayerSpec, body: &Body) -> BodyPlan {
+    plan_body(driver, spec, body, &modelling()).expect("a body")
+}
+
+/// At rest without noise.
+fn at_rest<'p>(driver: &Driver, plan: &'p BodyPlan) -> EmbeddedLayer<'p> {
+    let mut layer = EmbeddedLayer::new(driver, plan, &modelling()).expect("a layer");
+    layer.state.x.clone_from(&layer.skin.rest.positions);
+    layer
+}
+
+fn random_vectors(random: &mut Pcg64Mcg, count: usize, size: f64) -> Vec<Vector3<f64>> {
+    let mut number = || random.random_range(-size..size);
+    (0..count)
+        .map(|_| Vector3::new(number(), number(), number()))
+        .collect()
+}
+
+/// A state far from any equilibrium, with everything that can act.
+fn crumpled<'p>(driver: &Driver, plan: &'p BodyPlan, pose: &BodyPose) -> EmbeddedLayer<'p> {
+    let mut random = Pcg64Mcg::seed_from_u64(7);
+    let mut layer = at_rest(driver, plan);
+    let moves = Moves::new(&plan.body, pose).expect("fitting motions");
+    layer
+        .place(driver, (&moves, &pose.pose.weights), 0.5)
+        .expect("a placed body");
+    let cell = plan.cell_size.min();
+    let (nodes, vertices) = (layer.state.q.len(), layer.state.x.len());
+    let held = plan.held.pinned();
+    for (i, way) in random_vectors(&mut random, nodes, 0.1 * cell)
+        .iter()
+        .enumerate()
+    {
+        if !held[i] {
+            layer.state.q[i] += way;
+        }
+    }
+    layer.state.velocities = random_vectors(&mut random, nodes, 0.5);
+    layer.state.x = layer.system.embedding.positions(&layer.state.q);
+    let noise = random_vectors(&mut random, vertices, 0.2 * layer.thickness());
+    for (x, way) in layer.state.x.iter_mut().zip(noise) {
+        *x += way;
+    }
+    layer
+}
+
+fn everything() -> Body {
+    Body {
+        gravity: Vector3::new(1.0, -2.0, -9.81),
+        handles: vec![Handle {
+            name: "foot".into(),
+            min: Vector3::repeat(-1.0),
+            max: Vector3::new(SIDES[0] / 3.0, 1.0, 1.0),
+        }],
+        obstacles: vec![Obstacle {
+            name: "ball".into(),
+            shape: ObstacleShape::Sphere {
+                centre: Vector3::new(0.015, 0.0075, 0.0185),
+                radius: 0.009,
+            },
+        }],
+        follow: Some(1e6),
+        ..body()
+    }
+}
+
+/// Energy, gradient and Hessian of everything at once, against differences along random ways.
+#[test]
+fn the_whole_objective_has_its_derivatives() {
+    let driver = block();
+    let pose = still(&driver);
+    for coupling in [Coupling::Hybrid, Coupling::Constraint] {
+        let plan = planned(&driver, &skin(coupling), &everything());
+        let mut layer = crumpled(&driver, &plan, &pose);
+        assert!(layer.penetration() > 0.1 * layer.thickness(), "no contact");
+        let dynamics = Dynamics {
+            time_step: 0.01,
+            damping: 3.0,
+        };
+        let moves = Moves::new(&plan.body, &pose).expect("fitting motions");
+        let before = layer.state.clone();
+        let around = (&moves, &pose.pose.weights);
+        let inertia = layer.place_in_time(&driver, around, 0.7, dynamics);
+        layer.state.x = before.x;
+        layer.state.q = before.q;
+        let moment = layer.moment(Some(inertia));
+        let objective = BodyObjective {
+            system: &layer.system,
+            moment: &moment,
+            scales: layer.scales(),
+        };
+        let x = layer.unknowns();
+        let mut gradient = vec![0.0; x.len()];
+        let energy = objective.gradient(&x, &mut gradient);
+        assert!((energy - objective.value(&x)).abs() < 1e-12 * energy.abs());
+        let entries = objective.pattern().entries();
+        let [mut exact, mut relaxed] = [vec![0.0; entries], vec![0.0; entries]];
+        objective.hessian(&x, &mut exact, &mut relaxed);
+
+        let mut random = Pcg64Mcg::seed_from_u64(11);
+        let layer_part = layer.system.layout.shell_unknowns() / 3;
+        for part in [0..layer_part, layer_part..x.len() / 3, 0..x.len() / 3] {
+            let mut way = random_vectors(&mut random, x.len() / 3, 1.0);
+            for (i, way) in way.iter_mut().enumerate() {
+                if !part.contains(&i) {
+                    *way = Vector3::zeros();
+                }
+            }
+            let flat: Vec<f64> = way.iter().flat_map(|w| [w.x, w.y, w.z]).collect();
+            let step = 1e-4 * layer.thickness();
+            let beside = |s: f64| -> Vec<f64> {
+                x.iter().zip(&flat).map(|(x, w)| x + s * step * w).collect()
+            };
+            let [up, down] = [beside(1.0), beside(-1.0)];
+            let slope = (objective.value(&up) - objective.value(&down)) / (2.0 * step);
+            let expected: f64 = gradient.iter().zip(&flat).map(|(g, w)| g * w).sum();
+            assert!(
+                (slope - expected).abs() < 1e-5 * expected.abs(),
+                "{coupling:?} {part:?}: {slope} {expected}"
+            );
+            let [mut high, mut low] = [gradient.clone(), gradient.clone()];
+            objective.gradient(&up, &mut high);
+            objective.gradient(&down, &mut low);
+            let bend = product(objective.pattern(), &exact, &way);
+            let (mut error, mut size) = (0.0, 0.0);
+            for (i, bend) in bend.iter().enumerate() {
+                for c in 0..3 {
+                    let k = 3 * i + c;
+                    error += ((high[k] - low[k]) / (2.0 * step) - bend[c]).powi(2);
+                    size += bend[c].powi(2);
+                }
+            }
+            assert!(
+                error < 1e-10 * size,
+                "{coupling:?} {part:?}: {}",
+                error / size
+            );
+            let of = |values: &[f64]| -> f64 {
+                let bend = product(objective.pattern(), values, &way);
+                bend.iter().zip(&way).map(|(b, w)| b.dot(w)).sum()
+            };
+            // What is left out in relaxing is compression, which only takes stiffness away.
+            assert!(of(&relaxed) > 0.0 && of(&relaxed) >= of(&exact));
+        }
+    }
+}
+
+/// Forces in units of what strains the layer by one, on one vertex.
+fn largest_force(layer: &mut EmbeddedLayer<'_>, plan: &BodyPlan) -> f64 {
+    let moment = layer.moment(None);
+    let objective = BodyObjective {
+        system: &layer.system,
+        moment: &moment,
+        scales: layer.scales(),
+    };
+    let x = layer.unknowns();
+    let mut gradient = vec![0.0; x.len()];
+    objective.gradient(&x, &mut gradient);
+    let largest = gradient.iter().fold(0.0, |m: f64, g| m.max(g.abs()));
+    largest / (plan.wrinkling.membrane_stiffness * plan.edge)
+}
+
+#[test]
+fn rest_and_every_rigid_motion_of_it_are_without_forces() {
+    let driver = block();
+    let plan = planned(&driver, &skin(Coupling::Hybrid), &body());
+    let mut layer = at_rest(&driver, &plan);
+    assert!(largest_force(&mut layer, &plan) < 1e-10);
+    let unit = layer.scales().energy;
+    assert!(layer.energy().abs() < 1e-10 * unit);
+    let turn = Rotation3::from_scaled_axis(Vector3::new(0.4, -1.1, 0.7));
+    let moved = |p: &Vector3<f64>| turn * p + Vector3::new(0.1, 0.05, -0.2);
+    layer.state.x = layer.state.x.iter().map(moved).collect();
+    layer.state.q = layer.state.q.iter().map(moved).collect();
+    assert!(layer.turned() > 1.0);
+    assert!(largest_force(&mut layer, &plan) < 1e-10);
+    assert!(layer.energy().abs() < 1e-10 * unit);
+}
+
+/// One step in time, to convergence.
+fn step(layer: &mut EmbeddedLayer<'_>, driver: &Driver, dynamics: Dynamics) {
+    let pose = still(driver);
+    let free = body();
+    let moves = Moves::new(&free, &pose).expect("nothing moves");
+    let before = layer.state.clone();
+    let inertia = layer.place_in_time(driver, (&moves, &pose.pose.weights), 1.0, dynamics);
+    let settings = NewtonSettings {
+        energy_tolerance: 1e-12,
+        ..NewtonSettings::default()
+    };
+    let solve = layer.minimise(Some(inertia), &settings, &mut |_| true);
+    assert!(solve.expect("a solvable step").converged);
+    layer.take_velocities(&before, dynamics.time_step);
+}
+
+/// Momentum, and angular momentum about the origin.
+fn momenta(layer: &EmbeddedLayer<'_>) -> [Vector3<f64>; 2] {
+    let state = &layer.state;
+    let p = layer.system.mass.times(&state.velocities);
+    let angular = state.q.iter().zip(&p).map(|(q, p)| q.cross(p));
+    [p.iter().sum(), angular.sum()]
+}
+
+fn kinetic(layer: &EmbeddedLayer<'_>) -> f64 {
+    let v = &layer.state.velocities;
+    let p = layer.system.mass.times(v);
+    v.iter().zip(&p).map(|(v, p)| 0.5 * v.dot(p)).sum()
+}
+
+/// A body that falls without anything around it: `x = g h^2 n (n + 1) / 2` after `n` steps.
+#[test]
+fn a_falling_body_falls_as_implicit_euler_does() {
+    let driver = block();
+    let gravity = Vector3::new(0.0, 1.0, -9.81);
+    let plan = planned(
+        &driver,
+        &skin(Coupling::Hybrid),
+        &Body { gravity, ..body() },
+    );
+    let mut layer = at_rest(&driver, &plan);
+    let dynamics = Dynamics {
+        time_step: 0.02,
+        damping: 0.0,
+    };
+    for _ in 0..4 {
+        step(&mut layer, &driver, dynamics);
+    }
+    let way = gravity * (0.02 * 0.02 * 10.0);
+    for (x, rest) in layer.state.x.iter().zip(&layer.skin.rest.positions) {
+        assert!((x - rest - way).norm() < 1e-8 * way.norm());
+    }
+}
+
+/// A body that turns, flies and quivers keeps its momentum; energy never grows. Without a torque
+/// implicit Euler changes the angular momentum by `h sum v' x m v` of the new and old velocities,
+/// a share of some `(w h)^2`, and by nothing else but what the foundation's fixed normals add.
+#[test]
+fn a_free_body_keeps_its_momentum_and_gains_no_energy() {
+    let driver = block();
+    let plan = planned(&driver, &skin(Coupling::Hybrid), &body());
+    let mut layer = at_rest(&driver, &plan);
+    let (speed, rate) = (Vector3::new(0.3, -0.1, 0.2), Vector3::new(1.0, 2.0, -2.0));
+    let centre = 0.5 * Vector3::from(SIDES);
+    let mut random = Pcg64Mcg::seed_from_u64(3);
+    let quiver = random_vectors(&mut random, layer.state.q.len(), 0.02);
+    for (i, v) in quiver.iter().enumerate() {
+        layer.state.velocities[i] = speed + rate.cross(&(layer.state.q[i] - centre)) + v;
+    }
+    let dynamics = Dynamics {
+        time_step: 0.005,
+        damping: 0.0,
+    };
+    let (mut before, mut energy) = (momenta(&layer), kinetic(&layer));
+    for _ in 0..6 {
+        let old = layer.system.mass.times(&layer.state.velocities);
+        step(&mut layer, &driver, dynamics);
+        let now = momenta(&layer);
+        assert!((now[0] - before[0]).norm() < 1e-9 * before[0].norm());
+        let pairs = layer.state.velocities.iter().zip(&old);
+        let lost = pairs.map(|(v, p)| v.cross(p)).sum::<Vector3<f64>>() * dynamics.time_step;
+        let torque = (now[1] - before[1] - lost).norm();
+        assert!(
+            torque < 1e-7 * before[1].norm(),
+            "{}",
+            torque / before[1].norm()
+        );
+        let total = kinetic(&layer) + layer.energy();
+        assert!(total < energy, "{total} after {energy}");
+        (before, energy) = (now, total);
+    }
+}

@@ -1,0 +1,153 @@
+//! A body that blend shapes draw, and what can be wrong with a body.
+
+mod bodies;
+
+use bodies::{free_body, layer, modelling, pose, push, slab, slice, top};
+use nalgebra::Vector3;
+use ruga_blend::Driver;
+use ruga_stepper::{
+    BodyPose, Dynamics, Frame, Modelling, Observer, PoseResult, Progress, Silent, StepperError,
+    plan_body, simulate_body,
+};
+
+const LENGTH: f64 = 0.04;
+const LIFT: f64 = 0.004;
+
+/// A bar whose shape bends its end up.
+fn bar() -> Driver {
+    let bent = |p: Vector3<f64>| p + Vector3::z() * (LIFT * (p.x / LENGTH).powi(2));
+    slab(Vector3::new(LENGTH, 0.02, 0.02), [8, 4, 4], bent)
+}
+
+fn bend(driver: &Driver, steps: u32) -> BodyPose {
+    let mut pose = pose(Vec::new(), &[1.0], steps);
+    pose.pose.weights = driver.weights([("shape", 1.0)]).expect("its shape");
+    pose
+}
+
+fn coarse() -> Modelling {
+    Modelling {
+        region: top(),
+        ..modelling(5.0)
+    }
+}
+
+fn followed(
+    driver: &Driver,
+    stiffness: f64,
+    steps: u32,
+    modelling: &Modelling,
+    observer: &mut dyn Observer,
+) -> PoseResult {
+    let mut body = free_body(4);
+    body.follow = Some(stiffness);
+    let plan = plan_body(driver, &layer(50.0), &body, modelling).expect("a closed bar");
+    let pose = bend(driver, steps);
+    simulate_body(driver, &plan, &pose, modelling, observer).expect("a run")
+}
+
+/// Farthest of the artist's vertices from where the shape puts it, over the shape's size.
+#[test]
+fn stiff_muscles_follow_the_shape_and_soft_ones_give_way() {
+    let driver = bar();
+    let worst = |stiffness: f64| {
+        let result = followed(&driver, stiffness, 2, &coarse(), &mut Silent);
+        assert!(result.converged, "{:?}", result.warnings);
+        let target = driver.pose(&bend(&driver, 1).pose.weights);
+        let now = result.keys[0].artist_positions.as_ref().expect("a body");
+        let ways = now.iter().zip(&target).map(|(a, b)| (a - b).norm());
+        ways.fold(0.0, f64::max) / LIFT
+    };
+    let [soft, stiff] = [worst(1e6), worst(1e8)];
+    assert!(stiff < 0.02, "{stiff}");
+    assert!(soft > 5.0 * stiff && soft < 0.5, "{soft}");
+}
+
+/// How far the end of the bar has come in every frame, over the shape's size.
+#[derive(Default)]
+struct Lift(Vec<f64>);
+
+impl Observer for Lift {
+    fn frame(&mut self, frame: &Frame<'_>) {
+        let below = &frame.layers[0].driver_positions;
+        let end = below.iter().filter(|x| x.x > 0.97 * LENGTH);
+        let (sum, count) = end.fold((0.0, 0.0), |(sum, n), x| (sum + x.z - 0.02, n + 1.0));
+        self.0.push(sum / count / LIFT);
+    }
+}
+
+/// Drawn at a steady speed a body lags behind its equilibrium, overtakes it and swings ever less;
+/// with much damping it only lags.
+#[test]
+fn muscles_swing_the_body() {
+    let driver = bar();
+    let (stiffness, steps) = (3e5, 40);
+    let mut rest = Lift::default();
+    followed(&driver, stiffness, 1, &coarse(), &mut rest);
+    let ahead = |damping: f64| -> Vec<f64> {
+        let modelling = Modelling {
+            dynamics: Some(Dynamics {
+                time_step: 5e-4,
+                damping,
+            }),
+            ..coarse()
+        };
+        let mut lift = Lift::default();
+        let result = followed(&driver, stiffness, steps, &modelling, &mut lift);
+        assert!(result.converged && result.frames == steps as usize);
+        let frames = lift.0.iter().enumerate();
+        let equilibrium = |i: usize| rest.0[0] * (i + 1) as f64 / f64::from(steps);
+        frames.map(|(i, lift)| lift - equilibrium(i)).collect()
+    };
+    let largest = |ways: &[f64]| ways.iter().copied().fold(f64::MIN, f64::max);
+    let least = |ways: &[f64]| ways.iter().copied().fold(f64::MAX, f64::min);
+    let free = ahead(0.0);
+    let lag = -least(&free);
+    assert!(lag > 0.05 && largest(&free) > 0.2 * lag, "{free:?}");
+    assert!(largest(&free[30..]) - least(&free[30..]) < lag, "{free:?}");
+    let damped = ahead(1000.0);
+    assert!(largest(&damped) < 0.0, "{damped:?}");
+}
+
+#[test]
+fn a_run_can_be_interrupted() {
+    struct Stop;
+    impl Observer for Stop {
+        fn progress(&mut self, _: Progress) -> bool {
+            false
+        }
+    }
+    let result = followed(&bar(), 1e6, 2, &coarse(), &mut Stop);
+    assert!(result.interrupted && result.keys.is_empty());
+}
+
+#[test]
+fn what_does_not_fit_is_named() {
+    let driver = bar();
+    let planned = |change: &dyn Fn(&mut ruga_stepper::Body)| {
+        let mut body = free_body(4);
+        change(&mut body);
+        plan_body(&driver, &layer(50.0), &body, &coarse())
+    };
+    let empty = planned(&|body| body.handles = vec![slice("far", 1.0, 2.0)]);
+    assert!(matches!(empty, Err(StepperError::EmptyHandle { handle }) if handle == "far"));
+    let all = planned(&|body| body.handles = vec![slice("all", -1.0, 2.0)]);
+    assert!(matches!(all, Err(StepperError::HeldBody)));
+    let pulled = planned(&|body| body.follow = Some(-1.0));
+    assert!(matches!(pulled, Err(StepperError::Lattice(_))));
+    let locking = planned(&|body| body.material.poisson = 0.48).expect("a body");
+    assert!(locking.warnings.iter().any(|w| w.contains("locks")));
+    let fine = planned(&|body| body.cells = 12).expect("a body");
+    assert!(
+        fine.warnings
+            .iter()
+            .any(|w| w.contains("lattice wrinkles too"))
+    );
+    let one = planned(&|body| body.cells = 2).expect("a body");
+    assert!(one.warnings.iter().any(|w| w.contains("thinnest side")));
+
+    let plan = planned(&|_| ()).expect("a body");
+    let unknown = pose(vec![push("nobody", Vector3::x())], &[1.0], 1);
+    let run = simulate_body(&driver, &plan, &unknown, &coarse(), &mut Silent);
+    assert!(matches!(run, Err(StepperError::UnknownMover { name, .. }) if name == "nobody"));
+}

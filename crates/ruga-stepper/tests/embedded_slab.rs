@@ -1,0 +1,74 @@
+//! A soft slab that is pushed together: its layer wrinkles as theory says.
+
+mod bodies;
+
+use std::f64::consts::PI;
+
+use bodies::{compression, free_body, layer, modelling, pose, push, slab, slice, top};
+use nalgebra::Vector3;
+use ruga_stepper::{Coupling, PoseResult, Silent, plan_body, simulate_body};
+
+const SIZE: Vector3<f64> = Vector3::new(0.08, 0.02, 0.02);
+
+/// Of a layer 150 times as stiff as a half-space of the same Poisson ratio: `(3/150)^(2/3) / 4`.
+const CRITICAL: f64 = 0.018_420_157;
+const WAVELENGTH: f64 = 0.01;
+
+/// The slab, eight wavelengths long, held at both ends and pushed together; with the effective
+/// strain of its surface in the middle at the end.
+fn pushed(coupling: Coupling, points: f64) -> (PoseResult, f64) {
+    let driver = slab(SIZE, [16, 4, 4], |p| p);
+    let mut spec = layer(150.0);
+    spec.coupling = coupling;
+    let mut body = free_body(8);
+    body.handles = vec![slice("left", -1.0, 0.01), slice("right", 0.07, 1.0)];
+    let mut modelling = modelling(points);
+    modelling.region = top();
+    let plan = plan_body(&driver, &spec, &body, &modelling).expect("a closed slab");
+    assert!((plan.wavelength - WAVELENGTH).abs() < 1e-12);
+    assert!((plan.critical_strain - CRITICAL).abs() < 1e-8);
+    assert_eq!([plan.cells, plan.nodes], [8 * 2 * 2, 10 * 4 * 4]);
+    assert!((plan.edge - plan.wavelength / points).abs() < 1e-12);
+    let way = Vector3::x() * (0.03 * 1.8 * plan.critical_strain);
+    let motions = vec![push("left", way), push("right", -way)];
+    let pose = pose(motions, &[1.0], 2);
+    let result = simulate_body(&driver, &plan, &pose, &modelling, &mut Silent).expect("a run");
+    assert!(result.converged, "{:?}", result.warnings);
+    let found = result.layers[0].vertices as f64 / plan.vertices as f64;
+    assert!((0.7..1.4).contains(&found), "{found} of what was planned");
+    let now = result.keys[0].artist_positions.as_ref().expect("a body");
+    let strain = |from: [f64; 2], to: [f64; 2]| {
+        let at = |[x, y]: [f64; 2]| Vector3::new(x, y, SIZE.z);
+        compression(&driver, now, [at(from), at(to)])
+    };
+    let along = strain([0.03, 0.01], [0.05, 0.01]);
+    let across = strain([0.04, 0.005], [0.04, 0.015]);
+    // The inside bulges, which takes from what compresses the layer.
+    assert!(across < -0.03 * along, "{along} {across}");
+    (result, along + spec.material.poisson * across)
+}
+
+#[test]
+fn wrinkles_have_the_length_the_height_and_the_onset_of_theory() {
+    let (result, strain) = pushed(Coupling::Hybrid, 8.0);
+    let report = &result.layers[0];
+    let wavelength = report.wavelength.expect("wrinkles") / WAVELENGTH;
+    assert!((0.9..1.1).contains(&wavelength), "{wavelength}");
+    // A layer that ends has less to bear there than what lies below it, by shear lag.
+    let onset = report.onset_load.expect("an onset") * strain / CRITICAL;
+    assert!((0.9..1.25).contains(&onset), "{onset}");
+    // A single sine whose force stays at the critical one.
+    let theory = WAVELENGTH / PI * (strain - CRITICAL).sqrt();
+    let amplitude = report.amplitude / theory;
+    assert!((0.75..1.1).contains(&amplitude), "{amplitude}");
+}
+
+/// The papers' rows alone buckle too early and too short, as on a given surface.
+#[test]
+fn rows_alone_buckle_early() {
+    let (result, strain) = pushed(Coupling::Constraint, 6.0);
+    let report = &result.layers[0];
+    let onset = report.onset_load.expect("an onset") * strain / CRITICAL;
+    assert!(onset < 0.85, "{onset}");
+    assert!(report.constraints > 50);
+}
