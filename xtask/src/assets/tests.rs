@@ -240,6 +240,42 @@ fn scenes_are_read_and_name_the_shapes_there_are() {
     }
 }
 
+/// Handles hold something but not everything, and the button is clear of the pillow until it
+/// presses it to half its height.
+#[test]
+fn scenes_of_bodies_fit_their_meshes() {
+    let mut bodies = 0;
+    for (_, scene) in scenes() {
+        let Some(interior) = &scene.interior else {
+            continue;
+        };
+        bodies += 1;
+        let name = scene.driver.mesh_name.as_deref();
+        let mesh = ruga_io::read_mesh(&scene.driver.mesh, name, &Default::default()).unwrap();
+        let positions = &mesh.mesh.positions;
+        for handle in &interior.handles {
+            let is_inside =
+                |p: &&Vector3<f64>| (0..3).all(|i| (handle.min[i]..handle.max[i]).contains(&p[i]));
+            let held = positions.iter().filter(is_inside).count();
+            assert!(
+                (20..positions.len() / 4).contains(&held),
+                "{}: {held}",
+                handle.name
+            );
+        }
+        for obstacle in &interior.obstacles {
+            let Some(ruga_io::scene::ObstacleShape::Cylinder(button)) = obstacle.shape() else {
+                continue;
+            };
+            let top = positions.iter().map(|p| p.z).fold(0.0, f64::max);
+            assert!((0.0..1e-3).contains(&(button.from[2] - top)));
+            let way = scene.poses[0].motions[0].translation[2];
+            assert!((button.from[2] + way).abs() < 1e-9);
+        }
+    }
+    assert_eq!(bodies, 4);
+}
+
 #[test]
 fn scenes_of_scale_differ_as_their_figure_says() {
     let layer = |name: &str| {

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Interior {
-    /// Lattice cells along the longest side, 1 to 1000.
+    /// Lattice cells along the longest side, 1 to 64; the lattice takes no more.
     pub cells: u32,
     /// The lattice's elements.
     pub shape: CellShape,

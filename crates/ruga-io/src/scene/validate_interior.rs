@@ -6,7 +6,7 @@ use crate::error::nearest;
 
 impl Interior {
     pub(super) fn faults(&self, layers: usize) -> Checked {
-        within("interior.cells", u64::from(self.cells), 1, 1000)?;
+        within("interior.cells", u64::from(self.cells), 1, 64)?;
         positive("interior.density", self.density)?;
         finite("interior.gravity", &self.gravity)?;
         self.follow
