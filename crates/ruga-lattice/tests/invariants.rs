@@ -139,6 +139,23 @@ fn lattice_weighs_what_the_body_weighs() {
     }
 }
 
+#[test]
+fn centres_of_elements_add_up_to_that_of_the_body() {
+    let surface = torus(1.0, 0.35, [20, 10]).shifted(3.0, -1.0, 0.5);
+    let lattice = surface.lattice(spec(5));
+    let masses = lattice.node_masses(1.0).expect("positive");
+    let nodes = lattice.rest_positions().iter().zip(&masses);
+    let by_nodes: Vector3<f64> = nodes.map(|(x, m)| x * *m).sum();
+    let mut by_elements = Vector3::zeros();
+    for element in lattice.elements() {
+        let centre = lattice.element_centre(element);
+        let local = (centre - lattice.element_corner(element)).component_div(&lattice.cell_size());
+        assert!(local.iter().all(|c| (0.0..=1.0).contains(c)), "{local}");
+        by_elements += centre * lattice.element_volume(element);
+    }
+    assert!((by_elements - by_nodes).norm() < 1e-12 * by_nodes.norm());
+}
+
 /// Row sums are the lumped masses.
 fn check_consistent_mass(lattice: &Lattice, density: f64, masses: &[f64]) {
     let energy = free(lattice);

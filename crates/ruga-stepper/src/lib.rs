@@ -21,6 +21,11 @@
 //! the pose asks for; the next layer is then solved on what this one has become, going on from its own
 //! last shape, or two are solved at once ([`Stack`]). With [`Dynamics`] load steps are steps in time.
 //!
+//! A layer may also lie on a soft [`Body`] that moves (Rémillard and Kry 2013): [`plan_body`] fills
+//! the driver's surface with a coarse lattice, and [`simulate_body`] minimises the energies of layer,
+//! springs, lattice and contact with [`Obstacle`]s all at once, under the motion of [`Handle`]s, of
+//! obstacles and of blend shapes that draw the surface; results have the same form.
+//!
 //! SI units; positions are in space, loads are fractions of a pose in (0, 1]. The crate alone
 //! changes the state of a simulation. It reads no clock and no file and prints nothing; the same
 //! input gives the same result.

@@ -5,13 +5,13 @@ use std::sync::Arc;
 use nalgebra::{Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use ruga_blend::{BaseSurface, Driver, FaceStrain, face_strains};
+use ruga_blend::{Driver, FaceStrain, face_strains};
 use ruga_lattice::Embedding;
 use ruga_material::Wrinkling;
 use ruga_mesh::{FaceId, Id, PerFace};
-use ruga_remesh::{FaceDriver, Refinement, RemeshSettings, SizeLimits};
 use ruga_solver::{Iteration, Kkt, NewtonSettings, SolveReport, SolverError, minimise};
 
+use super::body_mesh::meshes;
 use super::contact::Contact;
 use super::handles::Moves;
 use super::inertia::BodyInertia;
@@ -21,8 +21,8 @@ use super::plan::BodyPlan;
 use super::prediction::Prediction;
 use super::system::BodySystem;
 use crate::layer::noise_size;
-use crate::local_skin::{LocalSkin, SkinProperties, uv};
-use crate::skin_mesh::{Interpolation, MeshDemand, RegionMesh, SkinMesh};
+use crate::local_skin::{SkinProperties, uv};
+use crate::skin_mesh::{Interpolation, RegionMesh, SkinMesh};
 use crate::{ComputedMesh, Dynamics, LayerSurface, Modelling, StepperError};
 
 /// Where a body and its layer are.
@@ -479,56 +479,4 @@ impl Frames {
             rotations: first.iter().zip(&second).map(rotation).collect(),
         }
     }
-}
-
-/// The mesh that results are handed out on, and the uniform one to compute on where it is another.
-fn meshes(
-    driver: &Driver,
-    plan: &BodyPlan,
-    modelling: &Modelling,
-) -> Result<(RegionMesh, Option<SkinMesh>), StepperError> {
-    let base = BaseSurface::new(driver, &plan.faces, plan.levels, modelling.smoothing);
-    let region = RegionMesh::new(driver, &base, &plan.spec, modelling.smoothing, 0.0)?;
-    let Some(limits) = modelling.remesh else {
-        return Ok((region, None));
-    };
-    let properties = SkinProperties::new(&plan.spec, &plan.wrinkling, None, driver, &region.skin)?;
-    let unloaded = |local: &LocalSkin| FaceDriver {
-        compression: nalgebra::Matrix3::zeros(),
-        wavelength: local.wrinkling.wavelength,
-        critical_strain: local.wrinkling.critical_strain,
-        poisson: plan.spec.material.poisson,
-    };
-    let edges = plan.edge / plan.wavelength;
-    let edge = |local: &LocalSkin| {
-        let edge = edges * local.wrinkling.wavelength;
-        edge.clamp(limits.min_edge, limits.max_edge)
-    };
-    let longest: Vec<f64> = properties.vertices.iter().map(edge).collect();
-    let demand = MeshDemand {
-        drivers: &properties.faces.as_slice().iter().map(unloaded).collect(),
-        longest: &longest,
-        aspects: &vec![f64::INFINITY; longest.len()],
-        refinement: Refinement {
-            angle: f64::INFINITY,
-            points_per_wavelength: modelling.points_per_wavelength,
-            ..Refinement::default()
-        },
-        budget: modelling.vertex_budget,
-    };
-    let settings = RemeshSettings {
-        limits: SizeLimits {
-            min_edge: limits.min_edge,
-            max_edge: limits.max_edge,
-            aspect: limits.aspect,
-            ..SizeLimits::default()
-        },
-        ..RemeshSettings::default()
-    };
-    let adapted = region.adapted(driver, &demand, &settings);
-    let adapted = adapted.map_err(|source| StepperError::Remesh {
-        layer: plan.spec.name.clone(),
-        source,
-    })?;
-    Ok((region, Some(adapted.skin)))
 }

@@ -4,6 +4,7 @@ mod model;
 mod plan;
 mod simulate;
 
+mod body_mesh;
 mod carrier;
 mod contact;
 mod cost;

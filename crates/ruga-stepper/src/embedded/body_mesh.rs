@@ -1,0 +1,62 @@
+//! The meshes of a layer on a body.
+
+use nalgebra::Matrix3;
+use ruga_blend::{BaseSurface, Driver};
+use ruga_remesh::{FaceDriver, Refinement, RemeshSettings, SizeLimits};
+
+use super::plan::BodyPlan;
+use crate::local_skin::{LocalSkin, SkinProperties};
+use crate::skin_mesh::{MeshDemand, RegionMesh, SkinMesh};
+use crate::{Modelling, StepperError};
+
+/// The mesh that results are handed out on, and the uniform one to compute on where it is another.
+pub(super) fn meshes(
+    driver: &Driver,
+    plan: &BodyPlan,
+    modelling: &Modelling,
+) -> Result<(RegionMesh, Option<SkinMesh>), StepperError> {
+    let base = BaseSurface::new(driver, &plan.faces, plan.levels, modelling.smoothing);
+    let region = RegionMesh::new(driver, &base, &plan.spec, modelling.smoothing, 0.0)?;
+    let Some(limits) = modelling.remesh else {
+        return Ok((region, None));
+    };
+    let properties = SkinProperties::new(&plan.spec, &plan.wrinkling, None, driver, &region.skin)?;
+    let unloaded = |local: &LocalSkin| FaceDriver {
+        compression: Matrix3::zeros(),
+        wavelength: local.wrinkling.wavelength,
+        critical_strain: local.wrinkling.critical_strain,
+        poisson: plan.spec.material.poisson,
+    };
+    let edges = plan.edge / plan.wavelength;
+    let edge = |local: &LocalSkin| {
+        let edge = edges * local.wrinkling.wavelength;
+        edge.clamp(limits.min_edge, limits.max_edge)
+    };
+    let longest: Vec<f64> = properties.vertices.iter().map(edge).collect();
+    let demand = MeshDemand {
+        drivers: &properties.faces.as_slice().iter().map(unloaded).collect(),
+        longest: &longest,
+        aspects: &vec![f64::INFINITY; longest.len()],
+        refinement: Refinement {
+            angle: f64::INFINITY,
+            points_per_wavelength: modelling.points_per_wavelength,
+            ..Refinement::default()
+        },
+        budget: modelling.vertex_budget,
+    };
+    let settings = RemeshSettings {
+        limits: SizeLimits {
+            min_edge: limits.min_edge,
+            max_edge: limits.max_edge,
+            aspect: limits.aspect,
+            ..SizeLimits::default()
+        },
+        ..RemeshSettings::default()
+    };
+    let adapted = region.adapted(driver, &demand, &settings);
+    let adapted = adapted.map_err(|source| StepperError::Remesh {
+        layer: plan.spec.name.clone(),
+        source,
+    })?;
+    Ok((region, Some(adapted.skin)))
+}
