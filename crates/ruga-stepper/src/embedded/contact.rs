@@ -67,9 +67,13 @@ impl Contact {
         sum
     }
 
-    /// The energy's second derivative at a vertex, exact and without the obstacle's curvature, which
-    /// makes it negative along a surface that curves away; `None` where nothing touches, N/m.
-    pub(crate) fn hessian(&self, x: &Vector3<f64>, area: f64) -> Option<[Matrix3<f64>; 2]> {
+    /// The energy's second derivative at a vertex without that of the distance; `None` where nothing
+    /// touches, N/m.
+    ///
+    /// What is left out is the pressure times the obstacle's curvature. In equilibrium it is little;
+    /// at the beginning of a step, with vertices as deep inside as the obstacle has moved, it is a
+    /// thousand times as much, and every iteration would look for an instability that is none.
+    pub(crate) fn hessian(&self, x: &Vector3<f64>, area: f64) -> Option<Matrix3<f64>> {
         let mut sum = None;
         for obstacle in &self.obstacles {
             let distance = obstacle.distance(x);
@@ -77,9 +81,7 @@ impl Contact {
             if slope > 0.0 {
                 let normal = distance.gradient;
                 let stiff = normal * normal.transpose() * (area * bend);
-                let [exact, relaxed] = sum.unwrap_or([Matrix3::zeros(); 2]);
-                let curved = distance.hessian * (area * slope);
-                sum = Some([exact + stiff - curved, relaxed + stiff]);
+                sum = Some(sum.unwrap_or_else(Matrix3::zeros) + stiff);
             }
         }
         sum

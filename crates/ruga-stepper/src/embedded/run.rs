@@ -160,12 +160,11 @@ impl<'a> BodyRun<'a> {
             false => Pace::Passing,
         };
         let mut solve = self.solve(None, (at_saddle, pace), trial.load, observer)?;
-        let mut is_probe = trial.probe;
         if solve.stop == StopRule::Saddle && self.layer.demand() < LEAST_DEMAND {
             // Nothing wrinkles yet: what gives way is the body, or a noise of the mesh.
             solve = self.solve(None, (AtSaddle::Leave, pace), trial.load, observer)?;
-            is_probe = self.layer.demand() > LEAST_DEMAND;
         }
+        let is_probe = trial.probe && self.layer.demand() > LEAST_DEMAND;
         let left_saddle = solve.left_saddle && (!trial.probe || is_probe);
         let outcome = if solve.stop == StopRule::Saddle {
             Outcome::Buckled
