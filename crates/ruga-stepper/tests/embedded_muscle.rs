@@ -109,6 +109,43 @@ fn muscles_swing_the_body() {
     assert!(largest(&damped) < 0.0, "{damped:?}");
 }
 
+/// What is handed out fits together, and is the same every time to the last bit.
+#[test]
+fn results_are_whole_and_repeatable() {
+    let driver = bar();
+    let run = || {
+        let mut body = free_body(4);
+        body.follow = Some(1e7);
+        body.handles = vec![slice("foot", -1.0, 0.01)];
+        let plan = plan_body(&driver, &layer(50.0), &body, &coarse()).expect("a closed bar");
+        let mut pose = bend(&driver, 2);
+        pose.pose.keys = vec![0.37, 1.0];
+        simulate_body(&driver, &plan, &pose, &coarse(), &mut Silent).expect("a run")
+    };
+    let [first, again] = [run(), run()];
+    assert!(first.converged && first.frames == 3);
+    let loads: Vec<f64> = first.keys.iter().map(|key| key.load).collect();
+    assert_eq!(loads, [0.37, 1.0]);
+    for (key, other) in first.keys.iter().zip(&again.keys) {
+        let surface = &key.layers[0];
+        let vertices = surface.positions.len();
+        assert_eq!(vertices, surface.driver_positions.len());
+        assert_eq!(surface.faces.len(), surface.artist.len());
+        let mut normals = surface.driver_normals.iter();
+        assert!(normals.all(|n| (n.norm() - 1.0).abs() < 1e-12));
+        let corners = surface.faces.iter().flatten();
+        assert!(corners.copied().all(|v| (v as usize) < vertices));
+        let artist = key.artist_positions.as_ref().expect("a body");
+        assert_eq!(artist.len(), driver.rest().len());
+        // Held vertices stay where they are to rounding.
+        let pairs = artist.iter().zip(driver.rest());
+        let mut held = pairs.filter(|(_, rest)| rest.x < 0.0099);
+        assert!(held.all(|(now, rest)| (now - rest).norm() < 1e-15));
+        assert_eq!(surface.positions, other.layers[0].positions);
+        assert_eq!(key.artist_positions, other.artist_positions);
+    }
+}
+
 #[test]
 fn a_run_can_be_interrupted() {
     struct Stop;
