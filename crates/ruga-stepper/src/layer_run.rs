@@ -46,6 +46,9 @@ pub(crate) const SLOWLY_LESS: f64 = 0.97;
 /// Amplitude below which a layer counts as flat, in thicknesses.
 pub(crate) const LEAST_AMPLITUDE: f64 = 0.01;
 
+/// What a user of MINRES should know.
+pub(crate) const MISSING_INERTIA: &str = "linear = \"minres\" cannot tell a wrinkled state from an unstable flat one; compare with \"ldlt\"";
+
 /// What a load means to a layer, and what follows from reaching one.
 pub(crate) trait Course {
     /// The surface below the layer's vertices at `load`, and the share of its strain that counts.
@@ -434,9 +437,8 @@ impl LayerRun {
     }
 
     fn tell_of_missing_inertia(&mut self, solve: &SolveReport) {
-        let warning = "linear = \"minres\" cannot tell a wrinkled state from an unstable flat one; compare with \"ldlt\"";
         if solve.inertia.is_none() && self.layer.demand() > 1.0 {
-            self.warn(warning.to_owned());
+            self.warn(MISSING_INERTIA.to_owned());
         }
     }
 

@@ -10,7 +10,7 @@ pub struct LayerSurface {
     pub name: String,
     /// Vertex positions, m.
     pub positions: Vec<Vector3<f64>>,
-    /// The posed driver at the vertices' material points, m.
+    /// The posed driver at the vertices' material points, or the surface of the body there, m.
     pub driver_positions: Vec<Vector3<f64>>,
     /// Its unit normals there.
     pub driver_normals: Vec<Vector3<f64>>,

@@ -6,8 +6,8 @@ use bodies::{free_body, layer, modelling, pose, push, slab, slice, top};
 use nalgebra::Vector3;
 use ruga_blend::Driver;
 use ruga_stepper::{
-    BodyPose, Dynamics, Frame, Modelling, Observer, PoseResult, Progress, Silent, StepperError,
-    plan_body, simulate_body,
+    BodyPose, Dynamics, Frame, Modelling, Observer, Obstacle, ObstacleShape, PoseResult, Progress,
+    Silent, StepperError, plan_body, simulate_body,
 };
 
 const LENGTH: f64 = 0.04;
@@ -107,6 +107,84 @@ fn muscles_swing_the_body() {
     assert!(largest(&free[30..]) - least(&free[30..]) < lag, "{free:?}");
     let damped = ahead(1000.0);
     assert!(largest(&damped) < 0.0, "{damped:?}");
+}
+
+/// What is handed out fits together, and is the same every time to the last bit.
+#[test]
+fn results_are_whole_and_repeatable() {
+    let driver = bar();
+    let run = || {
+        let mut body = free_body(4);
+        body.follow = Some(1e7);
+        body.handles = vec![slice("foot", -1.0, 0.01)];
+        let plan = plan_body(&driver, &layer(50.0), &body, &coarse()).expect("a closed bar");
+        let mut pose = bend(&driver, 2);
+        pose.pose.keys = vec![0.37, 1.0];
+        simulate_body(&driver, &plan, &pose, &coarse(), &mut Silent).expect("a run")
+    };
+    let [first, again] = [run(), run()];
+    assert!(first.converged && first.frames == 3);
+    let loads: Vec<f64> = first.keys.iter().map(|key| key.load).collect();
+    assert_eq!(loads, [0.37, 1.0]);
+    for (key, other) in first.keys.iter().zip(&again.keys) {
+        let surface = &key.layers[0];
+        let vertices = surface.positions.len();
+        assert_eq!(vertices, surface.driver_positions.len());
+        assert_eq!(surface.faces.len(), surface.artist.len());
+        let mut normals = surface.driver_normals.iter();
+        assert!(normals.all(|n| (n.norm() - 1.0).abs() < 1e-12));
+        let corners = surface.faces.iter().flatten();
+        assert!(corners.copied().all(|v| (v as usize) < vertices));
+        let artist = key.artist_positions.as_ref().expect("a body");
+        assert_eq!(artist.len(), driver.rest().len());
+        // Held vertices stay where they are to rounding.
+        let pairs = artist.iter().zip(driver.rest());
+        let mut held = pairs.filter(|(_, rest)| rest.x < 0.0099);
+        assert!(held.all(|(now, rest)| (now - rest).norm() < 1e-15));
+        assert_eq!(surface.positions, other.layers[0].positions);
+        assert_eq!(key.artist_positions, other.artist_positions);
+    }
+}
+
+/// Nothing holds the body, so that six of its motions cost nothing: it stays where it is, and a floor
+/// that comes up takes it along as it is.
+#[test]
+fn a_free_body_stays_or_goes_where_it_is_pushed() {
+    let driver = bar();
+    let mut body = free_body(4);
+    body.obstacles = vec![Obstacle {
+        name: "floor".into(),
+        shape: ObstacleShape::Plane {
+            point: Vector3::z() * -1e-4,
+            normal: Vector3::z(),
+        },
+    }];
+    let modelling = modelling(4.0);
+    let plan = plan_body(&driver, &layer(50.0), &body, &modelling).expect("a closed bar");
+    let thickness = layer(50.0).material.thickness;
+    let moved = |motions| {
+        let pose = pose(motions, &[1.0], 1);
+        let run = simulate_body(&driver, &plan, &pose, &modelling, &mut Silent);
+        let result = run.expect("a run");
+        assert!(result.converged, "{:?}", result.warnings);
+        assert_eq!(result.layers[0].onset_load, None);
+        result.keys[0].artist_positions.clone().expect("a body")
+    };
+    // All that acts is the layer's noise, a thousandth of its thickness.
+    let still = moved(Vec::new());
+    let ways = still.iter().zip(driver.rest());
+    let farthest = ways
+        .map(|(now, rest)| (now - rest).norm())
+        .fold(0.0, f64::max);
+    assert!(farthest < 0.05 * thickness, "{}", farthest / thickness);
+    // Nothing holds it down on the floor either, so that it may end a little above.
+    let lifted = moved(vec![push("floor", Vector3::z() * 1.1e-3)]);
+    let lowest = lifted.iter().map(|p| p.z).fold(f64::MAX, f64::min);
+    let height = (lowest - 1e-3) / thickness;
+    assert!((-0.1..3.0).contains(&height), "{height}");
+    let ends = [Vector3::zeros(), Vector3::new(LENGTH, 0.02, 0.02)];
+    let strain = bodies::compression(&driver, &lifted, ends);
+    assert!(strain.abs() < 2e-3, "{strain}");
 }
 
 #[test]

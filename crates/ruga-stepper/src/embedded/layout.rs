@@ -75,8 +75,8 @@ impl Layout {
         let (starts, rows) = (self.pattern.column_starts(), self.pattern.rows());
         for (range, &start) in surface.column_starts.windows(2).zip(starts) {
             let mut place = start;
-            let entries = surface.rows.iter().zip(own).skip(range[0]);
-            for (row, value) in entries.take(range[1] - range[0]) {
+            let range = range[0]..range[1];
+            for (row, value) in surface.rows[range.clone()].iter().zip(&own[range]) {
                 while rows[place] < *row {
                     place += 1;
                 }

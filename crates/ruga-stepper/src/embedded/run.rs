@@ -3,8 +3,8 @@
 use ruga_blend::Driver;
 use ruga_material::CAP_START;
 use ruga_solver::{
-    AtSaddle, LoadSettings, LoadStepper, NewtonSettings, Outcome, SolveReport, StopRule, Trial,
-    Verdict,
+    AtSaddle, LinearSolver, LoadSettings, LoadStepper, NewtonSettings, Outcome, SolveReport,
+    StopRule, Trial, Verdict,
 };
 
 use super::embedded_layer::{BodyState, EmbeddedLayer};
@@ -12,7 +12,7 @@ use super::handles::Moves;
 use super::inertia::BodyInertia;
 use super::plan::BodyPlan;
 use crate::layer_run::{
-    Ending, LEAST_AMPLITUDE, LEAST_DEMAND, PASSING, Pace, SETTLED, SLOWLY_LESS,
+    Ending, LEAST_AMPLITUDE, LEAST_DEMAND, MISSING_INERTIA, PASSING, Pace, SETTLED, SLOWLY_LESS,
 };
 use crate::measure::waviness;
 use crate::simulate::loads_up_to;
@@ -363,6 +363,9 @@ impl<'a> BodyRun<'a> {
     }
 
     fn measure(&mut self) {
+        if self.modelling.linear != LinearSolver::Ldlt && self.layer.demand() > 1.0 {
+            self.warn(MISSING_INERTIA.to_owned());
+        }
         let layer = &self.layer;
         self.report.energy = layer.energy();
         let faces = layer.supercritical_faces();

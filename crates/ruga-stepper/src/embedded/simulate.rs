@@ -12,7 +12,8 @@ use crate::{BodyPose, Modelling, Observer, PoseResult, StepperError};
 /// load to load the body is in equilibrium, and a load at which something first buckles is
 /// approached by bisection, so that the wavelength is chosen at the onset. With
 /// [`Modelling::dynamics`] every load is one step in time instead, whole where the solver finds its
-/// end, or else in shorter ones. Not converging is reported, not an error; the results reached until
+/// end, or else in shorter ones, and nothing waits at keys for rest. Weight acts in full from the
+/// first load on. Not converging is reported, not an error; the results reached until
 /// then are kept. [`KeyResult::artist_positions`](crate::KeyResult::artist_positions) say where the
 /// artist's mesh has gone.
 ///

@@ -6,6 +6,7 @@ use rand_pcg::Pcg64Mcg;
 use ruga_blend::{ArtistMesh, BlendShape, Driver, Smoothing};
 use ruga_lattice::{Shape, SolidMaterial};
 use ruga_material::{LayerMaterial, Substrate, WavelengthModel};
+use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters};
 use ruga_solver::{NewtonSettings, Objective};
 
 use super::embedded_layer::EmbeddedLayer;
@@ -261,6 +262,50 @@ fn the_whole_objective_has_its_derivatives() {
             };
             // What is left out in relaxing is compression, which only takes stiffness away.
             assert!(of(&relaxed) > 0.0 && of(&relaxed) >= of(&exact));
+        }
+    }
+}
+
+/// The springs to a body are those that a layer has to a surface that does not give way.
+#[test]
+fn the_foundation_is_that_of_a_layer_on_a_given_surface() {
+    let driver = block();
+    let spec = skin(Coupling::Hybrid);
+    let plan = planned(&driver, &spec, &body());
+    let layer = crumpled(&driver, &plan, &still(&driver));
+    let numbers = &plan.wrinkling;
+    let face = FaceParameters {
+        young: spec.material.young,
+        poisson: spec.material.poisson,
+        thickness: spec.material.thickness,
+        normal_stiffness: numbers.normal_stiffness,
+        gradient_stiffness: numbers.gradient_stiffness,
+    };
+    let (rest, faces) = (&layer.skin.rest.positions, layer.skin.corner_indices());
+    let tie = numbers.tangential_stiffness;
+    let parameters = LayerParameters::uniform(face, faces.len(), tie, rest.len());
+    let free = vec![false; rest.len()];
+    let bending = modelling().bending;
+    let whole = LayerEnergy::with_bending(rest, &faces, parameters, &free, bending);
+    let mut whole = whole.expect("a layer");
+    let embedding = &layer.system.embedding;
+    let below = embedding.positions(&layer.state.q);
+    let normals = embedding.normals(&layer.state.q);
+    whole
+        .set_base(&below, &normals, &vec![0.0; rest.len()])
+        .expect("a surface");
+    let (x, unknowns) = (&layer.state.x, 3 * rest.len());
+    let [mut with, mut without] = [vec![0.0; unknowns], vec![0.0; unknowns]];
+    whole.gradient(x, &mut with);
+    layer.system.shell.gradient(x, &mut without);
+    let e: Vec<_> = x.iter().zip(&below).map(|(x, b)| x - b).collect();
+    let foundation = layer.system.foundation.as_ref().expect("springs");
+    let forces = foundation.forces(&normals, &e);
+    let largest = forces.iter().map(|f| f.norm()).fold(0.0, f64::max);
+    for (i, force) in forces.iter().enumerate() {
+        for c in 0..3 {
+            let expected = with[3 * i + c] - without[3 * i + c];
+            assert!((force[c] - expected).abs() < 1e-9 * largest);
         }
     }
 }
