@@ -99,30 +99,89 @@ impl LatticeEnergy {
         assert_eq!(values.len(), surface.rows.len(), "one value per entry");
         assert_eq!(hessian.len(), self.pattern().1.len(), "in pattern order");
         let mut product = NodeRows::new(self.blocks().node_count());
-        for (column, &point) in surface.points.iter().enumerate() {
-            // The lower triangle L with half the diagonal is half of K: K = L + L^T. Column by
-            // column, first B^T L, then that times B.
-            for (row, place, k) in surface.entries(column) {
-                let half = if row == column && place[0] == place[1] {
-                    0.5
-                } else {
-                    1.0
-                };
-                let value = factor * half * values[k];
-                for (node, weight) in embedding.rows().row(surface.points[row] as usize) {
-                    product.add(node, place, weight * value);
-                }
-            }
-            for (row, block) in product.drain() {
-                for (column, weight) in embedding.rows().row(point as usize) {
-                    let block = block * weight;
-                    self.blocks().add(hessian, row, column, &block);
-                    if row == column {
-                        self.blocks().add(hessian, row, column, &block.transpose());
+        let mut sum = ElementSum::new(self.blocks().node_count());
+        // Points of one element come one after the other: what they add to its nodes is looked up
+        // in the pattern only once.
+        let mut order: Vec<usize> = (0..surface.points.len()).collect();
+        let nodes = |k: &usize| embedding.nodes(surface.points[*k]).collect::<Vec<u32>>();
+        order.sort_by_cached_key(nodes);
+        for group in order.chunk_by(|a, b| nodes(a) == nodes(b)) {
+            for &column in group {
+                let point = surface.points[column];
+                // The lower triangle L with half the diagonal is half of K: K = L + L^T. Column by
+                // column, first B^T L, then that times B.
+                for (row, place, k) in surface.entries(column) {
+                    let half = if row == column && place[0] == place[1] {
+                        0.5
+                    } else {
+                        1.0
+                    };
+                    let value = factor * half * values[k];
+                    for (node, weight) in embedding.rows().row(surface.points[row] as usize) {
+                        product.add(node, place, weight * value);
                     }
                 }
+                let weights: Vec<f64> = embedding.rows().row(point as usize).map(|t| t.1).collect();
+                sum.add(product.drain(), &weights);
+            }
+            sum.flush(&nodes(&group[0]), |row, column, block| {
+                self.blocks().add(hessian, row, column, block);
+                if row == column {
+                    self.blocks().add(hessian, row, column, &block.transpose());
+                }
+            });
+        }
+    }
+}
+
+/// Blocks between any nodes (rows) and those of one element (columns).
+struct ElementSum {
+    /// Where each node's row is among the rows.
+    row_of: Vec<Option<u32>>,
+    nodes: Vec<u32>,
+    /// Row by row.
+    blocks: Vec<Matrix3<f64>>,
+}
+
+impl ElementSum {
+    fn new(nodes: usize) -> Self {
+        Self {
+            row_of: vec![None; nodes],
+            nodes: Vec::new(),
+            blocks: Vec::new(),
+        }
+    }
+
+    /// Adds the product of a column of blocks and a row of weights.
+    fn add(&mut self, column: Vec<(u32, Matrix3<f64>)>, weights: &[f64]) {
+        for (node, block) in column {
+            let row = *self.row_of[node as usize].get_or_insert_with(|| {
+                self.nodes.push(node);
+                let filled = self.blocks.len() + weights.len();
+                self.blocks.resize(filled, Matrix3::zeros());
+                self.nodes.len() as u32 - 1
+            }) as usize;
+            let targets = &mut self.blocks[row * weights.len()..(row + 1) * weights.len()];
+            for (target, weight) in targets.iter_mut().zip(weights) {
+                *target += block * *weight;
             }
         }
+    }
+
+    /// Hands out all blocks with their row and column, and begins anew.
+    fn flush(&mut self, columns: &[u32], mut each: impl FnMut(u32, u32, &Matrix3<f64>)) {
+        let rows = self
+            .nodes
+            .iter()
+            .zip(self.blocks.chunks_exact(columns.len()));
+        for (&row, blocks) in rows {
+            for (&column, block) in columns.iter().zip(blocks) {
+                each(row, column, block);
+            }
+            self.row_of[row as usize] = None;
+        }
+        self.nodes.clear();
+        self.blocks.clear();
     }
 }
 

@@ -39,8 +39,6 @@ pub(crate) struct BodyRun<'a> {
     result: PoseResult,
     /// What had to be left out of the first step of the last solve that began with a pattern.
     relaxation: f64,
-    /// Solves that were repeated because the surface below had turned.
-    pub(crate) repeated: usize,
 }
 
 impl<'a> BodyRun<'a> {
@@ -75,7 +73,6 @@ impl<'a> BodyRun<'a> {
                 ..PoseResult::default()
             },
             relaxation: 0.0,
-            repeated: 0,
         })
     }
 
@@ -192,7 +189,6 @@ impl<'a> BodyRun<'a> {
         let before = self.layer.state.clone();
         let how = (AtSaddle::Leave, Pace::Result);
         let solve = self.solve(inertia.cloned(), how, load, observer)?;
-        self.repeated += 1;
         if !solve.converged {
             self.layer.state = before;
         }
