@@ -16,15 +16,10 @@ pub(crate) enum CliError {
     /// A file cannot be read, means something impossible, or cannot be written.
     #[error(transparent)]
     Io(#[from] IoError),
-    /// The scene asks for what this version cannot do.
-    #[error("{}: `{key}`: found {found}; this version cannot do that yet", scene.display())]
-    #[diagnostic(help("{remedy}"))]
-    NotYet {
-        scene: PathBuf,
-        key: String,
-        found: String,
-        remedy: &'static str,
-    },
+    /// A share of the bending of a layer that is not there.
+    #[error("{}: `layers[0].bending_transfer`: found {found}, but there is no layer below", scene.display())]
+    #[diagnostic(help("leave `bending_transfer` out"))]
+    NoLayerBelow { scene: PathBuf, found: f64 },
     /// A preset that does not exist.
     #[error("{}: `{key}`: there is no preset `{name}`{}", scene.display(), did_you_mean(suggestion.as_deref()))]
     #[diagnostic(help("presets: {listed}"))]

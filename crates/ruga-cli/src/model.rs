@@ -20,11 +20,9 @@ use crate::error::{CliError, nearest};
 /// What is wrong with a share of bending for the lowest layer, which has none below.
 pub(crate) fn bending_without_layer(scene: &Scene, path: &Path) -> Option<CliError> {
     let share = scene.layers.first()?.bending_transfer?;
-    Some(CliError::NotYet {
+    Some(CliError::NoLayerBelow {
         scene: path.to_owned(),
-        key: "layers[0].bending_transfer".to_owned(),
-        found: share.to_string(),
-        remedy: "leave `bending_transfer` out: there is no layer below",
+        found: share,
     })
 }
 

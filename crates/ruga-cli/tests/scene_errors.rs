@@ -44,19 +44,24 @@ fn a_value_out_of_range() {
 }
 
 #[test]
-fn what_later_versions_will_do() {
-    let version = "this version cannot do that yet";
+fn a_share_of_the_bending_of_no_layer() {
     let transfer = "critical_strain = 0.05\nbending_transfer = 0.5";
-    for (from, to, key) in [
-        (
-            "critical_strain = 0.05",
-            transfer,
-            "`layers[0].bending_transfer`",
-        ),
-        ("[remesh]", "[interior]\n[remesh]", "`interior`"),
-    ] {
-        refuses(&Folder::with(from, to), &["scene.toml", key, version]);
-    }
+    let folder = Folder::with("critical_strain = 0.05", transfer);
+    let key = "`layers[0].bending_transfer`";
+    refuses(&folder, &["scene.toml", key, "no layer below"]);
+}
+
+#[test]
+fn a_body_that_is_open() {
+    let body = "[interior]\nfollow = 1e6\n[remesh]";
+    let folder = Folder::with("[remesh]", body);
+    refuses(&folder, &["scene.toml", "open", "edge"]);
+}
+
+#[test]
+fn a_body_that_blend_shapes_would_not_move() {
+    let folder = Folder::with("[remesh]", "[interior]\n[remesh]");
+    refuses(&folder, &["scene.toml", "weights", "`follow`"]);
 }
 
 #[test]
@@ -138,9 +143,11 @@ fn a_black_mask_and_a_missing_one() {
 #[test]
 fn check_names_every_problem() {
     let folder = Folder::with("\"patch.obj\"", "\"path.obj\"");
-    folder.change("scene.toml", "[remesh]", "[interior]\n[remesh]");
-    folder
-        .ruga("check scene.toml")
-        .exits(2)
-        .says(&["`interior`", "path.obj", "2 problems"]);
+    let transfer = "critical_strain = 0.05\nbending_transfer = 0.5";
+    folder.change("scene.toml", "critical_strain = 0.05", transfer);
+    folder.ruga("check scene.toml").exits(2).says(&[
+        "`layers[0].bending_transfer`",
+        "path.obj",
+        "2 problems",
+    ]);
 }

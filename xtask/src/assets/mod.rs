@@ -62,11 +62,19 @@ fn meshes() -> Result<[ArtistMesh; 5], BlendError> {
     ])
 }
 
-/// Writes the painted properties below `folder`; gives their paths in it.
-fn write_images(folder: &Path) -> Result<[&'static str; 2], Box<dyn Error>> {
-    let names = ["heterogeneous/stiffness.png", "heterogeneous/thickness.png"];
-    let (packed, grey) = (paint::stiffness(), paint::thickness());
-    let images = [PngTexels::Rgb8(&packed), PngTexels::Grey8(&grey)];
+/// Writes the painted properties and masks below `folder`; gives their paths in it.
+fn write_images(folder: &Path) -> Result<[&'static str; 3], Box<dyn Error>> {
+    let names = [
+        "heterogeneous/stiffness.png",
+        "heterogeneous/thickness.png",
+        "slab/top.png",
+    ];
+    let (packed, grey, mask) = (paint::stiffness(), paint::thickness(), paint::slab_top());
+    let images = [
+        PngTexels::Rgb8(&packed),
+        PngTexels::Grey8(&grey),
+        PngTexels::Grey8(&mask),
+    ];
     for (name, texels) in names.into_iter().zip(images) {
         let path = in_its_folder(folder, name)?;
         write_png(&path, paint::TEXELS, paint::TEXELS, texels)?;

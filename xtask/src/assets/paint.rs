@@ -1,4 +1,4 @@
-//! Painted properties for the forearm patch: grey and packed 8-bit images.
+//! Painted properties for the forearm patch, grey and packed 8-bit images, and a mask for the slab.
 //!
 //! Paint changes along the arm and not across it, so that every line across the patch, the
 //! direction in which `compress` presses it, meets skin of one kind and has one wavelength.
@@ -35,6 +35,15 @@ pub(super) fn thickness() -> Vec<u8> {
         }
     };
     rows(|y| vec![byte(relative(y)); TEXELS])
+}
+
+/// White where the slab's upper side lies in the texture, the lower left quarter, and black elsewhere.
+pub(super) fn slab_top() -> Vec<u8> {
+    let half = TEXELS / 2;
+    let texel = |index: usize| index / TEXELS >= half && index % TEXELS < half;
+    (0..TEXELS * TEXELS)
+        .map(|index| if texel(index) { 255 } else { 0 })
+        .collect()
 }
 
 /// Rows of texels, the top one first, each made for its place along the arm (m from the middle).

@@ -1,4 +1,5 @@
-//! `figures`: the figures and the table of Li 2014, drawn from this project's own scenes.
+//! `figures`: the figures and the table of Li 2014, and the bodies of Rémillard and Kry 2013, drawn
+//! from this project's own scenes.
 //!
 //! Every scene goes through the command `ruga simulate`, as a user's would. Of each pose's last
 //! load step come two pictures of the top layer: shaded skin, and its mesh in material space
@@ -28,7 +29,7 @@ use crate::repository::{Outcome, root};
 use crate::wanted::Wanted;
 
 /// Scenes below `assets/`, in the order of the figures that they stand for.
-const SCENES: [&str; 12] = [
+const SCENES: [&str; 16] = [
     // Figure 3-3.
     "scale/reference.toml",
     "scale/thin.toml",
@@ -46,6 +47,11 @@ const SCENES: [&str; 12] = [
     "forearm/two-layers.toml",
     // Beyond the thesis: a curved surface.
     "finger/scene.toml",
+    // Rémillard and Kry 2013: figure 8, left and right, 7, and the bar of figure 3.
+    "slab/biaxial.toml",
+    "pillow/scene.toml",
+    "slab/isocontour.toml",
+    "bar/scene.toml",
 ];
 
 /// Simulates, draws, and prints the table.

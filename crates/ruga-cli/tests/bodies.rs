@@ -1,0 +1,154 @@
+//! Soft bodies through the command: a block that handles press together.
+
+mod fixture;
+
+use fixture::Folder;
+
+const SCENE: &str = r#"version = 1
+
+[driver]
+mesh = "block.obj"
+smoothing = "none"
+
+[substrate]
+young = 20e3
+poisson = 0.4
+thickness = 0.02
+
+[[layers]]
+name = "skin"
+wavelength = 0.04
+critical_strain = 0.02
+
+[interior]
+cells = 6
+
+[[interior.handles]]
+name = "left"
+min = [-0.01, -1.0, -1.0]
+max = [0.04, 1.0, 1.0]
+
+[[interior.handles]]
+name = "right"
+min = [0.20, -1.0, -1.0]
+max = [0.25, 1.0, 1.0]
+
+[[poses]]
+name = "press"
+keys = [0.5, 1.0]
+steps = 2
+motions = [{ of = "right", at = 1.0, move = [-0.012, 0.0, 0.0] }]
+
+[remesh]
+points_per_wavelength = 4
+
+[bake]
+size = 64
+padding = 2
+"#;
+
+/// Corners by bits: x, y, z.
+const SIDES: [[usize; 4]; 6] = [
+    [0, 4, 6, 2],
+    [1, 3, 7, 5],
+    [0, 1, 5, 4],
+    [2, 6, 7, 3],
+    [0, 2, 3, 1],
+    [4, 5, 7, 6],
+];
+
+/// A closed block of 24 x 8 x 8 cm, every side of it a chart of its own.
+fn block() -> String {
+    let mut text = String::new();
+    for corner in 0..8 {
+        let [x, y, z] = [0, 1, 2].map(|axis| f64::from((corner >> axis) & 1));
+        text += &format!("v {} {} {}\n", 0.24 * x, 0.08 * y, 0.08 * z);
+    }
+    for side in 0..6 {
+        let [left, right] = [0.02, 0.98].map(|share| (f64::from(side) + share) / 6.0);
+        for [u, v] in [[left, 0.02], [right, 0.02], [right, 0.98], [left, 0.98]] {
+            text += &format!("vt {u} {v}\n");
+        }
+    }
+    for (side, corners) in SIDES.iter().enumerate() {
+        for triangle in [[0, 1, 2], [0, 2, 3]] {
+            let corner = |k: usize| format!("{}/{}", corners[k] + 1, 4 * side + k + 1);
+            text += &format!("f {}\n", triangle.map(corner).join(" "));
+        }
+    }
+    text
+}
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("block.obj", block());
+    folder.write("body.toml", SCENE);
+    folder
+}
+
+#[test]
+fn a_body_is_planned_checked_simulated_and_baked() {
+    let folder = folder();
+    let planned = folder.ruga("plan body.toml").exits(0);
+    for word in ["interior:", "lattice cells", "press", "points/wave"] {
+        assert!(planned.stdout.contains(word), "{}", planned.stdout);
+    }
+    let json = folder.ruga("plan body.toml --json").exits(0);
+    let plan: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
+    assert!(plan["interior"]["nodes"].as_u64().unwrap() > 50, "{plan}");
+    assert!(
+        plan["poses"][0]["seconds"].as_f64().unwrap() > 0.0,
+        "{plan}"
+    );
+    folder.ruga("check body.toml").exits(0);
+
+    folder
+        .ruga("simulate body.toml -o frames --threads 1")
+        .exits(0);
+    let report = folder.json("frames/report.json");
+    let layer = &report["poses"][0]["layers"][0];
+    let measured = layer["wavelength_m"].as_f64().expect("it wrinkles");
+    assert!((measured / 0.04 - 1.0).abs() < 0.25, "{layer}");
+    assert!(layer["amplitude_m"].as_f64().unwrap() > 2e-4, "{layer}");
+
+    folder.ruga("bake body.toml -o out --threads 1").exits(0);
+    folder.ruga("bake body.toml -o two --threads 2").exits(0);
+    for file in [
+        "press_50_normal.png",
+        "press_100_normal.png",
+        "press_100_height.png",
+    ] {
+        let of = |run: &str| folder.read(&format!("{run}/maps/{file}"));
+        assert_eq!(of("out"), of("two"), "{file} on two threads");
+    }
+    folder.change("body.toml", "padding = 2", "padding = 2\nframe = \"mesh\"");
+    folder.ruga("bake body.toml -o mesh --threads 1").exits(0);
+}
+
+#[test]
+fn a_body_moves_in_time() {
+    let folder = folder();
+    let dynamic = "[solver]\nmode = \"dynamic\"\ntime_step = 0.01\n\n[remesh]";
+    folder.change("body.toml", "[remesh]", dynamic);
+    folder.change(
+        "body.toml",
+        "cells = 6",
+        "cells = 6\ngravity = [0.0, 0.0, -9.81]",
+    );
+    folder
+        .ruga("simulate body.toml -o out --threads 1")
+        .exits(0);
+    let report = folder.json("out/report.json");
+    assert_eq!(report["poses"][0]["converged"], true, "{report}");
+}
+
+#[test]
+fn handles_that_hold_nothing_or_everything_are_refused() {
+    let with = |from: &str, to: &str| {
+        let folder = folder();
+        folder.change("body.toml", from, to);
+        folder.ruga("simulate body.toml -o out").exits(2)
+    };
+    with("max = [0.04, 1.0, 1.0]", "max = [-0.005, 1.0, 1.0]").says(&["left", "cell"]);
+    with("min = [0.20, -1.0, -1.0]", "min = [0.04, -1.0, -1.0]").says(&["hold"]);
+}
