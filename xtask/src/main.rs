@@ -8,6 +8,7 @@
 
 mod assets;
 mod bench;
+mod bodies;
 mod chart;
 mod check;
 mod figures;
@@ -46,6 +47,11 @@ usage: cargo xtask TASK
                hour of processor time, on two cores half as long;
                --quick takes fewer and coarser runs, six minutes of it;
                --redraw draws the runs that there are
+  bodies [DIR] [--quick]
+               measure what skins on soft bodies must show, after Rémillard and Kry 2013:
+               wavelengths over thickness and stiffness, against volumes, the lattice's
+               cells, where a bent bar wrinkles; draw it into DIR [default: target/bodies];
+               a quarter of an hour of processor time; --quick takes few samples
   picture DIR  shade the maps that `ruga bake assets/forearm/scene.toml -o DIR` left in DIR
 ";
 
@@ -75,6 +81,10 @@ fn main() -> ExitCode {
                 None => return wrong_usage("`chart` takes a folder, `--quick` and `--redraw`"),
             }
         }
+        ["bodies", words @ ..] => match Wanted::read(words) {
+            Some(wanted) => bodies::bodies(&wanted),
+            None => return wrong_usage("`bodies` takes a folder and `--quick`"),
+        },
         ["picture", folder] => picture::picture(Path::new(folder)),
         ["picture"] => return wrong_usage("`picture` needs the folder of a finished bake"),
         ["help" | "--help" | "-h"] => {

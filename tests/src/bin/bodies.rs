@@ -1,0 +1,106 @@
+//! Measures what soft bodies under a skin have to show, and writes a line of JSON for each finding as
+//! it comes: `cargo xtask bodies` draws them.
+
+#![allow(
+    clippy::print_stdout,
+    reason = "the findings are what the caller reads"
+)]
+
+use std::error::Error;
+
+use ruga_stepper::{CellShape, Coupling};
+use ruga_tests::body::{
+    Extent, Isocontour, artefact, coupling_name, dense, is_compared, isocontours, locality,
+};
+use serde_json::json;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let extent = match words.iter().any(|word| word == "--quick") {
+        true => Extent::Quick,
+        false => Extent::Full,
+    };
+    print_artefact()?;
+    print_locality()?;
+    let mut samples = Vec::new();
+    isocontours(extent, &mut |sample| {
+        print_sample(sample);
+        samples.push(sample.clone());
+    })?;
+    print_dense(&samples)
+}
+
+fn print_sample(own: &Isocontour) {
+    let line = json!({
+        "part": "isocontours",
+        "coupling": coupling_name(own.coupling),
+        "thickness_m": own.sample.thickness,
+        "ratio": own.sample.ratio,
+        "predicted_m": own.predicted,
+        "measured_m": own.measured,
+        "reported_m": own.reported,
+        "errors": own.errors(),
+        "demand": own.demand,
+        "amplitude": own.amplitude,
+        "depth_m": own.depth,
+        "vertices": own.vertices,
+        "converged": own.converged,
+        "seconds": own.seconds,
+    });
+    println!("{line}");
+}
+
+fn print_dense(samples: &[Isocontour]) -> Result<(), Box<dyn Error>> {
+    let compared = samples
+        .iter()
+        .filter(|own| own.coupling == Coupling::Hybrid && is_compared(own.sample));
+    for own in compared {
+        let both = dense(own)?;
+        let line = json!({
+            "part": "dense",
+            "thickness_m": own.sample.thickness,
+            "ratio": own.sample.ratio,
+            "volume_m": both.volume,
+            "volume_onset": both.onset,
+            "embedded_m": both.embedded,
+            "error": both.error(),
+        });
+        println!("{line}");
+    }
+    Ok(())
+}
+
+fn print_artefact() -> Result<(), Box<dyn Error>> {
+    for own in artefact()? {
+        let shape = match own.shape {
+            CellShape::Linear => "linear",
+            CellShape::Quadratic => "quadratic",
+        };
+        let line = json!({
+            "part": "artefact",
+            "shape": shape,
+            "energy": own.energy,
+            "angle_deg": own.angle_deg,
+            "demand": own.demand,
+            "profile": own.profile,
+        });
+        println!("{line}");
+    }
+    Ok(())
+}
+
+fn print_locality() -> Result<(), Box<dyn Error>> {
+    for own in locality()? {
+        let line = json!({
+            "part": "locality",
+            "coupling": coupling_name(own.coupling),
+            "outside": own.outside,
+            "amplitude": own.amplitude,
+            "converged": own.converged,
+            "bent": own.bent,
+            "profile": own.profile,
+        });
+        println!("{line}");
+    }
+    Ok(())
+}

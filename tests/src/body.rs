@@ -1,0 +1,32 @@
+//! What a soft body under a skin has to show (Rémillard and Kry 2013, RK): slabs that are pushed and
+//! bent, and what is measured on them.
+//!
+//! | part | figure of RK | measured |
+//! |---|---|---|
+//! | [`isocontours`] | 7 | wavelength against theory, over thickness and modulus ratio |
+//! | [`dense`] | 6 | wavelength against that of a volume |
+//! | [`artefact`] | 4 | how far the skin's curvature follows the lattice's cells |
+//! | [`locality`] | 3 | wrinkles outside the part of a bar that is bent |
+
+mod artefact;
+mod dense;
+mod isocontours;
+mod locality;
+mod sheet;
+mod slab;
+
+pub use artefact::{Artefact, artefact};
+pub use dense::{Dense, dense};
+pub use isocontours::{Isocontour, Sample, is_compared, isocontours};
+pub use locality::{Locality, locality};
+pub use sheet::Sheet;
+pub use slab::{Slab, SlabRun, coupling_name};
+
+/// How much of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extent {
+    /// All samples: some ten minutes on one core.
+    Full,
+    /// The corners of what is sampled: one to two minutes.
+    Quick,
+}

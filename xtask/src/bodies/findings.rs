@@ -1,0 +1,210 @@
+//! What was measured, out of its lines.
+
+use serde_json::Value;
+
+/// The skins on whose wavelength goals stand.
+pub(super) const HYBRID: &str = "hybrid";
+pub(super) const HARD_ROWS: &str = "hard rows";
+
+/// All of it.
+#[derive(Debug, Default)]
+pub(super) struct Findings {
+    pub(super) samples: Vec<Sample>,
+    pub(super) dense: Vec<Dense>,
+    pub(super) artefacts: Vec<Artefact>,
+    pub(super) localities: Vec<Locality>,
+}
+
+/// A slab that was pushed together.
+#[derive(Debug, Clone)]
+pub(super) struct Sample {
+    pub(super) coupling: String,
+    /// m.
+    pub(super) thickness: f64,
+    pub(super) ratio: f64,
+    /// Wavelength of theory, m.
+    pub(super) predicted: f64,
+    /// Soon after the onset and at the end, m.
+    pub(super) measured: [Option<f64>; 2],
+    /// The simulator's own measure, m.
+    pub(super) reported: Option<f64>,
+    /// Effective compression in critical strains.
+    pub(super) demand: [f64; 2],
+    pub(super) vertices: f64,
+    pub(super) converged: bool,
+    pub(super) seconds: f64,
+}
+
+impl Sample {
+    /// Relative errors of both wavelengths.
+    pub(super) fn errors(&self) -> [Option<f64>; 2] {
+        self.measured
+            .map(|measured| measured.map(|m| m / self.predicted - 1.0))
+    }
+}
+
+/// The same skin as a volume.
+#[derive(Debug, Clone)]
+pub(super) struct Dense {
+    /// m.
+    pub(super) thickness: f64,
+    pub(super) ratio: f64,
+    /// Wavelengths, m.
+    pub(super) volume: f64,
+    pub(super) embedded: Option<f64>,
+}
+
+impl Dense {
+    /// Relative error of the embedded skin.
+    pub(super) fn error(&self) -> Option<f64> {
+        self.embedded.map(|embedded| embedded / self.volume - 1.0)
+    }
+}
+
+/// What a lattice's cells do to a skin that does not wrinkle.
+#[derive(Debug, Clone)]
+pub(super) struct Artefact {
+    pub(super) shape: String,
+    /// Beside a smooth skin, over that of the smooth one.
+    pub(super) energy: f64,
+    pub(super) angle_deg: f64,
+    /// Cells and degrees.
+    pub(super) profile: Vec<[f64; 2]>,
+}
+
+/// Where a bar that is bent at one end wrinkles.
+#[derive(Debug, Clone)]
+pub(super) struct Locality {
+    pub(super) coupling: String,
+    pub(super) outside: f64,
+    pub(super) converged: bool,
+    /// In wavelengths.
+    pub(super) bent: [f64; 2],
+    /// Wavelengths and thicknesses.
+    pub(super) profile: Vec<[f64; 2]>,
+}
+
+impl Findings {
+    pub(super) fn read(lines: &[Value]) -> Self {
+        let mut findings = Self::default();
+        for line in lines {
+            match line["part"].as_str() {
+                Some("isocontours") => findings.samples.push(sample(line)),
+                Some("dense") => findings.dense.push(Dense {
+                    thickness: number(&line["thickness_m"]),
+                    ratio: number(&line["ratio"]),
+                    volume: number(&line["volume_m"]),
+                    embedded: line["embedded_m"].as_f64(),
+                }),
+                Some("artefact") => findings.artefacts.push(Artefact {
+                    shape: word(&line["shape"]),
+                    energy: number(&line["energy"]),
+                    angle_deg: number(&line["angle_deg"]),
+                    profile: profile(&line["profile"]),
+                }),
+                Some("locality") => findings.localities.push(Locality {
+                    coupling: word(&line["coupling"]),
+                    outside: number(&line["outside"]),
+                    converged: line["converged"] == true,
+                    bent: pair(&line["bent"]),
+                    profile: profile(&line["profile"]),
+                }),
+                _ => {}
+            }
+        }
+        findings
+    }
+
+    /// Samples of one coupling.
+    pub(super) fn of<'a>(&'a self, coupling: &'a str) -> impl Iterator<Item = &'a Sample> {
+        self.samples
+            .iter()
+            .filter(move |own| own.coupling == coupling)
+    }
+
+    /// Median size of a coupling's relative errors, soon after the onset (0) or at the end (1).
+    pub(super) fn median_error(&self, coupling: &str, key: usize) -> Option<f64> {
+        let errors = self.of(coupling).filter_map(|own| own.errors()[key]);
+        let mut errors: Vec<f64> = errors.map(f64::abs).collect();
+        errors.sort_by(f64::total_cmp);
+        let middle = errors.len() / 2;
+        match errors.len() % 2 {
+            1 => Some(errors[middle]),
+            _ => middle
+                .checked_sub(1)
+                .map(|below| 0.5 * (errors[below] + errors[middle])),
+        }
+    }
+
+    /// How many times less the cells show with quadratic elements than with linear ones, in energy.
+    pub(super) fn smoother(&self) -> Option<f64> {
+        let energy = |shape: &str| {
+            let own = self.artefacts.iter().find(|own| own.shape == shape)?;
+            Some(own.energy)
+        };
+        Some(energy("linear")? / energy("quadratic")?)
+    }
+}
+
+fn sample(line: &Value) -> Sample {
+    let measured = &line["measured_m"];
+    Sample {
+        coupling: word(&line["coupling"]),
+        thickness: number(&line["thickness_m"]),
+        ratio: number(&line["ratio"]),
+        predicted: number(&line["predicted_m"]),
+        measured: [measured[0].as_f64(), measured[1].as_f64()],
+        reported: line["reported_m"].as_f64(),
+        demand: pair(&line["demand"]),
+        vertices: number(&line["vertices"]),
+        converged: line["converged"] == true,
+        seconds: number(&line["seconds"]),
+    }
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or(f64::NAN)
+}
+
+fn word(value: &Value) -> String {
+    value.as_str().unwrap_or_default().to_owned()
+}
+
+fn pair(value: &Value) -> [f64; 2] {
+    [number(&value[0]), number(&value[1])]
+}
+
+fn profile(value: &Value) -> Vec<[f64; 2]> {
+    value.as_array().into_iter().flatten().map(pair).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn lines_become_findings() {
+        let sample = |ratio: f64, measured: Option<f64>| {
+            json!({
+                "part": "isocontours", "coupling": "hybrid", "thickness_m": 5e-4, "ratio": ratio,
+                "predicted_m": 0.01, "measured_m": [0.01, measured], "demand": [1.2, 1.5],
+            })
+        };
+        let artefact = |shape: &str, energy: f64| json!({ "part": "artefact", "shape": shape, "energy": energy });
+        let lines = [
+            sample(30.0, Some(0.0098)),
+            sample(300.0, Some(0.0104)),
+            sample(3000.0, None),
+            artefact("linear", 5.0),
+            artefact("quadratic", 0.5),
+        ];
+        let findings = Findings::read(&lines);
+        assert_eq!(findings.samples.len(), 3);
+        let median = findings.median_error(HYBRID, 1).expect("two errors");
+        assert!((median - 0.03).abs() < 1e-12);
+        assert_eq!(findings.median_error(HARD_ROWS, 1), None);
+        assert_eq!(findings.smoother(), Some(10.0));
+    }
+}
