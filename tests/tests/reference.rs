@@ -243,22 +243,28 @@ fn plate_finds_its_wave_from_noise() {
     assert_near("gap", relaxed.energy_gap, gap, 0.05);
 }
 
+/// Skin a millimetre thick, `ratio` times as stiff as the block of three centimetres below.
+fn skin_on_block(ratio: f64) -> (LayerMaterial, Substrate) {
+    let skin = LayerMaterial {
+        young: ratio * 1e4,
+        poisson: 0.45,
+        thickness: 1e-3,
+        density: 1e3,
+    };
+    let block = Substrate {
+        young: 1e4,
+        poisson: 0.45,
+        thickness: 0.03,
+    };
+    (skin, block)
+}
+
 /// Theory puts the block's forces on the skin's mid-surface; the volume knows that they act on its
 /// lower face, and that a pressed block is no longer the block at rest.
 #[test]
 fn dense_volume_wrinkles_like_a_shell_on_a_bonded_layer() {
     for (ratio, tolerance) in [(30.0, 0.06), (300.0, 0.02), (3000.0, 0.02)] {
-        let skin = LayerMaterial {
-            young: ratio * 1e4,
-            poisson: 0.45,
-            thickness: 1e-3,
-            density: 1e3,
-        };
-        let block = Substrate {
-            young: 1e4,
-            poisson: 0.45,
-            thickness: 0.03,
-        };
+        let (skin, block) = skin_on_block(ratio);
         let theory = wrinkling(&skin, &block, WavelengthModel::Layer).unwrap();
         let dense = DenseBlock::new(skin, block);
         let onset = dense.onset([0.8, 1.25].map(|share| share * theory.wavelength));
@@ -270,17 +276,7 @@ fn dense_volume_wrinkles_like_a_shell_on_a_bonded_layer() {
 
 #[test]
 fn dense_volume_is_resolved() {
-    let skin = LayerMaterial {
-        young: 3e6,
-        poisson: 0.45,
-        thickness: 1e-3,
-        density: 1e3,
-    };
-    let block = Substrate {
-        young: 1e4,
-        poisson: 0.45,
-        thickness: 0.03,
-    };
+    let (skin, block) = skin_on_block(300.0);
     let dense = DenseBlock::new(skin, block);
     let finer = DenseBlock {
         along: 7,

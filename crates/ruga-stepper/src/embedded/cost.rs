@@ -5,11 +5,11 @@ use ruga_material::Wrinkling;
 use super::plan::BodyPlan;
 
 /// Factorisations of a load step, and seconds of one for a vertex count to the power 3/2 and 1.
-const PER_STEP: f64 = 8.0;
-const FACTOR: [f64; 2] = [1.2e-7, 6e-5];
+const PER_STEP: f64 = 10.0;
+const FACTOR: [f64; 2] = [1.2e-7, 3e-5];
 
 /// Bytes per vertex, and per lattice node.
-const BYTES: [f64; 2] = [12e3, 30e3];
+const BYTES: [f64; 2] = [65e3, 30e3];
 
 impl BodyPlan {
     /// The layer's critical wave on its substrate.
