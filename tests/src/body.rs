@@ -5,10 +5,12 @@
 //! |---|---|---|
 //! | [`isocontours`] | 7 | wavelength against theory, over thickness and modulus ratio |
 //! | [`dense`] | 6 | wavelength against that of a volume |
+//! | [`cell_limit`] | | wavelength against theory, over the lattice's fineness |
 //! | [`artefact`] | 4 | how far the skin's curvature follows the lattice's cells |
 //! | [`locality`] | 3 | wrinkles outside the part of a bar that is bent |
 
 mod artefact;
+mod cell_limit;
 mod dense;
 mod isocontours;
 mod locality;
@@ -16,6 +18,7 @@ mod sheet;
 mod slab;
 
 pub use artefact::{Artefact, artefact};
+pub use cell_limit::{CellLimit, cell_limit};
 pub use dense::{Dense, dense};
 pub use isocontours::{Isocontour, Sample, is_compared, isocontours};
 pub use locality::{Locality, locality};
@@ -25,7 +28,7 @@ pub use slab::{Slab, SlabRun, coupling_name};
 /// How much of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extent {
-    /// All samples: some ten minutes on one core.
+    /// All samples: about seven minutes on one core.
     Full,
     /// The corners of what is sampled: one to two minutes.
     Quick,

@@ -10,7 +10,8 @@ use std::error::Error;
 
 use ruga_stepper::{CellShape, Coupling};
 use ruga_tests::body::{
-    Extent, Isocontour, artefact, coupling_name, dense, is_compared, isocontours, locality,
+    CellLimit, Extent, Isocontour, artefact, cell_limit, coupling_name, dense, is_compared,
+    isocontours, locality,
 };
 use serde_json::json;
 
@@ -22,6 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     print_artefact()?;
     print_locality()?;
+    cell_limit(extent, &mut print_cells)?;
     let mut samples = Vec::new();
     isocontours(extent, &mut |sample| {
         print_sample(sample);
@@ -46,6 +48,18 @@ fn print_sample(own: &Isocontour) {
         "vertices": own.vertices,
         "converged": own.converged,
         "seconds": own.seconds,
+    });
+    println!("{line}");
+}
+
+fn print_cells(own: &CellLimit) {
+    let line = json!({
+        "part": "cell limit",
+        "cell": own.cell,
+        "errors": own.found.errors(),
+        "demand": own.found.demand,
+        "converged": own.found.converged,
+        "seconds": own.found.seconds,
     });
     println!("{line}");
 }

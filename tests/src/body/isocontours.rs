@@ -100,7 +100,7 @@ pub fn isocontours(
 ) -> Result<(), Box<dyn Error>> {
     for coupling in [Coupling::Hybrid, Coupling::Constraint] {
         for sample in samples(extent) {
-            each(&measure(sample, coupling)?);
+            each(&push_together(&Slab::of_sample(sample, coupling)?, sample)?);
         }
     }
     Ok(())
@@ -159,8 +159,8 @@ impl Slab {
     }
 }
 
-fn measure(sample: Sample, coupling: Coupling) -> Result<Isocontour, Box<dyn Error>> {
-    let slab = Slab::of_sample(sample, coupling)?;
+/// Moves the outermost cells of a slab towards each other, and measures its skin.
+pub(super) fn push_together(slab: &Slab, sample: Sample) -> Result<Isocontour, Box<dyn Error>> {
     let theory = slab.theory()?;
     let cell = slab.size.x / f64::from(slab.cells);
     let free = slab.size.x - 2.0 * cell;
@@ -179,7 +179,7 @@ fn measure(sample: Sample, coupling: Coupling) -> Result<Isocontour, Box<dyn Err
     let sheets = [&run.sheets[0], &run.sheets[1]];
     Ok(Isocontour {
         sample,
-        coupling,
+        coupling: slab.coupling,
         predicted: theory.wavelength * (1.0 + 0.5 * theory.critical_strain),
         measured: sheets.map(wavelength),
         reported: run.report.wavelength,

@@ -11,6 +11,7 @@ pub(super) const HARD_ROWS: &str = "hard rows";
 pub(super) struct Findings {
     pub(super) samples: Vec<Sample>,
     pub(super) dense: Vec<Dense>,
+    pub(super) cell_limits: Vec<CellLimit>,
     pub(super) artefacts: Vec<Artefact>,
     pub(super) localities: Vec<Locality>,
 }
@@ -61,6 +62,15 @@ impl Dense {
     }
 }
 
+/// A slab on a lattice of some fineness.
+#[derive(Debug, Clone)]
+pub(super) struct CellLimit {
+    /// Wavelengths to a cell.
+    pub(super) cell: f64,
+    /// Relative error of the wavelength at the end.
+    pub(super) error: Option<f64>,
+}
+
 /// What a lattice's cells do to a skin that does not wrinkle.
 #[derive(Debug, Clone)]
 pub(super) struct Artefact {
@@ -95,6 +105,10 @@ impl Findings {
                     ratio: number(&line["ratio"]),
                     volume: number(&line["volume_m"]),
                     embedded: line["embedded_m"].as_f64(),
+                }),
+                Some("cell limit") => findings.cell_limits.push(CellLimit {
+                    cell: number(&line["cell"]),
+                    error: line["errors"][1].as_f64(),
                 }),
                 Some("artefact") => findings.artefacts.push(Artefact {
                     shape: word(&line["shape"]),

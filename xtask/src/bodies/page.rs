@@ -1,11 +1,11 @@
-//! The page: five panels, a key, and where they come from.
+//! The page: six panels, a key, and where they come from.
 
 use super::findings::{Findings, HARD_ROWS, HYBRID};
 use super::panel::{INK, SMALL};
 use super::panels;
 use super::svg::{Drawing, Style};
 
-const SIZE: [f64; 2] = [1560.0, 1010.0];
+const SIZE: [f64; 2] = [2060.0, 1010.0];
 const FIELD: [f64; 2] = [420.0, 300.0];
 const CORNER: [f64; 2] = [72.0, 172.0];
 /// From column to column and from row to row.
@@ -19,9 +19,10 @@ pub(super) fn page(findings: &Findings, command: &str) -> Drawing {
     panels::isocontours(&mut drawing, frame(0), findings, HYBRID);
     panels::isocontours(&mut drawing, frame(1), findings, HARD_ROWS);
     panels::volumes(&mut drawing, frame(2), findings);
-    panels::cells(&mut drawing, frame(3), findings);
-    panels::bars(&mut drawing, frame(4), findings);
-    let [left, top, ..] = frame(5);
+    panels::cell_limits(&mut drawing, frame(3), findings);
+    panels::cells(&mut drawing, frame(4), findings);
+    panels::bars(&mut drawing, frame(5), findings);
+    let [left, top, ..] = frame(6);
     panels::key(&mut drawing, [left, top], findings);
     let line = format!(
         "Wavelengths: median distance of crossings in the same direction, at rest, in the middle half \
@@ -56,7 +57,7 @@ fn heading(drawing: &mut Drawing) {
 
 /// Of the field number `index`, row by row.
 fn frame(index: usize) -> [f64; 4] {
-    let [column, row] = [index % 3, index / 3].map(|n| n as f64);
+    let [column, row] = [index % 4, index / 4].map(|n| n as f64);
     let [left, top] = [CORNER[0] + column * PITCH[0], CORNER[1] + row * PITCH[1]];
     [left, top, left + FIELD[0], top + FIELD[1]]
 }

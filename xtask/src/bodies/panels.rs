@@ -171,6 +171,37 @@ pub(super) fn volumes(drawing: &mut Drawing, frame: Frame, findings: &Findings) 
     }
 }
 
+/// What lattices of different fineness do to a wavelength.
+pub(super) fn cell_limits(drawing: &mut Drawing, frame: Frame, findings: &Findings) {
+    let limits = findings.cell_limits.iter();
+    let points: Vec<[f64; 2]> = limits
+        .filter_map(|own| Some([own.cell, 100.0 * own.error?]))
+        .collect();
+    let ends = points
+        .iter()
+        .fold([-20.0, 20.0], |[low, high]: [f64; 2], p| {
+            [low.min(p[1]), high.max(1.1 * p[1])]
+        });
+    let x = Ruler::logarithmic(points.iter().map(|p| p[0]), ROOM);
+    let panel = Panel::new(frame, [x, Ruler::linear(ends)]);
+    let title = Title {
+        name: "Fineness of the lattice",
+        note: "upwards: error of the wavelength, %, with the default coupling",
+        across: "wavelengths to a cell",
+    };
+    let cells: Vec<f64> = points.iter().map(|p| p[0]).collect();
+    let up: Vec<f64> = (-10..=10)
+        .map(|i| 20.0 * f64::from(i))
+        .filter(|tick| (ends[0]..=ends[1]).contains(tick))
+        .collect();
+    panel.draw_axes(drawing, &title, [&cells, &up]);
+    panel.draw_line(drawing, &points, (BLUE, 1.8, ""));
+    for point in points {
+        let fill = colour(point[1] / 100.0);
+        drawing.circle(panel.place(point), DOT, fill, ("#ffffff", 1.0));
+    }
+}
+
 /// How the angle of a bent skin follows the cells.
 pub(super) fn cells(drawing: &mut Drawing, frame: Frame, findings: &Findings) {
     let points = findings.artefacts.iter().flat_map(|own| &own.profile);

@@ -25,6 +25,7 @@ pub(super) fn words(findings: &Findings) -> String {
         wavelengths(&mut text, findings, coupling);
     }
     volumes(&mut text, findings);
+    cell_limits(&mut text, findings);
     if let Some(times) = findings.smoother() {
         let verdict = verdict(times >= SMOOTHER);
         // Writing to a string cannot fail, here and below.
@@ -104,6 +105,18 @@ fn volumes(text: &mut String, findings: &Findings) {
     );
 }
 
+fn cell_limits(text: &mut String, findings: &Findings) {
+    let limits = findings.cell_limits.iter();
+    let each: Vec<String> = limits
+        .map(|own| format!("{} at {}", per_cent(own.error), own.cell))
+        .collect();
+    let _ = writeln!(
+        text,
+        "lattice: error of the wavelength over wavelengths to a cell: {}",
+        each.join(", ")
+    );
+}
+
 /// A finding as it comes.
 pub(super) fn line(line: &Value) -> String {
     let own = Findings::read(std::slice::from_ref(line));
@@ -126,6 +139,9 @@ pub(super) fn line(line: &Value) -> String {
             own.ratio,
             per_cent(own.error()),
         );
+    }
+    if let Some(own) = own.cell_limits.first() {
+        return format!("cells of {} wavelengths: {}", own.cell, per_cent(own.error));
     }
     let artefacts = own.artefacts.iter().map(|own| &own.shape);
     let bars = own.localities.iter().map(|own| &own.coupling);
