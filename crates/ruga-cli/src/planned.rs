@@ -9,7 +9,7 @@ use crate::project::Project;
 /// The plan of a scene.
 pub(crate) enum Planned {
     /// Layers on the posed mesh.
-    Skin(Plan),
+    Skin(Box<Plan>),
     /// One layer on an embedded lattice.
     Body(Box<BodyPlan>),
 }

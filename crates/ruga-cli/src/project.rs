@@ -92,7 +92,8 @@ impl Project {
             }
             _ => {
                 let size = self.scene.bake.size;
-                Planned::Skin(plan(driver, &self.layers, &self.poses, modelling, size)?)
+                let plan = plan(driver, &self.layers, &self.poses, modelling, size)?;
+                Planned::Skin(Box::new(plan))
             }
         })
     }
