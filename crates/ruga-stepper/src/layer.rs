@@ -25,7 +25,7 @@ use crate::low_pass_rows::{RowCentre, low_pass_rows, row_centres};
 use crate::motion::{Inertia, Motion};
 use crate::skin_energy::{SkinEnergy, UpperShell};
 use crate::skin_mesh::{Interpolation, RegionMesh, SkinMesh};
-use crate::{Coupling, Dynamics, LayerSpec, StepperError};
+use crate::{Dynamics, LayerSpec, StepperError};
 
 /// Levenberg floor in units of `K0 V_i`: keeps modes that slide along themselves from having a
 /// random sign, and is far below what any wrinkle feels.
@@ -167,7 +167,13 @@ impl Layer {
             Some(centres) => centres,
             None => row_centres(spec, &properties, &skin, &free)?,
         };
-        let rows = low_pass_rows(spec, &centres, &skin, &pinned, &free)?;
+        let rows = low_pass_rows(
+            spec,
+            &centres,
+            (&skin, wrinkling.wavelength),
+            &pinned,
+            &free,
+        )?;
         let kkt = Kkt::new(&pattern, &rows, 3).map_err(solver)?;
         let mut layer = Self {
             spec: spec.clone(),
@@ -255,7 +261,7 @@ impl Layer {
         self.below = below;
         self.share = share;
         self.set_rest_metric()?;
-        if self.spec.coupling != Coupling::Constraint {
+        if self.spec.coupling.has_foundation() {
             self.balance()?;
         }
         self.set_felt_strains(|_, offered| offered)
@@ -515,7 +521,7 @@ fn turn_between(old: &PosedSurface, new: &PosedSurface, vertex: usize) -> Rotati
 }
 
 fn layer_parameters(spec: &LayerSpec, properties: &SkinProperties) -> LayerParameters {
-    let held = spec.coupling != Coupling::Constraint;
+    let held = spec.coupling.has_foundation();
     let spring = |stiffness: f64| if held { stiffness } else { 0.0 };
     let face = |local: &LocalSkin| FaceParameters {
         young: local.material.young,

@@ -1,8 +1,13 @@
 //! The rows that keep a layer's large shape on the surface below.
 
+use std::f64::consts::PI;
+
 use nalgebra::Vector3;
-use ruga_constraint::{ClusterSettings, ConstraintError, Kernel, cluster_centres, constraint_rows};
-use ruga_mesh::{Id, MaterialPoint, PerVertex, SurfaceLookup, VertexId};
+use ruga_constraint::{
+    ClusterSettings, ConstraintError, ConstraintRow, Kernel, cluster_centres, constraint_rows,
+    spectral_rows,
+};
+use ruga_mesh::{Id, MaterialPoint, PerVertex, SurfaceLookup, VertexId, face_normals};
 use ruga_solver::ConstraintRows;
 
 use crate::local_skin::SkinProperties;
@@ -17,6 +22,9 @@ const HYBRID_SPACING: f64 = 1.5;
 const CONSTRAINT_SPACING: f64 = 0.577_350_269_189_625_8;
 /// A row is dropped when less than this share of its weight is on vertices that move.
 const MIN_FREE_WEIGHT: f64 = 0.2;
+
+/// Wavelength, in wavelengths of the layer, from which on spectral rows hold everything.
+const SPECTRAL_CUT: f64 = 1.25;
 
 /// A place around which the layer's average is held, the same on every mesh of the skin.
 #[derive(Clone, Copy, Debug)]
@@ -34,7 +42,7 @@ pub(crate) fn row_centres(
     free: &[VertexId],
 ) -> Result<Vec<RowCentre>, StepperError> {
     let spacing = match spec.coupling {
-        Coupling::Elastic => return Ok(Vec::new()),
+        Coupling::Elastic | Coupling::Spectral => return Ok(Vec::new()),
         Coupling::Hybrid => HYBRID_SPACING,
         Coupling::Constraint => CONSTRAINT_SPACING,
     };
@@ -62,20 +70,57 @@ pub(crate) fn row_centres(
     Ok(centres.into_iter().map(centre).collect())
 }
 
-/// The rows around `centres` on the coordinates of the layer's free vertices, x, y, z in turn.
+/// The rows of the layer's coupling on the coordinates of its free vertices, x, y, z in turn: around
+/// `centres`, or global ones.
 pub(crate) fn low_pass_rows(
     spec: &LayerSpec,
     centres: &[RowCentre],
-    skin: &SkinMesh,
+    (skin, wavelength): (&SkinMesh, f64),
     pinned: &PerVertex<bool>,
     free: &[VertexId],
 ) -> Result<ConstraintRows, StepperError> {
-    let solver = |source| StepperError::Solver {
-        layer: spec.name.clone(),
-        source,
+    let (rows, least_weight) = match spec.coupling {
+        Coupling::Spectral => (global_rows(spec, wavelength, skin)?, f64::NEG_INFINITY),
+        _ => (rows_around(spec, centres, skin)?, MIN_FREE_WEIGHT),
     };
+    let mut unknown = PerVertex::filled(skin.mesh.vertex_count(), None);
+    for (i, &v) in free.iter().enumerate() {
+        unknown[v] = Some(3 * i);
+    }
+    let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
+    for row in &rows {
+        // Pinned vertices lie on their targets, so their share of the average is right already.
+        let moving: Vec<(usize, f64)> = row
+            .weights
+            .iter()
+            .filter(|(v, _)| !pinned[*v])
+            .filter_map(|&(v, w)| unknown[v].map(|u| (u, w)))
+            .collect();
+        if moving.iter().map(|m| m.1).sum::<f64>() < least_weight {
+            continue;
+        }
+        for axis in 0..3 {
+            columns.extend(moving.iter().map(|(u, _)| u + axis));
+            values.extend(moving.iter().map(|(_, w)| w));
+            starts.push(columns.len());
+        }
+    }
+    ConstraintRows::new(starts, columns, values, 3 * free.len()).map_err(|source| {
+        StepperError::Solver {
+            layer: spec.name.clone(),
+            source,
+        }
+    })
+}
+
+/// Averages around `centres`.
+fn rows_around(
+    spec: &LayerSpec,
+    centres: &[RowCentre],
+    skin: &SkinMesh,
+) -> Result<Vec<ConstraintRow>, StepperError> {
     if centres.is_empty() {
-        return Ok(ConstraintRows::none(3 * free.len()));
+        return Ok(Vec::new());
     }
     let SkinMesh { mesh, rest, .. } = skin;
     let lookup = SurfaceLookup::new(mesh, &rest.positions);
@@ -92,29 +137,23 @@ pub(crate) fn low_pass_rows(
         spec.sampling,
     )
     .map_err(|source| constraint(spec, source))?;
-    let mut unknown = PerVertex::filled(mesh.vertex_count(), None);
-    for (i, &v) in free.iter().enumerate() {
-        unknown[v] = Some(3 * i);
-    }
-    let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
-    for row in &set.rows {
-        // Pinned vertices lie on their targets, so their share of the average is right already.
-        let moving: Vec<(usize, f64)> = row
-            .weights
-            .iter()
-            .filter(|(v, _)| !pinned[*v])
-            .filter_map(|&(v, w)| unknown[v].map(|u| (u, w)))
-            .collect();
-        if moving.iter().map(|m| m.1).sum::<f64>() < MIN_FREE_WEIGHT {
-            continue;
-        }
-        for axis in 0..3 {
-            columns.extend(moving.iter().map(|(u, _)| u + axis));
-            values.extend(moving.iter().map(|(_, w)| w));
-            starts.push(columns.len());
-        }
-    }
-    ConstraintRows::new(starts, columns, values, 3 * free.len()).map_err(solver)
+    Ok(set.rows)
+}
+
+/// As many eigenfunctions as there are waves longer than the cut: by Weyl's law `A k^2 / (4 pi)`.
+fn global_rows(
+    spec: &LayerSpec,
+    wavelength: f64,
+    skin: &SkinMesh,
+) -> Result<Vec<ConstraintRow>, StepperError> {
+    let (mesh, rest) = (&skin.mesh, &skin.rest.positions);
+    let doubled = face_normals(mesh, rest);
+    let area: f64 = doubled.as_slice().iter().map(|n| 0.5 * n.norm()).sum();
+    let cut = SPECTRAL_CUT * wavelength;
+    let count = (PI * area / (cut * cut)).ceil().max(1.0) as usize;
+    let count = count.min(mesh.vertex_count());
+    let global = spectral_rows(mesh, rest, count).map_err(|source| constraint(spec, source))?;
+    Ok(global.rows)
 }
 
 fn constraint(spec: &LayerSpec, source: ConstraintError) -> StepperError {

@@ -14,11 +14,22 @@ use ruga_solver::LinearSolver;
 pub enum Coupling {
     /// Low-pass rows at spacing wavelength/√3 and nothing else: the papers' coupling.
     Constraint,
+    /// The lowest eigenfunctions of the layer's Laplacian as rows, on all of it at once, and nothing
+    /// else (Rémillard and Kry 2013, section 3.2): what is longer than five quarters of a wavelength
+    /// is held. For comparison: a wrinkle anywhere is felt everywhere.
+    Spectral,
     /// Pasternak foundation and tangential tie.
     Elastic,
     /// Pasternak, tie and low-pass rows at 1.5 wavelengths.
     #[default]
     Hybrid,
+}
+
+impl Coupling {
+    /// Whether springs hold the layer, and not rows alone.
+    pub(crate) fn has_foundation(self) -> bool {
+        matches!(self, Self::Elastic | Self::Hybrid)
+    }
 }
 
 /// One layer and what it lies on.

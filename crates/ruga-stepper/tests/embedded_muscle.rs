@@ -6,8 +6,8 @@ use bodies::{free_body, layer, modelling, pose, push, slab, slice, top};
 use nalgebra::Vector3;
 use ruga_blend::Driver;
 use ruga_stepper::{
-    BodyPose, Dynamics, Frame, Modelling, Observer, Obstacle, ObstacleShape, PoseResult, Progress,
-    Silent, StepperError, plan_body, simulate_body,
+    BodyPose, CellShape, Dynamics, Frame, Modelling, Observer, Obstacle, ObstacleShape, PoseResult,
+    Progress, Silent, StepperError, plan_body, simulate_body,
 };
 
 const LENGTH: f64 = 0.04;
@@ -221,7 +221,7 @@ fn what_does_not_fit_is_named() {
             .iter()
             .any(|w| w.contains("lattice wrinkles too"))
     );
-    let one = planned(&|body| body.cells = 2).expect("a body");
+    let one = planned(&|body| (body.cells, body.shape) = (2, CellShape::Linear)).expect("a body");
     assert!(one.warnings.iter().any(|w| w.contains("thinnest side")));
 
     let plan = planned(&|_| ()).expect("a body");

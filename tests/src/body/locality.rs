@@ -21,9 +21,13 @@ const BENT: [f64; 2] = [1.0, 5.0];
 /// Wavelengths beside the bent part that belong to it: a wave does not end at once.
 const MARGIN: f64 = 0.5;
 
-/// How a skin is held: every coupling that there is. Global spectral rows belong here as soon as a
-/// skin can be held by them.
-const COUPLINGS: [Coupling; 3] = [Coupling::Hybrid, Coupling::Elastic, Coupling::Constraint];
+/// How a skin is held: every coupling that there is.
+const COUPLINGS: [Coupling; 4] = [
+    Coupling::Hybrid,
+    Coupling::Elastic,
+    Coupling::Constraint,
+    Coupling::Spectral,
+];
 
 /// Where the wrinkles of a bent bar are.
 #[derive(Clone, Debug)]

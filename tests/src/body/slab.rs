@@ -68,6 +68,7 @@ pub struct SlabRun {
 pub fn coupling_name(coupling: Coupling) -> &'static str {
     match coupling {
         Coupling::Constraint => "hard rows",
+        Coupling::Spectral => "spectral",
         Coupling::Elastic => "elastic",
         Coupling::Hybrid => "hybrid",
     }

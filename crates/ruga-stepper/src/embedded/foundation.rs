@@ -5,9 +5,9 @@ use ruga_lattice::{Embedding, SurfacePattern};
 use ruga_mesh::{Id, VertexId};
 use ruga_shell::{NormalFoundation, RestTriangle, ShellError};
 
+use crate::LayerSpec;
 use crate::local_skin::SkinProperties;
 use crate::skin_mesh::SkinMesh;
-use crate::{Coupling, LayerSpec};
 
 /// Pasternak foundation and tangential tie as a function of `e = x - B q`:
 ///
@@ -37,7 +37,7 @@ impl Foundation {
         properties: &SkinProperties,
         areas: &[f64],
     ) -> Result<Option<Self>, ShellError> {
-        if spec.coupling == Coupling::Constraint {
+        if !spec.coupling.has_foundation() {
             return Ok(None);
         }
         let mut neighbours: Vec<Vec<(u32, f64)>> = vec![Vec::new(); areas.len()];

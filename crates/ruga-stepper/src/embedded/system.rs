@@ -105,7 +105,13 @@ impl BodySystem {
             source,
         };
         let layout = Layout::new(shell.pattern(), cross, free.pattern()).map_err(solver_error)?;
-        let (rows, held_terms) = rows(spec, skin, properties, &embedding, &free_of)?;
+        let (rows, held_terms) = rows(
+            spec,
+            (skin, plan.wavelength),
+            properties,
+            &embedding,
+            &free_of,
+        )?;
         Ok(Self {
             floor: floor(properties, &areas, &free, lattice),
             shell,
@@ -288,7 +294,7 @@ type HeldTerms = Vec<Vec<(u32, usize, f64)>>;
 /// `H (x - B q)`: the layer's rows with the same averages of the surface below taken away.
 fn rows(
     spec: &LayerSpec,
-    skin: &SkinMesh,
+    (skin, wavelength): (&SkinMesh, f64),
     properties: &SkinProperties,
     embedding: &Embedding,
     free_of: &[Option<u32>],
@@ -297,7 +303,7 @@ fn rows(
     let every: Vec<VertexId> = (0..vertices).map(VertexId::from_index).collect();
     let nothing = PerVertex::filled(vertices, false);
     let centres = row_centres(spec, properties, skin, &every)?;
-    let of_layer = low_pass_rows(spec, &centres, skin, &nothing, &every)?;
+    let of_layer = low_pass_rows(spec, &centres, (skin, wavelength), &nothing, &every)?;
     let unknowns = 3 * vertices + 3 * free_of.iter().flatten().count();
     let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
     let mut held_terms = Vec::with_capacity(of_layer.count());

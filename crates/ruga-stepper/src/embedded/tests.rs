@@ -190,7 +190,7 @@ fn everything() -> Body {
 fn the_whole_objective_has_its_derivatives() {
     let driver = block();
     let pose = still(&driver);
-    for coupling in [Coupling::Hybrid, Coupling::Constraint] {
+    for coupling in [Coupling::Hybrid, Coupling::Constraint, Coupling::Spectral] {
         let plan = planned(&driver, &skin(coupling), &everything());
         let mut layer = crumpled(&driver, &plan, &pose);
         assert!(layer.penetration() > 0.1 * layer.thickness(), "no contact");
