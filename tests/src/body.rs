@@ -28,7 +28,7 @@ pub use slab::{Slab, SlabRun, coupling_name};
 /// How much of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extent {
-    /// All samples: about seven minutes on one core.
+    /// All samples: about six minutes on one core.
     Full,
     /// The corners of what is sampled: one to two minutes.
     Quick,

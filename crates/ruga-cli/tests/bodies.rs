@@ -123,6 +123,8 @@ fn a_body_is_planned_checked_simulated_and_baked() {
     }
     folder.change("body.toml", "padding = 2", "padding = 2\nframe = \"mesh\"");
     folder.ruga("bake body.toml -o mesh --threads 1").exits(0);
+    let of = |run: &str| folder.read(&format!("{run}/maps/press_100_normal.png"));
+    assert_ne!(of("out"), of("mesh"), "the block's own facets");
 }
 
 #[test]

@@ -100,7 +100,8 @@ pub enum ConstraintError {
         /// The vertex.
         vertex: VertexId,
     },
-    /// The Laplacian could not be factorised: its entries left the range of numbers.
-    #[error("the Laplacian of the mesh cannot be factorised; are its lengths metres?")]
+    /// The Laplacian could not be factorised because its entries left the range of numbers, or its
+    /// eigenfunctions were not found.
+    #[error("the eigenfunctions of the mesh's Laplacian cannot be found; are its lengths metres?")]
     NoSpectrum,
 }

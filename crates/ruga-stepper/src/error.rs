@@ -68,7 +68,7 @@ pub enum StepperError {
     Lattice(#[from] LatticeError),
     /// A handle holds nothing.
     #[error(
-        "handle '{handle}' holds no cell of the lattice: no part of the body in a cell has its centre in the box; enlarge the box or take more cells"
+        "handle '{handle}' holds no cell of the lattice, or only what handles before it hold: a cell is held when its part of the body has its centre in the box; enlarge the box or take more cells"
     )]
     EmptyHandle {
         /// Name of the handle.

@@ -83,6 +83,10 @@ pub(crate) fn low_pass_rows(
         Coupling::Spectral => (global_rows(spec, wavelength, skin)?, f64::NEG_INFINITY),
         _ => (rows_around(spec, centres, skin)?, MIN_FREE_WEIGHT),
     };
+    if rows.is_empty() {
+        // Two layers that move together have none, and more vertices than the mesh.
+        return Ok(ConstraintRows::none(3 * free.len()));
+    }
     let mut unknown = PerVertex::filled(skin.mesh.vertex_count(), None);
     for (i, &v) in free.iter().enumerate() {
         unknown[v] = Some(3 * i);
@@ -153,7 +157,10 @@ fn global_rows(
     let count = (PI * area / (cut * cut)).ceil().max(1.0) as usize;
     let count = count.min(mesh.vertex_count());
     let global = spectral_rows(mesh, rest, count).map_err(|source| constraint(spec, source))?;
-    Ok(global.rows)
+    match global.converged {
+        true => Ok(global.rows),
+        false => Err(constraint(spec, ConstraintError::NoSpectrum)),
+    }
 }
 
 fn constraint(spec: &LayerSpec, source: ConstraintError) -> StepperError {

@@ -276,6 +276,7 @@ fn coupling_colour(coupling: &str) -> &'static str {
     match coupling {
         HYBRID => BLUE,
         HARD_ROWS => RED,
+        "spectral" => ORANGE,
         _ => GREEN,
     }
 }

@@ -16,7 +16,8 @@ pub struct Interior {
     pub shape: CellShape,
     /// Density of the inside, kg/m3, above 0.
     pub density: f64,
-    /// Acceleration of whatever has mass, m/s2; none if left out.
+    /// Acceleration of whatever has mass, m/s2; none if left out. It acts in full from the first load
+    /// step on.
     pub gravity: [f64; 3],
     /// Stiffness per area of springs that draw the surface to the posed blend shapes, Pa/m, above 0;
     /// left out, blend shapes move nothing.

@@ -349,6 +349,11 @@ impl Pose {
         if self.weights.is_empty() && interior.is_none() {
             return fault(&format!("{key}.weights"), "{}", "at least one blend shape");
         }
+        let weighs = interior.is_some_and(|interior| interior.gravity != [0.0; 3]);
+        if self.weights.is_empty() && self.motions.is_empty() && !weighs {
+            let accepted = "`motions` or `weights` here, or `gravity` in [interior]";
+            return fault(key, "nothing that moves the body", accepted);
+        }
         for (shape, weight) in &self.weights {
             if !weight.is_finite() {
                 let key = format!("{key}.weights.{shape}");

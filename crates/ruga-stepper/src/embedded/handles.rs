@@ -28,23 +28,23 @@ impl Placement {
         let Some(end) = frames.get(next) else {
             return Self::of(&frames[frames.len() - 1]);
         };
-        // Without a turn any point is on the axis.
-        let (at, start) = match next.checked_sub(1) {
+        let (at, mut start) = match next.checked_sub(1) {
             Some(last) => (frames[last].at, Self::of(&frames[last])),
-            None => (
-                0.0,
-                Self {
-                    about: end.about,
-                    ..Self::default()
-                },
-            ),
+            None => (0.0, Self::default()),
         };
+        let mut end_about = end.about;
+        // Without a turn any point is on the axis.
+        if start.turn == Vector3::zeros() {
+            start.about = end.about;
+        } else if end.turn == Vector3::zeros() {
+            end_about = start.about;
+        }
         let share = (time - at) / (end.at - at);
         let between = |a: Vector3<f64>, b: Vector3<f64>| a + (b - a) * share;
         Self {
             translation: between(start.translation, end.translation),
             turn: between(start.turn, end.turn),
-            about: between(start.about, end.about),
+            about: between(start.about, end_about),
         }
     }
 
@@ -97,9 +97,10 @@ impl HeldNodes {
                 if !inside {
                     continue;
                 }
-                is_empty = false;
                 for node in lattice.element_nodes(element) {
-                    holder[node.index()].get_or_insert(number);
+                    let held = &mut holder[node.index()];
+                    is_empty &= held.is_some();
+                    held.get_or_insert(number);
                 }
             }
             if is_empty {

@@ -66,7 +66,8 @@ pub enum ObstacleShape {
         /// Its radius.
         radius: f64,
     },
-    /// A straight cylinder with flat ends whose rim is rounded by a tenth of the radius: a button.
+    /// A straight cylinder with flat ends whose rim is rounded by a tenth of the radius, or of half
+    /// its length if that is less: a button.
     Cylinder {
         /// Centre of one end.
         from: Vector3<f64>,

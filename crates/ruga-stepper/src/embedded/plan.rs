@@ -10,6 +10,7 @@ use ruga_mesh::{FaceId, Id};
 
 use super::carrier::Carrier;
 use super::handles::HeldNodes;
+use super::obstacle::{self, distance};
 use crate::{Body, LayerSpec, Modelling, Region, StepperError};
 
 /// Lattice cells over the wavelength below which the lattice itself wrinkles: in waves of two cells,
@@ -104,6 +105,7 @@ pub fn plan_body(
         source,
     })?;
     check(body)?;
+    body.obstacles.iter().try_for_each(obstacle::check)?;
     let faces = covered_faces(driver, modelling)?;
     let carrier = Carrier::new(driver, body, modelling.smoothing)?;
     let held = HeldNodes::new(&carrier.lattice, &body.handles)?;
@@ -111,6 +113,8 @@ pub fn plan_body(
     let mesh = LayerMesh::new(driver, &faces, asked, modelling);
     let lattice = &carrier.lattice;
     let mut warnings = lattice_warnings(driver, &carrier, body, numbers.wavelength);
+    let covered = (faces.len(), layer.material.thickness);
+    warnings.extend(obstacle_warnings(driver, body, covered));
     if mesh.edge > WORTH_TELLING * asked {
         warnings.push(format!(
             "layer '{}': the vertex budget of {} leaves {:.1} points per wavelength of {} asked for",
@@ -154,6 +158,35 @@ fn check(body: &Body) -> Result<(), StepperError> {
         return refuse("gravity", value, "a finite number");
     }
     Ok(())
+}
+
+/// What keeps obstacles from pressing as meant on a layer that covers so many faces and is so thick, m.
+fn obstacle_warnings(
+    driver: &Driver,
+    body: &Body,
+    (covered, thickness): (usize, f64),
+) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if !body.obstacles.is_empty() && covered < driver.topology().face_count() {
+        warnings.push(
+            "interior: obstacles press on the layer, and where the mask leaves none they pass through the body".to_owned(),
+        );
+    }
+    for obstacle in &body.obstacles {
+        let depths = driver
+            .rest()
+            .iter()
+            .map(|x| -distance(&obstacle.shape, x).value);
+        let depth = depths.fold(0.0, f64::max);
+        if depth > thickness {
+            warnings.push(format!(
+                "interior: obstacle '{}' begins {:.2} mm inside the body; let it begin outside and move it in",
+                obstacle.name,
+                1e3 * depth
+            ));
+        }
+    }
+    warnings
 }
 
 fn covered_faces(driver: &Driver, modelling: &Modelling) -> Result<Vec<FaceId>, StepperError> {
@@ -233,7 +266,7 @@ fn lattice_warnings(
     let mut warnings = Vec::new();
     if shortest < LEAST_CELL * wavelength {
         warnings.push(format!(
-            "interior: lattice cells of {:.2} mm are shorter than the wavelength of {:.2} mm, so that the lattice wrinkles too and waves come out up to twice as long; take fewer cells",
+            "interior: lattice cells of {:.2} mm are shorter than {LEAST_CELL} wavelengths of {:.2} mm, so that the lattice wrinkles too and waves come out up to twice as long; take fewer cells",
             1e3 * shortest,
             1e3 * wavelength
         ));
@@ -259,7 +292,7 @@ fn lattice_warnings(
     let (poisson, cells) = LOCKING;
     if body.material.poisson > poisson && body.cells < cells {
         warnings.push(format!(
-            "interior: at a Poisson ratio of {} a lattice of {} cells locks and is some 10 % too stiff in bending; take at most {poisson}, or more cells",
+            "interior: at a Poisson ratio of {} a lattice of {} cells locks and is too stiff in bending (by 12 % at 0.48 and 8 cells); take at most {poisson}, or more cells",
             body.material.poisson, body.cells
         ));
     }

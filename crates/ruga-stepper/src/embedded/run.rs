@@ -161,8 +161,8 @@ impl<'a> BodyRun<'a> {
             // Nothing wrinkles yet: what gives way is the body, or a noise of the mesh.
             solve = self.solve(None, (AtSaddle::Leave, pace), trial.load, observer)?;
         }
-        let is_probe = trial.probe && self.layer.demand() > LEAST_DEMAND;
-        let left_saddle = solve.left_saddle && (!trial.probe || is_probe);
+        let may_wrinkle = !trial.probe || self.layer.demand() > LEAST_DEMAND;
+        let left_saddle = solve.left_saddle && may_wrinkle;
         let outcome = if solve.stop == StopRule::Saddle {
             Outcome::Buckled
         } else if !solve.converged || self.layer.has_passed(&before) {
@@ -189,10 +189,16 @@ impl<'a> BodyRun<'a> {
         let before = self.layer.state.clone();
         let how = (AtSaddle::Leave, Pace::Result);
         let solve = self.solve(inertia.cloned(), how, load, observer)?;
-        if !solve.converged {
-            self.layer.state = before;
+        if solve.stop == StopRule::Interrupted {
+            return Ok(false);
         }
-        Ok(solve.stop != StopRule::Interrupted)
+        if !solve.converged || self.layer.has_passed(&before) {
+            self.layer.state = before;
+            self.warn(format!(
+                "at load {load:.3} the layer is in equilibrium with its support as it stood before the last turn of the body only"
+            ));
+        }
+        Ok(true)
     }
 
     /// One step in time per load.
