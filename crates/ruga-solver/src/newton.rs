@@ -377,8 +377,7 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// Takes the Newton step and, at a saddle that is to be left, goes on along the direction of
-    /// negative curvature; false when neither descends.
+    /// Takes the better of the Newton step and, at a saddle, the curvature step.
     fn advance(
         &mut self,
         x: &mut [f64],
@@ -402,31 +401,29 @@ impl<'a> Newton<'a> {
             }
             other => other.map(|accepted| accepted.energy),
         };
+        if at_saddle && self.settings.at_saddle == AtSaddle::Leave {
+            let curvature = search_curvature(
+                self.objective,
+                self.kkt,
+                &mut self.generator,
+                [&self.exact, &self.relaxed],
+                x,
+                energy,
+                &self.gradient,
+            )?;
+            if let Some(curvature) = curvature
+                && newton.is_none_or(|reached| curvature.energy < reached)
+            {
+                for (x, step) in x.iter_mut().zip(&curvature.step) {
+                    *x += step;
+                }
+                return Ok(true);
+            }
+        }
         if newton.is_some() {
             x.copy_from_slice(&self.trial);
         }
-        if !at_saddle || self.settings.at_saddle == AtSaddle::Stop {
-            return Ok(newton.is_some());
-        }
-        let reached = match newton {
-            Some(_) => self.objective.gradient(x, &mut self.gradient),
-            None => energy,
-        };
-        // The mode is that of the Hessian where the step began: the factor is at hand, and downhill
-        // is downhill.
-        let curvature = search_curvature(
-            self.objective,
-            self.kkt,
-            &mut self.generator,
-            [&self.exact, &self.relaxed],
-            x,
-            reached,
-            &self.gradient,
-        )?;
-        for (x, step) in x.iter_mut().zip(curvature.iter().flatten()) {
-            *x += step;
-        }
-        Ok(newton.is_some() || curvature.is_some())
+        Ok(newton.is_some())
     }
 }
 

@@ -132,8 +132,13 @@ fn rayleigh_quotient(kkt: &Kkt, values: &[f64], mode: &[f64]) -> f64 {
     }
 }
 
-/// The step along the buckling mode of the factorised matrix that leads downhill from `x`, where the
-/// energy is `energy`, as far as it falls; `None` where it does not.
+/// A step along negative curvature: `x + step` has the energy `energy`.
+pub(crate) struct CurvatureStep {
+    pub(crate) step: Vec<f64>,
+    pub(crate) energy: f64,
+}
+
+/// Follows the buckling mode of the factorised matrix downhill as long as the energy falls.
 ///
 /// `exact` is the Hessian whose negative curvature is looked for; what is factorised is a
 /// relaxation of it, so the first few inverse iterations may end in a mode that is soft, but
@@ -150,7 +155,7 @@ pub(crate) fn search_curvature(
     x: &[f64],
     energy: f64,
     gradient: &[f64],
-) -> Result<Option<Vec<f64>>, SolverError> {
+) -> Result<Option<CurvatureStep>, SolverError> {
     let mut mode = random_vector(generator, x.len());
     inverse_iterations(kkt, None, &mut mode, INVERSE_ITERATIONS)?;
     for _ in 1..MAX_INVERSE_ITERATIONS / INVERSE_ITERATIONS {
@@ -180,14 +185,14 @@ pub(crate) fn search_curvature(
         }
         length *= 2.0;
     }
-    let (length, _) = best;
+    let (length, energy) = best;
     if length == 0.0 {
         return Ok(None);
     }
     for entry in &mut mode {
         *entry *= length;
     }
-    Ok(Some(mode))
+    Ok(Some(CurvatureStep { step: mode, energy }))
 }
 
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
