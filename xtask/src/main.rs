@@ -11,6 +11,7 @@ mod bench;
 mod bodies;
 mod chart;
 mod check;
+mod drawing;
 mod figures;
 mod fuzz;
 mod light;

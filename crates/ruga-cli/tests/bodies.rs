@@ -142,6 +142,12 @@ fn a_body_moves_in_time() {
         .exits(0);
     let report = folder.json("out/report.json");
     assert_eq!(report["poses"][0]["converged"], true, "{report}");
+    folder.change("body.toml", "dynamic", "static");
+    folder
+        .ruga("simulate body.toml -o still --threads 1")
+        .exits(0);
+    let end = |run: &str| folder.read(&format!("{run}/frames/press/skin.0001.obj"));
+    assert_ne!(end("out"), end("still"), "two steps in time lag behind");
 }
 
 #[test]

@@ -429,10 +429,7 @@ impl LayerRun {
         if solve.converged && solve.first_relaxation > 0.0 && self.layer.demand() > 1.0 {
             self.relaxation = solve.first_relaxation;
         }
-        self.report.newton_iterations += solve.iterations;
-        self.report.factorizations += solve.factorizations;
-        self.report.residual = solve.residual;
-        self.report.stop = Some(solve.stop);
+        self.report.take(&solve);
         Ok(solve)
     }
 

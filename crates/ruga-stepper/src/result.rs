@@ -1,7 +1,7 @@
 //! What a simulated pose gives back.
 
 use nalgebra::{Vector2, Vector3};
-use ruga_solver::StopRule;
+use ruga_solver::{SolveReport, StopRule};
 
 /// One layer in one load step, with the smooth driver under each of its vertices.
 #[derive(Clone, Debug, Default)]
@@ -105,4 +105,14 @@ pub struct LayerReport {
     pub bending_ratio: Option<f64>,
     /// Load at which the layer first buckled; `None` for motion in time, which looks for none.
     pub onset_load: Option<f64>,
+}
+
+impl LayerReport {
+    /// Counts a solve in; the last one says how exactly and why it ended.
+    pub(crate) fn take(&mut self, solve: &SolveReport) {
+        self.newton_iterations += solve.iterations;
+        self.factorizations += solve.factorizations;
+        self.residual = solve.residual;
+        self.stop = Some(solve.stop);
+    }
 }

@@ -14,22 +14,6 @@ mod ruler;
 mod tables;
 mod words;
 
-// The chart's drawing code as it stands; the chart keeps it to itself.
-#[path = "../chart/axis.rs"]
-#[allow(
-    dead_code,
-    clippy::duplicate_mod,
-    reason = "shared with the chart, which needs more of it"
-)]
-mod axis;
-#[path = "../chart/svg.rs"]
-#[allow(
-    dead_code,
-    clippy::duplicate_mod,
-    reason = "shared with the chart, which needs more of it"
-)]
-mod svg;
-
 use std::error::Error;
 use std::fs;
 use std::io::{BufRead, BufReader};

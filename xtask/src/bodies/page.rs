@@ -3,7 +3,7 @@
 use super::findings::{Findings, HARD_ROWS, HYBRID};
 use super::panel::{INK, SMALL};
 use super::panels;
-use super::svg::{Drawing, Style};
+use crate::drawing::{Drawing, Style};
 
 const SIZE: [f64; 2] = [2060.0, 1010.0];
 const FIELD: [f64; 2] = [420.0, 300.0];

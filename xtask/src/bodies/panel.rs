@@ -1,7 +1,7 @@
 //! A field with two scales, a title and what is drawn in it.
 
 use super::ruler::Ruler;
-use super::svg::{Anchor, Drawing, Style};
+use crate::drawing::{Anchor, Drawing, Style};
 
 /// Of grid, secondary and primary text.
 const GRID: &str = "#e6e6e6";

@@ -6,8 +6,8 @@ use super::contour::contour;
 use super::findings::{Findings, HARD_ROWS, HYBRID, Sample};
 use super::panel::{FAINT, Frame, INK, Panel, SMALL, Title};
 use super::ruler::Ruler;
-use super::svg::{Drawing, Style};
 use super::words::VOLUME;
+use crate::drawing::{Drawing, Style};
 
 /// Colours by Okabe and Ito, told apart by all.
 const BLUE: &str = "#0072b2";

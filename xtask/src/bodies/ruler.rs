@@ -1,6 +1,6 @@
 //! Scales along the sides of a panel.
 
-use super::axis::Axis;
+use crate::drawing::Axis;
 
 /// Where values are drawn.
 #[derive(Clone, Copy, Debug)]

@@ -4,8 +4,8 @@ use super::page::PLAIN;
 use super::panel::{FAINT, INK, cross, look, mark, pareto_line, promise_bar};
 use super::plan::{DEFAULT, ELASTIC, HINGED, Method, PAPERS, Problem, QUALITIES};
 use super::results::{Measure, Point};
-use super::svg::{Drawing, Style};
 use super::verdict::{Acceptance, Ratio, acceptance, default_at, ratios};
+use crate::drawing::{Drawing, Style};
 
 const TITLE: Style<'static> = Style {
     size: 15.0,

@@ -1,6 +1,6 @@
 //! Texts that keep out of each other's way.
 
-use super::svg::{Anchor, Drawing, Style};
+use crate::drawing::{Anchor, Drawing, Style};
 
 /// Mean width of a letter over the size of its font; a little more than measured.
 const LETTER: f64 = 0.58;

@@ -13,12 +13,10 @@ mod tables;
 mod verdict;
 mod words;
 
-mod axis;
 mod key;
 mod labels;
 mod page;
 mod panel;
-mod svg;
 
 use std::fs;
 use std::process::ExitCode;

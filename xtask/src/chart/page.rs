@@ -1,13 +1,12 @@
 //! The pages: panels of a film and of a patch, a key, what they say, and where they come from; and a
 //! summary of that.
 
-use super::axis::Axis;
 use super::key::key;
 use super::panel::{FAINT, INK, Panel};
 use super::plan::Problem;
 use super::results::{Measure, Point};
-use super::svg::{Anchor, Drawing, Style};
 use super::verdict::ratios;
+use crate::drawing::{Anchor, Axis, Drawing, Style};
 
 /// Cells in rows.
 #[derive(Clone, Copy)]

@@ -1,11 +1,10 @@
 //! One error against cost.
 
-use super::axis::Axis;
 use super::labels::Labels;
 use super::plan::{DEFAULT, ELASTIC, HINGED, Method, PAPERS, QUALITIES};
 use super::results::{Measure, Point};
-use super::svg::{Anchor, Drawing, Style};
 use super::verdict::{acceptance, curve, default_at, pareto};
+use crate::drawing::{Anchor, Axis, Drawing, Style};
 
 /// Of grid, secondary and primary text.
 pub(super) const GRID: &str = "#e6e6e6";

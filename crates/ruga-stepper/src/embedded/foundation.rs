@@ -1,5 +1,7 @@
 //! The springs between a layer and a surface that moves with a lattice.
 
+use std::ops::AddAssign;
+
 use nalgebra::{Matrix3, Vector3};
 use ruga_lattice::{Embedding, SurfacePattern};
 use ruga_mesh::{Id, VertexId};
@@ -123,14 +125,7 @@ impl Foundation {
             let row = embedding.rows().row(j as usize);
             lifts.extend(row.map(|(node, weight)| (node, lift * weight)));
         }
-        lifts.sort_by_key(|lift| lift.0);
-        lifts.dedup_by(|next, sum| {
-            let is_same = next.0 == sum.0;
-            if is_same {
-                sum.1 += next.1;
-            }
-            is_same
-        });
+        add_up(&mut lifts);
         let n = normals[i];
         let tangential = (Matrix3::identity() - n * n.transpose()) * self.ties[i];
         let mut blocks: Vec<_> = lifts
@@ -155,8 +150,8 @@ impl Foundation {
     }
 }
 
-/// Sorts by vertex and adds up what belongs to the same one.
-fn add_up(terms: &mut Vec<(u32, f64)>) {
+/// Sorts by vertex or node and adds up what belongs to the same one.
+fn add_up<T: Copy + AddAssign>(terms: &mut Vec<(u32, T)>) {
     terms.sort_by_key(|term| term.0);
     terms.dedup_by(|next, sum| {
         let is_same = next.0 == sum.0;

@@ -13,7 +13,7 @@ const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
 
 /// Where a text stands against its point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Anchor {
+pub(crate) enum Anchor {
     Start,
     Middle,
     End,
@@ -21,21 +21,21 @@ pub(super) enum Anchor {
 
 /// How a text looks.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Style<'a> {
-    pub(super) size: f64,
-    pub(super) colour: &'a str,
-    pub(super) anchor: Anchor,
-    pub(super) bold: bool,
+pub(crate) struct Style<'a> {
+    pub(crate) size: f64,
+    pub(crate) colour: &'a str,
+    pub(crate) anchor: Anchor,
+    pub(crate) bold: bool,
 }
 
 /// Elements in the order in which they are drawn; lengths in pixels, y down.
-pub(super) struct Drawing {
+pub(crate) struct Drawing {
     size: [f64; 2],
     body: String,
 }
 
 impl Drawing {
-    pub(super) fn new(size: [f64; 2]) -> Self {
+    pub(crate) fn new(size: [f64; 2]) -> Self {
         let mut drawing = Self {
             size,
             body: String::new(),
@@ -53,7 +53,7 @@ impl Drawing {
     }
 
     /// A broken line; `dash` as in SVG, empty for none.
-    pub(super) fn line(&mut self, points: &[[f64; 2]], colour: &str, width: f64, dash: &str) {
+    pub(crate) fn line(&mut self, points: &[[f64; 2]], colour: &str, width: f64, dash: &str) {
         let points: Vec<String> = points
             .iter()
             .map(|[x, y]| format!("{x:.1},{y:.1}"))
@@ -68,7 +68,7 @@ impl Drawing {
         ));
     }
 
-    pub(super) fn circle(
+    pub(crate) fn circle(
         &mut self,
         [x, y]: [f64; 2],
         radius: f64,
@@ -81,7 +81,7 @@ impl Drawing {
         ));
     }
 
-    pub(super) fn square(&mut self, [x, y]: [f64; 2], half: f64, fill: &str, stroke: (&str, f64)) {
+    pub(crate) fn square(&mut self, [x, y]: [f64; 2], half: f64, fill: &str, stroke: (&str, f64)) {
         self.element(&format!(
             r#"<rect x="{:.1}" y="{:.1}" width="{w}" height="{w}" fill="{fill}" stroke="{}" stroke-width="{}"/>"#,
             x - half,
@@ -93,7 +93,7 @@ impl Drawing {
     }
 
     /// A text with a white rim, which keeps it legible on lines.
-    pub(super) fn text(&mut self, [x, y]: [f64; 2], text: &str, style: Style) {
+    pub(crate) fn text(&mut self, [x, y]: [f64; 2], text: &str, style: Style) {
         let anchor = match style.anchor {
             Anchor::Start => "start",
             Anchor::Middle => "middle",
@@ -116,7 +116,7 @@ impl Drawing {
     }
 
     /// The SVG file.
-    pub(super) fn svg(&self) -> String {
+    pub(crate) fn svg(&self) -> String {
         let [width, height] = self.size;
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
@@ -127,7 +127,7 @@ impl Drawing {
 
     /// The PNG file, `scale` pixels to a unit; with fonts of our own, so that it looks the same on a
     /// machine without any.
-    pub(super) fn png(&self, scale: f32) -> Result<Vec<u8>, Box<dyn Error>> {
+    pub(crate) fn png(&self, scale: f32) -> Result<Vec<u8>, Box<dyn Error>> {
         let mut fonts = Database::new();
         for font in [dejavu::sans::regular(), dejavu::sans::bold()] {
             fonts.load_font_data(font.to_vec());

@@ -5,7 +5,7 @@ const MOST_LABELS: usize = 12;
 
 /// A range of positive values along a stretch of the page.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Axis {
+pub(crate) struct Axis {
     /// Least and greatest value.
     values: [f64; 2],
     /// Where they are drawn.
@@ -14,7 +14,7 @@ pub(super) struct Axis {
 
 impl Axis {
     /// An axis for some values, with a little room at both ends.
-    pub(super) fn around(values: impl Iterator<Item = f64>, places: [f64; 2], room: f64) -> Self {
+    pub(crate) fn around(values: impl Iterator<Item = f64>, places: [f64; 2], room: f64) -> Self {
         let (low, high) = values
             .filter(|value| *value > 0.0 && value.is_finite())
             .fold((f64::INFINITY, 0.0_f64), |(low, high), v| {
@@ -28,18 +28,18 @@ impl Axis {
     }
 
     /// The same range elsewhere.
-    pub(super) fn at(self, places: [f64; 2]) -> Self {
+    pub(crate) fn at(self, places: [f64; 2]) -> Self {
         Self { places, ..self }
     }
 
     /// No more than down to this value.
-    pub(super) fn from(mut self, least: f64) -> Self {
+    pub(crate) fn from(mut self, least: f64) -> Self {
         self.values[0] = self.values[0].max(least);
         self
     }
 
     /// Where a value is drawn; values outside at the nearest end.
-    pub(super) fn place(&self, value: f64) -> f64 {
+    pub(crate) fn place(&self, value: f64) -> f64 {
         let [low, high] = self.values.map(f64::ln);
         let share = ((value.ln() - low) / (high - low)).clamp(0.0, 1.0);
         self.places[0] + share * (self.places[1] - self.places[0])
@@ -47,7 +47,7 @@ impl Axis {
 
     /// Values of the form 1, 2 or 5 times a power of ten inside the range, and whether each is a power
     /// of ten.
-    pub(super) fn ticks(&self) -> Vec<(f64, bool)> {
+    pub(crate) fn ticks(&self) -> Vec<(f64, bool)> {
         let decades = self.values[0].log10().floor() as i32..=self.values[1].log10().ceil() as i32;
         decades
             .flat_map(|decade| [1.0, 2.0, 5.0].map(|m| (m * 10_f64.powi(decade), m == 1.0)))
@@ -56,7 +56,7 @@ impl Axis {
     }
 
     /// Ticks that carry a number: all where they are few, else powers of ten.
-    pub(super) fn labelled(&self) -> Vec<f64> {
+    pub(crate) fn labelled(&self) -> Vec<f64> {
         let ticks = self.ticks();
         let are_few = ticks.len() <= MOST_LABELS;
         let labelled = ticks.iter().filter(|tick| are_few || tick.1);
