@@ -11,6 +11,7 @@
 
 mod artefact;
 mod cell_limit;
+mod cushion;
 mod dense;
 mod isocontours;
 mod locality;
@@ -19,6 +20,7 @@ mod slab;
 
 pub use artefact::{Artefact, artefact};
 pub use cell_limit::{CellLimit, cell_limit};
+pub use cushion::{Cushion, Thrown};
 pub use dense::{Dense, dense};
 pub use isocontours::{Isocontour, Sample, is_compared, isocontours};
 pub use locality::{Locality, locality};

@@ -15,7 +15,6 @@ pub mod reference;
 mod remeshed_film;
 mod skin;
 mod stability;
-mod stability_newton;
 mod strip;
 mod two_scales;
 
@@ -28,6 +27,5 @@ pub use rectangle::Rectangle;
 pub use remeshed_film::{Carry, RemeshedFilm, RemeshedSpec, Target, WrinkledState};
 pub use skin::{Skin, asset, findings, shared_data, skin_layer, tilts};
 pub use stability::{Finding, Sheet, SheetSpec, table_line};
-pub use stability_newton::ResidualSolve;
 pub use strip::{Strip, equilateral, equilateral_tube, unstructured};
 pub use two_scales::{FineHeights, Profile, TwoScales, Window};

@@ -7,11 +7,12 @@ use rand_pcg::Pcg64Mcg;
 use ruga_constraint::Sampling;
 use ruga_material::Wrinkling;
 use ruga_shell::{BendingModel, LayerEnergy, LayerParameters};
-use ruga_solver::{Inertia, Kkt, LowerPattern, NewtonSettings, SolveReport, inertia_at, minimise};
+use ruga_solver::{
+    Descent, Inertia, Kkt, LowerPattern, NewtonSettings, SolveReport, inertia_at, minimise,
+};
 
 use crate::film_objective::{FilmObjective, gather, scatter};
 use crate::film_rows::{Row, averages, side_rollers, to_constraint_rows};
-use crate::stability_newton::{ResidualSolve, descend_residual};
 use crate::{FilmSpec, Strip};
 
 /// What a line of the table starts with.
@@ -242,13 +243,14 @@ impl Sheet {
 
     /// Solves as Rémillard and Kry 2013 do: Newton's method on the forces, with a line search on
     /// their norm.
-    pub fn solve_by_residual(&mut self) -> ResidualSolve {
-        let (mut x, targets) = (gather(&self.free, &self.positions), self.targets());
-        let base = gather(&self.free, &self.base);
-        let (objective, kkt) = self.objective(&base);
-        let solve = descend_residual(&objective, &targets, &mut x, kkt);
-        scatter(&self.free, &x, &mut self.positions);
-        solve
+    ///
+    /// # Panics
+    /// When the solver refuses its input.
+    pub fn solve_by_residual(&mut self) -> SolveReport {
+        self.solve(&NewtonSettings {
+            descent: Descent::Residual,
+            ..NewtonSettings::default()
+        })
     }
 
     /// Signs of the exact Hessian's pivots, here.

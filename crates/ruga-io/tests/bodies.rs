@@ -74,7 +74,10 @@ fn refused(old: &str, new: &str, words: &[&str]) {
 fn a_body_is_what_the_file_says() {
     let scene = parse(BODY).unwrap();
     let interior = scene.interior.as_ref().unwrap();
-    assert_eq!((interior.cells, interior.shape), (8, CellShape::Linear));
+    assert_eq!(
+        (interior.cells, interior.shape),
+        (Some(8), CellShape::Linear)
+    );
     assert_eq!((interior.density, interior.follow), (950.0, Some(1e6)));
     assert_eq!(interior.gravity, [0.0, 0.0, -9.81]);
     let left = Handle {
@@ -138,7 +141,10 @@ fn what_is_left_out_has_a_default() {
     let from = BODY.find("[interior]").unwrap();
     let scene = parse(&format!("{}[interior]\n", &BODY[..from])).unwrap();
     let interior = scene.interior.unwrap();
-    assert_eq!((interior.cells, interior.shape), (6, CellShape::Quadratic));
+    assert_eq!(
+        (interior.cells, interior.shape),
+        (None, CellShape::Quadratic)
+    );
     assert_eq!(interior.density, 1100.0);
     assert_eq!(interior.gravity, [0.0; 3]);
     assert_eq!(interior.follow, None);

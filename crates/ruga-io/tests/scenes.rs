@@ -61,7 +61,11 @@ fn defaults_are_those_of_the_sample() {
     assert_eq!(layer.coupling, Coupling::Hybrid);
     assert_eq!(layer.sampling, Sampling::Quadrature);
     assert_eq!(layer.model, WavelengthModel::Layer);
-    assert_eq!(full.interior.unwrap(), ruga_io::scene::Interior::default());
+    let interior = ruga_io::scene::Interior {
+        cells: Some(6),
+        ..Default::default()
+    };
+    assert_eq!(full.interior.unwrap(), interior);
     assert_eq!(full.bake.maps, [MapKind::Normal, MapKind::Height]);
     assert_eq!(full.bake.normal_y, NormalY::Plus);
 }

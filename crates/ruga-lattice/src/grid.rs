@@ -32,6 +32,18 @@ pub(crate) struct GridEdge {
     pub(crate) axis: usize,
 }
 
+/// Edges of the cells (m) that a lattice of `cells` cells along the longest side has in a box with
+/// these sides (m), to four digits.
+pub fn cell_size(sides: &Vector3<f64>, cells: u32) -> Vector3<f64> {
+    sides.component_div(&counts(sides, cells))
+}
+
+/// Whole numbers of cells along the sides of a box, as near to cubes as that allows.
+fn counts(sides: &Vector3<f64>, cells: u32) -> Vector3<f64> {
+    let cell = sides.max() / f64::from(cells);
+    sides.map(|side| (side / cell).round().max(1.0))
+}
+
 #[derive(Clone, Debug)]
 pub(crate) struct Grid {
     pub(crate) origin: Vector3<f64>,
@@ -52,8 +64,7 @@ impl Grid {
         attempt: u32,
     ) -> Self {
         let side = high - low;
-        let cell = side.max() / f64::from(cells);
-        let count = side.map(|s| (s / cell).round().max(1.0));
+        let count = counts(&side, cells);
         let slack = side.component_div(&count) * SLACK;
         // Multiples of irrational numbers, different ones per axis, never repeat a coincidence.
         let turns = Vector3::new(0.618_034, 0.414_214, 0.732_051) * f64::from(attempt + 1);

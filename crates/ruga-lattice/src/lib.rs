@@ -70,6 +70,7 @@ mod solid_intervals;
 mod error;
 mod ids;
 
+pub use grid::cell_size;
 pub use lattice::{Filling, Lattice, LatticeSpec, MAX_CELLS, VOID_STIFFNESS};
 pub use shape::Shape;
 

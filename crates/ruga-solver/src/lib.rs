@@ -82,12 +82,14 @@ mod soft_modes;
 
 mod report;
 
+mod bent_step;
 mod convexify;
 mod error;
 mod line_search;
 mod minres;
 mod ordering;
 mod permuted_system;
+mod residual_descent;
 
 pub use newton::minimise;
 pub use objective::Objective;
@@ -101,4 +103,6 @@ pub use load_steps::{LoadSettings, LoadStepper, Outcome, Trial, Verdict};
 pub use soft_modes::{SoftMode, inertia_at, softest_mode};
 
 pub use error::SolverError;
-pub use report::{AtSaddle, Iteration, LinearSolver, NewtonSettings, SolveReport, StopRule};
+pub use report::{
+    AtSaddle, Descent, Iteration, LinearSolver, NewtonSettings, SolveReport, StopRule,
+};

@@ -5,13 +5,14 @@ use rand_pcg::Pcg64Mcg;
 
 use crate::convexify::Convexifier;
 use crate::error::{check_finite, check_length};
-use crate::line_search::{Accepted, curved_search, line_search};
+use crate::line_search::line_search;
 use crate::minres::MinresStep;
 use crate::objective::check_pattern;
+use crate::residual_descent::descend_residual;
 use crate::soft_modes::{dot, largest, search_curvature};
 use crate::{
-    AtSaddle, Inertia, Iteration, Kkt, LinearSolver, NewtonSettings, Objective, SolveReport,
-    SolverError, StopRule,
+    AtSaddle, Descent, Inertia, Iteration, Kkt, LinearSolver, NewtonSettings, Objective,
+    SolveReport, SolverError, StopRule,
 };
 
 /// Violation of a row that counts as none, over its sum of absolute weights times the length
@@ -31,9 +32,6 @@ const NEARLY_FEASIBLE: f64 = 1e-3;
 const SHORT: f64 = 0.6;
 const LEAST: f64 = 1e-3;
 
-/// Distance at which the bend is measured, as a share of the shortened step.
-const DIFFERENCE: f64 = 0.1;
-
 /// At a saddle that only has to be recognised: stop once the relaxed decrement is this small,
 /// or after so many indefinite iterations.
 const SADDLE_DECREMENT: f64 = 1e-3;
@@ -46,7 +44,8 @@ const SADDLE_ITERATIONS: usize = 5;
 /// `H p = 0` and is shortened until the energy falls. Where the Hessian is indefinite on that
 /// space, only the compressive stress stiffness is relaxed, and the direction of negative
 /// curvature is searched as well; the solve stops as converged only where the exact Hessian has
-/// the inertia of a minimum. `keep_going` sees every iteration and ends the solve by returning
+/// the inertia of a minimum. So it is unless [`NewtonSettings::descent`] asks for the papers' way.
+/// `keep_going` sees every iteration and ends the solve by returning
 /// `false`. Same input, same bits.
 ///
 /// # Errors
@@ -68,6 +67,9 @@ pub fn minimise(
     check_length("constraint right-hand side", kkt.rows().count(), rhs.len())?;
     check_finite("x", x)?;
     check_finite("constraint right-hand side", rhs)?;
+    if settings.descent == Descent::Residual {
+        return descend_residual(objective, rhs, x, kkt, settings, keep_going);
+    }
     let mut newton = Newton::new(objective, rhs, kkt, settings)?;
     let stop = match newton.run(x, keep_going) {
         Err(SolverError::Breakdown { .. }) => StopRule::Breakdown,
@@ -81,24 +83,24 @@ pub fn minimise(
     Ok(newton.report)
 }
 
-struct Newton<'a> {
-    objective: &'a dyn Objective,
+pub(crate) struct Newton<'a> {
+    pub(crate) objective: &'a dyn Objective,
     rhs: &'a [f64],
     kkt: &'a mut Kkt,
     settings: &'a NewtonSettings,
     convexifier: Convexifier,
     minres: Option<MinresStep>,
     generator: Pcg64Mcg,
-    gradient: Vec<f64>,
+    pub(crate) gradient: Vec<f64>,
     exact: Vec<f64>,
     relaxed: Vec<f64>,
     /// Right-hand side of the step's force equation, then residual forces.
-    force: Vec<f64>,
+    pub(crate) force: Vec<f64>,
     /// `rhs - H x`.
-    offset: Vec<f64>,
-    step: Vec<f64>,
-    trial: Vec<f64>,
-    multipliers: Vec<f64>,
+    pub(crate) offset: Vec<f64>,
+    pub(crate) step: Vec<f64>,
+    pub(crate) trial: Vec<f64>,
+    pub(crate) multipliers: Vec<f64>,
     indefinite_iterations: usize,
     /// A relaxation that may do for the first step.
     hint: Option<f64>,
@@ -278,7 +280,7 @@ impl<'a> Newton<'a> {
     }
 
     /// Solves for `step` and `multipliers` with `force` and `offset` on the right.
-    fn solve(&mut self) -> Result<usize, SolverError> {
+    pub(crate) fn solve(&mut self) -> Result<usize, SolverError> {
         if let Some(minres) = &mut self.minres {
             let solved = minres.solve(
                 self.kkt,
@@ -427,56 +429,7 @@ impl<'a> Newton<'a> {
     }
 }
 
-impl Newton<'_> {
-    /// Bends a Newton step that had to be shortened, and leaves the better one in `trial`.
-    ///
-    /// A pattern that slides along itself follows a curve: straight on, its waves grow higher and
-    /// the energy stops the step at a small part of its length. The second derivative `a` of the
-    /// path on which forces fade evenly solves `K a = -D^3 E[p, p]`, with the factor at hand
-    /// (Transtrum and Sethna 2012, geodesic acceleration); `x + s p + s^2 a / 2`.
-    fn bend(&mut self, x: &[f64], straight: Accepted) -> Result<f64, SolverError> {
-        let step = std::mem::take(&mut self.step);
-        let reach = DIFFERENCE * straight.length;
-        let mut sum = vec![0.0; x.len()];
-        let mut side = vec![0.0; x.len()];
-        for reach in [reach, -reach] {
-            let beside: Vec<f64> = x.iter().zip(&step).map(|(x, p)| x + reach * p).collect();
-            self.objective.gradient(&beside, &mut side);
-            for (sum, side) in sum.iter_mut().zip(&side) {
-                *sum += side;
-            }
-        }
-        for ((force, sum), gradient) in self.force.iter_mut().zip(&sum).zip(&self.gradient) {
-            *force = -0.5 * (sum - 2.0 * gradient) / (reach * reach);
-        }
-        // Behind `x` the energy may end.
-        if !self.force.iter().all(|force| force.is_finite()) {
-            self.step = step;
-            return Ok(straight.energy);
-        }
-        self.offset.fill(0.0);
-        self.step = vec![0.0; x.len()];
-        let multipliers = self.multipliers.clone();
-        self.solve()?;
-        self.multipliers = multipliers;
-        let mut trial = vec![0.0; x.len()];
-        let bent = curved_search(
-            self.objective,
-            x,
-            straight.energy,
-            [&step, &self.step],
-            straight.length,
-            &mut trial,
-        );
-        self.step = step;
-        if bent.is_some() {
-            self.trial = trial;
-        }
-        Ok(bent.unwrap_or(straight.energy))
-    }
-}
-
-fn empty_report() -> SolveReport {
+pub(crate) fn empty_report() -> SolveReport {
     SolveReport {
         converged: false,
         stop: StopRule::IterationLimit,

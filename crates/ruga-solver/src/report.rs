@@ -27,6 +27,16 @@ impl LinearSolver {
     }
 }
 
+/// What has to fall in every Newton step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Descent {
+    /// The energy. Saddles are recognised and left.
+    Energy,
+    /// The norm of the residual forces, whatever the energy does (Rémillard & Kry 2013, section 6.1).
+    /// A saddle or a maximum is as good to it as a minimum: it stops at any, and says nothing.
+    Residual,
+}
+
 /// What to do at a stationary point that is a saddle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AtSaddle {
@@ -42,6 +52,8 @@ pub enum AtSaddle {
 pub struct NewtonSettings {
     /// Solver of the linear systems. Default: factorisation.
     pub linear: LinearSolver,
+    /// What has to fall. Default: the energy.
+    pub descent: Descent,
     /// What to do at a saddle; only the factorisation sees one. Default: leave it.
     pub at_saddle: AtSaddle,
     /// Newton steps after which the solve gives up, at least 1. Default 100; a cold start far
@@ -66,6 +78,7 @@ impl Default for NewtonSettings {
     fn default() -> Self {
         Self {
             linear: LinearSolver::Ldlt,
+            descent: Descent::Energy,
             at_saddle: AtSaddle::Leave,
             max_iterations: 100,
             energy_tolerance: 1e-6,

@@ -46,8 +46,17 @@ pub(crate) const SLOWLY_LESS: f64 = 0.97;
 /// Amplitude below which a layer counts as flat, in thicknesses.
 pub(crate) const LEAST_AMPLITUDE: f64 = 0.01;
 
-/// What a user of MINRES should know.
-pub(crate) const MISSING_INERTIA: &str = "linear = \"minres\" cannot tell a wrinkled state from an unstable flat one; compare with \"ldlt\"";
+/// What a user of MINRES should know, and one of [`Descent::Residual`](crate::Descent::Residual).
+const MISSING_INERTIA: &str = "linear = \"minres\" cannot tell a wrinkled state from an unstable flat one; compare with \"ldlt\"";
+const UNSTABLE: &str = "forces are in balance, but the state is an unstable one";
+
+/// What a solve that converged leaves open about a layer that may wrinkle.
+pub(crate) fn blind_spot(solve: &SolveReport) -> Option<&'static str> {
+    match solve.inertia {
+        None => Some(MISSING_INERTIA),
+        Some(inertia) => (!inertia.is_minimum()).then_some(UNSTABLE),
+    }
+}
 
 /// What a load means to a layer, and what follows from reaching one.
 pub(crate) trait Course {
@@ -218,7 +227,7 @@ impl LayerRun {
                 return Ok(Ending::GaveUp);
             }
             if share == 1.0 {
-                self.tell_of_missing_inertia(&solve);
+                self.tell_of_blind_spot(&solve);
                 return Ok(Ending::Reached);
             }
         }
@@ -286,7 +295,7 @@ impl LayerRun {
                 ));
                 return Ok(Arrival::Nowhere);
             }
-            self.tell_of_missing_inertia(&solve);
+            self.tell_of_blind_spot(&solve);
             if !until_rest || self.rests(modelling)? {
                 return Ok(Arrival::Resting);
             }
@@ -302,6 +311,7 @@ impl LayerRun {
     fn rests(&mut self, modelling: &Modelling) -> Result<bool, StepperError> {
         let settings = NewtonSettings {
             linear: modelling.linear,
+            descent: modelling.descent,
             at_saddle: AtSaddle::Stop,
             max_iterations: 1,
             energy_tolerance: AT_REST,
@@ -357,7 +367,7 @@ impl LayerRun {
             match stepper.report(outcome) {
                 Verdict::Keep => {
                     kept = self.layer.state();
-                    self.tell_of_missing_inertia(&solve);
+                    self.tell_of_blind_spot(&solve);
                     if !trial.probe {
                         // Where it first wrinkled; another key's course may begin anew.
                         self.report.onset_load = self.report.onset_load.or(onset);
@@ -398,6 +408,7 @@ impl LayerRun {
     ) -> Result<SolveReport, StepperError> {
         let settings = NewtonSettings {
             linear: modelling.linear,
+            descent: modelling.descent,
             at_saddle,
             energy_tolerance: match pace {
                 Pace::Result => SETTLED,
@@ -433,9 +444,11 @@ impl LayerRun {
         Ok(solve)
     }
 
-    fn tell_of_missing_inertia(&mut self, solve: &SolveReport) {
-        if solve.inertia.is_none() && self.layer.demand() > 1.0 {
-            self.warn(MISSING_INERTIA.to_owned());
+    fn tell_of_blind_spot(&mut self, solve: &SolveReport) {
+        if let Some(blind_spot) = blind_spot(solve)
+            && self.layer.demand() > 1.0
+        {
+            self.warn(blind_spot.to_owned());
         }
     }
 

@@ -130,4 +130,4 @@ pub use error::StepperError;
 pub use ruga_constraint::Sampling;
 pub use ruga_lattice::{Shape as CellShape, SolidMaterial};
 pub use ruga_shell::BendingModel;
-pub use ruga_solver::{LinearSolver, StopRule};
+pub use ruga_solver::{Descent, LinearSolver, StopRule};

@@ -7,7 +7,7 @@ use ruga_blend::{Smoothing, Weights};
 use ruga_constraint::Sampling;
 use ruga_material::{LayerMaterial, PropertyMap, Substrate, WavelengthModel};
 use ruga_shell::BendingModel;
-use ruga_solver::LinearSolver;
+use ruga_solver::{Descent, LinearSolver};
 
 /// How a layer is held by what lies below it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -179,6 +179,8 @@ pub struct Modelling {
     pub bending: BendingModel,
     /// How linear systems are solved.
     pub linear: LinearSolver,
+    /// What has to fall in every Newton step.
+    pub descent: Descent,
     /// Relative residual at which a solve may stop.
     pub tolerance: f64,
     /// Seed of the initial noise.
@@ -211,6 +213,7 @@ impl Default for Modelling {
             smoothing: Smoothing::Loop,
             bending: BendingModel::VertexCurvature,
             linear: LinearSolver::Ldlt,
+            descent: Descent::Energy,
             tolerance: 1e-6,
             seed: 1,
         }

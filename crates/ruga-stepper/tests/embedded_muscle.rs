@@ -215,13 +215,14 @@ fn what_does_not_fit_is_named() {
     assert!(matches!(pulled, Err(StepperError::Lattice(_))));
     let locking = planned(&|body| body.material.poisson = 0.48).expect("a body");
     assert!(locking.warnings.iter().any(|w| w.contains("locks")));
-    let fine = planned(&|body| body.cells = 12).expect("a body");
+    let fine = planned(&|body| body.cells = Some(12)).expect("a body");
     assert!(
         fine.warnings
             .iter()
             .any(|w| w.contains("lattice wrinkles too"))
     );
-    let one = planned(&|body| (body.cells, body.shape) = (2, CellShape::Linear)).expect("a body");
+    let one =
+        planned(&|body| (body.cells, body.shape) = (Some(2), CellShape::Linear)).expect("a body");
     assert!(one.warnings.iter().any(|w| w.contains("thinnest side")));
 
     let plan = planned(&|_| ()).expect("a body");

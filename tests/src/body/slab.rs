@@ -158,7 +158,7 @@ impl Slab {
             max: Vector3::new(*to, 1.0, 1.0),
         };
         Body {
-            cells: self.cells,
+            cells: Some(self.cells),
             shape: self.shape,
             material: SolidMaterial {
                 young: self.young,

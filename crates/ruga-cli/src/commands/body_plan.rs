@@ -15,8 +15,9 @@ pub(super) fn print(project: &Project, plan: &BodyPlan) {
     messages::result("");
     let [x, y, z] = [0, 1, 2].map(|axis| 1e3 * plan.cell_size[axis]);
     messages::result(&format!(
-        "interior: {} of {x:.1} x {y:.1} x {z:.1} mm, {}",
+        "interior: {} of {x:.1} x {y:.1} x {z:.1} mm, {} along the longest side, {}",
         counted(plan.cells, "lattice cell"),
+        plan.cells_along,
         counted(plan.nodes, "node")
     ));
     messages::result("");
@@ -67,6 +68,7 @@ struct BodyPlanJson<'a> {
 #[derive(Serialize)]
 struct InteriorJson {
     cells: usize,
+    cells_along: u32,
     cell_size_m: [f64; 3],
     nodes: usize,
 }
@@ -97,6 +99,7 @@ pub(super) fn json(project: &Project, plan: &BodyPlan) -> String {
         warnings: project.warnings.iter().chain(&plan.warnings).collect(),
         interior: InteriorJson {
             cells: plan.cells,
+            cells_along: plan.cells_along,
             cell_size_m: plan.cell_size.into(),
             nodes: plan.nodes,
         },

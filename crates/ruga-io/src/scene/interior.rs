@@ -10,8 +10,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Interior {
-    /// Lattice cells along the longest side, 1 to 64; the lattice takes no more.
-    pub cells: u32,
+    /// Lattice cells along the longest side, 1 to 64; the lattice takes no more. Left out, as many as
+    /// let the body bend and are longer than its waves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cells: Option<u32>,
     /// The lattice's elements.
     pub shape: CellShape,
     /// Density of the inside, kg/m3, above 0.
@@ -34,7 +36,7 @@ pub struct Interior {
 impl Default for Interior {
     fn default() -> Self {
         Self {
-            cells: 6,
+            cells: None,
             shape: CellShape::Quadratic,
             density: 1100.0,
             gravity: [0.0; 3],

@@ -6,7 +6,9 @@ use crate::error::nearest;
 
 impl Interior {
     pub(super) fn faults(&self, layers: usize) -> Checked {
-        within("interior.cells", u64::from(self.cells), 1, 64)?;
+        if let Some(cells) = self.cells {
+            within("interior.cells", u64::from(cells), 1, 64)?;
+        }
         positive("interior.density", self.density)?;
         finite("interior.gravity", &self.gravity)?;
         self.follow

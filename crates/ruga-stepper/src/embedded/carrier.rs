@@ -5,6 +5,7 @@ use ruga_blend::{BaseSurface, Driver, Smoothing};
 use ruga_lattice::{Embedding, Filling, Lattice, LatticeError, LatticeSpec};
 use ruga_mesh::{FaceId, Id, MaterialPoint, PerVertex, vertex_normals};
 
+use super::lattice_size::cells_for;
 use crate::skin_mesh::SkinMesh;
 use crate::{Body, StepperError};
 
@@ -19,6 +20,10 @@ const ENOUGH_FACES: usize = 4000;
 #[derive(Clone, Debug)]
 pub(crate) struct Carrier {
     pub(crate) lattice: Lattice,
+    /// Cells along the longest side.
+    pub(crate) cells: u32,
+    /// Of the body's box, m.
+    pub(crate) sides: Vector3<f64>,
     surface: BaseSurface,
 }
 
@@ -26,6 +31,7 @@ impl Carrier {
     pub(crate) fn new(
         driver: &Driver,
         body: &Body,
+        wavelength: f64,
         smoothing: Smoothing,
     ) -> Result<Self, StepperError> {
         let faces: Vec<FaceId> = driver.topology().faces().ids().collect();
@@ -34,14 +40,22 @@ impl Carrier {
             levels += 1;
         }
         let surface = BaseSurface::new(driver, &faces, levels, smoothing);
+        let rest = surface.pose(driver.rest()).positions;
+        let box_of = |bound: fn(&Vector3<f64>, &Vector3<f64>) -> Vector3<f64>| {
+            let places = rest.iter().copied();
+            places.reduce(|a, b| bound(&a, &b)).unwrap_or_default()
+        };
+        let sides = box_of(|a, b| a.sup(b)) - box_of(|a, b| a.inf(b));
+        let chosen = || cells_for(&sides, body.shape, wavelength);
         let spec = LatticeSpec {
-            cells: body.cells,
+            cells: body.cells.unwrap_or_else(chosen),
             shape: body.shape,
             filling: Filling::Piece,
         };
-        let rest = surface.pose(driver.rest()).positions;
         Ok(Self {
             lattice: Lattice::build(surface.mesh(), &rest, &spec)?,
+            cells: spec.cells,
+            sides,
             surface,
         })
     }

@@ -12,6 +12,7 @@ mod embedded_layer;
 mod foundation;
 mod handles;
 mod inertia;
+mod lattice_size;
 mod layout;
 mod objective;
 mod obstacle;

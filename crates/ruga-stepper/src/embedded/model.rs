@@ -9,8 +9,8 @@ use crate::PoseSpec;
 /// holds it and what it runs into.
 #[derive(Clone, Debug)]
 pub struct Body {
-    /// Lattice cells along the longest side.
-    pub cells: u32,
+    /// Lattice cells along the longest side; `None` leaves it to the plan.
+    pub cells: Option<u32>,
     /// The lattice's elements.
     pub shape: Shape,
     /// What the inside is made of.

@@ -4,33 +4,15 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 use ruga_blend::Driver;
-use ruga_lattice::{LatticeError, Shape};
+use ruga_lattice::LatticeError;
 use ruga_material::{Wrinkling, wrinkling};
 use ruga_mesh::{FaceId, Id};
 
 use super::carrier::Carrier;
 use super::handles::HeldNodes;
+use super::lattice_size::lattice_warnings;
 use super::obstacle::{self, distance};
 use crate::{Body, LayerSpec, Modelling, Region, StepperError};
-
-/// Lattice cells over the wavelength below which the lattice itself wrinkles: in waves of two cells,
-/// which give way in it as well as in the foundation that stands for the same inside. The rows of a
-/// hybrid coupling keep these apart from two wavelengths on. A slab of cells of 1.2 to 2 wavelengths
-/// has waves within 3 % of theory, one of 1.0 has them 9 % and one of 0.9 80 % too long.
-const LEAST_CELL: f64 = 1.15;
-
-/// Cells across the thinnest side with which a body bends as it should: a bar of one quadratic element
-/// across is within a hundredth of beam theory, one of trilinear ones bends a third too little.
-const fn cells_across(shape: Shape) -> f64 {
-    match shape {
-        Shape::Quadratic => 1.0,
-        Shape::Linear => 3.0,
-    }
-}
-
-/// Poisson ratio beyond which a coarse lattice locks, and cells from which it hardly does: at 0.48
-/// and 8 cells a bar is 12 % too stiff in bending.
-const LOCKING: (f64, u32) = (0.45, 16);
 
 /// Vertices of the mesh that a fitted one is handed out on, in vertex budgets.
 const HANDED_OUT: f64 = 4.0;
@@ -55,6 +37,8 @@ pub struct BodyPlan {
     pub vertices: usize,
     /// Lattice elements.
     pub cells: usize,
+    /// Lattice cells along the longest side.
+    pub cells_along: u32,
     /// Edges of a lattice cell along x, y, z, m.
     pub cell_size: Vector3<f64>,
     /// Lattice nodes, held ones included.
@@ -88,7 +72,9 @@ impl BodyPlan {
 /// The layer covers the whole surface, or the faces on which the mask of
 /// [`Modelling::region`] is at least one half; borders of a mask are free. `layer.substrate` stands
 /// for the interior at the scale of the wrinkles, which the lattice does not resolve, and
-/// [`Body::material`] for it at the scale of the body: the two are meant to be the same stuff.
+/// [`Body::material`] for it at the scale of the body: the two are meant to be the same stuff. A
+/// lattice without a number of cells has as many as let the body bend, as long as they are longer than
+/// its waves.
 ///
 /// # Errors
 /// A bad material, a black mask, a surface that does not enclose a body, a handle without cells,
@@ -107,12 +93,12 @@ pub fn plan_body(
     check(body)?;
     body.obstacles.iter().try_for_each(obstacle::check)?;
     let faces = covered_faces(driver, modelling)?;
-    let carrier = Carrier::new(driver, body, modelling.smoothing)?;
+    let carrier = Carrier::new(driver, body, numbers.wavelength, modelling.smoothing)?;
     let held = HeldNodes::new(&carrier.lattice, &body.handles)?;
     let asked = numbers.wavelength / modelling.points_per_wavelength;
     let mesh = LayerMesh::new(driver, &faces, asked, modelling);
     let lattice = &carrier.lattice;
-    let mut warnings = lattice_warnings(driver, &carrier, body, numbers.wavelength);
+    let mut warnings = lattice_warnings(&carrier, body, numbers.wavelength);
     let covered = (faces.len(), layer.material.thickness);
     warnings.extend(obstacle_warnings(driver, body, covered));
     if mesh.edge > WORTH_TELLING * asked {
@@ -130,6 +116,7 @@ pub fn plan_body(
         edge: mesh.edge,
         vertices: mesh.vertices,
         cells: lattice.element_count(),
+        cells_along: carrier.cells,
         cell_size: lattice.cell_size(),
         nodes: lattice.node_count(),
         warnings,
@@ -253,48 +240,4 @@ impl LayerMesh {
             levels,
         }
     }
-}
-
-fn lattice_warnings(
-    driver: &Driver,
-    carrier: &Carrier,
-    body: &Body,
-    wavelength: f64,
-) -> Vec<String> {
-    let cell = carrier.lattice.cell_size();
-    let (shortest, longest) = (cell.min(), cell.max());
-    let mut warnings = Vec::new();
-    if shortest < LEAST_CELL * wavelength {
-        warnings.push(format!(
-            "interior: lattice cells of {:.2} mm are shorter than {LEAST_CELL} wavelengths of {:.2} mm, so that the lattice wrinkles too and waves come out up to twice as long; take fewer cells",
-            1e3 * shortest,
-            1e3 * wavelength
-        ));
-    }
-    let low = driver
-        .rest()
-        .iter()
-        .fold(Vector3::repeat(f64::MAX), |low, p| low.inf(p));
-    let high = driver
-        .rest()
-        .iter()
-        .fold(Vector3::repeat(f64::MIN), |high, p| high.sup(p));
-    let thinnest = (high - low).min();
-    let across = cells_across(body.shape);
-    // The grid fits the body's box, so that whole numbers of cells are usual.
-    if across * longest > 1.001 * thinnest {
-        warnings.push(format!(
-            "interior: lattice cells of {:.2} mm are too long for the body's thinnest side of {:.2} mm, which needs {across} of them to bend freely; take more cells",
-            1e3 * longest,
-            1e3 * thinnest
-        ));
-    }
-    let (poisson, cells) = LOCKING;
-    if body.material.poisson > poisson && body.cells < cells {
-        warnings.push(format!(
-            "interior: at a Poisson ratio of {} a lattice of {} cells locks and is too stiff in bending (by 12 % at 0.48 and 8 cells); take at most {poisson}, or more cells",
-            body.material.poisson, body.cells
-        ));
-    }
-    warnings
 }

@@ -3,8 +3,8 @@
 use ruga_blend::Driver;
 use ruga_material::CAP_START;
 use ruga_solver::{
-    AtSaddle, LinearSolver, LoadSettings, LoadStepper, NewtonSettings, Outcome, SolveReport,
-    StopRule, Trial, Verdict,
+    AtSaddle, LoadSettings, LoadStepper, NewtonSettings, Outcome, SolveReport, StopRule, Trial,
+    Verdict,
 };
 
 use super::embedded_layer::{BodyState, EmbeddedLayer};
@@ -12,7 +12,7 @@ use super::handles::Moves;
 use super::inertia::BodyInertia;
 use super::plan::BodyPlan;
 use crate::layer_run::{
-    Ending, LEAST_AMPLITUDE, LEAST_DEMAND, MISSING_INERTIA, PASSING, Pace, SETTLED, SLOWLY_LESS,
+    Ending, LEAST_AMPLITUDE, LEAST_DEMAND, PASSING, Pace, SETTLED, SLOWLY_LESS, blind_spot,
 };
 use crate::measure::waviness;
 use crate::simulate::loads_up_to;
@@ -20,10 +20,6 @@ use crate::{
     BodyPose, Dynamics, Frame, KeyResult, LayerReport, Modelling, Observer, Phase, PoseResult,
     Progress, StepperError,
 };
-
-/// Angle in rad by which the surface below may have turned since a solve whose foundation stands on
-/// its normals: a layer that is a tenth of a wavelength off then moves by a ten-thousandth of one.
-const TURNED: f64 = 1e-3;
 
 /// Halvings of a step in time before it counts as impossible.
 const HALVINGS: u32 = 4;
@@ -39,6 +35,8 @@ pub(crate) struct BodyRun<'a> {
     result: PoseResult,
     /// What had to be left out of the first step of the last solve that began with a pattern.
     relaxation: f64,
+    /// What the last solve that converged leaves open.
+    blind_spot: Option<&'static str>,
 }
 
 impl<'a> BodyRun<'a> {
@@ -73,6 +71,7 @@ impl<'a> BodyRun<'a> {
                 ..PoseResult::default()
             },
             relaxation: 0.0,
+            blind_spot: None,
         })
     }
 
@@ -152,7 +151,7 @@ impl<'a> BodyRun<'a> {
             true => AtSaddle::Stop,
             false => AtSaddle::Leave,
         };
-        let pace = match trial.probe || self.is_result(trial.load, observer) {
+        let pace = match trial.probe {
             true => Pace::Result,
             false => Pace::Passing,
         };
@@ -175,15 +174,15 @@ impl<'a> BodyRun<'a> {
         Ok((outcome, solve))
     }
 
-    /// Solves once more where the surface below has turned away from the normals that its
-    /// foundation stands on; false when interrupted.
+    /// Makes a result of what has been reached in passing, if one is wanted: on the way there the
+    /// surface below has turned, and the foundation stands on its normals. False when interrupted.
     fn settle(
         &mut self,
         inertia: Option<&BodyInertia>,
         load: f64,
         observer: &mut dyn Observer,
     ) -> Result<bool, StepperError> {
-        if !self.is_result(load, observer) || self.layer.turned() <= TURNED {
+        if !self.is_result(load, observer) {
             return Ok(true);
         }
         let before = self.layer.state.clone();
@@ -195,7 +194,7 @@ impl<'a> BodyRun<'a> {
         if !solve.converged || self.layer.has_passed(&before) {
             self.layer.state = before;
             self.warn(format!(
-                "at load {load:.3} the layer is in equilibrium with its support as it stood before the last turn of the body only"
+                "at load {load:.3} the layer is in equilibrium to {PASSING} of what its wrinkles save only, and with its support as it stood before the last turn of the body"
             ));
         }
         Ok(true)
@@ -267,7 +266,11 @@ impl<'a> BodyRun<'a> {
         let around = (&self.moves, weights);
         let inertia = self.layer.place_in_time(self.driver, around, to, dynamics);
         observer.phase(0, Phase::Integration);
-        let how = (AtSaddle::Leave, Pace::Result);
+        let pace = match self.is_result(to, observer) {
+            true => Pace::Passing,
+            false => Pace::Result,
+        };
+        let how = (AtSaddle::Leave, pace);
         let mut solve = self.solve(Some(inertia.clone()), how, to, observer)?;
         if solve.converged && !self.settle(Some(&inertia), to, observer)? {
             solve.stop = StopRule::Interrupted;
@@ -285,6 +288,7 @@ impl<'a> BodyRun<'a> {
     ) -> Result<SolveReport, StepperError> {
         let settings = NewtonSettings {
             linear: self.modelling.linear,
+            descent: self.modelling.descent,
             at_saddle,
             energy_tolerance: match pace {
                 Pace::Result => SETTLED,
@@ -310,6 +314,9 @@ impl<'a> BodyRun<'a> {
         let solve = solve.map_err(|source| self.layer.solver_error(source))?;
         if solve.converged && solve.first_relaxation > 0.0 {
             self.relaxation = solve.first_relaxation;
+        }
+        if solve.converged {
+            self.blind_spot = blind_spot(&solve);
         }
         self.report.take(&solve);
         Ok(solve)
@@ -362,8 +369,10 @@ impl<'a> BodyRun<'a> {
     }
 
     fn measure(&mut self) {
-        if self.modelling.linear != LinearSolver::Ldlt && self.layer.demand() > 1.0 {
-            self.warn(MISSING_INERTIA.to_owned());
+        if let Some(blind_spot) = self.blind_spot
+            && self.layer.demand() > 1.0
+        {
+            self.warn(blind_spot.to_owned());
         }
         let layer = &self.layer;
         self.report.energy = layer.energy();

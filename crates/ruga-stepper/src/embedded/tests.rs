@@ -84,7 +84,7 @@ fn skin(coupling: Coupling) -> LayerSpec {
 
 fn body() -> Body {
     Body {
-        cells: 3,
+        cells: Some(3),
         shape: Shape::Quadratic,
         material: SolidMaterial {
             young: 5e4,

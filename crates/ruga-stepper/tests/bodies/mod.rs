@@ -46,7 +46,7 @@ pub(crate) fn layer(ratio: f64) -> LayerSpec {
 /// A body without anything that holds or pushes it.
 pub(crate) fn free_body(cells: u32) -> Body {
     Body {
-        cells,
+        cells: Some(cells),
         shape: Shape::Quadratic,
         material: INTERIOR,
         density: 1000.0,

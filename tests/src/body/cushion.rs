@@ -1,0 +1,292 @@
+//! A cushion that falls onto a table between four walls and is pressed by a ball, again and again.
+
+use std::error::Error;
+use std::time::Instant;
+
+use nalgebra::Vector3;
+use ruga_blend::{Driver, Smoothing};
+use ruga_io::{ObjOptions, read_mesh};
+use ruga_material::{LayerMaterial, Substrate, WavelengthModel};
+use ruga_stepper::{
+    Body, BodyPlan, BodyPose, CellShape, Coupling, Descent, Dynamics, EdgeLimits, Frame, Keyframe,
+    LayerReport, LayerSpec, LinearSolver, Modelling, Motion, Observer, Obstacle, ObstacleShape,
+    PoseResult, PoseSpec, Progress, Region, Sampling, SolidMaterial, plan_body, simulate_body,
+};
+
+use crate::asset;
+
+/// Sides of the shipped cushion, m.
+const SIDES: [f64; 3] = [0.12, 0.12, 0.04];
+
+/// The table, the walls and the ball, in heights of the cushion: the fall, the room on each side, the
+/// ball's radius, its rest above the cushion, and how far it comes down.
+const FALL: f64 = 0.25;
+const ROOM: f64 = 0.25;
+const RADIUS: f64 = 0.75;
+const ABOVE: f64 = 0.1;
+const WAY: f64 = 0.8;
+
+/// Seconds from one press to the next, for a cushion 4 cm high.
+const PERIOD: f64 = 0.4;
+
+/// Of the inside and of its weight.
+const YOUNG: f64 = 2e4;
+const DENSITY: f64 = 1000.0;
+
+/// A cushion and how its motion is computed.
+#[derive(Clone, Copy, Debug)]
+pub struct Cushion {
+    /// Size over that of the shipped one, 12 x 12 x 4 cm.
+    pub scale: f64,
+    /// Of the cover, m.
+    pub thickness: f64,
+    /// Young's modulus of the cover over that of the inside.
+    pub ratio: f64,
+    /// Lattice cells along the longest side.
+    pub cells: u32,
+    /// Edges of the cover's mesh per wavelength.
+    pub points: f64,
+    /// How the cover is held.
+    pub coupling: Coupling,
+    /// s.
+    pub time_step: f64,
+    /// Steps in time.
+    pub steps: u32,
+    /// What has to fall in every Newton step.
+    pub descent: Descent,
+    /// How linear systems are solved.
+    pub linear: LinearSolver,
+}
+
+/// What became of it.
+#[derive(Clone, Debug)]
+pub struct Thrown {
+    /// Whether every step in time was found.
+    pub converged: bool,
+    /// Steps, with halves of those that could not be made at once.
+    pub frames: usize,
+    /// Newton iterations of every step.
+    pub iterations: Vec<usize>,
+    /// Farthest way of a vertex out of the room in any step, in heights of the cushion; NaN where a
+    /// place is none.
+    pub outside: f64,
+    /// Least and greatest height of the cushion after a step, over that at rest.
+    pub heights: [f64; 2],
+    /// What the simulator measured in the end.
+    pub report: LayerReport,
+    /// What it warned of.
+    pub warnings: Vec<String>,
+    /// Of the whole run, s.
+    pub seconds: f64,
+}
+
+impl Cushion {
+    /// Throws the cushion.
+    ///
+    /// # Errors
+    /// What the simulator refuses.
+    pub fn throw(&self) -> Result<Thrown, Box<dyn Error>> {
+        let (driver, modelling) = (self.driver()?, self.modelling());
+        let plan = self.plan(&driver, &modelling)?;
+        let pose = BodyPose {
+            pose: PoseSpec {
+                name: "thrown".into(),
+                weights: Default::default(),
+                keys: vec![1.0],
+                steps: self.steps,
+            },
+            motions: vec![self.presses()],
+        };
+        let start = Instant::now();
+        let mut watch = Watch::new(self);
+        let PoseResult {
+            layers,
+            converged,
+            frames,
+            warnings,
+            ..
+        } = simulate_body(&driver, &plan, &pose, &modelling, &mut watch)?;
+        Ok(Thrown {
+            converged,
+            frames,
+            iterations: watch.iterations,
+            outside: watch.outside,
+            heights: watch.heights,
+            report: layers.into_iter().next().unwrap_or_default(),
+            warnings,
+            seconds: start.elapsed().as_secs_f64(),
+        })
+    }
+
+    fn sides(&self) -> Vector3<f64> {
+        Vector3::from(SIDES) * self.scale
+    }
+
+    fn driver(&self) -> Result<Driver, Box<dyn Error>> {
+        let mut mesh = read_mesh(&asset("pillow/pillow.glb"), None, &ObjOptions::default())?.mesh;
+        for place in &mut mesh.positions {
+            *place *= self.scale;
+        }
+        Ok(Driver::new(&mesh)?)
+    }
+
+    fn plan(&self, driver: &Driver, modelling: &Modelling) -> Result<BodyPlan, Box<dyn Error>> {
+        let layer = LayerSpec {
+            name: "cover".into(),
+            material: LayerMaterial {
+                young: self.ratio * YOUNG,
+                poisson: 0.48,
+                thickness: self.thickness,
+                density: DENSITY,
+            },
+            substrate: Substrate {
+                young: YOUNG,
+                poisson: 0.4,
+                thickness: 0.5 * self.sides().z,
+            },
+            model: WavelengthModel::HalfSpace,
+            coupling: self.coupling,
+            sampling: Sampling::Quadrature,
+            map: None,
+            sharp: false,
+            bending_transfer: None,
+        };
+        Ok(plan_body(driver, &layer, &self.body(), modelling)?)
+    }
+
+    fn body(&self) -> Body {
+        let sides = self.sides();
+        let plane = |name: &str, way: Vector3<f64>, distance: f64| Obstacle {
+            name: name.into(),
+            shape: ObstacleShape::Plane {
+                point: -way * distance,
+                normal: way,
+            },
+        };
+        let room = 0.5 * sides.x + ROOM * sides.z;
+        let ball = Obstacle {
+            name: "ball".into(),
+            shape: ObstacleShape::Sphere {
+                centre: Vector3::z() * ((0.5 + ABOVE + RADIUS) * sides.z),
+                radius: RADIUS * sides.z,
+            },
+        };
+        Body {
+            cells: Some(self.cells),
+            shape: CellShape::Quadratic,
+            material: SolidMaterial {
+                young: YOUNG,
+                poisson: 0.4,
+            },
+            density: DENSITY,
+            gravity: Vector3::z() * -9.81,
+            handles: Vec::new(),
+            obstacles: vec![
+                plane("table", Vector3::z(), (0.5 + FALL) * sides.z),
+                plane("left wall", Vector3::x(), room),
+                plane("right wall", -Vector3::x(), room),
+                plane("front wall", Vector3::y(), room),
+                plane("back wall", -Vector3::y(), room),
+                ball,
+            ],
+            follow: None,
+        }
+    }
+
+    /// Down in the first half of every period, up again in the second.
+    fn presses(&self) -> Motion {
+        let whole = f64::from(self.steps) * self.time_step;
+        let half = 0.5 * PERIOD * self.scale.sqrt() / whole;
+        let down = -WAY * self.sides().z * Vector3::z();
+        let key = |at: f64, translation| Keyframe {
+            at,
+            translation,
+            turn: Vector3::zeros(),
+            about: Vector3::zeros(),
+        };
+        let times = (1..).map(|k| f64::from(k) * half);
+        let ways = [down, Vector3::zeros()].into_iter().cycle();
+        let mut keyframes: Vec<_> = times
+            .zip(ways)
+            .take_while(|(at, _)| *at < 1.0)
+            .map(|(at, way)| key(at, way))
+            .collect();
+        if keyframes.is_empty() {
+            keyframes.push(key(1.0, down / half));
+        }
+        Motion {
+            of: "ball".into(),
+            keyframes,
+        }
+    }
+
+    fn modelling(&self) -> Modelling {
+        Modelling {
+            points_per_wavelength: self.points,
+            smoothing: Smoothing::None,
+            region: Region::All,
+            remesh: Some(EdgeLimits::default()),
+            linear: self.linear,
+            descent: self.descent,
+            dynamics: Some(Dynamics {
+                time_step: self.time_step,
+                damping: 0.5,
+            }),
+            ..Modelling::default()
+        }
+    }
+}
+
+/// Counts, and looks where the cushion is.
+struct Watch {
+    sides: Vector3<f64>,
+    iterations: Vec<usize>,
+    /// Of the step under way.
+    current: usize,
+    outside: f64,
+    heights: [f64; 2],
+}
+
+impl Watch {
+    fn new(cushion: &Cushion) -> Self {
+        Self {
+            sides: cushion.sides(),
+            iterations: Vec::new(),
+            current: 0,
+            outside: 0.0,
+            heights: [f64::INFINITY, 0.0],
+        }
+    }
+}
+
+impl Observer for Watch {
+    fn progress(&mut self, _: Progress) -> bool {
+        self.current += 1;
+        true
+    }
+
+    fn frame(&mut self, frame: &Frame<'_>) {
+        self.iterations.push(std::mem::take(&mut self.current));
+        let Some(layer) = frame.layers.first() else {
+            return;
+        };
+        let height = self.sides.z;
+        let room = 0.5 * self.sides.x + ROOM * height;
+        let floor = -(0.5 + FALL) * height;
+        for p in &layer.positions {
+            let beyond = (p.x.abs() - room).max(p.y.abs() - room).max(floor - p.z);
+            let outside = beyond / height;
+            if outside.is_nan() || outside > self.outside {
+                self.outside = outside;
+            }
+        }
+        let (low, high) = layer
+            .positions
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
+                (low.min(p.z), high.max(p.z))
+            });
+        let now = (high - low) / height;
+        self.heights = [self.heights[0].min(now), self.heights[1].max(now)];
+    }
+}
