@@ -25,7 +25,7 @@ pub use dense::{Dense, dense};
 pub use isocontours::{Isocontour, Sample, is_compared, isocontours};
 pub use locality::{Locality, locality};
 pub use sheet::Sheet;
-pub use slab::{Slab, SlabRun, coupling_name};
+pub use slab::{Slab, SlabRun, coupling_name, push};
 
 /// How much of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,9 +9,9 @@ use ruga_material::{
     LayerMaterial, MaterialError, Substrate, WavelengthModel, Wrinkling, wrinkling,
 };
 use ruga_stepper::{
-    Body, BodyPose, CellShape, Coupling, EdgeLimits, Handle, Keyframe, LayerReport, LayerSpec,
-    Mask, Modelling, Motion, PoseSpec, Region, Sampling, Silent, SolidMaterial, plan_body,
-    simulate_body,
+    Body, BodyPose, CellShape, Coupling, Descent, EdgeLimits, Handle, Keyframe, LayerReport,
+    LayerSpec, LinearSolver, Mask, Modelling, Motion, PoseSpec, Region, Sampling, Silent,
+    SolidMaterial, plan_body, simulate_body,
 };
 
 use super::Sheet;
@@ -60,6 +60,8 @@ pub struct SlabRun {
     pub report: LayerReport,
     /// Whether every step found its equilibrium.
     pub converged: bool,
+    /// What the simulator warned of.
+    pub warnings: Vec<String>,
     /// Time that it took, s.
     pub seconds: f64,
 }
@@ -106,16 +108,37 @@ impl Slab {
     /// # Errors
     /// Whatever the simulator refuses.
     pub fn simulate(&self, motions: Vec<Motion>, keys: &[f64]) -> Result<SlabRun, Box<dyn Error>> {
+        self.simulate_by(
+            (Descent::Energy, LinearSolver::Ldlt),
+            motions,
+            (keys, STEPS),
+        )
+    }
+
+    /// The same with another way to solve, in so many load steps.
+    ///
+    /// # Errors
+    /// Whatever the simulator refuses.
+    pub fn simulate_by(
+        &self,
+        (descent, linear): (Descent, LinearSolver),
+        motions: Vec<Motion>,
+        (keys, steps): (&[f64], u32),
+    ) -> Result<SlabRun, Box<dyn Error>> {
         let start = Instant::now();
         let driver = self.driver()?;
-        let modelling = self.modelling();
+        let modelling = Modelling {
+            descent,
+            linear,
+            ..self.modelling()
+        };
         let plan = plan_body(&driver, &self.layer(), &self.body(), &modelling)?;
         let pose = BodyPose {
             pose: PoseSpec {
                 name: "pose".into(),
                 weights: Default::default(),
                 keys: keys.to_vec(),
-                steps: STEPS,
+                steps,
             },
             motions,
         };
@@ -132,6 +155,7 @@ impl Slab {
                 .collect(),
             report: report.clone(),
             converged: result.converged,
+            warnings: result.warnings,
             seconds: start.elapsed().as_secs_f64(),
         })
     }
@@ -238,7 +262,7 @@ impl Slab {
 }
 
 /// Straight by `way` along x.
-pub(super) fn push(of: &str, way: f64) -> Motion {
+pub fn push(of: &str, way: f64) -> Motion {
     let frame = Keyframe {
         at: 1.0,
         translation: Vector3::x() * way,

@@ -6,6 +6,7 @@
 //! tests are those of the project's list of failures. Of T12 the wavelength of sheets that are
 //! stretched on their own is not tested: that takes a mesh of many thousand vertices.
 
+mod bodies;
 mod extremes;
 mod heterogeneous;
 mod invariance;
