@@ -8,6 +8,8 @@
 //! | [`cell_limit`] | | wavelength against theory, over the lattice's fineness |
 //! | [`artefact`] | 4 | how far the skin's curvature follows the lattice's cells |
 //! | [`locality`] | 3 | wrinkles outside the part of a bar that is bent |
+//! | [`sizes`] | table 1 | time of a frame at the paper's sizes |
+//! | [`Cushion`] | | a thousand steps in time of a body that bounces and is pressed |
 
 mod artefact;
 mod cell_limit;
@@ -16,6 +18,7 @@ mod dense;
 mod isocontours;
 mod locality;
 mod sheet;
+mod sizes;
 mod slab;
 
 pub use artefact::{Artefact, artefact};
@@ -25,12 +28,13 @@ pub use dense::{Dense, dense};
 pub use isocontours::{Isocontour, Sample, is_compared, isocontours};
 pub use locality::{Locality, locality};
 pub use sheet::Sheet;
+pub use sizes::{Row, Size, sizes};
 pub use slab::{Slab, SlabRun, coupling_name, push};
 
 /// How much of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extent {
-    /// All samples: about six minutes on one core.
+    /// All samples: about a quarter of an hour on one core.
     Full,
     /// The corners of what is sampled: one to two minutes.
     Quick,

@@ -8,10 +8,10 @@
 
 use std::error::Error;
 
-use ruga_stepper::{CellShape, Coupling};
+use ruga_stepper::{CellShape, Coupling, Descent, LinearSolver};
 use ruga_tests::body::{
-    CellLimit, Extent, Isocontour, artefact, cell_limit, coupling_name, dense, is_compared,
-    isocontours, locality,
+    CellLimit, Cushion, Extent, Isocontour, Row, Size, artefact, cell_limit, coupling_name, dense,
+    is_compared, isocontours, locality, sizes,
 };
 use serde_json::json;
 
@@ -29,7 +29,74 @@ fn main() -> Result<(), Box<dyn Error>> {
         print_sample(sample);
         samples.push(sample.clone());
     })?;
-    print_dense(&samples)
+    print_dense(&samples)?;
+    print_thrown(extent)?;
+    sizes(extent, &mut print_size)
+}
+
+/// Lengths of a step in time, s.
+const TIME_STEPS: [f64; 3] = [0.005, 0.02, 0.05];
+
+fn print_thrown(extent: Extent) -> Result<(), Box<dyn Error>> {
+    for time_step in TIME_STEPS {
+        let cushion = Cushion {
+            scale: 1.0,
+            thickness: 1.2e-3,
+            ratio: 1000.0,
+            cells: 3,
+            points: 5.0,
+            coupling: Coupling::Hybrid,
+            time_step,
+            steps: match extent {
+                Extent::Full => 1000,
+                Extent::Quick => 50,
+            },
+            descent: Descent::Energy,
+            linear: LinearSolver::Ldlt,
+        };
+        let own = cushion.throw()?;
+        let line = json!({
+            "part": "thrown",
+            "time_step_s": time_step,
+            "steps": cushion.steps,
+            "frames": own.frames,
+            "outside": own.outside,
+            "heights": own.heights,
+            "factorizations": own.report.factorizations,
+            "converged": own.converged,
+            "seconds": own.frame_s.iter().sum::<f64>(),
+        });
+        println!("{line}");
+    }
+    Ok(())
+}
+
+fn print_size(own: &Size) {
+    let row = |row: &Row| {
+        json!({
+            "unknowns": row.unknowns,
+            "constraints": row.constraints,
+            "faces": row.faces,
+            "elements": row.elements,
+            "seconds": [
+                row.set_up_s,
+                row.frame_s,
+                row.skin_assembly_s,
+                row.skin_forces_s,
+                row.inside_assembly_s,
+                row.inside_forces_s,
+            ],
+        })
+    };
+    let line = json!({
+        "part": "size",
+        "paper": row(&own.paper),
+        "own": row(&own.own),
+        "iterations": own.iterations,
+        "factorizations": own.factorizations,
+        "converged": own.converged,
+    });
+    println!("{line}");
 }
 
 fn print_sample(own: &Isocontour) {

@@ -6,11 +6,14 @@ use std::time::Instant;
 use nalgebra::Vector3;
 use ruga_blend::{Driver, Smoothing};
 use ruga_io::{ObjOptions, read_mesh};
-use ruga_material::{LayerMaterial, Substrate, WavelengthModel};
+use ruga_material::{
+    LayerMaterial, MaterialError, Substrate, WavelengthModel, Wrinkling, wrinkling,
+};
 use ruga_stepper::{
-    Body, BodyPlan, BodyPose, CellShape, Coupling, Descent, Dynamics, EdgeLimits, Frame, Keyframe,
-    LayerReport, LayerSpec, LinearSolver, Modelling, Motion, Observer, Obstacle, ObstacleShape,
-    PoseResult, PoseSpec, Progress, Region, Sampling, SolidMaterial, plan_body, simulate_body,
+    Body, BodyPlan, BodyPose, CellShape, ComputedMesh, Coupling, Descent, Dynamics, EdgeLimits,
+    Frame, Keyframe, LayerReport, LayerSpec, LinearSolver, Modelling, Motion, Observer, Obstacle,
+    ObstacleShape, Phase, PoseResult, PoseSpec, Progress, Region, Sampling, SolidMaterial,
+    plan_body, simulate_body,
 };
 
 use crate::asset;
@@ -76,8 +79,12 @@ pub struct Thrown {
     pub report: LayerReport,
     /// What it warned of.
     pub warnings: Vec<String>,
-    /// Of the whole run, s.
-    pub seconds: f64,
+    /// The mesh of the cover, where it ended.
+    pub cover: ComputedMesh,
+    /// From the beginning of the run to that of the first step, s.
+    pub set_up_s: f64,
+    /// Of every step, s.
+    pub frame_s: Vec<f64>,
 }
 
 impl Cushion {
@@ -97,9 +104,9 @@ impl Cushion {
             },
             motions: vec![self.presses()],
         };
-        let start = Instant::now();
         let mut watch = Watch::new(self);
         let PoseResult {
+            keys,
             layers,
             converged,
             frames,
@@ -114,15 +121,48 @@ impl Cushion {
             heights: watch.heights,
             report: layers.into_iter().next().unwrap_or_default(),
             warnings,
-            seconds: start.elapsed().as_secs_f64(),
+            cover: (keys.into_iter().flat_map(|key| key.layers).next())
+                .map_or_else(ComputedMesh::default, |layer| layer.computed),
+            set_up_s: watch.set_up_s.unwrap_or_default(),
+            frame_s: watch.frame_s,
         })
+    }
+
+    /// Of the cover.
+    pub(super) const POISSON: f64 = 0.48;
+
+    /// Young's modulus of the cover, Pa.
+    pub(super) fn young(&self) -> f64 {
+        self.ratio * YOUNG
+    }
+
+    /// The cover, and the inside as it sees it.
+    fn materials(&self) -> (LayerMaterial, Substrate) {
+        let cover = LayerMaterial {
+            young: self.young(),
+            poisson: Self::POISSON,
+            thickness: self.thickness,
+            density: DENSITY,
+        };
+        let inside = Substrate {
+            young: YOUNG,
+            poisson: 0.4,
+            thickness: 0.5 * self.sides().z,
+        };
+        (cover, inside)
+    }
+
+    /// Theory's numbers for the cover.
+    pub(super) fn theory(&self) -> Result<Wrinkling, MaterialError> {
+        let (cover, inside) = self.materials();
+        wrinkling(&cover, &inside, WavelengthModel::HalfSpace)
     }
 
     fn sides(&self) -> Vector3<f64> {
         Vector3::from(SIDES) * self.scale
     }
 
-    fn driver(&self) -> Result<Driver, Box<dyn Error>> {
+    pub(super) fn driver(&self) -> Result<Driver, Box<dyn Error>> {
         let mut mesh = read_mesh(&asset("pillow/pillow.glb"), None, &ObjOptions::default())?.mesh;
         for place in &mut mesh.positions {
             *place *= self.scale;
@@ -131,19 +171,11 @@ impl Cushion {
     }
 
     fn plan(&self, driver: &Driver, modelling: &Modelling) -> Result<BodyPlan, Box<dyn Error>> {
+        let (material, substrate) = self.materials();
         let layer = LayerSpec {
             name: "cover".into(),
-            material: LayerMaterial {
-                young: self.ratio * YOUNG,
-                poisson: 0.48,
-                thickness: self.thickness,
-                density: DENSITY,
-            },
-            substrate: Substrate {
-                young: YOUNG,
-                poisson: 0.4,
-                thickness: 0.5 * self.sides().z,
-            },
+            material,
+            substrate,
             model: WavelengthModel::HalfSpace,
             coupling: self.coupling,
             sampling: Sampling::Quadrature,
@@ -154,7 +186,7 @@ impl Cushion {
         Ok(plan_body(driver, &layer, &self.body(), modelling)?)
     }
 
-    fn body(&self) -> Body {
+    pub(super) fn body(&self) -> Body {
         let sides = self.sides();
         let plane = |name: &str, way: Vector3<f64>, distance: f64| Obstacle {
             name: name.into(),
@@ -243,6 +275,10 @@ struct Watch {
     iterations: Vec<usize>,
     /// Of the step under way.
     current: usize,
+    /// When it began.
+    clock: Instant,
+    set_up_s: Option<f64>,
+    frame_s: Vec<f64>,
     outside: f64,
     heights: [f64; 2],
 }
@@ -253,13 +289,31 @@ impl Watch {
             sides: cushion.sides(),
             iterations: Vec::new(),
             current: 0,
+            clock: Instant::now(),
+            set_up_s: None,
+            frame_s: Vec::new(),
             outside: 0.0,
             heights: [f64::INFINITY, 0.0],
         }
     }
 }
 
+impl Watch {
+    /// Seconds since the last time.
+    fn lap(&mut self) -> f64 {
+        let now = Instant::now();
+        now.duration_since(std::mem::replace(&mut self.clock, now))
+            .as_secs_f64()
+    }
+}
+
 impl Observer for Watch {
+    fn phase(&mut self, _: usize, phase: Phase) {
+        if phase == Phase::Sampling && self.set_up_s.is_none() {
+            self.set_up_s = Some(self.lap());
+        }
+    }
+
     fn progress(&mut self, _: Progress) -> bool {
         self.current += 1;
         true
@@ -267,6 +321,8 @@ impl Observer for Watch {
 
     fn frame(&mut self, frame: &Frame<'_>) {
         self.iterations.push(std::mem::take(&mut self.current));
+        let seconds = self.lap();
+        self.frame_s.push(seconds);
         let Some(layer) = frame.layers.first() else {
             return;
         };

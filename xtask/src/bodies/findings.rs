@@ -14,6 +14,8 @@ pub(super) struct Findings {
     pub(super) cell_limits: Vec<CellLimit>,
     pub(super) artefacts: Vec<Artefact>,
     pub(super) localities: Vec<Locality>,
+    pub(super) thrown: Vec<Thrown>,
+    pub(super) sizes: Vec<Size>,
 }
 
 /// A slab that was pushed together.
@@ -94,6 +96,42 @@ pub(super) struct Locality {
     pub(super) profile: Vec<[f64; 2]>,
 }
 
+/// A cushion that bounces and is pressed.
+#[derive(Debug, Clone)]
+pub(super) struct Thrown {
+    pub(super) time_step: f64,
+    pub(super) steps: f64,
+    /// Of these, those that were made.
+    pub(super) frames: f64,
+    /// Farthest way out of its room, in its heights.
+    pub(super) outside: f64,
+    /// Least and greatest height over that at rest.
+    pub(super) heights: [f64; 2],
+    pub(super) factorizations: f64,
+    pub(super) converged: bool,
+}
+
+/// A cushion as large as the papers'.
+#[derive(Debug, Clone)]
+pub(super) struct Size {
+    pub(super) paper: Row,
+    pub(super) own: Row,
+    /// Newton steps in the dearest frame and in the middle one.
+    pub(super) iterations: [f64; 2],
+    /// Factorisations over Newton steps.
+    pub(super) factorizations: f64,
+    pub(super) converged: bool,
+}
+
+/// A line of the table of sizes.
+#[derive(Debug, Clone)]
+pub(super) struct Row {
+    /// Unknowns and rows of the skin, its triangles, elements of the inside.
+    pub(super) counts: [f64; 4],
+    /// Set-up, a frame, and in it assembly of the skin, once its forces; the same of the inside; s.
+    pub(super) seconds: [f64; 6],
+}
+
 impl Findings {
     pub(super) fn read(lines: &[Value]) -> Self {
         let mut findings = Self::default();
@@ -122,6 +160,22 @@ impl Findings {
                     converged: line["converged"] == true,
                     bent: pair(&line["bent"]),
                     profile: profile(&line["profile"]),
+                }),
+                Some("thrown") => findings.thrown.push(Thrown {
+                    time_step: number(&line["time_step_s"]),
+                    steps: number(&line["steps"]),
+                    frames: number(&line["frames"]),
+                    outside: number(&line["outside"]),
+                    heights: pair(&line["heights"]),
+                    factorizations: number(&line["factorizations"]),
+                    converged: line["converged"] == true,
+                }),
+                Some("size") => findings.sizes.push(Size {
+                    paper: row(&line["paper"]),
+                    own: row(&line["own"]),
+                    iterations: pair(&line["iterations"]),
+                    factorizations: number(&line["factorizations"]),
+                    converged: line["converged"] == true,
                 }),
                 _ => {}
             }
@@ -173,6 +227,14 @@ fn sample(line: &Value) -> Sample {
         vertices: number(&line["vertices"]),
         converged: line["converged"] == true,
         seconds: number(&line["seconds"]),
+    }
+}
+
+fn row(value: &Value) -> Row {
+    let counts = ["unknowns", "constraints", "faces", "elements"];
+    Row {
+        counts: counts.map(|count| number(&value[count])),
+        seconds: std::array::from_fn(|i| number(&value["seconds"][i])),
     }
 }
 

@@ -2,8 +2,9 @@
 //! figures 3, 4, 6 and 7).
 //!
 //! The measuring is done by the program `bodies` of the tests, a line of JSON for each finding. All
-//! lines are in `findings.jsonl`, the samples in `isocontours.csv` and `dense.csv`, the page is
-//! `bodies.svg` and `bodies.png`, and what it says against its goals is printed.
+//! lines are in `findings.jsonl`, the samples in `isocontours.csv` and `dense.csv`, times at the papers'
+//! sizes in `sizes.txt`, the page is `bodies.svg` and `bodies.png`, and what it says against its goals is
+//! printed.
 
 mod contour;
 mod findings;
@@ -46,6 +47,8 @@ pub(crate) fn bodies(wanted: &Wanted) -> Outcome {
         tables::isocontours(&findings),
     )?;
     fs::write(folder.join("dense.csv"), tables::dense(&findings))?;
+    let sizes = tables::sizes(&findings);
+    fs::write(folder.join("sizes.txt"), &sizes)?;
     let command = match wanted.quick {
         true => "cargo xtask bodies --quick",
         false => "cargo xtask bodies",
@@ -53,7 +56,7 @@ pub(crate) fn bodies(wanted: &Wanted) -> Outcome {
     let page = page::page(&findings, command);
     fs::write(folder.join("bodies.svg"), page.svg())?;
     fs::write(folder.join("bodies.png"), page.png(SCALE)?)?;
-    print!("\n{}", words::words(&findings));
+    print!("\n{}\n{sizes}", words::words(&findings));
     println!("\nPicture and tables are in {}", folder.display());
     Ok(ExitCode::SUCCESS)
 }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use serde_json::Value;
 
-use super::findings::{Findings, HARD_ROWS, HYBRID};
+use super::findings::{Findings, HARD_ROWS, HYBRID, Thrown};
 
 /// Median error of the wavelength that the default may have.
 pub(super) const WAVELENGTH: f64 = 0.05;
@@ -59,7 +59,28 @@ pub(super) fn words(findings: &Findings) -> String {
             100.0 * own.outside
         );
     }
+    for own in &findings.thrown {
+        let _ = writeln!(text, "{}", thrown(own));
+    }
     text
+}
+
+/// Way out of its room, in heights, that a cushion may have; obstacles give a little.
+const ROOM: f64 = 0.05;
+
+fn thrown(own: &Thrown) -> String {
+    let [low, high] = own.heights;
+    let holds = own.converged && own.frames == own.steps && own.outside < ROOM && high < 1.5;
+    format!(
+        "thrown, steps of {} s: {} of {}, {:.2} to {:.2} of its height, {:.1} factorisations a step: {}",
+        own.time_step,
+        own.frames,
+        own.steps,
+        low,
+        high,
+        own.factorizations / own.frames,
+        verdict(holds)
+    )
 }
 
 fn verdict(is_met: bool) -> &'static str {
@@ -149,6 +170,13 @@ pub(super) fn line(line: &Value) -> String {
     }
     if let Some(own) = own.cell_limits.first() {
         return format!("cells of {} wavelengths: {}", own.cell, per_cent(own.error));
+    }
+    if let Some(own) = own.thrown.first() {
+        return thrown(own);
+    }
+    if let Some(own) = own.sizes.first() {
+        let [unknowns, ..] = own.own.counts;
+        return format!("{unknowns} unknowns: {:.2} s a frame", own.own.seconds[1]);
     }
     let artefacts = own.artefacts.iter().map(|own| &own.shape);
     let bars = own.localities.iter().map(|own| &own.coupling);
