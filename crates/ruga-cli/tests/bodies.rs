@@ -86,6 +86,23 @@ fn folder() -> Folder {
     folder
 }
 
+/// A lattice without a number of cells gets one that nothing speaks against.
+#[test]
+fn the_plan_chooses_the_cells() {
+    let folder = folder();
+    let cells = SCENE.lines().find(|line| line.starts_with("cells"));
+    folder.change("body.toml", cells.expect("a number of cells"), "");
+    folder.change("body.toml", "wavelength = 0.04", "wavelength = 0.02");
+    let json = folder.ruga("plan body.toml --json").exits(0);
+    let plan: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
+    let along = plan["interior"]["cells_along"].as_u64().unwrap();
+    assert_eq!(along, 6, "{plan}");
+    assert!(!plan["warnings"].to_string().contains("lattice"), "{plan}");
+    let text = folder.ruga("plan body.toml").exits(0).stdout;
+    let told = format!("{along} along the longest side");
+    assert!(text.contains(&told), "{text}");
+}
+
 #[test]
 fn a_body_is_planned_checked_simulated_and_baked() {
     let folder = folder();

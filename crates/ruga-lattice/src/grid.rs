@@ -32,8 +32,8 @@ pub(crate) struct GridEdge {
     pub(crate) axis: usize,
 }
 
-/// Edges of the cells (m) that a lattice of `cells` cells along the longest side has in a box with
-/// these sides (m), to four digits.
+/// Edges of the cells (m) that a lattice of `cells` cells along the longest side, at least one, has in a
+/// box with these sides (m), to four digits.
 pub fn cell_size(sides: &Vector3<f64>, cells: u32) -> Vector3<f64> {
     sides.component_div(&counts(sides, cells))
 }

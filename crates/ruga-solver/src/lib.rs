@@ -82,7 +82,6 @@ mod soft_modes;
 
 mod report;
 
-mod bent_step;
 mod convexify;
 mod error;
 mod line_search;

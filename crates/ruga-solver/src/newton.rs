@@ -1,5 +1,7 @@
 //! Newton's method under linear constraints.
 
+mod bent_step;
+
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
@@ -83,24 +85,24 @@ pub fn minimise(
     Ok(newton.report)
 }
 
-pub(crate) struct Newton<'a> {
-    pub(crate) objective: &'a dyn Objective,
+struct Newton<'a> {
+    objective: &'a dyn Objective,
     rhs: &'a [f64],
     kkt: &'a mut Kkt,
     settings: &'a NewtonSettings,
     convexifier: Convexifier,
     minres: Option<MinresStep>,
     generator: Pcg64Mcg,
-    pub(crate) gradient: Vec<f64>,
+    gradient: Vec<f64>,
     exact: Vec<f64>,
     relaxed: Vec<f64>,
     /// Right-hand side of the step's force equation, then residual forces.
-    pub(crate) force: Vec<f64>,
+    force: Vec<f64>,
     /// `rhs - H x`.
-    pub(crate) offset: Vec<f64>,
-    pub(crate) step: Vec<f64>,
-    pub(crate) trial: Vec<f64>,
-    pub(crate) multipliers: Vec<f64>,
+    offset: Vec<f64>,
+    step: Vec<f64>,
+    trial: Vec<f64>,
+    multipliers: Vec<f64>,
     indefinite_iterations: usize,
     /// A relaxation that may do for the first step.
     hint: Option<f64>,
@@ -151,7 +153,7 @@ impl<'a> Newton<'a> {
             indefinite_iterations: 0,
             hint: Some(settings.first_relaxation).filter(|&hint| hint > 0.0),
             at_hand: None,
-            report: empty_report(),
+            report: SolveReport::empty(),
         })
     }
 
@@ -280,7 +282,7 @@ impl<'a> Newton<'a> {
     }
 
     /// Solves for `step` and `multipliers` with `force` and `offset` on the right.
-    pub(crate) fn solve(&mut self) -> Result<usize, SolverError> {
+    fn solve(&mut self) -> Result<usize, SolverError> {
         if let Some(minres) = &mut self.minres {
             let solved = minres.solve(
                 self.kkt,
@@ -426,26 +428,5 @@ impl<'a> Newton<'a> {
             x.copy_from_slice(&self.trial);
         }
         Ok(newton.is_some())
-    }
-}
-
-pub(crate) fn empty_report() -> SolveReport {
-    SolveReport {
-        converged: false,
-        stop: StopRule::IterationLimit,
-        iterations: 0,
-        factorizations: 0,
-        energy: f64::INFINITY,
-        residual: f64::INFINITY,
-        decrement: f64::INFINITY,
-        infeasibility: 0.0,
-        inertia: None,
-        relaxation_used: 0.0,
-        first_relaxation: 0.0,
-        shift_used: 0.0,
-        left_saddle: false,
-        linear_iterations: 0,
-        linear_stalls: 0,
-        multipliers: Vec::new(),
     }
 }

@@ -33,7 +33,9 @@ pub enum Descent {
     /// The energy. Saddles are recognised and left.
     Energy,
     /// The norm of the residual forces, whatever the energy does (Rémillard & Kry 2013, section 6.1).
-    /// A saddle or a maximum is as good to it as a minimum: it stops at any, and says nothing.
+    /// Kept for comparison. A saddle or a maximum is as good to it as a minimum: it stops at any with
+    /// [`StopRule::Residual`], and the inertia in the report tells, if the linear solver knows one.
+    /// Settings of saddles, of the decrement, of relaxation and the seed mean nothing to it.
     Residual,
 }
 
@@ -125,13 +127,14 @@ impl NewtonSettings {
 pub enum StopRule {
     /// The Newton decrement fell below its tolerance at a minimum: converged.
     Decrement,
-    /// The residual fell below its tolerance at a minimum: converged.
+    /// The residual fell below its tolerance at a minimum, or anywhere with [`Descent::Residual`]:
+    /// converged.
     Residual,
     /// A saddle was found and [`AtSaddle::Stop`] was asked for.
     Saddle,
     /// Too many iterations.
     IterationLimit,
-    /// No step along the search direction lowers the energy any more.
+    /// No step along the search direction lowers the energy, or the residual, any more.
     LineSearch,
     /// The constraints contradict each other: no `x` satisfies them.
     Infeasible,
@@ -166,7 +169,8 @@ pub struct Iteration {
 /// How a solve went. Not converging is data, not an error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolveReport {
-    /// Whether a tolerance was met, at a minimum as far as the linear solver can tell.
+    /// Whether a tolerance was met, at a minimum as far as the linear solver can tell and
+    /// [`Descent`] asks.
     pub converged: bool,
     /// Why the solve ended.
     pub stop: StopRule,
@@ -199,4 +203,28 @@ pub struct SolveReport {
     pub linear_stalls: usize,
     /// Lagrange multipliers (N per unit of a row), one per row: reactions of the constraints.
     pub multipliers: Vec<f64>,
+}
+
+impl SolveReport {
+    /// Of a solve that has not begun.
+    pub(crate) fn empty() -> Self {
+        Self {
+            converged: false,
+            stop: StopRule::IterationLimit,
+            iterations: 0,
+            factorizations: 0,
+            energy: f64::INFINITY,
+            residual: f64::INFINITY,
+            decrement: f64::INFINITY,
+            infeasibility: 0.0,
+            inertia: None,
+            relaxation_used: 0.0,
+            first_relaxation: 0.0,
+            shift_used: 0.0,
+            left_saddle: false,
+            linear_iterations: 0,
+            linear_stalls: 0,
+            multipliers: Vec::new(),
+        }
+    }
 }

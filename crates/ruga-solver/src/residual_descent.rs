@@ -4,7 +4,6 @@
 
 use crate::error::check_finite;
 use crate::minres::MinresStep;
-use crate::newton::empty_report;
 use crate::soft_modes::{dot, largest};
 use crate::{
     Iteration, Kkt, LinearSolver, NewtonSettings, Objective, SolveReport, SolverError, StopRule,
@@ -81,7 +80,7 @@ impl<'a> Search<'a> {
             minres,
             values: vec![0.0; kkt.pattern().entries()],
             multipliers: vec![0.0; rhs.len()],
-            report: empty_report(),
+            report: SolveReport::empty(),
             kkt,
         })
     }
@@ -94,7 +93,10 @@ impl<'a> Search<'a> {
     ) -> Result<StopRule, SolverError> {
         for index in 0..settings.max_iterations {
             let here = self.imbalance(x, &self.multipliers);
-            self.report.energy = here.energy;
+            self.report.energy = match here.energy.is_nan() {
+                true => f64::INFINITY,
+                false => here.energy,
+            };
             self.report.infeasibility = here.way;
             if !here.energy.is_finite() {
                 return Ok(StopRule::OutsideDomain);
@@ -183,8 +185,8 @@ impl<'a> Search<'a> {
             let there: Vec<f64> = ends.map(|(x, step)| x + length * step).collect();
             let ends = self.multipliers.iter().zip(wanted);
             let multipliers: Vec<f64> = ends.map(|(y, end)| y + length * (end - y)).collect();
-            let norm = self.imbalance(&there, &multipliers).norm;
-            if norm < (1.0 - SUFFICIENT * length) * here.norm {
+            let Imbalance { energy, norm, .. } = self.imbalance(&there, &multipliers);
+            if energy.is_finite() && norm < (1.0 - SUFFICIENT * length) * here.norm {
                 return Some((there, multipliers));
             }
             let tried = [length, norm * norm];

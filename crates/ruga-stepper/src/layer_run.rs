@@ -311,7 +311,6 @@ impl LayerRun {
     fn rests(&mut self, modelling: &Modelling) -> Result<bool, StepperError> {
         let settings = NewtonSettings {
             linear: modelling.linear,
-            descent: modelling.descent,
             at_saddle: AtSaddle::Stop,
             max_iterations: 1,
             energy_tolerance: AT_REST,

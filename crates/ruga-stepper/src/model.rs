@@ -179,7 +179,8 @@ pub struct Modelling {
     pub bending: BendingModel,
     /// How linear systems are solved.
     pub linear: LinearSolver,
-    /// What has to fall in every Newton step.
+    /// What has to fall in every Newton step. The papers' residual finds no onset, and any state of
+    /// balance is as good to it as a stable one; such a one is warned of.
     pub descent: Descent,
     /// Relative residual at which a solve may stop.
     pub tolerance: f64,

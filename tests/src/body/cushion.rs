@@ -66,12 +66,11 @@ pub struct Cushion {
 pub struct Thrown {
     /// Whether every step in time was found.
     pub converged: bool,
-    /// Steps, with halves of those that could not be made at once.
+    /// Steps that were found.
     pub frames: usize,
     /// Newton iterations of every step.
     pub iterations: Vec<usize>,
-    /// Farthest way of a vertex out of the room in any step, in heights of the cushion; NaN where a
-    /// place is none.
+    /// Farthest way of a vertex out of the room in any step, in heights of the cushion.
     pub outside: f64,
     /// Least and greatest height of the cushion after a step, over that at rest.
     pub heights: [f64; 2],
@@ -332,9 +331,7 @@ impl Observer for Watch {
         for p in &layer.positions {
             let beyond = (p.x.abs() - room).max(p.y.abs() - room).max(floor - p.z);
             let outside = beyond / height;
-            if outside.is_nan() || outside > self.outside {
-                self.outside = outside;
-            }
+            self.outside = self.outside.max(outside);
         }
         let (low, high) = layer
             .positions

@@ -27,7 +27,7 @@ const STEPS: u32 = 12;
 pub struct Row {
     /// Coordinates of the skin's vertices.
     pub unknowns: usize,
-    /// Rows, triangles and elements.
+    /// Constraint rows, one per coordinate.
     pub constraints: usize,
     /// Triangles of the skin.
     pub faces: usize,
@@ -82,7 +82,7 @@ const POINTS: [f64; 2] = [5.2, 7.7];
 pub struct Size {
     /// RK's.
     pub paper: Row,
-    /// Ours; times of a frame are means over those in which something touches.
+    /// Ours; times of a frame are means over those that take more Newton steps than a free fall.
     pub own: Row,
     /// Newton steps in the dearest such frame, and in the middle one.
     pub iterations: [usize; 2],
@@ -129,7 +129,7 @@ fn measure(paper: Row, points: f64) -> Result<Size, Box<dyn Error>> {
         .collect();
     let mut iterations: Vec<usize> = touching.iter().map(|frame| frame.0).collect();
     iterations.sort_unstable();
-    let count = touching.len().max(1) as f64;
+    let count = touching.len() as f64;
     let mean = iterations.iter().sum::<usize>() as f64 / count;
     let (skin_assembly, skin_forces) = skin_seconds(&cushion, &thrown.cover)?;
     let (elements, inside_assembly, inside_forces) = inside_seconds(&cushion)?;

@@ -261,7 +261,7 @@ impl Slab {
     }
 }
 
-/// Straight by `way` along x.
+/// The slice of this name goes straight by `way` (m) along x.
 pub fn push(of: &str, way: f64) -> Motion {
     let frame = Keyframe {
         at: 1.0,

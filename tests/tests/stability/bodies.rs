@@ -37,7 +37,7 @@ fn thrown((descent, linear): Method, time_step: f64) -> Thrown {
 }
 
 /// Where nothing stands still, inertia leaves no saddle to end on: the papers' methods find the same
-/// motion, in two to three times as many Newton steps.
+/// motion, in more than twice as many Newton steps.
 #[test]
 fn t19_thrown() {
     let test = "T19 cushion dropped and pressed, dt .005 to .05 s";
@@ -47,6 +47,13 @@ fn t19_thrown() {
         |runs: &[&Thrown]| -> usize { runs.iter().map(|run| run.report.newton_iterations).sum() };
     let same = |ours: &Thrown, theirs: &Thrown| {
         assert!(ours.converged && theirs.converged);
+        for run in [ours, theirs] {
+            assert!(
+                !run.warnings.iter().any(|w| w.contains("unstable one")),
+                "{:?}",
+                run.warnings
+            );
+        }
         let energy = theirs.report.energy / ours.report.energy - 1.0;
         assert!(energy.abs() < 1e-3, "{energy}");
     };
@@ -56,13 +63,14 @@ fn t19_thrown() {
     }
     let count = iterations(&ours.each_ref());
     let times = iterations(&residual.each_ref()) as f64 / count as f64;
-    assert!(times > 1.5, "{times}");
+    assert!(times > 1.8, "{times}");
     let numbers = format!("the same motion in {times:.1} times as many Newton steps");
     table_line(test, "papers: residual merit", Finding::Holds, &numbers);
 
     let iterated = thrown(minres(Descent::Residual), time_steps[2]);
     same(&ours[2], &iterated);
     let times = iterations(&[&iterated]) as f64 / iterations(&[&ours[2]]) as f64;
+    assert!(times > 1.8, "{times}");
     let numbers = format!("dt .05 alone: the same motion in {times:.1} times as many Newton steps");
     table_line(test, "papers: both", Finding::Holds, &numbers);
     let frames: usize = ours.iter().map(|run| run.frames).sum();
@@ -73,9 +81,9 @@ fn t19_thrown() {
     table_line(test, "ruga", Finding::Holds, &numbers);
 }
 
-/// A slab pushed together to about two critical strains, and its amplitude in skin thicknesses;
-/// `None` where no equilibrium is found.
-fn pushed((descent, linear): Method, steps: u32) -> Option<(SlabRun, f64)> {
+/// A slab pushed together to about two critical strains, and its amplitude in skin thicknesses; a
+/// message where no equilibrium is found.
+fn pushed((descent, linear): Method, steps: u32) -> Result<(SlabRun, f64), String> {
     let mut slab = Slab {
         size: Vector3::repeat(1.0),
         cells: 5,
@@ -99,9 +107,10 @@ fn pushed((descent, linear): Method, steps: u32) -> Option<(SlabRun, f64)> {
     let way = 0.5 * 2.0 * 3.0 * theory.critical_strain * cell;
     let motions = vec![push("left", way), push("right", -way)];
     let run = slab.simulate_by((descent, linear), motions, (&[1.0], steps));
-    let run = run.ok().filter(|run| run.converged)?;
+    let run = run.map_err(|error| error.to_string())?;
+    assert!(run.converged, "{:?}", run.warnings);
     let amplitude = run.report.amplitude / slab.thickness;
-    Some((run, amplitude))
+    Ok((run, amplitude))
 }
 
 /// At rest the papers' search ends at states that are unstable and low, or nowhere, however small the
@@ -122,9 +131,13 @@ fn t19_pushed() {
 
     let (mut nowhere, mut low) = (0, Vec::new());
     for run in both(RESIDUAL) {
-        let Some((run, amplitude)) = run else {
-            nowhere += 1;
-            continue;
+        let (run, amplitude) = match run {
+            Ok(run) => run,
+            Err(message) => {
+                assert!(message.contains("no equilibrium found"), "{message}");
+                nowhere += 1;
+                continue;
+            }
         };
         assert!(says(&run, "unstable"), "{:?}", run.warnings);
         assert!(amplitude < 0.98 * slow, "{amplitude} {slow}");

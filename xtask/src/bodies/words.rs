@@ -65,19 +65,23 @@ pub(super) fn words(findings: &Findings) -> String {
     text
 }
 
-/// Way out of its room, in heights, that a cushion may have; obstacles give a little.
-const ROOM: f64 = 0.05;
+/// Way out of its room, in heights, that a cushion may have: obstacles give a little; and heights
+/// between which it may be.
+const OUTSIDE_ROOM: f64 = 0.05;
+const HEIGHTS: [f64; 2] = [0.3, 1.2];
 
 fn thrown(own: &Thrown) -> String {
     let [low, high] = own.heights;
-    let holds = own.converged && own.frames == own.steps && own.outside < ROOM && high < 1.5;
+    let is_whole = low > HEIGHTS[0] && high < HEIGHTS[1] && own.outside < OUTSIDE_ROOM;
+    let holds = own.converged && own.frames == own.steps && is_whole;
     format!(
-        "thrown, steps of {} s: {} of {}, {:.2} to {:.2} of its height, {:.1} factorisations a step: {}",
+        "thrown, steps of {} s: {} of {} made, {:.2} to {:.2} of its height, {:.3} of it out of its room, {:.1} factorisations a step: {}",
         own.time_step,
         own.frames,
         own.steps,
         low,
         high,
+        own.outside,
         own.factorizations / own.frames,
         verdict(holds)
     )

@@ -31,14 +31,29 @@ const USUAL_CELLS: u32 = 6;
 /// Times as many across the thinnest side as it needs, where nothing speaks against it.
 const AMPLE: f64 = 2.0;
 
+/// Cells of the whole box up to which a lattice nobody asked for is worth its time.
+const AFFORDABLE: f64 = 2000.0;
+
 /// Cells along the longest of a body's `sides` (m) with which it bends and bulges freely; fewer where
-/// they would be shorter than its waves (m) allow, and never less than one.
+/// they would be shorter than its waves (m) allow or too many, and never less than one.
 pub(crate) fn cells_for(sides: &Vector3<f64>, shape: Shape, wavelength: f64) -> u32 {
     let wanted = (AMPLE * cells_across(shape) * sides.max() / sides.min()).round();
     // Casts saturate.
     let wanted = (wanted as u32).clamp(USUAL_CELLS, MAX_CELLS);
-    let is_long = |cells: &u32| cell_size(sides, *cells).min() >= LEAST_CELL * wavelength;
-    (1..=wanted).rev().find(is_long).unwrap_or(1)
+    let fits = |cells: &u32| {
+        let size = cell_size(sides, *cells);
+        let count = sides.component_div(&size).product();
+        size.min() >= LEAST_CELL * wavelength && count <= AFFORDABLE
+    };
+    (1..=wanted).rev().find(fits).unwrap_or(1)
+}
+
+/// What to tell those who chose the number of cells themselves, and those who did not.
+fn advice(body: &Body, chosen: &'static str, planned: &'static str) -> &'static str {
+    match body.cells {
+        Some(_) => chosen,
+        None => planned,
+    }
 }
 
 /// What is wrong with a lattice for waves of this length, m.
@@ -48,9 +63,10 @@ pub(crate) fn lattice_warnings(carrier: &Carrier, body: &Body, wavelength: f64) 
     let mut warnings = Vec::new();
     if shortest < LEAST_CELL * wavelength {
         warnings.push(format!(
-            "interior: lattice cells of {:.2} mm are shorter than {LEAST_CELL} wavelengths of {:.2} mm, so that the lattice wrinkles too and waves come out up to twice as long; take fewer cells",
+            "interior: lattice cells of {:.2} mm are shorter than {LEAST_CELL} wavelengths of {:.2} mm, so that the lattice wrinkles too and waves come out up to twice as long{}",
             1e3 * shortest,
-            1e3 * wavelength
+            1e3 * wavelength,
+            advice(body, "; take fewer cells", "")
         ));
     }
     let thinnest = carrier.sides.min();
@@ -58,9 +74,10 @@ pub(crate) fn lattice_warnings(carrier: &Carrier, body: &Body, wavelength: f64) 
     // The grid fits the body's box, so that whole numbers of cells are usual.
     if across * longest > 1.001 * thinnest {
         warnings.push(format!(
-            "interior: lattice cells of {:.2} mm are too long for the body's thinnest side of {:.2} mm, which needs {across} of them to bend freely; take more cells",
+            "interior: lattice cells of {:.2} mm are too long for the body's thinnest side of {:.2} mm, which needs {across} of them to bend freely{}",
             1e3 * longest,
-            1e3 * thinnest
+            1e3 * thinnest,
+            advice(body, "; take more cells", "; more would be shorter than its waves allow")
         ));
     }
     let (poisson, cells) = LOCKING;
@@ -89,6 +106,9 @@ mod tests {
         assert_eq!(cells(cushion, 0.0175), 4);
         assert_eq!(cells(cushion, 1.0), 1);
         let linear = cells_for(&Vector3::from(rod), Shape::Linear, 0.001);
-        assert_eq!(linear, 60);
+        // 55 x 6 x 6; 60 would be enough to bend, and too many.
+        assert_eq!(linear, 55);
+        // 31 x 31 x 2; 32 x 32 x 2 would be too many.
+        assert_eq!(cells([1.0, 1.0, 0.05], 0.001), 31);
     }
 }

@@ -21,6 +21,10 @@ use crate::{
     Progress, StepperError,
 };
 
+/// Angle in rad by which the surface below may have turned since a result whose foundation stands on
+/// its normals: a layer that is a tenth of a wavelength off then moves by a ten-thousandth of one.
+const TURNED: f64 = 1e-3;
+
 /// Halvings of a step in time before it counts as impossible.
 const HALVINGS: u32 = 4;
 
@@ -35,8 +39,16 @@ pub(crate) struct BodyRun<'a> {
     result: PoseResult,
     /// What had to be left out of the first step of the last solve that began with a pattern.
     relaxation: f64,
-    /// What the last solve that converged leaves open.
+    /// What the last solve leaves open.
     blind_spot: Option<&'static str>,
+}
+
+/// How exactly a trial is solved: a probe decides.
+fn pace_of(trial: Trial) -> Pace {
+    match trial.probe {
+        true => Pace::Result,
+        false => Pace::Passing,
+    }
 }
 
 impl<'a> BodyRun<'a> {
@@ -118,7 +130,7 @@ impl<'a> BodyRun<'a> {
                     if !trial.probe {
                         self.report.onset_load = self.report.onset_load.or(onset);
                     }
-                    if !self.settle(None, trial.load, observer)? {
+                    if !self.settle(pace_of(trial), None, trial.load, observer)? {
                         return Ok(Ending::Interrupted);
                     }
                     kept = self.layer.state.clone();
@@ -151,10 +163,7 @@ impl<'a> BodyRun<'a> {
             true => AtSaddle::Stop,
             false => AtSaddle::Leave,
         };
-        let pace = match trial.probe {
-            true => Pace::Result,
-            false => Pace::Passing,
-        };
+        let pace = pace_of(trial);
         let mut solve = self.solve(None, (at_saddle, pace), trial.load, observer)?;
         if solve.stop == StopRule::Saddle && self.layer.demand() < LEAST_DEMAND {
             // Nothing wrinkles yet: what gives way is the body, or a noise of the mesh.
@@ -174,15 +183,17 @@ impl<'a> BodyRun<'a> {
         Ok((outcome, solve))
     }
 
-    /// Makes a result of what has been reached in passing, if one is wanted: on the way there the
+    /// Makes a result of what has been reached at this pace, if one is wanted: on the way there the
     /// surface below has turned, and the foundation stands on its normals. False when interrupted.
     fn settle(
         &mut self,
+        pace: Pace,
         inertia: Option<&BodyInertia>,
         load: f64,
         observer: &mut dyn Observer,
     ) -> Result<bool, StepperError> {
-        if !self.is_result(load, observer) {
+        let is_one = pace == Pace::Result && self.layer.turned() <= TURNED;
+        if !self.is_result(load, observer) || is_one {
             return Ok(true);
         }
         let before = self.layer.state.clone();
@@ -193,9 +204,8 @@ impl<'a> BodyRun<'a> {
         }
         if !solve.converged || self.layer.has_passed(&before) {
             self.layer.state = before;
-            self.warn(format!(
-                "at load {load:.3} the layer is in equilibrium to {PASSING} of what its wrinkles save only, and with its support as it stood before the last turn of the body"
-            ));
+            self.result.converged = false;
+            self.tell_of_failure("only a rough equilibrium found", load, &solve);
         }
         Ok(true)
     }
@@ -266,13 +276,15 @@ impl<'a> BodyRun<'a> {
         let around = (&self.moves, weights);
         let inertia = self.layer.place_in_time(self.driver, around, to, dynamics);
         observer.phase(0, Phase::Integration);
+        // What a step leaves out of balance the next one inherits: without a second solve it has to be
+        // a result at once.
         let pace = match self.is_result(to, observer) {
             true => Pace::Passing,
             false => Pace::Result,
         };
         let how = (AtSaddle::Leave, pace);
         let mut solve = self.solve(Some(inertia.clone()), how, to, observer)?;
-        if solve.converged && !self.settle(Some(&inertia), to, observer)? {
+        if solve.converged && !self.settle(pace, Some(&inertia), to, observer)? {
             solve.stop = StopRule::Interrupted;
         }
         self.layer.take_velocities(before, dynamics.time_step);
@@ -315,11 +327,17 @@ impl<'a> BodyRun<'a> {
         if solve.converged && solve.first_relaxation > 0.0 {
             self.relaxation = solve.first_relaxation;
         }
-        if solve.converged {
-            self.blind_spot = blind_spot(&solve);
-        }
+        self.blind_spot = blind_spot(&solve);
         self.report.take(&solve);
         Ok(solve)
+    }
+
+    fn tell_of_blind_spot(&mut self) {
+        if let Some(blind_spot) = self.blind_spot
+            && self.layer.demand() > 1.0
+        {
+            self.warn(blind_spot.to_owned());
+        }
     }
 
     fn is_result(&self, load: f64, observer: &dyn Observer) -> bool {
@@ -333,6 +351,7 @@ impl<'a> BodyRun<'a> {
 
     /// Hands out what was reached.
     fn frame(&mut self, load: f64, observer: &mut dyn Observer) {
+        self.tell_of_blind_spot();
         if self.is_result(load, observer) {
             let layers = vec![self.layer.snapshot(self.driver)];
             observer.frame(&Frame {
@@ -365,15 +384,12 @@ impl<'a> BodyRun<'a> {
     fn warn(&mut self, warning: String) {
         let (pose, layer) = (&self.pose.pose.name, &self.report.name);
         let text = format!("pose '{pose}', layer '{layer}': {warning}");
-        self.result.warnings.push(text);
+        if !self.result.warnings.contains(&text) {
+            self.result.warnings.push(text);
+        }
     }
 
     fn measure(&mut self) {
-        if let Some(blind_spot) = self.blind_spot
-            && self.layer.demand() > 1.0
-        {
-            self.warn(blind_spot.to_owned());
-        }
         let layer = &self.layer;
         self.report.energy = layer.energy();
         let faces = layer.supercritical_faces();

@@ -1,8 +1,8 @@
 //! Steps that follow a curve.
 
+use super::Newton;
 use crate::SolverError;
 use crate::line_search::{Accepted, curved_search};
-use crate::newton::Newton;
 
 /// Distance at which the bend is measured, as a share of the shortened step.
 const DIFFERENCE: f64 = 0.1;
@@ -14,7 +14,7 @@ impl Newton<'_> {
     /// the energy stops the step at a small part of its length. The second derivative `a` of the
     /// path on which forces fade evenly solves `K a = -D^3 E[p, p]`, with the factor at hand
     /// (Transtrum and Sethna 2012, geodesic acceleration); `x + s p + s^2 a / 2`.
-    pub(crate) fn bend(&mut self, x: &[f64], straight: Accepted) -> Result<f64, SolverError> {
+    pub(super) fn bend(&mut self, x: &[f64], straight: Accepted) -> Result<f64, SolverError> {
         let step = std::mem::take(&mut self.step);
         let reach = DIFFERENCE * straight.length;
         let mut sum = vec![0.0; x.len()];
