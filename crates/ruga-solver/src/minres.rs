@@ -3,7 +3,7 @@
 //! Kept for comparison: it knows no inertia, and its iterations grow with resolution.
 
 use crate::soft_modes::dot;
-use crate::{ConstraintRows, Kkt, LowerPattern, SolverError};
+use crate::{ConstraintRows, Kkt, LinearSolver, LowerPattern, SolverError};
 
 /// How one linear solve went.
 #[derive(Debug, Clone, Copy)]
@@ -31,11 +31,18 @@ struct Schur {
 }
 
 impl MinresStep {
-    pub(crate) fn new(
-        kkt: &Kkt,
-        tolerance: f64,
-        max_iterations: usize,
-    ) -> Result<Self, SolverError> {
+    /// The one that a linear solver asks for; `None` where it factorises.
+    pub(crate) fn of(linear: LinearSolver, kkt: &Kkt) -> Result<Option<Self>, SolverError> {
+        match linear {
+            LinearSolver::Ldlt => Ok(None),
+            LinearSolver::Minres {
+                tolerance,
+                max_iterations,
+            } => Self::new(kkt, tolerance, max_iterations).map(Some),
+        }
+    }
+
+    fn new(kkt: &Kkt, tolerance: f64, max_iterations: usize) -> Result<Self, SolverError> {
         let schur = if kkt.rows().count() == 0 {
             None
         } else {

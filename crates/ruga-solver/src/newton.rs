@@ -13,8 +13,8 @@ use crate::objective::check_pattern;
 use crate::residual_descent::descend_residual;
 use crate::soft_modes::{dot, largest, search_curvature};
 use crate::{
-    AtSaddle, Descent, Inertia, Iteration, Kkt, LinearSolver, NewtonSettings, Objective,
-    SolveReport, SolverError, StopRule,
+    AtSaddle, Descent, Inertia, Iteration, Kkt, NewtonSettings, Objective, SolveReport,
+    SolverError, StopRule,
 };
 
 /// Violation of a row that counts as none, over its sum of absolute weights times the length
@@ -127,13 +127,7 @@ impl<'a> Newton<'a> {
         settings: &'a NewtonSettings,
     ) -> Result<Self, SolverError> {
         let (size, rows) = (kkt.pattern().size(), kkt.rows().count());
-        let minres = match settings.linear {
-            LinearSolver::Ldlt => None,
-            LinearSolver::Minres {
-                tolerance,
-                max_iterations,
-            } => Some(MinresStep::new(kkt, tolerance, max_iterations)?),
-        };
+        let minres = MinresStep::of(settings.linear, kkt)?;
         Ok(Self {
             objective,
             rhs,

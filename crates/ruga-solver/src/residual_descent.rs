@@ -5,9 +5,7 @@
 use crate::error::check_finite;
 use crate::minres::MinresStep;
 use crate::soft_modes::{dot, largest};
-use crate::{
-    Iteration, Kkt, LinearSolver, NewtonSettings, Objective, SolveReport, SolverError, StopRule,
-};
+use crate::{Iteration, Kkt, NewtonSettings, Objective, SolveReport, SolverError, StopRule};
 
 /// Share by which a step has to lower the norm, per unit of its length (Armijo).
 const SUFFICIENT: f64 = 1e-4;
@@ -67,13 +65,7 @@ impl<'a> Search<'a> {
         kkt: &'a mut Kkt,
         settings: &NewtonSettings,
     ) -> Result<Self, SolverError> {
-        let minres = match settings.linear {
-            LinearSolver::Ldlt => None,
-            LinearSolver::Minres {
-                tolerance,
-                max_iterations,
-            } => Some(MinresStep::new(kkt, tolerance, max_iterations)?),
-        };
+        let minres = MinresStep::of(settings.linear, kkt)?;
         Ok(Self {
             objective,
             rhs,
