@@ -11,11 +11,12 @@ use ruga_material::{
 };
 use ruga_stepper::{
     Body, BodyPlan, BodyPose, CellShape, ComputedMesh, Coupling, Descent, Dynamics, EdgeLimits,
-    Frame, Keyframe, LayerReport, LayerSpec, LinearSolver, Modelling, Motion, Observer, Obstacle,
-    ObstacleShape, Phase, PoseResult, PoseSpec, Progress, Region, Sampling, SolidMaterial,
-    plan_body, simulate_body,
+    Frame, Keyframe, LayerReport, LinearSolver, Modelling, Motion, Observer, Obstacle,
+    ObstacleShape, Phase, PoseResult, PoseSpec, Progress, Region, SolidMaterial, plan_body,
+    simulate_body,
 };
 
+use super::slab::skin_of;
 use crate::asset;
 
 /// Sides of the shipped cushion, m.
@@ -170,18 +171,7 @@ impl Cushion {
     }
 
     fn plan(&self, driver: &Driver, modelling: &Modelling) -> Result<BodyPlan, Box<dyn Error>> {
-        let (material, substrate) = self.materials();
-        let layer = LayerSpec {
-            name: "cover".into(),
-            material,
-            substrate,
-            model: WavelengthModel::HalfSpace,
-            coupling: self.coupling,
-            sampling: Sampling::Quadrature,
-            map: None,
-            sharp: false,
-            bending_transfer: None,
-        };
+        let layer = skin_of(self.materials(), self.coupling);
         Ok(plan_body(driver, &layer, &self.body(), modelling)?)
     }
 

@@ -132,7 +132,12 @@ impl Slab {
             linear,
             ..self.modelling()
         };
-        let plan = plan_body(&driver, &self.layer(), &self.body(), &modelling)?;
+        let plan = plan_body(
+            &driver,
+            &skin_of(self.materials(), self.coupling),
+            &self.body(),
+            &modelling,
+        )?;
         let pose = BodyPose {
             pose: PoseSpec {
                 name: "pose".into(),
@@ -158,21 +163,6 @@ impl Slab {
             warnings: result.warnings,
             seconds: start.elapsed().as_secs_f64(),
         })
-    }
-
-    fn layer(&self) -> LayerSpec {
-        let (material, substrate) = self.materials();
-        LayerSpec {
-            name: "skin".into(),
-            material,
-            substrate,
-            model: WavelengthModel::HalfSpace,
-            coupling: self.coupling,
-            sampling: Sampling::Quadrature,
-            map: None,
-            sharp: false,
-            bending_transfer: None,
-        }
     }
 
     fn body(&self) -> Body {
@@ -258,6 +248,24 @@ impl Slab {
                 });
             }
         }
+    }
+}
+
+/// A skin of these materials, as a half-space sees it.
+pub(super) fn skin_of(
+    (material, substrate): (LayerMaterial, Substrate),
+    coupling: Coupling,
+) -> LayerSpec {
+    LayerSpec {
+        name: "skin".into(),
+        material,
+        substrate,
+        model: WavelengthModel::HalfSpace,
+        coupling,
+        sampling: Sampling::Quadrature,
+        map: None,
+        sharp: false,
+        bending_transfer: None,
     }
 }
 

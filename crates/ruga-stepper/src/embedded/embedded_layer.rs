@@ -152,7 +152,7 @@ impl<'p> EmbeddedLayer<'p> {
 
     /// The same for a step in time: as long as nothing is touched, the inside goes where its velocity
     /// takes it; else it stays where it is, for velocities then lead into obstacles, and Newton's method
-    /// is twice as long on its way out. Returns what the step adds to the energy.
+    /// is up to twice as long on its way out. Returns what the step adds to the energy.
     pub(crate) fn place_in_time(
         &mut self,
         driver: &Driver,
