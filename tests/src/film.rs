@@ -3,7 +3,7 @@
 //! Ends are pinned, which suits whole half-waves; a tube has none. The sides slide (y fixed), which
 //! makes plane strain. One wave is `wavelength` of the half-space theory.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -227,7 +227,10 @@ impl Film {
         report
     }
 
-    pub(crate) fn objective<'a>(&'a mut self, base: &'a [f64]) -> (FilmObjective<'a>, &'a mut Kkt) {
+    pub(crate) fn objective<'a>(
+        &'a mut self,
+        base: &'a [f64],
+    ) -> (FilmObjective<'a, LayerEnergy>, &'a mut Kkt) {
         let objective = FilmObjective {
             energy: &self.energy,
             free: &self.free,
@@ -399,27 +402,11 @@ impl Film {
         moments.map(|m| m / total)
     }
 
-    /// Twice the length over the number of half-waves that fits `heights` best, in material
-    /// coordinates: the strongest sine with nodes at both pinned ends.
+    /// Wavelength of `heights`, from the number of half-waves.
     pub(crate) fn wavelength(&self, heights: &[f64]) -> f64 {
         let areas = self.energy.vertex_areas();
-        let strength = |half_waves: usize| -> f64 {
-            let k = PI * half_waves as f64 / self.strip.length;
-            heights
-                .iter()
-                .zip(&self.strip.points)
-                .zip(areas)
-                .map(|((w, p), a)| w * (k * p.x).sin() * a)
-                .sum::<f64>()
-                .abs()
-        };
-        // From four wavelengths up: an offset of the whole film is no wave.
-        let [fewest, most] =
-            [0.5, 4.0].map(|per| per * self.strip.length / self.wrinkling.wavelength);
-        let best = (fewest as usize..=most as usize)
-            .max_by(|&a, &b| strength(a).total_cmp(&strength(b)))
-            .unwrap_or(1);
-        2.0 * self.strip.length / best as f64
+        self.strip
+            .wavelength(heights, areas, self.wrinkling.wavelength)
     }
 }
 

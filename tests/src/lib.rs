@@ -15,6 +15,7 @@ pub mod reference;
 mod remeshed_film;
 mod skin;
 mod stability;
+mod stack_strip;
 mod strip;
 mod two_scales;
 
@@ -27,5 +28,6 @@ pub use rectangle::Rectangle;
 pub use remeshed_film::{Carry, RemeshedFilm, RemeshedSpec, Target, WrinkledState};
 pub use skin::{Skin, asset, findings, shared_data, skin_layer, tilts};
 pub use stability::{Finding, Sheet, SheetSpec, table_line};
+pub use stack_strip::{StackState, StackStrip};
 pub use strip::{Strip, equilateral, equilateral_tube, unstructured};
 pub use two_scales::{FineHeights, Profile, TwoScales, Window};

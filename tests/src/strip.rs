@@ -1,5 +1,7 @@
 //! Rectangular meshes in the plane.
 
+use std::f64::consts::PI;
+
 use nalgebra::Vector2;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -54,6 +56,27 @@ impl Strip {
             .iter()
             .map(|p| !self.is_closed && is_end(p.x))
             .collect()
+    }
+
+    /// Twice the length over the number of half-waves that fits `heights` best, in material
+    /// coordinates: the strongest sine with nodes at both pinned ends. From four times the
+    /// `expected` wavelength down: an offset of the whole strip is no wave.
+    pub(crate) fn wavelength(&self, heights: &[f64], areas: &[f64], expected: f64) -> f64 {
+        let strength = |half_waves: usize| -> f64 {
+            let k = PI * half_waves as f64 / self.length;
+            heights
+                .iter()
+                .zip(&self.points)
+                .zip(areas)
+                .map(|((w, p), a)| w * (k * p.x).sin() * a)
+                .sum::<f64>()
+                .abs()
+        };
+        let [fewest, most] = [0.5, 4.0].map(|per| per * self.length / expected);
+        let best = (fewest as usize..=most as usize)
+            .max_by(|&a, &b| strength(a).total_cmp(&strength(b)))
+            .unwrap_or(1);
+        2.0 * self.length / best as f64
     }
 }
 

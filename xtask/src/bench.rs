@@ -17,6 +17,7 @@ use crate::repository::{Outcome, run, target_folder};
 
 /// Package and bench target, in the order they run.
 const BENCHES: &[(&str, &str)] = &[
+    ("ruga-remesh", "remesh"),
     ("ruga-solver", "kkt"),
     ("ruga-shell", "assembly"),
     ("ruga-stepper", "frame"),

@@ -96,6 +96,8 @@ fn patch(side: f64) -> Driver {
 struct Watch {
     started: Instant,
     iterations: usize,
+    /// Of the solve that ended last: seconds, Newton iterations.
+    solved: (f64, usize),
     /// Load, seconds, Newton iterations.
     frames: Vec<(f64, f64, usize)>,
     shape: LayerSurface,
@@ -106,6 +108,7 @@ impl Watch {
         Self {
             started: Instant::now(),
             iterations: 0,
+            solved: (0.0, 0),
             frames: Vec::new(),
             shape: LayerSurface::default(),
         }
@@ -114,7 +117,11 @@ impl Watch {
 
 impl Observer for Watch {
     fn phase(&mut self, _: usize, phase: Phase) {
+        // Each trial samples and solves; what is kept is sampled once more before it is handed out.
         if phase == Phase::Sampling {
+            if self.iterations > 0 {
+                self.solved = (self.started.elapsed().as_secs_f64(), self.iterations);
+            }
             self.started = Instant::now();
             self.iterations = 0;
         }
@@ -126,8 +133,8 @@ impl Observer for Watch {
     }
 
     fn frame(&mut self, frame: &Frame<'_>) {
-        let seconds = self.started.elapsed().as_secs_f64();
-        self.frames.push((frame.load, seconds, self.iterations));
+        let (seconds, iterations) = self.solved;
+        self.frames.push((frame.load, seconds, iterations));
         self.shape = frame.layers[0].clone();
     }
 }
