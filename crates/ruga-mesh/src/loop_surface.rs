@@ -84,11 +84,23 @@ impl LimitPointRows {
             .into_iter()
             .enumerate()
         {
-            terms.clear();
-            terms.extend(vertices.iter().zip(&weights.row(i)).map(|(&c, &w)| (c, w)));
-            rows.push_row(terms);
+            push(rows, vertices, weights, i, terms);
         }
     }
+}
+
+/// Appends row number `row` of `weights`.
+fn push(
+    rows: &mut SparseRows,
+    vertices: &[u32],
+    weights: &Matrix6xX<f64>,
+    row: usize,
+    terms: &mut Vec<(u32, f64)>,
+) {
+    terms.clear();
+    let weights = weights.row(row);
+    terms.extend(vertices.iter().zip(&weights).map(|(&c, &w)| (c, w)));
+    rows.push_row(terms);
 }
 
 impl LoopSurface {
@@ -127,6 +139,17 @@ impl LoopSurface {
         for point in points {
             let (vertices, weights) = self.weights(point);
             rows.push(vertices, &weights, &mut terms);
+        }
+        rows
+    }
+
+    /// The positions of [`rows`](Self::rows) alone, in a sixth of the memory.
+    pub fn position_rows(&self, points: &[MaterialPoint]) -> SparseRows {
+        let mut rows = SparseRows::default();
+        let mut terms = Vec::new();
+        for point in points {
+            let (vertices, weights) = self.weights(point);
+            push(&mut rows, vertices, &weights, 0, &mut terms);
         }
         rows
     }

@@ -29,48 +29,6 @@ const MOST_PASSES: f64 = 40.0;
 /// Share of the region that may be coarser than asked for before its mesh is fitted anew.
 const TOLERATED: f64 = 0.05;
 
-/// The region's mesh fitted to what the surfaces `below` ask of it; `None` where meshes are to stay
-/// uniform.
-pub(crate) fn adapted(
-    driver: &Driver,
-    layer: &LayerSpec,
-    wrinkling: &Wrinkling,
-    region: &RegionMesh,
-    below: &[BelowSurface],
-    (modelling, points): (&Modelling, f64),
-) -> Result<Option<Adapted>, StepperError> {
-    let Some(limits) = modelling.remesh else {
-        return Ok(None);
-    };
-    let drivers = SkinDemand::new(driver, layer, wrinkling, region, below)?;
-    let wishes = Wishes::new(&drivers, region, &limits, points);
-    let demand = wishes.demand(modelling.vertex_budget);
-    let adapted = region.adapted(driver, &demand, &settings(&limits, points));
-    adapted
-        .map(Some)
-        .map_err(|source| remesh_error(layer, source))
-}
-
-/// Whether the mesh of `layer` is fine enough for the surface `below` the region's own mesh.
-pub(crate) fn still_serves(
-    driver: &Driver,
-    layer: &Layer,
-    below: &BelowSurface,
-    (modelling, points): (&Modelling, f64),
-) -> Result<bool, StepperError> {
-    let (Some(limits), Some(interpolation)) = (modelling.remesh, layer.interpolation()) else {
-        return Ok(true);
-    };
-    let (spec, region) = (&layer.spec, layer.region());
-    let below = std::slice::from_ref(below);
-    let drivers = SkinDemand::new(driver, spec, &layer.wrinkling, region, below)?;
-    let wishes = Wishes::new(&drivers, region, &limits, points);
-    let demand = wishes.demand(modelling.vertex_budget);
-    let places = interpolation.places();
-    let share = region.share_too_coarse(layer.skin(), places, &demand, &settings(&limits, points));
-    Ok(share.map_err(|source| remesh_error(spec, source))? <= TOLERATED)
-}
-
 /// Largest ratio of edges along and across the wrinkles where these have `points` per wavelength.
 pub(crate) fn aspect(limits: &EdgeLimits, points: f64) -> f64 {
     limits.aspect.min(points / LEAST_ALONG).max(1.0)
@@ -95,61 +53,76 @@ fn remesh_error(layer: &LayerSpec, source: RemeshError) -> StepperError {
     }
 }
 
-/// What drives wrinkles on the region's faces, and the layer at its vertices.
-struct SkinDemand {
-    drivers: PerFace<FaceDriver>,
-    properties: SkinProperties,
-}
-
-impl SkinDemand {
-    fn new(
-        driver: &Driver,
-        layer: &LayerSpec,
-        wrinkling: &Wrinkling,
-        region: &RegionMesh,
-        below: &[BelowSurface],
-    ) -> Result<Self, StepperError> {
-        let properties = SkinProperties::new(layer, wrinkling, None, driver, &region.skin)?;
-        Ok(Self {
-            drivers: face_drivers(layer.material.poisson, &properties, &region.skin, below),
-            properties,
-        })
-    }
-}
-
 /// What a layer asks of its mesh, on the region's faces and at its vertices.
-struct Wishes<'a> {
-    drivers: &'a PerFace<FaceDriver>,
+pub(crate) struct MeshWishes {
+    drivers: PerFace<FaceDriver>,
     longest: Vec<f64>,
     aspects: Vec<f64>,
     points: f64,
+    budget: usize,
+    settings: RemeshSettings,
 }
 
-impl<'a> Wishes<'a> {
-    fn new(demand: &'a SkinDemand, region: &RegionMesh, limits: &EdgeLimits, points: f64) -> Self {
-        let waves = demand.properties.vertices.iter();
+impl MeshWishes {
+    /// What the surfaces `below` ask of the region; `None` where meshes are to stay uniform.
+    pub(crate) fn new(
+        driver: &Driver,
+        (layer, wrinkling): (&LayerSpec, &Wrinkling),
+        region: &RegionMesh,
+        below: &[BelowSurface],
+        (modelling, points): (&Modelling, f64),
+    ) -> Result<Option<Self>, StepperError> {
+        let Some(limits) = modelling.remesh else {
+            return Ok(None);
+        };
+        let properties = SkinProperties::new(layer, wrinkling, None, driver, &region.skin)?;
+        let drivers = face_drivers(layer.material.poisson, &properties, &region.skin, below);
+        let waves = properties.vertices.iter();
         let waves = waves.map(|local| local.wrinkling.wavelength);
         let across = waves.clone().fold(f64::MAX, f64::min) / points;
-        let aspect = aspect(limits, points);
-        let reach = aspect * across;
-        Self {
+        let aspect = aspect(&limits, points);
+        Ok(Some(Self {
             longest: waves.map(|wavelength| COARSEST * wavelength).collect(),
-            aspects: aspects(&region.skin, &demand.drivers, aspect, reach),
-            drivers: &demand.drivers,
+            aspects: aspects(&region.skin, &drivers, aspect, aspect * across),
+            drivers,
             points,
-        }
+            budget: modelling.vertex_budget,
+            settings: settings(&limits, points),
+        }))
     }
 
-    fn demand(&self, budget: usize) -> MeshDemand<'_> {
+    /// The region's mesh fitted to them.
+    pub(crate) fn fitted(
+        &self,
+        driver: &Driver,
+        layer: &LayerSpec,
+        region: &RegionMesh,
+    ) -> Result<Adapted, StepperError> {
+        let adapted = region.adapted(driver, &self.demand(), &self.settings);
+        adapted.map_err(|source| remesh_error(layer, source))
+    }
+
+    /// Whether the mesh of `layer`, on the same region, is fine enough.
+    pub(crate) fn are_met_by(&self, layer: &Layer) -> Result<bool, StepperError> {
+        let Some(interpolation) = layer.interpolation() else {
+            return Ok(true);
+        };
+        let places = interpolation.places();
+        let region = layer.region();
+        let share = region.share_too_coarse(layer.skin(), places, &self.demand(), &self.settings);
+        Ok(share.map_err(|source| remesh_error(&layer.spec, source))? <= TOLERATED)
+    }
+
+    fn demand(&self) -> MeshDemand<'_> {
         MeshDemand {
-            drivers: self.drivers,
+            drivers: &self.drivers,
             longest: &self.longest,
             aspects: &self.aspects,
             refinement: Refinement {
                 points_per_wavelength: self.points,
                 ..Refinement::default()
             },
-            budget,
+            budget: self.budget,
         }
     }
 }
@@ -209,18 +182,22 @@ fn averaged_directions(
     let edge_squared = area / mesh.face_count().max(1) as f64 * 4.0 / 3f64.sqrt();
     // A pass moves by half an edge's square in each direction of the plane.
     let passes = (reach * reach / edge_squared).ceil().min(MOST_PASSES) as usize;
+    let mut counts = vec![1.0; tensors.len()];
+    for edge in mesh.edges().as_slice() {
+        for v in edge.vertices {
+            counts[v.index()] += 1.0;
+        }
+    }
+    let mut before = tensors.clone();
     for _ in 0..passes {
-        let before = tensors.clone();
-        let mut counts = vec![1.0; tensors.len()];
+        before.copy_from_slice(&tensors);
         for edge in mesh.edges().as_slice() {
             let [a, b] = edge.vertices.map(Id::index);
             tensors[a] += before[b];
             tensors[b] += before[a];
-            counts[a] += 1.0;
-            counts[b] += 1.0;
         }
-        for (tensor, count) in tensors.iter_mut().zip(counts) {
-            *tensor /= count;
+        for (tensor, count) in tensors.iter_mut().zip(&counts) {
+            *tensor /= *count;
         }
     }
     tensors

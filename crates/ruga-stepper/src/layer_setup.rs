@@ -3,7 +3,7 @@
 use ruga_blend::{BaseSurface, Driver};
 use ruga_mesh::FaceId;
 
-use crate::adaptivity::{adapted, still_serves};
+use crate::adaptivity::MeshWishes;
 use crate::below::BelowSurface;
 use crate::layer::{Holding, Layer};
 use crate::layer_run::LayerRun;
@@ -32,14 +32,29 @@ impl StackRun<'_> {
         let offset = self.plan.seats[index].offset;
         let spec = &self.plan.specs[index];
         let region = RegionMesh::new(driver, &surface, spec, modelling.smoothing, offset)?;
-        self.build_on(index, region, None, below, observer)
+        observer.phase(index, Phase::Remeshing);
+        let wishes = self.wishes(index, &region, &below(&region.skin))?;
+        self.build_on(index, (region, wishes), None, below, observer)
     }
 
-    /// The same on a region whose mesh is there already, its rows at given `centres`.
+    /// What layer number `index` asks of the mesh of its region.
+    fn wishes(
+        &self,
+        index: usize,
+        region: &RegionMesh,
+        below: &[BelowSurface],
+    ) -> Result<Option<MeshWishes>, StepperError> {
+        let layer = (&self.plan.specs[index], &self.plan.simulated[index]);
+        let points = self.modelling.points_of(index, self.plan.meshes());
+        MeshWishes::new(self.driver, layer, region, below, (self.modelling, points))
+    }
+
+    /// The same on a region whose mesh is there already and is to become what `wishes` ask for, its
+    /// rows at given `centres`.
     fn build_on(
         &self,
         index: usize,
-        region: RegionMesh,
+        (region, wishes): (RegionMesh, Option<MeshWishes>),
         centres: Option<Vec<RowCentre>>,
         below: &dyn Fn(&SkinMesh) -> Vec<BelowSurface>,
         observer: &mut dyn Observer,
@@ -47,11 +62,8 @@ impl StackRun<'_> {
         let (driver, plan, modelling) = (self.driver, self.plan, self.modelling);
         let spec = &plan.specs[index];
         let wrinkling = &plan.simulated[index];
-        observer.phase(index, Phase::Remeshing);
-        let surfaces = below(&region.skin);
-        let points = modelling.points_of(index, plan.meshes());
-        let asked = (modelling, points);
-        let adapted = adapted(driver, spec, wrinkling, &region, &surfaces, asked)?;
+        let adapted = wishes.map(|wishes| wishes.fitted(driver, spec, &region));
+        let adapted = adapted.transpose()?;
         let coarseness = adapted.as_ref().map_or(1.0, |adapted| adapted.coarseness);
         let adapted = adapted.map(|adapted| adapted.skin);
         observer.phase(index, Phase::Constraints);
@@ -76,6 +88,7 @@ impl StackRun<'_> {
         }
         let mut run = LayerRun::new(index, layer, &plan.poses[self.pose].layers[index]);
         if coarseness > WORTH_TELLING {
+            let points = modelling.points_of(index, plan.meshes());
             run.warnings.push(format!(
                 "the vertex budget of {} leaves {:.1} points per wavelength of {} asked for",
                 modelling.vertex_budget,
@@ -101,17 +114,19 @@ impl StackRun<'_> {
     ) -> Result<LayerRun, StepperError> {
         let index = run.index;
         observer.phase(index, Phase::Remeshing);
-        let layer = &run.layer;
-        let surface = below(&layer.region().skin);
-        let points = self.modelling.points_of(index, self.plan.meshes());
-        if still_serves(self.driver, layer, &surface, (self.modelling, points))? {
+        let region = run.layer.region();
+        let wishes = self.wishes(index, region, &[below(&region.skin)])?;
+        if wishes
+            .as_ref()
+            .map_or(Ok(true), |wishes| wishes.are_met_by(&run.layer))?
+        {
             return Ok(run);
         }
         run.layer.set_below(below(run.layer.skin()), 1.0)?;
         let region = run.layer.region().clone();
         let centres = Some(run.layer.row_centres().to_vec());
         let surfaces = |skin: &SkinMesh| vec![below(skin)];
-        let mut fitted = self.build_on(index, region, centres, &surfaces, observer)?;
+        let mut fitted = self.build_on(index, (region, wishes), centres, &surfaces, observer)?;
         observer.phase(index, Phase::Remeshing);
         fitted.layer.set_below(below(fitted.layer.skin()), 1.0)?;
         fitted.layer.take_shape(&run.layer);

@@ -416,9 +416,7 @@ impl Interpolation {
         let corners = PerVertex::filled(from.mesh.vertex_count(), false);
         Self {
             at_vertices: limit_rows(&from.mesh, &corners).position,
-            at_places: LoopSurface::new(&from.mesh, &corners)
-                .rows(&places)
-                .position,
+            at_places: LoopSurface::new(&from.mesh, &corners).position_rows(&places),
             places,
         }
     }
