@@ -80,6 +80,7 @@
 
 mod model;
 mod plan;
+mod plan_cost;
 mod result;
 mod simulate;
 mod skin_mesh;

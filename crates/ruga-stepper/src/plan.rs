@@ -9,6 +9,7 @@ use ruga_remesh::{FaceDriver, Refinement};
 use crate::adaptivity::{COARSEST, aspect};
 use crate::below::Seat;
 use crate::local_skin::local_skin;
+use crate::plan_cost::{GRADING, Load, cost, factorisations};
 use crate::region::{ACTIVE_SHARE, Demand};
 use crate::skin_energy::UpperShell;
 use crate::stacking::Stacking;
@@ -331,7 +332,7 @@ impl PlanningSurface {
         let posed = |load: f64| self.surface.pose(&driver.pose(&pose.weights.scaled(load)));
         let keys: Vec<PosedSurface> = pose.keys.iter().map(|&key| posed(key)).collect();
         let last = pose.keys.iter().copied().fold(0.0, f64::max);
-        let passing = PASSING.map(|share| posed(share * last));
+        let passing = PASSING.map(|share| (share, posed(share * last)));
         let mut demands: Vec<Demand> = layers
             .iter()
             .map(|layer| Demand::new(&self.surface, &self.rest, &keys, &passing, layer))
@@ -408,7 +409,7 @@ impl PlanningSurface {
                     let skin = (&wavelengths, spec.material.poisson);
                     fitted_faces(&active, demand, skin, &limits, *asked)
                 };
-                let needed = vertices_of(faces);
+                let needed = GRADING * vertices_of(faces);
                 let short = (modelling.vertex_budget as f64 / needed).min(1.0).sqrt();
                 let points = asked * short;
                 (needed, points.min(uniform_points))
@@ -430,10 +431,14 @@ impl PlanningSurface {
         };
         let handed_out = vertices_of(faces_at(levels));
         let strain = quantile(&demand.effective, 0.99);
-        let work = factorisations(*is_lowest, pose, path, strain / numbers.critical_strain);
-        let (seconds, memory) = cost(unknowns, handed_out, work);
-        let memory = memory + PER_TEXEL * f64::from(map_size).powi(2);
-        let radius = 1.0 / quantile(&self.curvatures, 0.95);
+        let curvature = quantile(&self.curvatures, 0.95);
+        let lowest = is_lowest.then(|| Load {
+            onset: quantile(&demand.onset, 0.01),
+            bend: numbers.wavelength * curvature,
+            spread: (quantile(&wavelengths, 0.95) / shortest).max(1.0),
+        });
+        let work = factorisations(lowest, pose, path);
+        let (seconds, memory) = cost(unknowns, handed_out, map_size, work);
         LayerPlan {
             name: spec.name.clone(),
             wavelength: numbers.wavelength,
@@ -453,7 +458,7 @@ impl PlanningSurface {
             points_per_wavelength: points,
             asked_points: *asked,
             needed,
-            chi: numbers.curvature_measure(radius),
+            chi: numbers.curvature_measure(1.0 / curvature),
             texels_per_wavelength: quantile(&self.uv_density, 0.5) * f64::from(map_size) * shortest,
             seconds,
             memory,
@@ -628,37 +633,6 @@ fn remedy(plan: &LayerPlan, modelling: &Modelling) -> String {
         100.0 * share.min(1.0),
         100.0 * plan.strain_median.max(plan.critical_strain)
     )
-}
-
-/// Bytes for every texel of a map while it is baked and written.
-const PER_TEXEL: f64 = 30.0;
-
-/// Seconds and bytes of a pose, from runs at 2 to 150 thousand vertices on one core.
-///
-/// A numeric factorisation grows with the 3/2 power of the vertices (nested dissection of a
-/// surface), its memory with `n log n`; the mesh that results are handed out on has eight kilobytes
-/// for every one of its vertices, `handed_out`.
-fn cost(vertices: usize, handed_out: f64, factorisations: f64) -> (f64, f64) {
-    let n = vertices as f64;
-    let factorisation = 7.5e-8 * n.powf(1.5) + 1e-5 * n;
-    let memory = n * (900.0 + 260.0 * n.max(2.0).log2()) + 8e3 * handed_out;
-    (factorisations * factorisation, memory)
-}
-
-/// Factorisations of a layer in one pose that asks for `demand` critical strains where it asks most.
-///
-/// The lowest layer takes about thirty to find its onset and twenty for each load step beyond it. One
-/// on another layer takes two hundred to wrinkle on what that has become at the first key, and goes
-/// on from there in thirty.
-fn factorisations(is_lowest: bool, pose: &PoseSpec, path: LoadPath, demand: f64) -> f64 {
-    let keys = pose.keys.len() as f64;
-    let beyond = (1.0 - 1.0 / demand.max(1.0)) * f64::from(pose.steps);
-    let lowest = 28.0 + 20.0 * beyond;
-    match (is_lowest, path) {
-        (true, LoadPath::Weight) => lowest,
-        (true, LoadPath::Strain) => keys * lowest,
-        (false, _) => 170.0 + 30.0 * keys,
-    }
 }
 
 fn mean_edge([a, b, c]: [Vector3<f64>; 3]) -> f64 {

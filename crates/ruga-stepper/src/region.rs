@@ -30,6 +30,8 @@ pub(crate) struct Demand {
     pub(crate) principal: PerFace<[f64; 2]>,
     /// Largest effective strain on the way to the keys, without averaging.
     passing: PerFace<f64>,
+    /// Share of the last key from which on the effective strain is critical; 1 where it never is.
+    pub(crate) onset: PerFace<f64>,
     /// Collapsed or turned over on the way.
     passing_folded: PerFace<bool>,
     /// The layer's critical strain on every face.
@@ -41,12 +43,12 @@ pub(crate) struct Demand {
 impl Demand {
     /// Measures what the `keys` of a pose ask of `surface`.
     ///
-    /// `passing` are surfaces on the way.
+    /// `passing` are surfaces on the way to the last key, each after a share of it, ascending.
     pub(crate) fn new(
         surface: &BaseSurface,
         rest: &PosedSurface,
         keys: &[PosedSurface],
-        passing: &[PosedSurface],
+        passing: &[(f64, PosedSurface)],
         layer: &PlannedLayer<'_>,
     ) -> Self {
         let poisson = layer.spec.material.poisson;
@@ -61,19 +63,26 @@ impl Demand {
             raw: PerFace::filled(count, f64::NEG_INFINITY),
             principal: PerFace::filled(count, [0.0; 2]),
             passing: PerFace::filled(count, f64::NEG_INFINITY),
+            onset: PerFace::filled(count, 1.0),
             passing_folded: PerFace::filled(count, false),
             critical: local.map(|numbers| numbers.critical_strain).collect(),
             areas: normals.as_slice().iter().map(|n| 0.5 * n.norm()).collect(),
         };
         // Averaging over more than 2 mm would remove real gradients at lids and mouth corners.
         let width = (0.5 * layer.numbers.wavelength).min(2e-3);
-        for pose in passing {
+        let mut before = (0.0, PerFace::filled(count, 0.0));
+        for (share, pose) in passing {
             let strains = face_strains(mesh, &rest.positions, &pose.positions);
             mark_folded(mesh, pose, &strains, &mut demand.passing_folded);
+            let strains: PerFace<f64> = strains
+                .iter()
+                .map(|(_, strain)| strain.effective(poisson))
+                .collect();
+            demand.note_onset((before.0, &before.1), (*share, &strains));
             for face in demand.areas.ids() {
-                let effective = strains[face].effective(poisson);
-                demand.passing[face] = demand.passing[face].max(effective);
+                demand.passing[face] = demand.passing[face].max(strains[face]);
             }
+            before = (*share, strains);
         }
         for pose in keys {
             let strains = face_strains(mesh, &rest.positions, &pose.positions);
@@ -91,7 +100,22 @@ impl Demand {
                 demand.effective[face] = demand.effective[face].max(effective);
             }
         }
+        let at_keys = demand.raw.clone();
+        demand.note_onset((before.0, &before.1), (1.0, &at_keys));
         demand
+    }
+
+    /// Notes on which faces the effective strain first becomes critical between two shares of the
+    /// last key.
+    fn note_onset(&mut self, before: (f64, &PerFace<f64>), now: (f64, &PerFace<f64>)) {
+        for face in self.areas.ids() {
+            let (low, high) = (before.1[face], now.1[face]);
+            let critical = self.critical[face];
+            if self.onset[face] == 1.0 && low < critical && critical <= high {
+                let between = (critical - low) / (high - low);
+                self.onset[face] = before.0 + (now.0 - before.0) * between;
+            }
+        }
     }
 
     /// Area that would wrinkle on the way to the keys and at none of them, m²; zero when it is
