@@ -92,6 +92,8 @@ pub(crate) struct Layer {
     free: Vec<VertexId>,
     floor: Vec<f64>,
     centres: Vec<RowCentre>,
+    /// What the user should know about its rows.
+    pub(crate) row_warning: Option<String>,
     kkt: Kkt,
 }
 
@@ -167,14 +169,14 @@ impl Layer {
             Some(centres) => centres,
             None => row_centres(spec, &properties, &skin, &free)?,
         };
-        let rows = low_pass_rows(
+        let low_pass = low_pass_rows(
             spec,
             &centres,
             (&skin, wrinkling.wavelength),
             &pinned,
             &free,
         )?;
-        let kkt = Kkt::new(&pattern, &rows, 3).map_err(solver)?;
+        let kkt = Kkt::new(&pattern, &low_pass.rows, 3).map_err(solver)?;
         let mut layer = Self {
             spec: spec.clone(),
             wrinkling: *wrinkling,
@@ -201,6 +203,7 @@ impl Layer {
             free,
             floor,
             centres,
+            row_warning: low_pass.warning(),
             kkt,
         };
         layer.add_noise(seed);

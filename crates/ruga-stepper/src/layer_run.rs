@@ -136,10 +136,10 @@ impl LayerRun {
         };
         Self {
             index,
-            layer,
             report,
             relaxation: 0.0,
-            warnings: Vec::new(),
+            warnings: layer.row_warning.iter().cloned().collect(),
+            layer,
         }
     }
 

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use nalgebra::Vector3;
 use ruga_constraint::{
-    ClusterSettings, ConstraintError, ConstraintRow, Kernel, cluster_centres, constraint_rows,
+    ClusterSettings, ConstraintError, ConstraintSet, Kernel, cluster_centres, constraint_rows,
     spectral_rows,
 };
 use ruga_mesh::{Id, MaterialPoint, PerVertex, SurfaceLookup, VertexId, face_normals};
@@ -32,6 +32,27 @@ pub(crate) struct RowCentre {
     /// At rest, m.
     at: Vector3<f64>,
     kernel: Kernel,
+}
+
+/// Rows that hold a layer's averages.
+pub(crate) struct LowPassRows {
+    /// Three to an average.
+    pub(crate) rows: ConstraintRows,
+    /// Averages that are right for constants only.
+    pub(crate) degraded: usize,
+}
+
+impl LowPassRows {
+    /// What the user should know about them.
+    pub(crate) fn warning(&self) -> Option<String> {
+        let Self { rows, degraded } = self;
+        (*degraded > 0).then(|| {
+            format!(
+                "{degraded} of its {} averages reach too few vertices, or a line of them, to see a slope; there it may lean: ask for more points per wavelength or couple it `\"elastic\"`",
+                rows.count() / 3
+            )
+        })
+    }
 }
 
 /// Where the rows of the layer's coupling are centred, by its wavelength there.
@@ -78,21 +99,25 @@ pub(crate) fn low_pass_rows(
     (skin, wavelength): (&SkinMesh, f64),
     pinned: &PerVertex<bool>,
     free: &[VertexId],
-) -> Result<ConstraintRows, StepperError> {
-    let (rows, least_weight) = match spec.coupling {
+) -> Result<LowPassRows, StepperError> {
+    let (set, least_weight) = match spec.coupling {
         Coupling::Spectral => (global_rows(spec, wavelength, skin)?, f64::NEG_INFINITY),
         _ => (rows_around(spec, centres, skin)?, MIN_FREE_WEIGHT),
     };
-    if rows.is_empty() {
+    let mut low_pass = LowPassRows {
+        rows: ConstraintRows::none(3 * free.len()),
+        degraded: 0,
+    };
+    if set.rows.is_empty() {
         // Two layers that move together have none, and more vertices than the mesh.
-        return Ok(ConstraintRows::none(3 * free.len()));
+        return Ok(low_pass);
     }
     let mut unknown = PerVertex::filled(skin.mesh.vertex_count(), None);
     for (i, &v) in free.iter().enumerate() {
         unknown[v] = Some(3 * i);
     }
     let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
-    for row in &rows {
+    for row in &set.rows {
         // Pinned vertices lie on their targets, so their share of the average is right already.
         let moving: Vec<(usize, f64)> = row
             .weights
@@ -103,18 +128,20 @@ pub(crate) fn low_pass_rows(
         if moving.iter().map(|m| m.1).sum::<f64>() < least_weight {
             continue;
         }
+        low_pass.degraded +=
+            usize::from(set.degraded.iter().any(|(centre, _)| *centre == row.centre));
         for axis in 0..3 {
             columns.extend(moving.iter().map(|(u, _)| u + axis));
             values.extend(moving.iter().map(|(_, w)| w));
             starts.push(columns.len());
         }
     }
-    ConstraintRows::new(starts, columns, values, 3 * free.len()).map_err(|source| {
-        StepperError::Solver {
-            layer: spec.name.clone(),
-            source,
-        }
-    })
+    let rows = ConstraintRows::new(starts, columns, values, 3 * free.len());
+    low_pass.rows = rows.map_err(|source| StepperError::Solver {
+        layer: spec.name.clone(),
+        source,
+    })?;
+    Ok(low_pass)
 }
 
 /// Averages around `centres`.
@@ -122,9 +149,9 @@ fn rows_around(
     spec: &LayerSpec,
     centres: &[RowCentre],
     skin: &SkinMesh,
-) -> Result<Vec<ConstraintRow>, StepperError> {
+) -> Result<ConstraintSet, StepperError> {
     if centres.is_empty() {
-        return Ok(Vec::new());
+        return Ok(ConstraintSet::default());
     }
     let SkinMesh { mesh, rest, .. } = skin;
     let lookup = SurfaceLookup::new(mesh, &rest.positions);
@@ -132,7 +159,7 @@ fn rows_around(
         .iter()
         .filter_map(|centre| Some((lookup.closest(&centre.at)?.point, centre.kernel)))
         .unzip();
-    let set = constraint_rows(
+    constraint_rows(
         mesh,
         &rest.positions,
         &rest.normals,
@@ -140,8 +167,7 @@ fn rows_around(
         &kernels,
         spec.sampling,
     )
-    .map_err(|source| constraint(spec, source))?;
-    Ok(set.rows)
+    .map_err(|source| constraint(spec, source))
 }
 
 /// As many eigenfunctions as there are waves longer than the cut: by Weyl's law `A k^2 / (4 pi)`.
@@ -149,7 +175,7 @@ fn global_rows(
     spec: &LayerSpec,
     wavelength: f64,
     skin: &SkinMesh,
-) -> Result<Vec<ConstraintRow>, StepperError> {
+) -> Result<ConstraintSet, StepperError> {
     let (mesh, rest) = (&skin.mesh, &skin.rest.positions);
     let doubled = face_normals(mesh, rest);
     let area: f64 = doubled.as_slice().iter().map(|n| 0.5 * n.norm()).sum();
@@ -158,7 +184,10 @@ fn global_rows(
     let count = count.min(mesh.vertex_count());
     let global = spectral_rows(mesh, rest, count).map_err(|source| constraint(spec, source))?;
     match global.converged {
-        true => Ok(global.rows),
+        true => Ok(ConstraintSet {
+            rows: global.rows,
+            ..ConstraintSet::default()
+        }),
         false => Err(constraint(spec, ConstraintError::NoSpectrum)),
     }
 }
@@ -167,5 +196,38 @@ fn constraint(spec: &LayerSpec, source: ConstraintError) -> StepperError {
     StepperError::Constraint {
         layer: spec.name.clone(),
         source,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Sampling;
+    use crate::test_square::{knuckle, skin, square};
+
+    /// Edges of two millimetres.
+    #[test]
+    fn averages_over_too_few_vertices_are_warned_of() {
+        let flat = |p: nalgebra::Vector2<f64>| Vector3::new(p.x, p.y, 0.0);
+        let skin = skin(&square(&flat, &flat), 0, 0.0);
+        let free: Vec<VertexId> = (0..skin.mesh.vertex_count())
+            .map(VertexId::from_index)
+            .collect();
+        let pinned = PerVertex::filled(free.len(), false);
+        let held = |wavelength: f64| {
+            let centre = RowCentre {
+                at: Vector3::zeros(),
+                kernel: Kernel::alone(wavelength),
+            };
+            // Quadrature reaches all corners of the faces around a vertex.
+            let spec = LayerSpec {
+                sampling: Sampling::Adjusted,
+                ..knuckle()
+            };
+            low_pass_rows(&spec, &[centre], (&skin, wavelength), &pinned, &free).expect("a row")
+        };
+        let said = held(2e-3).warning().expect("one vertex is no average");
+        assert!(said.contains("1 of its 1 averages"), "{said}");
+        assert_eq!(held(10e-3).warning(), None);
     }
 }

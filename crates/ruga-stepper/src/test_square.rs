@@ -57,8 +57,14 @@ pub(crate) fn region(driver: &Driver, levels: u32, offset: f64) -> RegionMesh {
 /// Some faces of a driver as the mesh that a layer's results are handed out on.
 pub(crate) fn region_of(driver: &Driver, faces: &[FaceId], levels: u32, offset: f64) -> RegionMesh {
     let base = BaseSurface::new(driver, faces, levels, Smoothing::Loop);
+    let region = RegionMesh::new(driver, &base, &knuckle(), Smoothing::Loop, offset);
+    region.expect("a plain layer")
+}
+
+/// A layer held by springs alone.
+pub(crate) fn knuckle() -> LayerSpec {
     let preset = ruga_material::preset("knuckle").expect("a preset");
-    let layer = LayerSpec {
+    LayerSpec {
         name: "skin".into(),
         material: preset.layer,
         substrate: preset.substrate,
@@ -68,7 +74,5 @@ pub(crate) fn region_of(driver: &Driver, faces: &[FaceId], levels: u32, offset: 
         map: None,
         sharp: false,
         bending_transfer: None,
-    };
-    let region = RegionMesh::new(driver, &base, &layer, Smoothing::Loop, offset);
-    region.expect("a plain layer")
+    }
 }

@@ -128,7 +128,8 @@ type Cost = (&'static str, fn(&Point) -> String);
 const COSTS: [Cost; 3] = [
     ("seconds a frame", |p| format!("{:.3}", p.seconds.median)),
     ("a 1000 vertices", |p| {
-        format!("{:.3}", p.seconds_per_thousand.median)
+        let spread = p.seconds_per_thousand.as_ref();
+        spread.map_or(String::new(), |s| format!("{:.3}", s.median))
     }),
     ("runs failed", |p| format!("{} of {}", p.failed, p.runs)),
 ];

@@ -122,9 +122,9 @@ pub(super) struct Point {
     pub(super) failures: Vec<String>,
     /// Seconds of the processor per frame, of the runs that succeeded, or else of all.
     pub(super) seconds: Spread,
-    /// The same per thousand vertices.
-    pub(super) seconds_per_thousand: Spread,
-    pub(super) vertices: f64,
+    /// The same per thousand vertices; `None` where every run crashed.
+    pub(super) seconds_per_thousand: Option<Spread>,
+    pub(super) vertices: Option<f64>,
     /// Absolute errors of the runs that succeeded.
     pub(super) errors: BTreeMap<Measure, Spread>,
 }
@@ -217,8 +217,8 @@ fn point(setting: Setting, lines: &[&Value], factorised: &[&Value]) -> Option<Po
             .filter_map(|line| line["failure"].as_str().map(str::to_owned))
             .collect(),
         seconds: over(&per_frame)?,
-        seconds_per_thousand: over(&per_thousand)?,
-        vertices: over(&|line| number(line, "vertices"))?.median,
+        seconds_per_thousand: over(&per_thousand),
+        vertices: over(&|line| number(line, "vertices")).map(|spread| spread.median),
         errors: errors.collect(),
     })
 }
@@ -281,7 +281,20 @@ pub(super) mod tests {
         };
         assert_eq!(points[0].errors[&Measure::Amplitude], wanted);
         assert_eq!(points[0].seconds.median, 2.0);
-        assert_eq!(points[0].seconds_per_thousand.median, 1.0);
+        let per_thousand = points[0].seconds_per_thousand.as_ref();
+        assert_eq!(per_thousand.map(|spread| spread.median), Some(1.0));
+    }
+
+    #[test]
+    fn a_setting_whose_runs_all_crash_is_counted() {
+        let run = run(PAPERS, 1);
+        let crashed = json!({
+            "request": run.request(), "failure": "crashed", "cpu_s": 3.0, "frames": 1,
+        });
+        let points = points(&[run], &[crashed]);
+        assert_eq!((points[0].runs, points[0].failed), (1, 1));
+        assert_eq!(points[0].seconds.median, 3.0);
+        assert!(points[0].vertices.is_none() && points[0].seconds_per_thousand.is_none());
     }
 
     #[test]

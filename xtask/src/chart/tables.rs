@@ -30,10 +30,11 @@ pub(super) fn csv(points: &[Point]) -> String {
             method.solver.to_owned(),
             point.runs.to_string(),
             point.failed.to_string(),
-            format!("{:.0}", point.vertices),
+            point.vertices.map_or(String::new(), |n| format!("{n:.0}")),
         ];
         cells.extend(cells_of(Some(&point.seconds)));
-        cells.push(number(point.seconds_per_thousand.median));
+        let per_thousand = point.seconds_per_thousand.as_ref();
+        cells.push(per_thousand.map_or(String::new(), |s| number(s.median)));
         for measure in Measure::ALL {
             cells.extend(cells_of(point.errors.get(&measure)));
         }
@@ -75,7 +76,7 @@ pub(super) fn json(points: &[Point]) -> Value {
             "failures": point.failures,
             "vertices": point.vertices,
             "seconds_per_frame": spread(&point.seconds),
-            "seconds_per_thousand_vertices": spread(&point.seconds_per_thousand),
+            "seconds_per_thousand_vertices": point.seconds_per_thousand.as_ref().map(spread),
             "errors": errors,
         })
     };

@@ -207,8 +207,8 @@ mod tests {
             failed: 0,
             failures: Vec::new(),
             seconds: exact(seconds),
-            seconds_per_thousand: exact(seconds),
-            vertices: 1000.0,
+            seconds_per_thousand: Some(exact(seconds)),
+            vertices: Some(1000.0),
             errors: Measure::ALL.iter().map(|&m| (m, exact(error))).collect(),
         }
     }

@@ -71,7 +71,8 @@ impl<'a> BodyRun<'a> {
             critical_strain_predicted: plan.critical_strain,
             ..LayerReport::default()
         };
-        Ok(Self {
+        let row_warning = layer.system.row_warning.clone();
+        let mut run = Self {
             driver,
             pose,
             modelling,
@@ -84,7 +85,11 @@ impl<'a> BodyRun<'a> {
             },
             relaxation: 0.0,
             blind_spot: None,
-        })
+        };
+        if let Some(warning) = row_warning {
+            run.warn(warning);
+        }
+        Ok(run)
     }
 
     pub(crate) fn follow(&mut self, observer: &mut dyn Observer) -> Result<(), StepperError> {

@@ -46,6 +46,8 @@ pub(crate) struct BodySystem {
     pub(crate) rows: ConstraintRows,
     /// What held nodes add to each row: node, axis and weight.
     held_terms: Vec<Vec<(u32, usize, f64)>>,
+    /// What the user should know about the rows.
+    pub(crate) row_warning: Option<String>,
 }
 
 /// Springs from the artist's vertices to where blend shapes put them.
@@ -105,13 +107,13 @@ impl BodySystem {
             source,
         };
         let layout = Layout::new(shell.pattern(), cross, free.pattern()).map_err(solver_error)?;
-        let (rows, held_terms) = rows(
-            spec,
-            (skin, plan.wavelength),
-            properties,
-            &embedding,
-            &free_of,
-        )?;
+        let every: Vec<VertexId> = (0..areas.len()).map(VertexId::from_index).collect();
+        let centres = row_centres(spec, properties, skin, &every)?;
+        let on = (skin, plan.wavelength);
+        let nothing = PerVertex::filled(every.len(), false);
+        let of_layer = low_pass_rows(spec, &centres, on, &nothing, &every)?;
+        let row_warning = of_layer.warning();
+        let (rows, held_terms) = rows(spec, &of_layer.rows, &embedding, &free_of)?;
         Ok(Self {
             floor: floor(properties, &areas, &free, lattice),
             shell,
@@ -127,6 +129,7 @@ impl BodySystem {
             areas,
             rows,
             held_terms,
+            row_warning,
         })
     }
 
@@ -294,16 +297,11 @@ type HeldTerms = Vec<Vec<(u32, usize, f64)>>;
 /// `H (x - B q)`: the layer's rows with the same averages of the surface below taken away.
 fn rows(
     spec: &LayerSpec,
-    (skin, wavelength): (&SkinMesh, f64),
-    properties: &SkinProperties,
+    of_layer: &ConstraintRows,
     embedding: &Embedding,
     free_of: &[Option<u32>],
 ) -> Result<(ConstraintRows, HeldTerms), StepperError> {
-    let vertices = skin.mesh.vertex_count();
-    let every: Vec<VertexId> = (0..vertices).map(VertexId::from_index).collect();
-    let nothing = PerVertex::filled(vertices, false);
-    let centres = row_centres(spec, properties, skin, &every)?;
-    let of_layer = low_pass_rows(spec, &centres, (skin, wavelength), &nothing, &every)?;
+    let vertices = embedding.rows().row_count();
     let unknowns = 3 * vertices + 3 * free_of.iter().flatten().count();
     let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
     let mut held_terms = Vec::with_capacity(of_layer.count());
