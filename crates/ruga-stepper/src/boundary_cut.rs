@@ -78,6 +78,25 @@ pub(crate) struct TooManyCrossings {
     pub(crate) share: f64,
 }
 
+/// Whether a piece of the driver can be cut along the boundaries of `map`.
+pub(crate) fn check_crossings(
+    map: &PropertyMap,
+    driver: &Driver,
+    piece: Piece,
+) -> Result<(), TooManyCrossings> {
+    accept(&Cutter::new(map, driver, piece).crossings())
+}
+
+/// `crossings` of every edge.
+fn accept(crossings: &[Vec<BoundaryCrossing>]) -> Result<(), TooManyCrossings> {
+    let crossed = crossings.iter().filter(|found| !found.is_empty()).count();
+    let share = crossed as f64 / crossings.len().max(1) as f64;
+    match share > MOST_CROSSED {
+        true => Err(TooManyCrossings { share }),
+        false => Ok(()),
+    }
+}
+
 /// Cuts a piece of the driver along the boundaries of `map`; a map without any leaves it as it is.
 pub(crate) fn cut_along(
     map: &PropertyMap,
@@ -87,10 +106,8 @@ pub(crate) fn cut_along(
     let mut cutter = Cutter::new(map, driver, piece);
     for pass in 0..MOST_PASSES {
         let crossings = cutter.crossings();
-        let crossed = crossings.iter().filter(|found| !found.is_empty()).count();
-        let share = crossed as f64 / crossings.len().max(1) as f64;
-        if pass == 0 && share > MOST_CROSSED {
-            return Err(TooManyCrossings { share });
+        if pass == 0 {
+            accept(&crossings)?;
         }
         cutter.snap(&crossings);
         let places = cutter.places(&crossings);

@@ -136,7 +136,7 @@ impl StackRun<'_> {
 }
 
 /// The part of the base surface that the plan wants simulated, at the plan's resolution.
-fn layer_surface(
+pub(crate) fn layer_surface(
     driver: &Driver,
     plan: &Plan,
     layer: &LayerPlan,

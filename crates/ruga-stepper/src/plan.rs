@@ -8,10 +8,12 @@ use ruga_remesh::{FaceDriver, Refinement};
 
 use crate::adaptivity::{COARSEST, aspect};
 use crate::below::Seat;
+use crate::layer_setup::layer_surface;
 use crate::local_skin::local_skin;
 use crate::plan_cost::{GRADING, Load, cost, factorisations};
 use crate::region::{ACTIVE_SHARE, Demand};
 use crate::skin_energy::UpperShell;
+use crate::skin_mesh::{check_boundaries, sharp_map};
 use crate::stacking::Stacking;
 use crate::{EdgeLimits, LayerSpec, Modelling, PoseSpec, Region, Stack, StepperError};
 
@@ -75,6 +77,19 @@ pub enum LoadPath {
 }
 
 impl Plan {
+    /// Whether the layers' meshes can follow the sharp boundaries of their maps.
+    fn check_boundaries(&self, driver: &Driver, modelling: &Modelling) -> Result<(), StepperError> {
+        for pose in &self.poses {
+            for (layer, spec) in pose.layers.iter().zip(&self.specs) {
+                if sharp_map(spec).is_some() && !layer.region.is_empty() {
+                    let surface = layer_surface(driver, self, layer, modelling);
+                    check_boundaries(driver, &surface, spec)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// How many layers have a mesh of their own.
     pub(crate) fn meshes(&self) -> usize {
         match self.joint {
@@ -165,7 +180,7 @@ impl LayerPlan {
 /// `map_size` is the side of the maps in texels.
 ///
 /// # Errors
-/// Bad materials, a black mask, no layer.
+/// Bad materials, a black mask, no layer, a sharp map whose boundaries are nearly everywhere.
 pub fn plan(
     driver: &Driver,
     layers: &[LayerSpec],
@@ -220,7 +235,7 @@ pub fn plan(
             pose.layers.push(carried);
         }
     }
-    Ok(Plan {
+    let plan = Plan {
         joint: stacking.joint,
         wrinkling: stacking.wrinkling,
         simulated: stacking.simulated,
@@ -230,7 +245,9 @@ pub fn plan(
         poses: pose_plans,
         warnings,
         planning_levels: planning.surface.levels(),
-    })
+    };
+    plan.check_boundaries(driver, modelling)?;
+    Ok(plan)
 }
 
 /// A layer with its critical wave, by itself and on every face of the planning surface.

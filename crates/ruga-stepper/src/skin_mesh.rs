@@ -5,6 +5,7 @@ use std::sync::{Arc, Weak};
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector2, Vector3};
 use ruga_blend::{BaseSurface, Driver, PosedSurface, Smoothing, SurfacePoints};
+use ruga_material::PropertyMap;
 use ruga_mesh::{
     FaceId, Id, LoopSurface, MaterialPoint, PerEdge, PerFace, PerVertex, SparseRows, SurfaceLookup,
     TriMesh, VertexId, limit_rows,
@@ -14,7 +15,9 @@ use ruga_remesh::{
     SizingInput, SurfaceMesh, remesh, sizing_field,
 };
 
-use crate::boundary_cut::{Cut, Piece, blend, cut_along, faces_beside};
+use crate::boundary_cut::{
+    Cut, Piece, TooManyCrossings, blend, check_crossings, cut_along, faces_beside,
+};
 use crate::facet_address::{FacetAddresses, Piece as Facets};
 use crate::{LayerSpec, StepperError};
 
@@ -153,6 +156,44 @@ pub(crate) struct RegionMesh {
     offset: f64,
 }
 
+/// Whether the mesh of the region of `base` that `layer` covers can follow its map.
+///
+/// # Errors
+/// [`StepperError::TooManyBoundaries`].
+pub(crate) fn check_boundaries(
+    driver: &Driver,
+    base: &BaseSurface,
+    layer: &LayerSpec,
+) -> Result<(), StepperError> {
+    let Some(map) = sharp_map(layer) else {
+        return Ok(());
+    };
+    check_crossings(map, driver, piece_of(base)).map_err(|source| too_many(layer, source))
+}
+
+/// The map whose boundaries the layer's mesh is to follow.
+pub(crate) fn sharp_map(layer: &LayerSpec) -> Option<&PropertyMap> {
+    layer.map.as_deref().filter(|_| layer.sharp)
+}
+
+fn too_many(layer: &LayerSpec, crossings: TooManyCrossings) -> StepperError {
+    StepperError::TooManyBoundaries {
+        layer: layer.name.clone(),
+        percent: 100.0 * crossings.share,
+    }
+}
+
+fn piece_of(base: &BaseSurface) -> Piece {
+    let (mesh, copied) = one_fan_per_vertex(base.mesh());
+    let base_points = base.vertex_points();
+    Piece {
+        mesh,
+        points: copied.iter().map(|v| base_points[v.index()]).collect(),
+        origins: base.origins().clone(),
+        uvs: base.uvs().as_slice().to_vec(),
+    }
+}
+
 impl RegionMesh {
     /// The region of `base` that `layer` covers, at rest `offset` above the driver.
     ///
@@ -165,22 +206,10 @@ impl RegionMesh {
         smoothing: Smoothing,
         offset: f64,
     ) -> Result<Self, StepperError> {
-        let (mesh, copied) = one_fan_per_vertex(base.mesh());
-        let base_points = base.vertex_points();
-        let piece = Piece {
-            mesh,
-            points: copied.iter().map(|v| base_points[v.index()]).collect(),
-            origins: base.origins().clone(),
-            uvs: base.uvs().as_slice().to_vec(),
-        };
-        let Cut { piece, features } = match layer.map.as_deref().filter(|_| layer.sharp) {
+        let piece = piece_of(base);
+        let Cut { piece, features } = match sharp_map(layer) {
             None => Cut::none(piece),
-            Some(map) => cut_along(map, driver, piece).map_err(|crossings| {
-                StepperError::TooManyBoundaries {
-                    layer: layer.name.clone(),
-                    percent: 100.0 * crossings.share,
-                }
-            })?,
+            Some(map) => cut_along(map, driver, piece).map_err(|source| too_many(layer, source))?,
         };
         let Piece {
             mesh,

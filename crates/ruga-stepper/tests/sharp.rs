@@ -63,3 +63,38 @@ fn a_slanted_step_converges() {
     let growth = sharp.vertices as f64 / plain.vertices as f64;
     assert!((0.8..1.25).contains(&growth), "{growth}");
 }
+
+/// Said before anything is simulated.
+#[test]
+fn the_planner_refuses_boundaries_nearly_everywhere() {
+    let squares = |c: f64| (64.0 * c).floor() as i64;
+    let layer = painted(|u, v| {
+        if (squares(u) + squares(v)) % 2 == 0 {
+            1.0
+        } else {
+            -1.0
+        }
+    });
+    let driver = driver();
+    let poses = [pose(&driver, "press", 1.0), pose(&driver, "press", 0.1)];
+    let planned = |pose| {
+        plan(
+            &driver,
+            std::slice::from_ref(&layer),
+            &[pose],
+            &draft(),
+            1024,
+        )
+    };
+    let [pressed, hardly] = poses.map(planned);
+    let error = pressed.expect_err("a mesh cannot follow that");
+    assert!(
+        matches!(error, StepperError::TooManyBoundaries { .. }),
+        "{error}"
+    );
+    // What is not simulated needs no mesh.
+    assert_eq!(
+        hardly.expect("nothing to do").poses[0].layers[0].vertices,
+        0
+    );
+}
