@@ -114,9 +114,31 @@ impl Mask {
         if !(0.0..=1.0).contains(&uv.x) || !(0.0..=1.0).contains(&uv.y) {
             return 0.0;
         }
+        let [x, y] = self.pixel(uv);
+        f64::from(self.values[y * self.width as usize + x])
+    }
+
+    /// Whether a white pixel lies in the smallest upright rectangle around a triangle.
+    pub(crate) fn touches(&self, corners: &[Vector2<f64>; 3]) -> bool {
+        let [a, b, c] = corners;
+        let (low, high) = (a.inf(b).inf(c), a.sup(b).sup(c));
+        let is_beside = |c: usize| high[c] < 0.0 || low[c] > 1.0;
+        if is_beside(0) || is_beside(1) {
+            return false;
+        }
+        let [[left, top], [right, bottom]] = [low, high].map(|corner| self.pixel(corner));
+        (top..=bottom).any(|y| {
+            let row = y * self.width as usize;
+            let pixels = &self.values[row + left..=row + right];
+            pixels.iter().any(|&value| value >= 0.5)
+        })
+    }
+
+    /// Column and row of the pixel under a texture coordinate, or of the next one to it.
+    fn pixel(&self, uv: Vector2<f64>) -> [usize; 2] {
+        // A conversion of what is negative is zero.
         let pixel = |c: f64, count: u32| ((c * f64::from(count)) as usize).min(count as usize - 1);
-        let index = pixel(uv.y, self.height) * self.width as usize + pixel(uv.x, self.width);
-        f64::from(self.values[index])
+        [pixel(uv.x, self.width), pixel(uv.y, self.height)]
     }
 }
 

@@ -17,8 +17,9 @@ use crate::skin_mesh::{check_boundaries, sharp_map};
 use crate::stacking::Stacking;
 use crate::{EdgeLimits, LayerSpec, Modelling, PoseSpec, Region, Stack, StepperError};
 
-/// Faces of the planning surface above which it is not subdivided further.
-const MAX_PLANNING_FACES: usize = 1_500_000;
+/// Faces of the planning surface above which it is not subdivided further: on a face of 18 thousand
+/// triangles a million say the same areas as 300 thousand to 1 %, in five times the time.
+const MAX_PLANNING_FACES: usize = 400_000;
 /// Splits of one face in four; ten make a metre a millimetre.
 const MAX_LEVELS: u32 = 10;
 /// Base edges stay below this share of the wavelength, or the artist's facets imprint.
@@ -197,10 +198,7 @@ pub fn plan(
     let Some(finest) = wrinkling.iter().map(|w| w.wavelength).reduce(f64::min) else {
         return Err(StepperError::NoLayer);
     };
-    let planning = PlanningSurface::new(driver, modelling, finest);
-    if let Region::Mask(_) = modelling.region {
-        planning.check_mask(&modelling.region)?;
-    }
+    let planning = PlanningSurface::new(driver, modelling, finest)?;
     // A layer that moves together with the lowest one has no mesh of its own.
     let simulated = match stacking.joint {
         Some(_) => 1,
@@ -261,7 +259,7 @@ pub(crate) struct PlannedLayer<'a> {
     pub(crate) is_lowest: bool,
 }
 
-/// The whole driver, subdivided finely enough to measure strain on.
+/// The driver, or what a mask leaves of it, subdivided finely enough to measure strain on.
 struct PlanningSurface {
     surface: BaseSurface,
     rest: PosedSurface,
@@ -274,18 +272,25 @@ struct PlanningSurface {
 }
 
 impl PlanningSurface {
-    fn new(driver: &Driver, modelling: &Modelling, wavelength: f64) -> Self {
-        let faces: Vec<FaceId> = driver.topology().faces().ids().collect();
-        let mut lengths: Vec<f64> = driver
-            .topology()
-            .edges()
-            .as_slice()
+    fn new(driver: &Driver, modelling: &Modelling, wavelength: f64) -> Result<Self, StepperError> {
+        let topology = driver.topology();
+        let all = topology.faces().ids();
+        let faces: Vec<FaceId> = match &modelling.region {
+            Region::Auto | Region::All => all.collect(),
+            Region::Mask(mask) => all
+                .filter(|&face| mask.touches(&driver.uvs()[face]))
+                .collect(),
+        };
+        let mut lengths: Vec<f64> = faces
             .iter()
-            .map(|edge| {
-                let [a, b] = edge.vertices.map(|v| driver.rest()[v.index()]);
-                (b - a).norm()
+            .flat_map(|&face| {
+                let [a, b, c] = topology.faces()[face].map(|v| driver.rest()[v.index()]);
+                [(b - a).norm(), (c - b).norm(), (a - c).norm()]
             })
             .collect();
+        if lengths.is_empty() {
+            return Err(StepperError::BlackMask);
+        }
         lengths.sort_by(f64::total_cmp);
         let long = lengths[(lengths.len() - 1) * 95 / 100];
         let mut levels = 0;
@@ -296,13 +301,15 @@ impl PlanningSurface {
         }
         let surface = BaseSurface::new(driver, &faces, levels, modelling.smoothing);
         let rest = surface.pose(driver.rest());
-        Self {
+        let planning = Self {
             edges: per_face(&surface, |corners, _| mean_edge(corners), &rest),
             curvatures: per_face(&surface, curvature, &rest),
             uv_density: uv_density(&surface, &rest),
             surface,
             rest,
-        }
+        };
+        planning.check_mask(&modelling.region)?;
+        Ok(planning)
     }
 
     /// How the layer wrinkles on every face, by its map.
@@ -479,7 +486,10 @@ impl PlanningSurface {
             texels_per_wavelength: quantile(&self.uv_density, 0.5) * f64::from(map_size) * shortest,
             seconds,
             memory,
-            region: active.iter().map(|f| u64::from(f.0)).collect(),
+            region: active
+                .iter()
+                .map(|&face| self.surface.ancestor(face, planned))
+                .collect(),
         }
     }
 }
