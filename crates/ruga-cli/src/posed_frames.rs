@@ -3,7 +3,10 @@
 use nalgebra::Vector3;
 use ruga_bake::{BakeError, TangentFrame, tangent_frames};
 use ruga_blend::{ArtistMesh, Driver, Weights};
-use ruga_mesh::Id;
+use ruga_mesh::{Id, VertexId};
+
+/// Rest normals closer than this are one that was rounded.
+const SAME_NORMAL: f64 = 1e-2;
 
 /// MikkTSpace frames of the artist's triangles at `weights`; no weights: at rest.
 ///
@@ -30,7 +33,7 @@ pub(crate) fn moved_frames(
     frames(artist, driver, control, None)
 }
 
-/// Smooth normals are taken where the file gives none.
+/// Where no normals are given they are computed, smooth but where the file's rest normals are not.
 fn frames(
     artist: &ArtistMesh,
     driver: &Driver,
@@ -39,7 +42,7 @@ fn frames(
 ) -> Result<Vec<[TangentFrame; 3]>, BakeError> {
     let welded = driver.welded().iter();
     let positions: Vec<Vector3<f64>> = welded.map(|welded| control[welded.index()]).collect();
-    let normals = normals.unwrap_or_else(|| smooth_normals(&artist.triangles, driver, &positions));
+    let normals = normals.unwrap_or_else(|| computed_normals(artist, driver, &positions));
     let uvs = artist.uvs.as_deref().unwrap_or_default();
     tangent_frames(&positions, &normals, uvs, &artist.triangles)
 }
@@ -60,27 +63,99 @@ fn blended_normals(artist: &ArtistMesh, weights: &Weights) -> Option<Vec<Vector3
         .collect()
 }
 
-/// Area-weighted mean of the triangles around each welded vertex: smooth across UV seams.
-fn smooth_normals(
-    triangles: &[[u32; 3]],
+/// Area-weighted mean of the triangles around each vertex: smooth across UV seams, not across the
+/// edges at which the file's rest normals differ.
+fn computed_normals(
+    artist: &ArtistMesh,
     driver: &Driver,
     positions: &[Vector3<f64>],
 ) -> Vec<Vector3<f64>> {
-    let mut sums = vec![Vector3::zeros(); driver.rest().len()];
-    for corners in triangles.iter().map(|t| t.map(|v| v as usize)) {
+    let (group_of, groups) = smooth_groups(artist, driver);
+    let mut sums = vec![Vector3::zeros(); groups];
+    for corners in artist.triangles.iter().map(|t| t.map(|v| v as usize)) {
         let [a, b, c] = corners.map(|v| positions[v]);
         let area_normal = (b - a).cross(&(c - a));
         for vertex in corners {
-            sums[driver.welded()[vertex].index()] += area_normal;
+            sums[group_of[vertex]] += area_normal;
         }
     }
-    driver
-        .welded()
-        .iter()
-        .map(|welded| {
-            sums[welded.index()]
-                .try_normalize(0.0)
-                .unwrap_or_else(Vector3::z)
-        })
-        .collect()
+    let normal = |group: &usize| sums[*group].try_normalize(0.0).unwrap_or_else(Vector3::z);
+    group_of.iter().map(normal).collect()
+}
+
+/// For every vertex of the file the number of those that share its normal, and how many there are:
+/// those at one place whose rest normals are the same, or all at one place where the file has none.
+fn smooth_groups(artist: &ArtistMesh, driver: &Driver) -> (Vec<usize>, usize) {
+    let mut at_place: Vec<Vec<(Vector3<f64>, usize)>> = vec![Vec::new(); driver.rest().len()];
+    let mut count = 0;
+    let mut group = |(vertex, welded): (usize, &VertexId)| {
+        let normal = artist
+            .normals
+            .as_ref()
+            .map_or_else(Vector3::zeros, |n| n[vertex]);
+        let known = &mut at_place[welded.index()];
+        let same = |(other, _): &&(Vector3<f64>, usize)| (other - normal).norm() < SAME_NORMAL;
+        if let Some((_, group)) = known.iter().find(same) {
+            return *group;
+        }
+        known.push((normal, count));
+        count += 1;
+        count - 1
+    };
+    let groups = driver.welded().iter().enumerate().map(&mut group).collect();
+    (groups, count)
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector2;
+
+    use super::*;
+
+    /// A roof: two rectangles of two triangles, the ridge between them hard or smooth, with a UV
+    /// seam across.
+    fn roof(is_hard: bool) -> ArtistMesh {
+        let slope = |side: f64| Vector3::new(side, 0.0, 1.0).normalize();
+        let (mut positions, mut normals) = (Vec::new(), Vec::new());
+        let mut triangles = Vec::new();
+        for side in [-1.0, 1.0] {
+            for half in [0.0, 1.0] {
+                let first = positions.len() as u32;
+                for (x, y) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
+                    positions.push(Vector3::new(side * x, half + y, -x));
+                    normals.push(match is_hard || x > 0.0 {
+                        true => slope(side),
+                        false => Vector3::z(),
+                    });
+                }
+                let [b, d] = match side > 0.0 {
+                    true => [1, 3],
+                    false => [3, 1],
+                };
+                triangles.extend([[first, first + b, first + 2], [first, first + 2, first + d]]);
+            }
+        }
+        ArtistMesh {
+            uvs: Some(vec![Vector2::zeros(); positions.len()]),
+            positions,
+            normals: Some(normals),
+            triangles,
+            ..ArtistMesh::default()
+        }
+    }
+
+    #[test]
+    fn computed_normals_keep_hard_edges_and_cross_seams() {
+        for is_hard in [true, false] {
+            let artist = roof(is_hard);
+            let driver = Driver::new(&artist).expect("a roof");
+            let computed = computed_normals(&artist, &driver, &artist.positions);
+            for (found, wanted) in computed.iter().zip(artist.normals.as_ref().expect("some")) {
+                assert!(
+                    (found - wanted).norm() < 1e-9,
+                    "{is_hard}: {found} {wanted}"
+                );
+            }
+        }
+    }
 }
