@@ -21,6 +21,11 @@ use crate::{Base, Strip, equilateral};
 const ASPECT: f64 = 4.0;
 /// Rows of triangles.
 const ROWS: usize = 4;
+/// Levenberg floor, as the product's layers have it, in units of `K0 V_i`.
+const FLOOR: f64 = 1e-6;
+/// Height over the amplitude from which on it is a crest, and below whose negative a valley: a quarter
+/// of a sine each.
+const TOP: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Noise at rest, in thicknesses of the upper layer.
 const NOISE: f64 = 1e-3;
 /// Left out at either end, in large wavelengths: pinned there, the layers fold at a hinge.
@@ -55,7 +60,7 @@ pub struct StackState {
     /// Of the lower layer, m, from the number of half-waves.
     pub wavelength: f64,
     /// RMS height of the upper layer over its mean over a fine wavelength, m, on crests and in
-    /// valleys of the lower one; zero without an upper layer.
+    /// valleys of the lower one, each a quarter of its wave; zero without an upper layer.
     pub fine: [f64; 2],
 }
 
@@ -98,7 +103,7 @@ impl StackStrip {
         let areas = energy.lower().vertex_areas();
         let floor = free
             .iter()
-            .flat_map(|&v| [1e-6 * wave.normal_stiffness * areas[v as usize % areas.len()]; 3]);
+            .flat_map(|&v| [FLOOR * wave.normal_stiffness * areas[v as usize % areas.len()]; 3]);
         let positions = energy.lifted(&rest, lever);
         Self {
             wave,
@@ -198,10 +203,9 @@ impl StackStrip {
 
     fn solve(&mut self, strain: f64, settings: &NewtonSettings) -> StackState {
         self.set_strain(strain);
-        let targets = vec![0.0; self.kkt.rows().count()];
         // Rollers hold y where the base has it.
         let base = gather(&self.free, &self.points);
-        let mut held = targets;
+        let mut held = vec![0.0; self.kkt.rows().count()];
         self.kkt.rows().mul(&base, &mut held).expect("sizes match");
         let mut x = gather(&self.free, &self.positions);
         let (objective, kkt) = self.objective();
@@ -262,8 +266,8 @@ impl StackStrip {
             let mean = window.iter().map(|[_, above]| above).sum::<f64>() / width as f64;
             let [below, above] = window[width / 2];
             let part = match below / amplitude {
-                height if height > 0.5f64.sqrt() => 0,
-                height if height < -0.5f64.sqrt() => 1,
+                height if height > TOP => 0,
+                height if height < -TOP => 1,
                 _ => continue,
             };
             squares[part] += (above - mean).powi(2);

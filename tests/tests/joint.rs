@@ -69,10 +69,9 @@ fn a_composite_does_what_both_layers_do_together() {
     assert!((amplitude - 1.0).abs() < 0.25, "amplitude {amplitude}");
 }
 
-/// The preset itself, on a strip whose sides hold nothing down. Two thirds beyond its onset the
-/// composite's wave is a fifth too high: it carries all the force of a film that in the valleys
-/// wrinkles and gives way. A little further, from 7 % on, it is more than a quarter too high, and
-/// the film gathers in folds, among which the joint solve finds no rest.
+/// The preset itself, on a strip whose sides hold nothing down. Half beyond its onset the composite's
+/// wave is a fifth too high: it carries all the force of a film that in the valleys wrinkles and
+/// gives way.
 #[test]
 fn the_preset_as_a_composite_wrinkles_as_its_layers_do_together() {
     const STRAINS: [f64; 3] = [0.043, 0.051, 0.059];
@@ -100,12 +99,17 @@ fn the_preset_as_a_composite_wrinkles_as_its_layers_do_together() {
     let ((joint_onset, joint), (onset, composite)) =
         rayon::join(|| solve(Stack::Joint), || solve(Stack::Composite));
     let ratio = onset / joint_onset;
-    assert!((ratio - 1.0).abs() < 0.05, "onset {ratio}");
+    assert!((ratio - 1.0).abs() < 0.015, "onset {ratio}");
     for (joint, composite) in joint.iter().zip(&composite) {
+        // Both count half-waves: twelve, as theory has it; one more or less would be 8 %.
         let ratio = composite.wavelength / joint.wavelength;
         assert!((ratio - 1.0).abs() < 0.05, "wavelength {ratio}");
         let ratio = composite.amplitude / joint.amplitude;
-        assert!((ratio - 1.0).abs() < 0.25, "amplitude {ratio}");
+        println!(
+            "{:.1} %: composite over joint {ratio:.3}",
+            100.0 * joint.strain
+        );
+        assert!((1.05..1.25).contains(&ratio), "amplitude {ratio}");
         let [crest, valley] = joint.fine;
         assert!(valley > 10.0 * crest, "{valley} and {crest}");
     }

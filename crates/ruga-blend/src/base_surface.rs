@@ -99,6 +99,11 @@ impl BaseSurface {
         whole.restrict(&own)
     }
 
+    /// How many of the driver's faces [`Self::new`] splits for `faces`: them and two rings around.
+    pub fn split_count(driver: &Driver, faces: &[FaceId]) -> usize {
+        with_rings(driver.topology(), faces, 2).len()
+    }
+
     /// The part of this surface made of `faces`.
     pub fn restrict(&self, faces: &[FaceId]) -> Self {
         let part = self.mesh.submesh(faces);

@@ -84,13 +84,13 @@ impl LimitPointRows {
             .into_iter()
             .enumerate()
         {
-            push(rows, vertices, weights, i, terms);
+            push_row_of(rows, vertices, weights, i, terms);
         }
     }
 }
 
 /// Appends row number `row` of `weights`.
-fn push(
+fn push_row_of(
     rows: &mut SparseRows,
     vertices: &[u32],
     weights: &Matrix6xX<f64>,
@@ -143,13 +143,13 @@ impl LoopSurface {
         rows
     }
 
-    /// The positions of [`rows`](Self::rows) alone, in a sixth of the memory.
+    /// The positions of [`rows`](Self::rows) alone, a sixth of the result.
     pub fn position_rows(&self, points: &[MaterialPoint]) -> SparseRows {
         let mut rows = SparseRows::default();
         let mut terms = Vec::new();
         for point in points {
             let (vertices, weights) = self.weights(point);
-            push(&mut rows, vertices, &weights, 0, &mut terms);
+            push_row_of(&mut rows, vertices, &weights, 0, &mut terms);
         }
         rows
     }

@@ -215,7 +215,9 @@ fn turn(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
 #[test]
 fn rows_are_affine() {
     for control in all() {
-        let rows = control.surface().rows(&random_points(&control.mesh, 5, 1));
+        let points = random_points(&control.mesh, 5, 1);
+        let rows = control.surface().rows(&points);
+        assert!(control.surface().position_rows(&points) == rows.position);
         let LimitPointRows {
             position,
             first,

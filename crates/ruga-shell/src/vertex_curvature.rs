@@ -45,9 +45,9 @@ const MIN_HEIGHT_RATIO: f64 = 1e-3;
 /// # Validity
 /// As [`crate::response_modulus`] measures it at twelve edges per wavelength: within 3 % on blue noise
 /// and on triangles stretched 2:1 in any direction, and 4:1 with the short side across the wrinkles.
-/// Stretched 4:1 at an angle to them, 5 to 23 % too stiff. Most of that is the cotangent Laplacian
-/// on obtuse triangles and falls with the square of the edge (4 to 25 % at twelve edges, .5 to 3 % at
-/// 36); what the traceless part adds, 2 to 11 %, stays.
+/// Stretched 4:1 in other directions, 5 to 23 % too stiff. The cotangent Laplacian by itself is, on
+/// obtuse triangles, by 4 to 25 %; that falls with the square of the edge, to .5 to 3 % at 36 edges. With
+/// the traceless part 3 to 11 % are left there.
 ///
 /// # Borders
 /// What happens at the border edges themselves is unknown, and adds to `kappa` across them alone. A

@@ -84,11 +84,11 @@ pub(crate) fn check_crossings(
     driver: &Driver,
     piece: Piece,
 ) -> Result<(), TooManyCrossings> {
-    accept(&Cutter::new(map, driver, piece).crossings())
+    refuse_too_many(&Cutter::new(map, driver, piece).crossings())
 }
 
-/// `crossings` of every edge.
-fn accept(crossings: &[Vec<BoundaryCrossing>]) -> Result<(), TooManyCrossings> {
+/// `crossings` are those of every edge.
+fn refuse_too_many(crossings: &[Vec<BoundaryCrossing>]) -> Result<(), TooManyCrossings> {
     let crossed = crossings.iter().filter(|found| !found.is_empty()).count();
     let share = crossed as f64 / crossings.len().max(1) as f64;
     match share > MOST_CROSSED {
@@ -107,7 +107,7 @@ pub(crate) fn cut_along(
     for pass in 0..MOST_PASSES {
         let crossings = cutter.crossings();
         if pass == 0 {
-            accept(&crossings)?;
+            refuse_too_many(&crossings)?;
         }
         cutter.snap(&crossings);
         let places = cutter.places(&crossings);

@@ -149,8 +149,12 @@ impl LayerRun {
         self.report.factorizations += before.report.factorizations;
         self.report.onset_load = self.report.onset_load.or(before.report.onset_load);
         self.relaxation = before.relaxation;
+        // What was wrong with the rows of another mesh is no longer so.
+        let outdated = before.layer.row_warning;
         for warning in before.warnings {
-            self.warn(warning);
+            if outdated.as_ref() != Some(&warning) {
+                self.warn(warning);
+            }
         }
     }
 

@@ -38,7 +38,7 @@ pub(crate) struct RowCentre {
 pub(crate) struct LowPassRows {
     /// Three to an average.
     pub(crate) rows: ConstraintRows,
-    /// Averages that are right for constants only.
+    /// Averages that were meant to be right for slopes, and are for constants only.
     pub(crate) degraded: usize,
 }
 
@@ -48,7 +48,7 @@ impl LowPassRows {
         let Self { rows, degraded } = self;
         (*degraded > 0).then(|| {
             format!(
-                "{degraded} of its {} averages reach too few vertices, or a line of them, to see a slope; there it may lean: ask for more points per wavelength or couple it `\"elastic\"`",
+                "{degraded} of the {} averages that hold it cannot see a slope on its mesh; there it may lean: ask for more points per wavelength or couple it `\"elastic\"`",
                 rows.count() / 3
             )
         })
@@ -227,7 +227,7 @@ mod tests {
             low_pass_rows(&spec, &[centre], (&skin, wavelength), &pinned, &free).expect("a row")
         };
         let said = held(2e-3).warning().expect("one vertex is no average");
-        assert!(said.contains("1 of its 1 averages"), "{said}");
+        assert!(said.contains("1 of the 1 averages"), "{said}");
         assert_eq!(held(10e-3).warning(), None);
     }
 }

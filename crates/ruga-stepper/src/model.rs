@@ -242,3 +242,31 @@ impl Default for Modelling {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mask_touches_triangles_with_a_white_pixel_in_their_rectangle() {
+        let mut values = vec![0.0; 16];
+        // Third row, second column.
+        values[9] = 1.0;
+        let mask = Mask {
+            width: 4,
+            height: 4,
+            values,
+        };
+        let triangle = |corners: [[f64; 2]; 3]| mask.touches(&corners.map(Vector2::from));
+        assert!(triangle([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]));
+        assert!(triangle([[-1.0, 0.6], [0.3, 0.6], [-1.0, 0.7]]));
+        assert!(!triangle([[0.0, 0.0], [0.2, 0.0], [0.0, 1.0]]));
+        assert!(!triangle([[0.0, 0.0], [1.0, 0.0], [0.0, 0.49]]));
+        assert!(!triangle([[1.2, 0.6], [1.5, 0.6], [1.2, 0.7]]));
+        assert!(!triangle([
+            [f64::NAN, 0.6],
+            [f64::NAN, 0.6],
+            [f64::NAN, 0.7]
+        ]));
+    }
+}

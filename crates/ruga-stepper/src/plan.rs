@@ -15,7 +15,7 @@ use crate::region::{ACTIVE_SHARE, Demand};
 use crate::skin_energy::UpperShell;
 use crate::skin_mesh::{check_boundaries, sharp_map};
 use crate::stacking::Stacking;
-use crate::{EdgeLimits, LayerSpec, Modelling, PoseSpec, Region, Stack, StepperError};
+use crate::{Coupling, EdgeLimits, LayerSpec, Modelling, PoseSpec, Region, Stack, StepperError};
 
 /// Faces of the planning surface above which it is not subdivided further: on a face of 18 thousand
 /// triangles a million say the same areas as 300 thousand to 1 %, in five times the time.
@@ -80,11 +80,19 @@ pub enum LoadPath {
 impl Plan {
     /// Whether the layers' meshes can follow the sharp boundaries of their maps.
     fn check_boundaries(&self, driver: &Driver, modelling: &Modelling) -> Result<(), StepperError> {
-        for pose in &self.poses {
-            for (layer, spec) in pose.layers.iter().zip(&self.specs) {
-                if sharp_map(spec).is_some() && !layer.region.is_empty() {
+        for (index, spec) in self.specs.iter().enumerate() {
+            if sharp_map(spec).is_none() {
+                continue;
+            }
+            let mut checked: Vec<&LayerPlan> = Vec::new();
+            for layer in self.poses.iter().map(|pose| &pose.layers[index]) {
+                let is_same = |other: &&LayerPlan| {
+                    other.levels == layer.levels && other.region == layer.region
+                };
+                if !layer.region.is_empty() && !checked.iter().any(is_same) {
                     let surface = layer_surface(driver, self, layer, modelling);
                     check_boundaries(driver, &surface, spec)?;
+                    checked.push(layer);
                 }
             }
         }
@@ -158,6 +166,8 @@ pub struct LayerPlan {
     asked_points: f64,
     /// Vertices that would meet what was asked for.
     needed: f64,
+    /// Area where low-pass rows decide on the directions of a labyrinth, m².
+    labyrinth_area: f64,
     pub(crate) region: Vec<u64>,
 }
 
@@ -293,9 +303,10 @@ impl PlanningSurface {
         }
         lengths.sort_by(f64::total_cmp);
         let long = lengths[(lengths.len() - 1) * 95 / 100];
+        let split = BaseSurface::split_count(driver, &faces);
         let mut levels = 0;
         while long / f64::from(1u32 << levels) > FACET_SHARE * wavelength
-            && (faces.len() << (2 * (levels + 1))) <= MAX_PLANNING_FACES
+            && (split << (2 * (levels + 1))) <= MAX_PLANNING_FACES
         {
             levels += 1;
         }
@@ -456,8 +467,8 @@ impl PlanningSurface {
         let handed_out = vertices_of(faces_at(levels));
         let strain = quantile(&demand.effective, 0.99);
         let curvature = quantile(&self.curvatures, 0.95);
-        let lowest = is_lowest.then(|| Load {
-            onset: quantile(&demand.onset, 0.01),
+        let lowest = (*is_lowest && !active.is_empty()).then(|| Load {
+            onset: quantile(&demand.onsets(path), 0.01),
             bend: numbers.wavelength * curvature,
             spread: (quantile(&wavelengths, 0.95) / shortest).max(1.0),
         });
@@ -482,6 +493,12 @@ impl PlanningSurface {
             points_per_wavelength: points,
             asked_points: *asked,
             needed,
+            labyrinth_area: match spec.coupling {
+                Coupling::Elastic => 0.0,
+                Coupling::Hybrid | Coupling::Constraint | Coupling::Spectral => {
+                    area_where(&|f| demand.is_pressed_equally(f))
+                }
+            },
             chi: numbers.curvature_measure(1.0 / curvature),
             texels_per_wavelength: quantile(&self.uv_density, 0.5) * f64::from(map_size) * shortest,
             seconds,
@@ -617,6 +634,12 @@ fn warn(plan: &LayerPlan, pose: &PoseSpec, modelling: &Modelling, warnings: &mut
             100.0 * plan.critical_strain
         ));
     }
+    if plan.labyrinth_area > LABYRINTH * plan.wavelength.powi(2) {
+        say(format!(
+            "{:.2} cm2 are pressed about equally from all sides, where wrinkles meander; the rows that hold the layer make two directions at right angles prevail there, `coupling = \"elastic\"` does not",
+            cm2(plan.labyrinth_area)
+        ));
+    }
     if plan.asked_points < FEWEST_POINTS {
         say(format!(
             "remesh.points_per_wavelength asks for {:.1}: below {FEWEST_POINTS:.0} wrinkles come out several per cent too high; `--quality draft` has 6",
@@ -639,6 +662,9 @@ fn warn(plan: &LayerPlan, pose: &PoseSpec, modelling: &Modelling, warnings: &mut
         ));
     }
 }
+
+/// Squares of a wavelength in which a labyrinth has room for several directions.
+const LABYRINTH: f64 = 4.0;
 
 /// Points per wavelength below which a wrinkle is hardly one any more.
 const FEWEST_POINTS: f64 = 5.0;

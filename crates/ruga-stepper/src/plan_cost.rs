@@ -52,12 +52,53 @@ pub(crate) fn factorisations(lowest: Option<Load>, pose: &PoseSpec, path: LoadPa
     let Some(lowest) = lowest else {
         return 170.0 + 30.0 * keys;
     };
-    let doublings = lowest.onset.clamp(f64::MIN_POSITIVE, 1.0).recip().log2();
+    let doublings = lowest.onset.recip().log2();
     let uneven = (1.0 + lowest.bend.min(1.0).powi(2)) * (1.0 + 0.6 * lowest.spread.log2());
     let once = (28.0 + 36.0 * doublings) * uneven;
-    let once = once.max(4.0 * f64::from(pose.steps));
+    let steps = f64::from(pose.steps);
     match path {
-        LoadPath::Weight => once,
-        LoadPath::Strain => keys * once,
+        LoadPath::Weight => {
+            let last = pose.keys.iter().copied().fold(0.0, f64::max);
+            once.max(4.0 * steps * last)
+        }
+        LoadPath::Strain => keys * once.max(4.0 * steps),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use ruga_blend::Weights;
+
+    use super::*;
+
+    #[test]
+    fn work_grows_with_load_bends_waves_and_steps() {
+        let pose = |keys: Vec<f64>, steps| PoseSpec {
+            name: "pose".into(),
+            weights: Weights::default(),
+            keys,
+            steps,
+        };
+        let of = |onset, bend, spread, pose: &PoseSpec, path| {
+            factorisations(
+                Some(Load {
+                    onset,
+                    bend,
+                    spread,
+                }),
+                pose,
+                path,
+            )
+        };
+        let plain = pose(vec![1.0], 6);
+        let (weight, strain) = (LoadPath::Weight, LoadPath::Strain);
+        assert_eq!(of(1.0, 0.0, 1.0, &plain, weight), 28.0);
+        assert_eq!(of(0.5, 0.0, 1.0, &plain, weight), 64.0);
+        assert_eq!(of(0.5, 5.0, 1.0, &plain, weight), 128.0);
+        assert_eq!(of(0.5, 0.0, 2.0, &plain, weight), 1.6 * 64.0);
+        // Half of the steps lie beyond the only key.
+        assert_eq!(of(1.0, 0.0, 1.0, &pose(vec![0.5], 200), weight), 400.0);
+        assert_eq!(of(0.5, 0.0, 1.0, &pose(vec![0.5, 1.0], 6), strain), 128.0);
+        assert_eq!(factorisations(None, &plain, weight), 200.0);
     }
 }

@@ -5,7 +5,7 @@ use ruga_blend::{BaseSurface, FaceStrain, PosedSurface, face_strains, rest_frame
 use ruga_mesh::{FaceId, Id, PerFace, TriMesh, edge_distances, face_normals};
 
 use crate::Region;
-use crate::plan::PlannedLayer;
+use crate::plan::{LoadPath, PlannedLayer};
 
 /// A face is active where the effective strain passes this share of the critical one.
 pub(crate) const ACTIVE_SHARE: f64 = 0.8;
@@ -13,6 +13,8 @@ pub(crate) const ACTIVE_SHARE: f64 = 0.8;
 const COLLAPSED: f64 = 0.6;
 /// What wrinkles on the way matters when it is more than this share of what wrinkles at the keys.
 const DETOUR_SHARE: f64 = 0.1;
+/// The smaller compression over the larger one from which on both count the same.
+const EQUALLY: f64 = 0.8;
 /// Least distance by which the active region grows, m.
 const MIN_MARGIN: f64 = 4e-3;
 
@@ -30,8 +32,9 @@ pub(crate) struct Demand {
     pub(crate) principal: PerFace<[f64; 2]>,
     /// Largest effective strain on the way to the keys, without averaging.
     passing: PerFace<f64>,
-    /// Share of the last key from which on the effective strain is critical; 1 where it never is.
-    pub(crate) onset: PerFace<f64>,
+    /// Share of the last key from which on, as weights grow, the effective strain is critical; 1
+    /// where it never is.
+    onset: PerFace<f64>,
     /// Collapsed or turned over on the way.
     passing_folded: PerFace<bool>,
     /// The layer's critical strain on every face.
@@ -78,7 +81,13 @@ impl Demand {
                 .iter()
                 .map(|(_, strain)| strain.effective(poisson))
                 .collect();
-            demand.note_onset((before.0, &before.1), (*share, &strains));
+            let onset = &mut demand.onset;
+            note_onset(
+                onset,
+                &demand.critical,
+                (before.0, &before.1),
+                (*share, &strains),
+            );
             for face in demand.areas.ids() {
                 demand.passing[face] = demand.passing[face].max(strains[face]);
             }
@@ -100,20 +109,29 @@ impl Demand {
                 demand.effective[face] = demand.effective[face].max(effective);
             }
         }
-        let at_keys = demand.raw.clone();
-        demand.note_onset((before.0, &before.1), (1.0, &at_keys));
+        let Self {
+            onset,
+            critical,
+            raw,
+            ..
+        } = &mut demand;
+        note_onset(onset, critical, (before.0, &before.1), (1.0, raw));
         demand
     }
 
-    /// Notes on which faces the effective strain first becomes critical between two shares of the
-    /// last key.
-    fn note_onset(&mut self, before: (f64, &PerFace<f64>), now: (f64, &PerFace<f64>)) {
-        for face in self.areas.ids() {
-            let (low, high) = (before.1[face], now.1[face]);
-            let critical = self.critical[face];
-            if self.onset[face] == 1.0 && low < critical && critical <= high {
-                let between = (critical - low) / (high - low);
-                self.onset[face] = before.0 + (now.0 - before.0) * between;
+    /// Share of the load at which each face begins to wrinkle, in (0, 1]; 1 where it never does.
+    pub(crate) fn onsets(&self, path: LoadPath) -> PerFace<f64> {
+        match path {
+            LoadPath::Weight => self.onset.clone(),
+            LoadPath::Strain => {
+                let shares = self
+                    .critical
+                    .iter()
+                    .map(|(face, critical)| critical / self.raw[face]);
+                let wrinkles = |share: f64| share > 0.0 && share < 1.0;
+                shares
+                    .map(|share| if wrinkles(share) { share } else { 1.0 })
+                    .collect()
             }
         }
     }
@@ -149,6 +167,12 @@ impl Demand {
     /// Largest effective strain over the keys, in critical strains.
     pub(crate) fn demand(&self, face: FaceId) -> f64 {
         self.effective[face] / self.critical[face]
+    }
+
+    /// Whether a face is pressed beyond its critical strain in no particular direction.
+    pub(crate) fn is_pressed_equally(&self, face: FaceId) -> bool {
+        let [first, second] = self.principal[face];
+        self.demand(face) > 1.0 && second > EQUALLY * first
     }
 
     /// Leaves out, too, what collapses on the way: it cannot be followed there.
@@ -192,6 +216,22 @@ impl Demand {
             .filter(|&(face, &on)| on && allowed(face) && !self.folded[face])
             .map(|(face, _)| face)
             .collect()
+    }
+}
+
+/// Notes on which faces the effective strain first becomes critical between two shares of the last
+/// key.
+fn note_onset(
+    onset: &mut PerFace<f64>,
+    critical: &PerFace<f64>,
+    before: (f64, &PerFace<f64>),
+    now: (f64, &PerFace<f64>),
+) {
+    for (face, &critical) in critical.iter() {
+        let (low, high) = (before.1[face], now.1[face]);
+        if onset[face] == 1.0 && low < critical && critical <= high {
+            onset[face] = before.0 + (now.0 - before.0) * (critical - low) / (high - low);
+        }
     }
 }
 
@@ -248,7 +288,7 @@ fn smoothed_strains(
     let passes = (8.0 * width * width / mean_edge_squared)
         .round()
         .clamp(0.0, 40.0) as u32;
-    // On a million faces a new list for every pass would cost as much as the sums.
+    // A new list for every pass would cost as much as the sums.
     let mut before = tensors.clone();
     for _ in 0..passes {
         std::mem::swap(&mut before, &mut tensors);
@@ -320,5 +360,28 @@ fn grow(mesh: &TriMesh, rest: &[Vector3<f64>], active: &mut PerFace<bool>, margi
     let distances = edge_distances(mesh, rest, sources, margin);
     for face in mesh.faces().ids() {
         active[face] |= mesh.faces()[face].iter().all(|&v| distances[v].is_finite());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrinkling_begins_between_the_surfaces_that_were_looked_at() {
+        let field = |values: [f64; 4]| -> PerFace<f64> { values.into_iter().collect() };
+        let critical = field([1.0; 4]);
+        // Evenly; never; on the way only; at the end only.
+        let looked_at = [
+            (0.0, field([0.0; 4])),
+            (0.5, field([2.0, 0.5, 4.0, 0.0])),
+            (1.0, field([4.0, 0.9, 0.0, 1.0])),
+        ];
+        let mut onset = PerFace::filled(4, 1.0);
+        for pair in looked_at.windows(2) {
+            let [before, now] = [0, 1].map(|i: usize| (pair[i].0, &pair[i].1));
+            note_onset(&mut onset, &critical, before, now);
+        }
+        assert_eq!(onset.as_slice(), [0.25, 1.0, 0.125, 1.0]);
     }
 }

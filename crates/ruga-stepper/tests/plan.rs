@@ -4,7 +4,7 @@ mod patch;
 
 use patch::{SIDE, draft, driver, pose, skin};
 use ruga_stepper::{
-    Coupling, Mask, Modelling, Observer, Progress, Region, StepperError, plan, simulate,
+    Coupling, Mask, Modelling, Observer, Plan, Progress, Region, StepperError, plan, simulate,
 };
 
 #[test]
@@ -48,9 +48,19 @@ fn a_mask_limits_the_region_and_a_black_one_is_an_error() {
             1024,
         )
     };
-    let white = with_mask(vec![1.0, 1.0]).unwrap().poses[0].layers[0].active_area;
-    let half = with_mask(vec![1.0, 0.0]).unwrap().poses[0].layers[0].active_area;
-    assert!((half / white - 0.5).abs() < 0.05, "{half} of {white}");
+    let [white, left, right] =
+        [[1.0, 1.0], [1.0, 0.0], [0.0, 1.0]].map(|values| with_mask(values.to_vec()).unwrap());
+    let area = |plan: &Plan| plan.poses[0].layers[0].active_area;
+    for half in [&left, &right] {
+        let share = area(half) / area(&white);
+        assert!((share - 0.5).abs() < 0.05, "{share}");
+    }
+    // Triangles are numbered as in the file, whatever part of it is looked at; 24 to a row.
+    let all = white.active_triangles(&driver, 0);
+    let is_left = |triangle: &u32| triangle % 24 < 12;
+    let (on_left, on_right): (Vec<u32>, Vec<u32>) = all.into_iter().partition(is_left);
+    assert_eq!(left.active_triangles(&driver, 0), on_left);
+    assert_eq!(right.active_triangles(&driver, 0), on_right);
     assert!(matches!(
         with_mask(vec![0.0, 0.0]),
         Err(StepperError::BlackMask)
@@ -165,4 +175,25 @@ fn a_scene_without_layers_is_refused() {
         1024,
     );
     assert!(matches!(result, Err(StepperError::Material { .. })));
+}
+
+#[test]
+fn labyrinths_under_rows_are_warned_about() {
+    let driver = driver();
+    for (shape, coupling, is_said) in [
+        ("squeeze", Coupling::Hybrid, true),
+        ("squeeze", Coupling::Elastic, false),
+        ("press", Coupling::Hybrid, false),
+    ] {
+        let layers = [skin("forehead-furrow", coupling)];
+        let poses = [pose(&driver, shape, 1.0)];
+        let plan = plan(&driver, &layers, &poses, &draft(), 1024).unwrap();
+        let says = |w: &String| w.contains("equally from all sides");
+        assert_eq!(
+            plan.warnings.iter().any(says),
+            is_said,
+            "{:?}",
+            plan.warnings
+        );
+    }
 }

@@ -3,7 +3,7 @@
 use super::page::PLAIN;
 use super::panel::{FAINT, INK, cross, look, mark, pareto_line, promise_bar};
 use super::plan::{DEFAULT, ELASTIC, HINGED, Method, PAPERS, Problem, QUALITIES};
-use super::results::{Measure, Point};
+use super::results::{Measure, Point, Spread};
 use super::verdict::{Acceptance, Ratio, acceptance, default_at, ratios};
 use crate::drawing::{Drawing, Style};
 
@@ -124,12 +124,15 @@ fn qualities(drawing: &mut Drawing, [left, top]: [f64; 2], points: &[Point]) -> 
 /// A cost's name, and how a point has it in words.
 type Cost = (&'static str, fn(&Point) -> String);
 
+fn in_words(cost: Option<&Spread>) -> String {
+    cost.map_or("–".to_owned(), |cost| format!("{:.3}", cost.median))
+}
+
 /// What the film costs.
 const COSTS: [Cost; 3] = [
-    ("seconds a frame", |p| format!("{:.3}", p.seconds.median)),
+    ("seconds a frame", |p| in_words(p.seconds.as_ref())),
     ("a 1000 vertices", |p| {
-        let spread = p.seconds_per_thousand.as_ref();
-        spread.map_or(String::new(), |s| format!("{:.3}", s.median))
+        in_words(p.seconds_per_thousand.as_ref())
     }),
     ("runs failed", |p| format!("{} of {}", p.failed, p.runs)),
 ];

@@ -103,7 +103,7 @@ fn row(
 ) {
     let problem = measures.first().map_or(Problem::Film, |m| m.problem());
     let own = points.iter().filter(|p| p.setting.problem == problem);
-    let costs = own.flat_map(|p| [p.seconds.low, p.seconds.high]);
+    let costs = own.flat_map(|p| p.seconds.iter().flat_map(|s| [s.low, s.high]));
     let x = Axis::around(costs, [0.0, 1.0], 1.15);
     for (i, &measure) in measures.iter().enumerate() {
         let [left, top] = layout.corner(first + i);

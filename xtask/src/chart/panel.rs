@@ -113,7 +113,7 @@ impl<'a> Panel<'a> {
     }
 
     fn place(&self, point: &Point, error: f64) -> [f64; 2] {
-        [self.x.place(point.seconds.median), self.height(error)]
+        [self.x.place(point.cost()), self.height(error)]
     }
 
     fn height(&self, error: f64) -> f64 {
@@ -219,13 +219,15 @@ impl<'a> Panel<'a> {
         drawing.text([right, bottom + 34.0], "processor seconds per frame", style);
     }
 
-    /// Settings of which no run succeeded: crosses at the top, at their cost.
+    /// Settings of which no run succeeded: crosses at the top, at their cost. That of crashes is
+    /// not known; they are in the list of what failed.
     fn draw_failures(&self, drawing: &mut Drawing, labels: &mut Labels) {
         let y = self.frame[1] + 9.0;
         let of_problem = |p: &&Point| p.setting.problem == self.measure.problem();
         let failed = self.points.iter().filter(|p| p.failed == p.runs);
-        for point in failed.filter(of_problem) {
-            let x = self.x.place(point.seconds.median);
+        let known = failed.filter(|p| p.seconds.is_some());
+        for point in known.filter(of_problem) {
+            let x = self.x.place(point.cost());
             let colour = look(&point.setting.method).colour;
             cross(drawing, [x, y], colour);
             labels.avoid([x, y], 6.0);
@@ -252,7 +254,8 @@ impl<'a> Panel<'a> {
         let look = look(method);
         let curve = curve(self.points, *method, self.measure);
         for (point, _) in &curve {
-            let Some(spread) = point.errors.get(&self.measure) else {
+            let error = point.errors.get(&self.measure);
+            let (Some(spread), Some(seconds)) = (error, &point.seconds) else {
                 continue;
             };
             let [x, y] = self.place(point, spread.median);
@@ -261,7 +264,7 @@ impl<'a> Panel<'a> {
             for end in ends {
                 drawing.line(&[[x - 3.0, end], [x + 3.0, end]], look.colour, 1.2, "");
             }
-            let ends = [point.seconds.low, point.seconds.high].map(|s| [self.x.place(s), y]);
+            let ends = [seconds.low, seconds.high].map(|s| [self.x.place(s), y]);
             drawing.line(&ends, look.colour, 1.2, "");
         }
         let line: Vec<_> = curve

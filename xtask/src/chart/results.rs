@@ -120,9 +120,10 @@ pub(super) struct Point {
     /// Runs that did not get through the load, or ended on a saddle; no error counts of these.
     pub(super) failed: usize,
     pub(super) failures: Vec<String>,
-    /// Seconds of the processor per frame, of the runs that succeeded, or else of all.
-    pub(super) seconds: Spread,
-    /// The same per thousand vertices; `None` where every run crashed.
+    /// Seconds of the processor per frame, of the runs that succeeded, or else of all; `None` where
+    /// every run crashed.
+    pub(super) seconds: Option<Spread>,
+    /// The same per thousand vertices.
     pub(super) seconds_per_thousand: Option<Spread>,
     pub(super) vertices: Option<f64>,
     /// Absolute errors of the runs that succeeded.
@@ -130,6 +131,11 @@ pub(super) struct Point {
 }
 
 impl Point {
+    /// Median of the seconds; infinite where nobody knows.
+    pub(super) fn cost(&self) -> f64 {
+        self.seconds.as_ref().map_or(f64::INFINITY, |s| s.median)
+    }
+
     /// Median error.
     pub(super) fn error(&self, measure: Measure) -> Option<f64> {
         self.errors.get(&measure).map(|spread| spread.median)
@@ -216,7 +222,7 @@ fn point(setting: Setting, lines: &[&Value], factorised: &[&Value]) -> Option<Po
             .iter()
             .filter_map(|line| line["failure"].as_str().map(str::to_owned))
             .collect(),
-        seconds: over(&per_frame)?,
+        seconds: over(&per_frame),
         seconds_per_thousand: over(&per_thousand),
         vertices: over(&|line| number(line, "vertices")).map(|spread| spread.median),
         errors: errors.collect(),
@@ -280,7 +286,7 @@ pub(super) mod tests {
             high: 0.03,
         };
         assert_eq!(points[0].errors[&Measure::Amplitude], wanted);
-        assert_eq!(points[0].seconds.median, 2.0);
+        assert_eq!(points[0].cost(), 2.0);
         let per_thousand = points[0].seconds_per_thousand.as_ref();
         assert_eq!(per_thousand.map(|spread| spread.median), Some(1.0));
     }
@@ -288,13 +294,10 @@ pub(super) mod tests {
     #[test]
     fn a_setting_whose_runs_all_crash_is_counted() {
         let run = run(PAPERS, 1);
-        let crashed = json!({
-            "request": run.request(), "failure": "crashed", "cpu_s": 3.0, "frames": 1,
-        });
+        let crashed = json!({ "request": run.request(), "failure": "crashed" });
         let points = points(&[run], &[crashed]);
         assert_eq!((points[0].runs, points[0].failed), (1, 1));
-        assert_eq!(points[0].seconds.median, 3.0);
-        assert!(points[0].vertices.is_none() && points[0].seconds_per_thousand.is_none());
+        assert!(points[0].seconds.is_none() && points[0].vertices.is_none());
     }
 
     #[test]

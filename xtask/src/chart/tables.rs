@@ -32,7 +32,7 @@ pub(super) fn csv(points: &[Point]) -> String {
             point.failed.to_string(),
             point.vertices.map_or(String::new(), |n| format!("{n:.0}")),
         ];
-        cells.extend(cells_of(Some(&point.seconds)));
+        cells.extend(cells_of(point.seconds.as_ref()));
         let per_thousand = point.seconds_per_thousand.as_ref();
         cells.push(per_thousand.map_or(String::new(), |s| number(s.median)));
         for measure in Measure::ALL {
@@ -75,7 +75,7 @@ pub(super) fn json(points: &[Point]) -> Value {
             "failed": point.failed,
             "failures": point.failures,
             "vertices": point.vertices,
-            "seconds_per_frame": spread(&point.seconds),
+            "seconds_per_frame": point.seconds.as_ref().map(spread),
             "seconds_per_thousand_vertices": point.seconds_per_thousand.as_ref().map(spread),
             "errors": errors,
         })

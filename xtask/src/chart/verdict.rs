@@ -73,7 +73,7 @@ pub(super) fn curve(points: &[Point], method: Method, measure: Measure) -> Vec<(
         .filter(|point| 2 * point.failed < point.runs)
         .filter_map(|point| Some((point, point.error(measure)?)))
         .collect();
-    curve.sort_by(|a, b| a.0.seconds.median.total_cmp(&b.0.seconds.median));
+    curve.sort_by(|a, b| a.0.cost().total_cmp(&b.0.cost()));
     curve
 }
 
@@ -88,7 +88,7 @@ pub(super) fn pareto(points: &[Point], measure: Measure) -> Vec<(&Point, f64)> {
         .filter(|point| point.runs >= FEWEST_RUNS && 2 * point.failed < point.runs)
         .filter_map(|point| Some((point, point.error(measure)?)))
         .collect();
-    all.sort_by(|a, b| a.0.seconds.median.total_cmp(&b.0.seconds.median));
+    all.sort_by(|a, b| a.0.cost().total_cmp(&b.0.cost()));
     let mut least = f64::INFINITY;
     all.retain(|(_, error)| {
         let is_better = *error < least;
@@ -104,7 +104,7 @@ pub(super) fn pareto(points: &[Point], measure: Measure) -> Vec<(&Point, f64)> {
 fn seconds_for(curve: &[(&Point, f64)], error: f64) -> Option<f64> {
     let mut before: Option<(f64, f64)> = None;
     for (point, reached) in curve {
-        let seconds = point.seconds.median;
+        let seconds = point.cost();
         match before {
             _ if *reached > error => {
                 if before.is_none_or(|(_, least)| *reached < least) {
@@ -131,7 +131,7 @@ pub(super) fn ratios(points: &[Point]) -> Vec<Ratio> {
                 measure,
                 points: point.setting.points,
                 error,
-                seconds: [point.seconds.median, seconds_for(&default, error)?],
+                seconds: [point.cost(), seconds_for(&default, error)?],
                 is_bound: default.first()?.1 <= error,
                 unreached: 0,
             })
@@ -182,7 +182,7 @@ pub(super) fn distance_from_pareto(
     let (point, error) = default.iter().find(|(p, _)| p.setting.points == quality)?;
     let best = pareto(points, measure);
     let cheapest = best.iter().find(|(_, reached)| reached <= error)?;
-    Some(point.seconds.median / cheapest.0.seconds.median)
+    Some(point.cost() / cheapest.0.cost())
 }
 
 #[cfg(test)]
@@ -206,7 +206,7 @@ mod tests {
             runs: 5,
             failed: 0,
             failures: Vec::new(),
-            seconds: exact(seconds),
+            seconds: Some(exact(seconds)),
             seconds_per_thousand: Some(exact(seconds)),
             vertices: Some(1000.0),
             errors: Measure::ALL.iter().map(|&m| (m, exact(error))).collect(),
@@ -262,7 +262,7 @@ mod tests {
         points.push(point(PAPERS, 12, 8.0, 0.02));
         let costs: Vec<f64> = pareto(&points, Measure::Gap)
             .iter()
-            .map(|p| p.0.seconds.median)
+            .map(|p| p.0.cost())
             .collect();
         assert_eq!(costs, [0.1, 0.2, 1.6]);
         assert_eq!(distance_from_pareto(&points, Measure::Gap, 6), Some(1.0));

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use nalgebra::Vector3;
-use ruga_blend::Driver;
+use ruga_blend::{BaseSurface, Driver};
 use ruga_lattice::LatticeError;
 use ruga_material::{Wrinkling, wrinkling};
 use ruga_mesh::{FaceId, Id};
@@ -12,6 +12,7 @@ use super::carrier::Carrier;
 use super::handles::HeldNodes;
 use super::lattice_size::lattice_warnings;
 use super::obstacle::{self, distance};
+use crate::skin_mesh::{check_boundaries, sharp_map};
 use crate::{Body, LayerSpec, Modelling, Region, StepperError};
 
 /// Vertices of the mesh that a fitted one is handed out on, in vertex budgets.
@@ -78,7 +79,7 @@ impl BodyPlan {
 ///
 /// # Errors
 /// A bad material, a black mask, a surface that does not enclose a body, a handle without cells,
-/// handles that hold all of it.
+/// handles that hold all of it, a sharp map whose boundaries are nearly everywhere.
 pub fn plan_body(
     driver: &Driver,
     layer: &LayerSpec,
@@ -97,6 +98,10 @@ pub fn plan_body(
     let held = HeldNodes::new(&carrier.lattice, &body.handles)?;
     let asked = numbers.wavelength / modelling.points_per_wavelength;
     let mesh = LayerMesh::new(driver, &faces, asked, modelling);
+    if sharp_map(layer).is_some() {
+        let surface = BaseSurface::new(driver, &faces, mesh.levels, modelling.smoothing);
+        check_boundaries(driver, &surface, layer)?;
+    }
     let lattice = &carrier.lattice;
     let mut warnings = lattice_warnings(&carrier, body, numbers.wavelength);
     let covered = (faces.len(), layer.material.thickness);

@@ -111,9 +111,9 @@ impl BodySystem {
         let centres = row_centres(spec, properties, skin, &every)?;
         let on = (skin, plan.wavelength);
         let nothing = PerVertex::filled(every.len(), false);
-        let of_layer = low_pass_rows(spec, &centres, on, &nothing, &every)?;
-        let row_warning = of_layer.warning();
-        let (rows, held_terms) = rows(spec, &of_layer.rows, &embedding, &free_of)?;
+        let low_pass = low_pass_rows(spec, &centres, on, &nothing, &every)?;
+        let row_warning = low_pass.warning();
+        let (rows, held_terms) = rows(spec, &low_pass.rows, &embedding, &free_of)?;
         Ok(Self {
             floor: floor(properties, &areas, &free, lattice),
             shell,
