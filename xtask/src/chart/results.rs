@@ -197,6 +197,9 @@ fn request_of(line: &Value) -> Option<Key<'_>> {
 }
 
 fn point(setting: Setting, lines: &[&Value], factorised: &[&Value]) -> Option<Point> {
+    if lines.is_empty() {
+        return None;
+    }
     let (failed, fine): (Vec<&Value>, Vec<&Value>) =
         lines.iter().partition(|line| line["failure"].is_string());
     let timed = if fine.is_empty() { lines } else { &fine };
