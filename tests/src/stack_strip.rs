@@ -29,7 +29,7 @@ const TOP: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Noise at rest, in thicknesses of the upper layer.
 const NOISE: f64 = 1e-3;
 /// Left out at either end, in large wavelengths: pinned there, the layers fold at a hinge.
-const REACH: f64 = 2.0;
+const REACH: f64 = 1.0;
 
 /// Both layers of the strip, or the layer that stands for them.
 pub struct StackStrip {

@@ -74,10 +74,10 @@ fn a_composite_does_what_both_layers_do_together() {
 /// gives way.
 #[test]
 fn the_preset_as_a_composite_wrinkles_as_its_layers_do_together() {
-    const STRAINS: [f64; 3] = [0.043, 0.051, 0.059];
+    const STRAINS: [f64; 2] = [0.051, 0.059];
     let lower = skin_layer("face2-dermis", "face2-dermis");
     let upper = skin_layer("face2-epidermis", "face2-epidermis");
-    let strip = |stack| StackStrip::new([&lower, &upper], stack, 6.0, 12.0);
+    let strip = |stack| StackStrip::new([&lower, &upper], stack, 4.0, 12.0);
     let solve = |stack| {
         let onset = strip(stack).onset(0.03, 0.05);
         println!("{stack:?}: onset {onset:.4}");
@@ -101,7 +101,7 @@ fn the_preset_as_a_composite_wrinkles_as_its_layers_do_together() {
     let ratio = onset / joint_onset;
     assert!((ratio - 1.0).abs() < 0.015, "onset {ratio}");
     for (joint, composite) in joint.iter().zip(&composite) {
-        // Both count half-waves: twelve, as theory has it; one more or less would be 8 %.
+        // Both count half-waves: eight, as theory has it; one more or less would be 13 %.
         let ratio = composite.wavelength / joint.wavelength;
         assert!((ratio - 1.0).abs() < 0.05, "wavelength {ratio}");
         let ratio = composite.amplitude / joint.amplitude;
