@@ -70,8 +70,8 @@ fn a_composite_does_what_both_layers_do_together() {
 }
 
 /// The preset itself, on a strip whose sides hold nothing down. Half beyond its onset the composite's
-/// wave is a sixth too high, and on longer strips a fifth: it carries all the force of a film that in the valleys wrinkles and
-/// gives way.
+/// wave is a sixth too high, on longer strips a fifth: it carries all the force of a film that in the
+/// valleys wrinkles and gives way.
 #[test]
 fn the_preset_as_a_composite_wrinkles_as_its_layers_do_together() {
     const STRAINS: [f64; 2] = [0.051, 0.059];
