@@ -7,7 +7,9 @@
 
 use ruga_material::preset;
 use ruga_stepper::{LayerSpec, Mask, Modelling, PoseResult, Region, Stack};
-use ruga_tests::{Skin, StackStrip, asset, findings, skin_layer};
+use ruga_tests::{Skin, StackStrip, asset, skin_layer};
+
+use crate::compressed;
 
 /// The middle of the patch, 4 cm along the compression and 2 cm across.
 fn middle() -> Region {
@@ -37,20 +39,13 @@ fn pair(skin: &Skin) -> [LayerSpec; 2] {
 }
 
 fn run(skin: &Skin, stack: Stack, weight: f64) -> PoseResult {
-    let layers = pair(skin);
-    let pose = skin.pose(&[("compress", weight)], 4);
     let modelling = Modelling {
         region: middle(),
         points_per_wavelength: 5.0,
         stack,
         ..Modelling::default()
     };
-    let result = skin.simulate_stack(&layers, &pose, &modelling);
-    for layer in &result.layers {
-        println!("{stack:?}, {}", findings(layer));
-    }
-    assert!(result.converged, "{:?}", result.warnings);
-    result
+    compressed(skin, &pair(skin), weight, &modelling)
 }
 
 /// The large wave has the same length, height and onset; lengths come in steps of a half-wave in

@@ -7,7 +7,9 @@
 
 use ruga_material::{LayerMaterial, preset};
 use ruga_stepper::{Coupling, LayerSpec, Mask, Modelling, PoseResult, Region, Stack, plan};
-use ruga_tests::{Skin, asset, findings};
+use ruga_tests::{Skin, asset};
+
+use crate::compressed;
 
 /// The middle of the patch, 4 by 3 cm.
 fn middle() -> Region {
@@ -34,19 +36,13 @@ fn on(lower: &LayerSpec, material: LayerMaterial) -> LayerSpec {
 /// The forearm's compression, `weight` times as strong, under two layers.
 fn run(skin: &Skin, upper: &LayerSpec, weight: f64, stack: Stack) -> PoseResult {
     let layers = [skin.layer.clone(), upper.clone()];
-    let pose = skin.pose(&[("compress", weight)], 4);
     let modelling = Modelling {
         region: middle(),
         points_per_wavelength: 6.0,
         stack,
         ..Modelling::default()
     };
-    let result = skin.simulate_stack(&layers, &pose, &modelling);
-    for layer in &result.layers {
-        println!("{stack:?}, {}", findings(layer));
-    }
-    assert!(result.converged, "{:?}", result.warnings);
-    result
+    compressed(skin, &layers, weight, &modelling)
 }
 
 /// The thesis' dermis and epidermis beyond the onset of both: each has its own wavelength.
