@@ -1,9 +1,12 @@
 //! Newton's method under linear constraints.
 
 mod bent_step;
+mod overshot;
 
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
+
+use overshot::Overshot;
 
 use crate::convexify::Convexifier;
 use crate::error::{check_finite, check_length};
@@ -108,6 +111,8 @@ struct Newton<'a> {
     hint: Option<f64>,
     /// What is known of a factor that a small restoration left usable.
     at_hand: Option<Factored>,
+    /// Where to go back to from a step that was taken whole.
+    overshot: Option<Overshot>,
     report: SolveReport,
 }
 
@@ -147,6 +152,7 @@ impl<'a> Newton<'a> {
             indefinite_iterations: 0,
             hint: Some(settings.first_relaxation).filter(|&hint| hint > 0.0),
             at_hand: None,
+            overshot: None,
             report: SolveReport::empty(),
         })
     }
@@ -171,6 +177,14 @@ impl<'a> Newton<'a> {
             }
             check_finite("gradient", &self.gradient)?;
             let iteration = self.linearise(index, x, energy)?;
+            if let Some(overshot) = self.overshot.take() {
+                self.report.iterations = index + 1;
+                self.redeem(x, energy, overshot);
+                if !keep_going(&iteration) {
+                    return Ok(StopRule::Interrupted);
+                }
+                continue;
+            }
             self.record(&iteration);
             if !keep_going(&iteration) {
                 return Ok(StopRule::Interrupted);
@@ -393,7 +407,17 @@ impl<'a> Newton<'a> {
         );
         let at_saddle = iteration.inertia.is_some_and(|it| !it.is_minimum());
         let is_bent = iteration.inertia.is_some() && !at_saddle;
+        let is_last = iteration.index + 1 == self.settings.max_iterations;
         let newton = match newton {
+            Some(accepted)
+                if is_bent
+                    && self.settings.overshoot
+                    && accepted.length < SHORT
+                    && !is_last
+                    && self.overshoot(x, accepted) =>
+            {
+                return Ok(true);
+            }
             Some(accepted) if is_bent && (LEAST..SHORT).contains(&accepted.length) => {
                 Some(self.bend(x, accepted)?)
             }
