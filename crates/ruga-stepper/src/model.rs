@@ -170,7 +170,8 @@ impl Default for EdgeLimits {
 /// Every load step is then a step in time, however much the load grows in it ([`PoseSpec::steps`] of
 /// them to full load, one more for a key between two), and at every key the driver stands still until
 /// the skin rests. Layers on others are thin and light, and follow at once. A body
-/// ([`simulate_body`](crate::simulate_body)) moves with its layer, and no key waits.
+/// ([`simulate_body`](crate::simulate_body)) moves with its layer, and time is the load: no key waits,
+/// and one between two steps divides the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dynamics {
     /// Length of a step, s; positive.

@@ -162,8 +162,7 @@ impl<'p> EmbeddedLayer<'p> {
     ) -> BodyInertia {
         let inertia = BodyInertia::new(dynamics, &self.state.q, &self.state.velocities);
         let mut ways = self.handle_ways(moves, time);
-        let contact = self.contact(self.state.obstacles.clone());
-        if contact.value(&self.state.x, &self.system.areas) == 0.0 {
+        if !self.is_touched() {
             for &node in self.system.lattice.free_nodes() {
                 let node = node as usize;
                 ways[node] = inertia.centres[node] - self.state.q[node];
@@ -213,9 +212,10 @@ impl<'p> EmbeddedLayer<'p> {
     }
 
     /// Finds the equilibrium near the present state, or the end of a step in time, and moves there.
+    /// Whether the present state `is_near` it decides on the [Hessian of contact](Contact::hessian).
     pub(crate) fn minimise(
         &mut self,
-        inertia: Option<BodyInertia>,
+        (inertia, is_near): (Option<BodyInertia>, bool),
         settings: &NewtonSettings,
         keep_going: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Result<SolveReport, SolverError> {
@@ -224,6 +224,10 @@ impl<'p> EmbeddedLayer<'p> {
             self.constant = None;
         }
         let moment = self.moment(inertia);
+        let moment = Moment {
+            contact: moment.contact.clone().near(is_near),
+            ..moment
+        };
         let targets = self.system.row_targets(&self.state.q);
         let mut unknowns = self.unknowns();
         let objective = BodyObjective {
@@ -272,6 +276,12 @@ impl<'p> EmbeddedLayer<'p> {
             targets: targets.clone(),
             inertia,
         }
+    }
+
+    /// Whether an obstacle pushes.
+    pub(crate) fn is_touched(&self) -> bool {
+        let contact = self.contact(self.state.obstacles.clone());
+        contact.value(&self.state.x, &self.system.areas) > 0.0
     }
 
     fn contact(&self, obstacles: Vec<PlacedObstacle>) -> Contact {
