@@ -86,12 +86,13 @@ impl Project {
 
     fn planned(&self) -> Result<Planned, StepperError> {
         let (driver, modelling) = (&self.driver, &self.modelling);
+        let size = self.scene.bake.size;
         Ok(match (&self.body, self.layers.first()) {
             (Some(body), Some(layer)) => {
-                Planned::Body(Box::new(plan_body(driver, layer, body, modelling)?))
+                let plan = plan_body(driver, layer, body, modelling, size)?;
+                Planned::Body(Box::new(plan))
             }
             _ => {
-                let size = self.scene.bake.size;
                 let plan = plan(driver, &self.layers, &self.poses, modelling, size)?;
                 Planned::Skin(Box::new(plan))
             }

@@ -640,17 +640,8 @@ fn warn(plan: &LayerPlan, pose: &PoseSpec, modelling: &Modelling, warnings: &mut
             cm2(plan.labyrinth_area)
         ));
     }
-    if plan.asked_points < FEWEST_POINTS {
-        say(format!(
-            "remesh.points_per_wavelength asks for {:.1}: below {FEWEST_POINTS:.0} wrinkles come out several per cent too high; `--quality draft` has 6",
-            plan.asked_points
-        ));
-    }
-    if plan.texels_per_wavelength < 4.0 {
-        say(format!(
-            "{:.1} texels per wavelength are too few; bake larger maps or enlarge the UV islands",
-            plan.texels_per_wavelength
-        ));
+    for text in resolution_warnings(plan.asked_points, plan.texels_per_wavelength) {
+        say(text);
     }
     if plan.points_per_wavelength < 0.9 * plan.asked_points {
         say(format!(
@@ -663,11 +654,30 @@ fn warn(plan: &LayerPlan, pose: &PoseSpec, modelling: &Modelling, warnings: &mut
     }
 }
 
+/// What is wrong with so many edges and texels to a wavelength.
+pub(crate) fn resolution_warnings(asked_points: f64, texels: f64) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if asked_points < FEWEST_POINTS {
+        warnings.push(format!(
+            "remesh.points_per_wavelength asks for {asked_points:.1}: below {FEWEST_POINTS:.0} wrinkles come out several per cent too high; `--quality draft` has 6"
+        ));
+    }
+    if texels < FEWEST_TEXELS {
+        warnings.push(format!(
+            "{texels:.1} texels per wavelength are too few; bake larger maps or enlarge the UV islands"
+        ));
+    }
+    warnings
+}
+
 /// Squares of a wavelength in which a labyrinth has room for several directions.
 const LABYRINTH: f64 = 4.0;
 
 /// Points per wavelength below which a wrinkle is hardly one any more.
 const FEWEST_POINTS: f64 = 5.0;
+
+/// Texels per wavelength below which a map cannot hold it.
+const FEWEST_TEXELS: f64 = 4.0;
 
 /// Which change brings the vertices under the budget.
 fn remedy(plan: &LayerPlan, modelling: &Modelling) -> String {
@@ -718,7 +728,8 @@ fn per_face(
         .collect()
 }
 
-fn uv_density(surface: &BaseSurface, rest: &PosedSurface) -> PerFace<f64> {
+/// Share of the texture's side per metre of every face.
+pub(crate) fn uv_density(surface: &BaseSurface, rest: &PosedSurface) -> PerFace<f64> {
     surface
         .mesh()
         .faces()
@@ -733,7 +744,8 @@ fn uv_density(surface: &BaseSurface, rest: &PosedSurface) -> PerFace<f64> {
         .collect()
 }
 
-fn weighted_quantile(
+/// Value of a field below which so large a share of the faces' weights lies.
+pub(crate) fn weighted_quantile(
     faces: &[FaceId],
     field: &PerFace<f64>,
     weights: &PerFace<f64>,

@@ -23,7 +23,7 @@ fn pressed(shape: ObstacleShape, depth: f64, steps: u32) -> PoseResult {
     }];
     let mut modelling = modelling(6.0);
     modelling.region = top();
-    let plan = plan_body(&driver, &layer(50.0), &body, &modelling).expect("a closed block");
+    let plan = plan_body(&driver, &layer(50.0), &body, &modelling, 1024).expect("a closed block");
     let pose = pose(vec![push("press", Vector3::z() * -depth)], &[1.0], steps);
     simulate_body(&driver, &plan, &pose, &modelling, &mut Silent).expect("a run")
 }

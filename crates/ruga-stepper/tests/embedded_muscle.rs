@@ -41,7 +41,7 @@ fn followed(
 ) -> PoseResult {
     let mut body = free_body(4);
     body.follow = Some(stiffness);
-    let plan = plan_body(driver, &layer(50.0), &body, modelling).expect("a closed bar");
+    let plan = plan_body(driver, &layer(50.0), &body, modelling, 1024).expect("a closed bar");
     let pose = bend(driver, steps);
     simulate_body(driver, &plan, &pose, modelling, observer).expect("a run")
 }
@@ -109,6 +109,36 @@ fn muscles_swing_the_body() {
     assert!(largest(&damped) < 0.0, "{damped:?}");
 }
 
+/// A key between two steps in time divides the step: in steps of 1, 1/2 and 1/2 a body falls by 1, 7/4
+/// and 11/4 of `g h^2`.
+#[test]
+fn a_key_between_two_steps_in_time_divides_the_step() {
+    let driver = bar();
+    let mut body = free_body(4);
+    body.gravity = Vector3::z() * -9.81;
+    let time_step = 0.01;
+    let modelling = Modelling {
+        dynamics: Some(Dynamics {
+            time_step,
+            damping: 0.0,
+        }),
+        ..coarse()
+    };
+    let plan = plan_body(&driver, &layer(50.0), &body, &modelling, 1024).expect("a closed bar");
+    let pose = pose(Vec::new(), &[0.75, 1.0], 2);
+    let run = simulate_body(&driver, &plan, &pose, &modelling, &mut Silent);
+    let result = run.expect("a run");
+    assert!(result.converged && result.frames == 3);
+    for (key, share) in result.keys.iter().zip([1.75, 2.75]) {
+        let way = Vector3::z() * (-9.81 * time_step * time_step * share);
+        let artist = key.artist_positions.as_ref().expect("a body");
+        for (now, rest) in artist.iter().zip(driver.rest()) {
+            let off = (now - rest - way).norm();
+            assert!(off < 1e-5 * way.norm(), "{}", off / way.norm());
+        }
+    }
+}
+
 /// What is handed out fits together, and is the same every time to the last bit.
 #[test]
 fn results_are_whole_and_repeatable() {
@@ -117,7 +147,7 @@ fn results_are_whole_and_repeatable() {
         let mut body = free_body(4);
         body.follow = Some(1e7);
         body.handles = vec![slice("foot", -1.0, 0.01)];
-        let plan = plan_body(&driver, &layer(50.0), &body, &coarse()).expect("a closed bar");
+        let plan = plan_body(&driver, &layer(50.0), &body, &coarse(), 1024).expect("a closed bar");
         let mut pose = bend(&driver, 2);
         pose.pose.keys = vec![0.37, 1.0];
         simulate_body(&driver, &plan, &pose, &coarse(), &mut Silent).expect("a run")
@@ -160,7 +190,7 @@ fn a_free_body_stays_or_goes_where_it_is_pushed() {
         },
     }];
     let modelling = modelling(4.0);
-    let plan = plan_body(&driver, &layer(50.0), &body, &modelling).expect("a closed bar");
+    let plan = plan_body(&driver, &layer(50.0), &body, &modelling, 1024).expect("a closed bar");
     let thickness = layer(50.0).material.thickness;
     let moved = |motions| {
         let pose = pose(motions, &[1.0], 1);
@@ -205,7 +235,7 @@ fn what_does_not_fit_is_named() {
     let planned = |change: &dyn Fn(&mut ruga_stepper::Body)| {
         let mut body = free_body(4);
         change(&mut body);
-        plan_body(&driver, &layer(50.0), &body, &coarse())
+        plan_body(&driver, &layer(50.0), &body, &coarse(), 1024)
     };
     let empty = planned(&|body| body.handles = vec![slice("far", 1.0, 2.0)]);
     assert!(matches!(empty, Err(StepperError::EmptyHandle { handle }) if handle == "far"));

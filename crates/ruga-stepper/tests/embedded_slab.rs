@@ -3,10 +3,12 @@
 mod bodies;
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use bodies::{compression, free_body, layer, modelling, pose, push, slab, slice, top};
 use nalgebra::Vector3;
-use ruga_stepper::{Coupling, PoseResult, Silent, plan_body, simulate_body};
+use ruga_material::{PropertyImage, PropertyMap, Wrap};
+use ruga_stepper::{BodyPlan, Coupling, EdgeLimits, PoseResult, Silent, plan_body, simulate_body};
 
 const SIZE: Vector3<f64> = Vector3::new(0.08, 0.02, 0.02);
 
@@ -24,11 +26,11 @@ fn pushed(coupling: Coupling, points: f64) -> (PoseResult, f64) {
     body.handles = vec![slice("left", -1.0, 0.01), slice("right", 0.07, 1.0)];
     let mut modelling = modelling(points);
     modelling.region = top();
-    let plan = plan_body(&driver, &spec, &body, &modelling).expect("a closed slab");
+    let plan = plan_body(&driver, &spec, &body, &modelling, 1024).expect("a closed slab");
     assert!((plan.wavelength - WAVELENGTH).abs() < 1e-12);
     assert!((plan.critical_strain - CRITICAL).abs() < 1e-8);
     assert_eq!([plan.cells, plan.nodes], [8 * 2 * 2, 10 * 4 * 4]);
-    assert!((plan.edge - plan.wavelength / points).abs() < 1e-12);
+    assert_eq!(plan.points_per_wavelength, points);
     let way = Vector3::x() * (0.03 * 1.8 * plan.critical_strain);
     let motions = vec![push("left", way), push("right", -way)];
     let pose = pose(motions, &[1.0], 2);
@@ -71,4 +73,45 @@ fn rows_alone_buckle_early() {
     let onset = report.onset_load.expect("an onset") * strain / CRITICAL;
     assert!(onset < 0.85, "{onset}");
     assert!(report.constraints > 50);
+}
+
+/// Paint counts where the layer is: half as thick on half of it, it needs 5/2 of the vertices; twice
+/// as thick, fewer and longer cells.
+#[test]
+fn a_plan_knows_the_paint_and_the_limits_of_edges() {
+    let driver = slab(SIZE, [16, 4, 4], |p| p);
+    let planned = |range: Option<[f64; 2]>, limits: EdgeLimits| -> BodyPlan {
+        let mut spec = layer(150.0);
+        let paint = |range| {
+            let values = (0..64).map(|i| if i < 16 { 1.0 } else { 0.0 }).collect();
+            let image = PropertyImage {
+                width: 64,
+                height: 1,
+                values,
+                range,
+            };
+            PropertyMap::new(None, None, Some(image), Wrap::ClampToEdge).expect("a map")
+        };
+        spec.map = range.map(|range| Arc::new(paint(range)));
+        let mut body = free_body(8);
+        body.cells = None;
+        let mut modelling = modelling(8.0);
+        modelling.region = top();
+        modelling.remesh = Some(limits);
+        plan_body(&driver, &spec, &body, &modelling, 1024).expect("a closed slab")
+    };
+    let plain = planned(None, EdgeLimits::default());
+    let thin = planned(Some([0.5, 1.0]), EdgeLimits::default());
+    let more = thin.vertices as f64 / plain.vertices as f64;
+    assert!((2.4..2.6).contains(&more), "{more}");
+    assert_eq!(thin.cells_along, plain.cells_along);
+    let thick = planned(Some([1.0, 2.0]), EdgeLimits::default());
+    assert!(thick.cells_along < plain.cells_along);
+    let max_edge = 0.5 * WAVELENGTH / 8.0;
+    let limits = EdgeLimits {
+        max_edge,
+        ..EdgeLimits::default()
+    };
+    let more = planned(None, limits).vertices as f64 / plain.vertices as f64;
+    assert!((3.95..4.05).contains(&more), "{more}");
 }

@@ -172,7 +172,7 @@ impl Cushion {
 
     fn plan(&self, driver: &Driver, modelling: &Modelling) -> Result<BodyPlan, Box<dyn Error>> {
         let layer = skin_of(self.materials(), self.coupling);
-        Ok(plan_body(driver, &layer, &self.body(), modelling)?)
+        Ok(plan_body(driver, &layer, &self.body(), modelling, 1024)?)
     }
 
     pub(super) fn body(&self) -> Body {

@@ -137,6 +137,7 @@ impl Slab {
             &skin_of(self.materials(), self.coupling),
             &self.body(),
             &modelling,
+            1024,
         )?;
         let pose = BodyPose {
             pose: PoseSpec {

@@ -28,7 +28,7 @@ pub(super) fn print(project: &Project, plan: &BodyPlan) {
                 pose.name.clone(),
                 project.layers[0].name.clone(),
                 plan.vertices.to_string(),
-                number(plan.wavelength / plan.edge, 1, ""),
+                number(plan.points_per_wavelength, 1, ""),
                 pose.steps.to_string(),
                 duration(seconds * f64::from(pose.steps)),
                 memory(bytes),
@@ -108,7 +108,7 @@ pub(super) fn json(project: &Project, plan: &BodyPlan) -> String {
             wavelength_m: plan.wavelength,
             critical_strain: plan.critical_strain,
             vertices: plan.vertices,
-            points_per_wavelength: plan.wavelength / plan.edge,
+            points_per_wavelength: plan.points_per_wavelength,
         },
         poses: (project.poses.iter())
             .map(|pose| PoseJson {

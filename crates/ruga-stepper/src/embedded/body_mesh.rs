@@ -27,9 +27,8 @@ pub(super) fn meshes(
         critical_strain: local.wrinkling.critical_strain,
         poisson: plan.spec.material.poisson,
     };
-    let edges = plan.edge / plan.wavelength;
     let edge = |local: &LocalSkin| {
-        let edge = edges * local.wrinkling.wavelength;
+        let edge = local.wrinkling.wavelength / plan.points_per_wavelength;
         edge.clamp(limits.min_edge, limits.max_edge)
     };
     let longest: Vec<f64> = properties.vertices.iter().map(edge).collect();

@@ -19,6 +19,7 @@ mod obstacle;
 mod prediction;
 mod run;
 mod system;
+mod waves;
 
 #[cfg(test)]
 mod tests;

@@ -12,6 +12,8 @@ use super::carrier::Carrier;
 use super::handles::HeldNodes;
 use super::lattice_size::lattice_warnings;
 use super::obstacle::{self, distance};
+use super::waves::Waves;
+use crate::plan::resolution_warnings;
 use crate::skin_mesh::{check_boundaries, sharp_map};
 use crate::{Body, LayerSpec, Modelling, Region, StepperError};
 
@@ -31,9 +33,9 @@ pub struct BodyPlan {
     pub wavelength: f64,
     /// Critical strain.
     pub critical_strain: f64,
-    /// Length of the layer's edges, m: the share of a wavelength that is asked for, or as much
-    /// longer as the vertex budget needs.
-    pub edge: f64,
+    /// Edges of the layer's mesh to every wavelength: those asked for, or as many as the vertex budget
+    /// leaves. Limits of edges change them where they must.
+    pub points_per_wavelength: f64,
     /// Vertices of the layer, estimated.
     pub vertices: usize,
     /// Lattice elements.
@@ -75,7 +77,8 @@ impl BodyPlan {
 /// for the interior at the scale of the wrinkles, which the lattice does not resolve, and
 /// [`Body::material`] for it at the scale of the body: the two are meant to be the same stuff. A
 /// lattice without a number of cells has as many as let the body bend, as long as they are longer than
-/// its waves.
+/// its waves. A map of the layer counts everywhere, but for a twentieth of the area with the shortest
+/// waves and one with the longest. `map_size` (texels) is only for the warning about too small a map.
 ///
 /// # Errors
 /// A bad material, a black mask, a surface that does not enclose a body, a handle without cells,
@@ -85,6 +88,7 @@ pub fn plan_body(
     layer: &LayerSpec,
     body: &Body,
     modelling: &Modelling,
+    map_size: u32,
 ) -> Result<BodyPlan, StepperError> {
     let numbers = wrinkling(&layer.material, &layer.substrate, layer.model);
     let numbers = numbers.map_err(|source| StepperError::Material {
@@ -94,31 +98,35 @@ pub fn plan_body(
     check(body)?;
     body.obstacles.iter().try_for_each(obstacle::check)?;
     let faces = covered_faces(driver, modelling)?;
-    let carrier = Carrier::new(driver, body, numbers.wavelength, modelling.smoothing)?;
+    let asked = modelling.points_per_wavelength;
+    let faces_of = (driver, faces.as_slice());
+    let levels = levels_for(faces_of, numbers.wavelength / asked, modelling);
+    let seen = (levels, modelling.smoothing);
+    let waves = Waves::new(driver, &faces, (layer, &numbers), seen)?;
+    let carrier = Carrier::new(driver, body, waves.longest(), modelling.smoothing)?;
     let held = HeldNodes::new(&carrier.lattice, &body.handles)?;
-    let asked = numbers.wavelength / modelling.points_per_wavelength;
-    let mesh = LayerMesh::new(driver, &faces, asked, modelling);
+    let mesh = LayerMesh::new(faces_of, &waves, modelling);
     if sharp_map(layer).is_some() {
         let surface = BaseSurface::new(driver, &faces, mesh.levels, modelling.smoothing);
         check_boundaries(driver, &surface, layer)?;
     }
     let lattice = &carrier.lattice;
-    let mut warnings = lattice_warnings(&carrier, body, numbers.wavelength);
+    let mut warnings = lattice_warnings(&carrier, body, waves.longest());
     let covered = (faces.len(), layer.material.thickness);
     warnings.extend(obstacle_warnings(driver, body, covered));
-    if mesh.edge > WORTH_TELLING * asked {
-        warnings.push(format!(
-            "layer '{}': the vertex budget of {} leaves {:.1} points per wavelength of {} asked for",
-            layer.name,
-            modelling.vertex_budget,
-            numbers.wavelength / mesh.edge,
-            modelling.points_per_wavelength
-        ));
+    let of_layer = |text: String| format!("layer '{}': {text}", layer.name);
+    let resolution = resolution_warnings(asked, waves.texels(map_size));
+    warnings.extend(resolution.into_iter().map(of_layer));
+    if asked > WORTH_TELLING * mesh.points {
+        warnings.push(of_layer(format!(
+            "the vertex budget of {} leaves {:.1} points per wavelength of {asked} asked for",
+            modelling.vertex_budget, mesh.points,
+        )));
     }
     Ok(BodyPlan {
         wavelength: numbers.wavelength,
         critical_strain: numbers.critical_strain,
-        edge: mesh.edge,
+        points_per_wavelength: mesh.points,
         vertices: mesh.vertices,
         cells: lattice.element_count(),
         cells_along: carrier.cells,
@@ -199,50 +207,68 @@ fn covered_faces(driver: &Driver, modelling: &Modelling) -> Result<Vec<FaceId>, 
 
 /// How fine the layer's mesh will be.
 struct LayerMesh {
-    edge: f64,
+    /// Edges per wavelength.
+    points: f64,
     vertices: usize,
     levels: u32,
 }
 
 impl LayerMesh {
-    fn new(driver: &Driver, faces: &[FaceId], asked: f64, modelling: &Modelling) -> Self {
-        let (mut area, mut edges) = (0.0, Vec::new());
-        for face in faces {
-            let [a, b, c] = driver.topology().faces()[*face].map(|v| driver.rest()[v.index()]);
-            area += 0.5 * (b - a).cross(&(c - a)).norm();
-            edges.extend([(b - a).norm(), (c - b).norm(), (a - c).norm()]);
-        }
-        edges.sort_by(f64::total_cmp);
-        let quantile = |percent: usize| edges[(edges.len() - 1) * percent / 100];
-        let (median, long) = (quantile(50), quantile(95));
-        let budget = modelling.vertex_budget as f64;
-        let shown = match modelling.remesh {
-            Some(_) => HANDED_OUT * budget,
-            None => budget,
-        };
-        let is_coarse = |levels: u32| {
-            let split = f64::from(1u32 << levels);
-            median / split > 1.1 * asked || long / split > 1.65 * asked
-        };
-        let vertices_at = |levels: u32| 0.5 * faces.len() as f64 * 4f64.powi(levels as i32);
-        let mut levels = 0;
-        while is_coarse(levels) && levels < MAX_LEVELS && vertices_at(levels + 1) <= shown {
-            levels += 1;
-        }
-        if modelling.remesh.is_none() {
+    fn new(faces: (&Driver, &[FaceId]), waves: &Waves, modelling: &Modelling) -> Self {
+        let asked = modelling.points_per_wavelength;
+        let levels = levels_for(faces, waves.shortest() / asked, modelling);
+        let Some(limits) = modelling.remesh else {
+            let [median, _] = edges(faces);
             return Self {
-                edge: median / f64::from(1u32 << levels),
-                vertices: vertices_at(levels) as usize,
+                points: waves.shortest() * f64::from(1u32 << levels) / median,
+                vertices: vertices_at(faces.1.len(), levels) as usize,
                 levels,
             };
-        }
-        // Of equilateral triangles.
-        let needed = area / (0.75f64.sqrt() * asked * asked);
-        let coarseness = (needed / budget).sqrt().max(1.0);
+        };
+        let needed = waves.vertices(asked, &limits);
+        let coarseness = (needed / modelling.vertex_budget as f64).sqrt().max(1.0);
         Self {
-            edge: asked * coarseness,
+            points: asked / coarseness,
             vertices: (needed / (coarseness * coarseness)) as usize,
             levels,
         }
     }
+}
+
+/// Median and long edges of the faces, m.
+fn edges((driver, faces): (&Driver, &[FaceId])) -> [f64; 2] {
+    let mut edges = Vec::new();
+    for face in faces {
+        let [a, b, c] = driver.topology().faces()[*face].map(|v| driver.rest()[v.index()]);
+        edges.extend([(b - a).norm(), (c - b).norm(), (a - c).norm()]);
+    }
+    edges.sort_by(f64::total_cmp);
+    [50, 95].map(|percent| edges[(edges.len() - 1) * percent / 100])
+}
+
+fn vertices_at(faces: usize, levels: u32) -> f64 {
+    0.5 * faces as f64 * 4f64.powi(levels as i32)
+}
+
+/// Times that the faces are split in four for edges as long as asked for (m), or as far as the vertex
+/// budget goes.
+fn levels_for(faces: (&Driver, &[FaceId]), asked: f64, modelling: &Modelling) -> u32 {
+    let [median, long] = edges(faces);
+    let budget = modelling.vertex_budget as f64;
+    let shown = match modelling.remesh {
+        Some(_) => HANDED_OUT * budget,
+        None => budget,
+    };
+    let is_coarse = |levels: u32| {
+        let split = f64::from(1u32 << levels);
+        median / split > 1.1 * asked || long / split > 1.65 * asked
+    };
+    let mut levels = 0;
+    while is_coarse(levels)
+        && levels < MAX_LEVELS
+        && vertices_at(faces.1.len(), levels + 1) <= shown
+    {
+        levels += 1;
+    }
+    levels
 }
