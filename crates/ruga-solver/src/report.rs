@@ -73,8 +73,9 @@ pub struct NewtonSettings {
     /// there already and only moved does not need it. In [0, 1]; 0, the default, searches.
     pub first_relaxation: f64,
     /// Whether a step that the energy would shorten is taken whole, and kept if the next one ends
-    /// lower than the shortened one. Saves half of the iterations where obstacles push from one side
-    /// only. Default: no, and the shortened step is bent.
+    /// lower than the shortened one. Saves iterations where obstacles push from one side only: a
+    /// sixth for a cushion that lands and is pressed, a third in the step in which it lands. Default:
+    /// no, and the shortened step is bent.
     pub overshoot: bool,
     /// Seed of the vectors that negative curvature is searched from. Default 1.
     pub seed: u64,

@@ -26,7 +26,7 @@ use crate::{
 const TURNED: f64 = 1e-3;
 
 /// Newton decrement over the energy scale from which on an equilibrium is near: with a tenth of it a
-/// pressed cushion took 4 % less in equilibria, and 14 % more in motion.
+/// cushion that is thrown and pressed took 14 % more factorisations.
 const NEAR: f64 = 0.1;
 
 /// Halvings of a step in time before it counts as impossible.
