@@ -46,9 +46,9 @@ const SADDLE_ITERATIONS: usize = 5;
 ///
 /// `H` is [`kkt.rows()`](Kkt::rows). `x` may start infeasible: the first step restores the
 /// constraints at full length with the least elastic energy, then every step stays within
-/// `H p = 0` and is shortened until the energy falls. Where the Hessian is indefinite on that
-/// space, only the compressive stress stiffness is relaxed, and the direction of negative
-/// curvature is searched as well; the solve stops as converged only where the exact Hessian has
+/// `H p = 0` and is shortened until the energy falls, or with [`NewtonSettings::overshoot`] every two.
+/// Where the Hessian is indefinite on that space, only what the objective relaxes is left out, such as
+/// the compressive stress stiffness, and the direction of negative curvature is searched as well; the solve stops as converged only where the exact Hessian has
 /// the inertia of a minimum. So it is unless [`NewtonSettings::descent`] asks for the papers' way.
 /// `keep_going` sees every iteration and ends the solve by returning
 /// `false`. Same input, same bits.
@@ -76,7 +76,11 @@ pub fn minimise(
         return descend_residual(objective, rhs, x, kkt, settings, keep_going);
     }
     let mut newton = Newton::new(objective, rhs, kkt, settings)?;
-    let stop = match newton.run(x, keep_going) {
+    let ending = newton.run(x, keep_going);
+    if let Some(overshot) = newton.overshot.take() {
+        newton.go_back(x, &overshot);
+    }
+    let stop = match ending {
         Err(SolverError::Breakdown { .. }) => StopRule::Breakdown,
         other => other?,
     };
@@ -179,7 +183,7 @@ impl<'a> Newton<'a> {
             let iteration = self.linearise(index, x, energy)?;
             if let Some(overshot) = self.overshot.take() {
                 self.report.iterations = index + 1;
-                self.redeem(x, energy, overshot);
+                self.redeem(x, energy, &overshot);
                 if !keep_going(&iteration) {
                     return Ok(StopRule::Interrupted);
                 }
@@ -409,16 +413,10 @@ impl<'a> Newton<'a> {
         let is_bent = iteration.inertia.is_some() && !at_saddle;
         let is_last = iteration.index + 1 == self.settings.max_iterations;
         let newton = match newton {
-            Some(accepted)
-                if is_bent
-                    && self.settings.overshoot
-                    && accepted.length < SHORT
-                    && !is_last
-                    && self.overshoot(x, accepted) =>
-            {
-                return Ok(true);
-            }
             Some(accepted) if is_bent && (LEAST..SHORT).contains(&accepted.length) => {
+                if self.settings.overshoot && !is_last && self.overshoot(x, accepted) {
+                    return Ok(true);
+                }
                 Some(self.bend(x, accepted)?)
             }
             other => other.map(|accepted| accepted.energy),

@@ -74,8 +74,8 @@ pub struct NewtonSettings {
     pub first_relaxation: f64,
     /// Whether a step that the energy would shorten is taken whole, and kept if the next one ends
     /// lower than the shortened one. Saves iterations where obstacles push from one side only: a
-    /// sixth for a cushion that lands and is pressed, a third in the step in which it lands. Default:
-    /// no, and the shortened step is bent.
+    /// third in the step in which a cushion lands. Default: no, and the shortened step is bent. Only
+    /// factorisations know where it is worth while.
     pub overshoot: bool,
     /// Seed of the vectors that negative curvature is searched from. Default 1.
     pub seed: u64,

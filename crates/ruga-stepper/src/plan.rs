@@ -19,7 +19,7 @@ use crate::{Coupling, EdgeLimits, LayerSpec, Modelling, PoseSpec, Region, Stack,
 
 /// Faces of the planning surface above which it is not subdivided further: on a face of 18 thousand
 /// triangles a million say the same areas as 300 thousand to 1 %, in five times the time.
-const MAX_PLANNING_FACES: usize = 400_000;
+pub(crate) const MAX_PLANNING_FACES: usize = 400_000;
 /// Splits of one face in four; ten make a metre a millimetre.
 const MAX_LEVELS: u32 = 10;
 /// Base edges stay below this share of the wavelength, or the artist's facets imprint.

@@ -30,7 +30,7 @@ fn pushed(coupling: Coupling, points: f64) -> (PoseResult, f64) {
     assert!((plan.wavelength - WAVELENGTH).abs() < 1e-12);
     assert!((plan.critical_strain - CRITICAL).abs() < 1e-8);
     assert_eq!([plan.cells, plan.nodes], [8 * 2 * 2, 10 * 4 * 4]);
-    assert_eq!(plan.points_per_wavelength, points);
+    assert!((plan.points_per_wavelength / points - 1.0).abs() < 1e-12);
     let way = Vector3::x() * (0.03 * 1.8 * plan.critical_strain);
     let motions = vec![push("left", way), push("right", -way)];
     let pose = pose(motions, &[1.0], 2);
@@ -80,7 +80,7 @@ fn rows_alone_buckle_early() {
 #[test]
 fn a_plan_knows_the_paint_and_the_limits_of_edges() {
     let driver = slab(SIZE, [16, 4, 4], |p| p);
-    let planned = |range: Option<[f64; 2]>, limits: EdgeLimits| -> BodyPlan {
+    let planned_with = |range: Option<[f64; 2]>, limits, (budget, map_size)| -> BodyPlan {
         let mut spec = layer(150.0);
         let paint = |range| {
             let values = (0..64).map(|i| if i < 16 { 1.0 } else { 0.0 }).collect();
@@ -98,8 +98,10 @@ fn a_plan_knows_the_paint_and_the_limits_of_edges() {
         let mut modelling = modelling(8.0);
         modelling.region = top();
         modelling.remesh = Some(limits);
-        plan_body(&driver, &spec, &body, &modelling, 1024).expect("a closed slab")
+        modelling.vertex_budget = budget;
+        plan_body(&driver, &spec, &body, &modelling, map_size).expect("a closed slab")
     };
+    let planned = |range, limits| planned_with(range, limits, (100_000, 1024));
     let plain = planned(None, EdgeLimits::default());
     let thin = planned(Some([0.5, 1.0]), EdgeLimits::default());
     let more = thin.vertices as f64 / plain.vertices as f64;
@@ -112,6 +114,32 @@ fn a_plan_knows_the_paint_and_the_limits_of_edges() {
         max_edge,
         ..EdgeLimits::default()
     };
-    let more = planned(None, limits).vertices as f64 / plain.vertices as f64;
+    let fine = planned(None, limits);
+    let more = fine.vertices as f64 / plain.vertices as f64;
     assert!((3.95..4.05).contains(&more), "{more}");
+    assert!((fine.points_per_wavelength - 16.0).abs() < 1e-9);
+    assert!(fine.warnings.is_empty(), "{:?}", fine.warnings);
+
+    // Edges twice as long by the budget, twice as long by their limit, and a map of few texels.
+    let warned = |plan: &BodyPlan, text: &str| plan.warnings.iter().any(|w| w.contains(text));
+    let short = planned_with(None, EdgeLimits::default(), (plain.vertices / 4, 1024));
+    assert!((short.points_per_wavelength - 4.0).abs() < 0.1);
+    assert!(warned(&short, "vertex budget"), "{:?}", short.warnings);
+    let limits = EdgeLimits {
+        min_edge: 2.0 * WAVELENGTH / 8.0,
+        ..EdgeLimits::default()
+    };
+    let coarse = planned(None, limits);
+    assert!((coarse.points_per_wavelength - 4.0).abs() < 1e-9);
+    assert!(
+        warned(&coarse, "shortest edge of 2.50 mm"),
+        "{:?}",
+        coarse.warnings
+    );
+    let small = planned_with(None, EdgeLimits::default(), (100_000, 16));
+    assert!(
+        warned(&small, "texels per wavelength"),
+        "{:?}",
+        small.warnings
+    );
 }

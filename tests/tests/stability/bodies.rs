@@ -37,7 +37,7 @@ fn thrown((descent, linear): Method, time_step: f64) -> Thrown {
 }
 
 /// Where nothing stands still, inertia leaves no saddle to end on: the papers' methods find the same
-/// motion, in more Newton steps.
+/// motion, in more than twice as many Newton steps.
 #[test]
 fn t19_thrown() {
     let test = "T19 cushion dropped and pressed, dt .005 to .05 s";
@@ -55,7 +55,7 @@ fn t19_thrown() {
             );
         }
         let energy = theirs.report.energy / ours.report.energy - 1.0;
-        assert!(energy.abs() < 1e-2, "{energy}");
+        assert!(energy.abs() < 1e-3, "{energy}");
     };
     let residual = time_steps.map(|step| thrown(RESIDUAL, step));
     for (ours, theirs) in ours.iter().zip(&residual) {
@@ -70,7 +70,7 @@ fn t19_thrown() {
     let iterated = thrown(minres(Descent::Residual), time_steps[2]);
     same(&ours[2], &iterated);
     let times = iterations(&[&iterated]) as f64 / iterations(&[&ours[2]]) as f64;
-    assert!(times > 1.0, "{times}");
+    assert!(times > 1.8, "{times}");
     let numbers = format!("dt .05 alone: the same motion in {times:.1} times as many Newton steps");
     table_line(test, "papers: both", Finding::Holds, &numbers);
     let frames: usize = ours.iter().map(|run| run.frames).sum();

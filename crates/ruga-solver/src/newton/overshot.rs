@@ -33,12 +33,20 @@ impl Newton<'_> {
     }
 
     /// Takes the step after a whole one, or goes back to the shortened one if that ends lower.
-    pub(super) fn redeem(&mut self, x: &mut [f64], energy: f64, overshot: Overshot) {
+    pub(super) fn redeem(&mut self, x: &mut [f64], energy: f64, overshot: &Overshot) {
         let slope = dot(&self.gradient, &self.step);
         let (step, trial) = (&self.step, &mut self.trial);
         match line_search(self.objective, x, energy, step, slope, trial) {
-            Some(accepted) if accepted.energy < overshot.energy => x.copy_from_slice(&self.trial),
-            _ => x.copy_from_slice(&overshot.shortened),
+            Some(accepted) if accepted.energy < overshot.energy => {
+                x.copy_from_slice(&self.trial);
+                self.report.energy = accepted.energy;
+            }
+            _ => self.go_back(x, overshot),
         }
+    }
+
+    pub(super) fn go_back(&mut self, x: &mut [f64], overshot: &Overshot) {
+        x.copy_from_slice(&overshot.shortened);
+        self.report.energy = overshot.energy;
     }
 }

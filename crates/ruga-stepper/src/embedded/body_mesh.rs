@@ -28,7 +28,7 @@ pub(super) fn meshes(
         poisson: plan.spec.material.poisson,
     };
     let edge = |local: &LocalSkin| {
-        let edge = local.wrinkling.wavelength / plan.points_per_wavelength;
+        let edge = local.wrinkling.wavelength / modelling.points_per_wavelength;
         edge.clamp(limits.min_edge, limits.max_edge)
     };
     let longest: Vec<f64> = properties.vertices.iter().map(edge).collect();

@@ -4,10 +4,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::obstacle::PlacedObstacle;
 
-/// Where the obstacle begins to push, in thicknesses of the layer: so close that what touches is on the
-/// straight part of the pressure, whose stiffness a step foresees. From a twentieth on, where all that
-/// touches is on the bent part, a step in time took 7 iterations instead of 5.
-const REACH: f64 = 0.0005;
+/// Where the obstacle begins to push, in thicknesses of the layer.
+const REACH: f64 = 0.05;
 
 /// Way into an obstacle, in thicknesses, for which the pressure grows by Young's modulus: of the
 /// interior, which bears no more than a part of that, and of the layer, which is bent around edges
@@ -35,8 +33,6 @@ pub(crate) struct Contact {
     stiffness: f64,
     /// m.
     reach: f64,
-    /// Whether the curvature of obstacles counts.
-    is_near: bool,
 }
 
 impl Contact {
@@ -50,13 +46,7 @@ impl Contact {
             obstacles,
             stiffness: (interior / GIVE[0] + layer / GIVE[1]) / thickness,
             reach: REACH * thickness,
-            is_near: false,
         }
-    }
-
-    /// The same close to an equilibrium, or not.
-    pub(crate) fn near(self, is_near: bool) -> Self {
-        Self { is_near, ..self }
     }
 
     /// J, for vertices with these areas (m²).
@@ -79,28 +69,21 @@ impl Contact {
         sum
     }
 
-    /// The energy's second derivative at a vertex, and that part of it which only stiffens; `None`
-    /// where nothing touches, N/m.
+    /// The energy's second derivative at a vertex without that of the distance; `None` where nothing
+    /// touches, N/m.
     ///
-    /// A curved obstacle takes stiffness away, the pressure times its curvature. [Near](Self::near) an
-    /// equilibrium that counts: without it Newton's method converges by a half to two thirds a step where
-    /// a layer is bent around a rim. At the beginning of a step, with vertices as deep inside as the
-    /// obstacle has moved, it is a thousand times as much, and every iteration would look for an
-    /// instability that is none.
-    pub(crate) fn hessian(&self, x: &Vector3<f64>, area: f64) -> Option<[Matrix3<f64>; 2]> {
+    /// What is left out is the pressure times the obstacle's curvature. In equilibrium it is little;
+    /// at the beginning of a step, with vertices as deep inside as the obstacle has moved, it is a
+    /// thousand times as much, and every iteration would look for an instability that is none.
+    pub(crate) fn hessian(&self, x: &Vector3<f64>, area: f64) -> Option<Matrix3<f64>> {
         let mut sum = None;
         for obstacle in &self.obstacles {
             let distance = obstacle.distance(x);
-            let [_, pressure, bend] = self.pressure(distance.value);
-            if pressure > 0.0 {
+            let [_, slope, bend] = self.pressure(distance.value);
+            if slope > 0.0 {
                 let normal = distance.gradient;
                 let stiff = normal * normal.transpose() * (area * bend);
-                let soft = match self.is_near {
-                    true => distance.curvature * (area * pressure),
-                    false => Matrix3::zeros(),
-                };
-                let [exact, relaxed] = sum.unwrap_or_else(|| [Matrix3::zeros(); 2]);
-                sum = Some([exact + stiff - soft, relaxed + stiff]);
+                sum = Some(sum.unwrap_or_else(Matrix3::zeros) + stiff);
             }
         }
         sum

@@ -212,10 +212,9 @@ impl<'p> EmbeddedLayer<'p> {
     }
 
     /// Finds the equilibrium near the present state, or the end of a step in time, and moves there.
-    /// Whether the present state `is_near` it decides on the [Hessian of contact](Contact::hessian).
     pub(crate) fn minimise(
         &mut self,
-        (inertia, is_near): (Option<BodyInertia>, bool),
+        inertia: Option<BodyInertia>,
         settings: &NewtonSettings,
         keep_going: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Result<SolveReport, SolverError> {
@@ -224,10 +223,6 @@ impl<'p> EmbeddedLayer<'p> {
             self.constant = None;
         }
         let moment = self.moment(inertia);
-        let moment = Moment {
-            contact: moment.contact.clone().near(is_near),
-            ..moment
-        };
         let targets = self.system.row_targets(&self.state.q);
         let mut unknowns = self.unknowns();
         let objective = BodyObjective {

@@ -174,9 +174,9 @@ impl Objective for BodyObjective<'_> {
             }
         }
         for (vertex, (x, area)) in state.x.iter().zip(&system.areas).enumerate() {
-            if let Some(blocks) = moment.contact.hessian(x, *area) {
-                for (values, block) in both.iter_mut().zip(&blocks) {
-                    layout.add_vertex(vertex, block, values);
+            if let Some(block) = moment.contact.hessian(x, *area) {
+                for values in &mut both {
+                    layout.add_vertex(vertex, &block, values);
                 }
             }
         }

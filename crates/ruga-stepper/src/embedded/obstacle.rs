@@ -1,6 +1,6 @@
 //! How far a point is from a rigid thing, and how that changes.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use super::handles::Placement;
 use crate::{Obstacle, ObstacleShape, StepperError};
@@ -8,15 +8,13 @@ use crate::{Obstacle, ObstacleShape, StepperError};
 /// Radius of a button's rim over its own.
 const RIM: f64 = 0.1;
 
-/// Signed distance to a surface with its derivatives; negative inside.
+/// Signed distance to a surface with its derivative; negative inside.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Distance {
     /// m.
     pub(crate) value: f64,
     /// Unit, away from the obstacle.
     pub(crate) gradient: Vector3<f64>,
-    /// Second derivative: the curvature of the surface through the point, 1/m.
-    pub(crate) curvature: Matrix3<f64>,
 }
 
 /// An obstacle where it is now.
@@ -29,11 +27,9 @@ pub(crate) struct PlacedObstacle {
 impl PlacedObstacle {
     pub(crate) fn distance(&self, x: &Vector3<f64>) -> Distance {
         let own = distance(&self.shape, &self.placement.pull_back(x));
-        let turn = self.placement.rotation();
         Distance {
             value: own.value,
-            gradient: turn * own.gradient,
-            curvature: turn * own.curvature * turn.inverse(),
+            gradient: self.placement.rotation() * own.gradient,
         }
     }
 }
@@ -79,7 +75,6 @@ pub(crate) fn distance(shape: &ObstacleShape, x: &Vector3<f64>) -> Distance {
             Distance {
                 value: gradient.dot(&(x - point)),
                 gradient,
-                curvature: Matrix3::zeros(),
             }
         }
         ObstacleShape::Sphere { centre, radius } => {
@@ -87,7 +82,6 @@ pub(crate) fn distance(shape: &ObstacleShape, x: &Vector3<f64>) -> Distance {
             Distance {
                 value: length - radius,
                 gradient,
-                curvature: (Matrix3::identity() - gradient * gradient.transpose()) / length,
             }
         }
         ObstacleShape::Cylinder { from, to, radius } => button([from, to], *radius, x),
@@ -105,22 +99,17 @@ fn button([from, to]: [&Vector3<f64>; 2], radius: f64, x: &Vector3<f64>) -> Dist
     let (reach, outward) = direction(&(arm - axis * height), &any_normal(&axis));
     let along = axis * height.signum();
     let [out, up] = [reach - (radius - rim), height.abs() - (half - rim)];
-    let around = axis.cross(&outward);
-    let around = around * around.transpose() / reach;
-    let (value, gradient, curvature) = if out > 0.0 && up > 0.0 {
+    let (value, gradient) = if out > 0.0 && up > 0.0 {
         let length = out.hypot(up);
-        let across = (outward * up - along * out) / length;
-        let rounded = across * across.transpose() / length + around * (out / length);
-        (length, (outward * out + along * up) / length, rounded)
+        (length, (outward * out + along * up) / length)
     } else if out > up {
-        (out, outward, around)
+        (out, outward)
     } else {
-        (up, along, Matrix3::zeros())
+        (up, along)
     };
     Distance {
         value: value - rim,
         gradient,
-        curvature,
     }
 }
 
@@ -145,10 +134,10 @@ fn any_normal(axis: &Vector3<f64>) -> Vector3<f64> {
 mod tests {
     use super::*;
 
-    /// The derivatives of every shape against differences, outside and in, on all parts of a button;
+    /// The gradient of every shape against differences, outside and in, on all parts of a button;
     /// and the surface is where it is said to be.
     #[test]
-    fn distances_have_their_derivatives() {
+    fn distances_have_their_gradients() {
         let v = Vector3::new;
         let shapes = [
             ObstacleShape::Plane {
@@ -182,9 +171,6 @@ mod tests {
                     let [up, down] = [x + way, x - way].map(|p| distance(shape, &p));
                     let slope = (up.value - down.value) / (2.0 * step);
                     assert!((slope - here.gradient[axis]).abs() < 1e-8, "{shape:?} {x}");
-                    let bend = (up.gradient - down.gradient) / (2.0 * step);
-                    let error = (bend - here.curvature.column(axis)).norm();
-                    assert!(error < 1e-7, "{shape:?} {x}");
                 }
             }
         }

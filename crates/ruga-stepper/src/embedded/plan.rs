@@ -13,7 +13,7 @@ use super::handles::HeldNodes;
 use super::lattice_size::lattice_warnings;
 use super::obstacle::{self, distance};
 use super::waves::Waves;
-use crate::plan::resolution_warnings;
+use crate::plan::{MAX_PLANNING_FACES, resolution_warnings};
 use crate::skin_mesh::{check_boundaries, sharp_map};
 use crate::{Body, LayerSpec, Modelling, Region, StepperError};
 
@@ -33,8 +33,8 @@ pub struct BodyPlan {
     pub wavelength: f64,
     /// Critical strain.
     pub critical_strain: f64,
-    /// Edges of the layer's mesh to every wavelength: those asked for, or as many as the vertex budget
-    /// leaves. Limits of edges change them where they must.
+    /// Edges of the layer's mesh to its shortest waves: those asked for, or as many as the vertex budget
+    /// and the limits of edges leave.
     pub points_per_wavelength: f64,
     /// Vertices of the layer, estimated.
     pub vertices: usize,
@@ -99,15 +99,25 @@ pub fn plan_body(
     body.obstacles.iter().try_for_each(obstacle::check)?;
     let faces = covered_faces(driver, modelling)?;
     let asked = modelling.points_per_wavelength;
-    let faces_of = (driver, faces.as_slice());
-    let levels = levels_for(faces_of, numbers.wavelength / asked, modelling);
-    let seen = (levels, modelling.smoothing);
-    let waves = Waves::new(driver, &faces, (layer, &numbers), seen)?;
+    let lengths = edges(driver, &faces);
+    let needed = |wavelength: f64| needed_levels(lengths, faces.len(), wavelength, modelling);
+    // Without paint waves are the same everywhere.
+    let seen = match layer.map {
+        Some(_) => needed(numbers.wavelength).min(readable_levels(faces.len())),
+        None => 0,
+    };
+    let waves = Waves::new(
+        driver,
+        &faces,
+        (layer, &numbers),
+        (seen, modelling.smoothing),
+    )?;
     let carrier = Carrier::new(driver, body, waves.longest(), modelling.smoothing)?;
     let held = HeldNodes::new(&carrier.lattice, &body.handles)?;
-    let mesh = LayerMesh::new(faces_of, &waves, modelling);
+    let levels = needed(waves.shortest());
+    let mesh = LayerMesh::new((lengths[0], faces.len(), levels), &waves, modelling);
     if sharp_map(layer).is_some() {
-        let surface = BaseSurface::new(driver, &faces, mesh.levels, modelling.smoothing);
+        let surface = BaseSurface::new(driver, &faces, levels, modelling.smoothing);
         check_boundaries(driver, &surface, layer)?;
     }
     let lattice = &carrier.lattice;
@@ -119,8 +129,8 @@ pub fn plan_body(
     warnings.extend(resolution.into_iter().map(of_layer));
     if asked > WORTH_TELLING * mesh.points {
         warnings.push(of_layer(format!(
-            "the vertex budget of {} leaves {:.1} points per wavelength of {asked} asked for",
-            modelling.vertex_budget, mesh.points,
+            "{} leaves {:.1} points per wavelength of {asked} asked for",
+            mesh.limit, mesh.points,
         )));
     }
     Ok(BodyPlan {
@@ -138,7 +148,7 @@ pub fn plan_body(
         body: body.clone(),
         held,
         faces,
-        levels: mesh.levels,
+        levels,
         carrier: Arc::new(carrier),
     })
 }
@@ -207,36 +217,42 @@ fn covered_faces(driver: &Driver, modelling: &Modelling) -> Result<Vec<FaceId>, 
 
 /// How fine the layer's mesh will be.
 struct LayerMesh {
-    /// Edges per wavelength.
+    /// Edges to the shortest waves.
     points: f64,
+    /// What they are limited by, for people.
+    limit: String,
     vertices: usize,
-    levels: u32,
 }
 
 impl LayerMesh {
-    fn new(faces: (&Driver, &[FaceId]), waves: &Waves, modelling: &Modelling) -> Self {
-        let asked = modelling.points_per_wavelength;
-        let levels = levels_for(faces, waves.shortest() / asked, modelling);
+    /// With the faces' median edge (m), their number, and how often they are split where results are
+    /// handed out.
+    fn new((edge, faces, levels): (f64, usize, u32), waves: &Waves, modelling: &Modelling) -> Self {
+        let budget = || format!("the vertex budget of {}", modelling.vertex_budget);
         let Some(limits) = modelling.remesh else {
-            let [median, _] = edges(faces);
             return Self {
-                points: waves.shortest() * f64::from(1u32 << levels) / median,
-                vertices: vertices_at(faces.1.len(), levels) as usize,
-                levels,
+                points: waves.shortest() * f64::from(1u32 << levels) / edge,
+                limit: budget(),
+                vertices: vertices_at(faces, levels) as usize,
             };
         };
+        let asked = modelling.points_per_wavelength;
         let needed = waves.vertices(asked, &limits);
         let coarseness = (needed / modelling.vertex_budget as f64).sqrt().max(1.0);
+        let edge = (waves.shortest() / asked).clamp(limits.min_edge, limits.max_edge);
         Self {
-            points: asked / coarseness,
+            points: waves.shortest() / (edge * coarseness),
+            limit: match coarseness > 1.0 {
+                true => budget(),
+                false => format!("the shortest edge of {:.2} mm", 1e3 * limits.min_edge),
+            },
             vertices: (needed / (coarseness * coarseness)) as usize,
-            levels,
         }
     }
 }
 
 /// Median and long edges of the faces, m.
-fn edges((driver, faces): (&Driver, &[FaceId])) -> [f64; 2] {
+fn edges(driver: &Driver, faces: &[FaceId]) -> [f64; 2] {
     let mut edges = Vec::new();
     for face in faces {
         let [a, b, c] = driver.topology().faces()[*face].map(|v| driver.rest()[v.index()]);
@@ -250,10 +266,21 @@ fn vertices_at(faces: usize, levels: u32) -> f64 {
     0.5 * faces as f64 * 4f64.powi(levels as i32)
 }
 
-/// Times that the faces are split in four for edges as long as asked for (m), or as far as the vertex
-/// budget goes.
-fn levels_for(faces: (&Driver, &[FaceId]), asked: f64, modelling: &Modelling) -> u32 {
-    let [median, long] = edges(faces);
+/// Splits up to which paint is read.
+fn readable_levels(faces: usize) -> u32 {
+    let fits = |levels: &u32| (faces << (2 * levels)) <= MAX_PLANNING_FACES;
+    (1..MAX_LEVELS).take_while(fits).last().unwrap_or(0)
+}
+
+/// Times that so many faces with these edges (median and long, m) are split in four for waves of this
+/// length (m), or as far as the vertex budget goes.
+fn needed_levels(
+    [median, long]: [f64; 2],
+    faces: usize,
+    wavelength: f64,
+    modelling: &Modelling,
+) -> u32 {
+    let asked = wavelength / modelling.points_per_wavelength;
     let budget = modelling.vertex_budget as f64;
     let shown = match modelling.remesh {
         Some(_) => HANDED_OUT * budget,
@@ -264,10 +291,7 @@ fn levels_for(faces: (&Driver, &[FaceId]), asked: f64, modelling: &Modelling) ->
         median / split > 1.1 * asked || long / split > 1.65 * asked
     };
     let mut levels = 0;
-    while is_coarse(levels)
-        && levels < MAX_LEVELS
-        && vertices_at(faces.1.len(), levels + 1) <= shown
-    {
+    while is_coarse(levels) && levels < MAX_LEVELS && vertices_at(faces, levels + 1) <= shown {
         levels += 1;
     }
     levels

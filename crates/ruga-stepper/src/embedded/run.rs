@@ -3,8 +3,8 @@
 use ruga_blend::Driver;
 use ruga_material::CAP_START;
 use ruga_solver::{
-    AtSaddle, Descent, LoadSettings, LoadStepper, NewtonSettings, Outcome, SolveReport, StopRule,
-    Trial, Verdict,
+    AtSaddle, LoadSettings, LoadStepper, NewtonSettings, Outcome, SolveReport, StopRule, Trial,
+    Verdict,
 };
 
 use super::embedded_layer::{BodyState, EmbeddedLayer};
@@ -24,10 +24,6 @@ use crate::{
 /// Angle in rad by which the surface below may have turned since a result whose foundation stands on
 /// its normals: a layer that is a tenth of a wavelength off then moves by a ten-thousandth of one.
 const TURNED: f64 = 1e-3;
-
-/// Newton decrement over the energy scale from which on an equilibrium is near: with a tenth of it a
-/// cushion that is thrown and pressed took 14 % more factorisations.
-const NEAR: f64 = 0.1;
 
 /// Halvings of a step in time before it counts as impossible.
 const HALVINGS: u32 = 4;
@@ -308,7 +304,6 @@ impl<'a> BodyRun<'a> {
         Ok(solve)
     }
 
-    /// Finds an equilibrium, or the end of a step in time; where obstacles touch, roughly at first.
     fn solve(
         &mut self,
         inertia: Option<BodyInertia>,
@@ -316,12 +311,9 @@ impl<'a> BodyRun<'a> {
         load: f64,
         observer: &mut dyn Observer,
     ) -> Result<SolveReport, StepperError> {
-        let Modelling {
-            linear, descent, ..
-        } = *self.modelling;
         let settings = NewtonSettings {
-            linear,
-            descent,
+            linear: self.modelling.linear,
+            descent: self.modelling.descent,
             at_saddle,
             energy_tolerance: match pace {
                 Pace::Result => SETTLED,
@@ -332,42 +324,10 @@ impl<'a> BodyRun<'a> {
                 AtSaddle::Leave => SLOWLY_LESS * self.relaxation,
                 AtSaddle::Stop => 0.0,
             },
-            overshoot: !self.layer.state.obstacles.is_empty(),
+            overshoot: self.layer.is_touched(),
             seed: self.modelling.seed,
             ..NewtonSettings::default()
         };
-        let approach = match descent == Descent::Energy && self.layer.is_touched() {
-            true => {
-                let rough = NewtonSettings {
-                    energy_tolerance: NEAR,
-                    ..settings.clone()
-                };
-                Some(self.minimise((inertia.clone(), false), &rough, load, observer)?)
-            }
-            false => None,
-        };
-        let mut solve = match &approach {
-            Some(approach) if !approach.converged => approach.clone(),
-            _ => self.minimise((inertia, true), &settings, load, observer)?,
-        };
-        if let Some(approach) = approach {
-            solve.left_saddle |= approach.left_saddle;
-            solve.first_relaxation = approach.first_relaxation;
-        }
-        if solve.converged && solve.first_relaxation > 0.0 {
-            self.relaxation = solve.first_relaxation;
-        }
-        self.blind_spot = blind_spot(&solve);
-        Ok(solve)
-    }
-
-    fn minimise(
-        &mut self,
-        how: (Option<BodyInertia>, bool),
-        settings: &NewtonSettings,
-        load: f64,
-        observer: &mut dyn Observer,
-    ) -> Result<SolveReport, StepperError> {
         let vertices = self.report.vertices;
         let mut keep_going = |iteration: &ruga_solver::Iteration| {
             observer.progress(Progress {
@@ -376,8 +336,12 @@ impl<'a> BodyRun<'a> {
                 vertices,
             })
         };
-        let solve = self.layer.minimise(how, settings, &mut keep_going);
+        let solve = self.layer.minimise(inertia, &settings, &mut keep_going);
         let solve = solve.map_err(|source| self.layer.solver_error(source))?;
+        if solve.converged && solve.first_relaxation > 0.0 {
+            self.relaxation = solve.first_relaxation;
+        }
+        self.blind_spot = blind_spot(&solve);
         self.report.take(&solve);
         Ok(solve)
     }
