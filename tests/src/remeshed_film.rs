@@ -52,6 +52,20 @@ pub struct RemeshedSpec {
     pub is_calibrated: bool,
 }
 
+impl RemeshedSpec {
+    /// A film of 5 by 2 wavelengths under three critical strains, as ruga holds it.
+    pub fn wrinkled() -> Self {
+        Self {
+            film: FilmSpec::flat(150.0),
+            waves: [5.0, 2.0],
+            load: 3.0,
+            sampling: Sampling::Quadrature,
+            target: Target::SameRow,
+            is_calibrated: true,
+        }
+    }
+}
+
 /// What a remesh ought not to change.
 #[derive(Clone, Copy, Debug)]
 pub struct WrinkledState {

@@ -48,10 +48,10 @@ const SADDLE_ITERATIONS: usize = 5;
 /// constraints at full length with the least elastic energy, then every step stays within
 /// `H p = 0` and is shortened until the energy falls, or with [`NewtonSettings::overshoot`] every two.
 /// Where the Hessian is indefinite on that space, only what the objective relaxes is left out, such as
-/// the compressive stress stiffness, and the direction of negative curvature is searched as well; the solve stops as converged only where the exact Hessian has
-/// the inertia of a minimum. So it is unless [`NewtonSettings::descent`] asks for the papers' way.
-/// `keep_going` sees every iteration and ends the solve by returning
-/// `false`. Same input, same bits.
+/// the compressive stress stiffness, and the direction of negative curvature is searched as well; the
+/// solve stops as converged only where the exact Hessian has the inertia of a minimum. So it is unless
+/// [`NewtonSettings::descent`] asks for the papers' way. `keep_going` sees every iteration and ends the
+/// solve by returning `false`. Same input, same bits.
 ///
 /// # Errors
 /// [`SolverError::PatternMismatch`], [`SizeMismatch`](SolverError::SizeMismatch),

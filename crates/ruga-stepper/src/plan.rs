@@ -21,7 +21,7 @@ use crate::{Coupling, EdgeLimits, LayerSpec, Modelling, PoseSpec, Region, Stack,
 /// triangles a million say the same areas as 300 thousand to 1 %, in five times the time.
 pub(crate) const MAX_PLANNING_FACES: usize = 400_000;
 /// Splits of one face in four; ten make a metre a millimetre.
-const MAX_LEVELS: u32 = 10;
+pub(crate) const MAX_LEVELS: u32 = 10;
 /// Base edges stay below this share of the wavelength, or the artist's facets imprint.
 const FACET_SHARE: f64 = 1.0 / 3.0;
 /// Loads, as shares of the last key, at which the way to the keys is looked at.
@@ -435,7 +435,9 @@ impl PlanningSurface {
             true => numbers.wavelength,
             false => quantile(&wavelengths, 0.05),
         };
-        let levels = needed_levels(shortest, (modelling, *asked), faces_at, edges_at);
+        let longest_facet = FACET_SHARE * shortest;
+        let target = shortest / asked;
+        let levels = needed_levels([target, longest_facet], modelling, faces_at, edges_at);
         let vertices_of = |faces: f64| 0.5 * faces + faces.sqrt();
         let uniform_points = shortest / edges_at(levels).0;
         let (needed, points) = match modelling.remesh {
@@ -576,21 +578,20 @@ fn load_path(
     LoadPath::Strain
 }
 
-/// Splits until the median edge meets the asked resolution and few edges are far off, or the
-/// budget is spent.
+/// Splits until the median edge meets the target (m), few edges are far off and longer than facets
+/// may be (m), or the budget is spent.
 ///
 /// `faces_at` and `edges_at` (median and 95th percentile, m) say what a number of splits gives.
-fn needed_levels(
-    wavelength: f64,
-    (modelling, points): (&Modelling, f64),
+pub(crate) fn needed_levels(
+    [target, longest_facet]: [f64; 2],
+    modelling: &Modelling,
     faces_at: impl Fn(u32) -> f64,
     edges_at: impl Fn(u32) -> (f64, f64),
 ) -> u32 {
-    let target = wavelength / points;
     // A tenth of slack: the next split would quadruple the cost for little.
     let is_coarse = |levels: u32| {
         let (median, long) = edges_at(levels);
-        median > 1.1 * target || long > 1.65 * target || long > FACET_SHARE * wavelength
+        median > 1.1 * target || long > (1.65 * target).min(longest_facet)
     };
     // A fitted mesh is handed out on the uniform one, which costs little.
     let vertices = match modelling.remesh {
@@ -711,7 +712,7 @@ fn curvature(corners: [Vector3<f64>; 3], normals: [Vector3<f64>; 3]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-fn per_face(
+pub(crate) fn per_face(
     surface: &BaseSurface,
     measure: impl Fn([Vector3<f64>; 3], [Vector3<f64>; 3]) -> f64,
     rest: &PosedSurface,

@@ -9,7 +9,7 @@ use ruga_stepper::{
     BendingModel, Coupling, EdgeLimits, LayerReport, LayerSpec, Modelling, PoseResult, Silent,
     Stack, plan, simulate,
 };
-use ruga_tests::{FineHeights, Patch, TwoScales, Window, skin_layer};
+use ruga_tests::{FineHeights, Patch, TwoScales, Window, findings, skin_layer};
 
 /// Of the patch, m: three large waves long and not quite two wide. Its border, which lies on the
 /// driver, delays the lower layer's onset by a fifth.
@@ -84,16 +84,7 @@ impl Pair {
 
     fn print(&self, name: &str) {
         for layer in &self.reports {
-            println!(
-                "{name}, {}: {} vertices, onset {:?}, wavelength {:.2} of {:.2} mm, amplitude {:.3} mm, {} iterations",
-                layer.name,
-                layer.vertices,
-                layer.onset_load,
-                1e3 * layer.wavelength.unwrap_or(f64::NAN),
-                1e3 * layer.wavelength_predicted,
-                1e3 * layer.amplitude,
-                layer.newton_iterations,
-            );
+            println!("{name}, {}", findings(layer));
         }
         let FineHeights {
             crest,

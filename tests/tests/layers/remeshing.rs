@@ -22,18 +22,6 @@ const JITTER: f64 = 0.1;
 /// Points per wavelength whose edges are 1.25 times as long in turn, or 0.8 times.
 const COARSE_AND_FINE: [f64; 2] = [12.5, 15.625];
 
-/// A film of 5 by 2 wavelengths under three critical strains.
-fn film() -> RemeshedSpec {
-    RemeshedSpec {
-        film: FilmSpec::flat(150.0),
-        waves: [5.0, 2.0],
-        load: 3.0,
-        sampling: Sampling::Quadrature,
-        target: Target::SameRow,
-        is_calibrated: true,
-    }
-}
-
 /// Changes by remeshes, relative: of the energy to the wrinkling energy gap, of the amplitude to
 /// itself.
 #[derive(Clone, Copy, Debug, Default)]
@@ -100,7 +88,7 @@ fn walk(spec: &RemeshedSpec, points: [f64; 2], steps: usize) -> [Change; 2] {
 /// mesh, 1 % of the gap, and what has given way on one mesh is a crease on the next.
 #[test]
 fn equilibrium_does_not_jump_when_the_mesh_is_exchanged() {
-    let [carried, solved] = walk(&film(), COARSE_AND_FINE, 10);
+    let [carried, solved] = walk(&RemeshedSpec::wrinkled(), COARSE_AND_FINE, 10);
     carried.print("as carried over");
     solved.print("solved");
     assert!(solved.gap < 1e-3, "{solved:?}");
@@ -115,7 +103,7 @@ fn equilibrium_does_not_jump_when_the_mesh_is_exchanged() {
 fn equilibrium_does_not_depend_on_how_the_shape_was_carried_over() {
     let spec = RemeshedSpec {
         waves: [5.0, 1.0],
-        ..film()
+        ..RemeshedSpec::wrinkled()
     };
     let solved = [Carry::Linear, Carry::Smooth].map(|carry| {
         let mut film = settled(&spec, COARSE_AND_FINE);
@@ -139,7 +127,7 @@ fn equilibrium_does_not_depend_on_how_the_shape_was_carried_over() {
 fn bending_that_does_not_depend_on_the_mesh_makes_jumps_smaller() {
     let spec = RemeshedSpec {
         waves: [5.0, 1.0],
-        ..film()
+        ..RemeshedSpec::wrinkled()
     };
     let [_, jitter] = walk(&spec, [14.0; 2], 6);
     let [_, curvature] = walk(&spec, COARSE_AND_FINE, 6);
@@ -168,7 +156,7 @@ fn jump(coupling: FilmCoupling, sampling: Sampling, target: Target) -> Change {
         waves: [5.0, 1.0],
         sampling,
         target,
-        ..film()
+        ..RemeshedSpec::wrinkled()
     };
     spec.film.coupling = coupling;
     let [_, solved] = walk(&spec, COARSE_AND_FINE, 3);

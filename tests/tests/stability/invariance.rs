@@ -174,14 +174,7 @@ fn remeshed(spec: &RemeshedSpec, steps: usize) -> [f64; 2] {
 #[test]
 fn t5_remeshes() {
     let test = "T5 finer and coarser mesh at 3 eps_c";
-    let spec = RemeshedSpec {
-        film: FilmSpec::flat(150.0),
-        waves: [5.0, 2.0],
-        load: 3.0,
-        sampling: Sampling::Quadrature,
-        target: Target::SameRow,
-        is_calibrated: true,
-    };
+    let spec = RemeshedSpec::wrinkled();
     let mut papers = RemeshedSpec {
         waves: [5.0, 1.0],
         sampling: Sampling::AdjustedAsPrinted,

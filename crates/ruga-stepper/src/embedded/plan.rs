@@ -13,15 +13,9 @@ use super::handles::HeldNodes;
 use super::lattice_size::lattice_warnings;
 use super::obstacle::{self, distance};
 use super::waves::Waves;
-use crate::plan::{MAX_PLANNING_FACES, resolution_warnings};
+use crate::plan::{MAX_LEVELS, MAX_PLANNING_FACES, needed_levels, resolution_warnings};
 use crate::skin_mesh::{check_boundaries, sharp_map};
 use crate::{Body, LayerSpec, Modelling, Region, StepperError};
-
-/// Vertices of the mesh that a fitted one is handed out on, in vertex budgets.
-const HANDED_OUT: f64 = 4.0;
-
-/// Splits of one face in four, at most.
-const MAX_LEVELS: u32 = 10;
 
 /// Edges over those asked for from which on a mesh is worth a warning.
 const WORTH_TELLING: f64 = 1.1;
@@ -99,8 +93,20 @@ pub fn plan_body(
     body.obstacles.iter().try_for_each(obstacle::check)?;
     let faces = covered_faces(driver, modelling)?;
     let asked = modelling.points_per_wavelength;
-    let lengths = edges(driver, &faces);
-    let needed = |wavelength: f64| needed_levels(lengths, faces.len(), wavelength, modelling);
+    let [median, long] = edges(driver, &faces);
+    let needed = |wavelength: f64| {
+        let faces_at = |levels| faces.len() as f64 * 4f64.powi(levels as i32);
+        let edges_at = |levels: u32| {
+            let split = f64::from(1u32 << levels);
+            (median / split, long / split)
+        };
+        needed_levels(
+            [wavelength / asked, f64::INFINITY],
+            modelling,
+            faces_at,
+            edges_at,
+        )
+    };
     // Without paint waves are the same everywhere.
     let seen = match layer.map {
         Some(_) => needed(numbers.wavelength).min(readable_levels(faces.len())),
@@ -112,16 +118,16 @@ pub fn plan_body(
         (layer, &numbers),
         (seen, modelling.smoothing),
     )?;
-    let carrier = Carrier::new(driver, body, waves.longest(), modelling.smoothing)?;
+    let carrier = Carrier::new(driver, body, waves.longest, modelling.smoothing)?;
     let held = HeldNodes::new(&carrier.lattice, &body.handles)?;
-    let levels = needed(waves.shortest());
-    let mesh = LayerMesh::new((lengths[0], faces.len(), levels), &waves, modelling);
+    let levels = needed(waves.shortest);
+    let mesh = LayerMesh::new((median, faces.len(), levels), &waves, modelling);
     if sharp_map(layer).is_some() {
         let surface = BaseSurface::new(driver, &faces, levels, modelling.smoothing);
         check_boundaries(driver, &surface, layer)?;
     }
     let lattice = &carrier.lattice;
-    let mut warnings = lattice_warnings(&carrier, body, waves.longest());
+    let mut warnings = lattice_warnings(&carrier, body, waves.longest);
     let covered = (faces.len(), layer.material.thickness);
     warnings.extend(obstacle_warnings(driver, body, covered));
     let of_layer = |text: String| format!("layer '{}': {text}", layer.name);
@@ -231,17 +237,17 @@ impl LayerMesh {
         let budget = || format!("the vertex budget of {}", modelling.vertex_budget);
         let Some(limits) = modelling.remesh else {
             return Self {
-                points: waves.shortest() * f64::from(1u32 << levels) / edge,
+                points: waves.shortest * f64::from(1u32 << levels) / edge,
                 limit: budget(),
-                vertices: vertices_at(faces, levels) as usize,
+                vertices: (faces << (2 * levels)) / 2,
             };
         };
         let asked = modelling.points_per_wavelength;
         let needed = waves.vertices(asked, &limits);
         let coarseness = (needed / modelling.vertex_budget as f64).sqrt().max(1.0);
-        let edge = (waves.shortest() / asked).clamp(limits.min_edge, limits.max_edge);
+        let edge = (waves.shortest / asked).clamp(limits.min_edge, limits.max_edge);
         Self {
-            points: waves.shortest() / (edge * coarseness),
+            points: waves.shortest / (edge * coarseness),
             limit: match coarseness > 1.0 {
                 true => budget(),
                 false => format!("the shortest edge of {:.2} mm", 1e3 * limits.min_edge),
@@ -262,37 +268,8 @@ fn edges(driver: &Driver, faces: &[FaceId]) -> [f64; 2] {
     [50, 95].map(|percent| edges[(edges.len() - 1) * percent / 100])
 }
 
-fn vertices_at(faces: usize, levels: u32) -> f64 {
-    0.5 * faces as f64 * 4f64.powi(levels as i32)
-}
-
 /// Splits up to which paint is read.
 fn readable_levels(faces: usize) -> u32 {
     let fits = |levels: &u32| (faces << (2 * levels)) <= MAX_PLANNING_FACES;
     (1..MAX_LEVELS).take_while(fits).last().unwrap_or(0)
-}
-
-/// Times that so many faces with these edges (median and long, m) are split in four for waves of this
-/// length (m), or as far as the vertex budget goes.
-fn needed_levels(
-    [median, long]: [f64; 2],
-    faces: usize,
-    wavelength: f64,
-    modelling: &Modelling,
-) -> u32 {
-    let asked = wavelength / modelling.points_per_wavelength;
-    let budget = modelling.vertex_budget as f64;
-    let shown = match modelling.remesh {
-        Some(_) => HANDED_OUT * budget,
-        None => budget,
-    };
-    let is_coarse = |levels: u32| {
-        let split = f64::from(1u32 << levels);
-        median / split > 1.1 * asked || long / split > 1.65 * asked
-    };
-    let mut levels = 0;
-    while is_coarse(levels) && levels < MAX_LEVELS && vertices_at(faces, levels + 1) <= shown {
-        levels += 1;
-    }
-    levels
 }
