@@ -20,6 +20,7 @@ mod locality;
 mod sheet;
 mod sizes;
 mod slab;
+mod stopwatch;
 
 pub use artefact::{Artefact, artefact};
 pub use cell_limit::{CellLimit, cell_limit};
@@ -28,13 +29,14 @@ pub use dense::{Dense, dense};
 pub use isocontours::{Isocontour, Sample, is_compared, isocontours};
 pub use locality::{Locality, locality};
 pub use sheet::Sheet;
-pub use sizes::{Row, Size, sizes};
+pub use sizes::{Kind, Row, Size, SizedBody, sizes};
 pub use slab::{Slab, SlabRun, coupling_name, push};
+pub use stopwatch::Times;
 
 /// How much of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extent {
-    /// All samples: about a quarter of an hour on one core.
+    /// All samples: about half an hour on one core.
     Full,
     /// The corners of what is sampled: one to two minutes.
     Quick,

@@ -4,7 +4,8 @@ mod bodies;
 
 use bodies::{free_body, layer, modelling, pose, push, slab, slice, top};
 use nalgebra::Vector3;
-use ruga_blend::Driver;
+use ruga_blend::{ArtistMesh, Driver};
+use ruga_lattice::LatticeError;
 use ruga_stepper::{
     BodyPose, CellShape, Dynamics, Frame, Modelling, Observer, Obstacle, ObstacleShape, PoseResult,
     Progress, Silent, StepperError, plan_body, simulate_body,
@@ -259,4 +260,64 @@ fn what_does_not_fit_is_named() {
     let unknown = pose(vec![push("nobody", Vector3::x())], &[1.0], 1);
     let run = simulate_body(&driver, &plan, &unknown, &coarse(), &mut Silent);
     assert!(matches!(run, Err(StepperError::UnknownMover { name, .. }) if name == "nobody"));
+}
+
+/// Cubes of 2 cm, a corner of each given, after a triangle that is none.
+fn cubes(corners: &[f64]) -> ArtistMesh {
+    let mut mesh = ArtistMesh {
+        triangles: vec![[0, 0, 1]],
+        ..ArtistMesh::default()
+    };
+    let quads = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    for corner in corners {
+        let first = mesh.positions.len() as u32;
+        let places =
+            (0..8).map(|k| [k & 1, k >> 1 & 1, k >> 2].map(|c| 0.02 * f64::from(c) + corner));
+        mesh.positions.extend(places.map(Vector3::from));
+        for [a, b, c, d] in quads.map(|quad| quad.map(|v: u32| first + v)) {
+            mesh.triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    mesh.uvs = Some(mesh.positions.iter().map(|p| p.xy() * 10.0).collect());
+    mesh
+}
+
+/// The body is built of a smooth, finer surface; what is told has to be of the file all the same.
+#[test]
+fn what_is_wrong_with_a_surface_is_told_of_its_file() {
+    let refused = |mesh: &ArtistMesh| {
+        let driver = Driver::new(mesh).expect("a mesh");
+        plan_body(&driver, &layer(50.0), &free_body(4), &modelling(5.0), 1024).expect_err("no body")
+    };
+    let mut open = cubes(&[0.0]);
+    open.triangles.pop();
+    let error = refused(&open);
+    let StepperError::Lattice(LatticeError::OpenSurface { count, vertices }) = error else {
+        panic!("{error}");
+    };
+    assert_eq!(count, 3);
+    assert!(
+        vertices.iter().all(|v| [1, 7, 5].contains(&v.0)),
+        "{vertices:?}"
+    );
+
+    let error = refused(&cubes(&[0.0, 0.003]));
+    let StepperError::Lattice(LatticeError::SelfIntersection { faces, .. }) = error else {
+        panic!("{error}");
+    };
+    assert!(faces.iter().all(|f| (1..25).contains(&f.0)), "{faces:?}");
+
+    let mut turned = cubes(&[0.0]);
+    turned.triangles.iter_mut().for_each(|t| t.swap(0, 1));
+    let error = refused(&turned);
+    let of_file =
+        matches!(error, StepperError::Lattice(LatticeError::WrongSide { face, .. }) if face.0 == 1);
+    assert!(of_file, "{error}");
 }

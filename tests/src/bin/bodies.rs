@@ -64,7 +64,7 @@ fn print_thrown(extent: Extent) -> Result<(), Box<dyn Error>> {
             "heights": own.heights,
             "factorizations": own.report.factorizations,
             "converged": own.converged,
-            "seconds": own.frame_s.iter().sum::<f64>(),
+            "seconds": own.times.frame_s.iter().sum::<f64>(),
         });
         println!("{line}");
     }
@@ -90,6 +90,9 @@ fn print_size(own: &Size) {
     };
     let line = json!({
         "part": "size",
+        "body": own.body.kind.name(),
+        "thickness_m": own.body.thickness,
+        "ratio": own.body.ratio,
         "paper": row(&own.paper),
         "own": row(&own.own),
         "iterations": own.iterations,

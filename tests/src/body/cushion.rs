@@ -1,7 +1,6 @@
 //! A cushion that falls onto a table between four walls and is pressed by a ball, again and again.
 
 use std::error::Error;
-use std::time::Instant;
 
 use nalgebra::Vector3;
 use ruga_blend::{Driver, Smoothing};
@@ -17,6 +16,7 @@ use ruga_stepper::{
 };
 
 use super::slab::skin_of;
+use super::stopwatch::{Stopwatch, Times};
 use crate::asset;
 
 /// Sides of the shipped cushion, m.
@@ -69,8 +69,8 @@ pub struct Thrown {
     pub converged: bool,
     /// Steps that were found.
     pub frames: usize,
-    /// Newton iterations of every step.
-    pub iterations: Vec<usize>,
+    /// What they took.
+    pub times: Times,
     /// Farthest way of a vertex out of the room in any step, in heights of the cushion.
     pub outside: f64,
     /// Least and greatest height of the cushion after a step, over that at rest.
@@ -81,10 +81,6 @@ pub struct Thrown {
     pub warnings: Vec<String>,
     /// The mesh of the cover, where it ended.
     pub cover: ComputedMesh,
-    /// From the beginning of the run to that of the first step, s.
-    pub set_up_s: f64,
-    /// Of every step, s.
-    pub frame_s: Vec<f64>,
 }
 
 impl Cushion {
@@ -116,15 +112,13 @@ impl Cushion {
         Ok(Thrown {
             converged,
             frames,
-            iterations: watch.iterations,
+            times: watch.stopwatch.times,
             outside: watch.outside,
             heights: watch.heights,
             report: layers.into_iter().next().unwrap_or_default(),
             warnings,
             cover: (keys.into_iter().flat_map(|key| key.layers).next())
                 .map_or_else(ComputedMesh::default, |layer| layer.computed),
-            set_up_s: watch.set_up_s.unwrap_or_default(),
-            frame_s: watch.frame_s,
         })
     }
 
@@ -137,7 +131,7 @@ impl Cushion {
     }
 
     /// The cover, and the inside as it sees it.
-    fn materials(&self) -> (LayerMaterial, Substrate) {
+    pub(super) fn materials(&self) -> (LayerMaterial, Substrate) {
         let cover = LayerMaterial {
             young: self.young(),
             poisson: Self::POISSON,
@@ -258,16 +252,10 @@ impl Cushion {
     }
 }
 
-/// Counts, and looks where the cushion is.
+/// Takes times, and looks where the cushion is.
 struct Watch {
+    stopwatch: Stopwatch,
     sides: Vector3<f64>,
-    iterations: Vec<usize>,
-    /// Of the step under way.
-    current: usize,
-    /// When it began.
-    clock: Instant,
-    set_up_s: Option<f64>,
-    frame_s: Vec<f64>,
     outside: f64,
     heights: [f64; 2],
 }
@@ -275,43 +263,25 @@ struct Watch {
 impl Watch {
     fn new(cushion: &Cushion) -> Self {
         Self {
+            stopwatch: Stopwatch::new(),
             sides: cushion.sides(),
-            iterations: Vec::new(),
-            current: 0,
-            clock: Instant::now(),
-            set_up_s: None,
-            frame_s: Vec::new(),
             outside: 0.0,
             heights: [f64::INFINITY, 0.0],
         }
     }
 }
 
-impl Watch {
-    /// Seconds since the last time.
-    fn lap(&mut self) -> f64 {
-        let now = Instant::now();
-        now.duration_since(std::mem::replace(&mut self.clock, now))
-            .as_secs_f64()
-    }
-}
-
 impl Observer for Watch {
-    fn phase(&mut self, _: usize, phase: Phase) {
-        if phase == Phase::Sampling && self.set_up_s.is_none() {
-            self.set_up_s = Some(self.lap());
-        }
+    fn phase(&mut self, layer: usize, phase: Phase) {
+        self.stopwatch.phase(layer, phase);
     }
 
-    fn progress(&mut self, _: Progress) -> bool {
-        self.current += 1;
-        true
+    fn progress(&mut self, progress: Progress) -> bool {
+        self.stopwatch.progress(progress)
     }
 
     fn frame(&mut self, frame: &Frame<'_>) {
-        self.iterations.push(std::mem::take(&mut self.current));
-        let seconds = self.lap();
-        self.frame_s.push(seconds);
+        self.stopwatch.frame(frame);
         let Some(layer) = frame.layers.first() else {
             return;
         };

@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use nalgebra::Vector3;
-use ruga_stepper::{CellShape, Coupling};
+use ruga_stepper::{CellShape, Coupling, Motion};
 
 use super::Slab;
 use super::artefact::turn;
@@ -75,12 +75,8 @@ fn measure(coupling: Coupling) -> Result<Locality, Box<dyn Error>> {
         ("end", [-1.0, bent[0]]),
         ("middle", [bent[1], bent[1] + cell]),
     ];
-    // An arc whose middle line keeps its length: its end is lifted, and nearer.
-    let free = bent[1] - bent[0];
-    let angle = STRAIN * theory.critical_strain * free / (0.5 * slab.size.z);
-    let mut bend = turn("end", angle, [bent[0], 0.5 * slab.size.z]);
-    let arc = Vector3::new(1.0 - angle.sin() / angle, 0.0, (1.0 - angle.cos()) / angle);
-    bend.keyframes[0].translation = free * arc;
+    let compression = STRAIN * theory.critical_strain;
+    let bend = bend("end", compression, (bent, slab.size.z));
     let run = slab.simulate(vec![bend], &[1.0])?;
     let squares = run.sheets[0].squares();
     let margin = MARGIN * theory.wavelength;
@@ -99,4 +95,16 @@ fn measure(coupling: Coupling) -> Result<Locality, Box<dyn Error>> {
         bent: bent.map(|place| place / theory.wavelength),
         converged: run.converged,
     })
+}
+
+/// A slab as high as that, bent upwards between two places along x by the slice at the first so that
+/// its top is compressed.
+pub(super) fn bend(of: &str, compression: f64, ([from, to], height): ([f64; 2], f64)) -> Motion {
+    // An arc whose middle line keeps its length: its end is lifted, and nearer.
+    let free = to - from;
+    let angle = compression * free / (0.5 * height);
+    let mut bend = turn(of, angle, [from, 0.5 * height]);
+    let arc = Vector3::new(1.0 - angle.sin() / angle, 0.0, (1.0 - angle.cos()) / angle);
+    bend.keyframes[0].translation = free * arc;
+    bend
 }

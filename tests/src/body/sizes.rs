@@ -1,28 +1,31 @@
-//! A cushion as large as the papers' (RK, table 1), timed.
+//! The papers' table of times (RK, table 1), with bodies of the same sizes.
 
 use std::error::Error;
 use std::time::Instant;
 
 use nalgebra::Vector3;
+use ruga_blend::Driver;
 use ruga_lattice::{Filling, Lattice, LatticeEnergy, LatticeSpec};
+use ruga_material::{LayerMaterial, Wrinkling};
 use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters};
-use ruga_stepper::{Coupling, Descent, LinearSolver};
+use ruga_stepper::{
+    Body, CellShape, ComputedMesh, Coupling, Descent, LayerReport, LinearSolver, Modelling,
+};
 
-use super::{Cushion, Extent};
+use super::locality::bend;
+use super::{Cushion, Extent, Slab, Times, push};
 
 /// RK's cushion is 50 cm long; ours is the shipped one, larger.
 const SCALE: f64 = 0.5 / 0.12;
 
-/// RK's skin: 0.7 mm thick and 10^4 times as stiff as the inside, a wave 66 mm long.
-const THICKNESS: f64 = 0.7e-3;
-const RATIO: f64 = 1e4;
-
-/// Steps in time, RK's 0.02 s long: it falls, lands, and the ball arrives.
+/// Steps in time, RK's 0.02 s long: the cushion falls, lands, and the ball arrives.
 const TIME_STEP: f64 = 0.02;
 const STEPS: u32 = 12;
 
-/// A row of RK's table 1. Left out are those whose mesh has less than three edges to a wave, and no
-/// wrinkles of the skin's own.
+/// Compression of a bar's and a slab's top at the end, in critical strains.
+const STRAIN: f64 = 2.0;
+
+/// A row of RK's table 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
     /// Coordinates of the skin's vertices.
@@ -47,42 +50,154 @@ pub struct Row {
     pub inside_forces_s: f64,
 }
 
-const PAPER: [Row; 2] = [
-    Row {
-        unknowns: 12534,
-        constraints: 100,
-        faces: 8352,
-        elements: 45,
-        set_up_s: 2.110,
-        frame_s: 4.573,
-        skin_assembly_s: 0.219,
-        skin_forces_s: 0.006,
-        inside_assembly_s: 0.004,
-        inside_forces_s: 0.003,
-    },
-    Row {
-        unknowns: 28194,
-        constraints: 98,
-        faces: 19792,
-        elements: 45,
-        set_up_s: 9.486,
-        frame_s: 36.791,
-        skin_assembly_s: 0.502,
-        skin_forces_s: 0.014,
-        inside_assembly_s: 0.005,
-        inside_forces_s: 0.004,
-    },
+/// What lies under the skin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Thrown and pressed, in time.
+    Cushion,
+    /// 80 x 10 x 10 cm, bent at one end, from equilibrium to equilibrium.
+    Bar,
+    /// 50 x 17 x 17 cm, pushed together, from equilibrium to equilibrium.
+    Slab,
+}
+
+impl Kind {
+    /// What tables call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cushion => "pillow",
+            Self::Bar => "bar",
+            Self::Slab => "slab",
+        }
+    }
+}
+
+/// A body under a skin of one of RK's sizes.
+#[derive(Clone, Copy, Debug)]
+pub struct SizedBody {
+    /// What is under the skin.
+    pub kind: Kind,
+    /// Of the skin, m.
+    pub thickness: f64,
+    /// Young's modulus of the skin over that of the inside.
+    pub ratio: f64,
+    /// Edges of the skin's mesh to a wave with which it has as many vertices as RK's: below two its
+    /// waves are no more than a length that constraints are sized by.
+    pub points: f64,
+}
+
+const fn sized(kind: Kind, thickness: f64, ratio: f64, points: f64) -> SizedBody {
+    SizedBody {
+        kind,
+        thickness,
+        ratio,
+        points,
+    }
+}
+
+/// Ours of every row of RK's table. Ours has a constraint for every patch of a wave and at most one
+/// for every vertex, which RK's skins of the first three would have; they are thicker here, for RK's
+/// number of constraints.
+const OURS: [SizedBody; 11] = [
+    sized(Kind::Cushion, 1.0e-3, 1e2, 2.4),
+    sized(Kind::Cushion, 1.18e-3, 1e2, 1.93),
+    sized(Kind::Cushion, 1.4e-3, 1e2, 1.13),
+    sized(Kind::Cushion, 0.7e-3, 1e4, 7.7),
+    sized(Kind::Cushion, 0.7e-3, 1e4, 5.2),
+    sized(Kind::Cushion, 0.7e-3, 1e4, 2.65),
+    sized(Kind::Cushion, 0.7e-3, 1e4, 1.25),
+    sized(Kind::Bar, 1e-3, 1e2, 3.2),
+    sized(Kind::Bar, 1e-4, 1e2, 0.32),
+    sized(Kind::Slab, 1e-3, 1e2, 1.17),
+    sized(Kind::Slab, 2e-4, 1e3, 0.5),
 ];
 
-/// Edges to a wave with which our cushion has as many vertices.
-const POINTS: [f64; 2] = [5.2, 7.7];
+/// Of these, the one for a first look.
+const QUICK: usize = 5;
+
+/// RK's table: counts, and times in the order of [`Row`], s.
+const PAPER: [([usize; 4], [f64; 6]); 11] = [
+    (
+        [28194, 2108, 19792, 45],
+        [2.961, 45.735, 0.521, 0.014, 0.005, 0.004],
+    ),
+    (
+        [12534, 1488, 8352, 45],
+        [2.213, 6.365, 0.303, 0.006, 0.004, 0.003],
+    ),
+    (
+        [3138, 1046, 2088, 45],
+        [0.690, 0.674, 0.047, 0.001, 0.004, 0.002],
+    ),
+    (
+        [28194, 98, 19792, 45],
+        [9.486, 36.791, 0.502, 0.014, 0.005, 0.004],
+    ),
+    (
+        [12534, 100, 8352, 45],
+        [2.110, 4.573, 0.219, 0.005, 0.004, 0.003],
+    ),
+    (
+        [3138, 95, 2088, 45],
+        [0.595, 0.611, 0.040, 0.001, 0.004, 0.002],
+    ),
+    (
+        [636, 87, 420, 45],
+        [0.252, 0.103, 0.007, 0.001, 0.003, 0.002],
+    ),
+    (
+        [6534, 33, 4352, 8],
+        [1.085, 2.263, 0.189, 0.006, 0.0004, 0.0003],
+    ),
+    (
+        [6534, 82, 4352, 8],
+        [0.945, 2.700, 0.196, 0.005, 0.0004, 0.0003],
+    ),
+    (
+        [918, 6, 500, 1],
+        [0.109, 0.163, 0.012, 0.0007, 0.0001, 0.0001],
+    ),
+    (
+        [918, 21, 500, 1],
+        [0.108, 0.253, 0.019, 0.0007, 0.0001, 0.0001],
+    ),
+];
+
+impl Row {
+    fn paper(index: usize) -> Self {
+        let ([unknowns, constraints, faces, elements], times) = PAPER[index];
+        let [
+            set_up_s,
+            frame_s,
+            skin_assembly_s,
+            skin_forces_s,
+            inside_assembly_s,
+            inside_forces_s,
+        ] = times;
+        Self {
+            unknowns,
+            constraints,
+            faces,
+            elements,
+            set_up_s,
+            frame_s,
+            skin_assembly_s,
+            skin_forces_s,
+            inside_assembly_s,
+            inside_forces_s,
+        }
+    }
+}
 
 /// A row of RK's table and ours of that size.
 #[derive(Clone, Copy, Debug)]
 pub struct Size {
+    /// Our body.
+    pub body: SizedBody,
     /// RK's.
     pub paper: Row,
-    /// Ours; times of a frame are means over those that take more Newton steps than a free fall.
+    /// Ours; times of a frame are means over those that take more Newton steps than a free fall, or
+    /// over all where none does.
     pub own: Row,
     /// Newton steps in the dearest such frame, and in the middle one.
     pub iterations: [usize; 2],
@@ -92,72 +207,143 @@ pub struct Size {
     pub converged: bool,
 }
 
-/// Times the cushion at RK's sizes, or at the smaller one alone; `each` has them as they come.
+/// Times bodies at RK's sizes, or at one of the smaller ones; `each` has them as they come.
 ///
 /// # Errors
 /// What the simulator refuses.
 pub fn sizes(extent: Extent, each: &mut dyn FnMut(&Size)) -> Result<(), Box<dyn Error>> {
-    let count = match extent {
-        Extent::Full => PAPER.len(),
-        Extent::Quick => 1,
-    };
-    for (paper, points) in PAPER.into_iter().zip(POINTS).take(count) {
-        each(&measure(paper, points)?);
+    for (index, body) in OURS.into_iter().enumerate() {
+        if extent == Extent::Full || index == QUICK {
+            each(&body.measure(Row::paper(index))?);
+        }
     }
     Ok(())
 }
 
-fn measure(paper: Row, points: f64) -> Result<Size, Box<dyn Error>> {
-    let cushion = Cushion {
-        scale: SCALE,
-        thickness: THICKNESS,
-        ratio: RATIO,
-        cells: 6,
-        points,
-        coupling: Coupling::Hybrid,
-        time_step: TIME_STEP,
-        steps: STEPS,
-        descent: Descent::Energy,
-        linear: LinearSolver::Ldlt,
-    };
-    let thrown = cushion.throw()?;
-    // A free fall takes two Newton steps and one to prove it.
-    let touching = thrown.iterations.iter().zip(&thrown.frame_s);
-    let touching: Vec<(usize, f64)> = touching
-        .map(|(i, s)| (*i, *s))
-        .filter(|(i, _)| *i > 3)
-        .collect();
-    let mut iterations: Vec<usize> = touching.iter().map(|frame| frame.0).collect();
-    iterations.sort_unstable();
-    let count = touching.len() as f64;
-    let mean = iterations.iter().sum::<usize>() as f64 / count;
-    let (skin_assembly, skin_forces) = skin_seconds(&cushion, &thrown.cover)?;
-    let (elements, inside_assembly, inside_forces) = inside_seconds(&cushion)?;
-    let report = &thrown.report;
-    Ok(Size {
-        paper,
-        own: Row {
-            unknowns: 3 * report.vertices,
-            constraints: 3 * report.constraints,
-            faces: report.faces,
-            elements,
-            set_up_s: thrown.set_up_s,
-            frame_s: touching.iter().map(|frame| frame.1).sum::<f64>() / count,
-            skin_assembly_s: mean * skin_assembly,
-            skin_forces_s: skin_forces,
-            inside_assembly_s: mean * inside_assembly,
-            inside_forces_s: inside_forces,
-        },
-        iterations: [
-            iterations.last().copied().unwrap_or_default(),
-            iterations
-                .get(iterations.len() / 2)
-                .copied()
-                .unwrap_or_default(),
-        ],
-        factorizations: report.factorizations as f64 / report.newton_iterations.max(1) as f64,
-        converged: thrown.converged,
-    })
+/// A run, and what was run.
+struct Run {
+    driver: Driver,
+    body: Body,
+    skin: LayerMaterial,
+    theory: Wrinkling,
+    report: LayerReport,
+    cover: ComputedMesh,
+    times: Times,
+    converged: bool,
+}
+
+impl SizedBody {
+    fn measure(&self, paper: Row) -> Result<Size, Box<dyn Error>> {
+        let run = match self.kind {
+            Kind::Cushion => self.throw()?,
+            Kind::Bar | Kind::Slab => self.press()?,
+        };
+        let Times {
+            set_up_s,
+            frame_s,
+            iterations,
+        } = &run.times;
+        // A free fall takes two Newton steps and one to prove it.
+        let all = || iterations.iter().copied().zip(frame_s.iter().copied());
+        let mut frames: Vec<(usize, f64)> = all().filter(|frame| frame.0 > 3).collect();
+        if frames.is_empty() {
+            frames = all().collect();
+        }
+        frames.sort_by_key(|frame| frame.0);
+        let count = frames.len() as f64;
+        let mean = frames.iter().map(|frame| frame.0 as f64).sum::<f64>() / count;
+        let (skin_assembly, skin_forces) = run.skin_seconds()?;
+        let (elements, inside_assembly, inside_forces) = run.inside_seconds()?;
+        let report = &run.report;
+        let steps = |frame: Option<&(usize, f64)>| frame.map_or(0, |frame| frame.0);
+        Ok(Size {
+            body: *self,
+            paper,
+            own: Row {
+                unknowns: 3 * report.vertices,
+                constraints: 3 * report.constraints,
+                faces: report.faces,
+                elements,
+                set_up_s: *set_up_s,
+                frame_s: frames.iter().map(|frame| frame.1).sum::<f64>() / count,
+                skin_assembly_s: mean * skin_assembly,
+                skin_forces_s: skin_forces,
+                inside_assembly_s: mean * inside_assembly,
+                inside_forces_s: inside_forces,
+            },
+            iterations: [steps(frames.last()), steps(frames.get(frames.len() / 2))],
+            factorizations: report.factorizations as f64 / report.newton_iterations.max(1) as f64,
+            converged: run.converged,
+        })
+    }
+
+    fn throw(&self) -> Result<Run, Box<dyn Error>> {
+        let cushion = Cushion {
+            scale: SCALE,
+            thickness: self.thickness,
+            ratio: self.ratio,
+            cells: 6,
+            points: self.points,
+            coupling: Coupling::Hybrid,
+            time_step: TIME_STEP,
+            steps: STEPS,
+            descent: Descent::Energy,
+            linear: LinearSolver::Ldlt,
+        };
+        let thrown = cushion.throw()?;
+        Ok(Run {
+            driver: cushion.driver()?,
+            body: cushion.body(),
+            skin: cushion.materials().0,
+            theory: cushion.theory()?,
+            report: thrown.report,
+            cover: thrown.cover,
+            times: thrown.times,
+            converged: thrown.converged,
+        })
+    }
+
+    fn press(&self) -> Result<Run, Box<dyn Error>> {
+        let (size, cells) = match self.kind {
+            Kind::Bar => (Vector3::new(0.8, 0.1, 0.1), 8),
+            Kind::Cushion | Kind::Slab => (Vector3::new(0.5, 0.5 / 3.0, 0.5 / 3.0), 3),
+        };
+        let cell = size.x / f64::from(cells);
+        let free = [cell, size.x - cell];
+        let slab = Slab {
+            size,
+            cells,
+            shape: CellShape::Quadratic,
+            young: 5e4,
+            ratio: self.ratio,
+            thickness: self.thickness,
+            coupling: Coupling::Hybrid,
+            points: self.points,
+            is_fitted: true,
+            slices: vec![
+                ("left", [-1.0, free[0]]),
+                ("right", [free[1], 2.0 * size.x]),
+            ],
+        };
+        let theory = slab.theory()?;
+        let strain = STRAIN * theory.critical_strain;
+        let motion = match self.kind {
+            Kind::Bar => bend("left", strain, (free, size.z)),
+            Kind::Cushion | Kind::Slab => push("left", strain * (free[1] - free[0])),
+        };
+        let how = (Descent::Energy, LinearSolver::Ldlt);
+        let run = slab.simulate_by(how, vec![motion], (&[1.0], STEPS))?;
+        Ok(Run {
+            driver: slab.driver()?,
+            body: slab.body(),
+            skin: slab.materials().0,
+            theory,
+            report: run.report,
+            cover: run.cover,
+            times: run.times,
+            converged: run.converged,
+        })
+    }
 }
 
 /// Seconds that a piece of work takes, once it has been done.
@@ -169,50 +355,48 @@ fn seconds(mut work: impl FnMut()) -> f64 {
     start.elapsed().as_secs_f64() / f64::from(TIMES)
 }
 
-/// Of one Hessian, exact and relaxed, and of one gradient of the cover.
-fn skin_seconds(
-    cushion: &Cushion,
-    cover: &ruga_stepper::ComputedMesh,
-) -> Result<(f64, f64), Box<dyn Error>> {
-    let numbers = cushion.theory()?;
-    let face = FaceParameters {
-        young: cushion.young(),
-        poisson: Cushion::POISSON,
-        thickness: cushion.thickness,
-        normal_stiffness: numbers.normal_stiffness,
-        gradient_stiffness: numbers.gradient_stiffness,
-    };
-    let (x, faces) = (&cover.positions, &cover.faces);
-    let tie = numbers.tangential_stiffness;
-    let parameters = LayerParameters::uniform(face, faces.len(), tie, x.len());
-    let free = vec![false; x.len()];
-    let bending = ruga_stepper::Modelling::default().bending;
-    let layer = LayerEnergy::with_bending(x, faces, parameters, &free, bending)?;
-    let [mut exact, mut relaxed] = [0, 1].map(|_| vec![0.0; layer.pattern().1.len()]);
-    let mut gradient = vec![0.0; layer.dof_count()];
-    Ok((
-        seconds(|| layer.hessian(x, &mut exact, Some(&mut relaxed))),
-        seconds(|| layer.gradient(x, &mut gradient)),
-    ))
-}
+impl Run {
+    /// Of one Hessian, exact and relaxed, and of one gradient of the skin.
+    fn skin_seconds(&self) -> Result<(f64, f64), Box<dyn Error>> {
+        let face = FaceParameters {
+            young: self.skin.young,
+            poisson: self.skin.poisson,
+            thickness: self.skin.thickness,
+            normal_stiffness: self.theory.normal_stiffness,
+            gradient_stiffness: self.theory.gradient_stiffness,
+        };
+        let (x, faces) = (&self.cover.positions, &self.cover.faces);
+        let tie = self.theory.tangential_stiffness;
+        let parameters = LayerParameters::uniform(face, faces.len(), tie, x.len());
+        let free = vec![false; x.len()];
+        let bending = Modelling::default().bending;
+        let layer = LayerEnergy::with_bending(x, faces, parameters, &free, bending);
+        let layer = layer?;
+        let [mut exact, mut relaxed] = [0, 1].map(|_| vec![0.0; layer.pattern().1.len()]);
+        let mut gradient = vec![0.0; layer.dof_count()];
+        Ok((
+            seconds(|| layer.hessian(x, &mut exact, Some(&mut relaxed))),
+            seconds(|| layer.gradient(x, &mut gradient)),
+        ))
+    }
 
-/// Elements of the lattice, and seconds of one Hessian and of one gradient.
-fn inside_seconds(cushion: &Cushion) -> Result<(usize, f64, f64), Box<dyn Error>> {
-    let (driver, body) = (cushion.driver()?, cushion.body());
-    let spec = LatticeSpec {
-        cells: cushion.cells,
-        shape: body.shape,
-        filling: Filling::Piece,
-    };
-    let lattice = Lattice::build(driver.topology(), driver.rest(), &spec)?;
-    let free = vec![false; lattice.node_count()];
-    let energy = LatticeEnergy::new(&lattice, &body.material, &free)?;
-    let q: Vec<Vector3<f64>> = lattice.rest_positions().to_vec();
-    let [mut exact, mut relaxed] = [0, 1].map(|_| vec![0.0; energy.pattern().1.len()]);
-    let mut gradient = vec![0.0; energy.dof_count()];
-    Ok((
-        lattice.element_count(),
-        seconds(|| energy.hessian(&q, &mut exact, Some(&mut relaxed))),
-        seconds(|| energy.gradient(&q, &mut gradient)),
-    ))
+    /// Elements of the lattice, and seconds of one Hessian and of one gradient.
+    fn inside_seconds(&self) -> Result<(usize, f64, f64), Box<dyn Error>> {
+        let spec = LatticeSpec {
+            cells: self.body.cells.unwrap_or(1),
+            shape: self.body.shape,
+            filling: Filling::Piece,
+        };
+        let lattice = Lattice::build(self.driver.topology(), self.driver.rest(), &spec)?;
+        let free = vec![false; lattice.node_count()];
+        let energy = LatticeEnergy::new(&lattice, &self.body.material, &free)?;
+        let q: Vec<Vector3<f64>> = lattice.rest_positions().to_vec();
+        let [mut exact, mut relaxed] = [0, 1].map(|_| vec![0.0; energy.pattern().1.len()]);
+        let mut gradient = vec![0.0; energy.dof_count()];
+        Ok((
+            lattice.element_count(),
+            seconds(|| energy.hessian(&q, &mut exact, Some(&mut relaxed))),
+            seconds(|| energy.gradient(&q, &mut gradient)),
+        ))
+    }
 }

@@ -9,12 +9,13 @@ use ruga_material::{
     LayerMaterial, MaterialError, Substrate, WavelengthModel, Wrinkling, wrinkling,
 };
 use ruga_stepper::{
-    Body, BodyPose, CellShape, Coupling, Descent, EdgeLimits, Handle, Keyframe, LayerReport,
-    LayerSpec, LinearSolver, Mask, Modelling, Motion, PoseSpec, Region, Sampling, Silent,
+    Body, BodyPose, CellShape, ComputedMesh, Coupling, Descent, EdgeLimits, Handle, Keyframe,
+    LayerReport, LayerSpec, LinearSolver, Mask, Modelling, Motion, PoseSpec, Region, Sampling,
     SolidMaterial, plan_body, simulate_body,
 };
 
 use super::Sheet;
+use super::stopwatch::{Stopwatch, Times};
 
 /// Poisson ratio of skin and inside; with the same of both only the ratio of their moduli matters.
 const POISSON: f64 = 0.4;
@@ -64,6 +65,10 @@ pub struct SlabRun {
     pub warnings: Vec<String>,
     /// Time that it took, s.
     pub seconds: f64,
+    /// And step by step.
+    pub times: Times,
+    /// The mesh of the skin, where it ended.
+    pub cover: ComputedMesh,
 }
 
 /// What a coupling is called in tables.
@@ -126,6 +131,7 @@ impl Slab {
         (keys, steps): (&[f64], u32),
     ) -> Result<SlabRun, Box<dyn Error>> {
         let start = Instant::now();
+        let mut watch = Stopwatch::new();
         let driver = self.driver()?;
         let modelling = Modelling {
             descent,
@@ -148,7 +154,7 @@ impl Slab {
             },
             motions,
         };
-        let result = simulate_body(&driver, &plan, &pose, &modelling, &mut Silent)?;
+        let result = simulate_body(&driver, &plan, &pose, &modelling, &mut watch)?;
         let missing = || format!("no result: {}", result.warnings.join("; "));
         let report = result.layers.first().ok_or_else(missing)?;
         if result.keys.len() < keys.len() {
@@ -157,16 +163,20 @@ impl Slab {
         let layers = result.keys.iter().flat_map(|key| &key.layers);
         Ok(SlabRun {
             sheets: layers
+                .clone()
                 .map(|layer| Sheet::new(layer, [self.size.x, self.size.y]))
                 .collect(),
             report: report.clone(),
             converged: result.converged,
             warnings: result.warnings,
             seconds: start.elapsed().as_secs_f64(),
+            times: watch.times,
+            cover: (layers.last())
+                .map_or_else(ComputedMesh::default, |layer| layer.computed.clone()),
         })
     }
 
-    fn body(&self) -> Body {
+    pub(super) fn body(&self) -> Body {
         let slice = |(name, [from, to]): &(&str, [f64; 2])| Handle {
             name: (*name).into(),
             min: Vector3::new(*from, -1.0, -1.0),
@@ -203,7 +213,7 @@ impl Slab {
     }
 
     /// A box of squares that are as fine as the skin's mesh is asked to be.
-    fn driver(&self) -> Result<Driver, Box<dyn Error>> {
+    pub(super) fn driver(&self) -> Result<Driver, Box<dyn Error>> {
         let edge = self.theory()?.wavelength / self.points;
         let along = |axis: usize| ((self.size[axis] / edge).round() as usize).max(1);
         let squares = [along(0), along(1), SQUARES_DOWN];

@@ -111,9 +111,14 @@ pub(super) struct Thrown {
     pub(super) converged: bool,
 }
 
-/// A cushion as large as the papers'.
+/// A body as large as one of the papers'.
 #[derive(Debug, Clone)]
 pub(super) struct Size {
+    pub(super) body: String,
+    /// Of the skin, m.
+    pub(super) thickness: f64,
+    /// Of the moduli of skin and inside.
+    pub(super) ratio: f64,
     pub(super) paper: Row,
     pub(super) own: Row,
     /// Newton steps in the dearest frame and in the middle one.
@@ -171,6 +176,9 @@ impl Findings {
                     converged: line["converged"] == true,
                 }),
                 Some("size") => findings.sizes.push(Size {
+                    body: word(&line["body"]),
+                    thickness: number(&line["thickness_m"]),
+                    ratio: number(&line["ratio"]),
                     paper: row(&line["paper"]),
                     own: row(&line["own"]),
                     iterations: pair(&line["iterations"]),

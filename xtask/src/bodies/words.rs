@@ -179,8 +179,11 @@ pub(super) fn line(line: &Value) -> String {
         return thrown(own);
     }
     if let Some(own) = own.sizes.first() {
-        let [unknowns, ..] = own.own.counts;
-        return format!("{unknowns} unknowns: {:.2} s a frame", own.own.seconds[1]);
+        let [unknowns, rows, ..] = own.own.counts;
+        return format!(
+            "{}, {unknowns} unknowns, {rows} rows: {:.2} s a frame",
+            own.body, own.own.seconds[1]
+        );
     }
     let artefacts = own.artefacts.iter().map(|own| &own.shape);
     let bars = own.localities.iter().map(|own| &own.coupling);

@@ -29,7 +29,7 @@ use crate::repository::{Outcome, root};
 use crate::wanted::Wanted;
 
 /// Scenes below `assets/`, in the order of the figures that they stand for.
-const SCENES: [&str; 16] = [
+const SCENES: [&str; 17] = [
     // Figure 3-3.
     "scale/reference.toml",
     "scale/thin.toml",
@@ -47,11 +47,12 @@ const SCENES: [&str; 16] = [
     "forearm/two-layers.toml",
     // Beyond the thesis: a curved surface.
     "finger/scene.toml",
-    // Rémillard and Kry 2013: figure 8, left and right, 7, and the bar of figure 3.
+    // Rémillard and Kry 2013: figure 8, left and right, 7, the bar of figure 3, and muscles as in 9.
     "slab/biaxial.toml",
     "pillow/scene.toml",
     "slab/isocontour.toml",
     "bar/scene.toml",
+    "finger/muscles.toml",
 ];
 
 /// Simulates, draws, and prints the table.

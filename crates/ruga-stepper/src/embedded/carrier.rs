@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 use ruga_blend::{BaseSurface, Driver, Smoothing};
 use ruga_lattice::{Embedding, Filling, Lattice, LatticeError, LatticeSpec};
-use ruga_mesh::{FaceId, Id, MaterialPoint, PerVertex, vertex_normals};
+use ruga_mesh::{FaceId, Id, MaterialPoint, PerVertex, VertexId, vertex_normals};
 
 use super::lattice_size::cells_for;
 use crate::skin_mesh::SkinMesh;
@@ -52,8 +52,9 @@ impl Carrier {
             shape: body.shape,
             filling: Filling::Piece,
         };
+        let lattice = Lattice::build(surface.mesh(), &rest, &spec);
         Ok(Self {
-            lattice: Lattice::build(surface.mesh(), &rest, &spec)?,
+            lattice: lattice.map_err(|error| in_the_file(error, driver, &surface))?,
             cells: spec.cells,
             sides,
             surface,
@@ -103,5 +104,38 @@ impl Carrier {
         let places = (first..first + children).map(|face| place(FaceId::from_index(face)));
         let best = places.max_by(|a, b| inside(a).total_cmp(&inside(b)));
         best.expect("every face has at least one child")
+    }
+}
+
+/// What is wrong with a driver's smooth surface, told of the vertices and triangles of its file.
+fn in_the_file(error: LatticeError, driver: &Driver, surface: &BaseSurface) -> LatticeError {
+    let triangle = |face: FaceId| FaceId(driver.triangles()[surface.origins()[face].face]);
+    let vertex = |welded: VertexId| {
+        let of_file = driver.welded().iter().position(|own| *own == welded);
+        of_file.map_or(welded, VertexId::from_index)
+    };
+    match error {
+        LatticeError::OpenSurface { .. } => {
+            let edges = driver.topology().edges().as_slice().iter();
+            let open: Vec<_> = edges.filter(|edge| edge.is_border()).collect();
+            LatticeError::OpenSurface {
+                count: open.len(),
+                vertices: open[0].vertices.map(vertex),
+            }
+        }
+        LatticeError::SelfIntersection { count, faces } => LatticeError::SelfIntersection {
+            count,
+            faces: faces.map(triangle),
+        },
+        LatticeError::WrongSide {
+            face,
+            volume,
+            depth,
+        } => LatticeError::WrongSide {
+            face: triangle(face),
+            volume,
+            depth,
+        },
+        other => other,
     }
 }
