@@ -53,7 +53,7 @@ usage: cargo xtask TASK
                wavelengths over thickness and stiffness, against volumes, on lattices of
                different cells, where a bent bar wrinkles; draw it into DIR
                [default: target/bodies], with a body thrown for a thousand steps and times at
-               the paper's sizes; takes about a quarter of an hour of processor time;
+               the paper's sizes; takes about half an hour of processor time;
                --quick takes fewer samples, about two minutes
   picture DIR  shade the maps that `ruga bake assets/forearm/scene.toml -o DIR` left in DIR
 ";

@@ -435,9 +435,8 @@ impl PlanningSurface {
             true => numbers.wavelength,
             false => quantile(&wavelengths, 0.05),
         };
-        let longest_facet = FACET_SHARE * shortest;
-        let target = shortest / asked;
-        let levels = needed_levels([target, longest_facet], modelling, faces_at, edges_at);
+        let longest = Some(FACET_SHARE * shortest);
+        let levels = needed_levels((shortest / asked, longest), modelling, faces_at, edges_at);
         let vertices_of = |faces: f64| 0.5 * faces + faces.sqrt();
         let uniform_points = shortest / edges_at(levels).0;
         let (needed, points) = match modelling.remesh {
@@ -578,12 +577,12 @@ fn load_path(
     LoadPath::Strain
 }
 
-/// Splits until the median edge meets the target (m), few edges are far off and longer than facets
+/// Splits until the median edge meets the target (m) and few edges are far off or longer than facets
 /// may be (m), or the budget is spent.
 ///
 /// `faces_at` and `edges_at` (median and 95th percentile, m) say what a number of splits gives.
 pub(crate) fn needed_levels(
-    [target, longest_facet]: [f64; 2],
+    (target, longest): (f64, Option<f64>),
     modelling: &Modelling,
     faces_at: impl Fn(u32) -> f64,
     edges_at: impl Fn(u32) -> (f64, f64),
@@ -591,7 +590,8 @@ pub(crate) fn needed_levels(
     // A tenth of slack: the next split would quadruple the cost for little.
     let is_coarse = |levels: u32| {
         let (median, long) = edges_at(levels);
-        median > 1.1 * target || long > (1.65 * target).min(longest_facet)
+        let is_faceted = longest.is_some_and(|longest| long > longest);
+        median > 1.1 * target || long > 1.65 * target || is_faceted
     };
     // A fitted mesh is handed out on the uniform one, which costs little.
     let vertices = match modelling.remesh {

@@ -90,6 +90,7 @@ impl Cushion {
     /// What the simulator refuses.
     pub fn throw(&self) -> Result<Thrown, Box<dyn Error>> {
         let (driver, modelling) = (self.driver()?, self.modelling());
+        let mut watch = Watch::new(self);
         let plan = self.plan(&driver, &modelling)?;
         let pose = BodyPose {
             pose: PoseSpec {
@@ -100,7 +101,6 @@ impl Cushion {
             },
             motions: vec![self.presses()],
         };
-        let mut watch = Watch::new(self);
         let PoseResult {
             keys,
             layers,

@@ -131,8 +131,8 @@ impl Slab {
         (keys, steps): (&[f64], u32),
     ) -> Result<SlabRun, Box<dyn Error>> {
         let start = Instant::now();
-        let mut watch = Stopwatch::new();
         let driver = self.driver()?;
+        let mut watch = Stopwatch::new();
         let modelling = Modelling {
             descent,
             linear,

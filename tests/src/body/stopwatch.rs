@@ -7,7 +7,7 @@ use ruga_stepper::{Frame, Observer, Phase, Progress};
 /// What the steps of a run took.
 #[derive(Clone, Debug, Default)]
 pub struct Times {
-    /// From the beginning of the run to that of the first step, s.
+    /// From the beginning of planning to that of the first step, s.
     pub set_up_s: f64,
     /// Of every step, s.
     pub frame_s: Vec<f64>,

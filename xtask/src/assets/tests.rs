@@ -216,7 +216,7 @@ fn scenes() -> Vec<(PathBuf, ruga_io::Scene)> {
         .filter(|path| path.extension().is_some_and(|e| e == "toml"))
         .collect();
     paths.sort();
-    assert_eq!(paths.len(), 16);
+    assert_eq!(paths.len(), 17);
     let read = |path: PathBuf| (path.clone(), ruga_io::Scene::read(&path).unwrap());
     paths.into_iter().map(read).collect()
 }
@@ -273,7 +273,7 @@ fn scenes_of_bodies_fit_their_meshes() {
             assert!((button.from[2] + way).abs() < 1e-9);
         }
     }
-    assert_eq!(bodies, 4);
+    assert_eq!(bodies, 5);
 }
 
 #[test]

@@ -55,13 +55,14 @@ pub(super) fn dense(findings: &Findings) -> String {
 pub(super) fn sizes(findings: &Findings) -> String {
     let mut table = "\
 Bodies of the sizes of Remillard and Kry 2013 (RK), table 1; seconds, on one thread. A pillow of 50 cm
-falls, lands and is pressed in steps of 0.02 s, a bar is bent and a slab is pushed together from
-equilibrium to equilibrium. A frame is one in which something happens, everything included; of it, the
-assembly of all Hessians of the skin (A skin) and of the inside (A inside). Forces once (F). Skins as
-RK's, but for those of the first three: theirs, too thin for the mesh, would have a constraint for every
-vertex here.
+falls, lands and is pressed in steps of 0.02 s; a bar is bent and a slab pushed together from equilibrium
+to equilibrium, both with all of their skin on top, and the slab in five elements, for of one nothing
+would be free between what is held. A frame is the mean of those with more than three Newton steps,
+everything included; A skin and A inside are what its Hessians take if they are made alone, F one set of
+forces. Skins are RK's, but for the first two: theirs, too thin for the mesh, would have a constraint for
+every vertex here, as the third has in both, and the last bar and slab here.
 
-      unknowns     rows    faces  elements |  set-up    frame   A skin   F skin  A inside  F inside
+      unknowns  constr.    faces  elements |  set-up    frame   A skin   F skin  A inside  F inside
 "
     .to_owned();
     for own in &findings.sizes {

@@ -179,9 +179,9 @@ pub(super) fn line(line: &Value) -> String {
         return thrown(own);
     }
     if let Some(own) = own.sizes.first() {
-        let [unknowns, rows, ..] = own.own.counts;
+        let [unknowns, constraints, ..] = own.own.counts;
         return format!(
-            "{}, {unknowns} unknowns, {rows} rows: {:.2} s a frame",
+            "{}, {unknowns} unknowns, {constraints} constraints: {:.2} s a frame",
             own.body, own.own.seconds[1]
         );
     }

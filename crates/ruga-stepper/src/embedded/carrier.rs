@@ -107,12 +107,13 @@ impl Carrier {
     }
 }
 
-/// What is wrong with a driver's smooth surface, told of the vertices and triangles of its file.
+/// What is wrong with a driver's smooth surface, told of the vertices and triangles of its file; pairs of
+/// faces that cross are still counted on the smooth surface.
 fn in_the_file(error: LatticeError, driver: &Driver, surface: &BaseSurface) -> LatticeError {
     let triangle = |face: FaceId| FaceId(driver.triangles()[surface.origins()[face].face]);
     let vertex = |welded: VertexId| {
         let of_file = driver.welded().iter().position(|own| *own == welded);
-        of_file.map_or(welded, VertexId::from_index)
+        VertexId::from_index(of_file.expect("every vertex is one of the file's"))
     };
     match error {
         LatticeError::OpenSurface { .. } => {
@@ -120,7 +121,10 @@ fn in_the_file(error: LatticeError, driver: &Driver, surface: &BaseSurface) -> L
             let open: Vec<_> = edges.filter(|edge| edge.is_border()).collect();
             LatticeError::OpenSurface {
                 count: open.len(),
-                vertices: open[0].vertices.map(vertex),
+                vertices: (open.first())
+                    .expect("a smooth surface has the borders of its mesh")
+                    .vertices
+                    .map(vertex),
             }
         }
         LatticeError::SelfIntersection { count, faces } => LatticeError::SelfIntersection {

@@ -100,12 +100,8 @@ pub fn plan_body(
             let split = f64::from(1u32 << levels);
             (median / split, long / split)
         };
-        needed_levels(
-            [wavelength / asked, f64::INFINITY],
-            modelling,
-            faces_at,
-            edges_at,
-        )
+        // The layer is held to places of the lattice, not to a base with facets.
+        needed_levels((wavelength / asked, None), modelling, faces_at, edges_at)
     };
     // Without paint waves are the same everywhere.
     let seen = match layer.map {

@@ -226,8 +226,8 @@ impl<'a> BodyRun<'a> {
         for &load in loads {
             let before = self.layer.state.clone();
             let share = f64::from(self.pose.pose.steps) * (load - from);
-            // A share of nearly one is one: the lattice's Hessian with inertia, which depends on the time step
-            // alone, is kept from one step to the next.
+            // A share of nearly one is one: the Hessian of inertia and springs, which depends on the
+            // time step, is then kept from one step to the next.
             let dynamics = match (share - 1.0).abs() < 1e-9 {
                 true => dynamics,
                 false => Dynamics {

@@ -19,8 +19,8 @@ pub(super) struct Waves {
     pub(super) shortest: f64,
     /// m.
     pub(super) longest: f64,
-    /// Of every face, m, after its area, m².
-    lengths: Vec<[f64; 2]>,
+    /// Area, m², and wavelength, m, of every face.
+    patches: Vec<[f64; 2]>,
     /// Share of the texture's side per metre, in the middle.
     uv_density: f64,
 }
@@ -52,7 +52,7 @@ impl Waves {
             shortest: quantile(&lengths, SHORT),
             longest: quantile(&lengths, LONG),
             uv_density: quantile(&uv_density(&surface, &rest), 0.5),
-            lengths: faces.iter().map(|f| [areas[*f], lengths[*f]]).collect(),
+            patches: faces.iter().map(|f| [areas[*f], lengths[*f]]).collect(),
         })
     }
 
@@ -67,6 +67,6 @@ impl Waves {
             let edge = (wavelength / points).clamp(limits.min_edge, limits.max_edge);
             area / (0.75f64.sqrt() * edge * edge)
         };
-        self.lengths.iter().map(of).sum()
+        self.patches.iter().map(of).sum()
     }
 }
