@@ -73,8 +73,8 @@ pub struct NewtonSettings {
     /// there already and only moved does not need it. In [0, 1]; 0, the default, searches.
     pub first_relaxation: f64,
     /// Whether a step that the energy would shorten is taken whole, and kept if the next one ends
-    /// lower than the shortened one. Saves iterations where obstacles push from one side only: a
-    /// third in the step in which a cushion lands. Default: no, and the shortened step is bent. Only
+    /// lower than the shortened one. Saves iterations where obstacles push from one side only: ten of
+    /// 24 in the step in which a cushion lands. Default: no, and the shortened step is bent. Only
     /// factorisations know where it is worth while.
     pub overshoot: bool,
     /// Seed of the vectors that negative curvature is searched from. Default 1.
