@@ -10,12 +10,11 @@ use ruga_material::{
 };
 use ruga_stepper::{
     Body, BodyPose, CellShape, ComputedMesh, Coupling, Descent, EdgeLimits, Handle, Keyframe,
-    LayerReport, LayerSpec, LinearSolver, Mask, Modelling, Motion, PoseSpec, Region, Sampling,
-    SolidMaterial, plan_body, simulate_body,
+    LayerReport, LayerSpec, LinearSolver, Mask, Modelling, Motion, Observer, PoseSpec, Region,
+    Sampling, Silent, SolidMaterial, plan_body, simulate_body,
 };
 
 use super::Sheet;
-use super::stopwatch::{Stopwatch, Times};
 
 /// Poisson ratio of skin and inside; with the same of both only the ratio of their moduli matters.
 const POISSON: f64 = 0.4;
@@ -65,8 +64,6 @@ pub struct SlabRun {
     pub warnings: Vec<String>,
     /// Time that it took, s.
     pub seconds: f64,
-    /// And step by step.
-    pub times: Times,
     /// The mesh of the skin, where it ended.
     pub cover: ComputedMesh,
 }
@@ -130,9 +127,19 @@ impl Slab {
         motions: Vec<Motion>,
         (keys, steps): (&[f64], u32),
     ) -> Result<SlabRun, Box<dyn Error>> {
+        self.simulate_before((descent, linear), motions, (keys, steps), &mut Silent)
+    }
+
+    /// The same before the eyes of somebody, who may want every load step as a result.
+    pub(super) fn simulate_before(
+        &self,
+        (descent, linear): (Descent, LinearSolver),
+        motions: Vec<Motion>,
+        (keys, steps): (&[f64], u32),
+        observer: &mut dyn Observer,
+    ) -> Result<SlabRun, Box<dyn Error>> {
         let start = Instant::now();
         let driver = self.driver()?;
-        let mut watch = Stopwatch::new();
         let modelling = Modelling {
             descent,
             linear,
@@ -154,7 +161,7 @@ impl Slab {
             },
             motions,
         };
-        let result = simulate_body(&driver, &plan, &pose, &modelling, &mut watch)?;
+        let result = simulate_body(&driver, &plan, &pose, &modelling, observer)?;
         let missing = || format!("no result: {}", result.warnings.join("; "));
         let report = result.layers.first().ok_or_else(missing)?;
         if result.keys.len() < keys.len() {
@@ -170,7 +177,6 @@ impl Slab {
             converged: result.converged,
             warnings: result.warnings,
             seconds: start.elapsed().as_secs_f64(),
-            times: watch.times,
             cover: (layers.last())
                 .map_or_else(ComputedMesh::default, |layer| layer.computed.clone()),
         })
