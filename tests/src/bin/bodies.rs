@@ -72,22 +72,7 @@ fn print_thrown(extent: Extent) -> Result<(), Box<dyn Error>> {
 }
 
 fn print_size(own: &Size) {
-    let row = |row: &Row| {
-        json!({
-            "unknowns": row.unknowns,
-            "constraints": row.constraints,
-            "faces": row.faces,
-            "elements": row.elements,
-            "seconds": [
-                row.set_up_s,
-                row.frame_s,
-                row.skin_assembly_s,
-                row.skin_forces_s,
-                row.inside_assembly_s,
-                row.inside_forces_s,
-            ],
-        })
-    };
+    let row = |row: &Row| json!({ "counts": row.counts, "seconds": row.seconds });
     let line = json!({
         "part": "size",
         "body": own.body.kind.name(),

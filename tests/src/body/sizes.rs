@@ -29,26 +29,12 @@ const STRAIN: f64 = 2.0;
 /// A row of RK's table 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    /// Coordinates of the skin's vertices.
-    pub unknowns: usize,
-    /// Constraints, three rows each.
-    pub constraints: usize,
-    /// Triangles of the skin.
-    pub faces: usize,
-    /// Hexahedra.
-    pub elements: usize,
-    /// `t_q-setup` and `t_H-setup` together, s.
-    pub set_up_s: f64,
-    /// `t_x` and `t_q` together, s.
-    pub frame_s: f64,
-    /// `t_xA`, assembly of the skin in a frame, s.
-    pub skin_assembly_s: f64,
-    /// `t_Fx`, its forces once, s.
-    pub skin_forces_s: f64,
-    /// `t_qA`, assembly of the inside in a frame, s.
-    pub inside_assembly_s: f64,
-    /// `t_Fq`, its forces once, s.
-    pub inside_forces_s: f64,
+    /// Coordinates of the skin's vertices, constraints (three rows each), triangles of the skin,
+    /// hexahedra.
+    pub counts: [usize; 4],
+    /// Set-up (`t_q-setup` and `t_H-setup` together); a frame (`t_x` and `t_q`); assembly of the skin in
+    /// it (`t_xA`), its forces once (`t_Fx`); the same of the inside (`t_qA`, `t_Fq`); s.
+    pub seconds: [f64; 6],
 }
 
 /// What lies under the skin.
@@ -118,79 +104,57 @@ const OURS: [SizedBody; 11] = [
 /// Of these, the one for a first look.
 const QUICK: usize = 5;
 
-/// RK's table: counts, and times in the order of [`Row`], s.
-const PAPER: [([usize; 4], [f64; 6]); 11] = [
-    (
+const fn row(counts: [usize; 4], seconds: [f64; 6]) -> Row {
+    Row { counts, seconds }
+}
+
+/// RK's table.
+const PAPER: [Row; 11] = [
+    row(
         [28194, 2108, 19792, 45],
         [2.961, 45.735, 0.521, 0.014, 0.005, 0.004],
     ),
-    (
+    row(
         [12534, 1488, 8352, 45],
         [2.213, 6.365, 0.303, 0.006, 0.004, 0.003],
     ),
-    (
+    row(
         [3138, 1046, 2088, 45],
         [0.690, 0.674, 0.047, 0.001, 0.004, 0.002],
     ),
-    (
+    row(
         [28194, 98, 19792, 45],
         [9.486, 36.791, 0.502, 0.014, 0.005, 0.004],
     ),
-    (
+    row(
         [12534, 100, 8352, 45],
         [2.110, 4.573, 0.219, 0.005, 0.004, 0.003],
     ),
-    (
+    row(
         [3138, 95, 2088, 45],
         [0.595, 0.611, 0.040, 0.001, 0.004, 0.002],
     ),
-    (
+    row(
         [636, 87, 420, 45],
         [0.252, 0.103, 0.007, 0.001, 0.003, 0.002],
     ),
-    (
+    row(
         [6534, 33, 4352, 8],
         [1.085, 2.263, 0.189, 0.006, 0.0004, 0.0003],
     ),
-    (
+    row(
         [6534, 82, 4352, 8],
         [0.945, 2.700, 0.196, 0.005, 0.0004, 0.0003],
     ),
-    (
+    row(
         [918, 6, 500, 1],
         [0.109, 0.163, 0.012, 0.0007, 0.0001, 0.0001],
     ),
-    (
+    row(
         [918, 21, 500, 1],
         [0.108, 0.253, 0.019, 0.0007, 0.0001, 0.0001],
     ),
 ];
-
-impl Row {
-    fn paper(index: usize) -> Self {
-        let ([unknowns, constraints, faces, elements], times) = PAPER[index];
-        let [
-            set_up_s,
-            frame_s,
-            skin_assembly_s,
-            skin_forces_s,
-            inside_assembly_s,
-            inside_forces_s,
-        ] = times;
-        Self {
-            unknowns,
-            constraints,
-            faces,
-            elements,
-            set_up_s,
-            frame_s,
-            skin_assembly_s,
-            skin_forces_s,
-            inside_assembly_s,
-            inside_forces_s,
-        }
-    }
-}
 
 /// A row of RK's table and ours of that size.
 #[derive(Clone, Copy, Debug)]
@@ -215,9 +179,9 @@ pub struct Size {
 /// # Errors
 /// What the simulator refuses.
 pub fn sizes(extent: Extent, each: &mut dyn FnMut(&Size)) -> Result<(), Box<dyn Error>> {
-    for (index, body) in OURS.into_iter().enumerate() {
+    for (index, (body, paper)) in OURS.into_iter().zip(PAPER).enumerate() {
         if extent == Extent::Full || index == QUICK {
-            each(&body.measure(Row::paper(index))?);
+            each(&body.measure(paper)?);
         }
     }
     Ok(())
@@ -268,16 +232,20 @@ impl SizedBody {
             body: *self,
             paper,
             own: Row {
-                unknowns: 3 * report.vertices,
-                constraints: report.constraints,
-                faces: report.faces,
-                elements,
-                set_up_s: *set_up_s,
-                frame_s: frames.iter().map(|frame| frame.1).sum::<f64>() / count,
-                skin_assembly_s: mean * skin_assembly,
-                skin_forces_s: skin_forces,
-                inside_assembly_s: mean * inside_assembly,
-                inside_forces_s: inside_forces,
+                counts: [
+                    3 * report.vertices,
+                    report.constraints,
+                    report.faces,
+                    elements,
+                ],
+                seconds: [
+                    *set_up_s,
+                    frames.iter().map(|frame| frame.1).sum::<f64>() / count,
+                    mean * skin_assembly,
+                    skin_forces,
+                    mean * inside_assembly,
+                    inside_forces,
+                ],
             },
             iterations: [steps(frames.last()), steps(frames.get(frames.len() / 2))],
             factorizations: report.factorizations as f64 / report.newton_iterations.max(1) as f64,
