@@ -38,9 +38,10 @@ usage: cargo xtask TASK
                targets: scene, gltf, obj, png, exr, remesh, program [default: all];
                fuzz again TARGET-NUMBER tries one input again
   figures [DIR] [--quick]
-               simulate every scene under assets/ and draw the figures of Li 2014 into DIR
-               [default: target/figures]; --quick takes coarse meshes
-               and few load steps
+               draw the figures and tables after Li 2014 and Rémillard and Kry 2013 into DIR
+               [default: target/figures]: simulate the scenes under assets/, then do what
+               `bodies` does in DIR/bodies; --quick takes coarse meshes, few load steps
+               and few samples
   chart [DIR] [--quick] [--redraw]
                measure speed against accuracy and draw the chart into DIR
                [default: target/chart]; goes on where an earlier run ended,

@@ -29,6 +29,14 @@ impl Wanted {
         Some(wanted)
     }
 
+    /// As thoroughly, into another folder.
+    pub(crate) fn within(&self, folder: PathBuf) -> Self {
+        Self {
+            folder: Some(folder),
+            quick: self.quick,
+        }
+    }
+
     /// The folder, made if need be; one of the task's name where cargo builds unless another was
     /// asked for.
     pub(crate) fn folder(&self, task: &str) -> Result<PathBuf, Box<dyn Error>> {

@@ -1,26 +1,29 @@
 //! From a scene's `[interior]` and motions to what the stepper simulates.
 
-use nalgebra::Vector3;
 use ruga_io::{Scene, scene};
 use ruga_material::Substrate;
 use ruga_stepper::{
     Body, CellShape, Handle, Keyframe, Motion, Obstacle, ObstacleShape, SolidMaterial,
 };
 
+use crate::placement::Placement;
+
 /// The body that `interior` describes, made of what carries its layer.
-pub(crate) fn body(interior: &scene::Interior, inside: &Substrate) -> Body {
+pub(crate) fn body(interior: &scene::Interior, inside: &Substrate, placement: &Placement) -> Body {
     // Reading a scene has refused obstacles without exactly one shape.
     let obstacles = interior.obstacles.iter();
     let obstacles = obstacles.filter_map(|obstacle| {
         Some(Obstacle {
             name: obstacle.name.clone(),
-            shape: obstacle_shape(obstacle.shape()?),
+            shape: obstacle_shape(obstacle.shape()?, placement),
         })
     });
     let handle = |handle: &scene::Handle| Handle {
         name: handle.name.clone(),
         min: handle.min.into(),
         max: handle.max.into(),
+        turn: placement.turn,
+        shift: placement.shift,
     };
     Body {
         cells: interior.cells,
@@ -33,26 +36,27 @@ pub(crate) fn body(interior: &scene::Interior, inside: &Substrate) -> Body {
             poisson: inside.poisson,
         },
         density: interior.density,
-        gravity: interior.gravity.into(),
+        gravity: placement.way_in_file(interior.gravity),
         handles: interior.handles.iter().map(handle).collect(),
         obstacles: obstacles.collect(),
         follow: interior.follow,
     }
 }
 
-fn obstacle_shape(shape: scene::ObstacleShape) -> ObstacleShape {
+fn obstacle_shape(shape: scene::ObstacleShape, placement: &Placement) -> ObstacleShape {
+    let place = |place| placement.place_in_file(place);
     match shape {
         scene::ObstacleShape::Plane(plane) => ObstacleShape::Plane {
-            point: plane.point.into(),
-            normal: plane.normal.into(),
+            point: place(plane.point),
+            normal: placement.way_in_file(plane.normal),
         },
         scene::ObstacleShape::Sphere(sphere) => ObstacleShape::Sphere {
-            centre: sphere.centre.into(),
+            centre: place(sphere.centre),
             radius: sphere.radius,
         },
         scene::ObstacleShape::Cylinder(cylinder) => ObstacleShape::Cylinder {
-            from: cylinder.from.into(),
-            to: cylinder.to.into(),
+            from: place(cylinder.from),
+            to: place(cylinder.to),
             radius: cylinder.radius,
         },
     }
@@ -60,15 +64,15 @@ fn obstacle_shape(shape: scene::ObstacleShape) -> ObstacleShape {
 
 /// How handles and obstacles move in the pose named `pose`; one that the scene does not list has no
 /// motions.
-pub(crate) fn motions(scene: &Scene, pose: &str) -> Vec<Motion> {
+pub(crate) fn motions(scene: &Scene, pose: &str, placement: &Placement) -> Vec<Motion> {
     let mut motions: Vec<Motion> = Vec::new();
     let listed = scene.poses.iter().find(|listed| listed.name == pose);
     for step in listed.iter().flat_map(|listed| &listed.motions) {
         let keyframe = Keyframe {
             at: step.at,
-            translation: step.translation.into(),
-            turn: Vector3::from(step.turn).map(f64::to_radians),
-            about: step.about.into(),
+            translation: placement.way_in_file(step.translation),
+            turn: placement.turn_in_file(step.turn).map(f64::to_radians),
+            about: placement.place_in_file(step.about),
         };
         match motions.iter_mut().find(|motion| motion.of == step.of) {
             Some(motion) => motion.keyframes.push(keyframe),

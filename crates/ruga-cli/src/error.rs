@@ -7,7 +7,7 @@ use ruga_bake::BakeError;
 use ruga_blend::BlendError;
 use ruga_io::IoError;
 use ruga_material::MaterialError;
-use ruga_stepper::StepperError;
+use ruga_stepper::{LatticeError, StepperError};
 use thiserror::Error;
 
 /// What the user can mend; each message names the file, and the key or element in it.
@@ -75,6 +75,9 @@ pub(crate) enum CliError {
         scene: PathBuf,
         source: Box<StepperError>,
     },
+    /// The mesh does not enclose a body.
+    #[error("{}: cannot be a body: {source}", mesh.display())]
+    Surface { mesh: PathBuf, source: LatticeError },
     /// A pose cannot be simulated.
     #[error("{}: pose `{pose}`: {source}", scene.display())]
     Simulation {

@@ -24,11 +24,13 @@ mod run;
 
 mod body;
 mod model;
+mod placement;
 mod project;
 mod texture_space;
 
 mod artist_file;
 mod map_files;
+mod moved_mesh;
 mod planned;
 mod pose_queue;
 mod pose_record;

@@ -6,12 +6,14 @@ use std::path::{Path, PathBuf};
 use ruga_blend::Driver;
 use ruga_io::{IoError, MeshFile, ObjOptions, Scene, read_mask, read_mesh, scene};
 use ruga_stepper::{
-    Body, LayerSpec, Mask, Modelling, Motion, PoseSpec, Region, StepperError, plan, plan_body,
+    Body, LatticeError, LayerSpec, Mask, Modelling, Motion, PoseSpec, Region, StepperError, plan,
+    plan_body,
 };
 
 use crate::arguments::Quality;
 use crate::error::{CliError, counted};
 use crate::fingerprint::Fingerprint;
+use crate::placement::Placement;
 use crate::planned::Planned;
 use crate::{body, model, texture_space};
 
@@ -57,8 +59,8 @@ impl Project {
         Ok(Self {
             path: path.to_owned(),
             warnings,
-            body: body_of(&scene, &layers),
-            motions: motions_of(&scene, &poses),
+            body: body_of(&scene, &mesh, &layers),
+            motions: motions_of(&scene, &mesh, &poses),
             scene,
             mesh,
             driver,
@@ -73,9 +75,19 @@ impl Project {
     /// # Errors
     /// [`CliError::Model`], such as a mask that leaves nothing; [`CliError::OverlappingUvs`].
     pub(crate) fn plan(&self) -> Result<Planned, CliError> {
-        let planned = self.planned().map_err(|source| CliError::Model {
-            scene: self.path.clone(),
-            source: Box::new(source),
+        let planned = self.planned().map_err(|source| match source {
+            StepperError::Lattice(
+                source @ (LatticeError::OpenSurface { .. }
+                | LatticeError::SelfIntersection { .. }
+                | LatticeError::WrongSide { .. }),
+            ) => CliError::Surface {
+                mesh: self.mesh.path.clone(),
+                source,
+            },
+            other => CliError::Model {
+                scene: self.path.clone(),
+                source: Box::new(other),
+            },
         })?;
         for (index, pose) in self.poses.iter().enumerate() {
             let active = planned.active_triangles(self, index);
@@ -115,7 +127,8 @@ impl Project {
             .with(env!("CARGO_PKG_VERSION").as_bytes())
             .with(&text)
             .with_numbers([self.modelling.points_per_wavelength])
-            .with_mesh(&self.mesh.mesh);
+            .with_mesh(&self.mesh.mesh)
+            .with_numbers(self.mesh.world_from_node.iter().copied());
         if let Region::Mask(mask) = &self.modelling.region {
             let shape = [f64::from(mask.width), f64::from(mask.height)];
             let values = mask.values.iter().map(|&v| f64::from(v));
@@ -136,15 +149,18 @@ impl Project {
 }
 
 /// The body below the layer, where the scene has one.
-pub(crate) fn body_of(scene: &Scene, layers: &[LayerSpec]) -> Option<Body> {
+pub(crate) fn body_of(scene: &Scene, mesh: &MeshFile, layers: &[LayerSpec]) -> Option<Body> {
     let (interior, layer) = (scene.interior.as_ref()?, layers.first()?);
-    Some(body::body(interior, &layer.substrate))
+    Some(body::body(interior, &layer.substrate, &Placement::of(mesh)))
 }
 
 /// What moves in each of `poses`.
-pub(crate) fn motions_of(scene: &Scene, poses: &[PoseSpec]) -> Vec<Vec<Motion>> {
+pub(crate) fn motions_of(scene: &Scene, mesh: &MeshFile, poses: &[PoseSpec]) -> Vec<Vec<Motion>> {
+    let placement = Placement::of(mesh);
     let names = poses.iter().map(|pose| pose.name.as_str());
-    names.map(|name| body::motions(scene, name)).collect()
+    names
+        .map(|name| body::motions(scene, name, &placement))
+        .collect()
 }
 
 /// The artist's mesh, read from the file that the scene names.

@@ -3,6 +3,8 @@
 mod fixture;
 
 use fixture::Folder;
+use nalgebra::{Matrix4, Vector3};
+use ruga_io::{GlbAdditions, MeshFile, ObjOptions, read_mesh, write_glb};
 
 const SCENE: &str = r#"version = 1
 
@@ -144,6 +146,75 @@ fn a_body_is_planned_checked_simulated_and_baked() {
     assert_ne!(of("out"), of("mesh"), "the block's own facets");
 }
 
+/// Corners of a written mesh.
+fn vertices(folder: &Folder, file: &str) -> Vec<Vector3<f64>> {
+    let text = String::from_utf8(folder.read(file)).expect("a text");
+    let numbers = |line: &str| {
+        let numbers = line
+            .split_whitespace()
+            .map(|n| n.parse().expect("a number"));
+        Vector3::from_iterator(numbers)
+    };
+    let lines = text.lines().filter_map(|line| line.strip_prefix("v "));
+    lines.map(numbers).collect()
+}
+
+/// The mesh that the body has moved comes with the maps: in it are dents, in them only wrinkles.
+#[test]
+fn the_moved_mesh_is_written_at_every_key() {
+    let folder = folder();
+    for command in ["bake", "simulate"] {
+        folder.ruga(&format!("{command} body.toml -o out")).exits(0);
+        for (key, way) in [(50, 0.006), (100, 0.012)] {
+            let moved = vertices(&folder, &format!("out/bodies/press_{key}.obj"));
+            // Divided at the seams: four to a side.
+            assert_eq!(moved.len(), 24);
+            let farthest = moved.iter().map(|p| p.x).fold(0.0, f64::max);
+            assert!((farthest - 0.24 + way).abs() < 1e-6, "{farthest}");
+        }
+    }
+}
+
+/// What holds a body and moves it is where the world has it, wherever the file's node has the mesh.
+#[test]
+fn a_turned_node_turns_the_mesh_alone() {
+    let folder = folder();
+    let mut mesh = read_mesh(&folder.path("block.obj"), None, &ObjOptions::default()).unwrap();
+    let write = |name: &str, mesh: &MeshFile| {
+        write_glb(&folder.path(name), mesh, &GlbAdditions::default()).unwrap();
+    };
+    write("block.glb", &mesh);
+    // A quarter turn about z, and a shift.
+    mesh.world_from_node = Matrix4::new_rotation(Vector3::z() * std::f64::consts::FRAC_PI_2);
+    mesh.world_from_node
+        .append_translation_mut(&Vector3::new(1.0, 2.0, 3.0));
+    write("turned.glb", &mesh);
+    folder.change("body.toml", "block.obj", "block.glb");
+    folder.write("turned.toml", SCENE);
+    for (from, to) in [
+        ("block.obj", "turned.glb"),
+        ("[-0.01, -1.0, -1.0]", "[-1.0, 1.99, 2.0]"),
+        ("[0.04, 1.0, 1.0]", "[2.0, 2.04, 4.0]"),
+        ("[0.20, -1.0, -1.0]", "[-1.0, 2.20, 2.0]"),
+        ("[0.25, 1.0, 1.0]", "[2.0, 2.25, 4.0]"),
+        ("[-0.012, 0.0, 0.0]", "[0.0, -0.012, 0.0]"),
+    ] {
+        folder.change("turned.toml", from, to);
+    }
+    let end = |scene: &str| {
+        folder
+            .ruga(&format!("simulate {scene}.toml -o {scene}"))
+            .exits(0);
+        vertices(&folder, &format!("{scene}/frames/press/skin.0001.obj"))
+    };
+    let pairs = end("body").into_iter().zip(end("turned"));
+    let turned = |p: Vector3<f64>| Vector3::new(1.0 - p.y, 2.0 + p.x, 3.0 + p.z);
+    let farthest = pairs
+        .map(|(body, other)| (turned(body) - other).norm())
+        .fold(0.0, f64::max);
+    assert!(farthest < 1e-5, "{farthest}");
+}
+
 #[test]
 fn a_body_moves_in_time() {
     let folder = folder();
@@ -174,6 +245,11 @@ fn handles_that_hold_nothing_or_everything_are_refused() {
         folder.change("body.toml", from, to);
         folder.ruga("simulate body.toml -o out").exits(2)
     };
-    with("max = [0.04, 1.0, 1.0]", "max = [-0.005, 1.0, 1.0]").says(&["left", "cell"]);
+    let nothing = with("max = [0.04, 1.0, 1.0]", "max = [-0.005, 1.0, 1.0]");
+    nothing.says(&[
+        "left",
+        "[-0.0050, 1.0000, 1.0000]",
+        "[0.0200, 0.0200, 0.0200]",
+    ]);
     with("min = [0.20, -1.0, -1.0]", "min = [0.04, -1.0, -1.0]").says(&["hold"]);
 }

@@ -55,7 +55,7 @@ fn a_share_of_the_bending_of_no_layer() {
 fn a_body_that_is_open() {
     let body = "[interior]\nfollow = 1e6\n[remesh]";
     let folder = Folder::with("[remesh]", body);
-    refuses(&folder, &["scene.toml", "open", "edge"]);
+    refuses(&folder, &["patch.obj", "32 open edges"]);
 }
 
 #[test]

@@ -82,7 +82,7 @@ impl LatticeEnergy {
         Ok(())
     }
 
-    /// Adds `factor B^T K B` to a Hessian in the order of [`Self::pattern`] (RK 6.2, eq. 15), for a
+    /// Adds `B^T K B` to a Hessian in the order of [`Self::pattern`] (RK 6.2, eq. 15), for a
     /// surface stiffness `K` with the given values.
     ///
     /// # Panics
@@ -93,7 +93,6 @@ impl LatticeEnergy {
         embedding: &Embedding,
         surface: &SurfacePattern,
         values: &[f64],
-        factor: f64,
         hessian: &mut [f64],
     ) {
         assert_eq!(values.len(), surface.rows.len(), "one value per entry");
@@ -116,7 +115,7 @@ impl LatticeEnergy {
                     } else {
                         1.0
                     };
-                    let value = factor * half * values[k];
+                    let value = half * values[k];
                     for (node, weight) in embedding.rows().row(surface.points[row] as usize) {
                         product.add(node, place, weight * value);
                     }

@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a failing unwrap fails the test")]
 
 use ruga_solver::{
-    ConstraintRows, Kkt, LowerPattern, NewtonSettings, Objective, SolveReport, minimise,
+    ConstraintRows, Iteration, Kkt, LowerPattern, NewtonSettings, Objective, SolveReport, StopRule,
+    minimise,
 };
 
 const POINTS: usize = 60;
@@ -83,7 +84,10 @@ impl Objective for Rope {
 }
 
 /// From a shallow bow just above the floor.
-fn solve(overshoot: bool) -> (SolveReport, Vec<f64>) {
+fn solve(
+    overshoot: bool,
+    keep_going: &mut dyn FnMut(&Iteration) -> bool,
+) -> (SolveReport, Vec<f64>) {
     let rope = Rope::new();
     let mut kkt = Kkt::new(&rope.pattern, &ConstraintRows::none(POINTS), 1).unwrap();
     let bow = |i: usize| 1e-3 + ((i as f64 - 29.5) / 30.0).powi(2);
@@ -92,13 +96,14 @@ fn solve(overshoot: bool) -> (SolveReport, Vec<f64>) {
         overshoot,
         ..NewtonSettings::default()
     };
-    let solve = minimise(&rope, &[], &mut z, &mut kkt, &settings, &mut |_| true);
+    let solve = minimise(&rope, &[], &mut z, &mut kkt, &settings, keep_going);
     (solve.unwrap(), z)
 }
 
 #[test]
 fn whole_steps_find_what_touches_sooner() {
-    let [(slow, shortened), (fast, whole)] = [false, true].map(solve);
+    let [(slow, shortened), (fast, whole)] =
+        [false, true].map(|overshoot| solve(overshoot, &mut |_| true));
     assert!(slow.converged && fast.converged, "{slow:?} {fast:?}");
     let pairs = shortened.iter().zip(&whole);
     let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -109,4 +114,82 @@ fn whole_steps_find_what_touches_sooner() {
         fast.factorizations,
         slow.factorizations
     );
+}
+
+#[test]
+fn wherever_it_is_interrupted_the_energy_has_fallen() {
+    let (all, _) = solve(true, &mut |_| true);
+    let mut last = f64::INFINITY;
+    for end in 0..all.iterations {
+        let (report, z) = solve(true, &mut |iteration| iteration.index < end);
+        let energy = Rope::new().value(&z);
+        assert!(energy <= last, "{end}: {energy} {last}");
+        assert!(report.energy == energy, "{end}: {} {energy}", report.energy);
+        last = energy;
+    }
+}
+
+/// A slope that ends in a cliff up, whose second derivatives know of neither: from one the step is too
+/// long, on the other too short.
+struct Cliff {
+    pattern: LowerPattern,
+}
+
+impl Objective for Cliff {
+    fn pattern(&self) -> &LowerPattern {
+        &self.pattern
+    }
+
+    fn value(&self, z: &[f64]) -> f64 {
+        z[0].max(-20.0 * z[0])
+    }
+
+    fn gradient(&self, z: &[f64], gradient: &mut [f64]) -> f64 {
+        gradient[0] = if z[0] < 0.0 { -20.0 } else { 1.0 };
+        self.value(z)
+    }
+
+    fn hessian(&self, z: &[f64], exact: &mut [f64], relaxed: &mut [f64]) {
+        exact[0] = if z[0] < 0.0 { 1e6 } else { 0.5 };
+        relaxed[0] = exact[0];
+    }
+
+    fn floor(&self) -> &[f64] {
+        &[1e-9]
+    }
+
+    fn energy_scale(&self) -> f64 {
+        1.0
+    }
+
+    fn force_scale(&self) -> f64 {
+        1.0
+    }
+
+    fn length_scale(&self) -> f64 {
+        1.0
+    }
+}
+
+#[test]
+fn a_whole_step_that_nothing_makes_up_for_is_taken_back() {
+    let cliff = Cliff {
+        pattern: LowerPattern::from_stencils(1, [[0].as_slice()]).unwrap(),
+    };
+    let settings = NewtonSettings {
+        overshoot: true,
+        max_iterations: 2,
+        ..NewtonSettings::default()
+    };
+    let mut kkt = Kkt::new(&cliff.pattern, &ConstraintRows::none(1), 1).unwrap();
+    let (mut z, mut energies) = ([1.0], Vec::new());
+    let report = minimise(&cliff, &[], &mut z, &mut kkt, &settings, &mut |iteration| {
+        energies.push(iteration.energy);
+        true
+    })
+    .unwrap();
+    assert!(energies[1] > 10.0 * energies[0], "{energies:?}");
+    assert_eq!(report.stop, StopRule::IterationLimit);
+    assert!((0.0..1.0).contains(&z[0]), "{z:?}");
+    assert!(report.energy == z[0], "{} {z:?}", report.energy);
 }

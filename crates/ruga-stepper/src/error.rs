@@ -1,5 +1,6 @@
 //! What can be wrong with a scene once its files are read.
 
+use nalgebra::Vector3;
 use ruga_blend::BlendError;
 use ruga_constraint::ConstraintError;
 use ruga_lattice::LatticeError;
@@ -7,6 +8,8 @@ use ruga_material::MaterialError;
 use ruga_remesh::RemeshError;
 use ruga_shell::ShellError;
 use ruga_solver::SolverError;
+
+use crate::ObstacleShape;
 
 /// Why a pose cannot be planned or simulated.
 #[derive(Debug, thiserror::Error)]
@@ -68,22 +71,30 @@ pub enum StepperError {
     Lattice(#[from] LatticeError),
     /// A handle holds nothing.
     #[error(
-        "handle '{handle}' holds no cell of the lattice, or only what handles before it hold: a cell is held when its part of the body has its centre in the box; enlarge the box or take more cells"
+        "handle '{handle}' from {} m holds no cell of the lattice, or only what handles before it hold: a cell is held when its part of the body has its centre in the box, and these centres reach from {} m; enlarge the box or take more cells",
+        corners(asked),
+        corners(found)
     )]
     EmptyHandle {
         /// Name of the handle.
         handle: String,
+        /// Lowest and highest corner of its box, m.
+        asked: [Vector3<f64>; 2],
+        /// The same of the box around the centres of all cells.
+        found: [Vector3<f64>; 2],
     },
     /// Handles hold all of a body.
     #[error("the handles hold every node of the lattice; make them smaller or take more cells")]
     HeldBody,
     /// An obstacle has no surface.
     #[error(
-        "obstacle '{obstacle}' has no shape: radius, length and normal must be positive and finite"
+        "obstacle '{obstacle}' has no shape: radius, length and normal must be positive and finite, found {shape:?}"
     )]
     ShapelessObstacle {
         /// Name of the obstacle.
         obstacle: String,
+        /// What it was to be.
+        shape: ObstacleShape,
     },
     /// A motion is of something that is not there.
     #[error("pose '{pose}' moves '{name}', which is neither a handle nor an obstacle")]
@@ -138,4 +149,9 @@ pub enum StepperError {
         /// What is wrong.
         source: SolverError,
     },
+}
+
+fn corners(of: &[Vector3<f64>; 2]) -> String {
+    let [low, high] = of.map(|c| format!("[{:.4}, {:.4}, {:.4}]", c.x, c.y, c.z));
+    format!("{low} to {high}")
 }

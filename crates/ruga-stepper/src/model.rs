@@ -171,7 +171,7 @@ impl Default for EdgeLimits {
 /// them to full load, one more for a key between two), and at every key the driver stands still until
 /// the skin rests. Layers on others are thin and light, and follow at once. A body
 /// ([`simulate_body`](crate::simulate_body)) moves with its layer, and time is the load: no key waits,
-/// and one between two steps divides the step.
+/// and one between two steps, like a keyframe of a motion, divides the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dynamics {
     /// Length of a step, s; positive.

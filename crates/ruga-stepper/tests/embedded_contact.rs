@@ -12,11 +12,10 @@ const SIZE: Vector3<f64> = Vector3::new(0.04, 0.04, 0.02);
 fn pressed(shape: ObstacleShape, depth: f64, steps: u32) -> PoseResult {
     let driver = slab(SIZE, [8, 8, 4], |p| p);
     let mut body = free_body(4);
-    body.handles = vec![Handle {
-        name: "floor".into(),
-        min: Vector3::repeat(-1.0),
-        max: Vector3::new(1.0, 1.0, 0.01),
-    }];
+    body.handles = vec![Handle::new(
+        "floor",
+        [Vector3::repeat(-1.0), Vector3::new(1.0, 1.0, 0.01)],
+    )];
     body.obstacles = vec![Obstacle {
         name: "press".into(),
         shape,

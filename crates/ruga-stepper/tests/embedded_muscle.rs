@@ -7,8 +7,8 @@ use nalgebra::Vector3;
 use ruga_blend::{ArtistMesh, Driver, Smoothing};
 use ruga_lattice::LatticeError;
 use ruga_stepper::{
-    BodyPose, CellShape, Dynamics, Frame, Modelling, Observer, Obstacle, ObstacleShape, PoseResult,
-    Progress, Silent, StepperError, plan_body, simulate_body,
+    BodyPose, CellShape, Dynamics, Frame, Keyframe, Modelling, Observer, Obstacle, ObstacleShape,
+    PoseResult, Progress, Silent, StepperError, plan_body, simulate_body,
 };
 
 const LENGTH: f64 = 0.04;
@@ -209,25 +209,66 @@ fn a_free_body_stays_or_goes_where_it_is_pushed() {
         .fold(0.0, f64::max);
     assert!(farthest < 0.05 * thickness, "{}", farthest / thickness);
     // Nothing holds it down on the floor either, so that it may end a little above.
-    let lifted = moved(vec![push("floor", Vector3::z() * 1.1e-3)]);
-    let lowest = lifted.iter().map(|p| p.z).fold(f64::MAX, f64::min);
-    let height = (lowest - 1e-3) / thickness;
-    assert!((-0.1..3.0).contains(&height), "{height}");
+    let height = |lifted: &[Vector3<f64>]| {
+        let lowest = lifted.iter().map(|p| p.z).fold(f64::MAX, f64::min);
+        (lowest - 1e-3) / thickness
+    };
+    let lift = push("floor", Vector3::z() * 1.1e-3);
+    let lifted = moved(vec![lift.clone()]);
+    assert!(
+        (-0.1..3.0).contains(&height(&lifted)),
+        "{}",
+        height(&lifted)
+    );
+    // A floor that goes down again leaves it there: half way is no load step, but a keyframe.
+    let mut up_and_down = lift;
+    up_and_down.keyframes.push(Keyframe {
+        translation: Vector3::zeros(),
+        ..up_and_down.keyframes[0]
+    });
+    up_and_down.keyframes[0].at = 0.5;
+    let left = height(&moved(vec![up_and_down]));
+    assert!((-0.1..3.0).contains(&left), "{left}");
     let ends = [Vector3::zeros(), Vector3::new(LENGTH, 0.02, 0.02)];
     let strain = bodies::compression(&driver, &lifted, ends);
     assert!(strain.abs() < 2e-3, "{strain}");
 }
 
 #[test]
-fn a_run_can_be_interrupted() {
-    struct Stop;
+fn a_run_can_be_interrupted_anywhere() {
+    #[derive(Default)]
+    struct Stop {
+        iterations: usize,
+        frames: usize,
+    }
     impl Observer for Stop {
         fn progress(&mut self, _: Progress) -> bool {
-            false
+            self.iterations = self.iterations.saturating_sub(1);
+            self.iterations > 0
+        }
+        fn frame(&mut self, _: &Frame<'_>) {
+            self.frames += 1;
         }
     }
-    let result = followed(&bar(), 1e6, 2, &coarse(), &mut Stop);
-    assert!(result.interrupted && result.keys.is_empty());
+    let mut modelling = coarse();
+    modelling.dynamics = Some(Dynamics {
+        time_step: 0.01,
+        damping: 0.0,
+    });
+    for iterations in 1.. {
+        let mut stop = Stop {
+            iterations,
+            ..Stop::default()
+        };
+        let result = followed(&bar(), 1e6, 2, &modelling, &mut stop);
+        assert_eq!(result.frames, stop.frames, "{iterations}");
+        assert!(result.warnings.is_empty(), "{:?}", result.warnings);
+        if !result.interrupted {
+            assert!(iterations > 4 && result.converged);
+            return;
+        }
+        assert!(result.keys.is_empty() && stop.frames < 2, "{iterations}");
+    }
 }
 
 #[test]
@@ -239,7 +280,7 @@ fn what_does_not_fit_is_named() {
         plan_body(&driver, &layer(50.0), &body, &coarse(), 1024)
     };
     let empty = planned(&|body| body.handles = vec![slice("far", 1.0, 2.0)]);
-    assert!(matches!(empty, Err(StepperError::EmptyHandle { handle }) if handle == "far"));
+    assert!(matches!(empty, Err(StepperError::EmptyHandle { handle, .. }) if handle == "far"));
     let all = planned(&|body| body.handles = vec![slice("all", -1.0, 2.0)]);
     assert!(matches!(all, Err(StepperError::HeldBody)));
     let pulled = planned(&|body| body.follow = Some(-1.0));

@@ -10,11 +10,13 @@ use super::isocontours::{Isocontour, Sample, push_together};
 use super::{Extent, Slab};
 
 /// Wavelengths to a cell.
-const CELLS: [f64; 8] = [0.4, 0.6, 0.75, 0.9, 1.0, 1.2, 1.5, 2.0];
+const CELLS: [f64; 9] = [0.4, 0.6, 0.75, 0.9, 1.0, 1.2, 1.5, 2.0, 4.0];
 const FEW_CELLS: [f64; 2] = [0.75, 1.5];
 
-/// Length between the handles, and width and depth, in wavelengths: about, for they are whole cells.
+/// Length between the handles, and width and depth, in wavelengths: about, for they are whole cells, and
+/// in the length enough of them that some nodes are free.
 const FREE: f64 = 7.2;
+const LEAST_CELLS: f64 = 4.0;
 const ACROSS: f64 = 2.4;
 
 /// The same skin on one lattice.
@@ -47,11 +49,11 @@ pub fn cell_limit(extent: Extent, each: &mut dyn FnMut(&CellLimit)) -> Result<()
 }
 
 fn slab(sample: Sample, cell: f64) -> Result<Slab, Box<dyn Error>> {
-    let [along, across] = [FREE, ACROSS].map(|length| (length / cell).round());
+    let [along, across] = [FREE, ACROSS].map(|length| (length / cell).round().max(1.0));
     let mut slab = Slab {
         size: Vector3::repeat(1.0),
         // One at either end is held.
-        cells: along as u32 + 2,
+        cells: along.max(LEAST_CELLS) as u32 + 2,
         shape: CellShape::Quadratic,
         young: 5e4,
         ratio: sample.ratio,

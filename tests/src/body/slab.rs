@@ -183,10 +183,9 @@ impl Slab {
     }
 
     pub(super) fn body(&self) -> Body {
-        let slice = |(name, [from, to]): &(&str, [f64; 2])| Handle {
-            name: (*name).into(),
-            min: Vector3::new(*from, -1.0, -1.0),
-            max: Vector3::new(*to, 1.0, 1.0),
+        let slice = |(name, [from, to]): &(&str, [f64; 2])| {
+            let corners = [[*from, -1.0, -1.0], [*to, 1.0, 1.0]];
+            Handle::new(*name, corners.map(Vector3::from))
         };
         Body {
             cells: Some(self.cells),

@@ -37,7 +37,7 @@ fn thrown((descent, linear): Method, time_step: f64) -> Thrown {
 }
 
 /// Where nothing stands still, inertia leaves no saddle to end on: the papers' methods find the same
-/// motion, in more than twice as many Newton steps.
+/// motion, by the residual in more than twice as many Newton steps.
 #[test]
 fn t19_thrown() {
     let test = "T19 cushion dropped and pressed, dt .005 to .05 s";
@@ -48,11 +48,10 @@ fn t19_thrown() {
     let same = |ours: &Thrown, theirs: &Thrown| {
         assert!(ours.converged && theirs.converged);
         for run in [ours, theirs] {
-            assert!(
-                !run.warnings.iter().any(|w| w.contains("unstable one")),
-                "{:?}",
-                run.warnings
-            );
+            let mut warnings = run.warnings.iter();
+            // No step had to be divided.
+            let is_told = |w: &String| w.contains("unstable one") || w.contains("halved");
+            assert!(!warnings.any(is_told), "{:?}", run.warnings);
         }
         let energy = theirs.report.energy / ours.report.energy - 1.0;
         assert!(energy.abs() < 1e-3, "{energy}");
@@ -67,12 +66,18 @@ fn t19_thrown() {
     let numbers = format!("the same motion in {times:.1} times as many Newton steps");
     table_line(test, "papers: residual merit", Finding::Holds, &numbers);
 
-    let iterated = thrown(minres(Descent::Residual), time_steps[2]);
-    same(&ours[2], &iterated);
-    let times = iterations(&[&iterated]) as f64 / iterations(&[&ours[2]]) as f64;
-    assert!(times > 1.8, "{times}");
-    let numbers = format!("dt .05 alone: the same motion in {times:.1} times as many Newton steps");
-    table_line(test, "papers: both", Finding::Holds, &numbers);
+    for (descent, method, least) in [
+        (Descent::Energy, "papers: MINRES", 0.0),
+        (Descent::Residual, "papers: both", 1.8),
+    ] {
+        let iterated = thrown(minres(descent), time_steps[2]);
+        same(&ours[2], &iterated);
+        let times = iterations(&[&iterated]) as f64 / iterations(&[&ours[2]]) as f64;
+        assert!(times > least, "{times}");
+        let numbers =
+            format!("dt .05 alone: the same motion in {times:.1} times as many Newton steps");
+        table_line(test, method, Finding::Holds, &numbers);
+    }
     let frames: usize = ours.iter().map(|run| run.frames).sum();
     let numbers = format!(
         "in the room, {:.1} Newton steps a frame",
@@ -113,8 +118,8 @@ fn pushed((descent, linear): Method, steps: u32) -> Result<(SlabRun, f64), Strin
     Ok((run, amplitude))
 }
 
-/// At rest the papers' search ends at states that are unstable and low, or nowhere, however small the
-/// steps; MINRES arrives and cannot tell.
+/// At rest the papers' search ends at states that are unstable and low, however small the steps, by
+/// either linear solver; by the energy MINRES arrives, and cannot tell.
 #[test]
 fn t19_pushed() {
     let test = "T19 slab pushed past the onset in 1 step and in 8";
@@ -129,25 +134,19 @@ fn t19_pushed() {
     assert!((jump / slow - 1.0).abs() < 2e-3, "{jump} {slow}");
     assert!(ours.iter().all(|(run, _)| run.warnings.is_empty()));
 
-    let (mut nowhere, mut low) = (0, Vec::new());
-    for run in both(RESIDUAL) {
-        let (run, amplitude) = match run {
-            Ok(run) => run,
-            Err(message) => {
-                assert!(message.contains("no equilibrium found"), "{message}");
-                nowhere += 1;
-                continue;
-            }
-        };
-        assert!(says(&run, "unstable"), "{:?}", run.warnings);
-        assert!(amplitude < 0.98 * slow, "{amplitude} {slow}");
-        low.push(format!("{:.0} %", 100.0 * (1.0 - amplitude / slow)));
+    for (method, name, warning) in [
+        (RESIDUAL, "papers: residual merit", "unstable one"),
+        (minres(Descent::Residual), "papers: both", "cannot tell"),
+    ] {
+        let low = arrived(method).map(|(run, amplitude)| {
+            assert!(says(&run, warning), "{:?}", run.warnings);
+            let share = amplitude / slow;
+            assert!((0.85..0.98).contains(&share), "{share}");
+            format!("{:.0} %", 100.0 * (1.0 - share))
+        });
+        let numbers = format!("A too low by {low:?}; says `{warning}`");
+        table_line(test, name, Finding::Warns, &numbers);
     }
-    let numbers = format!(
-        "of 2 runs {nowhere} end nowhere, {} at an unstable state, A too low by {low:?}, and say so",
-        low.len()
-    );
-    table_line(test, "papers: residual merit", Finding::Warns, &numbers);
 
     let iterated = arrived(minres(Descent::Energy));
     for (run, amplitude) in &iterated {

@@ -1,5 +1,5 @@
 //! `bodies`: what soft bodies under a skin have to show, measured and drawn (Rémillard and Kry 2013,
-//! figures 3, 4, 6 and 7).
+//! figures 3, 4, 6 and 7 and table 1).
 //!
 //! The measuring is done by the program `bodies` of the tests, a line of JSON for each finding. All
 //! lines are in `findings.jsonl`, the samples in `isocontours.csv` and `dense.csv`, times at the papers'
@@ -12,7 +12,9 @@ mod page;
 mod panel;
 mod panels;
 mod ruler;
+mod speed;
 mod tables;
+mod verdict;
 mod words;
 
 use std::error::Error;
@@ -61,10 +63,11 @@ pub(crate) fn bodies(wanted: &Wanted) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The findings, told as they come.
+/// The findings, told as they come; measured on one thread, so that times can be compared.
 fn measure(quick: bool) -> Result<Vec<Value>, Box<dyn Error>> {
     let start = Instant::now();
     let mut command = cargo(&["run", "--quiet"]);
+    command.env("RAYON_NUM_THREADS", "1");
     command.args(PACKAGE).stdout(Stdio::piped());
     if quick {
         command.args(["--", "--quick"]);

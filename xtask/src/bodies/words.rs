@@ -1,16 +1,18 @@
 //! What was found, against its goals, in words.
 
-use std::fmt::Write;
-
 use serde_json::Value;
 
-use super::findings::{Findings, HARD_ROWS, HYBRID, Thrown};
+use super::findings::{Findings, HARD_ROWS, HYBRID, Locality, Thrown};
+use super::speed::speeds;
+use super::verdict::Verdict;
 
-/// Median error of the wavelength that the default may have.
+/// Median error of the wavelength that the default may have, and samples that it takes to tell.
 pub(super) const WAVELENGTH: f64 = 0.05;
+const SAMPLES: usize = 25;
 
-/// Error against a volume that none may have.
+/// Error against a volume that none may have, and volumes that it takes to tell.
 pub(super) const VOLUME: f64 = 0.1;
+const VOLUMES: usize = 9;
 
 /// How many times less cells have to show with quadratic elements.
 const SMOOTHER: f64 = 5.0;
@@ -18,51 +20,113 @@ const SMOOTHER: f64 = 5.0;
 /// Share of the squared heights that local coupling may leave outside.
 const OUTSIDE: f64 = 0.05;
 
+/// Couplings of the bar. Global functions are there for comparison.
+const BARS: [&str; 4] = [HYBRID, "elastic", HARD_ROWS, GLOBAL];
+const GLOBAL: &str = "spectral";
+
 /// All of it, a goal to a line.
 pub(super) fn words(findings: &Findings) -> String {
-    let mut text = String::new();
-    for coupling in [HYBRID, HARD_ROWS] {
-        wavelengths(&mut text, findings, coupling);
-    }
-    volumes(&mut text, findings);
-    cell_limits(&mut text, findings);
-    if let Some(times) = findings.smoother() {
-        let verdict = verdict(times >= SMOOTHER);
-        // Writing to a string cannot fail, here and below.
-        let _ = writeln!(
-            text,
-            "cells (figure 4): {times:.0} times less bending energy beside a smooth skin with quadratic elements, at least {SMOOTHER:.0}: {verdict}"
-        );
-    }
-    for own in &findings.artefacts {
-        let _ = writeln!(
-            text,
+    let mut lines = vec![
+        wavelengths(findings, HYBRID),
+        wavelengths(findings, HARD_ROWS),
+        volumes(findings),
+        cell_limits(findings),
+        smoother(findings),
+    ];
+    lines.extend(findings.artefacts.iter().map(|own| {
+        format!(
             "  {}: {:.4} of the smooth skin's energy, {:.3} degrees RMS",
             own.shape, own.energy, own.angle_deg
-        );
-    }
-    for own in &findings.localities {
-        let failed = if own.converged { "" } else { ", NOT CONVERGED" };
-        // Global functions are there for comparison.
-        let goal = match own.coupling.as_str() {
-            "spectral" => String::new(),
-            _ => format!(
-                ", at most {:.0} %: {}",
-                100.0 * OUTSIDE,
-                verdict(own.outside <= OUTSIDE)
-            ),
+        )
+    }));
+    lines.extend(BARS.map(|coupling| {
+        let mut all = findings.localities.iter();
+        let found = match all.find(|own| own.coupling == coupling) {
+            Some(own) => locality(own),
+            None => Verdict::NotMeasured.to_string(),
         };
-        let _ = writeln!(
-            text,
-            "locality (figure 3), {}: {:.2} % of the squared heights outside the bent part{goal}{failed}",
-            own.coupling,
-            100.0 * own.outside
-        );
-    }
-    for own in &findings.thrown {
-        let _ = writeln!(text, "{}", thrown(own));
-    }
-    text
+        format!("locality (figure 3), {coupling}: {found}")
+    }));
+    lines.extend(findings.thrown.iter().map(thrown));
+    lines.extend(speeds(findings));
+    lines.join("\n") + "\n"
+}
+
+fn wavelengths(findings: &Findings, coupling: &str) -> String {
+    let goal = format!("wavelength (figure 7), {coupling}");
+    let [Some(early), Some(late)] = [0, 1].map(|key| findings.median_error(coupling, key)) else {
+        return format!("{goal}: {}", Verdict::NotMeasured);
+    };
+    let errors: Vec<f64> = findings.of(coupling).map(|own| own.error_size(1)).collect();
+    let worst = errors.iter().fold(0.0, |m: f64, error| m.max(*error));
+    let count = errors.len();
+    let failed = errors.iter().filter(|error| error.is_infinite()).count();
+    let demands = findings.of(coupling).map(|own| own.demand[1]);
+    let (low, high) = demands.fold((f64::MAX, 0.0_f64), |(l, h), d| (l.min(d), h.max(d)));
+    let verdict = match coupling {
+        HYBRID => format!(
+            "; under {:.0} %: {}",
+            100.0 * WAVELENGTH,
+            Verdict::of(late < WAVELENGTH && failed == 0, count, SAMPLES)
+        ),
+        _ => String::new(),
+    };
+    format!(
+        "{goal}: median error {:.1} % of {count} samples at {low:.2} to {high:.2} critical strains, worst {:.1} %; {:.1} % soon after the onset; {failed} failed{verdict}",
+        100.0 * late,
+        100.0 * worst,
+        100.0 * early,
+    )
+}
+
+fn volumes(findings: &Findings) -> String {
+    let errors = findings.dense.iter().map(|own| own.error_size());
+    let worst = errors.fold(0.0, f64::max);
+    let count = findings.dense.len();
+    format!(
+        "against volumes (figure 6): {count} compared, worst {:.1} %, at most {:.0} %: {}",
+        100.0 * worst,
+        100.0 * VOLUME,
+        Verdict::of(worst <= VOLUME, count, VOLUMES)
+    )
+}
+
+fn cell_limits(findings: &Findings) -> String {
+    let limits = findings.cell_limits.iter();
+    let each: Vec<String> = limits
+        .map(|own| format!("{} at {}", per_cent(own.error), own.cell))
+        .collect();
+    format!(
+        "lattice: error of the wavelength over wavelengths to a cell: {}",
+        each.join(", ")
+    )
+}
+
+fn smoother(findings: &Findings) -> String {
+    let found = match findings.smoother() {
+        Some(times) => format!(
+            "{times:.0} times less bending energy beside a smooth skin with quadratic elements, at least {SMOOTHER:.0}: {}",
+            Verdict::one(times >= SMOOTHER)
+        ),
+        None => Verdict::NotMeasured.to_string(),
+    };
+    format!("cells (figure 4): {found}")
+}
+
+fn locality(own: &Locality) -> String {
+    let failed = if own.converged { "" } else { ", NOT CONVERGED" };
+    let goal = match own.coupling.as_str() {
+        GLOBAL => String::new(),
+        _ => format!(
+            ", at most {:.0} %: {}",
+            100.0 * OUTSIDE,
+            Verdict::one(own.converged && own.outside <= OUTSIDE)
+        ),
+    };
+    format!(
+        "{:.2} % of the squared heights outside the bent part{goal}{failed}",
+        100.0 * own.outside
+    )
 }
 
 /// Way out of its room, in heights, that a cushion may have: obstacles give a little; and heights
@@ -83,70 +147,8 @@ fn thrown(own: &Thrown) -> String {
         high,
         own.outside,
         own.factorizations / own.frames,
-        verdict(holds)
+        Verdict::one(holds)
     )
-}
-
-fn verdict(is_met: bool) -> &'static str {
-    if is_met { "met" } else { "MISSED" }
-}
-
-fn wavelengths(text: &mut String, findings: &Findings, coupling: &str) {
-    let [Some(early), Some(late)] = [0, 1].map(|key| findings.median_error(coupling, key)) else {
-        return;
-    };
-    let errors = findings.of(coupling).filter_map(|own| own.errors()[1]);
-    let worst = errors.fold(0.0, |m: f64, error| m.max(error.abs()));
-    let count = findings.of(coupling).count();
-    let failed = findings
-        .of(coupling)
-        .filter(|own| !own.converged || own.measured[1].is_none());
-    let demands = findings.of(coupling).map(|own| own.demand[1]);
-    let (low, high) = demands.fold((f64::MAX, 0.0_f64), |(l, h), d| (l.min(d), h.max(d)));
-    let _ = write!(
-        text,
-        "wavelength (figure 7), {coupling}: median error {:.1} % of {count} samples at {low:.2} to {high:.2} critical strains, worst {:.1} %; {:.1} % soon after the onset; {} failed",
-        100.0 * late,
-        100.0 * worst,
-        100.0 * early,
-        failed.count(),
-    );
-    let goal = match coupling {
-        HYBRID => format!(
-            "; under {:.0} %: {}",
-            100.0 * WAVELENGTH,
-            verdict(late < WAVELENGTH)
-        ),
-        _ => String::new(),
-    };
-    let _ = writeln!(text, "{goal}");
-}
-
-fn volumes(text: &mut String, findings: &Findings) {
-    let errors = findings.dense.iter().map(|own| own.error());
-    let worst = errors.fold(0.0, |m: f64, error| {
-        m.max(error.map_or(f64::INFINITY, f64::abs))
-    });
-    let _ = writeln!(
-        text,
-        "against volumes (figure 6): {} compared, worst {:.1} %, at most {:.0} %: {}",
-        findings.dense.len(),
-        100.0 * worst,
-        100.0 * VOLUME,
-        verdict(worst <= VOLUME)
-    );
-}
-
-fn cell_limits(text: &mut String, findings: &Findings) {
-    let limits = findings.cell_limits.iter();
-    let each: Vec<String> = limits
-        .map(|own| format!("{} at {}", per_cent(own.error), own.cell))
-        .collect();
-    let _ = writeln!(
-        text,
-        "lattice: error of the wavelength over wavelengths to a cell: {}",
-        each.join(", ")
-    );
 }
 
 /// A finding as it comes.
@@ -195,4 +197,72 @@ fn per_cent(error: Option<f64>) -> String {
     error.map_or("no wrinkles".to_owned(), |error| {
         format!("{:+.1} %", 100.0 * error)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    /// Good samples of the default.
+    fn samples(count: usize) -> Vec<Value> {
+        let sample = json!({
+            "part": "isocontours", "coupling": HYBRID, "predicted_m": 0.01,
+            "measured_m": [0.01, 0.0102], "demand": [1.2, 1.5], "converged": true,
+        });
+        vec![sample; count]
+    }
+
+    fn volumes(count: usize) -> Vec<Value> {
+        vec![json!({ "part": "dense", "volume_m": 0.01, "embedded_m": 0.0102 }); count]
+    }
+
+    /// The line that begins like this.
+    fn told(lines: &[Value], beginning: &str) -> String {
+        let text = words(&Findings::read(lines));
+        let found = text.lines().find(|line| line.starts_with(beginning));
+        found.expect("a goal has a line").to_owned()
+    }
+
+    #[test]
+    fn a_failed_sample_misses_the_goal() {
+        let wavelength = |lines: &[Value]| told(lines, "wavelength (figure 7), hybrid");
+        assert!(wavelength(&samples(SAMPLES)).ends_with("0 failed; under 5 %: met"));
+        assert!(wavelength(&samples(SAMPLES - 1)).ends_with("too few to tell"));
+        assert!(wavelength(&[]).ends_with("not measured"));
+        let failures = [
+            ("converged", json!(false)),
+            ("measured_m", json!([0.01, null])),
+        ];
+        for (key, value) in failures {
+            for count in [2, SAMPLES] {
+                let mut lines = samples(count);
+                lines[1][key] = value.clone();
+                assert!(wavelength(&lines).ends_with("1 failed; under 5 %: MISSED"));
+            }
+        }
+    }
+
+    #[test]
+    fn a_volume_without_waves_misses_the_goal() {
+        let volume = |lines: &[Value]| told(lines, "against volumes");
+        assert!(volume(&volumes(VOLUMES)).ends_with(": met"));
+        assert!(volume(&volumes(VOLUMES - 1)).ends_with("too few to tell"));
+        assert!(volume(&[]).ends_with("not measured"));
+        let mut lines = volumes(2);
+        lines[0]["embedded_m"] = Value::Null;
+        assert!(volume(&lines).ends_with("MISSED"));
+    }
+
+    #[test]
+    fn what_is_absent_is_said_to_be() {
+        let lines = [
+            json!({ "part": "artefact", "shape": "linear", "energy": 1.0 }),
+            json!({ "part": "locality", "coupling": HYBRID, "outside": 0.01, "converged": true }),
+        ];
+        assert_eq!(told(&lines, "cells"), "cells (figure 4): not measured");
+        assert!(told(&lines, "locality (figure 3), hybrid").ends_with(": met"));
+        assert!(told(&lines, "locality (figure 3), elastic").ends_with(": not measured"));
+    }
 }

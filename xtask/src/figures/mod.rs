@@ -1,9 +1,10 @@
-//! `figures`: the figures and the table of Li 2014, and the bodies of Rémillard and Kry 2013, drawn
-//! from this project's own scenes.
+//! `figures`: the figures and tables of Li 2014 and of Rémillard and Kry 2013, drawn from this project's
+//! own scenes and measurements.
 //!
 //! Every scene goes through the command `ruga simulate`, as a user's would. Of each pose's last
 //! load step come two pictures of the top layer: shaded skin, and its mesh in material space
-//! coloured by strain; of all of them a table of times.
+//! coloured by strain; of all of them a table of times. What `bodies` measures after Rémillard and Kry
+//! follows, in a folder of its own.
 
 mod canvas;
 mod mesh_picture;
@@ -18,13 +19,13 @@ mod tests;
 use std::error::Error;
 use std::fs;
 use std::path::Path;
-use std::process::ExitCode;
 
 use ruga_io::{PoseReport, Report};
 
 use self::run::Run;
 use self::surface::{Material, Surface};
 use self::timing::{Timing, reference};
+use crate::bodies::bodies;
 use crate::repository::{Outcome, root};
 use crate::wanted::Wanted;
 
@@ -55,7 +56,7 @@ const SCENES: [&str; 17] = [
     "finger/muscles.toml",
 ];
 
-/// Simulates, draws, and prints the table.
+/// Simulates, draws, and prints the table; then measures and draws bodies.
 pub(crate) fn figures(wanted: &Wanted) -> Outcome {
     let folder = wanted.folder("figures")?;
     let mut timings = Vec::new();
@@ -67,7 +68,7 @@ pub(crate) fn figures(wanted: &Wanted) -> Outcome {
     fs::write(folder.join("timing.csv"), timing::csv(&timings))?;
     print!("\n{text}");
     println!("\nPictures and table are in {}", folder.display());
-    Ok(ExitCode::SUCCESS)
+    bodies(&wanted.within(folder.join("bodies")))
 }
 
 /// Simulates a scene and draws its poses; gives a row of the table for each.

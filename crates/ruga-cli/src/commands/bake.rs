@@ -10,6 +10,7 @@ use crate::arguments::RunArguments;
 use crate::artist_file::{file_name, write_artist_mesh};
 use crate::error::CliError;
 use crate::map_files::write_maps;
+use crate::moved_mesh::write_moved_mesh;
 use crate::pose_record::PoseRecord;
 use crate::pose_runs::{PoseFiles, Product, run_poses, thread_count};
 use crate::posed_frames::{moved_frames, posed_frames};
@@ -74,8 +75,11 @@ impl Product for WrinkleMaps<'_> {
         let mut made = PoseFiles::default();
         for key in &result.keys {
             made.maps.extend(self.key(pose, key, &mut made.warnings)?);
+            let file = write_moved_mesh(self.project, &self.arguments.output, pose, key)?;
+            made.files.extend(file);
         }
-        made.files = made.maps.iter().map(|map| map.file.clone()).collect();
+        let maps = made.maps.iter().map(|map| map.file.clone());
+        made.files.extend(maps);
         Ok(made)
     }
 }

@@ -87,8 +87,8 @@ impl Findings {
         Some(Project {
             path: path.to_owned(),
             modelling: model::modelling(scene, region?, None),
-            body: project::body_of(scene, &layers),
-            motions: project::motions_of(scene, &poses),
+            body: project::body_of(scene, &mesh, &layers),
+            motions: project::motions_of(scene, &mesh, &poses),
             scene: scene.clone(),
             mesh,
             driver,
@@ -121,7 +121,8 @@ impl Findings {
             ));
         }
         if let Some(region) = region {
-            self.lines.push(format!("region: {}", region_words(region)));
+            self.lines
+                .push(format!("region: {}", region_words(region, scene)));
         }
     }
 
@@ -137,10 +138,12 @@ impl Findings {
     }
 }
 
-fn region_words(region: &Region) -> String {
+fn region_words(region: &Region, scene: &Scene) -> String {
     match region {
-        Region::Auto => "where the poses compress the skin enough".to_owned(),
-        Region::All => "everywhere".to_owned(),
+        Region::Auto if scene.interior.is_none() => {
+            "where the poses compress the skin enough".to_owned()
+        }
+        Region::Auto | Region::All => "everywhere".to_owned(),
         Region::Mask(mask) => {
             let white = mask.values.iter().filter(|value| **value >= 0.5).count();
             let share = 100.0 * white as f64 / mask.values.len().max(1) as f64;

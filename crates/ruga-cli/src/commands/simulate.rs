@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Matrix3, Vector2, Vector3};
-use ruga_io::{MeshFile, ObjFrame, write_obj_frame};
+use nalgebra::{Vector2, Vector3};
+use ruga_io::{ObjFrame, write_obj_frame};
 use ruga_stepper::{Frame, LayerSurface, PoseResult, PoseSpec};
 
 use crate::arguments::RunArguments;
 use crate::error::CliError;
+use crate::moved_mesh::write_moved_mesh;
+use crate::placement::Placement;
 use crate::pose_record::remove_frames;
 use crate::pose_runs::{PoseFiles, Product, run_poses};
 use crate::project::Project;
@@ -28,6 +30,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     }
     let meshes = FrameMeshes {
         arguments,
+        project: &project,
         placement: Placement::of(&project.mesh),
     };
     let records = run_poses(&project, &plan, arguments, &meshes)?;
@@ -36,6 +39,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
 
 struct FrameMeshes<'a> {
     arguments: &'a RunArguments,
+    project: &'a Project,
     placement: Placement,
 }
 
@@ -57,7 +61,7 @@ impl Product for FrameMeshes<'_> {
         Ok(files)
     }
 
-    /// The meshes of the last key, as they were computed on.
+    /// The meshes of the last key, as they were computed on; and a body's mesh at every key.
     fn pose(&self, pose: &PoseSpec, result: &PoseResult) -> Result<PoseFiles, CliError> {
         let mut made = PoseFiles::default();
         for layer in result.keys.last().iter().flat_map(|key| &key.layers) {
@@ -71,6 +75,10 @@ impl Product for FrameMeshes<'_> {
                 (&computed.uvs, &computed.faces),
             )?;
             made.files.push(file);
+        }
+        for key in &result.keys {
+            let file = write_moved_mesh(self.project, &self.arguments.output, pose, key)?;
+            made.files.extend(file);
         }
         Ok(made)
     }
@@ -108,28 +116,6 @@ impl FrameMeshes<'_> {
             uv_triangles,
         };
         Ok(write_obj_frame(&self.arguments.output.join(file), &frame)?)
-    }
-}
-
-/// Where the axes of the file stand in the world.
-struct Placement {
-    turn: Matrix3<f64>,
-    shift: Vector3<f64>,
-}
-
-impl Placement {
-    /// `world_from_node = turn * stretch`, and the mesh has been stretched already.
-    fn of(mesh: &MeshFile) -> Self {
-        let world = &mesh.world_from_node;
-        let linear = world.fixed_view::<3, 3>(0, 0).into_owned();
-        Self {
-            turn: mesh.stretch.try_inverse().map_or(linear, |s| linear * s),
-            shift: world.fixed_view::<3, 1>(0, 3).into_owned(),
-        }
-    }
-
-    fn in_world(&self, position: &Vector3<f64>) -> Vector3<f64> {
-        self.turn * position + self.shift
     }
 }
 

@@ -6,7 +6,9 @@ use serde::{Deserialize, Serialize};
 /// `[interior]`: one layer on an embedded lattice (Rémillard and Kry 2013).
 ///
 /// What lies inside has the Young's modulus and the Poisson ratio of `[substrate]`. All lengths are
-/// metres; `length_unit` converts OBJ input alone.
+/// metres; `length_unit` converts OBJ input alone. Places and directions are in the axes of the world:
+/// those in which a glTF file's node stands, of which glTF says that `y` is up. `driver.region` is
+/// `"all"` where it is `"auto"`, and `remesh.aspect` has no effect.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Interior {
@@ -154,7 +156,8 @@ pub struct Cylinder {
 /// One of the `motions` of a pose: where a handle or an obstacle is at one time.
 ///
 /// Several motions of one thing are its keyframes, in ascending order; between them, and between
-/// the rest and the first, it moves evenly. After the last it stays.
+/// the rest and the first, it moves evenly. After the last it stays. A keyframe between two load steps
+/// is a load step of its own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Motion {

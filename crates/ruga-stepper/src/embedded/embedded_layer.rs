@@ -319,13 +319,12 @@ impl<'p> EmbeddedLayer<'p> {
 
     /// Whether a vertex got through an obstacle on its way from an earlier state.
     pub(crate) fn has_passed(&self, before: &BodyState) -> bool {
-        // Before the first step obstacles are where they are at rest, which is not in the state.
-        let from = match before.obstacles.is_empty() {
-            true => &self.state.obstacles,
-            false => &before.obstacles,
-        };
         let contact = self.contact(self.state.obstacles.clone());
-        contact.is_passed((from, &before.x), &self.state.x, self.thickness())
+        contact.is_passed(
+            (&before.obstacles, &before.x),
+            &self.state.x,
+            self.thickness(),
+        )
     }
 
     /// Deepest way of a vertex into an obstacle, m.

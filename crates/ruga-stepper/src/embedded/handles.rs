@@ -91,8 +91,10 @@ impl HeldNodes {
         let mut holder = vec![None; lattice.node_count()];
         for (number, handle) in handles.iter().enumerate() {
             let mut is_empty = true;
+            let (mut low, mut high) = (Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN));
             for element in lattice.elements() {
-                let centre = lattice.element_centre(element);
+                let centre = handle.turn * lattice.element_centre(element) + handle.shift;
+                (low, high) = (low.inf(&centre), high.sup(&centre));
                 let inside = (0..3).all(|c| (handle.min[c]..=handle.max[c]).contains(&centre[c]));
                 if !inside {
                     continue;
@@ -106,6 +108,8 @@ impl HeldNodes {
             if is_empty {
                 return Err(StepperError::EmptyHandle {
                     handle: handle.name.clone(),
+                    asked: [handle.min, handle.max],
+                    found: [low, high],
                 });
             }
         }
@@ -170,6 +174,12 @@ impl<'a> Moves<'a> {
                 placement: Placement::at(self.motion_of(&obstacle.name), time),
             })
             .collect()
+    }
+
+    /// When a keyframe is passed, in no order.
+    pub(crate) fn keyframes(&self) -> impl Iterator<Item = f64> {
+        let frames = self.motions.iter().flat_map(|motion| &motion.keyframes);
+        frames.map(|frame| frame.at)
     }
 
     fn motion_of(&self, name: &str) -> Option<&'a Motion> {

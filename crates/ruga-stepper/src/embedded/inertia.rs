@@ -93,7 +93,7 @@ impl Diagonal {
             column_starts: &self.column_starts,
             rows: &self.rows,
         };
-        lattice.add_pulled_back(embedding, &pattern, &self.values, 1.0, hessian);
+        lattice.add_pulled_back(embedding, &pattern, &self.values, hessian);
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a body is made of, what holds it, and what moves.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use ruga_lattice::{Shape, SolidMaterial};
 
 use crate::PoseSpec;
@@ -38,6 +38,23 @@ pub struct Handle {
     pub min: Vector3<f64>,
     /// Highest corner, m.
     pub max: Vector3<f64>,
+    /// Orthogonal; with `shift`, from the body's axes to those of the box: `turn x + shift`.
+    pub turn: Matrix3<f64>,
+    /// m.
+    pub shift: Vector3<f64>,
+}
+
+impl Handle {
+    /// For a box along the body's own axes.
+    pub fn new(name: impl Into<String>, [min, max]: [Vector3<f64>; 2]) -> Self {
+        Self {
+            name: name.into(),
+            min,
+            max,
+            turn: Matrix3::identity(),
+            shift: Vector3::zeros(),
+        }
+    }
 }
 
 /// A rigid thing without friction.
@@ -83,7 +100,8 @@ pub enum ObstacleShape {
 pub struct BodyPose {
     /// Name, weights of the blend shapes that the body follows, keys and steps.
     pub pose: PoseSpec,
-    /// How handles and obstacles move on the way; what is not named stands still.
+    /// How handles and obstacles move on the way; what is not named stands still. A keyframe between
+    /// two load steps is one of its own.
     pub motions: Vec<Motion>,
 }
 

@@ -50,17 +50,22 @@ pub(crate) fn check(obstacle: &Obstacle) -> Result<(), StepperError> {
         ObstacleShape::Plane { point, normal } => {
             normal.norm() > 0.0 && is_finite(&point) && is_finite(&normal)
         }
-        ObstacleShape::Sphere { centre, radius } => radius > 0.0 && is_finite(&centre),
+        ObstacleShape::Sphere { centre, radius } => is_length(radius) && is_finite(&centre),
         ObstacleShape::Cylinder { from, to, radius } => {
-            radius > 0.0 && (to - from).norm() > 0.0 && is_finite(&from) && is_finite(&to)
+            is_length(radius) && (to - from).norm() > 0.0 && is_finite(&from) && is_finite(&to)
         }
     };
     match is_fine {
         true => Ok(()),
         false => Err(StepperError::ShapelessObstacle {
             obstacle: obstacle.name.clone(),
+            shape: obstacle.shape,
         }),
     }
+}
+
+fn is_length(length: f64) -> bool {
+    length > 0.0 && length.is_finite()
 }
 
 fn is_finite(v: &Vector3<f64>) -> bool {

@@ -39,6 +39,8 @@ pub(crate) struct BodyRun<'a> {
     result: PoseResult,
     /// What had to be left out of the first step of the last solve that began with a pattern.
     relaxation: f64,
+    /// Steps in time that had to be halved.
+    halved: usize,
     /// What the last solve leaves open.
     blind_spot: Option<&'static str>,
 }
@@ -61,7 +63,8 @@ impl<'a> BodyRun<'a> {
     ) -> Result<Self, StepperError> {
         observer.phase(0, Phase::Remeshing);
         let moves = Moves::new(&plan.body, pose)?;
-        let layer = EmbeddedLayer::new(driver, plan, modelling)?;
+        let mut layer = EmbeddedLayer::new(driver, plan, modelling)?;
+        layer.state.obstacles = moves.obstacles(0.0);
         let report = LayerReport {
             name: plan.spec.name.clone(),
             vertices: layer.skin.mesh.vertex_count(),
@@ -84,6 +87,7 @@ impl<'a> BodyRun<'a> {
                 ..PoseResult::default()
             },
             relaxation: 0.0,
+            halved: 0,
             blind_spot: None,
         };
         if let Some(warning) = row_warning {
@@ -93,16 +97,23 @@ impl<'a> BodyRun<'a> {
     }
 
     pub(crate) fn follow(&mut self, observer: &mut dyn Observer) -> Result<(), StepperError> {
-        let keys = &self.pose.pose.keys;
+        let keys = || self.pose.pose.keys.iter().copied();
         // Beyond the last key nothing is asked for.
-        let last = keys.iter().copied().fold(0.0, f64::max);
-        let loads = loads_up_to(last, self.pose.pose.steps, keys.iter().copied());
+        let last = keys().fold(0.0, f64::max);
+        let keyframes = self.moves.keyframes().filter(|&at| at < last);
+        let loads = loads_up_to(last, self.pose.pose.steps, keys().chain(keyframes));
         let ending = match self.modelling.dynamics {
             None => self.climb(&loads, observer)?,
             Some(dynamics) => self.move_in_time(&loads, dynamics, observer)?,
         };
         self.result.converged &= ending == Ending::Reached;
         self.result.interrupted |= ending == Ending::Interrupted;
+        if self.halved > 0 {
+            self.warn(format!(
+                "{} steps in time had to be halved before they could be made",
+                self.halved
+            ));
+        }
         self.measure();
         Ok(())
     }
@@ -268,6 +279,7 @@ impl<'a> BodyRun<'a> {
             self.tell_of_failure("no step in time found", to, &solve);
             return Ok(Ending::GaveUp);
         }
+        self.halved += 1;
         let half = Dynamics {
             time_step: 0.5 * dynamics.time_step,
             ..dynamics

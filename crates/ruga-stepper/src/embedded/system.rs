@@ -155,7 +155,7 @@ impl BodySystem {
             }
             let body = layout.body(&mut values);
             self.lattice
-                .add_pulled_back(&self.embedding, &pattern, &own, 1.0, body);
+                .add_pulled_back(&self.embedding, &pattern, &own, body);
         }
         let body = layout.body(&mut values);
         if let Some(follow) = &self.follow {

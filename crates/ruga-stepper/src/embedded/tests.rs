@@ -167,11 +167,13 @@ fn crumpled<'p>(driver: &Driver, plan: &'p BodyPlan, pose: &BodyPose) -> Embedde
 fn everything() -> Body {
     Body {
         gravity: Vector3::new(1.0, -2.0, -9.81),
-        handles: vec![Handle {
-            name: "foot".into(),
-            min: Vector3::repeat(-1.0),
-            max: Vector3::new(SIDES[0] / 3.0, 1.0, 1.0),
-        }],
+        handles: vec![Handle::new(
+            "foot",
+            [
+                Vector3::repeat(-1.0),
+                Vector3::new(SIDES[0] / 3.0, 1.0, 1.0),
+            ],
+        )],
         obstacles: vec![Obstacle {
             // Flat: of a curved one the Hessian leaves something out.
             name: "lid".into(),

@@ -124,11 +124,8 @@ pub(crate) fn modelling(points: f64) -> Modelling {
 
 /// Everything between two planes across x.
 pub(crate) fn slice(name: &str, from: f64, to: f64) -> Handle {
-    Handle {
-        name: name.into(),
-        min: Vector3::new(from, -1.0, -1.0),
-        max: Vector3::new(to, 1.0, 1.0),
-    }
+    let corners = [[from, -1.0, -1.0], [to, 1.0, 1.0]];
+    Handle::new(name, corners.map(Vector3::from))
 }
 
 /// Straight to `way` at full load.
