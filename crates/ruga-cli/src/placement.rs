@@ -1,7 +1,9 @@
 //! Where the artist's mesh stands in the world.
 
+use std::path::Path;
+
 use nalgebra::{Matrix3, Vector3};
-use ruga_io::MeshFile;
+use ruga_io::{IoError, MeshFile, ObjFrame, write_obj_frame};
 
 /// From the axes of the file, in which everything is computed, to those of the world: a turn, or a
 /// reflection, and a shift.
@@ -25,6 +27,26 @@ impl Placement {
 
     pub(crate) fn in_world(&self, position: &Vector3<f64>) -> Vector3<f64> {
         self.turn * position + self.shift
+    }
+
+    /// Writes what is in the axes of the file where it is in the world, the same side out.
+    ///
+    /// # Errors
+    /// Those of [`write_obj_frame`].
+    pub(crate) fn write_obj(&self, path: &Path, frame: &ObjFrame<'_>) -> Result<(), IoError> {
+        let positions = frame.positions.iter().map(|p| self.in_world(p));
+        let is_mirrored = self.turn.determinant() < 0.0;
+        let outward = |triangles: &[[u32; 3]]| -> Vec<[u32; 3]> {
+            let order = |&[a, b, c]: &[u32; 3]| if is_mirrored { [a, c, b] } else { [a, b, c] };
+            triangles.iter().map(order).collect()
+        };
+        let in_world = ObjFrame {
+            positions: &positions.collect::<Vec<_>>(),
+            triangles: &outward(frame.triangles),
+            uv_triangles: &outward(frame.uv_triangles),
+            ..*frame
+        };
+        write_obj_frame(path, &in_world)
     }
 
     /// A place in the world, in the axes of the file.

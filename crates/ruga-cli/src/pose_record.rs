@@ -74,9 +74,12 @@ impl PoseRecord {
     }
 }
 
-/// First part of a file's path: what kind of result it is.
+/// First part of a file's path: what kind of result it is. Where a body is belongs to its maps.
 fn kind(file: &str) -> Option<&str> {
-    file.split('/').next()
+    match file.split('/').next() {
+        Some("bodies") => Some("maps"),
+        other => other,
+    }
 }
 
 /// Removes a pose's frames, of whatever earlier run, before new ones are written among them.

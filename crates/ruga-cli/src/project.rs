@@ -79,7 +79,8 @@ impl Project {
             StepperError::Lattice(
                 source @ (LatticeError::OpenSurface { .. }
                 | LatticeError::SelfIntersection { .. }
-                | LatticeError::WrongSide { .. }),
+                | LatticeError::WrongSide { .. }
+                | LatticeError::CannotCut { .. }),
             ) => CliError::Surface {
                 mesh: self.mesh.path.clone(),
                 source,

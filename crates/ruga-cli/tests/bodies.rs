@@ -4,7 +4,7 @@ mod fixture;
 
 use fixture::Folder;
 use nalgebra::{Matrix4, Vector3};
-use ruga_io::{GlbAdditions, MeshFile, ObjOptions, read_mesh, write_glb};
+use ruga_io::{GlbAdditions, ObjOptions, read_mesh, write_glb};
 
 const SCENE: &str = r#"version = 1
 
@@ -163,10 +163,15 @@ fn vertices(folder: &Folder, file: &str) -> Vec<Vector3<f64>> {
 #[test]
 fn the_moved_mesh_is_written_at_every_key() {
     let folder = folder();
-    for command in ["bake", "simulate"] {
-        folder.ruga(&format!("{command} body.toml -o out")).exits(0);
+    for (command, file) in [
+        ("bake", "bodies/press_"),
+        ("simulate", "meshes/press/body_"),
+    ] {
+        folder
+            .ruga(&format!("{command} body.toml -o {command}"))
+            .exits(0);
         for (key, way) in [(50, 0.006), (100, 0.012)] {
-            let moved = vertices(&folder, &format!("out/bodies/press_{key}.obj"));
+            let moved = vertices(&folder, &format!("{command}/{file}{key}.obj"));
             // Divided at the seams: four to a side.
             assert_eq!(moved.len(), 24);
             let farthest = moved.iter().map(|p| p.x).fold(0.0, f64::max);
@@ -175,44 +180,103 @@ fn the_moved_mesh_is_written_at_every_key() {
     }
 }
 
-/// What holds a body and moves it is where the world has it, wherever the file's node has the mesh.
+const GRAVITY: &str = "gravity = [-3.0, 0.0, 0.0]";
+const TABLE: &str = "plane = { point = [0.0, 0.0, -5e-4], normal = [0.0, 0.0, 1.0] }";
+const MOTION: &str =
+    "move = [-0.012, 0.0, 0.0], turn = [0.0, 5.0, 0.0], about = [0.22, 0.04, 0.04]";
+
+/// What holds a body, pulls it and presses it is where the world has it, wherever the file's node has
+/// put the mesh.
 #[test]
-fn a_turned_node_turns_the_mesh_alone() {
+fn a_node_moves_the_mesh_alone() {
     let folder = folder();
+    let scene = SCENE
+        .replace("block.obj", "body.glb")
+        .replace("cells = 6", &format!("cells = 6\n{GRAVITY}"))
+        .replace(
+            "[[poses]]",
+            &format!("[[interior.obstacles]]\nname = \"table\"\n{TABLE}\n\n[[poses]]"),
+        )
+        .replace("move = [-0.012, 0.0, 0.0]", MOTION);
     let mut mesh = read_mesh(&folder.path("block.obj"), None, &ObjOptions::default()).unwrap();
-    let write = |name: &str, mesh: &MeshFile| {
-        write_glb(&folder.path(name), mesh, &GlbAdditions::default()).unwrap();
+    let mut end = |name: &str, world_from_node: Matrix4<f64>, changes: &[(&str, &str)]| {
+        mesh.world_from_node = world_from_node;
+        let file = folder.path(format!("{name}.glb"));
+        write_glb(&file, &mesh, &GlbAdditions::default()).unwrap();
+        folder.write(&format!("{name}.toml"), &scene);
+        for (from, to) in changes {
+            folder.change(&format!("{name}.toml"), from, to);
+        }
+        folder
+            .ruga(&format!("simulate {name}.toml -o {name}"))
+            .exits(0);
+        let skin = vertices(&folder, &format!("{name}/frames/press/skin.0001.obj"));
+        let moved = folder.path(format!("{name}/meshes/press/body_100.obj"));
+        let moved = read_mesh(&moved, None, &ObjOptions::default())
+            .unwrap()
+            .mesh;
+        let corner = |v: u32| moved.positions[v as usize];
+        let six_volumes = moved.triangles.iter().map(|&[a, b, c]| {
+            let [a, b, c] = [a, b, c].map(corner);
+            a.dot(&b.cross(&c))
+        });
+        (skin, six_volumes.sum::<f64>() / 6.0)
     };
-    write("block.glb", &mesh);
-    // A quarter turn about z, and a shift.
-    mesh.world_from_node = Matrix4::new_rotation(Vector3::z() * std::f64::consts::FRAC_PI_2);
-    mesh.world_from_node
-        .append_translation_mut(&Vector3::new(1.0, 2.0, 3.0));
-    write("turned.glb", &mesh);
-    folder.change("body.toml", "block.obj", "block.glb");
-    folder.write("turned.toml", SCENE);
-    for (from, to) in [
-        ("block.obj", "turned.glb"),
+    let (still, volume) = end("body", Matrix4::identity(), &[]);
+    let lowest = still.iter().map(|p| p.z).fold(f64::MAX, f64::min);
+    assert!((-5e-4..-3e-4).contains(&lowest), "on the table: {lowest}");
+
+    // A quarter turn about z, and a mirror across y, each with a shift.
+    let mut turned = Matrix4::new_rotation(Vector3::z() * std::f64::consts::FRAC_PI_2);
+    turned.append_translation_mut(&Vector3::new(1.0, 2.0, 3.0));
+    let mut mirrored = Matrix4::new_nonuniform_scaling(&Vector3::new(1.0, -1.0, 1.0));
+    mirrored.append_translation_mut(&Vector3::z());
+    let changes_turned = [
+        ("body.glb", "turned.glb"),
         ("[-0.01, -1.0, -1.0]", "[-1.0, 1.99, 2.0]"),
         ("[0.04, 1.0, 1.0]", "[2.0, 2.04, 4.0]"),
         ("[0.20, -1.0, -1.0]", "[-1.0, 2.20, 2.0]"),
         ("[0.25, 1.0, 1.0]", "[2.0, 2.25, 4.0]"),
-        ("[-0.012, 0.0, 0.0]", "[0.0, -0.012, 0.0]"),
+        (GRAVITY, "gravity = [0.0, -3.0, 0.0]"),
+        (
+            TABLE,
+            "plane = { point = [9.0, 9.0, 2.9995], normal = [0.0, 0.0, 1.0] }",
+        ),
+        (
+            MOTION,
+            "move = [0.0, -0.012, 0.0], turn = [-5.0, 0.0, 0.0], about = [0.96, 2.22, 3.04]",
+        ),
+    ];
+    let changes_mirrored = [
+        ("body.glb", "mirrored.glb"),
+        ("[-0.01, -1.0, -1.0]", "[-0.01, -1.0, 0.0]"),
+        ("[0.04, 1.0, 1.0]", "[0.04, 1.0, 2.0]"),
+        ("[0.20, -1.0, -1.0]", "[0.20, -1.0, 0.0]"),
+        ("[0.25, 1.0, 1.0]", "[0.25, 1.0, 2.0]"),
+        (
+            TABLE,
+            "plane = { point = [0.0, 0.0, 0.9995], normal = [0.0, 0.0, 1.0] }",
+        ),
+        ("about = [0.22, 0.04, 0.04]", "about = [0.22, -0.04, 1.04]"),
+    ];
+    for (name, world_from_node, changes) in [
+        ("turned", turned, changes_turned.as_slice()),
+        ("mirrored", mirrored, &changes_mirrored),
     ] {
-        folder.change("turned.toml", from, to);
+        let (skin, outward) = end(name, world_from_node, changes);
+        assert_eq!(skin.len(), still.len());
+        let pairs = skin.iter().zip(&still);
+        let farthest = pairs
+            .map(|(found, still)| {
+                (found - world_from_node.transform_point(&(*still).into()).coords).norm()
+            })
+            .fold(0.0, f64::max);
+        assert!(farthest < 1e-6, "{name}: {farthest}");
+        assert!(
+            (outward / volume - 1.0).abs() < 1e-6,
+            "{name}: {outward} {volume}"
+        );
     }
-    let end = |scene: &str| {
-        folder
-            .ruga(&format!("simulate {scene}.toml -o {scene}"))
-            .exits(0);
-        vertices(&folder, &format!("{scene}/frames/press/skin.0001.obj"))
-    };
-    let pairs = end("body").into_iter().zip(end("turned"));
-    let turned = |p: Vector3<f64>| Vector3::new(1.0 - p.y, 2.0 + p.x, 3.0 + p.z);
-    let farthest = pairs
-        .map(|(body, other)| (turned(body) - other).norm())
-        .fold(0.0, f64::max);
-    assert!(farthest < 1e-5, "{farthest}");
 }
 
 #[test]

@@ -100,7 +100,7 @@ pub enum LatticeError {
     },
     /// The surface could not be cut along the cells in any position of the lattice that was tried.
     #[error(
-        "the surface cannot be cut along the cells: near {position:?} m it touches itself, or has \
+        "the surface cannot be cut along the cells: near {position:?} m, in the mesh's own axes, it touches itself, or has \
          details under a billionth of a cell"
     )]
     CannotCut {

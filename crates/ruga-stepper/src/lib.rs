@@ -127,7 +127,8 @@ pub use embedded::{
 pub use observer::{Frame, Observer, Phase, Progress, Silent};
 
 pub use error::StepperError;
-// A layer and its modelling are chosen in these words; a caller needs no other crate for them.
+// A layer and its modelling are chosen, and refused, in these words; a caller needs no other crate for
+// them.
 pub use ruga_constraint::Sampling;
 pub use ruga_lattice::{LatticeError, Shape as CellShape, SolidMaterial};
 pub use ruga_shell::BendingModel;

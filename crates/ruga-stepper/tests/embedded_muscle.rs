@@ -250,24 +250,30 @@ fn a_run_can_be_interrupted_anywhere() {
             self.frames += 1;
         }
     }
-    let mut modelling = coarse();
-    modelling.dynamics = Some(Dynamics {
+    let in_time = Dynamics {
         time_step: 0.01,
         damping: 0.0,
-    });
-    for iterations in 1.. {
-        let mut stop = Stop {
-            iterations,
-            ..Stop::default()
+    };
+    for dynamics in [None, Some(in_time)] {
+        let modelling = Modelling {
+            dynamics,
+            ..coarse()
         };
-        let result = followed(&bar(), 1e6, 2, &modelling, &mut stop);
-        assert_eq!(result.frames, stop.frames, "{iterations}");
-        assert!(result.warnings.is_empty(), "{:?}", result.warnings);
-        if !result.interrupted {
-            assert!(iterations > 4 && result.converged);
-            return;
+        for iterations in 1.. {
+            let mut stop = Stop {
+                iterations,
+                ..Stop::default()
+            };
+            let result = followed(&bar(), 1e6, 2, &modelling, &mut stop);
+            assert!(result.warnings.is_empty(), "{:?}", result.warnings);
+            assert_eq!(result.frames, stop.frames, "{iterations}");
+            if !result.interrupted {
+                assert!(stop.iterations > 0, "it was told to stop");
+                assert!(iterations > 4 && result.converged);
+                break;
+            }
+            assert!(result.keys.is_empty() && stop.frames < 2, "{iterations}");
         }
-        assert!(result.keys.is_empty() && stop.frames < 2, "{iterations}");
     }
 }
 

@@ -19,6 +19,8 @@ enum Paint {
 #[derive(Clone, Debug)]
 pub struct FuzzScene {
     sheet: FuzzSheet,
+    /// Whether the sheet encloses a body.
+    is_body: bool,
     binary: bool,
     tables: Vec<String>,
     /// Painted images by name.
@@ -28,8 +30,13 @@ pub struct FuzzScene {
 impl FuzzScene {
     /// A scene of these choices.
     pub fn new(chance: &mut Chance) -> Self {
+        let is_body = chance.one_in(4);
         let mut scene = Self {
-            sheet: FuzzSheet::sound(SIDE, chance),
+            sheet: match is_body {
+                true => FuzzSheet::block(SIDE, chance),
+                false => FuzzSheet::sound(SIDE, chance),
+            },
+            is_body,
             binary: chance.one_in(2),
             tables: Vec::new(),
             images: Vec::new(),
@@ -38,6 +45,9 @@ impl FuzzScene {
         scene.tables.push("version = 1\n".to_owned());
         scene.add_driver(chance);
         scene.add_layers(chance);
+        if is_body {
+            scene.add_interior(chance);
+        }
         scene.add_poses(chance);
         scene.add_settings(chance);
         scene
@@ -160,7 +170,11 @@ impl FuzzScene {
         } else {
             self.tables.push("[substrate]\n".to_owned());
         }
-        let count = [1, 1, 1, 1, 2, 2, 2, 3][chance.below(8)];
+        // A body has one.
+        let count = match self.is_body {
+            true => 1,
+            false => [1, 1, 1, 1, 2, 2, 2, 3][chance.below(8)],
+        };
         // Keys of the scene itself come before its tables.
         let stacks: &[&str] = match count {
             2 => &["nominal", "composite", "joint"],
@@ -242,6 +256,42 @@ impl FuzzScene {
         table
     }
 
+    fn add_interior(&mut self, chance: &mut Chance) {
+        let mut table = format!(
+            "[interior]\ncells = {}\nfollow = {:e}\n",
+            1 + chance.below(4),
+            chance.magnitude(4.0, 7.0)
+        );
+        if chance.one_in(4) {
+            table += "shape = \"linear\"\n";
+        }
+        if chance.one_in(3) {
+            let pull = chance.between(-10.0, 10.0);
+            let _ = writeln!(table, "gravity = [0.0, {pull}, -9.81]");
+        }
+        if chance.one_in(2) {
+            let end = chance.between(-0.4, 0.5) * SIDE;
+            let _ = writeln!(
+                table,
+                "[[interior.handles]]\nname = \"foot\"\nmin = [-1.0, -1.0, -1.0]\nmax = [{end}, 1.0, 1.0]"
+            );
+        }
+        let below = -SIDE * chance.between(0.2, 1.0);
+        let _ = writeln!(
+            table,
+            "[[interior.obstacles]]\nname = \"table\"\nplane = {{ point = [0.0, 0.0, {below}], normal = [0.0, 0.0, 1.0] }}"
+        );
+        if chance.one_in(2) {
+            let radius = SIDE * chance.between(0.1, 0.5);
+            let above = radius + SIDE * chance.between(-0.05, 0.2);
+            let _ = writeln!(
+                table,
+                "[[interior.obstacles]]\nname = \"ball\"\nsphere = {{ centre = [0.0, 0.0, {above}], radius = {radius} }}"
+            );
+        }
+        self.tables.push(table);
+    }
+
     fn add_poses(&mut self, chance: &mut Chance) {
         if chance.one_in(6) {
             return;
@@ -256,9 +306,19 @@ impl FuzzScene {
                     weights.push(format!("{key} = {}", chance.between(-0.3, 1.3)));
                 }
             }
+            let motions = match self.is_body {
+                true => format!(
+                    "motions = [{{ of = \"{}\", at = {}, move = [0.0, {}, {}] }}]\n",
+                    chance.pick(&["foot", "table", "table", "ball"]),
+                    chance.pick(&["1.0", "0.4"]),
+                    chance.between(-0.01, 0.01),
+                    chance.between(-0.01, 0.02),
+                ),
+                false => String::new(),
+            };
             let keys = chance.pick(&["[1.0]", "[1.0]", "[0.5, 1.0]", "[0.3, 0.6]", "[1.0, 0.1]"]);
             self.tables.push(format!(
-                "[[poses]]\nname = \"pose{index}\"\nweights = {{ {} }}\nkeys = {keys}\nsteps = {}\n",
+                "[[poses]]\nname = \"pose{index}\"\nweights = {{ {} }}\n{motions}keys = {keys}\nsteps = {}\n",
                 weights.join(", "),
                 1 + chance.below(2),
             ));

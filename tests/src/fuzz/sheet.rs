@@ -31,6 +31,17 @@ impl FuzzSheet {
     /// A sound sheet of `side` (m), flat or bent, with one to three shapes that squeeze it.
     pub fn sound(side: f64, chance: &mut Chance) -> Self {
         let cells = [3 + chance.below(4), 3 + chance.below(4)];
+        Self::grid(side, cells, chance)
+    }
+
+    /// A closed block: such a sheet, a copy of it below, and strips between them, a chart each.
+    pub fn block(side: f64, chance: &mut Chance) -> Self {
+        let cells = [3 + chance.below(4), 3 + chance.below(4)];
+        let depth = side * chance.between(0.2, 0.6);
+        Self::grid(side, cells, chance).closed(cells, depth)
+    }
+
+    fn grid(side: f64, cells: [usize; 2], chance: &mut Chance) -> Self {
         let bend = [Bend::Flat, Bend::Cylinder, Bend::Sphere][chance.below(3)];
         let places: Vec<Vector2<f64>> = (0..=cells[1])
             .flat_map(|j| (0..=cells[0]).map(move |i| (i, j)))
@@ -46,7 +57,7 @@ impl FuzzSheet {
                     .map(|p| p * 0.9 + Vector2::repeat(0.05))
                     .collect(),
             ),
-            triangles: grid_triangles(cells),
+            triangles: grid_triangles(cells).collect(),
             shapes: Vec::new(),
         };
         for name in ["squeeze", "twist", "fold"]
@@ -66,6 +77,58 @@ impl FuzzSheet {
             sheet.shapes.push(((*name).to_owned(), posed));
         }
         sheet
+    }
+
+    /// A grid of these cells and its copy `depth` below.
+    fn closed(&self, [columns, rows]: [usize; 2], depth: f64) -> Self {
+        let at = |i: usize, j: usize| j * (columns + 1) + i;
+        // Around the border, from corner to corner.
+        let borders: [Vec<usize>; 4] = [
+            (0..=columns).map(|i| at(i, 0)).collect(),
+            (0..=rows).map(|j| at(columns, j)).collect(),
+            (0..=columns).rev().map(|i| at(i, rows)).collect(),
+            (0..=rows).rev().map(|j| at(0, j)).collect(),
+        ];
+        let level = |row: &[usize], depth: f64| -> Vec<(usize, f64)> {
+            row.iter().map(|&vertex| (vertex, depth)).collect()
+        };
+        let below: Vec<usize> = (0..=rows)
+            .flat_map(|j| (0..=columns).rev().map(move |i| at(i, j)))
+            .collect();
+        let all: Vec<usize> = (0..self.positions.len()).collect();
+        let mut charts = vec![
+            ([columns, rows], level(&all, 0.0)),
+            ([columns, rows], level(&below, depth)),
+        ];
+        for border in &borders {
+            let strip = [level(border, depth), level(border, 0.0)].concat();
+            charts.push(([border.len() - 1, 1], strip));
+        }
+        let (mut from, mut uvs, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
+        for (number, (cells, vertices)) in charts.into_iter().enumerate() {
+            let first = from.len() as u32;
+            triangles.extend(grid_triangles(cells).map(|t| t.map(|v| first + v)));
+            for place in 0..vertices.len() {
+                let [i, j] = [place % (cells[0] + 1), place / (cells[0] + 1)];
+                let [u, v] = [(i, cells[0]), (j, cells[1])]
+                    .map(|(k, count)| 0.05 + 0.9 * k as f64 / count as f64);
+                uvs.push(Vector2::new((number as f64 + u) / 6.0, v));
+            }
+            from.extend(vertices);
+        }
+        let lowered = |positions: &Vec<Vector3<f64>>| -> Vec<Vector3<f64>> {
+            let place = |&(vertex, depth): &(usize, f64)| positions[vertex] - Vector3::z() * depth;
+            from.iter().map(place).collect()
+        };
+        let shapes = self.shapes.iter();
+        Self {
+            positions: lowered(&self.positions),
+            uvs: Some(uvs),
+            triangles,
+            shapes: shapes
+                .map(|(name, positions)| (name.clone(), lowered(positions)))
+                .collect(),
+        }
     }
 
     /// Makes the sheet odd in one of the ways in which artists' meshes are.
@@ -196,13 +259,12 @@ fn bent(bend: Bend, x: f64, y: f64) -> Vector3<f64> {
     }
 }
 
-fn grid_triangles([columns, rows]: [usize; 2]) -> Vec<[u32; 3]> {
-    let at = |i: usize, j: usize| (j * (columns + 1) + i) as u32;
+fn grid_triangles([columns, rows]: [usize; 2]) -> impl Iterator<Item = [u32; 3]> {
+    let at = move |i: usize, j: usize| (j * (columns + 1) + i) as u32;
     (0..rows)
-        .flat_map(|j| (0..columns).map(move |i| (i, j)))
-        .flat_map(|(i, j)| {
+        .flat_map(move |j| (0..columns).map(move |i| (i, j)))
+        .flat_map(move |(i, j)| {
             let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
             [[a, b, c], [a, c, d]]
         })
-        .collect()
 }

@@ -67,7 +67,7 @@ fn t19_thrown() {
     table_line(test, "papers: residual merit", Finding::Holds, &numbers);
 
     for (descent, method, least) in [
-        (Descent::Energy, "papers: MINRES", 0.0),
+        (Descent::Energy, "papers: MINRES", 0.5),
         (Descent::Residual, "papers: both", 1.8),
     ] {
         let iterated = thrown(minres(descent), time_steps[2]);
@@ -86,9 +86,8 @@ fn t19_thrown() {
     table_line(test, "ruga", Finding::Holds, &numbers);
 }
 
-/// A slab pushed together to about two critical strains, and its amplitude in skin thicknesses; a
-/// message where no equilibrium is found.
-fn pushed((descent, linear): Method, steps: u32) -> Result<(SlabRun, f64), String> {
+/// A slab pushed together to about two critical strains, and its amplitude in skin thicknesses.
+fn pushed((descent, linear): Method, steps: u32) -> (SlabRun, f64) {
     let mut slab = Slab {
         size: Vector3::repeat(1.0),
         cells: 5,
@@ -112,10 +111,10 @@ fn pushed((descent, linear): Method, steps: u32) -> Result<(SlabRun, f64), Strin
     let way = 0.5 * 2.0 * 3.0 * theory.critical_strain * cell;
     let motions = vec![push("left", way), push("right", -way)];
     let run = slab.simulate_by((descent, linear), motions, (&[1.0], steps));
-    let run = run.map_err(|error| error.to_string())?;
+    let run = run.expect("an equilibrium");
     assert!(run.converged, "{:?}", run.warnings);
     let amplitude = run.report.amplitude / slab.thickness;
-    Ok((run, amplitude))
+    (run, amplitude)
 }
 
 /// At rest the papers' search ends at states that are unstable and low, however small the steps, by
@@ -123,9 +122,8 @@ fn pushed((descent, linear): Method, steps: u32) -> Result<(SlabRun, f64), Strin
 #[test]
 fn t19_pushed() {
     let test = "T19 slab pushed past the onset in 1 step and in 8";
-    let both = |method: Method| [1, 8].map(|steps| pushed(method, steps));
     let says = |run: &SlabRun, what: &str| run.warnings.iter().any(|w| w.contains(what));
-    let arrived = |method: Method| both(method).map(|run| run.expect("an equilibrium"));
+    let arrived = |method: Method| [1, 8].map(|steps| pushed(method, steps));
     let iterations =
         |runs: &[(SlabRun, f64); 2]| runs.each_ref().map(|(run, _)| run.report.newton_iterations);
 

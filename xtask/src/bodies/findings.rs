@@ -146,11 +146,10 @@ pub(super) struct Size {
 }
 
 impl Size {
-    /// Factorisations of the dearest frame and of the middle one, in whole numbers: their Newton steps
-    /// times what one takes on average over the run.
+    /// Factorisations of the dearest frame and of the middle one: their Newton steps times what one takes
+    /// on average over the run.
     pub(super) fn frame_factorizations(&self) -> [f64; 2] {
-        self.iterations
-            .map(|steps| (steps * self.factorizations).round())
+        self.iterations.map(|steps| steps * self.factorizations)
     }
 
     /// Share of a frame that assembly and forces of the inside take, once each in every Newton step:

@@ -32,12 +32,12 @@ fn speed(own: &Size) -> String {
     let factorizations = own.frame_factorizations();
     let [landing, middle] = [0, 1].map(|i| {
         let (count, most) = (factorizations[i], FACTORIZATIONS[i]);
-        format!("{count}, at most {most}: {}", verdict(count, most))
+        format!("{count:.1}, at most {most}: {}", verdict(count, most))
     });
     let inside = own.inside_share();
     let failed = if own.converged { "" } else { ", NOT CONVERGED" };
     format!(
-        "speed (table 1), {} of {} unknowns, skin {:.2} mm thick and {} times as stiff: factorisations of the dearest frame, in which it lands, {landing}; of the middle one, {middle}; {:.1} s a frame, the paper's {:.1} s; assembly and forces of the inside {:.1} % of a frame, at most {:.0} %: {}{failed}",
+        "speed (table 1), {} of {} unknowns, skin {:.2} mm thick and {} times as stiff: factorisations of the dearest frame, {landing}; of the middle one, {middle}; {:.1} s a frame, the paper's {:.1} s; assembly and forces of the inside {:.1} % of a frame, at most {:.0} %: {}{failed}",
         own.body,
         own.own.counts[0],
         1e3 * own.thickness,
@@ -61,7 +61,7 @@ mod tests {
             "part": "size", "body": "pillow", "thickness_m": 6e-4, "ratio": 100.0, "converged": true,
             "own": { "counts": [unknowns, 2096, 18206, 72], "seconds": [2.7, frame, 0.5, 0.006, 0.4, 0.01] },
             "paper": { "counts": [28194, 2108, 19792, 45], "seconds": [2.961, 45.735, 0.521, 0.014, 0.005, 0.004] },
-            "iterations": [10, 4], "factorizations": 1.22,
+            "iterations": [10, 4], "factorizations": 1.2,
         })
     }
 
@@ -70,8 +70,8 @@ mod tests {
         let lines = speeds(&Findings::read(&[pillow(27315, 20.0), pillow(3138, 20.0)]));
         assert_eq!(lines.len(), 1);
         for part in [
-            "in which it lands, 12, at most 12: met",
-            "middle one, 5, at most 5: met",
+            "dearest frame, 12.0, at most 12: met",
+            "middle one, 4.8, at most 5: met",
             "20.0 s a frame, the paper's 45.7 s",
             // (0.4 + 10 x 0.01) / 20.
             "inside 2.5 % of a frame, at most 10 %: met",

@@ -47,7 +47,10 @@ pub(super) fn words(findings: &Findings) -> String {
         };
         format!("locality (figure 3), {coupling}: {found}")
     }));
-    lines.extend(findings.thrown.iter().map(thrown));
+    match findings.thrown.as_slice() {
+        [] => lines.push(format!("thrown: {}", Verdict::NotMeasured)),
+        all => lines.extend(all.iter().map(thrown)),
+    }
     lines.extend(speeds(findings));
     lines.join("\n") + "\n"
 }
@@ -96,10 +99,11 @@ fn cell_limits(findings: &Findings) -> String {
     let each: Vec<String> = limits
         .map(|own| format!("{} at {}", per_cent(own.error), own.cell))
         .collect();
-    format!(
-        "lattice: error of the wavelength over wavelengths to a cell: {}",
-        each.join(", ")
-    )
+    let each = match each.as_slice() {
+        [] => Verdict::NotMeasured.to_string(),
+        all => all.join(", "),
+    };
+    format!("lattice: error of the wavelength over wavelengths to a cell: {each}")
 }
 
 fn smoother(findings: &Findings) -> String {
@@ -263,6 +267,8 @@ mod tests {
         ];
         assert_eq!(told(&lines, "cells"), "cells (figure 4): not measured");
         assert!(told(&lines, "locality (figure 3), hybrid").ends_with(": met"));
-        assert!(told(&lines, "locality (figure 3), elastic").ends_with(": not measured"));
+        for absent in ["locality (figure 3), elastic", "lattice", "thrown"] {
+            assert!(told(&lines, absent).ends_with(": not measured"), "{absent}");
+        }
     }
 }

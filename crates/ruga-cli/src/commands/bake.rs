@@ -3,7 +3,7 @@
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use ruga_bake::{BakeSettings, Relief, TangentFrame, bake};
 use ruga_blend::Weights;
-use ruga_io::{WrinkleMap, Wrinkles, scene};
+use ruga_io::{WrinkleMap, Wrinkles, key_percent, scene};
 use ruga_stepper::{Frame, KeyResult, LayerSurface, PoseResult, PoseSpec};
 
 use crate::arguments::RunArguments;
@@ -75,8 +75,10 @@ impl Product for WrinkleMaps<'_> {
         let mut made = PoseFiles::default();
         for key in &result.keys {
             made.maps.extend(self.key(pose, key, &mut made.warnings)?);
-            let file = write_moved_mesh(self.project, &self.arguments.output, pose, key)?;
-            made.files.extend(file);
+            let file = format!("bodies/{}_{}.obj", pose.name, key_percent(key.load));
+            if write_moved_mesh(self.project, &self.arguments.output.join(&file), pose, key)? {
+                made.files.push(file);
+            }
         }
         let maps = made.maps.iter().map(|map| map.file.clone());
         made.files.extend(maps);

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Vector2, Vector3};
-use ruga_io::{ObjFrame, write_obj_frame};
-use ruga_stepper::{Frame, LayerSurface, PoseResult, PoseSpec};
+use nalgebra::Vector2;
+use ruga_io::{ObjFrame, key_percent};
+use ruga_stepper::{Frame, PoseResult, PoseSpec};
 
 use crate::arguments::RunArguments;
 use crate::error::CliError;
@@ -55,7 +55,15 @@ impl Product for FrameMeshes<'_> {
         let mut files = Vec::new();
         for layer in frame.layers {
             let file = format!("frames/{}/{}.{:04}.obj", pose.name, layer.name, frame.index);
-            self.write(&file, layer)?;
+            let (uvs, uv_triangles) = shared_uvs(&layer.uvs);
+            let frame = ObjFrame {
+                name: &layer.name,
+                positions: &layer.positions,
+                triangles: &layer.faces,
+                uvs: &uvs,
+                uv_triangles: &uv_triangles,
+            };
+            self.write(&file, &frame)?;
             files.push(file);
         }
         Ok(files)
@@ -67,55 +75,31 @@ impl Product for FrameMeshes<'_> {
         for layer in result.keys.last().iter().flat_map(|key| &key.layers) {
             let file = format!("meshes/{}/{}.obj", pose.name, layer.name);
             let computed = &layer.computed;
-            self.write_obj(
-                &file,
-                &layer.name,
-                &computed.positions,
-                &computed.faces,
-                (&computed.uvs, &computed.faces),
-            )?;
+            let frame = ObjFrame {
+                name: &layer.name,
+                positions: &computed.positions,
+                triangles: &computed.faces,
+                uvs: &computed.uvs,
+                uv_triangles: &computed.faces,
+            };
+            self.write(&file, &frame)?;
             made.files.push(file);
         }
         for key in &result.keys {
-            let file = write_moved_mesh(self.project, &self.arguments.output, pose, key)?;
-            made.files.extend(file);
+            let percent = key_percent(key.load);
+            let file = format!("meshes/{}/body_{percent}.obj", pose.name);
+            if write_moved_mesh(self.project, &self.arguments.output.join(&file), pose, key)? {
+                made.files.push(file);
+            }
         }
         Ok(made)
     }
 }
 
 impl FrameMeshes<'_> {
-    fn write(&self, file: &str, layer: &LayerSurface) -> Result<(), CliError> {
-        let (uvs, uv_triangles) = shared_uvs(&layer.uvs);
-        self.write_obj(
-            file,
-            &layer.name,
-            &layer.positions,
-            &layer.faces,
-            (&uvs, &uv_triangles),
-        )
-    }
-
-    fn write_obj(
-        &self,
-        file: &str,
-        name: &str,
-        positions: &[Vector3<f64>],
-        triangles: &[[u32; 3]],
-        (uvs, uv_triangles): (&[Vector2<f64>], &[[u32; 3]]),
-    ) -> Result<(), CliError> {
-        let positions: Vec<Vector3<f64>> = positions
-            .iter()
-            .map(|p| self.placement.in_world(p))
-            .collect();
-        let frame = ObjFrame {
-            name,
-            positions: &positions,
-            triangles,
-            uvs,
-            uv_triangles,
-        };
-        Ok(write_obj_frame(&self.arguments.output.join(file), &frame)?)
+    fn write(&self, file: &str, frame: &ObjFrame<'_>) -> Result<(), CliError> {
+        let path = self.arguments.output.join(file);
+        Ok(self.placement.write_obj(&path, frame)?)
     }
 }
 

@@ -19,7 +19,7 @@ pub(crate) struct Placement {
 }
 
 impl Placement {
-    /// Where a motion is at `time`, in (0, 1]: straight between keyframes, as far as the last.
+    /// Where a motion is at `time`, in [0, 1]: straight between keyframes, as far as the last.
     pub(crate) fn at(motion: Option<&Motion>, time: f64) -> Self {
         let Some(frames) = motion.map(|m| &m.keyframes).filter(|f| !f.is_empty()) else {
             return Self::default();

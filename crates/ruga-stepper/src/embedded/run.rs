@@ -109,10 +109,7 @@ impl<'a> BodyRun<'a> {
         self.result.converged &= ending == Ending::Reached;
         self.result.interrupted |= ending == Ending::Interrupted;
         if self.halved > 0 {
-            self.warn(format!(
-                "{} steps in time had to be halved before they could be made",
-                self.halved
-            ));
+            self.warn(format!("steps in time that were halved: {}", self.halved));
         }
         self.measure();
         Ok(())
@@ -226,7 +223,7 @@ impl<'a> BodyRun<'a> {
         Ok(true)
     }
 
-    /// One step in time per load, shorter where a key lies between two.
+    /// One step in time per load, shorter where a key or a keyframe lies between two.
     fn move_in_time(
         &mut self,
         loads: &[f64],

@@ -13,9 +13,10 @@ use super::embedded_layer::EmbeddedLayer;
 use super::handles::Moves;
 use super::objective::BodyObjective;
 use super::prediction::product;
+use super::run::BodyRun;
 use crate::{
-    Body, BodyPlan, BodyPose, Coupling, Dynamics, Handle, LayerSpec, Modelling, Obstacle,
-    ObstacleShape, PoseSpec, Sampling, plan_body,
+    Body, BodyPlan, BodyPose, Coupling, Dynamics, Handle, Keyframe, LayerSpec, Modelling, Motion,
+    Obstacle, ObstacleShape, PoseSpec, Sampling, Silent, plan_body,
 };
 
 const SIDES: [f64; 3] = [0.02, 0.015, 0.01];
@@ -436,4 +437,41 @@ fn a_free_body_keeps_its_momentum_and_gains_no_energy() {
         assert!(total < energy, "{total} after {energy}");
         (before, energy) = (now, total);
     }
+}
+
+#[test]
+fn what_passes_through_in_the_first_step_is_seen() {
+    let driver = block();
+    let radius = 0.002;
+    let [start, end] = [SIDES[2] + 2.0 * radius, -2.0 * radius];
+    let body = Body {
+        obstacles: vec![Obstacle {
+            name: "ball".into(),
+            shape: ObstacleShape::Sphere {
+                centre: Vector3::new(0.5 * SIDES[0], 0.5 * SIDES[1], start),
+                radius,
+            },
+        }],
+        ..body()
+    };
+    let plan = planned(&driver, &skin(Coupling::Hybrid), &body);
+    let mut pose = still(&driver);
+    pose.motions = vec![Motion {
+        of: "ball".into(),
+        keyframes: vec![Keyframe {
+            at: 1.0,
+            translation: Vector3::z() * (end - start),
+            turn: Vector3::zeros(),
+            about: Vector3::zeros(),
+        }],
+    }];
+    let modelling = modelling();
+    let run = BodyRun::new(&driver, &plan, &pose, &modelling, &mut Silent);
+    let mut layer = run.expect("a body").layer;
+    let before = layer.state.clone();
+    let moves = Moves::new(&plan.body, &pose).expect("fitting motions");
+    let around = (&moves, &pose.pose.weights);
+    layer.place(&driver, around, 1.0).expect("a placed body");
+    assert!(layer.has_passed(&before));
+    assert_eq!(layer.penetration(), 0.0);
 }
