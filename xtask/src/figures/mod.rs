@@ -106,8 +106,7 @@ fn draw(name: &str, scene: &Path, report: &Report, folder: &Path) -> Result<(), 
             println!("{title}: nothing wrinkles, nothing to draw");
             continue;
         };
-        let compressed = material.strains(&top.skin)?;
-        skin_picture::draw(&top.skin, &compressed)?
+        skin_picture::draw(&top.skin, &material.rest(&top.skin)?)?
             .write(&folder.join(format!("{title}-skin.png")))?;
         let strains = material.strains(&top.mesh)?;
         let full_colour = mesh_picture::full_colour(&top.mesh, &strains, top.least_full_colour);

@@ -3,8 +3,8 @@
 use std::error::Error;
 
 use nalgebra::{Matrix3, Vector2, Vector3};
-use ruga_blend::FaceStrain;
-use ruga_mesh::{PerFace, face_normals, vertex_normals};
+use ruga_blend::face_strains;
+use ruga_mesh::{Id, TriMesh, VertexId, face_normals, vertex_normals};
 
 use super::canvas::Canvas;
 use super::surface::Surface;
@@ -18,17 +18,24 @@ const WIDTH: usize = 900;
 const SLANT: f64 = 0.75;
 const TURN: f64 = -0.4;
 
-/// Draws a layer, looking at where it is compressed most.
-pub(super) fn draw(
-    layer: &Surface,
-    strains: &PerFace<FaceStrain>,
-) -> Result<Canvas, Box<dyn Error>> {
+/// What compression counts beside the bends of wrinkles, when the side to look at is chosen.
+const FLAT: f64 = 1e-6;
+
+/// Draws a layer, looking at where it is bent more than at `rest`; without wrinkles, at where it is
+/// compressed. Wrinkles end compression, so that it may be greater on the far side of a bent bar, which
+/// grows thinner there.
+pub(super) fn draw(layer: &Surface, rest: &[Vector3<f64>]) -> Result<Canvas, Box<dyn Error>> {
     let faces = face_normals(&layer.mesh, &layer.positions);
+    let strains = face_strains(&layer.mesh, rest, &layer.positions);
+    let [now, before] = [&layer.positions, rest].map(|positions| bends(&layer.mesh, positions));
     let mean: Vector3<f64> = faces
         .as_slice()
         .iter()
         .zip(strains.as_slice())
-        .map(|(normal, strain)| normal * strain.first.max(0.0))
+        .zip(now.iter().zip(&before))
+        .map(|((normal, strain), (now, before))| {
+            normal * ((now - before).max(0.0) + FLAT * strain.first.max(0.0))
+        })
         .sum();
     let above = mean
         .try_normalize(0.0)
@@ -52,6 +59,20 @@ pub(super) fn draw(
         });
     }
     Ok(canvas)
+}
+
+/// Half the squared angles, nearly, between each face and the normals at its corners.
+fn bends(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Vec<f64> {
+    let (faces, normals) = (
+        face_normals(mesh, positions),
+        vertex_normals(mesh, positions),
+    );
+    let bend = |(normal, corners): (&Vector3<f64>, &[VertexId; 3])| {
+        let beside = corners.iter().map(|v| &normals[v.index()]);
+        beside.map(|other| 1.0 - normal.dot(other)).sum()
+    };
+    let pairs = faces.as_slice().iter().zip(mesh.faces().as_slice());
+    pairs.map(bend).collect()
 }
 
 /// From space to the axes of skin that faces `above`: right, up and outward, turned for the eye.

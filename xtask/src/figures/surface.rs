@@ -117,10 +117,15 @@ impl Material {
 
     /// Strain of every triangle against the rest surface under its vertices.
     pub(super) fn strains(&self, layer: &Surface) -> Result<PerFace<FaceStrain>, Box<dyn Error>> {
+        let rest = self.rest(layer)?;
+        Ok(face_strains(&layer.mesh, &rest, &layer.positions))
+    }
+
+    /// The rest surface under each vertex, m.
+    pub(super) fn rest(&self, layer: &Surface) -> Result<Vec<Vector3<f64>>, Box<dyn Error>> {
         let points = self.points(layer)?;
         let points = SurfacePoints::new(&self.driver, &points, self.smoothing);
-        let rest = points.pose(self.driver.rest()).positions;
-        Ok(face_strains(&layer.mesh, &rest, &layer.positions))
+        Ok(points.pose(self.driver.rest()).positions)
     }
 
     /// Where on the artist's mesh each vertex lies.

@@ -54,7 +54,10 @@ fn strain_is_measured_against_the_artists_mesh_and_drawn() {
         assert!((strain.second + 0.01).abs() < 1e-6, "{strain:?}");
     }
     for (name, picture) in [
-        ("skin.png", skin_picture::draw(&layer, &strains).unwrap()),
+        (
+            "skin.png",
+            skin_picture::draw(&layer, &material.rest(&layer).unwrap()).unwrap(),
+        ),
         (
             "mesh.png",
             mesh_picture::draw(&layer, &strains, 0.04).unwrap(),
