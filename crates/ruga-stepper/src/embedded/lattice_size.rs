@@ -9,9 +9,9 @@ use crate::Body;
 /// Lattice cells over the wavelength below which the lattice itself wrinkles: in waves of two cells,
 /// which give way in it as well as in the foundation that stands for the same inside. The rows of a
 /// hybrid coupling keep these apart from two wavelengths on. A slab of cells of 1.2 to 2 wavelengths
-/// has waves within 3 % of theory, one of 1.0 has them 9 % and one of 0.9 80 % too long. No cell is too
-/// long for waves: of 4 wavelengths, they are 3.5 % off. What bounds cells from above is how the body
-/// bends.
+/// has waves within 3 % of theory, one of 1.0 has them 9 % and one of 0.9 80 % too long. Longer cells,
+/// measured up to 4 wavelengths, do waves little harm: 3.5 %. What bounds cells from above is how the
+/// body bends.
 const LEAST_CELL: f64 = 1.15;
 
 /// Cells across the thinnest side with which a body bends as it should: a bar of one quadratic element
