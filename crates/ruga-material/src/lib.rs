@@ -50,7 +50,7 @@ pub use foundation::substrate_stiffness;
 pub use material::{LayerMaterial, Substrate};
 pub use preset::{PRESETS, Preset, preset};
 pub use property_map::{PropertyImage, PropertyMap, PropertyRanges, Wrap};
-pub use relative::{RelativeProperties, local_substrate, local_wrinkling};
+pub use relative::{RelativeProperties, local_wrinkling};
 pub use sharp_boundary::{BoundaryCrossing, SHARP_RATIO, sharp_edges};
 pub use stack::{CompositeLayer, FirstScale, JointMode, StackLayer, StackPair, composite_layers};
 pub use strain::{CAP_START, capped_strain, effective_strain};

@@ -1,8 +1,7 @@
 //! What a painted map does to a layer at one place.
 
 use crate::error::require_positive;
-use crate::wrinkling::stretched_wrinkling;
-use crate::{LayerMaterial, MaterialError, Substrate, WavelengthModel, Wrinkling};
+use crate::{LayerMaterial, MaterialError, Substrate, WavelengthModel, Wrinkling, wrinkling};
 
 /// Painted properties at one place, each relative to the layer's own value; 1 changes nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,14 +25,21 @@ impl Default for RelativeProperties {
 }
 
 impl RelativeProperties {
-    /// The layer as painted: modulus and thickness scaled.
-    ///
-    /// The wavelength is no property of the layer alone; see [`local_wrinkling`].
+    /// The layer as painted: modulus scaled, and thickness by its own factor and that of the
+    /// wavelength, see [`local_wrinkling`].
     pub fn scaled(&self, layer: &LayerMaterial) -> LayerMaterial {
         LayerMaterial {
             young: self.young * layer.young,
-            thickness: self.thickness * layer.thickness,
+            thickness: self.wavelength * self.thickness * layer.thickness,
             ..*layer
+        }
+    }
+
+    /// What carries the layer as painted: as many times as thick as the wavelength is long.
+    pub fn scaled_substrate(&self, substrate: &Substrate) -> Substrate {
+        Substrate {
+            thickness: self.wavelength * substrate.thickness,
+            ..*substrate
         }
     }
 
@@ -55,16 +61,18 @@ impl RelativeProperties {
 
 /// Critical wave and springs of a painted `layer` at a place with `relative` properties.
 ///
-/// Modulus and thickness scale the layer (Li 2014, 5.2). The relative wavelength then overrules the
-/// prediction for the scaled layer: the modulus of the substrate is taken to be such that the
-/// wavelength is exactly `relative.wavelength` times as long, see [`local_substrate`]. Springs, force
-/// and critical strain are those of that pair, so wavelength, onset and amplitude stay consistent: a
-/// longer wave needs a softer substrate and comes at a smaller strain.
+/// Modulus and thickness scale the layer (Li 2014, 5.2). The relative wavelength then scales the
+/// whole section, layer and substrate alike ([`RelativeProperties::scaled`],
+/// [`RelativeProperties::scaled_substrate`]): a section `s` times as large has waves exactly `s` times
+/// as long and as high, at the same critical strain, whatever the model. The other way to a painted
+/// wavelength, a stiffer or softer substrate under the same layer, changes the critical strain by
+/// `s^-2`: skin painted to a third of the wavelength would bear nine times the compression, and not
+/// wrinkle at all.
 ///
-/// Costs little more than [`wrinkling`](crate::wrinkling); not worth a table.
+/// Costs as much as [`wrinkling`]; not worth a table.
 ///
 /// # Errors
-/// Those of [`wrinkling`](crate::wrinkling), and [`MaterialError::NotPositive`] for a relative value.
+/// Those of [`wrinkling`], and [`MaterialError::NotPositive`] for a relative value.
 pub fn local_wrinkling(
     layer: &LayerMaterial,
     substrate: &Substrate,
@@ -72,28 +80,6 @@ pub fn local_wrinkling(
     relative: &RelativeProperties,
 ) -> Result<Wrinkling, MaterialError> {
     relative.validate()?;
-    let local = relative.scaled(layer);
-    stretched_wrinkling(&local, substrate, model, relative.wavelength).map(|(found, _)| found)
-}
-
-/// The substrate that [`local_wrinkling`] takes to lie under the painted layer: that of the scene,
-/// its Young's modulus scaled to give the painted wavelength.
-///
-/// # Errors
-/// Those of [`local_wrinkling`].
-pub fn local_substrate(
-    layer: &LayerMaterial,
-    substrate: &Substrate,
-    model: WavelengthModel,
-    relative: &RelativeProperties,
-) -> Result<Substrate, MaterialError> {
-    relative.validate()?;
-    let local = relative.scaled(layer);
-    let (_, factor) = stretched_wrinkling(&local, substrate, model, relative.wavelength)?;
-    let young = factor * substrate.young;
-    crate::error::require_representable("the substrate's Young's modulus (Pa)", young)?;
-    Ok(Substrate {
-        young,
-        ..*substrate
-    })
+    let below = relative.scaled_substrate(substrate);
+    wrinkling(&relative.scaled(layer), &below, model)
 }

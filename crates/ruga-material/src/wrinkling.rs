@@ -173,47 +173,6 @@ pub(crate) struct ShellStiffness {
     pub(crate) membrane: f64,
 }
 
-/// [`wrinkling`] of the same layer on the same substrate with its modulus scaled so that the
-/// wavelength is `stretch` times as long; also the factor on the modulus.
-///
-/// Needs no search: `dN/dk = 0` reads `2 D k⁴ = K (2 - p)`, and `K` is proportional to the modulus.
-pub(crate) fn stretched_wrinkling(
-    layer: &LayerMaterial,
-    substrate: &Substrate,
-    model: WavelengthModel,
-    stretch: f64,
-) -> Result<(Wrinkling, f64), MaterialError> {
-    let predicted = critical_wave(layer, substrate, model)?;
-    let wave_number = predicted.wave_number / stretch;
-    let (wave, factor) = match model {
-        WavelengthModel::Layer => {
-            let foundation = Foundation::new(substrate.poisson);
-            let height = substrate.thickness;
-            let before = foundation.at(predicted.wave_number * height);
-            let after = foundation.at(wave_number * height);
-            let softening = before.stiffness / after.stiffness * (2.0 - before.exponent)
-                / (2.0 - after.exponent);
-            let exponent = after.exponent;
-            (
-                CriticalWave {
-                    wave_number,
-                    exponent,
-                },
-                softening / stretch.powi(4),
-            )
-        }
-        WavelengthModel::HalfSpace | WavelengthModel::CerdaMahadevan => {
-            let exponent = predicted.exponent;
-            let wave = CriticalWave {
-                wave_number,
-                exponent,
-            };
-            (wave, stretch.powf(exponent - 4.0))
-        }
-    };
-    Ok((Wrinkling::new(layer, wave).representable()?, factor))
-}
-
 /// Where `N(k)` is smallest, and `p = d ln K / d ln k` there.
 struct CriticalWave {
     wave_number: f64,
