@@ -17,9 +17,13 @@ pub(crate) enum CliError {
     #[error(transparent)]
     Io(#[from] IoError),
     /// A share of the bending of a layer that is not there.
-    #[error("{}: `layers[0].bending_transfer`: found {found}, but there is no layer below", scene.display())]
+    #[error("{}: `layers[{layer}].bending_transfer`: found {found}, but there is no layer below", scene.display())]
     #[diagnostic(help("leave `bending_transfer` out"))]
-    NoLayerBelow { scene: PathBuf, found: f64 },
+    NoLayerBelow {
+        scene: PathBuf,
+        layer: usize,
+        found: f64,
+    },
     /// A preset that does not exist.
     #[error("{}: `{key}`: there is no preset `{name}`{}", scene.display(), did_you_mean(suggestion.as_deref()))]
     #[diagnostic(help("presets: {listed}"))]

@@ -17,25 +17,30 @@ use ruga_stepper::{
 use crate::arguments::Quality;
 use crate::error::{CliError, nearest};
 
-/// What is wrong with a share of bending for the lowest layer, which has none below.
+/// What is wrong with a share of bending for the lowest layer of a zone, which has none below.
 pub(crate) fn bending_without_layer(scene: &Scene, path: &Path) -> Option<CliError> {
-    let share = scene.layers.first()?.bending_transfer?;
-    Some(CliError::NoLayerBelow {
-        scene: path.to_owned(),
-        found: share,
+    let zones = scene.zones();
+    let mut lowest = zones.iter().map(|zone| zone.layers[0]);
+    lowest.find_map(|layer| {
+        Some(CliError::NoLayerBelow {
+            scene: path.to_owned(),
+            layer,
+            found: scene.layers[layer].bending_transfer?,
+        })
     })
 }
 
-/// The layers with their materials and what carries them, bottom first.
+/// The layers with their materials and what carries them, in the order of the scene.
 ///
 /// # Errors
 /// [`CliError::UnknownPreset`], [`CliError::Material`] and what a painted map is refused for, naming
 /// the key.
 pub(crate) fn layers(scene: &Scene, path: &Path) -> Result<Vec<LayerSpec>, CliError> {
     let mut layers: Vec<LayerSpec> = Vec::new();
-    for index in 0..scene.layers.len() {
-        let below = match layers.last() {
-            Some(lower) => Some(lower.material.as_substrate()),
+    for (index, upper) in scene.layers.iter().enumerate() {
+        let lower = (0..index).rfind(|&other| scene.layers[other].zone == upper.zone);
+        let below = match lower {
+            Some(lower) => Some(layers[lower].material.as_substrate()),
             None => substrate(scene, path)?,
         };
         layers.push(layer(scene, index, below, path)?);

@@ -115,7 +115,7 @@ impl Project {
     /// Changes whenever the result of a pose might: scene, mesh, mask, painted maps, quality, release.
     ///
     /// # Errors
-    /// The scene file or a painted map has gone.
+    /// The scene file, a painted map or the mask of a layer has gone.
     pub(crate) fn fingerprint(&self) -> Result<Fingerprint, CliError> {
         let read = |path: &Path| {
             fs::read(path).map_err(|source| IoError::Unreadable {
@@ -135,13 +135,9 @@ impl Project {
             let values = mask.values.iter().map(|&v| f64::from(v));
             hash = hash.with_numbers(shape.into_iter().chain(values));
         }
-        for map in self
-            .scene
-            .layers
-            .iter()
-            .filter_map(|layer| layer.map.as_ref())
-        {
-            for image in map.images() {
+        for layer in &self.scene.layers {
+            let painted = layer.map.iter().flat_map(|map| map.images());
+            for image in painted.chain(layer.mask.as_deref()) {
                 hash = hash.with(&read(image)?);
             }
         }
@@ -171,7 +167,11 @@ pub(crate) fn artist_mesh(scene: &Scene) -> Result<MeshFile, CliError> {
         length_unit: scene.length_unit,
     };
     let name = scene.driver.mesh_name.as_deref();
-    Ok(read_mesh(&scene.driver.mesh, name, &options)?)
+    let mesh = read_mesh(&scene.driver.mesh, name, &options)?;
+    Ok(match scene.driver.scale {
+        Some(metres_per_unit) => mesh.scaled(metres_per_unit),
+        None => mesh,
+    })
 }
 
 /// The welded mesh with its blend shapes.

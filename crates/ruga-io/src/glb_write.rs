@@ -295,7 +295,8 @@ impl<'a> Document<'a> {
         let world = &self.file.world_from_node;
         let linear: Matrix3<f64> = world.fixed_view::<3, 3>(0, 0).into_owned();
         let mut node = json!({ "mesh": 0, "name": self.file.mesh.name });
-        let translation: Vector3<f64> = world.fixed_view::<3, 1>(0, 3).into_owned();
+        let unit = self.file.metres_per_unit;
+        let translation: Vector3<f64> = world.fixed_view::<3, 1>(0, 3) / unit;
         if translation != Vector3::zeros() {
             node["translation"] = json!(translation.as_slice());
         }
@@ -314,7 +315,7 @@ impl<'a> Document<'a> {
         if rotation.angle() > 1e-9 {
             node["rotation"] = json!(rotation.coords.as_slice());
         }
-        let scale = mirror / self.units_per_metre;
+        let scale = mirror / (self.units_per_metre * unit);
         if scale != 1.0 {
             node["scale"] = json!([scale, scale, scale]);
         }

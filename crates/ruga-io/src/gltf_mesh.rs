@@ -45,6 +45,7 @@ pub(crate) fn read_gltf(path: &Path, mesh_name: Option<&str>) -> Result<MeshFile
         parts,
         stretch: placed.stretch,
         world_from_node: placed.world_from_node,
+        metres_per_unit: 1.0,
         warnings,
     })
 }

@@ -27,11 +27,30 @@ pub struct MeshFile {
     /// the node's world transform `R S`. The rotation `R` and the translation are *not* applied,
     /// so the axes of [`MeshFile::mesh`] are those of the file.
     pub stretch: Matrix3<f64>,
-    /// World transform of the node that carries the mesh; identity for OBJ. Of a skinned mesh
-    /// that of its first joint, after the joint's bind matrix.
+    /// World transform of the node that carries the mesh, in metres; identity for OBJ. Of a skinned
+    /// mesh that of its first joint, after the joint's bind matrix.
     pub world_from_node: Matrix4<f64>,
+    /// Metres per unit of the file's world; 1 as it is read, see [`MeshFile::scaled`].
+    pub metres_per_unit: f64,
     /// What was assumed or left out, in words for the user.
     pub warnings: Vec<String>,
+}
+
+impl MeshFile {
+    /// The mesh with lengths that are `metres_per_unit` times as long, in the place that follows; for
+    /// files whose unit is not the metre. [`write_glb`](crate::write_glb) writes it back in the unit
+    /// of the file.
+    pub fn scaled(mut self, metres_per_unit: f64) -> Self {
+        let deltas = self.mesh.shapes.iter_mut().map(|s| &mut s.position_deltas);
+        for vectors in std::iter::once(&mut self.mesh.positions).chain(deltas) {
+            vectors.iter_mut().for_each(|v| *v *= metres_per_unit);
+        }
+        self.stretch *= metres_per_unit;
+        let mut world = self.world_from_node.fixed_rows_mut::<3>(0);
+        world *= metres_per_unit;
+        self.metres_per_unit *= metres_per_unit;
+        self
+    }
 }
 
 /// A run of triangles that share one material (glTF: a primitive).
@@ -91,6 +110,15 @@ impl LengthUnit {
             LengthUnit::Metre => 1.0,
             LengthUnit::Centimetre => 0.01,
             LengthUnit::Millimetre => 0.001,
+        }
+    }
+
+    /// The word for it in scenes.
+    pub fn word(self) -> &'static str {
+        match self {
+            LengthUnit::Metre => "m",
+            LengthUnit::Centimetre => "cm",
+            LengthUnit::Millimetre => "mm",
         }
     }
 }

@@ -6,6 +6,7 @@ mod fixture;
 
 use fixture::{Folder, add_accessor, add_view, floats, gltf, read, square};
 use nalgebra::{Vector2, Vector3};
+use ruga_io::{GlbAdditions, ObjOptions, read_mesh, write_glb};
 use serde_json::json;
 
 #[test]
@@ -268,6 +269,29 @@ fn node_scale_makes_metres_and_rotation_does_nothing() {
     assert!((stretched.mesh.positions[2] - Vector3::new(2.0, 1.0, 0.0)).norm() < 1e-12);
     assert!((stretched.mesh.shapes[0].position_deltas[2].z - 1.5).abs() < 1e-12);
     assert!((stretched.mesh.normals.unwrap()[0] - Vector3::z()).norm() < 1e-12);
+}
+
+/// `[driver] scale`: metres inside, the file's own unit in what is written.
+#[test]
+fn a_scaled_mesh_is_written_back_in_its_own_unit() {
+    let folder = Folder::new();
+    let (mut json, bin) = square();
+    let node = json!({"mesh": 0, "scale": [3, 3, 3], "rotation": [0.6, 0, 0, 0.8], "translation": [5, 6, 7]});
+    json["nodes"] = json!([node]);
+    let file = folder.read_glb(&json, &bin).unwrap();
+    let scaled = file.clone().scaled(0.0254);
+    let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a} {b}");
+    close(scaled.mesh.positions[1].x, 3.0 * 0.0254);
+    close(scaled.mesh.shapes[0].position_deltas[2].z, 1.5 * 0.0254);
+    close(scaled.world_from_node[(2, 3)], 7.0 * 0.0254);
+    close(scaled.metres_per_unit, 0.0254);
+    let copy = folder.path("copy.glb");
+    write_glb(&copy, &scaled, &GlbAdditions::default()).unwrap();
+    let again = read_mesh(&copy, None, &ObjOptions::default()).unwrap();
+    assert!((again.world_from_node - file.world_from_node).norm() < 1e-6);
+    for (a, b) in again.mesh.positions.iter().zip(&file.mesh.positions) {
+        assert!((a - b).norm() <= 1e-6, "{a} {b}");
+    }
 }
 
 /// Mixamo and the like: joints in centimetres under a scaled armature.

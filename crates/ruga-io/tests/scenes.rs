@@ -476,6 +476,156 @@ fn contradictions() {
     assert!(with(map, "{ young_image = \"a.png\", young = [2.0, 0.5] }").is_ok());
 }
 
+/// Two zones: two layers on the forehead, one beside the eyes.
+const ZONES: &str = "
+version = 1
+driver = { mesh = \"face.glb\", scale = 0.01 }
+[[layers]]
+name = \"furrows\"
+preset = \"forehead-furrow\"
+zone = \"forehead\"
+mask = \"forehead.png\"
+variation = 0.2
+variation_scale = 0.5
+[[layers]]
+name = \"feet\"
+preset = \"crows-feet\"
+zone = \"eyes\"
+mask = \"eyes.png\"
+strength = 0.6
+[[layers]]
+name = \"lines\"
+preset = \"fine-lines\"
+zone = \"forehead\"
+";
+
+#[test]
+fn layers_have_masks_strengths_and_zones() {
+    let scene = parse(ZONES).unwrap();
+    assert_eq!(parse(&scene.to_toml()).unwrap(), scene);
+    let [furrows, feet, lines] = scene.layers.as_slice() else {
+        panic!("{:?}", scene.layers);
+    };
+    assert_eq!(furrows.mask.as_deref(), Some(Path::new("forehead.png")));
+    assert_eq!((furrows.strength, feet.strength), (1.0, 0.6));
+    assert_eq!((furrows.variation, feet.variation), (Some(0.2), None));
+    assert_eq!((furrows.variation_scale, lines.variation_scale), (0.5, 1.0));
+    assert_eq!(scene.driver.scale, Some(0.01));
+    let zones = scene.zones();
+    let found: Vec<_> = zones.iter().map(|z| (z.name, &z.layers[..])).collect();
+    assert_eq!(
+        found,
+        [(Some("forehead"), &[0, 2][..]), (Some("eyes"), &[1][..])]
+    );
+    let folder = Folder::new();
+    let read = Scene::read(&folder.file("scene.toml", ZONES)).unwrap();
+    assert_eq!(read.layers[1].mask, Some(folder.path("eyes.png")));
+}
+
+#[test]
+fn a_scene_without_zones_is_one_zone_and_writes_none_of_the_new_keys() {
+    let scene = parse(LEAST).unwrap();
+    assert_eq!(scene.zones().len(), 1);
+    assert_eq!(scene.zones()[0].layers, [0]);
+    let text = scene.to_toml();
+    for key in ["mask", "strength", "variation", "zone", "scale"] {
+        assert!(!text.contains(key), "{text}");
+    }
+}
+
+#[test]
+fn zones_that_contradict_themselves() {
+    let refused = |old: &str, new: &str, words: &[&str]| {
+        assert!(ZONES.contains(old), "{old}");
+        assert_says(parse(&ZONES.replacen(old, new, 1)), "scene.toml", words);
+    };
+    for bad in ["0.0", "-1.0", "4.5", "nan", "inf"] {
+        let words = ["layers[1].strength", "above 0, up to 4", "left out"];
+        refused("strength = 0.6", &format!("strength = {bad}"), &words);
+    }
+    for bad in ["-0.1", "0.6", "nan"] {
+        let words = ["layers[0].variation", "from 0 to 0.5"];
+        refused("variation = 0.2", &format!("variation = {bad}"), &words);
+    }
+    for bad in ["0.0", "11.0", "nan"] {
+        let new = format!("variation_scale = {bad}");
+        let words = ["layers[0].variation_scale", "0.1 to 10"];
+        refused("variation_scale = 0.5", &new, &words);
+    }
+    refused(
+        "zone = \"eyes\"\n",
+        "",
+        &[
+            "layers[1].zone",
+            "for every layer or for none",
+            "`forehead`",
+        ],
+    );
+    refused(
+        "zone = \"eyes\"",
+        "zone = \"Forehead\"",
+        &["layers[0].zone", "`Forehead` and `forehead`"],
+    );
+    refused("\"eyes\"", "\" \"", &["layers[1].zone", "a name"]);
+    refused(
+        "mask = \"eyes.png\"\n",
+        "",
+        &["layers[1].mask", "of zone `eyes`", "2 zones"],
+    );
+    refused(
+        "preset = \"crows-feet\"",
+        "young = 1e6\nthickness = 1e-3",
+        &["substrate", "of zone `eyes`", "preset"],
+    );
+    let alone = ZONES.replace("zone = \"eyes\"", "zone = \"forehead\"");
+    let alone = alone.replace("mask = \"forehead.png\"\n", "");
+    assert!(parse(&alone).is_ok());
+    let bad = parse(&format!("{ZONES}[interior]\ngravity = [0.0, -9.8, 0.0]\n"));
+    assert_says(bad, "scene.toml", &["interior", "exactly one layer"]);
+}
+
+#[test]
+fn units_of_the_mesh_file() {
+    let scaled = |mesh: &str, rest: &str| {
+        let driver = format!("[driver]\n{rest}");
+        let text = LEAST.replacen("[driver]\n", &driver, 1);
+        parse(&text.replacen("a.glb", mesh, 1))
+    };
+    assert_eq!(
+        scaled("a.obj", "scale = 0.0254\n").unwrap().driver.scale,
+        Some(0.0254)
+    );
+    for bad in ["0.0", "-1.0", "nan", "inf"] {
+        let words = ["driver.scale", "above 0"];
+        assert_says(
+            scaled("a.glb", &format!("scale = {bad}\n")),
+            "scene.toml",
+            &words,
+        );
+    }
+    let with_unit = |mesh: &str, scale: &str| {
+        let text = scaled(mesh, scale).unwrap().to_toml();
+        parse(&text.replacen("length_unit = \"m\"", "length_unit = \"cm\"", 1))
+    };
+    assert_says(
+        with_unit("a.obj", "scale = 0.01\n"),
+        "scene.toml",
+        &[
+            "driver.scale",
+            "0.01",
+            "length_unit = \"cm\"",
+            "one of the two",
+        ],
+    );
+    // Left without effect until now.
+    assert_says(
+        with_unit("a.glb", ""),
+        "scene.toml",
+        &["length_unit", "OBJ", "scale = 0.01"],
+    );
+    assert!(with_unit("a.obj", "").is_ok());
+}
+
 #[test]
 fn poses_from_shapes() {
     let path = Path::new("scene.toml");

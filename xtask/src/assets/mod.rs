@@ -110,6 +110,7 @@ fn mesh_file(path: &Path, mesh: ArtistMesh) -> MeshFile {
         default_weights: vec![0.0; mesh.shapes.len()],
         stretch: Matrix3::identity(),
         world_from_node: Matrix4::identity(),
+        metres_per_unit: 1.0,
         warnings: Vec::new(),
         mesh,
     }

@@ -10,6 +10,8 @@ mod settings;
 mod skin;
 mod validate;
 mod validate_interior;
+mod validate_layers;
+mod zones;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -27,6 +29,8 @@ pub use skin::{
     Coupling, Layer, LayerDefinition, PropertyMap, Sampling, Substrate, SubstrateDefinition,
     WavelengthModel, Wrap,
 };
+
+pub use zones::Zone;
 
 use crate::LengthUnit;
 
@@ -89,6 +93,11 @@ pub struct Driver {
     /// Which mesh, if the file has several.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mesh_name: Option<String>,
+    /// Metres per unit of the mesh file, glTF and OBJ alike: 0.01 for a mesh in centimetres, 0.001
+    /// for one in millimetres. Left out, glTF is in metres and OBJ in `length_unit`. The GLB that is
+    /// written keeps the unit of the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<f64>,
     /// OBJ alone: name and file of each blend shape.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub targets: BTreeMap<String, PathBuf>,

@@ -53,18 +53,17 @@ impl Scene {
         if let Region::Mask(mask) = &mut self.driver.region {
             resolve(mask);
         }
-        for map in self
-            .layers
-            .iter_mut()
-            .filter_map(|layer| layer.map.as_mut())
-        {
-            let images = [
-                &mut map.image,
-                &mut map.wavelength_image,
-                &mut map.young_image,
-                &mut map.thickness_image,
-            ];
-            images.into_iter().flatten().for_each(resolve);
+        for layer in &mut self.layers {
+            layer.mask.iter_mut().for_each(resolve);
+            let images = layer.map.iter_mut().flat_map(|map| {
+                [
+                    &mut map.image,
+                    &mut map.wavelength_image,
+                    &mut map.young_image,
+                    &mut map.thickness_image,
+                ]
+            });
+            images.flatten().for_each(resolve);
         }
     }
 }

@@ -100,6 +100,35 @@ pub struct Layer {
     /// Painted properties.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub map: Option<PropertyMap>,
+    /// Grey image over the UV square that says where this layer is: white where it is, black where
+    /// it is not, grey where its wrinkles fade. The layer lies where both this mask and
+    /// `driver.region` let it; without a mask, wherever `driver.region` does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mask: Option<PathBuf>,
+    /// What this layer's relief is multiplied by in the maps; above 0, up to 4. 1 is what was
+    /// simulated.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub strength: f64,
+    /// Natural unevenness: relative spread of the layer's thickness from place to place, 0 to 0.5.
+    /// Left out, that of the preset, and 0 for a layer given by numbers.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub variation: Option<f64>,
+    /// Size of the thick and thin places of `variation`, in wavelengths of the layer; from 0.1 to 10.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub variation_scale: f64,
+    /// Name of the zone that this layer belongs to. Layers of one zone are a stack, bottom first;
+    /// zones lie side by side, and their masks do not overlap. Either every layer names its zone or
+    /// none does. With several zones the lowest layer of each needs a `mask`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub zone: Option<String>,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn is_one(value: &f64) -> bool {
+    *value == 1.0
 }
 
 fn default_poisson() -> f64 {

@@ -5,10 +5,10 @@ use std::path::Path;
 use super::names::{file_name_fault, same_file, usable_file_name};
 use super::read::scene_error;
 use super::validate_interior::motion_faults;
-use super::{Interior, Layer, Pose, PropertyMap, Scene, Substrate};
-use crate::IoError;
+use super::{Driver, Interior, Pose, Scene};
 use crate::error::nearest;
 use crate::wrinkles::key_percent;
+use crate::{IoError, LengthUnit};
 
 /// A key and what is wrong with its value.
 pub(super) struct Fault {
@@ -133,23 +133,7 @@ impl Scene {
         if self.version != Self::VERSION {
             return fault("version", self.version, "this ruga reads version 1");
         }
-        within(
-            "driver.vertex_budget",
-            self.driver.vertex_budget,
-            1,
-            u64::MAX,
-        )?;
-        if !self.driver.targets.is_empty() && !has_extension(&self.driver.mesh, "obj") {
-            let mesh = self.driver.mesh.display();
-            return fault(
-                "driver.targets",
-                mesh,
-                "only OBJ meshes take targets from files",
-            );
-        }
-        if let Some(substrate) = &self.substrate {
-            substrate.faults()?;
-        }
+        self.driver.faults(self.length_unit)?;
         self.layer_faults()?;
         // Before the poses, which name its parts.
         if let Some(interior) = &self.interior {
@@ -159,23 +143,6 @@ impl Scene {
         self.solver_faults()?;
         self.remesh_faults()?;
         self.bake_faults()
-    }
-
-    fn layer_faults(&self) -> Checked {
-        let Some(lowest) = self.layers.first() else {
-            return fault("layers", "none", "at least one [[layers]] is needed");
-        };
-        for (i, layer) in self.layers.iter().enumerate() {
-            let key = format!("layers[{i}]");
-            layer.faults(&key)?;
-            let earlier = self.layers.iter().take(i).map(|other| &other.name);
-            unique_name(&format!("{key}.name"), &layer.name, earlier)?;
-        }
-        if self.substrate.is_none() && lowest.preset.is_none() {
-            let accepted = "a [substrate] table, unless the lowest layer is a preset";
-            return fault("substrate", "none", accepted);
-        }
-        Ok(())
     }
 
     fn pose_faults(&self) -> Checked {
@@ -241,103 +208,32 @@ impl Scene {
     }
 }
 
-impl Substrate {
-    fn faults(&self) -> Checked {
-        let numbers = [
-            ("substrate.young", self.young),
-            ("substrate.thickness", self.thickness),
-        ];
-        for (key, value) in numbers {
-            value.map_or(Ok(()), |value| positive(key, value))?;
+impl Driver {
+    fn faults(&self, length_unit: LengthUnit) -> Checked {
+        within("driver.vertex_budget", self.vertex_budget, 1, u64::MAX)?;
+        let is_obj = has_extension(&self.mesh, "obj");
+        if !self.targets.is_empty() && !is_obj {
+            let accepted = "only OBJ meshes take targets from files";
+            return fault("driver.targets", self.mesh.display(), accepted);
         }
-        let given = self.young.or(self.poisson).or(self.thickness);
-        if let (Some(preset), Some(_)) = (&self.preset, given) {
-            return fault("substrate", preset, "either a preset or numbers, not both");
+        if let Some(scale) = self.scale {
+            positive("driver.scale", scale)?;
         }
-        self.poisson
-            .map_or(Ok(()), |nu| poisson("substrate.poisson", nu))
-    }
-}
-
-impl Layer {
-    fn faults(&self, key: &str) -> Checked {
-        let numbers = [
-            ("young", self.young),
-            ("thickness", self.thickness),
-            ("wavelength", self.wavelength),
-            ("density", Some(self.density)),
-        ];
-        for (name, value) in numbers {
-            value.map_or(Ok(()), |value| positive(&format!("{key}.{name}"), value))?;
-        }
-        if let Some(strain) = self.critical_strain.filter(|e| !(*e > 0.0 && *e < 1.0)) {
-            let accepted = "a compression in (0, 1), such as 0.05";
-            return fault(&format!("{key}.critical_strain"), strain, accepted);
-        }
-        poisson(&format!("{key}.poisson"), self.poisson)?;
-        if let Some(share) = self.bending_transfer.filter(|b| !(0.0..=1.0).contains(b)) {
-            let accepted = "a share from 0 to 1";
-            return fault(&format!("{key}.bending_transfer"), share, accepted);
-        }
-        self.definition_fault(key)?;
-        self.map
-            .as_ref()
-            .map_or(Ok(()), |map| map.faults(&format!("{key}.map")))
-    }
-
-    fn definition_fault(&self, key: &str) -> Checked {
-        if self.definition().is_some() {
+        if length_unit == LengthUnit::Metre {
             return Ok(());
         }
-        let given = [
-            ("preset", self.preset.is_some()),
-            ("young", self.young.is_some()),
-            ("thickness", self.thickness.is_some()),
-            ("wavelength", self.wavelength.is_some()),
-            ("critical_strain", self.critical_strain.is_some()),
-        ];
-        let given: Vec<&str> = given.iter().filter(|g| g.1).map(|g| g.0).collect();
-        let found = match given.as_slice() {
-            [] => "none of them".to_owned(),
-            names => names.join(", "),
-        };
-        let accepted = "either young and thickness, or wavelength and critical_strain, or preset";
-        fault(key, found, accepted)
-    }
-}
-
-impl PropertyMap {
-    fn faults(&self, key: &str) -> Checked {
-        let properties = [
-            ("wavelength", self.wavelength, &self.wavelength_image),
-            ("young", self.young, &self.young_image),
-            ("thickness", self.thickness, &self.thickness_image),
-        ];
-        for (name, range, image) in properties {
-            let key = format!("{key}.{name}");
-            if let Some([low, high]) = range {
-                positive(&format!("{key}[0]"), low)?;
-                positive(&format!("{key}[1]"), high)?;
-            }
-            match (range, image, &self.image) {
-                (_, Some(own), Some(_)) => {
-                    let accepted = "either `image` or one image per property, not both";
-                    return fault(&format!("{key}_image"), own.display(), accepted);
-                }
-                (None, Some(own), None) => {
-                    let accepted = format!("a range `{name} = [lo, hi]` beside it");
-                    return fault(&format!("{key}_image"), own.display(), &accepted);
-                }
-                (Some(_), None, None) => {
-                    let accepted = format!("`image` or `{name}_image` beside the range");
-                    return fault(&key, "no image", &accepted);
-                }
-                _ => {}
-            }
+        let (unit, metres) = (length_unit.word(), length_unit.metres());
+        if let Some(scale) = self.scale {
+            let accepted = format!("one of the two; `scale = {metres}` alone means {unit}, too");
+            let found = format!("{scale} beside `length_unit = \"{unit}\"`");
+            return fault("driver.scale", found, &accepted);
         }
-        if properties.iter().all(|(_, range, _)| range.is_none()) {
-            let accepted = "at least one range, such as `young = [0.5, 2.0]`";
-            return fault(key, "no range", accepted);
+        if !is_obj {
+            let accepted = format!(
+                "only with OBJ meshes; for {}, `scale = {metres}` under [driver]",
+                self.mesh.display()
+            );
+            return fault("length_unit", format!("\"{unit}\""), &accepted);
         }
         Ok(())
     }
@@ -408,13 +304,6 @@ fn not_negative(key: &str, value: f64) -> Checked {
     fault(key, value, "a number from 0")
 }
 
-fn poisson(key: &str, value: f64) -> Checked {
-    if value > -1.0 && value < 0.5 {
-        return Ok(());
-    }
-    fault(key, value, "a number above -1 and below 0.5, such as 0.48")
-}
-
 pub(super) fn within(key: &str, value: u64, least: u64, most: u64) -> Checked {
     if (least..=most).contains(&value) {
         return Ok(());
@@ -426,7 +315,7 @@ pub(super) fn within(key: &str, value: u64, least: u64, most: u64) -> Checked {
     fault(key, value, &accepted)
 }
 
-fn unique_name<'a>(
+pub(super) fn unique_name<'a>(
     key: &str,
     name: &str,
     mut earlier: impl Iterator<Item = &'a String>,
