@@ -9,8 +9,8 @@ use ruga_io::{MeshFile, ObjOptions, read_mesh};
 use ruga_material::{WavelengthModel, preset};
 use ruga_mesh::Id;
 use ruga_stepper::{
-    Coupling, KeyResult, LayerReport, LayerSpec, Modelling, Plan, PoseResult, PoseSpec, Sampling,
-    Silent, plan, simulate,
+    Coupling, KeyResult, LayerReport, LayerSpec, Modelling, Plan, PoseResult, PoseSpec, Presence,
+    Sampling, Silent, plan, simulate,
 };
 
 /// A mesh under one layer.
@@ -63,6 +63,8 @@ pub fn skin_layer(name: &str, preset_name: &str) -> LayerSpec {
         map: None,
         sharp: false,
         bending_transfer: None,
+        variation: None,
+        presence: Presence::default(),
     }
 }
 

@@ -7,15 +7,16 @@ use ruga_blend::{Driver, Smoothing};
 use ruga_io::{PropertyPlane, Scene, read_property_images, scene};
 use ruga_material::{
     LayerMaterial, MaterialError, PRESETS, Preset, PropertyImage, PropertyMap, Substrate,
-    WavelengthModel, Wrap, design_layer, preset, wrinkling,
+    Variation, VariationField, WavelengthModel, Wrap, design_layer, preset, wrinkling,
 };
 use ruga_stepper::{
-    Coupling, Dynamics, EdgeLimits, LayerSpec, LinearSolver, Modelling, PoseSpec, Region, Sampling,
-    Stack,
+    Coupling, Dynamics, EdgeLimits, LayerSpec, LinearSolver, Modelling, PoseSpec, Presence, Region,
+    Sampling, Stack,
 };
 
 use crate::arguments::Quality;
 use crate::error::{CliError, nearest};
+use crate::project::mask;
 
 /// What is wrong with a share of bending for the lowest layer of a zone, which has none below.
 pub(crate) fn bending_without_layer(scene: &Scene, path: &Path) -> Option<CliError> {
@@ -95,7 +96,16 @@ fn layer(
         }
     };
     let model = wavelength_model(layer.model);
-    wrinkling(&material, &substrate, model).map_err(wrong)?;
+    let wavelength = wrinkling(&material, &substrate, model)
+        .map_err(wrong)?
+        .wavelength;
+    let variation = variation(scene, index, preset)
+        .map(|variation| {
+            // Layers are uneven each in its own way.
+            let seed = scene.solver.seed.wrapping_add(index as u64);
+            VariationField::new(variation, wavelength, seed).map_err(wrong)
+        })
+        .transpose()?;
     let map = layer
         .map
         .as_ref()
@@ -111,6 +121,49 @@ fn layer(
         map: map.map(Arc::new),
         sharp: layer.map.as_ref().is_some_and(|map| map.sharp),
         bending_transfer: layer.bending_transfer,
+        variation: variation.map(Arc::new),
+        presence: presence(scene, index)?,
+    })
+}
+
+/// How uneven layer number `index` is: as the scene says, or else as its preset is.
+///
+/// Layers that are solved as one composite or joint pair are even: their stiffness together is known
+/// for even layers alone.
+fn variation(scene: &Scene, index: usize, preset: Option<&Preset>) -> Option<Variation> {
+    let layer = &scene.layers[index];
+    let of_preset = || {
+        let is_alone = scene.stack == scene::Stack::Nominal;
+        preset.filter(|_| is_alone)?.variation
+    };
+    let found = match layer.variation {
+        Some(spread) => Some(Variation {
+            spread,
+            scale: layer.variation_scale,
+        }),
+        None => of_preset().map(|variation| Variation {
+            scale: layer.variation_scale * variation.scale,
+            ..variation
+        }),
+    };
+    found.filter(|variation| variation.spread > 0.0)
+}
+
+/// Where layer number `index` is: on its own mask, and in a zone on that of the zone's lowest layer.
+fn presence(scene: &Scene, index: usize) -> Result<Presence, CliError> {
+    let layer = &scene.layers[index];
+    let lowest = layer.zone.as_ref().and_then(|_| {
+        let mut zone = scene.layers.iter().filter(|other| other.zone == layer.zone);
+        zone.next()
+    });
+    let zone_mask = lowest.and_then(|lowest| lowest.mask.as_deref());
+    let own = layer.mask.as_deref().filter(|own| Some(*own) != zone_mask);
+    let masks = zone_mask.into_iter().chain(own);
+    Ok(Presence {
+        masks: masks
+            .map(|path| Ok(Arc::new(mask(path)?)))
+            .collect::<Result<_, CliError>>()?,
+        strength: layer.strength,
     })
 }
 

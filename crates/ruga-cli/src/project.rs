@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use ruga_blend::Driver;
 use ruga_io::{IoError, MeshFile, ObjOptions, Scene, read_mask, read_mesh, scene};
@@ -201,11 +202,12 @@ pub(crate) fn region(scene: &Scene) -> Result<Region, CliError> {
     Ok(match &scene.driver.region {
         scene::Region::Auto => Region::Auto,
         scene::Region::All => Region::All,
-        scene::Region::Mask(path) => Region::Mask(mask(path)?),
+        scene::Region::Mask(path) => Region::Mask(Arc::new(mask(path)?)),
     })
 }
 
-fn mask(path: &Path) -> Result<Mask, CliError> {
+/// The grey image at a path.
+pub(crate) fn mask(path: &Path) -> Result<Mask, CliError> {
     let image = read_mask(path)?;
     let side = |texels: usize| u32::try_from(texels).unwrap_or(u32::MAX);
     Ok(Mask {

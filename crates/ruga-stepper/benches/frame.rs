@@ -24,7 +24,7 @@ use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters};
 use ruga_solver::{ConstraintRows, Kkt, LowerPattern};
 use ruga_stepper::{
     Coupling, Frame, LayerSpec, LayerSurface, Modelling, Observer, Phase, PoseResult, PoseSpec,
-    Progress, plan, simulate,
+    Presence, Progress, plan, simulate,
 };
 
 /// Faces of the artist's mesh per side, each split twice.
@@ -152,6 +152,8 @@ fn run(driver: &Driver, steps: u32, watch: &mut Watch) -> PoseResult {
         map: None,
         sharp: false,
         bending_transfer: None,
+        variation: None,
+        presence: Presence::default(),
     }];
     let weight = f64::from(steps) / f64::from(STEPS);
     let poses = [PoseSpec {

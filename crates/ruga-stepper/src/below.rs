@@ -27,13 +27,26 @@ pub(crate) struct BelowSurface {
 }
 
 /// The layer below, with its shape.
+#[derive(Clone, Copy)]
 pub(crate) struct LowerLayer<'a> {
     pub(crate) skin: &'a SkinMesh,
     pub(crate) positions: &'a [Vector3<f64>],
+    /// Where its vertices are as maps show them.
+    pub(crate) shown: &'a [Vector3<f64>],
     /// Its distance from the driver, m.
     pub(crate) offset: f64,
     /// Where others lie on it, as far as that is known.
     pub(crate) covers: &'a Covers,
+}
+
+impl LowerLayer<'_> {
+    /// The layer in the shape that maps show.
+    pub(crate) fn as_shown(&self) -> Self {
+        Self {
+            positions: self.shown,
+            ..*self
+        }
+    }
 }
 
 /// How a layer lies on what is below.
@@ -225,6 +238,7 @@ mod tests {
         let below = LowerLayer {
             skin: &lower,
             positions: &positions,
+            shown: &positions,
             offset: 0.0,
             covers: &Covers::default(),
         };

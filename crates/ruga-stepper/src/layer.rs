@@ -23,6 +23,7 @@ use crate::layer_objective::{LayerObjective, gather, scatter};
 use crate::local_skin::{LocalSkin, SkinProperties};
 use crate::low_pass_rows::{RowCentre, low_pass_rows, row_centres};
 use crate::motion::{Inertia, Motion};
+use crate::relief::ReliefShares;
 use crate::skin_energy::{SkinEnergy, UpperShell};
 use crate::skin_mesh::{Interpolation, RegionMesh, SkinMesh};
 use crate::{Dynamics, LayerSpec, StepperError};
@@ -65,6 +66,7 @@ pub(crate) struct Layer {
     properties: SkinProperties,
     /// What results are handed out on.
     region: RegionMesh,
+    shares: ReliefShares,
     /// How they get there; `None` where that is the layer's own mesh.
     interpolation: Option<Interpolation>,
     bending: BendingModel,
@@ -169,6 +171,7 @@ impl Layer {
             Some(centres) => centres,
             None => row_centres(spec, &properties, &skin, &free)?,
         };
+        let shares = ReliefShares::new(driver, spec, wrinkling, (&skin, &region.skin))?;
         let low_pass = low_pass_rows(
             spec,
             &centres,
@@ -191,6 +194,7 @@ impl Layer {
             properties,
             skin,
             region,
+            shares,
             interpolation,
             bending,
             bending_ratio: None,
@@ -515,7 +519,11 @@ pub(crate) fn noise_size(local: &LocalSkin, area: f64) -> f64 {
 }
 
 /// How the surface turns at one vertex between two poses.
-fn turn_between(old: &PosedSurface, new: &PosedSurface, vertex: usize) -> Rotation3<f64> {
+pub(crate) fn turn_between(
+    old: &PosedSurface,
+    new: &PosedSurface,
+    vertex: usize,
+) -> Rotation3<f64> {
     let frame = |surface: &PosedSurface| {
         let (n, t) = (surface.normals[vertex], surface.tangents[vertex]);
         Rotation3::from_basis_unchecked(&[t, n.cross(&t), n])

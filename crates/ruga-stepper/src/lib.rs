@@ -35,7 +35,7 @@
 //! use ruga_blend::{ArtistMesh, BlendShape, Driver};
 //! use ruga_material::{WavelengthModel, preset};
 //! use ruga_stepper::{
-//!     Coupling, EdgeLimits, LayerSpec, Modelling, PoseSpec, Sampling, Silent, plan, simulate,
+//!     Coupling, LayerSpec, Modelling, PoseSpec, Presence, Sampling, Silent, plan, simulate,
 //! };
 //!
 //! let square = [[0.0, 0.0], [0.04, 0.0], [0.04, 0.04], [0.0, 0.04]];
@@ -61,6 +61,8 @@
 //!     map: None,
 //!     sharp: false,
 //!     bending_transfer: None,
+//!     variation: None,
+//!     presence: Presence::default(),
 //! }];
 //! let poses = [PoseSpec {
 //!     name: "frown".into(),
@@ -100,6 +102,7 @@ mod low_pass_rows;
 mod measure;
 mod motion;
 mod region;
+mod relief;
 mod skin_energy;
 mod stacking;
 #[cfg(test)]
@@ -111,11 +114,11 @@ mod embedded;
 mod error;
 mod observer;
 
-pub use plan::{LayerPlan, LoadPath, Plan, PosePlan, plan};
+pub use plan::{LayerPlan, LoadPath, PaintedRanges, Plan, PosePlan, plan};
 pub use simulate::simulate;
 
 pub use model::{
-    Coupling, Dynamics, EdgeLimits, LayerSpec, Mask, Modelling, PoseSpec, Region, Stack,
+    Coupling, Dynamics, EdgeLimits, LayerSpec, Mask, Modelling, PoseSpec, Presence, Region, Stack,
 };
 pub use result::{ComputedMesh, KeyResult, LayerReport, LayerSurface, PoseResult};
 

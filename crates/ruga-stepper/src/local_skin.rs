@@ -1,6 +1,6 @@
 //! What a layer is made of, and how it wrinkles, at every place of a mesh.
 
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 use ruga_blend::Driver;
 use ruga_material::{LayerMaterial, RelativeProperties, Wrinkling, local_wrinkling};
 use ruga_mesh::{FaceId, Id, MaterialPoint, PerFace};
@@ -25,7 +25,7 @@ pub(crate) struct SkinProperties {
 impl SkinProperties {
     /// `tie` is the tangential stiffness (Pa/m) where it is not the layer's own.
     ///
-    /// Samples the layer's map at the vertices; a face has the mean of its corners' properties
+    /// Samples the layer's map and its variation at the vertices; a face has the mean of its corners' properties
     /// (Li 2014, 5.2), except beside a sharp boundary, where it has those of a place inside.
     pub(crate) fn new(
         spec: &LayerSpec,
@@ -35,7 +35,7 @@ impl SkinProperties {
         skin: &SkinMesh,
     ) -> Result<Self, StepperError> {
         let (vertices, faces) = (skin.mesh.vertex_count(), skin.mesh.face_count());
-        let Some(map) = &spec.map else {
+        if spec.map.is_none() && spec.variation.is_none() {
             let everywhere = LocalSkin {
                 material: spec.material,
                 wrinkling: *nominal,
@@ -44,10 +44,13 @@ impl SkinProperties {
                 vertices: vec![everywhere; vertices],
                 faces: PerFace::filled(faces, everywhere),
             });
-        };
-        let places = skin.points.points().iter();
-        let relative: Vec<RelativeProperties> =
-            places.map(|place| map.sample(&uv(driver, place))).collect();
+        }
+        let painted = |uv: &Vector2<f64>| spec.map.as_ref().map(|map| map.sample(uv));
+        let rest = &skin.rest.positions;
+        let places = skin.points.points().iter().zip(rest);
+        let relative: Vec<RelativeProperties> = places
+            .map(|(place, x)| uneven(spec, painted(&uv(driver, place)).unwrap_or_default(), x))
+            .collect();
         let local = |relative: &RelativeProperties| -> Result<LocalSkin, StepperError> {
             let mut local = local_skin(spec, relative)?;
             if let Some(tie) = tie {
@@ -60,7 +63,9 @@ impl SkinProperties {
             .map(|corners| mean(corners.map(|v| relative[v.index()])))
             .collect();
         for (face, inside) in &skin.beside {
-            of_faces[*face] = map.sample(inside);
+            let corners = skin.mesh.faces()[*face].map(|v| rest[v.index()]);
+            let centre = corners.iter().sum::<Vector3<f64>>() / 3.0;
+            of_faces[*face] = uneven(spec, painted(inside).unwrap_or_default(), &centre);
         }
         Ok(Self {
             faces: of_faces
@@ -70,6 +75,35 @@ impl SkinProperties {
                 .collect::<Result<_, _>>()?,
             vertices: relative.iter().map(local).collect::<Result<_, _>>()?,
         })
+    }
+}
+
+/// How the layer wrinkles on a face with these corners in the texture and at rest.
+pub(crate) fn wrinkling_on_face(
+    spec: &LayerSpec,
+    nominal: &Wrinkling,
+    (uvs, corners): (&[Vector2<f64>; 3], [Vector3<f64>; 3]),
+) -> Result<Wrinkling, StepperError> {
+    if spec.map.is_none() && spec.variation.is_none() {
+        return Ok(*nominal);
+    }
+    let painted = spec.map.as_ref().map(|map| map.sample_face(uvs));
+    let centre = corners.iter().sum::<Vector3<f64>>() / 3.0;
+    let relative = uneven(spec, painted.unwrap_or_default(), &centre);
+    Ok(local_skin(spec, &relative)?.wrinkling)
+}
+
+/// Adds the layer's natural unevenness at a rest position to what is painted there.
+pub(crate) fn uneven(
+    spec: &LayerSpec,
+    painted: RelativeProperties,
+    place: &Vector3<f64>,
+) -> RelativeProperties {
+    let factor = spec.variation.as_ref();
+    let factor = factor.map_or(1.0, |field| field.thickness_factor(place));
+    RelativeProperties {
+        thickness: factor * painted.thickness,
+        ..painted
     }
 }
 
@@ -119,7 +153,7 @@ mod tests {
 
     use super::*;
     use crate::skin_mesh::{MeshDemand, RegionMesh};
-    use crate::{Coupling, Sampling};
+    use crate::{Coupling, Presence, Sampling};
 
     /// Depth inside the thick part at a place, m.
     type Paint<'a> = &'a dyn Fn(f64, f64) -> f64;
@@ -184,6 +218,8 @@ mod tests {
             map: Some(Arc::new(map)),
             sharp,
             bending_transfer: None,
+            variation: None,
+            presence: Presence::default(),
         }
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::Vector2;
 use ruga_blend::{Smoothing, Weights};
 use ruga_constraint::Sampling;
-use ruga_material::{LayerMaterial, PropertyMap, Substrate, WavelengthModel};
+use ruga_material::{LayerMaterial, PropertyMap, Substrate, VariationField, WavelengthModel};
 use ruga_shell::BendingModel;
 use ruga_solver::{Descent, LinearSolver};
 
@@ -55,6 +55,47 @@ pub struct LayerSpec {
     /// Share of the bending strain of the layer below that this one feels, 0 to 1; from the
     /// stiffness of both if left out.
     pub bending_transfer: Option<f64>,
+    /// Natural unevenness of its thickness, on top of what is painted.
+    pub variation: Option<Arc<VariationField>>,
+    /// Where on the artist's mesh it is, and how much of it shows.
+    pub presence: Presence,
+}
+
+/// Where a layer is, and how much of its relief results show.
+#[derive(Clone, Debug)]
+pub struct Presence {
+    /// Painted masks; the layer is where each of them is lighter than [`Mask::DARKEST`]. Their grey
+    /// values, multiplied, fade its relief.
+    pub masks: Vec<Arc<Mask>>,
+    /// Factor on its relief, above 0.
+    pub strength: f64,
+}
+
+impl Default for Presence {
+    /// Everywhere, as it is.
+    fn default() -> Self {
+        Self {
+            masks: Vec::new(),
+            strength: 1.0,
+        }
+    }
+}
+
+impl Presence {
+    /// Whether the layer is at a texture coordinate.
+    pub(crate) fn covers(&self, uv: Vector2<f64>) -> bool {
+        self.masks.iter().all(|mask| mask.covers(uv))
+    }
+
+    /// Whether a triangle of the texture may have a part where the layer is.
+    pub(crate) fn touches(&self, corners: &[Vector2<f64>; 3]) -> bool {
+        self.masks.iter().all(|mask| mask.touches(corners))
+    }
+
+    /// Product of the masks' grey values at a texture coordinate, 0 to 1.
+    pub(crate) fn grey(&self, uv: Vector2<f64>) -> f64 {
+        self.masks.iter().map(|mask| mask.grey(uv)).product()
+    }
 }
 
 /// What a stack of layers means.
@@ -93,8 +134,19 @@ pub enum Region {
     Auto,
     /// Everywhere.
     All,
-    /// Where a pose compresses the skin enough and the painted mask is at least one half.
-    Mask(Mask),
+    /// Where a pose compresses the skin enough and the painted mask is lighter than
+    /// [`Mask::DARKEST`]; its grey values fade the relief.
+    Mask(Arc<Mask>),
+}
+
+impl Region {
+    /// The painted mask, if there is one.
+    pub(crate) fn mask(&self) -> Option<&Arc<Mask>> {
+        match self {
+            Self::Auto | Self::All => None,
+            Self::Mask(mask) => Some(mask),
+        }
+    }
 }
 
 /// A painted grey image over the UV square.
@@ -109,16 +161,39 @@ pub struct Mask {
 }
 
 impl Mask {
-    /// Grey value of the pixel under a texture coordinate; black outside the unit square.
-    pub fn at(&self, uv: Vector2<f64>) -> f64 {
-        if !(0.0..=1.0).contains(&uv.x) || !(0.0..=1.0).contains(&uv.y) {
+    /// Grey value from which on skin is simulated: a sixteenth. Darker skin would show less than
+    /// that share of its wrinkles, and scans and compressed pictures have such a grey for black.
+    pub const DARKEST: f32 = 1.0 / 16.0;
+
+    /// Grey value at a texture coordinate, linear between the centres of pixels, 0 to 1; black
+    /// outside the unit square.
+    pub fn grey(&self, uv: Vector2<f64>) -> f64 {
+        if !is_inside(uv) {
             return 0.0;
         }
-        let [x, y] = self.pixel(uv);
-        f64::from(self.values[y * self.width as usize + x])
+        let between = |c: f64, count: u32| {
+            let place = (c * f64::from(count) - 0.5).clamp(0.0, f64::from(count - 1));
+            let low = place.floor();
+            let next = (low as usize + 1).min(count as usize - 1);
+            ([low as usize, next], place - low)
+        };
+        let (columns, across) = between(uv.x, self.width);
+        let (rows, down) = between(uv.y, self.height);
+        let row = |y: usize| {
+            let [a, b] = columns.map(|x| f64::from(self.values[y * self.width as usize + x]));
+            a + (b - a) * across
+        };
+        let [top, bottom] = rows.map(row);
+        top + (bottom - top) * down
     }
 
-    /// Whether a white pixel lies in the smallest upright rectangle around a triangle.
+    /// Whether the pixel under a texture coordinate is lighter than [`Self::DARKEST`].
+    pub(crate) fn covers(&self, uv: Vector2<f64>) -> bool {
+        let [x, y] = self.pixel(uv);
+        is_inside(uv) && self.values[y * self.width as usize + x] >= Self::DARKEST
+    }
+
+    /// Whether a pixel lighter than [`Self::DARKEST`] lies in the smallest upright rectangle around a triangle.
     pub(crate) fn touches(&self, corners: &[Vector2<f64>; 3]) -> bool {
         let [a, b, c] = corners;
         let (low, high) = (a.inf(b).inf(c), a.sup(b).sup(c));
@@ -130,7 +205,7 @@ impl Mask {
         (top..=bottom).any(|y| {
             let row = y * self.width as usize;
             let pixels = &self.values[row + left..=row + right];
-            pixels.iter().any(|&value| value >= 0.5)
+            pixels.iter().any(|&value| value >= Self::DARKEST)
         })
     }
 
@@ -140,6 +215,10 @@ impl Mask {
         let pixel = |c: f64, count: u32| ((c * f64::from(count)) as usize).min(count as usize - 1);
         [pixel(uv.x, self.width), pixel(uv.y, self.height)]
     }
+}
+
+fn is_inside(uv: Vector2<f64>) -> bool {
+    (0.0..=1.0).contains(&uv.x) && (0.0..=1.0).contains(&uv.y)
 }
 
 /// What the edges of a fitted mesh are held to.
@@ -247,6 +326,25 @@ impl Default for Modelling {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn grey_is_linear_between_the_centres_of_pixels() {
+        let mask = Mask {
+            width: 2,
+            height: 2,
+            values: vec![0.0, 1.0, 0.5, 0.5],
+        };
+        let grey = |u: f64, v: f64| mask.grey(Vector2::new(u, v));
+        assert_eq!(grey(0.25, 0.25), 0.0);
+        assert_eq!(grey(0.5, 0.25), 0.5);
+        assert_eq!(grey(0.75, 0.5), 0.75);
+        assert_eq!(grey(0.0, 1.0), 0.5);
+        assert_eq!(grey(1.0, 0.0), 1.0);
+        assert_eq!(grey(1.1, 0.5), 0.0);
+        assert_eq!(grey(f64::NAN, 0.5), 0.0);
+        assert!(!mask.covers(Vector2::new(0.25, 0.25)));
+        assert!(mask.covers(Vector2::new(0.25, 0.75)));
+    }
 
     #[test]
     fn a_mask_touches_triangles_with_a_white_pixel_in_their_rectangle() {

@@ -1,5 +1,7 @@
 //! What will be modelled, where, how fine and at what cost; nothing is simulated here.
 
+use std::sync::Arc;
+
 use nalgebra::{Matrix3, Vector3};
 use ruga_blend::{BaseSurface, Driver, PosedSurface};
 use ruga_material::{CAP_START, StackPair, Wrinkling};
@@ -9,13 +11,13 @@ use ruga_remesh::{FaceDriver, Refinement};
 use crate::adaptivity::{COARSEST, aspect};
 use crate::below::Seat;
 use crate::layer_setup::layer_surface;
-use crate::local_skin::local_skin;
+use crate::local_skin::wrinkling_on_face;
 use crate::plan_cost::{GRADING, Load, cost, factorisations};
 use crate::region::{ACTIVE_SHARE, Demand};
 use crate::skin_energy::UpperShell;
 use crate::skin_mesh::{check_boundaries, sharp_map};
 use crate::stacking::Stacking;
-use crate::{Coupling, EdgeLimits, LayerSpec, Modelling, PoseSpec, Region, Stack, StepperError};
+use crate::{Coupling, EdgeLimits, LayerSpec, Mask, Modelling, PoseSpec, Stack, StepperError};
 
 /// Faces of the planning surface above which it is not subdivided further: on a face of 18 thousand
 /// triangles a million say the same areas as 300 thousand to 1 %, in five times the time.
@@ -136,6 +138,9 @@ pub struct LayerPlan {
     pub wavelength: f64,
     /// Critical strain.
     pub critical_strain: f64,
+    /// What paint and natural unevenness make of them over the active area; `None` where all of it is
+    /// the same, or nothing is simulated.
+    pub painted: Option<PaintedRanges>,
     /// Median over the active area of the largest effective strain of the driver.
     pub strain_median: f64,
     /// Its 99th percentile.
@@ -171,6 +176,17 @@ pub struct LayerPlan {
     pub(crate) region: Vec<u64>,
 }
 
+/// Range of a layer's properties over the active area of a pose, without the extreme hundredths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaintedRanges {
+    /// Critical wavelength, m.
+    pub wavelength: [f64; 2],
+    /// Critical strain.
+    pub critical_strain: [f64; 2],
+    /// Thickness, m.
+    pub thickness: [f64; 2],
+}
+
 impl LayerPlan {
     /// A layer that is solved together with this one, on its mesh; the cost stands with this one.
     fn carried_along(&self, name: &str, numbers: &Wrinkling) -> Self {
@@ -199,7 +215,9 @@ pub fn plan(
     modelling: &Modelling,
     map_size: u32,
 ) -> Result<Plan, StepperError> {
-    let stacking = Stacking::new(layers, modelling.stack)?;
+    let masked = modelling.region.mask();
+    let layers: Vec<LayerSpec> = layers.iter().map(|layer| within(layer, masked)).collect();
+    let stacking = Stacking::new(&layers, modelling.stack)?;
     let Stacking {
         specs: layers,
         simulated: wrinkling,
@@ -208,7 +226,7 @@ pub fn plan(
     let Some(finest) = wrinkling.iter().map(|w| w.wavelength).reduce(f64::min) else {
         return Err(StepperError::NoLayer);
     };
-    let planning = PlanningSurface::new(driver, modelling, finest)?;
+    let planning = PlanningSurface::new(driver, modelling, layers, finest)?;
     // A layer that moves together with the lowest one has no mesh of its own.
     let simulated = match stacking.joint {
         Some(_) => 1,
@@ -258,6 +276,13 @@ pub fn plan(
     Ok(plan)
 }
 
+/// The layer where the region's painted mask lets it be.
+pub(crate) fn within(layer: &LayerSpec, region: Option<&Arc<Mask>>) -> LayerSpec {
+    let mut layer = layer.clone();
+    layer.presence.masks.extend(region.cloned());
+    layer
+}
+
 /// A layer with its critical wave, by itself and on every face of the planning surface.
 pub(crate) struct PlannedLayer<'a> {
     pub(crate) spec: &'a LayerSpec,
@@ -282,15 +307,18 @@ struct PlanningSurface {
 }
 
 impl PlanningSurface {
-    fn new(driver: &Driver, modelling: &Modelling, wavelength: f64) -> Result<Self, StepperError> {
+    fn new(
+        driver: &Driver,
+        modelling: &Modelling,
+        layers: &[LayerSpec],
+        wavelength: f64,
+    ) -> Result<Self, StepperError> {
         let topology = driver.topology();
-        let all = topology.faces().ids();
-        let faces: Vec<FaceId> = match &modelling.region {
-            Region::Auto | Region::All => all.collect(),
-            Region::Mask(mask) => all
-                .filter(|&face| mask.touches(&driver.uvs()[face]))
-                .collect(),
+        let may_be_on = |face: &FaceId| {
+            let corners = &driver.uvs()[*face];
+            layers.iter().any(|layer| layer.presence.touches(corners))
         };
+        let faces: Vec<FaceId> = topology.faces().ids().filter(may_be_on).collect();
         let mut lengths: Vec<f64> = faces
             .iter()
             .flat_map(|&face| {
@@ -319,39 +347,36 @@ impl PlanningSurface {
             surface,
             rest,
         };
-        planning.check_mask(&modelling.region)?;
+        planning.check_masks(layers)?;
         Ok(planning)
     }
 
-    /// How the layer wrinkles on every face, by its map.
+    /// How the layer wrinkles on every face, by its map and its variation.
     fn local_wrinkling(
         &self,
         layer: &LayerSpec,
         nominal: &Wrinkling,
     ) -> Result<PerFace<Wrinkling>, StepperError> {
-        let Some(map) = &layer.map else {
-            let faces = self.surface.mesh().face_count();
-            return Ok(PerFace::filled(faces, *nominal));
-        };
+        let faces = self.surface.mesh().faces().as_slice().iter();
         let uvs = self.surface.uvs().as_slice().iter();
-        uvs.map(|corners| Ok(local_skin(layer, &map.sample_face(corners))?.wrinkling))
+        uvs.zip(faces)
+            .map(|(uvs, corners)| {
+                let corners = corners.map(|v| self.rest.positions[v.index()]);
+                wrinkling_on_face(layer, nominal, (uvs, corners))
+            })
             .collect()
     }
 
-    fn check_mask(&self, region: &Region) -> Result<(), StepperError> {
-        let Region::Mask(mask) = region else {
-            return Ok(());
+    /// Whether every layer is somewhere on the mesh.
+    fn check_masks(&self, layers: &[LayerSpec]) -> Result<(), StepperError> {
+        let uvs = self.surface.uvs().as_slice();
+        let is_somewhere = |layer: &LayerSpec| {
+            let mut centres = uvs.iter().map(|[a, b, c]| (a + b + c) / 3.0);
+            centres.any(|centre| layer.presence.covers(centre))
         };
-        let painted = self
-            .surface
-            .uvs()
-            .as_slice()
-            .iter()
-            .any(|[a, b, c]| mask.at((a + b + c) / 3.0) >= 0.5);
-        if painted {
-            Ok(())
-        } else {
-            Err(StepperError::BlackMask)
+        match layers.iter().all(is_somewhere) {
+            true => Ok(()),
+            false => Err(StepperError::BlackMask),
         }
     }
 
@@ -409,7 +434,8 @@ impl PlanningSurface {
         } = layer;
         let waves = local.as_slice().iter().map(|numbers| numbers.wavelength);
         let longest = waves.fold(0.0, f64::max);
-        let active = demand.active_faces(&self.surface, &self.rest, &modelling.region, longest);
+        let where_to = (&modelling.region, &spec.presence);
+        let active = demand.active_faces(&self.surface, &self.rest, where_to, longest);
         let quantile = |field: &PerFace<f64>, share: f64| {
             weighted_quantile(&active, field, &demand.areas, share)
         };
@@ -479,6 +505,7 @@ impl PlanningSurface {
             name: spec.name.clone(),
             wavelength: numbers.wavelength,
             critical_strain: numbers.critical_strain,
+            painted: painted_ranges(spec, &active, local, &demand.areas),
             strain_median: quantile(&demand.effective, 0.5),
             strain_p99: strain,
             active_area: area_where(&|_| true),
@@ -510,6 +537,29 @@ impl PlanningSurface {
                 .collect(),
         }
     }
+}
+
+/// What paint and variation make of a layer over the active faces.
+fn painted_ranges(
+    spec: &LayerSpec,
+    active: &[FaceId],
+    local: &PerFace<Wrinkling>,
+    areas: &PerFace<f64>,
+) -> Option<PaintedRanges> {
+    if active.is_empty() || (spec.map.is_none() && spec.variation.is_none()) {
+        return None;
+    }
+    let range = |value: fn(&Wrinkling) -> f64| {
+        let field: PerFace<f64> = local.as_slice().iter().map(value).collect();
+        [0.01, 0.99].map(|share| weighted_quantile(active, &field, areas, share))
+    };
+    Some(PaintedRanges {
+        wavelength: range(|numbers| numbers.wavelength),
+        critical_strain: range(|numbers| numbers.critical_strain),
+        thickness: range(|numbers| {
+            (12.0 * numbers.bending_stiffness / numbers.membrane_stiffness).sqrt()
+        }),
+    })
 }
 
 /// Triangles of a mesh fitted to what a pose asks for.

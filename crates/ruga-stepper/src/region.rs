@@ -4,8 +4,8 @@ use nalgebra::{Matrix2, Matrix3, Vector3};
 use ruga_blend::{BaseSurface, FaceStrain, PosedSurface, face_strains, rest_frame};
 use ruga_mesh::{FaceId, Id, PerFace, TriMesh, edge_distances, face_normals};
 
-use crate::Region;
 use crate::plan::{LoadPath, PlannedLayer};
+use crate::{Presence, Region};
 
 /// A face is active where the effective strain passes this share of the critical one.
 pub(crate) const ACTIVE_SHARE: f64 = 0.8;
@@ -187,23 +187,21 @@ impl Demand {
         &self,
         surface: &BaseSurface,
         rest: &PosedSurface,
-        region: &Region,
+        (region, presence): (&Region, &Presence),
         wavelength: f64,
     ) -> Vec<FaceId> {
         let mesh = surface.mesh();
-        let allowed = |face: FaceId| match region {
-            Region::Auto | Region::All => true,
-            Region::Mask(mask) => {
-                let [a, b, c] = surface.uvs()[face];
-                mask.at((a + b + c) / 3.0) >= 0.5
-            }
+        let allowed = |face: FaceId| {
+            let [a, b, c] = surface.uvs()[face];
+            let centre = (a + b + c) / 3.0;
+            presence.covers(centre)
         };
         let mut active: PerFace<bool> = mesh
             .faces()
             .ids()
             .map(|face| {
                 let wrinkles = self.demand(face) > ACTIVE_SHARE;
-                matches!(region, Region::All) || (wrinkles && allowed(face))
+                (matches!(region, Region::All) || wrinkles) && allowed(face)
             })
             .collect();
         if !matches!(region, Region::All) {

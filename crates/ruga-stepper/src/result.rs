@@ -10,6 +10,9 @@ pub struct LayerSurface {
     pub name: String,
     /// Vertex positions, m.
     pub positions: Vec<Vector3<f64>>,
+    /// The same as maps show it: every layer's relief by its strength, faded to nothing at painted
+    /// borders ([`Presence`](crate::Presence)), m.
+    pub relief: Vec<Vector3<f64>>,
     /// The posed driver at the vertices' material points, or the surface of the body there, m.
     pub driver_positions: Vec<Vector3<f64>>,
     /// Its unit normals there.

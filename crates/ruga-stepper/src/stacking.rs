@@ -67,7 +67,7 @@ impl Stacking {
     }
 
     fn require_uniform(&self, stack: &'static str) -> Result<(), StepperError> {
-        let painted = self.specs.iter().find(|spec| spec.map.is_some());
+        let painted = self.specs.iter().find(|spec| spec.map.is_some() || spec.variation.is_some());
         painted.map_or(Ok(()), |painted| {
             Err(StepperError::PaintedStack {
                 layer: painted.name.clone(),

@@ -5,7 +5,7 @@ use ruga_blend::{ArtistMesh, BaseSurface, BlendShape, Driver, Smoothing};
 use ruga_mesh::FaceId;
 
 use crate::skin_mesh::{RegionMesh, SkinMesh};
-use crate::{Coupling, LayerSpec, Sampling};
+use crate::{Coupling, LayerSpec, Presence, Sampling};
 
 pub(crate) const SIDE: f64 = 0.04;
 const CELLS: usize = 20;
@@ -74,5 +74,7 @@ pub(crate) fn knuckle() -> LayerSpec {
         map: None,
         sharp: false,
         bending_transfer: None,
+        variation: None,
+        presence: Presence::default(),
     }
 }

@@ -24,11 +24,12 @@ impl StackRun<'_> {
         let covers = Rc::clone(&self.covers);
         let mut surfaces = Vec::new();
         let mut solved: Vec<(LayerRun, Ending)> = Vec::new();
+        let mut shown = run.layer.shown_positions(run.layer.below());
         for index in lowest + 1..self.plan.specs.len() {
             if self.plan.poses[self.pose].layers[index].region.is_empty() {
                 continue;
             }
-            let lower = self.lower(solved.last().map_or(run, |(run, _)| run), &covers);
+            let lower = self.lower(solved.last().map_or(run, |(run, _)| run), &shown, &covers);
             let (mut upper, ending) = self.upper_layer(index, &lower, place, control, observer)?;
             self.tell(&upper, ending);
             if ending == Ending::Interrupted {
@@ -36,6 +37,10 @@ impl StackRun<'_> {
             }
             observer.phase(index, Phase::Sampling);
             surfaces.extend(self.snapshot(&upper, control, Some(&lower)));
+            let seat = self.plan.seats[index];
+            let skin = upper.layer.skin();
+            let below = surface_below(self.driver, skin, seat, control, Some(&lower.as_shown()));
+            shown = upper.layer.shown_positions(&below.posed);
             upper.measure();
             self.result.layers[index] = upper.report.clone();
             solved.push((upper, ending));
@@ -83,10 +88,16 @@ impl StackRun<'_> {
         Ok((run, ending))
     }
 
-    fn lower<'r>(&self, run: &'r LayerRun, covers: &'r Covers) -> LowerLayer<'r> {
+    fn lower<'r>(
+        &self,
+        run: &'r LayerRun,
+        shown: &'r [Vector3<f64>],
+        covers: &'r Covers,
+    ) -> LowerLayer<'r> {
         LowerLayer {
             skin: run.layer.skin(),
             positions: run.layer.positions(),
+            shown,
             offset: self.plan.seats[run.index].offset,
             covers,
         }
@@ -103,7 +114,11 @@ impl StackRun<'_> {
         let seat = self.plan.seats[run.index];
         let region = &layer.region().skin;
         let below = surface_below(driver, region, seat, control, lower).posed;
-        let own = layer.snapshot(driver, control, &below, seat.offset);
+        let shown = lower.map(|lower| {
+            surface_below(driver, region, seat, control, Some(&lower.as_shown())).posed
+        });
+        let shown = shown.as_ref().unwrap_or(&below);
+        let own = layer.snapshot(driver, control, (&below, shown), seat.offset);
         let upper = layer.upper_snapshot(driver, &own, &below);
         std::iter::once(own).chain(upper).collect()
     }

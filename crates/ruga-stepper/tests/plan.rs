@@ -2,6 +2,8 @@
 
 mod patch;
 
+use std::sync::Arc;
+
 use patch::{SIDE, draft, driver, pose, skin};
 use ruga_stepper::{
     Coupling, Mask, Modelling, Observer, Plan, Progress, Region, StepperError, plan, simulate,
@@ -35,11 +37,11 @@ fn a_mask_limits_the_region_and_a_black_one_is_an_error() {
     let layers = [skin("forehead-furrow", Coupling::Hybrid)];
     let poses = [pose(&driver, "press", 1.0)];
     let with_mask = |values: Vec<f32>| {
-        let region = Region::Mask(Mask {
+        let region = Region::Mask(Arc::new(Mask {
             width: 2,
             height: 1,
             values,
-        });
+        }));
         plan(
             &driver,
             &layers,

@@ -10,8 +10,8 @@ use ruga_blend::{ArtistMesh, BlendShape, Driver};
 use ruga_material::WavelengthModel;
 use ruga_mesh::{Id, PerFace, PlanarLookup};
 use ruga_stepper::{
-    Coupling as Held, EdgeLimits, LayerSpec, LayerSurface, Modelling, Observer, PoseSpec, Progress,
-    plan, simulate,
+    Coupling as Held, EdgeLimits, LayerSpec, LayerSurface, Modelling, Observer, PoseSpec, Presence,
+    Progress, plan, simulate,
 };
 use ruga_tests::FilmSpec;
 
@@ -122,6 +122,8 @@ fn layer(spec: &FilmSpec, request: &Request) -> LayerSpec {
         map: None,
         sharp: false,
         bending_transfer: None,
+        variation: None,
+        presence: Presence::default(),
     }
 }
 

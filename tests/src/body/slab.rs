@@ -1,5 +1,7 @@
 //! A slab of soft stuff with a skin on its top, held by slices across x.
 
+use std::sync::Arc;
+
 use std::error::Error;
 use std::time::Instant;
 
@@ -10,8 +12,8 @@ use ruga_material::{
 };
 use ruga_stepper::{
     Body, BodyPose, CellShape, ComputedMesh, Coupling, Descent, EdgeLimits, Handle, Keyframe,
-    LayerReport, LayerSpec, LinearSolver, Mask, Modelling, Motion, Observer, PoseSpec, Region,
-    Sampling, Silent, SolidMaterial, plan_body, simulate_body,
+    LayerReport, LayerSpec, LinearSolver, Mask, Modelling, Motion, Observer, PoseSpec, Presence,
+    Region, Sampling, Silent, SolidMaterial, plan_body, simulate_body,
 };
 
 use super::Sheet;
@@ -208,11 +210,11 @@ impl Slab {
             smoothing: Smoothing::None,
             remesh: self.is_fitted.then(EdgeLimits::default),
             // The top has the left half of the texture.
-            region: Region::Mask(Mask {
+            region: Region::Mask(Arc::new(Mask {
                 width: 2,
                 height: 1,
                 values: vec![1.0, 0.0],
-            }),
+            })),
             ..Modelling::default()
         }
     }
@@ -282,6 +284,8 @@ pub(super) fn skin_of(
         map: None,
         sharp: false,
         bending_transfer: None,
+        variation: None,
+        presence: Presence::default(),
     }
 }
 

@@ -193,7 +193,7 @@ const EMPTY: Relief<'static> = Relief {
 
 fn relief(layer: &LayerSurface) -> Relief<'_> {
     Relief {
-        positions: &layer.positions,
+        positions: &layer.relief,
         driver_positions: &layer.driver_positions,
         driver_normals: &layer.driver_normals,
         offset: layer.offset,

@@ -22,6 +22,7 @@ use super::prediction::Prediction;
 use super::system::BodySystem;
 use crate::layer::noise_size;
 use crate::local_skin::{SkinProperties, uv};
+use crate::relief::relief_shares;
 use crate::skin_mesh::{Interpolation, RegionMesh, SkinMesh};
 use crate::{ComputedMesh, Dynamics, LayerSurface, Modelling, StepperError};
 
@@ -43,6 +44,8 @@ pub(crate) struct BodyState {
 pub(crate) struct EmbeddedLayer<'p> {
     plan: &'p BodyPlan,
     region: RegionMesh,
+    /// Share of the relief that maps show at the region's vertices.
+    shares: Vec<f64>,
     /// Of the region's vertices.
     region_embedding: Embedding,
     /// How results get there; `None` where that is the layer's own mesh.
@@ -106,6 +109,7 @@ impl<'p> EmbeddedLayer<'p> {
             kkt: kkt.map_err(solver)?,
             prediction: Prediction::new(&system.lattice).map_err(solver)?,
             region_embedding: carrier.embed(&region.skin)?,
+            shares: relief_shares(driver, spec, &plan.wrinkling, &region.skin)?,
             control: carrier.embed_control(driver)?,
             plan,
             region,
@@ -430,11 +434,16 @@ impl<'p> EmbeddedLayer<'p> {
             None => self.deviations(),
             Some(interpolation) => interpolation.apply(&self.deviations()),
         };
-        let positions = below.iter().zip(&deviations).map(|(b, e)| b + e);
+        let pairs = below.iter().zip(&deviations);
+        let positions = pairs.clone().map(|(b, e)| b + e).collect();
+        let shown = pairs
+            .zip(&self.shares)
+            .map(|((b, e), share)| b + e * *share);
         let points = self.skin.points.points().iter();
         LayerSurface {
             name: self.plan.spec.name.clone(),
-            positions: positions.collect(),
+            positions,
+            relief: shown.collect(),
             driver_normals: self.region_embedding.normals(q),
             driver_positions: below,
             offset: 0.0,

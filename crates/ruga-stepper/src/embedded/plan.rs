@@ -13,9 +13,9 @@ use super::handles::HeldNodes;
 use super::lattice_size::lattice_warnings;
 use super::obstacle::{self, distance};
 use super::waves::Waves;
-use crate::plan::{MAX_LEVELS, MAX_PLANNING_FACES, needed_levels, resolution_warnings};
+use crate::plan::{MAX_LEVELS, MAX_PLANNING_FACES, needed_levels, resolution_warnings, within};
 use crate::skin_mesh::{check_boundaries, sharp_map};
-use crate::{Body, LayerSpec, Modelling, Region, StepperError};
+use crate::{Body, LayerSpec, Modelling, StepperError};
 
 /// Edges over those asked for from which on a mesh is worth a warning.
 const WORTH_TELLING: f64 = 1.1;
@@ -66,8 +66,8 @@ impl BodyPlan {
 
 /// Finds out what a body under a layer will be made of: its lattice, and the layer's mesh.
 ///
-/// The layer covers the whole surface, or the faces on which the mask of
-/// [`Modelling::region`] is at least one half; borders of a mask are free. `layer.substrate` stands
+/// The layer covers the whole surface, or the faces on which its masks and that of
+/// [`Modelling::region`] let it be; borders of a mask are free. `layer.substrate` stands
 /// for the interior at the scale of the wrinkles, which the lattice does not resolve, and
 /// [`Body::material`] for it at the scale of the body: the two are meant to be the same stuff. A
 /// lattice without a number of cells has as many as let the body bend, as long as they are longer than
@@ -84,6 +84,7 @@ pub fn plan_body(
     modelling: &Modelling,
     map_size: u32,
 ) -> Result<BodyPlan, StepperError> {
+    let layer = &within(layer, modelling.region.mask());
     let numbers = wrinkling(&layer.material, &layer.substrate, layer.model);
     let numbers = numbers.map_err(|source| StepperError::Material {
         layer: layer.name.clone(),
@@ -91,7 +92,7 @@ pub fn plan_body(
     })?;
     check(body)?;
     body.obstacles.iter().try_for_each(obstacle::check)?;
-    let faces = covered_faces(driver, modelling)?;
+    let faces = covered_faces(driver, layer)?;
     let asked = modelling.points_per_wavelength;
     let [median, long] = edges(driver, &faces);
     let needed = |wavelength: f64| {
@@ -103,10 +104,10 @@ pub fn plan_body(
         // The layer is held to places of the lattice, not to a base with facets.
         needed_levels((wavelength / asked, None), modelling, faces_at, edges_at)
     };
-    // Without paint waves are the same everywhere.
-    let seen = match layer.map {
-        Some(_) => needed(numbers.wavelength).min(readable_levels(faces.len())),
-        None => 0,
+    // Without paint and variation waves are the same everywhere.
+    let seen = match layer.map.is_some() || layer.variation.is_some() {
+        true => needed(numbers.wavelength).min(readable_levels(faces.len())),
+        false => 0,
     };
     let waves = Waves::new(
         driver,
@@ -201,16 +202,12 @@ fn obstacle_warnings(
     warnings
 }
 
-fn covered_faces(driver: &Driver, modelling: &Modelling) -> Result<Vec<FaceId>, StepperError> {
-    let faces = driver.topology().faces().ids();
-    let Region::Mask(mask) = &modelling.region else {
-        return Ok(faces.collect());
-    };
-    let is_white = |face: &FaceId| {
+fn covered_faces(driver: &Driver, layer: &LayerSpec) -> Result<Vec<FaceId>, StepperError> {
+    let is_covered = |face: &FaceId| {
         let [a, b, c] = driver.uvs()[*face];
-        mask.at((a + b + c) / 3.0) >= 0.5
+        layer.presence.covers((a + b + c) / 3.0)
     };
-    let faces: Vec<FaceId> = faces.filter(is_white).collect();
+    let faces: Vec<FaceId> = driver.topology().faces().ids().filter(is_covered).collect();
     match faces.is_empty() {
         true => Err(StepperError::BlackMask),
         false => Ok(faces),

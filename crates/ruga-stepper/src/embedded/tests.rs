@@ -16,7 +16,7 @@ use super::prediction::product;
 use super::run::BodyRun;
 use crate::{
     Body, BodyPlan, BodyPose, Coupling, Dynamics, Handle, Keyframe, LayerSpec, Modelling, Motion,
-    Obstacle, ObstacleShape, PoseSpec, Sampling, Silent, plan_body,
+    Obstacle, ObstacleShape, PoseSpec, Presence, Sampling, Silent, plan_body,
 };
 
 const SIDES: [f64; 3] = [0.02, 0.015, 0.01];
@@ -80,6 +80,8 @@ fn skin(coupling: Coupling) -> LayerSpec {
         map: None,
         sharp: false,
         bending_transfer: None,
+        variation: None,
+        presence: Presence::default(),
     }
 }
 

@@ -3,9 +3,9 @@
 use nalgebra::Vector3;
 use ruga_blend::{BaseSurface, Driver, Smoothing};
 use ruga_material::Wrinkling;
-use ruga_mesh::{FaceId, PerFace};
+use ruga_mesh::{FaceId, Id, PerFace};
 
-use crate::local_skin::local_skin;
+use crate::local_skin::wrinkling_on_face;
 use crate::plan::{per_face, uv_density, weighted_quantile};
 use crate::{EdgeLimits, LayerSpec, StepperError};
 
@@ -26,7 +26,7 @@ pub(super) struct Waves {
 }
 
 impl Waves {
-    /// By the layer's map, read on every face of the driver's `faces` split `levels` times.
+    /// By the layer's map and variation, read on every face of the driver's `faces` split `levels` times.
     pub(super) fn new(
         driver: &Driver,
         faces: &[FaceId],
@@ -35,15 +35,13 @@ impl Waves {
     ) -> Result<Self, StepperError> {
         let surface = BaseSurface::new(driver, faces, levels, smoothing);
         let rest = surface.pose(driver.rest());
-        let length = |corners| -> Result<f64, StepperError> {
-            let Some(map) = &layer.map else {
-                return Ok(nominal.wavelength);
-            };
-            let skin = local_skin(layer, &map.sample_face(corners))?;
-            Ok(skin.wrinkling.wavelength)
-        };
-        let lengths = surface.uvs().as_slice().iter().map(length);
-        let lengths: PerFace<f64> = lengths.collect::<Result<_, _>>()?;
+        let corners = surface.mesh().faces().as_slice().iter();
+        let lengths = surface.uvs().as_slice().iter().zip(corners);
+        let lengths = lengths.map(|(uvs, corners)| {
+            let corners = corners.map(|v| rest.positions[v.index()]);
+            Ok(wrinkling_on_face(layer, nominal, (uvs, corners))?.wavelength)
+        });
+        let lengths: PerFace<f64> = lengths.collect::<Result<_, StepperError>>()?;
         let area = |[a, b, c]: [Vector3<f64>; 3], _| 0.5 * (b - a).cross(&(c - a)).norm();
         let areas = per_face(&surface, area, &rest);
         let faces: Vec<FaceId> = surface.mesh().faces().ids().collect();

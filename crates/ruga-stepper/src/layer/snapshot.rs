@@ -5,24 +5,27 @@ use ruga_blend::{Driver, PosedSurface};
 
 use super::Layer;
 use crate::local_skin::uv;
+use crate::relief::shown_positions;
 use crate::{ComputedMesh, LayerSurface};
 
 impl Layer {
-    /// The layer as others see it: over `region_below`, which is what lies below the region's own
-    /// mesh, and the driver's `control` points.
+    /// The layer as others see it: over `real`, which is what lies below the region's own mesh, or as
+    /// maps show that, over `shown`, and the driver's `control` points.
     pub(crate) fn snapshot(
         &self,
         driver: &Driver,
         control: &[Vector3<f64>],
-        region_below: &PosedSurface,
+        (real, shown): (&PosedSurface, &PosedSurface),
         offset: f64,
     ) -> LayerSurface {
         let own = &self.positions[..self.vertex_count()];
         let computed = self.computed(driver, own);
         let below = self.region.skin.points.pose(control);
+        let positions = self.on_region(&real.positions, self.deviations());
         LayerSurface {
             name: self.spec.name.clone(),
-            positions: self.on_region(&region_below.positions, self.deviations()),
+            relief: shown_positions(&positions, real, shown, &self.shares.region),
+            positions,
             driver_positions: below.positions,
             driver_normals: below.normals,
             offset,
@@ -45,13 +48,31 @@ impl Layer {
             .energy
             .laid_on(&region_below.positions, &region_below.normals);
         let above = &above[region_below.positions.len()..];
+        let above = PosedSurface {
+            positions: above.to_vec(),
+            ..region_below.clone()
+        };
+        let positions = self.on_region(&above.positions, self.upper_deviations());
         Some(LayerSurface {
             name: upper.name.clone(),
-            positions: self.on_region(above, self.upper_deviations()),
+            relief: shown_positions(&positions, &above, &above, &self.shares.region),
+            positions,
             offset: own.offset + upper.lever,
             computed: self.computed(driver, &self.positions[self.vertex_count()..]),
             ..own.clone()
         })
+    }
+
+    /// Where the vertices of the layer's own mesh are as maps show them, over what lies below it as maps
+    /// show that.
+    pub(crate) fn shown_positions(&self, shown: &PosedSurface) -> Vec<Vector3<f64>> {
+        let own = &self.positions[..self.vertex_count()];
+        shown_positions(own, &self.below.posed, shown, &self.shares.computed)
+    }
+
+    /// What lies below the layer's own mesh.
+    pub(crate) fn below(&self) -> &PosedSurface {
+        &self.below.posed
     }
 
     fn computed(&self, driver: &Driver, positions: &[Vector3<f64>]) -> ComputedMesh {

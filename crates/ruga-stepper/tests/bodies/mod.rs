@@ -2,13 +2,15 @@
 
 #![allow(dead_code, reason = "no test needs all of it")]
 
+use std::sync::Arc;
+
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, BlendShape, Driver, Smoothing};
 use ruga_lattice::{Shape, SolidMaterial};
 use ruga_material::{LayerMaterial, Substrate, WavelengthModel};
 use ruga_stepper::{
     Body, BodyPose, Coupling, Handle, Keyframe, LayerSpec, Mask, Modelling, Motion, PoseSpec,
-    Region, Sampling,
+    Presence, Region, Sampling,
 };
 
 /// Interior of all bodies.
@@ -40,6 +42,8 @@ pub(crate) fn layer(ratio: f64) -> LayerSpec {
         map: None,
         sharp: false,
         bending_transfer: None,
+        variation: None,
+        presence: Presence::default(),
     }
 }
 
@@ -106,11 +110,11 @@ pub(crate) fn slab(
 
 /// The top of a slab.
 pub(crate) fn top() -> Region {
-    Region::Mask(Mask {
+    Region::Mask(Arc::new(Mask {
         width: 2,
         height: 1,
         values: vec![1.0, 0.0],
-    })
+    }))
 }
 
 /// The faces of a body as they are, so many edges per wavelength.

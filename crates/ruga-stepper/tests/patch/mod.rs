@@ -3,7 +3,7 @@
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, BlendShape, Driver};
 use ruga_material::preset;
-use ruga_stepper::{Coupling, LayerSpec, Modelling, PoseSpec, Sampling};
+use ruga_stepper::{Coupling, LayerSpec, Modelling, PoseSpec, Presence, Sampling};
 
 /// Side of the patch, m: six wavelengths.
 pub(crate) const SIDE: f64 = 0.06;
@@ -76,6 +76,8 @@ pub(crate) fn skin(name: &str, coupling: Coupling) -> LayerSpec {
         map: None,
         sharp: false,
         bending_transfer: None,
+        variation: None,
+        presence: Presence::default(),
     }
 }
 
