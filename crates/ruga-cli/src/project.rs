@@ -131,8 +131,8 @@ impl Project {
             .with_mesh(&self.mesh.mesh)
             .with_numbers(self.mesh.world_from_node.iter().copied());
         if let Region::Mask(mask) = &self.modelling.region {
-            let shape = [f64::from(mask.width), f64::from(mask.height)];
-            let values = mask.values.iter().map(|&v| f64::from(v));
+            let shape = [f64::from(mask.width()), f64::from(mask.height())];
+            let values = mask.values().iter().map(|&v| f64::from(v));
             hash = hash.with_numbers(shape.into_iter().chain(values));
         }
         for map in self
@@ -208,9 +208,9 @@ pub(crate) fn region(scene: &Scene) -> Result<Region, CliError> {
 fn mask(path: &Path) -> Result<Mask, CliError> {
     let image = read_mask(path)?;
     let side = |texels: usize| u32::try_from(texels).unwrap_or(u32::MAX);
-    Ok(Mask {
-        width: side(image.width),
-        height: side(image.height),
-        values: image.values,
+    let mask = Mask::new(side(image.width), side(image.height), image.values);
+    mask.map_err(|source| CliError::Model {
+        scene: path.to_owned(),
+        source: Box::new(source),
     })
 }

@@ -110,6 +110,8 @@ mod embedded;
 
 mod error;
 mod observer;
+mod preparing;
+mod validation;
 
 pub use plan::{LayerPlan, LoadPath, Plan, PosePlan, plan};
 pub use simulate::simulate;
@@ -124,7 +126,7 @@ pub use embedded::{
     simulate_body,
 };
 
-pub use observer::{Frame, Observer, Phase, Progress, Silent};
+pub use observer::{Frame, Observer, Phase, Preparation, Progress, Silent};
 
 pub use error::StepperError;
 // A layer and its modelling are chosen, and refused, in these words; a caller needs no other crate for

@@ -15,6 +15,7 @@ use crate::region::{ACTIVE_SHARE, Demand};
 use crate::skin_energy::UpperShell;
 use crate::skin_mesh::{check_boundaries, sharp_map};
 use crate::stacking::Stacking;
+use crate::validation::{PlannedFor, check_layer, check_map_size, check_modelling, check_pose};
 use crate::{Coupling, EdgeLimits, LayerSpec, Modelling, PoseSpec, Region, Stack, StepperError};
 
 /// Faces of the planning surface above which it is not subdivided further: on a face of 18 thousand
@@ -51,6 +52,7 @@ pub struct Plan {
     /// The layer that moves together with the lowest one.
     pub(crate) joint: Option<UpperShell>,
     pub(crate) planning_levels: u32,
+    pub(crate) made_for: PlannedFor,
 }
 
 /// One pose's part of the plan.
@@ -109,11 +111,18 @@ impl Plan {
 
     /// Share of the bending strain of what lies below that layer number `layer` feels, by the scene or
     /// by what the stack means.
+    ///
+    /// # Panics
+    /// If there is no layer of that number.
     pub fn bending_transfer(&self, layer: usize) -> f64 {
         self.seats[layer].bending_transfer
     }
 
     /// The file's triangles that have a simulated part in pose number `pose`, ascending.
+    ///
+    /// # Panics
+    /// If there is no pose of that number, or `driver` is another than was planned for and has
+    /// fewer faces.
     pub fn active_triangles(&self, driver: &Driver, pose: usize) -> Vec<u32> {
         let shift = 2 * self.planning_levels;
         let layers = self.poses[pose].layers.iter();
@@ -191,7 +200,8 @@ impl LayerPlan {
 /// `map_size` is the side of the maps in texels.
 ///
 /// # Errors
-/// Bad materials, a black mask, no layer, a sharp map whose boundaries are nearly everywhere.
+/// [`StepperError::Setting`] for a value out of range or that is no number, before any work is done;
+/// bad materials, a black mask, no layer, a sharp map whose boundaries are nearly everywhere.
 pub fn plan(
     driver: &Driver,
     layers: &[LayerSpec],
@@ -199,6 +209,10 @@ pub fn plan(
     modelling: &Modelling,
     map_size: u32,
 ) -> Result<Plan, StepperError> {
+    check_modelling(modelling)?;
+    check_map_size(map_size)?;
+    layers.iter().try_for_each(check_layer)?;
+    poses.iter().try_for_each(|pose| check_pose(driver, pose))?;
     let stacking = Stacking::new(layers, modelling.stack)?;
     let Stacking {
         specs: layers,
@@ -253,6 +267,7 @@ pub fn plan(
         poses: pose_plans,
         warnings,
         planning_levels: planning.surface.levels(),
+        made_for: PlannedFor::new(driver, poses, modelling),
     };
     plan.check_boundaries(driver, modelling)?;
     Ok(plan)

@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 
 use crate::below::{BelowSurface, LowerLayer, surface_below};
 use crate::cover::Covers;
+use crate::error::Halt;
 use crate::layer_run::{Course, Ending, LayerRun};
 use crate::simulate::{Place, StackRun};
 use crate::skin_mesh::SkinMesh;
@@ -29,7 +30,10 @@ impl StackRun<'_> {
                 continue;
             }
             let lower = self.lower(solved.last().map_or(run, |(run, _)| run), &covers);
-            let (mut upper, ending) = self.upper_layer(index, &lower, place, control, observer)?;
+            let made = self.upper_layer(index, &lower, place, control, observer);
+            let Some((mut upper, ending)) = Halt::unless_interrupted(made)? else {
+                return Ok(None);
+            };
             self.tell(&upper, ending);
             if ending == Ending::Interrupted {
                 return Ok(None);
@@ -57,7 +61,7 @@ impl StackRun<'_> {
         place: Place,
         control: &[Vector3<f64>],
         observer: &mut dyn Observer,
-    ) -> Result<(LayerRun, Ending), StepperError> {
+    ) -> Result<(LayerRun, Ending), Halt> {
         let seat = self.plan.seats[index];
         let last = self.upper[index].take();
         let below = |skin: &SkinMesh| surface_below(self.driver, skin, seat, control, Some(lower));

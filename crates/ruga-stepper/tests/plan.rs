@@ -35,11 +35,7 @@ fn a_mask_limits_the_region_and_a_black_one_is_an_error() {
     let layers = [skin("forehead-furrow", Coupling::Hybrid)];
     let poses = [pose(&driver, "press", 1.0)];
     let with_mask = |values: Vec<f32>| {
-        let region = Region::Mask(Mask {
-            width: 2,
-            height: 1,
-            values,
-        });
+        let region = Region::Mask(Mask::new(2, 1, values).expect("two pixels"));
         plan(
             &driver,
             &layers,

@@ -208,11 +208,7 @@ impl Slab {
             smoothing: Smoothing::None,
             remesh: self.is_fitted.then(EdgeLimits::default),
             // The top has the left half of the texture.
-            region: Region::Mask(Mask {
-                width: 2,
-                height: 1,
-                values: vec![1.0, 0.0],
-            }),
+            region: Region::Mask(Mask::new(2, 1, vec![1.0, 0.0]).expect("two pixels")),
             ..Modelling::default()
         }
     }

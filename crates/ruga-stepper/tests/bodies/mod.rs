@@ -106,11 +106,7 @@ pub(crate) fn slab(
 
 /// The top of a slab.
 pub(crate) fn top() -> Region {
-    Region::Mask(Mask {
-        width: 2,
-        height: 1,
-        values: vec![1.0, 0.0],
-    })
+    Region::Mask(Mask::new(2, 1, vec![1.0, 0.0]).expect("two pixels"))
 }
 
 /// The faces of a body as they are, so many edges per wavelength.
