@@ -183,6 +183,7 @@ impl Layer {
             &free,
         )?;
         preparing.step()?;
+        let row_warning = low_pass.warning(driver, &skin);
         let kkt = Kkt::new(&pattern, &low_pass.rows, 3).map_err(solver)?;
         preparing.step()?;
         let mut layer = Self {
@@ -211,7 +212,7 @@ impl Layer {
             free,
             floor,
             centres,
-            row_warning: low_pass.warning(),
+            row_warning,
             kkt,
         };
         layer.add_noise(seed);

@@ -81,6 +81,7 @@
 mod model;
 mod plan;
 mod plan_cost;
+mod plan_warnings;
 mod result;
 mod simulate;
 mod skin_mesh;
@@ -110,6 +111,7 @@ mod embedded;
 
 mod error;
 mod observer;
+mod place;
 mod preparing;
 mod validation;
 

@@ -12,9 +12,9 @@ use ruga_stepper::{
     PoseSpec, Silent, Stack, StepperError, plan, simulate,
 };
 
-/// A refusal is a look at numbers, and takes microseconds; planning the patch takes a hundred times
-/// as long.
-const AT_ONCE: Duration = Duration::from_millis(100);
+/// A refusal is a look at numbers and takes microseconds; the work that some of these values asked
+/// for took half a minute.
+const AT_ONCE: Duration = Duration::from_secs(1);
 
 fn press(driver: &Driver) -> PoseSpec {
     pose(driver, "press", 1.0)
