@@ -160,9 +160,7 @@ fn presence(scene: &Scene, index: usize) -> Result<Presence, CliError> {
     let own = layer.mask.as_deref().filter(|own| Some(*own) != zone_mask);
     let masks = zone_mask.into_iter().chain(own);
     Ok(Presence {
-        masks: masks
-            .map(|path| Ok(Arc::new(mask(path)?)))
-            .collect::<Result<_, CliError>>()?,
+        masks: masks.map(mask).collect::<Result<_, _>>()?,
         strength: layer.strength,
     })
 }

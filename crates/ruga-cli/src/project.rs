@@ -2,7 +2,6 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use ruga_blend::Driver;
 use ruga_io::{IoError, MeshFile, ObjOptions, Scene, read_mask, read_mesh, scene};
@@ -132,8 +131,8 @@ impl Project {
             .with_mesh(&self.mesh.mesh)
             .with_numbers(self.mesh.world_from_node.iter().copied());
         if let Region::Mask(mask) = &self.modelling.region {
-            let shape = [f64::from(mask.width), f64::from(mask.height)];
-            let values = mask.values.iter().map(|&v| f64::from(v));
+            let shape = [f64::from(mask.width()), f64::from(mask.height())];
+            let values = mask.values().iter().map(|&v| f64::from(v));
             hash = hash.with_numbers(shape.into_iter().chain(values));
         }
         for layer in &self.scene.layers {
@@ -202,7 +201,7 @@ pub(crate) fn region(scene: &Scene) -> Result<Region, CliError> {
     Ok(match &scene.driver.region {
         scene::Region::Auto => Region::Auto,
         scene::Region::All => Region::All,
-        scene::Region::Mask(path) => Region::Mask(Arc::new(mask(path)?)),
+        scene::Region::Mask(path) => Region::Mask(mask(path)?),
     })
 }
 
@@ -210,9 +209,9 @@ pub(crate) fn region(scene: &Scene) -> Result<Region, CliError> {
 pub(crate) fn mask(path: &Path) -> Result<Mask, CliError> {
     let image = read_mask(path)?;
     let side = |texels: usize| u32::try_from(texels).unwrap_or(u32::MAX);
-    Ok(Mask {
-        width: side(image.width),
-        height: side(image.height),
-        values: image.values,
+    let mask = Mask::new(side(image.width), side(image.height), image.values);
+    mask.map_err(|source| CliError::Model {
+        scene: path.to_owned(),
+        source: Box::new(source),
     })
 }

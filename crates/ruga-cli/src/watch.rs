@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
 use ruga_io::Seconds;
-use ruga_stepper::{Frame, Observer, Phase, Progress};
+use ruga_stepper::{Frame, Observer, Phase, Preparation, Progress};
 
 use crate::error::CliError;
 use crate::interrupt;
@@ -79,6 +79,10 @@ impl<'a> Watch<'a> {
         Ok((0..layers).map(of_layer).collect())
     }
 
+    fn goes_on(&self) -> bool {
+        self.failure.is_none() && !interrupt::asked() && !(self.given_up)()
+    }
+
     fn close_phase(&mut self) {
         let Some((layer, phase, since)) = self.phase.take() else {
             return;
@@ -100,13 +104,25 @@ impl Observer for Watch<'_> {
         self.phase = Some((layer, phase, Instant::now()));
     }
 
+    fn preparing(&mut self, preparation: Preparation) -> bool {
+        let work = match preparation.phase {
+            Phase::Sampling => "the surface is sampled",
+            Phase::Remeshing => "a mesh is fitted",
+            Phase::Constraints => "constraints are made",
+            Phase::Integration => "the first step is solved",
+        };
+        self.bar
+            .set_message(format!("layer {}: {work}", preparation.layer + 1));
+        self.goes_on()
+    }
+
     fn progress(&mut self, progress: Progress) -> bool {
         self.bar.set_position((1000.0 * progress.load) as u64);
         self.bar.set_message(format!(
             "{} vertices, iteration {}",
             progress.vertices, progress.iteration
         ));
-        self.failure.is_none() && !interrupt::asked() && !(self.given_up)()
+        self.goes_on()
     }
 
     fn wants_frames(&self) -> bool {

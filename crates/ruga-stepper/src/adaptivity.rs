@@ -9,8 +9,10 @@ use ruga_mesh::{FaceId, Id, PerFace};
 use ruga_remesh::{FaceDriver, Refinement, RemeshError, RemeshSettings, SizeLimits};
 
 use crate::below::BelowSurface;
+use crate::error::Halt;
 use crate::layer::{Layer, offered_strains};
 use crate::local_skin::{LocalSkin, SkinProperties};
+use crate::preparing::Preparing;
 use crate::skin_mesh::{Adapted, MeshDemand, RegionMesh, SkinMesh};
 use crate::{EdgeLimits, LayerSpec, Modelling, StepperError};
 
@@ -97,9 +99,12 @@ impl MeshWishes {
         driver: &Driver,
         layer: &LayerSpec,
         region: &RegionMesh,
-    ) -> Result<Adapted, StepperError> {
-        let adapted = region.adapted(driver, &self.demand(), &self.settings);
-        adapted.map_err(|source| remesh_error(layer, source))
+        preparing: &mut Preparing<'_>,
+    ) -> Result<Adapted, Halt> {
+        let mut goes_on = || preparing.goes_on();
+        let adapted = region.adapted(driver, &self.demand(), &self.settings, &mut goes_on);
+        let adapted = adapted.map_err(|source| remesh_error(layer, source))?;
+        adapted.ok_or(Halt::Interrupted)
     }
 
     /// Whether the mesh of `layer`, on the same region, is fine enough.

@@ -17,6 +17,38 @@ pub enum StepperError {
     /// There is no layer to simulate.
     #[error("the scene has no layer; at least one [[layers]] is needed")]
     NoLayer,
+    /// A setting has a value that nothing can be planned or simulated with.
+    #[error("{of}: `{field}` is {found}; accepted: {accepted}")]
+    Setting {
+        /// What has the setting, such as `pose 'frown'`.
+        of: String,
+        /// The field, with its place in a list.
+        field: String,
+        /// Its value.
+        found: String,
+        /// What it may be.
+        accepted: String,
+    },
+    /// A pose is asked for that the plan does not have.
+    #[error(
+        "pose number {pose} is not in the plan; accepted: a number below {poses}, its number of poses"
+    )]
+    NoSuchPose {
+        /// The number asked for, from 0.
+        pose: usize,
+        /// Poses of the plan.
+        poses: usize,
+    },
+    /// What is to be simulated is not what was planned.
+    #[error(
+        "the plan was made for {planned}, but the simulation is given {found}; simulate with what was planned, or plan again"
+    )]
+    OtherPlan {
+        /// What the plan was made for.
+        planned: String,
+        /// What the simulation was called with.
+        found: String,
+    },
     /// The region mask leaves nothing.
     #[error(
         "the region mask is black wherever the mesh has texture coordinates; paint at least one face white"
@@ -149,6 +181,32 @@ pub enum StepperError {
         /// What is wrong.
         source: SolverError,
     },
+}
+
+/// Why work on a layer ended before it was done.
+#[derive(Debug)]
+pub(crate) enum Halt {
+    /// The observer asked for it.
+    Interrupted,
+    /// It cannot be done.
+    Failed(StepperError),
+}
+
+impl Halt {
+    /// What was made; `None` where the observer ended the work.
+    pub(crate) fn unless_interrupted<T>(made: Result<T, Self>) -> Result<Option<T>, StepperError> {
+        match made {
+            Ok(made) => Ok(Some(made)),
+            Err(Self::Interrupted) => Ok(None),
+            Err(Self::Failed(error)) => Err(error),
+        }
+    }
+}
+
+impl<E: Into<StepperError>> From<E> for Halt {
+    fn from(error: E) -> Self {
+        Self::Failed(error.into())
+    }
 }
 
 fn corners(of: &[Vector3<f64>; 2]) -> String {

@@ -19,10 +19,12 @@ use ruga_solver::{
 
 use self::demand::{green_strain, offered};
 use crate::below::BelowSurface;
+use crate::error::Halt;
 use crate::layer_objective::{LayerObjective, gather, scatter};
 use crate::local_skin::{LocalSkin, SkinProperties};
 use crate::low_pass_rows::{RowCentre, low_pass_rows, row_centres};
 use crate::motion::{Inertia, Motion};
+use crate::preparing::Preparing;
 use crate::relief::ReliefShares;
 use crate::skin_energy::{SkinEnergy, UpperShell};
 use crate::skin_mesh::{Interpolation, RegionMesh, SkinMesh};
@@ -106,10 +108,10 @@ impl Layer {
         spec: &LayerSpec,
         wrinkling: &Wrinkling,
         holding: Holding,
-        region: RegionMesh,
-        adapted: Option<SkinMesh>,
+        (region, adapted): (RegionMesh, Option<SkinMesh>),
         seed: u64,
-    ) -> Result<Self, StepperError> {
+        preparing: &mut Preparing<'_>,
+    ) -> Result<Self, Halt> {
         let shell = |source| StepperError::Shell {
             layer: spec.name.clone(),
             source,
@@ -123,6 +125,7 @@ impl Layer {
             adapted.filter(|skin| skin.mesh.border_vertices().as_slice().contains(&false));
         let to_region = |skin: &SkinMesh| Interpolation::new(skin, &region.skin);
         let interpolation = adapted.as_ref().map(to_region);
+        preparing.step()?;
         let skin = adapted.unwrap_or_else(|| region.skin.clone());
         let rest = &skin.rest;
         let pinned = skin.mesh.border_vertices();
@@ -134,6 +137,7 @@ impl Layer {
             ..
         } = holding;
         let properties = SkinProperties::new(spec, wrinkling, tie, driver, &skin)?;
+        preparing.step()?;
         let parameters = layer_parameters(spec, &properties);
         let surface = (rest.positions.as_slice(), rest.normals.as_slice());
         let energy = SkinEnergy::new(
@@ -152,10 +156,11 @@ impl Layer {
             .filter(|v| !pinned[VertexId::from_index(v.index() % vertices)])
             .collect();
         if free.is_empty() {
-            return Err(StepperError::NoRoom {
+            return Err(Halt::Failed(StepperError::NoRoom {
                 layer: spec.name.clone(),
-            });
+            }));
         }
+        preparing.step()?;
         let (starts, entries) = energy.pattern();
         let pattern = LowerPattern::new(starts.to_vec(), entries.to_vec()).map_err(solver)?;
         let areas = energy.vertex_areas().to_vec();
@@ -172,6 +177,7 @@ impl Layer {
             None => row_centres(spec, &properties, &skin, &free)?,
         };
         let shares = ReliefShares::new(driver, spec, wrinkling, (&skin, &region.skin))?;
+        preparing.step()?;
         let low_pass = low_pass_rows(
             spec,
             &centres,
@@ -179,7 +185,10 @@ impl Layer {
             &pinned,
             &free,
         )?;
+        preparing.step()?;
+        let row_warning = low_pass.warning(driver, &skin);
         let kkt = Kkt::new(&pattern, &low_pass.rows, 3).map_err(solver)?;
+        preparing.step()?;
         let mut layer = Self {
             spec: spec.clone(),
             wrinkling: *wrinkling,
@@ -207,7 +216,7 @@ impl Layer {
             free,
             floor,
             centres,
-            row_warning: low_pass.warning(),
+            row_warning,
             kkt,
         };
         layer.add_noise(seed);

@@ -5,10 +5,12 @@ use ruga_mesh::FaceId;
 
 use crate::adaptivity::MeshWishes;
 use crate::below::BelowSurface;
+use crate::error::Halt;
 use crate::layer::{Holding, Layer};
 use crate::layer_run::LayerRun;
 use crate::low_pass_rows::RowCentre;
 use crate::plan::LayerPlan;
+use crate::preparing::Preparing;
 use crate::simulate::StackRun;
 use crate::skin_mesh::{RegionMesh, SkinMesh};
 use crate::{Modelling, Observer, Phase, Plan, StepperError};
@@ -24,17 +26,21 @@ impl StackRun<'_> {
         index: usize,
         below: &dyn Fn(&SkinMesh) -> Vec<BelowSurface>,
         observer: &mut dyn Observer,
-    ) -> Result<LayerRun, StepperError> {
+    ) -> Result<LayerRun, Halt> {
         let (driver, modelling) = (self.driver, self.modelling);
-        observer.phase(index, Phase::Sampling);
+        let mut preparing = Preparing::new(observer, index, Phase::Sampling);
         let layer = &self.plan.poses[self.pose].layers[index];
         let surface = layer_surface(driver, self.plan, layer, modelling);
+        preparing.step()?;
         let offset = self.plan.seats[index].offset;
         let spec = &self.plan.specs[index];
         let region = RegionMesh::new(driver, &surface, spec, modelling.smoothing, offset)?;
-        observer.phase(index, Phase::Remeshing);
-        let wishes = self.wishes(index, &region, &below(&region.skin))?;
-        self.build_on(index, (region, wishes), None, below, observer)
+        preparing.enter(Phase::Remeshing)?;
+        let surfaces = below(&region.skin);
+        preparing.step()?;
+        let wishes = self.wishes(index, &region, &surfaces)?;
+        preparing.step()?;
+        self.build_on(index, (region, wishes), None, below, &mut preparing)
     }
 
     /// What layer number `index` asks of the mesh of its region.
@@ -57,16 +63,16 @@ impl StackRun<'_> {
         (region, wishes): (RegionMesh, Option<MeshWishes>),
         centres: Option<Vec<RowCentre>>,
         below: &dyn Fn(&SkinMesh) -> Vec<BelowSurface>,
-        observer: &mut dyn Observer,
-    ) -> Result<LayerRun, StepperError> {
+        preparing: &mut Preparing<'_>,
+    ) -> Result<LayerRun, Halt> {
         let (driver, plan, modelling) = (self.driver, self.plan, self.modelling);
         let spec = &plan.specs[index];
         let wrinkling = &plan.simulated[index];
-        let adapted = wishes.map(|wishes| wishes.fitted(driver, spec, &region));
+        let adapted = wishes.map(|wishes| wishes.fitted(driver, spec, &region, preparing));
         let adapted = adapted.transpose()?;
         let coarseness = adapted.as_ref().map_or(1.0, |adapted| adapted.coarseness);
         let adapted = adapted.map(|adapted| adapted.skin);
-        observer.phase(index, Phase::Constraints);
+        preparing.enter(Phase::Constraints)?;
         let holding = Holding {
             tie: plan.seats[index].tie,
             upper: plan.joint.clone(),
@@ -78,13 +84,16 @@ impl StackRun<'_> {
             spec,
             wrinkling,
             holding,
-            region,
-            adapted,
+            (region, adapted),
             modelling.seed,
+            preparing,
         )?;
+        preparing.step()?;
         let mut is_measured = true;
         if let Some(last) = below(layer.skin()).pop() {
+            preparing.step()?;
             is_measured = layer.calibrate_bending(last)?;
+            preparing.step()?;
         }
         let mut run = LayerRun::new(index, layer, &plan.poses[self.pose].layers[index]);
         if coarseness > WORTH_TELLING {
@@ -111,11 +120,14 @@ impl StackRun<'_> {
         mut run: LayerRun,
         below: &dyn Fn(&SkinMesh) -> BelowSurface,
         observer: &mut dyn Observer,
-    ) -> Result<LayerRun, StepperError> {
+    ) -> Result<LayerRun, Halt> {
         let index = run.index;
-        observer.phase(index, Phase::Remeshing);
+        let mut preparing = Preparing::new(observer, index, Phase::Remeshing);
         let region = run.layer.region();
-        let wishes = self.wishes(index, region, &[below(&region.skin)])?;
+        let surface = below(&region.skin);
+        preparing.step()?;
+        let wishes = self.wishes(index, region, &[surface])?;
+        preparing.step()?;
         if wishes
             .as_ref()
             .map_or(Ok(true), |wishes| wishes.are_met_by(&run.layer))?
@@ -126,8 +138,9 @@ impl StackRun<'_> {
         let region = run.layer.region().clone();
         let centres = Some(run.layer.row_centres().to_vec());
         let surfaces = |skin: &SkinMesh| vec![below(skin)];
-        let mut fitted = self.build_on(index, (region, wishes), centres, &surfaces, observer)?;
-        observer.phase(index, Phase::Remeshing);
+        let wanted = (region, wishes);
+        let mut fitted = self.build_on(index, wanted, centres, &surfaces, &mut preparing)?;
+        preparing.enter(Phase::Remeshing)?;
         fitted.layer.set_below(below(fitted.layer.skin()), 1.0)?;
         fitted.layer.take_shape(&run.layer);
         fitted.take_history(run);

@@ -83,6 +83,7 @@
 mod model;
 mod plan;
 mod plan_cost;
+mod plan_warnings;
 mod result;
 mod simulate;
 mod skin_mesh;
@@ -113,6 +114,9 @@ mod embedded;
 
 mod error;
 mod observer;
+mod place;
+mod preparing;
+mod validation;
 
 pub use plan::{LayerPlan, LoadPath, PaintedRanges, Plan, PosePlan, plan};
 pub use simulate::simulate;
@@ -127,7 +131,7 @@ pub use embedded::{
     simulate_body,
 };
 
-pub use observer::{Frame, Observer, Phase, Progress, Silent};
+pub use observer::{Frame, Observer, Phase, Preparation, Progress, Silent};
 
 pub use error::StepperError;
 // A layer and its modelling are chosen, and refused, in these words; a caller needs no other crate for

@@ -245,8 +245,9 @@ mod tests {
             refinement: Refinement::default(),
             budget: 1_000_000,
         };
-        let adapted = region.adapted(driver, &demand, &RemeshSettings::default());
-        adapted.expect("a mesh of a square").skin
+        let adapted = region.adapted(driver, &demand, &RemeshSettings::default(), &mut || true);
+        let adapted = adapted.expect("a mesh of a square");
+        adapted.expect("nobody interrupts").skin
     }
 
     /// Share of the square that has another thickness than painted, weighted with the difference in

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use nalgebra::Vector3;
+use ruga_blend::Driver;
 use ruga_constraint::{
     ClusterSettings, ConstraintError, ConstraintSet, Kernel, cluster_centres, constraint_rows,
     spectral_rows,
@@ -10,7 +11,8 @@ use ruga_constraint::{
 use ruga_mesh::{Id, MaterialPoint, PerVertex, SurfaceLookup, VertexId, face_normals};
 use ruga_solver::ConstraintRows;
 
-use crate::local_skin::SkinProperties;
+use crate::local_skin::{SkinProperties, uv};
+use crate::place::{ShapeCentres, place_of_points};
 use crate::skin_mesh::SkinMesh;
 use crate::{Coupling, LayerSpec, StepperError};
 
@@ -38,20 +40,26 @@ pub(crate) struct RowCentre {
 pub(crate) struct LowPassRows {
     /// Three to an average.
     pub(crate) rows: ConstraintRows,
-    /// Averages that were meant to be right for slopes, and are for constants only.
-    pub(crate) degraded: usize,
+    /// The middles of averages that were meant to be right for slopes, and are for constants only.
+    pub(crate) degraded: Vec<VertexId>,
 }
 
 impl LowPassRows {
-    /// What the user should know about them.
-    pub(crate) fn warning(&self) -> Option<String> {
+    /// What the user should know about them, on the mesh that they hold.
+    pub(crate) fn warning(&self, driver: &Driver, skin: &SkinMesh) -> Option<String> {
         let Self { rows, degraded } = self;
-        (*degraded > 0).then(|| {
-            format!(
-                "{degraded} of the {} averages that hold it cannot see a slope on its mesh; there it may lean: ask for more points per wavelength or couple it `\"elastic\"`",
-                rows.count() / 3
-            )
-        })
+        if degraded.is_empty() {
+            return None;
+        }
+        let points = skin.points.points();
+        let uvs = degraded.iter().map(|v| uv(driver, &points[v.index()]));
+        let positions = degraded.iter().map(|v| skin.rest.positions[v.index()]);
+        Some(format!(
+            "the mesh is too coarse for {} of the {} averaging constraints that hold the layer to the surface, {}; there the skin may tilt by a degree or so, which shows as a faint slope in the map. Use `--quality fine`, or `coupling = \"elastic\"` for this layer",
+            degraded.len(),
+            rows.count() / 3,
+            place_of_points(&ShapeCentres::new(driver), uvs, positions)
+        ))
     }
 }
 
@@ -106,7 +114,7 @@ pub(crate) fn low_pass_rows(
     };
     let mut low_pass = LowPassRows {
         rows: ConstraintRows::none(3 * free.len()),
-        degraded: 0,
+        degraded: Vec::new(),
     };
     if set.rows.is_empty() {
         // Two layers that move together have none, and more vertices than the mesh.
@@ -128,8 +136,10 @@ pub(crate) fn low_pass_rows(
         if moving.iter().map(|m| m.1).sum::<f64>() < least_weight {
             continue;
         }
-        low_pass.degraded +=
-            usize::from(set.degraded.iter().any(|(centre, _)| *centre == row.centre));
+        if set.degraded.iter().any(|(centre, _)| *centre == row.centre) {
+            let heaviest = row.weights.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+            low_pass.degraded.extend(heaviest.map(|(v, _)| *v));
+        }
         for axis in 0..3 {
             columns.extend(moving.iter().map(|(u, _)| u + axis));
             values.extend(moving.iter().map(|(_, w)| w));
@@ -209,7 +219,8 @@ mod tests {
     #[test]
     fn averages_over_too_few_vertices_are_warned_of() {
         let flat = |p: nalgebra::Vector2<f64>| Vector3::new(p.x, p.y, 0.0);
-        let skin = skin(&square(&flat, &flat), 0, 0.0);
+        let driver = square(&flat, &flat);
+        let skin = skin(&driver, 0, 0.0);
         let free: Vec<VertexId> = (0..skin.mesh.vertex_count())
             .map(VertexId::from_index)
             .collect();
@@ -226,8 +237,16 @@ mod tests {
             };
             low_pass_rows(&spec, &[centre], (&skin, wavelength), &pinned, &free).expect("a row")
         };
-        let said = held(2e-3).warning().expect("one vertex is no average");
-        assert!(said.contains("1 of the 1 averages"), "{said}");
-        assert_eq!(held(10e-3).warning(), None);
+        let told = |wavelength: f64| held(wavelength).warning(&driver, &skin);
+        let said = told(2e-3).expect("one vertex is no average");
+        for words in [
+            "1 of the 1 averaging",
+            "u 0.00 to 0.00",
+            "--quality fine",
+            "elastic",
+        ] {
+            assert!(said.contains(words), "{said}");
+        }
+        assert_eq!(told(10e-3), None);
     }
 }

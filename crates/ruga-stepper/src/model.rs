@@ -9,6 +9,9 @@ use ruga_material::{LayerMaterial, PropertyMap, Substrate, VariationField, Wavel
 use ruga_shell::BendingModel;
 use ruga_solver::{Descent, LinearSolver};
 
+use crate::StepperError;
+use crate::validation::check_mask;
+
 /// How a layer is held by what lies below it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Coupling {
@@ -66,7 +69,7 @@ pub struct LayerSpec {
 pub struct Presence {
     /// Painted masks; the layer is where each of them is lighter than [`Mask::DARKEST`]. Their grey
     /// values, multiplied, fade its relief.
-    pub masks: Vec<Arc<Mask>>,
+    pub masks: Vec<Mask>,
     /// Factor on its relief, above 0.
     pub strength: f64,
 }
@@ -120,9 +123,9 @@ pub struct PoseSpec {
     pub name: String,
     /// Blend-shape weights at load 1.
     pub weights: Weights,
-    /// Loads at which results are kept, in (0, 1], ascending.
+    /// Loads at which results are kept, in (0, 1], strictly ascending, at least one.
     pub keys: Vec<f64>,
-    /// Load steps from 0 to 1, at least 1.
+    /// Load steps from 0 to 1, 1 to 100 000.
     pub steps: u32,
 }
 
@@ -136,12 +139,12 @@ pub enum Region {
     All,
     /// Where a pose compresses the skin enough and the painted mask is lighter than
     /// [`Mask::DARKEST`]; its grey values fade the relief.
-    Mask(Arc<Mask>),
+    Mask(Mask),
 }
 
 impl Region {
     /// The painted mask, if there is one.
-    pub(crate) fn mask(&self) -> Option<&Arc<Mask>> {
+    pub(crate) fn mask(&self) -> Option<&Mask> {
         match self {
             Self::Auto | Self::All => None,
             Self::Mask(mask) => Some(mask),
@@ -149,21 +152,48 @@ impl Region {
     }
 }
 
-/// A painted grey image over the UV square.
+/// A painted grey image over the UV square; copies share its pixels.
 #[derive(Clone, Debug)]
 pub struct Mask {
-    /// Pixels per row.
-    pub width: u32,
-    /// Rows, the first one at V = 0.
-    pub height: u32,
-    /// Grey values in [0, 1], row by row.
-    pub values: Vec<f32>,
+    width: u32,
+    height: u32,
+    values: Arc<[f32]>,
 }
 
 impl Mask {
     /// Grey value from which on skin is simulated: a sixteenth. Darker skin would show less than
     /// that share of its wrinkles, and scans and compressed pictures have such a grey for black.
     pub const DARKEST: f32 = 1.0 / 16.0;
+
+    /// Makes a mask of `width` by `height` pixels from grey values in [0, 1], row by row, the first
+    /// row at V = 0.
+    ///
+    /// # Errors
+    /// [`StepperError::Setting`] for a mask without pixels, a number of values that is not
+    /// `width * height`, or a value outside [0, 1].
+    pub fn new(width: u32, height: u32, values: Vec<f32>) -> Result<Self, StepperError> {
+        check_mask(width, height, &values)?;
+        Ok(Self {
+            width,
+            height,
+            values: values.into(),
+        })
+    }
+
+    /// Pixels per row.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Rows, the first one at V = 0.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Grey values in [0, 1], row by row.
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
 
     /// Grey value at a texture coordinate, linear between the centres of pixels, 0 to 1; black
     /// outside the unit square.
@@ -264,10 +294,10 @@ pub struct Dynamics {
 pub struct Modelling {
     /// Where to simulate.
     pub region: Region,
-    /// Edges per wavelength asked for; 12 is the standard quality. A layer that carries another has
-    /// at least 18.
+    /// Edges per wavelength asked for, 2 to 200; 12 is the standard quality. A layer that carries
+    /// another has at least 18. A layer on a body may have fewer, from 0.1.
     pub points_per_wavelength: f64,
-    /// Vertices of one layer in one pose above which refinement stops, with a warning.
+    /// Vertices of one layer in one pose above which refinement stops, with a warning; at least 1.
     pub vertex_budget: usize,
     /// Limits of the mesh where it is fitted to the pose; `None` keeps it uniform.
     pub remesh: Option<EdgeLimits>,
@@ -284,7 +314,7 @@ pub struct Modelling {
     /// What has to fall in every Newton step. The papers' residual finds no onset, and any state of
     /// balance is as good to it as a stable one; such a one is warned of.
     pub descent: Descent,
-    /// Relative residual at which a solve may stop.
+    /// Relative residual at which a solve may stop, in (0, 1).
     pub tolerance: f64,
     /// Seed of the initial noise.
     pub seed: u64,
@@ -329,11 +359,7 @@ mod tests {
 
     #[test]
     fn grey_is_linear_between_the_centres_of_pixels() {
-        let mask = Mask {
-            width: 2,
-            height: 2,
-            values: vec![0.0, 1.0, 0.5, 0.5],
-        };
+        let mask = Mask::new(2, 2, vec![0.0, 1.0, 0.5, 0.5]).expect("four pixels");
         let grey = |u: f64, v: f64| mask.grey(Vector2::new(u, v));
         assert_eq!(grey(0.25, 0.25), 0.0);
         assert_eq!(grey(0.5, 0.25), 0.5);
@@ -351,11 +377,7 @@ mod tests {
         let mut values = vec![0.0; 16];
         // Third row, second column.
         values[9] = 1.0;
-        let mask = Mask {
-            width: 4,
-            height: 4,
-            values,
-        };
+        let mask = Mask::new(4, 4, values).expect("sixteen pixels");
         let triangle = |corners: [[f64; 2]; 3]| mask.touches(&corners.map(Vector2::from));
         assert!(triangle([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]));
         assert!(triangle([[-1.0, 0.6], [0.3, 0.6], [-1.0, 0.7]]));

@@ -26,6 +26,18 @@ pub struct Progress {
     pub vertices: usize,
 }
 
+/// Where the preparation of a layer stands, before its first iteration or between two load steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Preparation {
+    /// Number of the layer, from the lowest one.
+    pub layer: usize,
+    /// What is being done.
+    pub phase: Phase,
+    /// Steps done since the preparation began, from 1. How many there will be is not known: about
+    /// twenty.
+    pub step: usize,
+}
+
 /// One converged load step.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
@@ -43,6 +55,13 @@ pub trait Observer {
     /// long the last one took.
     fn phase(&mut self, layer: usize, phase: Phase) {
         let _ = (layer, phase);
+    }
+
+    /// A step of the preparation of a layer ends, up to about half a second after the last one;
+    /// `false` asks to stop as soon as possible.
+    fn preparing(&mut self, preparation: Preparation) -> bool {
+        let _ = preparation;
+        true
     }
 
     /// An iteration ends; `false` asks to stop as soon as possible.

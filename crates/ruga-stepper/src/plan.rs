@@ -1,6 +1,6 @@
 //! What will be modelled, where, how fine and at what cost; nothing is simulated here.
 
-use std::sync::Arc;
+use std::cell::OnceCell;
 
 use nalgebra::{Matrix3, Vector3};
 use ruga_blend::{BaseSurface, Driver, PosedSurface};
@@ -12,11 +12,14 @@ use crate::adaptivity::{COARSEST, aspect};
 use crate::below::Seat;
 use crate::layer_setup::layer_surface;
 use crate::local_skin::wrinkling_on_face;
+use crate::place::ShapeCentres;
 use crate::plan_cost::{GRADING, Load, cost, factorisations};
+use crate::plan_warnings::PosedPlan;
 use crate::region::{ACTIVE_SHARE, Demand};
 use crate::skin_energy::UpperShell;
 use crate::skin_mesh::{check_boundaries, sharp_map};
 use crate::stacking::Stacking;
+use crate::validation::{PlannedFor, check_layer, check_map_size, check_modelling, check_pose};
 use crate::{Coupling, EdgeLimits, LayerSpec, Mask, Modelling, PoseSpec, Stack, StepperError};
 
 /// Faces of the planning surface above which it is not subdivided further: on a face of 18 thousand
@@ -32,8 +35,6 @@ const PASSING: [f64; 3] = [0.25, 0.5, 0.75];
 const GRADED: f64 = 3.0;
 /// Vertices of the uniform mesh that a fitted one may be handed out on, in vertex budgets.
 const HANDED_OUT: f64 = 4.0;
-/// Areas below a hundredth of a square centimetre are not worth a warning, m².
-const NEGLIGIBLE_AREA: f64 = 1e-6;
 
 /// What will be modelled.
 #[derive(Clone, Debug)]
@@ -53,6 +54,7 @@ pub struct Plan {
     /// The layer that moves together with the lowest one.
     pub(crate) joint: Option<UpperShell>,
     pub(crate) planning_levels: u32,
+    pub(crate) made_for: PlannedFor,
 }
 
 /// One pose's part of the plan.
@@ -111,11 +113,18 @@ impl Plan {
 
     /// Share of the bending strain of what lies below that layer number `layer` feels, by the scene or
     /// by what the stack means.
+    ///
+    /// # Panics
+    /// If there is no layer of that number.
     pub fn bending_transfer(&self, layer: usize) -> f64 {
         self.seats[layer].bending_transfer
     }
 
     /// The file's triangles that have a simulated part in pose number `pose`, ascending.
+    ///
+    /// # Panics
+    /// If there is no pose of that number, or `driver` is another than was planned for and has
+    /// fewer faces.
     pub fn active_triangles(&self, driver: &Driver, pose: usize) -> Vec<u32> {
         let shift = 2 * self.planning_levels;
         let layers = self.poses[pose].layers.iter();
@@ -168,11 +177,11 @@ pub struct LayerPlan {
     /// Expected memory, bytes.
     pub memory: f64,
     /// Edges per wavelength asked for.
-    asked_points: f64,
+    pub(crate) asked_points: f64,
     /// Vertices that would meet what was asked for.
-    needed: f64,
+    pub(crate) needed: f64,
     /// Area where low-pass rows decide on the directions of a labyrinth, m².
-    labyrinth_area: f64,
+    pub(crate) labyrinth_area: f64,
     pub(crate) region: Vec<u64>,
 }
 
@@ -207,7 +216,8 @@ impl LayerPlan {
 /// `map_size` is the side of the maps in texels.
 ///
 /// # Errors
-/// Bad materials, a black mask, no layer, a sharp map whose boundaries are nearly everywhere.
+/// [`StepperError::Setting`] for a value out of range or that is no number, before any work is done;
+/// bad materials, a black mask, no layer, a sharp map whose boundaries are nearly everywhere.
 pub fn plan(
     driver: &Driver,
     layers: &[LayerSpec],
@@ -215,6 +225,10 @@ pub fn plan(
     modelling: &Modelling,
     map_size: u32,
 ) -> Result<Plan, StepperError> {
+    check_modelling(modelling)?;
+    check_map_size(map_size)?;
+    layers.iter().try_for_each(check_layer)?;
+    poses.iter().try_for_each(|pose| check_pose(driver, pose))?;
     let masked = modelling.region.mask();
     let layers: Vec<LayerSpec> = layers.iter().map(|layer| within(layer, masked)).collect();
     let stacking = Stacking::new(&layers, modelling.stack)?;
@@ -271,13 +285,14 @@ pub fn plan(
         poses: pose_plans,
         warnings,
         planning_levels: planning.surface.levels(),
+        made_for: PlannedFor::new(driver, poses, modelling),
     };
     plan.check_boundaries(driver, modelling)?;
     Ok(plan)
 }
 
 /// The layer where the region's painted mask lets it be.
-pub(crate) fn within(layer: &LayerSpec, region: Option<&Arc<Mask>>) -> LayerSpec {
+pub(crate) fn within(layer: &LayerSpec, region: Option<&Mask>) -> LayerSpec {
     let mut layer = layer.clone();
     layer.presence.masks.extend(region.cloned());
     layer
@@ -304,6 +319,8 @@ struct PlanningSurface {
     curvatures: PerFace<f64>,
     /// Texels per metre at size 1.
     uv_density: PerFace<f64>,
+    /// Of the driver's blend shapes, once a place has to be named.
+    shapes: OnceCell<ShapeCentres>,
 }
 
 impl PlanningSurface {
@@ -344,6 +361,7 @@ impl PlanningSurface {
             edges: per_face(&surface, |corners, _| mean_edge(corners), &rest),
             curvatures: per_face(&surface, curvature, &rest),
             uv_density: uv_density(&surface, &rest),
+            shapes: OnceCell::new(),
             surface,
             rest,
         };
@@ -397,7 +415,15 @@ impl PlanningSurface {
             .iter()
             .map(|layer| Demand::new(&self.surface, &self.rest, &keys, &passing, layer))
             .collect();
-        let path = load_path(&demands, layers, pose, warnings);
+        let about = PosedPlan {
+            driver,
+            shapes: &self.shapes,
+            surface: &self.surface,
+            rest: &self.rest,
+            pose,
+            modelling,
+        };
+        let path = load_path(&demands, layers, &about, warnings);
         if path == LoadPath::Weight {
             demands.iter_mut().for_each(Demand::exclude_passing_folds);
         }
@@ -406,7 +432,7 @@ impl PlanningSurface {
             .zip(&demands)
             .map(|(layer, demand)| {
                 let plan = self.layer_plan(layer, demand, (pose, path), modelling, map_size);
-                warn(&plan, pose, modelling, warnings);
+                about.warn(&plan, demand, warnings);
                 plan
             })
             .collect();
@@ -609,21 +635,16 @@ fn fitted_faces(
 fn load_path(
     demands: &[Demand],
     layers: &[PlannedLayer<'_>],
-    pose: &PoseSpec,
+    about: &PosedPlan<'_>,
     warnings: &mut Vec<String>,
 ) -> LoadPath {
     let detours = demands.iter().zip(layers);
-    let detour = detours
-        .map(|(demand, layer)| demand.detour(layer.numbers.wavelength))
-        .fold(0.0, f64::max);
-    if detour == 0.0 {
+    let detours = detours.map(|(demand, layer)| (demand.detour(layer.numbers.wavelength), demand));
+    let largest = detours.max_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((area, demand)) = largest.filter(|(area, _)| *area > 0.0) else {
         return LoadPath::Weight;
-    }
-    warnings.push(format!(
-        "pose '{}': on the way {:.1} cm2 are compressed that are not at its keys, as the shape turns parts on straight lines; the load steps grow the strain of each key instead of the weights",
-        pose.name,
-        1e4 * detour
-    ));
+    };
+    warnings.push(about.detour_warning(area, demand));
     LoadPath::Strain
 }
 
@@ -654,99 +675,6 @@ pub(crate) fn needed_levels(
         levels += 1;
     }
     levels
-}
-
-fn warn(plan: &LayerPlan, pose: &PoseSpec, modelling: &Modelling, warnings: &mut Vec<String>) {
-    let mut say = |text: String| {
-        warnings.push(format!(
-            "pose '{}', layer '{}': {text}",
-            pose.name, plan.name
-        ));
-    };
-    let cm2 = |area: f64| area * 1e4;
-    if plan.folded_area > NEGLIGIBLE_AREA {
-        say(format!(
-            "{:.2} cm2 of the driver fold over or collapse by more than 60 %; they stay as the artist drew them",
-            cm2(plan.folded_area)
-        ));
-    }
-    if plan.active_area == 0.0 {
-        return;
-    }
-    if plan.capped_area > NEGLIGIBLE_AREA {
-        say(format!(
-            "{:.2} cm2 are compressed beyond 15 %, where skin folds, doubles its wrinkles or creases, which is not modelled; the strain it feels is capped there",
-            cm2(plan.capped_area)
-        ));
-    }
-    if plan.critical_strain > CAP_START {
-        say(format!(
-            "its critical strain of {:.1} % is beyond 15 %, where strain is capped: it wrinkles late or not at all",
-            100.0 * plan.critical_strain
-        ));
-    }
-    if plan.labyrinth_area > LABYRINTH * plan.wavelength.powi(2) {
-        say(format!(
-            "{:.2} cm2 are pressed about equally from all sides, where wrinkles meander; the rows that hold the layer make two directions at right angles prevail there, `coupling = \"elastic\"` does not",
-            cm2(plan.labyrinth_area)
-        ));
-    }
-    for text in resolution_warnings(plan.asked_points, plan.texels_per_wavelength) {
-        say(text);
-    }
-    if plan.points_per_wavelength < 0.9 * plan.asked_points {
-        say(format!(
-            "the vertex budget of {} stops refinement at {:.1} points per wavelength ({} asked for); {}",
-            modelling.vertex_budget,
-            plan.points_per_wavelength,
-            plan.asked_points,
-            remedy(plan, modelling)
-        ));
-    }
-}
-
-/// What is wrong with so many edges and texels to a wavelength.
-pub(crate) fn resolution_warnings(asked_points: f64, texels: f64) -> Vec<String> {
-    let mut warnings = Vec::new();
-    if asked_points < FEWEST_POINTS {
-        warnings.push(format!(
-            "remesh.points_per_wavelength asks for {asked_points:.1}: below {FEWEST_POINTS:.0} wrinkles come out several per cent too high; `--quality draft` has 6"
-        ));
-    }
-    if texels < FEWEST_TEXELS {
-        warnings.push(format!(
-            "{texels:.1} texels per wavelength are too few; bake larger maps or enlarge the UV islands"
-        ));
-    }
-    warnings
-}
-
-/// Squares of a wavelength in which a labyrinth has room for several directions.
-const LABYRINTH: f64 = 4.0;
-
-/// Points per wavelength below which a wrinkle is hardly one any more.
-const FEWEST_POINTS: f64 = 5.0;
-
-/// Texels per wavelength below which a map cannot hold it.
-const FEWEST_TEXELS: f64 = 4.0;
-
-/// Which change brings the vertices under the budget.
-fn remedy(plan: &LayerPlan, modelling: &Modelling) -> String {
-    let needed = plan.needed;
-    let share = modelling.vertex_budget as f64 / needed;
-    let reached = plan.points_per_wavelength;
-    let quality = if reached >= 6.0 {
-        "`--quality draft` is met as it is"
-    } else {
-        "`--quality draft` needs more too"
-    };
-    format!(
-        "that would need about {needed:.0} vertices: paint a region mask of at \
-         most {:.0} % of the active area, or raise the critical strain above {:.1} % so that \
-         half as much of the pose wrinkles; {quality}",
-        100.0 * share.min(1.0),
-        100.0 * plan.strain_median.max(plan.critical_strain)
-    )
 }
 
 fn mean_edge([a, b, c]: [Vector3<f64>; 3]) -> f64 {

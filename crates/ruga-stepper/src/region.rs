@@ -148,15 +148,19 @@ impl Demand {
         };
         let critical = &self.critical;
         let at_keys = area_where(&|face| self.raw[face] > critical[face]);
-        let on_the_way = area_where(&|face| {
-            self.passing[face] > critical[face] && self.raw[face] <= critical[face]
-        });
+        let on_the_way = area_where(&|face| self.is_detour(face));
         let worth_it = (DETOUR_SHARE * at_keys).max(wavelength * wavelength);
         if on_the_way > worth_it {
             on_the_way
         } else {
             0.0
         }
+    }
+
+    /// Whether a face would wrinkle on the way to the keys and at none of them.
+    pub(crate) fn is_detour(&self, face: FaceId) -> bool {
+        let critical = self.critical[face];
+        self.passing[face] > critical && self.raw[face] <= critical
     }
 
     /// The layer's critical strain.

@@ -7,8 +7,10 @@ use ruga_blend::Driver;
 
 use crate::below::{BelowSurface, surface_below};
 use crate::cover::Covers;
+use crate::error::Halt;
 use crate::layer_run::{Course, Ending, LayerRun};
 use crate::skin_mesh::SkinMesh;
+use crate::validation::{check_modelling, check_pose};
 use crate::{
     Frame, KeyResult, LayerReport, LoadPath, Modelling, Observer, Phase, Plan, PoseResult,
     PoseSpec, StepperError,
@@ -23,7 +25,13 @@ use crate::{
 /// on from its last shape, on a mesh that is fitted anew when the old one no longer serves. Not
 /// converging is reported, not an error; the results reached until then are kept.
 ///
+/// An observer may end the work at any time, also before the first step, while meshes and
+/// constraints are made ([`Observer::preparing`]); the result then says that it was interrupted.
+///
 /// # Errors
+/// [`StepperError::NoSuchPose`] for a pose that the plan does not have; [`StepperError::OtherPlan`] for
+/// a driver, a pose's name or weights, or a modelling that the plan was not made for; its keys and
+/// steps may be others. [`StepperError::Setting`] for a value out of range or that is no number.
 /// What shell, constraints, remeshing or solver refuse.
 pub fn simulate(
     driver: &Driver,
@@ -33,6 +41,10 @@ pub fn simulate(
     modelling: &Modelling,
     observer: &mut dyn Observer,
 ) -> Result<PoseResult, StepperError> {
+    check_modelling(modelling)?;
+    plan.made_for.check(driver, modelling)?;
+    check_pose(driver, spec)?;
+    plan.made_for.check_pose(pose, spec)?;
     let reports = plan.poses[pose].layers.iter().map(|layer| LayerReport {
         name: layer.name.clone(),
         wavelength_predicted: layer.wavelength,
@@ -109,7 +121,12 @@ impl StackRun<'_> {
             keys.map(|control| surface_below(self.driver, skin, seat, control, None))
                 .collect()
         };
-        let mut run = self.build(lowest, &below, observer)?;
+        let made = self.build(lowest, &below, observer);
+        let Some(mut run) = Halt::unless_interrupted(made)? else {
+            self.result.converged = false;
+            self.result.interrupted = true;
+            return Ok(());
+        };
         let ending = match self.plan.poses[self.pose].path {
             LoadPath::Weight => self.follow_weight(lowest, &mut run, observer)?,
             LoadPath::Strain => self.follow_strain(lowest, &mut run, observer)?,

@@ -272,13 +272,15 @@ impl RegionMesh {
     }
 
     /// A mesh of the region that is as fine as `demand` and the rest shape ask for, in the
-    /// directions in which they do, or as the budget allows.
+    /// directions in which they do, or as the budget allows; `None` as soon as `goes_on`, which is
+    /// asked between its steps, says no.
     pub(crate) fn adapted(
         &self,
         driver: &Driver,
         demand: &MeshDemand<'_>,
         settings: &RemeshSettings,
-    ) -> Result<Adapted, RemeshError> {
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> Result<Option<Adapted>, RemeshError> {
         let Wanted {
             surface,
             start,
@@ -296,15 +298,21 @@ impl RegionMesh {
         };
         let mut made = start;
         for round in ROUNDS {
+            if !goes_on() {
+                return Ok(None);
+            }
             let sizing = self.sizing_at(&made.points, &wanted, round * coarseness);
             made = remesh(&made, &sizing, &surface, &settings)?.mesh;
+        }
+        if !goes_on() {
+            return Ok(None);
         }
         let on_driver = |point: &MaterialPoint| self.origins[point.face].place(point.barycentric);
         let points: Vec<MaterialPoint> = made.points.as_slice().iter().map(on_driver).collect();
         let beside = self.beside(&made);
         let skin = SkinMesh::new(driver, made.mesh, &points, self.smoothing, self.offset);
         let skin = SkinMesh { beside, ..skin };
-        Ok(Adapted { skin, coarseness })
+        Ok(Some(Adapted { skin, coarseness }))
     }
 
     /// The faces of a fitted mesh beside features, each with a texture coordinate inside: that of the

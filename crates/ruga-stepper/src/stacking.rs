@@ -67,7 +67,10 @@ impl Stacking {
     }
 
     fn require_uniform(&self, stack: &'static str) -> Result<(), StepperError> {
-        let painted = self.specs.iter().find(|spec| spec.map.is_some() || spec.variation.is_some());
+        let painted = self
+            .specs
+            .iter()
+            .find(|spec| spec.map.is_some() || spec.variation.is_some());
         painted.map_or(Ok(()), |painted| {
             Err(StepperError::PaintedStack {
                 layer: painted.name.clone(),
@@ -142,7 +145,7 @@ impl Stacking {
             .filter_map(|(pair, names)| Some((pair.joint?, names)))
             .map(|(joint, names)| {
                 format!(
-                    "layers '{}' and '{}' would wrinkle together every {:.2} mm from {:.1} % compression on; stack = \"nominal\" gives each its own wrinkles instead, \"composite\" the joint ones",
+                    "real skin made of layers '{}' and '{}' would wrinkle together every {:.2} mm from {:.1} % compression on. With `stack = \"nominal\"`, as here, each has the wrinkles of its own numbers instead: leave it if that is what you painted; for the wrinkles of both together set `stack = \"composite\"`",
                     names[0].name,
                     names[1].name,
                     1e3 * joint.wavelength,

@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 
 use crate::below::{BelowSurface, LowerLayer, surface_below};
 use crate::cover::Covers;
+use crate::error::Halt;
 use crate::layer_run::{Course, Ending, LayerRun};
 use crate::simulate::{Place, StackRun};
 use crate::skin_mesh::SkinMesh;
@@ -29,8 +30,12 @@ impl StackRun<'_> {
             if self.plan.poses[self.pose].layers[index].region.is_empty() {
                 continue;
             }
-            let lower = self.lower(solved.last().map_or(run, |(run, _)| run), &shown, &covers);
-            let (mut upper, ending) = self.upper_layer(index, &lower, place, control, observer)?;
+            let below = solved.last().map_or(run, |(run, _)| run);
+            let lower = self.lower(below, &shown, &covers);
+            let made = self.upper_layer(index, &lower, place, control, observer);
+            let Some((mut upper, ending)) = Halt::unless_interrupted(made)? else {
+                return Ok(None);
+            };
             self.tell(&upper, ending);
             if ending == Ending::Interrupted {
                 return Ok(None);
@@ -62,7 +67,7 @@ impl StackRun<'_> {
         place: Place,
         control: &[Vector3<f64>],
         observer: &mut dyn Observer,
-    ) -> Result<(LayerRun, Ending), StepperError> {
+    ) -> Result<(LayerRun, Ending), Halt> {
         let seat = self.plan.seats[index];
         let last = self.upper[index].take();
         let below = |skin: &SkinMesh| surface_below(self.driver, skin, seat, control, Some(lower));

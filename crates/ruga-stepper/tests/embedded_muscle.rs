@@ -8,7 +8,7 @@ use ruga_blend::{ArtistMesh, Driver, Smoothing};
 use ruga_lattice::LatticeError;
 use ruga_stepper::{
     BodyPose, CellShape, Dynamics, Frame, Keyframe, Modelling, Observer, Obstacle, ObstacleShape,
-    PoseResult, Progress, Silent, StepperError, plan_body, simulate_body,
+    PoseResult, Preparation, Progress, Silent, StepperError, plan_body, simulate_body,
 };
 
 const LENGTH: f64 = 0.04;
@@ -307,6 +307,61 @@ fn what_does_not_fit_is_named() {
     let unknown = pose(vec![push("nobody", Vector3::x())], &[1.0], 1);
     let run = simulate_body(&driver, &plan, &unknown, &coarse(), &mut Silent);
     assert!(matches!(run, Err(StepperError::UnknownMover { name, .. }) if name == "nobody"));
+}
+
+#[test]
+fn bodies_without_meaning_are_refused() {
+    let driver = bar();
+    let mut body = free_body(4);
+    let plan = plan_body(&driver, &layer(50.0), &body, &coarse(), 1024).expect("a body");
+    body.density = f64::NAN;
+    let light = plan_body(&driver, &layer(50.0), &body, &coarse(), 1024);
+    let named = "density = NaN; accepted: a positive number";
+    assert!(light.is_err_and(|error| error.to_string().contains(named)));
+    let endless = Modelling {
+        points_per_wavelength: 1e9,
+        ..coarse()
+    };
+    let refused = plan_body(&driver, &layer(50.0), &free_body(4), &endless, 1024);
+    assert!(matches!(refused, Err(StepperError::Setting { .. })));
+    let run = |pose: &BodyPose, modelling: &Modelling| {
+        simulate_body(&driver, &plan, pose, modelling, &mut Silent)
+    };
+    let none = run(&pose(Vec::new(), &[], 1), &coarse());
+    assert!(matches!(none, Err(StepperError::Setting { .. })));
+    let finer = run(&bend(&driver, 1), &modelling(6.0));
+    assert!(matches!(finer, Err(StepperError::OtherPlan { .. })));
+}
+
+#[test]
+fn a_body_can_be_ended_at_every_step_of_its_preparation() {
+    struct Stop {
+        left: usize,
+        ended: bool,
+    }
+    impl Observer for Stop {
+        fn preparing(&mut self, _: Preparation) -> bool {
+            self.left -= 1;
+            self.ended = self.left == 0;
+            !self.ended
+        }
+        fn progress(&mut self, _: Progress) -> bool {
+            false
+        }
+    }
+    for steps in 1.. {
+        let mut stop = Stop {
+            left: steps,
+            ended: false,
+        };
+        let result = followed(&bar(), 1e6, 1, &coarse(), &mut stop);
+        assert!(result.interrupted && !result.converged && result.keys.is_empty());
+        if !stop.ended {
+            assert!(steps > 6, "{steps}");
+            break;
+        }
+        assert_eq!(result.layers.len(), 1);
+    }
 }
 
 /// Cubes of 2 cm, a corner of each given, after a second copy of the first corner and a triangle that is

@@ -2,8 +2,6 @@
 
 mod patch;
 
-use std::sync::Arc;
-
 use patch::{SIDE, draft, driver, pose, skin};
 use ruga_stepper::{
     Coupling, Mask, Modelling, Observer, Plan, Progress, Region, StepperError, plan, simulate,
@@ -37,11 +35,7 @@ fn a_mask_limits_the_region_and_a_black_one_is_an_error() {
     let layers = [skin("forehead-furrow", Coupling::Hybrid)];
     let poses = [pose(&driver, "press", 1.0)];
     let with_mask = |values: Vec<f32>| {
-        let region = Region::Mask(Arc::new(Mask {
-            width: 2,
-            height: 1,
-            values,
-        }));
+        let region = Region::Mask(Mask::new(2, 1, values).expect("two pixels"));
         plan(
             &driver,
             &layers,
@@ -198,4 +192,59 @@ fn labyrinths_under_rows_are_warned_about() {
             plan.warnings
         );
     }
+}
+
+/// What the planner says of one pose.
+fn told(shape: &str, weight: f64, layers: &[ruga_stepper::LayerSpec]) -> String {
+    let driver = driver();
+    let poses = [pose(&driver, shape, weight)];
+    let plan = plan(&driver, layers, &poses, &draft(), 1024).expect("a valid scene");
+    plan.warnings.join("\n")
+}
+
+#[test]
+fn a_pose_that_is_no_skin_any_more_is_answered_with_a_weight() {
+    let layers = [skin("forehead-furrow", Coupling::Hybrid)];
+    // 45 % shorter everywhere.
+    let told = told("fold", 0.3, &layers);
+    for words in [
+        "compressed by more than 45 %",
+        "not skin any more",
+        "did you mean a weight of 0.1 instead of 0.3?",
+    ] {
+        assert!(told.contains(words), "{told}");
+    }
+}
+
+/// The patch is pressed most in its middle, all the way across; its shapes move the sides.
+#[test]
+fn areas_have_a_place() {
+    let layers = [skin("forehead-furrow", Coupling::Hybrid)];
+    let told = told("press", 1.6, &layers);
+    let place = told.split(" at u ").nth(1).expect("a place");
+    let numbers: Vec<f64> = place
+        .split([' ', ','])
+        .filter_map(|word| word.parse().ok())
+        .take(4)
+        .collect();
+    let [left, right, top, bottom] = numbers[..] else {
+        panic!("{told}");
+    };
+    assert!(
+        (0.2..0.4).contains(&left) && (0.6..0.8).contains(&right),
+        "{told}"
+    );
+    assert!((top, bottom) == (0.0, 1.0), "{told}");
+    assert!(told.contains("(nearest blend shape '"), "{told}");
+    assert!(told.contains("The map can be used there"), "{told}");
+}
+
+#[test]
+fn waves_that_no_budget_resolves_are_a_question_of_units() {
+    let fine = skin("forehead-furrow", Coupling::Hybrid);
+    let mut thin = fine.clone();
+    thin.material.thickness *= 1e-4;
+    let told = told("press", 1.0, &[thin]);
+    assert!(told.contains("check the unit of the mesh"), "{told}");
+    assert!(!told.contains("0.00 of the"), "{told}");
 }

@@ -6,8 +6,8 @@ use nalgebra::{Vector2, Vector3};
 use patch::{draft, driver, pose, skin};
 use ruga_blend::{ArtistMesh, BlendShape, Driver};
 use ruga_stepper::{
-    Coupling, Frame, LinearSolver, Modelling, Observer, PoseResult, Progress, Silent, StepperError,
-    plan, simulate,
+    Coupling, Frame, LinearSolver, Modelling, Observer, Phase, PoseResult, Preparation, Progress,
+    Silent, StepperError, plan, simulate,
 };
 
 fn run(coupling: Coupling, modelling: &Modelling, observer: &mut dyn Observer) -> PoseResult {
@@ -104,6 +104,52 @@ fn the_observer_sees_frames_and_can_stop() {
     assert_eq!(counter.0, result.frames);
     let result = run(Coupling::Hybrid, &draft(), &mut StopAtOnce);
     assert!(result.interrupted && !result.converged && result.keys.is_empty());
+}
+
+/// Counts steps of the preparation and ends it with one of them.
+struct StopInPreparation {
+    steps: usize,
+    last: usize,
+    phases: Vec<Phase>,
+}
+
+impl Observer for StopInPreparation {
+    fn preparing(&mut self, preparation: Preparation) -> bool {
+        self.steps += 1;
+        assert_eq!((preparation.layer, preparation.step), (0, self.steps));
+        if self.phases.last() != Some(&preparation.phase) {
+            self.phases.push(preparation.phase);
+        }
+        self.steps < self.last
+    }
+
+    fn progress(&mut self, _: Progress) -> bool {
+        false
+    }
+}
+
+#[test]
+fn a_run_can_be_ended_at_every_step_of_its_preparation() {
+    let mut whole = StopInPreparation {
+        steps: 0,
+        last: usize::MAX,
+        phases: Vec::new(),
+    };
+    run(Coupling::Hybrid, &draft(), &mut whole);
+    let phases = [Phase::Sampling, Phase::Remeshing, Phase::Constraints];
+    assert_eq!(whole.phases, phases);
+    assert!(whole.steps >= 12, "{}", whole.steps);
+    for last in 1..=whole.steps {
+        let mut hasty = StopInPreparation {
+            steps: 0,
+            last,
+            phases: Vec::new(),
+        };
+        let result = run(Coupling::Hybrid, &draft(), &mut hasty);
+        assert_eq!(hasty.steps, last);
+        assert!(result.interrupted && !result.converged && result.keys.is_empty());
+        assert_eq!(result.layers[0].name, "skin");
+    }
 }
 
 #[test]

@@ -1,7 +1,5 @@
 //! A slab of soft stuff with a skin on its top, held by slices across x.
 
-use std::sync::Arc;
-
 use std::error::Error;
 use std::time::Instant;
 
@@ -210,11 +208,7 @@ impl Slab {
             smoothing: Smoothing::None,
             remesh: self.is_fitted.then(EdgeLimits::default),
             // The top has the left half of the texture.
-            region: Region::Mask(Arc::new(Mask {
-                width: 2,
-                height: 1,
-                values: vec![1.0, 0.0],
-            })),
+            region: Region::Mask(Mask::new(2, 1, vec![1.0, 0.0]).expect("two pixels")),
             ..Modelling::default()
         }
     }

@@ -5,8 +5,6 @@
     reason = "the measured values are what --nocapture is for"
 )]
 
-use std::sync::Arc;
-
 use ruga_material::preset;
 use ruga_stepper::{LayerSpec, Mask, Modelling, PoseResult, Region, Stack};
 use ruga_tests::{Skin, StackStrip, asset, skin_layer};
@@ -18,11 +16,8 @@ fn middle() -> Region {
     let side = 100;
     let inside = |i: usize| (30..70).contains(&(i % side)) && (40..60).contains(&(i / side));
     let values = (0..side * side).map(|i| if inside(i) { 1.0 } else { 0.0 });
-    Region::Mask(Arc::new(Mask {
-        width: side as u32,
-        height: side as u32,
-        values: values.collect(),
-    }))
+    let mask = Mask::new(side as u32, side as u32, values.collect());
+    Region::Mask(mask.expect("a square"))
 }
 
 /// The pair of the preset `face2`, its film five times as thick and a fifth as stiff: that keeps

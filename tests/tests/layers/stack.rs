@@ -5,8 +5,6 @@
     reason = "the measured values are what --nocapture is for"
 )]
 
-use std::sync::Arc;
-
 use ruga_material::{LayerMaterial, preset};
 use ruga_stepper::{Coupling, LayerSpec, Mask, Modelling, PoseResult, Region, Stack, plan};
 use ruga_tests::{Skin, asset};
@@ -17,13 +15,8 @@ use crate::compressed;
 fn middle() -> Region {
     let (width, height) = (20, 20);
     let inside = |i: usize| (6..14).contains(&(i % 20)) && (7..13).contains(&(i / 20));
-    Region::Mask(Arc::new(Mask {
-        width,
-        height,
-        values: (0..400)
-            .map(|i| if inside(i) { 1.0 } else { 0.0 })
-            .collect(),
-    }))
+    let values = (0..400).map(|i| if inside(i) { 1.0 } else { 0.0 });
+    Region::Mask(Mask::new(width, height, values.collect()).expect("a square"))
 }
 
 fn on(lower: &LayerSpec, material: LayerMaterial) -> LayerSpec {

@@ -145,11 +145,12 @@ fn region_words(region: &Region, scene: &Scene) -> String {
         }
         Region::Auto | Region::All => "everywhere".to_owned(),
         Region::Mask(mask) => {
-            let white = mask.values.iter().filter(|value| **value >= 0.5).count();
-            let share = 100.0 * white as f64 / mask.values.len().max(1) as f64;
+            let white = mask.values().iter().filter(|value| **value >= 0.5).count();
+            let share = 100.0 * white as f64 / mask.values().len().max(1) as f64;
             format!(
                 "a mask of {} x {} texels, {share:.0} % white",
-                mask.width, mask.height
+                mask.width(),
+                mask.height()
             )
         }
     }

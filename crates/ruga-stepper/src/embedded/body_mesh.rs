@@ -5,7 +5,9 @@ use ruga_blend::{BaseSurface, Driver};
 use ruga_remesh::{FaceDriver, Refinement, RemeshSettings, SizeLimits};
 
 use super::plan::BodyPlan;
+use crate::error::Halt;
 use crate::local_skin::{LocalSkin, SkinProperties};
+use crate::preparing::Preparing;
 use crate::skin_mesh::{MeshDemand, RegionMesh, SkinMesh};
 use crate::{Modelling, StepperError};
 
@@ -14,8 +16,10 @@ pub(super) fn meshes(
     driver: &Driver,
     plan: &BodyPlan,
     modelling: &Modelling,
-) -> Result<(RegionMesh, Option<SkinMesh>), StepperError> {
+    preparing: &mut Preparing<'_>,
+) -> Result<(RegionMesh, Option<SkinMesh>), Halt> {
     let base = BaseSurface::new(driver, &plan.faces, plan.levels, modelling.smoothing);
+    preparing.step()?;
     let region = RegionMesh::new(driver, &base, &plan.spec, modelling.smoothing, 0.0)?;
     let Some(limits) = modelling.remesh else {
         return Ok((region, None));
@@ -52,10 +56,12 @@ pub(super) fn meshes(
         },
         ..RemeshSettings::default()
     };
-    let adapted = region.adapted(driver, &demand, &settings);
+    preparing.step()?;
+    let adapted = region.adapted(driver, &demand, &settings, &mut || preparing.goes_on());
     let adapted = adapted.map_err(|source| StepperError::Remesh {
         layer: plan.spec.name.clone(),
         source,
     })?;
+    let adapted = adapted.ok_or(Halt::Interrupted)?;
     Ok((region, Some(adapted.skin)))
 }

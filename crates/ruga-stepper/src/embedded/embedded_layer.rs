@@ -20,11 +20,13 @@ use super::obstacle::PlacedObstacle;
 use super::plan::BodyPlan;
 use super::prediction::Prediction;
 use super::system::BodySystem;
+use crate::error::Halt;
 use crate::layer::noise_size;
 use crate::local_skin::{SkinProperties, uv};
+use crate::preparing::Preparing;
 use crate::relief::relief_shares;
 use crate::skin_mesh::{Interpolation, RegionMesh, SkinMesh};
-use crate::{ComputedMesh, Dynamics, LayerSurface, Modelling, StepperError};
+use crate::{ComputedMesh, Dynamics, LayerSurface, Modelling, Phase, StepperError};
 
 /// Where a body and its layer are.
 #[derive(Clone, Debug)]
@@ -73,16 +75,20 @@ impl<'p> EmbeddedLayer<'p> {
         driver: &Driver,
         plan: &'p BodyPlan,
         modelling: &Modelling,
-    ) -> Result<Self, StepperError> {
+        preparing: &mut Preparing<'_>,
+    ) -> Result<Self, Halt> {
         let spec = &plan.spec;
-        let (region, fitted) = meshes(driver, plan, modelling)?;
+        let (region, fitted) = meshes(driver, plan, modelling, preparing)?;
+        preparing.step()?;
         let interpolation = fitted
             .as_ref()
             .map(|skin| Interpolation::new(skin, &region.skin));
         let skin = fitted.unwrap_or_else(|| region.skin.clone());
         let properties = SkinProperties::new(spec, &plan.wrinkling, None, driver, &skin)?;
         let made_of = (&properties, modelling.bending);
+        preparing.enter(Phase::Constraints)?;
         let system = BodySystem::new(driver, plan, &skin, made_of, &plan.held)?;
+        preparing.step()?;
         let solver = |source| StepperError::Solver {
             layer: spec.name.clone(),
             source,
@@ -91,6 +97,7 @@ impl<'p> EmbeddedLayer<'p> {
         // it is still better than to eliminate them last: by a tenth at six cells along a side, by a
         // third at ten.
         let kkt = Kkt::new(&system.layout.pattern, &system.rows, 3);
+        preparing.step()?;
         let carrier = &plan.carrier;
         let rest = carrier.lattice.rest_positions();
         let mut layer = Self {

@@ -13,8 +13,10 @@ use super::handles::HeldNodes;
 use super::lattice_size::lattice_warnings;
 use super::obstacle::{self, distance};
 use super::waves::Waves;
-use crate::plan::{MAX_LEVELS, MAX_PLANNING_FACES, needed_levels, resolution_warnings, within};
+use crate::plan::{MAX_LEVELS, MAX_PLANNING_FACES, needed_levels, within};
+use crate::plan_warnings::resolution_warnings;
 use crate::skin_mesh::{check_boundaries, sharp_map};
+use crate::validation::{PlannedFor, check_body_modelling, check_layer, check_map_size};
 use crate::{Body, LayerSpec, Modelling, StepperError};
 
 /// Edges over those asked for from which on a mesh is worth a warning.
@@ -51,10 +53,14 @@ pub struct BodyPlan {
     pub(crate) faces: Vec<FaceId>,
     /// Times these are split in four where results are handed out.
     pub(crate) levels: u32,
+    pub(crate) made_for: PlannedFor,
 }
 
 impl BodyPlan {
     /// The file's triangles that the layer covers, ascending.
+    ///
+    /// # Panics
+    /// If `driver` is another than was planned for and has fewer faces.
     pub fn covered_triangles(&self, driver: &Driver) -> Vec<u32> {
         let faces = self.faces.iter();
         let mut triangles: Vec<u32> = faces.map(|face| driver.triangles()[*face]).collect();
@@ -75,7 +81,8 @@ impl BodyPlan {
 /// waves and one with the longest. `map_size` (texels) is only for the warning about too small a map.
 ///
 /// # Errors
-/// A bad material, a black mask, a surface that does not enclose a body, a handle without cells,
+/// [`StepperError::Setting`] for a value out of range or that is no number, before any work is done;
+/// a bad material, a black mask, a surface that does not enclose a body, a handle without cells,
 /// handles that hold all of it, a sharp map whose boundaries are nearly everywhere.
 pub fn plan_body(
     driver: &Driver,
@@ -84,6 +91,9 @@ pub fn plan_body(
     modelling: &Modelling,
     map_size: u32,
 ) -> Result<BodyPlan, StepperError> {
+    check_body_modelling(modelling)?;
+    check_map_size(map_size)?;
+    check_layer(layer)?;
     let layer = &within(layer, modelling.region.mask());
     let numbers = wrinkling(&layer.material, &layer.substrate, layer.model);
     let numbers = numbers.map_err(|source| StepperError::Material {
@@ -153,6 +163,7 @@ pub fn plan_body(
         faces,
         levels,
         carrier: Arc::new(carrier),
+        made_for: PlannedFor::new(driver, &[], modelling),
     })
 }
 
@@ -166,6 +177,9 @@ fn check(body: &Body) -> Result<(), StepperError> {
     };
     if let Some(value) = body.follow.filter(|k| !(*k > 0.0 && k.is_finite())) {
         return refuse("follow", value, "a positive number");
+    }
+    if !(body.density > 0.0 && body.density.is_finite()) {
+        return refuse("density", body.density, "a positive number");
     }
     if let Some(&value) = body.gravity.iter().find(|c| !c.is_finite()) {
         return refuse("gravity", value, "a finite number");

@@ -11,10 +11,12 @@ use super::embedded_layer::{BodyState, EmbeddedLayer};
 use super::handles::Moves;
 use super::inertia::BodyInertia;
 use super::plan::BodyPlan;
+use crate::error::Halt;
 use crate::layer_run::{
     Ending, LEAST_AMPLITUDE, LEAST_DEMAND, PASSING, Pace, SETTLED, SLOWLY_LESS, blind_spot,
 };
 use crate::measure::waviness;
+use crate::preparing::Preparing;
 use crate::simulate::loads_up_to;
 use crate::{
     BodyPose, Dynamics, Frame, KeyResult, LayerReport, Modelling, Observer, Phase, PoseResult,
@@ -60,10 +62,10 @@ impl<'a> BodyRun<'a> {
         pose: &'a BodyPose,
         modelling: &'a Modelling,
         observer: &mut dyn Observer,
-    ) -> Result<Self, StepperError> {
-        observer.phase(0, Phase::Remeshing);
+    ) -> Result<Self, Halt> {
+        let mut preparing = Preparing::new(observer, 0, Phase::Remeshing);
         let moves = Moves::new(&plan.body, pose)?;
-        let mut layer = EmbeddedLayer::new(driver, plan, modelling)?;
+        let mut layer = EmbeddedLayer::new(driver, plan, modelling, &mut preparing)?;
         layer.state.obstacles = moves.obstacles(0.0);
         let report = LayerReport {
             name: plan.spec.name.clone(),

@@ -4,7 +4,9 @@ use ruga_blend::Driver;
 
 use super::plan::BodyPlan;
 use super::run::BodyRun;
-use crate::{BodyPose, Modelling, Observer, PoseResult, StepperError};
+use crate::error::Halt;
+use crate::validation::{check_body_modelling, check_pose};
+use crate::{BodyPose, LayerReport, Modelling, Observer, PoseResult, StepperError};
 
 /// Simulates a pose of a body under a layer: both at once, as one minimum of all energies.
 ///
@@ -18,7 +20,8 @@ use crate::{BodyPose, Modelling, Observer, PoseResult, StepperError};
 /// artist's mesh has gone.
 ///
 /// # Errors
-/// A motion of something that is not there, or whose keyframes do not ascend; an obstacle without a
+/// [`StepperError::Setting`] for a value out of range or that is no number;
+/// [`StepperError::OtherPlan`] for a driver or modelling that the plan was not made for; a motion of something that is not there, or whose keyframes do not ascend; an obstacle without a
 /// shape; what shell, constraints, remeshing or solver refuse.
 pub fn simulate_body(
     driver: &Driver,
@@ -27,7 +30,27 @@ pub fn simulate_body(
     modelling: &Modelling,
     observer: &mut dyn Observer,
 ) -> Result<PoseResult, StepperError> {
-    let mut run = BodyRun::new(driver, plan, pose, modelling, observer)?;
+    check_body_modelling(modelling)?;
+    check_pose(driver, &pose.pose)?;
+    plan.made_for.check(driver, modelling)?;
+    let made = BodyRun::new(driver, plan, pose, modelling, observer);
+    let Some(mut run) = Halt::unless_interrupted(made)? else {
+        return Ok(interrupted(plan));
+    };
     run.follow(observer)?;
     Ok(run.into_result())
+}
+
+/// The result of a run that the observer ended before its first step.
+fn interrupted(plan: &BodyPlan) -> PoseResult {
+    PoseResult {
+        layers: vec![LayerReport {
+            name: plan.spec.name.clone(),
+            wavelength_predicted: plan.wavelength,
+            critical_strain_predicted: plan.critical_strain,
+            ..LayerReport::default()
+        }],
+        interrupted: true,
+        ..PoseResult::default()
+    }
 }

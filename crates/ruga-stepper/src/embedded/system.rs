@@ -112,7 +112,7 @@ impl BodySystem {
         let on = (skin, plan.wavelength);
         let nothing = PerVertex::filled(every.len(), false);
         let low_pass = low_pass_rows(spec, &centres, on, &nothing, &every)?;
-        let row_warning = low_pass.warning();
+        let row_warning = low_pass.warning(driver, skin);
         let (rows, held_terms) = rows(spec, &low_pass.rows, &embedding, &free_of)?;
         Ok(Self {
             floor: floor(properties, &areas, &free, lattice),

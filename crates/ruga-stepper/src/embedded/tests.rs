@@ -14,9 +14,10 @@ use super::handles::Moves;
 use super::objective::BodyObjective;
 use super::prediction::product;
 use super::run::BodyRun;
+use crate::preparing::Preparing;
 use crate::{
     Body, BodyPlan, BodyPose, Coupling, Dynamics, Handle, Keyframe, LayerSpec, Modelling, Motion,
-    Obstacle, ObstacleShape, PoseSpec, Presence, Sampling, Silent, plan_body,
+    Obstacle, ObstacleShape, Phase, PoseSpec, Presence, Sampling, Silent, plan_body,
 };
 
 const SIDES: [f64; 3] = [0.02, 0.015, 0.01];
@@ -127,7 +128,10 @@ fn planned(driver: &Driver, spec: &LayerSpec, body: &Body) -> BodyPlan {
 
 /// At rest without noise.
 fn at_rest<'p>(driver: &Driver, plan: &'p BodyPlan) -> EmbeddedLayer<'p> {
-    let mut layer = EmbeddedLayer::new(driver, plan, &modelling()).expect("a layer");
+    let mut silent = Silent;
+    let mut preparing = Preparing::new(&mut silent, 0, Phase::Remeshing);
+    let layer = EmbeddedLayer::new(driver, plan, &modelling(), &mut preparing);
+    let mut layer = layer.expect("a layer");
     layer.state.x.clone_from(&layer.skin.rest.positions);
     layer
 }

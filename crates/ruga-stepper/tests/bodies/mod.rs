@@ -2,8 +2,6 @@
 
 #![allow(dead_code, reason = "no test needs all of it")]
 
-use std::sync::Arc;
-
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, BlendShape, Driver, Smoothing};
 use ruga_lattice::{Shape, SolidMaterial};
@@ -110,11 +108,7 @@ pub(crate) fn slab(
 
 /// The top of a slab.
 pub(crate) fn top() -> Region {
-    Region::Mask(Arc::new(Mask {
-        width: 2,
-        height: 1,
-        values: vec![1.0, 0.0],
-    }))
+    Region::Mask(Mask::new(2, 1, vec![1.0, 0.0]).expect("two pixels"))
 }
 
 /// The faces of a body as they are, so many edges per wavelength.

@@ -1,0 +1,295 @@
+//! Whether what a caller gives can be planned and simulated at all.
+//!
+//! Everything is looked at before any work begins, so that nonsense is refused at once and no NaN
+//! reaches a solver, which would take it for a state at rest.
+
+use std::fmt::{Debug, Display};
+use std::ops::RangeInclusive;
+
+use ruga_blend::{Driver, Smoothing, Weights};
+use ruga_solver::LinearSolver;
+
+use crate::{EdgeLimits, LayerSpec, Modelling, PoseSpec, Stack, StepperError};
+
+/// Load steps of a pose: every one is kept in a list and solved, and ten are usual.
+const STEPS: RangeInclusive<u32> = 1..=100_000;
+
+/// Largest weight of a blend shape: the squares of squares of lengths stay far within `f64`.
+const LARGEST_WEIGHT: f64 = 1e6;
+
+/// Edges per wavelength of skin. Two are the Nyquist limit of a wave; with two hundred a single
+/// wave has more vertices than a face needs.
+const POINTS: RangeInclusive<f64> = 2.0..=200.0;
+
+/// Edges per wavelength of a layer on a body, which may bend without its wrinkles being resolved: the
+/// coarsest cushions of Rémillard and Kry 2013 have a third of an edge to a wave.
+const BODY_POINTS: RangeInclusive<f64> = 0.1..=200.0;
+
+/// Keys closer than this are one load step.
+const LEAST_KEY_DISTANCE: f64 = 1e-9;
+
+type Checked = Result<(), StepperError>;
+
+fn refuse(
+    of: impl Display,
+    field: impl Display,
+    found: impl Display,
+    accepted: impl Display,
+) -> Checked {
+    Err(StepperError::Setting {
+        of: of.to_string(),
+        field: field.to_string(),
+        found: found.to_string(),
+        accepted: accepted.to_string(),
+    })
+}
+
+fn is_positive(value: f64) -> bool {
+    value > 0.0 && value.is_finite()
+}
+
+/// Checks the pixels of a mask.
+pub(crate) fn check_mask(width: u32, height: u32, values: &[f32]) -> Checked {
+    let of = "region mask";
+    for (field, side) in [("width", width), ("height", height)] {
+        if side == 0 {
+            return refuse(of, field, side, "a number from 1");
+        }
+    }
+    let pixels = u64::from(width) * u64::from(height);
+    if values.len() as u64 != pixels {
+        let accepted = format!("{width} x {height} = {pixels} values");
+        let found = format!("a list of {}", values.len());
+        return refuse(of, "values", found, accepted);
+    }
+    match values.iter().position(|v| !(0.0..=1.0).contains(v)) {
+        None => Ok(()),
+        Some(i) => refuse(of, format!("values[{i}]"), values[i], "a grey in [0, 1]"),
+    }
+}
+
+/// Checks what a layer's material does not check itself.
+pub(crate) fn check_layer(layer: &LayerSpec) -> Checked {
+    let transfer = layer.bending_transfer;
+    match transfer.filter(|share| !(0.0..=1.0).contains(share)) {
+        None => Ok(()),
+        Some(share) => {
+            let of = format!("layer '{}'", layer.name);
+            refuse(of, "bending_transfer", share, "a share in [0, 1]")
+        }
+    }
+}
+
+/// Checks the side of the maps in texels.
+pub(crate) fn check_map_size(map_size: u32) -> Checked {
+    match map_size {
+        0 => refuse("maps", "map_size", map_size, "a number of texels from 1"),
+        _ => Ok(()),
+    }
+}
+
+/// Checks a pose of `driver`.
+pub(crate) fn check_pose(driver: &Driver, pose: &PoseSpec) -> Checked {
+    let of = format!("pose '{}'", pose.name);
+    let shapes = driver.shape_names().len();
+    for (i, &(shape, weight)) in pose.weights.0.iter().enumerate() {
+        if shape >= shapes {
+            let accepted = format!("a number below {shapes}, the driver's blend shapes");
+            return refuse(
+                of,
+                format!("weights[{i}]"),
+                format!("of shape {shape}"),
+                accepted,
+            );
+        }
+        if weight.is_nan() || weight.abs() > LARGEST_WEIGHT {
+            let accepted = format!("a number in [-{LARGEST_WEIGHT}, {LARGEST_WEIGHT}]");
+            return refuse(of, format!("weights[{i}]"), weight, accepted);
+        }
+    }
+    if !STEPS.contains(&pose.steps) {
+        let accepted = format!("{} to {}", STEPS.start(), STEPS.end());
+        return refuse(of, "steps", pose.steps, accepted);
+    }
+    check_keys(&of, &pose.keys)
+}
+
+fn check_keys(of: &str, keys: &[f64]) -> Checked {
+    if keys.is_empty() {
+        return refuse(of, "keys", "an empty list", "at least one load in (0, 1]");
+    }
+    for (i, key) in keys.iter().enumerate() {
+        if !(*key > 0.0 && *key <= 1.0) {
+            return refuse(of, format!("keys[{i}]"), key, "a load in (0, 1]");
+        }
+    }
+    let last = |(i, pair): (usize, &[f64])| (pair[1] - pair[0] < LEAST_KEY_DISTANCE).then_some(i);
+    match keys.windows(2).enumerate().find_map(last) {
+        None => Ok(()),
+        Some(i) => {
+            let accepted = format!("a load above keys[{i}] = {}", keys[i]);
+            refuse(of, format!("keys[{}]", i + 1), keys[i + 1], accepted)
+        }
+    }
+}
+
+/// Checks the modelling of skin on a driver.
+pub(crate) fn check_modelling(modelling: &Modelling) -> Checked {
+    check_choices(modelling, &POINTS)
+}
+
+/// Checks the modelling of a layer on a body.
+pub(crate) fn check_body_modelling(modelling: &Modelling) -> Checked {
+    check_choices(modelling, &BODY_POINTS)
+}
+
+fn check_choices(modelling: &Modelling, points: &RangeInclusive<f64>) -> Checked {
+    let of = "modelling";
+    if !points.contains(&modelling.points_per_wavelength) {
+        let accepted = format!("{} to {}", points.start(), points.end());
+        let found = modelling.points_per_wavelength;
+        return refuse(of, "points_per_wavelength", found, accepted);
+    }
+    if modelling.vertex_budget == 0 {
+        return refuse(of, "vertex_budget", 0, "a number from 1");
+    }
+    let tolerance = modelling.tolerance;
+    if !(tolerance > 0.0 && tolerance < 1.0) {
+        return refuse(of, "tolerance", tolerance, "a number in (0, 1)");
+    }
+    modelling.remesh.as_ref().map_or(Ok(()), check_edges)?;
+    check_linear(modelling.linear)?;
+    let Some(dynamics) = modelling.dynamics else {
+        return Ok(());
+    };
+    if !is_positive(dynamics.time_step) {
+        let accepted = "a positive number of seconds";
+        return refuse(of, "dynamics.time_step", dynamics.time_step, accepted);
+    }
+    if !(dynamics.damping >= 0.0 && dynamics.damping.is_finite()) {
+        let accepted = "a finite number from 0";
+        return refuse(of, "dynamics.damping", dynamics.damping, accepted);
+    }
+    Ok(())
+}
+
+fn check_edges(limits: &EdgeLimits) -> Checked {
+    let of = "modelling";
+    let EdgeLimits {
+        min_edge,
+        max_edge,
+        aspect,
+    } = *limits;
+    if !(min_edge >= 0.0 && min_edge.is_finite()) {
+        let accepted = "a finite length from 0, in metres";
+        return refuse(of, "remesh.min_edge", min_edge, accepted);
+    }
+    // An infinite one is no limit.
+    if max_edge.is_nan() || max_edge <= min_edge {
+        let accepted = format!("a length above min_edge = {min_edge}, in metres");
+        return refuse(of, "remesh.max_edge", max_edge, accepted);
+    }
+    if !(aspect >= 1.0 && aspect.is_finite()) {
+        return refuse(of, "remesh.aspect", aspect, "a finite number from 1");
+    }
+    Ok(())
+}
+
+fn check_linear(linear: LinearSolver) -> Checked {
+    let of = "modelling";
+    let LinearSolver::Minres {
+        tolerance,
+        max_iterations,
+    } = linear
+    else {
+        return Ok(());
+    };
+    if !(tolerance > 0.0 && tolerance < 1.0) {
+        return refuse(of, "linear.tolerance", tolerance, "a number in (0, 1)");
+    }
+    match max_iterations {
+        0 => refuse(of, "linear.max_iterations", 0, "a number from 1"),
+        _ => Ok(()),
+    }
+}
+
+/// What a plan was made for, to be compared with what a simulation is given.
+#[derive(Clone, Debug)]
+pub(crate) struct PlannedFor {
+    /// The driver's vertices, faces and blend shapes.
+    driver: [usize; 3],
+    points: f64,
+    budget: usize,
+    remesh: Option<EdgeLimits>,
+    stack: Stack,
+    smoothing: Smoothing,
+    /// Names and weights; empty for a body, which is planned for all poses.
+    poses: Vec<(String, Weights)>,
+}
+
+impl PlannedFor {
+    pub(crate) fn new(driver: &Driver, poses: &[PoseSpec], modelling: &Modelling) -> Self {
+        let topology = driver.topology();
+        let shapes = driver.shape_names().len();
+        let named = |pose: &PoseSpec| (pose.name.clone(), pose.weights.clone());
+        Self {
+            driver: [topology.vertex_count(), topology.face_count(), shapes],
+            points: modelling.points_per_wavelength,
+            budget: modelling.vertex_budget,
+            remesh: modelling.remesh,
+            stack: modelling.stack,
+            smoothing: modelling.smoothing,
+            poses: poses.iter().map(named).collect(),
+        }
+    }
+
+    /// Refuses another driver or other choices of modelling than were planned with.
+    ///
+    /// The region is not compared: its mask may be large, and the plan holds what it leaves.
+    pub(crate) fn check(&self, driver: &Driver, modelling: &Modelling) -> Checked {
+        let found = Self::new(driver, &[], modelling);
+        let mut pairs = vec![(driver_words(self.driver), driver_words(found.driver))];
+        let mut choice = |name: &str, planned: &dyn Debug, found: &dyn Debug| {
+            pairs.push((
+                format!("{name} = {planned:?}"),
+                format!("{name} = {found:?}"),
+            ));
+        };
+        choice("points_per_wavelength", &self.points, &found.points);
+        choice("vertex_budget", &self.budget, &found.budget);
+        choice("remesh", &self.remesh, &found.remesh);
+        choice("stack", &self.stack, &found.stack);
+        choice("smoothing", &self.smoothing, &found.smoothing);
+        match pairs.into_iter().find(|(planned, found)| planned != found) {
+            None => Ok(()),
+            Some((planned, found)) => Err(StepperError::OtherPlan { planned, found }),
+        }
+    }
+
+    /// Refuses a pose that is not number `index` of the plan. Keys and steps may be others.
+    pub(crate) fn check_pose(&self, index: usize, pose: &PoseSpec) -> Checked {
+        let Some((name, weights)) = self.poses.get(index) else {
+            return Err(StepperError::NoSuchPose {
+                pose: index,
+                poses: self.poses.len(),
+            });
+        };
+        if *name != pose.name {
+            return Err(StepperError::OtherPlan {
+                planned: format!("pose '{name}' at number {index}"),
+                found: format!("pose '{}'", pose.name),
+            });
+        }
+        if *weights != pose.weights {
+            return Err(StepperError::OtherPlan {
+                planned: format!("pose '{name}' with the weights {:?}", weights.0),
+                found: format!("the weights {:?}", pose.weights.0),
+            });
+        }
+        Ok(())
+    }
+}
+
+fn driver_words([vertices, faces, shapes]: [usize; 3]) -> String {
+    format!("a driver of {vertices} vertices, {faces} faces and {shapes} blend shapes")
+}
