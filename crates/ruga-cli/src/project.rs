@@ -14,7 +14,7 @@ use crate::arguments::Quality;
 use crate::error::{CliError, counted};
 use crate::fingerprint::Fingerprint;
 use crate::placement::Placement;
-use crate::planned::Planned;
+use crate::planned::{Planned, ZonePlan};
 use crate::{body, model, texture_space};
 
 /// What a command works on.
@@ -106,8 +106,19 @@ impl Project {
                 Planned::Body(Box::new(plan))
             }
             _ => {
-                let plan = plan(driver, &self.layers, &self.poses, modelling, size)?;
-                Planned::Skin(Box::new(plan))
+                let zones = self.scene.zones().into_iter();
+                let planned = zones.map(|zone| {
+                    let layers: Vec<LayerSpec> = zone
+                        .layers
+                        .iter()
+                        .map(|&number| self.layers[number].clone())
+                        .collect();
+                    Ok(ZonePlan {
+                        plan: plan(driver, &layers, &self.poses, modelling, size)?,
+                        layers: zone.layers,
+                    })
+                });
+                Planned::Skin(planned.collect::<Result<_, StepperError>>()?)
             }
         })
     }

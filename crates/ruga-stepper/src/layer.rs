@@ -3,6 +3,7 @@
 mod bending;
 mod demand;
 mod snapshot;
+mod unwrinkled;
 
 pub(crate) use demand::offered_strains;
 

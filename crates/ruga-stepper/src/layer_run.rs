@@ -1,6 +1,7 @@
 //! One layer on its way to its load, and what is told of it.
 
 use nalgebra::Vector3;
+use ruga_blend::Driver;
 use ruga_solver::{
     AtSaddle, LoadSettings, LoadStepper, NewtonSettings, Outcome, SolveReport, SolverError,
     StopRule, Trial, Verdict,
@@ -467,6 +468,13 @@ impl LayerRun {
             solve.stop, solve.iterations, solve.residual
         ));
         Ok(())
+    }
+
+    /// Notes where the layer was to wrinkle and has not.
+    pub(crate) fn warn_unwrinkled(&mut self, driver: &Driver) {
+        for warning in self.layer.unwrinkled(driver) {
+            self.warn(warning);
+        }
     }
 
     /// Measures the layer as it is now.

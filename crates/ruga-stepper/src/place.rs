@@ -91,7 +91,7 @@ pub(crate) fn place_of_points(
 }
 
 /// The faces for which `is_in` holds, in parts that hang together by edges.
-fn connected_parts(mesh: &TriMesh, is_in: &dyn Fn(FaceId) -> bool) -> Vec<Vec<FaceId>> {
+pub(crate) fn connected_parts(mesh: &TriMesh, is_in: &dyn Fn(FaceId) -> bool) -> Vec<Vec<FaceId>> {
     let mut left: PerFace<bool> = mesh.faces().ids().map(is_in).collect();
     let mut parts = Vec::new();
     for seed in mesh.faces().ids() {

@@ -93,7 +93,7 @@ pub(crate) struct StackRun<'a> {
     pub(crate) driver: &'a Driver,
     pub(crate) plan: &'a Plan,
     pub(crate) pose: usize,
-    spec: &'a PoseSpec,
+    pub(crate) spec: &'a PoseSpec,
     pub(crate) modelling: &'a Modelling,
     pub(crate) result: PoseResult,
     /// The layers above the lowest one, as they were left by the last frame that had them.
@@ -131,6 +131,9 @@ impl StackRun<'_> {
             LoadPath::Weight => self.follow_weight(lowest, &mut run, observer)?,
             LoadPath::Strain => self.follow_strain(lowest, &mut run, observer)?,
         };
+        if ending == Ending::Reached {
+            run.warn_unwrinkled(self.driver);
+        }
         self.tell(&run, ending);
         run.measure();
         if let Some(upper) = run.layer.upper() {

@@ -36,6 +36,10 @@ impl StackRun<'_> {
             let Some((mut upper, ending)) = Halt::unless_interrupted(made)? else {
                 return Ok(None);
             };
+            let last = self.spec.keys.iter().copied().fold(0.0, f64::max);
+            if ending == Ending::Reached && place.weight >= last {
+                upper.warn_unwrinkled(self.driver);
+            }
             self.tell(&upper, ending);
             if ending == Ending::Interrupted {
                 return Ok(None);

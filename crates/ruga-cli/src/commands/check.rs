@@ -25,7 +25,9 @@ pub(crate) fn run(arguments: &CheckArguments) -> Result<Outcome, CliError> {
     if let Some(project) = parts.filter(|_| findings.problems.is_empty()) {
         let planned = project.plan();
         if let Some(plan) = findings.keep(planned) {
-            findings.warnings.extend_from_slice(plan.warnings());
+            findings
+                .warnings
+                .extend(plan.warnings().into_iter().cloned());
         }
     }
     for line in &findings.lines {

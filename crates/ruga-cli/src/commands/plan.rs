@@ -1,14 +1,14 @@
 //! `ruga plan`: what will be modelled, where, how fine and at what cost.
 
 use ruga_material::{FirstScale, Wrinkling};
-use ruga_stepper::{LayerPlan, LoadPath, Plan};
+use ruga_stepper::{LayerPlan, LoadPath};
 use serde::Serialize;
 
 use super::body_plan;
 use crate::arguments::PlanArguments;
 use crate::error::CliError;
 use crate::messages;
-use crate::planned::Planned;
+use crate::planned::{Planned, ZonePlan, pose_layers};
 use crate::project::Project;
 use crate::run::Outcome;
 use crate::table::{ABSENT, duration, memory, number, table};
@@ -22,13 +22,13 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<Outcome, CliError> {
     let planned = project.plan()?;
     if arguments.json {
         messages::result(&match &planned {
-            Planned::Skin(plan) => json(&project, plan),
+            Planned::Skin(zones) => json(&project, zones),
             Planned::Body(plan) => body_plan::json(&project, plan),
         });
         return Ok(Outcome::Done);
     }
     match &planned {
-        Planned::Skin(plan) => print(&project, plan),
+        Planned::Skin(zones) => print(&project, zones),
         Planned::Body(plan) => body_plan::print(&project, plan),
     }
     for warning in project.warnings.iter().chain(planned.warnings()) {
@@ -37,15 +37,27 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<Outcome, CliError> {
     Ok(Outcome::Done)
 }
 
-fn print(project: &Project, plan: &Plan) {
-    messages::result(&layers_table(project, &plan.wrinkling));
+fn print(project: &Project, zones: &[ZonePlan]) {
+    let mut waves = vec![None; project.layers.len()];
+    for zone in zones {
+        for (number, wave) in zone.layers.iter().zip(&zone.plan.wrinkling) {
+            waves[*number] = Some(*wave);
+        }
+    }
+    let waves: Vec<Wrinkling> = waves.into_iter().flatten().collect();
+    messages::result(&layers_table(project, &waves));
     messages::result("");
-    if !plan.pairs.is_empty() {
-        messages::result(&pairs_table(project, plan));
+    if zones.iter().any(|zone| !zone.plan.pairs.is_empty()) {
+        messages::result(&pairs_table(project, zones));
         messages::result("");
     }
-    messages::result(&poses_table(plan));
-    messages::result(&totals(plan));
+    let painted = painted_table(zones);
+    if !painted.is_empty() {
+        messages::result(&painted);
+        messages::result("");
+    }
+    messages::result(&poses_table(zones));
+    messages::result(&totals(zones));
 }
 
 /// Every layer with its critical wave.
@@ -77,8 +89,8 @@ pub(super) fn layers_table(project: &Project, waves: &[Wrinkling]) -> String {
 }
 
 /// Every layer on the one that carries it: what the two would do together.
-fn pairs_table(project: &Project, plan: &Plan) -> String {
-    let rows: Vec<Vec<String>> = pairs(project, plan)
+fn pairs_table(project: &Project, zones: &[ZonePlan]) -> String {
+    let rows: Vec<Vec<String>> = pairs(project, zones)
         .iter()
         .map(|pair| {
             let joint = |value: Option<f64>| value.unwrap_or(f64::NAN);
@@ -105,14 +117,18 @@ fn pairs_table(project: &Project, plan: &Plan) -> String {
     table(&headings, &rows)
 }
 
-fn pairs<'a>(project: &'a Project, plan: &Plan) -> Vec<PairJson<'a>> {
-    let layers = project.layers.windows(2);
-    let named = layers.zip(&plan.pairs);
+fn pairs<'a>(project: &'a Project, zones: &[ZonePlan]) -> Vec<PairJson<'a>> {
+    let of_zone = |zone| zone_pairs(project, zone);
+    zones.iter().flat_map(of_zone).collect()
+}
+
+fn zone_pairs<'a>(project: &'a Project, ZonePlan { layers, plan }: &ZonePlan) -> Vec<PairJson<'a>> {
+    let named = layers.windows(2).zip(&plan.pairs);
     named
         .enumerate()
         .map(|(lower, (layers, pair))| PairJson {
-            lower: &layers[0].name,
-            upper: &layers[1].name,
+            lower: &project.layers[layers[0]].name,
+            upper: &project.layers[layers[1]].name,
             membrane_ratio: pair.membrane_ratio,
             force_ratio: pair.force_ratio,
             joint_wavelength_m: pair.joint.map(|joint| joint.wavelength),
@@ -126,10 +142,46 @@ fn pairs<'a>(project: &'a Project, plan: &Plan) -> Vec<PairJson<'a>> {
         .collect()
 }
 
-fn poses_table(plan: &Plan) -> String {
+/// What paint and natural unevenness make of the layers in every pose; empty where nothing is uneven.
+fn painted_table(zones: &[ZonePlan]) -> String {
     let mut rows = Vec::new();
-    for pose in &plan.poses {
-        for layer in &pose.layers {
+    for (index, pose) in zones[0].plan.poses.iter().enumerate() {
+        for layer in pose_layers(zones, index) {
+            let Some(painted) = layer.painted else {
+                continue;
+            };
+            let range = |[low, high]: [f64; 2], factor: f64, places: usize, unit: &str| {
+                let [low, high] = [low, high].map(|value| number(factor * value, places, unit));
+                format!("{low} to {high}")
+            };
+            rows.push(vec![
+                pose.name.clone(),
+                layer.name.clone(),
+                range(painted.wavelength, 1e3, 2, "mm"),
+                range(painted.critical_strain, 1e2, 1, "%"),
+                range(painted.thickness, 1e3, 3, "mm"),
+            ]);
+        }
+    }
+    match rows.is_empty() {
+        true => String::new(),
+        false => {
+            let headings = [
+                "pose",
+                "uneven layer",
+                "wavelength",
+                "critical strain",
+                "thickness",
+            ];
+            table(&headings, &rows)
+        }
+    }
+}
+
+fn poses_table(zones: &[ZonePlan]) -> String {
+    let mut rows = Vec::new();
+    for (index, pose) in zones[0].plan.poses.iter().enumerate() {
+        for layer in pose_layers(zones, index) {
             let simulated = layer.vertices > 0;
             let shown = |text: String| if simulated { text } else { ABSENT.to_owned() };
             rows.push(vec![
@@ -171,12 +223,11 @@ struct Totals {
 }
 
 impl Totals {
-    fn of(plan: &Plan) -> Self {
+    fn of(zones: &[ZonePlan]) -> Self {
         let simulated = || {
-            plan.poses
-                .iter()
-                .flat_map(|pose| &pose.layers)
-                .filter(|layer| layer.vertices > 0)
+            let poses = zones.iter().flat_map(|zone| &zone.plan.poses);
+            let layers = poses.flat_map(|pose| &pose.layers);
+            layers.filter(|layer| layer.vertices > 0)
         };
         Self {
             vertices: simulated().map(|layer| layer.vertices).sum(),
@@ -186,16 +237,17 @@ impl Totals {
     }
 }
 
-fn totals(plan: &Plan) -> String {
-    let totals = Totals::of(plan);
-    let wrinkling = plan
-        .poses
-        .iter()
-        .filter(|pose| pose.layers.iter().any(|layer| layer.vertices > 0))
-        .count();
+fn totals(zones: &[ZonePlan]) -> String {
+    let totals = Totals::of(zones);
+    let poses = zones[0].plan.poses.len();
+    let wrinkles = |pose: &usize| {
+        let mut layers = pose_layers(zones, *pose).into_iter();
+        layers.any(|layer| layer.vertices > 0)
+    };
+    let wrinkling = (0..poses).filter(wrinkles).count();
     format!(
         "total: {wrinkling} of {} poses wrinkle, {} vertices, {} on one core, {} per thread",
-        plan.poses.len(),
+        poses,
         totals.vertices,
         duration(totals.seconds),
         memory(totals.largest_memory),
@@ -254,6 +306,10 @@ struct LayerJson<'a> {
     points_per_wavelength: Option<f64>,
     chi: Option<f64>,
     texels_per_wavelength: Option<f64>,
+    /// Ranges over the active area of what paint and natural unevenness make of the layer.
+    wavelength_range_m: Option<[f64; 2]>,
+    critical_strain_range: Option<[f64; 2]>,
+    thickness_range_m: Option<[f64; 2]>,
     seconds: f64,
     memory_bytes: f64,
 }
@@ -282,30 +338,40 @@ impl<'a> LayerJson<'a> {
             points_per_wavelength: known(layer.points_per_wavelength),
             chi: known(layer.chi),
             texels_per_wavelength: known(layer.texels_per_wavelength),
+            wavelength_range_m: layer.painted.map(|painted| painted.wavelength),
+            critical_strain_range: layer.painted.map(|painted| painted.critical_strain),
+            thickness_range_m: layer.painted.map(|painted| painted.thickness),
             seconds: known(layer.seconds).unwrap_or(0.0),
             memory_bytes: known(layer.memory).unwrap_or(0.0),
         }
     }
 }
 
-fn json(project: &Project, plan: &Plan) -> String {
-    let totals = Totals::of(plan);
+fn json(project: &Project, zones: &[ZonePlan]) -> String {
+    let totals = Totals::of(zones);
+    let own = zones.iter().flat_map(|zone| &zone.plan.warnings);
+    let has_strain_path = |pose: usize| {
+        let mut paths = zones.iter().map(|zone| zone.plan.poses[pose].path);
+        paths.any(|path| path == LoadPath::Strain)
+    };
     let document = PlanJson {
         version: 1,
         ruga: env!("CARGO_PKG_VERSION"),
         scene: project.path.to_string_lossy().into_owned(),
-        warnings: project.warnings.iter().chain(&plan.warnings).collect(),
-        pairs: pairs(project, plan),
-        poses: plan
-            .poses
-            .iter()
-            .map(|pose| PoseJson {
+        warnings: project.warnings.iter().chain(own).collect(),
+        pairs: pairs(project, zones),
+        poses: (0..)
+            .zip(&project.poses)
+            .map(|(index, pose)| PoseJson {
                 name: &pose.name,
-                path: match pose.path {
-                    LoadPath::Weight => "weight",
-                    LoadPath::Strain => "strain",
+                path: match has_strain_path(index) {
+                    true => "strain",
+                    false => "weight",
                 },
-                layers: pose.layers.iter().map(LayerJson::new).collect(),
+                layers: pose_layers(zones, index)
+                    .into_iter()
+                    .map(LayerJson::new)
+                    .collect(),
             })
             .collect(),
         total: TotalJson {
