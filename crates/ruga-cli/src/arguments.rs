@@ -15,8 +15,27 @@ Exit codes:
 
 Results go to stdout, progress and messages to stderr.";
 
+const HELP_TOPICS: &str = "\
+Reference:
+  ruga help scene      every key of a scene, its default and its unit
+  ruga help presets    every preset with its numbers";
+
 const PLAN_COLUMNS: &str = "\
-Columns:
+Columns of the layers:
+  wavelength           from crest to crest, on flat skin that is compressed evenly
+  critical strain      compression from which on the layer wrinkles
+  model                formula that both come from: see `ruga help scene`
+
+Columns of the pairs, each layer on the one below it:
+  membrane ratio       stiffness of the upper layer over that of the lower one; from 0.3 on the
+                       upper one changes when the lower one wrinkles, from 1 on it decides
+  force ratio          force at which the upper layer wrinkles over that of the lower one
+  joint wavelength,    what both would do as one skin; where this differs much from the layers'
+  critical strain      own numbers, `stack` says which of the two is simulated
+  first scale          fine: the upper layer's wrinkles come first; large: those of both together
+  bending transfer     part of the lower layer's bending that compresses the upper layer
+
+Columns of the poses:
   strain median, 99 %  how much the pose compresses the simulated skin: half, and all but the
                        worst hundredth, of its area is compressed less than this
   simulated            area that is compressed enough to wrinkle, with a margin
@@ -27,7 +46,13 @@ Columns:
 
 /// Simulates wrinkling skin and turns blend shapes into wrinkle maps.
 #[derive(Debug, Parser)]
-#[command(name = "ruga", version, after_help = EXIT_CODES, arg_required_else_help = true)]
+#[command(
+    name = "ruga",
+    version,
+    after_help = format!("{HELP_TOPICS}\n\n{EXIT_CODES}"),
+    arg_required_else_help = true,
+    disable_help_subcommand = true
+)]
 pub(crate) struct Arguments {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -47,9 +72,11 @@ pub(crate) enum Command {
     /// Validate scene, mesh, texture coordinates, masks and materials.
     #[command(after_help = EXIT_CODES)]
     Check(CheckArguments),
-    /// Write a starter scene that runs.
+    /// Write a starter scene that runs, or one for your own mesh.
     #[command(after_help = EXIT_CODES)]
     New(NewArguments),
+    /// Explain a command, the keys of a scene, or the presets.
+    Help(HelpArguments),
 }
 
 /// Options of `ruga bake` and `ruga simulate`.
@@ -103,18 +130,53 @@ pub(crate) struct CheckArguments {
 /// Options of `ruga new`.
 #[derive(Debug, Args)]
 pub(crate) struct NewArguments {
-    /// Folder for the scene and its mesh; made if it does not exist.
+    /// Folder for the scene; made if it does not exist.
     #[arg(value_name = "DIR", help_heading = "Output")]
     pub(crate) folder: PathBuf,
-    /// What to start from.
+    /// What to start from, with a mesh of its own.
     #[arg(
         long,
         value_enum,
         value_name = "NAME",
         default_value_t,
-        help_heading = "Output"
+        help_heading = "Input"
     )]
     pub(crate) template: Template,
+    /// Your own mesh with blend shapes, .glb or .gltf; it stays where it is.
+    #[arg(
+        long,
+        value_name = "FILE",
+        conflicts_with = "template",
+        help_heading = "Input"
+    )]
+    pub(crate) mesh: Option<PathBuf>,
+}
+
+/// Options of `ruga help`.
+#[derive(Debug, Args)]
+pub(crate) struct HelpArguments {
+    /// What to explain [default: the commands].
+    #[arg(value_enum, value_name = "TOPIC")]
+    pub(crate) topic: Option<Topic>,
+}
+
+/// What `ruga help` explains.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Topic {
+    /// Every key of a scene, its default and its unit.
+    Scene,
+    /// Every preset with its numbers.
+    Presets,
+    /// The options of `ruga bake`.
+    Bake,
+    /// The options of `ruga simulate`.
+    Simulate,
+    /// The options of `ruga plan`.
+    Plan,
+    /// The options of `ruga check`.
+    Check,
+    /// The options of `ruga new`.
+    New,
 }
 
 /// How fine the meshes are.

@@ -53,6 +53,23 @@ pub(crate) enum CliError {
     /// The mesh cannot be driven.
     #[error("{}: {source}", mesh.display())]
     Mesh { mesh: PathBuf, source: BlendError },
+    /// A size that no skin has: the file is in another unit than it was taken to be in.
+    #[error("{}: the mesh is {width} wide; {question}", mesh.display())]
+    #[diagnostic(help("{remedy}"))]
+    Unit {
+        mesh: PathBuf,
+        /// With its unit, as `21 m`.
+        width: String,
+        question: String,
+        remedy: String,
+    },
+    /// `ruga new --mesh` with a mesh that nothing moves.
+    #[error("{}: the mesh has no blend shapes, so there is nothing to pose", mesh.display())]
+    #[diagnostic(help(
+        "export it with its blend shapes (shape keys); an OBJ has one file for each, which \
+         `targets` under [driver] names: see `ruga help scene`"
+    ))]
+    NothingToPose { mesh: PathBuf },
     /// Two triangles would write the same texels.
     #[error("{}: the texture coordinates of triangles {first} and {second} overlap inside the active region of pose `{pose}` ({} there)", mesh.display(), counted(*triangles, "overlapping triangle"))]
     #[diagnostic(help(

@@ -23,6 +23,7 @@ mod commands;
 mod run;
 
 mod body;
+mod mesh_size;
 mod model;
 mod placement;
 mod project;

@@ -15,7 +15,7 @@ use crate::error::{CliError, counted};
 use crate::fingerprint::Fingerprint;
 use crate::placement::Placement;
 use crate::planned::{Planned, ZonePlan};
-use crate::{body, model, texture_space};
+use crate::{body, mesh_size, model, texture_space};
 
 /// What a command works on.
 pub(crate) struct Project {
@@ -55,6 +55,8 @@ impl Project {
         let poses = model::poses(&scene, &driver, poses, path)?;
         let modelling = model::modelling(&scene, region(&scene)?, quality);
         let mut warnings = mesh_warnings(&mesh, &driver);
+        warnings.extend(mesh_size::check(&scene, &mesh, &layers)?);
+        warnings.extend(mask_warnings(&scene, path)?);
         warnings.extend(texture_space::check(&mesh)?);
         Ok(Self {
             path: path.to_owned(),
@@ -214,6 +216,39 @@ pub(crate) fn region(scene: &Scene) -> Result<Region, CliError> {
         scene::Region::All => Region::All,
         scene::Region::Mask(path) => Region::Mask(mask(path)?),
     })
+}
+
+/// What is unusual about the masks of the region and of the layers.
+///
+/// # Errors
+/// [`IoError::SceneImage`] for a mask that cannot be read, naming its key.
+pub(crate) fn mask_warnings(scene: &Scene, path: &Path) -> Result<Vec<String>, CliError> {
+    let region = match &scene.driver.region {
+        scene::Region::Mask(mask) => Some(("driver.region".to_owned(), mask)),
+        scene::Region::Auto | scene::Region::All => None,
+    };
+    let layers = scene.layers.iter().enumerate();
+    let layers =
+        layers.filter_map(|(i, layer)| Some((format!("layers[{i}].mask"), layer.mask.as_ref()?)));
+    let mut warnings = Vec::new();
+    for (key, file) in region.into_iter().chain(layers) {
+        let image = read_mask(file).map_err(|source| IoError::SceneImage {
+            scene: path.to_owned(),
+            key: key.clone(),
+            source: Box::new(source),
+        })?;
+        let mut warn = |what: String| warnings.push(format!("`{key}`: {}: {what}", file.display()));
+        if image.width != image.height {
+            let (width, height) = (image.width, image.height);
+            warn(format!(
+                "the mask is {width} x {height} texels; it is stretched over the whole UV square"
+            ));
+        }
+        if image.had_transparency {
+            warn("the mask is transparent in places; they count as black".to_owned());
+        }
+    }
+    Ok(warnings)
 }
 
 /// The grey image at a path.

@@ -52,5 +52,6 @@ fn dispatch(command: &Command) -> Result<Outcome, CliError> {
         Command::Plan(arguments) => commands::plan::run(arguments),
         Command::Check(arguments) => commands::check::run(arguments),
         Command::New(arguments) => commands::new::run(arguments),
+        Command::Help(arguments) => Ok(commands::help::run(arguments)),
     }
 }

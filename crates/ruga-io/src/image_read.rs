@@ -30,6 +30,8 @@ pub struct Image {
 /// A grey image, values from 0 to 1, first row on top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GreyImage {
+    /// Whether a part of the file was transparent and so has become darker.
+    pub had_transparency: bool,
     /// Texels per row.
     pub width: usize,
     /// Rows.
@@ -40,22 +42,26 @@ pub struct GreyImage {
 
 /// Reads a mask: grey, grey with alpha, colour or palette PNG of any bit depth, or EXR.
 ///
-/// Colours become the mean of red, green and blue; alpha is ignored; values outside 0 to 1 (EXR)
-/// are clamped.
+/// Colours become the mean of red, green and blue. What is transparent counts as black, what is half
+/// transparent as half as bright: a mask is what the picture looks like on a black ground, so that
+/// white paint on an empty layer does what it shows. The colours of an EXR are multiplied with its
+/// alpha already. Values outside 0 to 1 (EXR) are clamped.
 ///
 /// # Errors
 /// [`IoError`] naming the file when it is missing, of another format, damaged or cut short.
 pub fn read_mask(path: &Path) -> Result<GreyImage, IoError> {
-    let image = read_image(path)?;
+    let (image, alpha) = read_with_alpha(path)?;
     let mean = |texel: &[f32]| texel.iter().sum::<f32>() / texel.len() as f32;
+    let grey = image.values.chunks_exact(image.channels).map(mean);
+    let mut values: Vec<f32> = grey.map(|value| value.clamp(0.0, 1.0)).collect();
+    for (value, alpha) in values.iter_mut().zip(alpha.iter().flatten()) {
+        *value *= alpha;
+    }
     Ok(GreyImage {
+        had_transparency: alpha.iter().flatten().any(|alpha| *alpha < 1.0),
         width: image.width,
         height: image.height,
-        values: image
-            .values
-            .chunks_exact(image.channels)
-            .map(|texel| mean(texel).clamp(0.0, 1.0))
-            .collect(),
+        values,
     })
 }
 
@@ -64,6 +70,11 @@ pub fn read_mask(path: &Path) -> Result<GreyImage, IoError> {
 /// # Errors
 /// [`IoError`] naming the file when it is missing, of another format, damaged or cut short.
 pub fn read_image(path: &Path) -> Result<Image, IoError> {
+    Ok(read_with_alpha(path)?.0)
+}
+
+/// The image, and the alpha of each texel where a PNG has one.
+fn read_with_alpha(path: &Path) -> Result<(Image, Option<Vec<f32>>), IoError> {
     const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
     const EXR: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
     let bytes = read_bytes(path)?;
@@ -75,6 +86,7 @@ pub fn read_image(path: &Path) -> Result<Image, IoError> {
         let read = catch_unwind(AssertUnwindSafe(|| read_exr(&bytes)));
         return read
             .unwrap_or_else(|_| Err("its texels are damaged".to_owned()))
+            .map(|image| (image, None))
             .map_err(|reason| IoError::malformed(path, "EXR", reason));
     }
     let found = if bytes.starts_with(&[0xff, 0xd8, 0xff]) {
@@ -98,7 +110,7 @@ fn plain_words(error: DecodingError) -> String {
     }
 }
 
-fn read_png(bytes: &[u8]) -> Result<Image, String> {
+fn read_png(bytes: &[u8]) -> Result<(Image, Option<Vec<f32>>), String> {
     // One row of working memory per limit; the image itself is bounded by its sides below.
     let limits = Limits { bytes: 1 << 28 };
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
@@ -141,15 +153,17 @@ fn read_png(bytes: &[u8]) -> Result<Image, String> {
         ColorType::Rgb | ColorType::Indexed => (3, 3),
         ColorType::Rgba => (4, 3),
     };
-    Ok(Image {
+    let texels = || values.chunks_exact(stored);
+    let alpha = (stored > kept).then(|| texels().map(|texel| texel[kept]).collect());
+    let image = Image {
         width,
         height,
         channels: kept,
-        values: values
-            .chunks_exact(stored)
+        values: texels()
             .flat_map(|texel| texel[..kept].iter().copied())
             .collect(),
-    })
+    };
+    Ok((image, alpha))
 }
 
 /// Refuses a header that asks for more memory than its file can fill.

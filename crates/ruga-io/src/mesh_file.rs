@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::{Matrix3, Matrix4};
 use ruga_blend::ArtistMesh;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::IoError;
@@ -89,7 +90,7 @@ pub struct ObjOptions {
 }
 
 /// Unit of lengths in a file that does not say.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum LengthUnit {
     /// Metres.
     #[default]

@@ -129,12 +129,21 @@ fn masks_of_every_kind() {
         encode(
             ColorType::GrayscaleAlpha,
             BitDepth::Eight,
-            &[0, 255, 255, 0]
+            &[0, 255, 255, 255]
         ),
         black_white
     );
-    let rgba = [0, 0, 0, 255, 255, 255, 255, 0];
-    assert_eq!(encode(ColorType::Rgba, BitDepth::Eight, &rgba), black_white);
+    // White paint on an empty layer, whatever colour is stored where nothing is painted.
+    for empty in [0, 255] {
+        let rgba = [empty, empty, empty, 0, 255, 255, 255, 255];
+        assert_eq!(encode(ColorType::Rgba, BitDepth::Eight, &rgba), black_white);
+    }
+    let half = encode(
+        ColorType::GrayscaleAlpha,
+        BitDepth::Eight,
+        &[255, 51, 0, 255],
+    );
+    assert!((half[0] - 0.2).abs() < 1e-6 && half[1] == 0.0);
     assert_eq!(
         encode(ColorType::Indexed, BitDepth::Eight, &[0, 1]),
         black_white

@@ -10,7 +10,7 @@ use crate::arguments::CheckArguments;
 use crate::error::{CliError, counted};
 use crate::project::{self, Project};
 use crate::run::Outcome;
-use crate::{messages, model, texture_space};
+use crate::{mesh_size, messages, model, texture_space};
 
 /// Prints what was found and OK, or every problem.
 ///
@@ -67,6 +67,9 @@ impl Findings {
         self.problems.extend(refused);
         let layers = self.keep(model::layers(scene, path));
         let region = self.keep(project::region(scene));
+        let masks = region.as_ref().map(|_| project::mask_warnings(scene, path));
+        let masks = masks.and_then(|masks| self.keep(masks));
+        self.warnings.extend(masks.into_iter().flatten());
         let mesh = self.keep(project::artist_mesh(scene));
         let driver = mesh
             .as_ref()
@@ -86,6 +89,8 @@ impl Findings {
         let warnings = project::mesh_warnings(&mesh, &driver);
         self.warnings.extend(warnings);
         let (layers, poses) = (layers?, poses?);
+        let size = self.keep(mesh_size::check(scene, &mesh, &layers));
+        self.warnings.extend(size.flatten());
         Some(Project {
             path: path.to_owned(),
             modelling: model::modelling(scene, region?, None),

@@ -1,9 +1,11 @@
 //! The commands, one per module; each returns how it ended.
 
 mod body_plan;
+mod scene_for_mesh;
 
 pub(crate) mod bake;
 pub(crate) mod check;
+pub(crate) mod help;
 pub(crate) mod new;
 pub(crate) mod plan;
 pub(crate) mod simulate;

@@ -1,6 +1,7 @@
 //! `[interior]`: the soft body below the layer, what holds it and what it runs into; and the
 //! motions of poses.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `[interior]`: one layer on an embedded lattice (Rémillard and Kry 2013).
@@ -9,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// metres; `length_unit` converts OBJ input alone. Places and directions are in the axes of the world:
 /// those in which a glTF file's node stands, of which glTF says that `y` is up. `driver.region` is
 /// `"all"` where it is `"auto"`, and `remesh.aspect` has no effect.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Interior {
     /// Lattice cells along the longest side, 1 to 64; the lattice takes no more. Left out, as many as
@@ -58,7 +59,7 @@ impl Interior {
 }
 
 /// The lattice's elements.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum CellShape {
     /// Quadratic B-splines.
@@ -69,7 +70,7 @@ pub enum CellShape {
 }
 
 /// One of `[[interior.handles]]`: the part of the body in a box, which moves as poses tell it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Handle {
     /// Its name in motions.
@@ -81,7 +82,7 @@ pub struct Handle {
 }
 
 /// One of `[[interior.obstacles]]`: a rigid thing without friction. Exactly one shape is given.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Obstacle {
     /// Its name in motions.
@@ -122,7 +123,7 @@ impl Obstacle {
 }
 
 /// A plane and everything behind it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Plane {
     /// A point on it, m.
@@ -132,7 +133,7 @@ pub struct Plane {
 }
 
 /// A ball.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Sphere {
     /// Its centre, m.
@@ -142,7 +143,7 @@ pub struct Sphere {
 }
 
 /// A straight cylinder with flat ends.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Cylinder {
     /// Centre of one end, m.
@@ -158,7 +159,7 @@ pub struct Cylinder {
 /// Several motions of one thing are its keyframes, in ascending order; between them, and between
 /// the rest and the first, it moves evenly. After the last it stays. A keyframe between two load steps
 /// is a load step of its own.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Motion {
     /// Name of the handle or obstacle.

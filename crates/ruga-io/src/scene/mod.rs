@@ -6,8 +6,10 @@
 mod interior;
 mod names;
 mod read;
+mod reference;
 mod settings;
 mod skin;
+mod slips;
 mod validate;
 mod validate_interior;
 mod validate_layers;
@@ -16,12 +18,14 @@ mod zones;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use interior::{
     CellShape, Cylinder, Handle, Interior, Motion, Obstacle, ObstacleShape, Plane, Sphere,
 };
 pub use names::{is_usable_file_name, usable_file_name};
+pub use reference::{Key, Table, reference};
 pub use settings::{
     Bake, Frame, LinearSolver, MapFormat, MapKind, NormalY, Remesh, Solver, SolverMode,
 };
@@ -34,8 +38,9 @@ pub use zones::Zone;
 
 use crate::LengthUnit;
 
-/// A whole scene. Units are SI.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// A whole scene: what stands before the first table. All units are SI: metres, pascals, kilograms,
+/// seconds. Paths are relative to the scene's folder. An unknown key is an error.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
     /// Version of the layout: 1.
@@ -43,7 +48,7 @@ pub struct Scene {
     /// What a stack of layers means.
     #[serde(default)]
     pub stack: Stack,
-    /// Unit of OBJ input.
+    /// Unit of the coordinates of OBJ files; for glTF see `scale` under `[driver]`.
     #[serde(default)]
     pub length_unit: LengthUnit,
     /// The artist's mesh.
@@ -54,7 +59,7 @@ pub struct Scene {
     /// The layers, bottom first.
     pub layers: Vec<Layer>,
     /// The poses; none means every blend shape at weight 1, or a body without shapes under its own
-    /// weight, see [`Scene::poses_or_shapes`].
+    /// weight.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub poses: Vec<Pose>,
     /// How frames are solved.
@@ -66,13 +71,13 @@ pub struct Scene {
     /// What is baked.
     #[serde(default)]
     pub bake: Bake,
-    /// Present: one layer on an embedded lattice.
+    /// Present: one layer on a soft body instead of on the posed mesh.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub interior: Option<Interior>,
 }
 
 /// What a stack of layers means.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Stack {
     /// Each layer by its own wavelength, as painted.
@@ -85,7 +90,7 @@ pub enum Stack {
 }
 
 /// The mesh and the part of it that is simulated.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Driver {
     /// `.glb`, `.gltf` or `.obj`.
@@ -98,10 +103,11 @@ pub struct Driver {
     /// written keeps the unit of the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<f64>,
-    /// OBJ alone: name and file of each blend shape.
+    /// OBJ alone: name and file of each blend shape, as `targets = { smile = "smile.obj" }`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub targets: BTreeMap<String, PathBuf>,
-    /// Where skin is simulated.
+    /// Where skin is simulated: `"auto"` (where a pose compresses the skin enough to wrinkle it),
+    /// `"all"`, or the path of a grey image over the UV square, white where skin is simulated.
     #[serde(default)]
     pub region: Region,
     /// How the artist's facets are smoothed.
@@ -117,7 +123,7 @@ fn default_vertex_budget() -> u64 {
 }
 
 /// Where skin is simulated: `auto`, `all`, or the path of a mask.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(from = "String", into = "String")]
 pub enum Region {
     /// Where a pose compresses the skin enough to wrinkle it.
@@ -150,7 +156,7 @@ impl From<Region> for String {
 }
 
 /// How the artist's facets are smoothed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Smoothing {
     /// Loop subdivision.
@@ -161,12 +167,13 @@ pub enum Smoothing {
 }
 
 /// A set of weights and motions, and where on the way to it maps are baked.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Pose {
     /// Its name, also in file names.
     pub name: String,
-    /// Weight of each blend shape that takes part; may be left out when there is an [`Interior`].
+    /// Weight of each blend shape that takes part, from -10 to 10; 1 is the whole shape. May be left
+    /// out when there is an `[interior]`.
     #[serde(default)]
     pub weights: BTreeMap<String, f64>,
     /// Fractions of the weights at which maps are baked, in (0, 1].
@@ -175,7 +182,7 @@ pub struct Pose {
     /// Load steps from rest to the full pose.
     #[serde(default = "default_steps")]
     pub steps: u32,
-    /// Where handles and obstacles of the [`Interior`] go; what is not named stands still.
+    /// Where handles and obstacles of `[interior]` go; what is not named stands still.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub motions: Vec<Motion>,
 }

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::slips::{UnknownKey, duplicate};
 use super::{Region, Scene};
 use crate::IoError;
 use crate::error::{nearest, read_bytes};
@@ -13,6 +14,9 @@ impl Scene {
     /// [`IoError::Scene`] naming the key, the value and what is accepted.
     pub fn read(path: &Path) -> Result<Self, IoError> {
         let bytes = read_bytes(path)?;
+        if let Some(reason) = no_scene(path, &bytes) {
+            return Err(scene_error(path, "", None, &reason, None));
+        }
         let text = String::from_utf8(bytes).map_err(|error| {
             let line = line_of(error.as_bytes(), error.utf8_error().valid_up_to());
             scene_error(path, "", Some(line), "is not UTF-8 text", None)
@@ -68,15 +72,37 @@ impl Scene {
     }
 }
 
+/// Says what a file is that is given in place of a scene by mistake.
+fn no_scene(path: &Path, bytes: &[u8]) -> Option<String> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    let is_mesh = matches!(extension.as_deref(), Some("glb" | "gltf" | "obj"));
+    if is_mesh || bytes.starts_with(b"glTF") {
+        let mesh = path.display();
+        return Some(format!(
+            "this is a mesh, not a scene; `ruga new --mesh {mesh} DIR` makes a scene for it"
+        ));
+    }
+    if bytes.starts_with(b"\x89PNG") || bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
+        return Some("this is an image, not a scene; accepted: a TOML file".to_owned());
+    }
+    None
+}
+
 fn toml_error(text: &str, path: &Path, key: String, error: &toml::de::Error) -> IoError {
     let line = error
         .span()
         .map(|span| line_of(text.as_bytes(), span.start));
     let message = error.message();
+    if let Some(unknown) = UnknownKey::of(message, &key) {
+        return scene_error(path, &key, line, &unknown.reason(), unknown.suggestion());
+    }
+    if let Some(twice) = error.span().and_then(|span| duplicate(text, span, message)) {
+        return scene_error(path, &key, line, &twice, None);
+    }
     scene_error(path, &key, line, message, suggestion_in(message))
 }
 
-/// Serde writes ``unknown field `x`, expected one of `a`, `b` ``: the names stand in backticks.
+/// Serde writes ``unknown variant `x`, expected one of `a`, `b` ``: the names stand in backticks.
 fn suggestion_in(message: &str) -> Option<String> {
     if !message.starts_with("unknown ") {
         return None;

@@ -1,9 +1,10 @@
 //! The optional tables: `[solver]`, `[remesh]`, `[bake]`.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `[solver]`: how frames are solved.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Solver {
     /// Equilibria or motion.
@@ -34,7 +35,7 @@ impl Default for Solver {
 }
 
 /// Equilibria or motion.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum SolverMode {
     /// Energy minima, frame by frame.
@@ -45,7 +46,7 @@ pub enum SolverMode {
 }
 
 /// The linear solver inside Newton's iteration.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum LinearSolver {
     /// Direct factorization.
@@ -56,7 +57,7 @@ pub enum LinearSolver {
 }
 
 /// `[remesh]`: how the layers' meshes are fitted to what a pose asks for.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Remesh {
     /// Whether meshes are fitted; if not, they are as fine everywhere.
@@ -85,7 +86,7 @@ impl Default for Remesh {
 }
 
 /// `[bake]`: which maps, how large, in which convention.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Bake {
     /// Width and height, texels.
@@ -119,7 +120,9 @@ impl Default for Bake {
 }
 
 /// What the texels of a map mean.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
 #[serde(rename_all = "lowercase")]
 pub enum MapKind {
     /// Tangent-space normals.
@@ -139,7 +142,7 @@ impl MapKind {
 }
 
 /// File format of maps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum MapFormat {
     /// 8 bits per channel, dithered.
@@ -162,7 +165,7 @@ impl MapFormat {
 }
 
 /// Sign of the green channel: `+` for OpenGL, Blender, glTF, Unity; `-` for Unreal.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum NormalY {
     /// Green grows towards the top of the image.
     #[default]
@@ -174,7 +177,7 @@ pub enum NormalY {
 }
 
 /// The tangent frame of normal maps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Frame {
     /// The smooth posed driver's: only the wrinkles show.

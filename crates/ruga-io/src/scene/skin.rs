@@ -2,14 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `[substrate]`: what carries the lowest layer. A preset, or numbers; what is left out takes the
 /// reference values of Li 2014, 5.2.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Substrate {
-    /// Name of a preset whose substrate is taken.
+    /// Name of a preset whose substrate is taken; `ruga help presets` lists them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<String>,
     /// Young's modulus, Pa; 0.5 MPa if left out.
@@ -58,12 +59,12 @@ const DEFAULT_POISSON: f64 = 0.48;
 
 /// One of `[[layers]]`. Exactly one of three descriptions is given: `young` and `thickness`;
 /// `wavelength` and `critical_strain`; or `preset`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Layer {
     /// Its name, also in file names.
     pub name: String,
-    /// Name of a preset.
+    /// Name of a preset; `ruga help presets` lists them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub preset: Option<String>,
     /// Young's modulus, Pa.
@@ -87,13 +88,13 @@ pub struct Layer {
     /// What holds it on the surface below.
     #[serde(default)]
     pub coupling: Coupling,
-    /// How constraint rows follow a changing mesh.
+    /// How averaging constraints follow a changing mesh.
     #[serde(default)]
     pub sampling: Sampling,
     /// The formula for wavelength and critical strain.
     #[serde(default)]
     pub model: WavelengthModel,
-    /// Share of the lower layer's bending strain that this layer feels, 0 to 1; from the layers'
+    /// Fraction of the lower layer's bending strain that this layer feels, 0 to 1; from the layers'
     /// stiffnesses if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bending_transfer: Option<f64>,
@@ -107,14 +108,14 @@ pub struct Layer {
     pub mask: Option<PathBuf>,
     /// What this layer's relief is multiplied by in the maps; above 0, up to 4. 1 is what was
     /// simulated.
-    #[serde(default = "one", skip_serializing_if = "is_one")]
+    #[serde(default = "one")]
     pub strength: f64,
     /// Natural unevenness: relative spread of the layer's thickness from place to place, 0 to 0.5.
     /// Left out, that of the preset, and 0 for a layer given by numbers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub variation: Option<f64>,
     /// Size of the thick and thin places of `variation`, in wavelengths of the layer; from 0.1 to 10.
-    #[serde(default = "one", skip_serializing_if = "is_one")]
+    #[serde(default = "one")]
     pub variation_scale: f64,
     /// Name of the zone that this layer belongs to. Layers of one zone are a stack, bottom first;
     /// zones lie side by side, and their masks do not overlap. Either every layer names its zone or
@@ -125,10 +126,6 @@ pub struct Layer {
 
 fn one() -> f64 {
     1.0
-}
-
-fn is_one(value: &f64) -> bool {
-    *value == 1.0
 }
 
 fn default_poisson() -> f64 {
@@ -185,25 +182,25 @@ impl Layer {
 }
 
 /// What holds a layer on the surface below.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Coupling {
-    /// Gaussian constraint rows alone, as in the papers.
+    /// Gaussian averaging constraints alone, as in the papers.
     Constraint,
     /// An elastic foundation alone.
     Elastic,
-    /// The foundation with low-pass rows.
+    /// The foundation with averaging constraints over longer distances.
     #[default]
     Hybrid,
 }
 
-/// How constraint rows follow a changing mesh.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+/// How averaging constraints follow a changing mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Sampling {
     /// Vertex areas (Li 2014, eq. 4.3).
     Area,
-    /// The same with moments matched.
+    /// Vertex areas, corrected so that centres and slopes are kept.
     Adjusted,
     /// Fixed material points with weights.
     #[default]
@@ -211,7 +208,7 @@ pub enum Sampling {
 }
 
 /// The formula for wavelength and critical strain.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum WavelengthModel {
     /// Film on a bonded elastic layer of finite thickness.
@@ -225,9 +222,8 @@ pub enum WavelengthModel {
 
 /// Painted properties of a layer. Each is `lo + (hi - lo) c` times the layer's own value, `c` from
 /// 0 to 1 read linearly. Either one `image` (red: wavelength, green: Young's modulus, blue:
-/// thickness), or one grey image per property. A property without range keeps its value. The images
-/// are read by [`read_property_images`](crate::read_property_images).
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// thickness), or one grey image per property. A property without range keeps its value.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PropertyMap {
     /// Image of all three properties.
@@ -252,10 +248,8 @@ pub struct PropertyMap {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub thickness_image: Option<PathBuf>,
     /// What lies beyond the border of an image.
-    #[serde(skip_serializing_if = "is_default")]
     pub wrap: Wrap,
     /// Whether edges of the layer's mesh shall follow the places where the paint jumps.
-    #[serde(skip_serializing_if = "is_default")]
     pub sharp: bool,
 }
 
@@ -274,7 +268,7 @@ impl PropertyMap {
 }
 
 /// What lies beyond the border of a painted image.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Wrap {
     /// The border's own texels. The default, unlike that of glTF: maps are painted inside the unit
@@ -283,8 +277,4 @@ pub enum Wrap {
     Clamp,
     /// The image again.
     Repeat,
-}
-
-fn is_default<T: Default + PartialEq>(value: &T) -> bool {
-    *value == T::default()
 }

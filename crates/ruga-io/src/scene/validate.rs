@@ -24,6 +24,10 @@ impl Fault {
     }
 }
 
+/// The widest range that sliders of blend shapes have, Blender's. What lies beyond was meant as per
+/// cent.
+const LARGEST_WEIGHT: f64 = 10.0;
+
 pub(super) type Checked = Result<(), Fault>;
 
 impl Scene {
@@ -254,6 +258,16 @@ impl Pose {
             if !weight.is_finite() {
                 let key = format!("{key}.weights.{shape}");
                 return fault(&key, weight, "a finite number");
+            }
+            if weight.abs() > LARGEST_WEIGHT {
+                return Err(Fault {
+                    key: format!("{key}.weights.{shape}"),
+                    reason: format!(
+                        "found {weight}; accepted: -{LARGEST_WEIGHT} to {LARGEST_WEIGHT}, where 1 is \
+                         the whole shape"
+                    ),
+                    suggestion: Some((weight / 100.0).to_string()),
+                });
             }
         }
         if self.keys.is_empty() {
