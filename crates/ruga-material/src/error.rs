@@ -1,5 +1,7 @@
 //! What can be wrong with a material.
 
+use crate::Variation;
+
 /// Why a layer on a substrate has no wavelength.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MaterialError {
@@ -22,6 +24,15 @@ pub enum MaterialError {
     /// A target strain that no compression can have.
     #[error("critical strain is {value}, but must lie strictly between 0 and 1")]
     StrainOutOfRange {
+        /// The value found.
+        value: f64,
+    },
+    /// An unevenness that no skin has.
+    #[error(
+        "the variation's relative spread is {value}, but must lie between 0 and {}",
+        Variation::MAX_SPREAD
+    )]
+    SpreadOutOfRange {
         /// The value found.
         value: f64,
     },

@@ -11,7 +11,7 @@
 //! limits of this and can be chosen by [`WavelengthModel`].
 //!
 //! A [`PropertyMap`] is what an artist paints over a layer; [`local_wrinkling`] is [`wrinkling`] at one
-//! painted place. A [`StackPair`] is a layer that carries another one: which of the two scales comes
+//! painted place. A [`VariationField`] makes thickness as uneven as skin's is by nature. A [`StackPair`] is a layer that carries another one: which of the two scales comes
 //! first, how they wrinkle together, and, by [`composite_layers`], what single layer stands for both.
 //!
 //! SI units; lengths in the rest configuration; compressive strain is positive. All is linear film
@@ -42,6 +42,7 @@ mod sharp_boundary;
 mod stack;
 mod strain;
 mod two_shells;
+mod variation;
 mod wrinkling;
 
 pub use design::design_layer;
@@ -54,4 +55,5 @@ pub use relative::{RelativeProperties, local_substrate, local_wrinkling};
 pub use sharp_boundary::{BoundaryCrossing, SHARP_RATIO, sharp_edges};
 pub use stack::{CompositeLayer, FirstScale, JointMode, StackLayer, StackPair, composite_layers};
 pub use strain::{CAP_START, capped_strain, effective_strain};
+pub use variation::{Variation, VariationField};
 pub use wrinkling::{WavelengthModel, Wrinkling, wrinkling};

@@ -1,6 +1,6 @@
 //! Nominal skins to start from.
 
-use crate::{LayerMaterial, Substrate};
+use crate::{LayerMaterial, Substrate, Variation};
 
 /// A named layer with the substrate that it was meant for.
 ///
@@ -15,6 +15,8 @@ pub struct Preset {
     pub layer: LayerMaterial,
     /// What carries the layer.
     pub substrate: Substrate,
+    /// Natural unevenness of thickness. `None` for the published reference materials, which are even.
+    pub variation: Option<Variation>,
 }
 
 /// The preset of that name, if there is one.
@@ -29,68 +31,86 @@ pub static PRESETS: [Preset; 11] = [
         description: "Dermis on fat, Li 2014: 11.3 mm at 13 %",
         layer: skin(4e6, 1.3e-3),
         substrate: below(0.5e6, 15e-3),
+        variation: None,
     },
     Preset {
         name: "reference-epidermis",
         description: "Epidermis on dermis, Li 2014: 2.5 mm at 2.0 %",
         layer: skin(600e6, 0.12e-3),
         substrate: below(4e6, 1.3e-3),
+        variation: None,
     },
     Preset {
         name: "forehead-furrow",
         description: "Horizontal furrows of the forehead: 10 mm at 4.5 %",
         layer: skin(0.8e6, 0.7e-3),
         substrate: below(0.02e6, 8e-3),
+        variation: UNEVEN,
     },
     Preset {
         name: "cheek",
         description: "Cheek and nasolabial folds: 8 mm at 5.4 %",
         layer: skin(0.6e6, 0.6e-3),
         substrate: below(0.02e6, 10e-3),
+        variation: UNEVEN,
     },
     Preset {
         name: "neck",
         description: "Folds of the neck: 12 mm at 4.2 %",
         layer: skin(1.0e6, 0.9e-3),
         substrate: below(0.02e6, 6e-3),
+        variation: UNEVEN,
     },
     Preset {
         name: "crows-feet",
         description: "Crow's feet beside the eye: 2.9 mm at 4.7 %",
         layer: skin(2.0e6, 0.22e-3),
         substrate: below(0.05e6, 1.5e-3),
+        variation: UNEVEN,
     },
     Preset {
         name: "knuckle",
         description: "Knuckles and back of the hand: 4.7 mm at 5.1 %",
         layer: skin(2.0e6, 0.35e-3),
         substrate: below(0.06e6, 3e-3),
+        variation: UNEVEN,
     },
     Preset {
         name: "eyelid",
         description: "Upper eyelid: 1.4 mm at 4.6 %",
         layer: skin(0.8e6, 0.10e-3),
         substrate: below(0.02e6, 0.8e-3),
+        variation: UNEVEN,
     },
     Preset {
         name: "fine-lines",
         description: "Fine lines, for painted regions only: 0.8 mm at 3.8 %",
         layer: skin(30e6, 0.05e-3),
         substrate: below(0.6e6, 1e-3),
+        variation: UNEVEN,
     },
     Preset {
         name: "face2-dermis",
         description: "Two-layer face, lower layer: 10 mm at 9.7 %",
         layer: skin(0.3e6, 1e-3),
         substrate: below(0.024e6, 8e-3),
+        variation: UNEVEN,
     },
     Preset {
         name: "face2-epidermis",
         description: "Two-layer face, upper layer: 0.8 mm at 4.0 %",
         layer: skin(14e6, 0.05e-3),
         substrate: below(0.3e6, 1e-3),
+        variation: UNEVEN,
     },
 ];
+
+/// Unevenness of every preset for faces and hands: a relative spread of a fifth, which makes furrows
+/// differ in depth, bend, join and fade, with features one wavelength wide.
+const UNEVEN: Option<Variation> = Some(Variation {
+    spread: 0.2,
+    scale: 1.0,
+});
 
 /// Poisson ratio of every preset (Li 2014, 5.2).
 const POISSON: f64 = 0.48;
