@@ -48,6 +48,10 @@ impl BaseSurface {
     ///
     /// Two rings of further faces are carried along while subdividing, so that a part of a mesh
     /// gets the very positions that the whole would give it.
+    ///
+    /// # Panics
+    /// When a face is none of the driver's, or the result would have more than
+    /// [`TriMesh::MAX_COUNT`] faces: [`Self::split_count`] times four to the power of `levels`.
     pub fn new(driver: &Driver, faces: &[FaceId], levels: u32, smoothing: Smoothing) -> Self {
         let part = driver
             .topology()
@@ -100,11 +104,17 @@ impl BaseSurface {
     }
 
     /// How many of the driver's faces [`Self::new`] splits for `faces`: them and two rings around.
+    ///
+    /// # Panics
+    /// When a face is none of the driver's.
     pub fn split_count(driver: &Driver, faces: &[FaceId]) -> usize {
         with_rings(driver.topology(), faces, 2).len()
     }
 
     /// The part of this surface made of `faces`.
+    ///
+    /// # Panics
+    /// When a face is none of this surface's.
     pub fn restrict(&self, faces: &[FaceId]) -> Self {
         let part = self.mesh.submesh(faces);
         let rows = |rows: &SparseRows| rows.select(part.vertices.as_slice());
@@ -161,12 +171,16 @@ impl BaseSurface {
     /// The number that a face's ancestor at `level` has when the *whole* driver is subdivided.
     ///
     /// # Panics
-    /// When `level` is above [`BaseSurface::levels`].
+    /// When `level` is above [`BaseSurface::levels`], or `face` is none of this surface's.
     pub fn ancestor(&self, face: FaceId, level: u32) -> u64 {
+        assert!(level <= self.levels, "level {level} of {}", self.levels);
         self.path[face] >> (2 * (self.levels - level))
     }
 
-    /// Positions, normals and tangents from the driver's control points.
+    /// Positions, normals and tangents from the driver's control points (m).
+    ///
+    /// # Panics
+    /// When there are fewer control points than the driver has vertices.
     pub fn pose(&self, control: &[Vector3<f64>]) -> PosedSurface {
         let positions = self.position.apply(control);
         let [first, second] = [0, 1].map(|i| self.tangents[i].apply(control));

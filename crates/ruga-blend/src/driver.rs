@@ -1,18 +1,28 @@
 //! The welded control mesh that blend shapes move.
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{SVector, Vector2, Vector3};
 use ruga_mesh::{FaceId, Id, MeshError, PerFace, PerVertex, TriMesh, VertexId, face_normals};
 
 use crate::{ArtistMesh, BlendError};
 
-/// Weights of some blend shapes, by index; `x(w) = rest + sum w_i delta_i` (Li 2014, 5.3).
+/// Finite weights of some blend shapes of a [`Driver`], which makes them by [`Driver::weights`];
+/// `x(w) = rest + sum w_i delta_i` (Li 2014, 5.3). The default is the rest pose.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Weights(pub Vec<(usize, f64)>);
+pub struct Weights(Vec<(usize, f64)>);
 
 impl Weights {
     /// All weights times `factor`: the pose on its way in.
+    ///
+    /// # Panics
+    /// When `factor` is not finite.
     pub fn scaled(&self, factor: f64) -> Self {
+        assert!(factor.is_finite(), "weights times {factor}");
         Self(self.0.iter().map(|&(i, w)| (i, w * factor)).collect())
+    }
+
+    /// Indices of the shapes, in the order of [`Driver::shape_names`], each with its weight.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = (usize, f64)> + '_ {
+        self.0.iter().copied()
     }
 }
 
@@ -49,7 +59,7 @@ impl Driver {
     /// Triangles without area are left out; [`Driver::degenerate_triangles`] lists them.
     ///
     /// # Errors
-    /// Any [`BlendError`] but `UnknownShape`.
+    /// Any [`BlendError`] but `UnknownShape` and `WeightNotFinite`.
     pub fn new(artist: &ArtistMesh) -> Result<Self, BlendError> {
         check_arrays(artist)?;
         let Some(uvs) = &artist.uvs else {
@@ -146,10 +156,11 @@ impl Driver {
         self.shapes.iter().map(|shape| shape.name.as_str())
     }
 
-    /// Resolves shape names.
+    /// Resolves shape names. A shape that is named twice gets the sum.
     ///
     /// # Errors
-    /// [`BlendError::UnknownShape`] with the nearest name there is.
+    /// [`BlendError::UnknownShape`] with the nearest name there is;
+    /// [`BlendError::WeightNotFinite`].
     pub fn weights<'a>(
         &self,
         named: impl IntoIterator<Item = (&'a str, f64)>,
@@ -158,9 +169,14 @@ impl Driver {
             .into_iter()
             .map(|(name, weight)| {
                 let index = self.shape_names().position(|n| n == name);
-                index
-                    .map(|i| (i, weight))
-                    .ok_or_else(|| self.unknown_shape(name))
+                let index = index.ok_or_else(|| self.unknown_shape(name))?;
+                if !weight.is_finite() {
+                    return Err(BlendError::WeightNotFinite {
+                        name: name.to_owned(),
+                        value: weight,
+                    });
+                }
+                Ok((index, weight))
             })
             .collect::<Result<_, _>>()
             .map(Weights)
@@ -182,9 +198,12 @@ impl Driver {
     }
 
     /// Posed control points, m, one per welded vertex.
+    ///
+    /// # Panics
+    /// When `weights` were made by another driver and name a shape that this one does not have.
     pub fn pose(&self, weights: &Weights) -> Vec<Vector3<f64>> {
         let mut posed = self.rest.clone();
-        for &(shape, weight) in &weights.0 {
+        for (shape, weight) in weights.iter() {
             for (point, delta) in posed.iter_mut().zip(&self.shapes[shape].deltas) {
                 *point += delta * weight;
             }
@@ -195,36 +214,18 @@ impl Driver {
 
 fn check_arrays(artist: &ArtistMesh) -> Result<(), BlendError> {
     let expected = artist.positions.len();
-    let shapes = artist
-        .shapes
-        .iter()
-        .map(|s| (s.name.as_str(), &s.position_deltas));
-    for (what, values) in std::iter::once(("position", &artist.positions)).chain(shapes) {
-        if values.len() != expected {
-            return Err(BlendError::Length {
-                mesh: artist.name.clone(),
-                what: what.to_owned(),
-                found: values.len(),
-                expected,
-            });
-        }
-        if let Some(vertex) = values.iter().position(|v| !v.iter().all(|c| c.is_finite())) {
-            return Err(BlendError::NotFinite {
-                mesh: artist.name.clone(),
-                what: what.to_owned(),
-                vertex,
-            });
+    check_array(artist, "position", &artist.positions)?;
+    if let Some(normals) = &artist.normals {
+        check_array(artist, "normal", normals)?;
+    }
+    for shape in &artist.shapes {
+        check_array(artist, &shape.name, &shape.position_deltas)?;
+        if let Some(deltas) = &shape.normal_deltas {
+            check_array(artist, &format!("normal delta of {}", shape.name), deltas)?;
         }
     }
-    if let Some(uvs) = &artist.uvs
-        && uvs.len() != expected
-    {
-        return Err(BlendError::Length {
-            mesh: artist.name.clone(),
-            what: "texture coordinates".to_owned(),
-            found: uvs.len(),
-            expected,
-        });
+    if let Some(uvs) = &artist.uvs {
+        check_array(artist, "texture coordinate", uvs)?;
     }
     for (face, triangle) in artist.triangles.iter().enumerate() {
         if let Some(&vertex) = triangle.iter().find(|&&v| v as usize >= expected) {
@@ -239,6 +240,31 @@ fn check_arrays(artist: &ArtistMesh) -> Result<(), BlendError> {
         }
     }
     Ok(())
+}
+
+/// Accepts an array of one finite vector per vertex.
+fn check_array<const N: usize>(
+    artist: &ArtistMesh,
+    what: &str,
+    values: &[SVector<f64, N>],
+) -> Result<(), BlendError> {
+    let expected = artist.positions.len();
+    if values.len() != expected {
+        return Err(BlendError::Length {
+            mesh: artist.name.clone(),
+            what: what.to_owned(),
+            found: values.len(),
+            expected,
+        });
+    }
+    match values.iter().position(|v| !v.iter().all(|c| c.is_finite())) {
+        None => Ok(()),
+        Some(vertex) => Err(BlendError::NotFinite {
+            mesh: artist.name.clone(),
+            what: what.to_owned(),
+            vertex,
+        }),
+    }
 }
 
 /// Welded id of every file vertex, and one file vertex of every welded one, in file order.

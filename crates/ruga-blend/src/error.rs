@@ -29,12 +29,20 @@ pub enum BlendError {
         /// How many shapes the mesh has.
         available: usize,
     },
-    /// A position, delta or weight is NaN or infinite.
+    /// A weight of a pose is NaN or infinite.
+    #[error("the weight of blend shape '{name}' is {value}, but must be a finite number")]
+    WeightNotFinite {
+        /// The shape.
+        name: String,
+        /// Its weight.
+        value: f64,
+    },
+    /// A position, normal, texture coordinate or delta is NaN or infinite.
     #[error("mesh '{mesh}': {what} of vertex {vertex} is not finite")]
     NotFinite {
         /// Name of the mesh.
         mesh: String,
-        /// Which array: `position` or the name of the shape.
+        /// Which array: `position`, `normal`, `texture coordinate` or the name of the shape.
         what: String,
         /// Vertex number in the file.
         vertex: usize,

@@ -17,7 +17,7 @@ pub struct FaceStrain {
 }
 
 impl FaceStrain {
-    /// Principal values of a right Cauchy-Green tensor.
+    /// Principal values of a right Cauchy-Green tensor; not numbers where it holds any that is not.
     pub fn from_cauchy_green(cauchy_green: Matrix2<f64>) -> Self {
         let eigen = SymmetricEigen::new(cauchy_green);
         let (low, high) = if eigen.eigenvalues[0] <= eigen.eigenvalues[1] {
@@ -25,7 +25,11 @@ impl FaceStrain {
         } else {
             (1, 0)
         };
-        let stretch = |i: usize| eigen.eigenvalues[i].max(0.0).sqrt();
+        // Rounding may leave less than 0. Not `max`, which would make full compression of a NaN.
+        let stretch = |i: usize| match eigen.eigenvalues[i] {
+            squared if squared < 0.0 => 0.0,
+            squared => squared.sqrt(),
+        };
         Self {
             cauchy_green,
             first: 1.0 - stretch(low),
@@ -40,7 +44,8 @@ impl FaceStrain {
     }
 }
 
-/// Orthonormal tangents of a triangle, the first along its first edge.
+/// Orthonormal tangents of a triangle with an area, the first along its first edge; not numbers for a
+/// triangle without.
 pub fn rest_frame(corners: [Vector3<f64>; 3]) -> [Vector3<f64>; 2] {
     let along = (corners[1] - corners[0]).normalize();
     let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
@@ -49,12 +54,22 @@ pub fn rest_frame(corners: [Vector3<f64>; 3]) -> [Vector3<f64>; 2] {
 
 /// Strain of every face of `mesh`.
 ///
-/// Faces must have an area at rest, which a [`crate::Driver`] and its base surface ensure.
+/// Faces must have an area at rest, which a [`crate::Driver`] and its base surface ensure; the strain
+/// of one that has none is not a number.
+///
+/// # Panics
+/// When there is not one rest and one posed position (m) per vertex.
 pub fn face_strains(
     mesh: &TriMesh,
     rest: &[Vector3<f64>],
     posed: &[Vector3<f64>],
 ) -> PerFace<FaceStrain> {
+    let count = mesh.vertex_count();
+    assert_eq!(
+        [rest.len(), posed.len()],
+        [count; 2],
+        "one position per vertex"
+    );
     mesh.faces()
         .as_slice()
         .iter()

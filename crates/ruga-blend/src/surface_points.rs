@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use ruga_mesh::{
-    LimitPointRows, LoopSurface, MaterialPoint, TriMesh, face_normals, vertex_normals,
+    Id, LimitPointRows, LoopSurface, MaterialPoint, TriMesh, face_normals, vertex_normals,
 };
 
 use crate::base_surface::material_tangent;
@@ -22,7 +22,15 @@ pub struct SurfacePoints {
 
 impl SurfacePoints {
     /// Prepares `points` on the faces of `driver`.
+    ///
+    /// # Panics
+    /// When a point lies on a face that the driver does not have.
     pub fn new(driver: &Driver, points: &[MaterialPoint], smoothing: Smoothing) -> Self {
+        let count = driver.topology().face_count();
+        assert!(
+            points.iter().all(|point| point.face.index() < count),
+            "every point lies on one of the driver's {count} faces"
+        );
         let limit = match smoothing {
             Smoothing::Loop => {
                 let surface = LoopSurface::new(driver.topology(), driver.corners());
@@ -46,6 +54,9 @@ impl SurfacePoints {
     ///
     /// On flat facets normals are those of the vertices, interpolated. A place without limit
     /// normal, such as a corner, has its facet's.
+    ///
+    /// # Panics
+    /// When there is not one control point per vertex of the driver.
     pub fn pose(&self, control: &[Vector3<f64>]) -> PosedSurface {
         match &self.limit {
             Some(rows) => self.pose_limit(rows, control),
@@ -55,7 +66,15 @@ impl SurfacePoints {
 
     /// Two tangents at every point that move with the material, m: how the surface changes with the
     /// barycentric coordinates of its driver face.
+    ///
+    /// # Panics
+    /// When there is not one control point per vertex of the driver.
     pub fn derivatives(&self, control: &[Vector3<f64>]) -> Vec<[Vector3<f64>; 2]> {
+        assert_eq!(
+            control.len(),
+            self.topology.vertex_count(),
+            "one control point per vertex"
+        );
         match &self.limit {
             Some(rows) => rows.apply(control).iter().map(|jet| jet.first).collect(),
             None => {

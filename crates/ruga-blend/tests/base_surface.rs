@@ -2,9 +2,9 @@
 
 mod patch;
 
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::{Matrix2, Rotation3, Vector3};
 use patch::{patch, shape};
-use ruga_blend::{BaseSurface, Driver, Smoothing, SurfacePoints, face_strains};
+use ruga_blend::{BaseSurface, Driver, FaceStrain, Smoothing, SurfacePoints, face_strains};
 use ruga_mesh::{FaceId, MaterialPoint};
 
 /// A patch bent over a saddle.
@@ -145,4 +145,27 @@ fn chosen_points_lie_on_the_base_surface() {
             assert!((turn * a[1] - b[1]).norm() < 1e-12);
         }
     }
+}
+
+#[test]
+#[should_panic(expected = "cannot be subdivided 14 times")]
+fn too_many_levels_end_before_memory_is_asked_for() {
+    let driver = saddle();
+    let _ = BaseSurface::new(&driver, &[FaceId(0)], 14, Smoothing::Loop);
+}
+
+#[test]
+#[should_panic(expected = "every point lies on one of the driver's")]
+fn a_point_on_a_face_of_another_driver() {
+    let driver = saddle();
+    let stray = MaterialPoint::at_corner(FaceId(112), 0);
+    let _ = SurfacePoints::new(&driver, &[stray], Smoothing::None);
+}
+
+#[test]
+fn strain_of_what_is_no_number_is_no_number() {
+    let lost = FaceStrain::from_cauchy_green(Matrix2::repeat(f64::NAN));
+    assert!(lost.first.is_nan() && lost.effective(0.48).is_nan());
+    let flat = FaceStrain::from_cauchy_green(Matrix2::new(1.0, 0.0, 0.0, -1e-18));
+    assert_eq!((flat.first, flat.second), (1.0, 0.0));
 }

@@ -118,6 +118,75 @@ fn bad_arrays_are_refused() {
     ));
 }
 
+type Break = fn(&mut ArtistMesh, Vector3<f64>);
+
+#[test]
+fn numbers_that_are_none_are_refused_where_they_are() {
+    let shaped = || {
+        let mut mesh = seam();
+        mesh.normals = Some(vec![Vector3::z(); 6]);
+        mesh.shapes.push(shape("open", vec![Vector3::x(); 6]));
+        mesh.shapes[0].normal_deltas = Some(vec![Vector3::zeros(); 6]);
+        mesh
+    };
+    assert!(Driver::new(&shaped()).is_ok());
+    let cases: [(&str, Break); 5] = [
+        ("position", |mesh, bad| mesh.positions[2] = bad),
+        ("normal", |mesh, bad| {
+            mesh.normals.as_mut().unwrap()[2] = bad
+        }),
+        ("open", |mesh, bad| mesh.shapes[0].position_deltas[2] = bad),
+        ("normal delta of open", |mesh, bad| {
+            mesh.shapes[0].normal_deltas.as_mut().unwrap()[2] = bad;
+        }),
+        ("texture coordinate", |mesh, bad| {
+            mesh.uvs.as_mut().unwrap()[2] = bad.xy();
+        }),
+    ];
+    for (what, set) in cases {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let mut mesh = shaped();
+            set(&mut mesh, Vector3::new(0.5, bad, 0.0));
+            let error = Driver::new(&mesh).unwrap_err().to_string();
+            let said = format!("mesh 'seam': {what} of vertex 2 is not finite");
+            assert_eq!(error, said);
+        }
+    }
+    let mut mesh = shaped();
+    mesh.normals = Some(vec![Vector3::z(); 5]);
+    let error = Driver::new(&mesh).unwrap_err().to_string();
+    assert!(
+        error.contains("normal has 5 entries, but there are 6"),
+        "{error}"
+    );
+}
+
+#[test]
+fn weights_that_are_no_numbers_are_refused_by_name() {
+    let mut mesh = seam();
+    mesh.shapes.push(shape("open", vec![Vector3::x(); 6]));
+    let driver = Driver::new(&mesh).unwrap();
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let error = driver.weights([("open", 0.5), ("open", bad)]).unwrap_err();
+        assert!(matches!(error, BlendError::WeightNotFinite { .. }));
+        let said =
+            format!("the weight of blend shape 'open' is {bad}, but must be a finite number");
+        assert_eq!(error.to_string(), said);
+    }
+    let twice = driver.weights([("open", 0.5), ("open", 0.25)]).unwrap();
+    assert_eq!(twice.iter().collect::<Vec<_>>(), [(0, 0.5), (0, 0.25)]);
+    assert_eq!(
+        driver.pose(&twice)[0],
+        driver.rest()[0] + Vector3::x() * 0.75
+    );
+}
+
+#[test]
+#[should_panic(expected = "weights times NaN")]
+fn a_pose_is_not_scaled_by_what_is_no_number() {
+    let _ = Weights::default().scaled(f64::NAN);
+}
+
 #[test]
 fn unknown_shape_suggests_the_nearest() {
     let mut mesh = seam();

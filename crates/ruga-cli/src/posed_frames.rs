@@ -50,7 +50,7 @@ fn frames(
 /// The file's normals, moved as the file says; `None` where it does not say it of every shape.
 fn blended_normals(artist: &ArtistMesh, weights: &Weights) -> Option<Vec<Vector3<f64>>> {
     let mut normals = artist.normals.clone()?;
-    for &(shape, weight) in weights.0.iter().filter(|(_, weight)| *weight != 0.0) {
+    for (shape, weight) in weights.iter().filter(|(_, weight)| *weight != 0.0) {
         let deltas = artist.shapes[shape].normal_deltas.as_ref()?;
         for (normal, delta) in normals.iter_mut().zip(deltas) {
             *normal += delta * weight;

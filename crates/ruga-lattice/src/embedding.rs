@@ -89,7 +89,8 @@ impl Embedding {
     /// Any places of the lattice, with a rest normal each (any length).
     ///
     /// # Errors
-    /// [`LatticeError::Length`], [`LatticeError::NoNormal`].
+    /// [`LatticeError::Length`], [`LatticeError::ElementOutOfRange`], [`LatticeError::NotFinite`],
+    /// [`LatticeError::NoNormal`].
     pub fn of_places(
         lattice: &Lattice,
         places: &[Place],
@@ -102,6 +103,7 @@ impl Embedding {
             node_count: lattice.node_count(),
         };
         for (point, (place, normal)) in places.iter().zip(normals).enumerate() {
+            lattice.check_place(point, place)?;
             let length = normal.norm();
             if !(length > LEAST_NORMAL && length.is_finite()) {
                 return Err(LatticeError::NoNormal { point, length });
@@ -145,12 +147,18 @@ impl Embedding {
     }
 
     /// Positions of the points (m) with the nodes at `q` (m): `B q`.
+    ///
+    /// # Panics
+    /// When there is not one vector per node.
     pub fn positions(&self, q: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         self.check(q);
         self.positions.apply(q)
     }
 
     /// Unit normals of the points with the nodes at `q` (m); zero where the surface has collapsed.
+    ///
+    /// # Panics
+    /// When there is not one vector per node.
     pub fn normals(&self, q: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         self.check(q);
         let [first, second] = [0, 1].map(|k| self.tangents[k].apply(q));
@@ -173,6 +181,10 @@ impl Embedding {
             }
         }
         on_nodes
+    }
+
+    pub(crate) fn node_count(&self) -> usize {
+        self.node_count
     }
 
     fn check(&self, q: &[Vector3<f64>]) {

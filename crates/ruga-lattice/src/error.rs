@@ -2,6 +2,8 @@
 
 use ruga_mesh::{FaceId, VertexId};
 
+use crate::ElementId;
+
 /// Why a lattice, an energy or an embedding is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LatticeError {
@@ -83,6 +85,22 @@ pub enum LatticeError {
         face: FaceId,
         /// Number of faces.
         count: usize,
+    },
+    /// A place names an element that the lattice does not have.
+    #[error("place {place} lies in element {element}, but the lattice has {count} elements", element = element.0)]
+    ElementOutOfRange {
+        /// Index of the place.
+        place: usize,
+        /// The element it names.
+        element: ElementId,
+        /// Number of elements.
+        count: usize,
+    },
+    /// The columns of a sparse matrix do not follow each other.
+    #[error("column {column} of the surface's Hessian ends before it begins")]
+    ColumnStarts {
+        /// The first such column.
+        column: usize,
     },
     /// A vertex has no face and so no place on the surface.
     #[error("vertex {vertex} belongs to no face", vertex = vertex.0)]

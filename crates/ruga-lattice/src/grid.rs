@@ -33,7 +33,7 @@ pub(crate) struct GridEdge {
 }
 
 /// Edges of the cells (m) that a lattice of `cells` cells along the longest side, at least one, has in a
-/// box with these sides (m), to four digits.
+/// box with these sides (m, finite, not all zero), to four digits.
 pub fn cell_size(sides: &Vector3<f64>, cells: u32) -> Vector3<f64> {
     sides.component_div(&counts(sides, cells))
 }

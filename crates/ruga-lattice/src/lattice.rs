@@ -183,22 +183,34 @@ impl Lattice {
 
     /// The nodes of an element; node `(i, j, k)` along x, y, z is entry `(i n + j) n + k`, with
     /// `n` nodes per axis.
+    ///
+    /// # Panics
+    /// When the lattice does not have the element.
     pub fn element_nodes(&self, element: ElementId) -> &[NodeId] {
         let n = self.shape.nodes_per_element();
         &self.element_nodes[n * element.index()..n * (element.index() + 1)]
     }
 
     /// Lower corner of an element's cell (m); elements with the same one are superimposed.
+    ///
+    /// # Panics
+    /// When the lattice does not have the element.
     pub fn element_corner(&self, element: ElementId) -> Vector3<f64> {
         self.grid.corner(self.cell(element))
     }
 
     /// Volume of the piece of the body in an element (m³).
+    ///
+    /// # Panics
+    /// When the lattice does not have the element.
     pub fn element_volume(&self, element: ElementId) -> f64 {
         self.moments(element).volume
     }
 
     /// Centre of the piece of the body in an element (m), which lies in its cell.
+    ///
+    /// # Panics
+    /// When the lattice does not have the element.
     pub fn element_centre(&self, element: ElementId) -> Vector3<f64> {
         let moments = self.moments(element);
         let size = self.cell_size();
@@ -239,14 +251,22 @@ impl Lattice {
     }
 
     /// Where a place is when the nodes are at `q` (m).
+    ///
+    /// # Panics
+    /// When the lattice does not have the place's element, or there is not one vector per node.
     pub fn position(&self, place: &Place, q: &[Vector3<f64>]) -> Vector3<f64> {
+        assert_eq!(q.len(), self.node_count(), "one vector per node");
         let shape = self.shape.evaluate(&place.local, &self.grid.size);
         let terms = self.element_nodes(place.element).iter().zip(shape.values);
         terms.map(|(node, value)| q[node.index()] * value).sum()
     }
 
     /// Deformation gradient `F = dx/dX` at a place when the nodes are at `q` (m).
+    ///
+    /// # Panics
+    /// When the lattice does not have the place's element, or there is not one vector per node.
     pub fn deformation(&self, place: &Place, q: &[Vector3<f64>]) -> Matrix3<f64> {
+        assert_eq!(q.len(), self.node_count(), "one vector per node");
         let shape = self.shape.evaluate(&place.local, &self.grid.size);
         let terms = self
             .element_nodes(place.element)

@@ -39,12 +39,16 @@ impl Lattice {
     /// Weight on the nodes (N) at a density (kg/m³) and an acceleration (m/s²).
     ///
     /// # Errors
-    /// Those of [`Self::node_masses`].
+    /// Those of [`Self::node_masses`]; [`LatticeError::NotFinite`] for the acceleration.
     pub fn gravity_load(
         &self,
         density: f64,
         gravity: &Vector3<f64>,
     ) -> Result<Vec<Vector3<f64>>, LatticeError> {
+        if let Some(index) = gravity.iter().position(|g| !g.is_finite()) {
+            let what = "component of gravity";
+            return Err(LatticeError::NotFinite { what, index });
+        }
         let masses = self.node_masses(density)?;
         Ok(masses.into_iter().map(|mass| gravity * mass).collect())
     }

@@ -156,7 +156,26 @@ impl Lattice {
         }
     }
 
+    pub(crate) fn check_place(&self, index: usize, place: &Place) -> Result<(), LatticeError> {
+        let (element, count) = (place.element, self.element_count());
+        if element.index() >= count {
+            return Err(LatticeError::ElementOutOfRange {
+                place: index,
+                element,
+                count,
+            });
+        }
+        if !place.local.iter().all(|c| c.is_finite()) {
+            let what = "place";
+            return Err(LatticeError::NotFinite { what, index });
+        }
+        Ok(())
+    }
+
     /// The place of a rest position (m) in a given element, inside its cell or not.
+    ///
+    /// # Panics
+    /// When the lattice does not have the element.
     pub fn place_in(&self, element: ElementId, position: &Vector3<f64>) -> Place {
         Place {
             element,

@@ -80,7 +80,8 @@ pub(crate) struct Tangent {
 const LEAST_SUM: f64 = 1e-8;
 
 impl RotatedLinear {
-    /// From Young's modulus (Pa) and Poisson's ratio.
+    /// From Young's modulus (Pa) and Poisson's ratio, both in the ranges of [`SolidMaterial`], which are
+    /// not checked here.
     pub fn new(young: f64, poisson: f64) -> Self {
         Self {
             shear: young / (2.0 * (1.0 + poisson)),

@@ -23,6 +23,10 @@ impl SurfacePattern<'_> {
     fn check(&self, embedding: &Embedding) -> Result<(), LatticeError> {
         let unknowns = 3 * self.points.len();
         check_length("column starts", unknowns + 1, self.column_starts.len())?;
+        let columns = self.column_starts.windows(2);
+        if let Some(column) = columns.into_iter().position(|pair| pair[0] > pair[1]) {
+            return Err(LatticeError::ColumnStarts { column });
+        }
         let entries = self.column_starts[unknowns];
         check_length("rows of the surface's Hessian", entries, self.rows.len())?;
         if let Some(&row) = self.rows.iter().find(|&&row| row >= unknowns) {
@@ -53,14 +57,17 @@ impl LatticeEnergy {
     /// common. Value arrays made for the former pattern don't fit any more.
     ///
     /// # Errors
-    /// [`LatticeError::Length`] when the arrays of the pattern contradict each other, or the
-    /// embedding.
+    /// [`LatticeError::Length`] or [`LatticeError::ColumnStarts`] when the arrays of the pattern
+    /// contradict each other, or the embedding; [`LatticeError::Length`] for an embedding in another
+    /// lattice than the energy's.
     pub fn couple_surface(
         &mut self,
         embedding: &Embedding,
         surface: &SurfacePattern,
     ) -> Result<(), LatticeError> {
         surface.check(embedding)?;
+        let nodes = self.blocks().node_count();
+        check_length("nodes of the embedding", nodes, embedding.node_count())?;
         let mut stencils = Vec::new();
         for (column, &point) in surface.points.iter().enumerate() {
             let mut nodes: Vec<u32> = embedding.nodes(point).collect();

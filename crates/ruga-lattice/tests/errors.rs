@@ -4,7 +4,7 @@ mod shapes;
 
 use nalgebra::Vector3;
 use ruga_lattice::{
-    Embedding, Lattice, LatticeEnergy, LatticeError, LatticeSpec, Place, SolidMaterial,
+    ElementId, Embedding, Lattice, LatticeEnergy, LatticeError, LatticeSpec, Place, SolidMaterial,
 };
 use ruga_mesh::{FaceId, MaterialPoint, VertexId};
 use shapes::{Surface, block, spec, sphere, torus};
@@ -219,6 +219,33 @@ fn bad_materials_and_points_are_named() {
         error,
         Err(LatticeError::NoNormal { point: 0, .. })
     ));
+
+    let strays = [
+        (
+            Place {
+                element: ElementId(8),
+                ..place
+            },
+            "element 8, but the lattice has 8 elements",
+        ),
+        (
+            Place {
+                local: Vector3::new(0.5, f64::NAN, 0.5),
+                ..place
+            },
+            "place 1 is not finite",
+        ),
+    ];
+    for (stray, said) in strays {
+        let error = Embedding::of_places(&lattice, &[place, stray], &[Vector3::z(); 2]);
+        let error = error.expect_err("no place of this lattice").to_string();
+        assert!(error.contains(said), "{error}");
+    }
+    for bad in [f64::NAN, f64::INFINITY] {
+        let error = lattice.gravity_load(1000.0, &Vector3::new(0.0, bad, 0.0));
+        let error = error.expect_err("no acceleration").to_string();
+        assert_eq!(error, "component of gravity 1 is not finite");
+    }
 
     let mut loose = cube();
     loose.positions.push(Vector3::repeat(0.5));

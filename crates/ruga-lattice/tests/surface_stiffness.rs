@@ -150,6 +150,24 @@ fn arrays_that_do_not_fit_are_refused() {
         rows: &good.rows[1..],
         ..good.pattern()
     });
+    // The last start alone fits; one before it points beyond the rows.
+    let mut starts = good.column_starts.clone();
+    starts[5] = good.rows.len() + 1;
+    let unsorted = SurfacePattern {
+        column_starts: &starts,
+        ..good.pattern()
+    };
+    assert_eq!(
+        energy(&lattice).couple_surface(&embedding, &unsorted),
+        Err(LatticeError::ColumnStarts { column: 5 })
+    );
+    let finer = surface.lattice(spec(3));
+    let error = energy(&finer).couple_surface(&embedding, &good.pattern());
+    assert!(
+        matches!(error, Err(LatticeError::Length { .. })),
+        "{error:?}"
+    );
+
     let mut beyond = good.points.clone();
     beyond[3] = 72;
     refused(SurfacePattern {

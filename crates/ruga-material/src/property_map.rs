@@ -233,8 +233,11 @@ impl PropertyMap {
         )
     }
 
-    /// The properties at a UV with finite coordinates.
+    /// The properties at a UV; all are 1 where a coordinate is not finite, since nothing is painted there.
     pub fn sample(&self, uv: &Vector2<f64>) -> RelativeProperties {
+        if !uv.iter().all(|c| c.is_finite()) {
+            return RelativeProperties::default();
+        }
         let at = |image: &Option<PropertyImage>| {
             image
                 .as_ref()

@@ -41,6 +41,12 @@ impl StackLayer {
             wrinkling: wrinkling(&material, below, model)?,
         })
     }
+
+    /// Accepts what [`StackLayer::new`] makes; the fields may have been set by hand.
+    fn validate(&self) -> Result<(), MaterialError> {
+        self.material.validate()?;
+        self.wrinkling.representable().map(|_| ())
+    }
 }
 
 /// A wave in which two layers move together.
@@ -116,8 +122,12 @@ impl StackPair {
     /// Analyses `upper` on `lower`.
     ///
     /// # Errors
-    /// [`MaterialError::Overflow`] when the joint wave leaves the range of floating-point numbers.
+    /// Those of [`LayerMaterial::validate`] for either layer; [`MaterialError::Overflow`] when a part of
+    /// a layer's [`Wrinkling`] is no finite number above 0, or the joint wave leaves the range of
+    /// floating-point numbers.
     pub fn new(lower: &StackLayer, upper: &StackLayer) -> Result<Self, MaterialError> {
+        lower.validate()?;
+        upper.validate()?;
         let upper_shell = Shell::new(&upper.wrinkling);
         let lever = 0.5 * (lower.material.thickness + upper.material.thickness);
         Self::with_upper_shell(lower, upper, upper_shell, lever)
@@ -292,8 +302,10 @@ impl CompositeLayer {
 /// is an extrapolation of the same idea.
 ///
 /// # Errors
-/// Those of [`StackPair::composite`], for the first pair from the top that has none.
+/// Those of [`StackPair::new`] and [`StackPair::composite`], for the first pair from the top that has
+/// none.
 pub fn composite_layers(layers: &[StackLayer]) -> Result<Vec<CompositeLayer>, MaterialError> {
+    layers.iter().try_for_each(StackLayer::validate)?;
     let mut found: Vec<CompositeLayer> = Vec::with_capacity(layers.len());
     // Height of the neutral surface of all so far above their lowest face.
     let mut neutral = 0.0;

@@ -12,7 +12,7 @@ const CAP_RANGE: f64 = 0.10;
 ///
 /// The identity up to 0.15, then `0.15 + 0.10 (1 - exp(-(strain - 0.15)/0.10))`: continuous with its
 /// slope, rising, never above 0.25. Blend shapes ask for much more in lids, lips and fists, where the
-/// artist has drawn a fold that no wrinkle can represent.
+/// artist has drawn a fold that no wrinkle can represent. Not a number is passed on.
 pub fn capped_strain(strain: f64) -> f64 {
     if strain <= CAP_START {
         return strain;

@@ -81,7 +81,7 @@ impl Wrinkling {
     ///
     /// Without constraint rows the critical strain rises to `ε_c (1 + χ)`, because the layer can
     /// relieve its force by moving off the base. Harmless below 0.02. The sign of the radius does not
-    /// matter; a plane has an infinite one.
+    /// matter; a plane has an infinite one. Infinite at a radius of 0.
     pub fn curvature_measure(&self, radius: f64) -> f64 {
         self.membrane_stiffness / (radius * radius * self.normal_stiffness)
     }
@@ -144,6 +144,12 @@ impl Wrinkling {
         require_representable("the critical force (N/m)", self.critical_force)?;
         require_representable("the critical strain", self.critical_strain)?;
         require_representable("the normal stiffness (Pa/m)", self.normal_stiffness)?;
+        if !self.gradient_stiffness.is_finite() {
+            return Err(MaterialError::Overflow {
+                quantity: "the gradient stiffness (N/m)",
+                value: self.gradient_stiffness,
+            });
+        }
         require_representable("the tangential stiffness (Pa/m)", self.tangential_stiffness)?;
         Ok(self)
     }

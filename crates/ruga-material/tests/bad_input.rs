@@ -1,8 +1,11 @@
 //! Every mistake is named, with its value; nothing panics and no NaN comes out.
 
+use nalgebra::Vector2;
 use proptest::prelude::*;
 use ruga_material::{
-    LayerMaterial, MaterialError, PRESETS, Substrate, WavelengthModel, design_layer, wrinkling,
+    LayerMaterial, MaterialError, PRESETS, Preset, PropertyImage, PropertyMap, RelativeProperties,
+    StackLayer, StackPair, Substrate, WavelengthModel, Wrap, composite_layers, design_layer,
+    wrinkling,
 };
 
 const NOT_POSITIVE: [f64; 6] = [0.0, -0.0, -1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
@@ -191,6 +194,56 @@ proptest! {
         let strain = values[6] / (1.0 + values[6]);
         if let Ok(found) = design_layer(values[5], strain, poisson[0], values[7], &substrate) {
             prop_assert_eq!(found.validate(), Ok(()));
+        }
+    }
+}
+
+#[test]
+fn layers_of_a_stack_set_by_hand_are_checked() {
+    let layer = |which: usize| {
+        let Preset {
+            layer, substrate, ..
+        } = PRESETS[which];
+        StackLayer::new(layer, &substrate, WavelengthModel::Layer).expect("a preset")
+    };
+    let (lower, upper) = (layer(0), layer(1));
+    assert!(StackPair::new(&lower, &upper).is_ok());
+    let breaks: [fn(&mut StackLayer, f64); 5] = [
+        |layer, bad| layer.material.thickness = bad,
+        |layer, bad| layer.material.young = bad,
+        |layer, bad| layer.wrinkling.wave_number = bad,
+        |layer, bad| layer.wrinkling.membrane_stiffness = bad,
+        |layer, bad| layer.wrinkling.gradient_stiffness = bad,
+    ];
+    for set in breaks {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let mut broken = lower;
+            set(&mut broken, bad);
+            assert!(StackPair::new(&broken, &upper).is_err());
+            assert!(composite_layers(&[broken, upper]).is_err());
+            let mut broken = upper;
+            set(&mut broken, bad);
+            assert!(StackPair::new(&lower, &broken).is_err());
+            assert!(composite_layers(&[lower, broken]).is_err());
+        }
+    }
+}
+
+#[test]
+fn nothing_is_painted_where_there_is_no_uv() {
+    let image = PropertyImage {
+        width: 1,
+        height: 1,
+        values: vec![1.0],
+        range: [1.0, 3.0],
+    };
+    for wrap in [Wrap::ClampToEdge, Wrap::Repeat] {
+        let map = PropertyMap::new(None, None, Some(image.clone()), wrap).expect("a map");
+        assert_eq!(map.sample(&Vector2::new(0.3, 0.9)).thickness, 3.0);
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let uv = Vector2::new(0.5, bad);
+            assert_eq!(map.sample(&uv), RelativeProperties::default());
+            assert_eq!(map.crossings(&uv, &Vector2::zeros(), 1.2), Ok(vec![]));
         }
     }
 }

@@ -5,6 +5,16 @@ use crate::{FaceId, VertexId};
 /// Why a face list is no oriented manifold triangle mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeshError {
+    /// A mesh has more vertices or faces than can be numbered.
+    #[error("the mesh has {count} {what}, but at most {limit} are accepted")]
+    TooLarge {
+        /// `vertices` or `faces`.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+        /// How many are accepted: [`TriMesh::MAX_COUNT`](crate::TriMesh::MAX_COUNT).
+        limit: usize,
+    },
     /// A face names a vertex that does not exist.
     #[error("face {face} uses vertex {vertex}, but the mesh has {count} vertices", face = face.0, vertex = vertex.0)]
     VertexOutOfRange {

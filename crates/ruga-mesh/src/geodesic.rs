@@ -10,13 +10,22 @@ use crate::{Id, PerVertex, TriMesh, VertexId};
 /// Shortest distance (m) along edges from the nearest of `sources`; infinite beyond `limit`.
 ///
 /// Dijkstra 1959. Edge paths are up to 15 % longer than true geodesics on regular meshes, which is
-/// good enough to grow a region.
+/// good enough to grow a region. Nothing is reached through a position that is not finite, or with a
+/// `limit` that is not a number.
+///
+/// # Panics
+/// When there is not one position per vertex, or a source is none of the mesh's vertices.
 pub fn edge_distances(
     mesh: &TriMesh,
     positions: &[Vector3<f64>],
     sources: impl IntoIterator<Item = VertexId>,
     limit: f64,
 ) -> PerVertex<f64> {
+    assert_eq!(
+        positions.len(),
+        mesh.vertex_count(),
+        "one position per vertex"
+    );
     let mut distances = PerVertex::filled(mesh.vertex_count(), f64::INFINITY);
     let mut queue = BinaryHeap::new();
     for source in sources {

@@ -5,7 +5,15 @@ use nalgebra::Vector3;
 use crate::{PerFace, TriMesh};
 
 /// Normal of every face, of length twice its area (m²).
+///
+/// # Panics
+/// When there is not one position per vertex.
 pub fn face_normals(mesh: &TriMesh, positions: &[Vector3<f64>]) -> PerFace<Vector3<f64>> {
+    assert_eq!(
+        positions.len(),
+        mesh.vertex_count(),
+        "one position per vertex"
+    );
     mesh.faces()
         .as_slice()
         .iter()
@@ -16,7 +24,11 @@ pub fn face_normals(mesh: &TriMesh, positions: &[Vector3<f64>]) -> PerFace<Vecto
         .collect()
 }
 
-/// Unit normals of the vertices, faces weighted by area; zero where all faces are degenerate.
+/// Unit normals of the vertices, faces weighted by area; zero where all faces are degenerate, or
+/// one has a corner that is not finite.
+///
+/// # Panics
+/// When there is not one position per vertex.
 pub fn vertex_normals(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
     let mut normals = vec![Vector3::zeros(); mesh.vertex_count()];
     for (face, normal) in face_normals(mesh, positions).iter() {
@@ -25,12 +37,21 @@ pub fn vertex_normals(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Vec<Vector3
         }
     }
     for normal in &mut normals {
-        *normal = normal.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
+        let length = normal.norm();
+        *normal = if length > 0.0 && length.is_finite() {
+            *normal / length
+        } else {
+            Vector3::zeros()
+        };
     }
     normals
 }
 
-/// A third of the area of the faces around each vertex, m².
+/// A third of the area of the faces around each vertex (m²); not a number where one of them has a
+/// corner that is not.
+///
+/// # Panics
+/// When there is not one position per vertex.
 pub fn vertex_areas(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Vec<f64> {
     let mut areas = vec![0.0; mesh.vertex_count()];
     for (face, normal) in face_normals(mesh, positions).iter() {

@@ -5,7 +5,8 @@ use std::ops::{Index, IndexMut};
 
 /// A handle that counts up from zero.
 pub trait Id: Copy {
-    /// The handle of the `index`-th element.
+    /// The handle of the `index`-th element, which must fit in 32 bits; beyond, the handle is that of
+    /// another element.
     fn from_index(index: usize) -> Self;
     /// Position of this element in its array.
     fn index(self) -> usize;
@@ -44,6 +45,9 @@ id!(
 );
 
 /// One `T` per element, opened with the element's id.
+///
+/// # Panics
+/// Indexing panics when there is no element of that id.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PerElement<I, T> {
     values: Vec<T>,

@@ -67,7 +67,21 @@ pub struct LimitRows {
 ///
 /// Borders are creases (uniform cubic B-splines). `corners` marks vertices that stay where they
 /// are; vertices where two fans meet and vertices without faces stay too.
+///
+/// # Panics
+/// When `corners` has not one entry per vertex, or the result would have more than
+/// [`TriMesh::MAX_COUNT`] faces: each level makes four of one.
 pub fn subdivide(mesh: &TriMesh, levels: u32, corners: &PerVertex<bool>) -> Subdivision {
+    assert_eq!(
+        corners.len(),
+        mesh.vertex_count(),
+        "one corner flag per vertex"
+    );
+    assert!(
+        fits(mesh.face_count(), levels),
+        "{} faces cannot be subdivided {levels} times",
+        mesh.face_count()
+    );
     let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let mut result = Subdivision {
         mesh: mesh.clone(),
@@ -86,6 +100,13 @@ pub fn subdivide(mesh: &TriMesh, levels: u32, corners: &PerVertex<bool>) -> Subd
         result = subdivide_once(&result);
     }
     result
+}
+
+/// Whether a mesh may be subdivided so often: told before memory for it is asked for.
+fn fits(faces: usize, levels: u32) -> bool {
+    let factor = 4_usize.checked_pow(levels);
+    let count = factor.and_then(|factor| faces.checked_mul(factor));
+    faces == 0 || count.is_some_and(|count| count <= TriMesh::MAX_COUNT)
 }
 
 fn subdivide_once(coarse: &Subdivision) -> Subdivision {
@@ -187,7 +208,15 @@ fn border_neighbours(ring: &Ring) -> (VertexId, VertexId) {
 }
 
 /// Limit positions and tangents at the vertices of `mesh`.
+///
+/// # Panics
+/// When `corners` has not one entry per vertex.
 pub fn limit_rows(mesh: &TriMesh, corners: &PerVertex<bool>) -> LimitRows {
+    assert_eq!(
+        corners.len(),
+        mesh.vertex_count(),
+        "one corner flag per vertex"
+    );
     let mut limit = LimitRows {
         position: SparseRows::default(),
         first_tangent: SparseRows::default(),

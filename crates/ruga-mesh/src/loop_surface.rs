@@ -64,6 +64,9 @@ pub struct LimitPointRows {
 
 impl LimitPointRows {
     /// The surface at every point, for one set of control points (m).
+    ///
+    /// # Panics
+    /// When there are fewer control points than the surface has vertices.
     pub fn apply(&self, control: &[Vector3<f64>]) -> Vec<SurfaceJet> {
         let position = self.position.apply(control);
         let first = self.first.each_ref().map(|rows| rows.apply(control));
@@ -105,7 +108,12 @@ fn push_row_of(
 
 impl LoopSurface {
     /// Prepares the surface of a control mesh; `corners` marks the vertices that stay.
+    ///
+    /// # Panics
+    /// As [`subdivide`] for one level.
     pub fn new(mesh: &TriMesh, corners: &PerVertex<bool>) -> Self {
+        // First, because it checks the length of `corners`.
+        let split = subdivide(mesh, 1, corners);
         let mut kinds: Vec<VertexKind> = mesh
             .faces()
             .ids()
@@ -120,7 +128,7 @@ impl LoopSurface {
         Self {
             mesh: mesh.clone(),
             corners: corners.clone(),
-            split: subdivide(mesh, 1, corners),
+            split,
             kinds: kinds
                 .into_iter()
                 .map(|kind| (kind, IrregularSector::all_of(kind)))
@@ -133,6 +141,9 @@ impl LoopSurface {
     ///
     /// Barycentric coordinates sum to one; a place outside of its face continues the face's
     /// polynomial.
+    ///
+    /// # Panics
+    /// When a point lies on a face that the mesh does not have.
     pub fn rows(&self, points: &[MaterialPoint]) -> LimitPointRows {
         let mut rows = LimitPointRows::default();
         let mut terms = Vec::new();
@@ -144,6 +155,9 @@ impl LoopSurface {
     }
 
     /// The positions of [`rows`](Self::rows) alone, a sixth of the result.
+    ///
+    /// # Panics
+    /// When a point lies on a face that the mesh does not have.
     pub fn position_rows(&self, points: &[MaterialPoint]) -> SparseRows {
         let mut rows = SparseRows::default();
         let mut terms = Vec::new();

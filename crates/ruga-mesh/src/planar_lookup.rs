@@ -7,7 +7,8 @@ use crate::{FaceId, MaterialPoint, PerFace};
 /// Finds the face under a point of the UV plane; built once, asked many times.
 ///
 /// A uniform grid of about as many cells as faces, each cell listing the faces whose bounding box
-/// touches it.
+/// touches it. Where faces are so large, or so many lie on each other, that these lists would grow
+/// out of proportion, cells are larger: memory stays proportional to the number of faces.
 #[derive(Clone, Debug)]
 pub struct PlanarLookup {
     triangles: PerFace<[Vector2<f64>; 3]>,
@@ -18,6 +19,10 @@ pub struct PlanarLookup {
     starts: Vec<u32>,
     entries: Vec<FaceId>,
 }
+
+/// Entries in the lists of all cells, per face, above which cells are made larger. A good chart has
+/// three or four.
+const MOST_ENTRIES: usize = 16;
 
 impl PlanarLookup {
     /// Indexes triangles in the plane; faces with coordinates that are not finite are left out.
@@ -30,33 +35,55 @@ impl PlanarLookup {
         let count = triangles.len().max(1) as f64;
         let longest = extent.x.max(extent.y);
         let cell = (extent.x / count * extent.y).sqrt().max(longest / 4096.0);
-        let size = |length: f64| ((length / cell) as usize + 1).clamp(1, 8192);
-        let (columns, rows) = if corners().next().is_some() {
-            (size(extent.x), size(extent.y))
-        } else {
-            (1, 1)
-        };
+        let is_empty = corners().next().is_none();
         let mut lookup = Self {
             triangles,
             low,
             cell,
-            columns,
-            rows,
-            starts: vec![0; columns * rows + 1],
+            columns: 1,
+            rows: 1,
+            starts: Vec::new(),
             entries: Vec::new(),
         };
+        if !is_empty {
+            lookup.choose_cells(extent);
+        }
         lookup.fill();
         lookup
     }
 
-    fn fill(&mut self) {
-        let mut pairs: Vec<(u32, FaceId)> = Vec::with_capacity(2 * self.triangles.len());
-        for (face, t) in self.triangles.iter() {
-            if !t.iter().flatten().all(|c| c.is_finite()) {
-                continue;
+    /// Doubles the cells until their lists are short enough, at the latest when there is one cell.
+    fn choose_cells(&mut self, extent: Vector2<f64>) {
+        let most = MOST_ENTRIES * self.triangles.len();
+        loop {
+            let size = |length: f64| ((length / self.cell) as usize + 1).clamp(1, 8192);
+            (self.columns, self.rows) = (size(extent.x), size(extent.y));
+            let covered = |[first, last]: [(usize, usize); 2]| {
+                (last.0 - first.0 + 1) * (last.1 - first.1 + 1)
+            };
+            let entries: usize = self.boxes().map(|(_, corners)| covered(corners)).sum();
+            if entries <= most || self.columns * self.rows == 1 {
+                return;
             }
+            self.cell *= 2.0;
+        }
+    }
+
+    /// Faces with finite coordinates, and the first and last cell of each one's bounding box.
+    fn boxes(&self) -> impl Iterator<Item = (FaceId, [(usize, usize); 2])> + '_ {
+        let finite = |t: &[Vector2<f64>; 3]| t.iter().flatten().all(|c| c.is_finite());
+        let faces = self.triangles.iter().filter(move |(_, t)| finite(t));
+        faces.map(|(face, t)| {
             let first = self.cell_of(t[0].inf(&t[1]).inf(&t[2]));
             let last = self.cell_of(t[0].sup(&t[1]).sup(&t[2]));
+            (face, [first, last])
+        })
+    }
+
+    fn fill(&mut self) {
+        self.starts = vec![0; self.columns * self.rows + 1];
+        let mut pairs: Vec<(u32, FaceId)> = Vec::with_capacity(2 * self.triangles.len());
+        for (face, [first, last]) in self.boxes() {
             for row in first.1..=last.1 {
                 for column in first.0..=last.0 {
                     pairs.push(((row * self.columns + column) as u32, face));
@@ -79,7 +106,8 @@ impl PlanarLookup {
         (index(offset.x, self.columns), index(offset.y, self.rows))
     }
 
-    /// The face that contains `point`, the one with the lowest id on a common edge.
+    /// The face that contains `point`, the one with the lowest id on a common edge; `None` outside of
+    /// all faces, as for a point that is not finite.
     pub fn locate(&self, point: Vector2<f64>) -> Option<MaterialPoint> {
         let (column, row) = self.cell_of(point);
         let cell = row * self.columns + column;

@@ -56,6 +56,9 @@ impl SparseRows {
     }
 
     /// Columns and weights of one row.
+    ///
+    /// # Panics
+    /// When there is no such row.
     pub fn row(&self, row: usize) -> impl Iterator<Item = (u32, f64)> + '_ {
         let range = self.starts[row]..self.starts[row + 1];
         self.columns[range.clone()]
@@ -65,6 +68,9 @@ impl SparseRows {
     }
 
     /// The rows of the chosen vertices, in the order given.
+    ///
+    /// # Panics
+    /// When one of them has no row.
     pub fn select(&self, chosen: &[VertexId]) -> Self {
         let mut selected = Self::default();
         let mut terms = Vec::new();
@@ -77,6 +83,9 @@ impl SparseRows {
     }
 
     /// The weighted sums of `values`, one per row.
+    ///
+    /// # Panics
+    /// When a row has a column beyond the end of `values`.
     pub fn apply(&self, values: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         (0..self.row_count())
             .map(|i| {
@@ -88,6 +97,9 @@ impl SparseRows {
     }
 
     /// This map after `inner`: `self * inner`.
+    ///
+    /// # Panics
+    /// When a row has a column for which `inner` has no row.
     pub fn after(&self, inner: &Self) -> Self {
         let mut product = Self::default();
         let mut terms = Vec::new();

@@ -38,7 +38,15 @@ pub struct SurfaceLookup<'a> {
 
 impl<'a> SurfaceLookup<'a> {
     /// A lookup on a mesh whose vertices are at `positions` (m).
+    ///
+    /// # Panics
+    /// When there is not one position per vertex.
     pub fn new(mesh: &'a TriMesh, positions: &'a [Vector3<f64>]) -> Self {
+        assert_eq!(
+            positions.len(),
+            mesh.vertex_count(),
+            "one position per vertex"
+        );
         Self {
             mesh,
             positions,
@@ -51,7 +59,11 @@ impl<'a> SurfaceLookup<'a> {
     /// The search spreads from the start's face across edges, over faces that come within `reach`
     /// (m) of the target. Another part of the surface that is close in space but not connected
     /// within this ball, as the other one of two touching lips, is never found. The start's face
-    /// counts even when it is further away. `None` when nothing has finite coordinates.
+    /// counts even when it is further away. `None` when nothing has finite coordinates, as when the
+    /// target has none.
+    ///
+    /// # Panics
+    /// When the mesh has no face `start`.
     pub fn closest_near(
         &self,
         start: FaceId,
@@ -75,7 +87,8 @@ impl<'a> SurfaceLookup<'a> {
         best
     }
 
-    /// The place of the whole surface that is closest to `target`; `None` when there is none.
+    /// The place of the whole surface that is closest to `target`; `None` when there is none, as for a
+    /// target that is not finite.
     pub fn closest(&self, target: &Vector3<f64>) -> Option<ClosestPlace> {
         let tree = self.tree.get_or_init(|| self.build_tree());
         let mut best: Option<ClosestPlace> = None;

@@ -38,7 +38,12 @@ pub struct TangentCentre {
 /// leaks through the air from one side of a finger to the other. Starts from all vertices around
 /// the place at once, so that a centre inside a face is one like any other.
 ///
-/// `positions` (m) and unit `normals` per vertex. Sorted by vertex.
+/// `positions` (m) and unit `normals` per vertex. Sorted by vertex; one whose coordinates do not come
+/// out finite is left out.
+///
+/// # Panics
+/// When there is not one position and one normal per vertex, or `centre` starts from a vertex that
+/// the mesh does not have.
 pub fn tangent_coordinates(
     mesh: &TriMesh,
     positions: &[Vector3<f64>],
@@ -46,6 +51,12 @@ pub fn tangent_coordinates(
     centre: &TangentCentre,
     radius: f64,
 ) -> Vec<TangentCoordinates> {
+    let count = mesh.vertex_count();
+    assert_eq!(
+        [positions.len(), normals.len()],
+        [count; 2],
+        "one per vertex"
+    );
     let plane = TangentPlane {
         normal: centre.normal,
         frame: tangent_frame(centre.normal, centre.axis),
@@ -57,7 +68,8 @@ pub fn tangent_coordinates(
     let mut queue: BinaryHeap<Front> = centre.around.iter().map(start).collect();
     let mut settled: BTreeMap<VertexId, Vector2<f64>> = BTreeMap::new();
     while let Some(front) = queue.pop() {
-        if front.distance > radius || settled.contains_key(&front.vertex) {
+        // Negated, so that a distance or a radius that is not a number reaches nothing.
+        if !(front.distance <= radius) || settled.contains_key(&front.vertex) {
             continue;
         }
         settled.insert(front.vertex, front.place);
@@ -91,7 +103,8 @@ impl TangentPlane {
     }
 }
 
-/// Two unit tangents that with `normal` make a right-handed frame; the first lies along `axis`.
+/// Two unit tangents that with the unit `normal` make a right-handed frame; the first lies along
+/// `axis`, or anywhere where that has no part in the plane.
 pub fn tangent_frame(normal: Vector3<f64>, axis: Vector3<f64>) -> [Vector3<f64>; 2] {
     let along = axis - normal * normal.dot(&axis);
     let first = along.try_normalize(1e-9 * axis.norm()).unwrap_or_else(|| {
@@ -107,10 +120,11 @@ pub fn tangent_frame(normal: Vector3<f64>, axis: Vector3<f64>) -> [Vector3<f64>;
 fn flatten(edge: Vector3<f64>, normal: Vector3<f64>) -> Vector3<f64> {
     let tangential = edge - normal * normal.dot(&edge);
     let length = tangential.norm();
-    if length > 0.0 {
-        tangential * (edge.norm() / length)
-    } else {
+    // Not `> 0`: what is not a number must stay one, and be left out.
+    if length == 0.0 {
         Vector3::zeros()
+    } else {
+        tangential * (edge.norm() / length)
     }
 }
 

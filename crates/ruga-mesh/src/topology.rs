@@ -30,6 +30,9 @@ pub struct Ring {
 }
 
 /// Faces, edges and their incidence; no positions.
+///
+/// # Panics
+/// Methods that take an id panic when it is none of this mesh's.
 #[derive(Clone, Debug)]
 pub struct TriMesh {
     faces: PerFace<[VertexId; 3]>,
@@ -40,6 +43,10 @@ pub struct TriMesh {
 }
 
 impl TriMesh {
+    /// Most vertices, and most faces, that a mesh may have: 2^28. Ids have 32 bits, and three
+    /// corners or edges per face must fit in them.
+    pub const MAX_COUNT: usize = 1 << 28;
+
     /// Builds the connectivity of a face list.
     ///
     /// Vertices that no face uses are kept. A vertex where two fans of faces touch is accepted;
@@ -48,6 +55,9 @@ impl TriMesh {
     /// # Errors
     /// Every variant of [`MeshError`], for the first face that shows it.
     pub fn new(vertex_count: usize, faces: Vec<[u32; 3]>) -> Result<Self, MeshError> {
+        // Before any array of that length is asked for, which would end the process.
+        check_count("vertices", vertex_count)?;
+        check_count("faces", faces.len())?;
         let faces: PerFace<[VertexId; 3]> = faces.into_iter().map(|f| f.map(VertexId)).collect();
         check_faces(vertex_count, &faces)?;
         let (edges, face_edges) = build_edges(&faces)?;
@@ -82,11 +92,17 @@ impl TriMesh {
     }
 
     /// The edges of a face; edge `i` runs from corner `i` to corner `i + 1`.
+    ///
+    /// # Panics
+    /// When `face` is none of this mesh's.
     pub fn face_edges(&self, face: FaceId) -> [EdgeId; 3] {
         self.face_edges[face]
     }
 
     /// Faces around a vertex, in order of their ids.
+    ///
+    /// # Panics
+    /// When `vertex` is none of this mesh's.
     pub fn vertex_faces(&self, vertex: VertexId) -> &[FaceId] {
         let i = vertex.index();
         let range = self.vertex_face_starts[i] as usize..self.vertex_face_starts[i + 1] as usize;
@@ -94,6 +110,9 @@ impl TriMesh {
     }
 
     /// The face across edge `corner` of `face`.
+    ///
+    /// # Panics
+    /// When `face` is none of this mesh's, or `corner` is not 0, 1 or 2.
     pub fn neighbour(&self, face: FaceId, corner: usize) -> Option<FaceId> {
         let faces = self.edges[self.face_edges[face][corner]].faces;
         if faces[0] == Some(face) {
@@ -114,6 +133,9 @@ impl TriMesh {
     }
 
     /// The ordered neighbours of a vertex; `None` where no face or more than one fan meets it.
+    ///
+    /// # Panics
+    /// When `vertex` is none of this mesh's.
     pub fn ring(&self, vertex: VertexId) -> Option<Ring> {
         let faces = self.vertex_faces(vertex);
         let spokes: Vec<[VertexId; 2]> = faces.iter().map(|&f| self.spoke(f, vertex)).collect();
@@ -167,6 +189,9 @@ impl TriMesh {
     /// The mesh of the chosen faces, in the order given.
     ///
     /// Faces of a valid mesh stay valid, so this cannot fail; a face chosen twice is taken once.
+    ///
+    /// # Panics
+    /// When a chosen face is none of this mesh's.
     pub fn submesh(&self, chosen: &[FaceId]) -> Submesh {
         let mut taken = PerFace::filled(self.face_count(), false);
         let mut local = PerVertex::filled(self.vertex_count(), None);
@@ -202,6 +227,15 @@ pub struct Submesh {
     pub vertices: PerVertex<VertexId>,
     /// For each of its faces the face of the whole.
     pub faces: PerFace<FaceId>,
+}
+
+fn check_count(what: &'static str, count: usize) -> Result<(), MeshError> {
+    let limit = TriMesh::MAX_COUNT;
+    if count <= limit {
+        Ok(())
+    } else {
+        Err(MeshError::TooLarge { what, count, limit })
+    }
 }
 
 fn check_faces(vertex_count: usize, faces: &PerFace<[VertexId; 3]>) -> Result<(), MeshError> {

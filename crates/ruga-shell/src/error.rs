@@ -81,7 +81,7 @@ pub enum ShellError {
         range: &'static str,
     },
     /// A position, base point, normal or offset is not a finite number.
-    #[error("{what} of vertex {vertex} is not finite")]
+    #[error("the {what} of vertex {vertex} is not finite")]
     NotFinite {
         /// The array.
         what: &'static str,

@@ -29,6 +29,9 @@ pub struct HingeShape {
 
 impl HingeShape {
     /// `left` winds the edge from its corner `tail`; `right` winds it back from its corner `head`.
+    ///
+    /// # Panics
+    /// When `tail` or `head` is not 0, 1 or 2.
     pub fn new(left: &RestTriangle, tail: usize, right: &RestTriangle, head: usize) -> Self {
         let (left_length, left_foot, left_height) = left.seen_from_edge(tail);
         let (right_length, right_foot, right_height) = right.seen_from_edge(head);

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Matrix3, Vector3};
 
 use crate::layer_energy::gather;
-use crate::parameters::check_length;
+use crate::parameters::{check_finite, check_length};
 use crate::pattern::{Pattern, Slot};
 use crate::{EnergyParts, LayerEnergy, LayerTie, ShellError, TieParameters, TieState};
 
@@ -173,12 +173,13 @@ impl JointEnergy {
     /// [`LayerEnergy::set_natural_strains`].
     ///
     /// # Errors
-    /// [`ShellError::LengthMismatch`] for an array of another size.
+    /// Those of [`LayerEnergy::set_natural_strains`]; both layers are then unchanged.
     pub fn set_natural_strains(
         &mut self,
         lower: &[Matrix2<f64>],
         upper: &[Matrix2<f64>],
     ) -> Result<(), ShellError> {
+        self.upper.check_natural_strains(upper)?;
         self.lower.set_natural_strains(lower)?;
         self.upper.set_natural_strains(upper)
     }
@@ -186,9 +187,11 @@ impl JointEnergy {
     /// Makes the angles of `positions` (m, both layers) the rest angles of each layer.
     ///
     /// # Errors
-    /// [`ShellError::LengthMismatch`] for an array of another size.
+    /// [`ShellError::LengthMismatch`] for an array of another size; [`ShellError::NotFinite`]. Both
+    /// layers are then unchanged.
     pub fn set_rest_angles(&mut self, positions: &[Vector3<f64>]) -> Result<(), ShellError> {
         check_length("positions", self.vertex_count(), positions.len())?;
+        check_finite("position", positions.iter().flatten(), 3)?;
         let (lower, upper) = positions.split_at(self.lower.vertex_count());
         self.lower.set_rest_angles(lower)?;
         self.upper.set_rest_angles(upper)

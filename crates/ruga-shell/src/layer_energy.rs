@@ -8,7 +8,7 @@ use crate::layer_bending::{LayerBending, bending_stars};
 use crate::layer_foundation::{LayerFoundation, anchors};
 use crate::measures::{PrincipalStrain, vertex_normals};
 use crate::membrane::{Membrane, Stress};
-use crate::parameters::check_length;
+use crate::parameters::{check_finite, check_length};
 use crate::pattern::{Pattern, Slot};
 use crate::stars::Star;
 use crate::{BendingModel, FaceParameters, LayerParameters, RestTriangle, ShellError};
@@ -185,21 +185,38 @@ impl LayerEnergy {
     /// bending and foundation, and so the length of the waves, stay those of the rest metric.
     ///
     /// # Errors
-    /// [`ShellError::LengthMismatch`] for an array of another size.
+    /// [`ShellError::LengthMismatch`] for an array of another size;
+    /// [`ShellError::ParameterOutOfRange`] for a strain that is not finite.
     pub fn set_natural_strains(&mut self, strains: &[Matrix2<f64>]) -> Result<(), ShellError> {
-        check_length("natural strains", self.faces.len(), strains.len())?;
+        self.check_natural_strains(strains)?;
         for (membrane, strain) in self.membranes.iter_mut().zip(strains) {
             *membrane = membrane.with_natural_strain(*strain);
         }
         Ok(())
     }
 
+    pub(crate) fn check_natural_strains(&self, strains: &[Matrix2<f64>]) -> Result<(), ShellError> {
+        check_length("natural strains", self.faces.len(), strains.len())?;
+        let mut values = strains.iter().flatten().enumerate();
+        match values.find(|(_, value)| !value.is_finite()) {
+            None => Ok(()),
+            Some((index, &value)) => Err(ShellError::ParameterOutOfRange {
+                element: "face",
+                index: index / 4,
+                name: "natural strain",
+                value,
+                range: "finite",
+            }),
+        }
+    }
+
     /// Makes the angles of `positions` (m) the rest angles: the layer is not bent there.
     ///
     /// # Errors
-    /// [`ShellError::LengthMismatch`] for an array of another size.
+    /// [`ShellError::LengthMismatch`] for an array of another size; [`ShellError::NotFinite`].
     pub fn set_rest_angles(&mut self, positions: &[Vector3<f64>]) -> Result<(), ShellError> {
         check_length("positions", self.vertex_count(), positions.len())?;
+        check_finite("position", positions.iter().flatten(), 3)?;
         self.bending.set_rest_angles(positions);
         Ok(())
     }
@@ -422,14 +439,5 @@ fn check_positions(
     if let Some(vertex) = held.iter().position(|held| !held) {
         return Err(ShellError::IsolatedVertex { vertex });
     }
-    match positions
-        .iter()
-        .position(|p| !p.iter().all(|c| c.is_finite()))
-    {
-        None => Ok(()),
-        Some(vertex) => Err(ShellError::NotFinite {
-            what: "rest position",
-            vertex,
-        }),
-    }
+    check_finite("rest position", positions.iter().flatten(), 3)
 }

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use crate::edges::Edge;
 use crate::foundation::{Anchor, NormalFoundation, TangentialTie};
-use crate::parameters::check_length;
+use crate::parameters::{check_finite, check_length};
 use crate::pattern::{Pattern, Slot};
 use crate::{LayerParameters, RestTriangle, ShellError};
 
@@ -178,12 +178,17 @@ pub(crate) fn anchors(
     check_length("base points", vertices, points.len())?;
     check_length("base normals", vertices, normals.len())?;
     check_length("base offsets", vertices, offsets.len())?;
+    // Points before all else: normals that a caller computed from them are worthless all around one
+    // that is not finite, and would be blamed for it, at another vertex.
+    check_finite("base point", points.iter().flatten(), 3)?;
+    check_finite("base normal", normals.iter().flatten(), 3)?;
+    check_finite("base offset", offsets.iter(), 1)?;
     (0..vertices)
         .map(|vertex| {
             let (normal, offset) = (normals[vertex], offsets[vertex]);
             let point = points[vertex] + normal * offset;
             if !point.iter().all(|c| c.is_finite()) {
-                let what = "base point or offset";
+                let what = "base point with offset";
                 return Err(ShellError::NotFinite { what, vertex });
             }
             let length = normal.norm();

@@ -66,6 +66,7 @@ mod hinge_stiffness;
 mod layer_tie;
 mod membrane;
 mod response;
+mod response_query;
 mod vertex_curvature;
 
 mod edges;
@@ -86,7 +87,8 @@ pub use membrane::{Membrane, MembraneState, Stress};
 pub use vertex_curvature::{StarShape, VertexCurvature};
 
 pub use measures::PrincipalStrain;
-pub use response::{ResponseModulus, ResponseQuery, face_corners, response_modulus};
+pub use response::{ResponseModulus, face_corners, response_modulus};
+pub use response_query::ResponseQuery;
 pub use rest_triangle::{MIN_AREA_RATIO, RestTriangle, rest_frame};
 
 pub use error::ShellError;

@@ -14,12 +14,16 @@ pub struct PrincipalStrain {
 }
 
 impl PrincipalStrain {
-    /// Principal values of a Green strain `(C - I)/2`.
+    /// Principal values of a Green strain `(C - I)/2`; not numbers where it holds any that is not.
     pub fn from_green(strain: &Matrix2<f64>) -> Self {
         let mean = 0.5 * strain.trace();
         let (difference, shear) = (0.5 * (strain.m11 - strain.m22), strain.m12);
         let radius = difference.hypot(shear);
-        let compression = |green: f64| 1.0 - (1.0 + 2.0 * green).max(0.0).sqrt();
+        // Not `max`, which would make full compression of a NaN.
+        let compression = |green: f64| match 1.0 + 2.0 * green {
+            squared if squared < 0.0 => 1.0,
+            squared => 1.0 - squared.sqrt(),
+        };
         // The axis of the lower eigenvalue lies at a right angle to that of the higher one.
         let angle = 0.5 * shear.atan2(difference) + std::f64::consts::FRAC_PI_2;
         Self {

@@ -31,6 +31,7 @@ impl FaceParameters {
 
     pub(crate) fn check(&self, face: usize) -> Result<(), ShellError> {
         let positive = |v: f64| v > 0.0 && v.is_finite();
+        let (tension, bending) = (self.tension_modulus(), self.bending_modulus());
         let checks = [
             ("young", self.young, positive(self.young), "> 0"),
             (
@@ -51,6 +52,14 @@ impl FaceParameters {
                 self.gradient_stiffness,
                 self.gradient_stiffness.is_finite(),
                 "finite",
+            ),
+            // Each may be in its range and their product out of that of floating-point numbers.
+            ("E h/(1 - nu^2)", tension, positive(tension), "> 0, finite"),
+            (
+                "E h^3/12(1 - nu^2)",
+                bending,
+                positive(bending),
+                "> 0, finite",
             ),
         ];
         match checks.into_iter().find(|(_, _, valid, _)| !valid) {
@@ -108,6 +117,21 @@ impl LayerParameters {
             }
         }
         Ok(())
+    }
+}
+
+/// Accepts finite numbers, `per_vertex` of them for each vertex.
+pub(crate) fn check_finite<'a>(
+    what: &'static str,
+    mut values: impl Iterator<Item = &'a f64>,
+    per_vertex: usize,
+) -> Result<(), ShellError> {
+    match values.position(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(index) => Err(ShellError::NotFinite {
+            what,
+            vertex: index / per_vertex,
+        }),
     }
 }
 

@@ -8,37 +8,10 @@ use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector2, Vector3};
 
 use crate::edges::{Edge, edges};
 use crate::hinge::HingeState;
-use crate::parameters::check_length;
 use crate::stars::stars;
-use crate::{BendingModel, HingeShape, NormalFoundation, RestTriangle, ShellError, rest_frame};
-
-/// A sheet on a foundation, compressed along one direction per face.
-///
-/// Shapes: `corners`, `directions` and `faces` per face, `fixed` per vertex.
-#[derive(Clone, Copy, Debug)]
-pub struct ResponseQuery<'a> {
-    /// Vertices of each face, counter-clockwise.
-    pub faces: &'a [[u32; 3]],
-    /// Rest positions of each face's corners (m), from [`face_corners`]. They are given per face so
-    /// that a periodic cell can be described: unwrap the corners of the faces that cross its border.
-    pub corners: &'a [[Vector3<f64>; 3]],
-    /// Compression direction of each face, in space; only its part in the face counts.
-    pub directions: &'a [Vector3<f64>],
-    /// Vertices held at zero deviation.
-    pub fixed: &'a [bool],
-    /// Plate modulus `D` (N m) that the sheet is meant to have, > 0.
-    pub bending_modulus: f64,
-    /// Poisson ratio, in (-1, 1]; hinges do not know it.
-    pub poisson: f64,
-    /// What bends.
-    pub bending_model: BendingModel,
-    /// Exponent of the per-hinge factor; [`crate::HINGE_EXPONENT`] is what a layer uses.
-    pub hinge_exponent: f64,
-    /// Foundation stiffness `K0` (N/m³), > 0; sets the wavelength `2 pi (D/K0)^(1/4)` probed.
-    pub normal_stiffness: f64,
-    /// Foundation stiffness `K1` (N/m).
-    pub gradient_stiffness: f64,
-}
+use crate::{
+    BendingModel, HingeShape, NormalFoundation, ResponseQuery, RestTriangle, ShellError, rest_frame,
+};
 
 /// The first buckling mode of the sheet, as a plate modulus.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,6 +43,9 @@ const CHECK_EVERY: usize = 5;
 const MAX_STEPS: usize = 300;
 
 /// Corner positions of each face, for a mesh whose vertices have one position each.
+///
+/// # Panics
+/// When a face names a vertex beyond the end of `positions`.
 pub fn face_corners(positions: &[Vector3<f64>], faces: &[[u32; 3]]) -> Vec<[Vector3<f64>; 3]> {
     faces
         .iter()
@@ -93,7 +69,7 @@ pub fn face_corners(positions: &[Vector3<f64>], faces: &[[u32; 3]]) -> Vec<[Vect
 /// # Errors
 /// [`ShellError::UnstableSheet`], [`ShellError::NoDirection`], and those of bad meshes.
 pub fn response_modulus(query: &ResponseQuery) -> Result<ResponseModulus, ShellError> {
-    check_query(query)?;
+    query.check()?;
     let edges = edges(query.faces, query.fixed.len())?;
     let rest = query
         .corners
@@ -133,38 +109,6 @@ pub fn response_modulus(query: &ResponseQuery) -> Result<ResponseModulus, ShellE
         iterations: lanczos.steps,
         converged: lanczos.converged,
     })
-}
-
-fn check_query(query: &ResponseQuery) -> Result<(), ShellError> {
-    let faces = query.faces.len();
-    check_length("corners", faces, query.corners.len())?;
-    check_length("directions", faces, query.directions.len())?;
-    let above = |value: f64, least: f64| value > least && value.is_finite();
-    let (modulus, normal) = (query.bending_modulus, query.normal_stiffness);
-    let (exponent, gradient) = (query.hinge_exponent, query.gradient_stiffness);
-    let poisson = above(query.poisson, -1.0) && query.poisson <= 1.0;
-    let checks = [
-        ("bending_modulus", modulus, above(modulus, 0.0), "> 0"),
-        ("normal_stiffness", normal, above(normal, 0.0), "> 0"),
-        ("poisson", query.poisson, poisson, "-1 < nu <= 1"),
-        ("hinge_exponent", exponent, exponent.is_finite(), "finite"),
-        (
-            "gradient_stiffness",
-            gradient,
-            gradient.is_finite(),
-            "finite",
-        ),
-    ];
-    match checks.into_iter().find(|(_, _, valid, _)| !valid) {
-        None => Ok(()),
-        Some((name, value, _, range)) => Err(ShellError::ParameterOutOfRange {
-            element: "response query",
-            index: 0,
-            name,
-            value,
-            range,
-        }),
-    }
 }
 
 /// Numbers the vertices that may deviate.

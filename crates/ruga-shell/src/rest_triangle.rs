@@ -104,6 +104,9 @@ impl RestTriangle {
     ///
     /// The edge runs from corner `tail` to the next one; `foot` is the fraction of the edge at
     /// which the perpendicular from the opposite corner meets it.
+    ///
+    /// # Panics
+    /// When `tail` is not 0, 1 or 2.
     pub fn seen_from_edge(&self, tail: usize) -> (f64, f64, f64) {
         let corner = [Vector2::zeros(), self.edges[0], self.edges[1]];
         let edge = corner[(tail + 1) % 3] - corner[tail];
@@ -119,7 +122,8 @@ impl RestTriangle {
 
 /// The local frame's axes in space: along edge 0→1, and across it in the triangle's plane.
 ///
-/// Components of a rest stretch or a strain direction refer to these.
+/// Components of a rest stretch or a strain direction refer to these. They are not numbers for a
+/// triangle without an area.
 pub fn rest_frame(corners: &[Vector3<f64>; 3]) -> [Vector3<f64>; 2] {
     let along = (corners[1] - corners[0]).normalize();
     let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));

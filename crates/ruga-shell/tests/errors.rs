@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix2, Vector3};
 use ruga_shell::{
-    BendingModel, FaceParameters, LayerEnergy, LayerParameters, ResponseQuery, ShellError,
-    face_corners, response_modulus,
+    BendingModel, FaceParameters, LayerEnergy, LayerParameters, PrincipalStrain, ResponseQuery,
+    ShellError, face_corners, response_modulus,
 };
 
 const FACE: FaceParameters = FaceParameters {
@@ -138,7 +138,7 @@ fn a_refused_pose_leaves_the_layer_as_it_was() {
             .set_base(&square(), &up, &[0.0, f64::NAN, 0.0, 0.0])
             .unwrap_err(),
         ShellError::NotFinite {
-            what: "base point or offset",
+            what: "base offset",
             vertex: 1
         }
     );
@@ -208,4 +208,94 @@ fn response_queries() {
         error(negative),
         ShellError::ParameterOutOfRange { .. }
     ));
+}
+
+/// Normals computed around a lost point are lost at every vertex near it; the point is to blame.
+#[test]
+fn a_lost_point_is_blamed_and_not_its_neighbours() {
+    let mut layer = build(&square(), &FACES, FACE).unwrap();
+    let not_finite = |what, vertex| ShellError::NotFinite { what, vertex };
+    let up = vec![Vector3::z(); 4];
+    let lost = vec![Vector3::repeat(f64::NAN); 4];
+    for bad in [f64::NAN, f64::INFINITY] {
+        let mut points = square();
+        points[2].y = bad;
+        let error = layer.set_base(&points, &lost, &[f64::NAN; 4]).unwrap_err();
+        assert_eq!(error, not_finite("base point", 2));
+        let said = "the base point of vertex 2 is not finite";
+        assert_eq!(error.to_string(), said);
+        assert_eq!(
+            layer.set_rest_angles(&points).unwrap_err(),
+            not_finite("position", 2)
+        );
+
+        let mut normals = up.clone();
+        normals[3].x = bad;
+        let error = layer.set_base(&square(), &normals, &[0.0; 4]).unwrap_err();
+        assert_eq!(error, not_finite("base normal", 3));
+    }
+    let far = [0.0, 0.0, f64::MAX, 0.0];
+    let mut points = square();
+    points[2].z = f64::MAX;
+    let error = layer.set_base(&points, &up, &far).unwrap_err();
+    assert_eq!(error, not_finite("base point with offset", 2));
+
+    let mut corners = face_corners(&square(), &FACES);
+    corners[1][1].z = f64::NAN;
+    let query = ResponseQuery {
+        faces: &FACES,
+        corners: &corners,
+        directions: &[Vector3::x(); 2],
+        fixed: &[false; 4],
+        bending_modulus: 1.0,
+        poisson: 0.48,
+        bending_model: BendingModel::Hinge,
+        hinge_exponent: 0.5,
+        normal_stiffness: 1.0,
+        gradient_stiffness: 0.0,
+    };
+    let error = response_modulus(&query).unwrap_err();
+    assert_eq!(error, not_finite("rest position", 2));
+}
+
+#[test]
+fn strains_and_stiffnesses_that_are_no_numbers_are_refused() {
+    let mut layer = build(&square(), &FACES, FACE).unwrap();
+    let x: Vec<_> = square().iter().map(|p| 1.1 * p).collect();
+    let before = layer.value(&x);
+    let mut strains = [Matrix2::zeros(); 2];
+    strains[1].m21 = f64::NAN;
+    assert!(matches!(
+        layer.set_natural_strains(&strains),
+        Err(ShellError::ParameterOutOfRange {
+            index: 1,
+            name: "natural strain",
+            ..
+        })
+    ));
+    assert_eq!(layer.value(&x), before);
+
+    let overflow = FaceParameters {
+        young: 1e300,
+        thickness: 1e10,
+        ..FACE
+    };
+    let error = build(&square(), &FACES, overflow).map(|_| ()).unwrap_err();
+    assert!(
+        error.to_string().contains("E h/(1 - nu^2) = inf"),
+        "{error}"
+    );
+    let vanishing = FaceParameters {
+        young: 1.0,
+        thickness: 1e-150,
+        ..FACE
+    };
+    let error = build(&square(), &FACES, vanishing).map(|_| ()).unwrap_err();
+    assert!(
+        error.to_string().contains("E h^3/12(1 - nu^2) = 0"),
+        "{error}"
+    );
+
+    let lost = PrincipalStrain::from_green(&Matrix2::repeat(f64::NAN));
+    assert!(lost.first.is_nan() && lost.second.is_nan());
 }

@@ -137,8 +137,8 @@ fn finish(mut mesh: ArtistMesh) -> Result<ArtistMesh, BlendError> {
         normals
     };
     let rest = normals(&Weights::default());
-    for (index, shape) in mesh.shapes.iter_mut().enumerate() {
-        let posed = normals(&Weights(vec![(index, 1.0)]));
+    for shape in &mut mesh.shapes {
+        let posed = normals(&driver.weights([(shape.name.as_str(), 1.0)])?);
         let deltas: Vec<_> = posed.iter().zip(&rest).map(|(p, r)| p - r).collect();
         let turned = deltas.iter().any(|d| *d != Vector3::zeros());
         shape.normal_deltas = turned.then_some(deltas);

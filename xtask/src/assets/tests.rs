@@ -1,7 +1,7 @@
 //! What every asset promises to scenes and tests.
 
 use nalgebra::{Vector2, Vector3};
-use ruga_blend::{ArtistMesh, Driver, Weights, face_strains};
+use ruga_blend::{ArtistMesh, Driver, face_strains};
 use ruga_mesh::{PlanarLookup, face_normals};
 
 use super::*;
@@ -117,8 +117,8 @@ fn bodies_are_round_everywhere() {
 fn peak_compression_is_what_skin_bears() {
     for mesh in meshes() {
         let driver = Driver::new(&mesh).unwrap();
-        for (index, shape) in mesh.shapes.iter().enumerate() {
-            let posed = driver.pose(&Weights(vec![(index, 1.0)]));
+        for shape in &mesh.shapes {
+            let posed = driver.pose(&driver.weights([(shape.name.as_str(), 1.0)]).unwrap());
             let strains = face_strains(driver.topology(), driver.rest(), &posed);
             let peak = |value: &dyn Fn(&ruga_blend::FaceStrain) -> f64| {
                 strains
@@ -138,9 +138,9 @@ fn no_shape_folds_a_triangle() {
     for mesh in meshes() {
         let driver = Driver::new(&mesh).unwrap();
         let topology = driver.topology();
-        for index in 0..mesh.shapes.len() {
+        for shape in &mesh.shapes {
             for weight in [0.0, 0.5, 1.0] {
-                let posed = driver.pose(&Weights(vec![(index, weight)]));
+                let posed = driver.pose(&driver.weights([(shape.name.as_str(), weight)]).unwrap());
                 let normals = face_normals(topology, &posed);
                 for face in topology.faces().ids() {
                     for corner in 0..3 {

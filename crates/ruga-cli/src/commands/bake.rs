@@ -171,8 +171,8 @@ impl WrinkleMaps<'_> {
             .zip(records)
             .filter(|(_, r)| r.is_some())
         {
-            let weights = pose.weights.0.iter();
-            let named = weights.map(|&(shape, weight)| (shapes[shape].to_owned(), weight));
+            let weights = pose.weights.iter();
+            let named = weights.map(|(shape, weight)| (shapes[shape].to_owned(), weight));
             manifest.poses.insert(pose.name.clone(), named.collect());
         }
         manifest.maps = maps;
