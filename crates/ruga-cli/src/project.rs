@@ -1,10 +1,9 @@
 //! A scene with everything that it names, read and converted.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use ruga_blend::Driver;
-use ruga_io::{IoError, MeshFile, ObjOptions, Scene, read_mask, read_mesh, scene};
+use ruga_io::{MeshFile, ObjOptions, Scene, read_mask, read_mesh, scene};
 use ruga_stepper::{
     Body, LatticeError, LayerSpec, Mask, Modelling, Motion, PoseSpec, Region, StepperError, plan,
     plan_body,
@@ -12,7 +11,6 @@ use ruga_stepper::{
 
 use crate::arguments::Quality;
 use crate::error::{CliError, counted};
-use crate::fingerprint::Fingerprint;
 use crate::placement::Placement;
 use crate::planned::Planned;
 use crate::{body, model, texture_space};
@@ -110,42 +108,6 @@ impl Project {
                 Planned::Skin(Box::new(plan))
             }
         })
-    }
-
-    /// Changes whenever the result of a pose might: scene, mesh, mask, painted maps, quality, release.
-    ///
-    /// # Errors
-    /// The scene file or a painted map has gone.
-    pub(crate) fn fingerprint(&self) -> Result<Fingerprint, CliError> {
-        let read = |path: &Path| {
-            fs::read(path).map_err(|source| IoError::Unreadable {
-                path: path.to_owned(),
-                source,
-            })
-        };
-        let text = read(&self.path)?;
-        let mut hash = Fingerprint::new()
-            .with(env!("CARGO_PKG_VERSION").as_bytes())
-            .with(&text)
-            .with_numbers([self.modelling.points_per_wavelength])
-            .with_mesh(&self.mesh.mesh)
-            .with_numbers(self.mesh.world_from_node.iter().copied());
-        if let Region::Mask(mask) = &self.modelling.region {
-            let shape = [f64::from(mask.width), f64::from(mask.height)];
-            let values = mask.values.iter().map(|&v| f64::from(v));
-            hash = hash.with_numbers(shape.into_iter().chain(values));
-        }
-        for map in self
-            .scene
-            .layers
-            .iter()
-            .filter_map(|layer| layer.map.as_ref())
-        {
-            for image in map.images() {
-                hash = hash.with(&read(image)?);
-            }
-        }
-        Ok(hash)
     }
 }
 

@@ -27,14 +27,25 @@ pub struct Report {
 pub struct PoseReport {
     /// Name of the pose.
     pub name: String,
-    /// Whether every frame of every layer converged.
+    /// Whether every frame of every layer converged; false for a pose that was interrupted.
     pub converged: bool,
+    /// Whether the run was interrupted on the way: then `maps` has those of the keys that were
+    /// finished. Left out where it is false.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub interrupted: bool,
+    /// Mesh points per wavelength that were asked for; the poses of a folder may differ in it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub points_per_wavelength: Option<f64>,
     /// Load or time steps that were solved.
     pub frames: u32,
     /// Baked files relative to the report, by `<key%>_<kind>`, such as `100_normal`.
     pub maps: BTreeMap<String, String>,
     /// One entry per layer, bottom first.
     pub layers: Vec<LayerReport>,
+}
+
+fn is_false(value: &bool) -> bool {
+    !value
 }
 
 /// How one layer went in one pose. What was not measured is `null`.

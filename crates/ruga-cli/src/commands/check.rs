@@ -31,9 +31,7 @@ pub(crate) fn run(arguments: &CheckArguments) -> Result<Outcome, CliError> {
     for line in &findings.lines {
         messages::result(line);
     }
-    for warning in &findings.warnings {
-        messages::warning(warning);
-    }
+    messages::warnings(&findings.warnings, "`ruga plan --json` lists all");
     let count = findings.problems.len();
     findings.problems.into_iter().for_each(messages::error);
     if count > 0 {
