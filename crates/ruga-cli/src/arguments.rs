@@ -154,7 +154,7 @@ impl Quality {
     }
 }
 
-/// A number of mesh points per wavelength in words, with the name of the quality that has it.
+/// A number of vertices per wavelength in words, with the name of the quality that has it.
 pub(crate) fn quality_words(points: f64) -> String {
     let named = [Quality::Draft, Quality::Standard, Quality::Fine]
         .into_iter()
@@ -162,6 +162,6 @@ pub(crate) fn quality_words(points: f64) -> String {
     let name = named.and_then(|quality| quality.to_possible_value());
     match name {
         Some(name) => format!("{} quality", name.get_name()),
-        None => format!("{points} mesh points per wavelength"),
+        None => format!("{points} vertices per wavelength"),
     }
 }

@@ -9,8 +9,9 @@ use crate::pose_record::{PoseRecord, Records};
 use crate::scene_origin::SceneOrigin;
 
 /// The poses of a scene in its output folder.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct FolderResults {
+    records: Records,
     /// Those that fit this version of the scene, in its order: what report and manifest list.
     pub(crate) current: Vec<PoseRecord>,
     /// What the user should know of the others.
@@ -55,9 +56,27 @@ impl FolderResults {
             ),
         ];
         Self {
+            records: records.clone(),
             current,
             notes: notes.into_iter().flatten().collect(),
         }
+    }
+
+    /// Removes what finished poses have left of earlier runs. Report and manifest are written before,
+    /// so that they never name files that are gone, wherever a run is killed.
+    ///
+    /// # Errors
+    /// A record cannot be written.
+    pub(crate) fn remove_leftovers(&self) -> Result<(), CliError> {
+        let finished = self.current.iter().filter(|pose| !pose.report.interrupted);
+        for pose in finished.filter(|pose| !pose.leftovers.is_empty()) {
+            self.records.remove(&pose.leftovers);
+            self.records.write(&PoseRecord {
+                leftovers: Vec::new(),
+                ..pose.clone()
+            })?;
+        }
+        Ok(())
     }
 }
 

@@ -18,7 +18,7 @@ pub(crate) struct PoseRecord {
     pub(crate) origin: SceneOrigin,
     /// Fingerprint of everything the pose was made from but the quality.
     pub(crate) inputs: String,
-    /// The quality: mesh points per wavelength that were asked for.
+    /// The quality: vertices per wavelength that were asked for.
     pub(crate) points_per_wavelength: f64,
     /// The keys that were reached, as fractions of the pose.
     pub(crate) keys: Vec<f64>,
@@ -28,8 +28,8 @@ pub(crate) struct PoseRecord {
     pub(crate) maps: Vec<WrinkleMap>,
     /// Its files, relative to the output folder.
     pub(crate) files: Vec<String>,
-    /// Files of earlier runs that an interrupted one has not come to: they go when the pose is
-    /// finished.
+    /// Files of earlier runs that this one has not written again, such as the maps of keys that are
+    /// gone. They go when the pose is finished and nothing lists them any more.
     pub(crate) leftovers: Vec<String>,
     /// What the user should know.
     pub(crate) warnings: Vec<String>,
@@ -122,8 +122,7 @@ impl Records {
         }
     }
 
-    /// Removes files of earlier runs that the pose has no more, such as the maps of keys that are
-    /// gone.
+    /// Removes files of earlier runs.
     pub(crate) fn remove(&self, leftovers: &[String]) {
         let is_inside = |file: &&String| {
             let mut parts = Path::new(file).components();

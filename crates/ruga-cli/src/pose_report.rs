@@ -7,8 +7,8 @@ use ruga_stepper::{PoseResult, StopRule};
 
 use crate::table::duration;
 
-/// How the pose went; `seconds` are those of its layers, `points` the mesh points per wavelength that
-/// were asked for.
+/// How the pose went; `seconds` are those of its layers, `points` the vertices per wavelength that were
+/// asked for.
 pub(crate) fn pose_report(
     name: &str,
     result: &PoseResult,

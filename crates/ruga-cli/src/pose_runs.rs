@@ -189,10 +189,6 @@ impl<P: Product> PoseRun<'_, P> {
         let mut made = self.product.pose(spec, &result)?;
         made.files.extend(files);
         earlier.retain(|file| !made.files.contains(file));
-        if !result.interrupted {
-            records.remove(&earlier);
-            earlier.clear();
-        }
         let record = self.record(spec, &result, &seconds, made, earlier);
         records.write(&record)?;
         Ok(Some(record))

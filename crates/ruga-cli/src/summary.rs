@@ -21,7 +21,7 @@ pub(crate) const ALL_IN_REPORT: &str = "all are in report.json";
 /// those of this run.
 ///
 /// # Errors
-/// The report cannot be written.
+/// The report or a record cannot be written.
 pub(crate) fn conclude(
     project: &Project,
     plan: &Planned,
@@ -34,6 +34,7 @@ pub(crate) fn conclude(
     let missing = poses.len() - finished.count();
     let report = report(project, plan, results, (missing, poses.len()));
     report.write(&arguments.output.join("report.json"))?;
+    results.remove_leftovers()?;
     say_warnings(project, plan, &own, results);
     if arguments.json {
         messages::result(&report.to_json());

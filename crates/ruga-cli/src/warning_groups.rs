@@ -9,7 +9,11 @@ use std::cmp::Ordering;
 const NAMED: usize = 3;
 
 /// Numbers before these words are worse the smaller they are.
-const LESS_IS_WORSE: [&str; 2] = ["points per wavelength", "texels per wavelength"];
+const LESS_IS_WORSE: [&str; 3] = [
+    "points per wavelength",
+    "texels per wavelength",
+    "vertices per wavelength",
+];
 
 /// Whether a warning is about the pose named `pose`.
 pub(crate) fn is_about(warning: &str, pose: &str) -> bool {
@@ -63,7 +67,11 @@ fn message(mut same: Vec<Warning<'_>>, whole: &str) -> String {
         0 => String::new(),
         more => format!(" and {more} more ({whole})"),
     };
-    let what = if several_layers { "times" } else { "poses" };
+    let repeated = |(i, a): (usize, &Warning<'_>)| same[..i].iter().any(|b| b.pose == a.pose);
+    let what = match same.iter().enumerate().any(repeated) {
+        true => "times",
+        false => "poses",
+    };
     let layer = same[0].layer.filter(|_| !several_layers);
     let layer = layer.map_or_else(String::new, |layer| format!(", layer '{layer}'"));
     let order = match differing {
@@ -182,7 +190,7 @@ impl<'a> Warning<'a> {
 }
 
 /// Words that are shown with their number.
-const UNITS: [&str; 6] = ["cm2", "mm", "%", "texels", "points", "m"];
+const UNITS: [&str; 7] = ["cm2", "mm", "%", "texels", "points", "vertices", "m"];
 
 /// Where the numbers in a text are: digits with at most one dot among them.
 fn number_ranges(text: &str) -> Vec<std::ops::Range<usize>> {

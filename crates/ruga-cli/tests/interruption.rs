@@ -109,7 +109,7 @@ fn resume_says_what_becomes_of_poses_of_another_quality() {
         .ruga("bake scene.toml -o out --resume --quality draft")
         .exits(0)
         .says(&[
-            "pose `squeezed` is there at 4 mesh points per wavelength: it is made again at draft quality",
+            "pose `squeezed` is there at 4 vertices per wavelength: it is made again at draft quality",
         ]);
     assert_eq!(points(), 6.0);
     // Forgetting `--quality` when going on must not cost the finer results.

@@ -143,6 +143,24 @@ fn poses_of_an_older_version_of_the_scene_are_named_and_not_listed() {
 }
 
 #[test]
+fn maps_of_keys_that_are_gone_go_with_them() {
+    let folder = Folder::with("steps = 2", "steps = 1");
+    folder.ruga("bake scene.toml -o out").exits(0);
+    folder.change("scene.toml", "keys = [0.5, 1.0]", "keys = [0.333, 1.0]");
+    folder.ruga("bake scene.toml -o out").exits(0);
+    assert_eq!(
+        folder.files("out/maps"),
+        [
+            "squeezed_100_height.png",
+            "squeezed_100_normal.png",
+            "squeezed_33p3_height.png",
+            "squeezed_33p3_normal.png",
+        ]
+    );
+    assert_listed(&folder, &["squeezed"]);
+}
+
+#[test]
 fn the_folder_of_another_scene_is_refused_unless_forced() {
     let folder = three_poses();
     folder.ruga("bake scene.toml -o out --pose some").exits(0);
@@ -183,18 +201,19 @@ fn the_folder_of_another_scene_is_refused_unless_forced() {
 #[test]
 fn many_warnings_of_one_kind_are_one_message_and_whole_in_the_report() {
     let folder = three_poses();
-    let run = folder
-        .ruga("bake scene.toml -o out --quality draft")
-        .exits(0);
-    let warnings: Vec<&str> = run
-        .stderr
-        .lines()
-        .filter(|l| l.starts_with("warning: "))
-        .collect();
-    let texels: Vec<&&str> = warnings
-        .iter()
-        .filter(|l| l.contains("beyond 15 %"))
-        .collect();
-    println!("{}", run.stderr);
-    assert!(texels.len() <= 1, "{}", run.stderr);
+    let about = |line: &&str| line.contains("remesh.points_per_wavelength");
+    for line in ["plan scene.toml", "bake scene.toml -o out"] {
+        let run = folder.ruga(line).exits(0);
+        let said: Vec<&str> = run.stderr.lines().filter(about).collect();
+        assert_eq!(said.len(), 1, "{}", run.stderr);
+        assert!(
+            said[0].starts_with("warning: 3 poses, layer 'skin': ")
+                && said[0].ends_with("['squeezed', 'some', 'more']"),
+            "{said:?}"
+        );
+    }
+    let report = folder.json("out/report.json");
+    let warnings = report["warnings"].as_array().unwrap().iter();
+    let whole = warnings.filter_map(Value::as_str).filter(about).count();
+    assert_eq!(whole, 3, "{report}");
 }
