@@ -130,8 +130,8 @@ fn interrupted_after_first_key(folder: &Folder) {
         sleep(Duration::from_millis(100 * tenths));
         interrupt(&child);
         let mut rest = String::new();
-        stderr.read_to_string(&mut rest).unwrap();
-        assert_eq!(child.wait().unwrap().code(), Some(1), "{rest}");
+        stderr.read_to_string(&mut rest).expect("text");
+        assert_eq!(child.wait().expect("it ends").code(), Some(1), "{rest}");
         if folder.path("out/poses/long.json").exists() {
             assert!(
                 rest.contains("the keys that were finished are kept"),

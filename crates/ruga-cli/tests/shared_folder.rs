@@ -25,9 +25,9 @@ fn listed(folder: &Folder) -> [Vec<String>; 3] {
         folder.json("out/report.json"),
         folder.json("out/wrinkles.json"),
     );
-    let reported = report["poses"].as_array().unwrap().iter();
+    let reported = report["poses"].as_array().expect("a list").iter();
     let mut mapped: Vec<String> = Vec::new();
-    for map in manifest["maps"].as_array().unwrap() {
+    for map in manifest["maps"].as_array().expect("a list") {
         assert!(
             folder.path("out").join(text(&map["file"])).is_file(),
             "{map}"
@@ -36,7 +36,7 @@ fn listed(folder: &Folder) -> [Vec<String>; 3] {
             mapped.push(text(&map["pose"]));
         }
     }
-    let weighted = manifest["poses"].as_object().unwrap().keys();
+    let weighted = manifest["poses"].as_object().expect("a table").keys();
     [
         reported.map(|pose| text(&pose["name"])).collect(),
         mapped,

@@ -16,9 +16,11 @@ pub struct Report {
     pub ruga: String,
     /// The scene file, as it was given.
     pub scene: String,
-    /// What the user should know.
+    /// What the user should know: every warning whole, also where the command has said several of one
+    /// kind in one message.
     pub warnings: Vec<String>,
-    /// One entry per pose.
+    /// One entry per pose in the folder that was made from this version of the scene, whichever run
+    /// made it, in the order of the scene.
     pub poses: Vec<PoseReport>,
 }
 
@@ -33,7 +35,7 @@ pub struct PoseReport {
     /// finished. Left out where it is false.
     #[serde(default, skip_serializing_if = "is_false")]
     pub interrupted: bool,
-    /// Mesh points per wavelength that were asked for; the poses of a folder may differ in it.
+    /// Vertices per wavelength that were asked for; the poses of a folder may differ in it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub points_per_wavelength: Option<f64>,
     /// Load or time steps that were solved.

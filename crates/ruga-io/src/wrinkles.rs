@@ -24,7 +24,8 @@ pub struct Wrinkles {
     pub blend: Blend,
     /// Weights of the blend shapes that make each pose.
     pub poses: BTreeMap<String, BTreeMap<String, f64>>,
-    /// One entry per file.
+    /// One entry per file. Every pose in the folder that was made from this version of the scene is
+    /// listed, whichever run made it; an interrupted one with the keys that were finished.
     pub maps: Vec<WrinkleMap>,
 }
 
