@@ -20,6 +20,17 @@ Reference:
   ruga help scene      every key of a scene, its default and its unit
   ruga help presets    every preset with its numbers";
 
+const MAPS: &str = "\
+Maps:
+  Names are <pose>_<key%>_<kind>; a key of 0.125 is called 12p5, as a dot would begin an extension.
+  Heights are 16 bit also beside 8-bit normals: 256 steps of height would show as terraces.";
+
+const FOLDER: &str = "\
+The output folder:
+  Poses of earlier runs of the same scene stay in wrinkles.json and report.json unless the scene has
+  changed since; changing other poses or the quality does not count. What is not listed any more is
+  named, and its files stay. While one run works in a folder a second one is refused.";
+
 const PLAN_COLUMNS: &str = "\
 Columns of the layers:
   wavelength           from crest to crest, on flat skin that is compressed evenly
@@ -61,10 +72,10 @@ pub(crate) struct Arguments {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Simulate every pose and bake its wrinkle maps.
-    #[command(after_help = EXIT_CODES)]
+    #[command(after_help = format!("{MAPS}\n\n{FOLDER}\n\n{EXIT_CODES}"))]
     Bake(RunArguments),
     /// Simulate every pose and write its meshes per load step, no maps.
-    #[command(after_help = EXIT_CODES)]
+    #[command(after_help = format!("{FOLDER}\n\n{EXIT_CODES}"))]
     Simulate(RunArguments),
     /// Say what will be modelled, where, how fine and at what cost; nothing is simulated.
     #[command(after_help = format!("{PLAN_COLUMNS}\n\n{EXIT_CODES}"))]
@@ -94,9 +105,13 @@ pub(crate) struct RunArguments {
     /// Print the report as JSON on stdout.
     #[arg(long, help_heading = "Output")]
     pub(crate) json: bool,
-    /// Keep poses of an earlier run in DIR whose inputs have not changed.
+    /// Keep poses of an earlier run in DIR whose inputs have not changed and that are no coarser
+    /// than asked for.
     #[arg(long, help_heading = "Output")]
     pub(crate) resume: bool,
+    /// Use DIR although it has results of another scene, which are then no longer listed.
+    #[arg(long, help_heading = "Output")]
+    pub(crate) force: bool,
     /// Mesh points per wavelength: draft 6, standard 12, fine 24 [default: the scene's].
     #[arg(long, value_enum, help_heading = "Simulation")]
     pub(crate) quality: Option<Quality>,
@@ -198,5 +213,17 @@ impl Quality {
             Quality::Standard => 12.0,
             Quality::Fine => 24.0,
         }
+    }
+}
+
+/// A number of vertices per wavelength in words, with the name of the quality that has it.
+pub(crate) fn quality_words(points: f64) -> String {
+    let named = [Quality::Draft, Quality::Standard, Quality::Fine]
+        .into_iter()
+        .find(|quality| quality.points_per_wavelength() == points);
+    let name = named.and_then(|quality| quality.to_possible_value());
+    match name {
+        Some(name) => format!("{} quality", name.get_name()),
+        None => format!("{points} vertices per wavelength"),
     }
 }

@@ -116,6 +116,25 @@ pub(crate) enum CliError {
     /// The output folder cannot be used.
     #[error("{}: cannot be the output folder: {reason}", path.display())]
     Output { path: PathBuf, reason: String },
+    /// Another run is writing to the output folder.
+    #[error("{}: another run is working in this folder: {holder}", path.display())]
+    #[diagnostic(help(
+        "wait until it is done, stop it, or give another folder with `--output`; a run that was killed \
+         holds no folder"
+    ))]
+    Busy { path: PathBuf, holder: String },
+    /// The output folder has results of another scene.
+    #[error("{}: holds {} of another scene: {other}; this scene is {own}", path.display(), counted(*count, "pose"))]
+    #[diagnostic(help(
+        "give another folder with `--output`, or take this one with `--force`: then the other scene's \
+         poses leave `wrinkles.json` and `report.json`, and files that this run does not write stay"
+    ))]
+    OtherScene {
+        path: PathBuf,
+        count: usize,
+        other: String,
+        own: String,
+    },
     /// `ruga new` would overwrite something.
     #[error("{}: exists already; nothing was written", path.display())]
     #[diagnostic(help("choose another folder, or move the file away"))]

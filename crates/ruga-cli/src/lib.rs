@@ -3,7 +3,9 @@
 //! A *project* is a scene with everything that it names, read and converted to what the other
 //! crates understand. A *plan* says what will be simulated in each *pose*. `bake` and `simulate`
 //! work on as many poses at a time as there are threads and keep a *record* of each finished pose,
-//! so that an interrupted run can go on where it stopped.
+//! so that an interrupted run can go on where it stopped. Report and manifest are made of all records
+//! in the output folder that fit the scene, so that a run of one pose leaves the others listed; one run
+//! at a time *locks* the folder.
 //!
 //! Results are printed on stdout, progress and messages on stderr. Exit codes: 0 done; 1 ran, but
 //! a pose did not converge or the run was interrupted, with the results written and marked; 2 could
@@ -34,19 +36,26 @@ mod map_files;
 mod moved_mesh;
 mod planned;
 mod pose_queue;
-mod pose_record;
+mod pose_report;
 mod pose_runs;
 mod posed_frames;
 mod summary;
 mod watch;
 
+mod folder_lock;
+mod folder_results;
+mod output_folder;
+mod pose_inputs;
+mod pose_record;
+mod scene_origin;
+
 mod fingerprint;
 mod interrupt;
 mod messages;
-mod output_folder;
 mod progress;
 mod table;
 mod templates;
+mod warning_groups;
 
 mod error;
 

@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 
 use crate::error::CliError;
+use crate::warning_groups::grouped;
 
 /// A result, on stdout.
 pub(crate) fn result(text: &str) {
@@ -20,6 +21,14 @@ pub(crate) fn note(text: &str) {
 /// Something that the user should know, on stderr.
 pub(crate) fn warning(text: &str) {
     note(&format!("warning: {text}"));
+}
+
+/// Things that the user should know, on stderr, those of one kind in one message. `whole` says where
+/// each of them can be read.
+pub(crate) fn warnings<'a>(texts: impl IntoIterator<Item = &'a String>, whole: &str) {
+    for text in grouped(texts.into_iter().map(String::as_str), whole) {
+        warning(&text);
+    }
 }
 
 /// Why the command could not run, or one of several reasons, on stderr.

@@ -5,9 +5,52 @@ use std::path::Path;
 
 use ruga_io::{AtomicFile, IoError};
 
+use crate::arguments::RunArguments;
 use crate::error::CliError;
+use crate::folder_lock::FolderLock;
+use crate::folder_results::claim;
+use crate::pose_inputs::{ScenePose, scene_poses};
+use crate::project::Project;
+use crate::scene_origin::SceneOrigin;
 
-/// Makes the folder and finds out, before hours of work, whether files can be written there.
+/// An output folder that this run alone works in.
+#[derive(Debug)]
+pub(crate) struct OutputFolder {
+    /// The scene that its results belong to.
+    pub(crate) origin: SceneOrigin,
+    /// Every pose of the scene, whether this run makes it or not.
+    pub(crate) poses: Vec<ScenePose>,
+    _lock: FolderLock,
+}
+
+impl OutputFolder {
+    /// Makes the folder and finds out, before hours of work, whether files can be written there,
+    /// whether another run does so, and whether its results are another scene's.
+    ///
+    /// # Errors
+    /// [`CliError::Output`] naming the folder and the cause, [`CliError::Busy`],
+    /// [`CliError::OtherScene`].
+    pub(crate) fn open(
+        project: &Project,
+        arguments: &RunArguments,
+        command: &str,
+    ) -> Result<Self, CliError> {
+        let path = arguments.output.as_path();
+        prepare(path)?;
+        let line = format!("ruga {command} {}", arguments.scene.display());
+        let lock = FolderLock::take(path, &line)?;
+        let origin = SceneOrigin::of(project, path);
+        let poses = scene_poses(project)?;
+        claim(path, &origin, &poses, arguments.force)?;
+        Ok(Self {
+            origin,
+            poses,
+            _lock: lock,
+        })
+    }
+}
+
+/// Makes the folder if it can be one that files can be written to.
 ///
 /// # Errors
 /// [`CliError::Output`] naming the folder and the cause.

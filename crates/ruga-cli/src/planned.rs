@@ -34,14 +34,13 @@ pub(crate) fn pose_layers(zones: &[ZonePlan], pose: usize) -> Vec<&LayerPlan> {
 
 impl Planned {
     /// What the user should know before anything is simulated.
-    pub(crate) fn warnings(&self) -> Vec<&String> {
-        match self {
-            Self::Skin(zones) => {
-                let all = zones.iter().flat_map(|zone| &zone.plan.warnings);
-                all.collect()
-            }
-            Self::Body(plan) => plan.warnings.iter().collect(),
-        }
+    pub(crate) fn warnings(&self) -> impl Iterator<Item = &String> {
+        let (zones, body) = match self {
+            Self::Skin(zones) => (zones.as_slice(), None),
+            Self::Body(plan) => (&[][..], Some(plan)),
+        };
+        let of_skin = zones.iter().flat_map(|zone| &zone.plan.warnings);
+        of_skin.chain(body.into_iter().flat_map(|plan| &plan.warnings))
     }
 
     /// The file's triangles that have a simulated part in pose number `pose`, ascending.

@@ -9,28 +9,99 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::CliError;
 use crate::fingerprint::Fingerprint;
+use crate::scene_origin::SceneOrigin;
 
-/// `poses/<pose>.json`: written when all files of the pose are.
+/// A pose whose files are written; an interrupted one has those of the keys that were finished.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct PoseRecord {
-    /// Fingerprint of everything the pose was made from.
+    /// The scene that the pose belongs to.
+    pub(crate) origin: SceneOrigin,
+    /// Fingerprint of everything the pose was made from but the quality.
     pub(crate) inputs: String,
+    /// The quality: vertices per wavelength that were asked for.
+    pub(crate) points_per_wavelength: f64,
+    /// The keys that were reached, as fractions of the pose.
+    pub(crate) keys: Vec<f64>,
     /// Its entry in the report.
     pub(crate) report: PoseReport,
     /// Its entries in the manifest.
     pub(crate) maps: Vec<WrinkleMap>,
     /// Its files, relative to the output folder.
     pub(crate) files: Vec<String>,
+    /// Files of earlier runs that this one has not written again, such as the maps of keys that are
+    /// gone. They go when the pose is finished and nothing lists them any more.
+    pub(crate) leftovers: Vec<String>,
     /// What the user should know.
     pub(crate) warnings: Vec<String>,
 }
 
 impl PoseRecord {
-    /// The record of a pose made from the same `inputs`, if all its files are still there.
-    pub(crate) fn find(folder: &Path, pose: &str, inputs: Fingerprint) -> Option<Self> {
-        let record = Self::read(folder, pose)?;
-        let whole = record.files.iter().all(|file| folder.join(file).is_file());
-        (record.inputs == inputs.text() && record.report.name == pose && whole).then_some(record)
+    /// Whether the pose was made from just these inputs and its files are there.
+    pub(crate) fn is_current(&self, output: &Path, inputs: Fingerprint) -> bool {
+        self.inputs == inputs.text() && self.is_whole(output)
+    }
+
+    /// Whether all its files are still there.
+    pub(crate) fn is_whole(&self, output: &Path) -> bool {
+        self.files.iter().all(|file| output.join(file).is_file())
+    }
+}
+
+/// The records of what one command made in an output folder: `poses/<pose>.json` of `bake`,
+/// `poses/frames/<pose>.json` of `simulate`. Each command has its own, so that neither loses what the
+/// other has made.
+#[derive(Clone, Debug)]
+pub(crate) struct Records {
+    /// The output folder.
+    pub(crate) output: PathBuf,
+    /// Where the records lie.
+    folder: PathBuf,
+}
+
+impl Records {
+    /// Of `ruga bake`.
+    pub(crate) fn of_bake(output: &Path) -> Self {
+        Self {
+            output: output.to_owned(),
+            folder: output.join("poses"),
+        }
+    }
+
+    /// Of `ruga simulate`.
+    pub(crate) fn of_simulate(output: &Path) -> Self {
+        Self {
+            output: output.to_owned(),
+            folder: output.join("poses").join("frames"),
+        }
+    }
+
+    /// The record of a pose, if there is one that can be read.
+    pub(crate) fn read(&self, pose: &str) -> Option<PoseRecord> {
+        let text = fs::read(self.path(pose)).ok()?;
+        let record: PoseRecord = serde_json::from_slice(&text).ok()?;
+        (record.report.name == pose).then_some(record)
+    }
+
+    /// Every record that can be read, by name.
+    pub(crate) fn all(&self) -> Vec<PoseRecord> {
+        let entries = fs::read_dir(&self.folder).into_iter().flatten().flatten();
+        let names = entries.filter_map(|entry| {
+            let name = entry.file_name().into_string().ok()?;
+            Some(name.strip_suffix(".json")?.to_owned())
+        });
+        let mut names: Vec<String> = names.collect();
+        names.sort();
+        names.iter().filter_map(|name| self.read(name)).collect()
+    }
+
+    /// Writes a record, whole or not at all.
+    ///
+    /// # Errors
+    /// [`IoError::Unwritable`].
+    pub(crate) fn write(&self, record: &PoseRecord) -> Result<(), CliError> {
+        let text = serde_json::to_vec_pretty(record)
+            .expect("structs of numbers, strings, lists and string-keyed maps always serialise");
+        Ok(write_atomically(&self.path(&record.report.name), &text)?)
     }
 
     /// Forgets the pose before its files are touched: a record never vouches for files of two
@@ -38,47 +109,33 @@ impl PoseRecord {
     ///
     /// # Errors
     /// The record is there and cannot be removed.
-    pub(crate) fn forget(folder: &Path, pose: &str) -> Result<Vec<String>, CliError> {
-        let files = Self::read(folder, pose).map_or_else(Vec::new, |record| record.files);
-        let path = path(folder, pose);
+    pub(crate) fn forget(&self, pose: &str) -> Result<Vec<String>, CliError> {
+        let known = self
+            .read(pose)
+            .map_or_else(Vec::new, |record| [record.files, record.leftovers].concat());
+        let path = self.path(pose);
         match fs::remove_file(&path) {
             Err(source) if source.kind() != io::ErrorKind::NotFound => {
                 Err(IoError::Unwritable { path, source }.into())
             }
-            _ => Ok(files),
+            _ => Ok(known),
         }
     }
 
-    /// Removes files of an `earlier` run that this one has not written again, such as the maps of
-    /// keys that are gone. Frames leave maps alone and maps frames: the other command's results
-    /// stay good.
-    pub(crate) fn remove_leftovers(&self, folder: &Path, earlier: &[String]) {
-        let own: Vec<_> = self.files.iter().map(|file| kind(file)).collect();
-        let is_left = |file: &&String| own.contains(&kind(file)) && !self.files.contains(file);
-        remove(folder, earlier.iter().filter(is_left));
+    /// Removes files of earlier runs.
+    pub(crate) fn remove(&self, leftovers: &[String]) {
+        let is_inside = |file: &&String| {
+            let mut parts = Path::new(file).components();
+            parts.all(|part| matches!(part, Component::Normal(_)))
+        };
+        for file in leftovers.iter().filter(is_inside) {
+            // What is gone already, or cannot be removed, does no harm to this run.
+            let _ = fs::remove_file(self.output.join(file));
+        }
     }
 
-    fn read(folder: &Path, pose: &str) -> Option<Self> {
-        let text = fs::read(path(folder, pose)).ok()?;
-        serde_json::from_slice(&text).ok()
-    }
-
-    /// Writes the record, whole or not at all.
-    ///
-    /// # Errors
-    /// [`IoError::Unwritable`].
-    pub(crate) fn write(&self, folder: &Path) -> Result<(), CliError> {
-        let text = serde_json::to_vec_pretty(self)
-            .expect("structs of numbers, strings, lists and string-keyed maps always serialise");
-        Ok(write_atomically(&path(folder, &self.report.name), &text)?)
-    }
-}
-
-/// First part of a file's path: what kind of result it is. Where a body is belongs to its maps.
-fn kind(file: &str) -> Option<&str> {
-    match file.split('/').next() {
-        Some("bodies") => Some("maps"),
-        other => other,
+    fn path(&self, pose: &str) -> PathBuf {
+        self.folder.join(format!("{pose}.json"))
     }
 }
 
@@ -98,29 +155,34 @@ pub(crate) fn remove_frames(folder: &Path, pose: &str) {
     }
 }
 
-fn remove<'a>(folder: &Path, files: impl Iterator<Item = &'a String>) {
-    let is_inside = |file: &String| {
-        let mut parts = Path::new(file).components();
-        parts.all(|part| matches!(part, Component::Normal(_)))
-    };
-    for file in files.filter(|file| is_inside(file)) {
-        // What is gone already, or cannot be removed, does no harm to this run.
-        let _ = fs::remove_file(folder.join(file));
-    }
-}
-
-fn path(folder: &Path, pose: &str) -> PathBuf {
-    folder.join("poses").join(format!("{pose}.json"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn record(name: &str) -> PoseRecord {
+        PoseRecord {
+            origin: SceneOrigin {
+                scene: "../scene.toml".to_owned(),
+                mesh: "Patch".to_owned(),
+            },
+            inputs: Fingerprint::new().text(),
+            points_per_wavelength: 12.0,
+            keys: vec![1.0],
+            report: PoseReport {
+                name: name.to_owned(),
+                ..PoseReport::default()
+            },
+            maps: Vec::new(),
+            files: Vec::new(),
+            leftovers: Vec::new(),
+            warnings: Vec::new(),
+        }
+    }
+
     #[test]
     fn numbers_come_back_to_the_last_bit() {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let inputs = Fingerprint::new();
+        let records = Records::of_bake(folder.path());
         // Three that were read back one bit off.
         let numbers = [
             0.009071926551786267,
@@ -128,46 +190,45 @@ mod tests {
             6.791338225313123e-9,
         ];
         for number in numbers {
-            let mut report = PoseReport {
-                name: "a".to_owned(),
-                ..PoseReport::default()
-            };
-            report.layers.push(ruga_io::LayerReport {
+            let mut record = record("a");
+            record.report.layers.push(ruga_io::LayerReport {
                 energy_j: Some(number),
                 ..ruga_io::LayerReport::default()
             });
-            let record = PoseRecord {
-                inputs: inputs.text(),
-                report: report.clone(),
-                maps: Vec::new(),
-                files: Vec::new(),
-                warnings: Vec::new(),
-            };
-            record.write(folder.path()).expect("a folder to write to");
-            let found = PoseRecord::find(folder.path(), "a", inputs).expect("the record");
-            assert_eq!(found.report, report);
+            records.write(&record).expect("a folder to write to");
+            let found = records.read("a").expect("the record");
+            assert_eq!(found.report, record.report);
         }
     }
 
     #[test]
-    fn leftovers_of_the_other_command_stay() {
+    fn each_command_has_its_own_records() {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let earlier = ["frames/a/skin.0007.obj", "maps/a_100_normal.png"];
-        for file in earlier {
-            let path = folder.path().join(file);
-            fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
+        let [baked, simulated] =
+            [Records::of_bake, Records::of_simulate].map(|of| of(folder.path()));
+        baked.write(&record("b")).expect("a folder to write to");
+        baked.write(&record("a")).expect("a folder to write to");
+        simulated.write(&record("c")).expect("a folder to write to");
+        let names = |records: &Records| -> Vec<String> {
+            let all = records.all().into_iter();
+            all.map(|record| record.report.name).collect()
+        };
+        assert_eq!(names(&baked), ["a", "b"]);
+        assert_eq!(names(&simulated), ["c"]);
+    }
+
+    #[test]
+    fn what_a_record_says_outside_its_folder_is_left_alone() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let out = folder.path().join("out");
+        fs::create_dir_all(&out).expect("a folder");
+        for path in [folder.path().join("mine"), out.join("old")] {
             fs::write(path, "x").expect("a file");
         }
-        let record = PoseRecord {
-            inputs: String::new(),
-            report: PoseReport::default(),
-            maps: Vec::new(),
-            files: vec!["frames/a/skin.0000.obj".to_owned()],
-            warnings: Vec::new(),
-        };
-        record.remove_leftovers(folder.path(), &earlier.map(str::to_owned));
-        assert!(!folder.path().join(earlier[0]).exists());
-        assert!(folder.path().join(earlier[1]).exists());
+        let leftovers = ["../mine", "old"].map(str::to_owned);
+        Records::of_bake(&out).remove(&leftovers);
+        assert!(folder.path().join("mine").exists());
+        assert!(!out.join("old").exists());
     }
 
     #[test]

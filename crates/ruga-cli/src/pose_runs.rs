@@ -1,22 +1,23 @@
 //! Simulates poses and hands each to what `bake` or `simulate` makes of it.
 
-use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::thread;
 
-use ruga_io::{LayerReport, PoseReport, Seconds, WrinkleMap};
-use ruga_stepper::StopRule;
+use indicatif::ProgressBar;
+use ruga_io::{Seconds, WrinkleMap};
 use ruga_stepper::{Frame, PoseResult, PoseSpec};
 
-use crate::arguments::RunArguments;
-use crate::error::CliError;
-use crate::fingerprint::Fingerprint;
+use crate::arguments::{RunArguments, quality_words};
+use crate::error::{CliError, counted};
+use crate::output_folder::OutputFolder;
 use crate::planned::Planned;
+use crate::pose_inputs::ScenePose;
 use crate::pose_queue::run_all;
-use crate::pose_record::PoseRecord;
+use crate::pose_record::{PoseRecord, Records};
+use crate::pose_report::{ending, pose_report};
 use crate::progress::PoseProgress;
 use crate::project::Project;
-use crate::table::duration;
+use crate::warning_groups::is_about;
 use crate::watch::Watch;
 
 /// The files of one pose.
@@ -32,11 +33,12 @@ pub(crate) struct PoseFiles {
 
 /// What a command makes of a pose.
 pub(crate) trait Product: Sync {
-    /// Name of the command: poses made by another one are made again.
-    const COMMAND: &'static str;
-
-    /// Whether it has a use for load steps, not for keys alone.
+    /// Whether it writes load steps as they come; else nothing is written before the pose is done,
+    /// and an earlier run's files stay good until then.
     const WANTS_FRAMES: bool;
+
+    /// What has been made of poses so far.
+    fn records(&self) -> &Records;
 
     /// Removes of earlier runs' files those among which new ones are about to appear: an
     /// interrupted run must not leave a mixture.
@@ -45,7 +47,7 @@ pub(crate) trait Product: Sync {
     /// Writes a load step, if it is to be written; returns the files.
     fn frame(&self, pose: &PoseSpec, frame: &Frame<'_>) -> Result<Vec<String>, CliError>;
 
-    /// Writes what the finished pose gives.
+    /// Writes what the pose gives; an interrupted one has fewer keys.
     fn pose(&self, pose: &PoseSpec, result: &PoseResult) -> Result<PoseFiles, CliError>;
 }
 
@@ -55,7 +57,8 @@ pub(crate) fn thread_count(arguments: &RunArguments) -> usize {
     arguments.threads.map_or_else(cores, NonZeroUsize::get)
 }
 
-/// Simulates every pose of the plan; `None` stands for a pose that was interrupted.
+/// Simulates every pose of the plan; `None` stands for a pose that was interrupted before its first key,
+/// or whose earlier results are better than what was reached.
 ///
 /// # Errors
 /// The first pose that cannot be simulated or written.
@@ -63,6 +66,7 @@ pub(crate) fn run_poses<P: Product>(
     project: &Project,
     plan: &Planned,
     arguments: &RunArguments,
+    folder: &OutputFolder,
     product: &P,
 ) -> Result<Vec<Option<PoseRecord>>, CliError> {
     let count = project.poses.len();
@@ -70,7 +74,7 @@ pub(crate) fn run_poses<P: Product>(
         project,
         plan,
         arguments,
-        inputs: project.fingerprint()?.with(P::COMMAND.as_bytes()),
+        folder,
         progress: PoseProgress::new(count),
         product,
     };
@@ -84,7 +88,7 @@ struct PoseRun<'a, P> {
     project: &'a Project,
     plan: &'a Planned,
     arguments: &'a RunArguments,
-    inputs: Fingerprint,
+    folder: &'a OutputFolder,
     progress: PoseProgress,
     product: &'a P,
 }
@@ -96,41 +100,70 @@ impl<P: Product> PoseRun<'_, P> {
         given_up: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<PoseRecord>, CliError> {
         let spec = &self.project.poses[index];
-        let folder = &self.arguments.output;
         if self.arguments.resume
-            && let Some(record) = PoseRecord::find(folder, &spec.name, self.inputs)
+            && let Some(record) = self.resumed(&spec.name)
         {
-            let name = &spec.name;
-            self.progress
-                .note(&format!("pose `{name}` is there from an earlier run"));
             return Ok(Some(record));
         }
-        let earlier = PoseRecord::forget(folder, &spec.name)?;
-        self.product.begin(spec);
+        let mut earlier = Vec::new();
+        if P::WANTS_FRAMES {
+            earlier = self.product.records().forget(&spec.name)?;
+            self.product.begin(spec);
+        }
         let bar = self.progress.start(&spec.name, index + 1);
-        let record = self.simulate(index, &bar, given_up);
+        let record = self.simulate(index, &bar, given_up, earlier);
         let ending = match &record {
-            Ok(Some(record)) => ending(&record.report),
+            Ok(Some(record)) => {
+                let warnings = match record.warnings.len() {
+                    0 => String::new(),
+                    count => format!(", {}", counted(count, "warning")),
+                };
+                format!("{}{warnings}", ending(&record.report))
+            }
             Ok(None) => "interrupted".to_owned(),
             Err(_) => "failed".to_owned(),
         };
         self.progress
             .end(&bar, &format!("pose `{}`: {ending}", spec.name));
-        let record = record?;
-        if let Some(record) = &record {
-            record.remove_leftovers(folder, &earlier);
+        record
+    }
+
+    /// The pose as an earlier run left it, if it serves; a finer one does, so that going on at a lower
+    /// quality by mistake costs nothing.
+    fn resumed(&self, name: &str) -> Option<PoseRecord> {
+        let record = self.product.records().read(name)?;
+        let asked = self.points();
+        let found = quality_words(record.points_per_wavelength);
+        let note = |text: &str| self.progress.note(&format!("pose `{name}` {text}"));
+        if !record.is_current(&self.product.records().output, self.scene_pose(name).inputs) {
+            note("is there from an older version of the scene, or not whole: it is made again");
+            return None;
         }
-        for warning in record.iter().flat_map(|record| &record.warnings) {
-            self.progress.note(&format!("warning: {warning}"));
+        if record.report.interrupted {
+            note("was interrupted: it is made again; until then its finished keys are kept");
+            return None;
         }
-        Ok(record)
+        if record.points_per_wavelength < asked {
+            let asked = quality_words(asked);
+            note(&format!("is there at {found}: it is made again at {asked}"));
+            return None;
+        }
+        match record.points_per_wavelength > asked {
+            true => note(&format!(
+                "is there from an earlier run at {found}, finer than asked for: it is kept; without \
+                 `--resume` it is made again"
+            )),
+            false => note("is there from an earlier run"),
+        }
+        Some(record)
     }
 
     fn simulate(
         &self,
         index: usize,
-        bar: &indicatif::ProgressBar,
+        bar: &ProgressBar,
         given_up: &(dyn Fn() -> bool + Sync),
+        mut earlier: Vec<String>,
     ) -> Result<Option<PoseRecord>, CliError> {
         let project = self.project;
         let spec = &project.poses[index];
@@ -147,99 +180,73 @@ impl<P: Product> PoseRun<'_, P> {
             source: Box::new(source),
         })?;
         let seconds = watch.finish(result.layers.len(), result.frames)?;
-        if result.interrupted {
+        if result.interrupted && !self.is_worth_keeping(spec, &result) {
             return Ok(None);
         }
         bar.set_message("writing");
+        let records = self.product.records();
+        earlier.extend(records.forget(&spec.name)?);
         let mut made = self.product.pose(spec, &result)?;
         made.files.extend(files);
-        let record = record(self.inputs, &spec.name, result, &seconds, made);
-        record.write(&self.arguments.output)?;
+        earlier.retain(|file| !made.files.contains(file));
+        let record = self.record(spec, &result, &seconds, made, earlier);
+        records.write(&record)?;
         Ok(Some(record))
     }
-}
 
-fn record(
-    inputs: Fingerprint,
-    name: &str,
-    result: PoseResult,
-    seconds: &[Seconds],
-    made: PoseFiles,
-) -> PoseRecord {
-    let maps: BTreeMap<String, String> = made
-        .maps
-        .iter()
-        .map(|map| {
-            let percent = ruga_io::key_percent(map.key);
-            (format!("{percent}_{}", map.kind.word()), map.file.clone())
-        })
-        .collect();
-    let about_maps = made.warnings.iter();
-    let about_maps = about_maps.map(|warning| format!("pose '{name}': {warning}"));
-    PoseRecord {
-        inputs: inputs.text(),
-        warnings: result.warnings.into_iter().chain(about_maps).collect(),
-        report: PoseReport {
-            name: name.to_owned(),
-            converged: result.converged,
-            frames: u32::try_from(result.frames).unwrap_or(u32::MAX),
-            maps,
-            layers: result
-                .layers
-                .into_iter()
-                .zip(seconds)
-                .map(|(layer, seconds)| layer_report(layer, seconds))
-                .collect(),
-        },
-        maps: made.maps,
-        files: made.files,
+    /// Whether the finished keys of an interrupted pose are more than what is there already.
+    fn is_worth_keeping(&self, spec: &PoseSpec, result: &PoseResult) -> bool {
+        let records = self.product.records();
+        let inputs = self.scene_pose(&spec.name).inputs;
+        let earlier = records.read(&spec.name);
+        let earlier = earlier.filter(|record| record.is_current(&records.output, inputs));
+        result.keys.len() > earlier.map_or(0, |record| record.keys.len())
     }
-}
 
-fn layer_report(layer: ruga_stepper::LayerReport, seconds: &Seconds) -> LayerReport {
-    let count = |n: usize| u64::try_from(n).ok();
-    LayerReport {
-        name: layer.name,
-        vertices: count(layer.vertices),
-        faces: count(layer.faces),
-        constraints: count(layer.constraints),
-        wavelength_predicted_m: Some(layer.wavelength_predicted),
-        critical_strain_predicted: Some(layer.critical_strain_predicted),
-        wavelength_m: layer.wavelength,
-        amplitude_m: Some(layer.amplitude),
-        energy_j: Some(layer.energy),
-        newton_iterations: count(layer.newton_iterations),
-        residual: Some(layer.residual),
-        stop_rule: layer.stop.map(stop_rule),
-        bending_ratio: layer.bending_ratio,
-        seconds: seconds.clone(),
+    fn record(
+        &self,
+        spec: &PoseSpec,
+        result: &PoseResult,
+        seconds: &[Seconds],
+        made: PoseFiles,
+        leftovers: Vec<String>,
+    ) -> PoseRecord {
+        let name = &spec.name;
+        let planned = self.plan.warnings();
+        let planned = planned.filter(|warning| is_about(warning, name));
+        let mut warnings: Vec<String> = planned.chain(&result.warnings).cloned().collect();
+        let about_maps = made.warnings.iter();
+        warnings.extend(about_maps.map(|warning| format!("pose '{name}': {warning}")));
+        let keys: Vec<f64> = result.keys.iter().map(|key| key.load).collect();
+        if result.interrupted {
+            warnings.push(format!(
+                "pose '{name}': interrupted when {} of its keys {:?} were finished; the same command with \
+                 `--resume` makes it whole",
+                keys.len(),
+                spec.keys
+            ));
+        }
+        PoseRecord {
+            origin: self.folder.origin.clone(),
+            inputs: self.scene_pose(name).inputs.text(),
+            points_per_wavelength: self.points(),
+            keys,
+            report: pose_report(name, result, seconds, self.points(), &made.maps),
+            maps: made.maps,
+            files: made.files,
+            leftovers,
+            warnings,
+        }
     }
-}
 
-fn stop_rule(rule: StopRule) -> String {
-    match rule {
-        StopRule::Decrement => "decrement",
-        StopRule::Residual => "residual",
-        StopRule::Saddle => "saddle",
-        StopRule::IterationLimit => "iteration limit",
-        StopRule::LineSearch => "line search",
-        StopRule::Infeasible => "infeasible",
-        StopRule::Breakdown => "breakdown",
-        StopRule::OutsideDomain => "outside domain",
-        StopRule::Interrupted => "interrupted",
+    fn points(&self) -> f64 {
+        self.project.modelling.points_per_wavelength
     }
-    .to_owned()
-}
 
-fn ending(report: &PoseReport) -> String {
-    let layers = report.layers.iter();
-    let seconds: f64 = layers.filter_map(|layer| layer.seconds.total).sum();
-    if report.frames == 0 && report.converged {
-        return "nothing to wrinkle".to_owned();
-    }
-    let time = duration(seconds * f64::from(report.frames.max(1)));
-    match report.converged {
-        true => format!("done in {time}"),
-        false => format!("done in {time}, but it did not converge"),
+    fn scene_pose(&self, name: &str) -> &ScenePose {
+        let mut poses = self.folder.poses.iter();
+        poses
+            .find(|pose| pose.name == name)
+            .expect("the poses of a run are poses of its scene")
     }
 }

@@ -1,6 +1,5 @@
 //! A scene with everything that it names, read and converted.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use ruga_blend::Driver;
@@ -12,7 +11,6 @@ use ruga_stepper::{
 
 use crate::arguments::Quality;
 use crate::error::{CliError, counted};
-use crate::fingerprint::Fingerprint;
 use crate::placement::Placement;
 use crate::planned::{Planned, ZonePlan};
 use crate::{body, mesh_size, model, texture_space};
@@ -123,38 +121,6 @@ impl Project {
                 Planned::Skin(planned.collect::<Result<_, StepperError>>()?)
             }
         })
-    }
-
-    /// Changes whenever the result of a pose might: scene, mesh, mask, painted maps, quality, release.
-    ///
-    /// # Errors
-    /// The scene file, a painted map or the mask of a layer has gone.
-    pub(crate) fn fingerprint(&self) -> Result<Fingerprint, CliError> {
-        let read = |path: &Path| {
-            fs::read(path).map_err(|source| IoError::Unreadable {
-                path: path.to_owned(),
-                source,
-            })
-        };
-        let text = read(&self.path)?;
-        let mut hash = Fingerprint::new()
-            .with(env!("CARGO_PKG_VERSION").as_bytes())
-            .with(&text)
-            .with_numbers([self.modelling.points_per_wavelength])
-            .with_mesh(&self.mesh.mesh)
-            .with_numbers(self.mesh.world_from_node.iter().copied());
-        if let Region::Mask(mask) = &self.modelling.region {
-            let shape = [f64::from(mask.width()), f64::from(mask.height())];
-            let values = mask.values().iter().map(|&v| f64::from(v));
-            hash = hash.with_numbers(shape.into_iter().chain(values));
-        }
-        for layer in &self.scene.layers {
-            let painted = layer.map.iter().flat_map(|map| map.images());
-            for image in painted.chain(layer.mask.as_deref()) {
-                hash = hash.with(&read(image)?);
-            }
-        }
-        Ok(hash)
     }
 }
 

@@ -4,6 +4,7 @@ use ruga_io::{PoseReport, Report};
 
 use crate::arguments::RunArguments;
 use crate::error::{CliError, counted};
+use crate::folder_results::FolderResults;
 use crate::messages;
 use crate::planned::Planned;
 use crate::pose_record::PoseRecord;
@@ -11,56 +12,93 @@ use crate::project::Project;
 use crate::run::Outcome;
 use crate::table::{ABSENT, duration, number, table};
 
+/// Where each warning can be read when several were said as one.
+pub(crate) const ALL_IN_REPORT: &str = "all are in report.json";
+
 /// Writes `report.json`, prints the results and says how the run ended.
 ///
+/// The report has every pose in the folder that fits the scene; table and outcome are about `poses`,
+/// those of this run.
+///
 /// # Errors
-/// The report cannot be written.
+/// The report or a record cannot be written.
 pub(crate) fn conclude(
     project: &Project,
     plan: &Planned,
     arguments: &RunArguments,
-    records: &[Option<PoseRecord>],
+    poses: &[Option<PoseRecord>],
+    results: &FolderResults,
 ) -> Result<Outcome, CliError> {
-    let finished: Vec<&PoseRecord> = records.iter().flatten().collect();
-    let missing = records.len() - finished.len();
-    let mut report = Report::new(
-        env!("CARGO_PKG_VERSION"),
-        project.path.to_string_lossy().into_owned(),
-    );
-    let own = finished.iter().flat_map(|record| &record.warnings);
-    let all = project.warnings.iter().chain(plan.warnings()).chain(own);
-    report.warnings = all.cloned().collect();
-    if missing > 0 {
-        report.warnings.push(format!(
-            "interrupted: {} of {} not simulated",
-            counted(missing, "pose"),
-            records.len()
-        ));
-    }
-    report.poses = finished.iter().map(|r| r.report.clone()).collect();
+    let own: Vec<&PoseRecord> = poses.iter().flatten().collect();
+    let finished = own.iter().filter(|pose| !pose.report.interrupted);
+    let missing = poses.len() - finished.count();
+    let report = report(project, plan, results, (missing, poses.len()));
     report.write(&arguments.output.join("report.json"))?;
+    results.remove_leftovers()?;
+    say_warnings(project, plan, &own, results);
     if arguments.json {
         messages::result(&report.to_json());
     } else {
-        if !report.poses.is_empty() {
-            messages::result(&results_table(&report.poses));
+        if !own.is_empty() {
+            messages::result(&results_table(&own));
+        }
+        let others = results.current.len().saturating_sub(own.len());
+        if others > 0 {
+            let others = counted(others, "pose");
+            messages::result(&format!("{others} of earlier runs are listed with these."));
         }
         let folder = arguments.output.display();
         messages::result(&format!("Results are in {folder}; see report.json there."));
     }
     if missing > 0 {
         messages::note(&format!(
-            "interrupted: {} left; finished poses are whole, `--resume` continues",
+            "interrupted: {} left; finished poses are whole and finished keys are kept, `--resume` \
+             continues",
             counted(missing, "pose")
         ));
         return Ok(Outcome::Incomplete);
     }
-    Ok(convergence(&report.poses))
+    Ok(convergence(own.iter().map(|pose| &pose.report)))
 }
 
-fn convergence(poses: &[PoseReport]) -> Outcome {
+/// The report of all poses in the folder, with every warning once.
+fn report(
+    project: &Project,
+    plan: &Planned,
+    results: &FolderResults,
+    (missing, asked): (usize, usize),
+) -> Report {
+    let mut report = Report::new(
+        env!("CARGO_PKG_VERSION"),
+        project.path.to_string_lossy().into_owned(),
+    );
+    let of_poses = results.current.iter().flat_map(|pose| &pose.warnings);
+    let all = project.warnings.iter().chain(plan.warnings());
+    for warning in all.chain(of_poses).chain(&results.notes) {
+        if !report.warnings.contains(warning) {
+            report.warnings.push(warning.clone());
+        }
+    }
+    if missing > 0 {
+        let missing = counted(missing, "pose");
+        report
+            .warnings
+            .push(format!("interrupted: {missing} of {asked} not finished"));
+    }
+    report.poses = results.current.iter().map(|r| r.report.clone()).collect();
+    report
+}
+
+/// Says what has not been said before the poses were simulated.
+fn say_warnings(project: &Project, plan: &Planned, own: &[&PoseRecord], results: &FolderResults) {
+    let said: Vec<&String> = project.warnings.iter().chain(plan.warnings()).collect();
+    let of_poses = own.iter().flat_map(|pose| &pose.warnings);
+    let new = of_poses.chain(&results.notes);
+    messages::warnings(new.filter(|warning| !said.contains(warning)), ALL_IN_REPORT);
+}
+
+fn convergence<'a>(poses: impl Iterator<Item = &'a PoseReport>) -> Outcome {
     let failed: Vec<String> = poses
-        .iter()
         .filter(|pose| !pose.converged)
         .map(|pose| format!("`{}`", pose.name))
         .collect();
@@ -75,9 +113,9 @@ fn convergence(poses: &[PoseReport]) -> Outcome {
     Outcome::Incomplete
 }
 
-fn results_table(poses: &[PoseReport]) -> String {
+fn results_table(poses: &[&PoseRecord]) -> String {
     let mut rows = Vec::new();
-    for pose in poses {
+    for pose in poses.iter().map(|pose| &pose.report) {
         for layer in &pose.layers {
             let length = |metres: Option<f64>| number(1e3 * metres.unwrap_or(f64::NAN), 2, "mm");
             let wrinkled = layer.wavelength_m.and(layer.amplitude_m);
@@ -117,7 +155,8 @@ mod tests {
             converged,
             ..PoseReport::default()
         };
-        assert_eq!(convergence(&[pose(true), pose(true)]), Outcome::Done);
-        assert_eq!(convergence(&[pose(true), pose(false)]), Outcome::Incomplete);
+        let outcome = |poses: [PoseReport; 2]| convergence(poses.iter());
+        assert_eq!(outcome([pose(true), pose(true)]), Outcome::Done);
+        assert_eq!(outcome([pose(true), pose(false)]), Outcome::Incomplete);
     }
 }

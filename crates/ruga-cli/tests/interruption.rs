@@ -3,38 +3,30 @@
 
 mod fixture;
 
-use std::io::{BufRead, BufReader, Read};
-use std::process::{Command, Stdio};
+use std::io::Read;
+use std::process::{Child, Command};
+use std::thread::sleep;
+use std::time::Duration;
 
-use fixture::Folder;
+use fixture::{Folder, wait_for};
+use serde_json::Value;
 
 /// A second pose that takes some seconds.
 const LONG: &str = "[[poses]]\nname = \"long\"\nweights = { squeeze = 1.0 }\nsteps = 400\n[remesh]";
 
-#[test]
-fn finished_poses_stay_whole_and_a_second_run_resumes() {
-    let folder = Folder::with("[remesh]", LONG);
-    let mut child = Command::new(env!("CARGO_BIN_EXE_ruga"))
-        .args(["bake", "scene.toml", "-o", "out", "--threads", "1"])
-        .current_dir(folder.path(""))
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut stderr = BufReader::new(child.stderr.take().unwrap());
-    let mut line = String::new();
-    while !line.contains("pose `long` (2 of 2) started") {
-        line.clear();
-        assert_ne!(
-            stderr.read_line(&mut line).unwrap(),
-            0,
-            "the run ended early"
-        );
-    }
+fn interrupt(child: &Child) {
     let signal = Command::new("kill")
         .args(["-INT", &child.id().to_string()])
         .status();
-    assert!(signal.unwrap().success());
+    assert!(signal.expect("there is `kill`").success());
+}
+
+#[test]
+fn finished_poses_stay_whole_and_a_second_run_resumes() {
+    let folder = Folder::with("[remesh]", LONG);
+    let (mut child, mut stderr) = folder.start("bake scene.toml -o out --threads 1");
+    wait_for(&mut stderr, "pose `long` (2 of 2) started");
+    interrupt(&child);
     let mut rest = String::new();
     stderr.read_to_string(&mut rest).unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(1), "{rest}");
@@ -93,7 +85,7 @@ fn only_poses_with_the_same_inputs_and_files_are_kept() {
     assert!(kept("bake scene.toml -o out --resume"));
     assert!(!kept("bake scene.toml -o out"));
     assert!(!kept("bake scene.toml -o out --resume --quality draft"));
-    assert!(!kept("bake scene.toml -o out --resume"));
+    assert!(!kept("bake scene.toml -o out"));
     assert_eq!(folder.read("out/maps/squeezed_100_normal.png"), maps);
 
     std::fs::remove_file(folder.path("out/maps/squeezed_50_height.png")).unwrap();
@@ -105,4 +97,108 @@ fn only_poses_with_the_same_inputs_and_files_are_kept() {
     folder.change("scene.toml", "size = 64", "size = 32");
     assert!(!kept("bake scene.toml -o out --resume"));
     assert!(kept("bake scene.toml -o out --resume"));
+}
+
+#[test]
+fn resume_says_what_becomes_of_poses_of_another_quality() {
+    let folder = Folder::with("keys = [0.5, 1.0]", "keys = [1.0]");
+    let points = || folder.json("out/report.json")["poses"][0]["points_per_wavelength"].clone();
+    folder.ruga("bake scene.toml -o out").exits(0);
+    assert_eq!(points(), 4.0);
+    folder
+        .ruga("bake scene.toml -o out --resume --quality draft")
+        .exits(0)
+        .says(&[
+            "pose `squeezed` is there at 4 vertices per wavelength: it is made again at draft quality",
+        ]);
+    assert_eq!(points(), 6.0);
+    // Forgetting `--quality` when going on must not cost the finer results.
+    let before = folder.read("out/maps/squeezed_100_normal.png");
+    folder
+        .ruga("bake scene.toml -o out --resume")
+        .exits(0)
+        .says(&["`squeezed` is there from an earlier run at draft quality, finer than asked for"]);
+    assert_eq!(points(), 6.0);
+    assert_eq!(folder.read("out/maps/squeezed_100_normal.png"), before);
+}
+
+/// Interrupts a bake of the pose `long` once its first key is there, however fast the machine is.
+fn interrupted_after_first_key(folder: &Folder) {
+    for tenths in [5, 10, 20, 40, 80, 160] {
+        let (mut child, mut stderr) = folder.start("bake scene.toml -o out --pose long");
+        wait_for(&mut stderr, "pose `long` (1 of 1) started");
+        sleep(Duration::from_millis(100 * tenths));
+        interrupt(&child);
+        let mut rest = String::new();
+        stderr.read_to_string(&mut rest).expect("text");
+        assert_eq!(child.wait().expect("it ends").code(), Some(1), "{rest}");
+        if folder.path("out/poses/long.json").exists() {
+            assert!(
+                rest.contains("the keys that were finished are kept"),
+                "{rest}"
+            );
+            return;
+        }
+    }
+    panic!("no key was reached");
+}
+
+#[test]
+fn finished_keys_of_an_interrupted_pose_are_kept() {
+    let endless = LONG.replace("steps = 400", "steps = 4000\nkeys = [0.015, 1.0]");
+    let folder = Folder::with("[remesh]", &endless);
+    interrupted_after_first_key(&folder);
+    let map = "maps/long_1p5_normal.png";
+    let is_kept = || {
+        let (manifest, report) = (
+            folder.json("out/wrinkles.json"),
+            folder.json("out/report.json"),
+        );
+        let listed: Vec<&Value> = manifest["maps"].as_array().unwrap().iter().collect();
+        let pose = &report["poses"][0];
+        assert_eq!(listed.len(), 2, "{manifest}");
+        assert_eq!(
+            [&listed[0]["file"], &pose["maps"]["1p5_normal"]],
+            [map, map]
+        );
+        assert_eq!([&pose["interrupted"], &pose["converged"]], [true, false]);
+        assert!(folder.path("out").join(map).exists());
+    };
+    is_kept();
+
+    // A second run that gets less far takes nothing away.
+    let (mut child, mut stderr) = folder.start("bake scene.toml -o out --pose long --resume");
+    wait_for(&mut stderr, "was interrupted: it is made again");
+    interrupt(&child);
+    assert_eq!(child.wait().unwrap().code(), Some(1));
+    is_kept();
+
+    // The finished pose takes their place.
+    folder.change("scene.toml", "steps = 4000", "steps = 2");
+    folder
+        .ruga("bake scene.toml -o out --pose long --resume")
+        .exits(0);
+    let report = folder.json("out/report.json");
+    assert_eq!(report["poses"][0]["interrupted"], Value::Null);
+    assert_eq!(report["poses"][0]["maps"].as_object().unwrap().len(), 4);
+    assert!(
+        !report["warnings"].to_string().contains("interrupted"),
+        "{report}"
+    );
+}
+
+#[test]
+fn an_interrupted_run_leaves_the_finished_pose_of_an_earlier_one() {
+    let folder = Folder::with("steps = 2", "steps = 100");
+    folder.ruga("bake scene.toml -o out").exits(0);
+    let before = folder.files("out");
+    let (mut child, mut stderr) = folder.start("bake scene.toml -o out");
+    wait_for(&mut stderr, "pose `squeezed` (1 of 1) started");
+    interrupt(&child);
+    child.wait().unwrap();
+    assert_eq!(folder.files("out"), before);
+    let maps = folder.json("out/wrinkles.json")["maps"].clone();
+    assert_eq!(maps.as_array().unwrap().len(), 4);
+    let poses = folder.json("out/report.json")["poses"].clone();
+    assert_eq!(poses.as_array().unwrap().len(), 1);
 }

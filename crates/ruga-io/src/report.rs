@@ -16,9 +16,11 @@ pub struct Report {
     pub ruga: String,
     /// The scene file, as it was given.
     pub scene: String,
-    /// What the user should know.
+    /// What the user should know: every warning whole, also where the command has said several of one
+    /// kind in one message.
     pub warnings: Vec<String>,
-    /// One entry per pose.
+    /// One entry per pose in the folder that was made from this version of the scene, whichever run
+    /// made it, in the order of the scene.
     pub poses: Vec<PoseReport>,
 }
 
@@ -27,14 +29,25 @@ pub struct Report {
 pub struct PoseReport {
     /// Name of the pose.
     pub name: String,
-    /// Whether every frame of every layer converged.
+    /// Whether every frame of every layer converged; false for a pose that was interrupted.
     pub converged: bool,
+    /// Whether the run was interrupted on the way: then `maps` has those of the keys that were
+    /// finished. Left out where it is false.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub interrupted: bool,
+    /// Vertices per wavelength that were asked for; the poses of a folder may differ in it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub points_per_wavelength: Option<f64>,
     /// Load or time steps that were solved.
     pub frames: u32,
     /// Baked files relative to the report, by `<key%>_<kind>`, such as `100_normal`.
     pub maps: BTreeMap<String, String>,
     /// One entry per layer, bottom first.
     pub layers: Vec<LayerReport>,
+}
+
+fn is_false(value: &bool) -> bool {
+    !value
 }
 
 /// How one layer went in one pose. What was not measured is `null`.

@@ -24,7 +24,8 @@ pub struct Wrinkles {
     pub blend: Blend,
     /// Weights of the blend shapes that make each pose.
     pub poses: BTreeMap<String, BTreeMap<String, f64>>,
-    /// One entry per file.
+    /// One entry per file. Every pose in the folder that was made from this version of the scene is
+    /// listed, whichever run made it; an interrupted one with the keys that were finished.
     pub maps: Vec<WrinkleMap>,
 }
 
@@ -60,7 +61,8 @@ pub struct WrinkleMap {
     pub kind: MapKind,
     /// The file, relative to `wrinkles.json`, with `/` between folders.
     pub file: String,
-    /// Its format.
+    /// Its format. Heights are 16-bit even where the scene asks for 8-bit maps, as 256 steps of height
+    /// show as terraces: their entries say `png16` then.
     pub format: MapFormat,
     /// Normal maps: the sign of the green channel.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -162,13 +164,15 @@ impl Wrinkles {
     }
 }
 
-/// A key as it stands in file names: percent, with one decimal where it needs one (`50`, `12.5`).
+/// A key as it stands in file names: percent, with one decimal behind a `p` where it needs one (`50`,
+/// `12p5`). Some tools take what follows a dot for the extension.
 pub fn key_percent(key: f64) -> String {
     let tenths = (key * 1000.0).round() / 10.0;
-    format!("{tenths}")
+    format!("{tenths}").replace('.', "p")
 }
 
-/// Where a map lies, relative to the output folder: `maps/<pose>_<key%>_<kind>.<ext>`.
+/// Where a map lies, relative to the output folder: `maps/<pose>_<key%>_<kind>.<ext>`, with the
+/// [`key_percent`] of its key.
 pub fn map_file(pose: &str, key: f64, kind: MapKind, format: MapFormat) -> String {
     format!(
         "maps/{pose}_{}_{}.{}",

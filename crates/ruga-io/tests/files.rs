@@ -476,7 +476,7 @@ fn wrinkle_manifest() {
     );
     assert_eq!(
         map_file("smile", 0.125, MapKind::Normal, MapFormat::Png8),
-        "maps/smile_12.5_normal.png"
+        "maps/smile_12p5_normal.png"
     );
     let mut wrinkles = Wrinkles::new("Face", Frame::Driver, 1024);
     wrinkles.poses.insert(

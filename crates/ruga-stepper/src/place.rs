@@ -2,7 +2,7 @@
 //! blend shape that moves the skin nearest to it.
 
 use nalgebra::{Vector2, Vector3};
-use ruga_blend::{BaseSurface, Driver, PosedSurface, Weights};
+use ruga_blend::{BaseSurface, Driver, PosedSurface};
 use ruga_mesh::{FaceId, Id, PerFace, TriMesh};
 
 /// Share of an area from which on its largest connected part stands for all of it.
@@ -15,10 +15,8 @@ pub(crate) struct ShapeCentres(Vec<(String, Vector3<f64>)>);
 
 impl ShapeCentres {
     pub(crate) fn new(driver: &Driver) -> Self {
-        let named = driver.shape_names().enumerate();
-        let centre =
-            |(shape, name): (usize, &str)| Some((name.to_owned(), centre_of(driver, shape)?));
-        Self(named.filter_map(centre).collect())
+        let centre = |name: &str| Some((name.to_owned(), centre_of(driver, name)?));
+        Self(driver.shape_names().filter_map(centre).collect())
     }
 
     /// The shape with its centre nearest to a place at rest.
@@ -30,8 +28,8 @@ impl ShapeCentres {
     }
 }
 
-fn centre_of(driver: &Driver, shape: usize) -> Option<Vector3<f64>> {
-    let posed = driver.pose(&Weights(vec![(shape, 1.0)]));
+fn centre_of(driver: &Driver, shape: &str) -> Option<Vector3<f64>> {
+    let posed = driver.pose(&driver.weights([(shape, 1.0)]).ok()?);
     let (mut sum, mut total) = (Vector3::zeros(), 0.0);
     for (rest, posed) in driver.rest().iter().zip(&posed) {
         let weight = (posed - rest).norm_squared();

@@ -129,7 +129,7 @@ fn not_skin(plan: &LayerPlan, pose: &PoseSpec) -> Option<String> {
     };
     // Strain grows about in proportion to the weights.
     let factor = CAP_START / median.abs();
-    let advice = match pose.weights.0.as_slice() {
+    let advice = match pose.weights.iter().collect::<Vec<_>>().as_slice() {
         [(_, weight)] => format!("a weight of {:.1} instead of {weight}", factor * weight),
         _ => format!("{factor:.1} times these weights"),
     };

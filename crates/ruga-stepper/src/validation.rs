@@ -92,7 +92,7 @@ pub(crate) fn check_map_size(map_size: u32) -> Checked {
 pub(crate) fn check_pose(driver: &Driver, pose: &PoseSpec) -> Checked {
     let of = format!("pose '{}'", pose.name);
     let shapes = driver.shape_names().len();
-    for (i, &(shape, weight)) in pose.weights.0.iter().enumerate() {
+    for (i, (shape, weight)) in pose.weights.iter().enumerate() {
         if shape >= shapes {
             let accepted = format!("a number below {shapes}, the driver's blend shapes");
             return refuse(
@@ -282,8 +282,11 @@ impl PlannedFor {
         }
         if *weights != pose.weights {
             return Err(StepperError::OtherPlan {
-                planned: format!("pose '{name}' with the weights {:?}", weights.0),
-                found: format!("the weights {:?}", pose.weights.0),
+                planned: format!(
+                    "pose '{name}' with the weights {:?}",
+                    weights.iter().collect::<Vec<_>>()
+                ),
+                found: format!("the weights {:?}", pose.weights.iter().collect::<Vec<_>>()),
             });
         }
         Ok(())

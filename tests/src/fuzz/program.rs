@@ -58,7 +58,12 @@ pub(super) fn scene(folder: &Path, fuzzer: &Path, chance: &mut Chance) -> Tried 
     match chance.below(5) {
         0 => again.compare("out2 --threads 2", "another run")?,
         1 => {
-            damage_a_record(&folder.join("out/poses"), chance);
+            let records = if command == "bake" {
+                "out/poses"
+            } else {
+                "out/poses/frames"
+            };
+            damage_a_record(&folder.join(records), chance);
             again.compare("out --resume", "`--resume`")?;
         }
         2 => {
@@ -119,6 +124,7 @@ fn is_small(scene: &Scene) -> bool {
 fn damage_a_record(folder: &Path, chance: &mut Chance) {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let mut paths: Vec<_> = entries.map(|entry| entry.path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|end| end == "json"));
     paths.sort();
     if paths.is_empty() || chance.one_in(2) {
         return;

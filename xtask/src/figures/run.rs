@@ -42,7 +42,8 @@ pub(super) fn simulate(scene: &Path, results: &Path, quick: bool) -> Result<Run,
         .arg(scene)
         .arg("--output")
         .arg(results);
-    command.args(["--threads", "1"]);
+    // A quick run goes where the results of the whole scene are, and the other way round.
+    command.args(["--threads", "1", "--force"]);
     if quick {
         command.args(["--quality", "draft"]);
     }

@@ -9,14 +9,18 @@ use ruga_stepper::{Frame, KeyResult, LayerSurface, PoseResult, PoseSpec};
 use crate::arguments::RunArguments;
 use crate::artist_file::{file_name, write_artist_mesh};
 use crate::error::CliError;
+use crate::folder_results::FolderResults;
 use crate::map_files::write_maps;
 use crate::moved_mesh::write_moved_mesh;
-use crate::pose_record::PoseRecord;
+use crate::output_folder::OutputFolder;
+use crate::pose_inputs::ScenePose;
+use crate::pose_record::{PoseRecord, Records};
 use crate::pose_runs::{PoseFiles, Product, run_poses, thread_count};
 use crate::posed_frames::{moved_frames, posed_frames};
 use crate::project::Project;
 use crate::run::Outcome;
-use crate::{interrupt, messages, output_folder, summary};
+use crate::summary::{self, ALL_IN_REPORT};
+use crate::{interrupt, messages};
 
 /// Simulates and bakes the poses of a scene.
 ///
@@ -28,18 +32,19 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     let project =
         pool.install(|| Project::read(&arguments.scene, &arguments.poses, arguments.quality))?;
     let plan = pool.install(|| project.plan())?;
-    output_folder::prepare(&arguments.output)?;
-    for warning in project.warnings.iter().chain(plan.warnings()) {
-        messages::warning(warning);
-    }
+    let folder = OutputFolder::open(&project, arguments, "bake")?;
+    let warnings = project.warnings.iter().chain(plan.warnings());
+    messages::warnings(warnings, ALL_IN_REPORT);
     let maps = WrinkleMaps {
         project: &project,
         arguments,
         pool: &pool,
+        records: Records::of_bake(&arguments.output),
     };
-    let records = run_poses(&project, &plan, arguments, &maps)?;
-    maps.write_common(&records)?;
-    summary::conclude(&project, &plan, arguments, &records)
+    let poses = run_poses(&project, &plan, arguments, &folder, &maps)?;
+    let results = FolderResults::read(&maps.records, &folder.poses);
+    maps.write_common(&folder, &results.current)?;
+    summary::conclude(&project, &plan, arguments, &poses, &results)
 }
 
 /// Rayon's threads for the loops inside a bake; the global pool stays untouched.
@@ -57,13 +62,17 @@ struct WrinkleMaps<'a> {
     project: &'a Project,
     arguments: &'a RunArguments,
     pool: &'a ThreadPool,
+    records: Records,
 }
 
 impl Product for WrinkleMaps<'_> {
-    const COMMAND: &'static str = "bake";
     const WANTS_FRAMES: bool = false;
 
-    /// Maps are written when the pose is done; until then the earlier ones are of use.
+    fn records(&self) -> &Records {
+        &self.records
+    }
+
+    /// Maps are written when the pose is done; until then the earlier ones stay listed.
     fn begin(&self, _: &PoseSpec) {}
 
     /// Maps are made of whole poses, not of their frames.
@@ -146,11 +155,11 @@ impl WrinkleMaps<'_> {
         }
     }
 
-    /// Writes what all poses share: the mesh and the manifest.
-    fn write_common(&self, records: &[Option<PoseRecord>]) -> Result<(), CliError> {
+    /// Writes what all poses in the folder share: the mesh and the manifest.
+    fn write_common(&self, folder: &OutputFolder, poses: &[PoseRecord]) -> Result<(), CliError> {
         let project = self.project;
-        let finished = || records.iter().flatten();
-        let maps: Vec<WrinkleMap> = finished().flat_map(|r| r.maps.iter().cloned()).collect();
+        let maps = poses.iter().flat_map(|pose| pose.maps.iter().cloned());
+        let maps: Vec<WrinkleMap> = maps.collect();
         let rest: Vec<[TangentFrame; 3]> =
             posed_frames(&project.mesh.mesh, &project.driver, &Weights::default()).map_err(
                 |source| CliError::Baking {
@@ -164,16 +173,10 @@ impl WrinkleMaps<'_> {
         write_artist_mesh(&path, &project.mesh, &rest, &maps)?;
         let bake = &project.scene.bake;
         let mut manifest = Wrinkles::new(&project.mesh.mesh.name, bake.frame, bake.size);
-        let shapes: Vec<&str> = project.driver.shape_names().collect();
-        for (pose, _) in project
-            .poses
-            .iter()
-            .zip(records)
-            .filter(|(_, r)| r.is_some())
-        {
-            let weights = pose.weights.iter();
-            let named = weights.map(|(shape, weight)| (shapes[shape].to_owned(), weight));
-            manifest.poses.insert(pose.name.clone(), named.collect());
+        let is_there = |pose: &&ScenePose| poses.iter().any(|p| p.report.name == pose.name);
+        for pose in folder.poses.iter().filter(is_there) {
+            let weights = pose.weights.clone();
+            manifest.poses.insert(pose.name.clone(), weights);
         }
         manifest.maps = maps;
         Ok(manifest.write(&self.arguments.output.join("wrinkles.json"))?)

@@ -25,17 +25,13 @@ pub(crate) fn run(arguments: &CheckArguments) -> Result<Outcome, CliError> {
     if let Some(project) = parts.filter(|_| findings.problems.is_empty()) {
         let planned = project.plan();
         if let Some(plan) = findings.keep(planned) {
-            findings
-                .warnings
-                .extend(plan.warnings().into_iter().cloned());
+            findings.warnings.extend(plan.warnings().cloned());
         }
     }
     for line in &findings.lines {
         messages::result(line);
     }
-    for warning in &findings.warnings {
-        messages::warning(warning);
-    }
+    messages::warnings(&findings.warnings, "`ruga plan --json` lists all");
     let count = findings.problems.len();
     findings.problems.into_iter().for_each(messages::error);
     if count > 0 {

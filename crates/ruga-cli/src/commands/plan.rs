@@ -31,9 +31,8 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<Outcome, CliError> {
         Planned::Skin(zones) => print(&project, zones),
         Planned::Body(plan) => body_plan::print(&project, plan),
     }
-    for warning in project.warnings.iter().chain(planned.warnings()) {
-        messages::warning(warning);
-    }
+    let warnings = project.warnings.iter().chain(planned.warnings());
+    messages::warnings(warnings, "`--json` lists all");
     Ok(Outcome::Done)
 }
 

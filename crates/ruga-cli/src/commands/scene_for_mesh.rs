@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Component, Path};
 
-use ruga_blend::{Driver, Weights, face_strains};
+use ruga_blend::{Driver, face_strains};
 use ruga_io::scene::usable_file_name;
 use ruga_io::{IoError, MeshFile, ObjOptions, read_mesh};
 use ruga_material::{PRESETS, Preset, preset};
@@ -180,8 +180,9 @@ impl OwnMesh {
             let [a, b, c] = corners.map(|vertex| driver.rest()[vertex.index()]);
             0.5 * (b - a).cross(&(c - a)).norm()
         };
-        let compressed = |shape: usize| -> f64 {
-            let posed = driver.pose(&Weights(vec![(shape, 1.0)]));
+        let compressed = |shape: &str| -> f64 {
+            let weights = driver.weights([(shape, 1.0)]);
+            let posed = driver.pose(&weights.expect("one of the driver's shapes"));
             let strains = face_strains(driver.topology(), driver.rest(), &posed);
             let strains = strains.as_slice().iter().enumerate();
             strains
@@ -189,7 +190,7 @@ impl OwnMesh {
                 .map(|(face, _)| area(face))
                 .sum()
         };
-        let areas: Vec<f64> = (0..driver.shape_names().len()).map(compressed).collect();
+        let areas: Vec<f64> = driver.shape_names().map(compressed).collect();
         let mut order: Vec<usize> = (0..areas.len()).collect();
         order.sort_by(|&a, &b| areas[b].total_cmp(&areas[a]));
         order

@@ -8,13 +8,16 @@ use ruga_stepper::{Frame, PoseResult, PoseSpec};
 
 use crate::arguments::RunArguments;
 use crate::error::CliError;
+use crate::folder_results::FolderResults;
 use crate::moved_mesh::write_moved_mesh;
+use crate::output_folder::OutputFolder;
 use crate::placement::Placement;
-use crate::pose_record::remove_frames;
+use crate::pose_record::{Records, remove_frames};
 use crate::pose_runs::{PoseFiles, Product, run_poses};
 use crate::project::Project;
 use crate::run::Outcome;
-use crate::{interrupt, messages, output_folder, summary};
+use crate::summary::{self, ALL_IN_REPORT};
+use crate::{interrupt, messages};
 
 /// Simulates the poses of a scene and writes their meshes.
 ///
@@ -24,28 +27,33 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     interrupt::listen();
     let project = Project::read(&arguments.scene, &arguments.poses, arguments.quality)?;
     let plan = project.plan()?;
-    output_folder::prepare(&arguments.output)?;
-    for warning in project.warnings.iter().chain(plan.warnings()) {
-        messages::warning(warning);
-    }
+    let folder = OutputFolder::open(&project, arguments, "simulate")?;
+    let warnings = project.warnings.iter().chain(plan.warnings());
+    messages::warnings(warnings, ALL_IN_REPORT);
     let meshes = FrameMeshes {
         arguments,
         project: &project,
         placement: Placement::of(&project.mesh),
+        records: Records::of_simulate(&arguments.output),
     };
-    let records = run_poses(&project, &plan, arguments, &meshes)?;
-    summary::conclude(&project, &plan, arguments, &records)
+    let poses = run_poses(&project, &plan, arguments, &folder, &meshes)?;
+    let results = FolderResults::read(&meshes.records, &folder.poses);
+    summary::conclude(&project, &plan, arguments, &poses, &results)
 }
 
 struct FrameMeshes<'a> {
     arguments: &'a RunArguments,
     project: &'a Project,
     placement: Placement,
+    records: Records,
 }
 
 impl Product for FrameMeshes<'_> {
-    const COMMAND: &'static str = "simulate";
     const WANTS_FRAMES: bool = true;
+
+    fn records(&self) -> &Records {
+        &self.records
+    }
 
     fn begin(&self, pose: &PoseSpec) {
         remove_frames(&self.arguments.output, &pose.name);

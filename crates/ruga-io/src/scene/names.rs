@@ -6,7 +6,7 @@ pub(crate) fn file_name_fault(name: &str) -> Option<&'static str> {
         "con", "prn", "aux", "nul", "com1", "com2", "com3", "com4", "com5", "com6", "com7", "com8",
         "com9", "lpt1", "lpt2", "lpt3", "lpt4", "lpt5", "lpt6", "lpt7", "lpt8", "lpt9",
     ];
-    // Leaves room for `_12.5_normal.png` and the mark of a temporary below 255 bytes.
+    // Leaves room for `_12p5_normal.png` and the mark of a temporary below 255 bytes.
     const LONGEST: usize = 100;
     let stem = name.split('.').next().unwrap_or_default();
     if name.is_empty() {

@@ -1,0 +1,74 @@
+//! What each pose of a scene is made from, as a number that changes when any of it does.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use ruga_io::{IoError, Scene, scene};
+use ruga_stepper::Region;
+
+use crate::error::CliError;
+use crate::fingerprint::Fingerprint;
+use crate::project::Project;
+
+/// A pose of the scene, whether this run simulates it or not.
+#[derive(Clone, Debug)]
+pub(crate) struct ScenePose {
+    pub(crate) name: String,
+    /// Weight of each blend shape.
+    pub(crate) weights: BTreeMap<String, f64>,
+    /// Fingerprint of all that its results depend on but how fine the meshes are.
+    pub(crate) inputs: Fingerprint,
+}
+
+/// Every pose of the scene in its order.
+///
+/// Comments, the order of the keys in the file and the other poses do not count; nor does the quality,
+/// because results of another quality fit beside these.
+///
+/// # Errors
+/// The scene file, a painted map or the mask of a layer has gone.
+pub(crate) fn scene_poses(project: &Project) -> Result<Vec<ScenePose>, CliError> {
+    let shared = shared_inputs(project)?;
+    let shapes: Vec<String> = project.driver.shape_names().map(str::to_owned).collect();
+    let poses = project.scene.poses_or_shapes(&shapes, &project.path)?;
+    let pose = |pose: &scene::Pose| ScenePose {
+        name: pose.name.clone(),
+        weights: pose.weights.clone(),
+        inputs: shared.with(format!("{pose:?}").as_bytes()),
+    };
+    Ok(poses.iter().map(pose).collect())
+}
+
+/// What all poses depend on: release, scene, mesh, masks and painted maps.
+fn shared_inputs(project: &Project) -> Result<Fingerprint, CliError> {
+    let text = String::from_utf8_lossy(&read(&project.path)?).into_owned();
+    // Parsed anew, because the project's scene has paths that depend on where the command was run.
+    let mut scene = Scene::from_toml(&text, &project.path)?;
+    scene.poses.clear();
+    scene.remesh.points_per_wavelength = 0.0;
+    let mut hash = Fingerprint::new()
+        .with(env!("CARGO_PKG_VERSION").as_bytes())
+        .with(scene.to_toml().as_bytes())
+        .with_mesh(&project.mesh.mesh)
+        .with_numbers(project.mesh.world_from_node.iter().copied());
+    if let Region::Mask(mask) = &project.modelling.region {
+        let shape = [f64::from(mask.width()), f64::from(mask.height())];
+        let values = mask.values().iter().map(|&v| f64::from(v));
+        hash = hash.with_numbers(shape.into_iter().chain(values));
+    }
+    for layer in &project.scene.layers {
+        let painted = layer.map.iter().flat_map(|map| map.images());
+        for image in painted.chain(layer.mask.as_deref()) {
+            hash = hash.with(&read(image)?);
+        }
+    }
+    Ok(hash)
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, CliError> {
+    Ok(fs::read(path).map_err(|source| IoError::Unreadable {
+        path: path.to_owned(),
+        source,
+    })?)
+}

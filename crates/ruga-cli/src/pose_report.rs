@@ -1,0 +1,83 @@
+//! A pose's entry in the report.
+
+use std::collections::BTreeMap;
+
+use ruga_io::{LayerReport, PoseReport, Seconds, WrinkleMap, key_percent};
+use ruga_stepper::{PoseResult, StopRule};
+
+use crate::table::duration;
+
+/// How the pose went; `seconds` are those of its layers, `points` the vertices per wavelength that were
+/// asked for.
+pub(crate) fn pose_report(
+    name: &str,
+    result: &PoseResult,
+    seconds: &[Seconds],
+    points: f64,
+    maps: &[WrinkleMap],
+) -> PoseReport {
+    let file = |map: &WrinkleMap| {
+        let name = format!("{}_{}", key_percent(map.key), map.kind.word());
+        (name, map.file.clone())
+    };
+    let layers = result.layers.iter().zip(seconds);
+    PoseReport {
+        name: name.to_owned(),
+        converged: result.converged && !result.interrupted,
+        interrupted: result.interrupted,
+        points_per_wavelength: Some(points),
+        frames: u32::try_from(result.frames).unwrap_or(u32::MAX),
+        maps: maps.iter().map(file).collect::<BTreeMap<_, _>>(),
+        layers: layers.map(|(layer, s)| layer_report(layer, s)).collect(),
+    }
+}
+
+/// How a pose ended, for people.
+pub(crate) fn ending(report: &PoseReport) -> String {
+    if report.frames == 0 && report.converged {
+        return "nothing to wrinkle".to_owned();
+    }
+    let layers = report.layers.iter();
+    let seconds: f64 = layers.filter_map(|layer| layer.seconds.total).sum();
+    let time = duration(seconds * f64::from(report.frames.max(1)));
+    match (report.interrupted, report.converged) {
+        (true, _) => "interrupted; the keys that were finished are kept".to_owned(),
+        (false, true) => format!("done in {time}"),
+        (false, false) => format!("done in {time}, but it did not converge"),
+    }
+}
+
+fn layer_report(layer: &ruga_stepper::LayerReport, seconds: &Seconds) -> LayerReport {
+    let count = |n: usize| u64::try_from(n).ok();
+    LayerReport {
+        name: layer.name.clone(),
+        vertices: count(layer.vertices),
+        faces: count(layer.faces),
+        constraints: count(layer.constraints),
+        wavelength_predicted_m: Some(layer.wavelength_predicted),
+        critical_strain_predicted: Some(layer.critical_strain_predicted),
+        wavelength_m: layer.wavelength,
+        amplitude_m: Some(layer.amplitude),
+        energy_j: Some(layer.energy),
+        newton_iterations: count(layer.newton_iterations),
+        residual: Some(layer.residual),
+        stop_rule: layer.stop.map(stop_rule),
+        bending_ratio: layer.bending_ratio,
+        seconds: seconds.clone(),
+    }
+}
+
+fn stop_rule(rule: StopRule) -> String {
+    match rule {
+        StopRule::Decrement => "decrement",
+        StopRule::Residual => "residual",
+        StopRule::Saddle => "saddle",
+        StopRule::IterationLimit => "iteration limit",
+        StopRule::LineSearch => "line search",
+        StopRule::Infeasible => "infeasible",
+        StopRule::Breakdown => "breakdown",
+        StopRule::OutsideDomain => "outside domain",
+        StopRule::Interrupted => "interrupted",
+    }
+    .to_owned()
+}

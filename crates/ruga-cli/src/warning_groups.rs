@@ -1,0 +1,283 @@
+//! Many warnings of the same kind as one, with a count and the worst three.
+//!
+//! A face has dozens of poses, and most have the same to say about each. Warnings are of one kind when
+//! they differ in nothing but their pose, their layer and their numbers.
+
+use std::cmp::Ordering;
+
+/// Names that stand in a group's message.
+const NAMED: usize = 3;
+
+/// Numbers before these words are worse the smaller they are.
+const LESS_IS_WORSE: [&str; 3] = [
+    "points per wavelength",
+    "texels per wavelength",
+    "vertices per wavelength",
+];
+
+/// Whether a warning is about the pose named `pose`.
+pub(crate) fn is_about(warning: &str, pose: &str) -> bool {
+    Warning::of(warning).pose == Some(pose)
+}
+
+/// One line for every kind of warning, in the order of their first; what says the same twice is said
+/// once. Where a line stands for more than it names, `whole` says where all of them are.
+pub(crate) fn grouped<'a>(warnings: impl IntoIterator<Item = &'a str>, whole: &str) -> Vec<String> {
+    let mut kinds: Vec<(String, Vec<Warning<'a>>)> = Vec::new();
+    for text in warnings {
+        let warning = Warning::of(text);
+        let kind = warning.kind();
+        match kinds.iter_mut().find(|(known, _)| *known == kind) {
+            Some((_, same)) if same.contains(&warning) => {}
+            Some((_, same)) => same.push(warning),
+            None => kinds.push((kind, vec![warning])),
+        }
+    }
+    kinds
+        .into_iter()
+        .map(|(_, same)| message(same, whole))
+        .collect()
+}
+
+/// What a group of one kind comes to.
+fn message(mut same: Vec<Warning<'_>>, whole: &str) -> String {
+    if let [only] = same.as_slice() {
+        return only.whole.to_owned();
+    }
+    let differing = differing_number(&same);
+    same.sort_by(|a, b| match (a.number(differing), b.number(differing)) {
+        (Some(a), Some(b)) => b.badness().total_cmp(&a.badness()),
+        _ => Ordering::Equal,
+    });
+    let several_layers = same.iter().any(|w| w.layer != same[0].layer);
+    let named = |warning: &Warning<'_>| {
+        let pose = warning.pose.unwrap_or_default();
+        match warning.layer.filter(|_| several_layers) {
+            Some(layer) => format!("'{pose}' (layer '{layer}')"),
+            None => format!("'{pose}'"),
+        }
+    };
+    let shown = same.iter().take(NAMED).enumerate().map(|(rank, warning)| {
+        let amount = warning.number(differing).filter(|_| rank > 0);
+        let amount = amount.map_or_else(String::new, |amount| format!(" {}", amount.text));
+        format!("{}{amount}", named(warning))
+    });
+    let shown: Vec<String> = shown.collect();
+    let more = match same.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!(" and {more} more ({whole})"),
+    };
+    let repeated = |(i, a): (usize, &Warning<'_>)| same[..i].iter().any(|b| b.pose == a.pose);
+    let what = match same.iter().enumerate().any(repeated) {
+        true => "times",
+        false => "poses",
+    };
+    let layer = same[0].layer.filter(|_| !several_layers);
+    let layer = layer.map_or_else(String::new, |layer| format!(", layer '{layer}'"));
+    let order = match differing {
+        Some(_) => "the worst first: ",
+        None => "",
+    };
+    format!(
+        "{} {what}{layer}: {} [{order}{}{more}]",
+        same.len(),
+        same[0].text,
+        shown.join(", "),
+    )
+}
+
+/// The first of their numbers in which warnings of one kind differ.
+fn differing_number(same: &[Warning<'_>]) -> Option<usize> {
+    let count = same[0].numbers().len();
+    (0..count).find(|&i| {
+        let value = |warning: &Warning<'_>| warning.number(Some(i)).map(|n| n.value);
+        same.iter().any(|warning| value(warning) != value(&same[0]))
+    })
+}
+
+/// A warning taken apart: `pose 'smile', layer 'skin': text`, the first two where it has them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Warning<'a> {
+    whole: &'a str,
+    pose: Option<&'a str>,
+    layer: Option<&'a str>,
+    text: &'a str,
+}
+
+/// A number in a warning.
+#[derive(Clone, Debug, PartialEq)]
+struct Number<'a> {
+    value: f64,
+    /// With its unit, where it has one.
+    text: &'a str,
+    less_is_worse: bool,
+}
+
+impl Number<'_> {
+    fn badness(&self) -> f64 {
+        match self.less_is_worse {
+            true => -self.value,
+            false => self.value,
+        }
+    }
+}
+
+impl<'a> Warning<'a> {
+    fn of(whole: &'a str) -> Self {
+        let plain = Self {
+            whole,
+            pose: None,
+            layer: None,
+            text: whole,
+        };
+        let Some(rest) = whole.strip_prefix("pose '") else {
+            return plain;
+        };
+        let Some((names, text)) = rest.split_once("': ") else {
+            return plain;
+        };
+        let (pose, layer) = match names.split_once("', layer '") {
+            Some((pose, layer)) => (pose, Some(layer)),
+            None => (names, None),
+        };
+        Self {
+            whole,
+            pose: Some(pose),
+            layer,
+            text,
+        }
+    }
+
+    /// The text without its numbers. Warnings without a pose stay by themselves.
+    fn kind(&self) -> String {
+        if self.pose.is_none() {
+            return self.whole.to_owned();
+        }
+        let mut kind = String::new();
+        let mut end = 0;
+        for range in number_ranges(self.text) {
+            kind.push_str(&self.text[end..range.start]);
+            kind.push('#');
+            end = range.end;
+        }
+        kind + &self.text[end..]
+    }
+
+    fn numbers(&self) -> Vec<Number<'a>> {
+        let ranges = number_ranges(self.text).into_iter();
+        ranges
+            .filter_map(|range| {
+                let value = self.text[range.clone()].parse().ok()?;
+                let after = &self.text[range.end..];
+                let unit = after.split([',', ';', ' ', ')']).nth(1).unwrap_or_default();
+                let with_unit = match after.starts_with(' ') && UNITS.contains(&unit) {
+                    true => range.end + 1 + unit.len(),
+                    false => range.end,
+                };
+                let is_next = |words: &str| after.trim_start().starts_with(words);
+                Some(Number {
+                    value,
+                    text: &self.text[range.start..with_unit],
+                    less_is_worse: LESS_IS_WORSE.into_iter().any(is_next),
+                })
+            })
+            .collect()
+    }
+
+    fn number(&self, index: Option<usize>) -> Option<Number<'a>> {
+        self.numbers().into_iter().nth(index?)
+    }
+}
+
+/// Words that are shown with their number.
+const UNITS: [&str; 7] = ["cm2", "mm", "%", "texels", "points", "vertices", "m"];
+
+/// Where the numbers in a text are: digits with at most one dot among them.
+fn number_ranges(text: &str) -> Vec<std::ops::Range<usize>> {
+    let mut ranges: Vec<std::ops::Range<usize>> = Vec::new();
+    for (at, character) in text.char_indices() {
+        if !character.is_ascii_digit() {
+            continue;
+        }
+        match ranges.last_mut() {
+            Some(last) if last.end == at => last.end += 1,
+            Some(last) if &text[last.end..at] == "." && !text[last.clone()].contains('.') => {
+                last.end = at + 1;
+            }
+            _ => ranges.push(at..at + 1),
+        }
+    }
+    ranges
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn capped(pose: &str, area: f64) -> String {
+        format!(
+            "pose '{pose}', layer 'skin': {area:.2} cm2 are compressed beyond 15 %; it is capped"
+        )
+    }
+
+    fn lines(warnings: &[String]) -> Vec<String> {
+        grouped(warnings.iter().map(String::as_str), "all in report.json")
+    }
+
+    #[test]
+    fn one_kind_is_one_line_with_a_count_and_the_worst_three() {
+        let areas = [3.0, 12.0, 0.5, 7.25, 7.0];
+        let warnings: Vec<String> = (0..5).map(|i| capped(&format!("p{i}"), areas[i])).collect();
+        assert_eq!(
+            lines(&warnings),
+            [
+                "5 poses, layer 'skin': 12.00 cm2 are compressed beyond 15 %; it is capped [the worst \
+                 first: 'p1', 'p3' 7.25 cm2, 'p4' 7.00 cm2 and 2 more (all in report.json)]"
+            ]
+        );
+    }
+
+    #[test]
+    fn few_points_are_worse_than_many() {
+        let budget = |pose: &str, points: f64| {
+            format!(
+                "pose '{pose}', layer 'skin': the budget of 300 leaves {points:.1} points per wavelength"
+            )
+        };
+        let line = &lines(&[budget("a", 8.0), budget("b", 3.5)])[0];
+        assert!(
+            line.starts_with("2 poses, layer 'skin': the budget of 300 leaves 3.5 points")
+                && line.ends_with("[the worst first: 'b', 'a' 8.0 points]"),
+            "{line}"
+        );
+    }
+
+    #[test]
+    fn what_stands_alone_is_left_as_it_is_and_nothing_is_said_twice() {
+        let alone = [
+            "face.glb: 3 triangles left out".to_owned(),
+            capped("a", 1.0),
+        ];
+        assert_eq!(lines(&[alone.as_slice(), &alone].concat()), alone);
+        // Other words make another kind, and so do files that differ in a number.
+        let other = ["part 1 has no UVs", "part 2 has no UVs"].map(str::to_owned);
+        assert_eq!(lines(&other), other);
+    }
+
+    #[test]
+    fn names_with_apostrophes_and_numbers_keep_their_warnings_apart() {
+        let odd = capped("d'oh", 2.0);
+        assert!(is_about(&odd, "d'oh") && !is_about(&odd, "d"));
+        assert!(is_about("pose 'a': it turns", "a"));
+        assert!(!is_about("layers 'a' and 'b'", "a"));
+        let line = &lines(&[odd, capped("p1", 3.0)])[0];
+        assert!(line.contains("'p1', 'd'oh' 2.00 cm2"), "{line}");
+    }
+
+    #[test]
+    fn numbers_end_where_a_sentence_does() {
+        let text = "at 0.350 (1.2e-3), 15 %. Then 7.";
+        let found: Vec<&str> = number_ranges(text).into_iter().map(|r| &text[r]).collect();
+        assert_eq!(found, ["0.350", "1.2", "3", "15", "7"]);
+    }
+}
