@@ -37,7 +37,7 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     /// Simulate every pose and bake its wrinkle maps.
     #[command(after_help = EXIT_CODES)]
-    Bake(RunArguments),
+    Bake(BakeArguments),
     /// Simulate every pose and write its meshes per load step, no maps.
     #[command(after_help = EXIT_CODES)]
     Simulate(RunArguments),
@@ -76,6 +76,16 @@ pub(crate) struct RunArguments {
     /// Poses worked on at a time; the results do not depend on it [default: one per core].
     #[arg(long, value_name = "N", help_heading = "Simulation")]
     pub(crate) threads: Option<NonZeroUsize>,
+}
+
+/// Options of `ruga bake`.
+#[derive(Debug, Args)]
+pub(crate) struct BakeArguments {
+    #[command(flatten)]
+    pub(crate) run: RunArguments,
+    /// Write no GLB: maps, wrinkles.json and report.json alone.
+    #[arg(long, help_heading = "Output")]
+    pub(crate) maps_only: bool,
 }
 
 /// Options of `ruga plan`.

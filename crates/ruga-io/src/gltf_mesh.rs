@@ -13,6 +13,7 @@ use ruga_blend::{ArtistMesh, BlendShape};
 
 use crate::error::nearest;
 use crate::gltf_container::Container;
+use crate::gltf_document::{GltfDocument, PartSource};
 use crate::gltf_placement::{Placement, placement};
 use crate::gltf_texcoord::TexCoord;
 use crate::{IoError, Material, MeshFile, MeshPart};
@@ -26,7 +27,8 @@ pub(crate) fn read_gltf(path: &Path, mesh_name: Option<&str>) -> Result<MeshFile
     for primitive in 0..source.primitives.len() {
         reader.read(primitive)?;
     }
-    let (mut mesh, parts, mut warnings) = reader.finish();
+    let read = reader.finish();
+    let (mut mesh, mut warnings) = (read.mesh, read.warnings);
     if mesh.triangles.is_empty() {
         return Err(IoError::NoTriangles {
             path: path.to_owned(),
@@ -38,13 +40,17 @@ pub(crate) fn read_gltf(path: &Path, mesh_name: Option<&str>) -> Result<MeshFile
     let placed = placement(&container, number)?;
     apply_stretch(&mut mesh, &placed.stretch);
     warnings.extend(placed.warnings.iter().cloned());
+    let default_weights = default_weights(&placed, source, mesh.shapes.len());
+    let (document, not_kept) = GltfDocument::new(container, number, read.sources);
+    warnings.extend(not_kept);
     Ok(MeshFile {
         path: path.to_owned(),
-        default_weights: default_weights(&placed, source, mesh.shapes.len()),
+        default_weights,
         mesh,
-        parts,
+        parts: read.parts,
         stretch: placed.stretch,
         world_from_node: placed.world_from_node,
+        document: Some(document),
         warnings,
     })
 }
@@ -97,6 +103,7 @@ struct PrimitiveReader<'a> {
     source: &'a Mesh,
     mesh: ArtistMesh,
     parts: Vec<MeshPart>,
+    sources: Vec<PartSource>,
     /// Primitives whose vertices are in `mesh`, with the vertices and the coordinates they took.
     read: Vec<(usize, Range<usize>, Option<TexCoord>)>,
     lacks_normals: bool,
@@ -117,6 +124,7 @@ impl<'a> PrimitiveReader<'a> {
                 ..ArtistMesh::default()
             },
             parts: Vec::new(),
+            sources: Vec::new(),
             read: Vec::new(),
             lacks_normals: false,
             has_uvs: false,
@@ -125,7 +133,7 @@ impl<'a> PrimitiveReader<'a> {
         }
     }
 
-    fn finish(mut self) -> (ArtistMesh, Vec<MeshPart>, Vec<String>) {
+    fn finish(mut self) -> ReadPrimitives {
         if self.lacks_normals {
             self.mesh.normals = None;
         }
@@ -143,7 +151,12 @@ impl<'a> PrimitiveReader<'a> {
                 .take()
                 .filter(|deltas| deltas.iter().any(|delta| *delta != Vector3::zeros()));
         }
-        (self.mesh, self.parts, self.warnings)
+        ReadPrimitives {
+            mesh: self.mesh,
+            parts: self.parts,
+            sources: self.sources,
+            warnings: self.warnings,
+        }
     }
 
     fn read(&mut self, index: usize) -> Result<(), IoError> {
@@ -182,6 +195,11 @@ impl<'a> PrimitiveReader<'a> {
                 .into_iter()
                 .map(|triangle| triangle.map(|corner| corner + offset)),
         );
+        self.sources.push(PartSource {
+            primitive: index,
+            coordinates: self.coordinates(primitive),
+            tangents: self.tangents(primitive),
+        });
         self.parts.push(MeshPart {
             vertices,
             triangles: first..self.mesh.triangles.len(),
@@ -288,6 +306,13 @@ impl<'a> PrimitiveReader<'a> {
             .find(|c| attribute(primitive, Semantic::TexCoords(c.set)).is_some())
     }
 
+    /// The file's tangents, which no result depends on: unreadable ones count as none.
+    fn tangents(&self, primitive: &Primitive) -> Option<Vec<[f64; 4]>> {
+        let found = attribute(primitive, Semantic::Tangents)?;
+        let read = self.container.read_vectors(found, Type::Vec4, "TANGENT");
+        read.ok()
+    }
+
     fn material(&self, primitive: &Primitive) -> Option<&'a gltf::json::Material> {
         let index = primitive.material?.value();
         self.container.root.materials.get(index)
@@ -338,6 +363,15 @@ impl<'a> PrimitiveReader<'a> {
         let element = format!("primitive {index} of mesh {}", self.number);
         self.container.malformed(element, reason)
     }
+}
+
+/// What the primitives of a mesh come to.
+struct ReadPrimitives {
+    mesh: ArtistMesh,
+    parts: Vec<MeshPart>,
+    /// One per part.
+    sources: Vec<PartSource>,
+    warnings: Vec<String>,
 }
 
 fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<Index<Accessor>> {

@@ -9,6 +9,7 @@ use ruga_blend::ArtistMesh;
 use serde::{Deserialize, Serialize};
 
 use crate::IoError;
+use crate::gltf_document::GltfDocument;
 use crate::gltf_mesh::read_gltf;
 use crate::obj_mesh::read_obj;
 
@@ -30,6 +31,8 @@ pub struct MeshFile {
     /// World transform of the node that carries the mesh; identity for OBJ. Of a skinned mesh
     /// that of its first joint, after the joint's bind matrix.
     pub world_from_node: Matrix4<f64>,
+    /// The document that the mesh was read from; `None` for OBJ, and for meshes made by code.
+    pub document: Option<GltfDocument>,
     /// What was assumed or left out, in words for the user.
     pub warnings: Vec<String>,
 }

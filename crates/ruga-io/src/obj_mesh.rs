@@ -51,6 +51,7 @@ pub(crate) fn read_obj(
         mesh,
         stretch: Matrix3::identity(),
         world_from_node: Matrix4::identity(),
+        document: None,
         warnings: Vec::new(),
     })
 }

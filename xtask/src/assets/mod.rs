@@ -110,6 +110,7 @@ fn mesh_file(path: &Path, mesh: ArtistMesh) -> MeshFile {
         default_weights: vec![0.0; mesh.shapes.len()],
         stretch: Matrix3::identity(),
         world_from_node: Matrix4::identity(),
+        document: None,
         warnings: Vec::new(),
         mesh,
     }

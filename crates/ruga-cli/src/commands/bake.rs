@@ -3,11 +3,11 @@
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use ruga_bake::{BakeSettings, Relief, TangentFrame, bake};
 use ruga_blend::Weights;
-use ruga_io::{WrinkleMap, Wrinkles, key_percent, scene};
+use ruga_io::{WrinkleMap, Wrinkles, WrittenGlb, key_percent, scene};
 use ruga_stepper::{Frame, KeyResult, LayerSurface, PoseResult, PoseSpec};
 
-use crate::arguments::RunArguments;
-use crate::artist_file::{file_name, write_artist_mesh};
+use crate::arguments::{BakeArguments, RunArguments};
+use crate::artist_file::{file_name, refuse_own_folder, write_artist_mesh};
 use crate::error::CliError;
 use crate::map_files::write_maps;
 use crate::moved_mesh::write_moved_mesh;
@@ -22,23 +22,32 @@ use crate::{interrupt, messages, output_folder, summary};
 ///
 /// # Errors
 /// Whatever keeps a pose from being planned, simulated, baked or written.
-pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
+pub(crate) fn run(bake: &BakeArguments) -> Result<Outcome, CliError> {
+    let arguments = &bake.run;
     interrupt::listen();
     let pool = thread_pool(thread_count(arguments))?;
-    let project =
+    let mut project =
         pool.install(|| Project::read(&arguments.scene, &arguments.poses, arguments.quality))?;
     let plan = pool.install(|| project.plan())?;
     output_folder::prepare(&arguments.output)?;
+    if !bake.maps_only {
+        refuse_own_folder(&arguments.output, &project.mesh)?;
+    }
     for warning in project.warnings.iter().chain(plan.warnings()) {
         messages::warning(warning);
     }
     let maps = WrinkleMaps {
         project: &project,
         arguments,
+        maps_only: bake.maps_only,
         pool: &pool,
     };
     let records = run_poses(&project, &plan, arguments, &maps)?;
-    maps.write_common(&records)?;
+    let about_mesh = maps.write_common(&records)?;
+    for warning in &about_mesh {
+        messages::warning(warning);
+    }
+    project.warnings.extend(about_mesh);
     summary::conclude(&project, &plan, arguments, &records)
 }
 
@@ -56,6 +65,7 @@ fn thread_pool(threads: usize) -> Result<ThreadPool, CliError> {
 struct WrinkleMaps<'a> {
     project: &'a Project,
     arguments: &'a RunArguments,
+    maps_only: bool,
     pool: &'a ThreadPool,
 }
 
@@ -146,24 +156,20 @@ impl WrinkleMaps<'_> {
         }
     }
 
-    /// Writes what all poses share: the mesh and the manifest.
-    fn write_common(&self, records: &[Option<PoseRecord>]) -> Result<(), CliError> {
+    /// Writes what all poses share, the mesh and the manifest; returns what the user should know
+    /// about the mesh.
+    fn write_common(&self, records: &[Option<PoseRecord>]) -> Result<Vec<String>, CliError> {
         let project = self.project;
         let finished = || records.iter().flatten();
         let maps: Vec<WrinkleMap> = finished().flat_map(|r| r.maps.iter().cloned()).collect();
-        let rest: Vec<[TangentFrame; 3]> =
-            posed_frames(&project.mesh.mesh, &project.driver, &Weights::default()).map_err(
-                |source| CliError::Baking {
-                    mesh: project.mesh.path.clone(),
-                    pose: "rest".to_owned(),
-                    source,
-                },
-            )?;
-        let name = file_name(&project.mesh);
-        let path = self.arguments.output.join(format!("{name}.glb"));
-        write_artist_mesh(&path, &project.mesh, &rest, &maps)?;
+        let mut warnings = Vec::new();
         let bake = &project.scene.bake;
         let mut manifest = Wrinkles::new(&project.mesh.mesh.name, bake.frame, bake.size);
+        if !self.maps_only {
+            let written = self.write_mesh(&maps)?;
+            manifest.glb = Some(written.reference);
+            warnings = written.warnings;
+        }
         let shapes: Vec<&str> = project.driver.shape_names().collect();
         for (pose, _) in project
             .poses
@@ -176,7 +182,23 @@ impl WrinkleMaps<'_> {
             manifest.poses.insert(pose.name.clone(), named.collect());
         }
         manifest.maps = maps;
-        Ok(manifest.write(&self.arguments.output.join("wrinkles.json"))?)
+        manifest.write(&self.arguments.output.join("wrinkles.json"))?;
+        Ok(warnings)
+    }
+
+    fn write_mesh(&self, maps: &[WrinkleMap]) -> Result<WrittenGlb, CliError> {
+        let mesh = &self.project.mesh;
+        let rest = posed_frames(&mesh.mesh, &self.project.driver, &Weights::default());
+        let rest: Vec<[TangentFrame; 3]> = rest.map_err(|source| CliError::Baking {
+            mesh: mesh.path.clone(),
+            pose: "rest".to_owned(),
+            source,
+        })?;
+        let path = self
+            .arguments
+            .output
+            .join(format!("{}.glb", file_name(mesh)));
+        write_artist_mesh(&path, mesh, &rest, maps)
     }
 }
 
