@@ -4,7 +4,6 @@ use std::ops::Range;
 use std::path::Path;
 
 use gltf::json::accessor::{Accessor, Type};
-use gltf::json::extras::RawValue;
 use gltf::json::mesh::{Mesh, Mode, MorphTarget, Primitive, Semantic};
 use gltf::json::validation::Checked;
 use gltf::json::{Index, Root};
@@ -15,6 +14,7 @@ use crate::error::nearest;
 use crate::gltf_container::Container;
 use crate::gltf_document::{GltfDocument, PartSource};
 use crate::gltf_placement::{Placement, placement};
+use crate::gltf_shape_names::{name_shapes, target_names};
 use crate::gltf_texcoord::TexCoord;
 use crate::{IoError, Material, MeshFile, MeshPart};
 
@@ -428,44 +428,6 @@ fn keep_material(material: &gltf::json::Material) -> Material {
         metallic: unit(look.metallic_factor.0),
         roughness: unit(look.roughness_factor.0),
         double_sided: material.double_sided,
-    }
-}
-
-/// `targetNames` of the mesh; some exporters put them on its primitives.
-fn target_names(mesh: &Mesh) -> Vec<String> {
-    #[derive(serde::Deserialize)]
-    struct Extras {
-        #[serde(rename = "targetNames")]
-        target_names: Vec<String>,
-    }
-    let parse = |raw: &RawValue| serde_json::from_str::<Extras>(raw.get()).ok();
-    let of_primitive = mesh.primitives.iter().find_map(|p| p.extras.as_deref());
-    mesh.extras
-        .as_deref()
-        .and_then(parse)
-        .or_else(|| of_primitive.and_then(parse))
-        .map(|extras| extras.target_names)
-        .unwrap_or_default()
-}
-
-fn name_shapes(mesh: &mut ArtistMesh, names: &[String], warnings: &mut Vec<String>) {
-    let mut taken: Vec<String> = Vec::new();
-    for (i, shape) in mesh.shapes.iter_mut().enumerate() {
-        let given = names.get(i).filter(|name| !name.is_empty());
-        let base = given.cloned().unwrap_or_else(|| format!("shape_{i}"));
-        shape.name = base.clone();
-        let mut number = 2;
-        while taken.contains(&shape.name) {
-            shape.name = format!("{base}_{number}");
-            number += 1;
-        }
-        if shape.name != base {
-            let new = &shape.name;
-            warnings.push(format!(
-                "two blend shapes are named `{base}`; one is now `{new}`"
-            ));
-        }
-        taken.push(shape.name.clone());
     }
 }
 

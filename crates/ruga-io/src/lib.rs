@@ -45,6 +45,7 @@ mod gltf_document;
 mod gltf_images;
 mod gltf_mesh;
 mod gltf_placement;
+mod gltf_shape_names;
 mod gltf_texcoord;
 mod gltf_uri;
 mod gltf_write;

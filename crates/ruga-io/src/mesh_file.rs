@@ -28,8 +28,8 @@ pub struct MeshFile {
     /// the node's world transform `R S`. The rotation `R` and the translation are *not* applied,
     /// so the axes of [`MeshFile::mesh`] are those of the file.
     pub stretch: Matrix3<f64>,
-    /// World transform of the node that carries the mesh; identity for OBJ. Of a skinned mesh
-    /// that of its first joint, after the joint's bind matrix.
+    /// World transform of the node that carries the mesh; identity for OBJ. Of a mesh with
+    /// an armature that of its first joint, after the joint's bind matrix.
     pub world_from_node: Matrix4<f64>,
     /// The document that the mesh was read from; `None` for OBJ, and for meshes made by code.
     pub document: Option<GltfDocument>,
