@@ -73,7 +73,7 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     /// Simulate every pose and bake its wrinkle maps.
     #[command(after_help = format!("{MAPS}\n\n{FOLDER}\n\n{EXIT_CODES}"))]
-    Bake(RunArguments),
+    Bake(BakeArguments),
     /// Simulate every pose and write its meshes per load step, no maps.
     #[command(after_help = format!("{FOLDER}\n\n{EXIT_CODES}"))]
     Simulate(RunArguments),
@@ -118,6 +118,16 @@ pub(crate) struct RunArguments {
     /// Poses worked on at a time; the results do not depend on it [default: one per core].
     #[arg(long, value_name = "N", help_heading = "Simulation")]
     pub(crate) threads: Option<NonZeroUsize>,
+}
+
+/// Options of `ruga bake`.
+#[derive(Debug, Args)]
+pub(crate) struct BakeArguments {
+    #[command(flatten)]
+    pub(crate) run: RunArguments,
+    /// Write no GLB: maps, wrinkles.json and report.json alone.
+    #[arg(long, help_heading = "Output")]
+    pub(crate) maps_only: bool,
 }
 
 /// Options of `ruga plan`.

@@ -4,9 +4,13 @@ use std::path::Path;
 
 use nalgebra::{Vector3, Vector4};
 use ruga_bake::{TangentFrame, vertex_tangents};
-use ruga_io::{GlbAdditions, MeshFile, WrinkleMap, scene, write_glb};
+use ruga_io::{GlbAdditions, MeshFile, WrinkleMap, WrittenGlb, scene, write_glb};
 
 use crate::error::CliError;
+
+/// Cosine of the angle by which a corner's tangent may differ from its vertex's: 10 degrees, about
+/// where a wrinkle's shading visibly turns.
+const SAME_TANGENT: f64 = 0.985;
 
 /// Name of the mesh where it can name a file; else that of its file.
 pub(crate) fn file_name(mesh: &MeshFile) -> String {
@@ -19,6 +23,29 @@ pub(crate) fn file_name(mesh: &MeshFile) -> String {
     usable.unwrap_or("mesh").to_owned()
 }
 
+/// Refuses a folder in which the GLB would replace the file that the mesh was read from.
+///
+/// # Errors
+/// [`CliError::Output`].
+pub(crate) fn refuse_own_folder(folder: &Path, mesh: &MeshFile) -> Result<(), CliError> {
+    let path = folder.join(format!("{}.glb", file_name(mesh)));
+    let is_own = match (path.canonicalize(), mesh.path.canonicalize()) {
+        (Ok(written), Ok(read)) => written == read,
+        _ => false,
+    };
+    match is_own {
+        false => Ok(()),
+        true => Err(CliError::Output {
+            path: folder.to_owned(),
+            reason: format!(
+                "{} in it is the mesh of the scene and would be replaced; choose another folder, \
+                 or `--maps-only`",
+                path.file_name().unwrap_or_default().display()
+            ),
+        }),
+    }
+}
+
 /// Writes the mesh with the tangents of its rest shape.
 ///
 /// # Errors
@@ -28,7 +55,7 @@ pub(crate) fn write_artist_mesh(
     mesh: &MeshFile,
     rest: &[[TangentFrame; 3]],
     maps: &[WrinkleMap],
-) -> Result<(), CliError> {
+) -> Result<WrittenGlb, CliError> {
     let triangles = &mesh.mesh.triangles;
     let vertices = mesh.mesh.positions.len();
     let tangents: Vec<Vector4<f64>> = vertex_tangents(rest, triangles, vertices)
@@ -51,5 +78,100 @@ pub(crate) fn write_artist_mesh(
         normals: Some(&normals),
         maps,
     };
-    Ok(write_glb(path, mesh, &additions)?)
+    let mut written = write_glb(path, mesh, &additions)?;
+    written.warnings.extend(conflicts(mesh, rest, &tangents));
+    for warning in &mut written.warnings {
+        *warning = format!("{}: {warning}", mesh.path.display());
+    }
+    Ok(written)
+}
+
+/// Where the triangles around a vertex want tangents that the vertex's own does not fit.
+fn conflicts(
+    mesh: &MeshFile,
+    rest: &[[TangentFrame; 3]],
+    tangents: &[Vector4<f64>],
+) -> Option<String> {
+    let mut found = Vec::new();
+    let uvs = mesh.mesh.uvs.as_ref()?;
+    for (corners, frames) in mesh.mesh.triangles.iter().zip(rest) {
+        let [a, b, c] = corners.map(|v| uvs[v as usize]);
+        // Without an area in the texture a triangle has no tangents of its own.
+        if (b - a).perp(&(c - a)) == 0.0 {
+            continue;
+        }
+        for (&vertex, frame) in corners.iter().zip(frames) {
+            let tangent = &tangents[vertex as usize];
+            let cosine = tangent.xyz().dot(&frame.tangent);
+            if cosine < SAME_TANGENT || tangent.w * frame.sign < 0.0 {
+                found.push(vertex);
+            }
+        }
+    }
+    found.sort_unstable();
+    found.dedup();
+    let first = found.first()?;
+    Some(format!(
+        "at {}, the first is number {first}, the texture is mirrored or torn between triangles, \
+         but a vertex has one tangent: wrinkles next to it are shaded wrongly in the GLB. Split \
+         the mesh along such seams when it is exported",
+        match found.len() {
+            1 => "1 vertex".to_owned(),
+            count => format!("{count} vertices"),
+        }
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Matrix3, Matrix4, Vector2};
+    use ruga_bake::tangent_frames;
+    use ruga_blend::ArtistMesh;
+
+    use super::*;
+
+    /// Two triangles of a square; the texture of the second goes on, or back as in a mirror.
+    fn square(is_mirrored: bool) -> MeshFile {
+        let corner = if is_mirrored { 0.2 } else { 1.0 };
+        let at = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let uvs = [[0.0, 1.0], [0.0, 0.0], [1.0, 0.0], [corner, corner]];
+        MeshFile {
+            path: "square.obj".into(),
+            mesh: ArtistMesh {
+                positions: at.map(|[x, y]| Vector3::new(x, y, 0.0)).to_vec(),
+                normals: Some(vec![Vector3::z(); 4]),
+                uvs: Some(uvs.map(Vector2::from).to_vec()),
+                triangles: vec![[0, 1, 2], [0, 2, 3]],
+                ..ArtistMesh::default()
+            },
+            parts: Vec::new(),
+            default_weights: Vec::new(),
+            stretch: Matrix3::identity(),
+            world_from_node: Matrix4::identity(),
+            metres_per_unit: 1.0,
+            document: None,
+            warnings: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn vertices_that_need_two_tangents_are_counted() {
+        for (is_mirrored, expected) in [(false, None), (true, Some("2 vertices, the first is"))] {
+            let file = square(is_mirrored);
+            let mesh = &file.mesh;
+            let (normals, uvs) = (mesh.normals.as_ref(), mesh.uvs.as_ref());
+            let (normals, uvs) = (normals.expect("normals"), uvs.expect("coordinates"));
+            let frames = tangent_frames(&mesh.positions, normals, uvs, &mesh.triangles);
+            let frames = frames.expect("a square has tangents");
+            let tangents = vertex_tangents(&frames, &mesh.triangles, 4).expect("four of them");
+            let tangents: Vec<_> = tangents.iter().map(|t| Vector4::from(*t).cast()).collect();
+            let found = conflicts(&file, &frames, &tangents);
+            assert_eq!(found.is_some(), expected.is_some(), "{found:?}");
+            assert!(
+                found
+                    .unwrap_or_default()
+                    .contains(expected.unwrap_or_default())
+            );
+        }
+    }
 }

@@ -12,11 +12,25 @@ const FLOAT: u32 = 5_126;
 #[derive(Default)]
 pub(crate) struct GlbBuffer {
     bytes: Vec<u8>,
+    /// Views and accessors that a document has already; those made here come after them.
+    views_before: usize,
+    accessors_before: usize,
     pub(crate) views: Vec<Value>,
     pub(crate) accessors: Vec<Value>,
 }
 
 impl GlbBuffer {
+    /// Continues the first buffer of a document that has so many views and accessors.
+    pub(crate) fn after(mut bytes: Vec<u8>, views: usize, accessors: usize) -> Self {
+        bytes.resize(bytes.len().next_multiple_of(4), 0);
+        Self {
+            bytes,
+            views_before: views,
+            accessors_before: accessors,
+            ..Self::default()
+        }
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.bytes.len()
     }
@@ -52,8 +66,9 @@ impl GlbBuffer {
     pub(crate) fn bounded(&mut self, values: &[[f32; 3]]) -> usize {
         let number = self.attribute(values, "VEC3");
         let (min, max) = bounds(values);
-        self.accessors[number]["min"] = json!(min);
-        self.accessors[number]["max"] = json!(max);
+        let accessor = &mut self.accessors[number - self.accessors_before];
+        accessor["min"] = json!(min);
+        accessor["max"] = json!(max);
         number
     }
 
@@ -87,9 +102,14 @@ impl GlbBuffer {
         }))
     }
 
+    /// The bytes of an image file; returns the number of their view.
+    pub(crate) fn image(&mut self, bytes: &[u8]) -> usize {
+        self.view(bytes, None)
+    }
+
     fn accessor(&mut self, accessor: Value) -> usize {
         self.accessors.push(accessor);
-        self.accessors.len() - 1
+        self.accessors_before + self.accessors.len() - 1
     }
 
     fn view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
@@ -105,7 +125,7 @@ impl GlbBuffer {
         self.bytes.extend_from_slice(bytes);
         // The next view may hold floats, which lie at multiples of four.
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        self.views.len() - 1
+        self.views_before + self.views.len() - 1
     }
 }
 

@@ -10,8 +10,12 @@ use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3, Vector4};
 use serde_json::{Map, Value, json};
 
 use crate::glb_buffer::GlbBuffer;
-use crate::scene::MapKind;
-use crate::{IoError, Material, MeshFile, MeshPart, WrinkleMap, write_atomically};
+use crate::glb_frames::{single, unit, unit_tangent};
+use crate::gltf_write::document_content;
+use crate::{
+    GlbReference, IoError, MapCoordinates, Material, MeshFile, MeshPart, WrinkleMap,
+    write_atomically,
+};
 
 /// What `ruga` adds to the artist's mesh.
 #[derive(Clone, Copy, Debug, Default)]
@@ -25,38 +29,89 @@ pub struct GlbAdditions<'a> {
     pub maps: &'a [WrinkleMap],
 }
 
-/// Writes the artist's mesh: vertices, triangles and blend shapes as they came, in the file's own
-/// units, under a node with the world transform they had.
+/// What was written.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WrittenGlb {
+    /// The file's name and where in it the maps are referenced, for `wrinkles.json`.
+    pub reference: GlbReference,
+    /// What could not be carried or does not fit the maps, in words for the user.
+    pub warnings: Vec<String>,
+}
+
+/// Writes the artist's mesh as GLB, with tangents and the list of its maps.
 ///
-/// Added are `TANGENT`; the first normal map of key 1 as the materials' `normalTexture`, where it
-/// is a PNG with green up, as glTF wants; and under the mesh's `extras` all maps, by pose and key.
-/// Texture coordinates are written as resolved when read (set 0, no transform). Skins, animations
-/// and the materials' own images are left out.
+/// A mesh that was read from glTF ([`MeshFile::document`]) is written as the document it came from:
+/// every accessor, image, material, node, skin, animation and extension as it was, the text of its
+/// JSON and the bytes of its buffers included; changes to [`MeshFile::mesh`] are not. Files of
+/// buffers and images are copied into the GLB, so that it stands alone. Added are
+/// - `TANGENT` where a primitive with texture coordinates has none, and `NORMAL` where it has none
+///   of these either. Vertices are not split: where the triangles around one want different
+///   tangents, it gets the one that it was given. Tangents that the file has stay; a warning says
+///   if they are not those of `additions`.
+/// - `wrinkleMaps` in the mesh's `extras`: all maps, by pose and key. Materials are not touched.
+///
+/// Any other mesh is written anew: vertices, triangles and blend shapes under a node with the
+/// world transform they had, in the file's own units, materials without images.
 ///
 /// # Errors
-/// [`IoError::Unwritten`] when an array is not one per vertex, [`IoError::Unwritable`] when the
-/// file cannot be written.
+/// [`IoError::Unwritten`] when an array is not one per vertex or the file would be larger than a
+/// GLB can be, [`IoError::Unwritable`] when the file cannot be written.
 pub fn write_glb(
     path: &Path,
     file: &MeshFile,
     additions: &GlbAdditions<'_>,
-) -> Result<(), IoError> {
+) -> Result<WrittenGlb, IoError> {
     check(path, file, additions)?;
-    let mut document = Document::new(file, additions);
-    let primitives: Vec<Value> = file.parts.iter().map(|p| document.primitive(p)).collect();
-    let json = document.root(primitives).to_string();
-    let bytes = Glb {
-        header: Header {
-            magic: *b"glTF",
-            version: 2,
-            length: 0,
+    let content = match &file.document {
+        Some(document) => document_content(file, document, additions)
+            .map_err(|error| IoError::unwritten(path, error.to_string()))?,
+        None => {
+            check_numbers(path, file)?;
+            NewDocument::new(file, additions).content()
+        }
+    };
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let written = WrittenGlb {
+        reference: GlbReference {
+            file: name.into_owned(),
+            maps: content.maps,
+            coordinates: content.coordinates,
         },
+        warnings: content.warnings,
+    };
+    write_atomically(path, &glb_bytes(path, content.json, content.binary)?)?;
+    Ok(written)
+}
+
+/// A GLB before it is a file.
+pub(crate) struct GlbContent {
+    pub(crate) json: String,
+    /// Empty: no binary chunk.
+    pub(crate) binary: Vec<u8>,
+    /// JSON pointer to the list of maps.
+    pub(crate) maps: Option<String>,
+    pub(crate) coordinates: Vec<MapCoordinates>,
+    pub(crate) warnings: Vec<String>,
+}
+
+fn glb_bytes(path: &Path, json: String, binary: Vec<u8>) -> Result<Vec<u8>, IoError> {
+    // Lengths have 32 bits; headers and padding take less than 64 bytes.
+    if u32::try_from(json.len() + binary.len() + 64).is_err() {
+        let reason = "with its buffers and images it is larger than the 4 GiB of a GLB";
+        return Err(IoError::unwritten(path, reason));
+    }
+    let header = Header {
+        magic: *b"glTF",
+        version: 2,
+        length: 0,
+    };
+    Glb {
+        header,
         json: Cow::Owned(json.into_bytes()),
-        bin: Some(Cow::Owned(document.buffer.into_bytes())),
+        bin: (!binary.is_empty()).then_some(Cow::Owned(binary)),
     }
     .to_vec()
-    .map_err(|error| IoError::unwritten(path, error.to_string()))?;
-    write_atomically(path, &bytes)
+    .map_err(|error| IoError::unwritten(path, error.to_string()))
 }
 
 fn check(path: &Path, file: &MeshFile, additions: &GlbAdditions<'_>) -> Result<(), IoError> {
@@ -88,7 +143,13 @@ fn check(path: &Path, file: &MeshFile, additions: &GlbAdditions<'_>) -> Result<(
     {
         return Err(IoError::unwritten(path, "its parts do not fit its mesh"));
     }
-    check_numbers(path, file)
+    match &file.document {
+        Some(document) if document.parts.len() != file.parts.len() => Err(IoError::unwritten(
+            path,
+            "its parts do not fit its document",
+        )),
+        _ => Ok(()),
+    }
 }
 
 /// glTF has 32 bits for a number, and accepts no infinite ones.
@@ -114,8 +175,8 @@ fn check_numbers(path: &Path, file: &MeshFile) -> Result<(), IoError> {
     }
 }
 
-/// A document in the making.
-struct Document<'a> {
+/// The document of a mesh that came without one.
+struct NewDocument<'a> {
     file: &'a MeshFile,
     maps: &'a [WrinkleMap],
     tangents: Option<&'a [Vector4<f64>]>,
@@ -128,7 +189,7 @@ struct Document<'a> {
     materials: Vec<Value>,
 }
 
-impl<'a> Document<'a> {
+impl<'a> NewDocument<'a> {
     fn new(file: &'a MeshFile, additions: &GlbAdditions<'a>) -> Self {
         let normals = file.mesh.normals.as_deref().or(additions.normals);
         Self {
@@ -140,6 +201,20 @@ impl<'a> Document<'a> {
             buffer: GlbBuffer::default(),
             written: Vec::new(),
             materials: Vec::new(),
+        }
+    }
+
+    fn content(mut self) -> GlbContent {
+        let file = self.file;
+        let primitives: Vec<Value> = file.parts.iter().map(|p| self.primitive(p)).collect();
+        let json = self.root(primitives).to_string();
+        let coordinates = (0..file.parts.len()).filter(|_| file.mesh.uvs.is_some());
+        GlbContent {
+            json,
+            binary: self.buffer.into_bytes(),
+            maps: (!self.maps.is_empty()).then(|| "/meshes/0/extras/wrinkleMaps".to_owned()),
+            coordinates: coordinates.map(MapCoordinates::plain).collect(),
+            warnings: Vec::new(),
         }
     }
 
@@ -190,7 +265,7 @@ impl<'a> Document<'a> {
                 let tangents: Vec<[f32; 4]> = tangents[range.clone()]
                     .iter()
                     .zip(&normals)
-                    .map(|(tangent, normal)| unit_tangent(tangent, normal))
+                    .map(|(tangent, normal)| unit_tangent(tangent, normal).cast::<f32>().into())
                     .collect();
                 attributes["TANGENT"] = json!(self.buffer.attribute(&tangents, "VEC4"));
             }
@@ -228,28 +303,14 @@ impl<'a> Document<'a> {
             .collect()
     }
 
-    /// Number of the material; a plain one where the part has none but a map wants to be seen.
+    /// Number of the material.
     fn material(&mut self, material: Option<&Material>) -> Option<usize> {
-        let texture = self.shown_map().is_some();
-        let json = match material {
-            Some(material) => material_json(material, texture),
-            None if texture => json!({ "normalTexture": { "index": 0 } }),
-            None => return None,
-        };
+        let json = material_json(material?);
         let known = self.materials.iter().position(|other| *other == json);
         Some(known.unwrap_or_else(|| {
             self.materials.push(json);
             self.materials.len() - 1
         }))
-    }
-
-    /// The map that a viewer without ruga shows.
-    fn shown_map(&self) -> Option<&'a WrinkleMap> {
-        let has_frame = self.tangents.is_some() && self.file.mesh.uvs.is_some();
-        self.maps
-            .iter()
-            .filter(|_| has_frame)
-            .find(|map| map.kind == MapKind::Normal && map.key == 1.0 && map.is_gltf_normal())
     }
 
     fn root(&mut self, primitives: Vec<Value>) -> Value {
@@ -283,10 +344,6 @@ impl<'a> Document<'a> {
         });
         if !self.materials.is_empty() {
             root["materials"] = json!(self.materials);
-        }
-        if let Some(map) = self.shown_map() {
-            root["images"] = json!([{ "uri": encode_percent(&map.file), "mimeType": "image/png" }]);
-            root["textures"] = json!([{ "source": 0 }]);
         }
         root
     }
@@ -333,33 +390,7 @@ fn uniform_scale(stretch: &Matrix3<f64>) -> Option<f64> {
     (*stretch == Matrix3::from_diagonal_element(scale)).then_some(scale)
 }
 
-fn single(vector: Vector3<f64>) -> [f32; 3] {
-    [vector.x as f32, vector.y as f32, vector.z as f32]
-}
-
-/// The normal as it came, unless glTF would refuse its length.
-fn unit(normal: &Vector3<f64>) -> Vector3<f64> {
-    const ACCEPTED: f64 = 5e-4;
-    if (normal.norm() - 1.0).abs() < ACCEPTED {
-        return *normal;
-    }
-    normal.try_normalize(1e-30).unwrap_or_else(Vector3::z)
-}
-
-/// Where the texture has no direction any tangent is as good, but glTF wants one of length 1.
-fn unit_tangent(tangent: &Vector4<f64>, normal: &Vector3<f64>) -> [f32; 4] {
-    let across = tangent.xyz() - normal * normal.dot(&tangent.xyz());
-    let any = || normal.cross(&Vector3::ith(normal.iamin(), 1.0)).normalize();
-    let finite = |v: &Vector3<f64>| v.iter().all(|c| c.is_finite());
-    let along = across
-        .try_normalize(1e-12)
-        .filter(finite)
-        .unwrap_or_else(any);
-    let sign = if tangent.w < 0.0 { -1.0 } else { 1.0 };
-    [along.x as f32, along.y as f32, along.z as f32, sign]
-}
-
-fn material_json(material: &Material, texture: bool) -> Value {
+fn material_json(material: &Material) -> Value {
     let mut json = json!({
         "pbrMetallicRoughness": {
             "baseColorFactor": material.base_color,
@@ -371,14 +402,11 @@ fn material_json(material: &Material, texture: bool) -> Value {
     if let Some(name) = &material.name {
         json["name"] = json!(name);
     }
-    if texture {
-        json["normalTexture"] = json!({ "index": 0 });
-    }
     json
 }
 
 /// `[{ "pose": …, "key": …, "normal": file, "height": file }, …]` in the order of the maps.
-fn wrinkle_maps(maps: &[WrinkleMap]) -> Value {
+pub(crate) fn wrinkle_maps(maps: &[WrinkleMap]) -> Value {
     let mut entries: Vec<(&str, f64, BTreeMap<&str, &str>)> = Vec::new();
     for map in maps {
         let same = |entry: &&mut (&str, f64, _)| entry.0 == map.pose && entry.1 == map.key;
@@ -400,18 +428,6 @@ fn wrinkle_maps(maps: &[WrinkleMap]) -> Value {
             entry["pose"] = json!(pose);
             entry["key"] = json!(key);
             entry
-        })
-        .collect()
-}
-
-/// A path as a relative URI: what is not unreserved or `/` becomes `%XX`.
-fn encode_percent(path: &str) -> String {
-    path.bytes()
-        .map(|byte| match byte {
-            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' | b'/' => {
-                char::from(byte).to_string()
-            }
-            _ => format!("%{byte:02X}"),
         })
         .collect()
 }

@@ -7,29 +7,50 @@ use gltf::json::Root;
 
 use crate::IoError;
 use crate::error::read_bytes;
+use crate::gltf_uri::{decode_data_uri, external_file, shortened};
+use crate::json_text::JsonObject;
+
+/// Fields of a document that say where its triangles are; the reader looks at no other, so that a
+/// texture or an animation of an unknown kind is no reason to refuse a mesh.
+const GEOMETRY: [&str; 9] = [
+    "accessors",
+    "asset",
+    "buffers",
+    "bufferViews",
+    "extensionsRequired",
+    "materials",
+    "meshes",
+    "nodes",
+    "skins",
+];
 
 /// A parsed file whose buffers are all loaded. Nothing in `root` has been validated.
 pub(crate) struct Container {
     pub(crate) path: PathBuf,
+    /// The whole document.
+    pub(crate) json: JsonObject,
+    /// Its [`GEOMETRY`].
     pub(crate) root: Root,
     pub(crate) buffers: Vec<Vec<u8>>,
+    /// Bytes of the file that belong to nothing in the document.
+    pub(crate) unused_bytes: usize,
 }
 
 impl Container {
     pub(crate) fn read(path: &Path) -> Result<Self, IoError> {
         let bytes = read_bytes(path)?;
-        let (json, binary) = split_container(path, &bytes)?;
-        let root: Root = serde_json::from_slice(&json)
-            .map_err(|error| IoError::malformed(path, "JSON", error.to_string()))?;
+        let mut chunks = split_container(path, &bytes)?;
+        let (json, root) = parse(path, chunks.json)?;
         reject_compressed_geometry(path, &root)?;
-        let mut binary = binary;
         let buffers = (0..root.buffers.len())
-            .map(|i| load_buffer(path, &root, i, &mut binary))
+            .map(|i| load_buffer(path, &root, i, &mut chunks.binary))
             .collect::<Result<_, _>>()?;
         Ok(Self {
             path: path.to_owned(),
+            json,
             root,
             buffers,
+            unused_bytes: chunks.others + chunks.binary.map_or(0, |bytes| bytes.len()),
         })
     }
 
@@ -42,14 +63,26 @@ impl Container {
     }
 }
 
-/// The JSON text and, for the binary container, its buffer. The content decides, not the name.
-fn split_container(path: &Path, bytes: &[u8]) -> Result<(Vec<u8>, Option<Vec<u8>>), IoError> {
+/// What a file is made of.
+struct Chunks {
+    json: Vec<u8>,
+    binary: Option<Vec<u8>>,
+    /// Bytes of further chunks, of which glTF knows none.
+    others: usize,
+}
+
+/// Tells the binary container from JSON text by the content, not by the name.
+fn split_container(path: &Path, bytes: &[u8]) -> Result<Chunks, IoError> {
     if bytes.starts_with(b"glTF") {
         return split_glb(path, bytes);
     }
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     if text.trim_ascii_start().starts_with(b"{") {
-        return Ok((text.to_owned(), None));
+        return Ok(Chunks {
+            json: text.to_owned(),
+            binary: None,
+            others: 0,
+        });
     }
     Err(IoError::UnknownFormat {
         path: path.to_owned(),
@@ -58,7 +91,7 @@ fn split_container(path: &Path, bytes: &[u8]) -> Result<(Vec<u8>, Option<Vec<u8>
     })
 }
 
-fn split_glb(path: &Path, bytes: &[u8]) -> Result<(Vec<u8>, Option<Vec<u8>>), IoError> {
+fn split_glb(path: &Path, bytes: &[u8]) -> Result<Chunks, IoError> {
     let header = |reason: String| IoError::malformed(path, "GLB header", reason);
     // The gltf crate subtracts the header from this length unchecked.
     let length = bytes
@@ -72,10 +105,31 @@ fn split_glb(path: &Path, bytes: &[u8]) -> Result<(Vec<u8>, Option<Vec<u8>>), Io
         .and_then(|length| bytes.get(..length))
         .ok_or_else(|| header(format!("says {length} bytes, the file has {}", bytes.len())))?;
     let glb = Glb::from_slice(whole).map_err(|error| header(error.to_string()))?;
-    Ok((
-        glb.json.into_owned(),
-        glb.bin.map(std::borrow::Cow::into_owned),
-    ))
+    let binary = glb.bin.map(std::borrow::Cow::into_owned);
+    let known = 20 + glb.json.len() + binary.as_ref().map_or(0, |bytes| 8 + bytes.len());
+    Ok(Chunks {
+        json: glb.json.into_owned(),
+        binary,
+        others: whole.len().saturating_sub(known),
+    })
+}
+
+/// The whole document as text, and its geometry parsed.
+fn parse(path: &Path, json: Vec<u8>) -> Result<(JsonObject, Root), IoError> {
+    let syntax = |reason: String| IoError::malformed(path, "JSON", reason);
+    let text = String::from_utf8(json).map_err(|error| syntax(error.to_string()))?;
+    let json = JsonObject::parse(&text).map_err(|error| syntax(error.to_string()))?;
+    let geometry =
+        serde_json::to_string(&json.only(&GEOMETRY)).map_err(|error| syntax(error.to_string()))?;
+    let mut document = serde_json::Deserializer::from_str(&geometry);
+    let root = serde_path_to_error::deserialize(&mut document).map_err(|error| {
+        let element = format!("JSON, `{}`", error.path());
+        let reason = error.into_inner().to_string();
+        // Lines and columns count in the text of the geometry, which the user has never seen.
+        let reason = reason.split(" at line ").next().unwrap_or_default();
+        IoError::malformed(path, element, reason)
+    })?;
+    Ok((json, root))
 }
 
 /// Compressed geometry reads as zeros where the extension is unknown: better to refuse.
@@ -123,90 +177,4 @@ fn load_buffer(
         return Err(fault(format!("byteLength is {stated}, found {found}")));
     }
     Ok(bytes)
-}
-
-fn external_file(path: &Path, uri: &str) -> Result<PathBuf, String> {
-    let has_scheme = uri
-        .split_once(':')
-        .is_some_and(|(scheme, _)| scheme.len() > 1 && !scheme.contains('/'));
-    if has_scheme {
-        let uri = shortened(uri);
-        return Err(format!("uri `{uri}` is not a relative path or data: URI"));
-    }
-    let relative =
-        decode_percent(uri).ok_or_else(|| format!("uri `{}` is not valid", shortened(uri)))?;
-    Ok(path.parent().unwrap_or(Path::new("")).join(relative))
-}
-
-/// The text, or its ends: a data: URI with a slip in its first letters is megabytes long.
-fn shortened(text: &str) -> String {
-    const MOST: usize = 200;
-    if text.chars().count() <= MOST {
-        return text.to_owned();
-    }
-    let start: String = text.chars().take(MOST / 2).collect();
-    let end: String = text.chars().rev().take(MOST / 2).collect();
-    let end: String = end.chars().rev().collect();
-    format!("{start} ... {end}")
-}
-
-/// Replaces `%20` and the like; `None` when the result is not UTF-8.
-fn decode_percent(uri: &str) -> Option<String> {
-    let mut bytes = Vec::with_capacity(uri.len());
-    let mut rest = uri.as_bytes();
-    while let Some((&first, tail)) = rest.split_first() {
-        let hex = tail
-            .get(..2)
-            .filter(|_| first == b'%')
-            .and_then(|digits| std::str::from_utf8(digits).ok())
-            .and_then(|digits| u8::from_str_radix(digits, 16).ok());
-        match hex {
-            Some(byte) => {
-                bytes.push(byte);
-                rest = &tail[2..];
-            }
-            None => {
-                bytes.push(first);
-                rest = tail;
-            }
-        }
-    }
-    String::from_utf8(bytes).ok()
-}
-
-fn decode_data_uri(uri: &str) -> Result<Vec<u8>, String> {
-    let (_, data) = uri
-        .split_once(";base64,")
-        .ok_or("its data: URI is not base64")?;
-    decode_base64(data).ok_or_else(|| "its data: URI holds bad base64".to_owned())
-}
-
-/// Standard alphabet, padding optional.
-fn decode_base64(text: &str) -> Option<Vec<u8>> {
-    let text = text.trim_end_matches('=').as_bytes();
-    let mut bytes = Vec::with_capacity(text.len() / 4 * 3 + 2);
-    for group in text.chunks(4) {
-        let mut word = 0_u32;
-        for &symbol in group {
-            word = word << 6 | u32::from(base64_value(symbol)?);
-        }
-        let missing = 4 - group.len();
-        if missing == 3 {
-            return None;
-        }
-        let padded = (word << (6 * missing)).to_be_bytes();
-        bytes.extend_from_slice(&padded[1..4 - missing]);
-    }
-    Some(bytes)
-}
-
-fn base64_value(symbol: u8) -> Option<u8> {
-    match symbol {
-        b'A'..=b'Z' => Some(symbol - b'A'),
-        b'a'..=b'z' => Some(symbol - b'a' + 26),
-        b'0'..=b'9' => Some(symbol - b'0' + 52),
-        b'+' => Some(62),
-        b'/' => Some(63),
-        _ => None,
-    }
 }

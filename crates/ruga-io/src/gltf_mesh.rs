@@ -4,7 +4,6 @@ use std::ops::Range;
 use std::path::Path;
 
 use gltf::json::accessor::{Accessor, Type};
-use gltf::json::extras::RawValue;
 use gltf::json::mesh::{Mesh, Mode, MorphTarget, Primitive, Semantic};
 use gltf::json::validation::Checked;
 use gltf::json::{Index, Root};
@@ -13,7 +12,9 @@ use ruga_blend::{ArtistMesh, BlendShape};
 
 use crate::error::nearest;
 use crate::gltf_container::Container;
+use crate::gltf_document::{GltfDocument, PartSource};
 use crate::gltf_placement::{Placement, placement};
+use crate::gltf_shape_names::{name_shapes, target_names};
 use crate::gltf_texcoord::TexCoord;
 use crate::{IoError, Material, MeshFile, MeshPart};
 
@@ -26,7 +27,8 @@ pub(crate) fn read_gltf(path: &Path, mesh_name: Option<&str>) -> Result<MeshFile
     for primitive in 0..source.primitives.len() {
         reader.read(primitive)?;
     }
-    let (mut mesh, parts, mut warnings) = reader.finish();
+    let read = reader.finish();
+    let (mut mesh, mut warnings) = (read.mesh, read.warnings);
     if mesh.triangles.is_empty() {
         return Err(IoError::NoTriangles {
             path: path.to_owned(),
@@ -38,14 +40,18 @@ pub(crate) fn read_gltf(path: &Path, mesh_name: Option<&str>) -> Result<MeshFile
     let placed = placement(&container, number)?;
     apply_stretch(&mut mesh, &placed.stretch);
     warnings.extend(placed.warnings.iter().cloned());
+    let default_weights = default_weights(&placed, source, mesh.shapes.len());
+    let (document, not_kept) = GltfDocument::new(container, number, read.sources);
+    warnings.extend(not_kept);
     Ok(MeshFile {
         path: path.to_owned(),
-        default_weights: default_weights(&placed, source, mesh.shapes.len()),
+        default_weights,
         mesh,
-        parts,
+        parts: read.parts,
         stretch: placed.stretch,
         world_from_node: placed.world_from_node,
         metres_per_unit: 1.0,
+        document: Some(document),
         warnings,
     })
 }
@@ -98,6 +104,7 @@ struct PrimitiveReader<'a> {
     source: &'a Mesh,
     mesh: ArtistMesh,
     parts: Vec<MeshPart>,
+    sources: Vec<PartSource>,
     /// Primitives whose vertices are in `mesh`, with the vertices and the coordinates they took.
     read: Vec<(usize, Range<usize>, Option<TexCoord>)>,
     lacks_normals: bool,
@@ -118,6 +125,7 @@ impl<'a> PrimitiveReader<'a> {
                 ..ArtistMesh::default()
             },
             parts: Vec::new(),
+            sources: Vec::new(),
             read: Vec::new(),
             lacks_normals: false,
             has_uvs: false,
@@ -126,7 +134,7 @@ impl<'a> PrimitiveReader<'a> {
         }
     }
 
-    fn finish(mut self) -> (ArtistMesh, Vec<MeshPart>, Vec<String>) {
+    fn finish(mut self) -> ReadPrimitives {
         if self.lacks_normals {
             self.mesh.normals = None;
         }
@@ -144,7 +152,12 @@ impl<'a> PrimitiveReader<'a> {
                 .take()
                 .filter(|deltas| deltas.iter().any(|delta| *delta != Vector3::zeros()));
         }
-        (self.mesh, self.parts, self.warnings)
+        ReadPrimitives {
+            mesh: self.mesh,
+            parts: self.parts,
+            sources: self.sources,
+            warnings: self.warnings,
+        }
     }
 
     fn read(&mut self, index: usize) -> Result<(), IoError> {
@@ -183,6 +196,11 @@ impl<'a> PrimitiveReader<'a> {
                 .into_iter()
                 .map(|triangle| triangle.map(|corner| corner + offset)),
         );
+        self.sources.push(PartSource {
+            primitive: index,
+            coordinates: self.coordinates(primitive),
+            tangents: self.tangents(primitive),
+        });
         self.parts.push(MeshPart {
             vertices,
             triangles: first..self.mesh.triangles.len(),
@@ -289,6 +307,13 @@ impl<'a> PrimitiveReader<'a> {
             .find(|c| attribute(primitive, Semantic::TexCoords(c.set)).is_some())
     }
 
+    /// The file's tangents, which no result depends on: unreadable ones count as none.
+    fn tangents(&self, primitive: &Primitive) -> Option<Vec<[f64; 4]>> {
+        let found = attribute(primitive, Semantic::Tangents)?;
+        let read = self.container.read_vectors(found, Type::Vec4, "TANGENT");
+        read.ok()
+    }
+
     fn material(&self, primitive: &Primitive) -> Option<&'a gltf::json::Material> {
         let index = primitive.material?.value();
         self.container.root.materials.get(index)
@@ -339,6 +364,15 @@ impl<'a> PrimitiveReader<'a> {
         let element = format!("primitive {index} of mesh {}", self.number);
         self.container.malformed(element, reason)
     }
+}
+
+/// What the primitives of a mesh come to.
+struct ReadPrimitives {
+    mesh: ArtistMesh,
+    parts: Vec<MeshPart>,
+    /// One per part.
+    sources: Vec<PartSource>,
+    warnings: Vec<String>,
 }
 
 fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<Index<Accessor>> {
@@ -395,44 +429,6 @@ fn keep_material(material: &gltf::json::Material) -> Material {
         metallic: unit(look.metallic_factor.0),
         roughness: unit(look.roughness_factor.0),
         double_sided: material.double_sided,
-    }
-}
-
-/// `targetNames` of the mesh; some exporters put them on its primitives.
-fn target_names(mesh: &Mesh) -> Vec<String> {
-    #[derive(serde::Deserialize)]
-    struct Extras {
-        #[serde(rename = "targetNames")]
-        target_names: Vec<String>,
-    }
-    let parse = |raw: &RawValue| serde_json::from_str::<Extras>(raw.get()).ok();
-    let of_primitive = mesh.primitives.iter().find_map(|p| p.extras.as_deref());
-    mesh.extras
-        .as_deref()
-        .and_then(parse)
-        .or_else(|| of_primitive.and_then(parse))
-        .map(|extras| extras.target_names)
-        .unwrap_or_default()
-}
-
-fn name_shapes(mesh: &mut ArtistMesh, names: &[String], warnings: &mut Vec<String>) {
-    let mut taken: Vec<String> = Vec::new();
-    for (i, shape) in mesh.shapes.iter_mut().enumerate() {
-        let given = names.get(i).filter(|name| !name.is_empty());
-        let base = given.cloned().unwrap_or_else(|| format!("shape_{i}"));
-        shape.name = base.clone();
-        let mut number = 2;
-        while taken.contains(&shape.name) {
-            shape.name = format!("{base}_{number}");
-            number += 1;
-        }
-        if shape.name != base {
-            let new = &shape.name;
-            warnings.push(format!(
-                "two blend shapes are named `{base}`; one is now `{new}`"
-            ));
-        }
-        taken.push(shape.name.clone());
     }
 }
 

@@ -41,7 +41,8 @@ pub(crate) fn placement(container: &Container, mesh: usize) -> Result<Placement,
     let mut warnings = Vec::new();
     if nodes[first].skin.is_some() {
         warnings.push(
-            "the mesh is skinned: its rest shape is used, and the skin is not written back"
+            "the mesh has an armature, which is not evaluated: the shape it was bound in is \
+             simulated; the GLB keeps the armature"
                 .to_owned(),
         );
     }

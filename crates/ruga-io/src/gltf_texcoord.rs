@@ -6,6 +6,8 @@ use gltf::json::texture;
 use nalgebra::Vector2;
 use serde_json::Value;
 
+use crate::MapCoordinates;
+
 /// A set of texture coordinates with the transform that a material lays over it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TexCoord {
@@ -27,6 +29,18 @@ impl TexCoord {
             .chain(color.map(Self::of_texture))
             .chain([Self::plain(0)])
             .collect()
+    }
+
+    /// The coordinates as `wrinkles.json` says them of a primitive.
+    pub(crate) fn of_maps(&self, primitive: usize) -> MapCoordinates {
+        let plain = Self::plain(self.set);
+        MapCoordinates {
+            set: self.set,
+            offset: (self.offset != plain.offset).then(|| self.offset.into()),
+            rotation: (self.rotation != plain.rotation).then_some(self.rotation),
+            scale: (self.scale != plain.scale).then(|| self.scale.into()),
+            ..MapCoordinates::plain(primitive)
+        }
     }
 
     fn plain(set: u32) -> Self {

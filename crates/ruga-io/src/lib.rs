@@ -1,7 +1,7 @@
 //! Files: glTF and OBJ in, GLB, OBJ, PNG and EXR out, and the scene.
 //!
 //! [`Scene`] is what the user asks for (`scene.toml`). [`MeshFile`] is the artist's file: the mesh
-//! with its blend shapes, and what it takes to write that mesh back. [`PropertyImages`] are what is
+//! with its blend shapes, and the document around it, which [`write_glb`] writes back unchanged. [`PropertyImages`] are what is
 //! painted over a layer. [`Wrinkles`] says which baked map belongs to which pose; [`Report`] says how
 //! the run went. [`IoError`] is for people: it names the file, the element in it, what was found and
 //! what is accepted.
@@ -37,14 +37,21 @@
 mod atomic_file;
 mod error;
 mod glb_buffer;
+mod glb_frames;
 mod glb_write;
 mod gltf_accessor;
 mod gltf_container;
+mod gltf_document;
+mod gltf_images;
 mod gltf_mesh;
 mod gltf_placement;
+mod gltf_shape_names;
 mod gltf_texcoord;
+mod gltf_uri;
+mod gltf_write;
 mod image_read;
 mod image_write;
+mod json_text;
 mod mesh_file;
 mod obj_frame;
 mod obj_indices;
@@ -56,7 +63,8 @@ mod wrinkles;
 
 pub use atomic_file::{AtomicFile, write_atomically};
 pub use error::IoError;
-pub use glb_write::{GlbAdditions, write_glb};
+pub use glb_write::{GlbAdditions, WrittenGlb, write_glb};
+pub use gltf_document::GltfDocument;
 pub use image_read::{GreyImage, Image, read_image, read_mask};
 pub use image_write::{ExrTexels, PngTexels, write_exr, write_png};
 pub use mesh_file::{LengthUnit, Material, MeshFile, MeshPart, ObjOptions, read_mesh};
@@ -64,4 +72,6 @@ pub use obj_frame::{ObjFrame, write_obj_frame};
 pub use property_images::{PropertyImages, PropertyPlane, read_property_images};
 pub use report::{LayerReport, PoseReport, Report, Seconds};
 pub use scene::Scene;
-pub use wrinkles::{Blend, WrinkleMap, Wrinkles, key_percent, map_file};
+pub use wrinkles::{
+    Blend, GlbReference, MapCoordinates, WrinkleMap, Wrinkles, key_percent, map_file,
+};

@@ -10,6 +10,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::IoError;
+use crate::gltf_document::GltfDocument;
 use crate::gltf_mesh::read_gltf;
 use crate::obj_mesh::read_obj;
 
@@ -28,11 +29,13 @@ pub struct MeshFile {
     /// the node's world transform `R S`. The rotation `R` and the translation are *not* applied,
     /// so the axes of [`MeshFile::mesh`] are those of the file.
     pub stretch: Matrix3<f64>,
-    /// World transform of the node that carries the mesh, in metres; identity for OBJ. Of a skinned
-    /// mesh that of its first joint, after the joint's bind matrix.
+    /// World transform of the node that carries the mesh, in metres; identity for OBJ. Of a mesh with
+    /// an armature that of its first joint, after the joint's bind matrix.
     pub world_from_node: Matrix4<f64>,
     /// Metres per unit of the file's world; 1 as it is read, see [`MeshFile::scaled`].
     pub metres_per_unit: f64,
+    /// The document that the mesh was read from; `None` for OBJ, and for meshes made by code.
+    pub document: Option<GltfDocument>,
     /// What was assumed or left out, in words for the user.
     pub warnings: Vec<String>,
 }

@@ -52,6 +52,7 @@ pub(crate) fn read_obj(
         stretch: Matrix3::identity(),
         world_from_node: Matrix4::identity(),
         metres_per_unit: 1.0,
+        document: None,
         warnings: Vec::new(),
     })
 }

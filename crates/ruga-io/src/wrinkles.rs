@@ -22,11 +22,67 @@ pub struct Wrinkles {
     pub size: u32,
     /// How the maps of several poses combine.
     pub blend: Blend,
+    /// Where the GLB beside this file speaks of the maps; absent when none was written.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub glb: Option<GlbReference>,
     /// Weights of the blend shapes that make each pose.
     pub poses: BTreeMap<String, BTreeMap<String, f64>>,
     /// One entry per file. Every pose in the folder that was made from this version of the scene is
     /// listed, whichever run made it; an interrupted one with the keys that were finished.
     pub maps: Vec<WrinkleMap>,
+}
+
+/// The artist's mesh as GLB, and where in it the maps are referenced.
+///
+/// The maps stand in `extras` and nowhere else. A material's own normal texture is what the mesh
+/// looks like at rest, and wrinkles are added to it at run time; a `KHR_materials_variants` variant
+/// per map would replace it, and importers would load a copy of every material for each of them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GlbReference {
+    /// The GLB, relative to `wrinkles.json`.
+    pub file: String,
+    /// Where its JSON lists the maps by pose and key, as a JSON pointer such as
+    /// `/meshes/0/extras/wrinkleMaps`; absent when it lists none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub maps: Option<String>,
+    /// The texture coordinates that the maps are laid out in, one entry per primitive of the mesh
+    /// that has any.
+    pub coordinates: Vec<MapCoordinates>,
+}
+
+/// The texture coordinates of a primitive that address the maps: those of its material's normal
+/// texture, else of its base colour.
+///
+/// Offset, rotation and scale are those of `KHR_texture_transform`, and absent where they change
+/// nothing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MapCoordinates {
+    /// Number of the primitive in its mesh.
+    pub primitive: usize,
+    /// The `n` of `TEXCOORD_n`.
+    pub set: u32,
+    /// Shift of the coordinates, after scale and rotation.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offset: Option<[f64; 2]>,
+    /// Turn of the coordinates, counter-clockwise in the image (rad).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rotation: Option<f64>,
+    /// Factors of the coordinates.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<[f64; 2]>,
+}
+
+impl MapCoordinates {
+    /// The first set of a primitive, as it is.
+    pub(crate) fn plain(primitive: usize) -> Self {
+        Self {
+            primitive,
+            set: 0,
+            offset: None,
+            rotation: None,
+            scale: None,
+        }
+    }
 }
 
 /// How maps combine at run time.
@@ -112,11 +168,6 @@ impl WrinkleMap {
         }
     }
 
-    /// Whether glTF takes it as a `normalTexture`: a PNG with green up.
-    pub(crate) fn is_gltf_normal(&self) -> bool {
-        self.format != MapFormat::Exr && self.green == Some(NormalY::Plus)
-    }
-
     fn plain(pose: &str, key: f64, kind: MapKind, format: MapFormat, neutral: Vec<f64>) -> Self {
         Self {
             pose: pose.to_owned(),
@@ -145,6 +196,7 @@ impl Wrinkles {
             frame,
             size,
             blend: Blend::default(),
+            glb: None,
             poses: BTreeMap::new(),
             maps: Vec::new(),
         }

@@ -7,8 +7,12 @@ mod fixture;
 use std::path::Path;
 
 use fixture::{Folder, SCENE, SQUARE_OBJ, add_view, floats, glb, gltf, read, square};
+use nalgebra::{Vector3, Vector4};
 use proptest::prelude::*;
-use ruga_io::{ExrTexels, PngTexels, Scene, read_image, read_mask, write_exr, write_png};
+use ruga_io::{
+    ExrTexels, GlbAdditions, ObjOptions, PngTexels, Scene, read_image, read_mask, read_mesh,
+    write_exr, write_glb, write_png,
+};
 use serde_json::json;
 
 /// Bytes to overwrite, and where to cut.
@@ -52,7 +56,7 @@ fn rich_square() -> (serde_json::Value, Vec<u8>) {
     (json, bin)
 }
 
-/// What reads must also be free of numbers that spread.
+/// What reads must also be free of numbers that spread, and what is written of it must read.
 fn check_mesh(path: &Path) {
     if let Ok(file) = read(path) {
         let vertices = file.mesh.positions.len();
@@ -66,6 +70,16 @@ fn check_mesh(path: &Path) {
         );
         for shape in &file.mesh.shapes {
             assert_eq!(shape.position_deltas.len(), vertices);
+        }
+        let additions = GlbAdditions {
+            tangents: Some(&vec![Vector4::x(); vertices]),
+            normals: Some(&vec![Vector3::z(); vertices]),
+            maps: &[],
+        };
+        let out = path.with_file_name("out.glb");
+        if write_glb(&out, &file, &additions).is_ok() {
+            let again = read_mesh(&out, Some(&file.mesh.name), &ObjOptions::default()).unwrap();
+            assert_eq!(again.mesh.positions.len(), vertices);
         }
     }
 }

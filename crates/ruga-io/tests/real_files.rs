@@ -9,6 +9,10 @@ use nalgebra::{Vector3, Vector4};
 use ruga_io::scene::{MapFormat, NormalY};
 use ruga_io::{GlbAdditions, MeshFile, ObjOptions, WrinkleMap, read_mesh, write_glb};
 
+mod carried;
+
+use carried::assert_carried;
+
 fn data() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
     if folder.is_dir() {
@@ -108,6 +112,7 @@ fn every_file_is_written_back_as_it_came() {
         let stem = Path::new(file).file_stem().unwrap().to_string_lossy();
         let target = folder.join(format!("{stem}.glb"));
         write_with_additions(&target, &original);
+        assert_carried(&data.join(file), &target, 0);
         let copy = read(&target);
         assert_eq!(copy.mesh.positions, original.mesh.positions, "{file}");
         assert_eq!(copy.mesh.triangles, original.mesh.triangles, "{file}");

@@ -233,7 +233,8 @@ fn written_and_read(folder: &Path, file: &MeshFile) -> Result<(), String> {
             false => refused(&error, "written.glb").map(drop),
         };
     }
-    let again = read_mesh(&path, None, &ObjOptions::default())
+    // What came from glTF goes back with all its meshes.
+    let again = read_mesh(&path, Some(&file.mesh.name), &ObjOptions::default())
         .map_err(|error| format!("what was written is refused: {error}"))?;
     if again.mesh.triangles.len() != file.mesh.triangles.len() {
         return Err("triangles are lost when the mesh is written and read".to_owned());

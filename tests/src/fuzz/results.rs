@@ -20,6 +20,7 @@ const ALWAYS: [&str; 5] = [
 /// Checks every file of a folder; says which is not as it should be.
 pub(super) fn check_results(folder: &Path, bake: &Bake) -> Result<(), String> {
     let files = raw_contents(folder);
+    let mesh = mesh_of_maps(&files);
     for (name, bytes) in &files {
         let path = folder.join(name);
         let extension = path.extension().map(|e| e.to_string_lossy().into_owned());
@@ -27,7 +28,7 @@ pub(super) fn check_results(folder: &Path, bake: &Bake) -> Result<(), String> {
             Some("json") => check_json(name, bytes)?,
             Some("png" | "exr") => check_map(&path, name, bake)?,
             Some("glb") => {
-                read_mesh(&path, None, &ObjOptions::default())
+                read_mesh(&path, mesh.as_deref(), &ObjOptions::default())
                     .map_err(|e| format!("{name}: {e}"))?;
             }
             Some("obj") => check_obj(name, bytes)?,
@@ -49,6 +50,12 @@ pub(super) fn check_results(folder: &Path, bake: &Bake) -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+/// The mesh that `wrinkles.json` is about, where there is one: a GLB may hold others.
+fn mesh_of_maps(files: &BTreeMap<String, Vec<u8>>) -> Option<String> {
+    let manifest: Value = serde_json::from_slice(files.get("wrinkles.json")?).ok()?;
+    manifest["mesh"].as_str().map(str::to_owned)
 }
 
 fn check_json(name: &str, bytes: &[u8]) -> Result<(), String> {

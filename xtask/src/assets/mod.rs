@@ -111,6 +111,7 @@ fn mesh_file(path: &Path, mesh: ArtistMesh) -> MeshFile {
         stretch: Matrix3::identity(),
         world_from_node: Matrix4::identity(),
         metres_per_unit: 1.0,
+        document: None,
         warnings: Vec::new(),
         mesh,
     }

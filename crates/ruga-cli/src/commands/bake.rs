@@ -3,11 +3,11 @@
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use ruga_bake::{BakeSettings, Relief, TangentFrame, bake};
 use ruga_blend::Weights;
-use ruga_io::{WrinkleMap, Wrinkles, key_percent, scene};
+use ruga_io::{WrinkleMap, Wrinkles, WrittenGlb, key_percent, scene};
 use ruga_stepper::{Frame, KeyResult, LayerSurface, PoseResult, PoseSpec};
 
-use crate::arguments::RunArguments;
-use crate::artist_file::{file_name, write_artist_mesh};
+use crate::arguments::{BakeArguments, RunArguments};
+use crate::artist_file::{file_name, refuse_own_folder, write_artist_mesh};
 use crate::error::CliError;
 use crate::folder_results::FolderResults;
 use crate::map_files::write_maps;
@@ -26,24 +26,31 @@ use crate::{interrupt, messages};
 ///
 /// # Errors
 /// Whatever keeps a pose from being planned, simulated, baked or written.
-pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
+pub(crate) fn run(bake: &BakeArguments) -> Result<Outcome, CliError> {
+    let arguments = &bake.run;
     interrupt::listen();
     let pool = thread_pool(thread_count(arguments))?;
-    let project =
+    let mut project =
         pool.install(|| Project::read(&arguments.scene, &arguments.poses, arguments.quality))?;
     let plan = pool.install(|| project.plan())?;
     let folder = OutputFolder::open(&project, arguments, "bake")?;
+    if !bake.maps_only {
+        refuse_own_folder(&arguments.output, &project.mesh)?;
+    }
     let warnings = project.warnings.iter().chain(plan.warnings());
     messages::warnings(warnings, ALL_IN_REPORT);
     let maps = WrinkleMaps {
         project: &project,
         arguments,
+        maps_only: bake.maps_only,
         pool: &pool,
         records: Records::of_bake(&arguments.output),
     };
     let poses = run_poses(&project, &plan, arguments, &folder, &maps)?;
     let results = FolderResults::read(&maps.records, &folder.poses);
-    maps.write_common(&folder, &results.current)?;
+    let about_mesh = maps.write_common(&folder, &results.current)?;
+    messages::warnings(about_mesh.iter(), ALL_IN_REPORT);
+    project.warnings.extend(about_mesh);
     summary::conclude(&project, &plan, arguments, &poses, &results)
 }
 
@@ -61,6 +68,7 @@ fn thread_pool(threads: usize) -> Result<ThreadPool, CliError> {
 struct WrinkleMaps<'a> {
     project: &'a Project,
     arguments: &'a RunArguments,
+    maps_only: bool,
     pool: &'a ThreadPool,
     records: Records,
 }
@@ -155,31 +163,47 @@ impl WrinkleMaps<'_> {
         }
     }
 
-    /// Writes what all poses in the folder share: the mesh and the manifest.
-    fn write_common(&self, folder: &OutputFolder, poses: &[PoseRecord]) -> Result<(), CliError> {
+    /// Writes what all poses in the folder share, the mesh and the manifest; returns what the user
+    /// should know about the mesh.
+    fn write_common(
+        &self,
+        folder: &OutputFolder,
+        poses: &[PoseRecord],
+    ) -> Result<Vec<String>, CliError> {
         let project = self.project;
         let maps = poses.iter().flat_map(|pose| pose.maps.iter().cloned());
         let maps: Vec<WrinkleMap> = maps.collect();
-        let rest: Vec<[TangentFrame; 3]> =
-            posed_frames(&project.mesh.mesh, &project.driver, &Weights::default()).map_err(
-                |source| CliError::Baking {
-                    mesh: project.mesh.path.clone(),
-                    pose: "rest".to_owned(),
-                    source,
-                },
-            )?;
-        let name = file_name(&project.mesh);
-        let path = self.arguments.output.join(format!("{name}.glb"));
-        write_artist_mesh(&path, &project.mesh, &rest, &maps)?;
+        let mut warnings = Vec::new();
         let bake = &project.scene.bake;
         let mut manifest = Wrinkles::new(&project.mesh.mesh.name, bake.frame, bake.size);
+        if !self.maps_only {
+            let written = self.write_mesh(&maps)?;
+            manifest.glb = Some(written.reference);
+            warnings = written.warnings;
+        }
         let is_there = |pose: &&ScenePose| poses.iter().any(|p| p.report.name == pose.name);
         for pose in folder.poses.iter().filter(is_there) {
             let weights = pose.weights.clone();
             manifest.poses.insert(pose.name.clone(), weights);
         }
         manifest.maps = maps;
-        Ok(manifest.write(&self.arguments.output.join("wrinkles.json"))?)
+        manifest.write(&self.arguments.output.join("wrinkles.json"))?;
+        Ok(warnings)
+    }
+
+    fn write_mesh(&self, maps: &[WrinkleMap]) -> Result<WrittenGlb, CliError> {
+        let mesh = &self.project.mesh;
+        let rest = posed_frames(&mesh.mesh, &self.project.driver, &Weights::default());
+        let rest: Vec<[TangentFrame; 3]> = rest.map_err(|source| CliError::Baking {
+            mesh: mesh.path.clone(),
+            pose: "rest".to_owned(),
+            source,
+        })?;
+        let path = self
+            .arguments
+            .output
+            .join(format!("{}.glb", file_name(mesh)));
+        write_artist_mesh(&path, mesh, &rest, maps)
     }
 }
 
