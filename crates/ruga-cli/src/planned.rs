@@ -23,6 +23,14 @@ impl Planned {
         }
     }
 
+    /// Adds what the plan itself cannot know.
+    pub(crate) fn warn(&mut self, warnings: Vec<String>) {
+        match self {
+            Self::Skin(plan) => plan.warnings.extend(warnings),
+            Self::Body(plan) => plan.warnings.extend(warnings),
+        }
+    }
+
     /// The file's triangles that have a simulated part in pose number `pose`, ascending.
     pub(crate) fn active_triangles(&self, project: &Project, pose: usize) -> Vec<u32> {
         match self {

@@ -16,7 +16,7 @@ use crate::pose_runs::{PoseFiles, Product, run_poses, thread_count};
 use crate::posed_frames::{moved_frames, posed_frames};
 use crate::project::Project;
 use crate::run::Outcome;
-use crate::{interrupt, messages, output_folder, summary};
+use crate::{interrupt, messages, output_folder, summary, texture_space};
 
 /// Simulates and bakes the poses of a scene.
 ///
@@ -113,8 +113,13 @@ impl WrinkleMaps<'_> {
             None => bake(&EMPTY)?,
         };
         for layer in key.layers.iter().skip(1) {
-            map.cover_with(&bake(&relief(layer))?);
+            let upper = bake(&relief(layer))?;
+            map.cover_with(&upper)
+                .map_err(|source| self.baking(pose, source))?;
         }
+        let islands = texture_space::corners(&project.mesh).unwrap_or_default();
+        map.pad(&islands, project.scene.bake.padding)
+            .map_err(|source| self.baking(pose, source))?;
         if map.folded_samples > 0 {
             warnings.push(format!(
                 "at key {} the layer folds over in {} texels, which a normal map cannot hold",
@@ -129,7 +134,6 @@ impl WrinkleMaps<'_> {
         let bake = &self.project.scene.bake;
         BakeSettings {
             size: bake.size,
-            padding: bake.padding,
             supersample: bake.supersample,
             frame: match bake.frame {
                 scene::Frame::Driver => ruga_bake::Frame::Driver,
