@@ -182,7 +182,6 @@ impl Skin {
     pub fn bake(&self, pose: &PoseSpec, key: &KeyResult, size: u32) -> WrinkleMap {
         let settings = BakeSettings {
             size,
-            padding: 0,
             ..BakeSettings::default()
         };
         let frames = self.posed_frames(&pose.weights.scaled(key.load));

@@ -3,7 +3,6 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use crate::padding::pad;
 use crate::raster::{GridTriangle, Placed, SampleGrid};
 use crate::relief_normals::{VertexRelief, vertex_reliefs};
 use crate::shading::TriangleShader;
@@ -32,8 +31,6 @@ pub enum Frame {
 pub struct BakeSettings {
     /// Texels per side, `1..=`[`MAX_SIZE`]; default 2048.
     pub size: u32,
-    /// Distance, in texels, over which the region is extended by its nearest texel; default 16.
-    pub padding: u32,
     /// Samples per texel along each side: 1, 2 or 4; default 1.
     pub supersample: u32,
     /// What the normals are relative to.
@@ -44,7 +41,6 @@ impl Default for BakeSettings {
     fn default() -> Self {
         Self {
             size: 2048,
-            padding: 16,
             supersample: 1,
             frame: Frame::Driver,
         }
@@ -56,7 +52,8 @@ impl Default for BakeSettings {
 /// `frames` are those of the artist's *posed* mesh, indexed by [`Relief::artist`]. A sample at a
 /// texel's centre (or `supersample`² of them) belongs to exactly one of the triangles that meet
 /// there; where UVs overlap, to the first in face order. Vectors of several samples are added and
-/// normalised, covered ones only. What lies outside `[0, 1]²` is cut off.
+/// normalised, covered ones only. What lies outside `[0, 1]²` is cut off. The map is not padded:
+/// compose the maps of several layers first, then call [`WrinkleMap::pad`].
 ///
 /// # Errors
 /// [`BakeError::Size`], [`BakeError::Supersample`], and the errors of inconsistent or non-finite
@@ -84,7 +81,6 @@ pub fn bake(
         grid: SampleGrid::new(settings.size * settings.supersample),
     };
     painter.paint(&mut map);
-    pad(&mut map, settings.padding);
     Ok(map)
 }
 
@@ -118,7 +114,8 @@ impl Painter<'_> {
             .iter()
             .filter(|p| matches!(p, Placed::Unusable))
             .count();
-        let bands = self.bands(&placed);
+        let band_rows = BAND_ROWS as u32 * self.settings.supersample;
+        let bands = self.grid.bands(&placed, band_rows);
         let texels = BAND_ROWS * self.settings.size as usize;
         map.folded_samples = map
             .normals
@@ -140,26 +137,6 @@ impl Painter<'_> {
                 folded
             })
             .sum();
-    }
-
-    /// The faces that may touch each band of rows, in face order.
-    fn bands(&self, placed: &[Placed]) -> Vec<Vec<u32>> {
-        let count = (self.settings.size as usize).div_ceil(BAND_ROWS);
-        let rows_per_band = BAND_ROWS * self.settings.supersample as usize;
-        let mut bands = vec![Vec::new(); count];
-        for (face, placed) in placed.iter().enumerate() {
-            if let Placed::Inside(triangle) = placed {
-                let rows = self.grid.rows(triangle);
-                if !rows.is_empty() {
-                    let first = rows.start as usize / rows_per_band;
-                    let last = (rows.end as usize - 1) / rows_per_band;
-                    for band in &mut bands[first..=last] {
-                        band.push(face as u32);
-                    }
-                }
-            }
-        }
-        bands
     }
 
     /// Fills one band; returns its texels and the number of folded samples.

@@ -4,7 +4,8 @@
 //! the same material points. [`tangent_frames`] gives the artist's posed mesh its [`TangentFrame`]s
 //! (MikkTSpace, glTF's sign). [`bake`] rasterises the triangles in UV, without rays or a cage, and
 //! returns a [`WrinkleMap`] of unit normals and heights, which [`normal_to_png16`] and its
-//! neighbours turn into the integers of an image. [`check_uvs`] says beforehand whether the UVs
+//! neighbours turn into the integers of an image. Maps of several layers are composed, then padded
+//! once ([`WrinkleMap::pad`]). [`check_uvs`] and [`uv_layout`] say beforehand whether the UVs
 //! can carry a map.
 //!
 //! In [`Frame::Driver`] a texel holds the rotation from the normal of the *foot points*
@@ -48,13 +49,18 @@ mod wrinkle_map;
 
 mod encode;
 mod uv_check;
+mod uv_layout;
 
 mod error;
+mod islands;
+mod overlap_sweep;
 mod padding;
 mod raster;
 mod relief_normals;
 mod shading;
 mod surface_fit;
+mod sweep_line;
+mod triangle_overlap;
 
 pub use bake::{BakeSettings, Frame, MAX_SIZE, bake};
 pub use relief::Relief;
@@ -64,6 +70,7 @@ pub use wrinkle_map::{Coverage, WrinkleMap};
 pub use encode::{
     HEIGHT_MID, NormalY, height_range, height_to_u16, normal_to_png8, normal_to_png16,
 };
-pub use uv_check::{UvReport, check_uvs};
+pub use uv_check::{MAX_OVERLAPS, UvReport, check_uvs};
+pub use uv_layout::{UvLayout, uv_layout};
 
 pub use error::BakeError;

@@ -1,18 +1,18 @@
-//! Extends the covered region by its nearest texels.
+//! Extends the islands of a map by their nearest texels.
 
 use rayon::prelude::*;
 
 use crate::{Coverage, WrinkleMap};
 
-/// No covered texel within reach in this column.
+/// No texel of an island within reach in this column.
 const FAR: i32 = i32::MAX;
 
-/// Copies to every uncovered texel within `padding` (Euclidean, centre to centre) of the region
-/// the value of the nearest covered texel.
+/// Copies to every texel outside the islands within `padding` (Euclidean, centre to centre) of one
+/// inside the value of the nearest texel inside.
 ///
-/// Exact: the nearest covered texel of each column first, then the best of the columns. Of equally
-/// near texels the one further left, then the one above, is taken.
-pub(crate) fn pad(map: &mut WrinkleMap, padding: u32) {
+/// Exact: the nearest texel of each column first, then the best of the columns. Of equally near
+/// texels the one further left, then the one above, is taken.
+pub(crate) fn extend(map: &mut WrinkleMap, padding: u32) {
     let size = map.size as usize;
     let reach = padding.min(map.size) as i32;
     if reach == 0 {
@@ -30,7 +30,13 @@ pub(crate) fn pad(map: &mut WrinkleMap, padding: u32) {
     }
 }
 
-/// Signed number of rows to the nearest covered texel in the same column, or [`FAR`].
+/// Whether padding copies from such a texel. Bare skin counts, so that an island's neutral side does
+/// not get the wrinkles of the next island.
+fn is_source(coverage: Coverage) -> bool {
+    matches!(coverage, Coverage::Covered | Coverage::Skin)
+}
+
+/// Signed number of rows to the nearest texel of an island in the same column, or [`FAR`].
 fn vertical_distances(coverage: &[Coverage], size: usize, reach: i32) -> Vec<i32> {
     let mut distances = vec![FAR; coverage.len()];
     let rows = distances.chunks_mut(size).zip(coverage.chunks(size));
@@ -38,7 +44,7 @@ fn vertical_distances(coverage: &[Coverage], size: usize, reach: i32) -> Vec<i32
     for (distances, coverage) in rows {
         for ((distance, above), here) in distances.iter_mut().zip(&mut last).zip(coverage) {
             *above = match here {
-                Coverage::Covered => 0,
+                here if is_source(*here) => 0,
                 _ if *above == FAR || *above <= -reach => FAR,
                 _ => *above - 1,
             };
@@ -50,7 +56,7 @@ fn vertical_distances(coverage: &[Coverage], size: usize, reach: i32) -> Vec<i32
     for (distances, coverage) in rows.rev() {
         for ((distance, below), here) in distances.iter_mut().zip(&mut last).zip(coverage) {
             *below = match here {
-                Coverage::Covered => 0,
+                here if is_source(*here) => 0,
                 _ if *below == FAR || *below >= reach => FAR,
                 _ => *below + 1,
             };
@@ -62,7 +68,7 @@ fn vertical_distances(coverage: &[Coverage], size: usize, reach: i32) -> Vec<i32
     distances
 }
 
-/// Pairs (uncovered texel, nearest covered texel) of one row.
+/// Pairs (texel outside the islands, nearest texel inside) of one row.
 fn row_sources(
     row: usize,
     size: usize,
@@ -75,7 +81,7 @@ fn row_sources(
         return Vec::new();
     }
     (0..size)
-        .filter(|column| coverage[row * size + column] != Coverage::Covered)
+        .filter(|column| !is_source(coverage[row * size + column]))
         .filter_map(|column| {
             let (source, rows) = nearest(column, distances, reach)?;
             let source_row = (row as i32 + rows) as usize;
@@ -84,7 +90,7 @@ fn row_sources(
         .collect()
 }
 
-/// Column and row offset of the covered texel nearest to `column`, within `reach`.
+/// Column and row offset of the texel of an island nearest to `column`, within `reach`.
 fn nearest(column: usize, distances: &[i32], reach: i32) -> Option<(usize, i32)> {
     let mut best = None;
     let mut best_squared = i64::from(reach) * i64::from(reach) + 1;

@@ -82,6 +82,23 @@ impl SampleGrid {
         self.sample_range(triangle.corners.map(|c| c[1]))
     }
 
+    /// The triangles that may touch each band of `band_rows` rows, by number, ascending.
+    pub(crate) fn bands(&self, placed: &[Placed], band_rows: u32) -> Vec<Vec<u32>> {
+        let mut bands = vec![Vec::new(); self.side.div_ceil(band_rows) as usize];
+        for (number, placed) in (0..).zip(placed) {
+            if let Placed::Inside(triangle) = placed {
+                let rows = self.rows(triangle);
+                if !rows.is_empty() {
+                    let [first, last] = [rows.start, rows.end - 1].map(|row| row / band_rows);
+                    for band in &mut bands[first as usize..=last as usize] {
+                        band.push(number);
+                    }
+                }
+            }
+        }
+        bands
+    }
+
     /// The samples of one row inside the triangle; nothing when there are none.
     pub(crate) fn run(&self, triangle: &GridTriangle, row: u32) -> Option<Run> {
         let columns = self.sample_range(triangle.corners.map(|c| c[0]));

@@ -1,12 +1,21 @@
 //! The result of a bake.
 
-/// What a texel's value is based on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+use nalgebra::Vector2;
+use rayon::prelude::*;
+
+use crate::error::{all_finite, same_length};
+use crate::islands::texels_inside;
+use crate::{BakeError, padding};
+
+/// What a texel's value is based on, the weakest first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Coverage {
     /// Nothing near: neutral normal, height zero.
     Neutral,
-    /// Copied from the nearest covered texel.
+    /// Outside the UV islands, or on their very border; copied from the nearest texel of one.
     Padded,
+    /// Inside a UV island of the artist's mesh, but nothing was baked there: neutral.
+    Skin,
     /// At least one sample lies in a triangle.
     Covered,
 }
@@ -33,22 +42,66 @@ pub struct WrinkleMap {
 impl WrinkleMap {
     /// Replaces what `upper` covers: a layer that lies on this one, over a part of it.
     ///
-    /// Padding never hides what is covered.
-    pub fn cover_with(&mut self, upper: &Self) {
-        for texel in 0..self.coverage.len().min(upper.coverage.len()) {
-            let covers = match upper.coverage[texel] {
-                Coverage::Neutral => false,
-                Coverage::Padded => self.coverage[texel] == Coverage::Neutral,
-                Coverage::Covered => true,
-            };
-            if covers {
+    /// Both maps are as [`bake`](crate::bake) returns them; padding comes last.
+    ///
+    /// # Errors
+    /// [`BakeError::LengthMismatch`] when the maps differ in size.
+    pub fn cover_with(&mut self, upper: &Self) -> Result<(), BakeError> {
+        self.same_size(upper)?;
+        for texel in 0..self.coverage.len() {
+            if upper.coverage[texel] == Coverage::Covered {
                 self.normals[texel] = upper.normals[texel];
                 self.heights[texel] = upper.heights[texel];
-                self.coverage[texel] = upper.coverage[texel];
+                self.coverage[texel] = Coverage::Covered;
             }
         }
-        self.skipped_faces += upper.skipped_faces;
-        self.folded_samples += upper.folded_samples;
+        self.count_in(upper);
+        Ok(())
+    }
+
+    /// Adds the relief of a layer that lies beside this one and overlaps it by a margin.
+    ///
+    /// Heights add, and so do slopes (`x / z`, `y / z` of the normals), as those of a sum of two
+    /// height fields do; a texel is covered where one of them covers it. This is the blend of reliefs
+    /// that were *each faded before* over the margin. Without that, wrinkles of both stand in
+    /// it at full height. Both maps are as [`bake`](crate::bake) returns them; padding comes last.
+    ///
+    /// # Errors
+    /// [`BakeError::LengthMismatch`] when the maps differ in size.
+    pub fn add(&mut self, other: &Self) -> Result<(), BakeError> {
+        self.same_size(other)?;
+        for texel in 0..self.coverage.len() {
+            self.normals[texel] = sum_of_slopes(self.normals[texel], other.normals[texel]);
+            self.heights[texel] += other.heights[texel];
+            self.coverage[texel] = self.coverage[texel].max(other.coverage[texel]);
+        }
+        self.count_in(other);
+        Ok(())
+    }
+
+    /// Extends every UV island by `padding` texels, so that filtering at its border meets no
+    /// foreign value. The last step, after all layers are composed.
+    ///
+    /// `islands` are the UVs of *all* triangles of the artist's mesh, V down, not only those whose
+    /// skin was simulated. Texels inside them that nothing covers are [`Coverage::Skin`]: they stay
+    /// neutral, whatever wrinkles beside them. Texels outside within `padding` (Euclidean, centre to
+    /// centre) of an island take the value of its nearest texel.
+    ///
+    /// # Errors
+    /// [`BakeError::NotFinite`] naming the triangle.
+    pub fn pad(&mut self, islands: &[[Vector2<f64>; 3]], padding: u32) -> Result<(), BakeError> {
+        all_finite("islands", islands, |corners| {
+            corners.iter().flatten().all(|c| c.is_finite())
+        })?;
+        for texel in bare_skin(
+            &self.coverage,
+            &texels_inside(islands, self.size),
+            self.size,
+        ) {
+            self.coverage[texel] = Coverage::Skin;
+        }
+        padding::extend(self, padding);
+        Ok(())
     }
 
     /// A map of neutral texels.
@@ -63,4 +116,54 @@ impl WrinkleMap {
             folded_samples: 0,
         }
     }
+
+    fn same_size(&self, other: &Self) -> Result<(), BakeError> {
+        let texels = self.coverage.len();
+        for map in [&*self, other] {
+            same_length("normals", map.normals.len(), texels)?;
+            same_length("heights", map.heights.len(), texels)?;
+            same_length("coverage", map.coverage.len(), texels)?;
+        }
+        Ok(())
+    }
+
+    fn count_in(&mut self, other: &Self) {
+        self.skipped_faces += other.skipped_faces;
+        self.folded_samples += other.folded_samples;
+    }
+}
+
+/// The texels inside islands that nothing covers.
+///
+/// A layer's border runs along the border of an island, but its vertices on the middle of the
+/// artist's edges are rounded: a texel whose center lies on such an edge may be inside the island and
+/// beside the layer. So a texel between what is covered and the outside is left to padding.
+fn bare_skin(coverage: &[Coverage], inside: &[bool], size: u32) -> Vec<usize> {
+    let is_covered = |texel: usize| coverage[texel] == Coverage::Covered;
+    let is_outside = |texel: usize| !inside[texel] && !is_covered(texel);
+    let beside = |texel: usize, is_it: &(dyn Fn(usize) -> bool + Sync)| {
+        let side = size as usize;
+        let [row, column] = [texel / side, texel % side];
+        let around = |at: usize| at.saturating_sub(1)..(at + 2).min(side);
+        around(row).any(|row| around(column).any(|column| is_it(row * side + column)))
+    };
+    (0..coverage.len().min(inside.len()))
+        .into_par_iter()
+        .filter(|&texel| inside[texel] && !is_covered(texel))
+        .filter(|&texel| !beside(texel, &is_covered) || !beside(texel, &is_outside))
+        .collect()
+}
+
+fn sum_of_slopes(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    // What is neutral changes nothing, not even the last bit.
+    let is_neutral = |n: [f32; 3]| n[0] == 0.0 && n[1] == 0.0;
+    if is_neutral(a) || is_neutral(b) {
+        return if is_neutral(a) { b } else { a };
+    }
+    let [a, b] = [a, b].map(|n| n.map(f64::from));
+    // Z is positive; times both of them a slope needs no division.
+    let [x, y] = [0, 1].map(|c| a[c] * b[2] + b[c] * a[2]);
+    let z = a[2] * b[2];
+    let length = (x * x + y * y + z * z).sqrt();
+    [x, y, z].map(|c| (c / length) as f32)
 }

@@ -11,7 +11,6 @@ use ruga_bake::{
 
 const SETTINGS: BakeSettings = BakeSettings {
     size: 32,
-    padding: 2,
     supersample: 1,
     frame: ruga_bake::Frame::Driver,
 };

@@ -136,7 +136,6 @@ fn the_shaded_normal_is_continuous_over_a_seam() {
     let settings = BakeSettings {
         size: 1024,
         frame: Frame::Mesh,
-        padding: 0,
         ..BakeSettings::default()
     };
     let map = bake(&patch.relief(), &patch.frames, &settings).unwrap();

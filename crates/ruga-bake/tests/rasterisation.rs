@@ -28,7 +28,6 @@ fn cover(uvs: &[[Vector2<f64>; 3]], size: u32) -> WrinkleMap {
     };
     let settings = BakeSettings {
         size,
-        padding: 0,
         ..BakeSettings::default()
     };
     bake(&relief, &[[frame; 3]], &settings).expect("a valid patch")

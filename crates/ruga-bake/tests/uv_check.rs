@@ -4,7 +4,7 @@ mod patch;
 
 use nalgebra::Vector2;
 use patch::{SIDE, grid_faces, scatter, uv};
-use ruga_bake::{UvReport, check_uvs};
+use ruga_bake::{MAX_OVERLAPS, UvReport, check_uvs};
 
 fn triangle(corners: [[f64; 2]; 3]) -> [Vector2<f64>; 3] {
     corners.map(Vector2::from)
@@ -56,6 +56,7 @@ fn identical_and_mirrored_copies_overlap() {
     ];
     let report = check_uvs(&stack);
     assert_eq!(report.overlaps, [(1, 0), (2, 0)]);
+    assert_eq!(report.overlapping, 2);
     assert_eq!(report.mirrored, [2]);
 }
 
@@ -100,45 +101,56 @@ fn outside_missing_and_empty_faces_are_listed() {
 /// Against every pair, by sampling: faces overlap when some point lies well inside both.
 #[test]
 fn overlaps_are_those_that_all_pairs_show() {
-    let faces: Vec<_> = (0..60)
-        .map(|face| {
-            let center = Vector2::new(scatter(9 * face), scatter(9 * face + 1));
-            [0, 1, 2].map(|corner| {
-                let at = 9 * face + 3 + 2 * corner;
-                Vector2::repeat(0.5)
-                    + 0.4 * center
-                    + 0.06 * Vector2::new(scatter(at), scatter(at + 1))
-            })
-        })
+    let faces: Vec<_> = (0..60).map(small_triangle).collect();
+    let report = check_uvs(&faces);
+    let expected: Vec<_> = (0..faces.len())
+        .filter_map(|face| Some((face as u32, first_shared(&faces, face)?)))
         .collect();
+    // Sampling may miss the thinnest overlaps, but not most.
+    let found = expected.len();
+    assert!(found > 5 && report.overlapping <= found + 3, "{found}");
+    assert_eq!(report.overlaps.first(), expected.first());
+    for (face, earlier) in report.overlaps {
+        let pair = [faces[earlier as usize], faces[face as usize]];
+        assert_eq!(check_uvs(&pair).overlapping, 1);
+    }
+}
+
+fn small_triangle(face: usize) -> [Vector2<f64>; 3] {
+    let center = Vector2::new(scatter(9 * face), scatter(9 * face + 1));
+    [0, 1, 2].map(|corner| {
+        let at = 9 * face + 3 + 2 * corner;
+        Vector2::repeat(0.5) + 0.4 * center + 0.06 * Vector2::new(scatter(at), scatter(at + 1))
+    })
+}
+
+/// The first face before `face` that has one of its samples inside.
+fn first_shared(faces: &[[Vector2<f64>; 3]], face: usize) -> Option<u32> {
     let inside = |face: &[Vector2<f64>; 3], p: &Vector2<f64>| {
         let side = |i: usize| (face[(i + 1) % 3] - face[i]).perp(&(p - face[i]));
         (0..3).all(|i| side(i) > 1e-9) || (0..3).all(|i| side(i) < -1e-9)
     };
-    let report = check_uvs(&faces);
-    let mut found = 0;
-    for face in 0..faces.len() {
-        let samples: Vec<_> = (0..=120)
-            .flat_map(|i| (0..=120 - i).map(move |j| [i, j].map(|c| f64::from(c) / 120.0)))
-            .map(|[u, v]| faces[face][0] * u + faces[face][1] * v + faces[face][2] * (1.0 - u - v))
-            .collect();
-        let shares = |other: &usize| {
-            samples
-                .iter()
-                .any(|p| inside(&faces[face], p) && inside(&faces[*other], p))
-        };
-        let expected = (0..face)
-            .find(shares)
-            .map(|other| (face as u32, other as u32));
-        let reported = report.overlaps.iter().find(|pair| pair.0 == face as u32);
-        if let Some(expected) = expected {
-            found += 1;
-            assert!(
-                reported.is_some_and(|pair| pair.1 <= expected.1),
-                "{expected:?}"
-            );
-        }
-    }
-    // Sampling may miss the thinnest overlaps, but not most.
-    assert!(found > 5 && report.overlaps.len() <= found + 3, "{found}");
+    let samples: Vec<_> = (0..=120)
+        .flat_map(|i| (0..=120 - i).map(move |j| [i, j].map(|c| f64::from(c) / 120.0)))
+        .map(|[u, v]| faces[face][0] * u + faces[face][1] * v + faces[face][2] * (1.0 - u - v))
+        .collect();
+    let shares = |other: &usize| {
+        let both = |p: &Vector2<f64>| inside(&faces[face], p) && inside(&faces[*other], p);
+        samples.iter().any(both)
+    };
+    (0..face).find(shares).map(|other| other as u32)
+}
+
+/// A texture that repeats: every quad of the mesh covers the whole tile.
+#[test]
+fn a_report_on_tiled_faces_is_short_and_has_their_number() {
+    let quad = [
+        triangle([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]),
+        triangle([[0.0, 0.0], [1.0, 1.0], [0.0, 1.0]]),
+    ];
+    let tiled: Vec<_> = (0..20_000).map(|face| quad[face % 2]).collect();
+    let report = check_uvs(&tiled);
+    assert_eq!(report.overlapping, 19_998);
+    assert_eq!(report.overlaps.len(), MAX_OVERLAPS);
+    assert_eq!(report.overlaps[..3], [(2, 0), (3, 1), (4, 0)]);
 }

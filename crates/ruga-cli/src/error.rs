@@ -90,6 +90,14 @@ pub(crate) enum CliError {
         count: usize,
         first: u32,
     },
+    /// Texture coordinates that leave the maps empty.
+    #[error("{}: {problem}", mesh.display())]
+    #[diagnostic(help("{advice}"))]
+    UvLayout {
+        mesh: PathBuf,
+        problem: String,
+        advice: &'static str,
+    },
     /// The scene cannot be planned or simulated.
     #[error("{}: {source}", scene.display())]
     Model {

@@ -43,6 +43,14 @@ impl Planned {
         of_skin.chain(body.into_iter().flat_map(|plan| &plan.warnings))
     }
 
+    /// Adds what the plan itself cannot know.
+    pub(crate) fn warn(&mut self, warnings: Vec<String>) {
+        match self {
+            Self::Skin(zones) => zones[0].plan.warnings.extend(warnings),
+            Self::Body(plan) => plan.warnings.extend(warnings),
+        }
+    }
+
     /// The file's triangles that have a simulated part in pose number `pose`, ascending.
     pub(crate) fn active_triangles(&self, project: &Project, pose: usize) -> Vec<u32> {
         match self {

@@ -73,9 +73,10 @@ impl Project {
     /// What will be modelled, its place in the maps made sure of.
     ///
     /// # Errors
-    /// [`CliError::Model`], such as a mask that leaves nothing; [`CliError::OverlappingUvs`].
+    /// [`CliError::Model`], such as a mask that leaves nothing; [`CliError::OverlappingUvs`];
+    /// [`CliError::UvLayout`].
     pub(crate) fn plan(&self) -> Result<Planned, CliError> {
-        let planned = self.planned().map_err(|source| match source {
+        let mut planned = self.planned().map_err(|source| match source {
             StepperError::Lattice(
                 source @ (LatticeError::OpenSurface { .. }
                 | LatticeError::SelfIntersection { .. }
@@ -90,10 +91,11 @@ impl Project {
                 source: Box::new(other),
             },
         })?;
-        for (index, pose) in self.poses.iter().enumerate() {
-            let active = planned.active_triangles(self, index);
-            texture_space::check_active(&self.mesh, &pose.name, &active)?;
-        }
+        let active = |(index, pose): (usize, &PoseSpec)| {
+            (pose.name.clone(), planned.active_triangles(self, index))
+        };
+        let active: Vec<_> = self.poses.iter().enumerate().map(active).collect();
+        planned.warn(texture_space::check_active(&self.mesh, &active)?);
         Ok(planned)
     }
 

@@ -1,25 +1,50 @@
 //! Whether the UVs of a mesh can carry the maps of a pose.
 
 use nalgebra::Vector2;
-use ruga_bake::check_uvs;
+use ruga_bake::{UvLayout, check_uvs, uv_layout};
 use ruga_io::MeshFile;
 
 use crate::error::{CliError, counted};
 
-/// UVs of every triangle of the file.
-fn corners(mesh: &MeshFile) -> Option<Vec<[Vector2<f64>; 3]>> {
+/// Share of the skin in the unit square below which there is none: what rounding leaves of a layout
+/// that was moved by whole tiles.
+const LEAST_INSIDE: f64 = 1e-4;
+
+/// Share of the skin outside the square, and in islands that lie in several tiles, from which on the
+/// layout is taken to repeat, or to have another scale.
+const REPEATED: f64 = 0.5;
+
+/// Share of mirrored skin from which on V is taken to be upside down. Half of a face is often
+/// mirrored on purpose.
+const FLIPPED: f64 = 0.95;
+
+/// How far 32-bit texture coordinates miss the border of a tile.
+const ROUNDING: f64 = 1e-5;
+
+/// UVs of every triangle of the file, V down; `None` where the file has none.
+pub(crate) fn corners(mesh: &MeshFile) -> Option<Vec<[Vector2<f64>; 3]>> {
     let uvs = mesh.mesh.uvs.as_ref()?;
     let triangles = mesh.mesh.triangles.iter();
     Some(triangles.map(|t| t.map(|v| uvs[v as usize])).collect())
 }
 
-/// Refuses UVs that are not numbers, and says what else is unusual about them.
+/// Areas of every triangle of the file, m².
+fn areas(mesh: &MeshFile) -> Vec<f64> {
+    let at = |v: u32| mesh.mesh.positions[v as usize];
+    let triangles = mesh.mesh.triangles.iter();
+    triangles
+        .map(|&[a, b, c]| (at(b) - at(a)).cross(&(at(c) - at(a))).norm() / 2.0)
+        .collect()
+}
+
+/// Refuses UVs that no map can show, and says what else is unusual about them.
 ///
 /// Returns warnings with counts: overlaps anywhere, UVs outside the unit square, triangles without
-/// a place in it.
+/// a place in it, V upside down.
 ///
 /// # Errors
-/// [`CliError::MissingUvs`].
+/// [`CliError::MissingUvs`]; [`CliError::UvLayout`] when all UVs are on one spot, or none in the
+/// square.
 pub(crate) fn check(mesh: &MeshFile) -> Result<Vec<String>, CliError> {
     let Some(uvs) = corners(mesh) else {
         // The driver refuses a mesh without UVs before this is asked.
@@ -33,20 +58,26 @@ pub(crate) fn check(mesh: &MeshFile) -> Result<Vec<String>, CliError> {
             first,
         });
     }
+    let whose = format!("`{}`", mesh.mesh.name);
+    let layout = uv_layout(&uvs, &areas(mesh)).ok_or_else(|| not_unwrapped(mesh, &uvs))?;
+    if layout.inside < LEAST_INSIDE {
+        return Err(outside(mesh, &whose, &layout));
+    }
     let mut warnings = Vec::new();
     let mut warn = |text: String| warnings.push(format!("{}: {text}", mesh.path.display()));
     if let Some((face, other)) = report.overlaps.first() {
         warn(format!(
             "the texture coordinates of {} overlap others, the first are {other} and {face}; \
              wrinkles on one show on the other",
-            counted(report.overlaps.len(), "triangle")
+            counted(report.overlapping, "triangle")
         ));
     }
     if let Some(first) = report.outside.first() {
         warn(format!(
             "the texture coordinates of {} leave the square from 0 to 1, the first is triangle \
-             {first}; what lies outside is not baked",
-            counted(report.outside.len(), "triangle")
+             {first}; what lies outside is not baked, {} of the skin",
+            counted(report.outside.len(), "triangle"),
+            percent(1.0 - layout.inside)
         ));
     }
     if let Some(first) = report.zero_area.first() {
@@ -56,27 +87,161 @@ pub(crate) fn check(mesh: &MeshFile) -> Result<Vec<String>, CliError> {
             counted(report.zero_area.len(), "triangle")
         ));
     }
+    if layout.mirrored > FLIPPED {
+        warn(format!(
+            "the texture coordinates are mirrored on {} of the skin, as if V ran the other way than \
+             it does in this kind of file; if your images lie on the mesh upside down, the maps will \
+             too, with green reversed: flip V where the file was exported",
+            percent(layout.mirrored)
+        ));
+    }
     Ok(warnings)
 }
 
-/// Refuses overlaps among the `active` triangles of a pose (numbers of the file, each once).
+/// Refuses poses whose active triangles (numbers of the file, each once) have no place of their own
+/// in the maps.
+///
+/// Returns a warning for every pose that only other poses keep from being refused.
 ///
 /// # Errors
-/// [`CliError::OverlappingUvs`] naming two of them.
-pub(crate) fn check_active(mesh: &MeshFile, pose: &str, active: &[u32]) -> Result<(), CliError> {
+/// [`CliError::OverlappingUvs`] naming two triangles; [`CliError::UvLayout`] when what is active in
+/// any pose lies outside the square, or on a layout larger than it.
+pub(crate) fn check_active(
+    mesh: &MeshFile,
+    poses: &[(String, Vec<u32>)],
+) -> Result<Vec<String>, CliError> {
     let Some(uvs) = corners(mesh) else {
-        return Ok(());
+        return Ok(Vec::new());
     };
+    let areas = areas(mesh);
+    let layout = |active: &[u32]| {
+        let uvs: Vec<_> = active.iter().map(|&t| uvs[t as usize]).collect();
+        let areas: Vec<_> = active.iter().map(|&t| areas[t as usize]).collect();
+        uv_layout(&uvs, &areas)
+    };
+    let mut all: Vec<u32> = poses
+        .iter()
+        .flat_map(|(_, active)| active)
+        .copied()
+        .collect();
+    all.sort_unstable();
+    all.dedup();
+    let whose = format!("the skin of `{}` that is simulated", mesh.mesh.name);
+    match layout(&all) {
+        Some(layout) if layout.inside < LEAST_INSIDE => return Err(outside(mesh, &whose, &layout)),
+        Some(layout) if layout.inside < 1.0 - REPEATED && layout.astride > REPEATED => {
+            return Err(too_large(mesh, &whose, &layout));
+        }
+        _ => {}
+    }
+    let mut warnings = Vec::new();
+    for (pose, active) in poses {
+        refuse_overlaps(mesh, pose, active, &uvs)?;
+        if let Some(layout) = layout(active).filter(|layout| layout.inside < LEAST_INSIDE) {
+            warnings.push(format!(
+                "{}: pose `{pose}`: the texture coordinates of the skin that is simulated {}; the \
+                 maps of this pose are neutral",
+                mesh.path.display(),
+                place(&layout)
+            ));
+        }
+    }
+    Ok(warnings)
+}
+
+fn refuse_overlaps(
+    mesh: &MeshFile,
+    pose: &str,
+    active: &[u32],
+    uvs: &[[Vector2<f64>; 3]],
+) -> Result<(), CliError> {
     let chosen: Vec<_> = active.iter().map(|&t| uvs[t as usize]).collect();
-    let overlaps = check_uvs(&chosen).overlaps;
-    match overlaps.first() {
+    let report = check_uvs(&chosen);
+    match report.overlaps.first() {
         None => Ok(()),
         Some(&(face, other)) => Err(CliError::OverlappingUvs {
             mesh: mesh.path.clone(),
             pose: pose.to_owned(),
             first: active[other as usize],
             second: active[face as usize],
-            triangles: overlaps.len(),
+            triangles: report.overlapping,
         }),
+    }
+}
+
+fn not_unwrapped(mesh: &MeshFile, uvs: &[[Vector2<f64>; 3]]) -> CliError {
+    let mut all = uvs.iter().flatten();
+    let first = all.next().copied().unwrap_or_default();
+    let found = match all.all(|uv| *uv == first) {
+        // Zero in the file is one where V was turned over on reading.
+        true if first.x == 0.0 && (first.y == 0.0 || first.y == 1.0) => "are all zero",
+        true => "all lie on one point",
+        false => "have no area",
+    };
+    CliError::UvLayout {
+        mesh: mesh.path.clone(),
+        problem: format!(
+            "the texture coordinates of `{}` {found}: the mesh is not unwrapped",
+            mesh.mesh.name
+        ),
+        advice: "unwrap the mesh, so that every part of the skin has its own place in the square \
+                 from 0 to 1, and export it again",
+    }
+}
+
+fn outside(mesh: &MeshFile, whose: &str, layout: &UvLayout) -> CliError {
+    CliError::UvLayout {
+        mesh: mesh.path.clone(),
+        problem: format!("the texture coordinates of {whose} {}", place(layout)),
+        advice: "move them to the square from 0 to 1; of several tiles, only that one is baked",
+    }
+}
+
+fn too_large(mesh: &MeshFile, whose: &str, layout: &UvLayout) -> CliError {
+    let [low, high] = tiles(layout);
+    CliError::UvLayout {
+        mesh: mesh.path.clone(),
+        problem: format!(
+            "the texture coordinates of {whose} span {} x {} tiles, from {} to {}; only {} of it \
+             lies in the square from 0 to 1",
+            high[0] - low[0],
+            high[1] - low[1],
+            point(low),
+            point(high),
+            percent(layout.inside)
+        ),
+        advice: "scale them down into the square from 0 to 1: a wrinkle map does not repeat",
+    }
+}
+
+/// Where a layout lies that is outside the square.
+fn place(layout: &UvLayout) -> String {
+    let [low, high] = tiles(layout);
+    let range = format!("from {} to {}", point(low), point(high));
+    match [high[0] - low[0], high[1] - low[1]] {
+        [1, 1] => format!("all lie in the tile {range}"),
+        [across, up] => {
+            format!("span {across} x {up} tiles, {range}, none of it in the square from 0 to 1")
+        }
+    }
+}
+
+/// The first and last corner of the tiles that a layout lies in, V *up*, as editors show it.
+fn tiles(layout: &UvLayout) -> [[i64; 2]; 2] {
+    // Far beyond any layout, but small enough for integers and their differences.
+    let tile = |c: f64| c.clamp(-1e12, 1e12) as i64;
+    let low = [layout.low.x, 1.0 - layout.high.y].map(|c| tile((c + ROUNDING).floor()));
+    let high = [layout.high.x, 1.0 - layout.low.y].map(|c| tile((c - ROUNDING).ceil()));
+    [low, [0, 1].map(|c| high[c].max(low[c] + 1))]
+}
+
+fn point([u, v]: [i64; 2]) -> String {
+    format!("({u}, {v})")
+}
+
+fn percent(share: f64) -> String {
+    match 100.0 * share {
+        small if small < 1.0 => "less than 1 %".to_owned(),
+        share => format!("{share:.0} %"),
     }
 }

@@ -54,3 +54,90 @@ fn uvs_outside_the_square_are_counted() {
         "{warning}"
     );
 }
+
+#[test]
+fn uvs_on_one_spot_are_refused_as_not_unwrapped() {
+    let zero = Folder::with_uvs(|_, _| (0.0, 0.0));
+    for line in [
+        "check scene.toml",
+        "plan scene.toml",
+        "bake scene.toml -o out",
+    ] {
+        zero.ruga(line).exits(2).says(&[
+            "patch.obj",
+            "the texture coordinates of `Patch` are all zero",
+            "unwrap the mesh",
+        ]);
+    }
+    let spot = Folder::with_uvs(|_, _| (0.5, 0.5));
+    spot.ruga("check scene.toml")
+        .exits(2)
+        .says(&["all lie on one point"]);
+    let line = Folder::with_uvs(|x, _| (x, 0.5));
+    line.ruga("check scene.toml")
+        .exits(2)
+        .says(&["have no area"]);
+}
+
+#[test]
+fn uvs_in_another_tile_are_refused_with_its_name() {
+    let beside = Folder::with_uvs(|x, y| (x + 1.0, y));
+    beside.ruga("bake scene.toml -o out").exits(2).says(&[
+        "the texture coordinates of `Patch` all lie in the tile from (1, 0) to (2, 1)",
+        "move them to the square from 0 to 1",
+    ]);
+    // V as an editor shows it, whatever the file's way of counting.
+    let above = Folder::with_uvs(|x, y| (x, y + 2.0));
+    above
+        .ruga("check scene.toml")
+        .exits(2)
+        .says(&["all lie in the tile from (0, 2) to (1, 3)"]);
+    let wide = Folder::with_uvs(|x, y| (2.0 * x - 3.0, y));
+    wide.ruga("check scene.toml")
+        .exits(2)
+        .says(&["span 2 x 1 tiles, from (-3, 0) to (-1, 1), none of it in the square"]);
+}
+
+#[test]
+fn uvs_of_three_times_the_square_are_refused() {
+    for shift in [0.0, 1.0] {
+        let folder = Folder::with_uvs(|x, y| (3.0 * x - shift, 3.0 * y - shift));
+        let corners = match shift {
+            0.0 => "from (0, 0) to (3, 3)",
+            _ => "from (-1, -1) to (2, 2)",
+        };
+        folder.ruga("plan scene.toml").exits(2).says(&[
+            "the skin of `Patch` that is simulated span 3 x 3 tiles",
+            corners,
+            "only 11 % of it",
+            "scale them down",
+        ]);
+    }
+}
+
+#[test]
+fn uvs_partly_outside_are_a_warning_with_their_share() {
+    let shares = Folder::with_uvs(|x, y| (x + 0.5, y));
+    let run = shares.ruga("check scene.toml").exits(0);
+    assert!(
+        run.stderr.contains("not baked, 50 % of the skin"),
+        "{}",
+        run.stderr
+    );
+}
+
+#[test]
+fn v_that_runs_the_other_way_is_a_warning() {
+    let flipped = Folder::with_uvs(|x, y| (x, 1.0 - y));
+    flipped.ruga("check scene.toml").exits(0).says(&[
+        "warning:",
+        "mirrored on 100 % of the skin",
+        "flip V",
+    ]);
+    // One half mirrored onto its own place is how faces are laid out.
+    let half = Folder::with_uvs(|x, y| (if x > 0.5 { 1.2 - 0.6 * x } else { 0.6 * x }, y));
+    let run = half.ruga("check scene.toml");
+    assert!(!run.stderr.contains("mirrored"), "{}", run.stderr);
+    let sound = Folder::new().ruga("check scene.toml").exits(0);
+    assert!(!sound.stderr.contains("mirrored"), "{}", sound.stderr);
+}

@@ -20,7 +20,7 @@ use crate::posed_frames::{moved_frames, posed_frames};
 use crate::project::Project;
 use crate::run::Outcome;
 use crate::summary::{self, ALL_IN_REPORT};
-use crate::{interrupt, messages};
+use crate::{interrupt, messages, texture_space};
 
 /// Simulates and bakes the poses of a scene.
 ///
@@ -124,14 +124,27 @@ impl WrinkleMaps<'_> {
                 .install(|| bake(relief, &frames, &self.settings()));
             baked.map_err(|source| self.baking(pose, source))
         };
-        // A layer's relief has those of the layers below in it, and covers what it covers.
-        let mut map = match key.layers.first() {
-            Some(lowest) => bake(&relief(lowest))?,
-            None => bake(&EMPTY)?,
-        };
-        for layer in key.layers.iter().skip(1) {
-            map.cover_with(&bake(&relief(layer))?);
+        let wrong = |source| self.baking(pose, source);
+        let mut map = bake(&EMPTY)?;
+        for (number, zone) in project.scene.zones().iter().enumerate() {
+            let is_of_zone = |layer: &&LayerSurface| {
+                let mut names = zone.layers.iter().map(|&i| &project.layers[i].name);
+                names.any(|name| *name == layer.name)
+            };
+            // A layer's relief has those of the layers below in it, and covers what it covers.
+            let mut of_zone = bake(&EMPTY)?;
+            for layer in key.layers.iter().filter(is_of_zone) {
+                of_zone.cover_with(&bake(&relief(layer))?).map_err(wrong)?;
+            }
+            match number {
+                0 => map = of_zone,
+                // Each zone's relief is faded by its mask already.
+                _ => map.add(&of_zone).map_err(wrong)?,
+            }
         }
+        let islands = texture_space::corners(&project.mesh).unwrap_or_default();
+        map.pad(&islands, project.scene.bake.padding)
+            .map_err(|source| self.baking(pose, source))?;
         if map.folded_samples > 0 {
             warnings.push(format!(
                 "at key {} the layer folds over in {} texels, which a normal map cannot hold",
@@ -146,7 +159,6 @@ impl WrinkleMaps<'_> {
         let bake = &self.project.scene.bake;
         BakeSettings {
             size: bake.size,
-            padding: bake.padding,
             supersample: bake.supersample,
             frame: match bake.frame {
                 scene::Frame::Driver => ruga_bake::Frame::Driver,
