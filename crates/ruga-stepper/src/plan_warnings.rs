@@ -52,52 +52,57 @@ impl PosedPlan<'_> {
     }
 
     fn layer_warnings(&self, plan: &LayerPlan, demand: &Demand) -> Vec<String> {
-        let mut warnings = Vec::new();
-        let cm2 = |area: f64| area * 1e4;
-        if plan.folded_area > NEGLIGIBLE_AREA {
-            warnings.push(format!(
-                "{:.2} cm2 of the driver fold over or collapse by more than 60 %, {}; they stay as the artist drew them, without wrinkles, and the rest is not affected. To wrinkle them, lower the weight or let the shape keep some width there",
-                cm2(plan.folded_area),
-                self.place(demand, &|face| demand.folded[face])
-            ));
-        }
+        let folded = self.folded_warning(plan, demand);
         if plan.active_area == 0.0 {
-            return warnings;
+            return folded.into_iter().collect();
         }
-        let planned = self.surface.levels();
-        let is_active = |face: FaceId| {
-            let ancestor = self.surface.ancestor(face, planned);
-            plan.region.binary_search(&ancestor).is_ok()
-        };
-        warnings.extend(not_skin(plan, self.pose));
-        if plan.capped_area > NEGLIGIBLE_AREA {
-            let is_capped = |face| is_active(face) && demand.compression[face] > CAP_START;
-            warnings.push(format!(
+        let resolution = resolution_warnings(plan.asked_points, plan.texels_per_wavelength);
+        folded
+            .into_iter()
+            .chain(not_skin(plan, self.pose))
+            .chain(self.capped_warning(plan, demand))
+            .chain(late_warning(plan))
+            .chain(self.labyrinth_warning(plan, demand))
+            .chain(resolution)
+            .chain(budget_warning(plan, self.modelling))
+            .collect()
+    }
+
+    fn folded_warning(&self, plan: &LayerPlan, demand: &Demand) -> Option<String> {
+        (plan.folded_area > NEGLIGIBLE_AREA).then(|| {
+            format!(
+                "{:.2} cm2 of the driver fold over or collapse by more than 60 %, {}; they stay as the artist drew them, without wrinkles, and the rest is not affected. To wrinkle them, lower the weight or let the shape keep some width there",
+                1e4 * plan.folded_area,
+                self.place(demand, &|face| demand.folded[face])
+            )
+        })
+    }
+
+    fn capped_warning(&self, plan: &LayerPlan, demand: &Demand) -> Option<String> {
+        let is_capped = |face| self.is_active(plan, face) && demand.compression[face] > CAP_START;
+        (plan.capped_area > NEGLIGIBLE_AREA).then(|| {
+            format!(
                 "{:.2} cm2 are compressed by more than 15 %, {}, where real skin folds, doubles its wrinkles or creases, which is not modelled. The map can be used there, but holds the wrinkles of 15 to 25 % compression, shallower than the pose asks for; if they look wrong, lower the weight or paint the place black in the region mask",
-                cm2(plan.capped_area),
+                1e4 * plan.capped_area,
                 self.place(demand, &is_capped)
-            ));
-        }
-        if plan.critical_strain > CAP_START {
-            warnings.push(format!(
-                "its critical strain of {:.1} % is beyond 15 %, from where on compression counts less and less: it wrinkles late or not at all. Take a softer substrate or a stiffer layer",
-                100.0 * plan.critical_strain
-            ));
-        }
-        if plan.labyrinth_area > LABYRINTH * plan.wavelength.powi(2) {
-            let is_labyrinth = |face| is_active(face) && demand.is_pressed_equally(face);
-            warnings.push(format!(
+            )
+        })
+    }
+
+    fn labyrinth_warning(&self, plan: &LayerPlan, demand: &Demand) -> Option<String> {
+        let is_labyrinth = |face| self.is_active(plan, face) && demand.is_pressed_equally(face);
+        (plan.labyrinth_area > LABYRINTH * plan.wavelength.powi(2)).then(|| {
+            format!(
                 "{:.2} cm2 are compressed about equally from all sides, {}, where wrinkles of real skin meander. Their depth and spacing are right, but the averaging constraints that hold the layer let them run in two crossing directions; if the map shows such squares, set `coupling = \"elastic\"` for this layer",
-                cm2(plan.labyrinth_area),
+                1e4 * plan.labyrinth_area,
                 self.place(demand, &is_labyrinth)
-            ));
-        }
-        warnings.extend(resolution_warnings(
-            plan.asked_points,
-            plan.texels_per_wavelength,
-        ));
-        warnings.extend(budget_warning(plan, self.modelling));
-        warnings
+            )
+        })
+    }
+
+    fn is_active(&self, plan: &LayerPlan, face: FaceId) -> bool {
+        let address = self.surface.ancestor(face, self.surface.levels());
+        plan.region.binary_search(&address).is_ok()
     }
 
     /// What is to be said of a pose that compresses `area` (m²) on its way that is not compressed at
@@ -137,6 +142,15 @@ fn not_skin(plan: &LayerPlan, pose: &PoseSpec) -> Option<String> {
         "half of what is simulated is {change} by more than {:.0} %; this is not skin any more, which bears about 15 %. The maps will not look like skin: did you mean {advice}?",
         100.0 * median.abs()
     ))
+}
+
+fn late_warning(plan: &LayerPlan) -> Option<String> {
+    (plan.critical_strain > CAP_START).then(|| {
+        format!(
+            "its critical strain of {:.1} % is beyond 15 %, from where on compression counts less and less: it wrinkles late or not at all. Take a lower `critical_strain`, or a stiffer layer",
+            100.0 * plan.critical_strain
+        )
+    })
 }
 
 /// What is wrong with so many edges and texels to a wavelength.
