@@ -68,8 +68,9 @@ pub fn tangent_coordinates(
     let mut queue: BinaryHeap<Front> = centre.around.iter().map(start).collect();
     let mut settled: BTreeMap<VertexId, Vector2<f64>> = BTreeMap::new();
     while let Some(front) = queue.pop() {
-        // Negated, so that a distance or a radius that is not a number reaches nothing.
-        if !(front.distance <= radius) || settled.contains_key(&front.vertex) {
+        // Not `>`: a distance or a radius that is not a number reaches nothing.
+        let is_within = front.distance <= radius;
+        if !is_within || settled.contains_key(&front.vertex) {
             continue;
         }
         settled.insert(front.vertex, front.place);
