@@ -44,8 +44,13 @@ fn a_mesh_in_centimetres_is_asked_about() {
 
 #[test]
 fn the_key_that_is_proposed_mends_it() {
+    // 15 % would lie on the limit of what the model takes, this side or that by rounding.
+    let gentle = |folder: Folder| {
+        folder.change("scene.toml", "squeeze = 1.0", "squeeze = 0.8");
+        folder
+    };
     for key in ["length_unit = \"cm\"", "[driver]\nscale = 0.01"] {
-        let folder = sized(100.0);
+        let folder = gentle(sized(100.0));
         let plan = folder.ruga("plan scene.toml").exits(2);
         assert!(plan.stderr.contains("9 m wide"), "{}", plan.stderr);
         match key.split_once('\n') {
@@ -55,7 +60,7 @@ fn the_key_that_is_proposed_mends_it() {
             None => folder.change("scene.toml", "version = 1", &format!("version = 1\n{key}")),
         }
         let mended = folder.ruga("plan scene.toml").exits(0).stdout;
-        let metres = sized(1.0).ruga("plan scene.toml").exits(0).stdout;
+        let metres = gentle(sized(1.0)).ruga("plan scene.toml").exits(0).stdout;
         assert_eq!(mended, metres);
     }
 }
@@ -67,17 +72,6 @@ fn a_mesh_of_two_millimetres_is_asked_about() {
         "the mesh is 2 mm wide",
         "100 times too small",
         "scale = 100",
-    ]);
-}
-
-#[test]
-fn what_is_said_to_be_so_large_is_only_warned_about() {
-    let folder = sized(21.0 / 0.09);
-    folder.change("scene.toml", "[driver]", "[driver]\nscale = 1.0");
-    folder.ruga("check scene.toml").exits(0).says(&[
-        "warning:",
-        "21 m wide",
-        "nothing with skin is that large",
     ]);
 }
 

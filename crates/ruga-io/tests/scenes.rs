@@ -297,10 +297,10 @@ fn unknown_keys_are_sent_to_their_table() {
     );
     refused(
         "normal_y = \"+\"",
-        "damping_ = 0.5",
+        "tolerence = 0.5",
         &[
-            "`damping_` is not a key of `[bake]`",
-            "did you mean `damping` in `[solver]`?",
+            "`tolerence` is not a key of `[bake]`",
+            "did you mean `tolerance` in `[solver]`?",
         ],
     );
 }
