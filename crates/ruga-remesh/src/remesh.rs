@@ -155,6 +155,8 @@ pub fn remesh(
     for _ in 0..RELAXATIONS {
         converged &= collapse_short_edges(&mut patch, corner, &mut counts);
         relax_new_vertices(&mut patch, &mut counts);
+        // Where the surface had no place for a middle it may have one after the moves.
+        converged &= crate::split::split_long_edges(&mut patch, &mut counts, most);
     }
     converged &= close(&mut patch, corner, &mut counts);
     Ok(finish(&patch, counts, converged))
