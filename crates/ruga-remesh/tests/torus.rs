@@ -14,7 +14,7 @@ use ruga_remesh::{
 /// Cells around the torus and around its tube.
 const CELLS: [u32; 2] = [16, 5];
 
-/// A torus of radii `size` and three tenths of it.
+/// A torus of radii `size` and a quarter of it.
 fn torus(size: f64) -> (TriMesh, Vec<Vector3<f64>>) {
     let [around, across] = CELLS;
     let corner = |i: u32, j: u32| (i % around) * across + j % across;
@@ -23,8 +23,8 @@ fn torus(size: f64) -> (TriMesh, Vec<Vector3<f64>>) {
         for j in 0..across {
             let (s, c) = (TAU * f64::from(i) / f64::from(around)).sin_cos();
             let (t, r) = (TAU * f64::from(j) / f64::from(across)).sin_cos();
-            let radius = 1.0 + 0.3 * r;
-            positions.push(Vector3::new(radius * c, radius * s, 0.3 * t) * size);
+            let radius = 1.0 + 0.25 * r;
+            positions.push(Vector3::new(radius * c, radius * s, 0.25 * t) * size);
             let [a, b] = [corner(i, j), corner(i + 1, j)];
             let [d, e] = [corner(i + 1, j + 1), corner(i, j + 1)];
             faces.extend([[a, b, d], [a, d, e]]);
@@ -41,14 +41,15 @@ fn follow(size: f64, edge: f64, aspect: f64) -> [Remeshed; 2] {
     let points = surface.vertex_points().expect("no loose vertex");
     let mesh = SurfaceMesh::on_surface(base.clone(), points, &surface).expect("arrays fit");
     let normals = vertex_normals(&base, &positions);
-    // Winding about the tube, so that it turns from face to face.
+    // The direction turns from face to face, and is any where the axis is normal to the torus.
     let tensors: PerVertex<_> = mesh
         .positions
         .iter()
         .map(|(v, p)| {
             let normal = normals[v.index()];
             let around = Vector3::new(-p.y, p.x, 0.0).normalize();
-            let direction = around + around.cross(&normal);
+            let is_tangent = normal.cross(&Vector3::x()).norm() > 1e-6;
+            let direction = if is_tangent { Vector3::x() } else { around };
             size_tensor(normal, direction, edge, aspect * edge).expect("a tangent direction")
         })
         .collect();
@@ -65,15 +66,16 @@ fn follow(size: f64, edge: f64, aspect: f64) -> [Remeshed; 2] {
     [first, again]
 }
 
-/// Some edges between faces at an angle used to be flipped to and fro until the rounds were over.
+/// Edges that the surface had no place for when they were to be split used to stay too long until
+/// the next call, and edges between faces at an angle were flipped to and fro.
 #[test]
 fn a_torus_refined_much_three_to_one_converges_in_both_calls() {
-    let made = follow(1.0, 0.0131, 3.0);
+    let made = follow(1.0, 0.012668, 3.0);
     let faces = made[0].mesh.mesh.face_count();
     assert!((38_000..48_000).contains(&faces), "{faces} faces");
     for report in made.map(|made| made.report) {
         assert!(report.converged, "{report:?}");
-        assert!(report.metric_lengths[0] > 0.4, "{report:?}");
+        assert!(report.metric_lengths[0] > 0.3, "{report:?}");
         assert!(report.share_met() > 0.999, "{report:?}");
     }
 }
