@@ -29,7 +29,7 @@ impl Rectangle {
         let coarse = SurfaceMesh::on_surface(mesh, points.to_vec().into(), self);
         let mut coarse = coarse.expect("a point per vertex");
         coarse.fixed = PerVertex::filled(4, true);
-        let sizing = Sizing::uniform(4, edge);
+        let sizing = Sizing::uniform(4, edge).expect("a positive length");
         let made = remesh(&coarse, &sizing, self, &RemeshSettings::default());
         made.expect("a valid sizing").mesh
     }

@@ -37,6 +37,10 @@ usage: cargo xtask TASK
                try random input for SECONDS [default: 600]; inputs with finds go to target/fuzz;
                targets: scene, gltf, obj, png, exr, remesh, program [default: all];
                fuzz again TARGET-NUMBER tries one input again
+  fuzz properties [ROUNDS] [CRATE]...
+               run the property tests ROUNDS times [default: 1000] with new random cases,
+               of the named crates [default: all], until one fails; the echoed command
+               runs a round again
   figures [DIR] [--quick]
                draw the figures and tables after Li 2014 and Rémillard and Kry 2013 into DIR
                [default: target/figures]: simulate the scenes under assets/, then do what

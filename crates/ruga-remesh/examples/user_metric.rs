@@ -13,7 +13,8 @@ use std::error::Error;
 use nalgebra::{Matrix3, Vector3};
 use ruga_mesh::{PerEdge, PerVertex, TriMesh};
 use ruga_remesh::{
-    PolyhedralSurface, RemeshSettings, SizeLimits, Sizing, SurfaceMesh, remesh, size_tensor,
+    PolyhedralSurface, RemeshError, RemeshSettings, SizeLimits, Sizing, SurfaceMesh, remesh,
+    size_tensor,
 };
 
 /// Side of the square and radius of the circle, m.
@@ -43,7 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             .positions
             .iter()
             .map(|(_, &p)| circle_metric(p))
-            .collect();
+            .collect::<Result<_, _>>()?;
         let remeshed = remesh(&mesh, &Sizing { tensors }, &surface, &settings)?;
         let report = remeshed.report;
         eprintln!(
@@ -58,11 +59,11 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// Across the circle edges of 1 mm on it, growing with the distance; three times that along it.
-fn circle_metric(p: Vector3<f64>) -> Matrix3<f64> {
+fn circle_metric(p: Vector3<f64>) -> Result<Matrix3<f64>, RemeshError> {
     let radial = p - Vector3::new(SIDE / 2.0, SIDE / 2.0, 0.0);
     let across = 1e-3 + 0.3 * (radial.norm() - RADIUS).abs();
     if radial.norm() < 1e-9 {
-        return Matrix3::identity() / (across * across);
+        return Ok(Matrix3::identity() / (across * across));
     }
     size_tensor(Vector3::z(), radial, across, 3.0 * across)
 }

@@ -9,7 +9,8 @@ use crate::remesh::Counts;
 const MAX_PASSES: usize = 64;
 
 /// Shape under which a collapse may not make a face worse than the worst it replaces: half of an
-/// equilateral's in the metric, a right triangle of sides 1 : 3.4.
+/// equilateral's in the metric, a right triangle of sides 1 : 3.4. Edges shorter than this metric
+/// length may leave worse faces; see [`least_shape`].
 const WORST_SHAPE: f64 = 0.5;
 
 /// Collapses short edges, shortest first, then flips around them, until none can go.
@@ -89,9 +90,19 @@ fn collapse_shape(patch: &Patch, h: u32, gone: u32, corner: f64) -> Option<f64> 
             return None;
         }
     }
-    let is_sound =
-        after[0] >= WORST_SHAPE.min(before[0]) && Patch::stays_upright(before[1], after[1]);
+    let least = least_shape(patch.half_edge_length(h)).min(before[0]);
+    let is_sound = after[0] >= least && Patch::stays_upright(before[1], after[1]);
     is_sound.then_some(after[0])
+}
+
+/// The shape that a collapse of an edge of a metric length must leave, unless it was worse before.
+///
+/// Among edges that all are far too short every collapse makes some face worse for a while, and
+/// with one bound for all lengths such clusters lock: of a sphere coarsened eighteenfold 6 % of
+/// the edges stayed under half the wanted length, down to a tenth. Flips and moves mend the shape
+/// once the cluster is gone; in proportion to the length they always can.
+fn least_shape(length: f64) -> f64 {
+    length.min(WORST_SHAPE)
 }
 
 /// Lowers the worst shape and uprightness to those of a face.

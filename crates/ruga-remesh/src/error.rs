@@ -1,6 +1,6 @@
 //! What can be wrong with the input of a remesh.
 
-use ruga_mesh::{FaceId, VertexId};
+use ruga_mesh::{FaceId, MaterialPoint, VertexId};
 
 /// Why a mesh, a sizing or a setting is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -32,6 +32,25 @@ pub enum RemeshError {
         min_edge: f64,
         /// Setting, m.
         max_edge: f64,
+    },
+    /// A direction of a sizing has no part tangent to the surface.
+    #[error("direction {direction:?} has no part at right angles to the normal {normal:?}")]
+    Direction {
+        /// The direction.
+        direction: [f64; 3],
+        /// The normal.
+        normal: [f64; 3],
+    },
+    /// A vertex's material point is no place of the surface.
+    #[error(
+        "vertex {vertex}: face {face}, coordinates {barycentric:?} are no place of the surface; accepted: a face that it has and coordinates of sum 1",
+        vertex = vertex.0, face = point.face.0, barycentric = point.barycentric
+    )]
+    Point {
+        /// The vertex.
+        vertex: VertexId,
+        /// Its material point.
+        point: MaterialPoint,
     },
     /// A position is infinite or not a number.
     #[error("vertex {vertex} has a coordinate that is not finite", vertex = vertex.0)]

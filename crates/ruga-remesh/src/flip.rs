@@ -56,7 +56,13 @@ fn should_flip(patch: &Patch, h: u32) -> bool {
     let d = topology.apex(twin);
     let is_old = [a, b, c, d].iter().all(|&v| !patch.is_new(v));
     let tolerance = if is_old { TOLERANCE_OLD } else { TOLERANCE };
-    if delaunay_sine(patch, [a, b, c, d]) >= -tolerance || topology.are_joined(c, d) {
+    let sine = delaunay_sine(patch, [a, b, c, d]);
+    if sine >= -tolerance || topology.are_joined(c, d) {
+        return false;
+    }
+    // Faces at an angle unfold differently about the two diagonals, and each of these may seem
+    // the wrong one: such an edge would be flipped to and fro for ever.
+    if delaunay_sine(patch, [d, c, a, b]) <= sine {
         return false;
     }
     // The diagonal may be long only where it replaces a longer one: this keeps what splitting

@@ -25,7 +25,7 @@
 //! let seams = PerEdge::filled(base.edges().len(), false);
 //! let surface = PolyhedralSurface::new(&base, &positions, &seams)?;
 //! let coarse = SurfaceMesh::on_surface(base.clone(), surface.vertex_points()?, &surface)?;
-//! let fine = remesh(&coarse, &Sizing::uniform(4, 1e-3), &surface, &RemeshSettings::default())?;
+//! let fine = remesh(&coarse, &Sizing::uniform(4, 1e-3)?, &surface, &RemeshSettings::default())?;
 //! assert!(fine.report.share_met() > 0.95);
 //! assert_eq!(fine.mesh.mesh.vertex_count(), fine.transfer.rows.row_count());
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -87,6 +87,11 @@ impl<'a> Patch<'a> {
         self.old_vertex(v).is_some_and(|old| self.old.fixed[old])
     }
 
+    /// Whether a vertex is neither fixed nor on a border or feature.
+    pub(crate) fn is_free(&self, v: u32) -> bool {
+        !self.is_fixed(v) && self.topology.neighbours(v).all(|(_, feature)| !feature)
+    }
+
     /// Where a vertex lies on the old mesh.
     pub(crate) fn origin(&self, v: u32) -> MaterialPoint {
         self.origins[v as usize].unwrap_or_else(|| {

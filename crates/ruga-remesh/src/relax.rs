@@ -30,7 +30,7 @@ const LEAST_STEP: f64 = 0.02;
 pub(crate) fn relax_new_vertices(patch: &mut Patch, counts: &mut Counts) {
     let mut touched = Touched::new();
     for v in 0..patch.topology.vertex_slots() as u32 {
-        if is_free(patch, v) && move_to_centroid(patch, v) {
+        if is_movable(patch, v) && move_to_centroid(patch, v) {
             counts.moves += 1;
             touched.add_around(&patch.topology, v);
         }
@@ -40,10 +40,8 @@ pub(crate) fn relax_new_vertices(patch: &mut Patch, counts: &mut Counts) {
 }
 
 /// Whether a vertex exists, is new and lies on no feature.
-fn is_free(patch: &Patch, v: u32) -> bool {
-    patch.is_new(v)
-        && patch.topology.is_alive_vertex(v)
-        && patch.topology.neighbours(v).all(|(_, feature)| !feature)
+fn is_movable(patch: &Patch, v: u32) -> bool {
+    patch.is_new(v) && patch.topology.is_alive_vertex(v) && patch.is_free(v)
 }
 
 fn move_to_centroid(patch: &mut Patch, v: u32) -> bool {

@@ -21,6 +21,14 @@ const RELAXATIONS: usize = 4;
 /// depends on border vertices alone.
 const LEAST_WEIGHT: f64 = 1e-9;
 
+/// Share of edges under half the wanted length, among those that nothing forces, up to which a
+/// remesh counts as converged. Ten times what an ordinary remesh leaves: a few edges stay because
+/// their collapse would make a neighbour too long or turn a face over.
+const MOST_SHORT: f64 = 0.02;
+
+/// Short edges that are allowed in any case; the share of a small mesh is one or two edges.
+const FEW_SHORT: f64 = 2.0;
+
 /// How a mesh is made to follow a sizing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RemeshSettings {
@@ -70,8 +78,10 @@ pub struct RemeshReport {
     pub collapses: usize,
     /// Moves of new vertices.
     pub moves: usize,
-    /// Whether no pass ran into its bound and no edge is too long. If not, the mesh is sound, but
-    /// less well shaped, or coarser where the surface had no place for a new vertex.
+    /// Whether no pass ran into its bound, no edge is too long, and of the edges that
+    /// [`Self::short_unforced`] counts there are at most two and one in fifty. If not, the mesh is
+    /// sound, but less well shaped, coarser where the surface had no place for a new vertex, or
+    /// finer where vertices could not be removed.
     pub converged: bool,
     /// Edges of the new mesh.
     pub edges: usize,
@@ -79,6 +89,8 @@ pub struct RemeshReport {
     pub too_long: usize,
     /// Edges with a metric length under 0.5; borders, features and fixed vertices force some.
     pub too_short: usize,
+    /// Those of them that no border, feature or fixed vertex forces: one end at least is free.
+    pub short_unforced: usize,
     /// Shortest and longest metric length.
     pub metric_lengths: [f64; 2],
 }
@@ -143,6 +155,8 @@ pub fn remesh(
     for _ in 0..RELAXATIONS {
         converged &= collapse_short_edges(&mut patch, corner, &mut counts);
         relax_new_vertices(&mut patch, &mut counts);
+        // Where the surface had no place for a middle it may have one after the moves.
+        converged &= crate::split::split_long_edges(&mut patch, &mut counts, most);
     }
     converged &= close(&mut patch, corner, &mut counts);
     Ok(finish(&patch, counts, converged))
@@ -257,17 +271,23 @@ fn report(patch: &Patch, counts: Counts, converged: bool) -> RemeshReport {
         edges: 0,
         too_long: 0,
         too_short: 0,
+        short_unforced: 0,
         metric_lengths: [f64::INFINITY, 0.0],
     };
     for h in patch.topology.edges() {
         let length = patch.half_edge_length(h);
         result.edges += 1;
         result.too_long += usize::from(length > 1.5);
-        result.too_short += usize::from(length < 0.5);
+        if length < 0.5 {
+            result.too_short += 1;
+            let ends = [patch.topology.tail(h), patch.topology.head(h)];
+            result.short_unforced += usize::from(ends.iter().any(|&v| patch.is_free(v)));
+        }
         let [shortest, longest] = result.metric_lengths;
         result.metric_lengths = [shortest.min(length), longest.max(length)];
     }
-    result.converged &= result.too_long == 0;
+    let most_short = (MOST_SHORT * result.edges as f64).max(FEW_SHORT);
+    result.converged &= result.too_long == 0 && result.short_unforced as f64 <= most_short;
     result
 }
 

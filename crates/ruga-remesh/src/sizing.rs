@@ -1,5 +1,7 @@
 //! The sizing: how long edges should be at each vertex in each direction, and its limits.
 
+use std::ops::RangeInclusive;
+
 use nalgebra::{Matrix3, Vector3};
 use ruga_mesh::{Id, PerVertex, tangent_frame};
 
@@ -17,6 +19,12 @@ const VERTICES_PER_METRIC_AREA: f64 = 1.155 * 1.14;
 /// to another mesh and limited again come out unchanged although interpolation over a curved surface has shortened it a little.
 const LIMIT_SLACK: f64 = 0.04;
 
+/// Sine of the angle between a direction and the normal under which the direction counts as normal.
+const LEAST_TANGENT: f64 = 1e-9;
+
+/// Lengths, m, whose square and its inverse are finite and not zero.
+const SQUARABLE: RangeInclusive<f64> = 1e-150..=1e150;
+
 /// A symmetric tensor per vertex, 1/m², tangent to the surface: an edge `e` has the metric length
 /// `sqrt(eᵀ M e)`, dimensionless, wanted near one.
 ///
@@ -32,8 +40,9 @@ pub struct Sizing {
 pub struct SizeLimits {
     /// Shortest wanted edge, m; not negative. Default 0. It bounds cost.
     pub min_edge: f64,
-    /// Longest wanted edge, m; positive, not under `min_edge`. Default 1. It says how coarse the
-    /// mesh is where nothing else asks for edges.
+    /// Longest wanted edge, m; positive, not under `min_edge`. It says how coarse the mesh is where
+    /// nothing else asks for edges. Default infinite: no edge is wanted longer than the diagonal
+    /// of the box around the mesh, so that coordinates in any unit give the same mesh.
     pub max_edge: f64,
     /// Largest ratio of the wanted lengths of two directions at a place; at least 1. Default 2:
     /// hinge bending is 20 to 40 % too soft on longer triangles; up to 4 with a bending operator
@@ -49,7 +58,7 @@ impl Default for SizeLimits {
     fn default() -> Self {
         Self {
             min_edge: 0.0,
-            max_edge: 1.0,
+            max_edge: f64::INFINITY,
             aspect: 2.0,
             grading: 0.5,
         }
@@ -65,9 +74,7 @@ impl SizeLimits {
         setting("min_edge", self.min_edge, "0 or more, finite", |v| {
             v >= 0.0 && v.is_finite()
         })?;
-        setting("max_edge", self.max_edge, "positive, finite", |v| {
-            v > 0.0 && v.is_finite()
-        })?;
+        setting("max_edge", self.max_edge, "positive", |v| v > 0.0)?;
         setting("aspect", self.aspect, "1 or more, finite", |v| {
             v >= 1.0 && v.is_finite()
         })?;
@@ -79,6 +86,15 @@ impl SizeLimits {
             });
         }
         Ok(())
+    }
+
+    /// These limits with the longest edge held to the extent of a mesh.
+    fn within(&self, mesh: &SurfaceMesh) -> Self {
+        let max_edge = self.max_edge.min(extent(&mesh.positions));
+        Self {
+            max_edge: max_edge.max(self.min_edge),
+            ..*self
+        }
     }
 
     /// The tensor with eigenvalues raised or lowered into the limits.
@@ -93,6 +109,21 @@ impl SizeLimits {
             return tensor;
         }
         tensor.map_eigenvalues(|value| value.clamp(floor, most))
+    }
+}
+
+/// Diagonal of the box around some positions, m; one where it has none, or none that squares.
+fn extent(positions: &PerVertex<Vector3<f64>>) -> f64 {
+    let mut all = positions.as_slice().iter();
+    let Some(&first) = all.next() else {
+        return 1.0;
+    };
+    let (low, high) = all.fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
+    let diagonal = (high - low).norm();
+    if SQUARABLE.contains(&diagonal) {
+        diagonal
+    } else {
+        1.0
     }
 }
 
@@ -115,11 +146,15 @@ pub(crate) fn setting(
 
 impl Sizing {
     /// The same wanted length `edge` (m, positive) everywhere and in every direction.
-    pub fn uniform(vertex_count: usize, edge: f64) -> Self {
+    ///
+    /// # Errors
+    /// [`RemeshError::Setting`] for a length that is not a positive number.
+    pub fn uniform(vertex_count: usize, edge: f64) -> Result<Self, RemeshError> {
+        wanted_length("edge", edge)?;
         let tensor = Matrix3::identity() / (edge * edge);
-        Self {
+        Ok(Self {
             tensors: PerVertex::filled(vertex_count, tensor),
-        }
+        })
     }
 
     /// The sizing made tangent and held to limits: edge lengths, aspect, then grading.
@@ -127,7 +162,8 @@ impl Sizing {
     /// Lengths are clamped first, so that grading sees what will be meshed; grading only refines.
     ///
     /// # Errors
-    /// Limits out of range, a sizing that does not fit the mesh, or a bad tensor.
+    /// Limits out of range, a mesh that does not fit the surface, a sizing that does not fit the
+    /// mesh, or a bad tensor.
     pub fn limited(
         &self,
         mesh: &SurfaceMesh,
@@ -135,8 +171,9 @@ impl Sizing {
         limits: &SizeLimits,
     ) -> Result<Self, RemeshError> {
         limits.check()?;
-        mesh.check()?;
+        mesh.check_on(surface)?;
         self.check(mesh.mesh.vertex_count())?;
+        let limits = limits.within(mesh);
         let frames: Vec<[Vector3<f64>; 2]> = mesh
             .points
             .iter()
@@ -159,8 +196,9 @@ impl Sizing {
     /// Number of vertices that a mesh following this sizing has, to about 20 %.
     ///
     /// # Errors
-    /// [`RemeshError::Length`] for a sizing that does not fit the mesh.
+    /// Arrays that do not fit the mesh, or positions that are not finite.
     pub fn vertex_estimate(&self, mesh: &SurfaceMesh) -> Result<usize, RemeshError> {
+        mesh.check()?;
         check_length("sizing", self.tensors.len(), mesh.mesh.vertex_count())?;
         let area: f64 = mesh
             .mesh
@@ -197,17 +235,44 @@ impl Sizing {
 /// The tensor of a place where edges should be `across` long in the direction of `direction` and
 /// `along` at right angles to it, m; zero normal to the surface.
 ///
-/// `direction` need not be of length one; only its part tangent to the surface counts.
+/// `normal` and `direction` need not be of length one; only the part of `direction` tangent to the
+/// surface counts.
+///
+/// # Errors
+/// [`RemeshError::Setting`] for a length that is not a positive number, and
+/// [`RemeshError::Direction`] where the direction has no part tangent to the surface.
 pub fn size_tensor(
     normal: Vector3<f64>,
     direction: Vector3<f64>,
     across: f64,
     along: f64,
-) -> Matrix3<f64> {
+) -> Result<Matrix3<f64>, RemeshError> {
+    wanted_length("across", across)?;
+    wanted_length("along", along)?;
+    let [first, second] = tangents(normal, direction).ok_or(RemeshError::Direction {
+        direction: direction.into(),
+        normal: normal.into(),
+    })?;
+    let across = first * first.transpose() / (across * across);
+    Ok(across + second * second.transpose() / (along * along))
+}
+
+/// The unit tangent along a direction and the one across it; `None` where the direction has no
+/// tangent part but rounding, or is no direction.
+fn tangents(normal: Vector3<f64>, direction: Vector3<f64>) -> Option<[Vector3<f64>; 2]> {
+    let [normal, direction] = [normal, direction].map(|v| v.try_normalize(0.0));
+    let (normal, direction) = (normal?, direction?);
     let tangent = direction - normal * normal.dot(&direction);
-    let first = tangent.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
-    let second = normal.cross(&first);
-    first * first.transpose() / (across * across) + second * second.transpose() / (along * along)
+    // Infinite vectors have no direction: they come out of the first line as NaN, which fails here.
+    let first = tangent.try_normalize(LEAST_TANGENT)?;
+    first
+        .iter()
+        .all(|c| c.is_finite())
+        .then(|| [first, normal.cross(&first)])
+}
+
+fn wanted_length(name: &'static str, value: f64) -> Result<(), RemeshError> {
+    setting(name, value, "1e-150 to 1e150 m", |v| SQUARABLE.contains(&v))
 }
 
 /// `sqrt(eᵀ M e)`.

@@ -5,11 +5,25 @@ use ruga_mesh::{Id, MaterialPoint, PerEdge, PerVertex, TriMesh};
 
 use crate::RemeshError;
 
+/// Difference of the sum of barycentric coordinates from one that is still rounding, after it has
+/// gone through files of single precision.
+const SUM_TOLERANCE: f64 = 1e-4;
+
 /// A smooth rest surface addressed by material points.
 ///
 /// Positions are in metres, normals are of length one and point to the side from which faces are
 /// counter-clockwise.
+///
+/// Every place that is asked about is one that [`Surface::contains`] has accepted, or one that the
+/// surface itself has named.
 pub trait Surface {
+    /// Whether a material point is a place of this surface.
+    ///
+    /// The provided method knows no faces: it looks at the coordinates only.
+    fn contains(&self, at: MaterialPoint) -> bool {
+        sums_to_one(at)
+    }
+
     /// Rest position of a place, m.
     fn position(&self, at: MaterialPoint) -> Vector3<f64>;
 
@@ -35,6 +49,11 @@ pub trait Surface {
     }
 }
 
+/// Whether barycentric coordinates are numbers of sum one.
+fn sums_to_one(at: MaterialPoint) -> bool {
+    (at.barycentric.iter().sum::<f64>() - 1.0).abs() <= SUM_TOLERANCE
+}
+
 /// A mesh on a [`Surface`].
 #[derive(Clone, Debug)]
 pub struct SurfaceMesh {
@@ -57,12 +76,14 @@ impl SurfaceMesh {
     /// fixed vertices.
     ///
     /// # Errors
-    /// [`RemeshError::Length`] unless there is one point per vertex.
+    /// [`RemeshError::Length`] unless there is one point per vertex, and [`RemeshError::Point`]
+    /// for a point that is no place of the surface.
     pub fn on_surface(
         mesh: TriMesh,
         points: PerVertex<MaterialPoint>,
         surface: &dyn Surface,
     ) -> Result<Self, RemeshError> {
+        check_points(&points, surface)?;
         let positions = points
             .as_slice()
             .iter()
@@ -79,20 +100,40 @@ impl SurfaceMesh {
         Ok(result)
     }
 
+    /// Checks the arrays, and that every vertex is on the surface.
+    pub(crate) fn check_on(&self, surface: &dyn Surface) -> Result<(), RemeshError> {
+        self.check()?;
+        check_points(&self.points, surface)
+    }
+
     pub(crate) fn check(&self) -> Result<(), RemeshError> {
         let vertices = self.mesh.vertex_count();
         check_length("points", self.points.len(), vertices)?;
         check_length("positions", self.positions.len(), vertices)?;
         check_length("fixed", self.fixed.len(), vertices)?;
         check_length("features", self.features.len(), self.mesh.edges().len())?;
-        match self
-            .positions
-            .iter()
-            .find(|(_, p)| !p.iter().all(|c| c.is_finite()))
-        {
-            Some((vertex, _)) => Err(RemeshError::Position { vertex }),
-            None => Ok(()),
-        }
+        check_finite(self.positions.as_slice())
+    }
+}
+
+fn check_points(
+    points: &PerVertex<MaterialPoint>,
+    surface: &dyn Surface,
+) -> Result<(), RemeshError> {
+    let mut all = points.iter().map(|(vertex, &point)| (vertex, point));
+    match all.find(|&(_, point)| !surface.contains(point)) {
+        Some((vertex, point)) => Err(RemeshError::Point { vertex, point }),
+        None => Ok(()),
+    }
+}
+
+fn check_finite(positions: &[Vector3<f64>]) -> Result<(), RemeshError> {
+    let is_finite = |p: &Vector3<f64>| p.iter().all(|c| c.is_finite());
+    match positions.iter().position(|p| !is_finite(p)) {
+        Some(i) => Err(RemeshError::Position {
+            vertex: Id::from_index(i),
+        }),
+        None => Ok(()),
     }
 }
 
@@ -115,6 +156,10 @@ pub(crate) fn check_length(
 /// The facets of a triangle mesh as a [`Surface`]; vertex normals are interpolated.
 ///
 /// Right for flat patches and for meshes that are much finer than what is remeshed on them.
+///
+/// # Panics
+/// The methods of [`Surface`], other than `contains`, where they are given a face that the
+/// surface's mesh does not have.
 #[derive(Clone, Debug)]
 pub struct PolyhedralSurface<'a> {
     mesh: &'a TriMesh,
@@ -127,7 +172,8 @@ impl<'a> PolyhedralSurface<'a> {
     /// The surface of `mesh` with `positions` in metres; `features` marks seams of the base mesh.
     ///
     /// # Errors
-    /// [`RemeshError::Length`] where an array does not fit the mesh.
+    /// [`RemeshError::Length`] where an array does not fit the mesh, and
+    /// [`RemeshError::Position`] for the first vertex that is not finite.
     pub fn new(
         mesh: &'a TriMesh,
         positions: &'a [Vector3<f64>],
@@ -135,6 +181,7 @@ impl<'a> PolyhedralSurface<'a> {
     ) -> Result<Self, RemeshError> {
         check_length("positions", positions.len(), mesh.vertex_count())?;
         check_length("features", features.len(), mesh.edges().len())?;
+        check_finite(positions)?;
         Ok(Self {
             mesh,
             positions,
@@ -159,6 +206,10 @@ impl<'a> PolyhedralSurface<'a> {
 }
 
 impl Surface for PolyhedralSurface<'_> {
+    fn contains(&self, at: MaterialPoint) -> bool {
+        at.face.index() < self.mesh.face_count() && sums_to_one(at)
+    }
+
     fn position(&self, at: MaterialPoint) -> Vector3<f64> {
         at.interpolate(self.mesh, self.positions)
     }

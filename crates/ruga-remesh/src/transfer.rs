@@ -20,11 +20,17 @@ pub struct Transfer {
 
 impl Transfer {
     /// Values at the new vertices, from one vector per old vertex.
+    ///
+    /// # Panics
+    /// Where `old` has fewer values than the old mesh has vertices.
     pub fn vectors(&self, old: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         self.rows.apply(old)
     }
 
     /// Values at the new vertices, from one number per old vertex.
+    ///
+    /// # Panics
+    /// Where `old` has fewer values than the old mesh has vertices.
     pub fn scalars(&self, old: &[f64]) -> Vec<f64> {
         (0..self.rows.row_count())
             .map(|row| {
@@ -37,6 +43,9 @@ impl Transfer {
     }
 
     /// Pins and flags at the new vertices: the survivor's own, `born` for a new vertex.
+    ///
+    /// # Panics
+    /// Where `old` has fewer values than the old mesh has vertices.
     pub fn flags<T: Clone>(&self, old: &PerVertex<T>, born: T) -> PerVertex<T> {
         self.survivors
             .iter()
@@ -45,6 +54,9 @@ impl Transfer {
     }
 
     /// The new vertex that each old one became; `None` where it was removed.
+    ///
+    /// # Panics
+    /// Where the old mesh has more than `old_count` vertices.
     pub fn new_from_old(&self, old_count: usize) -> PerVertex<Option<VertexId>> {
         let mut result = PerVertex::filled(old_count, None);
         for (new, survivor) in self.survivors.iter() {

@@ -8,13 +8,17 @@ use rand_pcg::Pcg64;
 use ruga_mesh::{FaceId, MaterialPoint, PerEdge, PerFace, PerVertex, TriMesh, VertexId};
 use ruga_remesh::{
     FaceDriver, PolyhedralSurface, Refinement, RemeshError, RemeshSettings, SizeLimits, Sizing,
-    SizingInput, SurfaceMesh, remesh, sizing_field,
+    SizingInput, Surface, SurfaceMesh, remesh, size_tensor, sizing_field,
 };
 use shapes::{Shape, Sheet, grid};
 
+fn uniform(vertices: usize, edge: f64) -> Sizing {
+    Sizing::uniform(vertices, edge).expect("a positive length")
+}
+
 fn refused(change: impl Fn(&mut SurfaceMesh, &mut Sizing, &mut RemeshSettings)) -> RemeshError {
     let mut mesh = grid(Shape::Flat, 3, 0.0, 1);
-    let mut sizing = Sizing::uniform(mesh.mesh.vertex_count(), 0.2);
+    let mut sizing = uniform(mesh.mesh.vertex_count(), 0.2);
     let mut settings = RemeshSettings::default();
     change(&mut mesh, &mut sizing, &mut settings);
     remesh(&mesh, &sizing, &Sheet(Shape::Flat), &settings).expect_err("must be refused")
@@ -54,7 +58,7 @@ fn settings_out_of_range_are_named() {
     );
     assert_eq!(
         named(with_limits(SizeLimits {
-            max_edge: f64::INFINITY,
+            max_edge: f64::NAN,
             ..good
         })),
         "max_edge"
@@ -94,7 +98,7 @@ fn an_empty_edge_range_is_contradictory() {
 
 #[test]
 fn arrays_that_do_not_fit_are_named() {
-    let short = refused(|_, sizing, _| *sizing = Sizing::uniform(3, 0.2));
+    let short = refused(|_, sizing, _| *sizing = uniform(3, 0.2));
     assert_eq!(
         short,
         RemeshError::Length {
@@ -139,9 +143,84 @@ fn bad_numbers_name_their_vertex() {
 }
 
 #[test]
+fn lengths_that_are_not_positive_are_refused() {
+    for bad in [-0.3, 0.0, f64::NAN, f64::INFINITY, 1e-200] {
+        let error = Sizing::uniform(3, bad).expect_err("must be refused");
+        assert!(error.to_string().starts_with("edge = "), "{error}");
+        for (lengths, name) in [([bad, 1.0], "across = "), ([1.0, bad], "along = ")] {
+            let error = size_tensor(Vector3::z(), Vector3::x(), lengths[0], lengths[1]);
+            let error = error.expect_err("must be refused").to_string();
+            assert!(error.starts_with(name), "{error}");
+        }
+    }
+}
+
+#[test]
+fn a_direction_without_a_tangent_part_is_refused() {
+    let normal = Vector3::new(0.0, 0.6, 0.8);
+    let nan = Vector3::repeat(f64::NAN);
+    for direction in [normal, -normal * 1e-3, normal * 1e9, Vector3::zeros(), nan] {
+        let error = size_tensor(normal, direction, 0.1, 0.2).expect_err("must be refused");
+        assert!(matches!(error, RemeshError::Direction { .. }), "{error}");
+    }
+    assert!(size_tensor(nan, Vector3::x(), 0.1, 0.2).is_err());
+    let leaning = normal * 5.0 + Vector3::x();
+    let tensor = size_tensor(normal * 7.0, leaning, 0.1, 0.2).expect("it has a tangent part");
+    assert!((tensor.m11 - 100.0).abs() < 1e-9, "{tensor}");
+}
+
+/// A place is interpolated from three corners, so that the bad one used to be blamed on the first.
+#[test]
+fn a_surface_names_the_vertex_that_is_not_finite() {
+    let mesh = TriMesh::new(3, vec![[0, 1, 2]]).expect("one face");
+    let seams = PerEdge::filled(3, false);
+    let positions = [Vector3::zeros(), Vector3::x(), Vector3::repeat(f64::NAN)];
+    let error = PolyhedralSurface::new(&mesh, &positions, &seams).err();
+    let vertex = VertexId(2);
+    assert_eq!(error, Some(RemeshError::Position { vertex }));
+}
+
+#[test]
+fn places_that_a_surface_does_not_have_are_refused() {
+    let mesh = TriMesh::new(3, vec![[0, 1, 2]]).expect("one face");
+    let seams = PerEdge::filled(3, false);
+    let positions = [Vector3::zeros(), Vector3::x(), Vector3::y()];
+    let surface = PolyhedralSurface::new(&mesh, &positions, &seams).expect("it fits");
+    let points = surface.vertex_points().expect("every vertex has a face");
+    let good = SurfaceMesh::on_surface(mesh.clone(), points.clone(), &surface).expect("it fits");
+    for (face, barycentric) in [
+        (1, [1.0, 0.0, 0.0]),
+        (0, [1.0, 1.0, 0.0]),
+        (0, [f64::NAN; 3]),
+    ] {
+        let face = FaceId(face);
+        let point = MaterialPoint { face, barycentric };
+        assert!(!surface.contains(point));
+        let mut points = points.clone();
+        points[VertexId(1)] = point;
+        let made = SurfaceMesh::on_surface(mesh.clone(), points.clone(), &surface);
+        let is_named = |error: Option<RemeshError>| {
+            matches!(
+                error,
+                Some(RemeshError::Point {
+                    vertex: VertexId(1),
+                    ..
+                })
+            )
+        };
+        assert!(is_named(made.err()));
+        let bad = SurfaceMesh {
+            points,
+            ..good.clone()
+        };
+        let made = remesh(&bad, &uniform(3, 0.1), &surface, &RemeshSettings::default());
+        assert!(is_named(made.err()));
+    }
+}
+
+#[test]
 fn an_absurd_sizing_is_refused_before_it_fills_memory() {
-    let error =
-        refused(|mesh, sizing, _| *sizing = Sizing::uniform(mesh.mesh.vertex_count(), 1e-6));
+    let error = refused(|mesh, sizing, _| *sizing = uniform(mesh.mesh.vertex_count(), 1e-6));
     assert!(
         matches!(
             error,
@@ -178,7 +257,7 @@ fn a_crumpled_surface_does_not_fill_memory() {
         let surface = PolyhedralSurface::new(&flat.mesh, &positions, &seams).expect("it fits");
         let points = surface.vertex_points().expect("every vertex has a face");
         let mesh = SurfaceMesh::on_surface(flat.mesh.clone(), points, &surface).expect("it fits");
-        let sizing = Sizing::uniform(mesh.mesh.vertex_count(), 0.3);
+        let sizing = uniform(mesh.mesh.vertex_count(), 0.3);
         let Ok(made) = remesh(&mesh, &sizing, &surface, &settings) else {
             continue;
         };
@@ -199,7 +278,7 @@ fn two_fans_at_a_vertex_and_loose_vertices_are_refused() {
         let point = MaterialPoint::at_corner(FaceId(0), 0);
         let points = PerVertex::filled(count, point);
         let mesh = SurfaceMesh::on_surface(mesh, points, &Sheet(Shape::Flat)).expect("fits");
-        let sizing = Sizing::uniform(count, 0.1);
+        let sizing = uniform(count, 0.1);
         let error = remesh(
             &mesh,
             &sizing,
@@ -222,7 +301,7 @@ fn a_mesh_without_faces_is_left_alone() {
     .expect("fits");
     let result = remesh(
         &mesh,
-        &Sizing::uniform(0, 0.1),
+        &uniform(0, 0.1),
         &Sheet(Shape::Flat),
         &RemeshSettings::default(),
     );

@@ -9,9 +9,9 @@ use ruga_remesh::{
 };
 use shapes::{Shape, Sheet, Waves, grid};
 
-/// The settings all tests here use, with edges up to a metre.
+/// Remeshes to a uniform length with the default settings.
 fn follow(mesh: &SurfaceMesh, edge: f64, surface: &dyn Surface) -> Remeshed {
-    let sizing = Sizing::uniform(mesh.mesh.vertex_count(), edge);
+    let sizing = Sizing::uniform(mesh.mesh.vertex_count(), edge).expect("a positive length");
     remesh(mesh, &sizing, surface, &RemeshSettings::default()).expect("valid input")
 }
 

@@ -3,6 +3,7 @@
 mod shapes;
 
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 use ruga_mesh::{Id, TriMesh, VertexId};
 use ruga_remesh::{RemeshSettings, Remeshed, SizeLimits, SurfaceMesh, remesh};
 use shapes::{Shape, Sheet, Waves, grid, square_from_address};
@@ -92,6 +93,106 @@ fn check_transfer(
     Ok(())
 }
 
+/// One remesh of a jittered grid to a random metric.
+#[derive(Clone, Copy, Debug)]
+struct Case {
+    shape: Shape,
+    cells: usize,
+    edge: f64,
+    range: f64,
+    aspect: f64,
+    seed: u64,
+}
+
+fn is_sound_and_follows_the_metric(case: Case) -> Result<(), TestCaseError> {
+    let Case {
+        shape,
+        cells,
+        edge,
+        range,
+        aspect,
+        seed,
+    } = case;
+    let before = grid(shape, cells, 0.25, seed);
+    let waves = Waves {
+        edge,
+        range,
+        aspect,
+        seed,
+    };
+    let sizing = waves.sizing(&before);
+    let settings = RemeshSettings::default();
+    let after = remesh(&before, &sizing, &Sheet(shape), &settings).expect("valid input");
+    check(shape, &after)?;
+    check_transfer(shape, &before, &after)?;
+
+    let same = remesh(&before, &sizing, &Sheet(shape), &settings).expect("valid input");
+    prop_assert!(same.mesh.positions == after.mesh.positions);
+    prop_assert!(same.mesh.mesh.faces() == after.mesh.mesh.faces());
+
+    // The sizing that comes back is graded on the coarse mesh; graded once more on the fine
+    // one it would be another sizing.
+    let limits = SizeLimits {
+        grading: f64::INFINITY,
+        ..settings.limits
+    };
+    let settings = RemeshSettings { limits, ..settings };
+    let again = remesh(&after.mesh, &after.sizing, &Sheet(shape), &settings).expect("valid");
+    prop_assert!(again.transfer.is_identity(after.mesh.mesh.vertex_count()));
+    prop_assert!(again.mesh.mesh.faces() == after.mesh.mesh.faces());
+    prop_assert!(again.report.converged);
+    Ok(())
+}
+
+/// Every case that the property below has ever failed on.
+///
+/// All are spheres that are coarsened much: 6 to 11 % of the edges stayed under half the wanted
+/// length, the shortest at 0.07 to 0.13 of it, in clusters in which no collapse left a good shape.
+#[test]
+fn cases_that_once_failed_follow_the_metric() {
+    let sphere = |cells, edge, range, aspect, seed| Case {
+        shape: Shape::Sphere,
+        cells,
+        edge,
+        range,
+        aspect,
+        seed,
+    };
+    for case in [
+        sphere(
+            58,
+            0.07797596589359206,
+            3.402282927481509,
+            1.342696027289554,
+            716452,
+        ),
+        sphere(
+            46,
+            0.07713655721402246,
+            3.734453306936679,
+            1.7555517589881202,
+            32773,
+        ),
+        sphere(
+            59,
+            0.07895328870695106,
+            3.47417654593253,
+            1.1215683378366725,
+            566096,
+        ),
+    ] {
+        is_sound_and_follows_the_metric(case).expect("the property holds");
+    }
+}
+
+/// Cargo's settings fix the seed, so that a test that fails fails again; `cargo xtask fuzz
+/// properties` sets others.
+#[test]
+fn the_test_command_draws_the_same_cases_in_every_run() {
+    let seed = ProptestConfig::default().rng_seed;
+    assert!(matches!(seed, RngSeed::Fixed(_)), "run the tests by cargo");
+}
+
 fn shapes() -> impl Strategy<Value = Shape> {
     prop_oneof![
         Just(Shape::Flat),
@@ -112,24 +213,7 @@ proptest! {
         aspect in 1.0f64..2.0,
         seed in 0u64..1_000_000,
     ) {
-        let before = grid(shape, cells, 0.25, seed);
-        let sizing = Waves { edge, range, aspect, seed }.sizing(&before);
-        let settings = RemeshSettings::default();
-        let after = remesh(&before, &sizing, &Sheet(shape), &settings).expect("valid input");
-        check(shape, &after)?;
-        check_transfer(shape, &before, &after)?;
-
-        let same = remesh(&before, &sizing, &Sheet(shape), &settings).expect("valid input");
-        prop_assert!(same.mesh.positions == after.mesh.positions);
-        prop_assert!(same.mesh.mesh.faces() == after.mesh.mesh.faces());
-
-        // The sizing that comes back is graded on the coarse mesh; graded once more on the fine
-        // one it would be another sizing.
-        let limits = SizeLimits { grading: f64::INFINITY, ..settings.limits };
-        let settings = RemeshSettings { limits, ..settings };
-        let again = remesh(&after.mesh, &after.sizing, &Sheet(shape), &settings).expect("valid");
-        prop_assert!(again.transfer.is_identity(after.mesh.mesh.vertex_count()));
-        prop_assert!(again.mesh.mesh.faces() == after.mesh.mesh.faces());
+        is_sound_and_follows_the_metric(Case { shape, cells, edge, range, aspect, seed })?;
     }
 
     #[test]

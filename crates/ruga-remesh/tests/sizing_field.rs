@@ -223,7 +223,7 @@ fn limits_hold_lengths_and_aspect() {
             .iter()
             .map(|&p| {
                 let normal = Shape::Sphere.normal(square_from_address(p));
-                size_tensor(normal, Vector3::y(), edges[0], edges[1])
+                size_tensor(normal, Vector3::y(), edges[0], edges[1]).expect("a tangent direction")
             })
             .collect();
         let limited = Sizing { tensors }
@@ -289,7 +289,7 @@ fn the_vertex_estimate_is_kept() {
             .iter()
             .map(|&p| {
                 let normal = Shape::Cylinder.normal(square_from_address(p));
-                size_tensor(normal, direction, edge, 1.7 * edge)
+                size_tensor(normal, direction, edge, 1.7 * edge).expect("a tangent direction")
             })
             .collect();
         let sizing = Sizing { tensors };

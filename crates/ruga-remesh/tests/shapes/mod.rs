@@ -175,7 +175,7 @@ impl Waves {
         let (s, c) = (TAU / 4.0 * wave(0.8)).sin_cos();
         let (t, b) = (Vector3::y().cross(&normal).normalize(), Vector3::y());
         let half = self.aspect.sqrt();
-        size_tensor(normal, t * c + b * s, edge / half, edge * half)
+        size_tensor(normal, t * c + b * s, edge / half, edge * half).expect("a tangent direction")
     }
 
     pub(crate) fn sizing(self, mesh: &SurfaceMesh) -> Sizing {
