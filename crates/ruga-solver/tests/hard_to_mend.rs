@@ -32,10 +32,7 @@ impl Objective for Quartic {
     }
     fn value(&self, x: &[f64]) -> f64 {
         let [d, a, c, b] = self.energy;
-        0.25 * d * x[0].powi(4)
-            + 0.5 * a * x[0] * x[0]
-            + 0.5 * c * x[1] * x[1]
-            + b * x[0] * x[1]
+        0.25 * d * x[0].powi(4) + 0.5 * a * x[0] * x[0] + 0.5 * c * x[1] * x[1] + b * x[0] * x[1]
     }
     fn gradient(&self, x: &[f64], gradient: &mut [f64]) -> f64 {
         let [d, a, c, b] = self.energy;
@@ -97,7 +94,10 @@ fn a_relaxed_hessian_without_full_rank_is_enough() {
         [0.0, 1.0, 1.0],
     ] {
         let (report, x) = solve(&Quartic::new(double_well, relaxed), AtSaddle::Leave);
-        assert!(report.converged && report.left_saddle, "{relaxed:?} {report:?}");
+        assert!(
+            report.converged && report.left_saddle,
+            "{relaxed:?} {report:?}"
+        );
         assert!((x[0].abs() - 2f64.sqrt()).abs() < 1e-3, "{relaxed:?} {x:?}");
         assert!((x[0] + x[1]).abs() < 1e-3, "{relaxed:?} {x:?}");
         let (report, _) = solve(&Quartic::new(double_well, relaxed), AtSaddle::Stop);
@@ -147,7 +147,11 @@ fn loads_come_to_an_end() {
             let mut loads = LoadStepper::new(&[1.0], settings).unwrap();
             let mut trials = 0;
             while let Some(trial) = loads.next_trial() {
-                loads.report(if trial.load > limit { beyond } else { Outcome::Stable });
+                loads.report(if trial.load > limit {
+                    beyond
+                } else {
+                    Outcome::Stable
+                });
                 trials += 1;
                 assert!(trials < 100_000, "{beyond:?} {limit} {trial:?}");
             }

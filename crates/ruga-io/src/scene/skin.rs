@@ -174,9 +174,9 @@ pub enum Coupling {
 pub enum Sampling {
     /// Vertex areas (Li 2014, eq. 4.3).
     Area,
-    /// The same with moments matched.
+    /// The same with the centroid matched.
     Adjusted,
-    /// Fixed material points with weights.
+    /// A quadrature over the surface that is exact for quadratic functions.
     #[default]
     Quadrature,
 }
