@@ -134,6 +134,8 @@ fn match_basis<const N: usize>(
     for (weight, factor) in weights.iter_mut().zip(factors) {
         *weight *= factor;
     }
+    // The solution has lost as many digits as the condition has; the unit sum shall have all.
+    normalise(weights);
     Ok(())
 }
 
