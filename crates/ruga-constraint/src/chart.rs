@@ -3,7 +3,6 @@
 use nalgebra::{Vector2, Vector3};
 use ruga_mesh::{FaceId, Id, TangentCentre, TriMesh, VertexId, tangent_coordinates};
 
-use crate::Kernel;
 use crate::centre::Centre;
 
 /// Faces whose edges change length by more than this factor in the chart straddle its far side,
@@ -194,32 +193,6 @@ impl Chart {
             .collect()
     }
 
-    /// Centroid of the kernel on the part of the surface that the centre sees, m.
-    ///
-    /// Zero for a full support. Depends on the triangulation only through the error of a rule of
-    /// degree five on each triangle.
-    pub(crate) fn clipped_centroid(&self, kernel: &Kernel) -> Vector2<f64> {
-        if !self.is_clipped {
-            return Vector2::zeros();
-        }
-        let (mut mass, mut moment) = (0.0, Vector2::zeros());
-        for face in &self.faces {
-            let [a, b, c] = face.map(|s| self.places[s as usize]);
-            let area = cross(b - a, c - a);
-            for ([u, v, w], weight) in seven_point_rule() {
-                let place = a * u + b * v + c * w;
-                let share = weight * area * kernel.weight(place.norm());
-                mass += share;
-                moment += place * share;
-            }
-        }
-        if mass > 0.0 {
-            moment / mass
-        } else {
-            Vector2::zeros()
-        }
-    }
-
     /// Whether each vertex belongs to a face that the centre sees.
     pub(crate) fn seen_vertices(&self) -> Vec<bool> {
         let mut seen = vec![false; self.vertices.len()];
@@ -228,23 +201,6 @@ impl Chart {
         }
         seen
     }
-}
-
-/// Barycentric coordinates and weights of Radon's rule of degree five.
-fn seven_point_rule() -> impl Iterator<Item = ([f64; 3], f64)> {
-    let root = 15.0_f64.sqrt();
-    let orbit = |sign: f64| {
-        let near = (6.0 + sign * root) / 21.0;
-        let weight = (155.0 + sign * root) / 1200.0;
-        (0..3).map(move |i| {
-            let mut place = [near; 3];
-            place[i] = 1.0 - 2.0 * near;
-            (place, weight)
-        })
-    };
-    std::iter::once(([1.0 / 3.0; 3], 0.225))
-        .chain(orbit(-1.0))
-        .chain(orbit(1.0))
 }
 
 /// Whether the straight way from the origin to `point` leaves the surface through `border`.

@@ -14,7 +14,8 @@ use crate::rows::{check_length, check_mesh, check_vertex};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClusterSettings {
     /// Most rounds of moving every centre to the middle of its cell; 0 keeps the greedy choice.
-    /// The default, 30, is where cells stop moving on meshes of 10 to 30 edges per spacing.
+    /// The default, 30, is where cells stop moving on meshes of 10 to 30 edges per spacing; at most
+    /// 1000.
     pub relaxations: u32,
     /// Connected pieces of the region below this area get no centre; in squares of the local
     /// spacing, not negative. The default, 0.05, leaves out specks a quarter of a spacing wide.
@@ -27,6 +28,30 @@ impl Default for ClusterSettings {
             relaxations: 30,
             smallest_piece: 0.05,
         }
+    }
+}
+
+/// Rounds after which cells that still move go round in circles.
+const MAX_RELAXATIONS: u32 = 1000;
+
+impl ClusterSettings {
+    fn check(&self) -> Result<(), ConstraintError> {
+        let refuse = |setting, value, accepted| {
+            Err(ConstraintError::BadSetting {
+                setting,
+                value,
+                accepted,
+            })
+        };
+        if self.relaxations > MAX_RELAXATIONS {
+            let value = f64::from(self.relaxations);
+            return refuse("relaxations", value, "0 to 1000");
+        }
+        if !(self.smallest_piece.is_finite() && self.smallest_piece >= 0.0) {
+            let accepted = "0 or more squares of the spacing";
+            return refuse("smallest_piece", self.smallest_piece, accepted);
+        }
+        Ok(())
     }
 }
 
@@ -47,7 +72,10 @@ impl Default for ClusterSettings {
 ///
 /// # Errors
 /// [`ConstraintError`] for an empty mesh or region, arrays that don't fit, a candidate that is no
-/// vertex, positions that aren't finite, a spacing that isn't positive.
+/// vertex, positions that aren't finite, a spacing that isn't positive, settings outside their
+/// ranges, and [`TooManyCentres`](ConstraintError::TooManyCentres) where the spacing asks for a thousand
+/// times as many as there are candidates. Where it asks for more, but less than that, every candidate
+/// becomes a centre.
 pub fn cluster_centres(
     mesh: &TriMesh,
     positions: &[Vector3<f64>],
@@ -57,6 +85,7 @@ pub fn cluster_centres(
 ) -> Result<Vec<VertexId>, ConstraintError> {
     check_mesh(mesh, positions)?;
     check_length("spacings", mesh.vertex_count(), spacing.len())?;
+    settings.check()?;
     let mut is_candidate = PerVertex::filled(mesh.vertex_count(), false);
     for &vertex in candidates {
         check_vertex(mesh, vertex)?;
@@ -67,10 +96,12 @@ pub fn cluster_centres(
     if candidates.is_empty() {
         return Err(ConstraintError::EmptyRegion);
     }
+    let areas = vertex_areas(mesh, positions);
+    check_count(&is_candidate, &areas, spacing)?;
     let region = Region {
         positions,
         spacing,
-        areas: vertex_areas(mesh, positions),
+        areas,
         graph: RegionGraph::new(mesh, positions, spacing, &is_candidate),
     };
     let mut voronoi = Voronoi::new(mesh.vertex_count());
@@ -120,6 +151,35 @@ fn check_spacing(vertex: VertexId, spacing: f64) -> Result<(), ConstraintError> 
     Err(ConstraintError::BadSpacing { vertex, spacing })
 }
 
+/// Refuses a spacing that would take more centres than there are places for them, before anything is
+/// computed for it.
+fn check_count(
+    is_candidate: &PerVertex<bool>,
+    areas: &[f64],
+    spacing: &PerVertex<f64>,
+) -> Result<(), ConstraintError> {
+    let candidates = is_candidate.iter().filter(|pair| *pair.1);
+    let (mut vertices, mut area) = (0, 0.0);
+    for (vertex, _) in candidates {
+        vertices += 1;
+        area += areas[vertex.index()] / spacing[vertex].powi(2);
+    }
+    // A sum of NaN, of areas that overflow, is not small enough either.
+    let wanted = (area * CENTRES_PER_AREA).round();
+    let is_possible = wanted <= MOST_PER_VERTEX * vertices.max(1) as f64;
+    if is_possible {
+        return Ok(());
+    }
+    Err(ConstraintError::TooManyCentres { wanted, vertices })
+}
+
+/// Centres wanted per vertex up to which each vertex is one: patches that are meshed too coarsely, but
+/// not spacings in another unit.
+const MOST_PER_VERTEX: f64 = 1e3;
+
+/// Points of a hex lattice per square of its spacing.
+const CENTRES_PER_AREA: f64 = 1.154_700_538_379_251_5;
+
 struct Region<'a> {
     positions: &'a [Vector3<f64>],
     spacing: &'a PerVertex<f64>,
@@ -150,7 +210,7 @@ impl Region<'_> {
         if area < settings.smallest_piece {
             return;
         }
-        let count = (area * 2.0 / 3.0_f64.sqrt()).round().max(1.0) as usize;
+        let count = (area * CENTRES_PER_AREA).round().max(1.0) as usize;
         let entry = |voronoi: &Voronoi, v: VertexId| (voronoi.distance[v.index()], Reverse(v));
         let mut farthest: BinaryHeap<_> = piece.iter().map(|&v| entry(voronoi, v)).collect();
         let first = centres.len();

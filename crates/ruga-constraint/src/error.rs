@@ -32,6 +32,12 @@ pub enum ConstraintError {
         /// The vertex.
         vertex: VertexId,
     },
+    /// A normal is NaN or infinite.
+    #[error("the normal of vertex {vertex} is not finite", vertex = vertex.0)]
+    NormalNotFinite {
+        /// The vertex.
+        vertex: VertexId,
+    },
     /// A centre is on no face of the mesh.
     #[error("centre {centre} is on face {face}, but the mesh has {count} faces", face = face.0)]
     FaceOutOfRange {
@@ -65,6 +71,26 @@ pub enum ConstraintError {
         vertex: VertexId,
         /// The spacing found, m.
         spacing: f64,
+    },
+    /// A spacing asks for far more centres than the region has vertices.
+    #[error(
+        "the spacing asks for {wanted:.3e} centres, but the region has {vertices} vertices; accepted: a spacing longer than the mesh's edges, in metres"
+    )]
+    TooManyCentres {
+        /// Centres asked for; infinite where their number overflows.
+        wanted: f64,
+        /// Vertices there are.
+        vertices: usize,
+    },
+    /// A setting of how centres are spread is outside its range.
+    #[error("{setting} is {value}; accepted: {accepted}")]
+    BadSetting {
+        /// Name of the setting.
+        setting: &'static str,
+        /// The value found.
+        value: f64,
+        /// The values that it may have.
+        accepted: &'static str,
     },
     /// A kernel's width or cut is zero, negative or not finite.
     #[error(

@@ -49,7 +49,7 @@ mod error;
 mod kernel;
 mod krylov;
 mod laplacian;
-mod moment_match;
+mod moments;
 mod quadrature;
 mod region_graph;
 mod rows;
@@ -61,4 +61,4 @@ pub use rows::{ConstraintRow, ConstraintSet, Order, Sampling, constraint_rows};
 pub use spectral::{SpectralRows, spectral_rows};
 
 pub use error::ConstraintError;
-pub use moment_match::Degradation;
+pub use moments::Degradation;

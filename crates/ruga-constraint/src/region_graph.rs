@@ -118,7 +118,8 @@ impl RegionGraph {
             let number = owner[from as usize];
             let neighbours = self.links.neighbors_slice(from);
             for (&to, length) in neighbours.iter().zip(self.links.edges_slice(from)) {
-                let candidate = reached + length;
+                // A link over many spacings takes all the ticks there are.
+                let candidate = reached.saturating_add(*length);
                 if candidate < distance[to as usize] {
                     distance[to as usize] = candidate;
                     owner[to as usize] = number;

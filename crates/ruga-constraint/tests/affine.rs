@@ -107,7 +107,7 @@ fn affine_rows_say_so() {
     };
     assert!(all_are(Sampling::Area, Order::Constant));
     assert!(all_are(Sampling::Adjusted, Order::Affine));
-    assert!(all_are(Sampling::Quadrature, Order::Affine));
+    assert!(all_are(Sampling::Quadrature, Order::Quadratic));
     assert!(all_are(Sampling::AdjustedAsPrinted, Order::Constant));
 }
 

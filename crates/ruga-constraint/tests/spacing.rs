@@ -158,7 +158,7 @@ fn distances_respect_a_region_of_candidates() {
 #[test]
 fn a_spacing_below_the_edge_takes_every_vertex_once() {
     let patch = irregular_square(6, 7, &[]);
-    let spacing = PerVertex::filled(patch.positions.len(), 1e-3);
+    let spacing = PerVertex::filled(patch.positions.len(), 0.02);
     let mut chosen = centres(&patch, &spacing);
     chosen.sort();
     assert_eq!(chosen, everywhere(&patch));

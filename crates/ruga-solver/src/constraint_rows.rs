@@ -68,7 +68,10 @@ impl ConstraintRows {
         self.columns.len()
     }
 
-    /// Columns and values of one row.
+    /// Columns and values of one row, counted from 0.
+    ///
+    /// # Panics
+    /// When `row` is not below [`count`](Self::count).
     pub fn row(&self, row: usize) -> (&[usize], &[f64]) {
         let range = self.row_starts[row]..self.row_starts[row + 1];
         (&self.columns[range.clone()], &self.values[range])

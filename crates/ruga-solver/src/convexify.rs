@@ -141,7 +141,10 @@ impl Convexifier {
             enough = if load < LEAST_LOAD { 1.0 } else { 1.0 - load };
         }
         let mut in_factor = enough;
-        while 1.0 - enough < CLOSE_TO_CRITICAL * (1.0 - too_little) {
+        // Where only full relaxation is enough, no bracket is narrow as a ratio: it has no load left.
+        while 1.0 - enough < CLOSE_TO_CRITICAL * (1.0 - too_little)
+            && 1.0 - too_little >= LEAST_LOAD
+        {
             in_factor = 0.5 * (enough + too_little);
             if self.try_relaxation(kkt, exact, relaxed, floor, in_factor)? {
                 enough = in_factor;

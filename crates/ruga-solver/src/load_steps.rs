@@ -9,8 +9,8 @@ use crate::SolverError;
 /// Settings of a [`LoadStepper`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadSettings {
-    /// Largest ratio of a load to the one before it, once buckled. Above 1, default 1.5; up to
-    /// 2 the wavelength is kept.
+    /// Largest ratio of a load to the one before it, once buckled. At least 1.001, below which loads
+    /// hardly grow; default 1.5; up to 2 the wavelength is kept.
     pub growth: f64,
     /// Load of the first buckled state over the smallest load known to buckle. Above 1,
     /// default 1.05.
@@ -18,7 +18,8 @@ pub struct LoadSettings {
     /// Bisection ends when the bracket of the onset is this narrow, as a ratio. Above 1,
     /// default 1.1 / 1.05, so that the landing lies at 1.05 to 1.1 of the onset.
     pub bracket: f64,
-    /// Steps below this share of the full load are given up. In (0, 1), default 1e-3.
+    /// Steps below this share of the full load are given up. At least 1e-9, well above rounding, and
+    /// below 1; default 1e-3.
     pub smallest_step: f64,
     /// Load of the first trial, in (0, 1]; 1, the default, starts with the first key. A load
     /// that is known to lie just below the onset saves the trials far above it, which are dear.
@@ -37,6 +38,36 @@ impl Default for LoadSettings {
         }
     }
 }
+
+impl LoadSettings {
+    fn check(&self) -> Result<(), SolverError> {
+        let is_ratio = |value: f64| value > 1.0 && value.is_finite();
+        let settings = [
+            (
+                "growth",
+                self.growth,
+                self.growth >= LEAST_GROWTH && self.growth.is_finite(),
+            ),
+            ("landing", self.landing, is_ratio(self.landing)),
+            ("bracket", self.bracket, is_ratio(self.bracket)),
+            (
+                "smallest_step",
+                self.smallest_step,
+                (LEAST_STEP..1.0).contains(&self.smallest_step),
+            ),
+            ("first", self.first, self.first > 0.0 && self.first <= 1.0),
+        ];
+        match settings.into_iter().find(|(_, _, is_sound)| !is_sound) {
+            None => Ok(()),
+            Some((setting, value, _)) => Err(SolverError::Setting { setting, value }),
+        }
+    }
+}
+
+/// Bounds that keep the number of trials finite: a load that grows by less, or by steps that
+/// rounding swallows, never reaches its key.
+const LEAST_GROWTH: f64 = 1.001;
+const LEAST_STEP: f64 = 1e-9;
 
 /// A load to solve at, from the last state that was kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -110,25 +141,7 @@ impl LoadStepper {
             }
             previous = value;
         }
-        for (setting, value) in [
-            ("growth", settings.growth),
-            ("landing", settings.landing),
-            ("bracket", settings.bracket),
-        ] {
-            if !(value > 1.0 && value.is_finite()) {
-                return Err(SolverError::Setting { setting, value });
-            }
-        }
-        let value = settings.smallest_step;
-        if !(value > 0.0 && value < 1.0) {
-            let setting = "smallest_step";
-            return Err(SolverError::Setting { setting, value });
-        }
-        let value = settings.first;
-        if !(value > 0.0 && value <= 1.0) {
-            let setting = "first";
-            return Err(SolverError::Setting { setting, value });
-        }
+        settings.check()?;
         Ok(Self {
             keys: keys.to_vec(),
             settings,

@@ -51,7 +51,8 @@ const SADDLE_ITERATIONS: usize = 5;
 /// the compressive stress stiffness, and the direction of negative curvature is searched as well; the
 /// solve stops as converged only where the exact Hessian has the inertia of a minimum. So it is unless
 /// [`NewtonSettings::descent`] asks for the papers' way. `keep_going` sees every iteration and ends the
-/// solve by returning `false`. Same input, same bits.
+/// solve by returning `false`; an iteration takes at most some 30 factorisations, where the
+/// Hessian's inertia is hard to mend. Same input, same bits.
 ///
 /// # Errors
 /// [`SolverError::PatternMismatch`], [`SizeMismatch`](SolverError::SizeMismatch),

@@ -299,11 +299,23 @@ fn settings_outside_their_range() {
         let result = LoadStepper::new(keys, LoadSettings::default());
         assert!(matches!(result, Err(SolverError::Setting { .. })));
     }
-    let settings = LoadSettings {
-        growth: 1.0,
-        ..Default::default()
-    };
-    assert!(LoadStepper::new(&[1.0], settings).is_err());
+    for growth in [1.0, 1.0 + f64::EPSILON, f64::INFINITY, f64::NAN] {
+        let settings = LoadSettings {
+            growth,
+            ..Default::default()
+        };
+        assert!(LoadStepper::new(&[1.0], settings).is_err(), "{growth}");
+    }
+    for smallest_step in [0.0, 1e-300, 1.0, f64::NAN] {
+        let settings = LoadSettings {
+            smallest_step,
+            ..Default::default()
+        };
+        assert!(
+            LoadStepper::new(&[1.0], settings).is_err(),
+            "{smallest_step}"
+        );
+    }
     for first in [0.0, 1.1, f64::NAN] {
         let settings = LoadSettings {
             first,

@@ -202,7 +202,7 @@ pub enum Sampling {
     Area,
     /// Vertex areas, corrected so that centres and slopes are kept.
     Adjusted,
-    /// Fixed material points with weights.
+    /// A quadrature over the surface that is exact for quadratic functions.
     #[default]
     Quadrature,
 }

@@ -1,0 +1,160 @@
+//! Hessians that relaxation hardly mends, or not at all: every solve comes to an end.
+
+#![allow(clippy::unwrap_used, reason = "a failing unwrap fails the test")]
+
+use ruga_solver::{
+    AtSaddle, ConstraintRows, Iteration, Kkt, LoadSettings, LoadStepper, LowerPattern,
+    NewtonSettings, Objective, Outcome, SolveReport, StopRule, minimise,
+};
+
+/// `d x^4/4 + a x^2/2 + c y^2/2 + b x y`, with what is left of it when relaxed.
+struct Quartic {
+    /// `d`, `a`, `c`, `b`.
+    energy: [f64; 4],
+    /// Diagonal entries and the one beside them.
+    relaxed: [f64; 3],
+    pattern: LowerPattern,
+}
+
+impl Quartic {
+    fn new(energy: [f64; 4], relaxed: [f64; 3]) -> Self {
+        Self {
+            energy,
+            relaxed,
+            pattern: LowerPattern::from_stencils(2, [[0, 1].as_slice()]).unwrap(),
+        }
+    }
+}
+
+impl Objective for Quartic {
+    fn pattern(&self) -> &LowerPattern {
+        &self.pattern
+    }
+    fn value(&self, x: &[f64]) -> f64 {
+        let [d, a, c, b] = self.energy;
+        0.25 * d * x[0].powi(4) + 0.5 * a * x[0] * x[0] + 0.5 * c * x[1] * x[1] + b * x[0] * x[1]
+    }
+    fn gradient(&self, x: &[f64], gradient: &mut [f64]) -> f64 {
+        let [d, a, c, b] = self.energy;
+        gradient[0] = d * x[0].powi(3) + a * x[0] + b * x[1];
+        gradient[1] = c * x[1] + b * x[0];
+        self.value(x)
+    }
+    fn hessian(&self, x: &[f64], exact: &mut [f64], relaxed: &mut [f64]) {
+        let [d, a, c, b] = self.energy;
+        exact.copy_from_slice(&[3.0 * d * x[0] * x[0] + a, b, c]);
+        let [first, second, beside] = self.relaxed;
+        relaxed.copy_from_slice(&[first, beside, second]);
+    }
+    fn floor(&self) -> &[f64] {
+        &[0.0; 2]
+    }
+    fn energy_scale(&self) -> f64 {
+        1.0
+    }
+    fn force_scale(&self) -> f64 {
+        1.0
+    }
+    fn length_scale(&self) -> f64 {
+        1.0
+    }
+}
+
+/// Factorisations that a single iteration may take: the search for a relaxation, then for a shift.
+const MOST_PER_ITERATION: usize = 35;
+
+fn solve(quartic: &Quartic, at_saddle: AtSaddle) -> (SolveReport, [f64; 2]) {
+    let mut kkt = Kkt::new(&quartic.pattern, &ConstraintRows::none(2), 1).unwrap();
+    let mut x = [0.0; 2];
+    let settings = NewtonSettings {
+        at_saddle,
+        ..NewtonSettings::default()
+    };
+    let mut asked = 0;
+    let mut keep_going = |_: &Iteration| {
+        asked += 1;
+        true
+    };
+    let report = minimise(quartic, &[], &mut x, &mut kkt, &settings, &mut keep_going).unwrap();
+    assert_eq!(asked, report.iterations, "{report:?}");
+    let most = MOST_PER_ITERATION * report.iterations.max(1);
+    assert!(report.factorizations <= most, "{report:?}");
+    (report, x)
+}
+
+/// From the saddle at the origin to `x^2 = 2`, `y = -x`, whatever full relaxation leaves.
+#[test]
+fn a_relaxed_hessian_without_full_rank_is_enough() {
+    let double_well = [1.0, -1.0, 1.0, 1.0];
+    for relaxed in [
+        [0.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [1.0, 1.0, 1.0],
+        [1e-12, 1e-12, 0.0],
+        [0.0, 1.0, 1.0],
+    ] {
+        let (report, x) = solve(&Quartic::new(double_well, relaxed), AtSaddle::Leave);
+        assert!(
+            report.converged && report.left_saddle,
+            "{relaxed:?} {report:?}"
+        );
+        assert!((x[0].abs() - 2f64.sqrt()).abs() < 1e-3, "{relaxed:?} {x:?}");
+        assert!((x[0] + x[1]).abs() < 1e-3, "{relaxed:?} {x:?}");
+        let (report, _) = solve(&Quartic::new(double_well, relaxed), AtSaddle::Stop);
+        assert_eq!(report.stop, StopRule::Saddle, "{relaxed:?}");
+    }
+}
+
+/// Nothing resists anywhere: the start is as good as any place.
+#[test]
+fn an_energy_without_any_stiffness_is_at_rest() {
+    let (report, x) = solve(&Quartic::new([0.0; 4], [0.0; 3]), AtSaddle::Leave);
+    assert!(report.converged, "{report:?}");
+    assert_eq!(x, [0.0; 2]);
+}
+
+/// Energies without a lower bound, some of which no relaxation mends, only a shift.
+#[test]
+fn an_energy_that_falls_for_ever_ends_without_converging() {
+    for (energy, relaxed) in [
+        ([0.0, -1.0, -1.0, 0.0], [-1.0, -1.0, 0.0]),
+        ([0.0, -1.0, -1.0, 0.0], [0.0, 0.0, 0.0]),
+        ([0.0, -1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]),
+        ([-1.0, -1.0, 1.0, 1.0], [0.0, 0.0, 0.0]),
+        ([0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 1.0]),
+        ([0.0, -1e12, 1.0, 0.0], [-1e12, 1.0, 0.0]),
+    ] {
+        let quartic = Quartic::new(energy, relaxed);
+        let (report, _) = solve(&quartic, AtSaddle::Leave);
+        assert!(!report.converged, "{energy:?} {report:?}");
+        let (report, _) = solve(&quartic, AtSaddle::Stop);
+        assert!(!report.converged, "{energy:?} {report:?}");
+    }
+}
+
+/// Whatever trials come to, the loads come to an end: here all just beyond a load fail, or buckle.
+#[test]
+fn loads_come_to_an_end() {
+    for beyond in [Outcome::Failed, Outcome::Buckled] {
+        for limit in [0.0, 0.1 + 0.2, 1.0 / 3.0] {
+            let settings = LoadSettings {
+                growth: 1.001,
+                bracket: 1.0 + f64::EPSILON,
+                landing: 1.0 + f64::EPSILON,
+                smallest_step: 1e-9,
+                first: 1e-3,
+            };
+            let mut loads = LoadStepper::new(&[1.0], settings).unwrap();
+            let mut trials = 0;
+            while let Some(trial) = loads.next_trial() {
+                loads.report(if trial.load > limit {
+                    beyond
+                } else {
+                    Outcome::Stable
+                });
+                trials += 1;
+                assert!(trials < 100_000, "{beyond:?} {limit} {trial:?}");
+            }
+        }
+    }
+}
