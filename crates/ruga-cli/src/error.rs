@@ -98,6 +98,19 @@ pub(crate) enum CliError {
         problem: String,
         advice: &'static str,
     },
+    /// Two zones that both claim a place.
+    #[error("{}: the zones `{first}` and `{second}` overlap: at u {u:.2}, v {v:.2} from the map's upper left their masks add up to {percent:.0} %; accepted: up to 100 %", scene.display())]
+    #[diagnostic(help(
+        "paint one of the masks black where the other is white; where one goes over into the other, let their greys add up to white, over a wavelength or more"
+    ))]
+    ZonesOverlap {
+        scene: PathBuf,
+        first: String,
+        second: String,
+        u: f64,
+        v: f64,
+        percent: f64,
+    },
     /// The scene cannot be planned or simulated.
     #[error("{}: {source}", scene.display())]
     Model {

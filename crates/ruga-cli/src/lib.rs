@@ -56,6 +56,7 @@ mod progress;
 mod table;
 mod templates;
 mod warning_groups;
+mod zone_overlap;
 
 mod error;
 

@@ -56,6 +56,8 @@ fn layer_report(layer: &ruga_stepper::LayerReport, seconds: &Seconds) -> LayerRe
         constraints: count(layer.constraints),
         wavelength_predicted_m: Some(layer.wavelength_predicted),
         critical_strain_predicted: Some(layer.critical_strain_predicted),
+        wavelength_range_m: layer.painted.map(|painted| painted.wavelength),
+        thickness_range_m: layer.painted.map(|painted| painted.thickness),
         wavelength_m: layer.wavelength,
         amplitude_m: Some(layer.amplitude),
         energy_j: Some(layer.energy),

@@ -13,7 +13,7 @@ use crate::arguments::Quality;
 use crate::error::{CliError, counted};
 use crate::placement::Placement;
 use crate::planned::{Planned, ZonePlan};
-use crate::{body, mesh_size, model, texture_space};
+use crate::{body, mesh_size, model, texture_space, zone_overlap};
 
 /// What a command works on.
 pub(crate) struct Project {
@@ -74,8 +74,9 @@ impl Project {
     ///
     /// # Errors
     /// [`CliError::Model`], such as a mask that leaves nothing; [`CliError::OverlappingUvs`];
-    /// [`CliError::UvLayout`].
+    /// [`CliError::UvLayout`]; [`CliError::ZonesOverlap`].
     pub(crate) fn plan(&self) -> Result<Planned, CliError> {
+        zone_overlap::check(self)?;
         let mut planned = self.planned().map_err(|source| match source {
             StepperError::Lattice(
                 source @ (LatticeError::OpenSurface { .. }

@@ -65,6 +65,13 @@ pub struct LayerReport {
     pub wavelength_predicted_m: Option<f64>,
     /// Compression at which it begins to wrinkle.
     pub critical_strain_predicted: Option<f64>,
+    /// Shortest and longest critical wavelength that paint and natural unevenness make of it where it
+    /// is simulated, m; nothing where it is even.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wavelength_range_m: Option<[f64; 2]>,
+    /// Least and greatest thickness there, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub thickness_range_m: Option<[f64; 2]>,
     /// Dominant wavelength of what came out, m.
     pub wavelength_m: Option<f64>,
     /// `sqrt(2)` times the RMS height of what came out, m.

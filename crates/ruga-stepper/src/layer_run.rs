@@ -127,6 +127,7 @@ pub(crate) struct LayerRun {
 impl LayerRun {
     pub(crate) fn new(index: usize, layer: Layer, planned: &LayerPlan) -> Self {
         let report = LayerReport {
+            painted: planned.painted,
             name: layer.spec.name.clone(),
             vertices: layer.vertex_count(),
             faces: layer.face_count(),

@@ -96,7 +96,7 @@ impl Presence {
     }
 
     /// Product of the masks' grey values at a texture coordinate, 0 to 1.
-    pub(crate) fn grey(&self, uv: Vector2<f64>) -> f64 {
+    pub fn grey(&self, uv: Vector2<f64>) -> f64 {
         self.masks.iter().map(|mask| mask.grey(uv)).product()
     }
 }

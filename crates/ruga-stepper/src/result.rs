@@ -3,6 +3,8 @@
 use nalgebra::{Vector2, Vector3};
 use ruga_solver::{SolveReport, StopRule};
 
+use crate::PaintedRanges;
+
 /// One layer in one load step, with the smooth driver under each of its vertices.
 #[derive(Clone, Debug, Default)]
 pub struct LayerSurface {
@@ -89,6 +91,8 @@ pub struct LayerReport {
     pub wavelength_predicted: f64,
     /// Critical strain of the linear theory.
     pub critical_strain_predicted: f64,
+    /// What paint and natural unevenness make of the layer where it is simulated.
+    pub painted: Option<PaintedRanges>,
     /// Dominant wavelength along the surface, m; `None` where nothing wrinkles.
     pub wavelength: Option<f64>,
     /// `sqrt(2)` times the RMS height where the driver asks for more than the critical strain, m.

@@ -49,6 +49,7 @@ pub fn simulate(
         name: layer.name.clone(),
         wavelength_predicted: layer.wavelength,
         critical_strain_predicted: layer.critical_strain,
+        painted: layer.painted,
         ..LayerReport::default()
     });
     let mut run = StackRun {

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use clap::{Parser, ValueEnum};
 use ruga_io::scene::{Key, Table, reference};
-use ruga_material::{PRESETS, Preset, WavelengthModel, wrinkling};
+use ruga_material::{PRESETS, Preset, Variation, WavelengthModel, wrinkling};
 
 use crate::arguments::{Arguments, HelpArguments, Topic};
 use crate::messages;
@@ -121,6 +121,12 @@ fn write_preset(page: &mut String, preset: &Preset) {
         "- substrate: `young = {:e}`, `thickness = {:e}`, `poisson = {}`",
         below.young, below.thickness, below.poisson
     );
+    if let Some(Variation { spread, scale }) = preset.variation {
+        let _ = writeln!(
+            page,
+            "- uneven: `variation = {spread}`, `variation_scale = {scale}`"
+        );
+    }
 }
 
 /// Adds a paragraph, its first line after `first` and the others after `others`.

@@ -1,0 +1,115 @@
+//! Masks, strengths and zones of layers: what a scene says and what its maps show.
+
+mod fixture;
+
+use fixture::Folder;
+use ruga_io::{PngTexels, read_mask, write_png};
+
+/// Two stacks side by side, the left one with shorter waves; the strip between them is no one's.
+const ZONES: &str = r#"[[layers]]
+name = "left"
+zone = "left"
+mask = "left.png"
+wavelength = 0.02
+critical_strain = 0.05
+
+[[layers]]
+name = "right"
+zone = "right"
+mask = "right.png"
+wavelength = 0.03
+critical_strain = 0.05
+
+[[poses]]"#;
+
+/// A grey image of eight columns, 0 to 255.
+fn paint(folder: &Folder, name: &str, columns: [u8; 8]) {
+    let texels: Vec<u16> = (0..64).map(|i| 257 * u16::from(columns[i % 8])).collect();
+    write_png(&folder.path(name), 8, 8, PngTexels::Grey16(&texels)).expect("a folder to write to");
+}
+
+/// The scene with its one layer replaced by `layers`.
+fn scene_with(layers: &str) -> Folder {
+    let text = fixture::SCENE;
+    let (start, end) = (text.find("[[layers]]"), text.find("[[poses]]"));
+    let old = &text[start.expect("a layer")..end.expect("a pose") + "[[poses]]".len()];
+    Folder::with(old, layers)
+}
+
+/// Mean deviation of some columns of the height map from neutral, as a share of the map's range.
+fn relief(folder: &Folder, columns: std::ops::Range<usize>) -> f64 {
+    let map = read_mask(&folder.path("out/maps/squeezed_100_height.png")).expect("a map");
+    let rows = map.values.chunks(map.width);
+    let texels = rows.flat_map(|row| &row[columns.clone()]);
+    let deviations: Vec<f64> = texels.map(|&h| (f64::from(h) - 0.5).abs()).collect();
+    deviations.iter().sum::<f64>() / deviations.len() as f64
+}
+
+#[test]
+fn zones_are_solved_side_by_side_into_one_map() {
+    let folder = scene_with(ZONES);
+    paint(&folder, "left.png", [255, 255, 255, 0, 0, 0, 0, 0]);
+    paint(&folder, "right.png", [0, 0, 0, 0, 0, 255, 255, 255]);
+    folder.ruga("bake scene.toml -o out").exits(0);
+    let report = folder.json("out/report.json");
+    let layers = &report["poses"][0]["layers"];
+    assert_eq!(layers[0]["name"], "left");
+    assert_eq!(layers[1]["name"], "right");
+    for layer in [&layers[0], &layers[1]] {
+        assert!(layer["vertices"].as_u64().expect("a number") > 0, "{layer}");
+    }
+    let [left, between, right] = [8..20, 30..34, 44..56].map(|columns| relief(&folder, columns));
+    assert!(left > 0.05 && right > 0.05, "{left} {right}");
+    assert!(between < 1e-3, "no one's skin is neutral: {between}");
+}
+
+#[test]
+fn zones_that_claim_the_same_place_are_refused() {
+    let folder = scene_with(ZONES);
+    paint(&folder, "left.png", [255, 255, 255, 255, 255, 0, 0, 0]);
+    paint(&folder, "right.png", [0, 0, 0, 255, 255, 255, 255, 255]);
+    let refused = folder.ruga("plan scene.toml").exits(2);
+    refused.says(&["`left`", "`right`", "overlap", "200 %"]);
+    // Greys that add up to white blend.
+    paint(&folder, "left.png", [255, 255, 191, 128, 64, 0, 0, 0]);
+    paint(&folder, "right.png", [0, 0, 64, 127, 191, 255, 255, 255]);
+    folder.ruga("plan scene.toml").exits(0);
+}
+
+/// A grey mask and half of the strength each halve what maps show, and nothing else.
+#[test]
+fn strength_and_grey_scale_the_relief() {
+    let layer = |keys: &str| {
+        scene_with(&format!(
+            "[[layers]]\nname = \"skin\"\nwavelength = 0.03\ncritical_strain = 0.05\n{keys}\n[[poses]]"
+        ))
+    };
+    let heights = |folder: &Folder| {
+        folder.ruga("bake scene.toml -o out").exits(0);
+        let report = folder.json("out/report.json");
+        let scale = folder.json("out/wrinkles.json");
+        let maps = scale["maps"].as_array().expect("maps");
+        let map = maps.iter().find(|map| {
+            map["file"]
+                .as_str()
+                .is_some_and(|f| f.ends_with("_100_height.png"))
+        });
+        let range = map.expect("a height map")["scale"]
+            .as_f64()
+            .expect("a scale");
+        let amplitude = report["poses"][0]["layers"][0]["amplitude_m"].as_f64();
+        (range, amplitude.expect("an amplitude"))
+    };
+    let (whole, amplitude) = heights(&layer(""));
+    let (strong, same) = heights(&layer("strength = 2.0"));
+    assert_eq!(same, amplitude);
+    assert!((strong / whole - 2.0).abs() < 1e-3, "{strong} {whole}");
+    let grey = layer("mask = \"grey.png\"");
+    paint(&grey, "grey.png", [128; 8]);
+    let (half, same) = heights(&grey);
+    assert_eq!(same, amplitude);
+    assert!(
+        (half / whole - 128.0 / 255.0).abs() < 1e-3,
+        "{half} {whole}"
+    );
+}
