@@ -1,5 +1,6 @@
 //! `fuzz`: random input for everything that reads, and new cases for the property tests.
 
+use std::error::Error;
 use std::process::ExitCode;
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -9,25 +10,23 @@ use crate::repository::{Outcome, run, target_folder};
 /// run of the test suite.
 const DEFAULT_ROUNDS: u64 = 1000;
 
-/// Crates with property tests, and their tests' files.
-const PACKAGES: [&str; 5] = [
-    "ruga-bake",
-    "ruga-io",
-    "ruga-material",
-    "ruga-mesh",
-    "ruga-remesh",
-];
-const FILES: [&str; 10] = [
-    "bad_input",
-    "critical_wave",
-    "damaged_files",
-    "inverse_design",
-    "padding",
-    "properties",
-    "property_map",
-    "rasterisation",
-    "relative",
-    "stack",
+/// Crates with property tests, each with the files that hold them.
+const SUITES: [(&str, &[&str]); 5] = [
+    ("ruga-bake", &["padding", "rasterisation"]),
+    ("ruga-io", &["damaged_files"]),
+    (
+        "ruga-material",
+        &[
+            "bad_input",
+            "critical_wave",
+            "inverse_design",
+            "property_map",
+            "relative",
+            "stack",
+        ],
+    ),
+    ("ruga-mesh", &["properties"]),
+    ("ruga-remesh", &["properties"]),
 ];
 
 /// Runs the fuzzer with what was typed after `fuzz`; finds go to `target/fuzz`.
@@ -60,14 +59,7 @@ fn properties(words: &[&str]) -> Outcome {
         Some((first, rest)) if first.parse::<u64>().is_ok() => (first.parse()?, rest),
         _ => (DEFAULT_ROUNDS, words),
     };
-    let packages = if packages.is_empty() {
-        &PACKAGES[..]
-    } else {
-        packages
-    };
-    let mut arguments = vec!["test", "--quiet"];
-    arguments.extend(packages.iter().flat_map(|name| ["--package", name]));
-    arguments.extend(FILES.iter().flat_map(|name| ["--test", name]));
+    let arguments = test_command(packages)?;
     let since = SystemTime::now().duration_since(UNIX_EPOCH)?;
     let first = since.as_secs() << 24;
     for round in 0..rounds {
@@ -78,4 +70,67 @@ fn properties(words: &[&str]) -> Outcome {
     }
     eprintln!("{rounds} rounds, none failed");
     Ok(ExitCode::SUCCESS)
+}
+
+/// The test command for the property tests of the named crates, of all if none is named.
+fn test_command<'a>(packages: &[&'a str]) -> Result<Vec<&'a str>, Box<dyn Error>> {
+    let known: Vec<&str> = SUITES.iter().map(|suite| suite.0).collect();
+    if let Some(unknown) = packages.iter().find(|&name| !known.contains(name)) {
+        let known = known.join(", ");
+        return Err(format!("no crate `{unknown}` has property tests; these do: {known}").into());
+    }
+    let mut arguments = vec!["test", "--quiet"];
+    for (package, files) in SUITES {
+        if packages.is_empty() || packages.contains(&package) {
+            arguments.extend(["--package", package]);
+            arguments.extend(files.iter().flat_map(|name| ["--test", name]));
+        }
+    }
+    Ok(arguments)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_named_crate_runs_its_own_property_tests_only() {
+        let command = test_command(&["ruga-mesh"]).expect("a known crate");
+        let expected = [
+            "test",
+            "--quiet",
+            "--package",
+            "ruga-mesh",
+            "--test",
+            "properties",
+        ];
+        assert_eq!(command, expected);
+        let error = test_command(&["ruga-mish"]).expect_err("no such crate");
+        assert!(error.to_string().contains("`ruga-mish`"));
+    }
+
+    #[test]
+    fn every_file_with_property_tests_is_run() {
+        let crates = crate::repository::root().join("crates");
+        let mut found = Vec::new();
+        for folder in std::fs::read_dir(&crates).expect("the crates").flatten() {
+            let package = folder.file_name().to_string_lossy().into_owned();
+            let Ok(files) = std::fs::read_dir(folder.path().join("tests")) else {
+                continue;
+            };
+            for path in files.flatten().map(|file| file.path()) {
+                let text = std::fs::read_to_string(&path).unwrap_or_default();
+                if text.contains("proptest! {") {
+                    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+                    found.push((package.clone(), name.into_owned()));
+                }
+            }
+        }
+        found.sort();
+        let listed = SUITES.iter().flat_map(|&(package, files)| {
+            let files = files.iter();
+            files.map(move |&name| (package.to_owned(), name.to_owned()))
+        });
+        assert_eq!(found, listed.collect::<Vec<_>>());
+    }
 }

@@ -277,9 +277,41 @@ impl<'a> Patch<'a> {
         target: Vector3<f64>,
         accept: impl Fn(&Self) -> bool,
     ) -> bool {
+        let wanted = self.surface.closest(self.points[v as usize], target);
+        self.try_place(v, wanted, None, accept)
+    }
+
+    /// Moves the second of two vertices to their middle, with the mean of their tensors; undone
+    /// unless `accept` agrees.
+    ///
+    /// The mean, not what the old mesh interpolates there: so what is refused here is refused
+    /// again when this mesh has become the old one.
+    pub(crate) fn try_merge(
+        &mut self,
+        [gone, kept]: [u32; 2],
+        accept: impl Fn(&Self) -> bool,
+    ) -> bool {
+        let middle = (self.position(gone) + self.position(kept)) * 0.5;
+        let mean = (self.tensor(gone) + self.tensor(kept)) * 0.5;
+        let wanted = self.surface.closest(self.points[kept as usize], middle);
+        self.try_place(kept, wanted, Some(mean), accept)
+    }
+
+    /// Puts a vertex at a place of the surface, with a tensor if one is given; undone unless
+    /// `accept` agrees.
+    fn try_place(
+        &mut self,
+        v: u32,
+        wanted: MaterialPoint,
+        tensor: Option<Tensor3>,
+        accept: impl Fn(&Self) -> bool,
+    ) -> bool {
         let i = v as usize;
         let (site, point, origin) = (self.sites[i], self.points[i], self.origins[i]);
-        self.place(i, self.surface.closest(point, target));
+        self.place(i, wanted);
+        if let Some(tensor) = tensor {
+            self.sites[i].tensor = tangent_part(tensor.matrix(), self.sites[i].normal);
+        }
         let is_accepted = accept(self);
         if !is_accepted {
             (self.sites[i], self.points[i], self.origins[i]) = (site, point, origin);

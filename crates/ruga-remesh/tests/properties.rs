@@ -180,6 +180,7 @@ fn cases_that_once_failed_follow_the_metric() {
             1.1215683378366725,
             566096,
         ),
+        sphere(17, 0.07409213170053, 1.0, 1.9727667250021867, 234514),
     ] {
         is_sound_and_follows_the_metric(case).expect("the property holds");
     }
