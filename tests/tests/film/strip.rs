@@ -48,7 +48,8 @@ fn print(name: &str, steps: &[Step]) {
     }
 }
 
-fn check(ratio: f64, seed: Option<u64>, anchors: [f64; 5], gaps: [f64; 2]) {
+/// Compares one film with the anchors and returns its number of waves.
+fn check(ratio: f64, seed: Option<u64>, anchors: [f64; 5], gaps: [f64; 2]) -> f64 {
     let name = format!("ratio {ratio}, mesh {seed:?}");
     let spec = FilmSpec::flat(ratio);
     let mut film = Film::new(&spec, strip(&spec, seed));
@@ -60,8 +61,6 @@ fn check(ratio: f64, seed: Option<u64>, anchors: [f64; 5], gaps: [f64; 2]) {
 
     let steps = film.ramp(&LOADS, 1);
     print(&name, &steps);
-    // Half a wave more or less in the box is quantisation, not error.
-    let quantum = 1.0 / (2 * WAVES) as f64;
     let first = steps
         .iter()
         .find(|step| step.solve.left_saddle)
@@ -71,7 +70,9 @@ fn check(ratio: f64, seed: Option<u64>, anchors: [f64; 5], gaps: [f64; 2]) {
     for step in steps.iter().filter(|step| step.load > first.load) {
         assert!(step.solve.converged);
         assert!(step.solve.iterations <= 6, "{}", step.solve.iterations);
-        assert!((step.relative_wavelength - 1.0).abs() <= 0.03_f64.max(quantum));
+        // Ends allow multiples of half a wave only; the next one costs 0.9 % of the energy gap.
+        let waves = WAVES as f64 / step.relative_wavelength;
+        assert!((waves - WAVES as f64).abs() < 0.6, "{waves} waves");
     }
     for (load, anchor) in LOADS.iter().zip(anchors).skip(1) {
         let error = at(&steps, *load).relative_amplitude / anchor - 1.0;
@@ -81,6 +82,15 @@ fn check(ratio: f64, seed: Option<u64>, anchors: [f64; 5], gaps: [f64; 2]) {
         let error = at(&steps, *load).relative_gap / anchor - 1.0;
         assert!(error.abs() < 0.03, "energy gap at {load}: {error:+.3}");
     }
+    WAVES as f64 / steps.last().expect("a ramp").relative_wavelength
+}
+
+/// Checks a film on three meshes: seven and a half waves are chosen now and then, but not mostly.
+fn check_unstructured(ratio: f64, seeds: [u64; 3], anchors: [f64; 5], gaps: [f64; 2]) {
+    let mut waves = seeds.map(|seed| check(ratio, Some(seed), anchors, gaps));
+    waves.sort_by(f64::total_cmp);
+    println!("ratio {ratio}, meshes {seeds:?}: {waves:?} waves");
+    assert!((waves[1] - WAVES as f64).abs() < 0.1, "{waves:?} waves");
 }
 
 fn at(steps: &[Step], load: f64) -> &Step {
@@ -92,20 +102,22 @@ fn at(steps: &[Step], load: f64) -> &Step {
 
 #[test]
 fn hybrid_equilateral_150() {
-    check(150.0, None, ANCHORS_150, GAPS_150);
+    let waves = check(150.0, None, ANCHORS_150, GAPS_150);
+    assert!((waves - WAVES as f64).abs() < 0.1, "{waves} waves");
 }
 
 #[test]
 fn hybrid_equilateral_1000() {
-    check(1000.0, None, ANCHORS_1000, GAPS_1000);
+    let waves = check(1000.0, None, ANCHORS_1000, GAPS_1000);
+    assert!((waves - WAVES as f64).abs() < 0.1, "{waves} waves");
 }
 
 #[test]
 fn hybrid_unstructured_150() {
-    check(150.0, Some(7), ANCHORS_150, GAPS_150);
+    check_unstructured(150.0, [7, 8, 9], ANCHORS_150, GAPS_150);
 }
 
 #[test]
 fn hybrid_unstructured_1000() {
-    check(1000.0, Some(8), ANCHORS_1000, GAPS_1000);
+    check_unstructured(1000.0, [7, 8, 9], ANCHORS_1000, GAPS_1000);
 }
