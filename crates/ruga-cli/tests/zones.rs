@@ -113,3 +113,77 @@ fn strength_and_grey_scale_the_relief() {
         "{half} {whole}"
     );
 }
+
+/// Largest deviation of one column of the height map from neutral.
+fn highest(folder: &Folder, column: usize) -> f64 {
+    let map = read_mask(&folder.path("out/maps/squeezed_100_height.png")).expect("a map");
+    let rows = map.values.chunks(map.width);
+    rows.map(|row| (f64::from(row[column]) - 0.5).abs())
+        .fold(0.0, f64::max)
+}
+
+/// Half a wavelength is 10.7 of the 64 texels; the mask ends at the 32nd.
+#[test]
+fn relief_fades_to_nothing_inside_the_border_of_a_mask() {
+    let folder = scene_with(
+        "[[layers]]\nname = \"skin\"\nwavelength = 0.03\ncritical_strain = 0.05\nmask = \"left.png\"\n[[poses]]",
+    );
+    paint(&folder, "left.png", [255, 255, 255, 255, 0, 0, 0, 0]);
+    folder.ruga("bake scene.toml -o out").exits(0);
+    let inside = (4..20).map(|column| highest(&folder, column));
+    let inside = inside.fold(0.0, f64::max);
+    assert!(highest(&folder, 31) < 0.1 * inside, "{inside}");
+    assert!(highest(&folder, 33) < 1e-3, "beyond the mask");
+    let steps =
+        (20..33).map(|column| (highest(&folder, column + 1) - highest(&folder, column)).abs());
+    let steepest = steps.fold(0.0, f64::max);
+    assert!(steepest < 0.4 * inside, "no cut: {steepest} of {inside}");
+}
+
+/// A layer in one place does not take away what lies below another in another place.
+#[test]
+fn a_third_layer_lies_on_what_is_there() {
+    let layers = |feet: &str| {
+        format!(
+            "[[layers]]\nname = \"furrows\"\nwavelength = 0.03\ncritical_strain = 0.05\n\n{feet}\
+             [[layers]]\nname = \"fine\"\nwavelength = 0.015\ncritical_strain = 0.05\nmask = \"right.png\"\n\n[[poses]]"
+        )
+    };
+    let feet = "[[layers]]\nname = \"feet\"\nwavelength = 0.015\ncritical_strain = 0.05\nmask = \"left.png\"\n\n";
+    let height = |feet: &str| {
+        let folder = scene_with(&layers(feet));
+        paint(&folder, "left.png", [255, 255, 0, 0, 0, 0, 0, 0]);
+        paint(&folder, "right.png", [0, 0, 0, 0, 255, 255, 255, 255]);
+        folder.ruga("bake scene.toml -o out").exits(0);
+        let maps = folder.json("out/wrinkles.json");
+        let maps = maps["maps"].as_array().expect("maps").clone();
+        let is_last = |map: &&serde_json::Value| {
+            map["file"]
+                .as_str()
+                .is_some_and(|f| f.ends_with("_100_height.png"))
+        };
+        let scale = maps.iter().find(is_last).expect("a map")["scale"].clone();
+        let highest = (44..52).map(|column| highest(&folder, column));
+        scale.as_f64().expect("a scale") * highest.fold(0.0, f64::max)
+    };
+    let (without, with) = (height(""), height(feet));
+    assert!((with / without - 1.0).abs() < 0.3, "{with} {without}");
+}
+
+/// A band narrower than its waves: what lies beside it holds it flat.
+#[test]
+fn skin_that_stays_smooth_is_told_with_its_place_and_why() {
+    let folder = scene_with(
+        "[[layers]]\nname = \"skin\"\nwavelength = 0.015\ncritical_strain = 0.09\nmask = \"band.png\"\n\n[[poses]]",
+    );
+    let band: Vec<u16> = (0..64)
+        .map(|i| if i / 8 == 3 { u16::MAX } else { 0 })
+        .collect();
+    let texels = PngTexels::Grey16(&band);
+    write_png(&folder.path("band.png"), 8, 8, texels).expect("a folder to write to");
+    let run = folder.ruga("bake scene.toml -o out").exits(0);
+    run.says(&[
+        "were to wrinkle and stayed smooth, at u",
+        "narrower than its wrinkles",
+    ]);
+}

@@ -39,14 +39,13 @@ pub(crate) struct LowerLayer<'a> {
     pub(crate) covers: &'a Covers,
 }
 
-impl LowerLayer<'_> {
-    /// The layer in the shape that maps show.
-    pub(crate) fn as_shown(&self) -> Self {
-        Self {
-            positions: self.shown,
-            ..*self
-        }
-    }
+/// The layers in the shapes that maps show.
+pub(crate) fn as_shown<'a>(layers: &[LowerLayer<'a>]) -> Vec<LowerLayer<'a>> {
+    let shown = |layer: &LowerLayer<'a>| LowerLayer {
+        positions: layer.shown,
+        ..*layer
+    };
+    layers.iter().map(shown).collect()
 }
 
 /// How a layer lies on what is below.
@@ -60,21 +59,24 @@ pub(crate) struct Seat {
     pub(crate) tie: Option<f64>,
 }
 
-/// The surface below the vertices of `skin`, whose rest positions include the seat's offset.
+/// The surface below the vertices of `skin`, whose rest positions include the seat's offset: the driver,
+/// and on it the `lower` layers, bottom first.
 pub(crate) fn surface_below(
     driver: &Driver,
     skin: &SkinMesh,
     seat: Seat,
     control: &[Vector3<f64>],
-    lower: Option<&LowerLayer<'_>>,
+    lower: &[LowerLayer<'_>],
 ) -> BelowSurface {
+    let on_driver = skin.points.pose(control).positions;
     let mut middle = skin.points.pose(control);
     let mut distance = vec![seat.offset; middle.positions.len()];
-    if let Some(lower) = lower {
+    // What an upper one of them covers is its surface; where it is not, that of the next lower one.
+    for lower in lower {
         let rim = RIM * (seat.offset - lower.offset);
         let cover = lower.covers.of(driver, skin, lower.skin, rim);
-        for &vertex in add_lower(&cover, skin, control, lower, &mut middle) {
-            distance[vertex as usize] -= lower.offset;
+        for &vertex in lay_on(&cover, (skin, &on_driver), control, lower, &mut middle) {
+            distance[vertex as usize] = seat.offset - lower.offset;
         }
     }
     let lifted = |share: f64| -> Vec<Vector3<f64>> {
@@ -129,14 +131,14 @@ fn power(matrix: &Matrix2<f64>, exponent: f64, [low, high]: [f64; 2]) -> Matrix2
     vectors * Matrix2::from_diagonal(&values) * vectors.transpose()
 }
 
-/// Adds to the driver what the layer below deviates from it, wherever that layer is; returns where.
-/// Over a rim its normals turn into the driver's.
+/// Puts a layer below in the place of what lies below it, wherever that layer is; returns where.
+/// Over a rim its normals turn into those of what is there without it.
 ///
 /// Deviations, not positions, are interpolated: they vanish at the layer's ragged border, where a
 /// smooth surface through positions would cut the corners.
-fn add_lower<'c>(
+fn lay_on<'c>(
     cover: &'c Cover,
-    skin: &SkinMesh,
+    (skin, on_driver): (&SkinMesh, &[Vector3<f64>]),
     control: &[Vector3<f64>],
     lower: &LowerLayer<'_>,
     middle: &mut PosedSurface,
@@ -150,7 +152,7 @@ fn add_lower<'c>(
     let vertices = cover.vertices().iter().zip(cover.shares());
     for ((&vertex, share), (change, (along_u, along_v))) in vertices.zip(changes) {
         let i = vertex as usize;
-        middle.positions[i] += change;
+        middle.positions[i] = on_driver[i] + change;
         let first = posed[i][0] + along_u;
         let second = posed[i][1] + along_v;
         let normal = first.cross(&second).try_normalize(0.0);
@@ -189,7 +191,7 @@ mod tests {
             tie: None,
         };
         let control = driver.pose(&driver.weights([("bend", 1.0)]).expect("a shape"));
-        let below = surface_below(&driver, &skin, seat, &control, None);
+        let below = surface_below(&driver, &skin, seat, &control, &[]);
         let transfer = below.transfer.expect("a part is not transferred");
         let faces = skin.mesh.faces().as_slice().iter().zip(transfer);
         faces
@@ -247,7 +249,7 @@ mod tests {
             bending_transfer: 1.0,
             tie: None,
         };
-        let surface = surface_below(&driver, &upper, seat, driver.rest(), Some(&below));
+        let surface = surface_below(&driver, &upper, seat, driver.rest(), &[below]);
         let own = face_strains(&lower.mesh, &lower.rest.positions, &positions);
         let strains = face_strains(&upper.mesh, &upper.rest.positions, &surface.posed.positions);
         let range = |strains: &PerFace<FaceStrain>| {

@@ -49,11 +49,14 @@ pub enum StepperError {
         /// What the simulation was called with.
         found: String,
     },
-    /// The region mask leaves nothing.
+    /// The masks of a layer and of the region leave nothing of it.
     #[error(
-        "the region mask is black wherever the mesh has texture coordinates; paint at least one face white"
+        "layer '{layer}': its mask, or the region mask, or what both leave, is black wherever the mesh has texture coordinates; paint at least one face white"
     )]
-    BlackMask,
+    BlackMask {
+        /// Name of the layer.
+        layer: String,
+    },
     /// A material is out of range.
     #[error("layer '{layer}': {source}")]
     Material {
@@ -74,11 +77,13 @@ pub enum StepperError {
     },
     /// The layers of a stack are to act together and one of them is painted.
     #[error(
-        "layer '{layer}' has a property map, and stack = \"{stack}\" knows uniform layers only; leave the map out, or take stack = \"nominal\""
+        "layer '{layer}' has a {what}, and stack = \"{stack}\" knows uniform layers only; leave it out, or take stack = \"nominal\""
     )]
     PaintedStack {
         /// Name of the layer.
         layer: String,
+        /// What makes it uneven.
+        what: &'static str,
         /// What the stack was to be.
         stack: &'static str,
     },

@@ -201,6 +201,7 @@ impl Mask {
         if !is_inside(uv) {
             return 0.0;
         }
+        let uv = uv.map(|c| c.clamp(0.0, 1.0));
         let between = |c: f64, count: u32| {
             let place = (c * f64::from(count) - 0.5).clamp(0.0, f64::from(count - 1));
             let low = place.floor();
@@ -247,8 +248,12 @@ impl Mask {
     }
 }
 
+/// Coordinates of the border come a rounding beyond the square out of files and interpolation.
+const ROUNDING: f64 = 1e-6;
+
 fn is_inside(uv: Vector2<f64>) -> bool {
-    (0.0..=1.0).contains(&uv.x) && (0.0..=1.0).contains(&uv.y)
+    let tile = -ROUNDING..=1.0 + ROUNDING;
+    tile.contains(&uv.x) && tile.contains(&uv.y)
 }
 
 /// What the edges of a fitted mesh are held to.

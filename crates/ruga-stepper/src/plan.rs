@@ -34,7 +34,7 @@ const PASSING: [f64; 3] = [0.25, 0.5, 0.75];
 /// Edges beside the wrinkles over those across them, where a fitted mesh grows coarser.
 const GRADED: f64 = 3.0;
 /// Vertices of the uniform mesh that a fitted one may be handed out on, in vertex budgets.
-const HANDED_OUT: f64 = 4.0;
+pub(crate) const HANDED_OUT: f64 = 4.0;
 
 /// What will be modelled.
 #[derive(Clone, Debug)]
@@ -344,7 +344,9 @@ impl PlanningSurface {
             })
             .collect();
         if lengths.is_empty() {
-            return Err(StepperError::BlackMask);
+            return Err(StepperError::BlackMask {
+                layer: layers[0].name.clone(),
+            });
         }
         lengths.sort_by(f64::total_cmp);
         let long = lengths[(lengths.len() - 1) * 95 / 100];
@@ -388,14 +390,15 @@ impl PlanningSurface {
     /// Whether every layer is somewhere on the mesh.
     fn check_masks(&self, layers: &[LayerSpec]) -> Result<(), StepperError> {
         let uvs = self.surface.uvs().as_slice();
-        let is_somewhere = |layer: &LayerSpec| {
+        let is_nowhere = |layer: &&LayerSpec| {
             let mut centres = uvs.iter().map(|[a, b, c]| (a + b + c) / 3.0);
-            centres.any(|centre| layer.presence.covers(centre))
+            !centres.any(|centre| layer.presence.covers(centre))
         };
-        match layers.iter().all(is_somewhere) {
-            true => Ok(()),
-            false => Err(StepperError::BlackMask),
-        }
+        layers.iter().find(is_nowhere).map_or(Ok(()), |layer| {
+            Err(StepperError::BlackMask {
+                layer: layer.name.clone(),
+            })
+        })
     }
 
     fn pose_plan(

@@ -7,6 +7,7 @@ use ruga_material::CAP_START;
 use ruga_mesh::FaceId;
 
 use crate::place::{ShapeCentres, place_of_faces};
+use crate::plan::HANDED_OUT;
 use crate::region::Demand;
 use crate::{LayerPlan, Modelling, PoseSpec};
 
@@ -147,7 +148,7 @@ fn not_skin(plan: &LayerPlan, pose: &PoseSpec) -> Option<String> {
 fn late_warning(plan: &LayerPlan) -> Option<String> {
     (plan.critical_strain > CAP_START).then(|| {
         format!(
-            "its critical strain of {:.1} % is beyond 15 %, from where on compression counts less and less: it wrinkles late or not at all. Take a lower `critical_strain`, or a stiffer layer",
+            "the layer's critical strain of {:.1} % is beyond 15 %, from where on compression counts less and less: it wrinkles late or not at all. Take a lower `critical_strain`, or a stiffer layer",
             100.0 * plan.critical_strain
         )
     })
@@ -179,6 +180,13 @@ fn budget_warning(plan: &LayerPlan, modelling: &Modelling) -> Option<String> {
         true => "too few for the wrinkles to be right",
         false => "wrinkles come out a few per cent too high",
     };
+    if plan.needed <= modelling.vertex_budget as f64 {
+        // The mesh that results are handed out on bounds the fitted one.
+        return Some(format!(
+            "the layer gets {reached:.1} of {asked} points per wavelength: the artist's mesh is not split further, because results would need more than {} vertices: {effect}. Raise `driver.vertex_budget`, or simulate less skin with a mask",
+            HANDED_OUT * modelling.vertex_budget as f64
+        ));
+    }
     Some(format!(
         "{asked} points per wavelength need about {:.0} vertices, and the vertex budget of {} stops refinement at {reached:.1}: {effect}. {}",
         plan.needed,

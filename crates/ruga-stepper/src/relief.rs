@@ -15,6 +15,9 @@ use crate::{LayerSpec, StepperError};
 /// full slope, and half a wave is the least over which a crest runs out without a corner.
 const FADE: f64 = 0.5;
 
+/// Grey at a border up to which the painted mask itself has faded the relief.
+const FADED: f64 = 0.25;
+
 /// How much of a layer's relief shows on the meshes it is computed and handed out on.
 #[derive(Clone, Debug)]
 pub(crate) struct ReliefShares {
@@ -55,7 +58,11 @@ pub(crate) fn relief_shares(
     let is_cut: Vec<bool> = points
         .iter()
         .zip(border.as_slice())
-        .map(|(place, on_border)| *on_border && !is_on_border(driver.topology(), &outline, place))
+        .map(|(place, on_border)| {
+            *on_border
+                && !is_on_border(driver.topology(), &outline, place)
+                && spec.presence.grey(uv(driver, place)) > FADED
+        })
         .collect();
     let mut shares = vec![spec.presence.strength; points.len()];
     if is_cut.contains(&true) {

@@ -119,7 +119,7 @@ impl StackRun<'_> {
         let below = |skin: &SkinMesh| -> Vec<BelowSurface> {
             let seat = self.plan.seats[lowest];
             let keys = keys.iter();
-            keys.map(|control| surface_below(self.driver, skin, seat, control, None))
+            keys.map(|control| surface_below(self.driver, skin, seat, control, &[]))
                 .collect()
         };
         let made = self.build(lowest, &below, observer);
@@ -231,7 +231,7 @@ impl StackRun<'_> {
         }
         observer.phase(lowest, Phase::Sampling);
         let control = self.control(place.weight);
-        let mut layers = self.snapshot(run, &control, None);
+        let mut layers = self.snapshot(run, &control, &[]);
         if place.share == 1.0 {
             let upper = self.upper_layers(lowest, run, place, &control, observer)?;
             let Some(upper) = upper else { return Ok(false) };
@@ -309,7 +309,7 @@ impl Course for DriverCourse<'_, '_> {
         let control = self.stack.control(place.weight);
         let seat = self.stack.plan.seats[self.lowest];
         (
-            surface_below(self.stack.driver, skin, seat, &control, None),
+            surface_below(self.stack.driver, skin, seat, &control, &[]),
             place.share,
         )
     }

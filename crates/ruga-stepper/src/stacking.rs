@@ -74,6 +74,10 @@ impl Stacking {
         painted.map_or(Ok(()), |painted| {
             Err(StepperError::PaintedStack {
                 layer: painted.name.clone(),
+                what: match painted.map {
+                    Some(_) => "property map",
+                    None => "variation",
+                },
                 stack,
             })
         })

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use nalgebra::Vector3;
 
-use crate::below::{BelowSurface, LowerLayer, surface_below};
+use crate::below::{BelowSurface, LowerLayer, as_shown, surface_below};
 use crate::cover::Covers;
 use crate::error::Halt;
 use crate::layer_run::{Course, Ending, LayerRun};
@@ -25,13 +25,17 @@ impl StackRun<'_> {
         let covers = Rc::clone(&self.covers);
         let mut surfaces = Vec::new();
         let mut solved: Vec<(LayerRun, Ending)> = Vec::new();
-        let mut shown = run.layer.shown_positions(run.layer.below());
+        // Where every layer's vertices are as maps show them, the lowest layer's first.
+        let mut shown = vec![run.layer.shown_positions(run.layer.below())];
         for index in lowest + 1..self.plan.specs.len() {
             if self.plan.poses[self.pose].layers[index].region.is_empty() {
                 continue;
             }
-            let below = solved.last().map_or(run, |(run, _)| run);
-            let lower = self.lower(below, &shown, &covers);
+            let runs = std::iter::once(run).chain(solved.iter().map(|(run, _)| run));
+            let lower = runs.zip(&shown);
+            let lower: Vec<LowerLayer<'_>> = lower
+                .map(|(run, shown)| self.lower(run, shown, &covers))
+                .collect();
             let made = self.upper_layer(index, &lower, place, control, observer);
             let Some((mut upper, ending)) = Halt::unless_interrupted(made)? else {
                 return Ok(None);
@@ -45,11 +49,11 @@ impl StackRun<'_> {
                 return Ok(None);
             }
             observer.phase(index, Phase::Sampling);
-            surfaces.extend(self.snapshot(&upper, control, Some(&lower)));
+            surfaces.extend(self.snapshot(&upper, control, &lower));
             let seat = self.plan.seats[index];
             let skin = upper.layer.skin();
-            let below = surface_below(self.driver, skin, seat, control, Some(&lower.as_shown()));
-            shown = upper.layer.shown_positions(&below.posed);
+            let below = surface_below(self.driver, skin, seat, control, &as_shown(&lower));
+            shown.push(upper.layer.shown_positions(&below.posed));
             upper.measure();
             self.result.layers[index] = upper.report.clone();
             solved.push((upper, ending));
@@ -62,19 +66,19 @@ impl StackRun<'_> {
         Ok(Some(surfaces))
     }
 
-    /// Solves one layer on the `lower` one: from its last shape if there is one from which the
+    /// Solves one layer on the `lower` ones, bottom first: from its last shape if there is one from which the
     /// equilibrium can be reached, else from none.
     fn upper_layer(
         &mut self,
         index: usize,
-        lower: &LowerLayer<'_>,
+        lower: &[LowerLayer<'_>],
         place: Place,
         control: &[Vector3<f64>],
         observer: &mut dyn Observer,
     ) -> Result<(LayerRun, Ending), Halt> {
         let seat = self.plan.seats[index];
         let last = self.upper[index].take();
-        let below = |skin: &SkinMesh| surface_below(self.driver, skin, seat, control, Some(lower));
+        let below = |skin: &SkinMesh| surface_below(self.driver, skin, seat, control, lower);
         let mut history = None;
         if let Some(last) = last {
             let before = last.layer.demand();
@@ -117,17 +121,14 @@ impl StackRun<'_> {
         &self,
         run: &LayerRun,
         control: &[Vector3<f64>],
-        lower: Option<&LowerLayer<'_>>,
+        lower: &[LowerLayer<'_>],
     ) -> Vec<LayerSurface> {
         let (driver, layer) = (self.driver, &run.layer);
         let seat = self.plan.seats[run.index];
         let region = &layer.region().skin;
         let below = surface_below(driver, region, seat, control, lower).posed;
-        let shown = lower.map(|lower| {
-            surface_below(driver, region, seat, control, Some(&lower.as_shown())).posed
-        });
-        let shown = shown.as_ref().unwrap_or(&below);
-        let own = layer.snapshot(driver, control, (&below, shown), seat.offset);
+        let shown = surface_below(driver, region, seat, control, &as_shown(lower)).posed;
+        let own = layer.snapshot(driver, control, (&below, &shown), seat.offset);
         let upper = layer.upper_snapshot(driver, &own, &below);
         std::iter::once(own).chain(upper).collect()
     }

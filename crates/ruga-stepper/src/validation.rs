@@ -50,7 +50,7 @@ fn is_positive(value: f64) -> bool {
 
 /// Checks the pixels of a mask.
 pub(crate) fn check_mask(width: u32, height: u32, values: &[f32]) -> Checked {
-    let of = "region mask";
+    let of = "mask";
     for (field, side) in [("width", width), ("height", height)] {
         if side == 0 {
             return refuse(of, field, side, "a number from 1");
@@ -70,6 +70,11 @@ pub(crate) fn check_mask(width: u32, height: u32, values: &[f32]) -> Checked {
 
 /// Checks what a layer's material does not check itself.
 pub(crate) fn check_layer(layer: &LayerSpec) -> Checked {
+    let strength = layer.presence.strength;
+    if !(strength > 0.0 && strength.is_finite()) {
+        let of = format!("layer '{}'", layer.name);
+        return refuse(of, "presence.strength", strength, "a number above 0");
+    }
     let transfer = layer.bending_transfer;
     match transfer.filter(|share| !(0.0..=1.0).contains(share)) {
         None => Ok(()),

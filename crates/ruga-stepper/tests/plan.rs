@@ -59,7 +59,7 @@ fn a_mask_limits_the_region_and_a_black_one_is_an_error() {
     assert_eq!(right.active_triangles(&driver, 0), on_right);
     assert!(matches!(
         with_mask(vec![0.0, 0.0]),
-        Err(StepperError::BlackMask)
+        Err(StepperError::BlackMask { .. })
     ));
 }
 

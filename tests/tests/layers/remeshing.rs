@@ -146,7 +146,10 @@ fn bending_that_does_not_depend_on_the_mesh_makes_jumps_smaller() {
     assert!(jitter.gap < 5e-4, "{jitter:?}");
     assert!(curvature.gap < 2e-3, "{curvature:?}");
     assert!(corrected.gap < 2e-3, "{corrected:?}");
-    assert!(uncorrected.gap > 2.0 * corrected.gap, "{uncorrected:?}");
+    // Hinges feel the mesh, corrected for its mean response or not.
+    for hinges in [&corrected, &uncorrected] {
+        assert!(hinges.gap > 5.0 * curvature.gap, "{hinges:?}");
+    }
     assert!(uncorrected.amplitude < 0.02, "{uncorrected:?}");
 }
 

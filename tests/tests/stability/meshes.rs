@@ -33,7 +33,10 @@ fn t7_coarse_meshes() {
         words.collect::<Vec<_>>().join("; ")
     };
     let found = points.map(|points| on_coarse_mesh(&rows_alone(), points));
-    assert!(found[1][1] > 1.5 && found[1][0] < 0.8, "{found:?}");
+    // Far too high, and waves too short, with four points; with six still.
+    for coarse in &found[1..3] {
+        assert!(coarse[1] > 1.3 && coarse[0] < 0.9, "{found:?}");
+    }
     table_line(test, "papers: rows alone", Finding::Fails, &told(&found));
 
     let found = points.map(|points| on_coarse_mesh(&FilmSpec::flat(150.0), points));

@@ -223,7 +223,9 @@ fn covered_faces(driver: &Driver, layer: &LayerSpec) -> Result<Vec<FaceId>, Step
     };
     let faces: Vec<FaceId> = driver.topology().faces().ids().filter(is_covered).collect();
     match faces.is_empty() {
-        true => Err(StepperError::BlackMask),
+        true => Err(StepperError::BlackMask {
+            layer: layer.name.clone(),
+        }),
         false => Ok(faces),
     }
 }

@@ -3,11 +3,10 @@
 use nalgebra::Vector3;
 use ruga_blend::Driver;
 use ruga_material::{CAP_START, capped_strain};
-use ruga_mesh::{FaceId, Id, PerFace, VertexId};
+use ruga_mesh::{FaceId, Id, PerFace, VertexId, edge_distances};
 
 use super::Layer;
 use crate::local_skin::uv;
-use crate::measure::waviness;
 use crate::place::{ShapeCentres, connected_parts, place_of_points};
 
 /// Applied strain over the critical one from which on wrinkles are expected: nearer to 1 they are
@@ -17,8 +16,12 @@ const EXPECTED: f64 = 1.5;
 /// Size of a place, in squares of its wavelength, from which on a missing wrinkle is told.
 const LEAST_AREA: f64 = 4.0;
 
-/// Amplitude over the predicted one below which a place counts as smooth.
-const SMOOTH: f64 = 0.15;
+/// Height over the amplitude predicted there from which on a vertex counts as part of a wrinkle.
+const WRINKLED: f64 = 0.3;
+
+/// Distance from the nearest wrinkle, in wavelengths, from which on a place counts as smooth: between
+/// two crests no place is further than a quarter from one.
+const AWAY: f64 = 1.0;
 
 /// Points per wavelength below which a mesh cannot bend into it.
 const COARSE: f64 = 4.0;
@@ -37,20 +40,7 @@ impl Layer {
     /// What the user should know about places that the pose compresses well beyond their critical
     /// strain and that have stayed smooth: where, and why.
     pub(crate) fn unwrinkled(&self, driver: &Driver) -> Vec<String> {
-        let heights = self.heights();
-        let smooth = self.patches().into_iter().filter(|patch| {
-            let corners = patch.faces.iter().map(|f| self.skin.mesh.faces()[*f]);
-            let corners = corners.map(|corners| corners.map(|v| v.0));
-            let waves = waviness(&heights, &self.skin.rest.positions, corners);
-            let felt = patch
-                .strain
-                .min(CAP_START)
-                .max(EXPECTED * patch.critical_strain);
-            let expected =
-                (felt - patch.critical_strain).sqrt() * patch.wavelength / std::f64::consts::PI;
-            waves.is_some_and(|waves| waves.amplitude < SMOOTH * expected)
-        });
-        let smooth: Vec<Patch> = smooth.collect();
+        let smooth = self.smooth_patches();
         if smooth.is_empty() {
             return Vec::new();
         }
@@ -66,13 +56,37 @@ impl Layer {
         told.collect()
     }
 
-    fn patches(&self) -> Vec<Patch> {
+    fn smooth_patches(&self) -> Vec<Patch> {
         let poisson = self.spec.material.poisson;
-        let areas: PerFace<f64> = self.skin.mesh.faces().ids().map(|f| self.area(f)).collect();
+        let mesh = &self.skin.mesh;
+        let areas: PerFace<f64> = mesh.faces().ids().map(|f| self.area(f)).collect();
         let critical = |face: FaceId| self.properties.faces[face].wrinkling.critical_strain;
         let strain = |face: FaceId| self.strains[face].effective(poisson);
         let is_expected = |face: FaceId| strain(face) > EXPECTED * critical(face);
-        let parts = connected_parts(&self.skin.mesh, &is_expected).into_iter();
+        let heights = self.heights();
+        let is_in_wrinkle = |face: FaceId| {
+            let wrinkling = &self.properties.faces[face].wrinkling;
+            let felt = strain(face).min(CAP_START);
+            let felt = felt.max(EXPECTED * wrinkling.critical_strain);
+            let least = WRINKLED * wrinkling.amplitude(felt);
+            mesh.faces()[face]
+                .iter()
+                .any(|v| heights[v.index()].abs() > least)
+        };
+        let crests = mesh
+            .faces()
+            .ids()
+            .filter(|f| is_expected(*f) && is_in_wrinkle(*f));
+        let crests = crests.flat_map(|face| mesh.faces()[face]);
+        let waves = self.properties.vertices.iter();
+        let waves: Vec<f64> = waves.map(|local| local.wrinkling.wavelength).collect();
+        let furthest = AWAY * waves.iter().copied().fold(0.0, f64::max);
+        let away = edge_distances(mesh, &self.skin.rest.positions, crests, furthest);
+        let is_smooth = |face: FaceId| {
+            let mut corners = mesh.faces()[face].iter();
+            is_expected(face) && corners.all(|v| away[*v] > AWAY * waves[v.index()])
+        };
+        let parts = connected_parts(mesh, &is_smooth).into_iter();
         let patches = parts.map(|faces| {
             let median = |value: &dyn Fn(FaceId) -> f64| {
                 let mut values: Vec<f64> = faces.iter().map(|f| value(*f)).collect();
