@@ -63,7 +63,7 @@ fn collapse_edge(
         .reduce(|best, other| if other.0 > best.0 { other } else { best });
     let gone = match best {
         Some((_, gone)) => gone,
-        None if move_head_to_middle(patch, h) => ends[0],
+        None if patch.may_ends_meet && move_head_to_middle(patch, h) => ends[0],
         None => return,
     };
     let kept = patch.topology.other_end(h, gone);

@@ -42,6 +42,8 @@ pub(crate) struct Patch<'a> {
     pub(crate) old: &'a SurfaceMesh,
     sizing: &'a Sizing,
     surface: &'a dyn Surface,
+    /// Whether an edge may collapse onto its middle where neither end will do.
+    pub(crate) may_ends_meet: bool,
 }
 
 impl<'a> Patch<'a> {
@@ -66,6 +68,7 @@ impl<'a> Patch<'a> {
             old,
             sizing,
             surface,
+            may_ends_meet: false,
         })
     }
 
@@ -128,6 +131,11 @@ impl<'a> Patch<'a> {
     pub(crate) fn survivor(&self, v: u32) -> Option<VertexId> {
         self.old_vertex(v)
             .filter(|&old| self.position(v) == self.old.positions[old])
+    }
+
+    /// Lets edges collapse onto their middles from now on.
+    pub(crate) fn let_ends_meet(&mut self) {
+        self.may_ends_meet = true;
     }
 
     /// Lets an old vertex be moved like a new one.

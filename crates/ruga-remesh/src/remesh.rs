@@ -159,7 +159,19 @@ pub fn remesh(
         converged &= crate::split::split_long_edges(&mut patch, &mut counts, most);
     }
     converged &= close(&mut patch, corner, &mut counts);
+    let made = finish(&patch, counts, converged);
+    if made.report.short_unforced as f64 <= most_short(made.report.edges) {
+        return Ok(made);
+    }
+    // Only then do old vertices move: values that are carried over stay exact where they can.
+    patch.let_ends_meet();
+    converged &= close(&mut patch, corner, &mut counts);
     Ok(finish(&patch, counts, converged))
+}
+
+/// Short edges that nothing forces, of so many, up to which a remesh has converged.
+fn most_short(edges: usize) -> f64 {
+    (MOST_SHORT * edges as f64).max(FEW_SHORT)
 }
 
 /// Collapses and flips over the whole mesh until neither finds anything to do.
@@ -286,8 +298,8 @@ fn report(patch: &Patch, counts: Counts, converged: bool) -> RemeshReport {
         let [shortest, longest] = result.metric_lengths;
         result.metric_lengths = [shortest.min(length), longest.max(length)];
     }
-    let most_short = (MOST_SHORT * result.edges as f64).max(FEW_SHORT);
-    result.converged &= result.too_long == 0 && result.short_unforced as f64 <= most_short;
+    let is_fine = result.short_unforced as f64 <= most_short(result.edges);
+    result.converged &= result.too_long == 0 && is_fine;
     result
 }
 
