@@ -109,7 +109,8 @@ pub(crate) struct RunArguments {
     /// than asked for.
     #[arg(long, help_heading = "Output")]
     pub(crate) resume: bool,
-    /// Use DIR although it has results of another scene, which are then no longer listed.
+    /// Use DIR although it has results of another scene, which are then no longer listed, or a
+    /// file of yours where `bake` writes its GLB, which is replaced.
     #[arg(long, help_heading = "Output")]
     pub(crate) force: bool,
     /// Mesh points per wavelength: draft 6, standard 12, fine 24 [default: the scene's].

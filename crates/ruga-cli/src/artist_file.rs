@@ -1,5 +1,6 @@
 //! The artist's mesh on its way back, tangents added and maps referenced.
 
+use std::fs;
 use std::path::Path;
 
 use nalgebra::{Vector3, Vector4};
@@ -7,6 +8,10 @@ use ruga_bake::{TangentFrame, vertex_tangents};
 use ruga_io::{GlbAdditions, MeshFile, WrinkleMap, WrittenGlb, scene, write_glb};
 
 use crate::error::CliError;
+use crate::pose_record::Records;
+
+/// How the GLB's JSON names its list of maps.
+const MAPS_IN_GLB: &str = "\"wrinkleMaps\"";
 
 /// Cosine of the angle by which a corner's tangent may differ from its vertex's: 10 degrees, about
 /// where a wrinkle's shading visibly turns.
@@ -23,27 +28,58 @@ pub(crate) fn file_name(mesh: &MeshFile) -> String {
     usable.unwrap_or("mesh").to_owned()
 }
 
-/// Refuses a folder in which the GLB would replace the file that the mesh was read from.
+/// Refuses a folder in which the GLB would replace a file of the artist's: the one that the mesh was
+/// read from, or, unless `force` is given, one that no earlier run has written.
 ///
 /// # Errors
 /// [`CliError::Output`].
-pub(crate) fn refuse_own_folder(folder: &Path, mesh: &MeshFile) -> Result<(), CliError> {
-    let path = folder.join(format!("{}.glb", file_name(mesh)));
-    let is_own = match (path.canonicalize(), mesh.path.canonicalize()) {
+pub(crate) fn refuse_own_folder(
+    folder: &Path,
+    mesh: &MeshFile,
+    force: bool,
+) -> Result<(), CliError> {
+    let name = format!("{}.glb", file_name(mesh));
+    let path = folder.join(&name);
+    let is_read = match (path.canonicalize(), mesh.path.canonicalize()) {
         (Ok(written), Ok(read)) => written == read,
         _ => false,
     };
-    match is_own {
-        false => Ok(()),
-        true => Err(CliError::Output {
+    let refuse = |reason: String| {
+        Err(CliError::Output {
             path: folder.to_owned(),
-            reason: format!(
-                "{} in it is the mesh of the scene and would be replaced; choose another folder, \
-                 or `--maps-only`",
-                path.file_name().unwrap_or_default().display()
-            ),
-        }),
+            reason,
+        })
+    };
+    if is_read {
+        return refuse(format!(
+            "{name} in it is the mesh of the scene and would be replaced; choose another folder, \
+             or `--maps-only`"
+        ));
     }
+    if path.exists() && !force && !is_written_by_ruga(folder, &name) {
+        return refuse(format!(
+            "{name} in it is no result of an earlier run and would be replaced; choose another \
+             folder, write no GLB with `--maps-only`, or replace the file with `--force`"
+        ));
+    }
+    Ok(())
+}
+
+/// Whether an earlier run has written the GLB of this name: the manifest says so; or, where a run
+/// that was killed or one with `--maps-only` has left none that does, the GLB itself, beside the
+/// records of baked poses, lists wrinkle maps.
+fn is_written_by_ruga(folder: &Path, name: &str) -> bool {
+    let manifest = fs::read(folder.join("wrinkles.json")).unwrap_or_default();
+    let manifest: serde_json::Value = serde_json::from_slice(&manifest).unwrap_or_default();
+    if manifest["glb"]["file"] == name {
+        return true;
+    }
+    let lists_maps = || {
+        let glb = fs::read(folder.join(name)).unwrap_or_default();
+        let mark = MAPS_IN_GLB.as_bytes();
+        glb.windows(mark.len()).any(|bytes| bytes == mark)
+    };
+    !Records::of_bake(folder).all().is_empty() && lists_maps()
 }
 
 /// Writes the mesh with the tangents of its rest shape.

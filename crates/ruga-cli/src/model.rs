@@ -18,6 +18,9 @@ use crate::arguments::Quality;
 use crate::error::{CliError, nearest};
 use crate::project::mask;
 
+/// Weights beyond this look like a slip: shapes are whole at 1, and now and then overdriven a little.
+const LARGE_WEIGHT: f64 = 2.0;
+
 /// What is wrong with a share of bending for the lowest layer of a zone, which has none below.
 pub(crate) fn bending_without_layer(scene: &Scene, path: &Path) -> Option<CliError> {
     let zones = scene.zones();
@@ -266,6 +269,29 @@ fn pose_spec(pose: &scene::Pose, driver: &Driver, path: &Path) -> Result<PoseSpe
         keys,
         steps: pose.steps,
     })
+}
+
+/// What is to be said of weights so far beyond the whole blend shape that they look mistyped, in the
+/// poses of the scene that are worked on.
+pub(crate) fn weight_warnings(scene: &Scene, poses: &[PoseSpec]) -> Vec<String> {
+    let mut warnings = Vec::new();
+    for (number, pose) in scene.poses.iter().enumerate() {
+        if !poses.iter().any(|spec| spec.name == pose.name) {
+            continue;
+        }
+        let large = pose.weights.iter().filter(|(_, w)| w.abs() > LARGE_WEIGHT);
+        warnings.extend(large.map(|(shape, &weight)| {
+            let question = match weight > 0.0 {
+                // Tenths are not exact: 3.3 / 10 has sixteen digits.
+                true => format!("; did you mean {}?", (1e5 * weight).round() / 1e6),
+                false => String::new(),
+            };
+            format!(
+                "`poses[{number}].weights.{shape}`: found {weight}; 1 is the whole blend shape{question}"
+            )
+        }));
+    }
+    warnings
 }
 
 /// The choices that are not physics.

@@ -1,8 +1,8 @@
 //! What will be modelled: skin on a driver, zone by zone, or a layer on a soft body.
 
 use ruga_stepper::{
-    BodyPlan, BodyPose, Frame, LayerPlan, Observer, Phase, Plan, PoseResult, Preparation, Progress,
-    StepperError, simulate, simulate_body,
+    BodyPlan, BodyPose, Frame, KeyResult, LayerPlan, Observer, Phase, Plan, PoseResult,
+    Preparation, Progress, StepperError, simulate, simulate_body,
 };
 
 use crate::project::Project;
@@ -97,11 +97,7 @@ fn simulate_zones(
     pose: usize,
     observer: &mut dyn Observer,
 ) -> Result<PoseResult, StepperError> {
-    let mut whole = PoseResult {
-        layers: vec![Default::default(); project.layers.len()],
-        converged: true,
-        ..PoseResult::default()
-    };
+    let mut results = Vec::new();
     for zone in zones {
         let mut observer = ZoneObserver {
             layers: &zone.layers,
@@ -110,23 +106,58 @@ fn simulate_zones(
         let (driver, spec) = (&project.driver, &project.poses[pose]);
         let modelling = &project.modelling;
         let result = simulate(driver, &zone.plan, pose, spec, modelling, &mut observer)?;
-        add(&mut whole, result, &zone.layers);
-        if whole.interrupted {
+        let is_interrupted = result.interrupted;
+        results.push(result);
+        if is_interrupted {
             break;
         }
     }
-    Ok(whole)
+    let layers: Vec<&[usize]> = zones.iter().map(|zone| zone.layers.as_slice()).collect();
+    Ok(merged(project.layers.len(), &layers, results))
 }
 
-/// Adds the result of a zone, whose layers have these numbers in the scene.
+/// The results of the zones of a scene with `count` layers as one; `zones` has for each zone the
+/// numbers of its layers in the scene.
+///
+/// A key is finished when every zone has reached it. After an interruption `results` has fewer
+/// entries than there are zones, and no key is finished.
+fn merged(count: usize, zones: &[&[usize]], results: Vec<PoseResult>) -> PoseResult {
+    let mut whole = PoseResult {
+        keys: finished_keys(zones.len(), &results),
+        layers: vec![Default::default(); count],
+        converged: true,
+        ..PoseResult::default()
+    };
+    for (layers, result) in zones.iter().zip(results) {
+        add(&mut whole, result, layers);
+    }
+    whole
+}
+
+/// The keys, still without layers, that the results of all `zones` have.
+fn finished_keys(zones: usize, results: &[PoseResult]) -> Vec<KeyResult> {
+    let has = |result: &PoseResult, load: f64| result.keys.iter().any(|key| key.load == load);
+    let is_finished = |key: &&KeyResult| {
+        results.len() == zones && results.iter().all(|result| has(result, key.load))
+    };
+    let first = results.first().into_iter().flat_map(|result| &result.keys);
+    let finished = first.filter(is_finished);
+    finished
+        .map(|key| KeyResult {
+            load: key.load,
+            ..KeyResult::default()
+        })
+        .collect()
+}
+
+/// Adds the result of a zone, whose layers have these numbers in the scene; keys that are not
+/// finished everywhere are left out.
 fn add(whole: &mut PoseResult, zone: PoseResult, layers: &[usize]) {
     for key in zone.keys {
-        match whole.keys.iter_mut().find(|other| other.load == key.load) {
-            Some(other) => other.layers.extend(key.layers),
-            None => whole.keys.push(key),
+        if let Some(finished) = whole.keys.iter_mut().find(|other| other.load == key.load) {
+            finished.layers.extend(key.layers);
         }
     }
-    whole.keys.sort_by(|a, b| a.load.total_cmp(&b.load));
     for (number, report) in layers.iter().zip(zone.layers) {
         whole.layers[*number] = report;
     }
@@ -164,5 +195,63 @@ impl Observer for ZoneObserver<'_> {
 
     fn frame(&mut self, frame: &Frame<'_>) {
         self.observer.frame(frame);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use ruga_stepper::{LayerReport, LayerSurface};
+
+    use super::*;
+
+    /// A zone of one layer that has reached some keys; where it wrinkles, its layer is in them.
+    fn zone(name: &str, loads: &[f64], wrinkles: bool, interrupted: bool) -> PoseResult {
+        let surface = LayerSurface {
+            name: name.to_owned(),
+            ..LayerSurface::default()
+        };
+        let key = |&load: &f64| KeyResult {
+            load,
+            layers: vec![surface.clone(); usize::from(wrinkles)],
+            ..KeyResult::default()
+        };
+        PoseResult {
+            keys: loads.iter().map(key).collect(),
+            layers: vec![LayerReport {
+                name: name.to_owned(),
+                ..LayerReport::default()
+            }],
+            converged: true,
+            interrupted,
+            ..PoseResult::default()
+        }
+    }
+
+    /// The keys of a result, each with the names of its layers.
+    fn keys(result: &PoseResult) -> Vec<(f64, Vec<&str>)> {
+        let named = result.keys.iter().map(|key| {
+            let layers = key.layers.iter();
+            (key.load, layers.map(|layer| layer.name.as_str()).collect())
+        });
+        named.collect()
+    }
+
+    #[test]
+    fn a_key_is_finished_when_every_zone_has_it() {
+        let zones: [&[usize]; 2] = [&[1], &[0]];
+        let whole = zone("a", &[0.5, 1.0], true, false);
+        let early = zone("b", &[0.5], true, true);
+        let found = merged(2, &zones, vec![whole.clone(), early]);
+        assert_eq!(keys(&found), [(0.5, vec!["a", "b"])]);
+        assert!(found.interrupted);
+        assert_eq!([&found.layers[0].name, &found.layers[1].name], ["b", "a"]);
+
+        // Interrupted in the first zone: the second one has nothing yet.
+        let found = merged(2, &zones, vec![zone("a", &[0.5], true, true)]);
+        assert_eq!(keys(&found), []);
+        // A zone in which nothing wrinkles has all keys, and no layers in them.
+        let flat = zone("b", &[0.5, 1.0], false, false);
+        let found = merged(2, &zones, vec![flat, whole]);
+        assert_eq!(keys(&found), [(0.5, vec!["a"]), (1.0, vec!["a"])]);
     }
 }

@@ -55,6 +55,7 @@ impl Project {
         let mut warnings = mesh_warnings(&mesh, &driver);
         warnings.extend(mesh_size::check(&scene, &mesh, &layers)?);
         warnings.extend(mask_warnings(&scene, path)?);
+        warnings.extend(model::weight_warnings(&scene, &poses));
         warnings.extend(texture_space::check(&mesh)?);
         Ok(Self {
             path: path.to_owned(),

@@ -15,25 +15,73 @@ use crate::table::{ABSENT, duration, number, table};
 /// Where each warning can be read when several were said as one.
 pub(crate) const ALL_IN_REPORT: &str = "all are in report.json";
 
+/// The poses of a run, or the error that ended it.
+pub(crate) type RunPoses = Result<Vec<Option<PoseRecord>>, CliError>;
+
+/// The poses as they are, unless an error ended the run and neither it nor an earlier one has left
+/// anything for manifest and report to list.
+///
+/// # Errors
+/// That of the run, when nothing is to be written any more.
+pub(crate) fn unless_nothing_is_there(
+    poses: RunPoses,
+    arguments: &RunArguments,
+    results: &FolderResults,
+) -> Result<RunPoses, CliError> {
+    let has_report = || arguments.output.join("report.json").exists();
+    match poses {
+        Err(error) if results.current.is_empty() && !has_report() => Err(error),
+        poses => Ok(poses),
+    }
+}
+
+/// What ended the run where it could not be concluded either: `then` is said, if it is not that.
+pub(crate) fn first_error(poses: RunPoses, then: CliError) -> CliError {
+    match poses {
+        Ok(_) => then,
+        Err(first) => {
+            messages::error(then);
+            first
+        }
+    }
+}
+
 /// Writes `report.json`, prints the results and says how the run ended.
 ///
 /// The report has every pose in the folder that fits the scene; table and outcome are about `poses`,
-/// those of this run.
+/// those of this run. After an error it is written all the same: maps of poses that were finished
+/// before have replaced those that an earlier report describes.
 ///
 /// # Errors
-/// The report or a record cannot be written.
+/// That of the run; the report or a record cannot be written.
 pub(crate) fn conclude(
     project: &Project,
     plan: &Planned,
     arguments: &RunArguments,
-    poses: &[Option<PoseRecord>],
+    poses: RunPoses,
     results: &FolderResults,
 ) -> Result<Outcome, CliError> {
+    let path = arguments.output.join("report.json");
+    let poses = match poses {
+        Ok(poses) => poses,
+        Err(error) => {
+            let ending = format!("the run was ended by an error: {error}");
+            let report = report(project, plan, results, Some(ending));
+            return match report.write(&path) {
+                Ok(()) => Err(error),
+                Err(then) => Err(first_error(Err(error), then.into())),
+            };
+        }
+    };
     let own: Vec<&PoseRecord> = poses.iter().flatten().collect();
     let finished = own.iter().filter(|pose| !pose.report.interrupted);
     let missing = poses.len() - finished.count();
-    let report = report(project, plan, results, (missing, poses.len()));
-    report.write(&arguments.output.join("report.json"))?;
+    let ending = (missing > 0).then(|| {
+        let missing = counted(missing, "pose");
+        format!("interrupted: {missing} of {} not finished", poses.len())
+    });
+    let report = report(project, plan, results, ending);
+    report.write(&path)?;
     results.remove_leftovers()?;
     say_warnings(project, plan, &own, results);
     if arguments.json {
@@ -61,12 +109,13 @@ pub(crate) fn conclude(
     Ok(convergence(own.iter().map(|pose| &pose.report)))
 }
 
-/// The report of all poses in the folder, with every warning once.
+/// The report of all poses in the folder, with every warning once; `ending` says what kept the run
+/// from making all that it was asked for.
 fn report(
     project: &Project,
     plan: &Planned,
     results: &FolderResults,
-    (missing, asked): (usize, usize),
+    ending: Option<String>,
 ) -> Report {
     let mut report = Report::new(
         env!("CARGO_PKG_VERSION"),
@@ -79,12 +128,7 @@ fn report(
             report.warnings.push(warning.clone());
         }
     }
-    if missing > 0 {
-        let missing = counted(missing, "pose");
-        report
-            .warnings
-            .push(format!("interrupted: {missing} of {asked} not finished"));
-    }
+    report.warnings.extend(ending);
     report.poses = results.current.iter().map(|r| r.report.clone()).collect();
     report
 }

@@ -1,9 +1,26 @@
 //! Many warnings of the same kind as one, with a count and the worst three.
 //!
 //! A face has dozens of poses, and most have the same to say about each. Warnings are of one kind when
-//! they differ in nothing but their pose, their layer and their numbers.
+//! they are about the same layer and differ in nothing but their pose, their numbers, and the place on
+//! the model that the planner names.
 
 use std::cmp::Ordering;
+use std::ops::Range;
+
+/// What a place on the model begins with; its square of the texture ends with [`PLACE_SQUARE`].
+const PLACE: &str = "at u ";
+
+/// The end of a place's square of the texture.
+const PLACE_SQUARE: &str = " from the map's upper left";
+
+/// What may follow it: the blend shape nearest to the place, up to [`PLACE_SHAPE_END`].
+const PLACE_SHAPE: &str = " (nearest blend shape '";
+
+/// The end of the blend shape's name.
+const PLACE_SHAPE_END: &str = "')";
+
+/// What follows a place that does not stand for all.
+const PLACE_MORE: &str = ", and elsewhere";
 
 /// Names that stand in a group's message.
 const NAMED: usize = 3;
@@ -49,18 +66,10 @@ fn message(mut same: Vec<Warning<'_>>, whole: &str) -> String {
         (Some(a), Some(b)) => b.badness().total_cmp(&a.badness()),
         _ => Ordering::Equal,
     });
-    let several_layers = same.iter().any(|w| w.layer != same[0].layer);
-    let named = |warning: &Warning<'_>| {
-        let pose = warning.pose.unwrap_or_default();
-        match warning.layer.filter(|_| several_layers) {
-            Some(layer) => format!("'{pose}' (layer '{layer}')"),
-            None => format!("'{pose}'"),
-        }
-    };
     let shown = same.iter().take(NAMED).enumerate().map(|(rank, warning)| {
         let amount = warning.number(differing).filter(|_| rank > 0);
         let amount = amount.map_or_else(String::new, |amount| format!(" {}", amount.text));
-        format!("{}{amount}", named(warning))
+        format!("'{}'{amount}", warning.pose.unwrap_or_default())
     });
     let shown: Vec<String> = shown.collect();
     let more = match same.len().saturating_sub(NAMED) {
@@ -72,8 +81,9 @@ fn message(mut same: Vec<Warning<'_>>, whole: &str) -> String {
         true => "times",
         false => "poses",
     };
-    let layer = same[0].layer.filter(|_| !several_layers);
-    let layer = layer.map_or_else(String::new, |layer| format!(", layer '{layer}'"));
+    let layer = same[0]
+        .layer
+        .map_or_else(String::new, |layer| format!(", layer '{layer}'"));
     let order = match differing {
         Some(_) => "the worst first: ",
         None => "",
@@ -148,14 +158,18 @@ impl<'a> Warning<'a> {
         }
     }
 
-    /// The text without its numbers. Warnings without a pose stay by themselves.
+    /// The layer and the text without its place and numbers. Warnings without a pose stay by
+    /// themselves.
     fn kind(&self) -> String {
         if self.pose.is_none() {
             return self.whole.to_owned();
         }
-        let mut kind = String::new();
+        let mut left_out = self.number_ranges();
+        left_out.extend(place_range(self.text));
+        left_out.sort_by_key(|range| range.start);
+        let mut kind = format!("{}: ", self.layer.unwrap_or_default());
         let mut end = 0;
-        for range in number_ranges(self.text) {
+        for range in left_out {
             kind.push_str(&self.text[end..range.start]);
             kind.push('#');
             end = range.end;
@@ -163,8 +177,16 @@ impl<'a> Warning<'a> {
         kind + &self.text[end..]
     }
 
+    /// Where its numbers are, those of a place left out.
+    fn number_ranges(&self) -> Vec<Range<usize>> {
+        let place = place_range(self.text).unwrap_or_default();
+        let mut ranges = number_ranges(self.text);
+        ranges.retain(|range| !place.contains(&range.start));
+        ranges
+    }
+
     fn numbers(&self) -> Vec<Number<'a>> {
-        let ranges = number_ranges(self.text).into_iter();
+        let ranges = self.number_ranges().into_iter();
         ranges
             .filter_map(|range| {
                 let value = self.text[range.clone()].parse().ok()?;
@@ -192,9 +214,26 @@ impl<'a> Warning<'a> {
 /// Words that are shown with their number.
 const UNITS: [&str; 7] = ["cm2", "mm", "%", "texels", "points", "vertices", "m"];
 
+/// Where a text names a place on the model, if it does: its square of the texture, with the blend
+/// shape nearest to it and with what says that there are others.
+fn place_range(text: &str) -> Option<Range<usize>> {
+    let start = text.find(PLACE)?;
+    let square = text[start..].find(PLACE_SQUARE)?;
+    let mut end = start + square + PLACE_SQUARE.len();
+    if let Some(shape) = text[end..].strip_prefix(PLACE_SHAPE)
+        && let Some(length) = shape.find(PLACE_SHAPE_END)
+    {
+        end += PLACE_SHAPE.len() + length + PLACE_SHAPE_END.len();
+    }
+    if text[end..].starts_with(PLACE_MORE) {
+        end += PLACE_MORE.len();
+    }
+    Some(start..end)
+}
+
 /// Where the numbers in a text are: digits with at most one dot among them.
-fn number_ranges(text: &str) -> Vec<std::ops::Range<usize>> {
-    let mut ranges: Vec<std::ops::Range<usize>> = Vec::new();
+fn number_ranges(text: &str) -> Vec<Range<usize>> {
+    let mut ranges: Vec<Range<usize>> = Vec::new();
     for (at, character) in text.char_indices() {
         if !character.is_ascii_digit() {
             continue;
@@ -235,6 +274,64 @@ mod tests {
                  first: 'p1', 'p3' 7.25 cm2, 'p4' 7.00 cm2 and 2 more (all in report.json)]"
             ]
         );
+    }
+
+    #[test]
+    fn places_keep_no_warnings_apart() {
+        let capped = |pose: &str, area: f64, place: &str| {
+            format!(
+                "pose '{pose}', layer 'skin': {area:.2} cm2 are compressed by more than 15 %, at u 0.{area:02.0} to 0.65, v 0.09 to 0.18 from the map's upper left{place}, where real skin folds, doubles its wrinkles or creases"
+            )
+        };
+        let warnings = [
+            capped("a", 3.0, " (nearest blend shape 'browInnerUp_L')"),
+            capped("b", 12.0, " (nearest blend shape 'd'oh 2'), and elsewhere"),
+            capped("c", 7.0, ", and elsewhere"),
+            capped("d", 5.0, ""),
+        ];
+        assert_eq!(
+            lines(&warnings),
+            [
+                "4 poses, layer 'skin': 12.00 cm2 are compressed by more than 15 %, at u 0.12 to 0.65, v \
+                 0.09 to 0.18 from the map's upper left (nearest blend shape 'd'oh 2'), and elsewhere, \
+                 where real skin folds, doubles its wrinkles or creases [the worst first: 'b', 'c' 7.00 \
+                 cm2, 'd' 5.00 cm2 and 1 more (all in report.json)]"
+            ]
+        );
+    }
+
+    #[test]
+    fn places_do_not_order_what_is_equally_bad() {
+        let detour = |pose: &str, u: f64| {
+            format!(
+                "pose '{pose}': between rest and its keys 1.5 cm2 are squeezed, at u {u:.2} to 0.90, v 0.10 to 0.20 from the map's upper left, because a part turns"
+            )
+        };
+        let line = &lines(&[detour("a", 0.2), detour("b", 0.7)])[0];
+        assert!(
+            line.starts_with("2 poses: between rest")
+                && line.ends_with("because a part turns ['a', 'b']"),
+            "{line}"
+        );
+    }
+
+    #[test]
+    fn every_layer_has_a_line_of_its_own() {
+        let labyrinth = |pose: &str, layer: &str| {
+            format!("pose '{pose}', layer '{layer}': set `coupling = \"elastic\"` for this layer")
+        };
+        let warnings = [
+            labyrinth("a", "skin"),
+            labyrinth("a", "fat"),
+            labyrinth("b", "skin"),
+            labyrinth("b", "fat"),
+        ];
+        let line = |layer: &str| {
+            format!(
+                "2 poses, layer '{layer}': set `coupling = \"elastic\"` for this layer ['a', 'b']"
+            )
+        };
+        assert_eq!(lines(&warnings), [line("skin"), line("fat")]);
     }
 
     #[test]

@@ -95,6 +95,38 @@ fn maps_only_writes_no_mesh() {
 }
 
 #[test]
+fn a_file_of_the_artists_is_not_replaced() {
+    let folder = Folder::with("keys = [0.5, 1.0]\nsteps = 2", "keys = [1.0]\nsteps = 1");
+    std::fs::create_dir(folder.path("out")).unwrap();
+    folder.write("out/Patch.glb", "mine");
+    let refused = || {
+        folder.ruga("bake scene.toml -o out").exits(2).says(&[
+            "Patch.glb",
+            "another folder",
+            "--maps-only",
+            "--force",
+        ]);
+        assert_eq!(folder.read("out/Patch.glb"), b"mine");
+    };
+    refused();
+    assert_eq!(folder.files("out"), ["Patch.glb"]);
+    assert!(!folder.path("out/.lock").exists());
+    // Following the advice makes the file no one else's.
+    folder.ruga("bake scene.toml -o out --maps-only").exits(0);
+    refused();
+    folder
+        .ruga("bake scene.toml -o out --force --resume")
+        .exits(0);
+    assert_ne!(folder.read("out/Patch.glb"), b"mine");
+    // From now on it is ruga's, whatever becomes of the manifest.
+    folder.ruga("bake scene.toml -o out --resume").exits(0);
+    folder
+        .ruga("bake scene.toml -o out --maps-only --resume")
+        .exits(0);
+    folder.ruga("bake scene.toml -o out --resume").exits(0);
+}
+
+#[test]
 fn the_scenes_own_mesh_is_not_replaced() {
     let folder = Folder::new();
     textured(&folder);

@@ -52,6 +52,30 @@ fn a_pose_the_other_way_round_is_simulated() {
 }
 
 #[test]
+fn weights_far_beyond_the_whole_shape_are_asked_about() {
+    let said = |weight: &str, line: &str| {
+        let folder = Folder::with("squeeze = 1.0", &format!("squeeze = {weight}"));
+        folder.ruga(line).exits(0).stderr
+    };
+    for line in ["check scene.toml", "plan scene.toml"] {
+        for (weight, guess) in [("3.3", "0.33"), ("10.0", "1")] {
+            let text = said(weight, line);
+            let found = weight.trim_end_matches(".0");
+            let expected = format!(
+                "warning: `poses[0].weights.squeeze`: found {found}; 1 is the whole blend shape; did \
+                 you mean {guess}?"
+            );
+            assert!(text.contains(&expected), "{text}");
+        }
+        let backwards = said("-3.0", line);
+        let expected = "`poses[0].weights.squeeze`: found -3; 1 is the whole blend shape\n";
+        assert!(backwards.contains(expected), "{backwards}");
+        let usual = said("2.0", line);
+        assert!(!usual.contains("weights.squeeze"), "{usual}");
+    }
+}
+
+#[test]
 fn weights_that_are_no_numbers_are_refused() {
     for weight in ["nan", "inf", "-inf"] {
         let folder = Folder::with("squeeze = 1.0", &format!("squeeze = {weight}"));

@@ -3,7 +3,9 @@
 
 mod fixture;
 
+use std::fs::File;
 use std::io::Read;
+use std::os::unix::process::ExitStatusExt;
 use std::process::{Child, Command};
 use std::thread::sleep;
 use std::time::Duration;
@@ -71,6 +73,35 @@ fn finished_poses_stay_whole_and_a_second_run_resumes() {
             .len(),
         8
     );
+}
+
+/// Before anything is written Ctrl-C ends the process at once, whatever it reads or plans.
+#[test]
+fn nothing_is_asked_to_stop_before_the_folder_is_there() {
+    for command in ["bake", "simulate"] {
+        let folder = Folder::new();
+        std::fs::remove_file(folder.path("patch.obj")).unwrap();
+        let made = Command::new("mkfifo")
+            .arg(folder.path("patch.obj"))
+            .status();
+        assert!(made.expect("there is `mkfifo`").success());
+        let (mut child, _stderr) = folder.start(&format!("{command} scene.toml -o out"));
+        // Opens when the run reads the mesh, which then never comes.
+        let _mesh = File::options()
+            .write(true)
+            .open(folder.path("patch.obj"))
+            .unwrap();
+        interrupt(&child);
+        let ended = (0..100).find_map(|_| {
+            sleep(Duration::from_millis(100));
+            child.try_wait().unwrap()
+        });
+        if ended.is_none() {
+            child.kill().unwrap();
+        }
+        assert_eq!(ended.and_then(|status| status.signal()), Some(2));
+        assert!(!folder.path("out").exists());
+    }
 }
 
 #[test]

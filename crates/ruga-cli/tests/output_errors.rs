@@ -58,6 +58,45 @@ fn a_starter_scene_overwrites_nothing() {
     assert_eq!(folder.files(""), before);
 }
 
+/// Manifest and report describe the maps of poses that were finished before the error, not those that
+/// they have replaced.
+#[test]
+fn an_error_in_one_pose_leaves_manifest_and_report_true() {
+    let long = "[[poses]]\nname = \"other\"\nweights = { squeeze = 0.9 }\nkeys = [1.0]\nsteps = 1\n\n[remesh]";
+    let folder = Folder::with("keys = [0.5, 1.0]\nsteps = 2", "keys = [1.0]\nsteps = 1");
+    folder.change("scene.toml", "[remesh]", long);
+    let bake = "bake scene.toml -o out --threads 1";
+    folder.ruga(bake).exits(0);
+    let scale = || {
+        let record = folder.json("out/poses/squeezed.json");
+        let manifest = folder.json("out/wrinkles.json");
+        assert_eq!(manifest["maps"][1], record["maps"][1]);
+        record["maps"][1]["scale"].as_f64().unwrap()
+    };
+    let before = scale();
+
+    folder.change(
+        "scene.toml",
+        "critical_strain = 0.05",
+        "critical_strain = 0.06",
+    );
+    std::fs::remove_file(folder.path("out/maps/other_100_normal.png")).unwrap();
+    std::fs::create_dir(folder.path("out/maps/other_100_normal.png")).unwrap();
+    folder.ruga(bake).exits(2).says(&["other_100_normal.png"]);
+    assert_ne!(scale(), before);
+    assert_eq!(
+        folder.json("out/wrinkles.json")["maps"]
+            .as_array()
+            .unwrap()
+            .len(),
+        2
+    );
+    let report = folder.json("out/report.json");
+    assert_eq!(report["poses"].as_array().unwrap().len(), 1);
+    let warnings = report["warnings"].to_string();
+    assert!(warnings.contains("ended by an error"), "{warnings}");
+}
+
 /// Files may grow to 32 kB, after which writing fails as on a full disk.
 #[cfg(unix)]
 #[test]
@@ -78,11 +117,14 @@ fn a_full_disk_names_the_file_and_leaves_finished_poses_whole() {
     assert_eq!(
         folder.files("out"),
         [
+            "Patch.glb",
             "maps/first_100_height.png",
             "maps/first_100_normal.png",
             "maps/first_50_height.png",
             "maps/first_50_normal.png",
             "poses/first.json",
+            "report.json",
+            "wrinkles.json",
         ]
     );
 

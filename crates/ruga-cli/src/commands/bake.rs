@@ -1,7 +1,7 @@
 //! `ruga bake`: wrinkle maps, the artist's mesh, manifest and report.
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use ruga_bake::{BakeSettings, Relief, TangentFrame, bake};
+use ruga_bake::{BakeError, BakeSettings, Relief, TangentFrame, bake};
 use ruga_blend::Weights;
 use ruga_io::{WrinkleMap, Wrinkles, WrittenGlb, key_percent, scene};
 use ruga_stepper::{Frame, KeyResult, LayerSurface, PoseResult, PoseSpec};
@@ -28,15 +28,16 @@ use crate::{interrupt, messages, texture_space};
 /// Whatever keeps a pose from being planned, simulated, baked or written.
 pub(crate) fn run(bake: &BakeArguments) -> Result<Outcome, CliError> {
     let arguments = &bake.run;
-    interrupt::listen();
     let pool = thread_pool(thread_count(arguments))?;
     let mut project =
         pool.install(|| Project::read(&arguments.scene, &arguments.poses, arguments.quality))?;
     let plan = pool.install(|| project.plan())?;
-    let folder = OutputFolder::open(&project, arguments, "bake")?;
+    // Until here nothing is written and Ctrl-C may end the process.
+    interrupt::listen();
     if !bake.maps_only {
-        refuse_own_folder(&arguments.output, &project.mesh)?;
+        refuse_own_folder(&arguments.output, &project.mesh, arguments.force)?;
     }
+    let folder = OutputFolder::open(&project, arguments, "bake")?;
     let warnings = project.warnings.iter().chain(plan.warnings());
     messages::warnings(warnings, ALL_IN_REPORT);
     let maps = WrinkleMaps {
@@ -46,12 +47,16 @@ pub(crate) fn run(bake: &BakeArguments) -> Result<Outcome, CliError> {
         pool: &pool,
         records: Records::of_bake(&arguments.output),
     };
-    let poses = run_poses(&project, &plan, arguments, &folder, &maps)?;
+    let poses = run_poses(&project, &plan, arguments, &folder, &maps);
     let results = FolderResults::read(&maps.records, &folder.poses);
-    let about_mesh = maps.write_common(&folder, &results.current)?;
+    let poses = summary::unless_nothing_is_there(poses, arguments, &results)?;
+    let about_mesh = match maps.write_common(&folder, &results.current) {
+        Ok(about_mesh) => about_mesh,
+        Err(error) => return Err(summary::first_error(poses, error)),
+    };
     messages::warnings(about_mesh.iter(), ALL_IN_REPORT);
     project.warnings.extend(about_mesh);
-    summary::conclude(&project, &plan, arguments, &poses, &results)
+    summary::conclude(&project, &plan, arguments, poses, &results)
 }
 
 /// Rayon's threads for the loops inside a bake; the global pool stays untouched.
@@ -118,30 +123,8 @@ impl WrinkleMaps<'_> {
             None => posed_frames(artist, driver, &pose.weights.scaled(key.load)),
         };
         let frames = frames.map_err(|source| self.baking(pose, source))?;
-        let bake = |relief: &Relief<'_>| {
-            let baked = self
-                .pool
-                .install(|| bake(relief, &frames, &self.settings()));
-            baked.map_err(|source| self.baking(pose, source))
-        };
-        let wrong = |source| self.baking(pose, source);
-        let mut map = bake(&EMPTY)?;
-        for (number, zone) in project.scene.zones().iter().enumerate() {
-            let is_of_zone = |layer: &&LayerSurface| {
-                let mut names = zone.layers.iter().map(|&i| &project.layers[i].name);
-                names.any(|name| *name == layer.name)
-            };
-            // A layer's relief has those of the layers below in it, and covers what it covers.
-            let mut of_zone = bake(&EMPTY)?;
-            for layer in key.layers.iter().filter(is_of_zone) {
-                of_zone.cover_with(&bake(&relief(layer))?).map_err(wrong)?;
-            }
-            match number {
-                0 => map = of_zone,
-                // Each zone's relief is faded by its mask already.
-                _ => map.add(&of_zone).map_err(wrong)?,
-            }
-        }
+        let baked = self.pool.install(|| self.composed(key, &frames));
+        let mut map = baked.map_err(|source| self.baking(pose, source))?;
         let islands = texture_space::corners(&project.mesh).unwrap_or_default();
         map.pad(&islands, project.scene.bake.padding)
             .map_err(|source| self.baking(pose, source))?;
@@ -153,6 +136,41 @@ impl WrinkleMaps<'_> {
         }
         let folder = &self.arguments.output;
         write_maps(folder, &project.scene.bake, &pose.name, key.load, &map)
+    }
+
+    /// The map of all layers at a key, without padding.
+    fn composed(
+        &self,
+        key: &KeyResult,
+        frames: &[[TangentFrame; 3]],
+    ) -> Result<ruga_bake::WrinkleMap, BakeError> {
+        let project = self.project;
+        let bake = |relief: &Relief<'_>| bake(relief, frames, &self.settings());
+        let mut whole: Option<ruga_bake::WrinkleMap> = None;
+        for zone in project.scene.zones() {
+            let is_of_zone = |layer: &&LayerSurface| {
+                let mut names = zone.layers.iter().map(|&i| &project.layers[i].name);
+                names.any(|name| *name == layer.name)
+            };
+            let mut layers = key.layers.iter().filter(is_of_zone);
+            let Some(lowest) = layers.next() else {
+                continue;
+            };
+            let mut of_zone = bake(&relief(lowest))?;
+            // A layer's relief has those of the layers below in it, and covers what it covers.
+            for layer in layers {
+                of_zone.cover_with(&bake(&relief(layer))?)?;
+            }
+            whole = Some(match whole {
+                // Each zone's relief is faded by its mask already.
+                Some(mut map) => {
+                    map.add(&of_zone)?;
+                    map
+                }
+                None => of_zone,
+            });
+        }
+        whole.map_or_else(|| bake(&EMPTY), Ok)
     }
 
     fn settings(&self) -> BakeSettings {
@@ -167,7 +185,7 @@ impl WrinkleMaps<'_> {
         }
     }
 
-    fn baking(&self, pose: &PoseSpec, source: ruga_bake::BakeError) -> CliError {
+    fn baking(&self, pose: &PoseSpec, source: BakeError) -> CliError {
         CliError::Baking {
             mesh: self.project.mesh.path.clone(),
             pose: pose.name.clone(),

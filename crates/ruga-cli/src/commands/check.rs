@@ -85,6 +85,8 @@ impl Findings {
         let warnings = project::mesh_warnings(&mesh, &driver);
         self.warnings.extend(warnings);
         let (layers, poses) = (layers?, poses?);
+        let weights = model::weight_warnings(scene, &poses);
+        self.warnings.extend(weights);
         let size = self.keep(mesh_size::check(scene, &mesh, &layers));
         self.warnings.extend(size.flatten());
         Some(Project {

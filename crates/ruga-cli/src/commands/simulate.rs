@@ -24,9 +24,10 @@ use crate::{interrupt, messages};
 /// # Errors
 /// Whatever keeps a pose from being planned, simulated or written.
 pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
-    interrupt::listen();
     let project = Project::read(&arguments.scene, &arguments.poses, arguments.quality)?;
     let plan = project.plan()?;
+    // Until here nothing is written and Ctrl-C may end the process.
+    interrupt::listen();
     let folder = OutputFolder::open(&project, arguments, "simulate")?;
     let warnings = project.warnings.iter().chain(plan.warnings());
     messages::warnings(warnings, ALL_IN_REPORT);
@@ -36,9 +37,10 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
         placement: Placement::of(&project.mesh),
         records: Records::of_simulate(&arguments.output),
     };
-    let poses = run_poses(&project, &plan, arguments, &folder, &meshes)?;
+    let poses = run_poses(&project, &plan, arguments, &folder, &meshes);
     let results = FolderResults::read(&meshes.records, &folder.poses);
-    summary::conclude(&project, &plan, arguments, &poses, &results)
+    let poses = summary::unless_nothing_is_there(poses, arguments, &results)?;
+    summary::conclude(&project, &plan, arguments, poses, &results)
 }
 
 struct FrameMeshes<'a> {
