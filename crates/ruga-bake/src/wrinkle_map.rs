@@ -119,7 +119,7 @@ impl WrinkleMap {
 
     fn same_size(&self, other: &Self) -> Result<(), BakeError> {
         let texels = self.coverage.len();
-        for map in [&*self, other] {
+        for map in [self, other] {
             same_length("normals", map.normals.len(), texels)?;
             same_length("heights", map.heights.len(), texels)?;
             same_length("coverage", map.coverage.len(), texels)?;

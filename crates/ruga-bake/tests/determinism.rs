@@ -24,7 +24,6 @@ fn one_and_several_threads_agree_to_the_byte() {
             size: 250,
             frame,
             supersample,
-            ..BakeSettings::default()
         };
         let maps = [1, 2, 5].map(|threads| {
             let pool = ThreadPoolBuilder::new()

@@ -1,5 +1,7 @@
 //! `ruga new --mesh`: a scene for somebody's own mesh.
 
+#![allow(clippy::print_stdout, reason = "a test that is skipped says so")]
+
 mod fixture;
 
 use std::path::{Path, PathBuf};
