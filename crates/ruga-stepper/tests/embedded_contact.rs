@@ -56,8 +56,12 @@ fn a_plate_presses_the_top_flat_and_the_sides_out() {
     let depth = depth(&result, |x: &Vector3<f64>| x.z - 0.0171);
     assert!((-0.05..0.1).contains(&depth), "{depth}");
     let shown = &result.keys[0].layers[0].driver_positions;
-    let widest = shown.iter().map(|x| x.x).fold(0.0, f64::max);
-    assert!(widest > SIZE.x + 1e-3, "{widest}");
+    // Without friction the block may lean to either side; it gets wider all the same.
+    let ends = shown.iter().fold([f64::MAX, f64::MIN], |[low, high], x| {
+        [low.min(x.x), high.max(x.x)]
+    });
+    let width = ends[1] - ends[0];
+    assert!(width > SIZE.x + 2e-3, "{width}");
 }
 
 #[test]
