@@ -137,7 +137,7 @@ fn a_black_mask_and_a_missing_one() {
     let folder = Folder::with("region = \"all\"", "region = \"mask.png\"");
     refuses(&folder, &["mask.png", "there is no such file"]);
     write_png(&folder.path("mask.png"), 4, 4, PngTexels::Grey8(&[0; 16])).unwrap();
-    refuses(&folder, &["scene.toml", "mask is black"]);
+    refuses(&folder, &["scene.toml", "layer 'skin'", "black wherever"]);
 }
 
 #[test]
