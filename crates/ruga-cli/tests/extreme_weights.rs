@@ -88,3 +88,16 @@ fn weights_that_are_no_numbers_are_refused() {
         assert!(!folder.path("out").exists());
     }
 }
+
+/// Stretched skin has no wrinkles to simulate, and is none any more.
+#[test]
+fn a_pose_that_tears_the_skin_is_asked_about() {
+    let folder = Folder::with("squeeze = 1.0", "stretch = 5.4");
+    folder.change("scene.toml", "region = \"all\"", "region = \"auto\"");
+    let run = folder.ruga("plan scene.toml").exits(0);
+    run.says(&[
+        "stretched by more than",
+        "not skin any more",
+        "did you mean a weight of",
+    ]);
+}

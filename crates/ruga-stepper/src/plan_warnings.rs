@@ -7,7 +7,7 @@ use ruga_material::CAP_START;
 use ruga_mesh::FaceId;
 
 use crate::place::{ShapeCentres, place_of_faces};
-use crate::plan::HANDED_OUT;
+use crate::plan::{HANDED_OUT, weighted_quantile};
 use crate::region::Demand;
 use crate::{LayerPlan, Modelling, PoseSpec};
 
@@ -55,12 +55,13 @@ impl PosedPlan<'_> {
     fn layer_warnings(&self, plan: &LayerPlan, demand: &Demand) -> Vec<String> {
         let folded = self.folded_warning(plan, demand);
         if plan.active_area == 0.0 {
-            return folded.into_iter().collect();
+            let strained = not_skin(self.median_strained(demand), self.pose);
+            return folded.into_iter().chain(strained).collect();
         }
         let resolution = resolution_warnings(plan.asked_points, plan.texels_per_wavelength);
         folded
             .into_iter()
-            .chain(not_skin(plan, self.pose))
+            .chain(not_skin(plan.strain_median, self.pose))
             .chain(self.capped_warning(plan, demand))
             .chain(late_warning(plan))
             .chain(self.labyrinth_warning(plan, demand))
@@ -117,15 +118,24 @@ impl PosedPlan<'_> {
         )
     }
 
+    /// Median effective strain where the pose strains the skin by more than the critical strain, either
+    /// way; 0 where it does so nowhere.
+    fn median_strained(&self, demand: &Demand) -> f64 {
+        let is_strained = |face: &FaceId| demand.effective[*face].abs() > demand.critical(*face);
+        let faces = self.surface.mesh().faces().ids().filter(is_strained);
+        let faces: Vec<FaceId> = faces.collect();
+        weighted_quantile(&faces, &demand.effective, &demand.areas, 0.5)
+    }
+
     fn place(&self, demand: &Demand, is_in: &dyn Fn(FaceId) -> bool) -> String {
         let shapes = self.shapes.get_or_init(|| ShapeCentres::new(self.driver));
         place_of_faces(shapes, (self.surface, self.rest), &demand.areas, is_in)
     }
 }
 
-/// What is to be said of a pose that deforms most of what it deforms more than skin bears.
-fn not_skin(plan: &LayerPlan, pose: &PoseSpec) -> Option<String> {
-    let median = plan.strain_median;
+/// What is to be said of a pose that deforms half of what it deforms by more than skin bears, where half
+/// of it has at least the effective strain `median`.
+fn not_skin(median: f64, pose: &PoseSpec) -> Option<String> {
     if median.abs() <= NOT_SKIN {
         return None;
     }
@@ -140,7 +150,7 @@ fn not_skin(plan: &LayerPlan, pose: &PoseSpec) -> Option<String> {
         _ => format!("{factor:.1} times these weights"),
     };
     Some(format!(
-        "half of what is simulated is {change} by more than {:.0} %; this is not skin any more, which bears about 15 %. The maps will not look like skin: did you mean {advice}?",
+        "half of the skin that the pose moves is {change} by more than {:.0} %; this is not skin any more, which bears about 15 %. The maps will not look like skin: did you mean {advice}?",
         100.0 * median.abs()
     ))
 }
