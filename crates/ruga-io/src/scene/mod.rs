@@ -131,7 +131,7 @@ pub enum Region {
     Auto,
     /// Everywhere.
     All,
-    /// Where a grey image is above one half.
+    /// Where a grey image is lighter than a sixteenth; its grey fades the wrinkles.
     Mask(PathBuf),
 }
 

@@ -118,8 +118,9 @@ pub struct Layer {
     #[serde(default = "one")]
     pub variation_scale: f64,
     /// Name of the zone that this layer belongs to. Layers of one zone are a stack, bottom first;
-    /// zones lie side by side, and their masks do not overlap. Either every layer names its zone or
-    /// none does. With several zones the lowest layer of each needs a `mask`.
+    /// zones lie side by side: where their masks overlap, the greys add up to white at most, and blend
+    /// them. Either every layer names its zone or none does. With several zones the lowest layer of each
+    /// needs a `mask`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub zone: Option<String>,
 }
