@@ -1,5 +1,7 @@
 //! A sparse linear map from per-vertex values to per-vertex values.
 
+use std::ops::Range;
+
 use nalgebra::Vector3;
 
 use crate::{Id, VertexId};
@@ -60,11 +62,15 @@ impl SparseRows {
     /// # Panics
     /// When there is no such row.
     pub fn row(&self, row: usize) -> impl Iterator<Item = (u32, f64)> + '_ {
-        let range = self.starts[row]..self.starts[row + 1];
+        let range = self.range(row);
         self.columns[range.clone()]
             .iter()
             .copied()
             .zip(self.weights[range].iter().copied())
+    }
+
+    fn range(&self, row: usize) -> Range<usize> {
+        self.starts[row]..self.starts[row + 1]
     }
 
     /// The rows of the chosen vertices, in the order given.
@@ -73,13 +79,33 @@ impl SparseRows {
     /// When one of them has no row.
     pub fn select(&self, chosen: &[VertexId]) -> Self {
         let mut selected = Self::default();
-        let mut terms = Vec::new();
         for vertex in chosen {
-            terms.clear();
-            terms.extend(self.row(vertex.index()));
-            selected.push_row(&mut terms);
+            let range = self.range(vertex.index());
+            selected
+                .columns
+                .extend_from_slice(&self.columns[range.clone()]);
+            selected.weights.extend_from_slice(&self.weights[range]);
+            selected.starts.push(selected.columns.len());
         }
         selected
+    }
+
+    /// The same rows for an input in another order: what column `i` names is found at `places[i]`.
+    ///
+    /// # Panics
+    /// When a row has a column beyond the end of `places`.
+    pub fn with_columns_at(&self, places: &[VertexId]) -> Self {
+        let mut renamed = Self::default();
+        let mut terms = Vec::new();
+        for row in 0..self.row_count() {
+            terms.clear();
+            terms.extend(
+                self.row(row)
+                    .map(|(column, w)| (places[column as usize].0, w)),
+            );
+            renamed.push_row(&mut terms);
+        }
+        renamed
     }
 
     /// The weighted sums of `values`, one per row.
@@ -101,18 +127,32 @@ impl SparseRows {
     /// # Panics
     /// When a row has a column for which `inner` has no row.
     pub fn after(&self, inner: &Self) -> Self {
+        let width = inner.columns.iter().max().map_or(0, |&c| c as usize + 1);
+        // Terms are added into a dense row in the order in which they come, and only the columns
+        // are sorted: each occurs several times.
+        let (mut sums, mut is_open) = (vec![0.0; width], vec![false; width]);
+        let mut columns: Vec<u32> = Vec::new();
         let mut product = Self::default();
-        let mut terms = Vec::new();
         for i in 0..self.row_count() {
-            terms.clear();
             for (middle, weight) in self.row(i) {
-                terms.extend(
-                    inner
-                        .row(middle as usize)
-                        .map(|(column, w)| (column, weight * w)),
-                );
+                for (column, w) in inner.row(middle as usize) {
+                    let at = column as usize;
+                    if !std::mem::replace(&mut is_open[at], true) {
+                        columns.push(column);
+                    }
+                    sums[at] += weight * w;
+                }
             }
-            product.push_row(&mut terms);
+            columns.sort_unstable();
+            for &column in &columns {
+                product.columns.push(column);
+                product
+                    .weights
+                    .push(std::mem::take(&mut sums[column as usize]));
+                is_open[column as usize] = false;
+            }
+            columns.clear();
+            product.starts.push(product.columns.len());
         }
         product
     }

@@ -10,25 +10,38 @@ use crate::remesh::Counts;
 /// this reaches edges a million times shorter than the input's.
 const MAX_PASSES: usize = 64;
 
+/// Passes within which the longest edge becomes shorter, unless splits and flips go in circles. A
+/// pass halves it where no neighbour is as long.
+const PATIENCE: usize = 4;
+
 /// Splits, in each pass, the longest edges of which no two share a face, then flips around them.
 ///
 /// The independent set and its order by length are those of Narain et al. (2012). Nothing is
 /// split twice in a pass, so that flips can mend triangles before they are cut again. Returns
 /// whether it ended by itself, not at `most_vertices`. An edge that the surface has no middle for
 /// stays.
+///
+/// Where the metric varies over an edge, a part of it can measure more than the whole. The parts then
+/// come before the whole in every pass, flips bring them back, and between them needles shrink
+/// without end: when the longest edge stays as long as it was, lengths in space decide the order.
 pub(crate) fn split_long_edges(
     patch: &mut Patch,
     counts: &mut Counts,
     most_vertices: usize,
 ) -> bool {
     let mut candidates: Vec<u32> = patch.topology.edges().collect();
-    for _ in 0..MAX_PASSES {
-        let long = long_edges(patch, &candidates);
-        if long.is_empty() {
+    let mut longest = Vec::new();
+    for pass in 0..MAX_PASSES {
+        let mut long = long_edges(patch, &candidates);
+        let Some(&(Reverse(class), _)) = long.first() else {
             return true;
+        };
+        longest.push(class);
+        if pass >= PATIENCE && class >= longest[pass - PATIENCE] {
+            long = by_plain_length(patch, &long);
         }
         let mut touched = Touched::new();
-        for h in long {
+        for (_, h) in long {
             if patch.topology.vertex_slots() >= most_vertices {
                 return false;
             }
@@ -57,12 +70,30 @@ fn split_if_untouched(patch: &mut Patch, h: u32, touched: &mut Touched, counts: 
     });
 }
 
-/// The edges that are too long, longest first.
-fn long_edges(patch: &Patch, candidates: &[u32]) -> Vec<u32> {
-    let mut long = by_length_class(candidates, |h| {
+/// The edges that are too long, longest first, each with the class of its length.
+fn long_edges(patch: &Patch, candidates: &[u32]) -> Vec<(Reverse<i32>, u32)> {
+    let long = by_length_class(candidates, |h| {
         let length = patch.half_edge_length(h);
         patch.is_long(h, length).then_some(length)
     });
-    long.sort_unstable_by_key(|&(class, h)| (Reverse(class), h));
-    long.into_iter().map(|(_, h)| h).collect()
+    longest_first(long)
+}
+
+/// The same edges by their lengths in space.
+fn by_plain_length(patch: &Patch, long: &[(Reverse<i32>, u32)]) -> Vec<(Reverse<i32>, u32)> {
+    let edges: Vec<u32> = long.iter().map(|&(_, h)| h).collect();
+    longest_first(by_length_class(&edges, |h| {
+        let ends = [patch.topology.tail(h), patch.topology.head(h)];
+        let [tail, head] = ends.map(|v| patch.position(v));
+        Some((head - tail).norm())
+    }))
+}
+
+fn longest_first(classes: Vec<(i32, u32)>) -> Vec<(Reverse<i32>, u32)> {
+    let mut edges: Vec<_> = classes
+        .into_iter()
+        .map(|(class, h)| (Reverse(class), h))
+        .collect();
+    edges.sort_unstable();
+    edges
 }
