@@ -1,5 +1,7 @@
 //! A flat patch of skin that one blend shape compresses in one direction.
 
+use std::sync::Arc;
+
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, BlendShape, Driver};
 use ruga_stepper::PoseSpec;
@@ -23,7 +25,7 @@ impl Patch {
     ///
     /// # Panics
     /// When the patch has no area.
-    pub fn driver(&self) -> Driver {
+    pub fn driver(&self) -> Arc<Driver> {
         let columns = (ROWS as f64 * self.length / self.width).round() as usize;
         let uv =
             |i: usize, j: usize| Vector2::new(i as f64 / columns as f64, j as f64 / ROWS as f64);
@@ -47,7 +49,7 @@ impl Patch {
             uvs: Some(uvs),
             triangles: triangles(columns),
         };
-        Driver::new(&artist).expect("a rectangle")
+        Arc::new(Driver::new(&artist).expect("a rectangle"))
     }
 
     /// The compressed patch, reached in `steps` load steps.
@@ -62,6 +64,7 @@ impl Patch {
                 .expect("the shape of every patch"),
             keys: vec![1.0],
             steps,
+            motions: Vec::new(),
         }
     }
 

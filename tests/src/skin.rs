@@ -1,6 +1,7 @@
 //! A mesh with blend shapes, covered by one layer of skin: planned, simulated and baked.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use nalgebra::Vector3;
 use ruga_bake::{BakeSettings, Relief, TangentFrame, WrinkleMap, bake, tangent_frames};
@@ -10,7 +11,7 @@ use ruga_material::{WavelengthModel, preset};
 use ruga_mesh::Id;
 use ruga_stepper::{
     Coupling, KeyResult, LayerReport, LayerSpec, Modelling, Plan, PoseResult, PoseSpec, Presence,
-    Sampling, Silent, plan, simulate,
+    Sampling, Silent, plan,
 };
 
 /// A mesh under one layer.
@@ -18,7 +19,7 @@ pub struct Skin {
     /// The artist's file.
     pub file: MeshFile,
     /// Its driver.
-    pub driver: Driver,
+    pub driver: Arc<Driver>,
     /// The layer on it.
     pub layer: LayerSpec,
 }
@@ -90,6 +91,7 @@ impl Skin {
     pub fn new(path: &Path, preset_name: &str) -> Self {
         let file = read_mesh(path, None, &ObjOptions::default()).expect("a mesh that can be read");
         let driver = Driver::new(&file.mesh).expect("a mesh that can be simulated");
+        let driver = Arc::new(driver);
         let layer = skin_layer("skin", preset_name);
         Self {
             file,
@@ -108,7 +110,8 @@ impl Skin {
         let deltas = &moved.expect("a shape of the mesh").position_deltas;
         let moves = |v: &u32| deltas[*v as usize].norm() > 1e-4;
         mesh.triangles.retain(|corners| corners.iter().any(moves));
-        self.driver = Driver::new(mesh).expect("a shape that moves something");
+        let driver = Driver::new(mesh).expect("a shape that moves something");
+        self.driver = Arc::new(driver);
         self
     }
 
@@ -125,6 +128,7 @@ impl Skin {
                 .expect("shapes of the mesh"),
             keys: vec![1.0],
             steps,
+            motions: Vec::new(),
         }
     }
 
@@ -171,7 +175,7 @@ impl Skin {
         let poses = std::slice::from_ref(pose);
         let plan =
             plan(&self.driver, layers, poses, modelling, 1024).expect("a pose that can be planned");
-        simulate(&self.driver, &plan, 0, pose, modelling, &mut Silent)
+        plan.simulate(0, &mut Silent)
             .expect("a pose that can be simulated")
     }
 

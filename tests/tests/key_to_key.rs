@@ -1,6 +1,6 @@
 //! An upper layer that goes on from one key to the next, on a mesh fitted anew.
 
-use ruga_stepper::{LayerReport, LayerSpec, Modelling, PoseResult, Silent, plan, simulate};
+use ruga_stepper::{LayerReport, LayerSpec, Modelling, PoseResult, Silent, plan};
 use ruga_tests::{Patch, skin_layer};
 
 /// The thesis' two layers on a small patch, compressed by 10 %: the lower one stays flat.
@@ -25,7 +25,7 @@ fn run(keys: &[f64]) -> PoseResult {
         ..Modelling::default()
     };
     let plan = plan(&driver, &[lower, upper], &poses, &modelling, 1024).expect("a plan");
-    let result = simulate(&driver, &plan, 0, &poses[0], &modelling, &mut Silent);
+    let result = plan.simulate(0, &mut Silent);
     result.expect("two layers that can be simulated")
 }
 

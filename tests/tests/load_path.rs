@@ -6,6 +6,7 @@
 )]
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use nalgebra::{Rotation3, Vector3};
 use ruga_blend::{BlendShape, Driver};
@@ -33,7 +34,7 @@ fn turning_forearm() -> Skin {
         normal_deltas: None,
     };
     mesh.shapes.push(turned);
-    skin.driver = Driver::new(mesh).expect("a mesh as good as before");
+    skin.driver = Arc::new(Driver::new(mesh).expect("a mesh as good as before"));
     skin
 }
 

@@ -6,6 +6,7 @@
 )]
 
 use std::f64::consts::FRAC_PI_3;
+use std::sync::Arc;
 
 use nalgebra::{Rotation3, Vector3};
 use ruga_blend::{BlendShape, Driver};
@@ -32,7 +33,7 @@ fn everywhere(points_per_wavelength: f64) -> Modelling {
 fn scaled(skin: &Skin, pose: PoseSpec, modelling: &Modelling) -> PoseSpec {
     let plan = skin.plan(&pose, modelling);
     let levels = plan.poses[0].layers[0].levels;
-    let wanted = DEMAND * plan.wrinkling[0].critical_strain;
+    let wanted = DEMAND * plan.wrinkling()[0].critical_strain;
     let mut weights = pose.weights.clone();
     // Strain is not linear in the weights, so three steps towards it.
     for _ in 0..3 {
@@ -119,7 +120,7 @@ fn turned_finger() {
         position_deltas: rest.iter().map(|p| turn * p - p).collect(),
         normal_deltas: None,
     }];
-    skin.driver = Driver::new(&skin.file.mesh).expect("the finger");
+    skin.driver = Arc::new(Driver::new(&skin.file.mesh).expect("the finger"));
     let pose = skin.pose(&[("turn", 1.0)], 1);
     let [tilt, height] = worst("turned finger", &skin, &pose, &everywhere(6.0));
     assert!(tilt < TILT, "tilt {tilt} degrees");

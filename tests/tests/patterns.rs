@@ -9,9 +9,11 @@
 
 mod pattern_checks;
 
+use std::sync::Arc;
+
 use pattern_checks::*;
 use ruga_material::WavelengthModel;
-use ruga_stepper::{LayerSpec, Modelling, PoseSpec, Region, Silent, plan, simulate};
+use ruga_stepper::{LayerSpec, Modelling, PoseSpec, Region, Silent, plan};
 use ruga_tests::reference::{Carrier, PatchRows, shrinking_square};
 use ruga_tests::{FilmSpec, findings, skin_layer};
 
@@ -57,14 +59,15 @@ fn a_blend_shape_that_shrinks_a_square_makes_a_labyrinth() {
         weights: driver.weights([("shrink", 1.0)]).expect("its only shape"),
         keys: vec![1.0],
         steps: 4,
+        motions: Vec::new(),
     }];
     let modelling = Modelling {
         points_per_wavelength: 10.0,
         region: Region::All,
         ..Modelling::default()
     };
-    let plan = plan(&driver, &layers, &poses, &modelling, 256).expect("a plan");
-    let result = simulate(&driver, &plan, 0, &poses[0], &modelling, &mut Silent).expect("a film");
+    let plan = plan(&Arc::new(driver), &layers, &poses, &modelling, 256).expect("a plan");
+    let result = plan.simulate(0, &mut Silent).expect("a film");
     println!("{}", findings(&result.layers[0]));
     assert!(result.converged, "{:?}", result.warnings);
     // The border is left out by a wave.

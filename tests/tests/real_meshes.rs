@@ -7,6 +7,7 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::LazyLock;
 
 use nalgebra::{Vector2, Vector3};
@@ -228,14 +229,21 @@ fn plan_every_shape(path: &Path) -> Result<Vec<f64>, String> {
             weights: driver.weights([(name, 1.0)]).expect("its own shape"),
             keys: vec![1.0],
             steps: 1,
+            motions: Vec::new(),
         })
         .collect();
     // The cubes are two metres wide: under thin skin their planning meshes grow to the limit.
     let mut layer = Skin::new(&asset("forearm/forearm.glb"), "forehead-furrow").layer;
     layer.material.thickness *= 20.0;
     layer.substrate.thickness *= 20.0;
-    let plan = plan(&driver, &[layer], &poses, &Modelling::default(), 512)
-        .map_err(|error| error.to_string())?;
+    let plan = plan(
+        &Arc::new(driver),
+        &[layer],
+        &poses,
+        &Modelling::default(),
+        512,
+    )
+    .map_err(|error| error.to_string())?;
     let areas = plan.poses.iter().map(|pose| pose.layers[0].active_area);
     Ok(areas.collect())
 }

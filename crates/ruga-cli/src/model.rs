@@ -264,6 +264,7 @@ fn pose_spec(pose: &scene::Pose, driver: &Driver, path: &Path) -> Result<PoseSpe
     let mut keys = pose.keys.clone();
     keys.sort_by(f64::total_cmp);
     Ok(PoseSpec {
+        motions: Vec::new(),
         name: pose.name.clone(),
         weights,
         keys,

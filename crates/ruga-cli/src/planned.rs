@@ -1,18 +1,14 @@
-//! What will be modelled: skin on a driver, zone by zone, or a layer on a soft body.
+//! What will be modelled: the stacks of a scene's zones, on a driver or on a soft body.
 
 use ruga_stepper::{
-    BodyPlan, BodyPose, Frame, KeyResult, LayerPlan, Observer, Phase, Plan, PoseResult,
-    Preparation, Progress, StepperError, simulate, simulate_body,
+    Frame, InteriorPlan, KeyResult, LayerPlan, Observer, Phase, Plan, PoseResult, Preparation,
+    Progress, StepperError,
 };
 
-use crate::project::Project;
-
 /// The plan of a scene.
-pub(crate) enum Planned {
-    /// Layers on the posed mesh: stacks side by side, one for a scene without zones.
-    Skin(Vec<ZonePlan>),
-    /// One layer on an embedded lattice.
-    Body(Box<BodyPlan>),
+pub(crate) struct Planned {
+    /// Stacks side by side, at least one: that of a scene without zones.
+    pub(crate) zones: Vec<ZonePlan>,
 }
 
 /// The stack of one zone.
@@ -33,87 +29,60 @@ pub(crate) fn pose_layers(zones: &[ZonePlan], pose: usize) -> Vec<&LayerPlan> {
 }
 
 impl Planned {
+    /// The lattice of the body that carries the layer, if there is one.
+    pub(crate) fn interior(&self) -> Option<&InteriorPlan> {
+        self.zones
+            .iter()
+            .find_map(|zone| zone.plan.interior.as_ref())
+    }
+
     /// What the user should know before anything is simulated.
     pub(crate) fn warnings(&self) -> impl Iterator<Item = &String> {
-        let (zones, body) = match self {
-            Self::Skin(zones) => (zones.as_slice(), None),
-            Self::Body(plan) => (&[][..], Some(plan)),
-        };
-        let of_skin = zones.iter().flat_map(|zone| &zone.plan.warnings);
-        of_skin.chain(body.into_iter().flat_map(|plan| &plan.warnings))
+        self.zones.iter().flat_map(|zone| &zone.plan.warnings)
     }
 
     /// Adds what the plan itself cannot know.
     pub(crate) fn warn(&mut self, warnings: Vec<String>) {
-        match self {
-            Self::Skin(zones) => zones[0].plan.warnings.extend(warnings),
-            Self::Body(plan) => plan.warnings.extend(warnings),
-        }
+        self.zones[0].plan.warnings.extend(warnings);
     }
 
     /// The file's triangles that have a simulated part in pose number `pose`, ascending.
-    pub(crate) fn active_triangles(&self, project: &Project, pose: usize) -> Vec<u32> {
-        match self {
-            Self::Skin(zones) => {
-                let of_zones = zones.iter();
-                let mut triangles: Vec<u32> = of_zones
-                    .flat_map(|zone| zone.plan.active_triangles(&project.driver, pose))
-                    .collect();
-                triangles.sort_unstable();
-                triangles.dedup();
-                triangles
-            }
-            Self::Body(plan) => plan.covered_triangles(&project.driver),
-        }
+    pub(crate) fn active_triangles(&self, pose: usize) -> Vec<u32> {
+        let of_zones = self.zones.iter();
+        let mut triangles: Vec<u32> = of_zones
+            .flat_map(|zone| zone.plan.active_triangles(pose))
+            .collect();
+        triangles.sort_unstable();
+        triangles.dedup();
+        triangles
     }
 
-    /// Simulates pose number `pose` of the project, one zone after the other.
+    /// Simulates pose number `pose`, one zone after the other.
     ///
     /// # Errors
-    /// Those of [`simulate`] and [`simulate_body`].
+    /// Those of [`Plan::simulate`].
     pub(crate) fn simulate(
         &self,
-        project: &Project,
         pose: usize,
         observer: &mut dyn Observer,
     ) -> Result<PoseResult, StepperError> {
-        let (driver, spec) = (&project.driver, &project.poses[pose]);
-        match self {
-            Self::Skin(zones) => simulate_zones(project, zones, pose, observer),
-            Self::Body(plan) => {
-                let pose = BodyPose {
-                    pose: spec.clone(),
-                    motions: project.motions[pose].clone(),
-                };
-                simulate_body(driver, plan, &pose, &project.modelling, observer)
+        let mut results = Vec::new();
+        for zone in &self.zones {
+            let mut observer = ZoneObserver {
+                layers: &zone.layers,
+                observer,
+            };
+            let result = zone.plan.simulate(pose, &mut observer)?;
+            let is_interrupted = result.interrupted;
+            results.push(result);
+            if is_interrupted {
+                break;
             }
         }
+        let zones: Vec<&[usize]> = self.zones.iter().map(|z| z.layers.as_slice()).collect();
+        let layers = zones.iter().map(|layers| layers.len()).sum();
+        Ok(merged(layers, &zones, results))
     }
-}
-
-fn simulate_zones(
-    project: &Project,
-    zones: &[ZonePlan],
-    pose: usize,
-    observer: &mut dyn Observer,
-) -> Result<PoseResult, StepperError> {
-    let mut results = Vec::new();
-    for zone in zones {
-        let mut observer = ZoneObserver {
-            layers: &zone.layers,
-            observer,
-        };
-        let (driver, spec) = (&project.driver, &project.poses[pose]);
-        let modelling = &project.modelling;
-        let result = simulate(driver, &zone.plan, pose, spec, modelling, &mut observer)?;
-        let is_interrupted = result.interrupted;
-        results.push(result);
-        if is_interrupted {
-            break;
-        }
-    }
-    let layers: Vec<&[usize]> = zones.iter().map(|zone| zone.layers.as_slice()).collect();
-    Ok(merged(project.layers.len(), &layers, results))
 }
 
 /// The results of the zones of a scene with `count` layers as one; `zones` has for each zone the
@@ -145,7 +114,9 @@ fn finished_keys(zones: usize, results: &[PoseResult]) -> Vec<KeyResult> {
     finished
         .map(|key| KeyResult {
             load: key.load,
-            ..KeyResult::default()
+            layers: Vec::new(),
+            // Where a body moves the mesh, its layer is the only zone.
+            artist_positions: key.artist_positions.clone(),
         })
         .collect()
 }

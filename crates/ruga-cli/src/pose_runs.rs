@@ -173,7 +173,7 @@ impl<P: Product> PoseRun<'_, P> {
             Ok(())
         };
         let mut watch = Watch::new(bar, given_up, P::WANTS_FRAMES, &mut sink);
-        let result = self.plan.simulate(project, index, &mut watch);
+        let result = self.plan.simulate(index, &mut watch);
         let result = result.map_err(|source| CliError::Simulation {
             scene: project.path.clone(),
             pose: spec.name.clone(),

@@ -1,12 +1,12 @@
 //! A scene with everything that it names, read and converted.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use ruga_blend::Driver;
 use ruga_io::{IoError, MeshFile, ObjOptions, Scene, read_mask, read_mesh, scene};
 use ruga_stepper::{
-    Body, LatticeError, LayerSpec, Mask, Modelling, Motion, PoseSpec, Region, StepperError, plan,
-    plan_body,
+    Body, LatticeError, LayerSpec, Mask, Modelling, PoseSpec, Region, StepperError, plan, plan_body,
 };
 
 use crate::arguments::Quality;
@@ -21,13 +21,11 @@ pub(crate) struct Project {
     pub(crate) path: PathBuf,
     pub(crate) scene: Scene,
     pub(crate) mesh: MeshFile,
-    pub(crate) driver: Driver,
+    pub(crate) driver: Arc<Driver>,
     pub(crate) layers: Vec<LayerSpec>,
     pub(crate) poses: Vec<PoseSpec>,
     /// The body that the layer lies on, if it is one.
     pub(crate) body: Option<Body>,
-    /// What moves in each pose.
-    pub(crate) motions: Vec<Vec<Motion>>,
     pub(crate) modelling: Modelling,
     /// What was assumed or left out while reading.
     pub(crate) warnings: Vec<String>,
@@ -50,7 +48,8 @@ impl Project {
         let layers = model::layers(&scene, path)?;
         let mesh = artist_mesh(&scene)?;
         let driver = driver(&mesh)?;
-        let poses = model::poses(&scene, &driver, poses, path)?;
+        let mut poses = model::poses(&scene, &driver, poses, path)?;
+        set_motions(&scene, &mesh, &mut poses);
         let modelling = model::modelling(&scene, region(&scene)?, quality);
         let mut warnings = mesh_warnings(&mesh, &driver);
         warnings.extend(mesh_size::check(&scene, &mesh, &layers)?);
@@ -61,10 +60,9 @@ impl Project {
             path: path.to_owned(),
             warnings,
             body: body_of(&scene, &mesh, &layers),
-            motions: motions_of(&scene, &mesh, &poses),
             scene,
             mesh,
-            driver,
+            driver: Arc::new(driver),
             layers,
             poses,
             modelling,
@@ -94,7 +92,7 @@ impl Project {
             },
         })?;
         let active = |(index, pose): (usize, &PoseSpec)| {
-            (pose.name.clone(), planned.active_triangles(self, index))
+            (pose.name.clone(), planned.active_triangles(index))
         };
         let active: Vec<_> = self.poses.iter().enumerate().map(active).collect();
         planned.warn(texture_space::check_active(&self.mesh, &active)?);
@@ -102,29 +100,25 @@ impl Project {
     }
 
     fn planned(&self) -> Result<Planned, StepperError> {
-        let (driver, modelling) = (&self.driver, &self.modelling);
+        let (driver, poses, modelling) = (&self.driver, &self.poses, &self.modelling);
         let size = self.scene.bake.size;
-        Ok(match (&self.body, self.layers.first()) {
-            (Some(body), Some(layer)) => {
-                let plan = plan_body(driver, layer, body, modelling, size)?;
-                Planned::Body(Box::new(plan))
-            }
-            _ => {
-                let zones = self.scene.zones().into_iter();
-                let planned = zones.map(|zone| {
-                    let layers: Vec<LayerSpec> = zone
-                        .layers
-                        .iter()
-                        .map(|&number| self.layers[number].clone())
-                        .collect();
-                    Ok(ZonePlan {
-                        plan: plan(driver, &layers, &self.poses, modelling, size)?,
-                        layers: zone.layers,
-                    })
-                });
-                Planned::Skin(planned.collect::<Result<_, StepperError>>()?)
-            }
-        })
+        if let (Some(body), Some(layer)) = (&self.body, self.layers.first()) {
+            let zone = ZonePlan {
+                plan: plan_body(driver, layer, body, poses, modelling, size)?,
+                layers: vec![0],
+            };
+            return Ok(Planned { zones: vec![zone] });
+        }
+        let zones = self.scene.zones().into_iter().map(|zone| {
+            let of_zone = zone.layers.iter();
+            let layers: Vec<LayerSpec> = of_zone.map(|i| self.layers[*i].clone()).collect();
+            Ok(ZonePlan {
+                plan: plan(driver, &layers, poses, modelling, size)?,
+                layers: zone.layers,
+            })
+        });
+        let zones = zones.collect::<Result<_, StepperError>>()?;
+        Ok(Planned { zones })
     }
 }
 
@@ -134,13 +128,12 @@ pub(crate) fn body_of(scene: &Scene, mesh: &MeshFile, layers: &[LayerSpec]) -> O
     Some(body::body(interior, &layer.substrate, &Placement::of(mesh)))
 }
 
-/// What moves in each of `poses`.
-pub(crate) fn motions_of(scene: &Scene, mesh: &MeshFile, poses: &[PoseSpec]) -> Vec<Vec<Motion>> {
+/// Gives each of `poses` the motions that the scene lists for it.
+pub(crate) fn set_motions(scene: &Scene, mesh: &MeshFile, poses: &mut [PoseSpec]) {
     let placement = Placement::of(mesh);
-    let names = poses.iter().map(|pose| pose.name.as_str());
-    names
-        .map(|name| body::motions(scene, name, &placement))
-        .collect()
+    for pose in poses {
+        pose.motions = body::motions(scene, &pose.name, &placement);
+    }
 }
 
 /// The artist's mesh, read from the file that the scene names.

@@ -7,6 +7,7 @@
 #![allow(clippy::print_stdout, reason = "a benchmark reports")]
 #![allow(clippy::unwrap_used, reason = "a benchmark is not a library")]
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use faer::Par;
@@ -24,7 +25,7 @@ use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters};
 use ruga_solver::{ConstraintRows, Kkt, LowerPattern};
 use ruga_stepper::{
     Coupling, Frame, LayerSpec, LayerSurface, Modelling, Observer, Phase, PoseResult, PoseSpec,
-    Presence, Progress, plan, simulate,
+    Presence, Progress, plan,
 };
 
 /// Faces of the artist's mesh per side, each split twice.
@@ -51,7 +52,7 @@ fn skin() -> (&'static Preset, Wrinkling) {
 }
 
 /// A square in the plane whose one shape compresses it along x.
-fn patch(side: f64) -> Driver {
+fn patch(side: f64) -> Arc<Driver> {
     let count = COARSE + 1;
     let grid = (0..count * count).map(|i| [(i % count) as f64, (i / count) as f64]);
     let uvs: Vec<_> = grid
@@ -89,7 +90,7 @@ fn patch(side: f64) -> Driver {
         triangles,
         shapes: vec![compress],
     };
-    Driver::new(&artist).unwrap()
+    Arc::new(Driver::new(&artist).unwrap())
 }
 
 /// Times the solve of every load step that is kept.
@@ -140,7 +141,7 @@ impl Observer for Watch {
 }
 
 /// Runs the first `steps` of the load steps; the same path whatever their number.
-fn run(driver: &Driver, steps: u32, watch: &mut Watch) -> PoseResult {
+fn run(driver: &Arc<Driver>, steps: u32, watch: &mut Watch) -> PoseResult {
     let (skin, _) = skin();
     let layers = [LayerSpec {
         name: "skin".into(),
@@ -161,6 +162,7 @@ fn run(driver: &Driver, steps: u32, watch: &mut Watch) -> PoseResult {
         weights: driver.weights([("compress", weight)]).unwrap(),
         keys: vec![1.0],
         steps,
+        motions: Vec::new(),
     }];
     let modelling = Modelling {
         // The planner counts the longest edges, the diagonals.
@@ -171,7 +173,7 @@ fn run(driver: &Driver, steps: u32, watch: &mut Watch) -> PoseResult {
         ..Modelling::default()
     };
     let plan = plan(driver, &layers, &poses, &modelling, 2048).unwrap();
-    simulate(driver, &plan, 0, &poses[0], &modelling, watch).unwrap()
+    plan.simulate(0, watch).unwrap()
 }
 
 /// The layer that the run simulates, open to view.

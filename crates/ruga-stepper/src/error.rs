@@ -39,16 +39,6 @@ pub enum StepperError {
         /// Poses of the plan.
         poses: usize,
     },
-    /// What is to be simulated is not what was planned.
-    #[error(
-        "the plan was made for {planned}, but the simulation is given {found}; simulate with what was planned, or plan again"
-    )]
-    OtherPlan {
-        /// What the plan was made for.
-        planned: String,
-        /// What the simulation was called with.
-        found: String,
-    },
     /// The masks of a layer and of the region leave nothing of it.
     #[error(
         "layer '{layer}': its mask, or the region mask, or what both leave, is black wherever the mesh has texture coordinates; paint at least one face white"

@@ -73,7 +73,7 @@ pub(crate) trait Course {
     /// The layer is in equilibrium at `load`; false when the observer ends the work.
     fn kept(
         &mut self,
-        run: &LayerRun,
+        run: &LayerRun<'_>,
         load: f64,
         observer: &mut dyn Observer,
     ) -> Result<bool, StepperError>;
@@ -113,7 +113,8 @@ pub(crate) enum Pace {
 }
 
 /// A layer with its report.
-pub(crate) struct LayerRun {
+pub(crate) struct LayerRun<'a> {
+    pub(crate) modelling: &'a Modelling,
     /// Number of the layer in its stack.
     pub(crate) index: usize,
     pub(crate) layer: Layer,
@@ -124,8 +125,13 @@ pub(crate) struct LayerRun {
     pub(crate) warnings: Vec<String>,
 }
 
-impl LayerRun {
-    pub(crate) fn new(index: usize, layer: Layer, planned: &LayerPlan) -> Self {
+impl<'a> LayerRun<'a> {
+    pub(crate) fn new(
+        index: usize,
+        layer: Layer,
+        planned: &LayerPlan,
+        modelling: &'a Modelling,
+    ) -> Self {
         let report = LayerReport {
             painted: planned.painted,
             name: layer.spec.name.clone(),
@@ -137,6 +143,7 @@ impl LayerRun {
             ..LayerReport::default()
         };
         Self {
+            modelling,
             index,
             report,
             relaxation: 0.0,
@@ -146,7 +153,7 @@ impl LayerRun {
     }
 
     /// Counts in what an earlier run of the same layer has done.
-    pub(crate) fn take_history(&mut self, before: LayerRun) {
+    pub(crate) fn take_history(&mut self, before: LayerRun<'_>) {
         self.report.newton_iterations += before.report.newton_iterations;
         self.report.factorizations += before.report.factorizations;
         self.report.onset_load = self.report.onset_load.or(before.report.onset_load);
@@ -172,17 +179,15 @@ impl LayerRun {
         &mut self,
         course: &mut dyn Course,
         loads: &[f64],
-        modelling: &Modelling,
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
-        self.climb(course, loads, LoadSettings::default(), modelling, observer)
+        self.climb(course, loads, LoadSettings::default(), observer)
     }
 
     /// Solves at load 1, with no more steps on the way than it takes to find the onset.
     pub(crate) fn follow_from_onset(
         &mut self,
         course: &mut dyn Course,
-        modelling: &Modelling,
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
         let (below, share) = course.below(self.layer.skin(), 1.0);
@@ -191,7 +196,7 @@ impl LayerRun {
             first: self.layer.share_for(FIRST_DEMAND),
             ..LoadSettings::default()
         };
-        self.climb(course, &[1.0], settings, modelling, observer)
+        self.climb(course, &[1.0], settings, observer)
     }
 
     /// Goes on from the present shape on a surface that has moved.
@@ -202,7 +207,6 @@ impl LayerRun {
         &mut self,
         below: BelowSurface,
         (before, shown): (f64, f64),
-        modelling: &Modelling,
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
         observer.phase(self.index, Phase::Sampling);
@@ -225,7 +229,7 @@ impl LayerRun {
             } else {
                 Pace::Result
             };
-            let solve = self.solve((AtSaddle::Leave, pace), shown, modelling, observer)?;
+            let solve = self.solve((AtSaddle::Leave, pace), shown, observer)?;
             if solve.stop == StopRule::Interrupted {
                 return Ok(Ending::Interrupted);
             }
@@ -244,7 +248,6 @@ impl LayerRun {
         &mut self,
         course: &mut dyn Course,
         (loads, keys): (&[f64], &[f64]),
-        modelling: &Modelling,
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
         let mut worst = Ending::Reached;
@@ -257,7 +260,7 @@ impl LayerRun {
             observer.phase(self.index, Phase::Integration);
             let shown = course.shown(load);
             let is_key = keys.iter().any(|key| (key - load).abs() < 1e-9);
-            match self.move_in_time(start, is_key, shown, modelling, observer)? {
+            match self.move_in_time(start, is_key, shown, observer)? {
                 Arrival::Resting => {}
                 Arrival::Moving => worst = Ending::GaveUp,
                 Arrival::Nowhere => {
@@ -279,18 +282,11 @@ impl LayerRun {
         mut start: Vec<Vector3<f64>>,
         until_rest: bool,
         shown: f64,
-        modelling: &Modelling,
         observer: &mut dyn Observer,
     ) -> Result<Arrival, StepperError> {
         for _ in 0..MOST_STEPS_TO_REST {
             let from = Some(start.as_slice());
-            let solve = self.solve_from(
-                from,
-                (AtSaddle::Leave, Pace::Result),
-                shown,
-                modelling,
-                observer,
-            )?;
+            let solve = self.solve_from(from, (AtSaddle::Leave, Pace::Result), shown, observer)?;
             if solve.stop == StopRule::Interrupted {
                 return Ok(Arrival::Interrupted);
             }
@@ -302,7 +298,7 @@ impl LayerRun {
                 return Ok(Arrival::Nowhere);
             }
             self.tell_of_blind_spot(&solve);
-            if !until_rest || self.rests(modelling)? {
+            if !until_rest || self.rests()? {
                 return Ok(Arrival::Resting);
             }
             start = self.layer.positions().to_vec();
@@ -314,13 +310,13 @@ impl LayerRun {
     }
 
     /// Whether the layer is in equilibrium, a stable one as far as the linear solver can tell.
-    fn rests(&mut self, modelling: &Modelling) -> Result<bool, StepperError> {
+    fn rests(&mut self) -> Result<bool, StepperError> {
         let settings = NewtonSettings {
-            linear: modelling.linear,
+            linear: self.modelling.linear,
             at_saddle: AtSaddle::Stop,
             max_iterations: 1,
             energy_tolerance: AT_REST,
-            residual_tolerance: modelling.tolerance,
+            residual_tolerance: self.modelling.tolerance,
             ..NewtonSettings::default()
         };
         let state = self.layer.state();
@@ -336,7 +332,6 @@ impl LayerRun {
         course: &mut dyn Course,
         loads: &[f64],
         settings: LoadSettings,
-        modelling: &Modelling,
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
         let mut stepper =
@@ -361,7 +356,7 @@ impl LayerRun {
             } else {
                 Pace::Passing
             };
-            let solve = self.solve((at_saddle, pace), shown, modelling, observer)?;
+            let solve = self.solve((at_saddle, pace), shown, observer)?;
             if solve.stop == StopRule::Interrupted {
                 return Ok(Ending::Interrupted);
             }
@@ -396,10 +391,9 @@ impl LayerRun {
         &mut self,
         how: (AtSaddle, Pace),
         shown: f64,
-        modelling: &Modelling,
         observer: &mut dyn Observer,
     ) -> Result<SolveReport, StepperError> {
-        self.solve_from(None, how, shown, modelling, observer)
+        self.solve_from(None, how, shown, observer)
     }
 
     /// Finds the equilibrium, or the end of a step in time from `start`.
@@ -408,24 +402,23 @@ impl LayerRun {
         start: Option<&[Vector3<f64>]>,
         (at_saddle, pace): (AtSaddle, Pace),
         shown: f64,
-        modelling: &Modelling,
         observer: &mut dyn Observer,
     ) -> Result<SolveReport, StepperError> {
         let settings = NewtonSettings {
-            linear: modelling.linear,
-            descent: modelling.descent,
+            linear: self.modelling.linear,
+            descent: self.modelling.descent,
             at_saddle,
             energy_tolerance: match pace {
                 Pace::Result => SETTLED,
                 Pace::Passing => PASSING,
             },
-            residual_tolerance: modelling.tolerance,
+            residual_tolerance: self.modelling.tolerance,
             first_relaxation: if at_saddle == AtSaddle::Leave {
                 SLOWLY_LESS * self.relaxation
             } else {
                 0.0
             },
-            seed: modelling.seed,
+            seed: self.modelling.seed,
             ..NewtonSettings::default()
         };
         let vertices = self.layer.vertex_count();

@@ -1,24 +1,20 @@
 //! Layers as a pose needs them: their region, their mesh, their bending.
 
-use ruga_blend::{BaseSurface, Driver};
-use ruga_mesh::FaceId;
-
 use crate::adaptivity::MeshWishes;
 use crate::below::BelowSurface;
 use crate::error::Halt;
 use crate::layer::{Holding, Layer};
 use crate::layer_run::LayerRun;
 use crate::low_pass_rows::RowCentre;
-use crate::plan::LayerPlan;
 use crate::preparing::Preparing;
 use crate::simulate::StackRun;
 use crate::skin_mesh::{RegionMesh, SkinMesh};
-use crate::{Modelling, Observer, Phase, Plan, StepperError};
+use crate::{Observer, Phase, StepperError};
 
 /// Edges longer than asked for by less than this factor are not worth a word.
 const WORTH_TELLING: f64 = 1.1;
 
-impl StackRun<'_> {
+impl<'a> StackRun<'a> {
     /// Builds layer number `index`, its mesh fitted to each of what may lie `below`, its
     /// bending corrected on the last.
     pub(crate) fn build(
@@ -26,14 +22,14 @@ impl StackRun<'_> {
         index: usize,
         below: &dyn Fn(&SkinMesh) -> Vec<BelowSurface>,
         observer: &mut dyn Observer,
-    ) -> Result<LayerRun, Halt> {
-        let (driver, modelling) = (self.driver, self.modelling);
+    ) -> Result<LayerRun<'a>, Halt> {
+        let (driver, modelling) = (&self.plan.driver, &self.plan.modelling);
         let mut preparing = Preparing::new(observer, index, Phase::Sampling);
         let layer = &self.plan.poses[self.pose].layers[index];
-        let surface = layer_surface(driver, self.plan, layer, modelling);
+        let surface = self.plan.layer_surface(layer);
         preparing.step()?;
-        let offset = self.plan.seats[index].offset;
-        let spec = &self.plan.specs[index];
+        let offset = self.plan.stacking.seats[index].offset;
+        let spec = &self.plan.stacking.specs[index];
         let region = RegionMesh::new(driver, &surface, spec, modelling.smoothing, offset)?;
         preparing.enter(Phase::Remeshing)?;
         let surfaces = below(&region.skin);
@@ -50,9 +46,13 @@ impl StackRun<'_> {
         region: &RegionMesh,
         below: &[BelowSurface],
     ) -> Result<Option<MeshWishes>, StepperError> {
-        let layer = (&self.plan.specs[index], &self.plan.simulated[index]);
-        let points = self.modelling.points_of(index, self.plan.meshes());
-        MeshWishes::new(self.driver, layer, region, below, (self.modelling, points))
+        let layer = (
+            &self.plan.stacking.specs[index],
+            &self.plan.stacking.simulated[index],
+        );
+        let modelling = &self.plan.modelling;
+        let points = modelling.points_of(index, self.plan.meshes());
+        MeshWishes::new(&self.plan.driver, layer, region, below, (modelling, points))
     }
 
     /// The same on a region whose mesh is there already and is to become what `wishes` ask for, its
@@ -64,18 +64,19 @@ impl StackRun<'_> {
         centres: Option<Vec<RowCentre>>,
         below: &dyn Fn(&SkinMesh) -> Vec<BelowSurface>,
         preparing: &mut Preparing<'_>,
-    ) -> Result<LayerRun, Halt> {
-        let (driver, plan, modelling) = (self.driver, self.plan, self.modelling);
-        let spec = &plan.specs[index];
-        let wrinkling = &plan.simulated[index];
+    ) -> Result<LayerRun<'a>, Halt> {
+        let plan = self.plan;
+        let (driver, modelling) = (&plan.driver, &plan.modelling);
+        let spec = &plan.stacking.specs[index];
+        let wrinkling = &plan.stacking.simulated[index];
         let adapted = wishes.map(|wishes| wishes.fitted(driver, spec, &region, preparing));
         let adapted = adapted.transpose()?;
         let coarseness = adapted.as_ref().map_or(1.0, |adapted| adapted.coarseness);
         let adapted = adapted.map(|adapted| adapted.skin);
         preparing.enter(Phase::Constraints)?;
         let holding = Holding {
-            tie: plan.seats[index].tie,
-            upper: plan.joint.clone(),
+            tie: plan.stacking.seats[index].tie,
+            upper: plan.stacking.joint.clone(),
             bending: modelling.bending,
             centres,
         };
@@ -95,7 +96,12 @@ impl StackRun<'_> {
             is_measured = layer.calibrate_bending(last)?;
             preparing.step()?;
         }
-        let mut run = LayerRun::new(index, layer, &plan.poses[self.pose].layers[index]);
+        let mut run = LayerRun::new(
+            index,
+            layer,
+            &plan.poses[self.pose].layers[index],
+            modelling,
+        );
         if coarseness > WORTH_TELLING {
             let points = modelling.points_of(index, plan.meshes());
             run.warnings.push(format!(
@@ -117,10 +123,10 @@ impl StackRun<'_> {
     /// changed a new one to which its shape is carried over.
     pub(crate) fn refitted(
         &self,
-        mut run: LayerRun,
+        mut run: LayerRun<'a>,
         below: &dyn Fn(&SkinMesh) -> BelowSurface,
         observer: &mut dyn Observer,
-    ) -> Result<LayerRun, Halt> {
+    ) -> Result<LayerRun<'a>, Halt> {
         let index = run.index;
         let mut preparing = Preparing::new(observer, index, Phase::Remeshing);
         let region = run.layer.region();
@@ -146,25 +152,4 @@ impl StackRun<'_> {
         fitted.take_history(run);
         Ok(fitted)
     }
-}
-
-/// The part of the base surface that the plan wants simulated, at the plan's resolution.
-pub(crate) fn layer_surface(
-    driver: &Driver,
-    plan: &Plan,
-    layer: &LayerPlan,
-    modelling: &Modelling,
-) -> BaseSurface {
-    let whole_driver = |face: &u64| FaceId((face >> (2 * plan.planning_levels)) as u32);
-    let mut coarse: Vec<FaceId> = layer.region.iter().map(whole_driver).collect();
-    coarse.dedup();
-    let whole = BaseSurface::new(driver, &coarse, layer.levels, modelling.smoothing);
-    // Faces larger than the region's are taken when any part of them is in it.
-    let level = plan.planning_levels.min(layer.levels);
-    let shift = 2 * (plan.planning_levels - level);
-    let mut region: Vec<u64> = layer.region.iter().map(|face| face >> shift).collect();
-    region.dedup();
-    let wanted = |face: &FaceId| region.binary_search(&whole.ancestor(*face, level)).is_ok();
-    let faces: Vec<FaceId> = whole.mesh().faces().ids().filter(wanted).collect();
-    whole.restrict(&faces)
 }

@@ -4,7 +4,7 @@
 //! A [`LayerSpec`] is a material, what carries it and how the two hold together; a [`PoseSpec`] is
 //! a set of blend-shape weights and the loads at which results are kept. [`plan()`] compares what
 //! each pose asks of the skin with what the layer can bear and gives a [`Plan`]: where to simulate,
-//! how finely, at what cost. [`simulate()`] takes one pose of it from rest to full weight, shows an
+//! how finely, at what cost. [`Plan::simulate`] takes one pose of it from rest to full weight, shows an
 //! [`Observer`] each step, and returns a [`PoseResult`].
 //!
 //! In each load step the layer takes the positions `x` of least energy over the posed surface:
@@ -22,7 +22,7 @@
 //! last shape, or two are solved at once ([`Stack`]). With [`Dynamics`] load steps are steps in time.
 //!
 //! A layer may also lie on a soft [`Body`] that moves (Rémillard and Kry 2013): [`plan_body`] fills
-//! the driver's surface with a coarse lattice, and [`simulate_body`] minimises the energies of layer,
+//! the driver's surface with a coarse lattice, and its plan minimises the energies of layer,
 //! springs, lattice and contact with [`Obstacle`]s all at once, under the motion of [`Handle`]s, of
 //! obstacles and of blend shapes that draw the surface; results have the same form.
 //!
@@ -31,15 +31,17 @@
 //! input gives the same result.
 //!
 //! ```
+//! use std::sync::Arc;
+//!
 //! use nalgebra::{Vector2, Vector3};
 //! use ruga_blend::{ArtistMesh, BlendShape, Driver};
 //! use ruga_material::{WavelengthModel, preset};
 //! use ruga_stepper::{
-//!     Coupling, LayerSpec, Modelling, PoseSpec, Presence, Sampling, Silent, plan, simulate,
+//!     Coupling, LayerSpec, Modelling, PoseSpec, Presence, Sampling, Silent, plan,
 //! };
 //!
 //! let square = [[0.0, 0.0], [0.04, 0.0], [0.04, 0.04], [0.0, 0.04]];
-//! let driver = Driver::new(&ArtistMesh {
+//! let driver = Arc::new(Driver::new(&ArtistMesh {
 //!     positions: square.map(|[x, y]| Vector3::new(x, y, 0.0)).to_vec(),
 //!     uvs: Some(square.map(|[x, y]| Vector2::new(25.0 * x, 25.0 * y)).to_vec()),
 //!     triangles: vec![[0, 1, 2], [0, 2, 3]],
@@ -49,7 +51,7 @@
 //!         normal_deltas: None,
 //!     }],
 //!     ..ArtistMesh::default()
-//! })?;
+//! })?);
 //! let skin = preset("forehead-furrow").expect("one of the presets");
 //! let layers = [LayerSpec {
 //!     name: "skin".into(),
@@ -69,11 +71,12 @@
 //!     weights: driver.weights([("compress", 1.0)])?,
 //!     keys: vec![1.0],
 //!     steps: 3,
+//!     motions: Vec::new(),
 //! }];
 //! let draft = Modelling { points_per_wavelength: 6.0, ..Modelling::default() };
 //!
 //! let plan = plan(&driver, &layers, &poses, &draft, 1024)?;
-//! let result = simulate(&driver, &plan, 0, &poses[0], &draft, &mut Silent)?;
+//! let result = plan.simulate(0, &mut Silent)?;
 //! assert!(result.converged);
 //! // Deeper than a tenth of a millimetre: the skin wrinkles.
 //! assert!(result.layers[0].amplitude > 1e-4);
@@ -84,6 +87,8 @@ mod model;
 mod plan;
 mod plan_cost;
 mod plan_warnings;
+mod planning_surface;
+mod pose_plan;
 mod result;
 mod simulate;
 mod skin_mesh;
@@ -106,6 +111,7 @@ mod region;
 mod relief;
 mod skin_energy;
 mod stacking;
+mod surface_measures;
 #[cfg(test)]
 mod test_square;
 mod upper_layers;
@@ -118,18 +124,15 @@ mod place;
 mod preparing;
 mod validation;
 
-pub use plan::{LayerPlan, LoadPath, PaintedRanges, Plan, PosePlan, plan};
-pub use simulate::simulate;
+pub use plan::{InteriorPlan, Plan, plan};
+pub use pose_plan::{AppliedStrain, LayerPlan, LoadPath, PaintedRanges, PosePlan};
 
 pub use model::{
     Coupling, Dynamics, EdgeLimits, LayerSpec, Mask, Modelling, PoseSpec, Presence, Region, Stack,
 };
 pub use result::{ComputedMesh, KeyResult, LayerReport, LayerSurface, PoseResult};
 
-pub use embedded::{
-    Body, BodyPlan, BodyPose, Handle, Keyframe, Motion, Obstacle, ObstacleShape, plan_body,
-    simulate_body,
-};
+pub use embedded::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape, plan_body};
 
 pub use observer::{Frame, Observer, Phase, Preparation, Progress, Silent};
 

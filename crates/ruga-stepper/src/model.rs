@@ -9,8 +9,8 @@ use ruga_material::{LayerMaterial, PropertyMap, Substrate, VariationField, Wavel
 use ruga_shell::BendingModel;
 use ruga_solver::{Descent, LinearSolver};
 
-use crate::StepperError;
 use crate::validation::check_mask;
+use crate::{Motion, StepperError};
 
 /// How a layer is held by what lies below it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -127,6 +127,9 @@ pub struct PoseSpec {
     pub keys: Vec<f64>,
     /// Load steps from 0 to 1, 1 to 100 000.
     pub steps: u32,
+    /// How handles and obstacles of a [`Body`](crate::Body) move on the way; what is not named stands
+    /// still. A keyframe between two load steps is one of its own.
+    pub motions: Vec<Motion>,
 }
 
 /// Where layers are simulated.
@@ -283,8 +286,8 @@ impl Default for EdgeLimits {
 ///
 /// Every load step is then a step in time, however much the load grows in it ([`PoseSpec::steps`] of
 /// them to full load, one more for a key between two), and at every key the driver stands still until
-/// the skin rests. Layers on others are thin and light, and follow at once. A body
-/// ([`simulate_body`](crate::simulate_body)) moves with its layer, and time is the load: no key waits,
+/// the skin rests. Layers on others are thin and light, and follow at once. A [`Body`](crate::Body)
+/// moves with its layer, and time is the load: no key waits,
 /// and one between two steps, like a keyframe of a motion, divides the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dynamics {

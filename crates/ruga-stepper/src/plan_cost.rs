@@ -1,7 +1,7 @@
 //! What a planned layer will cost, from runs of the shipped scenes on one core.
 
 use crate::PoseSpec;
-use crate::plan::LoadPath;
+use crate::pose_plan::LoadPath;
 
 /// Bytes for every texel of a map while it is baked and written.
 const PER_TEXEL: f64 = 30.0;
@@ -78,6 +78,7 @@ mod tests {
             weights: Weights::default(),
             keys,
             steps,
+            motions: Vec::new(),
         };
         let of = |onset, bend, spread, pose: &PoseSpec, path| {
             factorisations(

@@ -7,9 +7,9 @@ use ruga_material::CAP_START;
 use ruga_mesh::FaceId;
 
 use crate::place::{ShapeCentres, place_of_faces};
-use crate::plan::{HANDED_OUT, weighted_quantile};
 use crate::region::Demand;
-use crate::{LayerPlan, Modelling, PoseSpec};
+use crate::surface_measures::{HANDED_OUT, weighted_quantile};
+use crate::{AppliedStrain, LayerPlan, Modelling, PoseSpec};
 
 /// Areas below a hundredth of a square centimetre are not worth a warning, m².
 const NEGLIGIBLE_AREA: f64 = 1e-6;
@@ -53,7 +53,8 @@ impl PosedPlan<'_> {
     }
 
     fn layer_warnings(&self, plan: &LayerPlan, demand: &Demand) -> Vec<String> {
-        let folded = self.folded_warning(plan, demand);
+        let applied = plan.applied.unwrap_or_default();
+        let folded = self.folded_warning(&applied, demand);
         if plan.active_area == 0.0 {
             let strained = not_skin(self.median_strained(demand), self.pose);
             return folded.into_iter().chain(strained).collect();
@@ -61,42 +62,50 @@ impl PosedPlan<'_> {
         let resolution = resolution_warnings(plan.asked_points, plan.texels_per_wavelength);
         folded
             .into_iter()
-            .chain(not_skin(plan.strain_median, self.pose))
-            .chain(self.capped_warning(plan, demand))
+            .chain(not_skin(applied.median, self.pose))
+            .chain(self.capped_warning((plan, &applied), demand))
             .chain(late_warning(plan))
-            .chain(self.labyrinth_warning(plan, demand))
+            .chain(self.labyrinth_warning((plan, &applied), demand))
             .chain(resolution)
-            .chain(budget_warning(plan, self.modelling))
+            .chain(budget_warning((plan, &applied), self.modelling))
             .collect()
     }
 
-    fn folded_warning(&self, plan: &LayerPlan, demand: &Demand) -> Option<String> {
-        (plan.folded_area > NEGLIGIBLE_AREA).then(|| {
+    fn folded_warning(&self, applied: &AppliedStrain, demand: &Demand) -> Option<String> {
+        (applied.folded_area > NEGLIGIBLE_AREA).then(|| {
             format!(
                 "{:.2} cm2 of the driver fold over or collapse by more than 60 %, {}; they stay as the artist drew them, without wrinkles, and the rest is not affected. To wrinkle them, lower the weight or let the shape keep some width there",
-                1e4 * plan.folded_area,
+                1e4 * applied.folded_area,
                 self.place(demand, &|face| demand.folded[face])
             )
         })
     }
 
-    fn capped_warning(&self, plan: &LayerPlan, demand: &Demand) -> Option<String> {
+    fn capped_warning(
+        &self,
+        (plan, applied): (&LayerPlan, &AppliedStrain),
+        demand: &Demand,
+    ) -> Option<String> {
         let is_capped = |face| self.is_active(plan, face) && demand.compression[face] > CAP_START;
-        (plan.capped_area > NEGLIGIBLE_AREA).then(|| {
+        (applied.capped_area > NEGLIGIBLE_AREA).then(|| {
             format!(
                 "{:.2} cm2 are compressed by more than 15 %, {}, where real skin folds, doubles its wrinkles or creases, which is not modelled. The map can be used there, but holds the wrinkles of 15 to 25 % compression, shallower than the pose asks for; if they look wrong, lower the weight or paint the place black in the region mask",
-                1e4 * plan.capped_area,
+                1e4 * applied.capped_area,
                 self.place(demand, &is_capped)
             )
         })
     }
 
-    fn labyrinth_warning(&self, plan: &LayerPlan, demand: &Demand) -> Option<String> {
+    fn labyrinth_warning(
+        &self,
+        (plan, applied): (&LayerPlan, &AppliedStrain),
+        demand: &Demand,
+    ) -> Option<String> {
         let is_labyrinth = |face| self.is_active(plan, face) && demand.is_pressed_equally(face);
-        (plan.labyrinth_area > LABYRINTH * plan.wavelength.powi(2)).then(|| {
+        (applied.labyrinth_area > LABYRINTH * plan.wavelength.powi(2)).then(|| {
             format!(
                 "{:.2} cm2 are compressed about equally from all sides, {}, where wrinkles of real skin meander. Their depth and spacing are right, but the averaging constraints that hold the layer let them run in two crossing directions; if the map shows such squares, set `coupling = \"elastic\"` for this layer",
-                1e4 * plan.labyrinth_area,
+                1e4 * applied.labyrinth_area,
                 self.place(demand, &is_labyrinth)
             )
         })
@@ -181,7 +190,10 @@ pub(crate) fn resolution_warnings(asked_points: f64, texels: f64) -> Vec<String>
 }
 
 /// What is to be said where the budget does not allow the mesh that was asked for.
-fn budget_warning(plan: &LayerPlan, modelling: &Modelling) -> Option<String> {
+fn budget_warning(
+    (plan, applied): (&LayerPlan, &AppliedStrain),
+    modelling: &Modelling,
+) -> Option<String> {
     let (reached, asked) = (plan.points_per_wavelength, plan.asked_points);
     if reached >= 0.9 * asked {
         return None;
@@ -201,12 +213,12 @@ fn budget_warning(plan: &LayerPlan, modelling: &Modelling) -> Option<String> {
         "{asked} points per wavelength need about {:.0} vertices, and the vertex budget of {} stops refinement at {reached:.1}: {effect}. {}",
         plan.needed,
         modelling.vertex_budget,
-        remedy(plan, modelling)
+        remedy((plan, applied), modelling)
     ))
 }
 
 /// Which change brings the vertices under the budget.
-fn remedy(plan: &LayerPlan, modelling: &Modelling) -> String {
+fn remedy((plan, applied): (&LayerPlan, &AppliedStrain), modelling: &Modelling) -> String {
     let area = 1e4 * plan.active_area;
     if plan.needed > HOPELESS {
         return format!(
@@ -222,6 +234,6 @@ fn remedy(plan: &LayerPlan, modelling: &Modelling) -> String {
     format!(
         "Raise `driver.vertex_budget`, paint a region mask that leaves at most {:.2} of the {area:.2} cm2 that are simulated, or raise the critical strain above {:.1} %, so that half as much of the pose wrinkles; {quality}",
         share * area,
-        100.0 * plan.strain_median.max(plan.critical_strain)
+        100.0 * applied.median.max(plan.critical_strain)
     )
 }

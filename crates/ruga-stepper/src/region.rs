@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, Matrix3, Vector3};
 use ruga_blend::{BaseSurface, FaceStrain, PosedSurface, face_strains, rest_frame};
 use ruga_mesh::{FaceId, Id, PerFace, TriMesh, edge_distances, face_normals};
 
-use crate::plan::{LoadPath, PlannedLayer};
+use crate::pose_plan::{LoadPath, PlannedLayer};
 use crate::{Presence, Region};
 
 /// A face is active where the effective strain passes this share of the critical one.
@@ -44,6 +44,13 @@ pub(crate) struct Demand {
 }
 
 impl Demand {
+    /// Area that the pose folds over or collapses, m².
+    pub(crate) fn folded_area(&self) -> f64 {
+        let folded = self.folded.iter().filter(|(_, folded)| **folded);
+        // Not `sum`, which makes -0 of nothing.
+        folded.fold(0.0, |sum, (face, _)| sum + self.areas[face])
+    }
+
     /// Measures what the `keys` of a pose ask of `surface`.
     ///
     /// `passing` are surfaces on the way to the last key, each after a share of it, ascending.

@@ -71,8 +71,8 @@ pub struct KeyResult {
     pub load: f64,
     /// Layers, bottom first.
     pub layers: Vec<LayerSurface>,
-    /// Where the driver's vertices are if they moved with a body
-    /// ([`simulate_body`](crate::simulate_body)) and not by blend shapes alone, m.
+    /// Where the driver's vertices are if they moved with a [`Body`](crate::Body) and not by blend
+    /// shapes alone, m.
     pub artist_positions: Option<Vec<Vector3<f64>>>,
 }
 

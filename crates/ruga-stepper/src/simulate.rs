@@ -3,71 +3,89 @@
 use std::rc::Rc;
 
 use nalgebra::Vector3;
-use ruga_blend::Driver;
 
 use crate::below::{BelowSurface, surface_below};
 use crate::cover::Covers;
+use crate::embedded::simulate_body;
 use crate::error::Halt;
 use crate::layer_run::{Course, Ending, LayerRun};
 use crate::skin_mesh::SkinMesh;
-use crate::validation::{check_modelling, check_pose};
 use crate::{
-    Frame, KeyResult, LayerReport, LoadPath, Modelling, Observer, Phase, Plan, PoseResult,
-    PoseSpec, StepperError,
+    Frame, KeyResult, LayerReport, LoadPath, Observer, Phase, Plan, PoseResult, PoseSpec,
+    StepperError,
 };
 
-/// Simulates pose number `pose` of the plan.
-///
-/// The lowest layer that can wrinkle follows the driver from rest to full weight, or at each key
-/// the growth of its strain ([`LoadPath`]); a load at which it first buckles is approached by
-/// bisection, so that the wavelength is chosen at the onset. On its equilibrium the next layer is
-/// solved, its strain growing from none, and so on up (Li 2014); from one result to the next it goes
-/// on from its last shape, on a mesh that is fitted anew when the old one no longer serves. Not
-/// converging is reported, not an error; the results reached until then are kept.
-///
-/// An observer may end the work at any time, also before the first step, while meshes and
-/// constraints are made ([`Observer::preparing`]); the result then says that it was interrupted.
-///
-/// # Errors
-/// [`StepperError::NoSuchPose`] for a pose that the plan does not have; [`StepperError::OtherPlan`] for
-/// a driver, a pose's name or weights, or a modelling that the plan was not made for; its keys and
-/// steps may be others. [`StepperError::Setting`] for a value out of range or that is no number.
-/// What shell, constraints, remeshing or solver refuse.
-pub fn simulate(
-    driver: &Driver,
-    plan: &Plan,
-    pose: usize,
-    spec: &PoseSpec,
-    modelling: &Modelling,
-    observer: &mut dyn Observer,
-) -> Result<PoseResult, StepperError> {
-    check_modelling(modelling)?;
-    plan.made_for.check(driver, modelling)?;
-    check_pose(driver, spec)?;
-    plan.made_for.check_pose(pose, spec)?;
-    let reports = plan.poses[pose].layers.iter().map(|layer| LayerReport {
-        name: layer.name.clone(),
-        wavelength_predicted: layer.wavelength,
-        critical_strain_predicted: layer.critical_strain,
-        painted: layer.painted,
-        ..LayerReport::default()
-    });
-    let mut run = StackRun {
-        driver,
-        plan,
-        pose,
-        spec,
-        modelling,
-        result: PoseResult {
-            layers: reports.collect(),
-            converged: true,
-            ..PoseResult::default()
-        },
-        upper: plan.specs.iter().map(|_| None).collect(),
-        covers: Rc::default(),
-    };
-    run.follow(observer)?;
-    Ok(run.result)
+impl Plan {
+    /// Simulates pose number `pose`, from rest to its keys.
+    ///
+    /// On a driver, the lowest layer that can wrinkle follows it from rest to full weight, or at each
+    /// key the growth of its strain ([`LoadPath`]); a load at which it first buckles is approached by
+    /// bisection, so that the wavelength is chosen at the onset. On its equilibrium the next layer is
+    /// solved, its strain growing from none, and so on up (Li 2014); from one result to the next it
+    /// goes on from its last shape, on a mesh that is fitted anew when the old one no longer serves.
+    ///
+    /// On a soft body, layer and body are one minimum of all energies. Handles and obstacles go their
+    /// ways and blend shapes draw the surface with growing weights; weight acts in full from the first
+    /// load on, and [`KeyResult::artist_positions`] say where the artist's mesh has gone. With
+    /// [`Modelling::dynamics`](crate::Modelling::dynamics) every load is one step in time instead,
+    /// whole where the solver finds its end, or else in shorter ones, and nothing waits at keys for
+    /// rest.
+    ///
+    /// Not converging is reported, not an error; the results reached until then are kept. An observer
+    /// may end the work at any time, also before the first step, while meshes and constraints are made
+    /// ([`Observer::preparing`]); the result then says that it was interrupted.
+    ///
+    /// # Errors
+    /// [`StepperError::NoSuchPose`] for a pose that the plan does not have; what shell, constraints,
+    /// remeshing or solver refuse.
+    pub fn simulate(
+        &self,
+        pose: usize,
+        observer: &mut dyn Observer,
+    ) -> Result<PoseResult, StepperError> {
+        if pose >= self.specs.len() {
+            return Err(StepperError::NoSuchPose {
+                pose,
+                poses: self.specs.len(),
+            });
+        }
+        match &self.body {
+            None => self.simulate_stack(pose, observer),
+            Some(body) => simulate_body((self, body), pose, observer),
+        }
+    }
+
+    fn simulate_stack(
+        &self,
+        pose: usize,
+        observer: &mut dyn Observer,
+    ) -> Result<PoseResult, StepperError> {
+        let mut run = StackRun {
+            plan: self,
+            pose,
+            result: PoseResult {
+                layers: self.reports(pose),
+                converged: true,
+                ..PoseResult::default()
+            },
+            upper: self.stacking.specs.iter().map(|_| None).collect(),
+            covers: Rc::default(),
+        };
+        run.follow(observer)?;
+        Ok(run.result)
+    }
+
+    /// What is known of the layers of pose number `pose` before they are simulated.
+    pub(crate) fn reports(&self, pose: usize) -> Vec<LayerReport> {
+        let reports = self.poses[pose].layers.iter().map(|layer| LayerReport {
+            name: layer.name.clone(),
+            wavelength_predicted: layer.wavelength,
+            critical_strain_predicted: layer.critical_strain,
+            painted: layer.painted,
+            ..LayerReport::default()
+        });
+        reports.collect()
+    }
 }
 
 /// `steps` equal steps to 1, as far as `last`, and the `keys`; ascending.
@@ -91,35 +109,38 @@ pub(crate) struct Place {
 
 /// The layers of one pose.
 pub(crate) struct StackRun<'a> {
-    pub(crate) driver: &'a Driver,
     pub(crate) plan: &'a Plan,
     pub(crate) pose: usize,
-    pub(crate) spec: &'a PoseSpec,
-    pub(crate) modelling: &'a Modelling,
     pub(crate) result: PoseResult,
     /// The layers above the lowest one, as they were left by the last frame that had them.
-    pub(crate) upper: Vec<Option<LayerRun>>,
+    pub(crate) upper: Vec<Option<LayerRun<'a>>>,
     /// Where their meshes lie on those below.
     pub(crate) covers: Rc<Covers>,
 }
 
-impl StackRun<'_> {
+impl<'a> StackRun<'a> {
+    /// The pose as it was asked for.
+    pub(crate) fn spec(&self) -> &'a PoseSpec {
+        &self.plan.specs[self.pose]
+    }
+
     fn follow(&mut self, observer: &mut dyn Observer) -> Result<(), StepperError> {
         let layers = &self.plan.poses[self.pose].layers;
         let Some(lowest) = layers.iter().position(|layer| !layer.region.is_empty()) else {
-            self.result.keys = self.spec.keys.iter().map(|&load| flat_key(load)).collect();
+            self.result.keys = self
+                .spec()
+                .keys
+                .iter()
+                .map(|&load| flat_key(load))
+                .collect();
             return Ok(());
         };
-        let keys: Vec<_> = self
-            .spec
-            .keys
-            .iter()
-            .map(|&key| self.control(key))
-            .collect();
+        let keys = self.spec().keys.iter();
+        let keys: Vec<_> = keys.map(|&key| self.control(key)).collect();
         let below = |skin: &SkinMesh| -> Vec<BelowSurface> {
-            let seat = self.plan.seats[lowest];
+            let seat = self.plan.stacking.seats[lowest];
             let keys = keys.iter();
-            keys.map(|control| surface_below(self.driver, skin, seat, control, &[]))
+            keys.map(|control| surface_below(&self.plan.driver, skin, seat, control, &[]))
                 .collect()
         };
         let made = self.build(lowest, &below, observer);
@@ -133,7 +154,7 @@ impl StackRun<'_> {
             LoadPath::Strain => self.follow_strain(lowest, &mut run, observer)?,
         };
         if ending == Ending::Reached {
-            run.warn_unwrinkled(self.driver);
+            run.warn_unwrinkled(&self.plan.driver);
         }
         self.tell(&run, ending);
         run.measure();
@@ -148,34 +169,32 @@ impl StackRun<'_> {
     fn follow_weight(
         &mut self,
         lowest: usize,
-        run: &mut LayerRun,
+        run: &mut LayerRun<'_>,
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
-        let modelling = self.modelling;
         // Beyond the last key nothing was planned for.
-        let last = self.spec.keys.iter().copied().fold(0.0, f64::max);
-        let loads = loads_up_to(last, self.spec.steps, self.spec.keys.iter().copied());
+        let last = self.spec().keys.iter().copied().fold(0.0, f64::max);
+        let loads = loads_up_to(last, self.spec().steps, self.spec().keys.iter().copied());
         let mut course = DriverCourse {
             stack: self,
             lowest,
             key: None,
             wants_frames: observer.wants_frames(),
         };
-        let keys = course.stack.spec.keys.clone();
-        follow_course(run, &mut course, (&loads, &keys), modelling, observer)
+        let keys = course.stack.spec().keys.clone();
+        follow_course(run, &mut course, (&loads, &keys), observer)
     }
 
     fn follow_strain(
         &mut self,
         lowest: usize,
-        run: &mut LayerRun,
+        run: &mut LayerRun<'_>,
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
-        let modelling = self.modelling;
         let at_rest = run.layer.state();
-        let loads = loads_up_to(1.0, self.spec.steps, [1.0]);
+        let loads = loads_up_to(1.0, self.spec().steps, [1.0]);
         let mut worst = Ending::Reached;
-        for key in self.spec.keys.clone() {
+        for key in self.spec().keys.clone() {
             run.layer.restore(&at_rest)?;
             let mut course = DriverCourse {
                 stack: self,
@@ -183,7 +202,7 @@ impl StackRun<'_> {
                 key: Some(key),
                 wants_frames: observer.wants_frames(),
             };
-            match follow_course(run, &mut course, (&loads, &[1.0]), modelling, observer)? {
+            match follow_course(run, &mut course, (&loads, &[1.0]), observer)? {
                 Ending::Reached => {}
                 Ending::GaveUp => worst = Ending::GaveUp,
                 Ending::Interrupted => return Ok(Ending::Interrupted),
@@ -194,16 +213,16 @@ impl StackRun<'_> {
 
     /// Where the driver's vertices are at a fraction of the pose.
     fn control(&self, weight: f64) -> Vec<Vector3<f64>> {
-        self.driver.pose(&self.spec.weights.scaled(weight))
+        self.plan.driver.pose(&self.spec().weights.scaled(weight))
     }
 
     /// Takes over what a layer's run has to say.
-    pub(crate) fn tell(&mut self, run: &LayerRun, ending: Ending) {
+    pub(crate) fn tell(&mut self, run: &LayerRun<'_>, ending: Ending) {
         self.result.converged &= ending == Ending::Reached;
         self.result.interrupted |= ending == Ending::Interrupted;
         for warning in &run.warnings {
             let layer = &run.layer.spec.name;
-            let text = format!("pose '{}', layer '{layer}': {warning}", self.spec.name);
+            let text = format!("pose '{}', layer '{layer}': {warning}", self.spec().name);
             if !self.result.warnings.contains(&text) {
                 self.result.warnings.push(text);
             }
@@ -211,7 +230,7 @@ impl StackRun<'_> {
     }
 
     fn is_key(&self, place: Place) -> bool {
-        let mut keys = self.spec.keys.iter();
+        let mut keys = self.spec().keys.iter();
         place.share == 1.0 && keys.any(|key| (key - place.weight).abs() < 1e-9)
     }
 
@@ -220,7 +239,7 @@ impl StackRun<'_> {
     fn frame(
         &mut self,
         lowest: usize,
-        run: &LayerRun,
+        run: &LayerRun<'_>,
         place: Place,
         observer: &mut dyn Observer,
     ) -> Result<bool, StepperError> {
@@ -256,17 +275,16 @@ impl StackRun<'_> {
 
 /// Follows a course from equilibrium to equilibrium, or in time.
 fn follow_course(
-    run: &mut LayerRun,
+    run: &mut LayerRun<'_>,
     course: &mut dyn Course,
     (loads, keys): (&[f64], &[f64]),
-    modelling: &Modelling,
     observer: &mut dyn Observer,
 ) -> Result<Ending, StepperError> {
-    match modelling.dynamics {
-        None => run.follow(course, loads, modelling, observer),
+    match run.modelling.dynamics {
+        None => run.follow(course, loads, observer),
         Some(dynamics) => {
             run.layer.set_in_motion(dynamics);
-            run.follow_in_time(course, (loads, keys), modelling, observer)
+            run.follow_in_time(course, (loads, keys), observer)
         }
     }
 }
@@ -307,9 +325,9 @@ impl Course for DriverCourse<'_, '_> {
     fn below(&self, skin: &SkinMesh, load: f64) -> (BelowSurface, f64) {
         let place = self.place(load);
         let control = self.stack.control(place.weight);
-        let seat = self.stack.plan.seats[self.lowest];
+        let seat = self.stack.plan.stacking.seats[self.lowest];
         (
-            surface_below(self.stack.driver, skin, seat, &control, &[]),
+            surface_below(&self.stack.plan.driver, skin, seat, &control, &[]),
             place.share,
         )
     }
@@ -325,7 +343,7 @@ impl Course for DriverCourse<'_, '_> {
 
     fn kept(
         &mut self,
-        run: &LayerRun,
+        run: &LayerRun<'_>,
         load: f64,
         observer: &mut dyn Observer,
     ) -> Result<bool, StepperError> {

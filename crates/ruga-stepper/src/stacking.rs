@@ -54,6 +54,14 @@ impl Stacking {
         Ok(stacking)
     }
 
+    /// How many layers have a mesh of their own: one that moves together with the lowest has none.
+    pub(crate) fn meshes(&self) -> usize {
+        match self.joint {
+            Some(_) => 1,
+            None => self.specs.len(),
+        }
+    }
+
     /// Lets every layer stand for itself and all above it.
     fn replace_by_composites(&mut self, alone: &[StackLayer]) -> Result<(), StepperError> {
         self.require_uniform("composite")?;

@@ -12,22 +12,22 @@ use crate::simulate::{Place, StackRun};
 use crate::skin_mesh::SkinMesh;
 use crate::{LayerSurface, Observer, Phase, StepperError};
 
-impl StackRun<'_> {
+impl<'a> StackRun<'a> {
     /// Solves the layers above `lowest` one on the other; `None` when the observer ends the work.
     pub(crate) fn upper_layers(
         &mut self,
         lowest: usize,
-        run: &LayerRun,
+        run: &LayerRun<'_>,
         place: Place,
         control: &[Vector3<f64>],
         observer: &mut dyn Observer,
     ) -> Result<Option<Vec<LayerSurface>>, StepperError> {
         let covers = Rc::clone(&self.covers);
         let mut surfaces = Vec::new();
-        let mut solved: Vec<(LayerRun, Ending)> = Vec::new();
+        let mut solved: Vec<(LayerRun<'a>, Ending)> = Vec::new();
         // Where every layer's vertices are as maps show them, the lowest layer's first.
         let mut shown = vec![run.layer.shown_positions(run.layer.below())];
-        for index in lowest + 1..self.plan.specs.len() {
+        for index in lowest + 1..self.plan.stacking.specs.len() {
             if self.plan.poses[self.pose].layers[index].region.is_empty() {
                 continue;
             }
@@ -40,9 +40,9 @@ impl StackRun<'_> {
             let Some((mut upper, ending)) = Halt::unless_interrupted(made)? else {
                 return Ok(None);
             };
-            let last = self.spec.keys.iter().copied().fold(0.0, f64::max);
+            let last = self.spec().keys.iter().copied().fold(0.0, f64::max);
             if ending == Ending::Reached && place.weight >= last {
-                upper.warn_unwrinkled(self.driver);
+                upper.warn_unwrinkled(&self.plan.driver);
             }
             self.tell(&upper, ending);
             if ending == Ending::Interrupted {
@@ -50,9 +50,9 @@ impl StackRun<'_> {
             }
             observer.phase(index, Phase::Sampling);
             surfaces.extend(self.snapshot(&upper, control, &lower));
-            let seat = self.plan.seats[index];
+            let seat = self.plan.stacking.seats[index];
             let skin = upper.layer.skin();
-            let below = surface_below(self.driver, skin, seat, control, &as_shown(&lower));
+            let below = surface_below(&self.plan.driver, skin, seat, control, &as_shown(&lower));
             shown.push(upper.layer.shown_positions(&below.posed));
             upper.measure();
             self.result.layers[index] = upper.report.clone();
@@ -75,16 +75,16 @@ impl StackRun<'_> {
         place: Place,
         control: &[Vector3<f64>],
         observer: &mut dyn Observer,
-    ) -> Result<(LayerRun, Ending), Halt> {
-        let seat = self.plan.seats[index];
+    ) -> Result<(LayerRun<'a>, Ending), Halt> {
+        let seat = self.plan.stacking.seats[index];
         let last = self.upper[index].take();
-        let below = |skin: &SkinMesh| surface_below(self.driver, skin, seat, control, lower);
+        let below = |skin: &SkinMesh| surface_below(&self.plan.driver, skin, seat, control, lower);
         let mut history = None;
         if let Some(last) = last {
             let before = last.layer.demand();
             let mut run = self.refitted(last, &below, observer)?;
             let surface = below(run.layer.skin());
-            match run.move_on(surface, (before, place.weight), self.modelling, observer)? {
+            match run.move_on(surface, (before, place.weight), observer)? {
                 Ending::GaveUp => history = Some(run),
                 ending => return Ok((run, ending)),
             }
@@ -97,13 +97,13 @@ impl StackRun<'_> {
             below: below(run.layer.skin()),
             weight: place.weight,
         };
-        let ending = run.follow_from_onset(&mut course, self.modelling, observer)?;
+        let ending = run.follow_from_onset(&mut course, observer)?;
         Ok((run, ending))
     }
 
     fn lower<'r>(
         &self,
-        run: &'r LayerRun,
+        run: &'r LayerRun<'_>,
         shown: &'r [Vector3<f64>],
         covers: &'r Covers,
     ) -> LowerLayer<'r> {
@@ -111,7 +111,7 @@ impl StackRun<'_> {
             skin: run.layer.skin(),
             positions: run.layer.positions(),
             shown,
-            offset: self.plan.seats[run.index].offset,
+            offset: self.plan.stacking.seats[run.index].offset,
             covers,
         }
     }
@@ -119,12 +119,12 @@ impl StackRun<'_> {
     /// The layer, and one that moves together with it, as others see them.
     pub(crate) fn snapshot(
         &self,
-        run: &LayerRun,
+        run: &LayerRun<'_>,
         control: &[Vector3<f64>],
         lower: &[LowerLayer<'_>],
     ) -> Vec<LayerSurface> {
-        let (driver, layer) = (self.driver, &run.layer);
-        let seat = self.plan.seats[run.index];
+        let (driver, layer) = (&self.plan.driver, &run.layer);
+        let seat = self.plan.stacking.seats[run.index];
         let region = &layer.region().skin;
         let below = surface_below(driver, region, seat, control, lower).posed;
         let shown = surface_below(driver, region, seat, control, &as_shown(lower)).posed;
@@ -153,7 +153,12 @@ impl Course for CarriedCourse {
         load == 1.0
     }
 
-    fn kept(&mut self, _: &LayerRun, _: f64, _: &mut dyn Observer) -> Result<bool, StepperError> {
+    fn kept(
+        &mut self,
+        _: &LayerRun<'_>,
+        _: f64,
+        _: &mut dyn Observer,
+    ) -> Result<bool, StepperError> {
         Ok(true)
     }
 }

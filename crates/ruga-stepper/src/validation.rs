@@ -3,13 +3,13 @@
 //! Everything is looked at before any work begins, so that nonsense is refused at once and no NaN
 //! reaches a solver, which would take it for a state at rest.
 
-use std::fmt::{Debug, Display};
+use std::fmt::Display;
 use std::ops::RangeInclusive;
 
-use ruga_blend::{Driver, Smoothing, Weights};
+use ruga_blend::Driver;
 use ruga_solver::LinearSolver;
 
-use crate::{EdgeLimits, LayerSpec, Modelling, PoseSpec, Stack, StepperError};
+use crate::{EdgeLimits, LayerSpec, Modelling, PoseSpec, StepperError};
 
 /// Load steps of a pose: every one is kept in a list and solved, and ten are usual.
 const STEPS: RangeInclusive<u32> = 1..=100_000;
@@ -119,6 +119,17 @@ pub(crate) fn check_pose(driver: &Driver, pose: &PoseSpec) -> Checked {
     check_keys(&of, &pose.keys)
 }
 
+/// Refuses motions of a pose that has no body to move.
+pub(crate) fn check_motionless(pose: &PoseSpec) -> Checked {
+    match pose.motions.first() {
+        None => Ok(()),
+        Some(motion) => Err(StepperError::UnknownMover {
+            pose: pose.name.clone(),
+            name: motion.of.clone(),
+        }),
+    }
+}
+
 fn check_keys(of: &str, keys: &[f64]) -> Checked {
     if keys.is_empty() {
         return refuse(of, "keys", "an empty list", "at least one load in (0, 1]");
@@ -216,88 +227,4 @@ fn check_linear(linear: LinearSolver) -> Checked {
         0 => refuse(of, "linear.max_iterations", 0, "a number from 1"),
         _ => Ok(()),
     }
-}
-
-/// What a plan was made for, to be compared with what a simulation is given.
-#[derive(Clone, Debug)]
-pub(crate) struct PlannedFor {
-    /// The driver's vertices, faces and blend shapes.
-    driver: [usize; 3],
-    points: f64,
-    budget: usize,
-    remesh: Option<EdgeLimits>,
-    stack: Stack,
-    smoothing: Smoothing,
-    /// Names and weights; empty for a body, which is planned for all poses.
-    poses: Vec<(String, Weights)>,
-}
-
-impl PlannedFor {
-    pub(crate) fn new(driver: &Driver, poses: &[PoseSpec], modelling: &Modelling) -> Self {
-        let topology = driver.topology();
-        let shapes = driver.shape_names().len();
-        let named = |pose: &PoseSpec| (pose.name.clone(), pose.weights.clone());
-        Self {
-            driver: [topology.vertex_count(), topology.face_count(), shapes],
-            points: modelling.points_per_wavelength,
-            budget: modelling.vertex_budget,
-            remesh: modelling.remesh,
-            stack: modelling.stack,
-            smoothing: modelling.smoothing,
-            poses: poses.iter().map(named).collect(),
-        }
-    }
-
-    /// Refuses another driver or other choices of modelling than were planned with.
-    ///
-    /// The region is not compared: its mask may be large, and the plan holds what it leaves.
-    pub(crate) fn check(&self, driver: &Driver, modelling: &Modelling) -> Checked {
-        let found = Self::new(driver, &[], modelling);
-        let mut pairs = vec![(driver_words(self.driver), driver_words(found.driver))];
-        let mut choice = |name: &str, planned: &dyn Debug, found: &dyn Debug| {
-            pairs.push((
-                format!("{name} = {planned:?}"),
-                format!("{name} = {found:?}"),
-            ));
-        };
-        choice("points_per_wavelength", &self.points, &found.points);
-        choice("vertex_budget", &self.budget, &found.budget);
-        choice("remesh", &self.remesh, &found.remesh);
-        choice("stack", &self.stack, &found.stack);
-        choice("smoothing", &self.smoothing, &found.smoothing);
-        match pairs.into_iter().find(|(planned, found)| planned != found) {
-            None => Ok(()),
-            Some((planned, found)) => Err(StepperError::OtherPlan { planned, found }),
-        }
-    }
-
-    /// Refuses a pose that is not number `index` of the plan. Keys and steps may be others.
-    pub(crate) fn check_pose(&self, index: usize, pose: &PoseSpec) -> Checked {
-        let Some((name, weights)) = self.poses.get(index) else {
-            return Err(StepperError::NoSuchPose {
-                pose: index,
-                poses: self.poses.len(),
-            });
-        };
-        if *name != pose.name {
-            return Err(StepperError::OtherPlan {
-                planned: format!("pose '{name}' at number {index}"),
-                found: format!("pose '{}'", pose.name),
-            });
-        }
-        if *weights != pose.weights {
-            return Err(StepperError::OtherPlan {
-                planned: format!(
-                    "pose '{name}' with the weights {:?}",
-                    weights.iter().collect::<Vec<_>>()
-                ),
-                found: format!("the weights {:?}", pose.weights.iter().collect::<Vec<_>>()),
-            });
-        }
-        Ok(())
-    }
-}
-
-fn driver_words([vertices, faces, shapes]: [usize; 3]) -> String {
-    format!("a driver of {vertices} vertices, {faces} faces and {shapes} blend shapes")
 }

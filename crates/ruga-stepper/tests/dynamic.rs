@@ -3,14 +3,14 @@
 mod patch;
 
 use patch::{draft, driver, pose, skin};
-use ruga_stepper::{Coupling, Dynamics, Modelling, PoseResult, Silent, plan, simulate};
+use ruga_stepper::{Coupling, Dynamics, Modelling, PoseResult, Silent, plan};
 
 fn run(modelling: &Modelling) -> PoseResult {
     let driver = driver();
     let layers = [skin("forehead-furrow", Coupling::Hybrid)];
     let poses = [pose(&driver, "press", 1.0)];
     let plan = plan(&driver, &layers, &poses, modelling, 1024).expect("a valid scene");
-    simulate(&driver, &plan, 0, &poses[0], modelling, &mut Silent).expect("a valid scene")
+    plan.simulate(0, &mut Silent).expect("a valid scene")
 }
 
 fn moving(time_step: f64, damping: f64) -> PoseResult {

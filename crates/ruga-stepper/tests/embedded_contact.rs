@@ -4,7 +4,7 @@ mod bodies;
 
 use bodies::{free_body, layer, modelling, pose, push, slab, top};
 use nalgebra::Vector3;
-use ruga_stepper::{Handle, Obstacle, ObstacleShape, PoseResult, Silent, plan_body, simulate_body};
+use ruga_stepper::{Handle, Obstacle, ObstacleShape, PoseResult, Silent, plan_body};
 
 const SIZE: Vector3<f64> = Vector3::new(0.04, 0.04, 0.02);
 
@@ -22,9 +22,14 @@ fn pressed(shape: ObstacleShape, depth: f64, steps: u32) -> PoseResult {
     }];
     let mut modelling = modelling(6.0);
     modelling.region = top();
-    let plan = plan_body(&driver, &layer(50.0), &body, &modelling, 1024).expect("a closed block");
-    let pose = pose(vec![push("press", Vector3::z() * -depth)], &[1.0], steps);
-    simulate_body(&driver, &plan, &pose, &modelling, &mut Silent).expect("a run")
+    let poses = [pose(
+        vec![push("press", Vector3::z() * -depth)],
+        &[1.0],
+        steps,
+    )];
+    let plan = plan_body(&driver, &layer(50.0), &body, &poses, &modelling, 1024);
+    let run = plan.expect("a closed block").simulate(0, &mut Silent);
+    run.expect("a run")
 }
 
 /// Deepest way into the obstacle in thicknesses of the layer; less than 0 outside.

@@ -2,27 +2,29 @@
 
 mod bodies;
 
+use std::sync::Arc;
+
 use bodies::{free_body, layer, modelling, pose, push, slab, slice, top};
 use nalgebra::Vector3;
 use ruga_blend::{ArtistMesh, Driver, Smoothing};
 use ruga_lattice::LatticeError;
 use ruga_stepper::{
-    BodyPose, CellShape, Dynamics, Frame, Keyframe, Modelling, Observer, Obstacle, ObstacleShape,
-    PoseResult, Preparation, Progress, Silent, StepperError, plan_body, simulate_body,
+    CellShape, Dynamics, Frame, Keyframe, Modelling, Observer, Obstacle, ObstacleShape, PoseResult,
+    PoseSpec, Preparation, Progress, Silent, StepperError, plan_body,
 };
 
 const LENGTH: f64 = 0.04;
 const LIFT: f64 = 0.004;
 
 /// A bar whose shape bends its end up.
-fn bar() -> Driver {
+fn bar() -> Arc<Driver> {
     let bent = |p: Vector3<f64>| p + Vector3::z() * (LIFT * (p.x / LENGTH).powi(2));
     slab(Vector3::new(LENGTH, 0.02, 0.02), [8, 4, 4], bent)
 }
 
-fn bend(driver: &Driver, steps: u32) -> BodyPose {
+fn bend(driver: &Driver, steps: u32) -> PoseSpec {
     let mut pose = pose(Vec::new(), &[1.0], steps);
-    pose.pose.weights = driver.weights([("shape", 1.0)]).expect("its shape");
+    pose.weights = driver.weights([("shape", 1.0)]).expect("its shape");
     pose
 }
 
@@ -34,7 +36,7 @@ fn coarse() -> Modelling {
 }
 
 fn followed(
-    driver: &Driver,
+    driver: &Arc<Driver>,
     stiffness: f64,
     steps: u32,
     modelling: &Modelling,
@@ -42,9 +44,10 @@ fn followed(
 ) -> PoseResult {
     let mut body = free_body(4);
     body.follow = Some(stiffness);
-    let plan = plan_body(driver, &layer(50.0), &body, modelling, 1024).expect("a closed bar");
-    let pose = bend(driver, steps);
-    simulate_body(driver, &plan, &pose, modelling, observer).expect("a run")
+    let poses = [bend(driver, steps)];
+    let plan = plan_body(driver, &layer(50.0), &body, &poses, modelling, 1024);
+    let run = plan.expect("a closed bar").simulate(0, observer);
+    run.expect("a run")
 }
 
 /// Farthest of the artist's vertices from where the shape puts it, over the shape's size.
@@ -54,7 +57,7 @@ fn stiff_muscles_follow_the_shape_and_soft_ones_give_way() {
     let worst = |stiffness: f64| {
         let result = followed(&driver, stiffness, 2, &coarse(), &mut Silent);
         assert!(result.converged, "{:?}", result.warnings);
-        let target = driver.pose(&bend(&driver, 1).pose.weights);
+        let target = driver.pose(&bend(&driver, 1).weights);
         let now = result.keys[0].artist_positions.as_ref().expect("a body");
         let ways = now.iter().zip(&target).map(|(a, b)| (a - b).norm());
         ways.fold(0.0, f64::max) / LIFT
@@ -125,9 +128,9 @@ fn a_key_between_two_steps_in_time_divides_the_step() {
         }),
         ..coarse()
     };
-    let plan = plan_body(&driver, &layer(50.0), &body, &modelling, 1024).expect("a closed bar");
-    let pose = pose(Vec::new(), &[0.75, 1.0], 2);
-    let run = simulate_body(&driver, &plan, &pose, &modelling, &mut Silent);
+    let poses = [pose(Vec::new(), &[0.75, 1.0], 2)];
+    let plan = plan_body(&driver, &layer(50.0), &body, &poses, &modelling, 1024);
+    let run = plan.expect("a closed bar").simulate(0, &mut Silent);
     let result = run.expect("a run");
     assert!(result.converged && result.frames == 3);
     for (key, share) in result.keys.iter().zip([1.75, 2.75]) {
@@ -148,10 +151,11 @@ fn results_are_whole_and_repeatable() {
         let mut body = free_body(4);
         body.follow = Some(1e7);
         body.handles = vec![slice("foot", -1.0, 0.01)];
-        let plan = plan_body(&driver, &layer(50.0), &body, &coarse(), 1024).expect("a closed bar");
         let mut pose = bend(&driver, 2);
-        pose.pose.keys = vec![0.37, 1.0];
-        simulate_body(&driver, &plan, &pose, &coarse(), &mut Silent).expect("a run")
+        pose.keys = vec![0.37, 1.0];
+        let plan = plan_body(&driver, &layer(50.0), &body, &[pose], &coarse(), 1024);
+        let run = plan.expect("a closed bar").simulate(0, &mut Silent);
+        run.expect("a run")
     };
     let [first, again] = [run(), run()];
     assert!(first.converged && first.frames == 3);
@@ -191,11 +195,11 @@ fn a_free_body_stays_or_goes_where_it_is_pushed() {
         },
     }];
     let modelling = modelling(4.0);
-    let plan = plan_body(&driver, &layer(50.0), &body, &modelling, 1024).expect("a closed bar");
     let thickness = layer(50.0).material.thickness;
     let moved = |motions| {
-        let pose = pose(motions, &[1.0], 1);
-        let run = simulate_body(&driver, &plan, &pose, &modelling, &mut Silent);
+        let poses = [pose(motions, &[1.0], 1)];
+        let plan = plan_body(&driver, &layer(50.0), &body, &poses, &modelling, 1024);
+        let run = plan.expect("a closed bar").simulate(0, &mut Silent);
         let result = run.expect("a run");
         assert!(result.converged, "{:?}", result.warnings);
         assert_eq!(result.layers[0].onset_load, None);
@@ -283,7 +287,7 @@ fn what_does_not_fit_is_named() {
     let planned = |change: &dyn Fn(&mut ruga_stepper::Body)| {
         let mut body = free_body(4);
         change(&mut body);
-        plan_body(&driver, &layer(50.0), &body, &coarse(), 1024)
+        plan_body(&driver, &layer(50.0), &body, &[], &coarse(), 1024)
     };
     let empty = planned(&|body| body.handles = vec![slice("far", 1.0, 2.0)]);
     assert!(matches!(empty, Err(StepperError::EmptyHandle { handle, .. }) if handle == "far"));
@@ -303,34 +307,50 @@ fn what_does_not_fit_is_named() {
         planned(&|body| (body.cells, body.shape) = (Some(2), CellShape::Linear)).expect("a body");
     assert!(one.warnings.iter().any(|w| w.contains("thinnest side")));
 
-    let plan = planned(&|_| ()).expect("a body");
-    let unknown = pose(vec![push("nobody", Vector3::x())], &[1.0], 1);
-    let run = simulate_body(&driver, &plan, &unknown, &coarse(), &mut Silent);
-    assert!(matches!(run, Err(StepperError::UnknownMover { name, .. }) if name == "nobody"));
+    let unknown = [pose(vec![push("nobody", Vector3::x())], &[1.0], 1)];
+    let plan = plan_body(
+        &driver,
+        &layer(50.0),
+        &free_body(4),
+        &unknown,
+        &coarse(),
+        1024,
+    );
+    assert!(matches!(plan, Err(StepperError::UnknownMover { name, .. }) if name == "nobody"));
 }
 
 #[test]
 fn bodies_without_meaning_are_refused() {
     let driver = bar();
     let mut body = free_body(4);
-    let plan = plan_body(&driver, &layer(50.0), &body, &coarse(), 1024).expect("a body");
     body.density = f64::NAN;
-    let light = plan_body(&driver, &layer(50.0), &body, &coarse(), 1024);
+    let light = plan_body(&driver, &layer(50.0), &body, &[], &coarse(), 1024);
     let named = "density = NaN; accepted: a positive number";
     assert!(light.is_err_and(|error| error.to_string().contains(named)));
     let endless = Modelling {
         points_per_wavelength: 1e9,
         ..coarse()
     };
-    let refused = plan_body(&driver, &layer(50.0), &free_body(4), &endless, 1024);
-    assert!(matches!(refused, Err(StepperError::Setting { .. })));
-    let run = |pose: &BodyPose, modelling: &Modelling| {
-        simulate_body(&driver, &plan, pose, modelling, &mut Silent)
+    let planned = |pose: PoseSpec, modelling: &Modelling| {
+        plan_body(
+            &driver,
+            &layer(50.0),
+            &free_body(4),
+            &[pose],
+            modelling,
+            1024,
+        )
     };
-    let none = run(&pose(Vec::new(), &[], 1), &coarse());
+    let refused = planned(bend(&driver, 1), &endless);
+    assert!(matches!(refused, Err(StepperError::Setting { .. })));
+    let none = planned(pose(Vec::new(), &[], 1), &coarse());
     assert!(matches!(none, Err(StepperError::Setting { .. })));
-    let finer = run(&bend(&driver, 1), &modelling(6.0));
-    assert!(matches!(finer, Err(StepperError::OtherPlan { .. })));
+    let plan = planned(bend(&driver, 1), &coarse()).expect("a body");
+    let missing = plan.simulate(1, &mut Silent);
+    assert!(matches!(
+        missing,
+        Err(StepperError::NoSuchPose { pose: 1, poses: 1 })
+    ));
 }
 
 #[test]
@@ -401,8 +421,8 @@ fn what_is_wrong_with_a_surface_is_told_of_its_file() {
         ..modelling(5.0)
     };
     let refused = |mesh: &ArtistMesh| {
-        let driver = Driver::new(mesh).expect("a mesh");
-        plan_body(&driver, &layer(50.0), &free_body(4), &smooth, 1024).expect_err("no body")
+        let driver = Arc::new(Driver::new(mesh).expect("a mesh"));
+        plan_body(&driver, &layer(50.0), &free_body(4), &[], &smooth, 1024).expect_err("no body")
     };
     let mut open = cubes(&[0.0]);
     open.triangles.pop();

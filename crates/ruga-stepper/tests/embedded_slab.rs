@@ -8,7 +8,7 @@ use std::sync::Arc;
 use bodies::{compression, free_body, layer, modelling, pose, push, slab, slice, top};
 use nalgebra::Vector3;
 use ruga_material::{PropertyImage, PropertyMap, Wrap};
-use ruga_stepper::{BodyPlan, Coupling, EdgeLimits, PoseResult, Silent, plan_body, simulate_body};
+use ruga_stepper::{Coupling, EdgeLimits, Plan, PoseResult, Silent, plan_body};
 
 const SIZE: Vector3<f64> = Vector3::new(0.08, 0.02, 0.02);
 
@@ -26,17 +26,19 @@ fn pushed(coupling: Coupling, points: f64) -> (PoseResult, f64) {
     body.handles = vec![slice("left", -1.0, 0.01), slice("right", 0.07, 1.0)];
     let mut modelling = modelling(points);
     modelling.region = top();
-    let plan = plan_body(&driver, &spec, &body, &modelling, 1024).expect("a closed slab");
-    assert!((plan.wavelength - WAVELENGTH).abs() < 1e-12);
-    assert!((plan.critical_strain - CRITICAL).abs() < 1e-8);
-    assert_eq!([plan.cells, plan.nodes], [8 * 2 * 2, 10 * 4 * 4]);
-    assert!((plan.points_per_wavelength / points - 1.0).abs() < 1e-12);
-    let way = Vector3::x() * (0.03 * 1.8 * plan.critical_strain);
+    let way = Vector3::x() * (0.03 * 1.8 * CRITICAL);
     let motions = vec![push("left", way), push("right", -way)];
-    let pose = pose(motions, &[1.0], 2);
-    let result = simulate_body(&driver, &plan, &pose, &modelling, &mut Silent).expect("a run");
+    let poses = [pose(motions, &[1.0], 2)];
+    let plan = plan_body(&driver, &spec, &body, &poses, &modelling, 1024).expect("a closed slab");
+    let planned = &plan.poses[0].layers[0];
+    assert!((planned.wavelength - WAVELENGTH).abs() < 1e-12);
+    assert!((planned.critical_strain - CRITICAL).abs() < 1e-8);
+    let interior = plan.interior.as_ref().expect("a body");
+    assert_eq!([interior.cells, interior.nodes], [8 * 2 * 2, 10 * 4 * 4]);
+    assert!((planned.points_per_wavelength / points - 1.0).abs() < 1e-12);
+    let result = plan.simulate(0, &mut Silent).expect("a run");
     assert!(result.converged, "{:?}", result.warnings);
-    let found = result.layers[0].vertices as f64 / plan.vertices as f64;
+    let found = result.layers[0].vertices as f64 / planned.vertices as f64;
     assert!((0.7..1.4).contains(&found), "{found} of what was planned");
     let now = result.keys[0].artist_positions.as_ref().expect("a body");
     let strain = |from: [f64; 2], to: [f64; 2]| {
@@ -80,7 +82,7 @@ fn rows_alone_hold_the_layer() {
 #[test]
 fn a_plan_knows_the_paint_and_the_limits_of_edges() {
     let driver = slab(SIZE, [16, 4, 4], |p| p);
-    let planned_with = |range: Option<[f64; 2]>, limits, (budget, map_size)| -> BodyPlan {
+    let planned_with = |range: Option<[f64; 2]>, limits, (budget, map_size)| -> Plan {
         let mut spec = layer(150.0);
         let paint = |range| {
             let values = (0..64).map(|i| if i < 16 { 1.0 } else { 0.0 }).collect();
@@ -99,38 +101,45 @@ fn a_plan_knows_the_paint_and_the_limits_of_edges() {
         modelling.region = top();
         modelling.remesh = Some(limits);
         modelling.vertex_budget = budget;
-        plan_body(&driver, &spec, &body, &modelling, map_size).expect("a closed slab")
+        let poses = [pose(Vec::new(), &[1.0], 1)];
+        plan_body(&driver, &spec, &body, &poses, &modelling, map_size).expect("a closed slab")
     };
+    let mesh = |plan: &Plan| plan.poses[0].layers[0].clone();
+    let cells_along = |plan: &Plan| plan.interior.as_ref().expect("a body").cells_along;
     let planned = |range, limits| planned_with(range, limits, (100_000, 1024));
     let plain = planned(None, EdgeLimits::default());
     let thin = planned(Some([0.5, 1.0]), EdgeLimits::default());
-    let more = thin.vertices as f64 / plain.vertices as f64;
+    let more = mesh(&thin).vertices as f64 / mesh(&plain).vertices as f64;
     assert!((2.4..2.6).contains(&more), "{more}");
-    assert_eq!(thin.cells_along, plain.cells_along);
+    assert_eq!(cells_along(&thin), cells_along(&plain));
     let thick = planned(Some([1.0, 2.0]), EdgeLimits::default());
-    assert!(thick.cells_along < plain.cells_along);
+    assert!(cells_along(&thick) < cells_along(&plain));
     let max_edge = 0.5 * WAVELENGTH / 8.0;
     let limits = EdgeLimits {
         max_edge,
         ..EdgeLimits::default()
     };
     let fine = planned(None, limits);
-    let more = fine.vertices as f64 / plain.vertices as f64;
+    let more = mesh(&fine).vertices as f64 / mesh(&plain).vertices as f64;
     assert!((3.95..4.05).contains(&more), "{more}");
-    assert!((fine.points_per_wavelength - 16.0).abs() < 1e-9);
+    assert!((mesh(&fine).points_per_wavelength - 16.0).abs() < 1e-9);
     assert!(fine.warnings.is_empty(), "{:?}", fine.warnings);
 
     // Edges twice as long by the budget, twice as long by their limit, and a map of few texels.
-    let warned = |plan: &BodyPlan, text: &str| plan.warnings.iter().any(|w| w.contains(text));
-    let short = planned_with(None, EdgeLimits::default(), (plain.vertices / 4, 1024));
-    assert!((short.points_per_wavelength - 4.0).abs() < 0.1);
+    let warned = |plan: &Plan, text: &str| plan.warnings.iter().any(|w| w.contains(text));
+    let short = planned_with(
+        None,
+        EdgeLimits::default(),
+        (mesh(&plain).vertices / 4, 1024),
+    );
+    assert!((mesh(&short).points_per_wavelength - 4.0).abs() < 0.1);
     assert!(warned(&short, "vertex budget"), "{:?}", short.warnings);
     let limits = EdgeLimits {
         min_edge: 2.0 * WAVELENGTH / 8.0,
         ..EdgeLimits::default()
     };
     let coarse = planned(None, limits);
-    assert!((coarse.points_per_wavelength - 4.0).abs() < 1e-9);
+    assert!((mesh(&coarse).points_per_wavelength - 4.0).abs() < 1e-9);
     assert!(
         warned(&coarse, "shortest edge of 2.50 mm"),
         "{:?}",

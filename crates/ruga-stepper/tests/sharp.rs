@@ -6,9 +6,7 @@ use std::sync::Arc;
 
 use patch::{draft, driver, pose, skin};
 use ruga_material::{PropertyImage, PropertyMap, Wrap};
-use ruga_stepper::{
-    Coupling, LayerSpec, Modelling, PoseResult, Silent, StepperError, plan, simulate,
-};
+use ruga_stepper::{Coupling, LayerSpec, Modelling, PoseResult, Silent, StepperError, plan};
 
 const TEXELS: usize = 256;
 
@@ -36,7 +34,7 @@ fn pressed(layer: &LayerSpec, modelling: &Modelling) -> Result<PoseResult, Stepp
     let poses = [pose(&driver, "press", 1.0)];
     let layers = std::slice::from_ref(layer);
     let plan = plan(&driver, layers, &poses, modelling, 1024)?;
-    simulate(&driver, &plan, 0, &poses[0], modelling, &mut Silent)
+    plan.simulate(0, &mut Silent)
 }
 
 fn slanted() -> LayerSpec {

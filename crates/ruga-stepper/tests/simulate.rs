@@ -2,12 +2,14 @@
 
 mod patch;
 
+use std::sync::Arc;
+
 use nalgebra::{Vector2, Vector3};
 use patch::{draft, driver, pose, skin};
 use ruga_blend::{ArtistMesh, BlendShape, Driver};
 use ruga_stepper::{
     Coupling, Frame, LinearSolver, Modelling, Observer, Phase, PoseResult, Preparation, Progress,
-    Silent, StepperError, plan, simulate,
+    Silent, StepperError, plan,
 };
 
 fn run(coupling: Coupling, modelling: &Modelling, observer: &mut dyn Observer) -> PoseResult {
@@ -15,7 +17,7 @@ fn run(coupling: Coupling, modelling: &Modelling, observer: &mut dyn Observer) -
     let layers = [skin("forehead-furrow", coupling)];
     let poses = [pose(&driver, "press", 1.0)];
     let plan = plan(&driver, &layers, &poses, modelling, 1024).expect("a valid scene");
-    simulate(&driver, &plan, 0, &poses[0], modelling, observer).expect("a valid scene")
+    plan.simulate(0, observer).expect("a valid scene")
 }
 
 #[test]
@@ -52,7 +54,7 @@ fn below_the_onset_the_layer_lies_on_the_driver() {
     };
     let poses = [pose(&driver, "press", 0.3)];
     let plan = plan(&driver, &layers, &poses, &modelling, 1024).unwrap();
-    let result = simulate(&driver, &plan, 0, &poses[0], &modelling, &mut Silent).unwrap();
+    let result = plan.simulate(0, &mut Silent).unwrap();
     let surface = &result.keys[1].layers[0];
     for (x, p) in surface.positions.iter().zip(&surface.driver_positions) {
         assert!((x - p).norm() < 1e-6, "{}", (x - p).norm());
@@ -66,7 +68,7 @@ fn nothing_to_wrinkle_gives_keys_without_layers() {
     let layers = [skin("forehead-furrow", Coupling::Hybrid)];
     let poses = [pose(&driver, "press", 0.1)];
     let plan = plan(&driver, &layers, &poses, &draft(), 1024).unwrap();
-    let result = simulate(&driver, &plan, 0, &poses[0], &draft(), &mut Silent).unwrap();
+    let result = plan.simulate(0, &mut Silent).unwrap();
     assert!(result.converged && result.keys.iter().all(|k| k.layers.is_empty()));
 }
 
@@ -191,6 +193,7 @@ fn a_mesh_that_is_all_border_is_refused() {
         ..ArtistMesh::default()
     })
     .unwrap();
+    let driver = Arc::new(driver);
     let layers = [skin("forehead-furrow", Coupling::Hybrid)];
     let modelling = Modelling {
         vertex_budget: 1,
@@ -206,7 +209,7 @@ fn a_mesh_that_is_all_border_is_refused() {
         1024,
     )
     .unwrap();
-    let refused = simulate(&driver, &plan, 0, &spec, &modelling, &mut Silent);
+    let refused = plan.simulate(0, &mut Silent);
     assert!(
         matches!(refused, Err(StepperError::NoRoom { .. })),
         "{refused:?}"

@@ -4,6 +4,7 @@
 //! Nobody knows its wrinkles exactly; they are compared with those of a finer mesh.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, BlendShape, Driver};
@@ -11,7 +12,7 @@ use ruga_material::WavelengthModel;
 use ruga_mesh::{Id, PerFace, PlanarLookup};
 use ruga_stepper::{
     Coupling as Held, EdgeLimits, LayerSpec, LayerSurface, Modelling, Observer, PoseSpec, Presence,
-    Progress, plan, simulate,
+    Progress, plan,
 };
 use ruga_tests::FilmSpec;
 
@@ -47,6 +48,7 @@ pub(crate) fn measure(request: &Request) -> Outcome {
         weights: driver.weights([("compress", 1.0)]).expect("its only shape"),
         keys: vec![1.0],
         steps: STEPS,
+        motions: Vec::new(),
     };
     let (layers, modelling) = ([layer(&spec, request)], modelling(request));
     let start = cpu_seconds();
@@ -55,7 +57,7 @@ pub(crate) fn measure(request: &Request) -> Outcome {
     };
     let poses = std::slice::from_ref(&pose);
     let result = plan(&driver, &layers, poses, &modelling, TEXELS)
-        .and_then(|plan| simulate(&driver, &plan, 0, &pose, &modelling, &mut watch));
+        .and_then(|plan| plan.simulate(0, &mut watch));
     let cpu_s = cpu_seconds() - start;
     let result = match result {
         Ok(result) => result,
@@ -145,7 +147,7 @@ fn modelling(request: &Request) -> Modelling {
 }
 
 /// A rectangle about the origin, shrunk along x by `peak` in the middle and not at all at the ends.
-fn driver([length, width]: [f64; 2], peak: f64) -> Driver {
+fn driver([length, width]: [f64; 2], peak: f64) -> Arc<Driver> {
     let [columns, rows] = SQUARES;
     let uv = |i: usize, j: usize| Vector2::new(i as f64 / columns as f64, j as f64 / rows as f64);
     let uvs: Vec<_> = (0..=rows)
@@ -179,7 +181,7 @@ fn driver([length, width]: [f64; 2], peak: f64) -> Driver {
         normals: None,
         uvs: Some(uvs),
     };
-    Driver::new(&artist).expect("a rectangle")
+    Arc::new(Driver::new(&artist).expect("a rectangle"))
 }
 
 /// Smooth normals along lines across the wrinkles, as a normal map has them, in the plane of the

@@ -1,6 +1,7 @@
 //! A cushion that falls onto a table between four walls and is pressed by a ball, again and again.
 
 use std::error::Error;
+use std::sync::Arc;
 
 use nalgebra::Vector3;
 use ruga_blend::{Driver, Smoothing};
@@ -9,10 +10,9 @@ use ruga_material::{
     LayerMaterial, MaterialError, Substrate, WavelengthModel, Wrinkling, wrinkling,
 };
 use ruga_stepper::{
-    Body, BodyPlan, BodyPose, CellShape, ComputedMesh, Coupling, Descent, Dynamics, EdgeLimits,
-    Frame, Keyframe, LayerReport, LinearSolver, Modelling, Motion, Observer, Obstacle,
-    ObstacleShape, Phase, PoseResult, PoseSpec, Progress, Region, SolidMaterial, plan_body,
-    simulate_body,
+    Body, CellShape, ComputedMesh, Coupling, Descent, Dynamics, EdgeLimits, Frame, Keyframe,
+    LayerReport, LinearSolver, Modelling, Motion, Observer, Obstacle, ObstacleShape, Phase, Plan,
+    PoseResult, PoseSpec, Progress, Region, SolidMaterial, plan_body,
 };
 
 use super::slab::skin_of;
@@ -92,15 +92,6 @@ impl Cushion {
         let (driver, modelling) = (self.driver()?, self.modelling());
         let mut watch = Watch::new(self);
         let plan = self.plan(&driver, &modelling)?;
-        let pose = BodyPose {
-            pose: PoseSpec {
-                name: "thrown".into(),
-                weights: Default::default(),
-                keys: vec![1.0],
-                steps: self.steps,
-            },
-            motions: vec![self.presses()],
-        };
         let PoseResult {
             keys,
             layers,
@@ -108,7 +99,7 @@ impl Cushion {
             frames,
             warnings,
             ..
-        } = simulate_body(&driver, &plan, &pose, &modelling, &mut watch)?;
+        } = plan.simulate(0, &mut watch)?;
         Ok(Thrown {
             converged,
             frames,
@@ -156,17 +147,31 @@ impl Cushion {
         Vector3::from(SIDES) * self.scale
     }
 
-    pub(super) fn driver(&self) -> Result<Driver, Box<dyn Error>> {
+    pub(super) fn driver(&self) -> Result<Arc<Driver>, Box<dyn Error>> {
         let mut mesh = read_mesh(&asset("pillow/pillow.glb"), None, &ObjOptions::default())?.mesh;
         for place in &mut mesh.positions {
             *place *= self.scale;
         }
-        Ok(Driver::new(&mesh)?)
+        Ok(Arc::new(Driver::new(&mesh)?))
     }
 
-    fn plan(&self, driver: &Driver, modelling: &Modelling) -> Result<BodyPlan, Box<dyn Error>> {
+    fn plan(&self, driver: &Arc<Driver>, modelling: &Modelling) -> Result<Plan, Box<dyn Error>> {
         let layer = skin_of(self.materials(), self.coupling);
-        Ok(plan_body(driver, &layer, &self.body(), modelling, 1024)?)
+        let thrown = PoseSpec {
+            name: "thrown".into(),
+            weights: Default::default(),
+            keys: vec![1.0],
+            steps: self.steps,
+            motions: vec![self.presses()],
+        };
+        Ok(plan_body(
+            driver,
+            &layer,
+            &self.body(),
+            &[thrown],
+            modelling,
+            1024,
+        )?)
     }
 
     pub(super) fn body(&self) -> Body {

@@ -1,6 +1,7 @@
 //! The papers' table of times (RK, table 1), with bodies of the same sizes.
 
 use std::error::Error;
+use std::sync::Arc;
 use std::time::Instant;
 
 use nalgebra::Vector3;
@@ -189,7 +190,7 @@ pub fn sizes(extent: Extent, each: &mut dyn FnMut(&Size)) -> Result<(), Box<dyn 
 
 /// A run, and what was run.
 struct Run {
-    driver: Driver,
+    driver: Arc<Driver>,
     body: Body,
     skin: LayerMaterial,
     theory: Wrinkling,

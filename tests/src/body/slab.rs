@@ -1,6 +1,7 @@
 //! A slab of soft stuff with a skin on its top, held by slices across x.
 
 use std::error::Error;
+use std::sync::Arc;
 use std::time::Instant;
 
 use nalgebra::{Vector2, Vector3};
@@ -9,9 +10,9 @@ use ruga_material::{
     LayerMaterial, MaterialError, Substrate, WavelengthModel, Wrinkling, wrinkling,
 };
 use ruga_stepper::{
-    Body, BodyPose, CellShape, ComputedMesh, Coupling, Descent, EdgeLimits, Handle, Keyframe,
-    LayerReport, LayerSpec, LinearSolver, Mask, Modelling, Motion, Observer, PoseSpec, Presence,
-    Region, Sampling, Silent, SolidMaterial, plan_body, simulate_body,
+    Body, CellShape, ComputedMesh, Coupling, Descent, EdgeLimits, Handle, Keyframe, LayerReport,
+    LayerSpec, LinearSolver, Mask, Modelling, Motion, Observer, PoseSpec, Presence, Region,
+    Sampling, Silent, SolidMaterial, plan_body,
 };
 
 use super::Sheet;
@@ -145,23 +146,16 @@ impl Slab {
             linear,
             ..self.modelling()
         };
-        let plan = plan_body(
-            &driver,
-            &skin_of(self.materials(), self.coupling),
-            &self.body(),
-            &modelling,
-            1024,
-        )?;
-        let pose = BodyPose {
-            pose: PoseSpec {
-                name: "pose".into(),
-                weights: Default::default(),
-                keys: keys.to_vec(),
-                steps,
-            },
+        let pose = PoseSpec {
+            name: "pose".into(),
+            weights: Default::default(),
+            keys: keys.to_vec(),
+            steps,
             motions,
         };
-        let result = simulate_body(&driver, &plan, &pose, &modelling, observer)?;
+        let layer = skin_of(self.materials(), self.coupling);
+        let plan = plan_body(&driver, &layer, &self.body(), &[pose], &modelling, 1024)?;
+        let result = plan.simulate(0, observer)?;
         let missing = || format!("no result: {}", result.warnings.join("; "));
         let report = result.layers.first().ok_or_else(missing)?;
         if result.keys.len() < keys.len() {
@@ -214,7 +208,7 @@ impl Slab {
     }
 
     /// A box of squares that are as fine as the skin's mesh is asked to be.
-    pub(super) fn driver(&self) -> Result<Driver, Box<dyn Error>> {
+    pub(super) fn driver(&self) -> Result<Arc<Driver>, Box<dyn Error>> {
         let edge = self.theory()?.wavelength / self.points;
         let along = |axis: usize| ((self.size[axis] / edge).round() as usize).max(1);
         let squares = [along(0), along(1), SQUARES_DOWN];
@@ -226,7 +220,7 @@ impl Slab {
             }
         }
         mesh.uvs = Some(uvs);
-        Ok(Driver::new(&mesh)?)
+        Ok(Arc::new(Driver::new(&mesh)?))
     }
 
     fn add_side(

@@ -7,7 +7,7 @@
 
 use ruga_stepper::{
     BendingModel, Coupling, EdgeLimits, LayerReport, LayerSpec, Modelling, PoseResult, Silent,
-    Stack, plan, simulate,
+    Stack, plan,
 };
 use ruga_tests::{FineHeights, Patch, TwoScales, Window, findings, skin_layer};
 
@@ -128,7 +128,7 @@ fn compressed(
     };
     let poses = std::slice::from_ref(&pose);
     let plan = plan(&driver, layers, poses, &modelling, 1024).expect("a plan");
-    simulate(&driver, &plan, 0, &pose, &modelling, &mut Silent).expect("a stack on a patch")
+    plan.simulate(0, &mut Silent).expect("a stack on a patch")
 }
 
 /// The thesis' dermis and epidermis, the dermis well beyond its onset.

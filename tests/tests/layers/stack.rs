@@ -73,7 +73,7 @@ fn a_composite_wrinkles_as_the_pair_does_together() {
         ..Modelling::default()
     };
     let plan = plan(&skin.driver, &layers, &poses, &modelling, 1024).expect("a plan");
-    let joint = plan.pairs[0].joint.expect("a joint wave");
+    let joint = plan.pairs()[0].joint.expect("a joint wave");
     let lower = &plan.poses[0].layers[0];
     assert!((lower.wavelength / joint.wavelength - 1.0).abs() < 1e-6);
     assert!((lower.critical_strain / joint.critical_strain - 1.0).abs() < 1e-6);

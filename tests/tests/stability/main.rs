@@ -16,11 +16,13 @@ mod range;
 mod rows;
 mod starts;
 
+use std::sync::Arc;
+
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, BlendShape, Driver};
 use ruga_shell::BendingModel;
 use ruga_solver::NewtonSettings;
-use ruga_stepper::{LayerSpec, Modelling, Plan, PoseResult, Silent, StepperError, plan, simulate};
+use ruga_stepper::{LayerSpec, Modelling, Plan, PoseResult, Silent, StepperError, plan};
 use ruga_tests::{FilmCoupling, FilmSpec, Patch, Sheet, SheetSpec, Strip, equilateral, skin_layer};
 
 /// Energies to a ten-thousandth of the gap.
@@ -92,7 +94,7 @@ fn simulated(patch: &Patch, layer: &LayerSpec, modelling: &Modelling, steps: u32
 
 /// The same on a driver with the blend shape of every patch.
 fn simulated_on(
-    driver: &Driver,
+    driver: &Arc<Driver>,
     layer: &LayerSpec,
     modelling: &Modelling,
     steps: u32,
@@ -100,7 +102,7 @@ fn simulated_on(
     let pose = patch(0.0).pose(driver, steps);
     let (layers, poses) = (std::slice::from_ref(layer), std::slice::from_ref(&pose));
     let plan = plan(driver, layers, poses, modelling, 1024)?;
-    simulate(driver, &plan, 0, &pose, modelling, &mut Silent)
+    plan.simulate(0, &mut Silent)
 }
 
 /// Vertices and triangles of a patch, about the origin of the plane, m.
@@ -116,7 +118,7 @@ fn placed_patch(
     points: &[Vector2<f64>],
     triangles: &[[u32; 3]],
     place: impl Fn(&Vector3<f64>) -> Vector3<f64>,
-) -> Driver {
+) -> Arc<Driver> {
     let positions: Vec<_> = points.iter().map(|p| place(&p.push(0.0))).collect();
     let posed = points
         .iter()
@@ -134,5 +136,5 @@ fn placed_patch(
         uvs: Some(points.iter().map(|p| p / patch(0.0).length).collect()),
         triangles: triangles.to_vec(),
     };
-    Driver::new(&artist).expect("a rectangle")
+    Arc::new(Driver::new(&artist).expect("a rectangle"))
 }

@@ -1,5 +1,7 @@
 //! T7 and T8: meshes too coarse, and triangles that hardly are any.
 
+use std::sync::Arc;
+
 use nalgebra::Vector2;
 use ruga_blend::{Driver, Smoothing};
 use ruga_shell::ShellError;
@@ -93,7 +95,7 @@ fn add_slivers(points: &mut Vec<Vector2<f64>>, faces: &mut Vec<[u32; 3]>, height
 }
 
 /// A patch whose artist left slivers of this height in edges, or none.
-fn sliver_driver(height: Option<f64>) -> Driver {
+fn sliver_driver(height: Option<f64>) -> Arc<Driver> {
     let (mut points, mut triangles) = patch_mesh();
     if let Some(height) = height {
         add_slivers(&mut points, &mut triangles, height);

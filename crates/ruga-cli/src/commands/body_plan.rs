@@ -1,6 +1,6 @@
 //! `ruga plan` for a layer on a soft body: its lattice, its mesh, its poses.
 
-use ruga_stepper::BodyPlan;
+use ruga_stepper::{InteriorPlan, Plan};
 use serde::Serialize;
 
 use super::plan::layers_table;
@@ -10,28 +10,29 @@ use crate::project::Project;
 use crate::table::{duration, memory, number, table};
 
 /// Prints the plan as tables.
-pub(super) fn print(project: &Project, plan: &BodyPlan) {
-    messages::result(&layers_table(project, &[plan.wrinkling()]));
+pub(super) fn print(project: &Project, plan: &Plan, interior: &InteriorPlan) {
+    messages::result(&layers_table(project, plan.wrinkling()));
     messages::result("");
-    let [x, y, z] = [0, 1, 2].map(|axis| 1e3 * plan.cell_size[axis]);
+    let [x, y, z] = [0, 1, 2].map(|axis| 1e3 * interior.cell_size[axis]);
     messages::result(&format!(
         "interior: {} of {x:.1} x {y:.1} x {z:.1} mm, {} along the longest side, {}",
-        counted(plan.cells, "lattice cell"),
-        plan.cells_along,
-        counted(plan.nodes, "node")
+        counted(interior.cells, "lattice cell"),
+        interior.cells_along,
+        counted(interior.nodes, "node")
     ));
     messages::result("");
-    let (seconds, bytes) = (plan.seconds_per_step(), plan.memory());
-    let rows: Vec<Vec<String>> = (project.poses.iter())
-        .map(|pose| {
+    let poses = || project.poses.iter().zip(&plan.poses);
+    let rows: Vec<Vec<String>> = poses()
+        .map(|(pose, planned)| {
+            let layer = &planned.layers[0];
             vec![
                 pose.name.clone(),
-                project.layers[0].name.clone(),
-                plan.vertices.to_string(),
-                number(plan.points_per_wavelength, 1, ""),
+                layer.name.clone(),
+                layer.vertices.to_string(),
+                number(layer.points_per_wavelength, 1, ""),
                 pose.steps.to_string(),
-                duration(seconds * f64::from(pose.steps)),
-                memory(bytes),
+                duration(layer.seconds),
+                memory(layer.memory),
             ]
         })
         .collect();
@@ -45,11 +46,12 @@ pub(super) fn print(project: &Project, plan: &BodyPlan) {
         "memory",
     ];
     messages::result(&table(&headings, &rows));
-    let steps: u32 = project.poses.iter().map(|pose| pose.steps).sum();
+    let layers = || plan.poses.iter().map(|planned| &planned.layers[0]);
+    let bytes = layers().map(|layer| layer.memory).fold(0.0, f64::max);
     messages::result(&format!(
         "total: {}, {} on one core, {} per thread",
         counted(project.poses.len(), "pose"),
-        duration(seconds * f64::from(steps)),
+        duration(layers().map(|layer| layer.seconds).sum()),
         memory(bytes)
     ));
 }
@@ -91,31 +93,32 @@ struct PoseJson<'a> {
 }
 
 /// The same as JSON, version 1.
-pub(super) fn json(project: &Project, plan: &BodyPlan) -> String {
+pub(super) fn json(project: &Project, plan: &Plan, interior: &InteriorPlan) -> String {
+    let layer = &plan.poses[0].layers[0];
     let document = BodyPlanJson {
         version: 1,
         ruga: env!("CARGO_PKG_VERSION"),
         scene: project.path.to_string_lossy().into_owned(),
         warnings: project.warnings.iter().chain(&plan.warnings).collect(),
         interior: InteriorJson {
-            cells: plan.cells,
-            cells_along: plan.cells_along,
-            cell_size_m: plan.cell_size.into(),
-            nodes: plan.nodes,
+            cells: interior.cells,
+            cells_along: interior.cells_along,
+            cell_size_m: interior.cell_size.into(),
+            nodes: interior.nodes,
         },
         layer: LayerJson {
-            name: &project.layers[0].name,
-            wavelength_m: plan.wavelength,
-            critical_strain: plan.critical_strain,
-            vertices: plan.vertices,
-            points_per_wavelength: plan.points_per_wavelength,
+            name: &layer.name,
+            wavelength_m: layer.wavelength,
+            critical_strain: layer.critical_strain,
+            vertices: layer.vertices,
+            points_per_wavelength: layer.points_per_wavelength,
         },
-        poses: (project.poses.iter())
-            .map(|pose| PoseJson {
+        poses: (project.poses.iter().zip(&plan.poses))
+            .map(|(pose, planned)| PoseJson {
                 name: &pose.name,
                 steps: pose.steps,
-                seconds: plan.seconds_per_step() * f64::from(pose.steps),
-                memory_bytes: plan.memory(),
+                seconds: planned.layers[0].seconds,
+                memory_bytes: planned.layers[0].memory,
             })
             .collect(),
     };

@@ -1,6 +1,7 @@
 //! `ruga check`: everything that can be known without simulating.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use ruga_blend::Driver;
 use ruga_io::{MeshFile, Scene};
@@ -84,7 +85,8 @@ impl Findings {
         self.describe_mesh(&mesh, &driver);
         let warnings = project::mesh_warnings(&mesh, &driver);
         self.warnings.extend(warnings);
-        let (layers, poses) = (layers?, poses?);
+        let (layers, mut poses) = (layers?, poses?);
+        project::set_motions(scene, &mesh, &mut poses);
         let weights = model::weight_warnings(scene, &poses);
         self.warnings.extend(weights);
         let size = self.keep(mesh_size::check(scene, &mesh, &layers));
@@ -93,10 +95,9 @@ impl Findings {
             path: path.to_owned(),
             modelling: model::modelling(scene, region?, None),
             body: project::body_of(scene, &mesh, &layers),
-            motions: project::motions_of(scene, &mesh, &poses),
             scene: scene.clone(),
             mesh,
-            driver,
+            driver: Arc::new(driver),
             layers,
             poses,
             warnings: Vec::new(),

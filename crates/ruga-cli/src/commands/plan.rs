@@ -1,14 +1,14 @@
 //! `ruga plan`: what will be modelled, where, how fine and at what cost.
 
 use ruga_material::{FirstScale, Wrinkling};
-use ruga_stepper::{LayerPlan, LoadPath};
+use ruga_stepper::{AppliedStrain, LayerPlan, LoadPath};
 use serde::Serialize;
 
 use super::body_plan;
 use crate::arguments::PlanArguments;
 use crate::error::CliError;
 use crate::messages;
-use crate::planned::{Planned, ZonePlan, pose_layers};
+use crate::planned::{ZonePlan, pose_layers};
 use crate::project::Project;
 use crate::run::Outcome;
 use crate::table::{ABSENT, duration, memory, number, table};
@@ -21,15 +21,15 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<Outcome, CliError> {
     let project = Project::read(&arguments.scene, &[], arguments.quality)?;
     let planned = project.plan()?;
     if arguments.json {
-        messages::result(&match &planned {
-            Planned::Skin(zones) => json(&project, zones),
-            Planned::Body(plan) => body_plan::json(&project, plan),
+        messages::result(&match planned.interior() {
+            None => json(&project, &planned.zones),
+            Some(interior) => body_plan::json(&project, &planned.zones[0].plan, interior),
         });
         return Ok(Outcome::Done);
     }
-    match &planned {
-        Planned::Skin(zones) => print(&project, zones),
-        Planned::Body(plan) => body_plan::print(&project, plan),
+    match planned.interior() {
+        None => print(&project, &planned.zones),
+        Some(interior) => body_plan::print(&project, &planned.zones[0].plan, interior),
     }
     let warnings = project.warnings.iter().chain(planned.warnings());
     messages::warnings(warnings, "`--json` lists all");
@@ -39,14 +39,14 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<Outcome, CliError> {
 fn print(project: &Project, zones: &[ZonePlan]) {
     let mut waves = vec![None; project.layers.len()];
     for zone in zones {
-        for (number, wave) in zone.layers.iter().zip(&zone.plan.wrinkling) {
+        for (number, wave) in zone.layers.iter().zip(zone.plan.wrinkling()) {
             waves[*number] = Some(*wave);
         }
     }
     let waves: Vec<Wrinkling> = waves.into_iter().flatten().collect();
     messages::result(&layers_table(project, &waves));
     messages::result("");
-    if zones.iter().any(|zone| !zone.plan.pairs.is_empty()) {
+    if zones.iter().any(|zone| !zone.plan.pairs().is_empty()) {
         messages::result(&pairs_table(project, zones));
         messages::result("");
     }
@@ -122,7 +122,7 @@ fn pairs<'a>(project: &'a Project, zones: &[ZonePlan]) -> Vec<PairJson<'a>> {
 }
 
 fn zone_pairs<'a>(project: &'a Project, ZonePlan { layers, plan }: &ZonePlan) -> Vec<PairJson<'a>> {
-    let named = layers.windows(2).zip(&plan.pairs);
+    let named = layers.windows(2).zip(plan.pairs());
     named
         .enumerate()
         .map(|(lower, (layers, pair))| PairJson {
@@ -183,13 +183,14 @@ fn poses_table(zones: &[ZonePlan]) -> String {
         for layer in pose_layers(zones, index) {
             let simulated = layer.vertices > 0;
             let shown = |text: String| if simulated { text } else { ABSENT.to_owned() };
+            let applied = layer.applied.unwrap_or_default();
             rows.push(vec![
                 pose.name.clone(),
                 layer.name.clone(),
-                shown(number(1e2 * layer.strain_median, 1, "%")),
-                shown(number(1e2 * layer.strain_p99, 1, "%")),
+                shown(number(1e2 * applied.median, 1, "%")),
+                shown(number(1e2 * applied.p99, 1, "%")),
                 number(1e4 * layer.active_area, 1, "cm2"),
-                number(1e4 * layer.capped_area, 1, "cm2"),
+                number(1e4 * applied.capped_area, 1, "cm2"),
                 layer.vertices.to_string(),
                 shown(number(layer.points_per_wavelength, 1, "")),
                 shown(number(layer.texels_per_wavelength, 1, "")),
@@ -324,18 +325,19 @@ impl<'a> LayerJson<'a> {
     fn new(layer: &'a LayerPlan) -> Self {
         let simulated = layer.vertices > 0;
         let known = |value: f64| Some(value).filter(|v| simulated && v.is_finite());
+        let applied = |value: fn(&AppliedStrain) -> f64| layer.applied.as_ref().map(value);
         Self {
             name: &layer.name,
             wavelength_m: layer.wavelength,
             critical_strain: layer.critical_strain,
-            strain_median: known(layer.strain_median),
-            strain_p99: known(layer.strain_p99),
+            strain_median: applied(|strain| strain.median).and_then(known),
+            strain_p99: applied(|strain| strain.p99).and_then(known),
             active_area_m2: layer.active_area + 0.0,
-            capped_area_m2: layer.capped_area + 0.0,
-            folded_area_m2: layer.folded_area + 0.0,
+            capped_area_m2: applied(|strain| strain.capped_area).unwrap_or(0.0) + 0.0,
+            folded_area_m2: applied(|strain| strain.folded_area).unwrap_or(0.0) + 0.0,
             vertices: layer.vertices,
             points_per_wavelength: known(layer.points_per_wavelength),
-            chi: known(layer.chi),
+            chi: applied(|strain| strain.chi).and_then(known),
             texels_per_wavelength: known(layer.texels_per_wavelength),
             wavelength_range_m: layer.painted.map(|painted| painted.wavelength),
             critical_strain_range: layer.painted.map(|painted| painted.critical_strain),

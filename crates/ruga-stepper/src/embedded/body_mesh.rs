@@ -1,35 +1,34 @@
 //! The meshes of a layer on a body.
 
 use nalgebra::Matrix3;
-use ruga_blend::{BaseSurface, Driver};
 use ruga_remesh::{FaceDriver, Refinement, RemeshSettings, SizeLimits};
 
-use super::plan::BodyPlan;
 use crate::error::Halt;
 use crate::local_skin::{LocalSkin, SkinProperties};
 use crate::preparing::Preparing;
 use crate::skin_mesh::{MeshDemand, RegionMesh, SkinMesh};
-use crate::{Modelling, StepperError};
+use crate::{LayerPlan, Plan, StepperError};
 
 /// The mesh that results are handed out on, and the uniform one to compute on where it is another.
 pub(super) fn meshes(
-    driver: &Driver,
-    plan: &BodyPlan,
-    modelling: &Modelling,
+    plan: &Plan,
+    layer: &LayerPlan,
     preparing: &mut Preparing<'_>,
 ) -> Result<(RegionMesh, Option<SkinMesh>), Halt> {
-    let base = BaseSurface::new(driver, &plan.faces, plan.levels, modelling.smoothing);
+    let (driver, modelling) = (&plan.driver, &plan.modelling);
+    let (spec, wrinkling) = (&plan.stacking.specs[0], &plan.stacking.simulated[0]);
+    let base = plan.layer_surface(layer);
     preparing.step()?;
-    let region = RegionMesh::new(driver, &base, &plan.spec, modelling.smoothing, 0.0)?;
+    let region = RegionMesh::new(driver, &base, spec, modelling.smoothing, 0.0)?;
     let Some(limits) = modelling.remesh else {
         return Ok((region, None));
     };
-    let properties = SkinProperties::new(&plan.spec, &plan.wrinkling, None, driver, &region.skin)?;
+    let properties = SkinProperties::new(spec, wrinkling, None, driver, &region.skin)?;
     let unloaded = |local: &LocalSkin| FaceDriver {
         compression: Matrix3::zeros(),
         wavelength: local.wrinkling.wavelength,
         critical_strain: local.wrinkling.critical_strain,
-        poisson: plan.spec.material.poisson,
+        poisson: spec.material.poisson,
     };
     let edge = |local: &LocalSkin| {
         let edge = local.wrinkling.wavelength / modelling.points_per_wavelength;
@@ -59,7 +58,7 @@ pub(super) fn meshes(
     preparing.step()?;
     let adapted = region.adapted(driver, &demand, &settings, &mut || preparing.goes_on());
     let adapted = adapted.map_err(|source| StepperError::Remesh {
-        layer: plan.spec.name.clone(),
+        layer: spec.name.clone(),
         source,
     })?;
     let adapted = adapted.ok_or(Halt::Interrupted)?;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::{Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use ruga_blend::{Driver, FaceStrain, face_strains};
+use ruga_blend::{FaceStrain, face_strains};
 use ruga_lattice::Embedding;
 use ruga_material::Wrinkling;
 use ruga_mesh::{FaceId, Id, PerFace};
@@ -17,7 +17,7 @@ use super::handles::Moves;
 use super::inertia::BodyInertia;
 use super::objective::{BodyObjective, Moment, Scales};
 use super::obstacle::PlacedObstacle;
-use super::plan::BodyPlan;
+use super::plan::Interior;
 use super::prediction::Prediction;
 use super::system::BodySystem;
 use crate::error::Halt;
@@ -26,7 +26,7 @@ use crate::local_skin::{SkinProperties, uv};
 use crate::preparing::Preparing;
 use crate::relief::relief_shares;
 use crate::skin_mesh::{Interpolation, RegionMesh, SkinMesh};
-use crate::{ComputedMesh, Dynamics, LayerSurface, Modelling, Phase, StepperError};
+use crate::{ComputedMesh, Dynamics, LayerSpec, LayerSurface, Phase, Plan, StepperError};
 
 /// Where a body and its layer are.
 #[derive(Clone, Debug)]
@@ -44,7 +44,8 @@ pub(crate) struct BodyState {
 
 /// A body with its layer in one pose.
 pub(crate) struct EmbeddedLayer<'p> {
-    plan: &'p BodyPlan,
+    plan: &'p Plan,
+    interior: &'p Interior,
     region: RegionMesh,
     /// Share of the relief that maps show at the region's vertices.
     shares: Vec<f64>,
@@ -70,24 +71,24 @@ pub(crate) struct EmbeddedLayer<'p> {
 const AS_BEFORE: f64 = 1e-4;
 
 impl<'p> EmbeddedLayer<'p> {
-    /// At rest.
+    /// Builds the layer on the body as pose number `pose` has it, at rest.
     pub(crate) fn new(
-        driver: &Driver,
-        plan: &'p BodyPlan,
-        modelling: &Modelling,
+        (plan, interior): (&'p Plan, &'p Interior),
+        pose: usize,
         preparing: &mut Preparing<'_>,
     ) -> Result<Self, Halt> {
-        let spec = &plan.spec;
-        let (region, fitted) = meshes(driver, plan, modelling, preparing)?;
+        let (driver, modelling) = (&plan.driver, &plan.modelling);
+        let (spec, wrinkling) = (&plan.stacking.specs[0], &plan.stacking.simulated[0]);
+        let (region, fitted) = meshes(plan, &plan.poses[pose].layers[0], preparing)?;
         preparing.step()?;
         let interpolation = fitted
             .as_ref()
             .map(|skin| Interpolation::new(skin, &region.skin));
         let skin = fitted.unwrap_or_else(|| region.skin.clone());
-        let properties = SkinProperties::new(spec, &plan.wrinkling, None, driver, &skin)?;
+        let properties = SkinProperties::new(spec, wrinkling, None, driver, &skin)?;
         let made_of = (&properties, modelling.bending);
         preparing.enter(Phase::Constraints)?;
-        let system = BodySystem::new(driver, plan, &skin, made_of, &plan.held)?;
+        let system = BodySystem::new((plan, interior), &skin, made_of)?;
         preparing.step()?;
         let solver = |source| StepperError::Solver {
             layer: spec.name.clone(),
@@ -98,7 +99,7 @@ impl<'p> EmbeddedLayer<'p> {
         // third at ten.
         let kkt = Kkt::new(&system.layout.pattern, &system.rows, 3);
         preparing.step()?;
-        let carrier = &plan.carrier;
+        let carrier = &interior.carrier;
         let rest = carrier.lattice.rest_positions();
         let mut layer = Self {
             state: BodyState {
@@ -116,9 +117,10 @@ impl<'p> EmbeddedLayer<'p> {
             kkt: kkt.map_err(solver)?,
             prediction: Prediction::new(&system.lattice).map_err(solver)?,
             region_embedding: carrier.embed(&region.skin)?,
-            shares: relief_shares(driver, spec, &plan.wrinkling, &region.skin)?,
+            shares: relief_shares(driver, spec, wrinkling, &region.skin)?,
             control: carrier.embed_control(driver)?,
             plan,
+            interior,
             region,
             interpolation,
             skin,
@@ -143,7 +145,6 @@ impl<'p> EmbeddedLayer<'p> {
     /// handles, and the layer with the inside.
     pub(crate) fn place(
         &mut self,
-        driver: &Driver,
         (moves, weights): (&Moves<'_>, &ruga_blend::Weights),
         time: f64,
     ) -> Result<(), StepperError> {
@@ -157,7 +158,7 @@ impl<'p> EmbeddedLayer<'p> {
             }
         }
         self.move_nodes(&ways);
-        self.set_surroundings(driver, (moves, weights), time);
+        self.set_surroundings((moves, weights), time);
         Ok(())
     }
 
@@ -166,7 +167,6 @@ impl<'p> EmbeddedLayer<'p> {
     /// is up to twice as long on its way out. Returns what the step adds to the energy.
     pub(crate) fn place_in_time(
         &mut self,
-        driver: &Driver,
         (moves, weights): (&Moves<'_>, &ruga_blend::Weights),
         time: f64,
         dynamics: Dynamics,
@@ -180,28 +180,33 @@ impl<'p> EmbeddedLayer<'p> {
             }
         }
         self.move_nodes(&ways);
-        self.set_surroundings(driver, (moves, weights), time);
+        self.set_surroundings((moves, weights), time);
         inertia
     }
 
     fn set_surroundings(
         &mut self,
-        driver: &Driver,
         (moves, weights): (&Moves<'_>, &ruga_blend::Weights),
         time: f64,
     ) {
         self.state.obstacles = moves.obstacles(time);
         if self.system.follow.is_some() {
-            self.state.targets = driver.pose(&weights.scaled(time));
+            self.state.targets = self.plan.driver.pose(&weights.scaled(time));
         }
     }
 
     /// Ways of the held nodes from where they are to where they are at `time`; 0 for others.
     fn handle_ways(&self, moves: &Moves<'_>, time: f64) -> Vec<Vector3<f64>> {
-        let rest = self.plan.carrier.lattice.rest_positions();
-        let handles = self.plan.body.handles.len();
+        let rest = self.interior.carrier.lattice.rest_positions();
+        let handles = self.interior.body.handles.len();
         let placements: Vec<_> = (0..handles).map(|i| moves.handle(i, time)).collect();
-        let nodes = self.plan.held.holder.iter().zip(rest).zip(&self.state.q);
+        let nodes = self
+            .interior
+            .held
+            .holder
+            .iter()
+            .zip(rest)
+            .zip(&self.state.q);
         let way = |((holder, rest), q): ((&Option<usize>, &Vector3<f64>), &Vector3<f64>)| {
             holder.map_or(Vector3::zeros(), |i| placements[i].apply(rest) - q)
         };
@@ -291,7 +296,10 @@ impl<'p> EmbeddedLayer<'p> {
     }
 
     fn contact(&self, obstacles: Vec<PlacedObstacle>) -> Contact {
-        let young = [self.plan.body.material.young, self.plan.spec.material.young];
+        let young = [
+            self.interior.body.material.young,
+            self.spec().material.young,
+        ];
         Contact::new(obstacles, young, self.thickness())
     }
 
@@ -377,7 +385,7 @@ impl<'p> EmbeddedLayer<'p> {
     /// Effective strain of a face in its critical strains.
     fn face_demand(&self, face: FaceId, strain: &FaceStrain) -> f64 {
         let critical = self.properties.faces[face].wrinkling.critical_strain;
-        strain.effective(self.plan.spec.material.poisson) / critical
+        strain.effective(self.spec().material.poisson) / critical
     }
 
     /// Largest effective strain of the surface below, in critical strains.
@@ -428,13 +436,13 @@ impl<'p> EmbeddedLayer<'p> {
         shell.value(&self.state.x) + springs + lattice.value(&self.state.q)
     }
 
-    /// Where the artist's vertices are, in the order of [`Driver::pose`], m.
+    /// Where the artist's vertices are, in the order of [`ruga_blend::Driver::pose`], m.
     pub(crate) fn artist_positions(&self) -> Vec<Vector3<f64>> {
         self.control.positions(&self.state.q)
     }
 
     /// The layer as others see it.
-    pub(crate) fn snapshot(&self, driver: &Driver) -> LayerSurface {
+    pub(crate) fn snapshot(&self) -> LayerSurface {
         let q = &self.state.q;
         let below = self.region_embedding.positions(q);
         let deviations = match &self.interpolation {
@@ -448,7 +456,7 @@ impl<'p> EmbeddedLayer<'p> {
             .map(|((b, e), share)| b + e * *share);
         let points = self.skin.points.points().iter();
         LayerSurface {
-            name: self.plan.spec.name.clone(),
+            name: self.spec().name.clone(),
             positions,
             relief: shown.collect(),
             driver_normals: self.region_embedding.normals(q),
@@ -460,22 +468,26 @@ impl<'p> EmbeddedLayer<'p> {
             computed: ComputedMesh {
                 positions: self.state.x.clone(),
                 faces: self.skin.corner_indices(),
-                uvs: points.map(|point| uv(driver, point)).collect(),
+                uvs: points.map(|point| uv(&self.plan.driver, point)).collect(),
             },
         }
     }
 
     pub(crate) fn thickness(&self) -> f64 {
-        self.plan.spec.material.thickness
+        self.spec().material.thickness
+    }
+
+    fn spec(&self) -> &LayerSpec {
+        &self.plan.stacking.specs[0]
     }
 
     fn wrinkling(&self) -> &Wrinkling {
-        &self.plan.wrinkling
+        &self.plan.stacking.simulated[0]
     }
 
     pub(crate) fn solver_error(&self, source: SolverError) -> StepperError {
         StepperError::Solver {
-            layer: self.plan.spec.name.clone(),
+            layer: self.spec().name.clone(),
             source,
         }
     }

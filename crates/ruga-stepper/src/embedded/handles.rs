@@ -5,7 +5,7 @@ use ruga_lattice::Lattice;
 use ruga_mesh::Id;
 
 use super::obstacle::{PlacedObstacle, check};
-use crate::{Body, BodyPose, Handle, Keyframe, Motion, StepperError};
+use crate::{Body, Handle, Keyframe, Motion, PoseSpec, StepperError};
 
 /// A rigid motion: a turn about a point, then a translation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -132,14 +132,14 @@ pub(crate) struct Moves<'a> {
 }
 
 impl<'a> Moves<'a> {
-    pub(crate) fn new(body: &'a Body, pose: &'a BodyPose) -> Result<Self, StepperError> {
+    pub(crate) fn new(body: &'a Body, pose: &'a PoseSpec) -> Result<Self, StepperError> {
         body.obstacles.iter().try_for_each(check)?;
         for motion in &pose.motions {
             let handles = body.handles.iter().map(|handle| &handle.name);
             let mut names = handles.chain(body.obstacles.iter().map(|obstacle| &obstacle.name));
             if !names.any(|name| *name == motion.of) {
                 return Err(StepperError::UnknownMover {
-                    pose: pose.pose.name.clone(),
+                    pose: pose.name.clone(),
                     name: motion.of.clone(),
                 });
             }
@@ -150,7 +150,7 @@ impl<'a> Moves<'a> {
             let is_finite = places.all(|v| v.iter().all(|c| c.is_finite()));
             if !ascend || !is_finite || !times().all(|at| at > 0.0 && at <= 1.0) {
                 return Err(StepperError::Keyframes {
-                    pose: pose.pose.name.clone(),
+                    pose: pose.name.clone(),
                     name: motion.of.clone(),
                 });
             }

@@ -24,6 +24,7 @@ mod waves;
 #[cfg(test)]
 mod tests;
 
-pub use model::{Body, BodyPose, Handle, Keyframe, Motion, Obstacle, ObstacleShape};
-pub use plan::{BodyPlan, plan_body};
-pub use simulate::simulate_body;
+pub use model::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape};
+pub(crate) use plan::Interior;
+pub use plan::plan_body;
+pub(crate) use simulate::simulate_body;

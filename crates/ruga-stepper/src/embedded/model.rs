@@ -3,8 +3,6 @@
 use nalgebra::{Matrix3, Vector3};
 use ruga_lattice::{Shape, SolidMaterial};
 
-use crate::PoseSpec;
-
 /// A soft body whose surface carries one layer (Rémillard and Kry 2013, RK): what lies inside, what
 /// holds it and what it runs into.
 #[derive(Clone, Debug)]
@@ -93,16 +91,6 @@ pub enum ObstacleShape {
         /// Its radius.
         radius: f64,
     },
-}
-
-/// One pose of a body.
-#[derive(Clone, Debug)]
-pub struct BodyPose {
-    /// Name, weights of the blend shapes that the body follows, keys and steps.
-    pub pose: PoseSpec,
-    /// How handles and obstacles move on the way; what is not named stands still. A keyframe between
-    /// two load steps is one of its own.
-    pub motions: Vec<Motion>,
 }
 
 /// The way of one handle or obstacle.

@@ -2,72 +2,36 @@
 
 use std::sync::Arc;
 
-use nalgebra::Vector3;
-use ruga_blend::{BaseSurface, Driver};
+use ruga_blend::Driver;
 use ruga_lattice::LatticeError;
-use ruga_material::{Wrinkling, wrinkling};
+use ruga_material::Wrinkling;
 use ruga_mesh::{FaceId, Id};
 
 use super::carrier::Carrier;
-use super::handles::HeldNodes;
+use super::cost::cost;
+use super::handles::{HeldNodes, Moves};
 use super::lattice_size::lattice_warnings;
 use super::obstacle::{self, distance};
 use super::waves::Waves;
-use crate::plan::{MAX_LEVELS, MAX_PLANNING_FACES, needed_levels, within};
+use crate::plan::within;
 use crate::plan_warnings::resolution_warnings;
-use crate::skin_mesh::{check_boundaries, sharp_map};
-use crate::validation::{PlannedFor, check_body_modelling, check_layer, check_map_size};
-use crate::{Body, LayerSpec, Modelling, StepperError};
+use crate::stacking::Stacking;
+use crate::surface_measures::{MAX_LEVELS, MAX_PLANNING_FACES, needed_levels};
+use crate::validation::{check_body_modelling, check_layer, check_map_size, check_pose};
+use crate::{
+    Body, InteriorPlan, LayerPlan, LayerSpec, LoadPath, Modelling, Plan, PosePlan, PoseSpec, Stack,
+    StepperError,
+};
 
 /// Edges over those asked for from which on a mesh is worth a warning.
 const WORTH_TELLING: f64 = 1.1;
 
-/// A body and its layer as they will be modelled.
+/// A body, its lattice, and what holds it.
 #[derive(Clone, Debug)]
-pub struct BodyPlan {
-    /// Critical wavelength of the layer on its substrate, m.
-    pub wavelength: f64,
-    /// Critical strain.
-    pub critical_strain: f64,
-    /// Edges of the layer's mesh to its shortest waves: those asked for, or as many as the vertex budget
-    /// and the limits of edges leave.
-    pub points_per_wavelength: f64,
-    /// Vertices of the layer, estimated.
-    pub vertices: usize,
-    /// Lattice elements.
-    pub cells: usize,
-    /// Lattice cells along the longest side.
-    pub cells_along: u32,
-    /// Edges of a lattice cell along x, y, z, m.
-    pub cell_size: Vector3<f64>,
-    /// Lattice nodes, held ones included.
-    pub nodes: usize,
-    /// What the user should know.
-    pub warnings: Vec<String>,
-    pub(crate) wrinkling: Wrinkling,
-    pub(crate) spec: LayerSpec,
+pub(crate) struct Interior {
     pub(crate) body: Body,
     pub(crate) carrier: Arc<Carrier>,
     pub(crate) held: HeldNodes,
-    /// The driver's faces that the layer covers.
-    pub(crate) faces: Vec<FaceId>,
-    /// Times these are split in four where results are handed out.
-    pub(crate) levels: u32,
-    pub(crate) made_for: PlannedFor,
-}
-
-impl BodyPlan {
-    /// The file's triangles that the layer covers, ascending.
-    ///
-    /// # Panics
-    /// If `driver` is another than was planned for and has fewer faces.
-    pub fn covered_triangles(&self, driver: &Driver) -> Vec<u32> {
-        let faces = self.faces.iter();
-        let mut triangles: Vec<u32> = faces.map(|face| driver.triangles()[*face]).collect();
-        triangles.sort_unstable();
-        triangles.dedup();
-        triangles
-    }
 }
 
 /// Finds out what a body under a layer will be made of: its lattice, and the layer's mesh.
@@ -83,88 +47,93 @@ impl BodyPlan {
 /// # Errors
 /// [`StepperError::Setting`] for a value out of range or that is no number, before any work is done;
 /// a bad material, a black mask, a surface that does not enclose a body, a handle without cells,
-/// handles that hold all of it, a sharp map whose boundaries are nearly everywhere.
+/// handles that hold all of it, a sharp map whose boundaries are nearly everywhere; a motion of something
+/// that is not there, or whose keyframes do not ascend; an obstacle without a shape.
 pub fn plan_body(
-    driver: &Driver,
+    driver: &Arc<Driver>,
     layer: &LayerSpec,
     body: &Body,
+    poses: &[PoseSpec],
     modelling: &Modelling,
     map_size: u32,
-) -> Result<BodyPlan, StepperError> {
+) -> Result<Plan, StepperError> {
     check_body_modelling(modelling)?;
     check_map_size(map_size)?;
     check_layer(layer)?;
-    let layer = &within(layer, modelling.region.mask());
-    let numbers = wrinkling(&layer.material, &layer.substrate, layer.model);
-    let numbers = numbers.map_err(|source| StepperError::Material {
-        layer: layer.name.clone(),
-        source,
-    })?;
+    poses.iter().try_for_each(|pose| check_pose(driver, pose))?;
+    let layer = within(layer, modelling.region.mask());
+    let stacking = Stacking::new(std::slice::from_ref(&layer), Stack::Nominal)?;
     check(body)?;
     body.obstacles.iter().try_for_each(obstacle::check)?;
-    let faces = covered_faces(driver, layer)?;
-    let asked = modelling.points_per_wavelength;
-    let [median, long] = edges(driver, &faces);
-    let needed = |wavelength: f64| {
-        let faces_at = |levels| faces.len() as f64 * 4f64.powi(levels as i32);
-        let edges_at = |levels: u32| {
-            let split = f64::from(1u32 << levels);
-            (median / split, long / split)
-        };
-        // The layer is held to places of the lattice, not to a base with facets.
-        needed_levels((wavelength / asked, None), modelling, faces_at, edges_at)
-    };
-    // Without paint and variation waves are the same everywhere.
-    let seen = match layer.map.is_some() || layer.variation.is_some() {
-        true => needed(numbers.wavelength).min(readable_levels(faces.len())),
-        false => 0,
-    };
-    let waves = Waves::new(
-        driver,
-        &faces,
-        (layer, &numbers),
-        (seen, modelling.smoothing),
-    )?;
+    for pose in poses {
+        Moves::new(body, pose)?;
+    }
+    let numbers = &stacking.wrinkling[0];
+    let faces = covered_faces(driver, &layer)?;
+    let layer_mesh = LayerMesh::new(driver, &faces, (&layer, numbers), modelling)?;
+    let waves = &layer_mesh.waves;
     let carrier = Carrier::new(driver, body, waves.longest, modelling.smoothing)?;
     let held = HeldNodes::new(&carrier.lattice, &body.handles)?;
-    let levels = needed(waves.shortest);
-    let mesh = LayerMesh::new((median, faces.len(), levels), &waves, modelling);
-    if sharp_map(layer).is_some() {
-        let surface = BaseSurface::new(driver, &faces, levels, modelling.smoothing);
-        check_boundaries(driver, &surface, layer)?;
-    }
-    let lattice = &carrier.lattice;
     let mut warnings = lattice_warnings(&carrier, body, waves.longest);
     let covered = (faces.len(), layer.material.thickness);
     warnings.extend(obstacle_warnings(driver, body, covered));
     let of_layer = |text: String| format!("layer '{}': {text}", layer.name);
-    let resolution = resolution_warnings(asked, waves.texels(map_size));
-    warnings.extend(resolution.into_iter().map(of_layer));
-    if asked > WORTH_TELLING * mesh.points {
-        warnings.push(of_layer(format!(
-            "{} leaves {:.1} points per wavelength of {asked} asked for",
-            mesh.limit, mesh.points,
-        )));
-    }
-    Ok(BodyPlan {
-        wavelength: numbers.wavelength,
-        critical_strain: numbers.critical_strain,
-        points_per_wavelength: mesh.points,
-        vertices: mesh.vertices,
+    warnings.extend(
+        layer_mesh
+            .warnings(modelling, map_size)
+            .into_iter()
+            .map(of_layer),
+    );
+    let lattice = &carrier.lattice;
+    let interior = InteriorPlan {
         cells: lattice.element_count(),
         cells_along: carrier.cells,
         cell_size: lattice.cell_size(),
         nodes: lattice.node_count(),
+    };
+    let (per_step, memory) = cost(layer_mesh.vertices, &interior);
+    let layer_plan = LayerPlan {
+        name: layer.name.clone(),
+        wavelength: numbers.wavelength,
+        critical_strain: numbers.critical_strain,
+        painted: None,
+        applied: None,
+        active_area: waves.area(),
+        vertices: layer_mesh.vertices,
+        levels: layer_mesh.levels,
+        points_per_wavelength: layer_mesh.points,
+        texels_per_wavelength: waves.texels(map_size),
+        seconds: 0.0,
+        memory,
+        asked_points: modelling.points_per_wavelength,
+        needed: layer_mesh.needed,
+        region: faces.iter().map(|face| u64::from(face.0)).collect(),
+    };
+    let pose_plan = |pose: &PoseSpec| PosePlan {
+        name: pose.name.clone(),
+        path: LoadPath::Weight,
+        layers: vec![LayerPlan {
+            seconds: per_step * f64::from(pose.steps),
+            ..layer_plan.clone()
+        }],
+    };
+    let plan = Plan {
+        poses: poses.iter().map(pose_plan).collect(),
         warnings,
-        wrinkling: numbers,
-        spec: layer.clone(),
-        body: body.clone(),
-        held,
-        faces,
-        levels,
-        carrier: Arc::new(carrier),
-        made_for: PlannedFor::new(driver, &[], modelling),
-    })
+        interior: Some(interior),
+        driver: Arc::clone(driver),
+        modelling: modelling.clone(),
+        specs: poses.to_vec(),
+        stacking,
+        planning_levels: 0,
+        body: Some(Interior {
+            body: body.clone(),
+            carrier: Arc::new(carrier),
+            held,
+        }),
+    };
+    plan.check_boundaries()?;
+    Ok(plan)
 }
 
 fn check(body: &Body) -> Result<(), StepperError> {
@@ -232,37 +201,84 @@ fn covered_faces(driver: &Driver, layer: &LayerSpec) -> Result<Vec<FaceId>, Step
 
 /// How fine the layer's mesh will be.
 struct LayerMesh {
+    waves: Waves,
+    /// Times the driver's faces are split in four where results are handed out.
+    levels: u32,
     /// Edges to the shortest waves.
     points: f64,
     /// What they are limited by, for people.
     limit: String,
     vertices: usize,
+    /// Vertices that would meet what was asked for.
+    needed: f64,
 }
 
 impl LayerMesh {
-    /// With the faces' median edge (m), their number, and how often they are split where results are
-    /// handed out.
-    fn new((edge, faces, levels): (f64, usize, u32), waves: &Waves, modelling: &Modelling) -> Self {
+    /// For a layer, and how it wrinkles, that covers `faces`.
+    fn new(
+        driver: &Driver,
+        faces: &[FaceId],
+        (layer, numbers): (&LayerSpec, &Wrinkling),
+        modelling: &Modelling,
+    ) -> Result<Self, StepperError> {
+        let asked = modelling.points_per_wavelength;
+        let [median, long] = edges(driver, faces);
+        let needed_levels = |wavelength: f64| {
+            let faces_at = |levels| faces.len() as f64 * 4f64.powi(levels as i32);
+            let edges_at = |levels: u32| {
+                let split = f64::from(1u32 << levels);
+                (median / split, long / split)
+            };
+            // The layer is held to places of the lattice, not to a base with facets.
+            needed_levels((wavelength / asked, None), modelling, faces_at, edges_at)
+        };
+        // Without paint and variation waves are the same everywhere.
+        let seen = match layer.map.is_some() || layer.variation.is_some() {
+            true => needed_levels(numbers.wavelength).min(readable_levels(faces.len())),
+            false => 0,
+        };
+        let smoothing = modelling.smoothing;
+        let waves = Waves::new(driver, faces, (layer, numbers), (seen, smoothing))?;
+        let levels = needed_levels(waves.shortest);
         let budget = || format!("the vertex budget of {}", modelling.vertex_budget);
         let Some(limits) = modelling.remesh else {
-            return Self {
-                points: waves.shortest * f64::from(1u32 << levels) / edge,
+            let vertices = (faces.len() << (2 * levels)) / 2;
+            return Ok(Self {
+                points: waves.shortest * f64::from(1u32 << levels) / median,
                 limit: budget(),
-                vertices: (faces << (2 * levels)) / 2,
-            };
+                vertices,
+                needed: vertices as f64,
+                waves,
+                levels,
+            });
         };
-        let asked = modelling.points_per_wavelength;
         let needed = waves.vertices(asked, &limits);
         let coarseness = (needed / modelling.vertex_budget as f64).sqrt().max(1.0);
         let edge = (waves.shortest / asked).clamp(limits.min_edge, limits.max_edge);
-        Self {
+        Ok(Self {
             points: waves.shortest / (edge * coarseness),
             limit: match coarseness > 1.0 {
                 true => budget(),
                 false => format!("the shortest edge of {:.2} mm", 1e3 * limits.min_edge),
             },
             vertices: (needed / (coarseness * coarseness)) as usize,
+            needed,
+            waves,
+            levels,
+        })
+    }
+
+    /// What the user should know, without the layer's name.
+    fn warnings(&self, modelling: &Modelling, map_size: u32) -> Vec<String> {
+        let asked = modelling.points_per_wavelength;
+        let mut warnings = resolution_warnings(asked, self.waves.texels(map_size));
+        if asked > WORTH_TELLING * self.points {
+            warnings.push(format!(
+                "{} leaves {:.1} points per wavelength of {asked} asked for",
+                self.limit, self.points,
+            ));
         }
+        warnings
     }
 }
 

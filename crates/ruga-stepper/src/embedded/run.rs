@@ -1,6 +1,5 @@
 //! A body on its way through a pose, and what is told of it.
 
-use ruga_blend::Driver;
 use ruga_material::CAP_START;
 use ruga_solver::{
     AtSaddle, LoadSettings, LoadStepper, NewtonSettings, Outcome, SolveReport, StopRule, Trial,
@@ -10,7 +9,7 @@ use ruga_solver::{
 use super::embedded_layer::{BodyState, EmbeddedLayer};
 use super::handles::Moves;
 use super::inertia::BodyInertia;
-use super::plan::BodyPlan;
+use super::plan::Interior;
 use crate::error::Halt;
 use crate::layer_run::{
     Ending, LEAST_AMPLITUDE, LEAST_DEMAND, PASSING, Pace, SETTLED, SLOWLY_LESS, blind_spot,
@@ -19,8 +18,8 @@ use crate::measure::waviness;
 use crate::preparing::Preparing;
 use crate::simulate::loads_up_to;
 use crate::{
-    BodyPose, Dynamics, Frame, KeyResult, LayerReport, Modelling, Observer, Phase, PoseResult,
-    Progress, StepperError,
+    Dynamics, Frame, KeyResult, LayerReport, Modelling, Observer, Phase, Plan, PoseResult,
+    PoseSpec, Progress, StepperError,
 };
 
 /// Angle in rad by which the surface below may have turned since a result whose foundation stands on
@@ -32,8 +31,7 @@ const HALVINGS: u32 = 4;
 
 /// A pose under way.
 pub(crate) struct BodyRun<'a> {
-    driver: &'a Driver,
-    pose: &'a BodyPose,
+    pose: &'a PoseSpec,
     modelling: &'a Modelling,
     moves: Moves<'a>,
     pub(crate) layer: EmbeddedLayer<'a>,
@@ -56,31 +54,28 @@ fn pace_of(trial: Trial) -> Pace {
 }
 
 impl<'a> BodyRun<'a> {
+    /// Builds the body and its layer for pose number `pose`, at rest.
     pub(crate) fn new(
-        driver: &'a Driver,
-        plan: &'a BodyPlan,
-        pose: &'a BodyPose,
-        modelling: &'a Modelling,
+        (plan, interior): (&'a Plan, &'a Interior),
+        pose: usize,
         observer: &mut dyn Observer,
     ) -> Result<Self, Halt> {
         let mut preparing = Preparing::new(observer, 0, Phase::Remeshing);
-        let moves = Moves::new(&plan.body, pose)?;
-        let mut layer = EmbeddedLayer::new(driver, plan, modelling, &mut preparing)?;
+        let spec = &plan.specs[pose];
+        let moves = Moves::new(&interior.body, spec)?;
+        let mut layer = EmbeddedLayer::new((plan, interior), pose, &mut preparing)?;
         layer.state.obstacles = moves.obstacles(0.0);
+        let planned = plan.reports(pose).into_iter().next();
         let report = LayerReport {
-            name: plan.spec.name.clone(),
             vertices: layer.skin.mesh.vertex_count(),
             faces: layer.skin.mesh.face_count(),
             constraints: layer.system.rows.count() / 3,
-            wavelength_predicted: plan.wavelength,
-            critical_strain_predicted: plan.critical_strain,
-            ..LayerReport::default()
+            ..planned.unwrap_or_default()
         };
         let row_warning = layer.system.row_warning.clone();
         let mut run = Self {
-            driver,
-            pose,
-            modelling,
+            pose: spec,
+            modelling: &plan.modelling,
             moves,
             layer,
             report,
@@ -99,11 +94,11 @@ impl<'a> BodyRun<'a> {
     }
 
     pub(crate) fn follow(&mut self, observer: &mut dyn Observer) -> Result<(), StepperError> {
-        let keys = || self.pose.pose.keys.iter().copied();
+        let keys = || self.pose.keys.iter().copied();
         // Beyond the last key nothing is asked for.
         let last = keys().fold(0.0, f64::max);
         let keyframes = self.moves.keyframes().filter(|&at| at < last);
-        let loads = loads_up_to(last, self.pose.pose.steps, keys().chain(keyframes));
+        let loads = loads_up_to(last, self.pose.steps, keys().chain(keyframes));
         let ending = match self.modelling.dynamics {
             None => self.climb(&loads, observer)?,
             Some(dynamics) => self.move_in_time(&loads, dynamics, observer)?,
@@ -170,9 +165,8 @@ impl<'a> BodyRun<'a> {
     ) -> Result<(Outcome, SolveReport), StepperError> {
         let before = self.layer.state.clone();
         observer.phase(0, Phase::Sampling);
-        let weights = &self.pose.pose.weights;
-        self.layer
-            .place(self.driver, (&self.moves, weights), trial.load)?;
+        let weights = &self.pose.weights;
+        self.layer.place((&self.moves, weights), trial.load)?;
         observer.phase(0, Phase::Integration);
         let at_saddle = match trial.probe {
             true => AtSaddle::Stop,
@@ -235,7 +229,7 @@ impl<'a> BodyRun<'a> {
         let mut from = 0.0;
         for &load in loads {
             let before = self.layer.state.clone();
-            let share = f64::from(self.pose.pose.steps) * (load - from);
+            let share = f64::from(self.pose.steps) * (load - from);
             // A share of nearly one is one: the Hessian of inertia and springs, which depends on the
             // time step, is then kept from one step to the next.
             let dynamics = match (share - 1.0).abs() < 1e-9 {
@@ -298,9 +292,9 @@ impl<'a> BodyRun<'a> {
         observer: &mut dyn Observer,
     ) -> Result<SolveReport, StepperError> {
         observer.phase(0, Phase::Sampling);
-        let weights = &self.pose.pose.weights;
+        let weights = &self.pose.weights;
         let around = (&self.moves, weights);
-        let inertia = self.layer.place_in_time(self.driver, around, to, dynamics);
+        let inertia = self.layer.place_in_time(around, to, dynamics);
         observer.phase(0, Phase::Integration);
         // What a step leaves out of balance the next one inherits: without a second solve it has to be
         // a result at once.
@@ -372,7 +366,7 @@ impl<'a> BodyRun<'a> {
     }
 
     fn is_key(&self, load: f64) -> bool {
-        let mut keys = self.pose.pose.keys.iter();
+        let mut keys = self.pose.keys.iter();
         keys.any(|key| (key - load).abs() < 1e-9)
     }
 
@@ -380,7 +374,7 @@ impl<'a> BodyRun<'a> {
     fn frame(&mut self, load: f64, observer: &mut dyn Observer) {
         self.tell_of_blind_spot();
         if self.is_result(load, observer) {
-            let layers = vec![self.layer.snapshot(self.driver)];
+            let layers = vec![self.layer.snapshot()];
             observer.frame(&Frame {
                 index: self.result.frames,
                 load,
@@ -409,7 +403,7 @@ impl<'a> BodyRun<'a> {
     }
 
     fn warn(&mut self, warning: String) {
-        let (pose, layer) = (&self.pose.pose.name, &self.report.name);
+        let (pose, layer) = (&self.pose.name, &self.report.name);
         let text = format!("pose '{pose}', layer '{layer}': {warning}");
         if !self.result.warnings.contains(&text) {
             self.result.warnings.push(text);

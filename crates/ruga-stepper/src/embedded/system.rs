@@ -8,14 +8,13 @@ use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters};
 use ruga_solver::ConstraintRows;
 
 use super::foundation::Foundation;
-use super::handles::HeldNodes;
 use super::inertia::{BodyMass, Diagonal};
 use super::layout::Layout;
-use super::plan::BodyPlan;
+use super::plan::Interior;
 use crate::local_skin::{LocalSkin, SkinProperties};
 use crate::low_pass_rows::{low_pass_rows, row_centres};
 use crate::skin_mesh::SkinMesh;
-use crate::{LayerSpec, StepperError};
+use crate::{Body, LayerSpec, Plan, StepperError};
 
 /// Levenberg floors: of a vertex in units of `K0 V_i`, as in a layer on a given surface, and of a
 /// node in units of the lattice's mean stiffness. They give the motions of a free body a sign.
@@ -62,13 +61,12 @@ pub(crate) struct Follow {
 
 impl BodySystem {
     pub(crate) fn new(
-        driver: &Driver,
-        plan: &BodyPlan,
+        (plan, interior): (&Plan, &Interior),
         skin: &SkinMesh,
         (properties, bending): (&SkinProperties, BendingModel),
-        held: &HeldNodes,
     ) -> Result<Self, StepperError> {
-        let (spec, body) = (&plan.spec, &plan.body);
+        let driver = &plan.driver;
+        let (spec, body) = (&plan.stacking.specs[0], &interior.body);
         let shell_error = |source| StepperError::Shell {
             layer: spec.name.clone(),
             source,
@@ -76,8 +74,8 @@ impl BodySystem {
         let shell = bare_shell(spec, skin, properties, bending).map_err(shell_error)?;
         let areas = shell.vertex_areas().to_vec();
         let foundation = Foundation::new(spec, skin, properties, &areas).map_err(shell_error)?;
-        let embedding = plan.carrier.embed(skin)?;
-        let lattice = &plan.carrier.lattice;
+        let embedding = interior.carrier.embed(skin)?;
+        let lattice = &interior.carrier.lattice;
         let energy = |pinned: &[bool]| -> Result<LatticeEnergy, StepperError> {
             let mut energy = LatticeEnergy::new(lattice, &body.material, pinned)?;
             if let Some(foundation) = &foundation {
@@ -85,7 +83,7 @@ impl BodySystem {
             }
             Ok(energy)
         };
-        let pinned = held.pinned();
+        let pinned = interior.held.pinned();
         let [free, all_nodes] = [energy(&pinned)?, energy(&vec![false; pinned.len()])?];
         let free_of = numbers(&free, lattice);
         let of_layer = properties.vertices.iter().zip(&areas);
@@ -99,8 +97,8 @@ impl BodySystem {
             body.density,
             (&embedding, &masses),
         )?;
-        let weight = weight(lattice, plan, &embedding, &masses)?;
-        let follow = Follow::new(driver, plan, &free)?;
+        let weight = weight(lattice, body, &embedding, &masses)?;
+        let follow = Follow::new(driver, interior, &free)?;
         let cross = cross_nodes(foundation.as_ref(), &embedding, &free_of, areas.len());
         let solver_error = |source| StepperError::Solver {
             layer: spec.name.clone(),
@@ -109,7 +107,7 @@ impl BodySystem {
         let layout = Layout::new(shell.pattern(), cross, free.pattern()).map_err(solver_error)?;
         let every: Vec<VertexId> = (0..areas.len()).map(VertexId::from_index).collect();
         let centres = row_centres(spec, properties, skin, &every)?;
-        let on = (skin, plan.wavelength);
+        let on = (skin, plan.stacking.simulated[0].wavelength);
         let nothing = PerVertex::filled(every.len(), false);
         let low_pass = low_pass_rows(spec, &centres, on, &nothing, &every)?;
         let row_warning = low_pass.warning(driver, skin);
@@ -181,13 +179,13 @@ impl BodySystem {
 impl Follow {
     fn new(
         driver: &Driver,
-        plan: &BodyPlan,
+        interior: &Interior,
         lattice: &LatticeEnergy,
     ) -> Result<Option<Self>, StepperError> {
-        let Some(stiffness) = plan.body.follow else {
+        let Some(stiffness) = interior.body.follow else {
             return Ok(None);
         };
-        let embedding = plan.carrier.embed_control(driver)?;
+        let embedding = interior.carrier.embed_control(driver)?;
         let areas = vertex_areas(driver.topology(), driver.rest());
         let stiffness: Vec<f64> = areas.iter().map(|area| stiffness * area).collect();
         let mut hessian = vec![0.0; lattice.pattern().1.len()];
@@ -240,12 +238,12 @@ fn numbers(free: &LatticeEnergy, lattice: &Lattice) -> Vec<Option<u32>> {
 
 fn weight(
     lattice: &Lattice,
-    plan: &BodyPlan,
+    body: &Body,
     embedding: &Embedding,
     masses: &[f64],
 ) -> Result<Vec<Vector3<f64>>, StepperError> {
-    let gravity = &plan.body.gravity;
-    let mut weight = lattice.gravity_load(plan.body.density, gravity)?;
+    let gravity = &body.gravity;
+    let mut weight = lattice.gravity_load(body.density, gravity)?;
     let of_layer: Vec<_> = masses.iter().map(|mass| gravity * *mass).collect();
     for (sum, force) in weight.iter_mut().zip(embedding.pull_back(&of_layer)) {
         *sum += force;

@@ -1,5 +1,7 @@
 //! A body and its layer against what mechanics says of any such thing.
 
+use std::sync::Arc;
+
 use nalgebra::{Rotation3, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -12,18 +14,19 @@ use ruga_solver::{NewtonSettings, Objective};
 use super::embedded_layer::EmbeddedLayer;
 use super::handles::Moves;
 use super::objective::BodyObjective;
+use super::plan::Interior;
 use super::prediction::product;
 use super::run::BodyRun;
 use crate::preparing::Preparing;
 use crate::{
-    Body, BodyPlan, BodyPose, Coupling, Dynamics, Handle, Keyframe, LayerSpec, Modelling, Motion,
-    Obstacle, ObstacleShape, Phase, PoseSpec, Presence, Sampling, Silent, plan_body,
+    Body, Coupling, Dynamics, Handle, Keyframe, LayerSpec, Modelling, Motion, Obstacle,
+    ObstacleShape, Phase, Plan, PoseSpec, Presence, Sampling, Silent, plan_body,
 };
 
 const SIDES: [f64; 3] = [0.02, 0.015, 0.01];
 
 /// A block of 2 x 2 x 2 squares a side, with a shape that shears it.
-fn block() -> Driver {
+fn block() -> Arc<Driver> {
     let at = |c: [usize; 3]| Vector3::from_fn(|axis, _| 0.5 * SIDES[axis] * c[axis] as f64);
     let mut mesh = ArtistMesh::default();
     for axis in 0..3 {
@@ -58,7 +61,7 @@ fn block() -> Driver {
             .map(|p| Vector2::new(p.x, p.y + p.z))
             .collect(),
     );
-    Driver::new(&mesh).expect("a closed block")
+    Arc::new(Driver::new(&mesh).expect("a closed block"))
 }
 
 fn skin(coupling: Coupling) -> LayerSpec {
@@ -110,27 +113,30 @@ fn modelling() -> Modelling {
     }
 }
 
-fn still(driver: &Driver) -> BodyPose {
-    BodyPose {
-        pose: PoseSpec {
-            name: "pose".into(),
-            weights: driver.weights([("shear", 1.0)]).expect("its shape"),
-            keys: vec![1.0],
-            steps: 1,
-        },
+fn still(driver: &Driver) -> PoseSpec {
+    PoseSpec {
+        name: "pose".into(),
+        weights: driver.weights([("shear", 1.0)]).expect("its shape"),
+        keys: vec![1.0],
+        steps: 1,
         motions: Vec::new(),
     }
 }
 
-fn planned(driver: &Driver, spec: &LayerSpec, body: &Body) -> BodyPlan {
-    plan_body(driver, spec, body, &modelling(), 1024).expect("a body")
+fn planned(driver: &Arc<Driver>, spec: &LayerSpec, body: &Body) -> Plan {
+    let poses = [still(driver)];
+    plan_body(driver, spec, body, &poses, &modelling(), 1024).expect("a body")
+}
+
+fn interior(plan: &Plan) -> &Interior {
+    plan.body.as_ref().expect("a body")
 }
 
 /// At rest without noise.
-fn at_rest<'p>(driver: &Driver, plan: &'p BodyPlan) -> EmbeddedLayer<'p> {
+fn at_rest(plan: &Plan) -> EmbeddedLayer<'_> {
     let mut silent = Silent;
     let mut preparing = Preparing::new(&mut silent, 0, Phase::Remeshing);
-    let layer = EmbeddedLayer::new(driver, plan, &modelling(), &mut preparing);
+    let layer = EmbeddedLayer::new((plan, interior(plan)), 0, &mut preparing);
     let mut layer = layer.expect("a layer");
     layer.state.x.clone_from(&layer.skin.rest.positions);
     layer
@@ -144,16 +150,17 @@ fn random_vectors(random: &mut Pcg64Mcg, count: usize, size: f64) -> Vec<Vector3
 }
 
 /// A state far from any equilibrium, with everything that can act.
-fn crumpled<'p>(driver: &Driver, plan: &'p BodyPlan, pose: &BodyPose) -> EmbeddedLayer<'p> {
+fn crumpled(plan: &Plan) -> EmbeddedLayer<'_> {
     let mut random = Pcg64Mcg::seed_from_u64(7);
-    let mut layer = at_rest(driver, plan);
-    let moves = Moves::new(&plan.body, pose).expect("fitting motions");
+    let mut layer = at_rest(plan);
+    let (interior, pose) = (interior(plan), &plan.specs[0]);
+    let moves = Moves::new(&interior.body, pose).expect("fitting motions");
     layer
-        .place(driver, (&moves, &pose.pose.weights), 0.5)
+        .place((&moves, &pose.weights), 0.5)
         .expect("a placed body");
-    let cell = plan.cell_size.min();
+    let cell = interior.carrier.lattice.cell_size().min();
     let (nodes, vertices) = (layer.state.q.len(), layer.state.x.len());
-    let held = plan.held.pinned();
+    let held = interior.held.pinned();
     for (i, way) in random_vectors(&mut random, nodes, 0.1 * cell)
         .iter()
         .enumerate()
@@ -201,16 +208,16 @@ fn the_whole_objective_has_its_derivatives() {
     let pose = still(&driver);
     for coupling in [Coupling::Hybrid, Coupling::Constraint, Coupling::Spectral] {
         let plan = planned(&driver, &skin(coupling), &everything());
-        let mut layer = crumpled(&driver, &plan, &pose);
+        let mut layer = crumpled(&plan);
         assert!(layer.penetration() > 0.1 * layer.thickness(), "no contact");
         let dynamics = Dynamics {
             time_step: 0.01,
             damping: 3.0,
         };
-        let moves = Moves::new(&plan.body, &pose).expect("fitting motions");
+        let moves = Moves::new(&interior(&plan).body, &pose).expect("fitting motions");
         let before = layer.state.clone();
-        let around = (&moves, &pose.pose.weights);
-        let inertia = layer.place_in_time(&driver, around, 0.7, dynamics);
+        let around = (&moves, &pose.weights);
+        let inertia = layer.place_in_time(around, 0.7, dynamics);
         layer.state.x = before.x;
         layer.state.q = before.q;
         let moment = layer.moment(Some(inertia));
@@ -281,8 +288,8 @@ fn the_foundation_is_that_of_a_layer_on_a_given_surface() {
     let driver = block();
     let spec = skin(Coupling::Hybrid);
     let plan = planned(&driver, &spec, &body());
-    let layer = crumpled(&driver, &plan, &still(&driver));
-    let numbers = &plan.wrinkling;
+    let layer = crumpled(&plan);
+    let numbers = &plan.wrinkling()[0];
     let face = FaceParameters {
         young: spec.material.young,
         poisson: spec.material.poisson,
@@ -320,7 +327,7 @@ fn the_foundation_is_that_of_a_layer_on_a_given_surface() {
 }
 
 /// Forces in units of what strains the layer by one, on one vertex.
-fn largest_force(layer: &mut EmbeddedLayer<'_>, plan: &BodyPlan) -> f64 {
+fn largest_force(layer: &mut EmbeddedLayer<'_>, plan: &Plan) -> f64 {
     let moment = layer.moment(None);
     let objective = BodyObjective {
         system: &layer.system,
@@ -331,15 +338,16 @@ fn largest_force(layer: &mut EmbeddedLayer<'_>, plan: &BodyPlan) -> f64 {
     let mut gradient = vec![0.0; x.len()];
     objective.gradient(&x, &mut gradient);
     let largest = gradient.iter().fold(0.0, |m: f64, g| m.max(g.abs()));
-    let edge = plan.wavelength / plan.points_per_wavelength;
-    largest / (plan.wrinkling.membrane_stiffness * edge)
+    let numbers = &plan.wrinkling()[0];
+    let edge = numbers.wavelength / plan.poses[0].layers[0].points_per_wavelength;
+    largest / (numbers.membrane_stiffness * edge)
 }
 
 #[test]
 fn rest_and_every_rigid_motion_of_it_are_without_forces() {
     let driver = block();
     let plan = planned(&driver, &skin(Coupling::Hybrid), &body());
-    let mut layer = at_rest(&driver, &plan);
+    let mut layer = at_rest(&plan);
     assert!(largest_force(&mut layer, &plan) < 1e-10);
     let unit = layer.scales().energy;
     assert!(layer.energy().abs() < 1e-10 * unit);
@@ -358,7 +366,7 @@ fn step(layer: &mut EmbeddedLayer<'_>, driver: &Driver, dynamics: Dynamics) {
     let free = body();
     let moves = Moves::new(&free, &pose).expect("nothing moves");
     let before = layer.state.clone();
-    let inertia = layer.place_in_time(driver, (&moves, &pose.pose.weights), 1.0, dynamics);
+    let inertia = layer.place_in_time((&moves, &pose.weights), 1.0, dynamics);
     let settings = NewtonSettings {
         energy_tolerance: 1e-12,
         ..NewtonSettings::default()
@@ -392,7 +400,7 @@ fn a_falling_body_falls_as_implicit_euler_does() {
         &skin(Coupling::Hybrid),
         &Body { gravity, ..body() },
     );
-    let mut layer = at_rest(&driver, &plan);
+    let mut layer = at_rest(&plan);
     let dynamics = Dynamics {
         time_step: 0.02,
         damping: 0.0,
@@ -413,7 +421,7 @@ fn a_falling_body_falls_as_implicit_euler_does() {
 fn a_free_body_keeps_its_momentum_and_gains_no_energy() {
     let driver = block();
     let plan = planned(&driver, &skin(Coupling::Hybrid), &body());
-    let mut layer = at_rest(&driver, &plan);
+    let mut layer = at_rest(&plan);
     let (speed, rate) = (Vector3::new(0.3, -0.1, 0.2), Vector3::new(1.0, 2.0, -2.0));
     let centre = 0.5 * Vector3::from(SIDES);
     let mut random = Pcg64Mcg::seed_from_u64(3);
@@ -460,7 +468,6 @@ fn what_passes_through_in_the_first_step_is_seen() {
         }],
         ..body()
     };
-    let plan = planned(&driver, &skin(Coupling::Hybrid), &body);
     let mut pose = still(&driver);
     pose.motions = vec![Motion {
         of: "ball".into(),
@@ -471,13 +478,15 @@ fn what_passes_through_in_the_first_step_is_seen() {
             about: Vector3::zeros(),
         }],
     }];
-    let modelling = modelling();
-    let run = BodyRun::new(&driver, &plan, &pose, &modelling, &mut Silent);
+    let poses = std::slice::from_ref(&pose);
+    let spec = skin(Coupling::Hybrid);
+    let plan = plan_body(&driver, &spec, &body, poses, &modelling(), 1024).expect("a body");
+    let run = BodyRun::new((&plan, interior(&plan)), 0, &mut Silent);
     let mut layer = run.expect("a body").layer;
     let before = layer.state.clone();
-    let moves = Moves::new(&plan.body, &pose).expect("fitting motions");
-    let around = (&moves, &pose.pose.weights);
-    layer.place(&driver, around, 1.0).expect("a placed body");
+    let moves = Moves::new(&interior(&plan).body, &pose).expect("fitting motions");
+    let around = (&moves, &pose.weights);
+    layer.place(around, 1.0).expect("a placed body");
     assert!(layer.has_passed(&before));
     assert_eq!(layer.penetration(), 0.0);
 }

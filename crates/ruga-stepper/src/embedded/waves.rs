@@ -6,7 +6,7 @@ use ruga_material::Wrinkling;
 use ruga_mesh::{FaceId, Id, PerFace};
 
 use crate::local_skin::wrinkling_on_face;
-use crate::plan::{per_face, uv_density, weighted_quantile};
+use crate::surface_measures::{per_face, uv_density, weighted_quantile};
 use crate::{EdgeLimits, LayerSpec, StepperError};
 
 /// Shares of the covered area beyond which neither shorter nor longer waves count.
@@ -52,6 +52,11 @@ impl Waves {
             uv_density: quantile(&uv_density(&surface, &rest), 0.5),
             patches: faces.iter().map(|f| [areas[*f], lengths[*f]]).collect(),
         })
+    }
+
+    /// Area of the covered part, m².
+    pub(super) fn area(&self) -> f64 {
+        self.patches.iter().map(|[area, _]| area).sum()
     }
 
     /// Texels along the shortest waves in a map with `side` of them.

@@ -2,13 +2,15 @@
 
 #![allow(dead_code, reason = "no test needs all of it")]
 
+use std::sync::Arc;
+
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, BlendShape, Driver, Smoothing};
 use ruga_lattice::{Shape, SolidMaterial};
 use ruga_material::{LayerMaterial, Substrate, WavelengthModel};
 use ruga_stepper::{
-    Body, BodyPose, Coupling, Handle, Keyframe, LayerSpec, Mask, Modelling, Motion, PoseSpec,
-    Presence, Region, Sampling,
+    Body, Coupling, Handle, Keyframe, LayerSpec, Mask, Modelling, Motion, PoseSpec, Presence,
+    Region, Sampling,
 };
 
 /// Interior of all bodies.
@@ -65,7 +67,7 @@ pub(crate) fn slab(
     size: Vector3<f64>,
     cells: [usize; 3],
     shape: impl Fn(Vector3<f64>) -> Vector3<f64>,
-) -> Driver {
+) -> Arc<Driver> {
     let mut mesh = ArtistMesh::default();
     let mut uvs = Vec::new();
     for axis in 0..3 {
@@ -103,7 +105,7 @@ pub(crate) fn slab(
         normal_deltas: None,
     }];
     mesh.uvs = Some(uvs);
-    Driver::new(&mesh).expect("a closed box")
+    Arc::new(Driver::new(&mesh).expect("a closed box"))
 }
 
 /// The top of a slab.
@@ -140,14 +142,12 @@ pub(crate) fn push(of: &str, way: Vector3<f64>) -> Motion {
 }
 
 /// A pose whose blend shapes stand still.
-pub(crate) fn pose(motions: Vec<Motion>, keys: &[f64], steps: u32) -> BodyPose {
-    BodyPose {
-        pose: PoseSpec {
-            name: "pose".into(),
-            weights: Default::default(),
-            keys: keys.to_vec(),
-            steps,
-        },
+pub(crate) fn pose(motions: Vec<Motion>, keys: &[f64], steps: u32) -> PoseSpec {
+    PoseSpec {
+        name: "pose".into(),
+        weights: Default::default(),
+        keys: keys.to_vec(),
+        steps,
         motions,
     }
 }

@@ -1,5 +1,7 @@
 //! A small patch of skin for the tests.
 
+use std::sync::Arc;
+
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, BlendShape, Driver};
 use ruga_material::preset;
@@ -10,7 +12,7 @@ pub(crate) const SIDE: f64 = 0.06;
 
 /// A flat square; `press` shortens its middle by 12 % in x, fading towards the border, `squeeze` in
 /// x and y.
-pub(crate) fn driver() -> Driver {
+pub(crate) fn driver() -> Arc<Driver> {
     let cells = 12;
     let mut mesh = ArtistMesh {
         name: "patch".into(),
@@ -60,7 +62,7 @@ pub(crate) fn driver() -> Driver {
             normal_deltas: None,
         },
     ];
-    Driver::new(&mesh).expect("a valid mesh")
+    Arc::new(Driver::new(&mesh).expect("a valid mesh"))
 }
 
 /// Skin of a preset.
@@ -88,6 +90,7 @@ pub(crate) fn pose(driver: &Driver, shape: &str, weight: f64) -> PoseSpec {
         weights: driver.weights([(shape, weight)]).expect("a known shape"),
         keys: vec![0.5, 1.0],
         steps: 4,
+        motions: Vec::new(),
     }
 }
 

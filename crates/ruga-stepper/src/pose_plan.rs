@@ -1,0 +1,124 @@
+//! What a plan says of one pose: its load path, and every layer with its mesh and its cost.
+
+use ruga_material::Wrinkling;
+use ruga_mesh::PerFace;
+
+use crate::LayerSpec;
+
+/// One pose's part of the plan.
+#[derive(Clone, Debug)]
+pub struct PosePlan {
+    /// Name of the pose.
+    pub name: String,
+    /// How its load steps lead to its keys.
+    pub path: LoadPath,
+    /// Bottom first.
+    pub layers: Vec<LayerPlan>,
+}
+
+/// How load steps lead from rest to a pose's keys.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LoadPath {
+    /// The weights grow; one sequence passes all keys.
+    #[default]
+    Weight,
+    /// The driver stands at a key while the strain grows from none to the key's; each key has a
+    /// sequence of its own.
+    ///
+    /// For poses that on straight lines pass through strains that none of their keys has.
+    Strain,
+}
+
+/// One layer in one pose.
+#[derive(Clone, Debug)]
+pub struct LayerPlan {
+    /// Name of the layer.
+    pub name: String,
+    /// Critical wavelength, m.
+    pub wavelength: f64,
+    /// Critical strain.
+    pub critical_strain: f64,
+    /// What paint and natural unevenness make of them over the active area; `None` where all of it is
+    /// the same, or nothing is simulated.
+    pub painted: Option<PaintedRanges>,
+    /// What the pose asks of the layer; `None` on a soft body, whose surface goes where the simulation
+    /// takes it.
+    pub applied: Option<AppliedStrain>,
+    /// Area that is simulated, m²; zero where the layer cannot wrinkle.
+    pub active_area: f64,
+    /// Vertices, estimated.
+    pub vertices: usize,
+    /// Times the driver's faces are split in four.
+    pub levels: u32,
+    /// Edges per wavelength that this gives (median over the active area).
+    pub points_per_wavelength: f64,
+    /// Texels of the map per wavelength (median over the active area).
+    pub texels_per_wavelength: f64,
+    /// Expected time of the pose on one core, s.
+    pub seconds: f64,
+    /// Expected memory, bytes.
+    pub memory: f64,
+    /// Edges per wavelength asked for.
+    pub(crate) asked_points: f64,
+    /// Vertices that would meet what was asked for.
+    pub(crate) needed: f64,
+    /// The faces that are simulated, numbered as those of the whole driver split
+    /// [`Plan::planning_levels`](crate::Plan) times, ascending.
+    pub(crate) region: Vec<u64>,
+}
+
+/// What the posed driver asks of a layer.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AppliedStrain {
+    /// Median over the active area of the largest effective strain over the keys.
+    pub median: f64,
+    /// Its 99th percentile.
+    pub p99: f64,
+    /// Active area compressed beyond 15 %, where the rest metric is capped, m².
+    pub capped_area: f64,
+    /// Area left on the driver because the pose folds or collapses it, m².
+    pub folded_area: f64,
+    /// Curvature measure `C / (R² K0)` at the 95th percentile of the rest curvature. By this share
+    /// a foundation alone would delay the onset; the balance with the support removes the delay, and
+    /// what is left near 1 is that the support bends within one wavelength.
+    pub chi: f64,
+    /// Area where averaging constraints decide on the directions of a labyrinth, m².
+    pub(crate) labyrinth_area: f64,
+}
+
+/// Range of a layer's properties over the active area of a pose, without the extreme hundredths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaintedRanges {
+    /// Critical wavelength, m.
+    pub wavelength: [f64; 2],
+    /// Critical strain.
+    pub critical_strain: [f64; 2],
+    /// Thickness, m.
+    pub thickness: [f64; 2],
+}
+
+impl LayerPlan {
+    /// A layer that is solved together with this one, on its mesh; the cost stands with this one.
+    pub(crate) fn carried_along(&self, name: &str, numbers: &Wrinkling) -> Self {
+        Self {
+            name: name.to_owned(),
+            wavelength: numbers.wavelength,
+            critical_strain: numbers.critical_strain,
+            seconds: 0.0,
+            memory: 0.0,
+            region: Vec::new(),
+            ..self.clone()
+        }
+    }
+}
+
+/// A layer with its critical wave, by itself and on every face of the planning surface.
+pub(crate) struct PlannedLayer<'a> {
+    pub(crate) spec: &'a LayerSpec,
+    pub(crate) numbers: &'a Wrinkling,
+    pub(crate) local: PerFace<Wrinkling>,
+    /// Edges per wavelength asked for.
+    pub(crate) points: f64,
+    /// Whether it lies on the driver.
+    pub(crate) is_lowest: bool,
+}
