@@ -18,29 +18,37 @@ use crate::{Modelling, Observer, Phase, Plan, StepperError};
 /// Edges longer than asked for by less than this factor are not worth a word.
 const WORTH_TELLING: f64 = 1.1;
 
+/// What lies below a mesh.
+pub(crate) type BelowOf<'a> = Box<dyn Fn(&SkinMesh) -> BelowSurface + 'a>;
+
 impl StackRun<'_> {
     /// Builds layer number `index`, its mesh fitted to each of what may lie `below`, its
     /// bending corrected on the last.
     pub(crate) fn build(
         &self,
         index: usize,
-        below: &dyn Fn(&SkinMesh) -> Vec<BelowSurface>,
+        below: &[BelowOf<'_>],
         observer: &mut dyn Observer,
     ) -> Result<LayerRun, Halt> {
         let (driver, modelling) = (self.driver, self.modelling);
         let mut preparing = Preparing::new(observer, index, Phase::Sampling);
         let layer = &self.plan.poses[self.pose].layers[index];
-        let surface = layer_surface(driver, self.plan, layer, modelling);
-        preparing.step()?;
+        let surface = preparing
+            .while_wanted(|goes_on| layer_surface(driver, self.plan, layer, modelling, goes_on))?;
         let offset = self.plan.seats[index].offset;
         let spec = &self.plan.specs[index];
-        let region = RegionMesh::new(driver, &surface, spec, modelling.smoothing, offset)?;
+        let on = (&surface, modelling.smoothing, offset);
+        let region = RegionMesh::new(driver, spec, on, &mut || preparing.goes_on())?;
         preparing.enter(Phase::Remeshing)?;
-        let surfaces = below(&region.skin);
-        preparing.step()?;
+        let mut surfaces = Vec::with_capacity(below.len());
+        for below in below {
+            surfaces.push(below(&region.skin));
+            preparing.step()?;
+        }
         let wishes = self.wishes(index, &region, &surfaces)?;
         preparing.step()?;
-        self.build_on(index, (region, wishes), None, below, &mut preparing)
+        let last = below.last().expect("a pose has a key");
+        self.build_on(index, (region, wishes), None, last, &mut preparing)
     }
 
     /// What layer number `index` asks of the mesh of its region.
@@ -62,7 +70,7 @@ impl StackRun<'_> {
         index: usize,
         (region, wishes): (RegionMesh, Option<MeshWishes>),
         centres: Option<Vec<RowCentre>>,
-        below: &dyn Fn(&SkinMesh) -> Vec<BelowSurface>,
+        below: &BelowOf<'_>,
         preparing: &mut Preparing<'_>,
     ) -> Result<LayerRun, Halt> {
         let (driver, plan, modelling) = (self.driver, self.plan, self.modelling);
@@ -89,12 +97,10 @@ impl StackRun<'_> {
             preparing,
         )?;
         preparing.step()?;
-        let mut is_measured = true;
-        if let Some(last) = below(layer.skin()).pop() {
-            preparing.step()?;
-            is_measured = layer.calibrate_bending(last)?;
-            preparing.step()?;
-        }
+        let surface = below(layer.skin());
+        preparing.step()?;
+        let is_measured = layer.calibrate_bending(surface)?;
+        preparing.step()?;
         let mut run = LayerRun::new(index, layer, &plan.poses[self.pose].layers[index]);
         if coarseness > WORTH_TELLING {
             let points = modelling.points_of(index, plan.meshes());
@@ -118,7 +124,7 @@ impl StackRun<'_> {
     pub(crate) fn refitted(
         &self,
         mut run: LayerRun,
-        below: &dyn Fn(&SkinMesh) -> BelowSurface,
+        below: &BelowOf<'_>,
         observer: &mut dyn Observer,
     ) -> Result<LayerRun, Halt> {
         let index = run.index;
@@ -137,28 +143,34 @@ impl StackRun<'_> {
         run.layer.set_below(below(run.layer.skin()), 1.0)?;
         let region = run.layer.region().clone();
         let centres = Some(run.layer.row_centres().to_vec());
-        let surfaces = |skin: &SkinMesh| vec![below(skin)];
         let wanted = (region, wishes);
-        let mut fitted = self.build_on(index, wanted, centres, &surfaces, &mut preparing)?;
+        let mut fitted = self.build_on(index, wanted, centres, below, &mut preparing)?;
         preparing.enter(Phase::Remeshing)?;
         fitted.layer.set_below(below(fitted.layer.skin()), 1.0)?;
-        fitted.layer.take_shape(&run.layer);
+        preparing.while_wanted(|goes_on| {
+            let is_taken = fitted.layer.take_shape(&run.layer, goes_on);
+            is_taken.then_some(())
+        })?;
         fitted.take_history(run);
         Ok(fitted)
     }
 }
 
 /// The part of the base surface that the plan wants simulated, at the plan's resolution.
+///
+/// `None` as soon as `goes_on` says no.
 pub(crate) fn layer_surface(
     driver: &Driver,
     plan: &Plan,
     layer: &LayerPlan,
     modelling: &Modelling,
-) -> BaseSurface {
+    goes_on: &mut dyn FnMut() -> bool,
+) -> Option<BaseSurface> {
     let whole_driver = |face: &u64| FaceId((face >> (2 * plan.planning_levels)) as u32);
     let mut coarse: Vec<FaceId> = layer.region.iter().map(whole_driver).collect();
     coarse.dedup();
-    let whole = BaseSurface::new(driver, &coarse, layer.levels, modelling.smoothing);
+    let smoothing = modelling.smoothing;
+    let whole = BaseSurface::new_while(driver, &coarse, layer.levels, smoothing, goes_on)?;
     // Faces larger than the region's are taken when any part of them is in it.
     let level = plan.planning_levels.min(layer.levels);
     let shift = 2 * (plan.planning_levels - level);
@@ -166,5 +178,5 @@ pub(crate) fn layer_surface(
     region.dedup();
     let wanted = |face: &FaceId| region.binary_search(&whole.ancestor(*face, level)).is_ok();
     let faces: Vec<FaceId> = whole.mesh().faces().ids().filter(wanted).collect();
-    whole.restrict(&faces)
+    goes_on().then(|| whole.restrict(&faces))
 }

@@ -9,6 +9,7 @@ use crate::below::{BelowSurface, surface_below};
 use crate::cover::Covers;
 use crate::error::Halt;
 use crate::layer_run::{Course, Ending, LayerRun};
+use crate::layer_setup::BelowOf;
 use crate::skin_mesh::SkinMesh;
 use crate::validation::{check_modelling, check_pose};
 use crate::{
@@ -116,12 +117,11 @@ impl StackRun<'_> {
             .iter()
             .map(|&key| self.control(key))
             .collect();
-        let below = |skin: &SkinMesh| -> Vec<BelowSurface> {
-            let seat = self.plan.seats[lowest];
-            let keys = keys.iter();
-            keys.map(|control| surface_below(self.driver, skin, seat, control, &[]))
-                .collect()
+        let (driver, seat) = (self.driver, self.plan.seats[lowest]);
+        let at_key = |control: Vec<Vector3<f64>>| -> BelowOf<'_> {
+            Box::new(move |skin| surface_below(driver, skin, seat, &control, &[]))
         };
+        let below: Vec<BelowOf<'_>> = keys.into_iter().map(at_key).collect();
         let made = self.build(lowest, &below, observer);
         let Some(mut run) = Halt::unless_interrupted(made)? else {
             self.result.converged = false;

@@ -18,9 +18,12 @@ pub(super) fn meshes(
     modelling: &Modelling,
     preparing: &mut Preparing<'_>,
 ) -> Result<(RegionMesh, Option<SkinMesh>), Halt> {
-    let base = BaseSurface::new(driver, &plan.faces, plan.levels, modelling.smoothing);
-    preparing.step()?;
-    let region = RegionMesh::new(driver, &base, &plan.spec, modelling.smoothing, 0.0)?;
+    let smoothing = modelling.smoothing;
+    let base = preparing.while_wanted(|goes_on| {
+        BaseSurface::new_while(driver, &plan.faces, plan.levels, smoothing, goes_on)
+    })?;
+    let on = (&base, smoothing, 0.0);
+    let region = RegionMesh::new(driver, &plan.spec, on, &mut || preparing.goes_on())?;
     let Some(limits) = modelling.remesh else {
         return Ok((region, None));
     };
