@@ -13,7 +13,7 @@ use crate::plan::LayerPlan;
 use crate::preparing::Preparing;
 use crate::simulate::StackRun;
 use crate::skin_mesh::{RegionMesh, SkinMesh};
-use crate::{Modelling, Observer, Phase, Plan, StepperError};
+use crate::{Modelling, Observer, Phase, Plan};
 
 /// Edges longer than asked for by less than this factor are not worth a word.
 const WORTH_TELLING: f64 = 1.1;
@@ -45,7 +45,7 @@ impl StackRun<'_> {
             surfaces.push(below(&region.skin));
             preparing.step()?;
         }
-        let wishes = self.wishes(index, &region, &surfaces)?;
+        let wishes = self.wishes(index, &region, &surfaces, &mut preparing)?;
         preparing.step()?;
         let last = below.last().expect("a pose has a key");
         self.build_on(index, (region, wishes), None, last, &mut preparing)
@@ -57,10 +57,12 @@ impl StackRun<'_> {
         index: usize,
         region: &RegionMesh,
         below: &[BelowSurface],
-    ) -> Result<Option<MeshWishes>, StepperError> {
+        preparing: &mut Preparing<'_>,
+    ) -> Result<Option<MeshWishes>, Halt> {
         let layer = (&self.plan.specs[index], &self.plan.simulated[index]);
         let points = self.modelling.points_of(index, self.plan.meshes());
-        MeshWishes::new(self.driver, layer, region, below, (self.modelling, points))
+        let how = (self.modelling, points);
+        MeshWishes::new(self.driver, layer, region, below, how, preparing)
     }
 
     /// The same on a region whose mesh is there already and is to become what `wishes` ask for, its
@@ -132,7 +134,7 @@ impl StackRun<'_> {
         let region = run.layer.region();
         let surface = below(&region.skin);
         preparing.step()?;
-        let wishes = self.wishes(index, region, &[surface])?;
+        let wishes = self.wishes(index, region, &[surface], &mut preparing)?;
         preparing.step()?;
         if wishes
             .as_ref()
