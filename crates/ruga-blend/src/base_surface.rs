@@ -2,8 +2,8 @@
 
 use nalgebra::{Vector2, Vector3};
 use ruga_mesh::{
-    FaceId, FaceOrigin, Id, MaterialPoint, PerFace, SparseRows, Submesh, TriMesh, VertexId,
-    limit_rows, subdivide, vertex_normals,
+    FaceId, FaceOrigin, Id, MaterialPoint, PerFace, PerVertex, SparseRows, Subdivision, Submesh,
+    TriMesh, VertexId, limit_rows, subdivide_while, vertex_normals,
 };
 
 use crate::Driver;
@@ -53,6 +53,22 @@ impl BaseSurface {
     /// When a face is none of the driver's, or the result would have more than
     /// [`TriMesh::MAX_COUNT`] faces: [`Self::split_count`] times four to the power of `levels`.
     pub fn new(driver: &Driver, faces: &[FaceId], levels: u32, smoothing: Smoothing) -> Self {
+        Self::new_while(driver, faces, levels, smoothing, &mut || true)
+            .expect("nothing ends it early")
+    }
+
+    /// Does what [`Self::new`] does as long as `goes_on`, which is asked about every half second for
+    /// a million faces, agrees; `None` when it does not.
+    ///
+    /// # Panics
+    /// As [`Self::new`].
+    pub fn new_while(
+        driver: &Driver,
+        faces: &[FaceId],
+        levels: u32,
+        smoothing: Smoothing,
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> Option<Self> {
         let part = driver
             .topology()
             .submesh(&with_rings(driver.topology(), faces, 2));
@@ -61,10 +77,10 @@ impl BaseSurface {
             .as_slice()
             .iter()
             .map(|&v| driver.corners()[v]);
-        let fine = subdivide(&part.mesh, levels, &corners.collect());
+        let fine = subdivide_while(&part.mesh, levels, &corners.collect(), goes_on)?;
         let base = match smoothing {
-            Smoothing::Loop => loop_rows(&fine),
-            Smoothing::None => facet_rows(&fine.mesh, &fine.origins, &part.mesh),
+            Smoothing::Loop => loop_rows(&fine, &part.vertices, goes_on)?,
+            Smoothing::None => facet_rows(&fine.mesh, &fine.origins, &part),
         };
         let whole = Self {
             uvs: fine_uvs(driver, &part, &fine.origins),
@@ -89,8 +105,8 @@ impl BaseSurface {
                 .collect(),
             mesh: fine.mesh,
             levels,
-            position: to_driver(&base.0, &part.vertices),
-            tangents: base.1.map(|rows| to_driver(&rows, &part.vertices)),
+            position: base.0,
+            tangents: base.1,
         };
         let mut wanted = PerFace::filled(driver.topology().face_count(), false);
         faces.iter().for_each(|&f| wanted[f] = true);
@@ -100,7 +116,7 @@ impl BaseSurface {
             .filter(|(_, o)| wanted[o.face])
             .map(|(f, _)| f)
             .collect();
-        whole.restrict(&own)
+        goes_on().then(|| whole.restrict(&own))
     }
 
     /// How many of the driver's faces [`Self::new`] splits for `faces`: them and two rings around.
@@ -243,20 +259,26 @@ fn with_rings(mesh: &TriMesh, faces: &[FaceId], rings: u32) -> Vec<FaceId> {
 
 type BaseRows = (SparseRows, [SparseRows; 2]);
 
-fn loop_rows(fine: &ruga_mesh::Subdivision) -> BaseRows {
+/// Rows of the limit surface; `vertices` are those of the driver that were subdivided.
+fn loop_rows(
+    fine: &Subdivision,
+    vertices: &PerVertex<VertexId>,
+    goes_on: &mut dyn FnMut() -> bool,
+) -> Option<BaseRows> {
     let limit = limit_rows(&fine.mesh, &fine.corners);
-    let compose = |rows: &SparseRows| rows.after(&fine.fine_from_coarse);
-    (
-        compose(&limit.position),
+    let from_driver = fine.fine_from_coarse.with_columns_at(vertices.as_slice());
+    let mut compose = |rows: &SparseRows| goes_on().then(|| rows.after(&from_driver));
+    Some((
+        compose(&limit.position)?,
         [
-            compose(&limit.first_tangent),
-            compose(&limit.second_tangent),
+            compose(&limit.first_tangent)?,
+            compose(&limit.second_tangent)?,
         ],
-    )
+    ))
 }
 
 /// Positions on the flat facets; no tangents, so that vertex normals of the faces are taken.
-fn facet_rows(mesh: &TriMesh, origins: &PerFace<FaceOrigin>, coarse: &TriMesh) -> BaseRows {
+fn facet_rows(mesh: &TriMesh, origins: &PerFace<FaceOrigin>, part: &Submesh) -> BaseRows {
     let mut position = SparseRows::default();
     let mut empty = SparseRows::default();
     for vertex in (0..mesh.vertex_count()).map(VertexId::from_index) {
@@ -264,9 +286,9 @@ fn facet_rows(mesh: &TriMesh, origins: &PerFace<FaceOrigin>, coarse: &TriMesh) -
         if let Some(point) = MaterialPoint::of_vertex(mesh, vertex) {
             let origin = &origins[point.face];
             let weights = origin.lift(point.barycentric);
-            for (corner, weight) in coarse.faces()[origin.face].iter().zip(weights) {
+            for (corner, weight) in part.mesh.faces()[origin.face].iter().zip(weights) {
                 if weight != 0.0 {
-                    terms.push((corner.0, weight));
+                    terms.push((part.vertices[*corner].0, weight));
                 }
             }
         }
@@ -289,17 +311,4 @@ fn fine_uvs(
             origin.corners.map(|[u, v, w]| a * u + b * v + c * w)
         })
         .collect()
-}
-
-/// Renames the columns from vertices of a part to vertices of the driver.
-fn to_driver(rows: &SparseRows, vertices: &ruga_mesh::PerVertex<VertexId>) -> SparseRows {
-    let mut renamed = SparseRows::default();
-    for row in 0..rows.row_count() {
-        let mut terms: Vec<(u32, f64)> = rows
-            .row(row)
-            .map(|(column, weight)| (vertices[VertexId(column)].0, weight))
-            .collect();
-        renamed.push_row(&mut terms);
-    }
-    renamed
 }

@@ -8,6 +8,9 @@ use ruga_mesh::{
 use crate::base_surface::material_tangent;
 use crate::{Driver, PosedSurface, Smoothing};
 
+/// Points prepared between two questions whether to go on, about a tenth of a second.
+const POINTS_AT_A_TIME: usize = 20_000;
+
 /// Material points of a driver, with what poses them.
 ///
 /// The surface between the driver's vertices is linear in them, so that a pose costs a few
@@ -26,6 +29,20 @@ impl SurfacePoints {
     /// # Panics
     /// When a point lies on a face that the driver does not have.
     pub fn new(driver: &Driver, points: &[MaterialPoint], smoothing: Smoothing) -> Self {
+        Self::new_while(driver, points, smoothing, &mut || true).expect("nothing ends it early")
+    }
+
+    /// Does what [`Self::new`] does as long as `goes_on`, which is asked every few ten thousand
+    /// points, agrees; `None` when it does not.
+    ///
+    /// # Panics
+    /// As [`Self::new`].
+    pub fn new_while(
+        driver: &Driver,
+        points: &[MaterialPoint],
+        smoothing: Smoothing,
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> Option<Self> {
         let count = driver.topology().face_count();
         assert!(
             points.iter().all(|point| point.face.index() < count),
@@ -34,15 +51,22 @@ impl SurfacePoints {
         let limit = match smoothing {
             Smoothing::Loop => {
                 let surface = LoopSurface::new(driver.topology(), driver.corners());
-                Some(surface.rows(points))
+                let mut rows = LimitPointRows::default();
+                for chunk in points.chunks(POINTS_AT_A_TIME) {
+                    rows.append(&surface.rows(chunk));
+                    if !goes_on() {
+                        return None;
+                    }
+                }
+                Some(rows)
             }
             Smoothing::None => None,
         };
-        Self {
+        Some(Self {
             points: points.to_vec(),
             topology: driver.topology().clone(),
             limit,
-        }
+        })
     }
 
     /// Where the points lie on the driver's faces.

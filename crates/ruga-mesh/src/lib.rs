@@ -52,7 +52,9 @@ pub use error::MeshError;
 pub use geodesic::edge_distances;
 pub use geometry::{face_normals, vertex_areas, vertex_normals};
 pub use ids::{EdgeId, FaceId, Id, PerEdge, PerElement, PerFace, PerVertex, VertexId};
-pub use loop_subdivision::{FaceOrigin, LimitRows, Subdivision, limit_rows, subdivide};
+pub use loop_subdivision::{
+    FaceOrigin, LimitRows, Subdivision, limit_rows, subdivide, subdivide_while,
+};
 pub use loop_surface::{LimitPointRows, LoopSurface};
 pub use planar_lookup::{PlanarLookup, barycentric};
 pub use sparse_rows::SparseRows;

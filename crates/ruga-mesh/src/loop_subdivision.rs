@@ -72,6 +72,32 @@ pub struct LimitRows {
 /// When `corners` has not one entry per vertex, or the result would have more than
 /// [`TriMesh::MAX_COUNT`] faces: each level makes four of one.
 pub fn subdivide(mesh: &TriMesh, levels: u32, corners: &PerVertex<bool>) -> Subdivision {
+    subdivide_while(mesh, levels, corners, &mut || true).expect("nothing ends it early")
+}
+
+/// Subdivides like [`subdivide`], as long as `goes_on`, which is asked after every level, agrees;
+/// `None` when it does not.
+///
+/// # Panics
+/// As [`subdivide`].
+pub fn subdivide_while(
+    mesh: &TriMesh,
+    levels: u32,
+    corners: &PerVertex<bool>,
+    goes_on: &mut dyn FnMut() -> bool,
+) -> Option<Subdivision> {
+    let mut result = undivided(mesh, levels, corners);
+    for _ in 0..levels {
+        result = subdivide_once(&result);
+        if !goes_on() {
+            return None;
+        }
+    }
+    Some(result)
+}
+
+/// The mesh as it is before it is subdivided `levels` times.
+fn undivided(mesh: &TriMesh, levels: u32, corners: &PerVertex<bool>) -> Subdivision {
     assert_eq!(
         corners.len(),
         mesh.vertex_count(),
@@ -83,7 +109,7 @@ pub fn subdivide(mesh: &TriMesh, levels: u32, corners: &PerVertex<bool>) -> Subd
         mesh.face_count()
     );
     let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let mut result = Subdivision {
+    Subdivision {
         mesh: mesh.clone(),
         fine_from_coarse: SparseRows::identity(mesh.vertex_count()),
         origins: mesh
@@ -95,11 +121,7 @@ pub fn subdivide(mesh: &TriMesh, levels: u32, corners: &PerVertex<bool>) -> Subd
             })
             .collect(),
         corners: corners.clone(),
-    };
-    for _ in 0..levels {
-        result = subdivide_once(&result);
     }
-    result
 }
 
 /// Whether a mesh may be subdivided so often: told before memory for it is asked for.

@@ -80,6 +80,17 @@ impl LimitPointRows {
             .collect()
     }
 
+    /// Appends the rows of further points of the same surface.
+    pub fn append(&mut self, other: &Self) {
+        self.position.append(&other.position);
+        for (rows, further) in self.first.iter_mut().zip(&other.first) {
+            rows.append(further);
+        }
+        for (rows, further) in self.second.iter_mut().zip(&other.second) {
+            rows.append(further);
+        }
+    }
+
     fn push(&mut self, vertices: &[u32], weights: &Matrix6xX<f64>, terms: &mut Vec<(u32, f64)>) {
         let [u, v] = &mut self.first;
         let [uu, uv, vv] = &mut self.second;

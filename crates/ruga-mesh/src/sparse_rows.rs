@@ -52,6 +52,15 @@ impl SparseRows {
         self.starts.push(self.columns.len());
     }
 
+    /// Appends the rows of another map of the same input.
+    pub fn append(&mut self, other: &Self) {
+        let before = self.columns.len();
+        self.columns.extend_from_slice(&other.columns);
+        self.weights.extend_from_slice(&other.weights);
+        let starts = other.starts[1..].iter();
+        self.starts.extend(starts.map(|start| before + start));
+    }
+
     /// Number of rows.
     pub fn row_count(&self) -> usize {
         self.starts.len() - 1

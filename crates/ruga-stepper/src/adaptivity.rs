@@ -67,18 +67,24 @@ pub(crate) struct MeshWishes {
 
 impl MeshWishes {
     /// What the surfaces `below` ask of the region; `None` where meshes are to stay uniform.
+    ///
+    /// # Errors
+    /// [`Halt::Interrupted`] when the observer asks for it between the steps.
     pub(crate) fn new(
         driver: &Driver,
         (layer, wrinkling): (&LayerSpec, &Wrinkling),
         region: &RegionMesh,
         below: &[BelowSurface],
         (modelling, points): (&Modelling, f64),
-    ) -> Result<Option<Self>, StepperError> {
+        preparing: &mut Preparing<'_>,
+    ) -> Result<Option<Self>, Halt> {
         let Some(limits) = modelling.remesh else {
             return Ok(None);
         };
         let properties = SkinProperties::new(layer, wrinkling, None, driver, &region.skin)?;
+        preparing.step()?;
         let drivers = face_drivers(layer.material.poisson, &properties, &region.skin, below);
+        preparing.step()?;
         let waves = properties.vertices.iter();
         let waves = waves.map(|local| local.wrinkling.wavelength);
         let across = waves.clone().fold(f64::MAX, f64::min) / points;

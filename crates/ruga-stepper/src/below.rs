@@ -68,8 +68,8 @@ pub(crate) fn surface_below(
     control: &[Vector3<f64>],
     lower: &[LowerLayer<'_>],
 ) -> BelowSurface {
-    let on_driver = skin.points.pose(control).positions;
     let mut middle = skin.points.pose(control);
+    let on_driver = middle.positions.clone();
     let mut distance = vec![seat.offset; middle.positions.len()];
     // What an upper one of them covers is its surface; where it is not, that of the next lower one.
     for lower in lower {

@@ -124,9 +124,13 @@ impl Layer {
         // A mesh may be fitted so coarsely that all of it is border, which is held.
         let adapted =
             adapted.filter(|skin| skin.mesh.border_vertices().as_slice().contains(&false));
-        let to_region = |skin: &SkinMesh| Interpolation::new(skin, &region.skin);
-        let interpolation = adapted.as_ref().map(to_region);
-        preparing.step()?;
+        let interpolation = match &adapted {
+            Some(skin) => Some(
+                preparing
+                    .while_wanted(|goes_on| Interpolation::new(skin, &region.skin, goes_on))?,
+            ),
+            None => None,
+        };
         let skin = adapted.unwrap_or_else(|| region.skin.clone());
         let rest = &skin.rest;
         let pinned = skin.mesh.border_vertices();
@@ -177,6 +181,7 @@ impl Layer {
             Some(centres) => centres,
             None => row_centres(spec, &properties, &skin, &free)?,
         };
+        preparing.step()?;
         let shares = ReliefShares::new(driver, spec, wrinkling, (&skin, &region.skin))?;
         preparing.step()?;
         let low_pass = low_pass_rows(
@@ -353,14 +358,18 @@ impl Layer {
     }
 
     /// Takes over how `other`, the same layer on another mesh, deviates from the surface below;
-    /// both are on the same one, and no layer moves together with them.
-    pub(crate) fn take_shape(&mut self, other: &Layer) {
-        let interpolation = Interpolation::new(&other.skin, &self.skin);
+    /// both are on the same one, and no layer moves together with them. False as soon as `goes_on`
+    /// says no.
+    pub(crate) fn take_shape(&mut self, other: &Layer, goes_on: &mut dyn FnMut() -> bool) -> bool {
+        let Some(interpolation) = Interpolation::new(&other.skin, &self.skin, goes_on) else {
+            return false;
+        };
         let deviations = interpolation.apply(&other.deviations());
         for v in &self.free {
             let i = v.index();
             self.positions[i] = self.base[i] + deviations[i];
         }
+        true
     }
 
     /// Way from the surface below to every vertex, m.

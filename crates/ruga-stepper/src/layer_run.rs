@@ -10,6 +10,7 @@ use ruga_solver::{
 use crate::below::BelowSurface;
 use crate::layer::{Layer, LayerState};
 use crate::measure::waviness;
+use crate::preparing::Preparing;
 use crate::skin_energy::UpperShell;
 use crate::skin_mesh::SkinMesh;
 use crate::{LayerPlan, LayerReport, Modelling, Observer, Phase, Progress, StepperError};
@@ -341,9 +342,15 @@ impl<'a> LayerRun<'a> {
         let mut kept = self.layer.state();
         let mut onset = None;
         while let Some(trial) = stepper.next_trial() {
-            observer.phase(self.index, Phase::Sampling);
-            let (below, share) = course.below(self.layer.skin(), trial.load);
-            self.layer.set_below(below, share)?;
+            let sampled = {
+                let mut preparing = Preparing::new(observer, self.index, Phase::Sampling);
+                let (below, share) = course.below(self.layer.skin(), trial.load);
+                self.layer.set_below(below, share)?;
+                preparing.goes_on()
+            };
+            if !sampled {
+                return Ok(Ending::Interrupted);
+            }
             observer.phase(self.index, Phase::Integration);
             let shown = course.shown(trial.load);
             let at_saddle = if self.is_probe(trial) {

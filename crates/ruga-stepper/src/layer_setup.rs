@@ -9,10 +9,13 @@ use crate::low_pass_rows::RowCentre;
 use crate::preparing::Preparing;
 use crate::simulate::StackRun;
 use crate::skin_mesh::{RegionMesh, SkinMesh};
-use crate::{Observer, Phase, StepperError};
+use crate::{Observer, Phase};
 
 /// Edges longer than asked for by less than this factor are not worth a word.
 const WORTH_TELLING: f64 = 1.1;
+
+/// What lies below a mesh.
+pub(crate) type BelowOf<'a> = Box<dyn Fn(&SkinMesh) -> BelowSurface + 'a>;
 
 impl<'a> StackRun<'a> {
     /// Builds layer number `index`, its mesh fitted to each of what may lie `below`, its
@@ -20,23 +23,27 @@ impl<'a> StackRun<'a> {
     pub(crate) fn build(
         &self,
         index: usize,
-        below: &dyn Fn(&SkinMesh) -> Vec<BelowSurface>,
+        below: &[BelowOf<'_>],
         observer: &mut dyn Observer,
     ) -> Result<LayerRun<'a>, Halt> {
         let (driver, modelling) = (&self.plan.driver, &self.plan.modelling);
         let mut preparing = Preparing::new(observer, index, Phase::Sampling);
         let layer = &self.plan.poses[self.pose].layers[index];
-        let surface = self.plan.layer_surface(layer);
-        preparing.step()?;
+        let surface = preparing.while_wanted(|goes_on| self.plan.layer_surface(layer, goes_on))?;
         let offset = self.plan.stacking.seats[index].offset;
         let spec = &self.plan.stacking.specs[index];
-        let region = RegionMesh::new(driver, &surface, spec, modelling.smoothing, offset)?;
+        let on = (&surface, modelling.smoothing, offset);
+        let region = RegionMesh::new(driver, spec, on, &mut || preparing.goes_on())?;
         preparing.enter(Phase::Remeshing)?;
-        let surfaces = below(&region.skin);
+        let mut surfaces = Vec::with_capacity(below.len());
+        for below in below {
+            surfaces.push(below(&region.skin));
+            preparing.step()?;
+        }
+        let wishes = self.wishes(index, &region, &surfaces, &mut preparing)?;
         preparing.step()?;
-        let wishes = self.wishes(index, &region, &surfaces)?;
-        preparing.step()?;
-        self.build_on(index, (region, wishes), None, below, &mut preparing)
+        let last = below.last().expect("a pose has a key");
+        self.build_on(index, (region, wishes), None, last, &mut preparing)
     }
 
     /// What layer number `index` asks of the mesh of its region.
@@ -45,14 +52,15 @@ impl<'a> StackRun<'a> {
         index: usize,
         region: &RegionMesh,
         below: &[BelowSurface],
-    ) -> Result<Option<MeshWishes>, StepperError> {
-        let layer = (
-            &self.plan.stacking.specs[index],
-            &self.plan.stacking.simulated[index],
+        preparing: &mut Preparing<'_>,
+    ) -> Result<Option<MeshWishes>, Halt> {
+        let plan = self.plan;
+        let layer = (&plan.stacking.specs[index], &plan.stacking.simulated[index]);
+        let how = (
+            &plan.modelling,
+            plan.modelling.points_of(index, plan.meshes()),
         );
-        let modelling = &self.plan.modelling;
-        let points = modelling.points_of(index, self.plan.meshes());
-        MeshWishes::new(&self.plan.driver, layer, region, below, (modelling, points))
+        MeshWishes::new(&plan.driver, layer, region, below, how, preparing)
     }
 
     /// The same on a region whose mesh is there already and is to become what `wishes` ask for, its
@@ -62,7 +70,7 @@ impl<'a> StackRun<'a> {
         index: usize,
         (region, wishes): (RegionMesh, Option<MeshWishes>),
         centres: Option<Vec<RowCentre>>,
-        below: &dyn Fn(&SkinMesh) -> Vec<BelowSurface>,
+        below: &BelowOf<'_>,
         preparing: &mut Preparing<'_>,
     ) -> Result<LayerRun<'a>, Halt> {
         let plan = self.plan;
@@ -90,12 +98,10 @@ impl<'a> StackRun<'a> {
             preparing,
         )?;
         preparing.step()?;
-        let mut is_measured = true;
-        if let Some(last) = below(layer.skin()).pop() {
-            preparing.step()?;
-            is_measured = layer.calibrate_bending(last)?;
-            preparing.step()?;
-        }
+        let surface = below(layer.skin());
+        preparing.step()?;
+        let is_measured = layer.calibrate_bending(surface)?;
+        preparing.step()?;
         let mut run = LayerRun::new(
             index,
             layer,
@@ -124,7 +130,7 @@ impl<'a> StackRun<'a> {
     pub(crate) fn refitted(
         &self,
         mut run: LayerRun<'a>,
-        below: &dyn Fn(&SkinMesh) -> BelowSurface,
+        below: &BelowOf<'_>,
         observer: &mut dyn Observer,
     ) -> Result<LayerRun<'a>, Halt> {
         let index = run.index;
@@ -132,7 +138,7 @@ impl<'a> StackRun<'a> {
         let region = run.layer.region();
         let surface = below(&region.skin);
         preparing.step()?;
-        let wishes = self.wishes(index, region, &[surface])?;
+        let wishes = self.wishes(index, region, &[surface], &mut preparing)?;
         preparing.step()?;
         if wishes
             .as_ref()
@@ -143,12 +149,14 @@ impl<'a> StackRun<'a> {
         run.layer.set_below(below(run.layer.skin()), 1.0)?;
         let region = run.layer.region().clone();
         let centres = Some(run.layer.row_centres().to_vec());
-        let surfaces = |skin: &SkinMesh| vec![below(skin)];
         let wanted = (region, wishes);
-        let mut fitted = self.build_on(index, wanted, centres, &surfaces, &mut preparing)?;
+        let mut fitted = self.build_on(index, wanted, centres, below, &mut preparing)?;
         preparing.enter(Phase::Remeshing)?;
         fitted.layer.set_below(below(fitted.layer.skin()), 1.0)?;
-        fitted.layer.take_shape(&run.layer);
+        preparing.while_wanted(|goes_on| {
+            let is_taken = fitted.layer.take_shape(&run.layer, goes_on);
+            is_taken.then_some(())
+        })?;
         fitted.take_history(run);
         Ok(fitted)
     }

@@ -45,12 +45,8 @@ impl SkinProperties {
                 faces: PerFace::filled(faces, everywhere),
             });
         }
-        let painted = |uv: &Vector2<f64>| spec.map.as_ref().map(|map| map.sample(uv));
         let rest = &skin.rest.positions;
-        let places = skin.points.points().iter().zip(rest);
-        let relative: Vec<RelativeProperties> = places
-            .map(|(place, x)| uneven(spec, painted(&uv(driver, place)).unwrap_or_default(), x))
-            .collect();
+        let relative = relative_at_vertices(spec, driver, skin);
         let local = |relative: &RelativeProperties| -> Result<LocalSkin, StepperError> {
             let mut local = local_skin(spec, relative)?;
             if let Some(tie) = tie {
@@ -65,7 +61,7 @@ impl SkinProperties {
         for (face, inside) in &skin.beside {
             let corners = skin.mesh.faces()[*face].map(|v| rest[v.index()]);
             let centre = corners.iter().sum::<Vector3<f64>>() / 3.0;
-            of_faces[*face] = uneven(spec, painted(inside).unwrap_or_default(), &centre);
+            of_faces[*face] = uneven(spec, painted(spec, inside), &centre);
         }
         Ok(Self {
             faces: of_faces
@@ -76,6 +72,43 @@ impl SkinProperties {
             vertices: relative.iter().map(local).collect::<Result<_, _>>()?,
         })
     }
+}
+
+/// The layer's wavelength (m) at the vertices of a mesh.
+///
+/// # Errors
+/// [`StepperError::Material`].
+pub(crate) fn wavelengths_at_vertices(
+    spec: &LayerSpec,
+    nominal: &Wrinkling,
+    driver: &Driver,
+    skin: &SkinMesh,
+) -> Result<Vec<f64>, StepperError> {
+    if spec.map.is_none() && spec.variation.is_none() {
+        return Ok(vec![nominal.wavelength; skin.mesh.vertex_count()]);
+    }
+    let relative = relative_at_vertices(spec, driver, skin).into_iter();
+    relative
+        .map(|relative| Ok(local_skin(spec, &relative)?.wrinkling.wavelength))
+        .collect()
+}
+
+/// What the layer's map and its variation say at the vertices of a mesh.
+fn relative_at_vertices(
+    spec: &LayerSpec,
+    driver: &Driver,
+    skin: &SkinMesh,
+) -> Vec<RelativeProperties> {
+    let places = skin.points.points().iter().zip(&skin.rest.positions);
+    places
+        .map(|(place, x)| uneven(spec, painted(spec, &uv(driver, place)), x))
+        .collect()
+}
+
+/// What the layer's map says at a texture coordinate.
+fn painted(spec: &LayerSpec, uv: &Vector2<f64>) -> RelativeProperties {
+    let sample = spec.map.as_ref().map(|map| map.sample(uv));
+    sample.unwrap_or_default()
 }
 
 /// How the layer wrinkles on a face with these corners in the texture and at rest.
@@ -152,6 +185,7 @@ mod tests {
     use ruga_remesh::{FaceDriver, Refinement, RemeshSettings};
 
     use super::*;
+    use crate::error::Halt;
     use crate::skin_mesh::{MeshDemand, RegionMesh};
     use crate::{Coupling, Presence, Sampling};
 
@@ -226,7 +260,11 @@ mod tests {
     fn region(driver: &Driver, layer: &LayerSpec) -> Result<RegionMesh, StepperError> {
         let faces: Vec<FaceId> = driver.topology().faces().ids().collect();
         let base = BaseSurface::new(driver, &faces, 2, Smoothing::None);
-        RegionMesh::new(driver, &base, layer, Smoothing::None, 0.0)
+        let on = (&base, Smoothing::None, 0.0);
+        RegionMesh::new(driver, layer, on, &mut || true).map_err(|halt| match halt {
+            Halt::Failed(error) => error,
+            Halt::Interrupted => unreachable!("nothing ends it early"),
+        })
     }
 
     /// A mesh of edges `length` (m), the region's own being some 0.03 long.

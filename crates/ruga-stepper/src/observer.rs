@@ -33,8 +33,8 @@ pub struct Preparation {
     pub layer: usize,
     /// What is being done.
     pub phase: Phase,
-    /// Steps done since the preparation began, from 1. How many there will be is not known: about
-    /// twenty.
+    /// Steps done since the preparation of the layer or of a load step began, from 1. How many there
+    /// will be is not known: about thirty.
     pub step: usize,
 }
 
@@ -57,8 +57,9 @@ pub trait Observer {
         let _ = (layer, phase);
     }
 
-    /// A step of the preparation of a layer ends, up to about half a second after the last one;
-    /// `false` asks to stop as soon as possible.
+    /// A step of the preparation of a layer ends, a small part of a second after the last one, or
+    /// where it has some hundred thousand triangles up to two seconds; `false` asks to stop as soon
+    /// as possible.
     fn preparing(&mut self, preparation: Preparation) -> bool {
         let _ = preparation;
         true

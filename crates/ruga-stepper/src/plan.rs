@@ -96,12 +96,18 @@ impl Plan {
         self.stacking.meshes()
     }
 
-    /// The part of the base surface that `layer` is simulated on, at its resolution.
-    pub(crate) fn layer_surface(&self, layer: &LayerPlan) -> BaseSurface {
+    /// The part of the base surface that `layer` is simulated on, at its resolution; `None` as soon as
+    /// `goes_on` says no.
+    pub(crate) fn layer_surface(
+        &self,
+        layer: &LayerPlan,
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> Option<BaseSurface> {
         let mut coarse: Vec<FaceId> = layer.region.iter().map(|f| self.whole_face(*f)).collect();
         coarse.dedup();
         let smoothing = self.modelling.smoothing;
-        let whole = BaseSurface::new(&self.driver, &coarse, layer.levels, smoothing);
+        let driver = &self.driver;
+        let whole = BaseSurface::new_while(driver, &coarse, layer.levels, smoothing, goes_on)?;
         // Faces larger than the region's are taken when any part of them is in it.
         let level = self.planning_levels.min(layer.levels);
         let shift = 2 * (self.planning_levels - level);
@@ -109,7 +115,7 @@ impl Plan {
         region.dedup();
         let wanted = |face: &FaceId| region.binary_search(&whole.ancestor(*face, level)).is_ok();
         let faces: Vec<FaceId> = whole.mesh().faces().ids().filter(wanted).collect();
-        whole.restrict(&faces)
+        goes_on().then(|| whole.restrict(&faces))
     }
 
     /// Refuses maps with sharp boundaries that the layers' meshes cannot follow.
@@ -124,7 +130,9 @@ impl Plan {
                     other.levels == layer.levels && other.region == layer.region
                 };
                 if !layer.region.is_empty() && !checked.iter().any(is_same) {
-                    check_boundaries(&self.driver, &self.layer_surface(layer), spec)?;
+                    let surface = self.layer_surface(layer, &mut || true);
+                    let surface = surface.expect("nothing ends it early");
+                    check_boundaries(&self.driver, &surface, spec)?;
                     checked.push(layer);
                 }
             }

@@ -45,6 +45,18 @@ impl<'o> Preparing<'o> {
         }
     }
 
+    /// What `work` makes, which asks between its steps whether to go on and makes nothing once the
+    /// answer was no.
+    ///
+    /// # Errors
+    /// [`Halt::Interrupted`] when the observer asks for it.
+    pub(crate) fn while_wanted<T>(
+        &mut self,
+        work: impl FnOnce(&mut dyn FnMut() -> bool) -> Option<T>,
+    ) -> Result<T, Halt> {
+        work(&mut || self.goes_on()).ok_or(Halt::Interrupted)
+    }
+
     /// A step of the phase is done; false when the observer asks to stop.
     pub(crate) fn goes_on(&mut self) -> bool {
         self.steps += 1;

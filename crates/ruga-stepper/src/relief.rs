@@ -7,7 +7,7 @@ use ruga_material::Wrinkling;
 use crate::cover::is_on_border;
 use crate::fading::faded_from;
 use crate::layer::turn_between;
-use crate::local_skin::{SkinProperties, uv};
+use crate::local_skin::{uv, wavelengths_at_vertices};
 use crate::skin_mesh::SkinMesh;
 use crate::{LayerSpec, StepperError};
 
@@ -66,8 +66,8 @@ pub(crate) fn relief_shares(
         .collect();
     let mut shares = vec![spec.presence.strength; points.len()];
     if is_cut.contains(&true) {
-        let properties = SkinProperties::new(spec, nominal, None, driver, skin)?;
-        let reach = |i: usize| FADE * properties.vertices[i].wrinkling.wavelength;
+        let wavelengths = wavelengths_at_vertices(spec, nominal, driver, skin)?;
+        let reach = |i: usize| FADE * wavelengths[i];
         let faded = faded_from(&skin.mesh, &skin.rest.positions, &is_cut, reach);
         for (share, faded) in shares.iter_mut().zip(faded) {
             *share *= faded;

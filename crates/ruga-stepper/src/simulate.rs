@@ -9,6 +9,7 @@ use crate::cover::Covers;
 use crate::embedded::simulate_body;
 use crate::error::Halt;
 use crate::layer_run::{Course, Ending, LayerRun};
+use crate::layer_setup::BelowOf;
 use crate::skin_mesh::SkinMesh;
 use crate::{
     Frame, KeyResult, LayerReport, LoadPath, Observer, Phase, Plan, PoseResult, PoseSpec,
@@ -137,12 +138,11 @@ impl<'a> StackRun<'a> {
         };
         let keys = self.spec().keys.iter();
         let keys: Vec<_> = keys.map(|&key| self.control(key)).collect();
-        let below = |skin: &SkinMesh| -> Vec<BelowSurface> {
-            let seat = self.plan.stacking.seats[lowest];
-            let keys = keys.iter();
-            keys.map(|control| surface_below(&self.plan.driver, skin, seat, control, &[]))
-                .collect()
+        let (driver, seat) = (&self.plan.driver, self.plan.stacking.seats[lowest]);
+        let at_key = |control: Vec<Vector3<f64>>| -> BelowOf<'_> {
+            Box::new(move |skin| surface_below(driver, skin, seat, &control, &[]))
         };
+        let below: Vec<BelowOf<'_>> = keys.into_iter().map(at_key).collect();
         let made = self.build(lowest, &below, observer);
         let Some(mut run) = Halt::unless_interrupted(made)? else {
             self.result.converged = false;

@@ -18,6 +18,7 @@ use ruga_remesh::{
 use crate::boundary_cut::{
     Cut, Piece, TooManyCrossings, blend, check_crossings, cut_along, faces_beside,
 };
+use crate::error::Halt;
 use crate::facet_address::{FacetAddresses, Piece as Facets};
 use crate::{LayerSpec, StepperError};
 
@@ -34,6 +35,9 @@ const ROUNDS: [f64; 3] = [2.0, 1.0, 1.0];
 
 /// Edges over those asked for that a fitted mesh may have here and there.
 const TOO_LONG: f64 = 1.5;
+
+/// Places found, or interpolated at, between two questions whether to go on.
+const PLACES_AT_A_TIME: usize = 20_000;
 
 /// A triangle mesh whose vertices are material points of the driver.
 #[derive(Clone, Debug)]
@@ -75,15 +79,15 @@ impl Mark {
 }
 
 impl SkinMesh {
-    /// At rest `offset` above the driver.
+    /// At rest `offset` above the driver; `None` as soon as `goes_on` says no.
     fn new(
         driver: &Driver,
-        mesh: TriMesh,
-        points: &[MaterialPoint],
+        (mesh, points): (TriMesh, &[MaterialPoint]),
         smoothing: Smoothing,
         offset: f64,
-    ) -> Self {
-        let points = SurfacePoints::new(driver, points, smoothing);
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> Option<Self> {
+        let points = SurfacePoints::new_while(driver, points, smoothing, goes_on)?;
         let on_driver = Self {
             rest: points.pose(driver.rest()),
             mesh,
@@ -91,7 +95,7 @@ impl SkinMesh {
             beside: Vec::new(),
             identity: Identity::default(),
         };
-        on_driver.lifted(offset)
+        Some(on_driver.lifted(offset))
     }
 
     /// At rest so much higher.
@@ -198,14 +202,14 @@ impl RegionMesh {
     /// The region of `base` that `layer` covers, at rest `offset` above the driver.
     ///
     /// # Errors
-    /// [`StepperError::TooManyBoundaries`].
+    /// [`StepperError::TooManyBoundaries`]; [`Halt::Interrupted`] as soon as `goes_on`, which is
+    /// asked between the steps, says no.
     pub(crate) fn new(
         driver: &Driver,
-        base: &BaseSurface,
         layer: &LayerSpec,
-        smoothing: Smoothing,
-        offset: f64,
-    ) -> Result<Self, StepperError> {
+        (base, smoothing, offset): (&BaseSurface, Smoothing, f64),
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> Result<Self, Halt> {
         let piece = piece_of(base);
         let Cut { piece, features } = match sharp_map(layer) {
             None => Cut::none(piece),
@@ -221,7 +225,8 @@ impl RegionMesh {
         let beside = beside
             .map(|(face, weights)| (face, blend(&uvs[face.index()], weights)))
             .collect();
-        let skin = SkinMesh::new(driver, mesh, &points, smoothing, 0.0);
+        let skin = SkinMesh::new(driver, (mesh, &points), smoothing, 0.0, goes_on);
+        let skin = skin.ok_or(Halt::Interrupted)?;
         let addresses = FacetAddresses::new(
             driver,
             &Facets {
@@ -287,6 +292,9 @@ impl RegionMesh {
             sizing: wanted,
             coarseness,
         } = self.wanted(demand, settings)?;
+        if !goes_on() {
+            return Ok(None);
+        }
         let settings = RemeshSettings {
             limits: SizeLimits {
                 min_edge: 0.0,
@@ -298,29 +306,33 @@ impl RegionMesh {
         };
         let mut made = start;
         for round in ROUNDS {
+            let sizing = self.sizing_at(&made.points, &wanted, round * coarseness);
+            made = remesh(&made, &sizing, &surface, &settings)?.mesh;
             if !goes_on() {
                 return Ok(None);
             }
-            let sizing = self.sizing_at(&made.points, &wanted, round * coarseness);
-            made = remesh(&made, &sizing, &surface, &settings)?.mesh;
-        }
-        if !goes_on() {
-            return Ok(None);
         }
         let on_driver = |point: &MaterialPoint| self.origins[point.face].place(point.barycentric);
         let points: Vec<MaterialPoint> = made.points.as_slice().iter().map(on_driver).collect();
         let beside = self.beside(&made);
-        let skin = SkinMesh::new(driver, made.mesh, &points, self.smoothing, self.offset);
-        let skin = SkinMesh { beside, ..skin };
-        Ok(Some(Adapted { skin, coarseness }))
+        let places = (made.mesh, points.as_slice());
+        let skin = SkinMesh::new(driver, places, self.smoothing, self.offset, goes_on);
+        Ok(skin.map(|skin| Adapted {
+            skin: SkinMesh { beside, ..skin },
+            coarseness,
+        }))
     }
 
     /// The faces of a fitted mesh beside features, each with a texture coordinate inside: that of the
     /// place of this mesh below, because a fitted face may lie across a seam.
     fn beside(&self, fitted: &SurfaceMesh) -> Vec<(FaceId, Vector2<f64>)> {
+        let faces = faces_beside(&fitted.mesh, &fitted.features);
+        if faces.is_empty() {
+            return Vec::new();
+        }
         let lookup = SurfaceLookup::new(&self.skin.mesh, &self.skin.rest.positions);
-        let faces = faces_beside(&fitted.mesh, &fitted.features).into_iter();
         faces
+            .into_iter()
             .map(|(face, weights)| {
                 let corners = fitted.mesh.faces()[face];
                 let weighted = corners.iter().zip(weights);
@@ -447,15 +459,28 @@ pub(crate) struct Interpolation {
 }
 
 impl Interpolation {
-    /// How values at the vertices of one mesh become values at those of another, of the same skin.
-    pub(crate) fn new(from: &SkinMesh, to: &SkinMesh) -> Self {
-        let places = places_on(from, to);
+    /// How values at the vertices of one mesh become values at those of another, of the same skin;
+    /// `None` as soon as `goes_on` says no.
+    pub(crate) fn new(
+        from: &SkinMesh,
+        to: &SkinMesh,
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> Option<Self> {
+        let places = places_on(from, to, goes_on)?;
         let corners = PerVertex::filled(from.mesh.vertex_count(), false);
-        Self {
-            at_vertices: limit_rows(&from.mesh, &corners).position,
-            at_places: LoopSurface::new(&from.mesh, &corners).position_rows(&places),
-            places,
+        let surface = LoopSurface::new(&from.mesh, &corners);
+        let mut at_places = SparseRows::default();
+        for chunk in places.chunks(PLACES_AT_A_TIME) {
+            at_places.append(&surface.position_rows(chunk));
+            if !goes_on() {
+                return None;
+            }
         }
+        Some(Self {
+            at_vertices: limit_rows(&from.mesh, &corners).position,
+            at_places,
+            places,
+        })
     }
 
     /// Where on the one mesh the vertices of the other are.
@@ -486,12 +511,18 @@ pub(crate) fn through_vertices(
 
 /// The place of `layer` under every vertex of `region`, both at rest.
 ///
-/// Found from neighbour to neighbour along the region, so that parts that touch are not confused.
-fn places_on(layer: &SkinMesh, region: &SkinMesh) -> Vec<MaterialPoint> {
+/// Found from neighbour to neighbour along the region, so that parts that touch are not confused;
+/// `None` as soon as `goes_on` says no.
+fn places_on(
+    layer: &SkinMesh,
+    region: &SkinMesh,
+    goes_on: &mut dyn FnMut() -> bool,
+) -> Option<Vec<MaterialPoint>> {
     let lookup = SurfaceLookup::new(&layer.mesh, &layer.rest.positions);
     let mesh = &region.mesh;
     let mut places: PerVertex<Option<MaterialPoint>> = PerVertex::filled(mesh.vertex_count(), None);
     let mut queue = VecDeque::new();
+    let mut visited = 0;
     for seed in places.ids().collect::<Vec<_>>() {
         if places[seed].is_some() {
             continue;
@@ -501,6 +532,10 @@ fn places_on(layer: &SkinMesh, region: &SkinMesh) -> Vec<MaterialPoint> {
             .map(|found| found.point);
         queue.push_back(seed);
         while let Some(vertex) = queue.pop_front() {
+            visited += 1;
+            if visited % PLACES_AT_A_TIME == 0 && !goes_on() {
+                return None;
+            }
             let Some(near) = places[vertex] else { continue };
             for &face in mesh.vertex_faces(vertex) {
                 for next in mesh.faces()[face] {
@@ -514,7 +549,7 @@ fn places_on(layer: &SkinMesh, region: &SkinMesh) -> Vec<MaterialPoint> {
     }
     let anywhere = MaterialPoint::at_corner(FaceId(0), 0);
     let found = places.into_vec().into_iter();
-    found.map(|place| place.unwrap_or(anywhere)).collect()
+    Some(found.map(|place| place.unwrap_or(anywhere)).collect())
 }
 
 fn place_near(

@@ -57,7 +57,8 @@ pub(crate) fn region(driver: &Driver, levels: u32, offset: f64) -> RegionMesh {
 /// Some faces of a driver as the mesh that a layer's results are handed out on.
 pub(crate) fn region_of(driver: &Driver, faces: &[FaceId], levels: u32, offset: f64) -> RegionMesh {
     let base = BaseSurface::new(driver, faces, levels, Smoothing::Loop);
-    let region = RegionMesh::new(driver, &base, &knuckle(), Smoothing::Loop, offset);
+    let on = (&base, Smoothing::Loop, offset);
+    let region = RegionMesh::new(driver, &knuckle(), on, &mut || true);
     region.expect("a plain layer")
 }
 

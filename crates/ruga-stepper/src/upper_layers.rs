@@ -8,6 +8,7 @@ use crate::below::{BelowSurface, LowerLayer, as_shown, surface_below};
 use crate::cover::Covers;
 use crate::error::Halt;
 use crate::layer_run::{Course, Ending, LayerRun};
+use crate::layer_setup::BelowOf;
 use crate::simulate::{Place, StackRun};
 use crate::skin_mesh::SkinMesh;
 use crate::{LayerSurface, Observer, Phase, StepperError};
@@ -78,7 +79,9 @@ impl<'a> StackRun<'a> {
     ) -> Result<(LayerRun<'a>, Ending), Halt> {
         let seat = self.plan.stacking.seats[index];
         let last = self.upper[index].take();
-        let below = |skin: &SkinMesh| surface_below(&self.plan.driver, skin, seat, control, lower);
+        let driver = &self.plan.driver;
+        let below: BelowOf<'_> =
+            Box::new(move |skin| surface_below(driver, skin, seat, control, lower));
         let mut history = None;
         if let Some(last) = last {
             let before = last.layer.demand();
@@ -89,7 +92,7 @@ impl<'a> StackRun<'a> {
                 ending => return Ok((run, ending)),
             }
         }
-        let mut run = self.build(index, &|skin| vec![below(skin)], observer)?;
+        let mut run = self.build(index, std::slice::from_ref(&below), observer)?;
         if let Some(history) = history {
             run.take_history(history);
         }

@@ -17,9 +17,9 @@ pub(super) fn meshes(
 ) -> Result<(RegionMesh, Option<SkinMesh>), Halt> {
     let (driver, modelling) = (&plan.driver, &plan.modelling);
     let (spec, wrinkling) = (&plan.stacking.specs[0], &plan.stacking.simulated[0]);
-    let base = plan.layer_surface(layer);
-    preparing.step()?;
-    let region = RegionMesh::new(driver, &base, spec, modelling.smoothing, 0.0)?;
+    let base = preparing.while_wanted(|goes_on| plan.layer_surface(layer, goes_on))?;
+    let on = (&base, modelling.smoothing, 0.0);
+    let region = RegionMesh::new(driver, spec, on, &mut || preparing.goes_on())?;
     let Some(limits) = modelling.remesh else {
         return Ok((region, None));
     };

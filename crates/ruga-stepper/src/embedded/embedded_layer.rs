@@ -81,9 +81,13 @@ impl<'p> EmbeddedLayer<'p> {
         let (spec, wrinkling) = (&plan.stacking.specs[0], &plan.stacking.simulated[0]);
         let (region, fitted) = meshes(plan, &plan.poses[pose].layers[0], preparing)?;
         preparing.step()?;
-        let interpolation = fitted
-            .as_ref()
-            .map(|skin| Interpolation::new(skin, &region.skin));
+        let interpolation = match &fitted {
+            Some(skin) => Some(
+                preparing
+                    .while_wanted(|goes_on| Interpolation::new(skin, &region.skin, goes_on))?,
+            ),
+            None => None,
+        };
         let skin = fitted.unwrap_or_else(|| region.skin.clone());
         let properties = SkinProperties::new(spec, wrinkling, None, driver, &skin)?;
         let made_of = (&properties, modelling.bending);
