@@ -2,6 +2,7 @@
 //! skins on meshes from files.
 
 mod base;
+pub mod baselines;
 pub mod body;
 mod film;
 mod film_objective;

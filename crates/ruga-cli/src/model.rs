@@ -10,8 +10,8 @@ use ruga_material::{
     Variation, VariationField, WavelengthModel, Wrap, design_layer, preset, wrinkling,
 };
 use ruga_stepper::{
-    Coupling, Dynamics, EdgeLimits, LayerSpec, LinearSolver, Modelling, PoseSpec, Presence, Region,
-    Sampling, Stack,
+    Coupling, Dynamics, EdgeLimits, LayerSpec, Modelling, PoseSpec, Presence, Region, Sampling,
+    Stack,
 };
 
 use crate::arguments::Quality;
@@ -322,10 +322,6 @@ pub(crate) fn modelling(scene: &Scene, region: Region, quality: Option<Quality>)
         smoothing: match scene.driver.smoothing {
             scene::Smoothing::Loop => Smoothing::Loop,
             scene::Smoothing::None => Smoothing::None,
-        },
-        linear: match scene.solver.linear {
-            scene::LinearSolver::Ldlt => LinearSolver::Ldlt,
-            scene::LinearSolver::Minres => LinearSolver::minres(),
         },
         tolerance: scene.solver.tolerance,
         seed: scene.solver.seed,

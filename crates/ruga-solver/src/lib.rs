@@ -90,7 +90,7 @@ mod ordering;
 mod permuted_system;
 mod residual_descent;
 
-pub use newton::minimise;
+pub use newton::{Minimise, minimise};
 pub use objective::Objective;
 
 pub use kkt::{FactorCost, Inertia, Kkt};

@@ -42,6 +42,16 @@ const LEAST: f64 = 1e-3;
 const SADDLE_DECREMENT: f64 = 1e-3;
 const SADDLE_ITERATIONS: usize = 5;
 
+/// Signature of [`minimise`], for callers that let another method take its place.
+pub type Minimise = fn(
+    &dyn Objective,
+    &[f64],
+    &mut [f64],
+    &mut Kkt,
+    &NewtonSettings,
+    &mut dyn FnMut(&Iteration) -> bool,
+) -> Result<SolveReport, SolverError>;
+
 /// Minimises `objective` subject to `H x = rhs`, starting from `x` and leaving the result there.
 ///
 /// `H` is [`kkt.rows()`](Kkt::rows). `x` may start infeasible: the first step restores the

@@ -15,7 +15,7 @@ use ruga_material::{CAP_START, Wrinkling, capped_strain};
 use ruga_mesh::{FaceId, Id, PerFace, VertexId};
 use ruga_shell::{BendingModel, FaceParameters, LayerParameters, ShellError};
 use ruga_solver::{
-    Iteration, Kkt, LowerPattern, NewtonSettings, SolveReport, SolverError, minimise,
+    Iteration, Kkt, LowerPattern, Minimise, NewtonSettings, SolveReport, SolverError,
 };
 
 use self::demand::{green_strain, offered};
@@ -405,11 +405,11 @@ impl Layer {
     pub(crate) fn step_in_time(
         &mut self,
         start: &[Vector3<f64>],
-        settings: &NewtonSettings,
+        how: (Minimise, &NewtonSettings),
         keep_going: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Result<SolveReport, SolverError> {
         let inertia = self.motion.as_ref().map(|motion| motion.inertia(start));
-        let report = self.minimise_with(inertia.as_ref(), settings, keep_going)?;
+        let report = self.minimise_with(inertia.as_ref(), how, keep_going)?;
         if let Some(motion) = &mut self.motion {
             motion.moved(start, &self.positions);
         }
@@ -419,16 +419,16 @@ impl Layer {
     /// Finds the equilibrium near the present positions and moves there.
     pub(crate) fn minimise(
         &mut self,
-        settings: &NewtonSettings,
+        how: (Minimise, &NewtonSettings),
         keep_going: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Result<SolveReport, SolverError> {
-        self.minimise_with(None, settings, keep_going)
+        self.minimise_with(None, how, keep_going)
     }
 
     fn minimise_with(
         &mut self,
         inertia: Option<&Inertia>,
-        settings: &NewtonSettings,
+        (minimise, settings): (Minimise, &NewtonSettings),
         keep_going: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Result<SolveReport, SolverError> {
         // A row asks for the same average of the layer as of the surface below.

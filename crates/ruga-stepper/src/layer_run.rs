@@ -48,8 +48,10 @@ pub(crate) const SLOWLY_LESS: f64 = 0.97;
 /// Amplitude below which a layer counts as flat, in thicknesses.
 pub(crate) const LEAST_AMPLITUDE: f64 = 0.01;
 
-/// What a user of MINRES should know, and one of [`Descent::Residual`](crate::Descent::Residual).
-const MISSING_INERTIA: &str = "linear = \"minres\" cannot tell a wrinkled state from an unstable flat one; compare with \"ldlt\"";
+/// What is told of a solve whose method says nothing about stability, and of one that ended on a
+/// saddle: [`Modelling::minimise`] may be such a method.
+const MISSING_INERTIA: &str =
+    "the solver cannot tell a wrinkled state from an unstable flat one; compare with the default";
 const UNSTABLE: &str = "forces are in balance, but the state is an unstable one";
 
 /// What a solve that converged leaves open about a layer that may wrinkle.
@@ -313,7 +315,6 @@ impl<'a> LayerRun<'a> {
     /// Whether the layer is in equilibrium, a stable one as far as the linear solver can tell.
     fn rests(&mut self) -> Result<bool, StepperError> {
         let settings = NewtonSettings {
-            linear: self.modelling.linear,
             at_saddle: AtSaddle::Stop,
             max_iterations: 1,
             energy_tolerance: AT_REST,
@@ -321,7 +322,8 @@ impl<'a> LayerRun<'a> {
             ..NewtonSettings::default()
         };
         let state = self.layer.state();
-        let solve = self.layer.minimise(&settings, &mut |_| true);
+        let how = (self.modelling.minimise, &settings);
+        let solve = self.layer.minimise(how, &mut |_| true);
         let solve = solve.map_err(|source| self.solver_error(source))?;
         self.report.factorizations += solve.factorizations;
         self.layer.restore(&state)?;
@@ -412,8 +414,6 @@ impl<'a> LayerRun<'a> {
         observer: &mut dyn Observer,
     ) -> Result<SolveReport, StepperError> {
         let settings = NewtonSettings {
-            linear: self.modelling.linear,
-            descent: self.modelling.descent,
             at_saddle,
             energy_tolerance: match pace {
                 Pace::Result => SETTLED,
@@ -437,9 +437,10 @@ impl<'a> LayerRun<'a> {
             })
         };
         let layer = &mut self.layer;
+        let how = (self.modelling.minimise, &settings);
         let solve = match start {
-            None => layer.minimise(&settings, &mut keep_going),
-            Some(start) => layer.step_in_time(start, &settings, &mut keep_going),
+            None => layer.minimise(how, &mut keep_going),
+            Some(start) => layer.step_in_time(start, how, &mut keep_going),
         };
         let solve = solve.map_err(|source| self.solver_error(source))?;
         if solve.converged && solve.first_relaxation > 0.0 && self.layer.demand() > 1.0 {

@@ -142,4 +142,4 @@ pub use error::StepperError;
 pub use ruga_constraint::Sampling;
 pub use ruga_lattice::{LatticeError, Shape as CellShape, SolidMaterial};
 pub use ruga_shell::BendingModel;
-pub use ruga_solver::{Descent, LinearSolver, StopRule};
+pub use ruga_solver::StopRule;

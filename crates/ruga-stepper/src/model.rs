@@ -7,7 +7,7 @@ use ruga_blend::{Smoothing, Weights};
 use ruga_constraint::Sampling;
 use ruga_material::{LayerMaterial, PropertyMap, Substrate, VariationField, WavelengthModel};
 use ruga_shell::BendingModel;
-use ruga_solver::{Descent, LinearSolver};
+use ruga_solver::{Minimise, minimise};
 
 use crate::validation::check_mask;
 use crate::{Motion, StepperError};
@@ -317,11 +317,9 @@ pub struct Modelling {
     pub smoothing: Smoothing,
     /// What the bending energy is made up of.
     pub bending: BendingModel,
-    /// How linear systems are solved.
-    pub linear: LinearSolver,
-    /// What has to fall in every Newton step. The papers' residual finds no onset, and any state of
-    /// balance is as good to it as a stable one; such a one is warned of.
-    pub descent: Descent,
+    /// Method that finds an equilibrium; [`ruga_solver::minimise`], unless methods are compared. States
+    /// that another one does not call stable are warned of.
+    pub minimise: Minimise,
     /// Relative residual at which a solve may stop, in (0, 1).
     pub tolerance: f64,
     /// Seed of the initial noise.
@@ -353,8 +351,7 @@ impl Default for Modelling {
             dynamics: None,
             smoothing: Smoothing::Loop,
             bending: BendingModel::VertexCurvature,
-            linear: LinearSolver::Ldlt,
-            descent: Descent::Energy,
+            minimise,
             tolerance: 1e-6,
             seed: 1,
         }

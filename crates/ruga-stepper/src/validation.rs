@@ -7,7 +7,6 @@ use std::fmt::Display;
 use std::ops::RangeInclusive;
 
 use ruga_blend::Driver;
-use ruga_solver::LinearSolver;
 
 use crate::{EdgeLimits, LayerSpec, Modelling, PoseSpec, StepperError};
 
@@ -174,7 +173,6 @@ fn check_choices(modelling: &Modelling, points: &RangeInclusive<f64>) -> Checked
         return refuse(of, "tolerance", tolerance, "a number in (0, 1)");
     }
     modelling.remesh.as_ref().map_or(Ok(()), check_edges)?;
-    check_linear(modelling.linear)?;
     let Some(dynamics) = modelling.dynamics else {
         return Ok(());
     };
@@ -209,22 +207,4 @@ fn check_edges(limits: &EdgeLimits) -> Checked {
         return refuse(of, "remesh.aspect", aspect, "a finite number from 1");
     }
     Ok(())
-}
-
-fn check_linear(linear: LinearSolver) -> Checked {
-    let of = "modelling";
-    let LinearSolver::Minres {
-        tolerance,
-        max_iterations,
-    } = linear
-    else {
-        return Ok(());
-    };
-    if !(tolerance > 0.0 && tolerance < 1.0) {
-        return refuse(of, "linear.tolerance", tolerance, "a number in (0, 1)");
-    }
-    match max_iterations {
-        0 => refuse(of, "linear.max_iterations", 0, "a number from 1"),
-        _ => Ok(()),
-    }
 }

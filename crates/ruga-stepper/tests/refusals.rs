@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use patch::{draft, driver, pose, skin};
 use ruga_blend::Driver;
 use ruga_stepper::{
-    Coupling, Dynamics, EdgeLimits, LayerSpec, LinearSolver, Mask, Modelling, Motion, Plan,
-    PoseSpec, Silent, StepperError, plan,
+    Coupling, Dynamics, EdgeLimits, LayerSpec, Mask, Modelling, Motion, Plan, PoseSpec, Silent,
+    StepperError, plan,
 };
 
 /// A refusal is a look at numbers and takes microseconds; the work that some of these values asked
@@ -122,14 +122,6 @@ fn modelling_without_meaning_is_refused_at_once() {
         ..draft()
     };
     assert_modelling_refused(&budget, "vertex_budget", "0");
-    let minres = Modelling {
-        linear: LinearSolver::Minres {
-            tolerance: 1e-8,
-            max_iterations: 0,
-        },
-        ..draft()
-    };
-    assert_modelling_refused(&minres, "linear.max_iterations", "0");
     let moving = |time_step: f64, damping: f64| Modelling {
         dynamics: Some(Dynamics { time_step, damping }),
         ..draft()

@@ -7,9 +7,10 @@ use std::sync::Arc;
 use nalgebra::{Vector2, Vector3};
 use patch::{draft, driver, pose, skin};
 use ruga_blend::{ArtistMesh, BlendShape, Driver};
+use ruga_solver::{SolveReport, minimise};
 use ruga_stepper::{
-    Coupling, Frame, LinearSolver, Modelling, Observer, Phase, PoseResult, Preparation, Progress,
-    Silent, StepperError, plan,
+    Coupling, Frame, Modelling, Observer, Phase, PoseResult, Preparation, Progress, Silent,
+    StepperError, plan,
 };
 
 fn run(coupling: Coupling, modelling: &Modelling, observer: &mut dyn Observer) -> PoseResult {
@@ -160,17 +161,20 @@ fn a_run_can_be_ended_at_every_step_of_its_preparation() {
 }
 
 #[test]
-fn minres_says_that_it_cannot_tell_saddles() {
+fn states_of_a_method_that_knows_no_inertia_are_warned_of() {
     let modelling = Modelling {
-        linear: LinearSolver::Minres {
-            tolerance: 1e-4,
-            max_iterations: 200,
+        minimise: |objective, rhs, x, kkt, settings, keep_going| {
+            let report = minimise(objective, rhs, x, kkt, settings, keep_going)?;
+            Ok(SolveReport {
+                inertia: None,
+                ..report
+            })
         },
         ..draft()
     };
     let result = run(Coupling::Hybrid, &modelling, &mut Silent);
     assert!(
-        result.warnings.iter().any(|w| w.contains("minres")),
+        result.warnings.iter().any(|w| w.contains("cannot tell")),
         "{:?}",
         result.warnings
     );

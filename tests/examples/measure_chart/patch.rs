@@ -140,7 +140,7 @@ fn modelling(request: &Request) -> Modelling {
                 ..EdgeLimits::default()
             }),
         bending: request.bending.model(),
-        linear: request.solver.kind(),
+        minimise: request.solver.minimise(),
         seed: request.seed,
         ..Modelling::default()
     }

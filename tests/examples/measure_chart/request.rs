@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use ruga_constraint::Sampling;
-use ruga_solver::LinearSolver;
+use ruga_solver::{LinearSolver, Minimise, minimise};
 use ruga_stepper::{BendingModel, EdgeLimits};
 use ruga_tests::FilmCoupling;
+use ruga_tests::baselines::by_minres;
 use serde::{Deserialize, Serialize};
 
 /// Spacing of hard rows in wavelengths: a hex lattice then lets the wavelength itself through.
@@ -156,6 +157,14 @@ impl Solver {
         match self {
             Self::Ldlt => LinearSolver::Ldlt,
             Self::Minres => LinearSolver::minres(),
+        }
+    }
+
+    /// The method of a simulation with it.
+    pub(crate) fn minimise(self) -> Minimise {
+        match self {
+            Self::Ldlt => minimise,
+            Self::Minres => by_minres,
         }
     }
 }

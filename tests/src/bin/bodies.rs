@@ -8,7 +8,8 @@
 
 use std::error::Error;
 
-use ruga_stepper::{CellShape, Coupling, Descent, LinearSolver};
+use ruga_solver::minimise;
+use ruga_stepper::{CellShape, Coupling};
 use ruga_tests::body::{
     CellLimit, Cushion, Extent, Isocontour, Row, Size, artefact, cell_limit, coupling_name, dense,
     is_compared, isocontours, locality, sizes,
@@ -51,8 +52,7 @@ fn print_thrown(extent: Extent) -> Result<(), Box<dyn Error>> {
                 Extent::Full => 1000,
                 Extent::Quick => 50,
             },
-            descent: Descent::Energy,
-            linear: LinearSolver::Ldlt,
+            minimise,
         };
         let own = cushion.throw()?;
         let line = json!({

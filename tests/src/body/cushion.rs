@@ -9,10 +9,11 @@ use ruga_io::{ObjOptions, read_mesh};
 use ruga_material::{
     LayerMaterial, MaterialError, Substrate, WavelengthModel, Wrinkling, wrinkling,
 };
+use ruga_solver::Minimise;
 use ruga_stepper::{
-    Body, CellShape, ComputedMesh, Coupling, Descent, Dynamics, EdgeLimits, Frame, Keyframe,
-    LayerReport, LinearSolver, Modelling, Motion, Observer, Obstacle, ObstacleShape, Phase, Plan,
-    PoseResult, PoseSpec, Progress, Region, SolidMaterial, plan_body,
+    Body, CellShape, ComputedMesh, Coupling, Dynamics, EdgeLimits, Frame, Keyframe, LayerReport,
+    Modelling, Motion, Observer, Obstacle, ObstacleShape, Phase, Plan, PoseResult, PoseSpec,
+    Progress, Region, SolidMaterial, plan_body,
 };
 
 use super::slab::skin_of;
@@ -56,10 +57,8 @@ pub struct Cushion {
     pub time_step: f64,
     /// Steps in time.
     pub steps: u32,
-    /// What has to fall in every Newton step.
-    pub descent: Descent,
-    /// How linear systems are solved.
-    pub linear: LinearSolver,
+    /// Method that finds the end of every step in time.
+    pub minimise: Minimise,
 }
 
 /// What became of it.
@@ -246,8 +245,7 @@ impl Cushion {
             smoothing: Smoothing::None,
             region: Region::All,
             remesh: Some(EdgeLimits::default()),
-            linear: self.linear,
-            descent: self.descent,
+            minimise: self.minimise,
             dynamics: Some(Dynamics {
                 time_step: self.time_step,
                 damping: 0.5,

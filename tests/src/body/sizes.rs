@@ -9,9 +9,8 @@ use ruga_blend::Driver;
 use ruga_lattice::{Filling, Lattice, LatticeEnergy, LatticeSpec};
 use ruga_material::{LayerMaterial, Wrinkling};
 use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters};
-use ruga_stepper::{
-    Body, CellShape, ComputedMesh, Coupling, Descent, LayerReport, LinearSolver, Modelling, Motion,
-};
+use ruga_solver::minimise;
+use ruga_stepper::{Body, CellShape, ComputedMesh, Coupling, LayerReport, Modelling, Motion};
 
 use super::locality::bend;
 use super::stopwatch::Stopwatch;
@@ -264,8 +263,7 @@ impl SizedBody {
             coupling: Coupling::Hybrid,
             time_step: TIME_STEP,
             steps: STEPS,
-            descent: Descent::Energy,
-            linear: LinearSolver::Ldlt,
+            minimise,
         };
         let thrown = cushion.throw()?;
         Ok(Run {
@@ -306,9 +304,8 @@ impl SizedBody {
         };
         let theory = slab.theory()?;
         let motion = motion(STRAIN * theory.critical_strain, free, size.z);
-        let how = (Descent::Energy, LinearSolver::Ldlt);
         let mut watch = Stopwatch::new();
-        let run = slab.simulate_before(how, vec![motion], (&[1.0], STEPS), &mut watch)?;
+        let run = slab.simulate_before(minimise, vec![motion], (&[1.0], STEPS), &mut watch)?;
         Ok(Run {
             driver: slab.driver()?,
             body: slab.body(),

@@ -9,10 +9,11 @@ use ruga_blend::{ArtistMesh, Driver, Smoothing};
 use ruga_material::{
     LayerMaterial, MaterialError, Substrate, WavelengthModel, Wrinkling, wrinkling,
 };
+use ruga_solver::{Minimise, minimise};
 use ruga_stepper::{
-    Body, CellShape, ComputedMesh, Coupling, Descent, EdgeLimits, Handle, Keyframe, LayerReport,
-    LayerSpec, LinearSolver, Mask, Modelling, Motion, Observer, PoseSpec, Presence, Region,
-    Sampling, Silent, SolidMaterial, plan_body,
+    Body, CellShape, ComputedMesh, Coupling, EdgeLimits, Handle, Keyframe, LayerReport, LayerSpec,
+    Mask, Modelling, Motion, Observer, PoseSpec, Presence, Region, Sampling, Silent, SolidMaterial,
+    plan_body,
 };
 
 use super::Sheet;
@@ -111,30 +112,26 @@ impl Slab {
     /// # Errors
     /// Whatever the simulator refuses.
     pub fn simulate(&self, motions: Vec<Motion>, keys: &[f64]) -> Result<SlabRun, Box<dyn Error>> {
-        self.simulate_by(
-            (Descent::Energy, LinearSolver::Ldlt),
-            motions,
-            (keys, STEPS),
-        )
+        self.simulate_by(minimise, motions, (keys, STEPS))
     }
 
-    /// The same with another way to solve, in so many load steps.
+    /// [`simulate`](Self::simulate) by another method, in so many load steps.
     ///
     /// # Errors
     /// Whatever the simulator refuses.
     pub fn simulate_by(
         &self,
-        (descent, linear): (Descent, LinearSolver),
+        minimise: Minimise,
         motions: Vec<Motion>,
         (keys, steps): (&[f64], u32),
     ) -> Result<SlabRun, Box<dyn Error>> {
-        self.simulate_before((descent, linear), motions, (keys, steps), &mut Silent)
+        self.simulate_before(minimise, motions, (keys, steps), &mut Silent)
     }
 
     /// The same before the eyes of somebody, who may want every load step as a result.
     pub(super) fn simulate_before(
         &self,
-        (descent, linear): (Descent, LinearSolver),
+        minimise: Minimise,
         motions: Vec<Motion>,
         (keys, steps): (&[f64], u32),
         observer: &mut dyn Observer,
@@ -142,8 +139,7 @@ impl Slab {
         let start = Instant::now();
         let driver = self.driver()?;
         let modelling = Modelling {
-            descent,
-            linear,
+            minimise,
             ..self.modelling()
         };
         let pose = PoseSpec {

@@ -334,9 +334,6 @@ impl FuzzScene {
                 "mode = \"dynamic\"\ntime_step = {step:e}\ndamping = {damping}"
             );
         }
-        if chance.one_in(6) {
-            table += "linear = \"minres\"\n";
-        }
         if chance.one_in(4) {
             let _ = writeln!(
                 table,

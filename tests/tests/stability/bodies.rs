@@ -2,21 +2,14 @@
 //! knows given surfaces alone.
 
 use nalgebra::Vector3;
-use ruga_stepper::{CellShape, Coupling, Descent, LinearSolver};
+use ruga_solver::{Minimise, minimise};
+use ruga_stepper::{CellShape, Coupling};
+use ruga_tests::baselines::{by_minres, by_residual, by_residual_and_minres};
 use ruga_tests::body::{Cushion, Slab, SlabRun, Thrown, push};
 use ruga_tests::{Finding, table_line};
 
-type Method = (Descent, LinearSolver);
-
-const RUGA: Method = (Descent::Energy, LinearSolver::Ldlt);
-const RESIDUAL: Method = (Descent::Residual, LinearSolver::Ldlt);
-
-fn minres(descent: Descent) -> Method {
-    (descent, LinearSolver::minres())
-}
-
 /// Thrown for 0.15 s: it falls, lands, and the ball comes down on it.
-fn thrown((descent, linear): Method, time_step: f64) -> Thrown {
+fn thrown(minimise: Minimise, time_step: f64) -> Thrown {
     let cushion = Cushion {
         scale: 1.0,
         thickness: 1.2e-3,
@@ -26,8 +19,7 @@ fn thrown((descent, linear): Method, time_step: f64) -> Thrown {
         coupling: Coupling::Hybrid,
         time_step,
         steps: (0.15 / time_step).round() as u32,
-        descent,
-        linear,
+        minimise,
     };
     let thrown = cushion.throw().expect("a body that can be simulated");
     assert!(thrown.outside < 0.02, "{}", thrown.outside);
@@ -42,7 +34,7 @@ fn thrown((descent, linear): Method, time_step: f64) -> Thrown {
 fn t19_thrown() {
     let test = "T19 cushion dropped and pressed, dt .005 to .05 s";
     let time_steps = [0.005, 0.02, 0.05];
-    let ours = time_steps.map(|step| thrown(RUGA, step));
+    let ours = time_steps.map(|step| thrown(minimise, step));
     let iterations =
         |runs: &[&Thrown]| -> usize { runs.iter().map(|run| run.report.newton_iterations).sum() };
     let same = |ours: &Thrown, theirs: &Thrown| {
@@ -56,7 +48,7 @@ fn t19_thrown() {
         let energy = theirs.report.energy / ours.report.energy - 1.0;
         assert!(energy.abs() < 1e-3, "{energy}");
     };
-    let residual = time_steps.map(|step| thrown(RESIDUAL, step));
+    let residual = time_steps.map(|step| thrown(by_residual, step));
     for (ours, theirs) in ours.iter().zip(&residual) {
         same(ours, theirs);
     }
@@ -66,11 +58,12 @@ fn t19_thrown() {
     let numbers = format!("the same motion in {times:.1} times as many Newton steps");
     table_line(test, "papers: residual merit", Finding::Holds, &numbers);
 
-    for (descent, method, least) in [
-        (Descent::Energy, "papers: MINRES", 0.5),
-        (Descent::Residual, "papers: both", 1.8),
-    ] {
-        let iterated = thrown(minres(descent), time_steps[2]);
+    let methods: [(Minimise, _, _); 2] = [
+        (by_minres, "papers: MINRES", 0.5),
+        (by_residual_and_minres, "papers: both", 1.8),
+    ];
+    for (minimise, method, least) in methods {
+        let iterated = thrown(minimise, time_steps[2]);
         same(&ours[2], &iterated);
         let times = iterations(&[&iterated]) as f64 / iterations(&[&ours[2]]) as f64;
         assert!(times > least, "{times}");
@@ -87,7 +80,7 @@ fn t19_thrown() {
 }
 
 /// A slab pushed together to about two critical strains, and its amplitude in skin thicknesses.
-fn pushed((descent, linear): Method, steps: u32) -> (SlabRun, f64) {
+fn pushed(minimise: Minimise, steps: u32) -> (SlabRun, f64) {
     let mut slab = Slab {
         size: Vector3::repeat(1.0),
         cells: 5,
@@ -110,7 +103,7 @@ fn pushed((descent, linear): Method, steps: u32) -> (SlabRun, f64) {
     // Of three cells between the handles, which hold a part of them too.
     let way = 0.5 * 2.0 * 3.0 * theory.critical_strain * cell;
     let motions = vec![push("left", way), push("right", -way)];
-    let run = slab.simulate_by((descent, linear), motions, (&[1.0], steps));
+    let run = slab.simulate_by(minimise, motions, (&[1.0], steps));
     let run = run.expect("an equilibrium");
     assert!(run.converged, "{:?}", run.warnings);
     let amplitude = run.report.amplitude / slab.thickness;
@@ -123,20 +116,21 @@ fn pushed((descent, linear): Method, steps: u32) -> (SlabRun, f64) {
 fn t19_pushed() {
     let test = "T19 slab pushed past the onset in 1 step and in 8";
     let says = |run: &SlabRun, what: &str| run.warnings.iter().any(|w| w.contains(what));
-    let arrived = |method: Method| [1, 8].map(|steps| pushed(method, steps));
+    let arrived = |minimise: Minimise| [1, 8].map(|steps| pushed(minimise, steps));
     let iterations =
         |runs: &[(SlabRun, f64); 2]| runs.each_ref().map(|(run, _)| run.report.newton_iterations);
 
-    let ours = arrived(RUGA);
+    let ours = arrived(minimise);
     let [jump, slow] = ours.each_ref().map(|(_, amplitude)| *amplitude);
     assert!((jump / slow - 1.0).abs() < 2e-3, "{jump} {slow}");
     assert!(ours.iter().all(|(run, _)| run.warnings.is_empty()));
 
-    for (method, name, warning) in [
-        (RESIDUAL, "papers: residual merit", "unstable one"),
-        (minres(Descent::Residual), "papers: both", "cannot tell"),
-    ] {
-        let low = arrived(method).map(|(run, amplitude)| {
+    let methods: [(Minimise, _, _); 2] = [
+        (by_residual, "papers: residual merit", "unstable one"),
+        (by_residual_and_minres, "papers: both", "cannot tell"),
+    ];
+    for (minimise, name, warning) in methods {
+        let low = arrived(minimise).map(|(run, amplitude)| {
             assert!(says(&run, warning), "{:?}", run.warnings);
             let share = amplitude / slow;
             assert!((0.85..0.98).contains(&share), "{share}");
@@ -146,7 +140,7 @@ fn t19_pushed() {
         table_line(test, name, Finding::Warns, &numbers);
     }
 
-    let iterated = arrived(minres(Descent::Energy));
+    let iterated = arrived(by_minres);
     for (run, amplitude) in &iterated {
         assert!(says(run, "cannot tell"), "{:?}", run.warnings);
         assert!((amplitude / slow - 1.0).abs() < 0.02, "{amplitude} {slow}");

@@ -26,9 +26,7 @@ pub use interior::{
 };
 pub use names::{is_usable_file_name, usable_file_name};
 pub use reference::{Key, Table, reference};
-pub use settings::{
-    Bake, Frame, LinearSolver, MapFormat, MapKind, NormalY, Remesh, Solver, SolverMode,
-};
+pub use settings::{Bake, Frame, MapFormat, MapKind, NormalY, Remesh, Solver, SolverMode};
 pub use skin::{
     Coupling, Layer, LayerDefinition, PropertyMap, Sampling, Substrate, SubstrateDefinition,
     WavelengthModel, Wrap,

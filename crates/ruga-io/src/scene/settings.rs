@@ -9,8 +9,6 @@ use serde::{Deserialize, Serialize};
 pub struct Solver {
     /// Equilibria or motion.
     pub mode: SolverMode,
-    /// The linear solver inside Newton's iteration.
-    pub linear: LinearSolver,
     /// Step of the motion, s.
     pub time_step: f64,
     /// Damping of the motion, 1/s.
@@ -25,7 +23,6 @@ impl Default for Solver {
     fn default() -> Self {
         Self {
             mode: SolverMode::Static,
-            linear: LinearSolver::Ldlt,
             time_step: 0.02,
             damping: 0.5,
             tolerance: 1e-6,
@@ -43,17 +40,6 @@ pub enum SolverMode {
     Static,
     /// Implicit Euler with mass and damping.
     Dynamic,
-}
-
-/// The linear solver inside Newton's iteration.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum LinearSolver {
-    /// Direct factorization.
-    #[default]
-    Ldlt,
-    /// Iterative, for comparison.
-    Minres,
 }
 
 /// `[remesh]`: how the layers' meshes are fitted to what a pose asks for.

@@ -5,6 +5,13 @@ use std::ops::Range;
 use super::reference::{Table, reference};
 use crate::error::nearest;
 
+/// Keys that scenes had in earlier versions: table, key, and what holds now.
+const GONE: [(&str, &str, &str); 1] = [(
+    "solver",
+    "linear",
+    "linear systems are always solved by direct LDL^T factorisation; leave the key out",
+)];
+
 /// A key that its table does not have.
 pub(super) struct UnknownKey {
     key: String,
@@ -38,6 +45,10 @@ impl UnknownKey {
     /// Where the key belongs, or which keys its table has.
     pub(super) fn reason(&self) -> String {
         let table = &self.tables[self.place];
+        if let Some(now) = self.gone() {
+            let header = quoted_header(table);
+            return format!("`{}` is no longer a key of {header}: {now}", self.key);
+        }
         let headers: Vec<String> = self.homes().map(quoted_header).collect();
         let known = format!("`{}` is not a key of {}", self.key, quoted_header(table));
         if !headers.is_empty() {
@@ -49,7 +60,7 @@ impl UnknownKey {
 
     /// The key with nearly this name, here or else with its table elsewhere.
     pub(super) fn suggestion(&self) -> Option<String> {
-        if self.homes().next().is_some() {
+        if self.gone().is_some() || self.homes().next().is_some() {
             return None;
         }
         let names = |table: &Table| table.keys.iter().map(|k| k.name).collect::<Vec<_>>();
@@ -60,6 +71,14 @@ impl UnknownKey {
             // The message puts backticks around the whole.
             Some(format!("{name}` in `{}", home.header))
         })
+    }
+
+    /// What holds instead of a key of an earlier version.
+    fn gone(&self) -> Option<&'static str> {
+        let path = self.tables[self.place].path;
+        let mut keys = GONE.iter();
+        let found = keys.find(|(table, key, _)| *table == path && *key == self.key);
+        found.map(|(_, _, now)| *now)
     }
 
     fn homes(&self) -> impl Iterator<Item = &Table> {

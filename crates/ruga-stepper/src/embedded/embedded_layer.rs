@@ -9,7 +9,7 @@ use ruga_blend::{FaceStrain, face_strains};
 use ruga_lattice::Embedding;
 use ruga_material::Wrinkling;
 use ruga_mesh::{FaceId, Id, PerFace};
-use ruga_solver::{Iteration, Kkt, NewtonSettings, SolveReport, SolverError, minimise};
+use ruga_solver::{Iteration, Kkt, Minimise, NewtonSettings, SolveReport, SolverError};
 
 use super::body_mesh::meshes;
 use super::contact::Contact;
@@ -235,7 +235,7 @@ impl<'p> EmbeddedLayer<'p> {
     pub(crate) fn minimise(
         &mut self,
         inertia: Option<BodyInertia>,
-        settings: &NewtonSettings,
+        (minimise, settings): (Minimise, &NewtonSettings),
         keep_going: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Result<SolveReport, SolverError> {
         if self.turned() > AS_BEFORE {

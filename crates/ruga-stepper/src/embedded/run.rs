@@ -319,8 +319,6 @@ impl<'a> BodyRun<'a> {
         observer: &mut dyn Observer,
     ) -> Result<SolveReport, StepperError> {
         let settings = NewtonSettings {
-            linear: self.modelling.linear,
-            descent: self.modelling.descent,
             at_saddle,
             energy_tolerance: match pace {
                 Pace::Result => SETTLED,
@@ -343,7 +341,8 @@ impl<'a> BodyRun<'a> {
                 vertices,
             })
         };
-        let solve = self.layer.minimise(inertia, &settings, &mut keep_going);
+        let how = (self.modelling.minimise, &settings);
+        let solve = self.layer.minimise(inertia, how, &mut keep_going);
         let solve = solve.map_err(|source| self.layer.solver_error(source))?;
         if solve.converged && solve.first_relaxation > 0.0 {
             self.relaxation = solve.first_relaxation;

@@ -9,7 +9,7 @@ use ruga_blend::{ArtistMesh, BlendShape, Driver, Smoothing};
 use ruga_lattice::{Shape, SolidMaterial};
 use ruga_material::{LayerMaterial, Substrate, WavelengthModel};
 use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters};
-use ruga_solver::{NewtonSettings, Objective};
+use ruga_solver::{NewtonSettings, Objective, minimise};
 
 use super::embedded_layer::EmbeddedLayer;
 use super::handles::Moves;
@@ -371,7 +371,7 @@ fn step(layer: &mut EmbeddedLayer<'_>, driver: &Driver, dynamics: Dynamics) {
         energy_tolerance: 1e-12,
         ..NewtonSettings::default()
     };
-    let solve = layer.minimise(Some(inertia), &settings, &mut |_| true);
+    let solve = layer.minimise(Some(inertia), (minimise, &settings), &mut |_| true);
     assert!(solve.expect("a solvable step").converged);
     layer.take_velocities(&before, dynamics.time_step);
 }
