@@ -9,8 +9,8 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use nalgebra::Vector3;
-use ruga_io::scene::{MapFormat, MapKind};
 use ruga_io::{Image, PngTexels, map_file, read_image, write_png};
+use ruga_io::{MapFormat, MapKind};
 
 use crate::light::{Light, skin, texel};
 use crate::repository::{Outcome, root};

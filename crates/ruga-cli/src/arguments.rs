@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use ruga_scene::SceneOptions;
 
 use crate::templates::Template;
 
@@ -119,6 +120,16 @@ pub(crate) struct RunArguments {
     /// Poses worked on at a time; the results do not depend on it [default: one per core].
     #[arg(long, value_name = "N", help_heading = "Simulation")]
     pub(crate) threads: Option<NonZeroUsize>,
+}
+
+impl RunArguments {
+    /// What is asked of the scene beside what stands in its file.
+    pub(crate) fn scene_options(&self) -> SceneOptions {
+        SceneOptions {
+            poses: self.poses.clone(),
+            points_per_wavelength: self.quality.map(Quality::points_per_wavelength),
+        }
+    }
 }
 
 /// Options of `ruga bake`.

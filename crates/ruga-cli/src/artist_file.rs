@@ -5,7 +5,8 @@ use std::path::Path;
 
 use nalgebra::{Vector3, Vector4};
 use ruga_bake::{TangentFrame, vertex_tangents};
-use ruga_io::{GlbAdditions, MeshFile, WrinkleMap, WrittenGlb, scene, write_glb};
+use ruga_io::{GlbAdditions, MeshFile, WrinkleMap, WrittenGlb, write_glb};
+use ruga_scene::{SceneError, file};
 
 use crate::error::CliError;
 use crate::pose_record::Records;
@@ -24,7 +25,7 @@ pub(crate) fn file_name(mesh: &MeshFile) -> String {
     let usable = names
         .into_iter()
         .flatten()
-        .find(|name| scene::is_usable_file_name(name));
+        .find(|name| file::is_usable_file_name(name));
     usable.unwrap_or("mesh").to_owned()
 }
 
@@ -85,7 +86,7 @@ fn is_written_by_ruga(folder: &Path, name: &str) -> bool {
 /// Writes the mesh with the tangents of its rest shape.
 ///
 /// # Errors
-/// [`CliError::Baking`] and [`CliError::Io`].
+/// [`SceneError::Baking`] and [`CliError::Io`].
 pub(crate) fn write_artist_mesh(
     path: &Path,
     mesh: &MeshFile,
@@ -95,7 +96,7 @@ pub(crate) fn write_artist_mesh(
     let triangles = &mesh.mesh.triangles;
     let vertices = mesh.mesh.positions.len();
     let tangents: Vec<Vector4<f64>> = vertex_tangents(rest, triangles, vertices)
-        .map_err(|source| CliError::Baking {
+        .map_err(|source| SceneError::Baking {
             mesh: mesh.path.clone(),
             pose: "rest".to_owned(),
             source,

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use crate::error::{CliError, counted};
+use ruga_scene::counted;
+
+use crate::error::CliError;
 use crate::messages;
 use crate::pose_inputs::ScenePose;
 use crate::pose_record::{PoseRecord, Records};

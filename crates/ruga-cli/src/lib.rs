@@ -1,7 +1,6 @@
 //! The command `ruga`: command-line arguments go in, maps, meshes and an exit code come out.
 //!
-//! A *project* is a scene with everything that it names, read and converted to what the other
-//! crates understand. A *plan* says what will be simulated in each *pose*. `bake` and `simulate`
+//! A *scene* is read with everything that it names (`ruga-scene`). A *plan* says what will be simulated in each *pose*. `bake` and `simulate`
 //! work on as many poses at a time as there are threads and keep a *record* of each finished pose,
 //! so that an interrupted run can go on where it stopped. Report and manifest are made of all records
 //! in the output folder that fit the scene, so that a run of one pose leaves the others listed; one run
@@ -24,21 +23,12 @@ mod arguments;
 mod commands;
 mod run;
 
-mod body;
-mod mesh_size;
-mod model;
-mod placement;
-mod project;
-mod texture_space;
-
 mod artist_file;
 mod map_files;
 mod moved_mesh;
-mod planned;
 mod pose_queue;
 mod pose_report;
 mod pose_runs;
-mod posed_frames;
 mod summary;
 mod watch;
 
@@ -56,7 +46,6 @@ mod progress;
 mod table;
 mod templates;
 mod warning_groups;
-mod zone_overlap;
 
 mod error;
 

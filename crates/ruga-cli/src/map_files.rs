@@ -5,8 +5,10 @@ use std::path::Path;
 use ruga_bake::{
     HEIGHT_MID, NormalY, height_range, height_to_u16, normal_to_png8, normal_to_png16,
 };
-use ruga_io::scene::{self, MapFormat, MapKind};
-use ruga_io::{ExrTexels, IoError, PngTexels, WrinkleMap, write_exr, write_png};
+use ruga_io::{
+    ExrTexels, IoError, MapFormat, MapKind, PngTexels, WrinkleMap, write_exr, write_png,
+};
+use ruga_scene::file;
 
 use crate::error::CliError;
 
@@ -16,7 +18,7 @@ use crate::error::CliError;
 /// [`IoError::Unwritable`].
 pub(crate) fn write_maps(
     folder: &Path,
-    bake: &scene::Bake,
+    bake: &file::Bake,
     pose: &str,
     key: f64,
     map: &ruga_bake::WrinkleMap,
@@ -33,13 +35,13 @@ pub(crate) fn write_maps(
 
 fn write_normals(
     path: &Path,
-    bake: &scene::Bake,
+    bake: &file::Bake,
     map: &ruga_bake::WrinkleMap,
 ) -> Result<(), IoError> {
     let side = map.size as usize;
     let green = match bake.normal_y {
-        scene::NormalY::Plus => NormalY::Up,
-        scene::NormalY::Minus => NormalY::Down,
+        ruga_io::NormalY::Plus => NormalY::Up,
+        ruga_io::NormalY::Minus => NormalY::Down,
     };
     match bake.format {
         MapFormat::Png8 => {

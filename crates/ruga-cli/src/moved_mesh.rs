@@ -5,11 +5,10 @@ use std::path::Path;
 use nalgebra::Vector3;
 use ruga_io::ObjFrame;
 use ruga_mesh::Id;
+use ruga_scene::{Placement, Scene};
 use ruga_stepper::{KeyResult, PoseSpec};
 
 use crate::error::CliError;
-use crate::placement::Placement;
-use crate::project::Project;
 
 /// Writes the artist's mesh as the body moved it; false for a mesh that only blend shapes move. Vertices
 /// are in the order of a glTF file's; those of an OBJ file are divided at the seams of its texture
@@ -18,7 +17,7 @@ use crate::project::Project;
 /// # Errors
 /// [`CliError::Io`].
 pub(crate) fn write_moved_mesh(
-    project: &Project,
+    scene: &Scene,
     path: &Path,
     pose: &PoseSpec,
     key: &KeyResult,
@@ -26,9 +25,9 @@ pub(crate) fn write_moved_mesh(
     let Some(control) = &key.artist_positions else {
         return Ok(false);
     };
-    let welded = project.driver.welded().iter();
+    let welded = scene.driver.welded().iter();
     let positions: Vec<Vector3<f64>> = welded.map(|welded| control[welded.index()]).collect();
-    let artist = &project.mesh.mesh;
+    let artist = &scene.mesh.mesh;
     let frame = ObjFrame {
         name: &pose.name,
         positions: &positions,
@@ -36,6 +35,6 @@ pub(crate) fn write_moved_mesh(
         uvs: artist.uvs.as_deref().unwrap_or_default(),
         uv_triangles: &artist.triangles,
     };
-    Placement::of(&project.mesh).write_obj(path, &frame)?;
+    Placement::of(&scene.mesh).write_obj(path, &frame)?;
     Ok(true)
 }

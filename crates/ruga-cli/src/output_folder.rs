@@ -4,13 +4,13 @@ use std::fs;
 use std::path::Path;
 
 use ruga_io::{AtomicFile, IoError};
+use ruga_scene::Scene;
 
 use crate::arguments::RunArguments;
 use crate::error::CliError;
 use crate::folder_lock::FolderLock;
 use crate::folder_results::claim;
 use crate::pose_inputs::{ScenePose, scene_poses};
-use crate::project::Project;
 use crate::scene_origin::SceneOrigin;
 
 /// An output folder that this run alone works in.
@@ -31,7 +31,7 @@ impl OutputFolder {
     /// [`CliError::Output`] naming the folder and the cause, [`CliError::Busy`],
     /// [`CliError::OtherScene`].
     pub(crate) fn open(
-        project: &Project,
+        scene: &Scene,
         arguments: &RunArguments,
         command: &str,
     ) -> Result<Self, CliError> {
@@ -39,8 +39,8 @@ impl OutputFolder {
         prepare(path)?;
         let line = format!("ruga {command} {}", arguments.scene.display());
         let lock = FolderLock::take(path, &line)?;
-        let origin = SceneOrigin::of(project, path);
-        let poses = scene_poses(project)?;
+        let origin = SceneOrigin::of(scene, path);
+        let poses = scene_poses(scene)?;
         claim(path, &origin, &poses, arguments.force)?;
         Ok(Self {
             origin,

@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use ruga_io::{IoError, Scene, scene};
+use ruga_io::IoError;
+use ruga_scene::Scene;
+use ruga_scene::file::{self, SceneFile};
 use ruga_stepper::Region;
 
 use crate::error::CliError;
 use crate::fingerprint::Fingerprint;
-use crate::project::Project;
 
 /// A pose of the scene, whether this run simulates it or not.
 #[derive(Clone, Debug)]
@@ -28,11 +29,11 @@ pub(crate) struct ScenePose {
 ///
 /// # Errors
 /// The scene file, a painted map or the mask of a layer has gone.
-pub(crate) fn scene_poses(project: &Project) -> Result<Vec<ScenePose>, CliError> {
-    let shared = shared_inputs(project)?;
-    let shapes: Vec<String> = project.driver.shape_names().map(str::to_owned).collect();
-    let poses = project.scene.poses_or_shapes(&shapes, &project.path)?;
-    let pose = |pose: &scene::Pose| ScenePose {
+pub(crate) fn scene_poses(scene: &Scene) -> Result<Vec<ScenePose>, CliError> {
+    let shared = shared_inputs(scene)?;
+    let shapes: Vec<String> = scene.driver.shape_names().map(str::to_owned).collect();
+    let poses = scene.file.poses_or_shapes(&shapes, &scene.path)?;
+    let pose = |pose: &file::Pose| ScenePose {
         name: pose.name.clone(),
         weights: pose.weights.clone(),
         inputs: shared.with(format!("{pose:?}").as_bytes()),
@@ -41,23 +42,23 @@ pub(crate) fn scene_poses(project: &Project) -> Result<Vec<ScenePose>, CliError>
 }
 
 /// What all poses depend on: release, scene, mesh, masks and painted maps.
-fn shared_inputs(project: &Project) -> Result<Fingerprint, CliError> {
-    let text = String::from_utf8_lossy(&read(&project.path)?).into_owned();
+fn shared_inputs(scene: &Scene) -> Result<Fingerprint, CliError> {
+    let text = String::from_utf8_lossy(&read(&scene.path)?).into_owned();
     // Parsed anew, because the project's scene has paths that depend on where the command was run.
-    let mut scene = Scene::from_toml(&text, &project.path)?;
-    scene.poses.clear();
-    scene.remesh.points_per_wavelength = 0.0;
+    let mut file = SceneFile::from_toml(&text, &scene.path)?;
+    file.poses.clear();
+    file.remesh.points_per_wavelength = 0.0;
     let mut hash = Fingerprint::new()
         .with(env!("CARGO_PKG_VERSION").as_bytes())
-        .with(scene.to_toml().as_bytes())
-        .with_mesh(&project.mesh.mesh)
-        .with_numbers(project.mesh.world_from_node.iter().copied());
-    if let Region::Mask(mask) = &project.modelling.region {
+        .with(file.to_toml().as_bytes())
+        .with_mesh(&scene.mesh.mesh)
+        .with_numbers(scene.mesh.world_from_node.iter().copied());
+    if let Region::Mask(mask) = &scene.modelling.region {
         let shape = [f64::from(mask.width()), f64::from(mask.height())];
         let values = mask.values().iter().map(|&v| f64::from(v));
         hash = hash.with_numbers(shape.into_iter().chain(values));
     }
-    for layer in &project.scene.layers {
+    for layer in &scene.file.layers {
         let painted = layer.map.iter().flat_map(|map| map.images());
         for image in painted.chain(layer.mask.as_deref()) {
             hash = hash.with(&read(image)?);

@@ -5,18 +5,17 @@ use std::thread;
 
 use indicatif::ProgressBar;
 use ruga_io::{Seconds, WrinkleMap};
+use ruga_scene::{Scene, ScenePlan, counted};
 use ruga_stepper::{Frame, PoseResult, PoseSpec};
 
 use crate::arguments::{RunArguments, quality_words};
-use crate::error::{CliError, counted};
+use crate::error::CliError;
 use crate::output_folder::OutputFolder;
-use crate::planned::Planned;
 use crate::pose_inputs::ScenePose;
 use crate::pose_queue::run_all;
 use crate::pose_record::{PoseRecord, Records};
 use crate::pose_report::{ending, pose_report};
 use crate::progress::PoseProgress;
-use crate::project::Project;
 use crate::warning_groups::is_about;
 use crate::watch::Watch;
 
@@ -63,15 +62,15 @@ pub(crate) fn thread_count(arguments: &RunArguments) -> usize {
 /// # Errors
 /// The first pose that cannot be simulated or written.
 pub(crate) fn run_poses<P: Product>(
-    project: &Project,
-    plan: &Planned,
+    scene: &Scene,
+    plan: &ScenePlan,
     arguments: &RunArguments,
     folder: &OutputFolder,
     product: &P,
 ) -> Result<Vec<Option<PoseRecord>>, CliError> {
-    let count = project.poses.len();
+    let count = scene.poses.len();
     let run = PoseRun {
-        project,
+        scene,
         plan,
         arguments,
         folder,
@@ -85,8 +84,8 @@ pub(crate) fn run_poses<P: Product>(
 
 /// What all poses share.
 struct PoseRun<'a, P> {
-    project: &'a Project,
-    plan: &'a Planned,
+    scene: &'a Scene,
+    plan: &'a ScenePlan,
     arguments: &'a RunArguments,
     folder: &'a OutputFolder,
     progress: PoseProgress,
@@ -99,7 +98,7 @@ impl<P: Product> PoseRun<'_, P> {
         index: usize,
         given_up: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<PoseRecord>, CliError> {
-        let spec = &self.project.poses[index];
+        let spec = &self.scene.poses[index];
         if self.arguments.resume
             && let Some(record) = self.resumed(&spec.name)
         {
@@ -165,8 +164,8 @@ impl<P: Product> PoseRun<'_, P> {
         given_up: &(dyn Fn() -> bool + Sync),
         mut earlier: Vec<String>,
     ) -> Result<Option<PoseRecord>, CliError> {
-        let project = self.project;
-        let spec = &project.poses[index];
+        let scene = self.scene;
+        let spec = &scene.poses[index];
         let mut files = Vec::new();
         let mut sink = |frame: &Frame<'_>| {
             files.extend(self.product.frame(spec, frame)?);
@@ -175,7 +174,7 @@ impl<P: Product> PoseRun<'_, P> {
         let mut watch = Watch::new(bar, given_up, P::WANTS_FRAMES, &mut sink);
         let result = self.plan.simulate(index, &mut watch);
         let result = result.map_err(|source| CliError::Simulation {
-            scene: project.path.clone(),
+            scene: scene.path.clone(),
             pose: spec.name.clone(),
             source: Box::new(source),
         })?;
@@ -240,7 +239,7 @@ impl<P: Product> PoseRun<'_, P> {
     }
 
     fn points(&self) -> f64 {
-        self.project.modelling.points_per_wavelength
+        self.scene.modelling.points_per_wavelength
     }
 
     fn scene_pose(&self, name: &str) -> &ScenePose {

@@ -3,9 +3,8 @@
 use std::fmt;
 use std::path::{Component, Path, PathBuf};
 
+use ruga_scene::Scene;
 use serde::{Deserialize, Serialize};
-
-use crate::project::Project;
 
 /// Where the scene file lies, seen from the folder, and the mesh that is driven. Whatever is edited in
 /// the scene, it stays the same one; so it does where scene and folder are moved together.
@@ -18,12 +17,12 @@ pub(crate) struct SceneOrigin {
 }
 
 impl SceneOrigin {
-    /// Of a project whose results go to `folder`, which exists.
-    pub(crate) fn of(project: &Project, folder: &Path) -> Self {
+    /// Of a scene whose results go to `folder`, which exists.
+    pub(crate) fn of(scene: &Scene, folder: &Path) -> Self {
         let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
         Self {
-            scene: relative(&whole(folder), &whole(&project.path)),
-            mesh: project.mesh.mesh.name.clone(),
+            scene: relative(&whole(folder), &whole(&scene.path)),
+            mesh: scene.mesh.mesh.name.clone(),
         }
     }
 }

@@ -1,14 +1,13 @@
 //! What a run of several poses comes to: the report, the table, the outcome.
 
 use ruga_io::{PoseReport, Report};
+use ruga_scene::{Scene, ScenePlan, counted};
 
 use crate::arguments::RunArguments;
-use crate::error::{CliError, counted};
+use crate::error::CliError;
 use crate::folder_results::FolderResults;
 use crate::messages;
-use crate::planned::Planned;
 use crate::pose_record::PoseRecord;
-use crate::project::Project;
 use crate::run::Outcome;
 use crate::table::{ABSENT, duration, number, table};
 
@@ -55,8 +54,8 @@ pub(crate) fn first_error(poses: RunPoses, then: CliError) -> CliError {
 /// # Errors
 /// That of the run; the report or a record cannot be written.
 pub(crate) fn conclude(
-    project: &Project,
-    plan: &Planned,
+    scene: &Scene,
+    plan: &ScenePlan,
     arguments: &RunArguments,
     poses: RunPoses,
     results: &FolderResults,
@@ -66,7 +65,7 @@ pub(crate) fn conclude(
         Ok(poses) => poses,
         Err(error) => {
             let ending = format!("the run was ended by an error: {error}");
-            let report = report(project, plan, results, Some(ending));
+            let report = report(scene, plan, results, Some(ending));
             return match report.write(&path) {
                 Ok(()) => Err(error),
                 Err(then) => Err(first_error(Err(error), then.into())),
@@ -80,10 +79,10 @@ pub(crate) fn conclude(
         let missing = counted(missing, "pose");
         format!("interrupted: {missing} of {} not finished", poses.len())
     });
-    let report = report(project, plan, results, ending);
+    let report = report(scene, plan, results, ending);
     report.write(&path)?;
     results.remove_leftovers()?;
-    say_warnings(project, plan, &own, results);
+    say_warnings(scene, plan, &own, results);
     if arguments.json {
         messages::result(&report.to_json());
     } else {
@@ -112,17 +111,17 @@ pub(crate) fn conclude(
 /// The report of all poses in the folder, with every warning once; `ending` says what kept the run
 /// from making all that it was asked for.
 fn report(
-    project: &Project,
-    plan: &Planned,
+    scene: &Scene,
+    plan: &ScenePlan,
     results: &FolderResults,
     ending: Option<String>,
 ) -> Report {
     let mut report = Report::new(
         env!("CARGO_PKG_VERSION"),
-        project.path.to_string_lossy().into_owned(),
+        scene.path.to_string_lossy().into_owned(),
     );
     let of_poses = results.current.iter().flat_map(|pose| &pose.warnings);
-    let all = project.warnings.iter().chain(plan.warnings());
+    let all = scene.warnings.iter().chain(plan.warnings());
     for warning in all.chain(of_poses).chain(&results.notes) {
         if !report.warnings.contains(warning) {
             report.warnings.push(warning.clone());
@@ -134,8 +133,8 @@ fn report(
 }
 
 /// Says what has not been said before the poses were simulated.
-fn say_warnings(project: &Project, plan: &Planned, own: &[&PoseRecord], results: &FolderResults) {
-    let said: Vec<&String> = project.warnings.iter().chain(plan.warnings()).collect();
+fn say_warnings(scene: &Scene, plan: &ScenePlan, own: &[&PoseRecord], results: &FolderResults) {
+    let said: Vec<&String> = scene.warnings.iter().chain(plan.warnings()).collect();
     let of_poses = own.iter().flat_map(|pose| &pose.warnings);
     let new = of_poses.chain(&results.notes);
     messages::warnings(new.filter(|warning| !said.contains(warning)), ALL_IN_REPORT);

@@ -60,7 +60,8 @@ fn the_shared_face_and_hand() {
         let path = path.to_string_lossy();
         folder.ruga(&format!("new --mesh {path} made")).exits(0);
         let scene = String::from_utf8(folder.read("made/scene.toml")).expect("text");
-        ruga_io::Scene::from_toml(&scene, "made/scene.toml".as_ref()).expect("a sound scene");
+        ruga_scene::SceneFile::from_toml(&scene, "made/scene.toml".as_ref())
+            .expect("a sound scene");
         assert!(scene.contains(&format!("preset = \"{preset}\"")), "{scene}");
         assert!(scene.contains("[[poses]]"), "{scene}");
     }

@@ -82,30 +82,6 @@ pub enum IoError {
         /// Where the two differ.
         reason: String,
     },
-    /// The scene says something that cannot be done.
-    #[error("{path}: {}{reason}{}", key_and_line(key, *line), did_you_mean(suggestion.as_deref()))]
-    Scene {
-        /// The scene file.
-        path: PathBuf,
-        /// The key, as `layers[0].young`; empty when the file is not TOML.
-        key: String,
-        /// Line in the file, from 1, where it is known.
-        line: Option<usize>,
-        /// The value that was found and what is accepted.
-        reason: String,
-        /// The nearest accepted name.
-        suggestion: Option<String>,
-    },
-    /// An image that the scene names cannot be used for what the scene wants of it.
-    #[error("{scene}: `{key}`: {source}")]
-    SceneImage {
-        /// The scene file.
-        scene: PathBuf,
-        /// The key that names the image, as `layers[0].map.image`.
-        key: String,
-        /// What is wrong with the image, its file named.
-        source: Box<IoError>,
-    },
     /// What was to be written contradicts itself; the caller's mistake.
     #[error("{path}: not written: {reason}")]
     Unwritten {
@@ -153,7 +129,10 @@ impl IoError {
 }
 
 /// Reads a whole file, telling a folder from a missing file.
-pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
+///
+/// # Errors
+/// [`IoError::Directory`]; [`IoError::Unreadable`].
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
     if path.is_dir() {
         return Err(IoError::Directory {
             path: path.to_owned(),
@@ -166,10 +145,7 @@ pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
 }
 
 /// The accepted name nearest to `name`, if one is near enough to be a slip of the hand.
-pub(crate) fn nearest<'a>(
-    name: &str,
-    accepted: impl IntoIterator<Item = &'a str>,
-) -> Option<String> {
+pub fn nearest<'a>(name: &str, accepted: impl IntoIterator<Item = &'a str>) -> Option<String> {
     // Jaro-Winkler likes common beginnings, as typing errors do; below 0.75 the guesses annoy.
     const LEAST_SIMILARITY: f64 = 0.75;
     let lower = name.to_lowercase();
@@ -193,20 +169,6 @@ fn listed(names: &[String]) -> String {
 
 fn did_you_mean(suggestion: Option<&str>) -> String {
     suggestion.map_or_else(String::new, |name| format!(" (did you mean `{name}`?)"))
-}
-
-fn key_and_line(key: &str, line: Option<usize>) -> String {
-    let key = if key.is_empty() {
-        String::new()
-    } else {
-        format!("`{key}`")
-    };
-    match line {
-        Some(line) if key.is_empty() => format!("line {line}: "),
-        Some(line) => format!("{key} (line {line}): "),
-        None if key.is_empty() => key,
-        None => format!("{key}: "),
-    }
 }
 
 /// The system's message, with the words that an artist looks for put first.

@@ -6,8 +6,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::report::to_json_text;
-use crate::scene::{Frame, MapFormat, MapKind, NormalY};
-use crate::{IoError, write_atomically};
+use crate::{Frame, IoError, MapFormat, MapKind, NormalY, write_atomically};
 
 /// Everything an engine needs to use the baked maps, version 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

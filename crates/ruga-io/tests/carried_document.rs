@@ -12,11 +12,11 @@ use carried::assert_carried;
 use fixture::rigged::{ODD, rigged};
 use fixture::{Folder, add_accessor, add_view, data_uri, floats, glb, read, square};
 use nalgebra::{Vector3, Vector4};
-use ruga_io::scene::{MapFormat, NormalY};
 use ruga_io::{
     GlbAdditions, MapCoordinates, MeshFile, ObjOptions, WrinkleMap, WrittenGlb, read_mesh,
     write_glb,
 };
+use ruga_io::{MapFormat, NormalY};
 use serde_json::{Value, json};
 
 /// Writes a mesh with tangents along x and two maps.

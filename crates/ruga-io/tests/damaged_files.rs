@@ -6,12 +6,12 @@ mod fixture;
 
 use std::path::Path;
 
-use fixture::{Folder, SCENE, SQUARE_OBJ, add_view, floats, glb, gltf, read, square};
+use fixture::{Folder, SQUARE_OBJ, add_view, floats, glb, gltf, read, square};
 use nalgebra::{Vector3, Vector4};
 use proptest::prelude::*;
 use ruga_io::{
-    ExrTexels, GlbAdditions, ObjOptions, PngTexels, Scene, read_image, read_mask, read_mesh,
-    write_exr, write_glb, write_png,
+    ExrTexels, GlbAdditions, ObjOptions, PngTexels, read_image, read_mask, read_mesh, write_exr,
+    write_glb, write_png,
 };
 use serde_json::json;
 
@@ -148,14 +148,5 @@ proptest! {
         write_exr(&path, 5, 4, ExrTexels::Rgb(&[0.5; 60])).unwrap();
         let bytes = std::fs::read(&path).unwrap();
         let _ = read_image(&folder.file("b.exr", apply(&bytes, &damage)));
-    }
-
-    #[test]
-    fn damaged_scene(damage in damage()) {
-        let folder = Folder::new();
-        let path = folder.file("scene.toml", apply(SCENE.as_bytes(), &damage));
-        if let Ok(scene) = Scene::read(&path) {
-            prop_assert!(Scene::from_toml(&scene.to_toml(), &path).is_ok());
-        }
     }
 }

@@ -10,12 +10,12 @@ use std::io::Write;
 
 use fixture::{Folder, SQUARE_OBJ, assert_says, floats, read, square};
 use nalgebra::{Vector2, Vector3, Vector4};
-use ruga_io::scene::{Frame, MapFormat, MapKind, NormalY};
 use ruga_io::{
     AtomicFile, ExrTexels, GlbAdditions, LayerReport, LengthUnit, ObjFrame, ObjOptions, PngTexels,
     PoseReport, Report, WrinkleMap, Wrinkles, map_file, read_image, read_mask, read_mesh,
     write_atomically, write_exr, write_glb, write_obj_frame, write_png,
 };
+use ruga_io::{Frame, MapFormat, MapKind, NormalY};
 use serde_json::{Value, json};
 
 #[test]

@@ -6,8 +6,8 @@
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Vector3, Vector4};
-use ruga_io::scene::{MapFormat, NormalY};
 use ruga_io::{GlbAdditions, MeshFile, ObjOptions, WrinkleMap, read_mesh, write_glb};
+use ruga_io::{MapFormat, NormalY};
 
 mod carried;
 

@@ -7,7 +7,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use ruga_io::Scene;
+use ruga_scene::SceneFile;
 
 use super::results::{check_results, contents};
 use super::{Chance, FuzzScene, Tried, damage_bytes, damage_text, put};
@@ -32,7 +32,7 @@ pub(super) fn scene(folder: &Path, fuzzer: &Path, chance: &mut Chance) -> Tried 
             "`check` ends with {checked}, `plan` with {planned}"
         ));
     }
-    let read = Scene::read(&folder.join("scene.toml"));
+    let read = SceneFile::read(&folder.join("scene.toml"));
     let Some(read) = read.ok().filter(|scene| planned == 0 && is_small(scene)) else {
         return Ok(planned == 0);
     };
@@ -113,7 +113,7 @@ fn write_scene(folder: &Path, chance: &mut Chance) {
 }
 
 /// Whether a scene is worth simulating here; without poses it has the twenty steps of the default.
-fn is_small(scene: &Scene) -> bool {
+fn is_small(scene: &SceneFile) -> bool {
     let poses = &scene.poses;
     scene.bake.size <= LARGEST_MAP
         && !poses.is_empty()

@@ -1,13 +1,14 @@
 //! Files for the readers.
 
 use std::collections::BTreeMap;
+use std::error::Error;
 use std::path::Path;
 
 use ruga_blend::Driver;
 use ruga_io::{
-    GlbAdditions, IoError, LengthUnit, MeshFile, ObjOptions, Scene, read_image, read_mask,
-    read_mesh, write_glb,
+    GlbAdditions, LengthUnit, MeshFile, ObjOptions, read_image, read_mask, read_mesh, write_glb,
 };
+use ruga_scene::SceneFile;
 
 use super::{
     Chance, EXR_CHANNELS, FuzzScene, FuzzSheet, GltfParts, PNG_COLOURS, PngChunks, Tried,
@@ -24,11 +25,11 @@ pub(super) fn scene(folder: &Path, chance: &mut Chance) -> Tried {
         damage_text(&mut text, &other, chance);
     }
     let path = put(folder, "scene.toml", &text);
-    let scene = match Scene::read(&path) {
+    let scene = match SceneFile::read(&path) {
         Ok(scene) => scene,
         Err(error) => return refused(&error, "scene.toml"),
     };
-    let again = Scene::from_toml(&scene.to_toml(), &path)
+    let again = SceneFile::from_toml(&scene.to_toml(), &path)
         .map_err(|error| format!("what was written is refused: {error}"))?;
     if again != scene {
         return Err("a scene changes when it is written and read".to_owned());
@@ -130,7 +131,7 @@ pub(super) fn exr(folder: &Path, chance: &mut Chance) -> Tried {
 }
 
 /// A refusal must name the file and be readable.
-pub(super) fn refused(error: &IoError, file: &str) -> Tried {
+pub(super) fn refused(error: &dyn Error, file: &str) -> Tried {
     let message = error.to_string();
     if !message.contains(file) {
         return Err(format!("the message does not name {file}: {message}"));

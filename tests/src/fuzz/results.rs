@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use ruga_io::scene::Bake;
 use ruga_io::{ObjOptions, read_image, read_mesh};
+use ruga_scene::file::Bake;
 use serde_json::Value;
 
 /// Numbers of a layer's report that are always there: `null` would be one that is not finite.

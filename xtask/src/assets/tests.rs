@@ -208,7 +208,7 @@ fn triangles_are_nearly_equilateral() {
 }
 
 /// Every scene below `assets/`.
-fn scenes() -> Vec<(PathBuf, ruga_io::Scene)> {
+fn scenes() -> Vec<(PathBuf, ruga_scene::SceneFile)> {
     let folders = fs::read_dir(root().join("assets")).unwrap();
     let mut paths: Vec<PathBuf> = folders
         .flat_map(|folder| fs::read_dir(folder.unwrap().path()).unwrap())
@@ -217,7 +217,7 @@ fn scenes() -> Vec<(PathBuf, ruga_io::Scene)> {
         .collect();
     paths.sort();
     assert_eq!(paths.len(), 17);
-    let read = |path: PathBuf| (path.clone(), ruga_io::Scene::read(&path).unwrap());
+    let read = |path: PathBuf| (path.clone(), ruga_scene::SceneFile::read(&path).unwrap());
     paths.into_iter().map(read).collect()
 }
 
@@ -235,7 +235,7 @@ fn scenes_are_read_and_name_the_shapes_there_are() {
             .collect();
         assert!(!scene.poses_or_shapes(&shapes, &path).unwrap().is_empty());
         for map in scene.layers.iter().filter_map(|layer| layer.map.as_ref()) {
-            ruga_io::read_property_images(map, &path, "map").unwrap();
+            ruga_scene::read_property_images(map, &path, "map").unwrap();
         }
     }
 }
@@ -264,7 +264,7 @@ fn scenes_of_bodies_fit_their_meshes() {
             );
         }
         for obstacle in &interior.obstacles {
-            let Some(ruga_io::scene::ObstacleShape::Cylinder(button)) = obstacle.shape() else {
+            let Some(ruga_scene::file::ObstacleShape::Cylinder(button)) = obstacle.shape() else {
                 continue;
             };
             let top = positions.iter().map(|p| p.z).fold(0.0, f64::max);
@@ -280,7 +280,7 @@ fn scenes_of_bodies_fit_their_meshes() {
 fn scenes_of_scale_differ_as_their_figure_says() {
     let layer = |name: &str| {
         let path = root().join("assets/scale").join(name);
-        let layer = ruga_io::Scene::read(&path).unwrap().layers.remove(0);
+        let layer = ruga_scene::SceneFile::read(&path).unwrap().layers.remove(0);
         [layer.young.unwrap(), layer.thickness.unwrap()]
     };
     let [young, thickness] = layer("reference.toml");

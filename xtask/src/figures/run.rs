@@ -4,7 +4,8 @@ use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use ruga_io::{Report, Scene};
+use ruga_io::Report;
+use ruga_scene::SceneFile;
 
 use crate::repository::cargo;
 
@@ -61,7 +62,7 @@ pub(super) fn simulate(scene: &Path, results: &Path, quick: bool) -> Result<Run,
 
 /// The scene with fewer load steps.
 fn write_quick_scene(path: &Path, quick: &Path) -> Result<(), Box<dyn Error>> {
-    let mut scene = Scene::read(path)?;
+    let mut scene = SceneFile::read(path)?;
     for pose in &mut scene.poses {
         pose.steps = pose.steps.min(QUICK_STEPS);
     }
@@ -132,7 +133,7 @@ mod tests {
         let quick = folder.path().join("runs/two.toml");
         let path = crate::repository::root().join("assets/heterogeneous/two-layers.toml");
         write_quick_scene(&path, &quick).unwrap();
-        let [mut full, quick] = [path, quick].map(|path| Scene::read(&path).unwrap());
+        let [mut full, quick] = [path, quick].map(|path| SceneFile::read(&path).unwrap());
         assert_eq!(quick.poses[0].steps, QUICK_STEPS);
         assert!(full.poses[0].steps > QUICK_STEPS);
         full.poses[0].steps = QUICK_STEPS;

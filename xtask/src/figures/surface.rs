@@ -5,8 +5,9 @@ use std::path::Path;
 
 use nalgebra::{SVector, Vector2, Vector3};
 use ruga_blend::{Driver, FaceStrain, Smoothing, SurfacePoints, face_strains};
-use ruga_io::{ObjOptions, Scene, read_mesh, scene};
+use ruga_io::{ObjOptions, read_mesh};
 use ruga_mesh::{MaterialPoint, PerFace, PlanarLookup, TriMesh, barycentric};
+use ruga_scene::{SceneFile, file};
 
 /// Times the usual stretch from space to texture at which a triangle counts as torn apart.
 const TORN: f64 = 5.0;
@@ -94,7 +95,7 @@ pub(super) struct Material {
 impl Material {
     /// Reads the mesh that a scene names.
     pub(super) fn read(path: &Path) -> Result<Self, Box<dyn Error>> {
-        let scene = Scene::read(path)?;
+        let scene = SceneFile::read(path)?;
         let options = ObjOptions {
             targets: scene.driver.targets.clone(),
             length_unit: scene.length_unit,
@@ -108,8 +109,8 @@ impl Material {
         Ok(Self {
             lookup: PlanarLookup::new(driver.uvs().clone()),
             smoothing: match scene.driver.smoothing {
-                scene::Smoothing::Loop => Smoothing::Loop,
-                scene::Smoothing::None => Smoothing::None,
+                file::Smoothing::Loop => Smoothing::Loop,
+                file::Smoothing::None => Smoothing::None,
             },
             driver,
         })

@@ -9,7 +9,7 @@ use super::*;
 fn every_scene_and_every_row_of_the_thesis_has_its_place() {
     for scene in SCENES {
         let path = root().join("assets").join(scene);
-        let poses = ruga_io::Scene::read(&path).unwrap().poses;
+        let poses = ruga_scene::SceneFile::read(&path).unwrap().poses;
         let name = name_of(scene);
         let known = poses.iter().filter(|p| reference(&name, &p.name).is_some());
         let expected = match name.as_str() {

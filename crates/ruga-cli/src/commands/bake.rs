@@ -1,10 +1,9 @@
 //! `ruga bake`: wrinkle maps, the artist's mesh, manifest and report.
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use ruga_bake::{BakeError, BakeSettings, Relief, TangentFrame, bake};
-use ruga_blend::Weights;
-use ruga_io::{WrinkleMap, Wrinkles, WrittenGlb, key_percent, scene};
-use ruga_stepper::{Frame, KeyResult, LayerSurface, PoseResult, PoseSpec};
+use ruga_io::{WrinkleMap, Wrinkles, WrittenGlb, key_percent};
+use ruga_scene::Scene;
+use ruga_stepper::{Frame, KeyResult, PoseResult, PoseSpec};
 
 use crate::arguments::{BakeArguments, RunArguments};
 use crate::artist_file::{file_name, refuse_own_folder, write_artist_mesh};
@@ -16,11 +15,9 @@ use crate::output_folder::OutputFolder;
 use crate::pose_inputs::ScenePose;
 use crate::pose_record::{PoseRecord, Records};
 use crate::pose_runs::{PoseFiles, Product, run_poses, thread_count};
-use crate::posed_frames::{moved_frames, posed_frames};
-use crate::project::Project;
 use crate::run::Outcome;
 use crate::summary::{self, ALL_IN_REPORT};
-use crate::{interrupt, messages, texture_space};
+use crate::{interrupt, messages};
 
 /// Simulates and bakes the poses of a scene.
 ///
@@ -29,25 +26,25 @@ use crate::{interrupt, messages, texture_space};
 pub(crate) fn run(bake: &BakeArguments) -> Result<Outcome, CliError> {
     let arguments = &bake.run;
     let pool = thread_pool(thread_count(arguments))?;
-    let mut project =
-        pool.install(|| Project::read(&arguments.scene, &arguments.poses, arguments.quality))?;
-    let plan = pool.install(|| project.plan())?;
+    let options = arguments.scene_options();
+    let mut scene = pool.install(|| Scene::read_with(&arguments.scene, &options))?;
+    let plan = pool.install(|| scene.plan())?;
     // Until here nothing is written and Ctrl-C may end the process.
     interrupt::listen();
     if !bake.maps_only {
-        refuse_own_folder(&arguments.output, &project.mesh, arguments.force)?;
+        refuse_own_folder(&arguments.output, &scene.mesh, arguments.force)?;
     }
-    let folder = OutputFolder::open(&project, arguments, "bake")?;
-    let warnings = project.warnings.iter().chain(plan.warnings());
+    let folder = OutputFolder::open(&scene, arguments, "bake")?;
+    let warnings = scene.warnings.iter().chain(plan.warnings());
     messages::warnings(warnings, ALL_IN_REPORT);
     let maps = WrinkleMaps {
-        project: &project,
+        scene: &scene,
         arguments,
         maps_only: bake.maps_only,
         pool: &pool,
         records: Records::of_bake(&arguments.output),
     };
-    let poses = run_poses(&project, &plan, arguments, &folder, &maps);
+    let poses = run_poses(&scene, &plan, arguments, &folder, &maps);
     let results = FolderResults::read(&maps.records, &folder.poses);
     let poses = summary::unless_nothing_is_there(poses, arguments, &results)?;
     let about_mesh = match maps.write_common(&folder, &results.current) {
@@ -55,8 +52,8 @@ pub(crate) fn run(bake: &BakeArguments) -> Result<Outcome, CliError> {
         Err(error) => return Err(summary::first_error(poses, error)),
     };
     messages::warnings(about_mesh.iter(), ALL_IN_REPORT);
-    project.warnings.extend(about_mesh);
-    summary::conclude(&project, &plan, arguments, poses, &results)
+    scene.warnings.extend(about_mesh);
+    summary::conclude(&scene, &plan, arguments, poses, &results)
 }
 
 /// Rayon's threads for the loops inside a bake; the global pool stays untouched.
@@ -71,7 +68,7 @@ fn thread_pool(threads: usize) -> Result<ThreadPool, CliError> {
 }
 
 struct WrinkleMaps<'a> {
-    project: &'a Project,
+    scene: &'a Scene,
     arguments: &'a RunArguments,
     maps_only: bool,
     pool: &'a ThreadPool,
@@ -98,7 +95,7 @@ impl Product for WrinkleMaps<'_> {
         for key in &result.keys {
             made.maps.extend(self.key(pose, key, &mut made.warnings)?);
             let file = format!("bodies/{}_{}.obj", pose.name, key_percent(key.load));
-            if write_moved_mesh(self.project, &self.arguments.output.join(&file), pose, key)? {
+            if write_moved_mesh(self.scene, &self.arguments.output.join(&file), pose, key)? {
                 made.files.push(file);
             }
         }
@@ -116,18 +113,7 @@ impl WrinkleMaps<'_> {
         key: &KeyResult,
         warnings: &mut Vec<String>,
     ) -> Result<Vec<WrinkleMap>, CliError> {
-        let project = self.project;
-        let (artist, driver) = (&project.mesh.mesh, &project.driver);
-        let frames = match &key.artist_positions {
-            Some(positions) => moved_frames(artist, driver, positions),
-            None => posed_frames(artist, driver, &pose.weights.scaled(key.load)),
-        };
-        let frames = frames.map_err(|source| self.baking(pose, source))?;
-        let baked = self.pool.install(|| self.composed(key, &frames));
-        let mut map = baked.map_err(|source| self.baking(pose, source))?;
-        let islands = texture_space::corners(&project.mesh).unwrap_or_default();
-        map.pad(&islands, project.scene.bake.padding)
-            .map_err(|source| self.baking(pose, source))?;
+        let map = self.pool.install(|| self.scene.bake_key(pose, key))?;
         if map.folded_samples > 0 {
             warnings.push(format!(
                 "at key {} the layer folds over in {} texels, which a normal map cannot hold",
@@ -135,62 +121,7 @@ impl WrinkleMaps<'_> {
             ));
         }
         let folder = &self.arguments.output;
-        write_maps(folder, &project.scene.bake, &pose.name, key.load, &map)
-    }
-
-    /// The map of all layers at a key, without padding.
-    fn composed(
-        &self,
-        key: &KeyResult,
-        frames: &[[TangentFrame; 3]],
-    ) -> Result<ruga_bake::WrinkleMap, BakeError> {
-        let project = self.project;
-        let bake = |relief: &Relief<'_>| bake(relief, frames, &self.settings());
-        let mut whole: Option<ruga_bake::WrinkleMap> = None;
-        for zone in project.scene.zones() {
-            let is_of_zone = |layer: &&LayerSurface| {
-                let mut names = zone.layers.iter().map(|&i| &project.layers[i].name);
-                names.any(|name| *name == layer.name)
-            };
-            let mut layers = key.layers.iter().filter(is_of_zone);
-            let Some(lowest) = layers.next() else {
-                continue;
-            };
-            let mut of_zone = bake(&relief(lowest))?;
-            // A layer's relief has those of the layers below in it, and covers what it covers.
-            for layer in layers {
-                of_zone.cover_with(&bake(&relief(layer))?)?;
-            }
-            whole = Some(match whole {
-                // Each zone's relief is faded by its mask already.
-                Some(mut map) => {
-                    map.add(&of_zone)?;
-                    map
-                }
-                None => of_zone,
-            });
-        }
-        whole.map_or_else(|| bake(&EMPTY), Ok)
-    }
-
-    fn settings(&self) -> BakeSettings {
-        let bake = &self.project.scene.bake;
-        BakeSettings {
-            size: bake.size,
-            supersample: bake.supersample,
-            frame: match bake.frame {
-                scene::Frame::Driver => ruga_bake::Frame::Driver,
-                scene::Frame::Mesh => ruga_bake::Frame::Mesh,
-            },
-        }
-    }
-
-    fn baking(&self, pose: &PoseSpec, source: BakeError) -> CliError {
-        CliError::Baking {
-            mesh: self.project.mesh.path.clone(),
-            pose: pose.name.clone(),
-            source,
-        }
+        write_maps(folder, &self.scene.file.bake, &pose.name, key.load, &map)
     }
 
     /// Writes what all poses in the folder share, the mesh and the manifest; returns what the user
@@ -200,12 +131,12 @@ impl WrinkleMaps<'_> {
         folder: &OutputFolder,
         poses: &[PoseRecord],
     ) -> Result<Vec<String>, CliError> {
-        let project = self.project;
+        let scene = self.scene;
         let maps = poses.iter().flat_map(|pose| pose.maps.iter().cloned());
         let maps: Vec<WrinkleMap> = maps.collect();
         let mut warnings = Vec::new();
-        let bake = &project.scene.bake;
-        let mut manifest = Wrinkles::new(&project.mesh.mesh.name, bake.frame, bake.size);
+        let bake = &scene.file.bake;
+        let mut manifest = Wrinkles::new(&scene.mesh.mesh.name, bake.frame, bake.size);
         if !self.maps_only {
             let written = self.write_mesh(&maps)?;
             manifest.glb = Some(written.reference);
@@ -222,40 +153,12 @@ impl WrinkleMaps<'_> {
     }
 
     fn write_mesh(&self, maps: &[WrinkleMap]) -> Result<WrittenGlb, CliError> {
-        let mesh = &self.project.mesh;
-        let rest = posed_frames(&mesh.mesh, &self.project.driver, &Weights::default());
-        let rest: Vec<[TangentFrame; 3]> = rest.map_err(|source| CliError::Baking {
-            mesh: mesh.path.clone(),
-            pose: "rest".to_owned(),
-            source,
-        })?;
+        let mesh = &self.scene.mesh;
+        let rest = self.scene.rest_frames()?;
         let path = self
             .arguments
             .output
             .join(format!("{}.glb", file_name(mesh)));
         write_artist_mesh(&path, mesh, &rest, maps)
-    }
-}
-
-/// Nothing wrinkles: bakes neutral.
-const EMPTY: Relief<'static> = Relief {
-    positions: &[],
-    driver_positions: &[],
-    driver_normals: &[],
-    offset: 0.0,
-    faces: &[],
-    uvs: &[],
-    artist: &[],
-};
-
-fn relief(layer: &LayerSurface) -> Relief<'_> {
-    Relief {
-        positions: &layer.relief,
-        driver_positions: &layer.driver_positions,
-        driver_normals: &layer.driver_normals,
-        offset: layer.offset,
-        faces: &layer.faces,
-        uvs: &layer.uvs,
-        artist: &layer.artist,
     }
 }

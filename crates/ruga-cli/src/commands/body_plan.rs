@@ -1,17 +1,16 @@
 //! `ruga plan` for a layer on a soft body: its lattice, its mesh, its poses.
 
+use ruga_scene::{Scene, counted};
 use ruga_stepper::{InteriorPlan, Plan};
 use serde::Serialize;
 
 use super::plan::layers_table;
-use crate::error::counted;
 use crate::messages;
-use crate::project::Project;
 use crate::table::{duration, memory, number, table};
 
 /// Prints the plan as tables.
-pub(super) fn print(project: &Project, plan: &Plan, interior: &InteriorPlan) {
-    messages::result(&layers_table(project, plan.wrinkling()));
+pub(super) fn print(scene: &Scene, plan: &Plan, interior: &InteriorPlan) {
+    messages::result(&layers_table(scene, plan.wrinkling()));
     messages::result("");
     let [x, y, z] = [0, 1, 2].map(|axis| 1e3 * interior.cell_size[axis]);
     messages::result(&format!(
@@ -21,7 +20,7 @@ pub(super) fn print(project: &Project, plan: &Plan, interior: &InteriorPlan) {
         counted(interior.nodes, "node")
     ));
     messages::result("");
-    let poses = || project.poses.iter().zip(&plan.poses);
+    let poses = || scene.poses.iter().zip(&plan.poses);
     let rows: Vec<Vec<String>> = poses()
         .map(|(pose, planned)| {
             let layer = &planned.layers[0];
@@ -50,7 +49,7 @@ pub(super) fn print(project: &Project, plan: &Plan, interior: &InteriorPlan) {
     let bytes = layers().map(|layer| layer.memory).fold(0.0, f64::max);
     messages::result(&format!(
         "total: {}, {} on one core, {} per thread",
-        counted(project.poses.len(), "pose"),
+        counted(scene.poses.len(), "pose"),
         duration(layers().map(|layer| layer.seconds).sum()),
         memory(bytes)
     ));
@@ -93,13 +92,13 @@ struct PoseJson<'a> {
 }
 
 /// The same as JSON, version 1.
-pub(super) fn json(project: &Project, plan: &Plan, interior: &InteriorPlan) -> String {
+pub(super) fn json(scene: &Scene, plan: &Plan, interior: &InteriorPlan) -> String {
     let layer = &plan.poses[0].layers[0];
     let document = BodyPlanJson {
         version: 1,
         ruga: env!("CARGO_PKG_VERSION"),
-        scene: project.path.to_string_lossy().into_owned(),
-        warnings: project.warnings.iter().chain(&plan.warnings).collect(),
+        scene: scene.path.to_string_lossy().into_owned(),
+        warnings: scene.warnings.iter().chain(&plan.warnings).collect(),
         interior: InteriorJson {
             cells: interior.cells,
             cells_along: interior.cells_along,
@@ -113,7 +112,7 @@ pub(super) fn json(project: &Project, plan: &Plan, interior: &InteriorPlan) -> S
             vertices: layer.vertices,
             points_per_wavelength: layer.points_per_wavelength,
         },
-        poses: (project.poses.iter().zip(&plan.poses))
+        poses: (scene.poses.iter().zip(&plan.poses))
             .map(|(pose, planned)| PoseJson {
                 name: &pose.name,
                 steps: pose.steps,

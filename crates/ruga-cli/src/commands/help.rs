@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use clap::{Parser, ValueEnum};
-use ruga_io::scene::{Key, Table, reference};
 use ruga_material::{PRESETS, Preset, Variation, WavelengthModel, wrinkling};
+use ruga_scene::file::{Key, Table, reference};
 
 use crate::arguments::{Arguments, HelpArguments, Topic};
 use crate::messages;

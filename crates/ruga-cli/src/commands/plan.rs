@@ -1,15 +1,14 @@
 //! `ruga plan`: what will be modelled, where, how fine and at what cost.
 
 use ruga_material::{FirstScale, Wrinkling};
+use ruga_scene::{Scene, SceneOptions, ZonePlan, pose_layers};
 use ruga_stepper::{AppliedStrain, LayerPlan, LoadPath};
 use serde::Serialize;
 
 use super::body_plan;
-use crate::arguments::PlanArguments;
+use crate::arguments::{PlanArguments, Quality};
 use crate::error::CliError;
 use crate::messages;
-use crate::planned::{ZonePlan, pose_layers};
-use crate::project::Project;
 use crate::run::Outcome;
 use crate::table::{ABSENT, duration, memory, number, table};
 
@@ -18,36 +17,40 @@ use crate::table::{ABSENT, duration, memory, number, table};
 /// # Errors
 /// Whatever keeps the scene from being read or planned.
 pub(crate) fn run(arguments: &PlanArguments) -> Result<Outcome, CliError> {
-    let project = Project::read(&arguments.scene, &[], arguments.quality)?;
-    let planned = project.plan()?;
+    let options = SceneOptions {
+        points_per_wavelength: arguments.quality.map(Quality::points_per_wavelength),
+        ..SceneOptions::default()
+    };
+    let scene = Scene::read_with(&arguments.scene, &options)?;
+    let planned = scene.plan()?;
     if arguments.json {
         messages::result(&match planned.interior() {
-            None => json(&project, &planned.zones),
-            Some(interior) => body_plan::json(&project, &planned.zones[0].plan, interior),
+            None => json(&scene, &planned.zones),
+            Some(interior) => body_plan::json(&scene, &planned.zones[0].plan, interior),
         });
         return Ok(Outcome::Done);
     }
     match planned.interior() {
-        None => print(&project, &planned.zones),
-        Some(interior) => body_plan::print(&project, &planned.zones[0].plan, interior),
+        None => print(&scene, &planned.zones),
+        Some(interior) => body_plan::print(&scene, &planned.zones[0].plan, interior),
     }
-    let warnings = project.warnings.iter().chain(planned.warnings());
+    let warnings = scene.warnings.iter().chain(planned.warnings());
     messages::warnings(warnings, "`--json` lists all");
     Ok(Outcome::Done)
 }
 
-fn print(project: &Project, zones: &[ZonePlan]) {
-    let mut waves = vec![None; project.layers.len()];
+fn print(scene: &Scene, zones: &[ZonePlan]) {
+    let mut waves = vec![None; scene.layers.len()];
     for zone in zones {
         for (number, wave) in zone.layers.iter().zip(zone.plan.wrinkling()) {
             waves[*number] = Some(*wave);
         }
     }
     let waves: Vec<Wrinkling> = waves.into_iter().flatten().collect();
-    messages::result(&layers_table(project, &waves));
+    messages::result(&layers_table(scene, &waves));
     messages::result("");
     if zones.iter().any(|zone| !zone.plan.pairs().is_empty()) {
-        messages::result(&pairs_table(project, zones));
+        messages::result(&pairs_table(scene, zones));
         messages::result("");
     }
     let painted = painted_table(zones);
@@ -60,8 +63,8 @@ fn print(project: &Project, zones: &[ZonePlan]) {
 }
 
 /// Every layer with its critical wave.
-pub(super) fn layers_table(project: &Project, waves: &[Wrinkling]) -> String {
-    let rows: Vec<Vec<String>> = project
+pub(super) fn layers_table(scene: &Scene, waves: &[Wrinkling]) -> String {
+    let rows: Vec<Vec<String>> = scene
         .layers
         .iter()
         .zip(waves)
@@ -88,8 +91,8 @@ pub(super) fn layers_table(project: &Project, waves: &[Wrinkling]) -> String {
 }
 
 /// Every layer on the one that carries it: what the two would do together.
-fn pairs_table(project: &Project, zones: &[ZonePlan]) -> String {
-    let rows: Vec<Vec<String>> = pairs(project, zones)
+fn pairs_table(scene: &Scene, zones: &[ZonePlan]) -> String {
+    let rows: Vec<Vec<String>> = pairs(scene, zones)
         .iter()
         .map(|pair| {
             let joint = |value: Option<f64>| value.unwrap_or(f64::NAN);
@@ -116,18 +119,18 @@ fn pairs_table(project: &Project, zones: &[ZonePlan]) -> String {
     table(&headings, &rows)
 }
 
-fn pairs<'a>(project: &'a Project, zones: &[ZonePlan]) -> Vec<PairJson<'a>> {
-    let of_zone = |zone| zone_pairs(project, zone);
+fn pairs<'a>(scene: &'a Scene, zones: &[ZonePlan]) -> Vec<PairJson<'a>> {
+    let of_zone = |zone| zone_pairs(scene, zone);
     zones.iter().flat_map(of_zone).collect()
 }
 
-fn zone_pairs<'a>(project: &'a Project, ZonePlan { layers, plan }: &ZonePlan) -> Vec<PairJson<'a>> {
+fn zone_pairs<'a>(scene: &'a Scene, ZonePlan { layers, plan }: &ZonePlan) -> Vec<PairJson<'a>> {
     let named = layers.windows(2).zip(plan.pairs());
     named
         .enumerate()
         .map(|(lower, (layers, pair))| PairJson {
-            lower: &project.layers[layers[0]].name,
-            upper: &project.layers[layers[1]].name,
+            lower: &scene.layers[layers[0]].name,
+            upper: &scene.layers[layers[1]].name,
             membrane_ratio: pair.membrane_ratio,
             force_ratio: pair.force_ratio,
             joint_wavelength_m: pair.joint.map(|joint| joint.wavelength),
@@ -348,7 +351,7 @@ impl<'a> LayerJson<'a> {
     }
 }
 
-fn json(project: &Project, zones: &[ZonePlan]) -> String {
+fn json(scene: &Scene, zones: &[ZonePlan]) -> String {
     let totals = Totals::of(zones);
     let own = zones.iter().flat_map(|zone| &zone.plan.warnings);
     let has_strain_path = |pose: usize| {
@@ -358,11 +361,11 @@ fn json(project: &Project, zones: &[ZonePlan]) -> String {
     let document = PlanJson {
         version: 1,
         ruga: env!("CARGO_PKG_VERSION"),
-        scene: project.path.to_string_lossy().into_owned(),
-        warnings: project.warnings.iter().chain(own).collect(),
-        pairs: pairs(project, zones),
+        scene: scene.path.to_string_lossy().into_owned(),
+        warnings: scene.warnings.iter().chain(own).collect(),
+        pairs: pairs(scene, zones),
         poses: (0..)
-            .zip(&project.poses)
+            .zip(&scene.poses)
             .map(|(index, pose)| PoseJson {
                 name: &pose.name,
                 path: match has_strain_path(index) {

@@ -4,14 +4,13 @@ use std::fmt::Write as _;
 use std::path::{Component, Path};
 
 use ruga_blend::{Driver, face_strains};
-use ruga_io::scene::usable_file_name;
 use ruga_io::{IoError, MeshFile, ObjOptions, read_mesh};
 use ruga_material::{PRESETS, Preset, preset};
 use ruga_mesh::Id;
+use ruga_scene::file::usable_file_name;
+use ruga_scene::{counted, driver_of, is_unlikely, length, likely_scale, width};
 
-use crate::error::{CliError, counted};
-use crate::mesh_size::{is_unlikely, length, likely_scale, width};
-use crate::project;
+use crate::error::CliError;
 
 /// Poses that the scene has; the other shapes stand beside them as comments.
 const MOST_POSES: usize = 4;
@@ -47,7 +46,7 @@ impl OwnMesh {
         if file.mesh.shapes.is_empty() {
             return Err(CliError::NothingToPose { mesh: file.path });
         }
-        let driver = project::driver(&file)?;
+        let driver = driver_of(&file)?;
         Ok(Self {
             file,
             driver,

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector2;
 use ruga_io::{ObjFrame, key_percent};
+use ruga_scene::{Placement, Scene};
 use ruga_stepper::{Frame, PoseResult, PoseSpec};
 
 use crate::arguments::RunArguments;
@@ -11,10 +12,8 @@ use crate::error::CliError;
 use crate::folder_results::FolderResults;
 use crate::moved_mesh::write_moved_mesh;
 use crate::output_folder::OutputFolder;
-use crate::placement::Placement;
 use crate::pose_record::{Records, remove_frames};
 use crate::pose_runs::{PoseFiles, Product, run_poses};
-use crate::project::Project;
 use crate::run::Outcome;
 use crate::summary::{self, ALL_IN_REPORT};
 use crate::{interrupt, messages};
@@ -24,28 +23,28 @@ use crate::{interrupt, messages};
 /// # Errors
 /// Whatever keeps a pose from being planned, simulated or written.
 pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
-    let project = Project::read(&arguments.scene, &arguments.poses, arguments.quality)?;
-    let plan = project.plan()?;
+    let scene = Scene::read_with(&arguments.scene, &arguments.scene_options())?;
+    let plan = scene.plan()?;
     // Until here nothing is written and Ctrl-C may end the process.
     interrupt::listen();
-    let folder = OutputFolder::open(&project, arguments, "simulate")?;
-    let warnings = project.warnings.iter().chain(plan.warnings());
+    let folder = OutputFolder::open(&scene, arguments, "simulate")?;
+    let warnings = scene.warnings.iter().chain(plan.warnings());
     messages::warnings(warnings, ALL_IN_REPORT);
     let meshes = FrameMeshes {
         arguments,
-        project: &project,
-        placement: Placement::of(&project.mesh),
+        scene: &scene,
+        placement: Placement::of(&scene.mesh),
         records: Records::of_simulate(&arguments.output),
     };
-    let poses = run_poses(&project, &plan, arguments, &folder, &meshes);
+    let poses = run_poses(&scene, &plan, arguments, &folder, &meshes);
     let results = FolderResults::read(&meshes.records, &folder.poses);
     let poses = summary::unless_nothing_is_there(poses, arguments, &results)?;
-    summary::conclude(&project, &plan, arguments, poses, &results)
+    summary::conclude(&scene, &plan, arguments, poses, &results)
 }
 
 struct FrameMeshes<'a> {
     arguments: &'a RunArguments,
-    project: &'a Project,
+    scene: &'a Scene,
     placement: Placement,
     records: Records,
 }
@@ -98,7 +97,7 @@ impl Product for FrameMeshes<'_> {
         for key in &result.keys {
             let percent = key_percent(key.load);
             let file = format!("meshes/{}/body_{percent}.obj", pose.name);
-            if write_moved_mesh(self.project, &self.arguments.output.join(&file), pose, key)? {
+            if write_moved_mesh(self.scene, &self.arguments.output.join(&file), pose, key)? {
                 made.files.push(file);
             }
         }

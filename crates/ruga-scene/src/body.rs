@@ -1,15 +1,15 @@
 //! From a scene's `[interior]` and motions to what the stepper simulates.
 
-use ruga_io::{Scene, scene};
 use ruga_material::Substrate;
 use ruga_stepper::{
     Body, CellShape, Handle, Keyframe, Motion, Obstacle, ObstacleShape, SolidMaterial,
 };
 
+use crate::file::{self, SceneFile};
 use crate::placement::Placement;
 
 /// The body that `interior` describes, made of what carries its layer.
-pub(crate) fn body(interior: &scene::Interior, inside: &Substrate, placement: &Placement) -> Body {
+pub(crate) fn body(interior: &file::Interior, inside: &Substrate, placement: &Placement) -> Body {
     // Reading a scene has refused obstacles without exactly one shape.
     let obstacles = interior.obstacles.iter();
     let obstacles = obstacles.filter_map(|obstacle| {
@@ -18,7 +18,7 @@ pub(crate) fn body(interior: &scene::Interior, inside: &Substrate, placement: &P
             shape: obstacle_shape(obstacle.shape()?, placement),
         })
     });
-    let handle = |handle: &scene::Handle| Handle {
+    let handle = |handle: &file::Handle| Handle {
         name: handle.name.clone(),
         min: handle.min.into(),
         max: handle.max.into(),
@@ -28,8 +28,8 @@ pub(crate) fn body(interior: &scene::Interior, inside: &Substrate, placement: &P
     Body {
         cells: interior.cells,
         shape: match interior.shape {
-            scene::CellShape::Quadratic => CellShape::Quadratic,
-            scene::CellShape::Linear => CellShape::Linear,
+            file::CellShape::Quadratic => CellShape::Quadratic,
+            file::CellShape::Linear => CellShape::Linear,
         },
         material: SolidMaterial {
             young: inside.young,
@@ -43,18 +43,18 @@ pub(crate) fn body(interior: &scene::Interior, inside: &Substrate, placement: &P
     }
 }
 
-fn obstacle_shape(shape: scene::ObstacleShape, placement: &Placement) -> ObstacleShape {
+fn obstacle_shape(shape: file::ObstacleShape, placement: &Placement) -> ObstacleShape {
     let place = |place| placement.place_in_file(place);
     match shape {
-        scene::ObstacleShape::Plane(plane) => ObstacleShape::Plane {
+        file::ObstacleShape::Plane(plane) => ObstacleShape::Plane {
             point: place(plane.point),
             normal: placement.way_in_file(plane.normal),
         },
-        scene::ObstacleShape::Sphere(sphere) => ObstacleShape::Sphere {
+        file::ObstacleShape::Sphere(sphere) => ObstacleShape::Sphere {
             centre: place(sphere.centre),
             radius: sphere.radius,
         },
-        scene::ObstacleShape::Cylinder(cylinder) => ObstacleShape::Cylinder {
+        file::ObstacleShape::Cylinder(cylinder) => ObstacleShape::Cylinder {
             from: place(cylinder.from),
             to: place(cylinder.to),
             radius: cylinder.radius,
@@ -64,7 +64,7 @@ fn obstacle_shape(shape: scene::ObstacleShape, placement: &Placement) -> Obstacl
 
 /// How handles and obstacles move in the pose named `pose`; one that the scene does not list has no
 /// motions.
-pub(crate) fn motions(scene: &Scene, pose: &str, placement: &Placement) -> Vec<Motion> {
+pub(crate) fn motions(scene: &SceneFile, pose: &str, placement: &Placement) -> Vec<Motion> {
     let mut motions: Vec<Motion> = Vec::new();
     let listed = scene.poses.iter().find(|listed| listed.name == pose);
     for step in listed.iter().flat_map(|listed| &listed.motions) {

@@ -3,16 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use super::slips::{UnknownKey, duplicate};
-use super::{Region, Scene};
-use crate::IoError;
-use crate::error::{nearest, read_bytes};
+use super::{Region, SceneFile};
+use crate::SceneError;
+use ruga_io::{nearest, read_bytes};
 
-impl Scene {
+impl SceneFile {
     /// Reads and checks a scene; its relative paths are resolved against the scene's folder.
     ///
     /// # Errors
-    /// [`IoError::Scene`] naming the key, the value and what is accepted.
-    pub fn read(path: &Path) -> Result<Self, IoError> {
+    /// [`SceneError::Key`] naming the key, the value and what is accepted.
+    pub fn read(path: &Path) -> Result<Self, SceneError> {
         let bytes = read_bytes(path)?;
         if let Some(reason) = no_scene(path, &bytes) {
             return Err(scene_error(path, "", None, &reason, None));
@@ -29,8 +29,8 @@ impl Scene {
     /// Parses and checks a scene without touching its paths; `path` is for messages.
     ///
     /// # Errors
-    /// [`IoError::Scene`] naming the key, the value and what is accepted.
-    pub fn from_toml(text: &str, path: &Path) -> Result<Self, IoError> {
+    /// [`SceneError::Key`] naming the key, the value and what is accepted.
+    pub fn from_toml(text: &str, path: &Path) -> Result<Self, SceneError> {
         let document = toml::Deserializer::parse(text)
             .map_err(|error| toml_error(text, path, String::new(), &error))?;
         let scene: Self = serde_path_to_error::deserialize(document).map_err(|error| {
@@ -44,7 +44,7 @@ impl Scene {
         Ok(scene)
     }
 
-    /// The scene as TOML text that [`Scene::from_toml`] reads back to an equal scene.
+    /// The scene as TOML text that [`SceneFile::from_toml`] reads back to an equal scene.
     pub fn to_toml(&self) -> String {
         toml::to_string(self)
             .expect("a scene is tables of numbers, strings and lists, which TOML can hold")
@@ -88,7 +88,7 @@ fn no_scene(path: &Path, bytes: &[u8]) -> Option<String> {
     None
 }
 
-fn toml_error(text: &str, path: &Path, key: String, error: &toml::de::Error) -> IoError {
+fn toml_error(text: &str, path: &Path, key: String, error: &toml::de::Error) -> SceneError {
     let line = error
         .span()
         .map(|span| line_of(text.as_bytes(), span.start));
@@ -122,8 +122,8 @@ pub(super) fn scene_error(
     line: Option<usize>,
     reason: &str,
     suggestion: Option<String>,
-) -> IoError {
-    IoError::Scene {
+) -> SceneError {
+    SceneError::Key {
         path: path.to_owned(),
         key: key.to_owned(),
         line,

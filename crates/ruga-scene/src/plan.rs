@@ -6,20 +6,24 @@ use ruga_stepper::{
 };
 
 /// The plan of a scene.
-pub(crate) struct Planned {
+pub struct ScenePlan {
     /// Stacks side by side, at least one: that of a scene without zones.
-    pub(crate) zones: Vec<ZonePlan>,
+    pub zones: Vec<ZonePlan>,
 }
 
 /// The stack of one zone.
-pub(crate) struct ZonePlan {
+pub struct ZonePlan {
     /// Its layers as numbers into the scene's, bottom first.
-    pub(crate) layers: Vec<usize>,
-    pub(crate) plan: Plan,
+    pub layers: Vec<usize>,
+    /// What will be modelled of it.
+    pub plan: Plan,
 }
 
 /// The layers of one pose over all `zones`, in the order of the scene.
-pub(crate) fn pose_layers(zones: &[ZonePlan], pose: usize) -> Vec<&LayerPlan> {
+///
+/// # Panics
+/// When there is no pose of that number.
+pub fn pose_layers(zones: &[ZonePlan], pose: usize) -> Vec<&LayerPlan> {
     let mut layers = Vec::new();
     for zone in zones {
         layers.extend(zone.layers.iter().zip(&zone.plan.poses[pose].layers));
@@ -28,16 +32,16 @@ pub(crate) fn pose_layers(zones: &[ZonePlan], pose: usize) -> Vec<&LayerPlan> {
     layers.into_iter().map(|(_, layer)| layer).collect()
 }
 
-impl Planned {
+impl ScenePlan {
     /// The lattice of the body that carries the layer, if there is one.
-    pub(crate) fn interior(&self) -> Option<&InteriorPlan> {
+    pub fn interior(&self) -> Option<&InteriorPlan> {
         self.zones
             .iter()
             .find_map(|zone| zone.plan.interior.as_ref())
     }
 
     /// What the user should know before anything is simulated.
-    pub(crate) fn warnings(&self) -> impl Iterator<Item = &String> {
+    pub fn warnings(&self) -> impl Iterator<Item = &String> {
         self.zones.iter().flat_map(|zone| &zone.plan.warnings)
     }
 
@@ -47,7 +51,7 @@ impl Planned {
     }
 
     /// The file's triangles that have a simulated part in pose number `pose`, ascending.
-    pub(crate) fn active_triangles(&self, pose: usize) -> Vec<u32> {
+    pub fn active_triangles(&self, pose: usize) -> Vec<u32> {
         let of_zones = self.zones.iter();
         let mut triangles: Vec<u32> = of_zones
             .flat_map(|zone| zone.plan.active_triangles(pose))
@@ -60,8 +64,8 @@ impl Planned {
     /// Simulates pose number `pose`, one zone after the other.
     ///
     /// # Errors
-    /// Those of [`Plan::simulate`].
-    pub(crate) fn simulate(
+    /// Those of [`Plan::simulate`], such as a number that no pose has.
+    pub fn simulate(
         &self,
         pose: usize,
         observer: &mut dyn Observer,

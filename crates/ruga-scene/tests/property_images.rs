@@ -8,13 +8,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use fixture::{Folder, SCENE, assert_says};
-use ruga_io::scene::{PropertyMap, Wrap};
-use ruga_io::{
-    ExrTexels, IoError, PngTexels, PropertyImages, Scene, read_image, read_property_images,
-    write_exr, write_png,
-};
+use ruga_io::{ExrTexels, PngTexels, read_image, write_exr, write_png};
+use ruga_scene::file::{PropertyMap, Wrap};
+use ruga_scene::{PropertyImages, SceneError, SceneFile, read_property_images};
 
-fn read(map: &PropertyMap) -> Result<PropertyImages, IoError> {
+fn read(map: &PropertyMap) -> Result<PropertyImages, SceneError> {
     read_property_images(map, Path::new("scene.toml"), "layers[1].map")
 }
 
@@ -247,7 +245,7 @@ fn wrap_and_sharp_are_keys() {
     let parse = |map: &str| {
         let old = "thickness = [0.5, 2.0] }";
         assert!(SCENE.contains(old));
-        Scene::from_toml(&SCENE.replacen(old, map, 1), Path::new("scene.toml"))
+        SceneFile::from_toml(&SCENE.replacen(old, map, 1), Path::new("scene.toml"))
     };
     let map = |text: &str| parse(text).unwrap().layers[0].map.clone().unwrap();
     let plain = map("thickness = [0.5, 2.0] }");
@@ -255,7 +253,7 @@ fn wrap_and_sharp_are_keys() {
     let set = map("thickness = [0.5, 2.0], wrap = \"repeat\", sharp = true }");
     assert_eq!((set.wrap, set.sharp), (Wrap::Repeat, true));
     let scene = parse("thickness = [0.5, 2.0], wrap = \"repeat\", sharp = true }").unwrap();
-    let again = Scene::from_toml(&scene.to_toml(), Path::new("scene.toml")).unwrap();
+    let again = SceneFile::from_toml(&scene.to_toml(), Path::new("scene.toml")).unwrap();
     assert_eq!(again, scene);
     let wrong = parse("thickness = [0.5, 2.0], wrap = \"repaet\" }");
     assert_says(

@@ -2,7 +2,7 @@
 
 use super::names::same_file;
 use super::validate::{Checked, fault, positive, unique_name};
-use super::{Layer, PropertyMap, Scene, Substrate};
+use super::{Layer, PropertyMap, SceneFile, Substrate};
 
 /// Beyond this spread a good part of the skin would be less than half as thick as the rest.
 const MOST_VARIATION: f64 = 0.5;
@@ -10,7 +10,7 @@ const MOST_VARIATION: f64 = 0.5;
 /// A relief several times as steep as the simulated one is no skin any more.
 const MOST_STRENGTH: f64 = 4.0;
 
-impl Scene {
+impl SceneFile {
     pub(super) fn layer_faults(&self) -> Checked {
         if self.layers.is_empty() {
             return fault("layers", "none", "at least one [[layers]] is needed");

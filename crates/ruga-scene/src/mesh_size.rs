@@ -1,11 +1,12 @@
 //! Whether a mesh is as large as something with skin, or in another unit than it was taken for.
 
 use nalgebra::Vector3;
-use ruga_io::{LengthUnit, MeshFile, Scene};
+use ruga_io::{LengthUnit, MeshFile};
 use ruga_material::wrinkling;
 use ruga_stepper::LayerSpec;
 
-use crate::error::CliError;
+use crate::SceneError;
+use crate::file::SceneFile;
 
 /// Nothing with skin is wider (m): an elephant is 4 m, a person 2 m.
 const WIDEST: f64 = 5.0;
@@ -24,7 +25,7 @@ const FEW_WAVES: f64 = 4.0;
 const LIKELY: std::ops::RangeInclusive<f64> = 0.01..=3.0;
 
 /// The longest side of the box around the mesh, m.
-pub(crate) fn width(mesh: &MeshFile) -> f64 {
+pub fn width(mesh: &MeshFile) -> f64 {
     let corners = mesh.mesh.triangles.iter().flatten();
     let used = corners.filter_map(|&v| mesh.mesh.positions.get(v as usize));
     let mut low = Vector3::repeat(f64::INFINITY);
@@ -42,12 +43,12 @@ pub(crate) fn width(mesh: &MeshFile) -> f64 {
 /// user says it is, and only a warning is left.
 ///
 /// # Errors
-/// [`CliError::Unit`] with the key that mends it.
+/// [`SceneError::Unit`] with the key that mends it.
 pub(crate) fn check(
-    scene: &Scene,
+    scene: &SceneFile,
     mesh: &MeshFile,
     layers: &[LayerSpec],
-) -> Result<Option<String>, CliError> {
+) -> Result<Option<String>, SceneError> {
     let width = width(mesh);
     let Some(wavelength) = shortest_wavelength(layers).filter(|_| width > 0.0) else {
         return Ok(None);
@@ -58,7 +59,7 @@ pub(crate) fn check(
     let is_said = scene.driver.scale.is_some() || scene.length_unit != LengthUnit::Metre;
     if is_strange && !is_said {
         let (question, remedy) = words(mesh, width);
-        return Err(CliError::Unit {
+        return Err(SceneError::Unit {
             mesh: mesh.path.clone(),
             width: length(width),
             question,
@@ -133,7 +134,7 @@ fn words(mesh: &MeshFile, width: f64) -> (String, String) {
 }
 
 /// Unit and metres per unit that make a mesh of this width likely, the commonest slip first.
-pub(crate) fn likely_scale(width: f64) -> Option<(&'static str, f64)> {
+pub fn likely_scale(width: f64) -> Option<(&'static str, f64)> {
     let slips = [("cm", 0.01), ("mm", 0.001), ("", 100.0), ("", 1000.0)];
     let is_too_wide = width > WIDEST;
     slips
@@ -143,12 +144,12 @@ pub(crate) fn likely_scale(width: f64) -> Option<(&'static str, f64)> {
 }
 
 /// Whether nothing with skin has this width (m).
-pub(crate) fn is_unlikely(width: f64) -> bool {
+pub fn is_unlikely(width: f64) -> bool {
     !(NARROWEST..=WIDEST).contains(&width)
 }
 
 /// A length in the unit that people would use for it.
-pub(crate) fn length(metres: f64) -> String {
+pub fn length(metres: f64) -> String {
     let (value, unit) = match metres {
         m if m >= 1.0 => (m, "m"),
         m if m >= 0.02 => (100.0 * m, "cm"),

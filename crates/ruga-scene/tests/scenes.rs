@@ -7,19 +7,20 @@ mod fixture;
 use std::path::Path;
 
 use fixture::{Folder, SCENE, assert_says};
-use ruga_io::scene::{
-    Coupling, Layer, LayerDefinition, MapKind, NormalY, Region, Sampling, SolverMode, Stack,
-    SubstrateDefinition, WavelengthModel,
+use ruga_io::{LengthUnit, MapKind, NormalY};
+use ruga_scene::file::{
+    Coupling, Layer, LayerDefinition, Region, Sampling, SolverMode, Stack, SubstrateDefinition,
+    WavelengthModel,
 };
-use ruga_io::{IoError, LengthUnit, Scene};
+use ruga_scene::{SceneError, SceneFile};
 
 /// One layer on a lattice is all that `SCENE` may have.
-fn parse(text: &str) -> Result<Scene, IoError> {
-    Scene::from_toml(text, Path::new("scene.toml"))
+fn parse(text: &str) -> Result<SceneFile, SceneError> {
+    SceneFile::from_toml(text, Path::new("scene.toml"))
 }
 
 /// `SCENE` with one piece of text replaced.
-fn with(old: &str, new: &str) -> Result<Scene, IoError> {
+fn with(old: &str, new: &str) -> Result<SceneFile, SceneError> {
     assert!(SCENE.contains(old), "{old}");
     parse(&SCENE.replacen(old, new, 1))
 }
@@ -61,7 +62,7 @@ fn defaults_are_those_of_the_sample() {
     assert_eq!(layer.coupling, Coupling::Hybrid);
     assert_eq!(layer.sampling, Sampling::Quadrature);
     assert_eq!(layer.model, WavelengthModel::Layer);
-    let interior = ruga_io::scene::Interior {
+    let interior = ruga_scene::file::Interior {
         cells: Some(6),
         ..Default::default()
     };
@@ -99,7 +100,7 @@ fn paths_are_relative_to_the_scene() {
     let folder = Folder::new();
     let text = SCENE.replacen("\"auto\"", "\"masks/face.png\"", 1);
     let path = folder.file("scene.toml", text);
-    let scene = Scene::read(&path).unwrap();
+    let scene = SceneFile::read(&path).unwrap();
     assert_eq!(scene.driver.mesh, folder.path("forearm.glb"));
     assert_eq!(
         scene.driver.region,
@@ -113,7 +114,7 @@ fn paths_are_relative_to_the_scene() {
 fn ways_to_describe_a_layer() {
     let layer = |text: &str| {
         let scene = with("young = 4e6\npoisson = 0.48\nthickness = 1.3e-3", text)?;
-        Ok::<_, IoError>(scene.layers[0].clone())
+        Ok::<_, SceneError>(scene.layers[0].clone())
     };
     let preset = layer("preset = \"knuckle\"").unwrap();
     assert_eq!(
@@ -344,11 +345,11 @@ fn files_that_are_no_scene() {
     let folder = Folder::new();
     let words = ["this is a mesh", "ruga new --mesh", "face.glb DIR"];
     let mesh = folder.file("face.glb", b"glTF\x02\0\0\0\xff");
-    assert_says(Scene::read(&mesh), "face.glb", &words);
+    assert_says(SceneFile::read(&mesh), "face.glb", &words);
     let obj = folder.file("face.obj", "v 0 0 0\n");
-    assert_says(Scene::read(&obj), "face.obj", &["this is a mesh"]);
+    assert_says(SceneFile::read(&obj), "face.obj", &["this is a mesh"]);
     let image = folder.file("mask.png", b"\x89PNG\r\n\x1a\n");
-    assert_says(Scene::read(&image), "mask.png", &["this is an image"]);
+    assert_says(SceneFile::read(&image), "mask.png", &["this is an image"]);
 }
 
 #[test]
@@ -388,12 +389,16 @@ fn wrong_types_and_no_toml() {
     );
     let folder = Folder::new();
     assert_says(
-        Scene::read(&folder.path("no.toml")),
+        SceneFile::read(&folder.path("no.toml")),
         "no.toml",
         &["no such file"],
     );
     let binary = folder.file("binary.toml", [b'a', b'\n', 0xff]);
-    assert_says(Scene::read(&binary), "binary.toml", &["line 2", "UTF-8"]);
+    assert_says(
+        SceneFile::read(&binary),
+        "binary.toml",
+        &["line 2", "UTF-8"],
+    );
 }
 
 #[test]
@@ -616,7 +621,7 @@ fn layers_have_masks_strengths_and_zones() {
         [(Some("forehead"), &[0, 2][..]), (Some("eyes"), &[1][..])]
     );
     let folder = Folder::new();
-    let read = Scene::read(&folder.file("scene.toml", ZONES)).unwrap();
+    let read = SceneFile::read(&folder.file("scene.toml", ZONES)).unwrap();
     assert_eq!(read.layers[1].mask, Some(folder.path("eyes.png")));
 }
 

@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::image_read::{Image, read_image};
-use crate::{IoError, scene};
+use ruga_io::{Image, IoError, read_image};
+
+use crate::SceneError;
+use crate::file::PropertyMap;
 
 /// How far outside `[0, 1]` a number of an EXR may lie and is cut off in silence: several times the
 /// rounding of half floats, and what filters of paint programs leave behind.
@@ -34,28 +36,28 @@ pub struct PropertyImages {
 }
 
 /// Reads the images of a layer's map. `key` is that of the map, such as `layers[0].map`; it and
-/// `scene_path` are for messages, image paths are taken as they stand in `map` ([`Scene::read`]
+/// `scene_path` are for messages, image paths are taken as they stand in `map` ([`SceneFile::read`]
 /// resolves them).
 ///
 /// A grey image may be stored in three equal channels, as many paint programs do. A packed image
 /// must have three; alpha counts for nothing in either.
 ///
-/// [`Scene::read`]: crate::Scene::read
+/// [`SceneFile::read`]: crate::SceneFile::read
 ///
 /// # Errors
-/// [`IoError::SceneImage`] naming scene, key and image: when it is missing, damaged or of another
+/// [`SceneError::Image`] naming scene, key and image: when it is missing, damaged or of another
 /// format, has the wrong channels, no texels, or numbers outside 0 to 1 (EXR).
 pub fn read_property_images(
-    map: &scene::PropertyMap,
+    map: &PropertyMap,
     scene_path: &Path,
     key: &str,
-) -> Result<PropertyImages, IoError> {
+) -> Result<PropertyImages, SceneError> {
     let named = |name: &str| {
         let key = format!("{key}.{name}");
-        move |error: IoError| IoError::SceneImage {
+        move |error: IoError| SceneError::Image {
             scene: scene_path.to_owned(),
             key,
-            source: Box::new(error),
+            source: error,
         }
     };
     if let Some(path) = &map.image {
@@ -72,13 +74,13 @@ pub fn read_property_images(
     })
 }
 
-fn packed(path: &Path, map: &scene::PropertyMap) -> Result<PropertyImages, IoError> {
+fn packed(path: &Path, map: &PropertyMap) -> Result<PropertyImages, IoError> {
     let image = read_image(path)?;
     if image.channels != 3 {
         let accepted = "red (wavelength), green (Young's modulus) and blue (thickness); a grey \
                         image belongs to `wavelength_image`, `young_image` or `thickness_image`";
         let reason = format!("found {}; accepted: {accepted}", channel_count(&image));
-        return Err(IoError::malformed(path, "channels", reason));
+        return Err(malformed(path, "channels", reason));
     }
     let channel = |which: usize, range: Option<[f64; 2]>| {
         range
@@ -104,7 +106,7 @@ fn grey(path: &Path, range: [f64; 2]) -> Result<PropertyPlane, IoError> {
             channel_count(&image),
             place(texel, image.width),
         );
-        return Err(IoError::malformed(path, "channels", reason));
+        return Err(malformed(path, "channels", reason));
     }
     plane(&image, 0, range, path)
 }
@@ -124,7 +126,7 @@ fn plane(
             "found {value} {}; accepted: numbers from 0 to 1, which the range is laid over",
             place(texel, image.width)
         );
-        return Err(IoError::malformed(path, element, reason));
+        return Err(malformed(path, element, reason));
     }
     Ok(PropertyPlane {
         width: image.width,
@@ -143,4 +145,12 @@ fn channel_count(image: &Image) -> String {
 
 fn place(texel: usize, width: usize) -> String {
     format!("at column {}, row {}", texel % width, texel / width)
+}
+
+fn malformed(path: &Path, element: impl Into<String>, reason: String) -> IoError {
+    IoError::Malformed {
+        path: path.to_owned(),
+        element: element.into(),
+        reason,
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::validate::{Checked, Fault, fault, positive, within};
 use super::{Cylinder, Handle, Interior, Motion, Obstacle, ObstacleShape, Plane, Sphere};
-use crate::error::nearest;
+use ruga_io::nearest;
 
 impl Interior {
     pub(super) fn faults(&self, layers: usize) -> Checked {

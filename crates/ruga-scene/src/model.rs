@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use ruga_blend::{Driver, Smoothing};
-use ruga_io::{PropertyPlane, Scene, read_property_images, scene};
+
 use ruga_material::{
     LayerMaterial, MaterialError, PRESETS, Preset, PropertyImage, PropertyMap, Substrate,
     Variation, VariationField, WavelengthModel, Wrap, design_layer, preset, wrinkling,
@@ -14,19 +14,22 @@ use ruga_stepper::{
     Stack,
 };
 
-use crate::arguments::Quality;
-use crate::error::{CliError, nearest};
-use crate::project::mask;
+use ruga_io::nearest;
+
+use crate::SceneError;
+use crate::file::{self, SceneFile};
+use crate::property_images::{PropertyPlane, read_property_images};
+use crate::scene::mask;
 
 /// Weights beyond this look like a slip: shapes are whole at 1, and now and then overdriven a little.
 const LARGE_WEIGHT: f64 = 2.0;
 
 /// What is wrong with a share of bending for the lowest layer of a zone, which has none below.
-pub(crate) fn bending_without_layer(scene: &Scene, path: &Path) -> Option<CliError> {
+pub(crate) fn bending_without_layer(scene: &SceneFile, path: &Path) -> Option<SceneError> {
     let zones = scene.zones();
     let mut lowest = zones.iter().map(|zone| zone.layers[0]);
     lowest.find_map(|layer| {
-        Some(CliError::NoLayerBelow {
+        Some(SceneError::NoLayerBelow {
             scene: path.to_owned(),
             layer,
             found: scene.layers[layer].bending_transfer?,
@@ -37,9 +40,9 @@ pub(crate) fn bending_without_layer(scene: &Scene, path: &Path) -> Option<CliErr
 /// The layers with their materials and what carries them, in the order of the scene.
 ///
 /// # Errors
-/// [`CliError::UnknownPreset`], [`CliError::Material`] and what a painted map is refused for, naming
+/// [`SceneError::UnknownPreset`], [`SceneError::Material`] and what a painted map is refused for, naming
 /// the key.
-pub(crate) fn layers(scene: &Scene, path: &Path) -> Result<Vec<LayerSpec>, CliError> {
+pub(crate) fn layers(scene: &SceneFile, path: &Path) -> Result<Vec<LayerSpec>, SceneError> {
     let mut layers: Vec<LayerSpec> = Vec::new();
     for (index, upper) in scene.layers.iter().enumerate() {
         let lower = (0..index).rfind(|&other| scene.layers[other].zone == upper.zone);
@@ -54,24 +57,24 @@ pub(crate) fn layers(scene: &Scene, path: &Path) -> Result<Vec<LayerSpec>, CliEr
 
 /// Layer number `index` on what is `below`; only a preset brings its own substrate.
 fn layer(
-    scene: &Scene,
+    scene: &SceneFile,
     index: usize,
     below: Option<Substrate>,
     path: &Path,
-) -> Result<LayerSpec, CliError> {
+) -> Result<LayerSpec, SceneError> {
     // Reading a scene has refused what these three lines rely on.
     let layer = &scene.layers[index];
     let one_way = "a scene that was read describes each layer in exactly one way";
     let carried = "a scene that was read has a substrate, unless its layer is a preset";
     let key = format!("layers[{index}]");
-    let wrong = |source: MaterialError| CliError::Material {
+    let wrong = |source: MaterialError| SceneError::Material {
         scene: path.to_owned(),
         key: key.clone(),
         source,
     };
     let definition = layer.definition().expect(one_way);
     let preset = match definition {
-        scene::LayerDefinition::Preset(name) => {
+        file::LayerDefinition::Preset(name) => {
             Some(preset_named(name, &format!("{key}.preset"), path)?)
         }
         _ => None,
@@ -87,13 +90,13 @@ fn layer(
         density,
     };
     let material = match definition {
-        scene::LayerDefinition::Elastic { young, thickness } => with(young, thickness),
-        scene::LayerDefinition::Wanted {
+        file::LayerDefinition::Elastic { young, thickness } => with(young, thickness),
+        file::LayerDefinition::Wanted {
             wavelength,
             critical_strain,
         } => design_layer(wavelength, critical_strain, poisson, density, &substrate)
             .map_err(wrong)?,
-        scene::LayerDefinition::Preset(_) => {
+        file::LayerDefinition::Preset(_) => {
             let preset = preset.expect(one_way);
             with(preset.layer.young, preset.layer.thickness)
         }
@@ -133,10 +136,10 @@ fn layer(
 ///
 /// Layers that are solved as one composite or joint pair are even: their stiffness together is known
 /// for even layers alone.
-fn variation(scene: &Scene, index: usize, preset: Option<&Preset>) -> Option<Variation> {
+fn variation(scene: &SceneFile, index: usize, preset: Option<&Preset>) -> Option<Variation> {
     let layer = &scene.layers[index];
     let of_preset = || {
-        let is_alone = scene.stack == scene::Stack::Nominal;
+        let is_alone = scene.stack == file::Stack::Nominal;
         preset.filter(|_| is_alone)?.variation
     };
     let found = match layer.variation {
@@ -153,7 +156,7 @@ fn variation(scene: &Scene, index: usize, preset: Option<&Preset>) -> Option<Var
 }
 
 /// Where layer number `index` is: on its own mask, and in a zone on that of the zone's lowest layer.
-fn presence(scene: &Scene, index: usize) -> Result<Presence, CliError> {
+fn presence(scene: &SceneFile, index: usize) -> Result<Presence, SceneError> {
     let layer = &scene.layers[index];
     let lowest = layer.zone.as_ref().and_then(|_| {
         let mut zone = scene.layers.iter().filter(|other| other.zone == layer.zone);
@@ -169,7 +172,11 @@ fn presence(scene: &Scene, index: usize) -> Result<Presence, CliError> {
 }
 
 /// The painted properties of a layer.
-fn property_map(map: &scene::PropertyMap, path: &Path, key: &str) -> Result<PropertyMap, CliError> {
+fn property_map(
+    map: &file::PropertyMap,
+    path: &Path,
+    key: &str,
+) -> Result<PropertyMap, SceneError> {
     let images = read_property_images(map, path, key)?;
     let image = |plane: PropertyPlane| PropertyImage {
         width: plane.width,
@@ -178,8 +185,8 @@ fn property_map(map: &scene::PropertyMap, path: &Path, key: &str) -> Result<Prop
         range: plane.range,
     };
     let wrap = match map.wrap {
-        scene::Wrap::Clamp => Wrap::ClampToEdge,
-        scene::Wrap::Repeat => Wrap::Repeat,
+        file::Wrap::Clamp => Wrap::ClampToEdge,
+        file::Wrap::Repeat => Wrap::Repeat,
     };
     PropertyMap::new(
         images.wavelength.map(image),
@@ -187,22 +194,22 @@ fn property_map(map: &scene::PropertyMap, path: &Path, key: &str) -> Result<Prop
         images.thickness.map(image),
         wrap,
     )
-    .map_err(|source| CliError::Material {
+    .map_err(|source| SceneError::Material {
         scene: path.to_owned(),
         key: key.to_owned(),
         source,
     })
 }
 
-fn substrate(scene: &Scene, path: &Path) -> Result<Option<Substrate>, CliError> {
+fn substrate(scene: &SceneFile, path: &Path) -> Result<Option<Substrate>, SceneError> {
     let Some(substrate) = &scene.substrate else {
         return Ok(None);
     };
     Ok(Some(match substrate.definition() {
-        scene::SubstrateDefinition::Preset(name) => {
+        file::SubstrateDefinition::Preset(name) => {
             preset_named(name, "substrate.preset", path)?.substrate
         }
-        scene::SubstrateDefinition::Elastic {
+        file::SubstrateDefinition::Elastic {
             young,
             poisson,
             thickness,
@@ -214,9 +221,9 @@ fn substrate(scene: &Scene, path: &Path) -> Result<Option<Substrate>, CliError> 
     }))
 }
 
-fn preset_named(name: &str, key: &str, path: &Path) -> Result<&'static Preset, CliError> {
+fn preset_named(name: &str, key: &str, path: &Path) -> Result<&'static Preset, SceneError> {
     let names = || PRESETS.iter().map(|preset| preset.name);
-    preset(name).ok_or_else(|| CliError::UnknownPreset {
+    preset(name).ok_or_else(|| SceneError::UnknownPreset {
         scene: path.to_owned(),
         key: key.to_owned(),
         name: name.to_owned(),
@@ -228,13 +235,13 @@ fn preset_named(name: &str, key: &str, path: &Path) -> Result<&'static Preset, C
 /// The poses to simulate: those `wanted` by name, or all.
 ///
 /// # Errors
-/// [`CliError::UnknownPose`], and scene errors about unknown blend shapes.
+/// [`SceneError::UnknownPose`], and scene errors about unknown blend shapes.
 pub(crate) fn poses(
-    scene: &Scene,
+    scene: &SceneFile,
     driver: &Driver,
     wanted: &[String],
     path: &Path,
-) -> Result<Vec<PoseSpec>, CliError> {
+) -> Result<Vec<PoseSpec>, SceneError> {
     let shapes: Vec<String> = driver.shape_names().map(str::to_owned).collect();
     let all = scene.poses_or_shapes(&shapes, path)?;
     let names = || all.iter().map(|pose| pose.name.as_str());
@@ -242,7 +249,7 @@ pub(crate) fn poses(
         .iter()
         .find(|w| !names().any(|name| name == w.as_str()))
     {
-        return Err(CliError::UnknownPose {
+        return Err(SceneError::UnknownPose {
             scene: path.to_owned(),
             name: name.clone(),
             suggestion: nearest(name, names()),
@@ -255,9 +262,9 @@ pub(crate) fn poses(
         .collect()
 }
 
-fn pose_spec(pose: &scene::Pose, driver: &Driver, path: &Path) -> Result<PoseSpec, CliError> {
+fn pose_spec(pose: &file::Pose, driver: &Driver, path: &Path) -> Result<PoseSpec, SceneError> {
     let named = pose.weights.iter().map(|(shape, &w)| (shape.as_str(), w));
-    let weights = driver.weights(named).map_err(|source| CliError::Mesh {
+    let weights = driver.weights(named).map_err(|source| SceneError::Mesh {
         mesh: path.to_owned(),
         source,
     })?;
@@ -274,7 +281,7 @@ fn pose_spec(pose: &scene::Pose, driver: &Driver, path: &Path) -> Result<PoseSpe
 
 /// What is to be said of weights so far beyond the whole blend shape that they look mistyped, in the
 /// poses of the scene that are worked on.
-pub(crate) fn weight_warnings(scene: &Scene, poses: &[PoseSpec]) -> Vec<String> {
+pub(crate) fn weight_warnings(scene: &SceneFile, poses: &[PoseSpec]) -> Vec<String> {
     let mut warnings = Vec::new();
     for (number, pose) in scene.poses.iter().enumerate() {
         if !poses.iter().any(|spec| spec.name == pose.name) {
@@ -296,11 +303,11 @@ pub(crate) fn weight_warnings(scene: &Scene, poses: &[PoseSpec]) -> Vec<String> 
 }
 
 /// The choices that are not physics.
-pub(crate) fn modelling(scene: &Scene, region: Region, quality: Option<Quality>) -> Modelling {
+pub(crate) fn modelling(scene: &SceneFile, region: Region, points: Option<f64>) -> Modelling {
     let asked = scene.remesh.points_per_wavelength;
     Modelling {
         region,
-        points_per_wavelength: quality.map_or(asked, Quality::points_per_wavelength),
+        points_per_wavelength: points.unwrap_or(asked),
         remesh: scene.remesh.enabled.then_some(EdgeLimits {
             min_edge: scene.remesh.min_edge,
             max_edge: scene.remesh.max_edge,
@@ -308,20 +315,20 @@ pub(crate) fn modelling(scene: &Scene, region: Region, quality: Option<Quality>)
         }),
         vertex_budget: usize::try_from(scene.driver.vertex_budget).unwrap_or(usize::MAX),
         stack: match scene.stack {
-            scene::Stack::Nominal => Stack::Nominal,
-            scene::Stack::Composite => Stack::Composite,
-            scene::Stack::Joint => Stack::Joint,
+            file::Stack::Nominal => Stack::Nominal,
+            file::Stack::Composite => Stack::Composite,
+            file::Stack::Joint => Stack::Joint,
         },
         dynamics: match scene.solver.mode {
-            scene::SolverMode::Static => None,
-            scene::SolverMode::Dynamic => Some(Dynamics {
+            file::SolverMode::Static => None,
+            file::SolverMode::Dynamic => Some(Dynamics {
                 time_step: scene.solver.time_step,
                 damping: scene.solver.damping,
             }),
         },
         smoothing: match scene.driver.smoothing {
-            scene::Smoothing::Loop => Smoothing::Loop,
-            scene::Smoothing::None => Smoothing::None,
+            file::Smoothing::Loop => Smoothing::Loop,
+            file::Smoothing::None => Smoothing::None,
         },
         tolerance: scene.solver.tolerance,
         seed: scene.solver.seed,
@@ -329,26 +336,26 @@ pub(crate) fn modelling(scene: &Scene, region: Region, quality: Option<Quality>)
     }
 }
 
-fn coupling(coupling: scene::Coupling) -> Coupling {
+fn coupling(coupling: file::Coupling) -> Coupling {
     match coupling {
-        scene::Coupling::Constraint => Coupling::Constraint,
-        scene::Coupling::Elastic => Coupling::Elastic,
-        scene::Coupling::Hybrid => Coupling::Hybrid,
+        file::Coupling::Constraint => Coupling::Constraint,
+        file::Coupling::Elastic => Coupling::Elastic,
+        file::Coupling::Hybrid => Coupling::Hybrid,
     }
 }
 
-fn sampling(sampling: scene::Sampling) -> Sampling {
+fn sampling(sampling: file::Sampling) -> Sampling {
     match sampling {
-        scene::Sampling::Area => Sampling::Area,
-        scene::Sampling::Adjusted => Sampling::Adjusted,
-        scene::Sampling::Quadrature => Sampling::Quadrature,
+        file::Sampling::Area => Sampling::Area,
+        file::Sampling::Adjusted => Sampling::Adjusted,
+        file::Sampling::Quadrature => Sampling::Quadrature,
     }
 }
 
-fn wavelength_model(model: scene::WavelengthModel) -> WavelengthModel {
+fn wavelength_model(model: file::WavelengthModel) -> WavelengthModel {
     match model {
-        scene::WavelengthModel::Layer => WavelengthModel::Layer,
-        scene::WavelengthModel::HalfSpace => WavelengthModel::HalfSpace,
-        scene::WavelengthModel::CerdaMahadevan => WavelengthModel::CerdaMahadevan,
+        file::WavelengthModel::Layer => WavelengthModel::Layer,
+        file::WavelengthModel::HalfSpace => WavelengthModel::HalfSpace,
+        file::WavelengthModel::CerdaMahadevan => WavelengthModel::CerdaMahadevan,
     }
 }

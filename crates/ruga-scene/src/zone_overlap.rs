@@ -2,8 +2,8 @@
 
 use nalgebra::Vector2;
 
-use crate::error::CliError;
-use crate::project::Project;
+use crate::Scene;
+use crate::SceneError;
 
 /// Sum of the zones' greys at a place that is not an overlap yet: images are 8 bit, and the smooth
 /// edges of two masks that touch share a texel.
@@ -18,16 +18,16 @@ const PLACES: u32 = 4;
 /// would be added at full height. Where greys add up to white, they are a cross-fade.
 ///
 /// # Errors
-/// [`CliError::ZonesOverlap`] with the place of the largest sum.
-pub(crate) fn check(project: &Project) -> Result<(), CliError> {
-    let zones = project.scene.zones();
+/// [`SceneError::ZonesOverlap`] with the place of the largest sum.
+pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
+    let zones = scene.file.zones();
     if zones.len() < 2 {
         return Ok(());
     }
-    let lowest = zones.iter().map(|zone| &project.layers[zone.layers[0]]);
+    let lowest = zones.iter().map(|zone| &scene.layers[zone.layers[0]]);
     let presences: Vec<_> = lowest.map(|layer| &layer.presence).collect();
     let greys = |uv: Vector2<f64>| presences.iter().map(move |presence| presence.grey(uv));
-    let places = project.driver.uvs().as_slice().iter().flat_map(places);
+    let places = scene.driver.uvs().as_slice().iter().flat_map(places);
     let sums = places.map(|uv| (greys(uv).sum::<f64>(), uv));
     let Some((sum, at)) = sums.max_by(|a, b| a.0.total_cmp(&b.0)) else {
         return Ok(());
@@ -40,8 +40,8 @@ pub(crate) fn check(project: &Project) -> Result<(), CliError> {
         .map(|(grey, zone)| (grey, zone.name.unwrap_or_default()))
         .collect();
     claims.sort_by(|a, b| b.0.total_cmp(&a.0));
-    Err(CliError::ZonesOverlap {
-        scene: project.path.clone(),
+    Err(SceneError::ZonesOverlap {
+        scene: scene.path.clone(),
         first: claims[0].1.to_owned(),
         second: claims[1].1.to_owned(),
         u: at.x,

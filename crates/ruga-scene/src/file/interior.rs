@@ -111,7 +111,7 @@ pub enum ObstacleShape {
 
 impl Obstacle {
     /// The one shape that is given; `None` when there are none or several, which
-    /// [`validate`](super::Scene::validate) refuses.
+    /// [`validate`](super::SceneFile::validate) refuses.
     pub fn shape(&self) -> Option<ObstacleShape> {
         match (self.plane, self.sphere, self.cylinder) {
             (Some(plane), None, None) => Some(ObstacleShape::Plane(plane)),

@@ -26,7 +26,7 @@ pub use interior::{
 };
 pub use names::{is_usable_file_name, usable_file_name};
 pub use reference::{Key, Table, reference};
-pub use settings::{Bake, Frame, MapFormat, MapKind, NormalY, Remesh, Solver, SolverMode};
+pub use settings::{Bake, Remesh, Solver, SolverMode};
 pub use skin::{
     Coupling, Layer, LayerDefinition, PropertyMap, Sampling, Substrate, SubstrateDefinition,
     WavelengthModel, Wrap,
@@ -34,13 +34,13 @@ pub use skin::{
 
 pub use zones::Zone;
 
-use crate::LengthUnit;
+use ruga_io::LengthUnit;
 
 /// A whole scene: what stands before the first table. All units are SI: metres, pascals, kilograms,
 /// seconds. Paths are relative to the scene's folder. An unknown key is an error.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Scene {
+pub struct SceneFile {
     /// Version of the layout: 1.
     pub version: u32,
     /// What a stack of layers means.

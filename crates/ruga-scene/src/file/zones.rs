@@ -1,17 +1,17 @@
 //! Which layers lie on each other, and which side by side.
 
-use super::Scene;
+use super::SceneFile;
 
 /// Layers that lie on each other in one part of the skin.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Zone<'a> {
     /// Its name; `None` when the scene names no zones.
     pub name: Option<&'a str>,
-    /// Its layers as numbers into [`Scene::layers`], bottom first; at least one.
+    /// Its layers as numbers into [`SceneFile::layers`], bottom first; at least one.
     pub layers: Vec<usize>,
 }
 
-impl Scene {
+impl SceneFile {
     /// The zones in the order of their lowest layers; a scene that names none is one zone.
     pub fn zones(&self) -> Vec<Zone<'_>> {
         let mut zones: Vec<Zone<'_>> = Vec::new();

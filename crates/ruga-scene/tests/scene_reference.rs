@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use ruga_io::Scene;
-use ruga_io::scene::{Table, reference};
+use ruga_scene::SceneFile;
+use ruga_scene::file::{Table, reference};
 use serde_json::Value;
 
 /// Structs of a scene by their name in the schema, with their keys.
 fn structs() -> BTreeMap<String, Vec<String>> {
-    let root = schemars::schema_for!(Scene);
+    let root = schemars::schema_for!(SceneFile);
     let keys = |schema: &Value| -> Option<Vec<String>> {
         Some(
             schema
@@ -25,7 +25,10 @@ fn structs() -> BTreeMap<String, Vec<String>> {
         .iter()
         .filter_map(|(name, schema)| Some((name.clone(), keys(schema)?)))
         .collect();
-    found.insert("Scene".to_owned(), keys(root.as_value()).expect("a struct"));
+    found.insert(
+        "SceneFile".to_owned(),
+        keys(root.as_value()).expect("a struct"),
+    );
     found
 }
 

@@ -7,10 +7,10 @@ mod fixture;
 use std::path::Path;
 
 use fixture::assert_says;
-use ruga_io::scene::{
+use ruga_scene::file::{
     CellShape, Cylinder, Handle, Motion, Obstacle, ObstacleShape, Plane, Pose, Sphere,
 };
-use ruga_io::{IoError, Scene};
+use ruga_scene::{SceneError, SceneFile};
 
 const BODY: &str = r#"
 version = 1
@@ -56,12 +56,12 @@ motions = [
 ]
 "#;
 
-fn parse(text: &str) -> Result<Scene, IoError> {
-    Scene::from_toml(text, Path::new("scene.toml"))
+fn parse(text: &str) -> Result<SceneFile, SceneError> {
+    SceneFile::from_toml(text, Path::new("scene.toml"))
 }
 
 /// `BODY` with one piece of text replaced.
-fn with(old: &str, new: &str) -> Result<Scene, IoError> {
+fn with(old: &str, new: &str) -> Result<SceneFile, SceneError> {
     assert!(BODY.contains(old), "{old}");
     parse(&BODY.replacen(old, new, 1))
 }

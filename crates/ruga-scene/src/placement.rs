@@ -8,15 +8,16 @@ use ruga_io::{IoError, MeshFile, ObjFrame, write_obj_frame};
 /// From the axes of the file, in which everything is computed, to those of the world: a turn, or a
 /// reflection, and a shift.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Placement {
-    pub(crate) turn: Matrix3<f64>,
-    /// m.
-    pub(crate) shift: Vector3<f64>,
+pub struct Placement {
+    /// A rotation or a reflection.
+    pub turn: Matrix3<f64>,
+    /// Where the origin of the file is in the world, m.
+    pub shift: Vector3<f64>,
 }
 
 impl Placement {
     /// `world_from_node = turn * stretch`, and the mesh has been stretched already.
-    pub(crate) fn of(mesh: &MeshFile) -> Self {
+    pub fn of(mesh: &MeshFile) -> Self {
         let world = &mesh.world_from_node;
         let linear = world.fixed_view::<3, 3>(0, 0).into_owned();
         Self {
@@ -25,7 +26,8 @@ impl Placement {
         }
     }
 
-    pub(crate) fn in_world(&self, position: &Vector3<f64>) -> Vector3<f64> {
+    /// A place in the file, in the world.
+    pub fn in_world(&self, position: &Vector3<f64>) -> Vector3<f64> {
         self.turn * position + self.shift
     }
 
@@ -33,7 +35,7 @@ impl Placement {
     ///
     /// # Errors
     /// Those of [`write_obj_frame`].
-    pub(crate) fn write_obj(&self, path: &Path, frame: &ObjFrame<'_>) -> Result<(), IoError> {
+    pub fn write_obj(&self, path: &Path, frame: &ObjFrame<'_>) -> Result<(), IoError> {
         let positions = frame.positions.iter().map(|p| self.in_world(p));
         let is_mirrored = self.turn.determinant() < 0.0;
         let outward = |triangles: &[[u32; 3]]| -> Vec<[u32; 3]> {
@@ -50,17 +52,17 @@ impl Placement {
     }
 
     /// A place in the world, in the axes of the file.
-    pub(crate) fn place_in_file(&self, position: [f64; 3]) -> Vector3<f64> {
+    pub fn place_in_file(&self, position: [f64; 3]) -> Vector3<f64> {
         self.turn.transpose() * (Vector3::from(position) - self.shift)
     }
 
     /// A way, a force or an acceleration.
-    pub(crate) fn way_in_file(&self, way: [f64; 3]) -> Vector3<f64> {
+    pub fn way_in_file(&self, way: [f64; 3]) -> Vector3<f64> {
         self.turn.transpose() * Vector3::from(way)
     }
 
     /// Axis times angle: a reflection turns the other way.
-    pub(crate) fn turn_in_file(&self, turn: [f64; 3]) -> Vector3<f64> {
+    pub fn turn_in_file(&self, turn: [f64; 3]) -> Vector3<f64> {
         self.turn.determinant().signum() * self.way_in_file(turn)
     }
 }

@@ -5,10 +5,12 @@ use std::path::Path;
 use super::names::{file_name_fault, same_file, usable_file_name};
 use super::read::scene_error;
 use super::validate_interior::motion_faults;
-use super::{Driver, Interior, Pose, Scene};
-use crate::error::nearest;
-use crate::wrinkles::key_percent;
-use crate::{IoError, LengthUnit};
+use super::{Driver, Interior, Pose, SceneFile};
+use ruga_io::LengthUnit;
+use ruga_io::key_percent;
+use ruga_io::nearest;
+
+use crate::SceneError;
 
 /// A key and what is wrong with its value.
 pub(super) struct Fault {
@@ -19,7 +21,7 @@ pub(super) struct Fault {
 }
 
 impl Fault {
-    fn at(self, path: &Path) -> IoError {
+    fn at(self, path: &Path) -> SceneError {
         scene_error(path, &self.key, None, &self.reason, self.suggestion)
     }
 }
@@ -30,16 +32,16 @@ const LARGEST_WEIGHT: f64 = 10.0;
 
 pub(super) type Checked = Result<(), Fault>;
 
-impl Scene {
+impl SceneFile {
     /// The version of the layout that this crate reads.
     pub const VERSION: u32 = 1;
 
     /// Checks ranges, names and contradictions; `path` is for messages.
     ///
     /// # Errors
-    /// [`IoError::Scene`] for the first fault, in the order of the file, with `[interior]` before
+    /// [`SceneError::Key`] for the first fault, in the order of the file, with `[interior]` before
     /// the poses.
-    pub fn validate(&self, path: &Path) -> Result<(), IoError> {
+    pub fn validate(&self, path: &Path) -> Result<(), SceneError> {
         self.faults().map_err(|fault| fault.at(path))
     }
 
@@ -49,10 +51,10 @@ impl Scene {
     /// Names made from shapes are usable as file names: what is not becomes `_`.
     ///
     /// # Errors
-    /// [`IoError::Scene`] when a pose weighs a blend shape that is not among `shapes`, when blend
+    /// [`SceneError::Key`] when a pose weighs a blend shape that is not among `shapes`, when blend
     /// shapes are to move a body that does not follow them, or when there is neither pose nor shape
     /// nor gravity; `path` is for messages.
-    pub fn poses_or_shapes(&self, shapes: &[String], path: &Path) -> Result<Vec<Pose>, IoError> {
+    pub fn poses_or_shapes(&self, shapes: &[String], path: &Path) -> Result<Vec<Pose>, SceneError> {
         let fault = (self.nothing_moves(shapes))
             .or_else(|| self.unknown_shape(shapes))
             .or_else(|| self.shape_without_effect(shapes));

@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 
 use super::{
     Bake, Cylinder, Driver, Handle, Interior, Layer, Motion, Obstacle, Plane, Pose, PropertyMap,
-    Remesh, Scene, Solver, Sphere, Substrate,
+    Remesh, SceneFile, Solver, Sphere, Substrate,
 };
 
 /// One table of a scene.
@@ -45,7 +45,7 @@ pub struct Key {
 /// Every table of a scene, in the order in which scenes are usually written.
 pub fn reference() -> Vec<Table> {
     vec![
-        table::<Scene>("", "the top of the file"),
+        table::<SceneFile>("", "the top of the file"),
         table::<Driver>("driver", "[driver]"),
         table::<Substrate>("substrate", "[substrate]"),
         table::<Layer>("layers", "[[layers]]"),

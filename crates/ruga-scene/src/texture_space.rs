@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 use ruga_bake::{UvLayout, check_uvs, uv_layout};
 use ruga_io::MeshFile;
 
-use crate::error::{CliError, counted};
+use crate::{SceneError, counted};
 
 /// Share of the skin in the unit square below which there is none: what rounding leaves of a layout
 /// that was moved by whole tiles.
@@ -43,16 +43,16 @@ fn areas(mesh: &MeshFile) -> Vec<f64> {
 /// a place in it, V upside down.
 ///
 /// # Errors
-/// [`CliError::MissingUvs`]; [`CliError::UvLayout`] when all UVs are on one spot, or none in the
+/// [`SceneError::MissingUvs`]; [`SceneError::UvLayout`] when all UVs are on one spot, or none in the
 /// square.
-pub(crate) fn check(mesh: &MeshFile) -> Result<Vec<String>, CliError> {
+pub(crate) fn check(mesh: &MeshFile) -> Result<Vec<String>, SceneError> {
     let Some(uvs) = corners(mesh) else {
         // The driver refuses a mesh without UVs before this is asked.
         return Ok(Vec::new());
     };
     let report = check_uvs(&uvs);
     if let Some(&first) = report.missing.first() {
-        return Err(CliError::MissingUvs {
+        return Err(SceneError::MissingUvs {
             mesh: mesh.path.clone(),
             count: report.missing.len(),
             first,
@@ -104,12 +104,12 @@ pub(crate) fn check(mesh: &MeshFile) -> Result<Vec<String>, CliError> {
 /// Returns a warning for every pose that only other poses keep from being refused.
 ///
 /// # Errors
-/// [`CliError::OverlappingUvs`] naming two triangles; [`CliError::UvLayout`] when what is active in
+/// [`SceneError::OverlappingUvs`] naming two triangles; [`SceneError::UvLayout`] when what is active in
 /// any pose lies outside the square, or on a layout larger than it.
 pub(crate) fn check_active(
     mesh: &MeshFile,
     poses: &[(String, Vec<u32>)],
-) -> Result<Vec<String>, CliError> {
+) -> Result<Vec<String>, SceneError> {
     let Some(uvs) = corners(mesh) else {
         return Ok(Vec::new());
     };
@@ -154,12 +154,12 @@ fn refuse_overlaps(
     pose: &str,
     active: &[u32],
     uvs: &[[Vector2<f64>; 3]],
-) -> Result<(), CliError> {
+) -> Result<(), SceneError> {
     let chosen: Vec<_> = active.iter().map(|&t| uvs[t as usize]).collect();
     let report = check_uvs(&chosen);
     match report.overlaps.first() {
         None => Ok(()),
-        Some(&(face, other)) => Err(CliError::OverlappingUvs {
+        Some(&(face, other)) => Err(SceneError::OverlappingUvs {
             mesh: mesh.path.clone(),
             pose: pose.to_owned(),
             first: active[other as usize],
@@ -169,7 +169,7 @@ fn refuse_overlaps(
     }
 }
 
-fn not_unwrapped(mesh: &MeshFile, uvs: &[[Vector2<f64>; 3]]) -> CliError {
+fn not_unwrapped(mesh: &MeshFile, uvs: &[[Vector2<f64>; 3]]) -> SceneError {
     let mut all = uvs.iter().flatten();
     let first = all.next().copied().unwrap_or_default();
     let found = match all.all(|uv| *uv == first) {
@@ -178,7 +178,7 @@ fn not_unwrapped(mesh: &MeshFile, uvs: &[[Vector2<f64>; 3]]) -> CliError {
         true => "all lie on one point",
         false => "have no area",
     };
-    CliError::UvLayout {
+    SceneError::UvLayout {
         mesh: mesh.path.clone(),
         problem: format!(
             "the texture coordinates of `{}` {found}: the mesh is not unwrapped",
@@ -189,17 +189,17 @@ fn not_unwrapped(mesh: &MeshFile, uvs: &[[Vector2<f64>; 3]]) -> CliError {
     }
 }
 
-fn outside(mesh: &MeshFile, whose: &str, layout: &UvLayout) -> CliError {
-    CliError::UvLayout {
+fn outside(mesh: &MeshFile, whose: &str, layout: &UvLayout) -> SceneError {
+    SceneError::UvLayout {
         mesh: mesh.path.clone(),
         problem: format!("the texture coordinates of {whose} {}", place(layout)),
         advice: "move them to the square from 0 to 1; of several tiles, only that one is baked",
     }
 }
 
-fn too_large(mesh: &MeshFile, whose: &str, layout: &UvLayout) -> CliError {
+fn too_large(mesh: &MeshFile, whose: &str, layout: &UvLayout) -> SceneError {
     let [low, high] = tiles(layout);
-    CliError::UvLayout {
+    SceneError::UvLayout {
         mesh: mesh.path.clone(),
         problem: format!(
             "the texture coordinates of {whose} span {} x {} tiles, from {} to {}; only {} of it \

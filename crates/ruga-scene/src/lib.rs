@@ -1,0 +1,55 @@
+//! A scene file, read, checked and made into a plan that simulates and bakes.
+//!
+//! [`Scene`] is a `scene.toml` with its mesh and images, converted to what the other crates take;
+//! [`SceneFile`](file::SceneFile) is what stands in the file. [`Scene::plan`] says what will wrinkle and
+//! what it costs, [`ScenePlan::simulate`] simulates a pose, [`Scene::bake_key`] bakes its map.
+//! [`Inspection`] finds everything that is wrong with a scene at once. [`SceneError`] is for people: it
+//! names the file, the key or element, what was found and what is accepted.
+//!
+//! Lengths are metres. Texture coordinates have V pointing down.
+//!
+//! From a scene to a map:
+//!
+//! ```
+//! use ruga_scene::Scene;
+//! use ruga_stepper::Silent;
+//!
+//! # let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/forearm");
+//! # let path = std::path::Path::new(folder).join("scene.toml");
+//! let mut scene = Scene::read(&path)?;
+//! # scene.file.bake.size = 64;
+//! # scene.modelling.points_per_wavelength = 6.0;
+//! # scene.poses.truncate(1);
+//! let plan = scene.plan()?;
+//! for (number, pose) in scene.poses.iter().enumerate() {
+//!     let result = plan.simulate(number, &mut Silent)?;
+//!     for key in &result.keys {
+//!         let map = scene.bake_key(pose, key)?;
+//!         let steepest = map.normals.iter().map(|normal| normal.z).fold(1.0, f64::min);
+//!         assert!(steepest < 0.99, "the skin wrinkles");
+//!     }
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod bake;
+mod body;
+mod error;
+pub mod file;
+mod mesh_size;
+mod model;
+mod placement;
+mod plan;
+mod posed_frames;
+mod property_images;
+mod scene;
+mod texture_space;
+mod zone_overlap;
+
+pub use error::{SceneError, counted};
+pub use file::SceneFile;
+pub use mesh_size::{is_unlikely, length, likely_scale, width};
+pub use placement::Placement;
+pub use plan::{ScenePlan, ZonePlan, pose_layers};
+pub use property_images::{PropertyImages, PropertyPlane, read_property_images};
+pub use scene::{Inspection, Scene, SceneOptions, driver_of};

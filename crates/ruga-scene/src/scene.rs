@@ -1,0 +1,343 @@
+//! A scene with everything that it names, read and converted.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use ruga_blend::Driver;
+use ruga_io::{MeshFile, ObjOptions, read_mask, read_mesh};
+use ruga_stepper::{
+    Body, LatticeError, LayerSpec, Mask, Modelling, PoseSpec, Region, StepperError, plan, plan_body,
+};
+
+use crate::file::{self, SceneFile};
+use crate::placement::Placement;
+use crate::plan::{ScenePlan, ZonePlan};
+use crate::{SceneError, body, counted, mesh_size, model, texture_space, zone_overlap};
+
+/// What is asked of a scene beside what stands in its file.
+#[derive(Clone, Debug, Default)]
+pub struct SceneOptions {
+    /// Names of the poses that are wanted; empty: all of them.
+    pub poses: Vec<String>,
+    /// Vertices per wavelength, in place of those that the file asks for.
+    pub points_per_wavelength: Option<f64>,
+}
+
+/// A scene with everything that it names, as the other crates take it.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// The scene file, as it was given.
+    pub path: PathBuf,
+    /// What stands in it, defaults filled in and paths resolved.
+    pub file: SceneFile,
+    /// The artist's mesh file.
+    pub mesh: MeshFile,
+    /// The welded mesh with its blend shapes.
+    pub driver: Arc<Driver>,
+    /// The layers, in the order of the file.
+    pub layers: Vec<LayerSpec>,
+    /// The poses that are wanted.
+    pub poses: Vec<PoseSpec>,
+    /// The body that the layer lies on, if it is one.
+    pub body: Option<Body>,
+    /// The choices that are not physics.
+    pub modelling: Modelling,
+    /// What was assumed or left out while reading.
+    pub warnings: Vec<String>,
+}
+
+impl Scene {
+    /// Reads a scene, its mesh and its images.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, naming file and key or element.
+    pub fn read(path: &Path) -> Result<Self, SceneError> {
+        Self::read_with(path, &SceneOptions::default())
+    }
+
+    /// Reads a scene, its mesh and its images, with some poses only or another resolution.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, naming file and key or element.
+    pub fn read_with(path: &Path, options: &SceneOptions) -> Result<Self, SceneError> {
+        Inspection::new(path, options)?.into_scene()
+    }
+
+    /// Plans what will be modelled, and makes sure that it has a place in the maps.
+    ///
+    /// # Errors
+    /// [`SceneError::Model`], such as a mask that leaves nothing; [`SceneError::OverlappingUvs`];
+    /// [`SceneError::UvLayout`]; [`SceneError::ZonesOverlap`].
+    pub fn plan(&self) -> Result<ScenePlan, SceneError> {
+        zone_overlap::check(self)?;
+        let mut planned = self.planned().map_err(|source| match source {
+            StepperError::Lattice(
+                source @ (LatticeError::OpenSurface { .. }
+                | LatticeError::SelfIntersection { .. }
+                | LatticeError::WrongSide { .. }
+                | LatticeError::CannotCut { .. }),
+            ) => SceneError::Surface {
+                mesh: self.mesh.path.clone(),
+                source,
+            },
+            other => SceneError::Model {
+                scene: self.path.clone(),
+                source: Box::new(other),
+            },
+        })?;
+        let active = |(index, pose): (usize, &PoseSpec)| {
+            (pose.name.clone(), planned.active_triangles(index))
+        };
+        let active: Vec<_> = self.poses.iter().enumerate().map(active).collect();
+        planned.warn(texture_space::check_active(&self.mesh, &active)?);
+        Ok(planned)
+    }
+
+    fn planned(&self) -> Result<ScenePlan, StepperError> {
+        let (driver, poses, modelling) = (&self.driver, &self.poses, &self.modelling);
+        let size = self.file.bake.size;
+        if let (Some(body), Some(layer)) = (&self.body, self.layers.first()) {
+            let zone = ZonePlan {
+                plan: plan_body(driver, layer, body, poses, modelling, size)?,
+                layers: vec![0],
+            };
+            return Ok(ScenePlan { zones: vec![zone] });
+        }
+        let zones = self.file.zones().into_iter().map(|zone| {
+            let of_zone = zone.layers.iter();
+            let layers: Vec<LayerSpec> = of_zone.map(|i| self.layers[*i].clone()).collect();
+            Ok(ZonePlan {
+                plan: plan(driver, &layers, poses, modelling, size)?,
+                layers: zone.layers,
+            })
+        });
+        let zones = zones.collect::<Result<_, StepperError>>()?;
+        Ok(ScenePlan { zones })
+    }
+}
+
+/// Every part of a scene that could be read, and everything that is wrong with the others.
+#[derive(Debug)]
+pub struct Inspection {
+    /// The scene file, as it was given.
+    pub path: PathBuf,
+    /// What stands in it.
+    pub file: SceneFile,
+    /// The artist's mesh file and the welded mesh.
+    pub mesh: Option<(MeshFile, Arc<Driver>)>,
+    /// The layers.
+    pub layers: Option<Vec<LayerSpec>>,
+    /// Where skin is simulated.
+    pub region: Option<Region>,
+    /// The poses that are wanted.
+    pub poses: Option<Vec<PoseSpec>>,
+    /// What was assumed or left out.
+    pub warnings: Vec<String>,
+    /// What keeps the scene from being planned.
+    pub problems: Vec<SceneError>,
+    points_per_wavelength: Option<f64>,
+}
+
+impl Inspection {
+    /// Looks at every part of a scene, whatever is wrong with the others.
+    ///
+    /// # Errors
+    /// The scene's own error when its file cannot be read at all.
+    pub fn new(path: &Path, options: &SceneOptions) -> Result<Self, SceneError> {
+        let mut inspection = Self {
+            path: path.to_owned(),
+            file: SceneFile::read(path)?,
+            mesh: None,
+            layers: None,
+            region: None,
+            poses: None,
+            warnings: Vec::new(),
+            problems: Vec::new(),
+            points_per_wavelength: options.points_per_wavelength,
+        };
+        inspection.look_at_layers();
+        inspection.look_at_mesh(&options.poses);
+        inspection.look_at_masks();
+        Ok(inspection)
+    }
+
+    /// The whole scene.
+    ///
+    /// # Errors
+    /// The first of the problems.
+    pub fn into_scene(mut self) -> Result<Scene, SceneError> {
+        if !self.problems.is_empty() {
+            return Err(self.problems.swap_remove(0));
+        }
+        let whole = "a scene without problems has all its parts";
+        let (mesh, driver) = self.mesh.expect(whole);
+        let layers = self.layers.expect(whole);
+        let region = self.region.expect(whole);
+        Ok(Scene {
+            body: body_of(&self.file, &mesh, &layers),
+            modelling: model::modelling(&self.file, region, self.points_per_wavelength),
+            path: self.path,
+            file: self.file,
+            mesh,
+            driver,
+            layers,
+            poses: self.poses.expect(whole),
+            warnings: self.warnings,
+        })
+    }
+
+    /// The value, or nothing and one more problem.
+    fn keep<T>(&mut self, result: Result<T, SceneError>) -> Option<T> {
+        result.map_err(|error| self.problems.push(error)).ok()
+    }
+
+    fn look_at_layers(&mut self) {
+        let refused = model::bending_without_layer(&self.file, &self.path);
+        self.problems.extend(refused);
+        let layers = model::layers(&self.file, &self.path);
+        self.layers = self.keep(layers);
+    }
+
+    fn look_at_mesh(&mut self, wanted: &[String]) {
+        let mesh = artist_mesh(&self.file);
+        let Some(mesh) = self.keep(mesh) else { return };
+        let uvs = texture_space::check(&mesh);
+        let driver = driver_of(&mesh);
+        let Some(driver) = self.keep(driver) else {
+            self.keep(uvs);
+            return;
+        };
+        self.warnings.extend(mesh_warnings(&mesh, &driver));
+        let poses = model::poses(&self.file, &driver, wanted, &self.path);
+        self.poses = self.keep(poses);
+        if let Some(layers) = &self.layers {
+            let size = mesh_size::check(&self.file, &mesh, layers);
+            let size = self.keep(size);
+            self.warnings.extend(size.flatten());
+        }
+        if let Some(poses) = &mut self.poses {
+            set_motions(&self.file, &mesh, poses);
+            let weights = model::weight_warnings(&self.file, poses);
+            self.warnings.extend(weights);
+        }
+        let uvs = self.keep(uvs);
+        self.warnings.extend(uvs.into_iter().flatten());
+        self.mesh = Some((mesh, Arc::new(driver)));
+    }
+
+    fn look_at_masks(&mut self) {
+        let region = region(&self.file);
+        self.region = self.keep(region);
+        if self.region.is_some() && self.layers.is_some() {
+            let masks = mask_warnings(&self.file, &self.path);
+            let masks = self.keep(masks);
+            self.warnings.extend(masks.into_iter().flatten());
+        }
+    }
+}
+
+/// The body below the layer, where the scene has one.
+fn body_of(scene: &SceneFile, mesh: &MeshFile, layers: &[LayerSpec]) -> Option<Body> {
+    let (interior, layer) = (scene.interior.as_ref()?, layers.first()?);
+    Some(body::body(interior, &layer.substrate, &Placement::of(mesh)))
+}
+
+/// Gives each of `poses` the motions that the scene lists for it.
+fn set_motions(scene: &SceneFile, mesh: &MeshFile, poses: &mut [PoseSpec]) {
+    let placement = Placement::of(mesh);
+    for pose in poses {
+        pose.motions = body::motions(scene, &pose.name, &placement);
+    }
+}
+
+/// The artist's mesh, read from the file that the scene names.
+fn artist_mesh(scene: &SceneFile) -> Result<MeshFile, SceneError> {
+    let options = ObjOptions {
+        targets: scene.driver.targets.clone(),
+        length_unit: scene.length_unit,
+    };
+    let name = scene.driver.mesh_name.as_deref();
+    let mesh = read_mesh(&scene.driver.mesh, name, &options)?;
+    Ok(match scene.driver.scale {
+        Some(metres_per_unit) => mesh.scaled(metres_per_unit),
+        None => mesh,
+    })
+}
+
+/// The welded mesh with its blend shapes.
+///
+/// # Errors
+/// [`SceneError::Mesh`] when it cannot be driven.
+pub fn driver_of(mesh: &MeshFile) -> Result<Driver, SceneError> {
+    Driver::new(&mesh.mesh).map_err(|source| SceneError::Mesh {
+        mesh: mesh.path.clone(),
+        source,
+    })
+}
+
+/// What the reader and the welding left out.
+fn mesh_warnings(mesh: &MeshFile, driver: &Driver) -> Vec<String> {
+    let mut warnings = mesh.warnings.clone();
+    let degenerate = driver.degenerate_triangles();
+    if let Some(first) = degenerate.first() {
+        warnings.push(format!(
+            "{}: {} without area left out, the first is triangle {first}",
+            mesh.path.display(),
+            counted(degenerate.len(), "triangle")
+        ));
+    }
+    warnings
+}
+
+/// Where skin is simulated, the mask read.
+fn region(scene: &SceneFile) -> Result<Region, SceneError> {
+    Ok(match &scene.driver.region {
+        file::Region::Auto => Region::Auto,
+        file::Region::All => Region::All,
+        file::Region::Mask(path) => Region::Mask(mask(path)?),
+    })
+}
+
+/// What is unusual about the masks of the region and of the layers.
+///
+/// # Errors
+/// [`SceneError::Image`] for a mask that cannot be read, naming its key.
+fn mask_warnings(scene: &SceneFile, path: &Path) -> Result<Vec<String>, SceneError> {
+    let region = match &scene.driver.region {
+        file::Region::Mask(mask) => Some(("driver.region".to_owned(), mask)),
+        file::Region::Auto | file::Region::All => None,
+    };
+    let layers = scene.layers.iter().enumerate();
+    let layers =
+        layers.filter_map(|(i, layer)| Some((format!("layers[{i}].mask"), layer.mask.as_ref()?)));
+    let mut warnings = Vec::new();
+    for (key, file) in region.into_iter().chain(layers) {
+        let image = read_mask(file).map_err(|source| SceneError::Image {
+            scene: path.to_owned(),
+            key: key.clone(),
+            source,
+        })?;
+        let mut warn = |what: String| warnings.push(format!("`{key}`: {}: {what}", file.display()));
+        if image.width != image.height {
+            let (width, height) = (image.width, image.height);
+            warn(format!(
+                "the mask is {width} x {height} texels; it is stretched over the whole UV square"
+            ));
+        }
+        if image.had_transparency {
+            warn("the mask is transparent in places; they count as black".to_owned());
+        }
+    }
+    Ok(warnings)
+}
+
+/// The grey image at a path.
+pub(crate) fn mask(path: &Path) -> Result<Mask, SceneError> {
+    let image = read_mask(path)?;
+    let side = |texels: usize| u32::try_from(texels).unwrap_or(u32::MAX);
+    let mask = Mask::new(side(image.width), side(image.height), image.values);
+    mask.map_err(|source| SceneError::Model {
+        scene: path.to_owned(),
+        source: Box::new(source),
+    })
+}
