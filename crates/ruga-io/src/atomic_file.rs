@@ -1,9 +1,10 @@
 //! Files that appear whole or not at all.
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+
+use tempfile::{Builder, TempPath};
 
 use crate::IoError;
 
@@ -13,9 +14,9 @@ use crate::IoError;
 #[derive(Debug)]
 pub struct AtomicFile {
     target: PathBuf,
-    temporary: PathBuf,
-    /// `None` once committed: then there is nothing left to remove.
-    writer: Option<BufWriter<File>>,
+    writer: BufWriter<File>,
+    /// Removes the file where nothing was committed; after the writer, which closes it.
+    temporary: TempPath,
 }
 
 impl AtomicFile {
@@ -38,16 +39,19 @@ impl AtomicFile {
         if !folder.as_os_str().is_empty() {
             fs::create_dir_all(folder).map_err(unwritable)?;
         }
-        let temporary = folder.join(temporary_name(&name.to_string_lossy()));
-        let file = OpenOptions::new()
-            .write(true)
-            .create_new(true)
-            .open(&temporary)
-            .map_err(unwritable)?;
+        // Long names stay under the 255 bytes that file systems allow.
+        let start: String = name.to_string_lossy().chars().take(40).collect();
+        // Opened by `File` and not by `tempfile`, whose own files nobody else may read.
+        let (file, temporary) = Builder::new()
+            .prefix(&format!(".{start}."))
+            .suffix(".tmp")
+            .make_in(folder, |path| File::create_new(path))
+            .map_err(unwritable)?
+            .into_parts();
         Ok(Self {
             target: target.to_owned(),
+            writer: BufWriter::new(file),
             temporary,
-            writer: Some(BufWriter::new(file)),
         })
     }
 
@@ -55,47 +59,23 @@ impl AtomicFile {
     ///
     /// # Errors
     /// [`IoError::Unwritable`] naming the target; the temporary is gone then.
-    pub fn commit(mut self) -> Result<(), IoError> {
-        let written = self.flush_to_disk();
-        let moved = written.and_then(|()| fs::rename(&self.temporary, &self.target));
-        if moved.is_err() {
-            // The first error is the one worth telling; a failed clean-up adds nothing to it.
-            let _ = fs::remove_file(&self.temporary);
-        }
-        moved.map_err(|source| IoError::unwritable(&self.target, source))
-    }
-
-    fn flush_to_disk(&mut self) -> io::Result<()> {
-        match self.writer.take() {
-            Some(writer) => writer
-                .into_inner()
-                .map_err(io::IntoInnerError::into_error)?
-                .sync_all(),
-            None => Ok(()),
-        }
+    pub fn commit(self) -> Result<(), IoError> {
+        let move_whole = || -> io::Result<()> {
+            self.writer.into_inner()?.sync_all()?;
+            self.temporary.persist(&self.target)?;
+            Ok(())
+        };
+        move_whole().map_err(|source| IoError::unwritable(&self.target, source))
     }
 }
 
 impl Write for AtomicFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        match &mut self.writer {
-            Some(writer) => writer.write(bytes),
-            None => Err(io::ErrorKind::BrokenPipe.into()),
-        }
+        self.writer.write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.writer.as_mut().map_or(Ok(()), BufWriter::flush)
-    }
-}
-
-impl Drop for AtomicFile {
-    fn drop(&mut self) {
-        if let Some(writer) = self.writer.take() {
-            // Closes the file without writing what is still buffered: it is to be removed.
-            drop(writer.into_parts());
-            let _ = fs::remove_file(&self.temporary);
-        }
+        self.writer.flush()
     }
 }
 
@@ -108,13 +88,4 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
     file.write_all(bytes)
         .map_err(|source| IoError::unwritable(path, source))?;
     file.commit()
-}
-
-/// A hidden name that no other thread and no other run writes to.
-fn temporary_name(name: &str) -> String {
-    static WRITTEN: AtomicU64 = AtomicU64::new(0);
-    let number = WRITTEN.fetch_add(1, Ordering::Relaxed);
-    // Long names stay under the 255 bytes that file systems allow.
-    let start: String = name.chars().take(40).collect();
-    format!(".{start}.{}.{number}.tmp", std::process::id())
 }

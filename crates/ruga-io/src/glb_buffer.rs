@@ -1,12 +1,8 @@
 //! The bytes of a GLB, and the accessors and views into them.
 
+use gltf::json::accessor::{FLOAT, UNSIGNED_INT, UNSIGNED_SHORT};
+use gltf::json::buffer::{ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER};
 use serde_json::{Value, json};
-
-const ARRAY_BUFFER: u32 = 34_962;
-const ELEMENT_ARRAY_BUFFER: u32 = 34_963;
-const UNSIGNED_SHORT: u32 = 5_123;
-const UNSIGNED_INT: u32 = 5_125;
-const FLOAT: u32 = 5_126;
 
 /// One buffer being filled; every method returns the number of the accessor it made.
 #[derive(Default)]

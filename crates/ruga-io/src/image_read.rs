@@ -1,17 +1,22 @@
 //! Painted images: masks and property maps, PNG or EXR, values as stored.
 
-use std::io::Cursor;
+use std::error::Error;
+use std::io::{Cursor, ErrorKind};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use exr::prelude::{FlatSamples, MetaData, ReadChannels, ReadLayers, read};
-use png::{ColorType, Decoder, DecodingError, Limits, Transformations};
+use image::codecs::png::PngDecoder;
+use image::{DynamicImage, ImageResult, Limits};
 
 use crate::IoError;
 use crate::error::read_bytes;
 
 /// Texels along a side that are taken for an image rather than a damaged header.
 const LONGEST_SIDE: usize = 16_384;
+
+/// Bytes that a PNG may ask for beside its texels: a few rows, colour profiles and texts.
+const PNG_MEMORY: usize = 1 << 28;
 
 /// An image of one or three channels, first row on top, values as stored: PNG from 0 to 1 without
 /// any colour-space conversion, EXR as it is. Alpha is dropped.
@@ -101,22 +106,44 @@ fn read_with_alpha(path: &Path) -> Result<(Image, Option<Vec<f32>>), IoError> {
     })
 }
 
-fn plain_words(error: DecodingError) -> String {
-    match error {
-        DecodingError::IoError(io) if io.kind() == std::io::ErrorKind::UnexpectedEof => {
-            "the file is cut short".to_owned()
-        }
-        other => other.to_string(),
-    }
+fn read_png(bytes: &[u8]) -> Result<(Image, Option<Vec<f32>>), String> {
+    check_png(bytes)?;
+    let image = decode_png(bytes).map_err(|error| match error.source() {
+        Some(damage) => damage.to_string(),
+        None => error.to_string(),
+    })?;
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    // Palettes have become colours, with alpha where one of them has it.
+    let (has_color, has_alpha) = (image.color().has_color(), image.color().has_alpha());
+    let (channels, texels) = match has_color {
+        true => (3, image.into_rgba32f().into_raw()),
+        false => (1, image.to_luma_alpha32f().into_raw()),
+    };
+    let texels = || texels.chunks_exact(channels + 1);
+    let alpha = has_alpha.then(|| texels().map(|texel| texel[channels]).collect());
+    let image = Image {
+        width,
+        height,
+        channels,
+        values: texels()
+            .flat_map(|texel| texel[..channels].iter().copied())
+            .collect(),
+    };
+    Ok((image, alpha))
 }
 
-fn read_png(bytes: &[u8]) -> Result<(Image, Option<Vec<f32>>), String> {
-    // One row of working memory per limit; the image itself is bounded by its sides below.
-    let limits = Limits { bytes: 1 << 28 };
-    let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
-    decoder.set_transformations(Transformations::EXPAND);
-    decoder.set_ignore_iccp_chunk(true);
-    decoder.set_ignore_text_chunk(true);
+fn decode_png(bytes: &[u8]) -> ImageResult<DynamicImage> {
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(PNG_MEMORY as u64);
+    DynamicImage::from_decoder(PngDecoder::with_limits(Cursor::new(bytes), limits)?)
+}
+
+/// Refuses damage that `image` overlooks, by the codec below it: a header that asks for more memory
+/// than its file can fill, a palette that its decoder would panic on, and anything wrong after the
+/// last texel, such as a missing end. Texels are not decoded here.
+fn check_png(bytes: &[u8]) -> Result<(), String> {
+    let limits = png::Limits { bytes: PNG_MEMORY };
+    let decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
     let mut reader = decoder.read_info().map_err(plain_words)?;
     let info = reader.info();
     let (width, height) = (info.width as usize, info.height as usize);
@@ -129,41 +156,16 @@ fn read_png(bytes: &[u8]) -> Result<(Image, Option<Vec<f32>>), String> {
             "its palette has {length} bytes; accepted: a multiple of 3"
         ));
     }
-    let size = reader
-        .output_buffer_size()
-        .ok_or_else(|| plain_words(DecodingError::LimitsExceeded))?;
-    let mut data = vec![0; size];
-    let info = reader.next_frame(&mut data).map_err(plain_words)?;
-    // Catches files that end after the last texel but before their end mark.
-    reader.finish().map_err(plain_words)?;
-    let values: Vec<f32> = match info.bit_depth {
-        png::BitDepth::Sixteen => data
-            .chunks_exact(2)
-            .map(|b| f32::from(u16::from_be_bytes([b[0], b[1]])) / f32::from(u16::MAX))
-            .collect(),
-        _ => data
-            .iter()
-            .map(|b| f32::from(*b) / f32::from(u8::MAX))
-            .collect(),
-    };
-    // Palettes have become RGB, with alpha where one of their colours has it.
-    let (stored, kept) = match info.color_type {
-        ColorType::Grayscale => (1, 1),
-        ColorType::GrayscaleAlpha => (2, 1),
-        ColorType::Rgb | ColorType::Indexed => (3, 3),
-        ColorType::Rgba => (4, 3),
-    };
-    let texels = || values.chunks_exact(stored);
-    let alpha = (stored > kept).then(|| texels().map(|texel| texel[kept]).collect());
-    let image = Image {
-        width,
-        height,
-        channels: kept,
-        values: texels()
-            .flat_map(|texel| texel[..kept].iter().copied())
-            .collect(),
-    };
-    Ok((image, alpha))
+    reader.finish().map_err(plain_words)
+}
+
+fn plain_words(error: png::DecodingError) -> String {
+    match error {
+        png::DecodingError::IoError(io) if io.kind() == ErrorKind::UnexpectedEof => {
+            "the file is cut short".to_owned()
+        }
+        other => other.to_string(),
+    }
 }
 
 /// Refuses a header that asks for more memory than its file can fill.
@@ -188,6 +190,9 @@ fn check_size(
     Ok(())
 }
 
+/// Reads an EXR by the codec below `image`, which itself takes an EXR for colours alone: it refuses
+/// one grey channel and channels of a named layer (`paint.R`), cuts texels outside the display
+/// window, and takes as much memory as that window says.
 fn read_exr(bytes: &[u8]) -> Result<Image, String> {
     check_exr_size(bytes)?;
     let image = read()

@@ -1,0 +1,363 @@
+//! Scenes that are refused, and in which words.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+mod fixture;
+
+use fixture::scenes::{parse, refused, with};
+use fixture::{Folder, SCENE, assert_says};
+use ruga_scene::SceneFile;
+
+#[test]
+fn slips_of_the_hand_get_a_suggestion() {
+    refused(
+        "smoothing =",
+        "smothing =",
+        &["driver", "smothing", "did you mean `smoothing`", "line 10"],
+    );
+    refused(
+        "young = 4e6",
+        "yuong = 4e6",
+        &["layers[0]", "yuong", "did you mean `young`"],
+    );
+    refused("[remesh]", "[remsh]", &["remsh", "did you mean `remesh`"]);
+    refused(
+        "\"hybrid\"",
+        "\"hybird\"",
+        &["layers[0].coupling", "hybird", "did you mean `hybrid`"],
+    );
+    refused(
+        "\"png16\"",
+        "\"png\"",
+        &["bake.format", "did you mean `png"],
+    );
+    refused(
+        "\"normal\", ",
+        "\"norm\", ",
+        &["bake.maps[0]", "did you mean `normal`"],
+    );
+    refused(
+        "image = \"dermis.png\"",
+        "imgae = \"dermis.png\"",
+        &["did you mean `image`"],
+    );
+    refused(
+        "normal_y = \"+\"",
+        "normal_y = \"up\"",
+        &["bake.normal_y", "`+`", "`-`"],
+    );
+}
+
+#[test]
+fn unknown_keys_are_sent_to_their_table() {
+    refused(
+        "region = \"auto\"",
+        "young = 1e6",
+        &[
+            "`young` is not a key of `[driver]`",
+            "`[substrate]` or `[[layers]]`",
+            "line 9",
+        ],
+    );
+    refused(
+        "normal_y = \"+\"",
+        "points_per_wavelength = 6",
+        &["bake", "it belongs in `[remesh]`"],
+    );
+    refused(
+        "version = 1",
+        "version = 1\nmesh = \"a.glb\"",
+        &["`mesh` is not a key of the top of the file", "`[driver]`"],
+    );
+    refused(
+        "young = 4e6",
+        "zzz = 4e6",
+        &["`zzz` is not a key of `[[layers]]`, which has `name`, `preset`"],
+    );
+    refused(
+        "normal_y = \"+\"",
+        "tolerence = 0.5",
+        &[
+            "`tolerence` is not a key of `[bake]`",
+            "did you mean `tolerance` in `[solver]`?",
+        ],
+    );
+}
+
+#[test]
+fn keys_of_earlier_versions_are_told_apart_from_slips() {
+    for value in ["ldlt", "minres"] {
+        let line = format!("mode = \"static\"\nlinear = \"{value}\"");
+        let error = with("mode = \"static\"", &line).unwrap_err().to_string();
+        let words = "`linear` is no longer a key of `[solver]`: linear systems are always solved by \
+                     direct LDL^T factorisation; leave the key out";
+        assert!(
+            error.contains(words) && !error.contains("did you mean"),
+            "{error}"
+        );
+    }
+    // Elsewhere it was never one.
+    refused(
+        "size = 2048",
+        "linear = 1",
+        &["`linear` is not a key of `[bake]`"],
+    );
+}
+
+#[test]
+fn keys_given_twice_are_named_with_both_lines() {
+    refused(
+        "young = 4e6",
+        "young = 4e6\nyoung = 5e6",
+        &["line 20", "`young` is given twice; first in line 19"],
+    );
+    refused(
+        "[remesh]",
+        "[driver]\nmesh = \"b.glb\"\n[remesh]",
+        &["[driver] is given twice; first in line 6"],
+    );
+    refused(
+        "{ compress = 1.0 }",
+        "{ compress = 1.0, compress = 0.5 }",
+        &["line 28", "`compress` is given twice; first in line 28"],
+    );
+}
+
+#[test]
+fn files_that_are_no_scene() {
+    let folder = Folder::new();
+    let words = ["this is a mesh", "ruga new --mesh", "face.glb DIR"];
+    let mesh = folder.file("face.glb", b"glTF\x02\0\0\0\xff");
+    assert_says(SceneFile::read(&mesh), "face.glb", &words);
+    let obj = folder.file("face.obj", "v 0 0 0\n");
+    assert_says(SceneFile::read(&obj), "face.obj", &["this is a mesh"]);
+    let image = folder.file("mask.png", b"\x89PNG\r\n\x1a\n");
+    assert_says(SceneFile::read(&image), "mask.png", &["this is an image"]);
+}
+
+#[test]
+fn weights_in_per_cent() {
+    refused(
+        "compress = 1.0",
+        "compress = 30",
+        &[
+            "poses[0].weights.compress",
+            "-10 to 10",
+            "did you mean `0.3`",
+        ],
+    );
+    for good in ["1.2", "-0.5", "10"] {
+        assert!(with("compress = 1.0", &format!("compress = {good}")).is_ok());
+    }
+}
+
+#[test]
+fn wrong_types_and_no_toml() {
+    refused(
+        "young = 4e6",
+        "young = \"4e6\"",
+        &["layers[0].young", "line 19", "string"],
+    );
+    refused(
+        "keys = [0.5, 1.0]",
+        "keys = 1.0",
+        &["poses[0].keys", "float"],
+    );
+    refused("seed = 1", "seed = -1", &["solver.seed"]);
+    refused("[bake]", "[bake", &["line 46"]);
+    refused(
+        "mesh = \"forearm.glb\"\n",
+        "",
+        &["driver", "missing field `mesh`"],
+    );
+    let folder = Folder::new();
+    assert_says(
+        SceneFile::read(&folder.path("no.toml")),
+        "no.toml",
+        &["no such file"],
+    );
+    let binary = folder.file("binary.toml", [b'a', b'\n', 0xff]);
+    assert_says(
+        SceneFile::read(&binary),
+        "binary.toml",
+        &["line 2", "UTF-8"],
+    );
+}
+
+#[test]
+fn numbers_out_of_range() {
+    refused(
+        "version = 1",
+        "version = 2",
+        &["version", "found 2", "version 1"],
+    );
+    for bad in ["-1e-3", "0.0", "nan", "inf"] {
+        let new = format!("thickness = {bad}");
+        refused(
+            "thickness = 1.3e-3",
+            &new,
+            &["layers[0].thickness", "above 0"],
+        );
+        refused(
+            "thickness = 15e-3",
+            &new,
+            &["substrate.thickness", "above 0"],
+        );
+    }
+    for bad in ["0.5", "-1.0", "nan", "0.7"] {
+        let new = format!("young = 4e6\npoisson = {bad}");
+        refused(
+            "young = 4e6\npoisson = 0.48",
+            &new,
+            &["layers[0].poisson", "-1", "0.5"],
+        );
+        let new = format!("young = 0.5e6\npoisson = {bad}");
+        refused(
+            "young = 0.5e6\npoisson = 0.48",
+            &new,
+            &["substrate.poisson"],
+        );
+    }
+    for bad in ["0.0", "1.5", "-0.5", "nan"] {
+        let new = format!("keys = [{bad}]");
+        refused("keys = [0.5, 1.0]", &new, &["poses[0].keys[0]", "(0, 1]"]);
+    }
+    refused(
+        "keys = [0.5, 1.0]",
+        "keys = [1.0, 1.0]",
+        &["poses[0].keys[1]"],
+    );
+    refused("keys = [0.5, 1.0]", "keys = []", &["poses[0].keys"]);
+    refused("steps = 20", "steps = 0", &["poses[0].steps", "from 1"]);
+    refused(
+        "compress = 1.0",
+        "compress = inf",
+        &["poses[0].weights.compress", "finite"],
+    );
+    refused("size = 2048", "size = 15", &["bake.size", "16 to 16384"]);
+    refused("size = 2048", "size = 20000", &["bake.size"]);
+    refused(
+        "supersample = 1",
+        "supersample = 3",
+        &["bake.supersample", "1, 2 or 4"],
+    );
+    refused(
+        "maps = [\"normal\", \"height\"]",
+        "maps = []",
+        &["bake.maps"],
+    );
+    refused("\"height\"]", "\"normal\"]", &["bake.maps[1]", "once"]);
+    refused("tolerance = 1e-6", "tolerance = 1.0", &["solver.tolerance"]);
+    refused("time_step = 0.02", "time_step = 0", &["solver.time_step"]);
+    refused("damping = 0.5", "damping = -0.5", &["solver.damping"]);
+    refused(
+        "min_edge = 0.0",
+        "min_edge = 2.0",
+        &["remesh.min_edge", "max_edge = 1"],
+    );
+    for bad in ["1.0", "nan"] {
+        let new = format!("min_edge = {bad}");
+        refused("min_edge = 0.0", &new, &["remesh.min_edge", "found"]);
+    }
+    refused(
+        "max_edge = 1.0",
+        "max_edge = 0.0",
+        &["remesh.max_edge", "found 0", "above 0"],
+    );
+    for bad in ["0.5", "4.5", "nan", "inf"] {
+        let new = format!("aspect = {bad}");
+        refused("aspect = 4.0", &new, &["remesh.aspect", "from 1 to 4"]);
+    }
+    assert!(with("aspect = 4.0", "aspect = 2.0").is_ok());
+    for bad in ["2.9", "-12", "nan", "inf"] {
+        let new = format!("points_per_wavelength = {bad}");
+        refused(
+            "points_per_wavelength = 12",
+            &new,
+            &["remesh.points_per_wavelength", "a number from 3"],
+        );
+    }
+    assert!(with("points_per_wavelength = 12", "points_per_wavelength = 3").is_ok());
+    for bad in ["nan", "inf"] {
+        let new = format!("damping = {bad}");
+        refused("damping = 0.5", &new, &["solver.damping", "from 0"]);
+        let new = format!("time_step = {bad}");
+        refused("time_step = 0.02", &new, &["solver.time_step", "above 0"]);
+    }
+    refused("cells = 6", "cells = 0", &["interior.cells"]);
+    refused(
+        "density = 1100.0",
+        "bending_transfer = 1.5",
+        &["layers[0].bending_transfer"],
+    );
+    for bad in ["-0.1", "nan"] {
+        let new = format!("bending_transfer = {bad}");
+        refused(
+            "density = 1100.0",
+            &new,
+            &["layers[0].bending_transfer", "from 0 to 1"],
+        );
+    }
+    // Ranges that would make a property zero or negative, or infinite.
+    for property in ["wavelength", "young", "thickness"] {
+        let old = format!("{property} = [0.5, 2.0]");
+        for (range, end) in [("[0, 2.0]", 0), ("[0.5, -1.0]", 1), ("[0.5, inf]", 1)] {
+            let key = format!("layers[0].map.{property}[{end}]");
+            refused(
+                &old,
+                &format!("{property} = {range}"),
+                &[&key, "found", "above 0"],
+            );
+        }
+    }
+    refused(
+        "smoothing = \"loop\"",
+        "vertex_budget = 0",
+        &["driver.vertex_budget"],
+    );
+}
+
+#[test]
+fn names_that_cannot_be_files() {
+    for bad in [
+        "", "a/b", "a\\\\b", "con", "NUL.txt", " a", "a.", "a:b", "a\\tb",
+    ] {
+        let new = format!("name = \"{bad}\"");
+        refused("name = \"compress\"", &new, &["poses[0].name", "file name"]);
+        refused("name = \"dermis\"", &new, &["layers[0].name", "file name"]);
+    }
+    let again = "[[poses]]\nname = \"Compress\"\nweights = { a = 1 }\n\n[solver]";
+    refused("[solver]", again, &["poses[1].name", "letter case"]);
+    let names = "näme = 1";
+    assert!(parse(&SCENE.replacen("name = \"compress\"", "name = \"Lächeln 3\"", 1)).is_ok());
+    assert!(parse(names).is_err());
+}
+
+#[test]
+fn contradictions() {
+    let second = "[[layers]]\nname = \"epidermis\"\nyoung = 6e8\nthickness = 1.2e-4\n\n[[poses]]";
+    refused("[[poses]]", second, &["interior", "2 layers", "one layer"]);
+    refused(
+        "mesh_name = \"Forearm\"",
+        "targets = { a = \"a.obj\" }",
+        &["driver.targets", "OBJ"],
+    );
+    refused(
+        "image = \"dermis.png\", ",
+        "",
+        &["layers[0].map.wavelength", "no image"],
+    );
+    refused(
+        "image = \"dermis.png\"",
+        "image = \"a.png\", young_image = \"b.png\"",
+        &["not both"],
+    );
+    let map = "{ image = \"dermis.png\", wavelength = [0.5, 2.0], young = [0.5, 2.0], thickness = [0.5, 2.0] }";
+    refused(map, "{ image = \"a.png\" }", &["layers[0].map", "range"]);
+    refused(
+        map,
+        "{ young_image = \"a.png\" }",
+        &["layers[0].map.young_image", "lo, hi"],
+    );
+    assert!(with(map, "{ young_image = \"a.png\", young = [2.0, 0.5] }").is_ok());
+}
