@@ -1,12 +1,111 @@
 //! Methods of the papers that ruga is compared with: MINRES in place of a factorisation, and Newton's
 //! method on the norm of the forces in place of the energy.
+//!
+//! Each solves what [`ruga_solver::minimise`] solves. The functions of its signature,
+//! [`by_minres`], [`by_residual`] and [`by_residual_and_minres`], take its place in
+//! [`Modelling::minimise`](ruga_stepper::Modelling::minimise).
+
+mod backtracking;
+mod iterated_newton;
+mod minres;
+mod residual_descent;
+
+pub use iterated_newton::minimise_iterated;
+pub use residual_descent::descend_residual;
 
 use ruga_solver::{
-    Descent, Iteration, Kkt, LinearSolver, NewtonSettings, Objective, SolveReport, SolverError,
+    ConstraintRows, Iteration, Kkt, NewtonSettings, Objective, SolveReport, SolverError, StopRule,
     minimise,
 };
 
-/// Newton's method on the energy with MINRES in place of a factorisation.
+/// Solver of the linear system of a Newton step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LinearSolver {
+    /// The product's factorisation.
+    Ldlt,
+    /// MINRES, preconditioned with the diagonal blocks of `K` and `H G^-1 H'`.
+    Minres(MinresLimits),
+}
+
+impl LinearSolver {
+    /// MINRES with its usual limits.
+    pub fn minres() -> Self {
+        Self::Minres(MinresLimits::default())
+    }
+}
+
+/// Where MINRES stops.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MinresLimits {
+    /// Relative preconditioned residual, in (0, 1).
+    pub tolerance: f64,
+    /// Iterations of one linear solve after which it counts as stalled.
+    pub max_iterations: usize,
+}
+
+impl Default for MinresLimits {
+    /// A residual of 1e-8 in at most 2000 iterations.
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-8,
+            max_iterations: 2000,
+        }
+    }
+}
+
+/// Work of MINRES in one solve.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LinearWork {
+    /// Iterations, all linear systems together.
+    pub iterations: usize,
+    /// Linear systems in which MINRES missed its tolerance.
+    pub stalls: usize,
+}
+
+impl LinearWork {
+    fn add(&mut self, outcome: &minres::MinresOutcome) {
+        self.iterations += outcome.iterations;
+        self.stalls += usize::from(!outcome.converged);
+    }
+}
+
+/// A problem that [`ruga_solver::minimise`] could be given: an energy, and rows with their targets.
+pub struct Problem<'a> {
+    /// The energy.
+    pub objective: &'a dyn Objective,
+    /// What the rows of `kkt` are to be, m.
+    pub rhs: &'a [f64],
+    /// Pattern and rows, with a factorisation of them.
+    pub kkt: &'a mut Kkt,
+}
+
+/// Minimises the energy: with a factorisation as the product does, or else by
+/// [`minimise_iterated`].
+///
+/// # Errors
+/// As [`ruga_solver::minimise`].
+pub fn minimise_with(
+    linear: LinearSolver,
+    problem: Problem<'_>,
+    x: &mut [f64],
+    settings: &NewtonSettings,
+    keep_going: &mut dyn FnMut(&Iteration) -> bool,
+) -> Result<(SolveReport, LinearWork), SolverError> {
+    match linear {
+        LinearSolver::Minres(limits) => minimise_iterated(problem, x, settings, limits, keep_going),
+        LinearSolver::Ldlt => {
+            let Problem {
+                objective,
+                rhs,
+                kkt,
+            } = problem;
+            let report = minimise(objective, rhs, x, kkt, settings, keep_going)?;
+            Ok((report, LinearWork::default()))
+        }
+    }
+}
+
+/// [`minimise_iterated`] in the place of [`ruga_solver::minimise`].
 ///
 /// # Errors
 /// As [`ruga_solver::minimise`].
@@ -18,14 +117,16 @@ pub fn by_minres(
     settings: &NewtonSettings,
     keep_going: &mut dyn FnMut(&Iteration) -> bool,
 ) -> Result<SolveReport, SolverError> {
-    let settings = NewtonSettings {
-        linear: LinearSolver::minres(),
-        ..settings.clone()
+    let problem = Problem {
+        objective,
+        rhs,
+        kkt,
     };
-    minimise(objective, rhs, x, kkt, &settings, keep_going)
+    let limits = MinresLimits::default();
+    Ok(minimise_iterated(problem, x, settings, limits, keep_going)?.0)
 }
 
-/// Newton's method on the norm of the forces, with a factorisation.
+/// [`descend_residual`] with a factorisation in the place of [`ruga_solver::minimise`].
 ///
 /// # Errors
 /// As [`ruga_solver::minimise`].
@@ -37,14 +138,16 @@ pub fn by_residual(
     settings: &NewtonSettings,
     keep_going: &mut dyn FnMut(&Iteration) -> bool,
 ) -> Result<SolveReport, SolverError> {
-    let settings = NewtonSettings {
-        descent: Descent::Residual,
-        ..settings.clone()
+    let problem = Problem {
+        objective,
+        rhs,
+        kkt,
     };
-    minimise(objective, rhs, x, kkt, &settings, keep_going)
+    let linear = LinearSolver::Ldlt;
+    Ok(descend_residual(problem, x, settings, linear, keep_going)?.0)
 }
 
-/// Newton's method on the norm of the forces, with MINRES.
+/// [`descend_residual`] with MINRES in the place of [`ruga_solver::minimise`].
 ///
 /// # Errors
 /// As [`ruga_solver::minimise`].
@@ -56,9 +159,57 @@ pub fn by_residual_and_minres(
     settings: &NewtonSettings,
     keep_going: &mut dyn FnMut(&Iteration) -> bool,
 ) -> Result<SolveReport, SolverError> {
-    let settings = NewtonSettings {
-        descent: Descent::Residual,
-        ..settings.clone()
+    let problem = Problem {
+        objective,
+        rhs,
+        kkt,
     };
-    by_minres(objective, rhs, x, kkt, &settings, keep_going)
+    let linear = LinearSolver::minres();
+    Ok(descend_residual(problem, x, settings, linear, keep_going)?.0)
+}
+
+/// The report of a solve that has not begun.
+fn empty_report() -> SolveReport {
+    SolveReport {
+        converged: false,
+        stop: StopRule::IterationLimit,
+        iterations: 0,
+        factorizations: 0,
+        energy: f64::INFINITY,
+        residual: f64::INFINITY,
+        decrement: f64::INFINITY,
+        infeasibility: 0.0,
+        inertia: None,
+        relaxation_used: 0.0,
+        first_relaxation: 0.0,
+        shift_used: 0.0,
+        left_saddle: false,
+        multipliers: Vec::new(),
+    }
+}
+
+fn check_finite(what: &'static str, values: &[f64]) -> Result<(), SolverError> {
+    match values.iter().position(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(index) => Err(SolverError::NotFinite { what, index }),
+    }
+}
+
+/// `product += H' multipliers`.
+fn add_transposed_product(rows: &ConstraintRows, multipliers: &[f64], product: &mut [f64]) {
+    for (row, multiplier) in multipliers.iter().enumerate() {
+        let (columns, weights) = rows.row(row);
+        for (&column, weight) in columns.iter().zip(weights) {
+            product[column] += weight * multiplier;
+        }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn largest(vector: &[f64]) -> f64 {
+    let sizes = vector.iter().map(|entry| entry.abs());
+    sizes.fold(0.0, f64::max)
 }

@@ -13,9 +13,10 @@ use ruga_material::Wrinkling;
 use ruga_shell::{LayerEnergy, rest_frame};
 use ruga_solver::{
     AtSaddle, Iteration, Kkt, LoadSettings, LoadStepper, LowerPattern, NewtonSettings, Outcome,
-    SolveReport, StopRule, Verdict, inertia_at, minimise,
+    SolveReport, StopRule, Verdict, inertia_at,
 };
 
+use crate::baselines::{LinearSolver, LinearWork, Problem, minimise_with};
 use crate::film_objective::{FilmObjective, gather, scatter};
 use crate::film_rows::{averages, side_rollers, to_constraint_rows};
 use crate::{Base, BaseReaction, FilmSpec, Strip};
@@ -27,6 +28,8 @@ pub struct Step {
     pub load: f64,
     /// How the solve went.
     pub solve: SolveReport,
+    /// Work of MINRES in it.
+    pub work: LinearWork,
     /// `sqrt(2)` RMS height about its mean, m.
     pub amplitude: f64,
     /// The amplitude over `(2/k) sqrt(eps - eps_c)`; NaN below the critical strain.
@@ -53,6 +56,10 @@ pub struct Noise {
 pub struct Film {
     /// What linear theory says.
     pub wrinkling: Wrinkling,
+    /// Solver of the linear systems.
+    pub linear: LinearSolver,
+    /// Work of MINRES in the last solve.
+    work: LinearWork,
     pub(crate) spec: FilmSpec,
     pub(crate) strip: Strip,
     pub(crate) rest: Vec<Vector3<f64>>,
@@ -106,6 +113,8 @@ impl Film {
             .collect();
         Self {
             wrinkling: theory,
+            linear: LinearSolver::Ldlt,
+            work: LinearWork::default(),
             spec: *spec,
             kkt: Kkt::new(&pattern, &rows, 3).expect("a valid system"),
             positions: rest.clone(),
@@ -220,10 +229,17 @@ impl Film {
             .mul(&base, &mut targets)
             .expect("sizes match");
         let mut x = gather(&self.free, &self.positions);
+        let linear = self.linear;
         let (objective, kkt) = self.objective(&base);
-        let report =
-            minimise(&objective, &targets, &mut x, kkt, settings, keep_going).expect("valid input");
+        let problem = Problem {
+            objective: &objective,
+            rhs: &targets,
+            kkt,
+        };
+        let solved = minimise_with(linear, problem, &mut x, settings, keep_going);
+        let (report, work) = solved.expect("valid input");
         scatter(&self.free, &x, &mut self.positions);
+        self.work = work;
         report
     }
 
@@ -375,6 +391,7 @@ impl Film {
         Step {
             load,
             solve,
+            work: self.work,
             amplitude,
             relative_amplitude: amplitude * 0.5 * TAU / wavelength / excess.sqrt(),
             relative_offset: mean / amplitude,

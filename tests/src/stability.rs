@@ -8,9 +8,10 @@ use ruga_constraint::Sampling;
 use ruga_material::Wrinkling;
 use ruga_shell::{BendingModel, LayerEnergy, LayerParameters};
 use ruga_solver::{
-    Descent, Inertia, Kkt, LowerPattern, NewtonSettings, SolveReport, inertia_at, minimise,
+    Inertia, Kkt, LowerPattern, Minimise, NewtonSettings, SolveReport, inertia_at, minimise,
 };
 
+use crate::baselines::by_residual;
 use crate::film_objective::{FilmObjective, gather, scatter};
 use crate::film_rows::{Row, averages, side_rollers, to_constraint_rows};
 use crate::{FilmSpec, Strip};
@@ -233,12 +234,7 @@ impl Sheet {
     /// # Panics
     /// When the solver refuses its input.
     pub fn solve(&mut self, settings: &NewtonSettings) -> SolveReport {
-        let (mut x, targets) = (gather(&self.free, &self.positions), self.targets());
-        let base = gather(&self.free, &self.base);
-        let (objective, kkt) = self.objective(&base);
-        let report = minimise(&objective, &targets, &mut x, kkt, settings, &mut |_| true);
-        scatter(&self.free, &x, &mut self.positions);
-        report.expect("valid input")
+        self.solve_by(minimise, settings)
     }
 
     /// Solves as Rémillard and Kry 2013 do: Newton's method on the forces, with a line search on
@@ -247,10 +243,16 @@ impl Sheet {
     /// # Panics
     /// When the solver refuses its input.
     pub fn solve_by_residual(&mut self) -> SolveReport {
-        self.solve(&NewtonSettings {
-            descent: Descent::Residual,
-            ..NewtonSettings::default()
-        })
+        self.solve_by(by_residual, &NewtonSettings::default())
+    }
+
+    fn solve_by(&mut self, minimise: Minimise, settings: &NewtonSettings) -> SolveReport {
+        let (mut x, targets) = (gather(&self.free, &self.positions), self.targets());
+        let base = gather(&self.free, &self.base);
+        let (objective, kkt) = self.objective(&base);
+        let report = minimise(&objective, &targets, &mut x, kkt, settings, &mut |_| true);
+        scatter(&self.free, &x, &mut self.positions);
+        report.expect("valid input")
     }
 
     /// Signs of the exact Hessian's pivots, here.

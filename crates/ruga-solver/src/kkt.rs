@@ -237,13 +237,14 @@ impl Kkt {
         self.refine(force, offset, step, multipliers, REFINED_STEP)
     }
 
-    /// One regularised solve of `K step + H' multipliers = force`, `H step = 0`: a symmetric
-    /// operator, as a preconditioner has to be, and all that an inverse iteration needs.
-    pub(crate) fn solve_once(
-        &mut self,
-        force: &[f64],
-        step: &mut [f64],
-    ) -> Result<(), SolverError> {
+    /// Solves the regularised `K step + H' multipliers = force`, `H step = 0` once, without
+    /// refinement: a symmetric operator, as a preconditioner has to be, and all that an inverse
+    /// iteration needs.
+    ///
+    /// # Errors
+    /// [`SolverError::NotFactorized`], [`SizeMismatch`](SolverError::SizeMismatch),
+    /// [`NotFinite`](SolverError::NotFinite) for the right-hand side or an overflow.
+    pub fn solve_once(&mut self, force: &[f64], step: &mut [f64]) -> Result<(), SolverError> {
         check_length("force", self.pattern.size(), force.len())?;
         check_length("step", self.pattern.size(), step.len())?;
         check_finite("force", force)?;

@@ -85,10 +85,8 @@ mod report;
 mod convexify;
 mod error;
 mod line_search;
-mod minres;
 mod ordering;
 mod permuted_system;
-mod residual_descent;
 
 pub use newton::{Minimise, minimise};
 pub use objective::Objective;
@@ -102,6 +100,4 @@ pub use load_steps::{LoadSettings, LoadStepper, Outcome, Trial, Verdict};
 pub use soft_modes::{SoftMode, inertia_at, softest_mode};
 
 pub use error::SolverError;
-pub use report::{
-    AtSaddle, Descent, Iteration, LinearSolver, NewtonSettings, SolveReport, StopRule,
-};
+pub use report::{AtSaddle, Iteration, NewtonSettings, SolveReport, StopRule};

@@ -11,13 +11,11 @@ use overshot::Overshot;
 use crate::convexify::Convexifier;
 use crate::error::{check_finite, check_length};
 use crate::line_search::line_search;
-use crate::minres::MinresStep;
 use crate::objective::check_pattern;
-use crate::residual_descent::descend_residual;
 use crate::soft_modes::{dot, largest, search_curvature};
 use crate::{
-    AtSaddle, Descent, Inertia, Iteration, Kkt, NewtonSettings, Objective, SolveReport,
-    SolverError, StopRule,
+    AtSaddle, Inertia, Iteration, Kkt, NewtonSettings, Objective, SolveReport, SolverError,
+    StopRule,
 };
 
 /// Violation of a row that counts as none, over its sum of absolute weights times the length
@@ -59,10 +57,9 @@ pub type Minimise = fn(
 /// `H p = 0` and is shortened until the energy falls, or with [`NewtonSettings::overshoot`] every two.
 /// Where the Hessian is indefinite on that space, only what the objective relaxes is left out, such as
 /// the compressive stress stiffness, and the direction of negative curvature is searched as well; the
-/// solve stops as converged only where the exact Hessian has the inertia of a minimum. So it is unless
-/// [`NewtonSettings::descent`] asks for the papers' way. `keep_going` sees every iteration and ends the
-/// solve by returning `false`; an iteration takes at most some 30 factorisations, where the
-/// Hessian's inertia is hard to mend. Same input, same bits.
+/// solve stops as converged only where the exact Hessian has the inertia of a minimum. `keep_going` sees
+/// every iteration and ends the solve by returning `false`; an iteration takes at most some 30
+/// factorisations, where the Hessian's inertia is hard to mend. Same input, same bits.
 ///
 /// # Errors
 /// [`SolverError::PatternMismatch`], [`SizeMismatch`](SolverError::SizeMismatch),
@@ -83,9 +80,6 @@ pub fn minimise(
     check_length("constraint right-hand side", kkt.rows().count(), rhs.len())?;
     check_finite("x", x)?;
     check_finite("constraint right-hand side", rhs)?;
-    if settings.descent == Descent::Residual {
-        return descend_residual(objective, rhs, x, kkt, settings, keep_going);
-    }
     let mut newton = Newton::new(objective, rhs, kkt, settings)?;
     let ending = newton.run(x, keep_going);
     if let Some(overshot) = newton.overshot.take() {
@@ -109,7 +103,6 @@ struct Newton<'a> {
     kkt: &'a mut Kkt,
     settings: &'a NewtonSettings,
     convexifier: Convexifier,
-    minres: Option<MinresStep>,
     generator: Pcg64Mcg,
     gradient: Vec<f64>,
     exact: Vec<f64>,
@@ -134,8 +127,8 @@ struct Newton<'a> {
 /// What a factorisation tells.
 #[derive(Clone, Copy)]
 struct Factored {
-    /// Signs of the exact Hessian's pivots, if the linear solver knows them.
-    inertia: Option<Inertia>,
+    /// Signs of the exact Hessian's pivots.
+    inertia: Inertia,
     relaxation: f64,
 }
 
@@ -147,13 +140,11 @@ impl<'a> Newton<'a> {
         settings: &'a NewtonSettings,
     ) -> Result<Self, SolverError> {
         let (size, rows) = (kkt.pattern().size(), kkt.rows().count());
-        let minres = MinresStep::of(settings.linear, kkt)?;
         Ok(Self {
             objective,
             rhs,
             settings,
             convexifier: Convexifier::new(kkt),
-            minres,
             generator: Pcg64Mcg::seed_from_u64(settings.seed),
             gradient: vec![0.0; size],
             exact: vec![0.0; kkt.pattern().entries()],
@@ -191,7 +182,7 @@ impl<'a> Newton<'a> {
                 return Ok(StopRule::OutsideDomain);
             }
             check_finite("gradient", &self.gradient)?;
-            let iteration = self.linearise(index, x, energy)?;
+            let (iteration, inertia) = self.linearise(index, x, energy)?;
             if let Some(overshot) = self.overshot.take() {
                 self.report.iterations = index + 1;
                 self.redeem(x, energy, &overshot);
@@ -200,17 +191,17 @@ impl<'a> Newton<'a> {
                 }
                 continue;
             }
-            self.record(&iteration);
+            self.record(&iteration, inertia);
             if !keep_going(&iteration) {
                 return Ok(StopRule::Interrupted);
             }
-            if let Some(stop) = self.stop(&iteration) {
+            if let Some(stop) = self.stop(&iteration, inertia) {
                 if stop == StopRule::Decrement {
                     self.take_last_step(x, energy);
                 }
                 return Ok(stop);
             }
-            if !self.advance(x, energy, &iteration)? {
+            if !self.advance(x, energy, &iteration, inertia)? {
                 return Ok(StopRule::LineSearch);
             }
         }
@@ -260,21 +251,14 @@ impl<'a> Newton<'a> {
         worst
     }
 
-    /// Factorises the Hessian at `x`, relaxed as needed, or builds the preconditioner; takes the
-    /// factor at hand if there is one.
+    /// Factorises the Hessian at `x`, relaxed as needed; takes the factor at hand if there is
+    /// one.
     fn factorize(&mut self, x: &[f64]) -> Result<Factored, SolverError> {
         if let Some(at_hand) = self.at_hand.take() {
             return Ok(at_hand);
         }
         self.objective
             .hessian(x, &mut self.exact, &mut self.relaxed);
-        if let Some(minres) = &mut self.minres {
-            minres.prepare(self.kkt, &self.exact, self.objective.floor())?;
-            return Ok(Factored {
-                inertia: None,
-                relaxation: 0.0,
-            });
-        }
         let outcome = self.convexifier.factorize(
             self.kkt,
             &self.exact,
@@ -284,7 +268,7 @@ impl<'a> Newton<'a> {
         )?;
         self.report.shift_used = self.report.shift_used.max(outcome.shift);
         Ok(Factored {
-            inertia: Some(outcome.exact),
+            inertia: outcome.exact,
             relaxation: outcome.relaxation,
         })
     }
@@ -293,9 +277,6 @@ impl<'a> Newton<'a> {
     /// searched for, and a mode about to buckle would be moved most by a restoration that knows
     /// of the compression.
     fn factorize_relaxed(&mut self, x: &[f64]) -> Result<(), SolverError> {
-        if self.minres.is_some() {
-            return self.factorize(x).map(|_| ());
-        }
         self.objective
             .hessian(x, &mut self.exact, &mut self.relaxed);
         let floor = self.objective.floor();
@@ -305,35 +286,24 @@ impl<'a> Newton<'a> {
     }
 
     /// Solves for `step` and `multipliers` with `force` and `offset` on the right.
-    fn solve(&mut self) -> Result<usize, SolverError> {
-        if let Some(minres) = &mut self.minres {
-            let solved = minres.solve(
-                self.kkt,
-                &self.force,
-                &self.offset,
-                &mut self.step,
-                &mut self.multipliers,
-            )?;
-            self.report.linear_iterations += solved.iterations;
-            self.report.linear_stalls += usize::from(!solved.converged);
-            return Ok(solved.iterations);
-        }
+    fn solve(&mut self) -> Result<(), SolverError> {
         self.kkt.solve_step(
             &self.force,
             &self.offset,
             &mut self.step,
             &mut self.multipliers,
         )?;
-        Ok(0)
+        Ok(())
     }
 
-    /// Computes the Newton step at `x` and what it says about `x`.
+    /// Computes the Newton step at `x` and what it says about `x`, with the inertia of the exact
+    /// Hessian.
     fn linearise(
         &mut self,
         index: usize,
         x: &[f64],
         energy: f64,
-    ) -> Result<Iteration, SolverError> {
+    ) -> Result<(Iteration, Inertia), SolverError> {
         let Factored {
             inertia,
             relaxation,
@@ -341,37 +311,30 @@ impl<'a> Newton<'a> {
         for (force, gradient) in self.force.iter_mut().zip(&self.gradient) {
             *force = -gradient;
         }
-        let linear_iterations = self.solve()?;
+        self.solve()?;
         self.force.copy_from_slice(&self.gradient);
         self.kkt
             .rows()
             .add_transposed_product(&self.multipliers, &mut self.force);
         let slope = dot(&self.gradient, &self.step);
-        if self.minres.is_some() && slope > 0.0 {
-            // An unrelaxed step at a saddle may climb.
-            for entry in &mut self.step {
-                *entry = -*entry;
-            }
-        }
-        Ok(Iteration {
+        let iteration = Iteration {
             index,
             energy,
             decrement: 0.5 * slope.abs() / self.objective.energy_scale(),
             residual: largest(&self.force) / self.objective.force_scale(),
-            inertia,
             relaxation,
-            linear_iterations,
-        })
+        };
+        Ok((iteration, inertia))
     }
 
-    fn record(&mut self, iteration: &Iteration) {
-        let indefinite = iteration.inertia.is_some_and(|it| !it.is_minimum());
+    fn record(&mut self, iteration: &Iteration, inertia: Inertia) {
+        let indefinite = !inertia.is_minimum();
         self.indefinite_iterations += usize::from(indefinite);
         let report = &mut self.report;
         report.iterations = iteration.index + 1;
         report.residual = iteration.residual;
         report.decrement = iteration.decrement;
-        report.inertia = iteration.inertia;
+        report.inertia = Some(inertia);
         report.relaxation_used = report.relaxation_used.max(iteration.relaxation);
         if iteration.index == 0 {
             report.first_relaxation = iteration.relaxation;
@@ -379,8 +342,8 @@ impl<'a> Newton<'a> {
         report.left_saddle |= indefinite;
     }
 
-    fn stop(&self, iteration: &Iteration) -> Option<StopRule> {
-        if iteration.inertia.is_some_and(|it| !it.is_minimum()) {
+    fn stop(&self, iteration: &Iteration, inertia: Inertia) -> Option<StopRule> {
+        if !inertia.is_minimum() {
             let recognised = iteration.decrement <= SADDLE_DECREMENT
                 || self.indefinite_iterations >= SADDLE_ITERATIONS;
             let stop = self.settings.at_saddle == AtSaddle::Stop && recognised;
@@ -410,6 +373,7 @@ impl<'a> Newton<'a> {
         x: &mut [f64],
         energy: f64,
         iteration: &Iteration,
+        inertia: Inertia,
     ) -> Result<bool, SolverError> {
         let slope = dot(&self.gradient, &self.step);
         let newton = line_search(
@@ -420,11 +384,10 @@ impl<'a> Newton<'a> {
             slope,
             &mut self.trial,
         );
-        let at_saddle = iteration.inertia.is_some_and(|it| !it.is_minimum());
-        let is_bent = iteration.inertia.is_some() && !at_saddle;
+        let at_saddle = !inertia.is_minimum();
         let is_last = iteration.index + 1 == self.settings.max_iterations;
         let newton = match newton {
-            Some(accepted) if is_bent && (LEAST..SHORT).contains(&accepted.length) => {
+            Some(accepted) if !at_saddle && (LEAST..SHORT).contains(&accepted.length) => {
                 if self.settings.overshoot && !is_last && self.overshoot(x, accepted) {
                     return Ok(true);
                 }

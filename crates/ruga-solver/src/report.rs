@@ -2,43 +2,6 @@
 
 use crate::{Inertia, SolverError};
 
-/// How the linear system of a Newton step is solved.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum LinearSolver {
-    /// Sparse factorisation; knows the inertia, so it tells minima from saddles.
-    Ldlt,
-    /// MINRES, preconditioned with the diagonal blocks of `K` and `H G^-1 H'`. Knows no
-    /// inertia: a solve with it may end on a saddle, and says nothing about it.
-    Minres {
-        /// Relative preconditioned residual at which the iteration stops, in (0, 1).
-        tolerance: f64,
-        /// Iterations per step after which it counts as stalled, at least 1.
-        max_iterations: usize,
-    },
-}
-
-impl LinearSolver {
-    /// MINRES with the usual tolerance 1e-8 and at most 2000 iterations per step.
-    pub fn minres() -> Self {
-        Self::Minres {
-            tolerance: 1e-8,
-            max_iterations: 2000,
-        }
-    }
-}
-
-/// What has to fall in every Newton step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Descent {
-    /// The energy. Saddles are recognised and left.
-    Energy,
-    /// The norm of the residual forces, whatever the energy does (Rémillard & Kry 2013, section 6.1).
-    /// Kept for comparison. A saddle or a maximum is as good to it as a minimum: it stops at any with
-    /// [`StopRule::Residual`], and the inertia in the report tells, if the linear solver knows one.
-    /// Settings of saddles, of the decrement, of relaxation and the seed mean nothing to it.
-    Residual,
-}
-
 /// What to do at a stationary point that is a saddle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AtSaddle {
@@ -52,11 +15,7 @@ pub enum AtSaddle {
 /// scales.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NewtonSettings {
-    /// Solver of the linear systems. Default: factorisation.
-    pub linear: LinearSolver,
-    /// What has to fall. Default: the energy.
-    pub descent: Descent,
-    /// What to do at a saddle; only the factorisation sees one. Default: leave it.
+    /// What to do at a saddle. Default: leave it.
     pub at_saddle: AtSaddle,
     /// Newton steps after which the solve gives up, at least 1. Default 100; a cold start far
     /// beyond the onset takes 10 to 25.
@@ -74,8 +33,7 @@ pub struct NewtonSettings {
     pub first_relaxation: f64,
     /// Whether a step that the energy would shorten is taken whole, and kept if the next one ends
     /// lower than the shortened one. Saves iterations where obstacles push from one side only: ten of
-    /// 24 in the step in which a cushion lands. Default: no, and the shortened step is bent. Only
-    /// factorisations know where it is worth while.
+    /// 24 in the step in which a cushion lands. Default: no, and the shortened step is bent.
     pub overshoot: bool,
     /// Seed of the vectors that negative curvature is searched from. Default 1.
     pub seed: u64,
@@ -84,8 +42,6 @@ pub struct NewtonSettings {
 impl Default for NewtonSettings {
     fn default() -> Self {
         Self {
-            linear: LinearSolver::Ldlt,
-            descent: Descent::Energy,
             at_saddle: AtSaddle::Leave,
             max_iterations: 100,
             energy_tolerance: 1e-6,
@@ -112,18 +68,6 @@ impl NewtonSettings {
         if !(0.0..=1.0).contains(&self.first_relaxation) {
             return refuse("first_relaxation", self.first_relaxation);
         }
-        if let LinearSolver::Minres {
-            tolerance,
-            max_iterations,
-        } = self.linear
-        {
-            if !(tolerance > 0.0 && tolerance < 1.0) {
-                return refuse("MINRES tolerance", tolerance);
-            }
-            if max_iterations == 0 {
-                return refuse("MINRES max_iterations", 0.0);
-            }
-        }
         Ok(())
     }
 }
@@ -133,14 +77,13 @@ impl NewtonSettings {
 pub enum StopRule {
     /// The Newton decrement fell below its tolerance at a minimum: converged.
     Decrement,
-    /// The residual fell below its tolerance at a minimum, or anywhere with [`Descent::Residual`]:
-    /// converged.
+    /// The residual fell below its tolerance at a minimum: converged.
     Residual,
     /// A saddle was found and [`AtSaddle::Stop`] was asked for.
     Saddle,
     /// Too many iterations.
     IterationLimit,
-    /// No step along the search direction lowers the energy, or the residual, any more.
+    /// No step along the search direction lowers the energy any more.
     LineSearch,
     /// The constraints contradict each other: no `x` satisfies them.
     Infeasible,
@@ -164,19 +107,14 @@ pub struct Iteration {
     pub decrement: f64,
     /// Largest residual force over the force scale.
     pub residual: f64,
-    /// Signs of the exact Hessian's pivots; `None` with MINRES.
-    pub inertia: Option<Inertia>,
     /// Share of the compressive stress stiffness left out of this step, 0 to 1.
     pub relaxation: f64,
-    /// MINRES iterations of this step; 0 with the factorisation.
-    pub linear_iterations: usize,
 }
 
 /// How a solve went. Not converging is data, not an error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolveReport {
-    /// Whether a tolerance was met, at a minimum as far as the linear solver can tell and
-    /// [`Descent`] asks.
+    /// Whether a tolerance was met, at a minimum.
     pub converged: bool,
     /// Why the solve ended.
     pub stop: StopRule,
@@ -192,7 +130,8 @@ pub struct SolveReport {
     pub decrement: f64,
     /// Largest violation of a constraint row over (length scale x sum of its absolute weights).
     pub infeasibility: f64,
-    /// Signs of the exact Hessian's pivots at the last linearisation; `None` with MINRES.
+    /// Signs of the exact Hessian's pivots at the last linearisation; `None` where there was none, or
+    /// where a method in the place of [`minimise`](crate::minimise) does not know them.
     pub inertia: Option<Inertia>,
     /// Largest share of the compressive stress stiffness that had to be left out, 0 to 1.
     pub relaxation_used: f64,
@@ -203,10 +142,6 @@ pub struct SolveReport {
     pub shift_used: f64,
     /// Whether the Hessian was indefinite somewhere on the way.
     pub left_saddle: bool,
-    /// MINRES iterations, all steps together.
-    pub linear_iterations: usize,
-    /// Linear solves in which MINRES missed its tolerance.
-    pub linear_stalls: usize,
     /// Lagrange multipliers (N per unit of a row), one per row: reactions of the constraints.
     pub multipliers: Vec<f64>,
 }
@@ -228,8 +163,6 @@ impl SolveReport {
             first_relaxation: 0.0,
             shift_used: 0.0,
             left_saddle: false,
-            linear_iterations: 0,
-            linear_stalls: 0,
             multipliers: Vec::new(),
         }
     }

@@ -47,10 +47,10 @@ pub(crate) fn measure(request: &Request) -> Outcome {
     let strip = meshed(&spec, request);
     let mut film = laid(&spec, strip.clone(), request);
     let settings = NewtonSettings {
-        linear: request.solver.kind(),
         seed: request.seed,
         ..NewtonSettings::default()
     };
+    film.linear = request.solver.kind();
     let mut in_time = |_: &_| cpu_seconds() - start < request.limit_s;
     let steps = film.ramp_with(&LOADS, noise(request.solver), &settings, &mut in_time);
     let cpu_s = cpu_seconds() - start;
@@ -62,8 +62,8 @@ pub(crate) fn measure(request: &Request) -> Outcome {
         vertices: film.vertex_count(),
         rows: film.average_count() / 3,
         newton_iterations: steps.iter().map(|s| s.solve.iterations).sum(),
-        linear_iterations: steps.iter().map(|s| s.solve.linear_iterations).sum(),
-        linear_stalls: steps.iter().map(|s| s.solve.linear_stalls).sum(),
+        linear_iterations: steps.iter().map(|s| s.work.iterations).sum(),
+        linear_stalls: steps.iter().map(|s| s.work.stalls).sum(),
         ..Outcome::default()
     };
     compare(&film, &steps, &mut outcome);

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use ruga_constraint::Sampling;
-use ruga_solver::{LinearSolver, Minimise, minimise};
+use ruga_solver::{Minimise, minimise};
 use ruga_stepper::{BendingModel, EdgeLimits};
 use ruga_tests::FilmCoupling;
-use ruga_tests::baselines::by_minres;
+use ruga_tests::baselines::{LinearSolver, by_minres};
 use serde::{Deserialize, Serialize};
 
 /// Spacing of hard rows in wavelengths: a hex lattice then lets the wavelength itself through.

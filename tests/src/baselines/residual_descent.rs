@@ -1,11 +1,12 @@
 //! Newton's method as the papers have it: on the forces, whatever the energy does.
-//!
-//! Kept for comparison: a saddle is as good to it as a minimum.
 
-use crate::error::check_finite;
-use crate::minres::MinresStep;
-use crate::soft_modes::{dot, largest};
-use crate::{Iteration, Kkt, NewtonSettings, Objective, SolveReport, SolverError, StopRule};
+use ruga_solver::{Iteration, NewtonSettings, SolveReport, SolverError, StopRule};
+
+use super::minres::MinresStep;
+use super::{
+    LinearSolver, LinearWork, Problem, add_transposed_product, check_finite, dot, empty_report,
+    largest,
+};
 
 /// Share by which a step has to lower the norm, per unit of its length (Armijo).
 const SUFFICIENT: f64 = 1e-4;
@@ -13,17 +14,23 @@ const SUFFICIENT: f64 = 1e-4;
 /// Lengths that are tried.
 const TRIALS: usize = 30;
 
-/// Solves `g + H' y = 0`, `H x = rhs` by Newton steps, shortened until the norm of both falls
-/// (Rémillard and Kry 2013, section 6.1).
-pub(crate) fn descend_residual(
-    objective: &dyn Objective,
-    rhs: &[f64],
+/// Solves `g + H' y = 0`, `H x = rhs` from `x` by Newton steps, shortened until the norm of both falls
+/// (Rémillard and Kry 2013, section 6.1), and leaves the result in `x`.
+///
+/// A saddle or a maximum is as good to it as a minimum: it stops at any with [`StopRule::Residual`], and
+/// the inertia in the report tells, if the linear solver knows one. Settings of saddles, of the
+/// decrement, of relaxation and the seed mean nothing to it.
+///
+/// # Errors
+/// [`SolverError::NotFinite`] for derivatives that are not finite where the energy is.
+pub fn descend_residual(
+    problem: Problem<'_>,
     x: &mut [f64],
-    kkt: &mut Kkt,
     settings: &NewtonSettings,
+    linear: LinearSolver,
     keep_going: &mut dyn FnMut(&Iteration) -> bool,
-) -> Result<SolveReport, SolverError> {
-    let mut search = Search::new(objective, rhs, kkt, settings)?;
+) -> Result<(SolveReport, LinearWork), SolverError> {
+    let mut search = Search::new(problem, linear)?;
     let stop = match search.run(x, settings, keep_going) {
         Err(SolverError::Breakdown { .. }) => StopRule::Breakdown,
         other => other?,
@@ -31,17 +38,16 @@ pub(crate) fn descend_residual(
     search.report.stop = stop;
     search.report.converged = stop == StopRule::Residual;
     search.report.multipliers = search.multipliers;
-    Ok(search.report)
+    Ok((search.report, search.work))
 }
 
 struct Search<'a> {
-    objective: &'a dyn Objective,
-    rhs: &'a [f64],
-    kkt: &'a mut Kkt,
+    problem: Problem<'a>,
     minres: Option<MinresStep>,
     values: Vec<f64>,
     multipliers: Vec<f64>,
     report: SolveReport,
+    work: LinearWork,
 }
 
 /// What is out of balance somewhere.
@@ -59,21 +65,19 @@ struct Imbalance {
 }
 
 impl<'a> Search<'a> {
-    fn new(
-        objective: &'a dyn Objective,
-        rhs: &'a [f64],
-        kkt: &'a mut Kkt,
-        settings: &NewtonSettings,
-    ) -> Result<Self, SolverError> {
-        let minres = MinresStep::of(settings.linear, kkt)?;
+    fn new(problem: Problem<'a>, linear: LinearSolver) -> Result<Self, SolverError> {
+        let kkt = &*problem.kkt;
+        let minres = match linear {
+            LinearSolver::Ldlt => None,
+            LinearSolver::Minres(limits) => Some(MinresStep::new(kkt, limits)?),
+        };
         Ok(Self {
-            objective,
-            rhs,
             minres,
             values: vec![0.0; kkt.pattern().entries()],
-            multipliers: vec![0.0; rhs.len()],
-            report: SolveReport::empty(),
-            kkt,
+            multipliers: vec![0.0; kkt.rows().count()],
+            report: empty_report(),
+            work: LinearWork::default(),
+            problem,
         })
     }
 
@@ -118,25 +122,24 @@ impl<'a> Search<'a> {
         x: &[f64],
         here: &Imbalance,
     ) -> Result<(Vec<f64>, Vec<f64>, Iteration), SolverError> {
-        let (objective, floor) = (self.objective, self.objective.floor());
+        let objective = self.problem.objective;
+        let kkt = &mut *self.problem.kkt;
+        let floor = objective.floor();
         let mut relaxed = vec![0.0; self.values.len()];
         objective.hessian(x, &mut self.values, &mut relaxed);
         let force: Vec<f64> = here.gradient.iter().map(|g| -g).collect();
-        let (mut step, mut wanted) = (vec![0.0; x.len()], vec![0.0; self.rhs.len()]);
-        let (mut inertia, mut linear_iterations) = (None, 0);
+        let (mut step, mut wanted) = (vec![0.0; x.len()], vec![0.0; self.multipliers.len()]);
         match &mut self.minres {
             None => {
                 self.report.factorizations += 1;
-                inertia = Some(self.kkt.factorize(&self.values, floor)?);
-                self.kkt
-                    .solve_step(&force, &here.offset, &mut step, &mut wanted)?;
+                self.report.inertia = Some(kkt.factorize(&self.values, floor)?);
+                kkt.solve(&force, &here.offset, &mut step, &mut wanted)?;
             }
             Some(minres) => {
-                minres.prepare(self.kkt, &self.values, floor)?;
-                let ends = (&mut step, &mut wanted);
-                let solved = minres.solve(self.kkt, &force, &here.offset, ends.0, ends.1)?;
-                linear_iterations = solved.iterations;
-                self.report.linear_stalls += usize::from(!solved.converged);
+                minres.prepare(kkt, &self.values, floor)?;
+                let ends = (&mut step[..], &mut wanted[..]);
+                self.work
+                    .add(&minres.solve(kkt, (&force, &here.offset), ends)?);
             }
         }
         let slope = dot(&here.gradient, &step);
@@ -145,9 +148,7 @@ impl<'a> Search<'a> {
             energy: here.energy,
             decrement: 0.5 * slope.abs() / objective.energy_scale(),
             residual: here.force,
-            inertia,
             relaxation: 0.0,
-            linear_iterations,
         };
         Ok((step, wanted, iteration))
     }
@@ -157,8 +158,6 @@ impl<'a> Search<'a> {
         report.iterations = iteration.index + 1;
         report.residual = iteration.residual;
         report.decrement = iteration.decrement;
-        report.inertia = iteration.inertia;
-        report.linear_iterations += iteration.linear_iterations;
     }
 
     /// The first end of a shortened step at which the norm has fallen enough, with its multipliers.
@@ -190,17 +189,21 @@ impl<'a> Search<'a> {
 
     fn imbalance(&self, x: &[f64], multipliers: &[f64]) -> Imbalance {
         let mut gradient = vec![0.0; x.len()];
-        let energy = self.objective.gradient(x, &mut gradient);
-        let rows = self.kkt.rows();
+        let Problem {
+            objective,
+            rhs,
+            kkt,
+        } = &self.problem;
+        let energy = objective.gradient(x, &mut gradient);
+        let rows = kkt.rows();
         let mut force = gradient.clone();
-        rows.add_transposed_product(multipliers, &mut force);
-        let mut offset = vec![0.0; self.rhs.len()];
-        rows.add_product(x, &mut offset);
-        for (offset, rhs) in offset.iter_mut().zip(self.rhs) {
+        add_transposed_product(rows, multipliers, &mut force);
+        let mut offset = vec![0.0; rows.count()];
+        rows.mul(x, &mut offset).expect("sizes match");
+        for (offset, rhs) in offset.iter_mut().zip(*rhs) {
             *offset = rhs - *offset;
         }
-        let [force_scale, length_scale] =
-            [self.objective.force_scale(), self.objective.length_scale()];
+        let [force_scale, length_scale] = [objective.force_scale(), objective.length_scale()];
         let squares = dot(&force, &force) / force_scale.powi(2)
             + dot(&offset, &offset) / length_scale.powi(2);
         Imbalance {

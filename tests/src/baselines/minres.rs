@@ -1,22 +1,22 @@
-//! MINRES on the KKT system, as Remillard & Kry use it.
+//! MINRES on the KKT system, as Rémillard and Kry 2013 use it.
 //!
-//! Kept for comparison: it knows no inertia, and its iterations grow with resolution.
+//! It knows no inertia, and its iterations grow with resolution.
 
-use crate::soft_modes::dot;
-use crate::{ConstraintRows, Kkt, LinearSolver, LowerPattern, SolverError};
+use ruga_solver::{ConstraintRows, Kkt, LowerPattern, SolverError};
 
-/// How one linear solve went.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct MinresOutcome {
-    pub(crate) iterations: usize,
-    pub(crate) converged: bool,
+use super::{MinresLimits, add_transposed_product, check_finite, dot};
+
+/// Work of one linear solve, and whether it met the tolerance.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MinresOutcome {
+    pub(super) iterations: usize,
+    pub(super) converged: bool,
 }
 
 /// The KKT system of one Newton step with its block-diagonal preconditioner
 /// `blkdiag(G, H G^-1 H')`, `G` the diagonal blocks of `K`.
-pub(crate) struct MinresStep {
-    tolerance: f64,
-    max_iterations: usize,
+pub(super) struct MinresStep {
+    limits: MinresLimits,
     values: Vec<f64>,
     inverse_blocks: Vec<f64>,
     schur: Option<Schur>,
@@ -31,26 +31,14 @@ struct Schur {
 }
 
 impl MinresStep {
-    /// The one that a linear solver asks for; `None` where it factorises.
-    pub(crate) fn of(linear: LinearSolver, kkt: &Kkt) -> Result<Option<Self>, SolverError> {
-        match linear {
-            LinearSolver::Ldlt => Ok(None),
-            LinearSolver::Minres {
-                tolerance,
-                max_iterations,
-            } => Self::new(kkt, tolerance, max_iterations).map(Some),
-        }
-    }
-
-    fn new(kkt: &Kkt, tolerance: f64, max_iterations: usize) -> Result<Self, SolverError> {
+    pub(super) fn new(kkt: &Kkt, limits: MinresLimits) -> Result<Self, SolverError> {
         let schur = if kkt.rows().count() == 0 {
             None
         } else {
             Some(Schur::new(kkt)?)
         };
         Ok(Self {
-            tolerance,
-            max_iterations,
+            limits,
             values: vec![0.0; kkt.pattern().entries()],
             inverse_blocks: vec![0.0; kkt.pattern().size() * kkt.block()],
             schur,
@@ -58,16 +46,16 @@ impl MinresStep {
     }
 
     /// Takes over the matrix `K + diag(floor)` and builds its preconditioner.
-    pub(crate) fn prepare(
+    pub(super) fn prepare(
         &mut self,
         kkt: &Kkt,
         values: &[f64],
         floor: &[f64],
     ) -> Result<(), SolverError> {
-        crate::error::check_finite("matrix values", values)?;
+        check_finite("matrix values", values)?;
         self.values.copy_from_slice(values);
         for (column, floor) in floor.iter().enumerate() {
-            self.values[kkt.pattern().diagonal(column)] += floor;
+            self.values[kkt.pattern().column_starts()[column]] += floor;
         }
         let block = kkt.block();
         for (vertex, inverse) in self.inverse_blocks.chunks_mut(block * block).enumerate() {
@@ -80,13 +68,11 @@ impl MinresStep {
     }
 
     /// Preconditioned MINRES (Elman, Silvester & Wathen 2014, algorithm 4.1) from zero.
-    pub(crate) fn solve(
+    pub(super) fn solve(
         &mut self,
         kkt: &Kkt,
-        force: &[f64],
-        offset: &[f64],
-        step: &mut [f64],
-        multipliers: &mut [f64],
+        (force, offset): (&[f64], &[f64]),
+        (step, multipliers): (&mut [f64], &mut [f64]),
     ) -> Result<MinresOutcome, SolverError> {
         let (size, rows) = (force.len(), offset.len());
         let mut solution = vec![0.0; size + rows];
@@ -103,13 +89,11 @@ impl MinresStep {
         let (mut cosine, mut previous_cosine) = (1.0, 1.0);
         let (mut sine, mut previous_sine) = (0.0, 0.0);
         let mut iterations = 0;
-        while iterations < self.max_iterations
-            && remaining.abs() > self.tolerance * start
-            && gamma > 0.0
-        {
+        let goal = self.limits.tolerance * start;
+        while iterations < self.limits.max_iterations && remaining.abs() > goal && gamma > 0.0 {
             iterations += 1;
             scale(&mut preconditioned, 1.0 / gamma);
-            multiply(kkt, &self.values, &preconditioned, &mut product);
+            multiply(kkt, &self.values, &preconditioned, &mut product)?;
             let delta = dot(&product, &preconditioned);
             for ((product, current), previous) in
                 product.iter_mut().zip(&lanczos).zip(&previous_lanczos)
@@ -144,12 +128,12 @@ impl MinresStep {
             preconditioned = next;
             (previous_gamma, gamma) = (gamma, next_gamma);
         }
-        crate::error::check_finite("MINRES solution", &solution)?;
+        check_finite("MINRES solution", &solution)?;
         step.copy_from_slice(&solution[..size]);
         multipliers.copy_from_slice(&solution[size..]);
         Ok(MinresOutcome {
             iterations,
-            converged: remaining.abs() <= self.tolerance * start,
+            converged: remaining.abs() <= goal,
         })
     }
 
@@ -181,13 +165,31 @@ fn scale(vector: &mut [f64], factor: f64) {
 }
 
 /// `product = [K, H'; H, 0] vector`.
-fn multiply(kkt: &Kkt, values: &[f64], vector: &[f64], product: &mut [f64]) {
-    product.fill(0.0);
+fn multiply(
+    kkt: &Kkt,
+    values: &[f64],
+    vector: &[f64],
+    product: &mut [f64],
+) -> Result<(), SolverError> {
     let (step, multipliers) = vector.split_at(kkt.pattern().size());
     let (first, second) = product.split_at_mut(kkt.pattern().size());
-    kkt.pattern().add_product(values, step, first);
-    kkt.rows().add_transposed_product(multipliers, first);
-    kkt.rows().add_product(step, second);
+    multiply_symmetric(kkt.pattern(), values, step, first);
+    add_transposed_product(kkt.rows(), multipliers, first);
+    kkt.rows().mul(step, second)
+}
+
+/// `product = K x`, of whose values the lower triangle is stored.
+fn multiply_symmetric(pattern: &LowerPattern, values: &[f64], x: &[f64], product: &mut [f64]) {
+    product.fill(0.0);
+    for (column, ends) in pattern.column_starts().windows(2).enumerate() {
+        let entries = ends[0] + 1..ends[1];
+        let mut sum = values[ends[0]] * x[column];
+        for (&row, value) in pattern.rows()[entries.clone()].iter().zip(&values[entries]) {
+            product[row] += value * x[column];
+            sum += value * x[row];
+        }
+        product[column] += sum;
+    }
 }
 
 /// Inverse of the diagonal block that starts at unknown `first`; of its absolute diagonal where

@@ -1,0 +1,6 @@
+//! The papers' methods for one solve, against the product's where both work.
+
+#![allow(clippy::unwrap_used, reason = "a failing unwrap fails the test")]
+
+mod minres;
+mod residual;
