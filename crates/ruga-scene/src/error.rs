@@ -38,7 +38,7 @@ pub enum SceneError {
         /// The key that names the image, as `layers[0].map.image`.
         key: String,
         /// What is wrong with the image, its file named.
-        source: IoError,
+        source: Box<IoError>,
     },
     /// A share of the bending of a layer that is not there.
     #[error("{}: `layers[{layer}].bending_transfer`: found {found}, but there is no layer below", scene.display())]

@@ -57,7 +57,7 @@ pub fn read_property_images(
         move |error: IoError| SceneError::Image {
             scene: scene_path.to_owned(),
             key,
-            source: error,
+            source: Box::new(error),
         }
     };
     if let Some(path) = &map.image {

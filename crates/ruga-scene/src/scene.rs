@@ -315,7 +315,7 @@ fn mask_warnings(scene: &SceneFile, path: &Path) -> Result<Vec<String>, SceneErr
         let image = read_mask(file).map_err(|source| SceneError::Image {
             scene: path.to_owned(),
             key: key.clone(),
-            source,
+            source: Box::new(source),
         })?;
         let mut warn = |what: String| warnings.push(format!("`{key}`: {}: {what}", file.display()));
         if image.width != image.height {
