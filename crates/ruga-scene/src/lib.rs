@@ -1,7 +1,7 @@
 //! A scene file, read, checked and made into a plan that simulates and bakes.
 //!
 //! [`Scene`] is a `scene.toml` with its mesh and images, converted to what the other crates take;
-//! [`SceneFile`](file::SceneFile) is what stands in the file. [`Scene::plan`] says what will wrinkle and
+//! [`SceneFile`] is what stands in the file. [`Scene::plan`] says what will wrinkle and
 //! what it costs, [`ScenePlan::simulate`] simulates a pose, [`Scene::bake_key`] bakes its map.
 //! [`Inspection`] finds everything that is wrong with a scene at once. [`SceneError`] is for people: it
 //! names the file, the key or element, what was found and what is accepted.

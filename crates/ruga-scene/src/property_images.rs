@@ -36,13 +36,11 @@ pub struct PropertyImages {
 }
 
 /// Reads the images of a layer's map. `key` is that of the map, such as `layers[0].map`; it and
-/// `scene_path` are for messages, image paths are taken as they stand in `map` ([`SceneFile::read`]
+/// `scene_path` are for messages, image paths are taken as they stand in `map` ([`crate::SceneFile::read`]
 /// resolves them).
 ///
 /// A grey image may be stored in three equal channels, as many paint programs do. A packed image
 /// must have three; alpha counts for nothing in either.
-///
-/// [`SceneFile::read`]: crate::SceneFile::read
 ///
 /// # Errors
 /// [`SceneError::Image`] naming scene, key and image: when it is missing, damaged or of another
