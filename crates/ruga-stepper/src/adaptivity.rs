@@ -10,10 +10,11 @@ use ruga_remesh::{FaceDriver, Refinement, RemeshError, RemeshSettings, SizeLimit
 
 use crate::below::BelowSurface;
 use crate::error::Halt;
-use crate::layer::{Layer, offered_strains};
+use crate::layer::Layer;
 use crate::local_skin::{LocalSkin, SkinProperties};
 use crate::preparing::Preparing;
 use crate::skin_mesh::{Adapted, MeshDemand, RegionMesh, SkinMesh};
+use crate::strain_ratio::applied_strains;
 use crate::{EdgeLimits, LayerSpec, Modelling, StepperError};
 
 /// Longest edge where nothing wrinkles, in wavelengths: the low-pass rows, which reach further,
@@ -231,7 +232,7 @@ fn face_drivers(
     let mut drivers: PerFace<FaceDriver> = faces.map(unloaded).collect();
     let mut largest = PerFace::filled(drivers.len(), f64::NEG_INFINITY);
     for surface in below {
-        for (face, strain) in offered_strains(skin, surface).iter() {
+        for (face, strain) in applied_strains(skin, surface).iter() {
             let effective = strain.effective(poisson);
             if effective > largest[face] {
                 largest[face] = effective;

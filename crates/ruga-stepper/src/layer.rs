@@ -1,11 +1,8 @@
 //! One layer, held by a surface below it.
 
 mod bending;
-mod demand;
 mod snapshot;
 mod unwrinkled;
-
-pub(crate) use demand::offered_strains;
 
 use nalgebra::{Matrix2, Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -18,7 +15,6 @@ use ruga_solver::{
     Iteration, Kkt, LowerPattern, Minimise, NewtonSettings, SolveReport, SolverError,
 };
 
-use self::demand::{green_strain, offered};
 use crate::below::BelowSurface;
 use crate::error::Halt;
 use crate::layer_objective::{LayerObjective, gather, scatter};
@@ -29,6 +25,7 @@ use crate::preparing::Preparing;
 use crate::relief::ReliefShares;
 use crate::skin_energy::{SkinEnergy, UpperShell};
 use crate::skin_mesh::{Interpolation, RegionMesh, SkinMesh};
+use crate::strain_ratio::{StrainRatios, applied, applied_strains, green_strain};
 use crate::{Dynamics, LayerSpec, StepperError};
 
 /// Levenberg floor in units of `K0 V_i`: keeps modes that slide along themselves from having a
@@ -143,7 +140,7 @@ impl Layer {
         } = holding;
         let properties = SkinProperties::new(spec, wrinkling, tie, driver, &skin)?;
         preparing.step()?;
-        let parameters = layer_parameters(spec, &properties);
+        let parameters = layer_parameters(&properties, spec.coupling.has_foundation());
         let surface = (rest.positions.as_slice(), rest.normals.as_slice());
         let energy = SkinEnergy::new(
             surface,
@@ -243,13 +240,14 @@ impl Layer {
 
     /// A little of every wave, so that none has to grow out of rounding errors.
     fn add_noise(&mut self, seed: u64) {
-        let mut random = Pcg64Mcg::seed_from_u64(seed);
         let vertices = self.vertex_count();
-        for v in &self.free {
+        let places = self.free.iter().map(|v| {
             let i = v.index() % vertices;
-            let size = noise_size(&self.properties.vertices[i], self.areas[i]);
-            let height = size * random.random_range(-1.0..1.0);
-            self.positions[v.index()] += self.skin.rest.normals[i] * height;
+            (&self.properties.vertices[i], self.areas[i])
+        });
+        for (v, height) in self.free.iter().zip(noise(seed, places)) {
+            let normal = self.skin.rest.normals[v.index() % vertices];
+            self.positions[v.index()] += normal * height;
         }
     }
 
@@ -275,7 +273,7 @@ impl Layer {
             self.positions[i] = base + turn_between(old, new, i % vertices) * deviation;
         }
         self.base = base;
-        self.strains = offered_strains(&self.skin, &below);
+        self.strains = applied_strains(&self.skin, &below);
         self.energy
             .set_base(&new.positions, &new.normals)
             .and_then(|()| self.energy.set_rest_angles(&self.base))
@@ -286,7 +284,7 @@ impl Layer {
         if self.spec.coupling.has_foundation() {
             self.balance()?;
         }
-        self.set_felt_strains(|_, offered| offered)
+        self.set_felt_strains(|_, applied| applied)
     }
 
     /// Sets the forces with which the surface below holds the layer in its own shape.
@@ -332,7 +330,7 @@ impl Layer {
         }
     }
 
-    /// Lets the layer feel of every face's offered principal strains what `wanted` says, of the
+    /// Lets the layer feel of every face's applied principal strains what `wanted` says, of the
     /// face's critical strain and these.
     fn set_felt_strains(
         &mut self,
@@ -342,8 +340,8 @@ impl Layer {
         let natural: Vec<_> = strains
             .map(|(face, strain)| {
                 let critical = self.properties.faces[face].wrinkling.critical_strain;
-                let felt = wanted(critical, offered(strain, self.share));
-                green_strain(strain, offered(strain, 1.0)) - green_strain(strain, felt)
+                let felt = wanted(critical, applied(strain, self.share));
+                green_strain(strain, applied(strain, 1.0)) - green_strain(strain, felt)
             })
             .collect();
         let outcome = self.energy.set_natural_strains(&natural);
@@ -390,9 +388,7 @@ impl Layer {
     /// Lets the layer move in time from now on, first at rest.
     pub(crate) fn set_in_motion(&mut self, dynamics: Dynamics) {
         let vertices = self.properties.vertices.iter().zip(&self.areas);
-        let mass = |(local, area): (&LocalSkin, &f64)| {
-            local.material.density * local.material.thickness * area
-        };
+        let mass = |(local, area): (&LocalSkin, &f64)| local.mass_per_area() * area;
         let mut masses: Vec<f64> = vertices.map(mass).collect();
         if let Some(upper) = &self.upper {
             masses.extend(self.areas.iter().map(|area| upper.mass_per_area() * area));
@@ -444,9 +440,9 @@ impl Layer {
             floor: &self.floor,
             reaction: &self.reaction,
             base: &base,
-            inertia,
+            inertia: inertia.zip(self.motion.as_ref().map(Motion::masses)),
             vertex_area: self.areas.iter().sum::<f64>() / self.areas.len().max(1) as f64,
-            energy_scale: self.energy_scale(),
+            energy_scale: self.strain_ratios().energy_scale(),
             wrinkling: &self.wrinkling,
             thickness: self.spec.material.thickness,
         };
@@ -476,6 +472,22 @@ impl Layer {
         self.set_below(state.below.clone(), state.share)?;
         self.positions.clone_from(&state.positions);
         Ok(())
+    }
+
+    /// What the surface below asks of the faces, in their critical strains.
+    pub(crate) fn strain_ratios(&self) -> StrainRatios<'_> {
+        StrainRatios {
+            skin: &self.skin,
+            properties: &self.properties,
+            poisson: self.spec.material.poisson,
+            strains: &self.strains,
+            fraction: self.share,
+        }
+    }
+
+    /// The largest strain that the surface below asks for, in critical strains.
+    pub(crate) fn strain_ratio(&self) -> f64 {
+        self.strain_ratios().largest()
     }
 
     /// Total elastic energy, J.
@@ -529,8 +541,17 @@ impl Layer {
     }
 }
 
+/// Random heights at vertices with these properties and areas (m²), m.
+pub(crate) fn noise<'a>(
+    seed: u64,
+    vertices: impl Iterator<Item = (&'a LocalSkin, f64)>,
+) -> impl Iterator<Item = f64> {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    vertices.map(move |(local, area)| noise_size(local, area) * random.random_range(-1.0..1.0))
+}
+
 /// Largest noise at a vertex with this area (m²), m.
-pub(crate) fn noise_size(local: &LocalSkin, area: f64) -> f64 {
+fn noise_size(local: &LocalSkin, area: f64) -> f64 {
     let usual_edge = local.wrinkling.wavelength / 12.0;
     // Where the artist's mesh is much finer than asked for, the same noise would fold it.
     let fineness = (area / (usual_edge * usual_edge)).min(1.0);
@@ -550,8 +571,8 @@ pub(crate) fn turn_between(
     frame(new) * frame(old).inverse()
 }
 
-fn layer_parameters(spec: &LayerSpec, properties: &SkinProperties) -> LayerParameters {
-    let held = spec.coupling.has_foundation();
+/// What a shell is made of, with the springs of its foundation where it is `held` by one.
+pub(crate) fn layer_parameters(properties: &SkinProperties, held: bool) -> LayerParameters {
     let spring = |stiffness: f64| if held { stiffness } else { 0.0 };
     let face = |local: &LocalSkin| FaceParameters {
         young: local.material.young,

@@ -20,8 +20,8 @@ pub(crate) struct LayerObjective<'a> {
     pub(crate) reaction: &'a [f64],
     /// Where the dead load does no work, m.
     pub(crate) base: &'a [f64],
-    /// What a step in time adds.
-    pub(crate) inertia: Option<&'a Inertia>,
+    /// What a step in time adds, with the mass of every vertex, kg.
+    pub(crate) inertia: Option<(&'a Inertia, &'a [f64])>,
     /// Mean area of a vertex, m².
     pub(crate) vertex_area: f64,
     /// Energy that wrinkling is about, J.
@@ -51,8 +51,9 @@ impl LayerObjective<'_> {
 /// `w` and `c` of every coordinate that moves.
 impl LayerObjective<'_> {
     fn inertia(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
-        let of_vertex = |inertia: &Inertia, v: &VertexId| {
-            let (weight, centre) = (inertia.weights[v.index()], inertia.centres[v.index()]);
+        let of_vertex = |(inertia, masses): (&Inertia, &[f64]), v: &VertexId| {
+            let weight = inertia.weight(masses[v.index()]);
+            let centre = inertia.centres[v.index()];
             [centre.x, centre.y, centre.z].map(|c| (weight, c))
         };
         let free = self.inertia.into_iter();

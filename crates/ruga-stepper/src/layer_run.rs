@@ -9,18 +9,17 @@ use ruga_solver::{
 
 use crate::below::BelowSurface;
 use crate::layer::{Layer, LayerState};
-use crate::measure::waviness;
 use crate::preparing::Preparing;
 use crate::skin_energy::UpperShell;
 use crate::skin_mesh::SkinMesh;
 use crate::{LayerPlan, LayerReport, Modelling, Observer, Phase, Progress, StepperError};
 
 /// Share of the critical strain below which nothing can wrinkle.
-pub(crate) const LEAST_DEMAND: f64 = 0.9;
+pub(crate) const LEAST_RATIO: f64 = 0.9;
 
 /// Where the way up to the onset of a layer begins that lies on another, in critical strains: as
 /// high as nothing buckles. Far above the onset a trial costs ten times as much.
-const FIRST_DEMAND: f64 = 0.9;
+const FIRST_RATIO: f64 = 0.9;
 
 /// Largest factor between two steps' strains on a surface that has moved: up to 2 the wavelength
 /// is kept.
@@ -29,11 +28,11 @@ const GROWTH: f64 = 1.5;
 /// Newton decrement, in energy scales, at which a state is a result. Where a pattern is held fast
 /// the last step, which is taken, leaves a square of it; on a whole forehead some defect always
 /// slides a little further, for hundreds of iterations, while the energy changes by a thousandth.
-pub(crate) const SETTLED: f64 = 3e-5;
+const SETTLED: f64 = 3e-5;
 
 /// Newton decrement, in energy scales, at which a state that is only passed is good enough. What
 /// is left then is the pattern sliding along itself, and the next load moves it anyway.
-pub(crate) const PASSING: f64 = 1e-3;
+const PASSING: f64 = 1e-3;
 
 /// Newton decrement of the equilibrium, in energy scales, at which a moving layer counts as being
 /// there.
@@ -43,10 +42,7 @@ const AT_REST: f64 = 1e-4;
 const MOST_STEPS_TO_REST: usize = 200;
 
 /// The relaxation that a solve is tried with first, over what the last one needed: lets it shrink.
-pub(crate) const SLOWLY_LESS: f64 = 0.97;
-
-/// Amplitude below which a layer counts as flat, in thicknesses.
-pub(crate) const LEAST_AMPLITUDE: f64 = 0.01;
+const SLOWLY_LESS: f64 = 0.97;
 
 /// What is told of a solve whose method says nothing about stability, and of one that ended on a
 /// saddle: [`Modelling::minimise`] may be such a method.
@@ -113,6 +109,28 @@ pub(crate) enum Pace {
     Result,
     /// It is the start of the next.
     Passing,
+}
+
+/// The settings of a solve, of which the last one with a pattern needed this `relaxation`.
+pub(crate) fn newton_settings(
+    modelling: &Modelling,
+    (at_saddle, pace): (AtSaddle, Pace),
+    relaxation: f64,
+) -> NewtonSettings {
+    NewtonSettings {
+        at_saddle,
+        energy_tolerance: match pace {
+            Pace::Result => SETTLED,
+            Pace::Passing => PASSING,
+        },
+        residual_tolerance: modelling.tolerance,
+        first_relaxation: match at_saddle {
+            AtSaddle::Leave => SLOWLY_LESS * relaxation,
+            AtSaddle::Stop => 0.0,
+        },
+        seed: modelling.seed,
+        ..NewtonSettings::default()
+    }
 }
 
 /// A layer with its report.
@@ -196,7 +214,7 @@ impl<'a> LayerRun<'a> {
         let (below, share) = course.below(self.layer.skin(), 1.0);
         self.layer.set_below(below, share)?;
         let settings = LoadSettings {
-            first: self.layer.share_for(FIRST_DEMAND),
+            first: self.layer.strain_ratios().fraction_for(FIRST_RATIO),
             ..LoadSettings::default()
         };
         self.climb(course, &[1.0], settings, observer)
@@ -214,12 +232,12 @@ impl<'a> LayerRun<'a> {
     ) -> Result<Ending, StepperError> {
         observer.phase(self.index, Phase::Sampling);
         self.layer.set_below(below.clone(), 1.0)?;
-        let demand = self.layer.demand();
-        if before < 1.0 && demand > LEAST_DEMAND {
+        let demand = self.layer.strain_ratio();
+        if before < 1.0 && demand > LEAST_RATIO {
             return Ok(Ending::GaveUp);
         }
-        let mut share = if demand > LEAST_DEMAND {
-            self.layer.share_for(before)
+        let mut share = if demand > LEAST_RATIO {
+            self.layer.strain_ratios().fraction_for(before)
         } else {
             1.0
         };
@@ -413,21 +431,7 @@ impl<'a> LayerRun<'a> {
         shown: f64,
         observer: &mut dyn Observer,
     ) -> Result<SolveReport, StepperError> {
-        let settings = NewtonSettings {
-            at_saddle,
-            energy_tolerance: match pace {
-                Pace::Result => SETTLED,
-                Pace::Passing => PASSING,
-            },
-            residual_tolerance: self.modelling.tolerance,
-            first_relaxation: if at_saddle == AtSaddle::Leave {
-                SLOWLY_LESS * self.relaxation
-            } else {
-                0.0
-            },
-            seed: self.modelling.seed,
-            ..NewtonSettings::default()
-        };
+        let settings = newton_settings(self.modelling, (at_saddle, pace), self.relaxation);
         let vertices = self.layer.vertex_count();
         let mut keep_going = |iteration: &ruga_solver::Iteration| {
             observer.progress(Progress {
@@ -443,7 +447,7 @@ impl<'a> LayerRun<'a> {
             Some(start) => layer.step_in_time(start, how, &mut keep_going),
         };
         let solve = solve.map_err(|source| self.solver_error(source))?;
-        if solve.converged && solve.first_relaxation > 0.0 && self.layer.demand() > 1.0 {
+        if solve.converged && solve.first_relaxation > 0.0 && self.layer.strain_ratio() > 1.0 {
             self.relaxation = solve.first_relaxation;
         }
         self.report.take(&solve);
@@ -452,7 +456,7 @@ impl<'a> LayerRun<'a> {
 
     fn tell_of_blind_spot(&mut self, solve: &SolveReport) {
         if let Some(blind_spot) = blind_spot(solve)
-            && self.layer.demand() > 1.0
+            && self.layer.strain_ratio() > 1.0
         {
             self.warn(blind_spot.to_owned());
         }
@@ -484,44 +488,36 @@ impl<'a> LayerRun<'a> {
         let layer = &self.layer;
         self.report.energy = layer.energy();
         self.report.bending_ratio = layer.bending_ratio;
-        // What was measured at an earlier key may be gone.
-        self.report.amplitude = 0.0;
-        self.report.wavelength = None;
+        let faces = layer.strain_ratios().supercritical_faces();
         let heights = layer.heights();
-        let faces = layer.supercritical_faces();
-        if let Some(waves) = waviness(&heights, &layer.skin().rest.positions, faces) {
-            self.report.amplitude = waves.amplitude;
-            let is_wrinkled = waves.amplitude > LEAST_AMPLITUDE * layer.spec.material.thickness;
-            self.report.wavelength = is_wrinkled.then_some(waves.wavelength);
-        }
+        let on = (heights.as_slice(), layer.skin().rest.positions.as_slice());
+        let thickness = layer.spec.material.thickness;
+        self.report.measure(on, &faces, thickness);
     }
 
     /// The report of the layer that moves together with this one, over what was `planned` of it.
     /// Energy and work of both stand with this one.
     pub(crate) fn upper_report(&self, upper: &UpperShell, planned: &LayerReport) -> LayerReport {
         let layer = &self.layer;
-        let positions = &layer.skin().rest.positions;
         let heights = layer.upper_heights();
-        let waves = waviness(&heights, positions, layer.supercritical_faces());
-        let is_wrinkled = |amplitude: f64| amplitude > LEAST_AMPLITUDE * upper.thickness();
-        LayerReport {
+        let on = (heights.as_slice(), layer.skin().rest.positions.as_slice());
+        let faces = layer.strain_ratios().supercritical_faces();
+        let mut report = LayerReport {
             vertices: self.report.vertices,
             faces: self.report.faces,
-            amplitude: waves.map_or(0.0, |waves| waves.amplitude),
-            wavelength: waves
-                .filter(|waves| is_wrinkled(waves.amplitude))
-                .map(|waves| waves.wavelength),
             residual: self.report.residual,
             stop: self.report.stop,
             onset_load: self.report.onset_load,
             ..planned.clone()
-        }
+        };
+        report.measure(on, &faces, upper.thickness());
+        report
     }
 
     /// Whether a saddle at this load would be the onset of wrinkling: below the critical strain
     /// it is the noise of a detail finer than the layer is thick.
     fn is_probe(&self, trial: Trial) -> bool {
-        trial.probe && self.layer.demand() > LEAST_DEMAND
+        trial.probe && self.layer.strain_ratio() > LEAST_RATIO
     }
 
     fn outcome(&self, trial: Trial, solve: &SolveReport) -> Outcome {

@@ -111,6 +111,7 @@ mod region;
 mod relief;
 mod skin_energy;
 mod stacking;
+mod strain_ratio;
 mod surface_measures;
 #[cfg(test)]
 mod test_square;

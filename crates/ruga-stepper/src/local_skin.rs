@@ -22,6 +22,13 @@ pub(crate) struct SkinProperties {
     pub(crate) faces: PerFace<LocalSkin>,
 }
 
+impl LocalSkin {
+    /// Mass per area of the layer there, kg/m².
+    pub(crate) fn mass_per_area(&self) -> f64 {
+        self.material.density * self.material.thickness
+    }
+}
+
 impl SkinProperties {
     /// `tie` is the tangential stiffness (Pa/m) where it is not the layer's own.
     ///

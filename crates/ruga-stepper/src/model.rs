@@ -132,6 +132,13 @@ pub struct PoseSpec {
     pub motions: Vec<Motion>,
 }
 
+impl PoseSpec {
+    /// Whether results are kept at a load.
+    pub(crate) fn has_key(&self, load: f64) -> bool {
+        self.keys.iter().any(|key| (key - load).abs() < 1e-9)
+    }
+}
+
 /// Where layers are simulated.
 #[derive(Clone, Debug, Default)]
 pub enum Region {

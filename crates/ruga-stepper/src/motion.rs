@@ -4,7 +4,61 @@ use nalgebra::Vector3;
 
 use crate::Dynamics;
 
-/// Velocities, and what they make of the next step.
+/// `1/2 w (x - c)' M (x - c)`, which a step of implicit Euler adds to the elastic energy.
+///
+/// With step `h`, damping `d` and the state `x0, v0` before, the positions after solve
+/// `M (x - x0 - h v0) / h^2 + d M (x - x0) / h = f(x)`: Li 2014, eq. 5.2, for end positions instead
+/// of velocities and without its linearisation. That is the minimum for `w = (1 + d h) / h^2` and
+/// `c = x0 + h v0 / (1 + d h)`. With a body's mass it is the whole of Rémillard and Kry 2013, eq. 15,
+/// whose right side leaves out what the mass does after the first iteration.
+#[derive(Clone, Debug)]
+pub(crate) struct Inertia {
+    dynamics: Dynamics,
+    /// Where everything would go without forces, m.
+    pub(crate) centres: Vec<Vector3<f64>>,
+}
+
+impl Inertia {
+    /// A step from `start` (m) with these velocities (m/s).
+    pub(crate) fn new(
+        dynamics: Dynamics,
+        start: &[Vector3<f64>],
+        velocities: &[Vector3<f64>],
+    ) -> Self {
+        let Dynamics { time_step, damping } = dynamics;
+        let slowed = 1.0 + damping * time_step;
+        let end = |(x, v): (&Vector3<f64>, &Vector3<f64>)| x + v * (time_step / slowed);
+        Self {
+            dynamics,
+            centres: start.iter().zip(velocities).map(end).collect(),
+        }
+    }
+
+    /// Stiffness that stands for a mass (kg), N/m; of a mass of one, `w`.
+    pub(crate) fn weight(&self, mass: f64) -> f64 {
+        let Dynamics { time_step, damping } = self.dynamics;
+        mass * (1.0 + damping * time_step) / (time_step * time_step)
+    }
+
+    /// Ways to `x` from where everything would go without forces, m.
+    pub(crate) fn ways(&self, x: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        x.iter().zip(&self.centres).map(|(x, c)| x - c).collect()
+    }
+}
+
+/// Velocities (m/s) after a step of so many seconds.
+pub(crate) fn velocities(
+    start: &[Vector3<f64>],
+    end: &[Vector3<f64>],
+    time_step: f64,
+) -> Vec<Vector3<f64>> {
+    let pairs = start.iter().zip(end);
+    pairs
+        .map(|(start, end)| (end - start) / time_step)
+        .collect()
+}
+
+/// Vertices with masses that move in time.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
     dynamics: Dynamics,
@@ -12,20 +66,6 @@ pub(crate) struct Motion {
     masses: Vec<f64>,
     /// Velocity of every vertex, m/s.
     velocities: Vec<Vector3<f64>>,
-}
-
-/// `1/2 sum w |x - c|^2`, which implicit Euler adds to the elastic energy.
-///
-/// With step `h`, damping `d` and the state `x0, v0` before, the positions after solve
-/// `m (x - x0 - h v0) / h^2 + m d (x - x0) / h = f(x)`: Li 2014, eq. 5.2, for end positions instead
-/// of velocities and without its linearisation. That is the minimum for `w = m (1 + d h) / h^2` and
-/// `c = x0 + h v0 / (1 + d h)`.
-#[derive(Clone, Debug)]
-pub(crate) struct Inertia {
-    /// Weight of every vertex, N/m.
-    pub(crate) weights: Vec<f64>,
-    /// Where every vertex would go without forces, m.
-    pub(crate) centres: Vec<Vector3<f64>>,
 }
 
 impl Motion {
@@ -38,27 +78,19 @@ impl Motion {
         }
     }
 
+    /// Mass of every vertex, kg.
+    pub(crate) fn masses(&self) -> &[f64] {
+        &self.masses
+    }
+
     /// What a step from `start` adds to the energy.
     pub(crate) fn inertia(&self, start: &[Vector3<f64>]) -> Inertia {
-        let Dynamics { time_step, damping } = self.dynamics;
-        let slowed = 1.0 + damping * time_step;
-        let ways = self.velocities.iter().map(|v| v * (time_step / slowed));
-        Inertia {
-            weights: self
-                .masses
-                .iter()
-                .map(|mass| mass * slowed / (time_step * time_step))
-                .collect(),
-            centres: start.iter().zip(ways).map(|(x, way)| x + way).collect(),
-        }
+        Inertia::new(self.dynamics, start, &self.velocities)
     }
 
     /// Takes over the velocities of a step from `start` to `end`.
     pub(crate) fn moved(&mut self, start: &[Vector3<f64>], end: &[Vector3<f64>]) {
-        let pairs = start.iter().zip(end);
-        self.velocities = pairs
-            .map(|(start, end)| (end - start) / self.dynamics.time_step)
-            .collect();
+        self.velocities = velocities(start, end, self.dynamics.time_step);
     }
 }
 
@@ -77,7 +109,7 @@ mod tests {
             let mut x = vec![Vector3::x()];
             for _ in 0..(0.3 / time_step).round() as usize {
                 let inertia = motion.inertia(&x);
-                let (weight, centre) = (inertia.weights[0], inertia.centres[0]);
+                let (weight, centre) = (inertia.weight(mass), inertia.centres[0]);
                 // The minimum of the spring's energy and the step's.
                 let next = vec![centre * (weight / (weight + stiffness))];
                 motion.moved(&x, &next);

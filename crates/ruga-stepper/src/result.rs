@@ -1,9 +1,13 @@
 //! What a simulated pose gives back.
 
 use nalgebra::{Vector2, Vector3};
+use ruga_blend::Driver;
 use ruga_solver::{SolveReport, StopRule};
 
 use crate::PaintedRanges;
+use crate::local_skin::uv;
+use crate::measure::waviness;
+use crate::skin_mesh::SkinMesh;
 
 /// One layer in one load step, with the smooth driver under each of its vertices.
 #[derive(Clone, Debug, Default)]
@@ -114,7 +118,47 @@ pub struct LayerReport {
     pub onset_load: Option<f64>,
 }
 
+impl PoseResult {
+    /// Adds a warning about a layer in a pose, unless it is there already.
+    pub(crate) fn warn(&mut self, pose: &str, layer: &str, warning: &str) {
+        let text = format!("pose '{pose}', layer '{layer}': {warning}");
+        if !self.warnings.contains(&text) {
+            self.warnings.push(text);
+        }
+    }
+}
+
+impl ComputedMesh {
+    /// The mesh `skin` with its vertices at `positions` (m).
+    pub(crate) fn new(driver: &Driver, skin: &SkinMesh, positions: &[Vector3<f64>]) -> Self {
+        let points = skin.points.points().iter();
+        Self {
+            positions: positions.to_vec(),
+            faces: skin.corner_indices(),
+            uvs: points.map(|point| uv(driver, point)).collect(),
+        }
+    }
+}
+
+/// Amplitude below which a layer counts as flat, in thicknesses.
+const LEAST_AMPLITUDE: f64 = 0.01;
+
 impl LayerReport {
+    /// Measures wavelength and amplitude of a layer of this thickness (m), from its `heights` (m) over
+    /// some faces of a mesh that at `rest` has its vertices there (m).
+    pub(crate) fn measure(
+        &mut self,
+        (heights, rest): (&[f64], &[Vector3<f64>]),
+        faces: &[[u32; 3]],
+        thickness: f64,
+    ) {
+        let waves = waviness(heights, rest, faces.iter().copied());
+        // What was measured at an earlier key may be gone.
+        self.amplitude = waves.map_or(0.0, |waves| waves.amplitude);
+        let wrinkled = waves.filter(|waves| waves.amplitude > LEAST_AMPLITUDE * thickness);
+        self.wavelength = wrinkled.map(|waves| waves.wavelength);
+    }
+
     /// Counts a solve in; the last one says how exactly and why it ended.
     pub(crate) fn take(&mut self, solve: &SolveReport) {
         self.newton_iterations += solve.iterations;

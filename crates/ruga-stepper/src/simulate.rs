@@ -221,17 +221,13 @@ impl<'a> StackRun<'a> {
         self.result.converged &= ending == Ending::Reached;
         self.result.interrupted |= ending == Ending::Interrupted;
         for warning in &run.warnings {
-            let layer = &run.layer.spec.name;
-            let text = format!("pose '{}', layer '{layer}': {warning}", self.spec().name);
-            if !self.result.warnings.contains(&text) {
-                self.result.warnings.push(text);
-            }
+            let (pose, layer) = (&self.plan.specs[self.pose].name, &run.layer.spec.name);
+            self.result.warn(pose, layer, warning);
         }
     }
 
     fn is_key(&self, place: Place) -> bool {
-        let mut keys = self.spec().keys.iter();
-        place.share == 1.0 && keys.any(|key| (key - place.weight).abs() < 1e-9)
+        place.share == 1.0 && self.spec().has_key(place.weight)
     }
 
     /// Hands out what was reached at `place` by layer `lowest`, after solving the layers above.

@@ -84,7 +84,7 @@ impl<'a> StackRun<'a> {
             Box::new(move |skin| surface_below(driver, skin, seat, control, lower));
         let mut history = None;
         if let Some(last) = last {
-            let before = last.layer.demand();
+            let before = last.layer.strain_ratio();
             let mut run = self.refitted(last, &below, observer)?;
             let surface = below(run.layer.skin());
             match run.move_on(surface, (before, place.weight), observer)? {

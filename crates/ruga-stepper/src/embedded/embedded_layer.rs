@@ -3,29 +3,28 @@
 use std::sync::Arc;
 
 use nalgebra::{Rotation3, Vector3};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
 use ruga_blend::{FaceStrain, face_strains};
 use ruga_lattice::Embedding;
 use ruga_material::Wrinkling;
-use ruga_mesh::{FaceId, Id, PerFace};
+use ruga_mesh::PerFace;
 use ruga_solver::{Iteration, Kkt, Minimise, NewtonSettings, SolveReport, SolverError};
 
 use super::body_mesh::meshes;
 use super::contact::Contact;
 use super::handles::Moves;
-use super::inertia::BodyInertia;
 use super::objective::{BodyObjective, Moment, Scales};
 use super::obstacle::PlacedObstacle;
 use super::plan::Interior;
 use super::prediction::Prediction;
 use super::system::BodySystem;
 use crate::error::Halt;
-use crate::layer::noise_size;
-use crate::local_skin::{SkinProperties, uv};
+use crate::layer::noise;
+use crate::local_skin::SkinProperties;
+use crate::motion::{Inertia, velocities};
 use crate::preparing::Preparing;
 use crate::relief::relief_shares;
 use crate::skin_mesh::{Interpolation, RegionMesh, SkinMesh};
+use crate::strain_ratio::StrainRatios;
 use crate::{ComputedMesh, Dynamics, LayerSpec, LayerSurface, Phase, Plan, StepperError};
 
 /// Where a body and its layer are.
@@ -137,11 +136,11 @@ impl<'p> EmbeddedLayer<'p> {
 
     /// A little of every wave, so that none has to grow out of rounding errors.
     fn add_noise(&mut self, seed: u64) {
-        let mut random = Pcg64Mcg::seed_from_u64(seed);
-        let vertices = self.properties.vertices.iter().zip(&self.system.areas);
-        for ((x, normal), (local, area)) in self.state.x.iter_mut().zip(&self.normals).zip(vertices)
-        {
-            *x += normal * (noise_size(local, *area) * random.random_range(-1.0..1.0));
+        let areas = self.system.areas.iter().copied();
+        let vertices = self.properties.vertices.iter().zip(areas);
+        let normals = self.normals.iter().zip(noise(seed, vertices));
+        for (x, (normal, height)) in self.state.x.iter_mut().zip(normals) {
+            *x += normal * height;
         }
     }
 
@@ -174,8 +173,8 @@ impl<'p> EmbeddedLayer<'p> {
         (moves, weights): (&Moves<'_>, &ruga_blend::Weights),
         time: f64,
         dynamics: Dynamics,
-    ) -> BodyInertia {
-        let inertia = BodyInertia::new(dynamics, &self.state.q, &self.state.velocities);
+    ) -> Inertia {
+        let inertia = Inertia::new(dynamics, &self.state.q, &self.state.velocities);
         let mut ways = self.handle_ways(moves, time);
         if !self.is_touched() {
             for &node in self.system.lattice.free_nodes() {
@@ -234,7 +233,7 @@ impl<'p> EmbeddedLayer<'p> {
     /// Finds the equilibrium near the present state, or the end of a step in time, and moves there.
     pub(crate) fn minimise(
         &mut self,
-        inertia: Option<BodyInertia>,
+        inertia: Option<Inertia>,
         (minimise, settings): (Minimise, &NewtonSettings),
         keep_going: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Result<SolveReport, SolverError> {
@@ -264,13 +263,12 @@ impl<'p> EmbeddedLayer<'p> {
 
     /// Takes over the velocities of a step from a state `before`, s.
     pub(crate) fn take_velocities(&mut self, before: &BodyState, time_step: f64) {
-        let ends = self.state.q.iter().zip(&before.q);
-        self.state.velocities = ends.map(|(end, q)| (end - q) / time_step).collect();
+        self.state.velocities = velocities(&before.q, &self.state.q, time_step);
     }
 
     /// What the next solve holds fast.
-    pub(crate) fn moment(&mut self, inertia: Option<BodyInertia>) -> Moment {
-        let factor = inertia.as_ref().map_or(0.0, |inertia| inertia.factor);
+    pub(crate) fn moment(&mut self, inertia: Option<Inertia>) -> Moment {
+        let factor = inertia.as_ref().map_or(0.0, |inertia| inertia.weight(1.0));
         let known = self.constant.take().filter(|(of, _)| *of == factor);
         let (_, constant) = known.unwrap_or_else(|| {
             let values = self.system.constant_hessian(&self.normals, factor);
@@ -360,24 +358,10 @@ impl<'p> EmbeddedLayer<'p> {
         let areas = &self.system.areas;
         let vertex_area = areas.iter().sum::<f64>() / areas.len().max(1) as f64;
         Scales {
-            energy: self.energy_scale(),
+            energy: self.strain_ratios(&self.strains()).energy_scale(),
             force: self.wrinkling().normal_stiffness * self.thickness() * vertex_area,
             length: self.thickness(),
         }
-    }
-
-    /// Energy that wrinkling is about, as in a layer on a given surface, J.
-    fn energy_scale(&self) -> f64 {
-        let of_face = |(face, strain): (FaceId, &FaceStrain)| {
-            let corners = self.skin.mesh.faces()[face];
-            let [a, b, c] = corners.map(|v| self.skin.rest.positions[v.index()]);
-            let area = 0.5 * (b - a).cross(&(c - a)).norm();
-            let numbers = &self.properties.faces[face].wrinkling;
-            let excess = (self.face_demand(face, strain) - 1.0).max(1.0);
-            let strain = numbers.critical_strain * excess;
-            0.5 * numbers.membrane_stiffness * strain * strain * area
-        };
-        self.strains().iter().map(of_face).sum()
     }
 
     /// Strains of the surface below under the layer's faces.
@@ -386,28 +370,25 @@ impl<'p> EmbeddedLayer<'p> {
         face_strains(&self.skin.mesh, &self.skin.rest.positions, &below)
     }
 
-    /// Effective strain of a face in its critical strains.
-    fn face_demand(&self, face: FaceId, strain: &FaceStrain) -> f64 {
-        let critical = self.properties.faces[face].wrinkling.critical_strain;
-        strain.effective(self.spec().material.poisson) / critical
+    /// What the surface below asks of the faces, which has these strains, in their critical ones.
+    fn strain_ratios<'s>(&'s self, strains: &'s PerFace<FaceStrain>) -> StrainRatios<'s> {
+        StrainRatios {
+            skin: &self.skin,
+            properties: &self.properties,
+            poisson: self.spec().material.poisson,
+            strains,
+            fraction: 1.0,
+        }
     }
 
-    /// Largest effective strain of the surface below, in critical strains.
-    pub(crate) fn demand(&self) -> f64 {
-        let strains = self.strains();
-        let demands = strains.iter().map(|(face, s)| self.face_demand(face, s));
-        demands.fold(0.0, f64::max)
+    /// The largest strain that the surface below asks for, in critical strains.
+    pub(crate) fn strain_ratio(&self) -> f64 {
+        self.strain_ratios(&self.strains()).largest()
     }
 
     /// Faces that the surface below compresses beyond the critical strain.
     pub(crate) fn supercritical_faces(&self) -> Vec<[u32; 3]> {
-        let strains = self.strains();
-        let faces = strains
-            .iter()
-            .filter(|(f, s)| self.face_demand(*f, s) > 1.0);
-        faces
-            .map(|(face, _)| self.skin.mesh.faces()[face].map(|v| v.0))
-            .collect()
+        self.strain_ratios(&self.strains()).supercritical_faces()
     }
 
     /// Wrinkle heights, m.
@@ -458,7 +439,6 @@ impl<'p> EmbeddedLayer<'p> {
         let shown = pairs
             .zip(&self.shares)
             .map(|((b, e), share)| b + e * *share);
-        let points = self.skin.points.points().iter();
         LayerSurface {
             name: self.spec().name.clone(),
             positions,
@@ -469,11 +449,7 @@ impl<'p> EmbeddedLayer<'p> {
             faces: self.region.skin.corner_indices(),
             uvs: self.region.shown_uvs().to_vec(),
             artist: self.region.artist(),
-            computed: ComputedMesh {
-                positions: self.state.x.clone(),
-                faces: self.skin.corner_indices(),
-                uvs: points.map(|point| uv(&self.plan.driver, point)).collect(),
-            },
+            computed: ComputedMesh::new(&self.plan.driver, &self.skin, &self.state.x),
         }
     }
 

@@ -1,9 +1,9 @@
-//! Mass of a body with its layer, and one step of implicit Euler as an energy.
+//! Mass of a body with its layer.
 
 use nalgebra::Vector3;
 use ruga_lattice::{Embedding, Lattice, LatticeEnergy, LatticeError, SurfacePattern};
 
-use crate::Dynamics;
+use crate::motion::Inertia;
 
 /// Consistent mass over all nodes, held ones too: that of the inside, and the layer's, `B' m B`.
 ///
@@ -39,6 +39,25 @@ impl BodyMass {
             values: with_layer(all)?,
             free: with_layer(free)?,
         })
+    }
+
+    /// Energy that a step in time to `q` (m) adds, J.
+    pub(crate) fn inertial_energy(&self, inertia: &Inertia, q: &[Vector3<f64>]) -> f64 {
+        let ways = inertia.ways(q);
+        let pairs = ways.iter().zip(self.times(&ways));
+        0.5 * inertia.weight(1.0) * pairs.map(|(u, mu)| u.dot(&mu)).sum::<f64>()
+    }
+
+    /// Inertial forces against the motion to `q` (m): the gradient of that energy, N.
+    pub(crate) fn inertial_forces(
+        &self,
+        inertia: &Inertia,
+        q: &[Vector3<f64>],
+    ) -> Vec<Vector3<f64>> {
+        let mut forces = self.times(&inertia.ways(q));
+        let weight = inertia.weight(1.0);
+        forces.iter_mut().for_each(|force| *force *= weight);
+        forces
     }
 
     /// `M v` over all nodes.
@@ -94,47 +113,5 @@ impl Diagonal {
             rows: &self.rows,
         };
         lattice.add_pulled_back(embedding, &pattern, &self.values, hessian);
-    }
-}
-
-/// `f/2 (q - c)' M (q - c)`, which a step of implicit Euler adds to the energy.
-///
-/// With step `h` and damping `d`, from `q0` with velocity `v0`: `f = (1 + d h) / h^2` and
-/// `c = q0 + h v0 / (1 + d h)`; see [`crate::motion`]. It is the whole of RK eq. 15, whose right side
-/// leaves out what the mass does after the first iteration.
-#[derive(Clone, Debug)]
-pub(crate) struct BodyInertia {
-    /// 1/s².
-    pub(crate) factor: f64,
-    /// Where every node would go without forces, m.
-    pub(crate) centres: Vec<Vector3<f64>>,
-}
-
-impl BodyInertia {
-    pub(crate) fn new(dynamics: Dynamics, q: &[Vector3<f64>], velocities: &[Vector3<f64>]) -> Self {
-        let Dynamics { time_step, damping } = dynamics;
-        let slowed = 1.0 + damping * time_step;
-        let way = |(q, v): (&Vector3<f64>, &Vector3<f64>)| q + v * (time_step / slowed);
-        Self {
-            factor: slowed / (time_step * time_step),
-            centres: q.iter().zip(velocities).map(way).collect(),
-        }
-    }
-
-    /// Inertial forces against the motion (N): the gradient of the energy.
-    pub(crate) fn forces(&self, mass: &BodyMass, q: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-        let mut forces = mass.times(&self.ways(q));
-        forces.iter_mut().for_each(|force| *force *= self.factor);
-        forces
-    }
-
-    pub(crate) fn value(&self, mass: &BodyMass, q: &[Vector3<f64>]) -> f64 {
-        let ways = self.ways(q);
-        let pairs = ways.iter().zip(mass.times(&ways));
-        0.5 * self.factor * pairs.map(|(u, mu)| u.dot(&mu)).sum::<f64>()
-    }
-
-    fn ways(&self, q: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-        q.iter().zip(&self.centres).map(|(q, c)| q - c).collect()
     }
 }

@@ -6,8 +6,8 @@ use nalgebra::Vector3;
 use ruga_solver::{LowerPattern, Objective};
 
 use super::contact::Contact;
-use super::inertia::BodyInertia;
 use super::system::BodySystem;
+use crate::motion::Inertia;
 
 /// What one solve holds fast.
 #[derive(Clone, Debug)]
@@ -22,7 +22,7 @@ pub(crate) struct Moment {
     /// Where the artist's vertices are drawn to, m; empty where nothing draws them.
     pub(crate) targets: Vec<Vector3<f64>>,
     /// What a step in time adds.
-    pub(crate) inertia: Option<BodyInertia>,
+    pub(crate) inertia: Option<Inertia>,
 }
 
 /// Scales of a solve.
@@ -88,7 +88,7 @@ impl BodyObjective<'_> {
                 .sum::<f64>();
         }
         if let Some(inertia) = &moment.inertia {
-            energy += inertia.value(&system.mass, q);
+            energy += system.mass.inertial_energy(inertia, q);
         }
         energy
     }
@@ -110,7 +110,7 @@ impl BodyObjective<'_> {
             add(follow.embedding.pull_back(&pulls), 1.0);
         }
         if let Some(inertia) = &moment.inertia {
-            add(inertia.forces(&system.mass, &state.q), 1.0);
+            add(system.mass.inertial_forces(inertia, &state.q), 1.0);
         }
         forces
     }

@@ -8,13 +8,10 @@ use ruga_solver::{
 
 use super::embedded_layer::{BodyState, EmbeddedLayer};
 use super::handles::Moves;
-use super::inertia::BodyInertia;
 use super::plan::Interior;
 use crate::error::Halt;
-use crate::layer_run::{
-    Ending, LEAST_AMPLITUDE, LEAST_DEMAND, PASSING, Pace, SETTLED, SLOWLY_LESS, blind_spot,
-};
-use crate::measure::waviness;
+use crate::layer_run::{Ending, LEAST_RATIO, Pace, blind_spot, newton_settings};
+use crate::motion::Inertia;
 use crate::preparing::Preparing;
 use crate::simulate::loads_up_to;
 use crate::{
@@ -174,11 +171,11 @@ impl<'a> BodyRun<'a> {
         };
         let pace = pace_of(trial);
         let mut solve = self.solve(None, (at_saddle, pace), trial.load, observer)?;
-        if solve.stop == StopRule::Saddle && self.layer.demand() < LEAST_DEMAND {
+        if solve.stop == StopRule::Saddle && self.layer.strain_ratio() < LEAST_RATIO {
             // Nothing wrinkles yet: what gives way is the body, or a noise of the mesh.
             solve = self.solve(None, (AtSaddle::Leave, pace), trial.load, observer)?;
         }
-        let may_wrinkle = !trial.probe || self.layer.demand() > LEAST_DEMAND;
+        let may_wrinkle = !trial.probe || self.layer.strain_ratio() > LEAST_RATIO;
         let left_saddle = solve.left_saddle && may_wrinkle;
         let outcome = if solve.stop == StopRule::Saddle {
             Outcome::Buckled
@@ -197,7 +194,7 @@ impl<'a> BodyRun<'a> {
     fn settle(
         &mut self,
         pace: Pace,
-        inertia: Option<&BodyInertia>,
+        inertia: Option<&Inertia>,
         load: f64,
         observer: &mut dyn Observer,
     ) -> Result<bool, StepperError> {
@@ -313,25 +310,14 @@ impl<'a> BodyRun<'a> {
 
     fn solve(
         &mut self,
-        inertia: Option<BodyInertia>,
+        inertia: Option<Inertia>,
         (at_saddle, pace): (AtSaddle, Pace),
         load: f64,
         observer: &mut dyn Observer,
     ) -> Result<SolveReport, StepperError> {
         let settings = NewtonSettings {
-            at_saddle,
-            energy_tolerance: match pace {
-                Pace::Result => SETTLED,
-                Pace::Passing => PASSING,
-            },
-            residual_tolerance: self.modelling.tolerance,
-            first_relaxation: match at_saddle {
-                AtSaddle::Leave => SLOWLY_LESS * self.relaxation,
-                AtSaddle::Stop => 0.0,
-            },
             overshoot: self.layer.is_touched(),
-            seed: self.modelling.seed,
-            ..NewtonSettings::default()
+            ..newton_settings(self.modelling, (at_saddle, pace), self.relaxation)
         };
         let vertices = self.report.vertices;
         let mut keep_going = |iteration: &ruga_solver::Iteration| {
@@ -354,19 +340,14 @@ impl<'a> BodyRun<'a> {
 
     fn tell_of_blind_spot(&mut self) {
         if let Some(blind_spot) = self.blind_spot
-            && self.layer.demand() > 1.0
+            && self.layer.strain_ratio() > 1.0
         {
             self.warn(blind_spot.to_owned());
         }
     }
 
     fn is_result(&self, load: f64, observer: &dyn Observer) -> bool {
-        observer.wants_frames() || self.is_key(load)
-    }
-
-    fn is_key(&self, load: f64) -> bool {
-        let mut keys = self.pose.keys.iter();
-        keys.any(|key| (key - load).abs() < 1e-9)
+        observer.wants_frames() || self.pose.has_key(load)
     }
 
     /// Hands out what was reached.
@@ -379,7 +360,7 @@ impl<'a> BodyRun<'a> {
                 load,
                 layers: &layers,
             });
-            if self.is_key(load) {
+            if self.pose.has_key(load) {
                 self.result.keys.push(KeyResult {
                     load,
                     layers,
@@ -403,23 +384,16 @@ impl<'a> BodyRun<'a> {
 
     fn warn(&mut self, warning: String) {
         let (pose, layer) = (&self.pose.name, &self.report.name);
-        let text = format!("pose '{pose}', layer '{layer}': {warning}");
-        if !self.result.warnings.contains(&text) {
-            self.result.warnings.push(text);
-        }
+        self.result.warn(pose, layer, &warning);
     }
 
     fn measure(&mut self) {
         let layer = &self.layer;
         self.report.energy = layer.energy();
-        let faces = layer.supercritical_faces();
-        let rest = &layer.skin.rest.positions;
-        let waves = waviness(&layer.heights(), rest, faces.into_iter());
-        if let Some(waves) = waves {
-            self.report.amplitude = waves.amplitude;
-            let is_wrinkled = waves.amplitude > LEAST_AMPLITUDE * layer.thickness();
-            self.report.wavelength = is_wrinkled.then_some(waves.wavelength);
-        }
+        let heights = layer.heights();
+        let on = (heights.as_slice(), layer.skin.rest.positions.as_slice());
+        self.report
+            .measure(on, &layer.supercritical_faces(), layer.thickness());
         let strains = layer.strains();
         let capped = strains.iter().filter(|(_, s)| s.first > CAP_START).count();
         let percent = 100.0 * capped as f64 / strains.len().max(1) as f64;

@@ -4,13 +4,14 @@ use nalgebra::Vector3;
 use ruga_blend::Driver;
 use ruga_lattice::{Embedding, Lattice, LatticeEnergy};
 use ruga_mesh::{Id, PerVertex, VertexId, vertex_areas};
-use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters};
+use ruga_shell::{BendingModel, LayerEnergy};
 use ruga_solver::ConstraintRows;
 
 use super::foundation::Foundation;
 use super::inertia::{BodyMass, Diagonal};
 use super::layout::Layout;
 use super::plan::Interior;
+use crate::layer::layer_parameters;
 use crate::local_skin::{LocalSkin, SkinProperties};
 use crate::low_pass_rows::{low_pass_rows, row_centres};
 use crate::skin_mesh::SkinMesh;
@@ -71,7 +72,7 @@ impl BodySystem {
             layer: spec.name.clone(),
             source,
         };
-        let shell = bare_shell(spec, skin, properties, bending).map_err(shell_error)?;
+        let shell = bare_shell(skin, properties, bending).map_err(shell_error)?;
         let areas = shell.vertex_areas().to_vec();
         let foundation = Foundation::new(spec, skin, properties, &areas).map_err(shell_error)?;
         let embedding = interior.carrier.embed(skin)?;
@@ -87,9 +88,7 @@ impl BodySystem {
         let [free, all_nodes] = [energy(&pinned)?, energy(&vec![false; pinned.len()])?];
         let free_of = numbers(&free, lattice);
         let of_layer = properties.vertices.iter().zip(&areas);
-        let mass_of = |(local, area): (&LocalSkin, &f64)| {
-            local.material.density * local.material.thickness * area
-        };
+        let mass_of = |(local, area): (&LocalSkin, &f64)| local.mass_per_area() * area;
         let masses: Vec<f64> = of_layer.map(mass_of).collect();
         let mass = BodyMass::new(
             lattice,
@@ -206,25 +205,13 @@ fn add(target: &mut [f64], values: &[f64], factor: f64) {
 
 /// The layer without anything below it; nothing of it is pinned.
 fn bare_shell(
-    spec: &LayerSpec,
     skin: &SkinMesh,
     properties: &SkinProperties,
     bending: BendingModel,
 ) -> Result<LayerEnergy, ruga_shell::ShellError> {
-    let face = |local: &LocalSkin| FaceParameters {
-        young: local.material.young,
-        poisson: spec.material.poisson,
-        thickness: local.material.thickness,
-        normal_stiffness: 0.0,
-        gradient_stiffness: 0.0,
-    };
-    let vertices = skin.mesh.vertex_count();
-    let parameters = LayerParameters {
-        faces: properties.faces.as_slice().iter().map(face).collect(),
-        tangential_stiffness: vec![0.0; vertices],
-    };
+    let parameters = layer_parameters(properties, false);
     let faces = skin.corner_indices();
-    let free = vec![false; vertices];
+    let free = vec![false; skin.mesh.vertex_count()];
     LayerEnergy::with_bending(&skin.rest.positions, &faces, parameters, &free, bending)
 }
 

@@ -34,7 +34,7 @@ impl Layer {
             let outcome = self.energy.set_bending_factor(1.0 / ratio);
             outcome.map_err(|source| self.shell_error(source))?;
         }
-        let is_measured = self.bending_ratio.is_some() || self.demand() <= 1.0;
+        let is_measured = self.bending_ratio.is_some() || self.strain_ratio() <= 1.0;
         self.restore(&state)?;
         Ok(is_measured)
     }
@@ -68,8 +68,9 @@ impl Layer {
     /// The direction in space in which most of the compression beyond the critical strain goes.
     fn main_direction(&self, corners: &[[Vector3<f64>; 3]]) -> Option<Vector3<f64>> {
         let mut tensor = Matrix3::zeros();
+        let ratios = self.strain_ratios();
         for (corners, (face, strain)) in corners.iter().zip(self.strains.iter()) {
-            let excess = self.face_demand(face, strain) - 1.0;
+            let excess = ratios.of_face(face) - 1.0;
             let [u, v] = rest_frame(*corners);
             let direction = u * strain.direction.x + v * strain.direction.y;
             let area = (corners[1] - corners[0])

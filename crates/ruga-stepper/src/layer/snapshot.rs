@@ -4,7 +4,6 @@ use nalgebra::Vector3;
 use ruga_blend::{Driver, PosedSurface};
 
 use super::Layer;
-use crate::local_skin::uv;
 use crate::relief::shown_positions;
 use crate::{ComputedMesh, LayerSurface};
 
@@ -19,7 +18,7 @@ impl Layer {
         offset: f64,
     ) -> LayerSurface {
         let own = &self.positions[..self.vertex_count()];
-        let computed = self.computed(driver, own);
+        let computed = ComputedMesh::new(driver, &self.skin, own);
         let below = self.region.skin.points.pose(control);
         let positions = self.on_region(&real.positions, self.deviations());
         LayerSurface {
@@ -58,7 +57,7 @@ impl Layer {
             relief: shown_positions(&positions, &above, &above, &self.shares.region),
             positions,
             offset: own.offset + upper.lever,
-            computed: self.computed(driver, &self.positions[self.vertex_count()..]),
+            computed: ComputedMesh::new(driver, &self.skin, &self.positions[self.vertex_count()..]),
             ..own.clone()
         })
     }
@@ -73,15 +72,6 @@ impl Layer {
     /// What lies below the layer's own mesh.
     pub(crate) fn below(&self) -> &PosedSurface {
         &self.below.posed
-    }
-
-    fn computed(&self, driver: &Driver, positions: &[Vector3<f64>]) -> ComputedMesh {
-        let points = self.skin.points.points().iter();
-        ComputedMesh {
-            positions: positions.to_vec(),
-            faces: self.skin.corner_indices(),
-            uvs: points.map(|point| uv(driver, point)).collect(),
-        }
     }
 
     /// Deviations at the layer's vertices, added to places of the region's.
