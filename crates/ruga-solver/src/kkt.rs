@@ -226,8 +226,12 @@ impl Kkt {
         self.refine(force, offset, step, multipliers, REFINED)
     }
 
-    /// [`solve`](Self::solve) to the accuracy that a Newton step can use.
-    pub(crate) fn solve_step(
+    /// Solves as [`solve`](Self::solve) does, to the accuracy that a Newton step can use: a residual of
+    /// 1e-10.
+    ///
+    /// # Errors
+    /// As [`solve`](Self::solve).
+    pub fn solve_step(
         &mut self,
         force: &[f64],
         offset: &[f64],

@@ -133,7 +133,7 @@ impl<'a> Search<'a> {
             None => {
                 self.report.factorizations += 1;
                 self.report.inertia = Some(kkt.factorize(&self.values, floor)?);
-                kkt.solve(&force, &here.offset, &mut step, &mut wanted)?;
+                kkt.solve_step(&force, &here.offset, &mut step, &mut wanted)?;
             }
             Some(minres) => {
                 minres.prepare(kkt, &self.values, floor)?;
