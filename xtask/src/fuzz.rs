@@ -11,7 +11,7 @@ use crate::repository::{Outcome, run, target_folder};
 const DEFAULT_ROUNDS: u64 = 1000;
 
 /// Crates with property tests, each with the files that hold them.
-const SUITES: [(&str, &[&str]); 5] = [
+const SUITES: [(&str, &[&str]); 6] = [
     ("ruga-bake", &["padding", "rasterisation"]),
     ("ruga-io", &["damaged_files"]),
     (
@@ -27,6 +27,7 @@ const SUITES: [(&str, &[&str]); 5] = [
     ),
     ("ruga-mesh", &["properties"]),
     ("ruga-remesh", &["properties"]),
+    ("ruga-scene", &["damaged_scenes"]),
 ];
 
 /// Runs the fuzzer with what was typed after `fuzz`; finds go to `target/fuzz`.

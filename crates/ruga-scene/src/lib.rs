@@ -25,7 +25,7 @@
 //!     let result = plan.simulate(number, &mut Silent)?;
 //!     for key in &result.keys {
 //!         let map = scene.bake_key(pose, key)?;
-//!         let steepest = map.normals.iter().map(|normal| normal.z).fold(1.0, f64::min);
+//!         let steepest = map.normals.iter().map(|[_, _, z]| *z).fold(1.0, f32::min);
 //!         assert!(steepest < 0.99, "the skin wrinkles");
 //!     }
 //! }
