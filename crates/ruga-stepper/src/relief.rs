@@ -96,3 +96,68 @@ pub(crate) fn shown_positions(
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector2;
+    use ruga_material::wrinkling;
+    use ruga_mesh::Id;
+
+    use super::*;
+    use crate::test_square::{SIDE, knuckle, region_of, square_mesh};
+    use crate::{Mask, Presence};
+
+    /// Shares on the inner half of a square, under one grey everywhere: the least and the greatest at
+    /// its border, and the least well inside.
+    fn shares(grey: f32, strength: f64) -> [f64; 3] {
+        let flat = |p: Vector2<f64>| Vector3::new(p.x, p.y, 0.0);
+        let mut mesh = square_mesh(&flat, &flat);
+        for uv in mesh.uvs.iter_mut().flatten() {
+            *uv = (*uv / SIDE).add_scalar(0.5);
+        }
+        let driver = Driver::new(&mesh).expect("a square");
+        let inside = |x: &Vector3<f64>, half: f64| x.xy().amax() < half + 1e-9;
+        let faces = driver.topology().faces().iter();
+        let faces = faces.filter(|(_, corners)| {
+            let mut places = corners.iter().map(|v| &driver.rest()[v.index()]);
+            places.all(|x| inside(x, 0.25 * SIDE))
+        });
+        let faces: Vec<_> = faces.map(|(face, _)| face).collect();
+        let skin = region_of(&driver, &faces, 1, 0.0).skin;
+        let spec = LayerSpec {
+            presence: Presence {
+                masks: vec![Mask::new(1, 1, vec![grey]).expect("a grey")],
+                strength,
+            },
+            ..knuckle()
+        };
+        let nominal = wrinkling(&spec.material, &spec.substrate, spec.model).expect("a preset");
+        let found = relief_shares(&driver, &spec, &nominal, &skin).expect("shares");
+        let border = skin.mesh.border_vertices();
+        let of_border = || found.iter().zip(border.as_slice()).filter(|(_, b)| **b);
+        let of_middle = found.iter().zip(&skin.rest.positions);
+        let of_middle = of_middle.filter(|(_, x)| inside(x, 0.25 * SIDE - nominal.wavelength));
+        [
+            of_border().map(|(share, _)| *share).fold(1.0, f64::min),
+            of_border().map(|(share, _)| *share).fold(0.0, f64::max),
+            of_middle.map(|(share, _)| *share).fold(1.0, f64::min),
+        ]
+    }
+
+    /// A mask that is cut off fades by distance, one whose own grey has faded at the border by that
+    /// alone: both at once would eat half a wavelength of what the artist has painted.
+    #[test]
+    fn a_soft_mask_is_its_own_fade() {
+        let near = |found: [f64; 3], expected: [f64; 3]| {
+            let pairs = found.iter().zip(&expected);
+            assert!(
+                pairs.clone().all(|(f, e)| (f - e).abs() < 1e-6),
+                "{found:?}"
+            );
+        };
+        near(shares(1.0, 1.0), [0.0, 0.0, 1.0]);
+        near(shares(0.5, 1.5), [0.0, 0.0, 0.75]);
+        near(shares(0.25, 1.0), [0.25, 0.25, 0.25]);
+        near(shares(0.2, 1.0), [0.2, 0.2, 0.2]);
+    }
+}
