@@ -1,10 +1,10 @@
 //! The command `ruga`: command-line arguments go in, maps, meshes and an exit code come out.
 //!
-//! A *scene* is read with everything that it names (`ruga-scene`). A *plan* says what will be simulated in each *pose*. `bake` and `simulate`
-//! work on as many poses at a time as there are threads and keep a *record* of each finished pose,
-//! so that an interrupted run can go on where it stopped. Report and manifest are made of all records
-//! in the output folder that fit the scene, so that a run of one pose leaves the others listed; one run
-//! at a time *locks* the folder.
+//! A *scene* is read with everything that it names (`ruga-scene`). A *plan* says what will be simulated
+//! in each *pose*. `bake` and `simulate` work on as many poses at a time as there are threads and keep a
+//! *record* of each finished pose, so that an interrupted run can go on where it stopped. Report and
+//! manifest are made of all records in the output folder that fit the scene, so that a run of one pose
+//! leaves the others listed; one run at a time *locks* the folder.
 //!
 //! Results are printed on stdout, progress and messages on stderr. Exit codes: 0 done; 1 ran, but
 //! a pose did not converge or the run was interrupted, with the results written and marked; 2 could

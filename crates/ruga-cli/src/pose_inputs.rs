@@ -44,7 +44,7 @@ pub(crate) fn scene_poses(scene: &Scene) -> Result<Vec<ScenePose>, CliError> {
 /// What all poses depend on: release, scene, mesh, masks and painted maps.
 fn shared_inputs(scene: &Scene) -> Result<Fingerprint, CliError> {
     let text = String::from_utf8_lossy(&read(&scene.path)?).into_owned();
-    // Parsed anew, because the project's scene has paths that depend on where the command was run.
+    // Parsed anew, because the scene's own copy has paths that depend on where the command was run.
     let mut file = SceneFile::from_toml(&text, &scene.path)?;
     file.poses.clear();
     file.remesh.points_per_wavelength = 0.0;

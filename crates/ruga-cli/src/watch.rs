@@ -33,6 +33,8 @@ pub(crate) struct Watch<'a> {
     wants_frames: bool,
     sink: &'a mut FrameSink<'a>,
     failure: Option<CliError>,
+    /// Whether iterations have been told of.
+    is_solving: bool,
 }
 
 impl<'a> Watch<'a> {
@@ -51,6 +53,7 @@ impl<'a> Watch<'a> {
             wants_frames,
             sink,
             failure: None,
+            is_solving: false,
         }
     }
 
@@ -111,12 +114,16 @@ impl Observer for Watch<'_> {
             Phase::Constraints => "constraints are made",
             Phase::Integration => "the first step is solved",
         };
-        self.bar
-            .set_message(format!("layer {}: {work}", preparation.layer + 1));
+        // A load step is prepared in one step: the line goes on saying where the solve stands.
+        if preparation.step > 1 || !self.is_solving {
+            let layer = preparation.layer + 1;
+            self.bar.set_message(format!("layer {layer}: {work}"));
+        }
         self.goes_on()
     }
 
     fn progress(&mut self, progress: Progress) -> bool {
+        self.is_solving = true;
         self.bar.set_position((1000.0 * progress.load) as u64);
         self.bar.set_message(format!(
             "{} vertices, iteration {}",

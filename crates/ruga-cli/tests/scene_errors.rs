@@ -135,9 +135,22 @@ fn a_mesh_without_texture_coordinates() {
 #[test]
 fn a_black_mask_and_a_missing_one() {
     let folder = Folder::with("region = \"all\"", "region = \"mask.png\"");
-    refuses(&folder, &["mask.png", "there is no such file"]);
+    refuses(
+        &folder,
+        &["driver.region", "mask.png", "there is no such file"],
+    );
     write_png(&folder.path("mask.png"), 4, 4, PngTexels::Grey8(&[0; 16])).unwrap();
     refuses(&folder, &["scene.toml", "layer 'skin'", "black wherever"]);
+}
+
+#[test]
+fn a_missing_mask_of_a_layer_is_named_with_its_key() {
+    let masked = "critical_strain = 0.05\nmask = \"spot.png\"";
+    let folder = Folder::with("critical_strain = 0.05", masked);
+    refuses(
+        &folder,
+        &["layers[0].mask", "spot.png", "there is no such file"],
+    );
 }
 
 #[test]

@@ -1,10 +1,9 @@
 //! Files: glTF and OBJ in, GLB, OBJ, PNG and EXR out.
 //!
-//! [`MeshFile`] is the artist's file: the mesh
-//! with its blend shapes, and the document around it, which [`write_glb`] writes back unchanged. [`Image`] is
-//! a picture as plain numbers. [`Wrinkles`] says which baked map belongs to which pose; [`Report`] says how
-//! the run went. [`IoError`] is for people: it names the file, the element in it, what was found and
-//! what is accepted.
+//! [`MeshFile`] is the artist's file: the mesh with its blend shapes, and the document around it, which
+//! [`write_glb`] writes back unchanged. [`Image`] is a picture as plain numbers. [`Wrinkles`] says which
+//! baked map belongs to which pose; [`Report`] says how the run went. [`IoError`] is for people: it names
+//! the file, the element in it, what was found and what is accepted.
 //!
 //! Formats: glTF 2.0 with `KHR_texture_transform` and `KHR_mesh_quantization`; Wavefront OBJ; PNG
 //! without colour-space chunks; OpenEXR of 32-bit floats; JSON.

@@ -6,7 +6,8 @@
 //! [`Inspection`] finds everything that is wrong with a scene at once. [`SceneError`] is for people: it
 //! names the file, the key or element, what was found and what is accepted.
 //!
-//! Lengths are metres. Texture coordinates have V pointing down.
+//! Lengths are metres, axes are those of the mesh file; [`Placement`] says where that is in the world.
+//! Texture coordinates have V pointing down.
 //!
 //! From a scene to a map:
 //!
@@ -36,7 +37,7 @@ mod bake;
 mod body;
 mod error;
 pub mod file;
-mod mesh_size;
+pub mod mesh_size;
 mod model;
 mod placement;
 mod plan;
@@ -48,8 +49,7 @@ mod zone_overlap;
 
 pub use error::{SceneError, counted};
 pub use file::SceneFile;
-pub use mesh_size::{is_unlikely, length, likely_scale, width};
 pub use placement::Placement;
-pub use plan::{ScenePlan, ZonePlan, pose_layers};
+pub use plan::{ScenePlan, ZonePlan};
 pub use property_images::{PropertyImages, PropertyPlane, read_property_images};
 pub use scene::{Inspection, Scene, SceneOptions, driver_of};

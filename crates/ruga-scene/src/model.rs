@@ -128,7 +128,7 @@ fn layer(
         sharp: layer.map.as_ref().is_some_and(|map| map.sharp),
         bending_transfer: layer.bending_transfer,
         variation: variation.map(Arc::new),
-        presence: presence(scene, index)?,
+        presence: presence(scene, index, path)?,
     })
 }
 
@@ -156,17 +156,23 @@ fn variation(scene: &SceneFile, index: usize, preset: Option<&Preset>) -> Option
 }
 
 /// Where layer number `index` is: on its own mask, and in a zone on that of the zone's lowest layer.
-fn presence(scene: &SceneFile, index: usize) -> Result<Presence, SceneError> {
+fn presence(scene: &SceneFile, index: usize, path: &Path) -> Result<Presence, SceneError> {
     let layer = &scene.layers[index];
+    let mask_of = |number: usize| Some((number, scene.layers[number].mask.as_deref()?));
     let lowest = layer.zone.as_ref().and_then(|_| {
-        let mut zone = scene.layers.iter().filter(|other| other.zone == layer.zone);
-        zone.next()
+        let mut layers = scene.layers.iter();
+        layers.position(|other| other.zone == layer.zone)
     });
-    let zone_mask = lowest.and_then(|lowest| lowest.mask.as_deref());
-    let own = layer.mask.as_deref().filter(|own| Some(*own) != zone_mask);
-    let masks = zone_mask.into_iter().chain(own);
+    let of_zone = lowest.and_then(mask_of);
+    let own = mask_of(index).filter(|(_, own)| of_zone.is_none_or(|(_, other)| *own != other));
+    let read =
+        |(number, file): (usize, &Path)| mask(file, (path, &format!("layers[{number}].mask")));
     Ok(Presence {
-        masks: masks.map(mask).collect::<Result<_, _>>()?,
+        masks: of_zone
+            .into_iter()
+            .chain(own)
+            .map(read)
+            .collect::<Result<_, _>>()?,
         strength: layer.strength,
     })
 }

@@ -19,20 +19,20 @@ pub struct ZonePlan {
     pub plan: Plan,
 }
 
-/// The layers of one pose over all `zones`, in the order of the scene.
-///
-/// # Panics
-/// When there is no pose of that number.
-pub fn pose_layers(zones: &[ZonePlan], pose: usize) -> Vec<&LayerPlan> {
-    let mut layers = Vec::new();
-    for zone in zones {
-        layers.extend(zone.layers.iter().zip(&zone.plan.poses[pose].layers));
-    }
-    layers.sort_by_key(|(number, _)| **number);
-    layers.into_iter().map(|(_, layer)| layer).collect()
-}
-
 impl ScenePlan {
+    /// The layers of pose number `pose` over all zones, in the order of the scene.
+    ///
+    /// # Panics
+    /// When there is no pose of that number.
+    pub fn pose_layers(&self, pose: usize) -> Vec<&LayerPlan> {
+        let mut layers = Vec::new();
+        for zone in &self.zones {
+            layers.extend(zone.layers.iter().zip(&zone.plan.poses[pose].layers));
+        }
+        layers.sort_by_key(|(number, _)| **number);
+        layers.into_iter().map(|(_, layer)| layer).collect()
+    }
+
     /// The lattice of the body that carries the layer, if there is one.
     pub fn interior(&self) -> Option<&InteriorPlan> {
         self.zones

@@ -226,13 +226,9 @@ impl Inspection {
     }
 
     fn look_at_masks(&mut self) {
-        let region = region(&self.file);
+        let region = region(&self.file, &self.path);
         self.region = self.keep(region);
-        if self.region.is_some() && self.layers.is_some() {
-            let masks = mask_warnings(&self.file, &self.path);
-            let masks = self.keep(masks);
-            self.warnings.extend(masks.into_iter().flatten());
-        }
+        self.warnings.extend(mask_warnings(&self.file));
     }
 }
 
@@ -290,19 +286,16 @@ fn mesh_warnings(mesh: &MeshFile, driver: &Driver) -> Vec<String> {
 }
 
 /// Where skin is simulated, the mask read.
-fn region(scene: &SceneFile) -> Result<Region, SceneError> {
+fn region(scene: &SceneFile, path: &Path) -> Result<Region, SceneError> {
     Ok(match &scene.driver.region {
         file::Region::Auto => Region::Auto,
         file::Region::All => Region::All,
-        file::Region::Mask(path) => Region::Mask(mask(path)?),
+        file::Region::Mask(file) => Region::Mask(mask(file, (path, "driver.region"))?),
     })
 }
 
-/// What is unusual about the masks of the region and of the layers.
-///
-/// # Errors
-/// [`SceneError::Image`] for a mask that cannot be read, naming its key.
-fn mask_warnings(scene: &SceneFile, path: &Path) -> Result<Vec<String>, SceneError> {
+/// What is unusual about the masks of the region and of the layers that can be read.
+fn mask_warnings(scene: &SceneFile) -> Vec<String> {
     let region = match &scene.driver.region {
         file::Region::Mask(mask) => Some(("driver.region".to_owned(), mask)),
         file::Region::Auto | file::Region::All => None,
@@ -312,11 +305,8 @@ fn mask_warnings(scene: &SceneFile, path: &Path) -> Result<Vec<String>, SceneErr
         layers.filter_map(|(i, layer)| Some((format!("layers[{i}].mask"), layer.mask.as_ref()?)));
     let mut warnings = Vec::new();
     for (key, file) in region.into_iter().chain(layers) {
-        let image = read_mask(file).map_err(|source| SceneError::Image {
-            scene: path.to_owned(),
-            key: key.clone(),
-            source: Box::new(source),
-        })?;
+        // What cannot be read is a problem already, where the mask itself is wanted.
+        let Ok(image) = read_mask(file) else { continue };
         let mut warn = |what: String| warnings.push(format!("`{key}`: {}: {what}", file.display()));
         if image.width != image.height {
             let (width, height) = (image.width, image.height);
@@ -328,16 +318,20 @@ fn mask_warnings(scene: &SceneFile, path: &Path) -> Result<Vec<String>, SceneErr
             warn("the mask is transparent in places; they count as black".to_owned());
         }
     }
-    Ok(warnings)
+    warnings
 }
 
-/// The grey image at a path.
-pub(crate) fn mask(path: &Path) -> Result<Mask, SceneError> {
-    let image = read_mask(path)?;
+/// The grey image in a file that `key` of a scene names.
+pub(crate) fn mask(file: &Path, (scene, key): (&Path, &str)) -> Result<Mask, SceneError> {
+    let image = read_mask(file).map_err(|source| SceneError::Image {
+        scene: scene.to_owned(),
+        key: key.to_owned(),
+        source: Box::new(source),
+    })?;
     let side = |texels: usize| u32::try_from(texels).unwrap_or(u32::MAX);
     let mask = Mask::new(side(image.width), side(image.height), image.values);
     mask.map_err(|source| SceneError::Model {
-        scene: path.to_owned(),
+        scene: scene.to_owned(),
         source: Box::new(source),
     })
 }

@@ -482,6 +482,7 @@ impl Layer {
             poisson: self.spec.material.poisson,
             strains: &self.strains,
             fraction: self.share,
+            is_capped: true,
         }
     }
 

@@ -330,7 +330,7 @@ impl<'a> LayerRun<'a> {
         Ok(Arrival::Moving)
     }
 
-    /// Whether the layer is in equilibrium, a stable one as far as the linear solver can tell.
+    /// Whether the layer is in equilibrium, a stable one as far as the method can tell.
     fn rests(&mut self) -> Result<bool, StepperError> {
         let settings = NewtonSettings {
             at_saddle: AtSaddle::Stop,

@@ -63,8 +63,8 @@ impl<'a> StackRun<'a> {
         MeshWishes::new(&plan.driver, layer, region, below, how, preparing)
     }
 
-    /// The same on a region whose mesh is there already and is to become what `wishes` ask for, its
-    /// rows at given `centres`.
+    /// Builds layer number `index` on a mesh of `region` that is fitted to `wishes`, its averaging
+    /// constraints around given `centres`.
     fn build_on(
         &self,
         index: usize,

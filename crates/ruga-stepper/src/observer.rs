@@ -57,7 +57,7 @@ pub trait Observer {
         let _ = (layer, phase);
     }
 
-    /// A step of the preparation of a layer ends, a small part of a second after the last one, or
+    /// A step of the preparation of a layer or of a load step ends, a small part of a second after the last one, or
     /// where it has some hundred thousand triangles up to two seconds; `false` asks to stop as soon
     /// as possible.
     fn preparing(&mut self, preparation: Preparation) -> bool {

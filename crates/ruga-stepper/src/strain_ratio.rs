@@ -19,6 +19,8 @@ pub(crate) struct StrainRatios<'a> {
     pub(crate) strains: &'a PerFace<FaceStrain>,
     /// Fraction of the applied Green strain that is loaded, in (0, 1].
     pub(crate) fraction: f64,
+    /// Whether the layer feels strains beyond 15 % capped: on a driver, not on a body.
+    pub(crate) is_capped: bool,
 }
 
 impl StrainRatios<'_> {
@@ -28,7 +30,11 @@ impl StrainRatios<'_> {
     }
 
     fn of_face_at(&self, fraction: f64, face: FaceId) -> f64 {
-        let [first, second] = applied(&self.strains[face], fraction);
+        let strain = &self.strains[face];
+        let [first, second] = match self.is_capped {
+            true => applied(strain, fraction),
+            false => [strain.first, strain.second].map(|strain| loaded(strain, fraction)),
+        };
         let effective = first + self.poisson * second;
         effective / self.properties.faces[face].wrinkling.critical_strain
     }
@@ -105,10 +111,13 @@ pub(crate) fn applied_strains(skin: &SkinMesh, below: &BelowSurface) -> PerFace<
 
 /// Principal strains, capped, of which only a part is loaded: `fraction` times their Green strain.
 pub(crate) fn applied(strain: &FaceStrain, fraction: f64) -> [f64; 2] {
-    [capped_strain(strain.first), strain.second].map(|strain| {
-        let squared = (1.0 - strain).powi(2);
-        1.0 - (1.0 - fraction * (1.0 - squared)).max(0.0).sqrt()
-    })
+    [capped_strain(strain.first), strain.second].map(|strain| loaded(strain, fraction))
+}
+
+/// The compression whose Green strain is a fraction of that of `compression`.
+fn loaded(compression: f64, fraction: f64) -> f64 {
+    let squared = (1.0 - compression).powi(2);
+    1.0 - (1.0 - fraction * (1.0 - squared)).max(0.0).sqrt()
 }
 
 /// Green strain of these compressions along the principal directions of `strain`.

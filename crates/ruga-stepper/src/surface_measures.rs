@@ -43,6 +43,7 @@ pub(crate) fn needed_levels(
     levels
 }
 
+/// A measure of every face from its corners' positions (m) and normals at rest.
 pub(crate) fn per_face(
     surface: &BaseSurface,
     measure: impl Fn([Vector3<f64>; 3], [Vector3<f64>; 3]) -> f64,

@@ -1,7 +1,7 @@
 //! `ruga plan`: what will be modelled, where, how fine and at what cost.
 
 use ruga_material::{FirstScale, Wrinkling};
-use ruga_scene::{Scene, SceneOptions, ZonePlan, pose_layers};
+use ruga_scene::{Scene, SceneOptions, ScenePlan, ZonePlan};
 use ruga_stepper::{AppliedStrain, LayerPlan, LoadPath};
 use serde::Serialize;
 
@@ -25,13 +25,13 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<Outcome, CliError> {
     let planned = scene.plan()?;
     if arguments.json {
         messages::result(&match planned.interior() {
-            None => json(&scene, &planned.zones),
+            None => json(&scene, &planned),
             Some(interior) => body_plan::json(&scene, &planned.zones[0].plan, interior),
         });
         return Ok(Outcome::Done);
     }
     match planned.interior() {
-        None => print(&scene, &planned.zones),
+        None => print(&scene, &planned),
         Some(interior) => body_plan::print(&scene, &planned.zones[0].plan, interior),
     }
     let warnings = scene.warnings.iter().chain(planned.warnings());
@@ -39,9 +39,9 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<Outcome, CliError> {
     Ok(Outcome::Done)
 }
 
-fn print(scene: &Scene, zones: &[ZonePlan]) {
+fn print(scene: &Scene, plan: &ScenePlan) {
     let mut waves = vec![None; scene.layers.len()];
-    for zone in zones {
+    for zone in &plan.zones {
         for (number, wave) in zone.layers.iter().zip(zone.plan.wrinkling()) {
             waves[*number] = Some(*wave);
         }
@@ -49,17 +49,17 @@ fn print(scene: &Scene, zones: &[ZonePlan]) {
     let waves: Vec<Wrinkling> = waves.into_iter().flatten().collect();
     messages::result(&layers_table(scene, &waves));
     messages::result("");
-    if zones.iter().any(|zone| !zone.plan.pairs().is_empty()) {
-        messages::result(&pairs_table(scene, zones));
+    if plan.zones.iter().any(|zone| !zone.plan.pairs().is_empty()) {
+        messages::result(&pairs_table(scene, plan));
         messages::result("");
     }
-    let painted = painted_table(zones);
+    let painted = painted_table(plan);
     if !painted.is_empty() {
         messages::result(&painted);
         messages::result("");
     }
-    messages::result(&poses_table(zones));
-    messages::result(&totals(zones));
+    messages::result(&poses_table(plan));
+    messages::result(&totals(plan));
 }
 
 /// Every layer with its critical wave.
@@ -91,8 +91,8 @@ pub(super) fn layers_table(scene: &Scene, waves: &[Wrinkling]) -> String {
 }
 
 /// Every layer on the one that carries it: what the two would do together.
-fn pairs_table(scene: &Scene, zones: &[ZonePlan]) -> String {
-    let rows: Vec<Vec<String>> = pairs(scene, zones)
+fn pairs_table(scene: &Scene, plan: &ScenePlan) -> String {
+    let rows: Vec<Vec<String>> = pairs(scene, plan)
         .iter()
         .map(|pair| {
             let joint = |value: Option<f64>| value.unwrap_or(f64::NAN);
@@ -119,9 +119,9 @@ fn pairs_table(scene: &Scene, zones: &[ZonePlan]) -> String {
     table(&headings, &rows)
 }
 
-fn pairs<'a>(scene: &'a Scene, zones: &[ZonePlan]) -> Vec<PairJson<'a>> {
+fn pairs<'a>(scene: &'a Scene, plan: &ScenePlan) -> Vec<PairJson<'a>> {
     let of_zone = |zone| zone_pairs(scene, zone);
-    zones.iter().flat_map(of_zone).collect()
+    plan.zones.iter().flat_map(of_zone).collect()
 }
 
 fn zone_pairs<'a>(scene: &'a Scene, ZonePlan { layers, plan }: &ZonePlan) -> Vec<PairJson<'a>> {
@@ -145,10 +145,10 @@ fn zone_pairs<'a>(scene: &'a Scene, ZonePlan { layers, plan }: &ZonePlan) -> Vec
 }
 
 /// What paint and natural unevenness make of the layers in every pose; empty where nothing is uneven.
-fn painted_table(zones: &[ZonePlan]) -> String {
+fn painted_table(plan: &ScenePlan) -> String {
     let mut rows = Vec::new();
-    for (index, pose) in zones[0].plan.poses.iter().enumerate() {
-        for layer in pose_layers(zones, index) {
+    for (index, pose) in plan.zones[0].plan.poses.iter().enumerate() {
+        for layer in plan.pose_layers(index) {
             let Some(painted) = layer.painted else {
                 continue;
             };
@@ -180,10 +180,10 @@ fn painted_table(zones: &[ZonePlan]) -> String {
     }
 }
 
-fn poses_table(zones: &[ZonePlan]) -> String {
+fn poses_table(plan: &ScenePlan) -> String {
     let mut rows = Vec::new();
-    for (index, pose) in zones[0].plan.poses.iter().enumerate() {
-        for layer in pose_layers(zones, index) {
+    for (index, pose) in plan.zones[0].plan.poses.iter().enumerate() {
+        for layer in plan.pose_layers(index) {
             let simulated = layer.vertices > 0;
             let shown = |text: String| if simulated { text } else { ABSENT.to_owned() };
             let applied = layer.applied.unwrap_or_default();
@@ -226,9 +226,9 @@ struct Totals {
 }
 
 impl Totals {
-    fn of(zones: &[ZonePlan]) -> Self {
+    fn of(plan: &ScenePlan) -> Self {
         let simulated = || {
-            let poses = zones.iter().flat_map(|zone| &zone.plan.poses);
+            let poses = plan.zones.iter().flat_map(|zone| &zone.plan.poses);
             let layers = poses.flat_map(|pose| &pose.layers);
             layers.filter(|layer| layer.vertices > 0)
         };
@@ -240,11 +240,11 @@ impl Totals {
     }
 }
 
-fn totals(zones: &[ZonePlan]) -> String {
-    let totals = Totals::of(zones);
-    let poses = zones[0].plan.poses.len();
+fn totals(plan: &ScenePlan) -> String {
+    let totals = Totals::of(plan);
+    let poses = plan.zones[0].plan.poses.len();
     let wrinkles = |pose: &usize| {
-        let mut layers = pose_layers(zones, *pose).into_iter();
+        let mut layers = plan.pose_layers(*pose).into_iter();
         layers.any(|layer| layer.vertices > 0)
     };
     let wrinkling = (0..poses).filter(wrinkles).count();
@@ -351,11 +351,11 @@ impl<'a> LayerJson<'a> {
     }
 }
 
-fn json(scene: &Scene, zones: &[ZonePlan]) -> String {
-    let totals = Totals::of(zones);
-    let own = zones.iter().flat_map(|zone| &zone.plan.warnings);
+fn json(scene: &Scene, plan: &ScenePlan) -> String {
+    let totals = Totals::of(plan);
+    let own = plan.zones.iter().flat_map(|zone| &zone.plan.warnings);
     let has_strain_path = |pose: usize| {
-        let mut paths = zones.iter().map(|zone| zone.plan.poses[pose].path);
+        let mut paths = plan.zones.iter().map(|zone| zone.plan.poses[pose].path);
         paths.any(|path| path == LoadPath::Strain)
     };
     let document = PlanJson {
@@ -363,7 +363,7 @@ fn json(scene: &Scene, zones: &[ZonePlan]) -> String {
         ruga: env!("CARGO_PKG_VERSION"),
         scene: scene.path.to_string_lossy().into_owned(),
         warnings: scene.warnings.iter().chain(own).collect(),
-        pairs: pairs(scene, zones),
+        pairs: pairs(scene, plan),
         poses: (0..)
             .zip(&scene.poses)
             .map(|(index, pose)| PoseJson {
@@ -372,7 +372,8 @@ fn json(scene: &Scene, zones: &[ZonePlan]) -> String {
                     true => "strain",
                     false => "weight",
                 },
-                layers: pose_layers(zones, index)
+                layers: plan
+                    .pose_layers(index)
                     .into_iter()
                     .map(LayerJson::new)
                     .collect(),

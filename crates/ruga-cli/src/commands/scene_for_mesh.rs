@@ -8,7 +8,8 @@ use ruga_io::{IoError, MeshFile, ObjOptions, read_mesh};
 use ruga_material::{PRESETS, Preset, preset};
 use ruga_mesh::Id;
 use ruga_scene::file::usable_file_name;
-use ruga_scene::{counted, driver_of, is_unlikely, length, likely_scale, width};
+use ruga_scene::mesh_size::{is_unlikely, length, likely_scale, width};
+use ruga_scene::{counted, driver_of};
 
 use crate::error::CliError;
 

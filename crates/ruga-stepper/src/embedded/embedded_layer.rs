@@ -378,6 +378,7 @@ impl<'p> EmbeddedLayer<'p> {
             poisson: self.spec().material.poisson,
             strains,
             fraction: 1.0,
+            is_capped: false,
         }
     }
 
