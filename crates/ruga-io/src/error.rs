@@ -101,11 +101,8 @@ pub enum IoError {
 }
 
 impl IoError {
-    pub(crate) fn malformed(
-        path: &Path,
-        element: impl Into<String>,
-        reason: impl Into<String>,
-    ) -> Self {
+    /// The error of a file that breaks the rules of its format, or of the use that is made of it.
+    pub fn malformed(path: &Path, element: impl Into<String>, reason: impl Into<String>) -> Self {
         IoError::Malformed {
             path: path.to_owned(),
             element: element.into(),

@@ -78,7 +78,7 @@ fn packed(path: &Path, map: &PropertyMap) -> Result<PropertyImages, IoError> {
         let accepted = "red (wavelength), green (Young's modulus) and blue (thickness); a grey \
                         image belongs to `wavelength_image`, `young_image` or `thickness_image`";
         let reason = format!("found {}; accepted: {accepted}", channel_count(&image));
-        return Err(malformed(path, "channels", reason));
+        return Err(IoError::malformed(path, "channels", reason));
     }
     let channel = |which: usize, range: Option<[f64; 2]>| {
         range
@@ -104,7 +104,7 @@ fn grey(path: &Path, range: [f64; 2]) -> Result<PropertyPlane, IoError> {
             channel_count(&image),
             place(texel, image.width),
         );
-        return Err(malformed(path, "channels", reason));
+        return Err(IoError::malformed(path, "channels", reason));
     }
     plane(&image, 0, range, path)
 }
@@ -124,7 +124,7 @@ fn plane(
             "found {value} {}; accepted: numbers from 0 to 1, which the range is laid over",
             place(texel, image.width)
         );
-        return Err(malformed(path, element, reason));
+        return Err(IoError::malformed(path, element, reason));
     }
     Ok(PropertyPlane {
         width: image.width,
@@ -143,12 +143,4 @@ fn channel_count(image: &Image) -> String {
 
 fn place(texel: usize, width: usize) -> String {
     format!("at column {}, row {}", texel % width, texel / width)
-}
-
-fn malformed(path: &Path, element: impl Into<String>, reason: String) -> IoError {
-    IoError::Malformed {
-        path: path.to_owned(),
-        element: element.into(),
-        reason,
-    }
 }
