@@ -30,26 +30,27 @@ const SUITES: [(&str, &[&str]); 6] = [
     ("ruga-scene", &["damaged_scenes"]),
 ];
 
+/// What may follow `fuzz`.
+pub(crate) const HELP: &str = "\
+[SECONDS] [--from NUMBER] [TARGET]...  random input for SECONDS [default: 600]; targets: scene, gltf,
+                                       obj, png, exr, remesh, program [default: all]
+again TARGET-NUMBER                    one input again
+properties [ROUNDS] [CRATE]...         the property tests of the named crates [default: all] with new
+                                       cases, ROUNDS times [default: 1000], until one fails; the
+                                       echoed command runs a round again";
+
 /// Runs the fuzzer with what was typed after `fuzz`; finds go to `target/fuzz`.
 ///
 /// In the dev profile, whose arithmetic is checked for overflow: more is found than in release.
-pub(crate) fn fuzz(words: &[&str]) -> Outcome {
-    if let ["properties", words @ ..] = words {
+pub(crate) fn fuzz(words: &[String]) -> Outcome {
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    if let ["properties", words @ ..] = words.as_slice() {
         return properties(words);
     }
     let folder = target_folder()?.join("fuzz");
     let folder = folder.to_string_lossy();
-    let program = [
-        "run",
-        "--quiet",
-        "--package",
-        "ruga-tests",
-        "--bin",
-        "fuzz",
-        "--",
-        &folder,
-    ];
-    let failed = run(&[], &[&program, words].concat())?;
+    let program = ["run", "--quiet", "--bin", "fuzz", "--", &folder];
+    let failed = run(&[], &[&program, words.as_slice()].concat())?;
     Ok(failed.unwrap_or(ExitCode::SUCCESS))
 }
 

@@ -8,99 +8,81 @@
 
 mod assets;
 mod bench;
-mod bodies;
-mod chart;
+mod book;
 mod check;
-mod drawing;
-mod figures;
 mod fuzz;
-mod light;
-mod picture;
 mod repository;
-mod stability;
-mod wanted;
+mod test;
+mod validate;
 
-use std::path::Path;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
-use wanted::Wanted;
+use clap::{Parser, Subcommand};
 
-const USAGE: &str = "\
-usage: cargo xtask TASK
+use validate::Study;
 
-  check        format, lints, documentation and tests, as CI runs them
-  assets       regenerate the meshes and painted images under assets/
-  bench        run the benchmarks on one thread and compare them
-  stability    run the stability suite and print what each method does in it
-  patterns     run labyrinths, herringbone and pulled sheet at length
-  fuzz [SECONDS] [--from NUMBER] [TARGET]...
-               try random input for SECONDS [default: 600]; inputs with finds go to target/fuzz;
-               targets: scene, gltf, obj, png, exr, remesh, program [default: all];
-               fuzz again TARGET-NUMBER tries one input again
-  fuzz properties [ROUNDS] [CRATE]...
-               run the property tests ROUNDS times [default: 1000] with new random cases,
-               of the named crates [default: all], until one fails; the echoed command
-               runs a round again
-  figures [DIR] [--quick]
-               draw the figures and tables after Li 2014 and Rémillard and Kry 2013 into DIR
-               [default: target/figures]: simulate the scenes under assets/, then do what
-               `bodies` does in DIR/bodies; --quick takes coarse meshes, few load steps
-               and few samples
-  chart [DIR] [--quick] [--redraw]
-               measure speed against accuracy and draw the chart into DIR
-               [default: target/chart]; goes on where an earlier run ended,
-               so measure changed code into another folder; takes about an
-               hour of processor time, on two cores half as long;
-               --quick takes fewer and coarser runs, six minutes of it;
-               --redraw draws the runs that there are
-  bodies [DIR] [--quick]
-               measure what skins on soft bodies must show, after Rémillard and Kry 2013:
-               wavelengths over thickness and stiffness, against volumes, on lattices of
-               different cells, where a bent bar wrinkles; draw it into DIR
-               [default: target/bodies], with a body thrown for a thousand steps and times at
-               the paper's sizes; takes about half an hour of processor time;
-               --quick takes fewer samples, about two minutes
-  picture DIR  shade the maps that `ruga bake assets/forearm/scene.toml -o DIR` left in DIR
-";
+/// Tasks of this project.
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+struct Arguments {
+    #[command(subcommand)]
+    task: Task,
+}
 
-/// The task was not understood; clap's and grep's convention too.
-const WRONG_USAGE: u8 = 2;
+#[derive(Subcommand)]
+enum Task {
+    /// Checks format, lints, documentation, the links of the book, and that nothing is built twice
+    Check,
+    /// Runs the tests, in minutes
+    Test,
+    /// Runs what takes long: one of the studies, or all of them and the long tests
+    Validate {
+        study: Option<Study>,
+        /// Where to draw [default: target/STUDY]; a chart goes on where an earlier run into the same
+        /// folder ended, so measure changed code into another one
+        #[arg(long)]
+        folder: Option<PathBuf>,
+        /// Takes coarser meshes, fewer samples and fewer load steps
+        #[arg(long)]
+        quick: bool,
+        /// Draws what an earlier run measured: chart and bodies
+        #[arg(long)]
+        redraw: bool,
+    },
+    /// Regenerates the meshes and painted images under assets/
+    Assets,
+    /// Runs the benchmarks on one thread and compares them
+    Bench,
+    /// Tries random input, or new cases of the property tests; inputs with finds go to target/fuzz
+    #[command(after_help = fuzz::HELP)]
+    Fuzz {
+        /// `[SECONDS] [--from NUMBER] [TARGET]...`, `again TARGET-NUMBER`, or
+        /// `properties [ROUNDS] [CRATE]...`
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        words: Vec<String>,
+    },
+    /// Shades the maps that `ruga bake assets/forearm/scene.toml -o DIR` left in DIR
+    Picture {
+        #[arg(value_name = "DIR")]
+        bake: PathBuf,
+    },
+}
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    let done = match words.as_slice() {
-        ["check"] => check::check(),
-        ["assets"] => assets::regenerate(),
-        ["bench"] => bench::bench(),
-        ["stability"] => stability::stability(),
-        ["patterns"] => patterns(),
-        ["fuzz", words @ ..] => fuzz::fuzz(words),
-        ["figures", words @ ..] => match Wanted::read(words) {
-            Some(wanted) => figures::figures(&wanted),
-            None => return wrong_usage("`figures` takes a folder and `--quick`"),
-        },
-        ["chart", words @ ..] => {
-            let others = words.iter().copied().filter(|word| *word != "--redraw");
-            let others: Vec<&str> = others.collect();
-            match Wanted::read(&others) {
-                Some(wanted) if others.len() < words.len() => chart::redraw(&wanted),
-                Some(wanted) => chart::chart(&wanted),
-                None => return wrong_usage("`chart` takes a folder, `--quick` and `--redraw`"),
-            }
-        }
-        ["bodies", words @ ..] => match Wanted::read(words) {
-            Some(wanted) => bodies::bodies(&wanted),
-            None => return wrong_usage("`bodies` takes a folder and `--quick`"),
-        },
-        ["picture", folder] => picture::picture(Path::new(folder)),
-        ["picture"] => return wrong_usage("`picture` needs the folder of a finished bake"),
-        ["help" | "--help" | "-h"] => {
-            print!("{USAGE}");
-            return ExitCode::SUCCESS;
-        }
-        [] => return wrong_usage("no task given"),
-        other => return wrong_usage(&format!("no task `{}`", other.join(" "))),
+    let done = match Arguments::parse().task {
+        Task::Check => check::check(),
+        Task::Test => test::test(),
+        Task::Validate {
+            study,
+            folder,
+            quick,
+            redraw,
+        } => validate::validate(study, folder, [("--quick", quick), ("--redraw", redraw)]),
+        Task::Assets => assets::regenerate(),
+        Task::Bench => bench::bench(),
+        Task::Fuzz { words } => fuzz::fuzz(&words),
+        Task::Picture { bake } => validate::picture(&bake),
     };
     match done {
         Ok(code) => code,
@@ -109,23 +91,4 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
-}
-
-/// Runs the program with the long comparisons of patterns.
-fn patterns() -> repository::Outcome {
-    let program = [
-        "run",
-        "--release",
-        "--package",
-        "ruga-tests",
-        "--example",
-        "patterns",
-    ];
-    let failed = repository::run(&[], &program)?;
-    Ok(failed.unwrap_or(ExitCode::SUCCESS))
-}
-
-fn wrong_usage(reason: &str) -> ExitCode {
-    eprint!("xtask: {reason}\n\n{USAGE}");
-    ExitCode::from(WRONG_USAGE)
 }

@@ -1,0 +1,247 @@
+//! Which runs the chart is made of.
+
+use std::ops::RangeInclusive;
+
+use crate::setting::Coupling::{self, Constraint, Elastic, Hybrid};
+use crate::setting::Mesh::{self, Adaptive, AdaptiveTwo, Uniform};
+use crate::setting::RowSampling::{self, Adjusted, Area, Quadrature};
+use crate::setting::Solver::{self, Ldlt, Minres};
+use crate::setting::{Bending, Method, Problem, Run, Setting};
+
+/// Points per wavelength.
+const POINTS: [u32; 6] = [4, 6, 8, 12, 16, 24];
+
+/// Seeds of a full chart; a quick one, and what nobody would choose, has the first three.
+const SEEDS: u64 = 5;
+const QUICK_SEEDS: u64 = 3;
+
+/// Seconds of the processor after which a run counts as failed.
+const LIMIT_S: f64 = 100.0;
+const QUICK_LIMIT_S: f64 = 60.0;
+
+const fn method(coupling: Coupling, sampling: RowSampling, mesh: Mesh, solver: Solver) -> Method {
+    Method {
+        coupling,
+        sampling,
+        bending: Bending::VertexCurvature,
+        mesh,
+        solver,
+    }
+}
+
+/// The same with hinges instead of curvature at vertices.
+const fn hinged(method: Method) -> Method {
+    Method {
+        bending: Bending::Hinge,
+        ..method
+    }
+}
+
+/// What `ruga` does unless told otherwise.
+pub(crate) const DEFAULT: Method = method(Hybrid, Quadrature, Adaptive, Ldlt);
+
+/// What the papers do: Rémillard & Kry 2013 and Li 2014.
+pub(crate) const PAPERS: Method = hinged(method(Constraint, Area, Uniform, Minres));
+
+/// What `ruga` does, but for its bending.
+pub(crate) const HINGED: Method = hinged(DEFAULT);
+
+/// The qualities of the command line, by their points per wavelength.
+pub(crate) const QUALITIES: [(&str, u32); 3] = [("draft", 6), ("standard", 12), ("fine", 24)];
+
+/// The default with the meshes of hinges: triangles twice as long as wide instead of four times.
+pub(crate) const SHORTER: Method = Method {
+    mesh: AdaptiveTwo,
+    ..DEFAULT
+};
+
+/// The default on triangles as long as wide.
+const UNIFORM: Method = Method {
+    mesh: Uniform,
+    ..DEFAULT
+};
+
+/// The default without rows. Nothing is sampled then.
+pub(crate) const ELASTIC: Method = Method {
+    coupling: Elastic,
+    ..DEFAULT
+};
+
+/// The default with hard rows alone.
+const CONSTRAINT: Method = Method {
+    coupling: Constraint,
+    ..DEFAULT
+};
+
+/// What differs from the default in one choice, the most interesting ones first.
+const ONE_FACTOR: [Method; 7] = [
+    ELASTIC,
+    HINGED,
+    SHORTER,
+    UNIFORM,
+    CONSTRAINT,
+    method(Hybrid, Area, Adaptive, Ldlt),
+    method(Hybrid, Adjusted, Adaptive, Ldlt),
+];
+
+/// What differs from the papers in one choice or two; nobody would choose these.
+const BESIDE_PAPERS: [Method; 6] = [
+    hinged(method(Constraint, Quadrature, Uniform, Ldlt)),
+    hinged(method(Constraint, Adjusted, Uniform, Ldlt)),
+    hinged(method(Constraint, Area, Adaptive, Ldlt)),
+    hinged(method(Hybrid, Quadrature, Uniform, Ldlt)),
+    hinged(method(Constraint, Quadrature, Uniform, Minres)),
+    hinged(method(Constraint, Area, Adaptive, Minres)),
+];
+
+/// The default iterated: with a foundation, which buckles in the middle of the way, MINRES finds no
+/// wrinkles at all.
+const ITERATED: Method = method(Hybrid, Quadrature, Adaptive, Minres);
+
+/// Resolutions of what nobody would choose.
+const FEW_POINTS: [u32; 2] = [6, 12];
+
+/// Resolutions at which MINRES does not end within the limit: one seed says so, the others come last.
+const DEAR_POINTS: [u32; 2] = [16, 24];
+
+/// Some settings, and the seeds that each has.
+type Stage = (Vec<Setting>, RangeInclusive<u64>);
+
+/// All runs, stage after stage, within each seed after seed: what matters most is whole first.
+pub(crate) fn runs(quick: bool) -> Vec<Run> {
+    let (stages, limit_s): (Vec<Stage>, f64) = match quick {
+        true => (vec![(quick_settings(), 1..=QUICK_SEEDS)], QUICK_LIMIT_S),
+        false => {
+            let stages = vec![
+                (main_settings(), 1..=SEEDS),
+                (dear_settings(), 1..=1),
+                (one_factor_settings(), 1..=SEEDS),
+                (other_settings(), 1..=QUICK_SEEDS),
+                (dear_settings(), 2..=SEEDS),
+            ];
+            (stages, LIMIT_S)
+        }
+    };
+    let mut runs = Vec::new();
+    for (settings, seeds) in stages {
+        for seed in seeds {
+            runs.extend(settings.iter().map(|&setting| Run {
+                setting,
+                seed,
+                limit_s,
+            }));
+        }
+    }
+    runs
+}
+
+fn settings(problem: Problem, method: Method, points: &[u32]) -> impl Iterator<Item = Setting> {
+    points.iter().map(move |&points| Setting {
+        problem,
+        method,
+        points,
+    })
+}
+
+/// The default up to the fine quality, the others as far as the time allows.
+fn quick_settings() -> Vec<Setting> {
+    use Problem::{Film, Patch};
+    let mut all = Vec::new();
+    all.extend(settings(Film, DEFAULT, &POINTS));
+    for method in [ELASTIC, HINGED, UNIFORM, PAPERS.factorised(), PAPERS] {
+        all.extend(settings(Film, method, &POINTS[..4]));
+    }
+    all.extend(settings(Patch, DEFAULT, &POINTS));
+    for method in [ELASTIC, PAPERS.factorised()] {
+        all.extend(settings(Patch, method, &POINTS[..4]));
+    }
+    all.extend(settings(Patch, PAPERS, &FEW_POINTS[..1]));
+    all
+}
+
+/// The default at every resolution, and the papers' way but for [`dear_settings`]. Wavelength and
+/// onset of what is iterated come from its factorised twin.
+fn main_settings() -> Vec<Setting> {
+    use Problem::{Film, Patch};
+    let mut all = Vec::new();
+    all.extend(settings(Film, DEFAULT, &POINTS));
+    all.extend(settings(Patch, DEFAULT, &POINTS));
+    all.extend(settings(Film, PAPERS.factorised(), &POINTS[..4]));
+    all.extend(settings(Film, PAPERS, &POINTS[..4]));
+    all.extend(settings(Patch, PAPERS, &FEW_POINTS));
+    all
+}
+
+fn dear_settings() -> Vec<Setting> {
+    let of = |method| settings(Problem::Film, method, &DEAR_POINTS);
+    of(PAPERS.factorised()).chain(of(PAPERS)).collect()
+}
+
+fn one_factor_settings() -> Vec<Setting> {
+    use Problem::{Film, Patch};
+    let mut all = Vec::new();
+    for method in ONE_FACTOR {
+        all.extend(settings(Film, method, &POINTS));
+    }
+    for method in [ELASTIC, HINGED, SHORTER, PAPERS.factorised()] {
+        all.extend(settings(Patch, method, &POINTS));
+    }
+    let below = &POINTS[..BELOW_REFERENCE];
+    all.extend(settings(Patch, REFERENCE.setting.method, below));
+    all
+}
+
+fn other_settings() -> Vec<Setting> {
+    let of = |method| settings(Problem::Film, method, &FEW_POINTS);
+    std::iter::once(ITERATED)
+        .chain(BESIDE_PAPERS)
+        .flat_map(of)
+        .collect()
+}
+
+/// What patches are compared with. An even mesh halves the artist's squares, a quarter of a wavelength
+/// wide, until it is fine enough: 32 points.
+pub(crate) const REFERENCE: Run = Run {
+    setting: Setting {
+        problem: Problem::Patch,
+        method: method(Hybrid, Quadrature, Uniform, Ldlt),
+        points: 28,
+    },
+    seed: 1,
+    limit_s: 600.0,
+};
+
+/// Resolutions at which the reference's own method is tried: with more points it is the reference.
+const BELOW_REFERENCE: usize = 4;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_run_is_asked_for_once_and_the_quick_ones_are_among_them() {
+        let key = |run: &Run| format!("{:?} {}", run.setting, run.seed);
+        let mut full: Vec<String> = runs(false).iter().map(key).collect();
+        let count = full.len();
+        full.sort();
+        full.dedup();
+        assert_eq!(full.len(), count);
+        assert!(runs(true).iter().all(|run| full.contains(&key(run))));
+    }
+
+    #[test]
+    fn default_and_papers_are_measured_at_every_quality() {
+        let has = |quick: bool, method: Method, points: u32| {
+            let wanted = Setting {
+                problem: Problem::Film,
+                method,
+                points,
+            };
+            runs(quick).iter().any(|run| run.setting == wanted)
+        };
+        for (_, points) in QUALITIES {
+            assert!(has(false, DEFAULT, points) && has(true, DEFAULT, points));
+            assert!(has(false, PAPERS, points));
+        }
+    }
+}

@@ -1,0 +1,23 @@
+//! The points and what they say as one table, for programs.
+
+use serde_json::{Value, json};
+
+use crate::plan::QUALITIES;
+use crate::results::{Measure, Point};
+use crate::verdict::{acceptance, distance_from_pareto, ratios};
+
+/// The points, and what they say about the default. Errors are absolute: shares, and degrees for normals.
+pub(crate) fn json(points: &[Point]) -> Value {
+    let pareto = Measure::ALL.iter().flat_map(|&measure| {
+        QUALITIES.map(|(name, quality)| {
+            let cost = distance_from_pareto(points, measure, quality);
+            json!({ "measure": measure, "quality": name, "cost_over_pareto": cost })
+        })
+    });
+    json!({
+        "points": points,
+        "default_against_papers": ratios(points),
+        "acceptance": acceptance(points),
+        "default_against_pareto": pareto.collect::<Vec<_>>(),
+    })
+}

@@ -1,0 +1,335 @@
+//! What the stability suite is made of: lines of its table, and a sheet of film that may be solved
+//! by the papers' methods as well as by ours.
+
+use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use ruga_constraint::Sampling;
+use ruga_material::Wrinkling;
+use ruga_shell::{BendingModel, LayerEnergy, LayerParameters};
+use ruga_solver::{
+    Inertia, Kkt, LowerPattern, Minimise, NewtonSettings, SolveReport, inertia_at, minimise,
+};
+
+use crate::baselines::by_residual;
+use crate::film_objective::{FilmObjective, gather, scatter};
+use crate::film_rows::{Row, averages, side_rollers, to_constraint_rows};
+use crate::{FilmSpec, Strip};
+
+/// What a line of the table starts with.
+const MARK: &str = "stability|";
+
+/// How a method comes out of a test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Finding {
+    /// It does what it ought to.
+    Holds,
+    /// It does not, within limits that are stated and tested.
+    Bounded,
+    /// It does not, and says so, or refuses.
+    Warns,
+    /// It does not, and says nothing.
+    Fails,
+    /// It has no part that the test could be about.
+    NotApplicable,
+}
+
+impl Finding {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::Bounded => "bounded",
+            Self::Warns => "warns",
+            Self::Fails => "fails",
+            Self::NotApplicable => "n/a",
+        }
+    }
+}
+
+/// Writes one line of the table: number and name of the test, method, finding, numbers.
+///
+/// The line starts with a mark, by which `cargo xtask validate stability` knows it.
+#[expect(
+    clippy::print_stdout,
+    reason = "the table of the stability suite is made of these lines"
+)]
+pub fn table_line(test: &str, method: &str, finding: Finding, numbers: &str) {
+    let word = finding.word();
+    println!("{MARK}{test}|{method}|{word}|{numbers}");
+}
+
+/// What a sheet is made of and how it is held.
+#[derive(Clone, Debug)]
+pub struct SheetSpec {
+    /// Linear theory, for scales.
+    pub theory: Wrinkling,
+    /// Thickness, m.
+    pub thickness: f64,
+    /// Where the vertices are at rest, m.
+    pub rest: Vec<Vector3<f64>>,
+    /// Triangles.
+    pub faces: Vec<[u32; 3]>,
+    /// Material and springs.
+    pub parameters: LayerParameters,
+    /// How bending is measured.
+    pub bending: BendingModel,
+    /// Which vertices do not move on their base.
+    pub pinned: Vec<bool>,
+    /// More averages that are held at those of the base: vertex and weight.
+    pub averages: Vec<Vec<(u32, f64)>>,
+    /// Rows of the film's coupling, on unknowns.
+    coupling: Vec<Row>,
+    /// Rows of the sides that slide, on unknowns.
+    rollers: Vec<Row>,
+}
+
+impl SheetSpec {
+    /// A strip of film with pinned ends and sliding sides.
+    pub fn film(spec: &FilmSpec, strip: &Strip) -> Self {
+        let (rest, pinned, theory) = (spec.base.points(strip, 0.0), strip.ends(), spec.theory());
+        let free: Vec<u32> = (0..).zip(&pinned).filter(|p| !p.1).map(|p| p.0).collect();
+        Self {
+            theory,
+            thickness: spec.film.thickness,
+            faces: strip.faces.clone(),
+            parameters: spec.parameters(strip),
+            averages: Vec::new(),
+            coupling: averages(
+                strip,
+                &rest,
+                &pinned,
+                &free,
+                &theory,
+                (spec.coupling, Sampling::Quadrature),
+            ),
+            bending: spec.bending,
+            rollers: side_rollers(strip, &free),
+            rest,
+            pinned,
+        }
+    }
+
+    /// The same with sides that nothing holds.
+    pub fn with_free_sides(self) -> Self {
+        Self {
+            rollers: Vec::new(),
+            ..self
+        }
+    }
+
+    /// One row per coordinate of each average, over the vertices that move, and the rollers.
+    fn rows(&self, free: &[u32]) -> Vec<Row> {
+        let moving = |average: &Vec<(u32, f64)>| -> Row {
+            let terms = average.iter();
+            terms
+                .filter_map(|&(v, weight)| Some((free.binary_search(&v).ok()?, weight)))
+                .collect()
+        };
+        let axes = |row: Row| {
+            [0, 1, 2].map(|axis| row.iter().map(|(u, w)| (3 * u + axis, *w)).collect::<Row>())
+        };
+        let averages = self.averages.iter().map(moving);
+        let averages = averages.filter(|row| !row.is_empty()).flat_map(axes);
+        let rollers = self.rollers.iter().cloned();
+        self.coupling
+            .iter()
+            .cloned()
+            .chain(averages)
+            .chain(rollers)
+            .collect()
+    }
+}
+
+/// A sheet of film on a base that may take any shape.
+pub struct Sheet {
+    spec: SheetSpec,
+    energy: LayerEnergy,
+    free: Vec<u32>,
+    kkt: Kkt,
+    floor: Vec<f64>,
+    positions: Vec<Vector3<f64>>,
+    base: Vec<Vector3<f64>>,
+    /// Dead load on the coordinates that move, N.
+    load: Vec<f64>,
+}
+
+impl Sheet {
+    /// Lays the sheet on its rest shape.
+    ///
+    /// # Panics
+    /// When the specification is no valid layer.
+    pub fn new(spec: SheetSpec) -> Self {
+        let energy = LayerEnergy::with_bending(
+            &spec.rest,
+            &spec.faces,
+            spec.parameters.clone(),
+            &spec.pinned,
+            spec.bending,
+        )
+        .expect("a valid layer");
+        let free = energy.free_vertices().to_vec();
+        let (starts, entries) = energy.pattern();
+        let pattern =
+            LowerPattern::new(starts.to_vec(), entries.to_vec()).expect("a valid pattern");
+        let rows = to_constraint_rows(&spec.rows(&free), 3 * free.len());
+        let areas = energy.vertex_areas();
+        let floor = free
+            .iter()
+            .flat_map(|&v| [1e-6 * spec.theory.normal_stiffness * areas[v as usize]; 3])
+            .collect();
+        Self {
+            kkt: Kkt::new(&pattern, &rows, 3).expect("a valid system"),
+            positions: spec.rest.clone(),
+            base: spec.rest.clone(),
+            load: vec![0.0; 3 * free.len()],
+            spec,
+            energy,
+            free,
+            floor,
+        }
+    }
+
+    /// Moves the base, with normals of its own, and carries the sheet along.
+    ///
+    /// # Panics
+    /// When there is not one point and one unit normal per vertex.
+    pub fn lay_on(&mut self, base: Vec<Vector3<f64>>, normals: &[Vector3<f64>]) {
+        let zeros = vec![0.0; base.len()];
+        let set = self.energy.set_base(&base, normals, &zeros);
+        set.expect("a valid base");
+        for (x, (old, new)) in self.positions.iter_mut().zip(self.base.iter().zip(&base)) {
+            *x += new - old;
+        }
+        self.base = base;
+    }
+
+    /// Puts the sheet on its base, with heights up to `noise` thicknesses along `normal`.
+    pub fn lie_down(&mut self, normal: Vector3<f64>, noise: f64, seed: u64) {
+        self.positions.clone_from(&self.base);
+        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        for &v in &self.free {
+            let height = noise * self.spec.thickness * random.random_range(-1.0..1.0);
+            self.positions[v as usize] += normal * height;
+        }
+    }
+
+    /// Moves every vertex that may move.
+    pub fn displace(&mut self, by: impl Fn(&Vector3<f64>) -> Vector3<f64>) {
+        for &v in &self.free {
+            let rest = &self.spec.rest[v as usize];
+            self.positions[v as usize] += by(rest);
+        }
+    }
+
+    /// Loads every vertex with a force per rest area, Pa.
+    pub fn press(&mut self, pressure: Vector3<f64>) {
+        let areas = self.energy.vertex_areas();
+        for (&v, load) in self.free.iter().zip(self.load.chunks_exact_mut(3)) {
+            load.copy_from_slice((pressure * areas[v as usize]).as_slice());
+        }
+    }
+
+    /// Solves as the product does.
+    ///
+    /// # Panics
+    /// When the solver refuses its input.
+    pub fn solve(&mut self, settings: &NewtonSettings) -> SolveReport {
+        self.solve_by(minimise, settings)
+    }
+
+    /// Solves as Rémillard and Kry 2013 do: Newton's method on the forces, with a line search on
+    /// their norm.
+    ///
+    /// # Panics
+    /// When the solver refuses its input.
+    pub fn solve_by_residual(&mut self) -> SolveReport {
+        self.solve_by(by_residual, &NewtonSettings::default())
+    }
+
+    fn solve_by(&mut self, minimise: Minimise, settings: &NewtonSettings) -> SolveReport {
+        let (mut x, targets) = (gather(&self.free, &self.positions), self.targets());
+        let base = gather(&self.free, &self.base);
+        let (objective, kkt) = self.objective(&base);
+        let report = minimise(&objective, &targets, &mut x, kkt, settings, &mut |_| true);
+        scatter(&self.free, &x, &mut self.positions);
+        report.expect("valid input")
+    }
+
+    /// Signs of the exact Hessian's pivots, here.
+    ///
+    /// # Panics
+    /// When it cannot be factorised.
+    pub fn inertia(&mut self) -> Inertia {
+        let x = gather(&self.free, &self.positions);
+        let base = gather(&self.free, &self.base);
+        let (objective, kkt) = self.objective(&base);
+        inertia_at(&objective, &x, kkt).expect("factorisable")
+    }
+
+    /// Averages of the base.
+    fn targets(&self) -> Vec<f64> {
+        let mut targets = vec![0.0; self.kkt.rows().count()];
+        let base = gather(&self.free, &self.base);
+        let rows = self.kkt.rows();
+        rows.mul(&base, &mut targets).expect("sizes match");
+        targets
+    }
+
+    fn objective<'a>(
+        &'a mut self,
+        base: &'a [f64],
+    ) -> (FilmObjective<'a, LayerEnergy>, &'a mut Kkt) {
+        let objective = FilmObjective {
+            energy: &self.energy,
+            free: &self.free,
+            positions: &self.positions,
+            pattern: self.kkt.pattern().clone(),
+            floor: &self.floor,
+            reaction: &self.load,
+            base,
+            theory: &self.spec.theory,
+            thickness: self.spec.thickness,
+            area: self.energy.vertex_areas().iter().sum(),
+        };
+        (objective, &mut self.kkt)
+    }
+
+    /// Elastic energy, J.
+    pub fn energy(&self) -> f64 {
+        self.energy.value(&self.positions)
+    }
+
+    /// Elastic energy below that of the sheet on its base, J.
+    pub fn gap(&self) -> f64 {
+        self.energy.value(&self.base) - self.energy()
+    }
+
+    /// Where the vertices are, m.
+    pub fn positions(&self) -> &[Vector3<f64>] {
+        &self.positions
+    }
+
+    /// Where they would lie on the base, m.
+    pub fn base(&self) -> &[Vector3<f64>] {
+        &self.base
+    }
+
+    /// Rest area of every vertex, m².
+    pub fn areas(&self) -> &[f64] {
+        self.energy.vertex_areas()
+    }
+
+    /// `sqrt(2)` RMS of the distance from the base along `normal` where `wanted` says so of a rest
+    /// position, m.
+    pub fn amplitude(&self, normal: &Vector3<f64>, wanted: impl Fn(&Vector3<f64>) -> bool) -> f64 {
+        let (mut area, mut sum) = (0.0, 0.0);
+        for (v, rest) in self.spec.rest.iter().enumerate() {
+            if wanted(rest) {
+                let height = (self.positions[v] - self.base[v]).dot(normal);
+                area += self.areas()[v];
+                sum += self.areas()[v] * height * height;
+            }
+        }
+        (2.0 * sum / area).sqrt()
+    }
+}

@@ -1,0 +1,142 @@
+//! The stability suite: where methods for wrinkling skin fail, what the papers' method does there
+//! and what ruga does. `cargo xtask validate stability` prints the findings as a table.
+//!
+//! The papers' method is what stands in the papers: low-pass rows alone, sampled by area or
+//! adjusted as printed, Newton on the norm of the forces or with MINRES, one load step. Numbers of
+//! tests are those of the project's list of failures. Of T12 the wavelength of sheets that are
+//! stretched on their own is not tested: that takes a mesh of many thousand vertices.
+
+mod bodies;
+mod extremes;
+mod heterogeneous;
+mod invariance;
+mod loads;
+mod meshes;
+mod range;
+mod rows;
+mod starts;
+
+use std::sync::Arc;
+
+use nalgebra::{Vector2, Vector3};
+use ruga_blend::{ArtistMesh, BlendShape, Driver};
+use ruga_shell::BendingModel;
+use ruga_solver::NewtonSettings;
+use ruga_stepper::{LayerSpec, Modelling, Plan, PoseResult, Silent, StepperError, plan};
+use ruga_validation::{
+    FilmCoupling, FilmSpec, Patch, Sheet, SheetSpec, Strip, equilateral, skin_layer,
+};
+
+/// Energies to a ten-thousandth of the gap.
+fn exact() -> NewtonSettings {
+    NewtonSettings {
+        energy_tolerance: 1e-9,
+        ..NewtonSettings::default()
+    }
+}
+
+/// The papers' coupling: a hex lattice of averages that lets the critical wavelength through.
+fn rows_alone() -> FilmSpec {
+    FilmSpec {
+        coupling: FilmCoupling::Constraint(1.0 / 3.0_f64.sqrt()),
+        bending: BendingModel::Hinge,
+        ..FilmSpec::flat(150.0)
+    }
+}
+
+/// Moves the base under a flat film to `load` critical strains.
+fn compress(sheet: &mut Sheet, spec: &FilmSpec, strip: &Strip, load: f64) {
+    let strain = load * spec.theory().critical_strain;
+    let normals = spec.base.normals(strip, strain);
+    sheet.lay_on(spec.base.points(strip, strain), &normals);
+}
+
+/// A flat film laid on a base at `load` critical strains, with noise of so many thicknesses.
+fn compressed(spec: &FilmSpec, strip: &Strip, load: f64, noise: f64, seed: u64) -> Sheet {
+    let mut sheet = Sheet::new(SheetSpec::film(spec, strip));
+    compress(&mut sheet, spec, strip, load);
+    sheet.lie_down(Vector3::z(), noise, seed);
+    sheet
+}
+
+/// A flat patch of skin of four by two wavelengths, as the product takes it.
+fn patch(compression: f64) -> Patch {
+    Patch {
+        length: 0.04,
+        width: 0.02,
+        compression,
+    }
+}
+
+/// The skin on it.
+fn skin() -> LayerSpec {
+    skin_layer("skin", "forehead-furrow")
+}
+
+/// Draft quality.
+fn draft() -> Modelling {
+    Modelling {
+        points_per_wavelength: 6.0,
+        ..Modelling::default()
+    }
+}
+
+/// What the planner says of a patch.
+fn planned(patch: &Patch, layer: &LayerSpec, modelling: &Modelling) -> Plan {
+    let driver = patch.driver();
+    let poses = [patch.pose(&driver, 1)];
+    let layers = std::slice::from_ref(layer);
+    plan(&driver, layers, &poses, modelling, 1024).expect("a patch that can be planned")
+}
+
+/// What the stepper makes of a patch in `steps` load steps.
+fn simulated(patch: &Patch, layer: &LayerSpec, modelling: &Modelling, steps: u32) -> PoseResult {
+    simulated_on(&patch.driver(), layer, modelling, steps).expect("a patch")
+}
+
+/// The same on a driver with the blend shape of every patch.
+fn simulated_on(
+    driver: &Arc<Driver>,
+    layer: &LayerSpec,
+    modelling: &Modelling,
+    steps: u32,
+) -> Result<PoseResult, StepperError> {
+    let pose = patch(0.0).pose(driver, steps);
+    let (layers, poses) = (std::slice::from_ref(layer), std::slice::from_ref(&pose));
+    let plan = plan(driver, layers, poses, modelling, 1024)?;
+    plan.simulate(0, &mut Silent)
+}
+
+/// Vertices and triangles of a patch, about the origin of the plane, m.
+fn patch_mesh() -> (Vec<Vector2<f64>>, Vec<[u32; 3]>) {
+    let grid = equilateral(patch(0.0).length, 12, 7);
+    let middle = Vector2::new(0.5 * grid.length, 0.5 * grid.width);
+    let points = grid.points.iter().map(|p| p - middle).collect();
+    (points, grid.faces)
+}
+
+/// A patch compressed by 12 % along x that an artist has put somewhere.
+fn placed_patch(
+    points: &[Vector2<f64>],
+    triangles: &[[u32; 3]],
+    place: impl Fn(&Vector3<f64>) -> Vector3<f64>,
+) -> Arc<Driver> {
+    let positions: Vec<_> = points.iter().map(|p| place(&p.push(0.0))).collect();
+    let posed = points
+        .iter()
+        .map(|p| place(&Vector3::new(0.88 * p.x, p.y, 0.0)));
+    let moved = posed.zip(&positions).map(|(posed, rest)| posed - rest);
+    let artist = ArtistMesh {
+        name: "patch".to_owned(),
+        shapes: vec![BlendShape {
+            name: "compress".to_owned(),
+            position_deltas: moved.collect(),
+            normal_deltas: None,
+        }],
+        positions,
+        normals: None,
+        uvs: Some(points.iter().map(|p| p / patch(0.0).length).collect()),
+        triangles: triangles.to_vec(),
+    };
+    Arc::new(Driver::new(&artist).expect("a rectangle"))
+}
