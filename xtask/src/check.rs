@@ -51,28 +51,21 @@ pub(crate) fn check() -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
-/// A line for every dependency of the command that tests want with other features than `cargo run`
-/// does: each of them, and all that depends on it, would be built once more.
-fn twice_built() -> Result<impl Iterator<Item = String>, Box<dyn Error>> {
-    let tests = features(&["--workspace", "--edges", "normal,build,dev"])?;
-    // Of the whole workspace, as `cargo run` unifies features without `--package`.
-    let run = features(&["--workspace", "--edges", "normal,build"])?;
-    let command = features(&["--package", "ruga-cli", "--edges", "normal,build"])?;
-    let name = |line: &str| line.split(" [").next().unwrap_or_default().to_owned();
-    let needed: BTreeSet<String> = command.iter().map(|line| name(line)).collect();
-    let twice = move |line: &String| needed.contains(&name(line)) && !tests.contains(line);
+/// A line for every package that `cargo run` builds with other features than the tests: it and all that
+/// depends on it would be built once more.
+fn twice_built() -> Result<Vec<String>, Box<dyn Error>> {
+    let run = features("normal,build")?;
+    let tests = features("normal,build,dev")?;
     let message = "tests want other features; name what does in tests/validation/Cargo.toml";
-    Ok(run
-        .into_iter()
-        .filter(twice)
-        .map(move |line| format!("{line}: {message}")))
+    let twice = run.difference(&tests);
+    Ok(twice.map(|line| format!("{line}: {message}")).collect())
 }
 
-/// Packages with their versions and features.
-fn features(selection: &[&str]) -> Result<BTreeSet<String>, Box<dyn Error>> {
-    let arguments = ["tree", "--locked", "--prefix", "none", "--no-dedupe"];
-    let format = ["--format", "{p} [{f}]"];
-    let output = cargo(&[&arguments, &format, selection].concat()).output()?;
+/// Packages with their versions and features, over the whole workspace.
+fn features(edges: &str) -> Result<BTreeSet<String>, Box<dyn Error>> {
+    let arguments = ["tree", "--workspace", "--prefix", "none", "--no-dedupe"];
+    let format = ["--format", "{p} [{f}]", "--edges", edges];
+    let output = cargo(&[arguments.as_slice(), &format].concat()).output()?;
     if !output.status.success() {
         return Err(String::from_utf8_lossy(&output.stderr).into());
     }

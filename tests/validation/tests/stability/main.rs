@@ -22,10 +22,8 @@ use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, BlendShape, Driver};
 use ruga_shell::BendingModel;
 use ruga_solver::NewtonSettings;
-use ruga_stepper::{LayerSpec, Modelling, Plan, PoseResult, Silent, StepperError, plan};
-use ruga_validation::{
-    FilmCoupling, FilmSpec, Patch, Sheet, SheetSpec, Strip, equilateral, skin_layer,
-};
+use ruga_validation::small_patch::{draft, patch, planned, simulated, simulated_on, skin};
+use ruga_validation::{FilmCoupling, FilmSpec, Sheet, SheetSpec, Strip, equilateral};
 
 /// Energies to a ten-thousandth of the gap.
 fn exact() -> NewtonSettings {
@@ -57,54 +55,6 @@ fn compressed(spec: &FilmSpec, strip: &Strip, load: f64, noise: f64, seed: u64) 
     compress(&mut sheet, spec, strip, load);
     sheet.lie_down(Vector3::z(), noise, seed);
     sheet
-}
-
-/// A flat patch of skin of four by two wavelengths, as the product takes it.
-fn patch(compression: f64) -> Patch {
-    Patch {
-        length: 0.04,
-        width: 0.02,
-        compression,
-    }
-}
-
-/// The skin on it.
-fn skin() -> LayerSpec {
-    skin_layer("skin", "forehead-furrow")
-}
-
-/// Draft quality.
-fn draft() -> Modelling {
-    Modelling {
-        points_per_wavelength: 6.0,
-        ..Modelling::default()
-    }
-}
-
-/// What the planner says of a patch.
-fn planned(patch: &Patch, layer: &LayerSpec, modelling: &Modelling) -> Plan {
-    let driver = patch.driver();
-    let poses = [patch.pose(&driver, 1)];
-    let layers = std::slice::from_ref(layer);
-    plan(&driver, layers, &poses, modelling, 1024).expect("a patch that can be planned")
-}
-
-/// What the stepper makes of a patch in `steps` load steps.
-fn simulated(patch: &Patch, layer: &LayerSpec, modelling: &Modelling, steps: u32) -> PoseResult {
-    simulated_on(&patch.driver(), layer, modelling, steps).expect("a patch")
-}
-
-/// The same on a driver with the blend shape of every patch.
-fn simulated_on(
-    driver: &Arc<Driver>,
-    layer: &LayerSpec,
-    modelling: &Modelling,
-    steps: u32,
-) -> Result<PoseResult, StepperError> {
-    let pose = patch(0.0).pose(driver, steps);
-    let (layers, poses) = (std::slice::from_ref(layer), std::slice::from_ref(&pose));
-    let plan = plan(driver, layers, poses, modelling, 1024)?;
-    plan.simulate(0, &mut Silent)
 }
 
 /// Vertices and triangles of a patch, about the origin of the plane, m.

@@ -72,19 +72,19 @@ fn title(measure: Measure) -> Title<'static> {
 }
 
 /// The points of a measure, and where they are on the page.
-struct Errors<'a> {
-    page: &'a Page<'a>,
-    panel: Panel<'a>,
-    points: &'a [Point],
+struct Errors<'r, 'p> {
+    page: &'r Page<'p>,
+    panel: Panel<'p>,
+    points: &'r [Point],
     measure: Measure,
 }
 
 /// Draws a measure's panel; `costs` is shared by panels beside each other.
-pub(crate) fn draw<'a>(
-    page: &'a Page<'a>,
+pub(crate) fn draw(
+    page: &Page<'_>,
     frame: [f64; 4],
     costs: Axis,
-    points: &'a [Point],
+    points: &[Point],
     measure: Measure,
 ) -> Drawn {
     let scale = scale(measure);
@@ -111,7 +111,7 @@ pub(crate) fn draw<'a>(
     errors.draw_qualities()
 }
 
-impl Errors<'_> {
+impl Errors<'_, '_> {
     fn place(&self, point: &Point, error: f64) -> [f64; 2] {
         self.panel
             .place([point.cost(), scale(self.measure) * error])

@@ -7,9 +7,7 @@
 
 use ruga_material::preset;
 use ruga_stepper::{LayerSpec, Mask, Modelling, PoseResult, Region, Stack};
-use ruga_validation::{Skin, StackStrip, asset, skin_layer};
-
-use crate::compressed;
+use ruga_validation::{Skin, StackStrip, asset, findings, skin_layer};
 
 /// The middle of the patch, 4 cm along the compression and 2 cm across.
 fn middle() -> Region {
@@ -42,7 +40,13 @@ fn run(skin: &Skin, stack: Stack, weight: f64) -> PoseResult {
         stack,
         ..Modelling::default()
     };
-    compressed(skin, &pair(skin), weight, &modelling)
+    let pose = skin.pose(&[("compress", weight)], 4);
+    let result = skin.simulate_stack(&pair(skin), &pose, &modelling);
+    for layer in &result.layers {
+        println!("{stack:?}, {}", findings(layer));
+    }
+    assert!(result.converged, "{:?}", result.warnings);
+    result
 }
 
 /// The large wave has the same length, height and onset; lengths come in steps of a half-wave in

@@ -7,9 +7,7 @@
 
 use ruga_material::{LayerMaterial, preset};
 use ruga_stepper::{Coupling, LayerSpec, Mask, Modelling, PoseResult, Region, Stack, plan};
-use ruga_validation::{Skin, asset};
-
-use crate::compressed;
+use ruga_validation::{Skin, asset, findings};
 
 /// The middle of the patch, 4 by 3 cm.
 fn middle() -> Region {
@@ -37,7 +35,13 @@ fn run(skin: &Skin, upper: &LayerSpec, weight: f64, stack: Stack) -> PoseResult 
         stack,
         ..Modelling::default()
     };
-    compressed(skin, &layers, weight, &modelling)
+    let pose = skin.pose(&[("compress", weight)], 4);
+    let result = skin.simulate_stack(&layers, &pose, &modelling);
+    for layer in &result.layers {
+        println!("{stack:?}, {}", findings(layer));
+    }
+    assert!(result.converged, "{:?}", result.warnings);
+    result
 }
 
 /// The thesis' dermis and epidermis beyond the onset of both: each has its own wavelength.
