@@ -233,9 +233,24 @@ impl JointEnergy {
         self.energy_parts(x).total()
     }
 
+    /// Energy (J) with the surface below at other `points`, as [`LayerEnergy::value_over`].
+    pub fn value_over(&self, x: &[Vector3<f64>], points: &[Vector3<f64>]) -> f64 {
+        let (lower, upper) = self.split(x);
+        let layers = self.lower.value_over(lower, points) + self.upper.value(upper);
+        layers + self.tie_parts(x).total()
+    }
+
     /// Energy by layer and origin.
     pub fn energy_parts(&self, x: &[Vector3<f64>]) -> JointParts {
         let (lower, upper) = self.split(x);
+        JointParts {
+            lower: self.lower.energy_parts(lower),
+            upper: self.upper.energy_parts(upper),
+            tie: self.tie_parts(x),
+        }
+    }
+
+    fn tie_parts(&self, x: &[Vector3<f64>]) -> EnergyParts {
         let mut tie = EnergyParts::default();
         for element in &self.ties {
             let [normal, gradient, tangential] = element.tie.values(&gather(x, &element.vertices));
@@ -243,19 +258,37 @@ impl JointEnergy {
             tie.gradient += gradient;
             tie.tangential += tangential;
         }
-        JointParts {
-            lower: self.lower.energy_parts(lower),
-            upper: self.upper.energy_parts(upper),
-            tie,
-        }
+        tie
     }
 
     /// Writes the derivative of the energy by the degrees of freedom (N).
     pub fn gradient(&self, x: &[Vector3<f64>], gradient: &mut [f64]) {
-        let (lower, upper) = self.split(x);
-        assert_eq!(gradient.len(), self.dof_count(), "one entry per dof");
-        let (below, above) = gradient.split_at_mut(self.lower.dof_count());
+        let (lower, _) = self.split(x);
+        let (below, _) = gradient.split_at_mut(self.lower.dof_count());
         self.lower.gradient(lower, below);
+        self.add_upper_gradient(x, gradient);
+    }
+
+    /// Writes the derivative with the surface below at other `points` and returns the pull of the
+    /// springs there, as [`LayerEnergy::gradient_over`].
+    pub fn gradient_over(
+        &self,
+        x: &[Vector3<f64>],
+        points: &[Vector3<f64>],
+        gradient: &mut [f64],
+    ) -> Vec<Vector3<f64>> {
+        let (lower, _) = self.split(x);
+        let (below, _) = gradient.split_at_mut(self.lower.dof_count());
+        let springs = self.lower.gradient_over(lower, points, below);
+        self.add_upper_gradient(x, gradient);
+        springs
+    }
+
+    /// What the upper layer and the ties add to the lower layer's gradient, which is written.
+    fn add_upper_gradient(&self, x: &[Vector3<f64>], gradient: &mut [f64]) {
+        let (_, upper) = self.split(x);
+        assert_eq!(gradient.len(), self.dof_count(), "one entry per dof");
+        let (_, above) = gradient.split_at_mut(self.lower.dof_count());
         self.upper.gradient(upper, above);
         for TieElement { tie, vertices, .. } in &self.ties {
             let forces = tie.gradient(&gather(x, vertices));

@@ -5,7 +5,7 @@ use nalgebra::{Matrix2, Vector3};
 use crate::edges::{Edge, edges};
 use crate::foundation::Anchor;
 use crate::layer_bending::{LayerBending, bending_stars};
-use crate::layer_foundation::{LayerFoundation, anchors};
+use crate::layer_foundation::{FoundationStiffness, LayerFoundation, anchors, deviations};
 use crate::measures::{PrincipalStrain, vertex_normals};
 use crate::membrane::{Membrane, Stress};
 use crate::parameters::{check_finite, check_length};
@@ -274,10 +274,19 @@ impl LayerEnergy {
         self.energy_parts(x).total()
     }
 
+    /// Energy (J) with the surface below at other `points` (m) but with the same normals.
+    pub fn value_over(&self, x: &[Vector3<f64>], points: &[Vector3<f64>]) -> f64 {
+        self.parts(x, &self.foundation.anchors_at(points)).total()
+    }
+
     /// Energy by origin.
     pub fn energy_parts(&self, x: &[Vector3<f64>]) -> EnergyParts {
+        self.parts(x, self.foundation.anchors())
+    }
+
+    fn parts(&self, x: &[Vector3<f64>], anchors: &[Anchor]) -> EnergyParts {
         self.check(x);
-        let [normal, gradient, tangential] = self.foundation.values(&self.faces, x);
+        let [normal, gradient, tangential] = self.foundation.values(&self.faces, anchors, x);
         EnergyParts {
             membrane: self
                 .faces
@@ -294,15 +303,47 @@ impl LayerEnergy {
 
     /// Writes the derivative of the energy by the degrees of freedom (N).
     pub fn gradient(&self, x: &[Vector3<f64>], gradient: &mut [f64]) {
+        self.write_gradient(x, self.foundation.anchors(), gradient);
+    }
+
+    /// Writes the derivative by the degrees of freedom (N) with the surface below at other `points`
+    /// (m) but with the same normals, and returns how the springs below pull at every vertex (N).
+    ///
+    /// The energy depends on differences of `x` and `points` only, so that its derivative by the
+    /// points is the negative of that pull.
+    pub fn gradient_over(
+        &self,
+        x: &[Vector3<f64>],
+        points: &[Vector3<f64>],
+        gradient: &mut [f64],
+    ) -> Vec<Vector3<f64>> {
+        self.write_gradient(x, &self.foundation.anchors_at(points), gradient)
+    }
+
+    fn write_gradient(
+        &self,
+        x: &[Vector3<f64>],
+        anchors: &[Anchor],
+        gradient: &mut [f64],
+    ) -> Vec<Vector3<f64>> {
         self.check(x);
         assert_eq!(gradient.len(), self.dof_count(), "one entry per dof");
-        self.foundation
-            .write_gradient(&self.faces, x, &self.pattern, gradient);
+        let springs = self.foundation.forces(&self.faces, anchors, x);
+        let free = gradient.chunks_exact_mut(3).zip(self.free_vertices());
+        for (entries, &vertex) in free {
+            entries.copy_from_slice(springs[vertex as usize].as_slice());
+        }
         for (face, membrane) in self.faces.iter().zip(&self.membranes) {
             let forces = membrane.gradient(&gather(x, face));
             self.pattern.add_forces(gradient, face, &forces);
         }
         self.bending.add_gradient(x, &self.pattern, gradient);
+        springs
+    }
+
+    /// Stiffness of the springs below, under the present rest metric.
+    pub fn foundation_stiffness(&self) -> FoundationStiffness {
+        self.foundation.stiffness(&self.edges)
     }
 
     /// Writes the second derivative (N/m), values in the order of [`Self::pattern`].
@@ -356,7 +397,7 @@ impl LayerEnergy {
     /// Normal deviation of each vertex from the base plus offset (m).
     pub fn deviations(&self, x: &[Vector3<f64>]) -> Vec<f64> {
         self.check(x);
-        self.foundation.deviations(x)
+        deviations(self.foundation.anchors(), x)
     }
 
     /// Principal strains of each face against the present rest metric.

@@ -77,6 +77,7 @@ mod stars;
 pub use bending_model::BendingModel;
 pub use joint_energy::{JointEnergy, JointParts};
 pub use layer_energy::{EnergyParts, LayerEnergy};
+pub use layer_foundation::FoundationStiffness;
 pub use parameters::{FaceParameters, LayerParameters};
 
 pub use foundation::{Anchor, NormalFoundation, TangentialTie};

@@ -117,7 +117,7 @@ mod surface_measures;
 mod test_square;
 mod upper_layers;
 
-mod embedded;
+mod support;
 
 mod error;
 mod observer;
@@ -133,7 +133,7 @@ pub use model::{
 };
 pub use result::{ComputedMesh, KeyResult, LayerReport, LayerSurface, PoseResult};
 
-pub use embedded::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape, plan_body};
+pub use support::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape, plan_body};
 
 pub use observer::{Frame, Observer, Phase, Preparation, Progress, Silent};
 

@@ -3,8 +3,8 @@
 use nalgebra::{Matrix2, Vector3};
 use ruga_material::{LayerMaterial, StackPair};
 use ruga_shell::{
-    BendingModel, FaceParameters, JointEnergy, LayerEnergy, LayerParameters, ShellError,
-    TieParameters,
+    BendingModel, FaceParameters, FoundationStiffness, JointEnergy, LayerEnergy, LayerParameters,
+    ShellError, TieParameters,
 };
 
 /// The upper one of two layers that move together.
@@ -170,6 +170,44 @@ impl SkinEnergy {
         match self {
             Self::One(layer) => layer.value(x),
             Self::Two(joint, _) => joint.value(x),
+        }
+    }
+
+    /// Energy (J) with the surface below at other `points` (m) but with the same normals.
+    pub(crate) fn value_over(&self, x: &[Vector3<f64>], points: &[Vector3<f64>]) -> f64 {
+        match self {
+            Self::One(layer) => layer.value_over(x, points),
+            Self::Two(joint, _) => joint.value_over(x, points),
+        }
+    }
+
+    /// Writes the gradient with the surface below at other `points` (m), and returns how the springs
+    /// below pull at the vertices of the mesh (N).
+    pub(crate) fn gradient_over(
+        &self,
+        x: &[Vector3<f64>],
+        points: &[Vector3<f64>],
+        gradient: &mut [f64],
+    ) -> Vec<Vector3<f64>> {
+        match self {
+            Self::One(layer) => layer.gradient_over(x, points, gradient),
+            Self::Two(joint, _) => joint.gradient_over(x, points, gradient),
+        }
+    }
+
+    /// Stiffness of the springs below the lower layer.
+    pub(crate) fn foundation_stiffness(&self) -> FoundationStiffness {
+        match self {
+            Self::One(layer) => layer.foundation_stiffness(),
+            Self::Two(joint, _) => joint.lower().foundation_stiffness(),
+        }
+    }
+
+    /// Number of vertices, of both layers.
+    pub(crate) fn vertex_count(&self) -> usize {
+        match self {
+            Self::One(layer) => layer.vertex_count(),
+            Self::Two(joint, _) => joint.vertex_count(),
         }
     }
 

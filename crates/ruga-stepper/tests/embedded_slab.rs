@@ -29,7 +29,15 @@ fn pushed(coupling: Coupling, points: f64) -> (PoseResult, f64) {
     let way = Vector3::x() * (0.03 * 1.8 * CRITICAL);
     let motions = vec![push("left", way), push("right", -way)];
     let poses = [pose(motions, &[1.0], 2)];
-    let plan = plan_body(&driver, &spec, &body, &poses, &modelling, 1024).expect("a closed slab");
+    let plan = plan_body(
+        &driver,
+        std::slice::from_ref(&spec),
+        &body,
+        &poses,
+        &modelling,
+        1024,
+    )
+    .expect("a closed slab");
     let planned = &plan.poses[0].layers[0];
     assert!((planned.wavelength - WAVELENGTH).abs() < 1e-12);
     assert!((planned.critical_strain - CRITICAL).abs() < 1e-8);
@@ -39,7 +47,7 @@ fn pushed(coupling: Coupling, points: f64) -> (PoseResult, f64) {
     let result = plan.simulate(0, &mut Silent).expect("a run");
     assert!(result.converged, "{:?}", result.warnings);
     let found = result.layers[0].vertices as f64 / planned.vertices as f64;
-    assert!((0.7..1.4).contains(&found), "{found} of what was planned");
+    assert!((0.7..1.2).contains(&found), "{found} of what was planned");
     let now = result.keys[0].artist_positions.as_ref().expect("a body");
     let strain = |from: [f64; 2], to: [f64; 2]| {
         let at = |[x, y]: [f64; 2]| Vector3::new(x, y, SIZE.z);
@@ -54,7 +62,7 @@ fn pushed(coupling: Coupling, points: f64) -> (PoseResult, f64) {
 
 #[test]
 fn wrinkles_have_the_length_the_height_and_the_onset_of_theory() {
-    let (result, strain) = pushed(Coupling::Hybrid, 8.0);
+    let (result, strain) = pushed(Coupling::Hybrid, 12.0);
     let report = &result.layers[0];
     let wavelength = report.wavelength.expect("wrinkles") / WAVELENGTH;
     assert!((0.9..1.1).contains(&wavelength), "{wavelength}");
@@ -102,7 +110,15 @@ fn a_plan_knows_the_paint_and_the_limits_of_edges() {
         modelling.remesh = Some(limits);
         modelling.vertex_budget = budget;
         let poses = [pose(Vec::new(), &[1.0], 1)];
-        plan_body(&driver, &spec, &body, &poses, &modelling, map_size).expect("a closed slab")
+        plan_body(
+            &driver,
+            std::slice::from_ref(&spec),
+            &body,
+            &poses,
+            &modelling,
+            map_size,
+        )
+        .expect("a closed slab")
     };
     let mesh = |plan: &Plan| plan.poses[0].layers[0].clone();
     let cells_along = |plan: &Plan| plan.interior.as_ref().expect("a body").cells_along;

@@ -5,21 +5,21 @@ use ruga_blend::{Driver, PosedSurface};
 
 use super::Layer;
 use crate::relief::shown_positions;
+use crate::support::Support;
 use crate::{ComputedMesh, LayerSurface};
 
 impl Layer {
     /// The layer as others see it: over `real`, which is what lies below the region's own mesh, or as
-    /// maps show that, over `shown`, and the driver's `control` points.
+    /// maps show that, over `shown`, and the `support` of all layers.
     pub(crate) fn snapshot(
         &self,
-        driver: &Driver,
-        control: &[Vector3<f64>],
+        (driver, support): (&Driver, &dyn Support),
         (real, shown): (&PosedSurface, &PosedSurface),
         offset: f64,
     ) -> LayerSurface {
         let own = &self.positions[..self.vertex_count()];
         let computed = ComputedMesh::new(driver, &self.skin, own);
-        let below = self.region.skin.points.pose(control);
+        let below = support.pose(&self.region.skin);
         let positions = self.on_region(&real.positions, self.deviations());
         LayerSurface {
             name: self.spec.name.clone(),
