@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use ruga_blend::{ArtistMesh, BlendShape, Driver, Smoothing};
 use ruga_lattice::{Shape, SolidMaterial};
-use ruga_material::{LayerMaterial, Substrate, WavelengthModel};
+use ruga_material::{LayerMaterial, Substrate, WavelengthModel, capped_strain};
 use ruga_solver::{Kkt, NewtonSettings, Objective, minimise};
 
 use super::Layer;
@@ -327,6 +327,36 @@ fn rest_and_every_rigid_motion_of_it_are_without_forces() {
     layer.hold().expect("a surface below");
     assert!(largest_force(&layer, &plan) < 1e-10);
     assert!(layer.energy().abs() < 1e-10 * unit);
+}
+
+/// Squeezed to 70 % along x, the faces along x store what 15 to 25 % would: `A r C/2 E^2`, with the
+/// capped Green strain `E` in rest lengths shrunk by `r`; those across nothing.
+#[test]
+fn a_layer_on_a_body_feels_its_strain_capped() {
+    let driver = block();
+    // A mesh whose faces do not cut the block's edges.
+    let whole = Modelling {
+        remesh: None,
+        ..modelling()
+    };
+    let layers = [skin(Coupling::Hybrid)];
+    let poses = [still(&driver)];
+    let plan = plan_body(&driver, &layers, &body(), &poses, &whole, 1024).expect("a body");
+    let mut layer = at_rest(&plan);
+    let squeezed = 0.7;
+    for q in &mut solid(&mut layer).state.q {
+        q.x *= squeezed;
+    }
+    follow(&mut layer);
+    layer.positions.clone_from(&layer.base);
+    let felt = 1.0 - capped_strain(1.0 - squeezed);
+    let green = 0.5 * (felt * felt - 1.0);
+    let area = 2.0 * SIDES[0] * (SIDES[1] + SIDES[2]) * squeezed / felt;
+    let stiffness = plan.wrinkling()[0].membrane_stiffness;
+    let expected = 0.5 * area * stiffness * green * green;
+    let found = layer.energy() - layer.solid().expect("a body").elastic_energy();
+    assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
+    assert!(layer.capped_share() > 0.5);
 }
 
 /// One step in time, to convergence.

@@ -18,7 +18,7 @@ const WAVELENGTH: f64 = 0.01;
 
 /// The slab, eight wavelengths long, held at both ends and pushed together; with the effective
 /// strain of its surface in the middle at the end.
-fn pushed(coupling: Coupling, points: f64) -> (PoseResult, f64) {
+fn pushed(coupling: Coupling, points: f64, limits: EdgeLimits) -> (PoseResult, f64) {
     let driver = slab(SIZE, [16, 4, 4], |p| p);
     let mut spec = layer(150.0);
     spec.coupling = coupling;
@@ -26,6 +26,7 @@ fn pushed(coupling: Coupling, points: f64) -> (PoseResult, f64) {
     body.handles = vec![slice("left", -1.0, 0.01), slice("right", 0.07, 1.0)];
     let mut modelling = modelling(points);
     modelling.region = top();
+    modelling.remesh = Some(limits);
     let way = Vector3::x() * (0.03 * 1.8 * CRITICAL);
     let motions = vec![push("left", way), push("right", -way)];
     let poses = [pose(motions, &[1.0], 2)];
@@ -47,7 +48,7 @@ fn pushed(coupling: Coupling, points: f64) -> (PoseResult, f64) {
     let result = plan.simulate(0, &mut Silent).expect("a run");
     assert!(result.converged, "{:?}", result.warnings);
     let found = result.layers[0].vertices as f64 / planned.vertices as f64;
-    assert!((0.7..1.2).contains(&found), "{found} of what was planned");
+    assert!((0.7..1.4).contains(&found), "{found} of what was planned");
     let now = result.keys[0].artist_positions.as_ref().expect("a body");
     let strain = |from: [f64; 2], to: [f64; 2]| {
         let at = |[x, y]: [f64; 2]| Vector3::new(x, y, SIZE.z);
@@ -62,8 +63,10 @@ fn pushed(coupling: Coupling, points: f64) -> (PoseResult, f64) {
 
 #[test]
 fn wrinkles_have_the_length_the_height_and_the_onset_of_theory() {
-    let (result, strain) = pushed(Coupling::Hybrid, 12.0);
+    let (result, strain) = pushed(Coupling::Hybrid, 12.0, EdgeLimits::default());
     let report = &result.layers[0];
+    let bending = report.bending_ratio.expect("a measured mesh");
+    assert!((0.95..1.05).contains(&bending), "{bending}");
     let wavelength = report.wavelength.expect("wrinkles") / WAVELENGTH;
     assert!((0.9..1.1).contains(&wavelength), "{wavelength}");
     // A layer that ends has less to bear there than what lies below it, by shear lag.
@@ -75,10 +78,29 @@ fn wrinkles_have_the_length_the_height_and_the_onset_of_theory() {
     assert!((0.75..1.1).contains(&amplitude), "{amplitude}");
 }
 
+/// A mesh that is fine across the wrinkles alone gives what one that is fine everywhere does, with a
+/// third of the vertices.
+#[test]
+fn a_fitted_mesh_is_as_good_as_a_uniform_one() {
+    let everywhere = EdgeLimits {
+        aspect: 1.0,
+        max_edge: 1.4 * WAVELENGTH / 12.0,
+        ..EdgeLimits::default()
+    };
+    let limits = [EdgeLimits::default(), everywhere];
+    let [fitted, uniform] = limits.map(|limits| pushed(Coupling::Hybrid, 12.0, limits));
+    let [fitted, uniform] = [&fitted.0.layers[0], &uniform.0.layers[0]];
+    assert!(3 * fitted.vertices < uniform.vertices);
+    let lengths = fitted.wavelength.zip(uniform.wavelength).expect("wrinkles");
+    assert!((lengths.0 / lengths.1 - 1.0).abs() < 0.03, "{lengths:?}");
+    let heights = [fitted.amplitude, uniform.amplitude];
+    assert!((heights[0] / heights[1] - 1.0).abs() < 0.02, "{heights:?}");
+}
+
 /// Rows alone hold a layer on a body, too; how early it buckles depends on how they are sampled.
 #[test]
 fn rows_alone_hold_the_layer() {
-    let (result, strain) = pushed(Coupling::Constraint, 6.0);
+    let (result, strain) = pushed(Coupling::Constraint, 6.0, EdgeLimits::default());
     let report = &result.layers[0];
     let onset = report.onset_load.expect("an onset") * strain / CRITICAL;
     assert!((0.5..1.1).contains(&onset), "{onset}");
