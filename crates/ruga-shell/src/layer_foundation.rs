@@ -2,11 +2,12 @@
 
 use nalgebra::Vector3;
 
+use crate::ShellError;
 use crate::edges::Edge;
 use crate::foundation::{Anchor, NormalFoundation, TangentialTie};
 use crate::parameters::{check_finite, check_length};
 use crate::pattern::{Pattern, Slot};
-use crate::{LayerParameters, RestTriangle, ShellError};
+use crate::sheet::Sheet;
 
 /// Tolerance on the length of a base normal.
 const UNIT_TOLERANCE: f64 = 1e-6;
@@ -21,6 +22,8 @@ pub(crate) struct LayerFoundation {
     off_diagonal: Vec<f64>,
     /// Where the surface below was last set.
     anchors: Vec<Anchor>,
+    /// N/m³, per vertex.
+    tangential: Vec<f64>,
     edge_slots: Vec<Slot>,
 }
 
@@ -41,18 +44,14 @@ pub struct FoundationStiffness {
 }
 
 impl LayerFoundation {
+    /// Under the lower sheet, with this tangential stiffness (N/m³) per vertex.
     pub(crate) fn new(
-        faces: &[[u32; 3]],
-        edges: &[Edge],
-        rest: &[RestTriangle],
-        parameters: &LayerParameters,
+        sheet: &Sheet,
+        tangential: Vec<f64>,
         pattern: &Pattern,
         anchors: Vec<Anchor>,
     ) -> Self {
-        let edge_slots = edges
-            .iter()
-            .map(|e| pattern.slot(e.ends[1], e.ends[0]))
-            .collect();
+        let edges = sheet.edges().iter();
         let mut this = Self {
             normal: Vec::new(),
             ties: Vec::new(),
@@ -60,23 +59,19 @@ impl LayerFoundation {
             diagonal: Vec::new(),
             off_diagonal: Vec::new(),
             anchors,
-            edge_slots,
+            tangential,
+            edge_slots: edges.map(|e| pattern.slot(e.ends[1], e.ends[0])).collect(),
         };
-        this.set_rest(faces, edges, rest, parameters);
+        this.set_rest(sheet);
         this
     }
 
-    /// Recomputes every stiffness for another rest metric.
-    pub(crate) fn set_rest(
-        &mut self,
-        faces: &[[u32; 3]],
-        edges: &[Edge],
-        rest: &[RestTriangle],
-        parameters: &LayerParameters,
-    ) {
+    /// Recomputes every stiffness for the sheet's present rest metric.
+    pub(crate) fn set_rest(&mut self, sheet: &Sheet) {
+        let (faces, rest) = (sheet.faces(), sheet.rest());
         self.normal = rest
             .iter()
-            .zip(&parameters.faces)
+            .zip(sheet.parameters())
             .map(|(rest, p)| NormalFoundation::new(rest, p.normal_stiffness, p.gradient_stiffness))
             .collect();
         let mut areas = vec![0.0; self.anchors.len()];
@@ -90,13 +85,14 @@ impl LayerFoundation {
         }
         self.ties = areas
             .iter()
-            .zip(&parameters.tangential_stiffness)
+            .zip(&self.tangential)
             .map(|(area, k)| TangentialTie {
                 stiffness: area * k,
             })
             .collect();
         let entry = |face: usize, corner: usize| matrices[face][(corner, (corner + 1) % 3)];
-        self.off_diagonal = edges
+        self.off_diagonal = sheet
+            .edges()
             .iter()
             .map(|edge| {
                 entry(edge.left.face, edge.left.corner)
@@ -186,7 +182,9 @@ impl LayerFoundation {
         let mut values = vec![0.0; pattern.rows.len()];
         for &vertex in &pattern.free_vertices {
             let v = vertex as usize;
-            let anchor = &self.anchors[v];
+            let Some(anchor) = self.anchors.get(v) else {
+                continue;
+            };
             let n = anchor.normal;
             let block = n * n.transpose() * self.diagonal[v] + self.ties[v].hessian(anchor);
             pattern.add_diagonal(&mut values, vertex, &block);

@@ -16,7 +16,7 @@ use rand_pcg::Pcg64Mcg;
 use ruga_blend::{Driver, FaceStrain, PosedSurface, face_strains};
 use ruga_material::{CAP_START, Wrinkling};
 use ruga_mesh::{Id, PerFace, PerVertex, VertexId};
-use ruga_shell::{BendingModel, FaceParameters, LayerParameters};
+use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters};
 use ruga_solver::{ConstraintRows, LowerPattern};
 
 use crate::below::BelowSurface;
@@ -25,10 +25,10 @@ use crate::local_skin::{LocalSkin, SkinProperties};
 use crate::low_pass_rows::{RowCentre, low_pass_rows, row_centres};
 use crate::preparing::Preparing;
 use crate::relief::ReliefShares;
-use crate::skin_energy::{SkinEnergy, UpperShell};
 use crate::skin_mesh::{Interpolation, RegionMesh, SkinMesh};
 use crate::strain_ratio::StrainRatios;
 use crate::support::{Interior, Solid};
+use crate::upper_shell::UpperShell;
 use crate::{LayerSpec, StepperError};
 
 pub(crate) use load::LayerState;
@@ -82,7 +82,7 @@ pub(crate) struct Layer {
     velocities: Vec<Vector3<f64>>,
     /// Their masses, kg.
     masses: Vec<f64>,
-    energy: SkinEnergy,
+    energy: LayerEnergy,
     /// The layer that moves together with this one.
     upper: Option<UpperShell>,
     /// The body below that moves together with this one.
@@ -153,16 +153,16 @@ impl Layer {
         preparing.step()?;
         let parameters = layer_parameters(&properties, spec.coupling.has_foundation());
         let surface = (rest.positions.as_slice(), rest.normals.as_slice());
-        let energy = SkinEnergy::new(
-            surface,
-            &faces,
-            parameters,
-            upper.as_ref(),
-            bending,
-            pinned.as_slice(),
-        )
-        .map_err(shell)?;
-        let positions = energy.laid_on(&rest.positions, &rest.normals);
+        let mesh = (surface.0, faces.as_slice(), pinned.as_slice());
+        let energy = match &upper {
+            None => LayerEnergy::with_bending(mesh.0, mesh.1, parameters, mesh.2, bending),
+            Some(upper) => {
+                let above = upper.sheet(surface, faces.len());
+                LayerEnergy::pair(mesh, parameters, above, bending)
+            }
+        };
+        let energy = energy.map_err(shell)?;
+        let positions = laid_on(rest, upper.as_ref());
         let vertices = rest.positions.len();
         let free: Vec<VertexId> = (0..positions.len())
             .map(VertexId::from_index)
@@ -412,6 +412,15 @@ impl Layer {
     pub(crate) fn positions(&self) -> &[Vector3<f64>] {
         &self.positions
     }
+}
+
+/// Where the vertices would lie on a surface without wrinkles, then those of an upper layer.
+fn laid_on(surface: &PosedSurface, upper: Option<&UpperShell>) -> Vec<Vector3<f64>> {
+    let mut positions = surface.positions.clone();
+    if let Some(upper) = upper {
+        positions.extend(upper.above(&surface.positions, &surface.normals));
+    }
+    positions
 }
 
 /// Random heights at vertices with these properties and areas (m²), m.

@@ -6,13 +6,13 @@ use ruga_mesh::{Id, VertexId};
 use ruga_solver::{LowerPattern, Objective};
 
 use crate::motion::Inertia;
-use crate::skin_energy::SkinEnergy;
 use crate::support::{Frozen, Solid};
+use ruga_shell::LayerEnergy;
 
 /// The energy as a function of the coordinates that move: those of the layer's free vertices, then those
 /// of the free nodes of the body below, where there is one.
 pub(crate) struct LayerObjective<'a> {
-    pub(crate) energy: &'a SkinEnergy,
+    pub(crate) energy: &'a LayerEnergy,
     pub(crate) free: &'a [VertexId],
     /// Where pinned vertices are.
     pub(crate) positions: &'a [Vector3<f64>],
@@ -115,11 +115,11 @@ impl Objective for LayerObjective<'_> {
         let (own, nodes) = unknowns.split_at(self.own());
         let x = self.all_positions(own);
         match &self.solid {
-            None => self.energy.hessian(&x, exact, relaxed),
+            None => self.energy.hessian(&x, exact, Some(&mut *relaxed)),
             Some((solid, frozen)) => {
                 let [mut first, mut second] =
                     [0, 1].map(|_| vec![0.0; self.energy.pattern().1.len()]);
-                self.energy.hessian(&x, &mut first, &mut second);
+                self.energy.hessian(&x, &mut first, Some(&mut second));
                 let (q, _) = solid.at(nodes);
                 solid.hessian(frozen, (&x, &q), [&first, &second], [exact, relaxed]);
             }

@@ -13,7 +13,7 @@ use crate::below::BelowSurface;
 use crate::layer::{Layer, LayerState};
 use crate::motion::Inertia;
 use crate::preparing::Preparing;
-use crate::skin_energy::UpperShell;
+use crate::upper_shell::UpperShell;
 use crate::{LayerPlan, LayerReport, Modelling, Observer, Phase, Progress, StepperError};
 
 pub(crate) use course::{Course, Ending};

@@ -109,13 +109,13 @@ mod measure;
 mod motion;
 mod region;
 mod relief;
-mod skin_energy;
 mod stacking;
 mod strain_ratio;
 mod surface_measures;
 #[cfg(test)]
 mod test_square;
 mod upper_layers;
+mod upper_shell;
 
 mod support;
 

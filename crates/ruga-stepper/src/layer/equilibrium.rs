@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use ruga_solver::{Iteration, Kkt, Minimise, NewtonSettings, SolveReport, SolverError};
 
-use super::Layer;
+use super::{Layer, laid_on};
 use crate::layer_objective::{LayerObjective, gather, scatter};
 use crate::motion::{Inertia, velocities};
 use crate::strain_ratio::applied_strains;
@@ -99,8 +99,7 @@ impl Layer {
         solid.set_unknowns(nodes);
         // Layer and body have moved together.
         self.below.posed = solid.surface(&self.below.posed);
-        let posed = &self.below.posed;
-        self.base = self.energy.laid_on(&posed.positions, &posed.normals);
+        self.base = laid_on(&self.below.posed, self.upper.as_ref());
         self.strains = applied_strains(&self.skin, &self.below);
     }
 

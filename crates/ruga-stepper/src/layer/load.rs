@@ -6,7 +6,7 @@ use ruga_material::{CAP_START, capped_strain};
 use ruga_mesh::{FaceId, Id};
 use ruga_shell::ShellError;
 
-use super::{Layer, turn_between};
+use super::{Layer, laid_on, turn_between};
 use crate::StepperError;
 use crate::below::BelowSurface;
 use crate::motion::Inertia;
@@ -40,7 +40,7 @@ impl Layer {
         fraction: f64,
     ) -> Result<(), StepperError> {
         let (old, new) = (&self.below.posed, &below.posed);
-        let base = self.energy.laid_on(&new.positions, &new.normals);
+        let base = laid_on(new, self.upper.as_ref());
         let vertices = self.vertex_count();
         for (i, base) in base.iter().enumerate() {
             let deviation = self.positions[i] - self.base[i];
@@ -60,7 +60,9 @@ impl Layer {
     /// body bends its layer.
     pub(super) fn hold(&mut self) -> Result<(), StepperError> {
         let posed = &self.below.posed;
-        let mut outcome = self.energy.set_base(&posed.positions, &posed.normals);
+        let no_offset = vec![0.0; posed.positions.len()];
+        let energy = &mut self.energy;
+        let mut outcome = energy.set_base(&posed.positions, &posed.normals, &no_offset);
         if self.solid.is_none() {
             outcome = outcome.and_then(|()| self.energy.set_rest_angles(&self.base));
         }

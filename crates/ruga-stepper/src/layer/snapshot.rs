@@ -43,12 +43,9 @@ impl Layer {
         region_below: &PosedSurface,
     ) -> Option<LayerSurface> {
         let upper = self.upper.as_ref()?;
-        let above = self
-            .energy
-            .laid_on(&region_below.positions, &region_below.normals);
-        let above = &above[region_below.positions.len()..];
+        let above = upper.above(&region_below.positions, &region_below.normals);
         let above = PosedSurface {
-            positions: above.to_vec(),
+            positions: above.collect(),
             ..region_below.clone()
         };
         let positions = self.on_region(&above.positions, self.upper_deviations());

@@ -18,9 +18,9 @@ use super::prediction::Prediction;
 use super::springs::Springs;
 use super::{Body, posed};
 use crate::motion::{Inertia, velocities};
-use crate::skin_energy::SkinEnergy;
 use crate::skin_mesh::SkinMesh;
 use crate::{LayerSpec, StepperError};
+use ruga_shell::LayerEnergy;
 
 /// Levenberg damping of a node, in units of the lattice's mean stiffness: gives the motions of a free
 /// body a sign.
@@ -98,7 +98,7 @@ impl Solid {
     pub(crate) fn new(
         (interior, driver): (&Arc<Interior>, &Arc<Driver>),
         spec: &LayerSpec,
-        (skin, energy): (&SkinMesh, &SkinEnergy),
+        (skin, energy): (&SkinMesh, &LayerEnergy),
         masses: &[f64],
     ) -> Result<Self, StepperError> {
         let (body, lattice) = (&interior.body, &interior.carrier.lattice);
@@ -302,7 +302,7 @@ impl Solid {
     /// What the next solve holds fast, over a surface with these `normals` and the springs of `energy`.
     pub(crate) fn freeze(
         &self,
-        energy: &SkinEnergy,
+        energy: &LayerEnergy,
         normals: &[Vector3<f64>],
         inertia: Option<&Inertia>,
     ) -> Frozen {
@@ -318,7 +318,7 @@ impl Solid {
     /// vertices; with `inertia` (1/s²) times the mass.
     fn constant_hessian(
         &self,
-        energy: &SkinEnergy,
+        energy: &LayerEnergy,
         normals: &[Vector3<f64>],
         inertia: f64,
     ) -> Vec<f64> {
