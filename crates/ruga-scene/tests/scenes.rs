@@ -43,7 +43,7 @@ fn defaults_are_those_of_the_sample() {
     };
     assert_eq!(full.interior.unwrap(), interior);
     assert_eq!(full.bake.maps, [MapKind::Normal, MapKind::Height]);
-    assert_eq!(full.bake.normal_y, NormalY::Plus);
+    assert_eq!(full.bake.normal_y, NormalY::Up);
 }
 
 #[test]
