@@ -41,18 +41,13 @@ impl WavelengthModel {
     /// Every model, the default first.
     pub const ALL: [Self; 3] = [Self::Layer, Self::HalfSpace, Self::CerdaMahadevan];
 
-    /// Name in scenes and on the command line.
+    /// Name in scenes and reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Layer => "layer",
             Self::HalfSpace => "half-space",
             Self::CerdaMahadevan => "cerda-mahadevan",
         }
-    }
-
-    /// The model of that [`name`](Self::name), if there is one.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|model| model.name() == name)
     }
 }
 

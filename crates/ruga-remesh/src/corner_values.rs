@@ -1,7 +1,7 @@
 //! Values at corners of faces, such as texture coordinates, through a remesh.
 
 use nalgebra::{Vector2, Vector3};
-use ruga_mesh::{FaceId, Id, MaterialPoint, PerFace, VertexId};
+use ruga_mesh::{EdgeId, FaceId, Id, MaterialPoint, PerFace, VertexId};
 
 use crate::closest::{closest_on_edge, closest_on_face};
 use crate::{SurfaceMesh, Transfer};
@@ -49,7 +49,7 @@ impl Transfer {
         let mut edges =
             (new.mesh.vertex_faces(vertex).iter()).flat_map(|&face| new.mesh.face_edges(face));
         let is_on_seam = edges
-            .any(|edge| new.features[edge] && new.mesh.edges()[edge].vertices.contains(&vertex));
+            .any(|edge| is_seam(new, edge) && new.mesh.edges()[edge].vertices.contains(&vertex));
         if self.survivors[vertex].is_some() || !is_on_seam {
             return origin;
         }
@@ -57,7 +57,7 @@ impl Transfer {
         let near = corners.iter().flat_map(|&v| old.mesh.vertex_faces(v));
         let seams = near.flat_map(|&face| {
             let edges = old.mesh.face_edges(face).into_iter().enumerate();
-            edges.filter_map(move |(corner, edge)| old.features[edge].then_some((face, corner)))
+            edges.filter_map(move |(corner, edge)| is_seam(old, edge).then_some((face, corner)))
         });
         let target = new.positions[vertex];
         seams
@@ -67,6 +67,11 @@ impl Transfer {
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .map_or(origin, |(_, place)| place)
     }
+}
+
+/// Whether an edge is a feature with a face on both sides.
+fn is_seam(mesh: &SurfaceMesh, edge: EdgeId) -> bool {
+    mesh.features[edge] && !mesh.mesh.edges()[edge].is_border()
 }
 
 /// The value at a place, as the face there has it that lies closest to `middle`.

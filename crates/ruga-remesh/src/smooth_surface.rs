@@ -9,11 +9,8 @@ use ruga_mesh::{
 use crate::surface::{check_finite, check_length, sums_to_one};
 use crate::{PolyhedralSurface, RemeshError, Surface, SurfaceMesh};
 
-/// Steps of the search for a closest place; two or three are usual.
-const STEPS: usize = 8;
-
-/// Squared length of a step, relative to that of the face's sides, at which the search ends.
-const SMALL_STEP: f64 = 1e-20;
+/// Steps of the search for a closest place, which ends before when none of them leads closer.
+const STEPS: usize = 12;
 
 /// A triangle mesh made smooth: the Loop limit surface of its vertices as control points.
 ///
@@ -133,8 +130,8 @@ impl Surface for SmoothSurface {
         })
     }
 
-    /// Gauss-Newton steps in the parameters of a face, from the closest place of the facets; a step
-    /// that leaves the face goes on in the next one.
+    /// Newton steps along the tangent plane, from the closest place of the facets; a step that
+    /// leaves the face goes on in the next one.
     fn closest(&self, near: MaterialPoint, target: Vector3<f64>) -> MaterialPoint {
         let descend =
             |face, target| crate::closest::descend(&self.mesh, &self.facets, face, target);
@@ -143,24 +140,26 @@ impl Surface for SmoothSurface {
         for _ in 0..STEPS {
             let off = target - jet.position;
             let [u, v] = jet.first;
+            // Without the curvature a step towards a distant target is too long on a convex side. Where
+            // with it the distance is no convex function, the bare metric still leads downhill.
             let metric = Matrix2::new(u.dot(&u), u.dot(&v), u.dot(&v), v.dot(&v));
-            let Some(step) = metric
-                .try_inverse()
-                .map(|m| m * Vector2::new(u.dot(&off), v.dot(&off)))
-            else {
+            let [uu, uv, vv] = jet.second.map(|second| off.dot(&second));
+            let newton = (metric - Matrix2::new(uu, uv, uv, vv)).cholesky();
+            let Some(factor) = newton.or_else(|| metric.cholesky()) else {
                 break;
             };
-            let [a, b, c] = self.mesh.faces()[place.face].map(|v| self.facets[v.0 as usize]);
-            let next = self.facet(place) + (b - a) * step.x + (c - a) * step.y;
-            let there = descend(place.face, next);
-            let jet_there = self.jet(there);
-            // Beside an irregular vertex a step may lead astray.
-            if (target - jet_there.position).norm_squared() >= off.norm_squared() {
-                break;
-            }
-            (place, jet) = (there, jet_there);
-            if step.norm_squared() < SMALL_STEP {
-                break;
+            let step = factor.solve(&Vector2::new(u.dot(&off), v.dot(&off)));
+            // In space, because beside irregular vertices the parameters run ever slower or faster.
+            let along = u * step.x + v * step.y;
+            let closer = [1.0, 0.5, 0.25, 0.125].into_iter().find_map(|part| {
+                let there = descend(place.face, self.facet(place) + along * part);
+                let jet = self.jet(there);
+                let is_closer = (target - jet.position).norm_squared() < off.norm_squared();
+                is_closer.then_some((there, jet))
+            });
+            match closer {
+                Some(found) => (place, jet) = found,
+                None => break,
             }
         }
         place

@@ -382,3 +382,17 @@ fn poses_from_shapes() {
         &["no blend shapes"],
     );
 }
+
+#[test]
+fn materials_and_words_of_the_domain_go_through_json() {
+    let skin = ruga_material::PRESETS[2].layer;
+    let text = serde_json::to_string(&skin).unwrap();
+    let back: ruga_material::LayerMaterial = serde_json::from_str(&text).unwrap();
+    assert_eq!(back, skin);
+    for model in WavelengthModel::ALL {
+        assert_eq!(serde_json::to_value(model).unwrap(), model.name());
+    }
+    // Methods for comparison are no words of a scene.
+    assert!(serde_json::from_str::<Coupling>("\"spectral\"").is_err());
+    assert!(serde_json::from_str::<Sampling>("\"adjustedasprinted\"").is_err());
+}
