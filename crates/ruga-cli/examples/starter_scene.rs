@@ -6,7 +6,7 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let folder = std::env::temp_dir().join("ruga starter scene");
+    let folder = std::env::temp_dir().join("ruga-starter-scene");
     // `new` does not write over a scene that is there already.
     let _ = std::fs::remove_dir_all(&folder);
     let ruga = |command: &str, path: OsString| ruga_cli::run(["ruga".into(), command.into(), path]);
