@@ -15,19 +15,28 @@ pub const MAX_SIZE: u32 = 16384;
 /// triangles are visited by two tasks.
 const BAND_ROWS: usize = 16;
 
-/// What the normals of a map are relative to.
+/// The tangent frame of normal maps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema),
+    serde(rename_all = "lowercase")
+)]
 pub enum Frame {
-    /// The smooth posed driver: only the wrinkles, neutral elsewhere, to be laid over the shading
-    /// that is already there.
+    /// The smooth posed driver's: only the wrinkles show.
+    ///
+    /// Such a map is neutral elsewhere, to be laid over the shading that is already there.
     #[default]
     Driver,
-    /// The artist's posed mesh with its own interpolated normals: what a high-to-low bake gives.
+    /// The artist's own posed mesh's: what a high-to-low bake gives.
+    ///
+    /// Its normals are those of the file, interpolated.
     Mesh,
 }
 
 /// How a map is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BakeSettings {
     /// Texels per side, `1..=`[`MAX_SIZE`]; default 2048.
     pub size: u32,

@@ -2,13 +2,23 @@
 
 use crate::{BakeError, WrinkleMap};
 
-/// Where green points in a normal map.
+/// Sign of the green channel: `+` for OpenGL, Blender, glTF, Unity; `-` for Unreal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema)
+)]
 pub enum NormalY {
-    /// Up in the image, towards decreasing V: glTF, Blender, Unity, Godot.
+    /// Green grows towards the top of the image.
+    ///
+    /// That is towards decreasing V: glTF, Blender, Unity, Godot.
     #[default]
+    #[cfg_attr(feature = "serde", serde(rename = "+"))]
     Up,
-    /// Down in the image: Unreal, Source.
+    /// Green grows towards the bottom of the image.
+    ///
+    /// So do Unreal and Source.
+    #[cfg_attr(feature = "serde", serde(rename = "-"))]
     Down,
 }
 

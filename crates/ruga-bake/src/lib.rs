@@ -1,4 +1,7 @@
 //! From the top layer of a pose and the driver below it to the pose's normal and height map.
+#![doc = include_str!("../README.md")]
+//!
+//! ## Parts
 //!
 //! A [`Relief`] holds the layer's triangles, each inside one UV chart, and the smooth driver at
 //! the same material points. [`tangent_frames`] gives the artist's posed mesh its [`TangentFrame`]s
@@ -18,29 +21,6 @@
 //!
 //! Lengths are metres; UVs have V down as in glTF, and green points up. Same input, any number of
 //! threads: the same bytes out.
-//!
-//! ```
-//! use nalgebra::{Vector2, Vector3};
-//! use ruga_bake::{BakeSettings, Relief, bake, tangent_frames};
-//!
-//! // One unwrinkled triangle, 1 mm above a flat driver.
-//! let driver = [Vector3::zeros(), Vector3::x(), Vector3::y()];
-//! let normals = [Vector3::z(); 3];
-//! let uvs = [Vector2::new(0.0, 1.0), Vector2::new(1.0, 1.0), Vector2::new(0.0, 0.0)];
-//! let relief = Relief {
-//!     positions: &driver.map(|p| p + 1e-3 * Vector3::z()),
-//!     driver_positions: &driver,
-//!     driver_normals: &normals,
-//!     offset: 1e-3,
-//!     faces: &[[0, 1, 2]],
-//!     uvs: &[uvs],
-//!     artist: &[(0, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])],
-//! };
-//! let frames = tangent_frames(&driver, &normals, &uvs, &[[0, 1, 2]])?;
-//! let map = bake(&relief, &frames, &BakeSettings { size: 64, ..BakeSettings::default() })?;
-//! assert!(map.normals.iter().all(|n| n[2] == 1.0));
-//! # Ok::<(), ruga_bake::BakeError>(())
-//! ```
 
 mod bake;
 mod relief;

@@ -10,11 +10,20 @@ use crate::Driver;
 
 /// How the surface runs between the artist's vertices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema),
+    serde(rename_all = "lowercase")
+)]
 pub enum Smoothing {
-    /// The Loop limit surface.
+    /// Loop subdivision.
+    ///
+    /// The surface is the limit of infinitely many subdivisions.
     #[default]
     Loop,
-    /// The artist's flat facets, with normals interpolated.
+    /// Not at all.
+    ///
+    /// The surface is the artist's flat facets, with normals interpolated.
     None,
 }
 

@@ -1,9 +1,13 @@
 //! The welded control mesh that blend shapes move.
 
-use nalgebra::{SVector, Vector2, Vector3};
-use ruga_mesh::{FaceId, Id, MeshError, PerFace, PerVertex, TriMesh, VertexId, face_normals};
+use std::iter;
 
-use crate::{ArtistMesh, BlendError};
+use nalgebra::{SVector, Vector2, Vector3};
+use ruga_mesh::{
+    FaceId, Id, MeshError, PerFace, PerVertex, TriMesh, VertexId, Weld, sharp_border_corners, weld,
+};
+
+use crate::{ArtistMesh, BlendError, nearest};
 
 /// Finite weights of some blend shapes of a [`Driver`], which makes them by [`Driver::weights`];
 /// `x(w) = rest + sum w_i delta_i` (Li 2014, 5.3). The default is the rest pose.
@@ -49,10 +53,6 @@ struct Shape {
     deltas: Vec<Vector3<f64>>,
 }
 
-/// A border turning by more than this stays a sharp corner under subdivision: the corners of a
-/// square patch do, the polygon of a hole or a cut does not.
-const SHARP_TURN: f64 = 60.0;
-
 impl Driver {
     /// Welds the mesh and checks it.
     ///
@@ -67,9 +67,14 @@ impl Driver {
                 mesh: artist.name.clone(),
             });
         };
-        let (welded, representatives) = weld(artist);
+        let deltas = artist.shapes.iter().map(|shape| &shape.position_deltas[..]);
+        let columns: Vec<_> = iter::once(&artist.positions[..]).chain(deltas).collect();
+        let Weld {
+            vertices: welded,
+            points,
+        } = weld(&columns);
         let gather = |values: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
-            representatives.iter().map(|&v| values[v]).collect()
+            points.iter().map(|&v| values[v]).collect()
         };
         let rest = gather(&artist.positions);
         let (kept, degenerate) = split_degenerate(artist, &welded);
@@ -97,7 +102,7 @@ impl Driver {
             .collect();
         Ok(Self {
             name: artist.name.clone(),
-            corners: sharp_corners(&topology, &rest),
+            corners: sharp_border_corners(&topology, &rest),
             uvs: kept
                 .iter()
                 .map(|&t| corners_of(t).map(|v| uvs[v as usize]))
@@ -183,16 +188,9 @@ impl Driver {
     }
 
     fn unknown_shape(&self, name: &str) -> BlendError {
-        let similarity = |n: &str| strsim::jaro_winkler(&n.to_lowercase(), &name.to_lowercase());
-        let nearest = self
-            .shape_names()
-            .map(|n| (similarity(n), n))
-            .max_by(|a, b| a.0.total_cmp(&b.0))
-            .filter(|(score, _)| *score > 0.7)
-            .map(|(_, n)| n.to_owned());
         BlendError::UnknownShape {
             name: name.to_owned(),
-            nearest,
+            nearest: nearest(name, self.shape_names()),
             available: self.shapes.len(),
         }
     }
@@ -267,37 +265,6 @@ fn check_array<const N: usize>(
     }
 }
 
-/// Welded id of every file vertex, and one file vertex of every welded one, in file order.
-fn weld(artist: &ArtistMesh) -> (Vec<VertexId>, Vec<usize>) {
-    // Adding zero turns -0 into 0, so that equal numbers have equal bits.
-    let bits = |p: &Vector3<f64>| [p.x, p.y, p.z].map(|c| (c + 0.0).to_bits());
-    let key = |v: usize| {
-        let deltas = artist.shapes.iter().map(move |s| &s.position_deltas[v]);
-        std::iter::once(&artist.positions[v])
-            .chain(deltas)
-            .map(bits)
-    };
-    let mut order: Vec<usize> = (0..artist.positions.len()).collect();
-    order.sort_by(|&a, &b| key(a).cmp(key(b)).then(a.cmp(&b)));
-    let mut first_alike = vec![0; order.len()];
-    for group in order.chunk_by(|&a, &b| key(a).eq(key(b))) {
-        for &v in group {
-            first_alike[v] = group[0];
-        }
-    }
-    let mut representatives = Vec::new();
-    let mut welded = Vec::with_capacity(order.len());
-    for (v, &first) in first_alike.iter().enumerate() {
-        if first == v {
-            welded.push(VertexId::from_index(representatives.len()));
-            representatives.push(v);
-        } else {
-            welded.push(welded[first]);
-        }
-    }
-    (welded, representatives)
-}
-
 /// A triangle's area below this share of its longest side squared counts as none.
 const MIN_RELATIVE_AREA: f64 = 1e-10;
 
@@ -343,23 +310,4 @@ fn with_file_numbers(error: MeshError, kept: &[u32]) -> MeshError {
         },
         other => other,
     }
-}
-
-fn sharp_corners(mesh: &TriMesh, rest: &[Vector3<f64>]) -> PerVertex<bool> {
-    let normals = face_normals(mesh, rest);
-    let limit = SHARP_TURN.to_radians().cos();
-    let mut corners = PerVertex::filled(mesh.vertex_count(), false);
-    for vertex in corners.ids() {
-        let Some(ring) = mesh.ring(vertex).filter(|ring| !ring.closed) else {
-            continue;
-        };
-        let normal: Vector3<f64> = mesh.vertex_faces(vertex).iter().map(|&f| normals[f]).sum();
-        let flat = |v: Vector3<f64>| v - normal * (normal.dot(&v) / normal.norm_squared());
-        let here = rest[vertex.index()];
-        let (start, end) = (ring.vertices[0], ring.vertices[ring.vertices.len() - 1]);
-        let incoming = flat(here - rest[end.index()]);
-        let outgoing = flat(rest[start.index()] - here);
-        corners[vertex] = incoming.dot(&outgoing) < limit * incoming.norm() * outgoing.norm();
-    }
-    corners
 }

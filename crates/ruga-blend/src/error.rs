@@ -2,6 +2,8 @@
 
 use ruga_mesh::MeshError;
 
+use crate::did_you_mean;
+
 /// Why a mesh with blend shapes cannot drive a simulation.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BlendError {
@@ -20,7 +22,7 @@ pub enum BlendError {
         source: MeshError,
     },
     /// A pose names a blend shape that the mesh does not have.
-    #[error("blend shape '{name}' does not exist{}", hint(.nearest, .available))]
+    #[error("blend shape '{name}' is none of the {available} that the mesh has{}", did_you_mean(nearest.as_deref()))]
     UnknownShape {
         /// The name asked for.
         name: String,
@@ -65,11 +67,4 @@ pub enum BlendError {
         /// Name of the mesh.
         mesh: String,
     },
-}
-
-fn hint(nearest: &Option<String>, available: &usize) -> String {
-    match nearest {
-        Some(name) => format!("; did you mean '{name}'?"),
-        None => format!(" (the mesh has {available} blend shapes)"),
-    }
 }

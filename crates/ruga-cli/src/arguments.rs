@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use ruga_scene::SceneOptions;
+use ruga_stepper::Modelling;
 
 use crate::templates::Template;
 
@@ -230,11 +231,12 @@ pub(crate) enum Quality {
 impl Quality {
     /// Mesh edges per critical wavelength.
     pub(crate) fn points_per_wavelength(self) -> f64 {
-        match self {
-            Quality::Draft => 6.0,
-            Quality::Standard => 12.0,
-            Quality::Fine => 24.0,
-        }
+        let modelling = match self {
+            Quality::Draft => Modelling::draft(),
+            Quality::Standard => Modelling::standard(),
+            Quality::Fine => Modelling::fine(),
+        };
+        modelling.points_per_wavelength
     }
 }
 

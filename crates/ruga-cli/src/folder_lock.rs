@@ -55,7 +55,8 @@ impl FolderLock {
             }
             // Some network drives cannot lock. A guard that is missing is no reason not to work.
             Err(TryLockError::Error(error)) => messages::warning(&format!(
-                "{}: cannot be locked ({error}); start no second run in it",
+                "{}: cannot be locked ({error}), so nothing keeps two runs from mixing their files; start no \
+                 second one in it",
                 folder.display()
             )),
         }

@@ -1,4 +1,7 @@
 //! The command `ruga`: command-line arguments go in, maps, meshes and an exit code come out.
+#![doc = include_str!("../README.md")]
+//!
+//! ## Parts
 //!
 //! A *scene* is read with everything that it names (`ruga-scene`). A *plan* says what will be simulated
 //! in each *pose*. `bake` and `simulate` work on as many poses at a time as there are threads and keep a
@@ -9,15 +12,6 @@
 //! Results are printed on stdout, progress and messages on stderr. Exit codes: 0 done; 1 ran, but
 //! a pose did not converge or the run was interrupted, with the results written and marked; 2 could
 //! not run. Lengths are metres in every file and in JSON; tables for people say their units.
-//!
-//! ```
-//! use std::process::ExitCode;
-//!
-//! let folder = std::env::temp_dir().join("no such folder");
-//! let scene = folder.join("scene.toml");
-//! let arguments = ["ruga".into(), "check".into(), scene.into_os_string()];
-//! assert_eq!(ruga_cli::run(arguments), ExitCode::from(2));
-//! ```
 
 mod arguments;
 mod commands;

@@ -39,10 +39,7 @@ fn write_normals(
     map: &ruga_bake::WrinkleMap,
 ) -> Result<(), IoError> {
     let side = map.size as usize;
-    let green = match bake.normal_y {
-        ruga_io::NormalY::Plus => NormalY::Up,
-        ruga_io::NormalY::Minus => NormalY::Down,
-    };
+    let green = bake.normal_y;
     match bake.format {
         MapFormat::Png8 => {
             let texels = normal_to_png8(map, green);

@@ -1,10 +1,8 @@
 //! What each pose of a scene is made from, as a number that changes when any of it does.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::path::Path;
 
-use ruga_io::IoError;
+use ruga_io::read_bytes;
 use ruga_scene::Scene;
 use ruga_scene::file::{self, SceneFile};
 use ruga_stepper::Region;
@@ -43,7 +41,7 @@ pub(crate) fn scene_poses(scene: &Scene) -> Result<Vec<ScenePose>, CliError> {
 
 /// What all poses depend on: release, scene, mesh, masks and painted maps.
 fn shared_inputs(scene: &Scene) -> Result<Fingerprint, CliError> {
-    let text = String::from_utf8_lossy(&read(&scene.path)?).into_owned();
+    let text = String::from_utf8_lossy(&read_bytes(&scene.path)?).into_owned();
     // Parsed anew, because the scene's own copy has paths that depend on where the command was run.
     let mut file = SceneFile::from_toml(&text, &scene.path)?;
     file.poses.clear();
@@ -61,15 +59,8 @@ fn shared_inputs(scene: &Scene) -> Result<Fingerprint, CliError> {
     for layer in &scene.file.layers {
         let painted = layer.map.iter().flat_map(|map| map.images());
         for image in painted.chain(layer.mask.as_deref()) {
-            hash = hash.with(&read(image)?);
+            hash = hash.with(&read_bytes(image)?);
         }
     }
     Ok(hash)
-}
-
-fn read(path: &Path) -> Result<Vec<u8>, CliError> {
-    Ok(fs::read(path).map_err(|source| IoError::Unreadable {
-        path: path.to_owned(),
-        source,
-    })?)
 }

@@ -149,7 +149,8 @@ fn convergence<'a>(poses: impl Iterator<Item = &'a PoseReport>) -> Outcome {
         return Outcome::Done;
     }
     messages::warning(&format!(
-        "{} did not converge: {}; the results are written and marked in report.json",
+        "{} did not converge: {}; there wrinkles may be too shallow, too deep or in the wrong place. \
+         The results are written and marked in report.json; more `steps` for the pose may help",
         counted(failed.len(), "pose"),
         failed.join(", ")
     ));

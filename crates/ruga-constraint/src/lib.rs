@@ -1,4 +1,7 @@
 //! Cluster centres and Gaussian constraint functions sampled on a mesh: rows of H.
+#![doc = include_str!("../README.md")]
+//!
+//! ## Parts
 //!
 //! [`cluster_centres`] spreads centres over a region, at a spacing that follows the local
 //! wavelength. A [`Kernel`] says how a neighbourhood is weighted around each of them.
@@ -13,34 +16,6 @@
 //! [`cluster_centres`], [`Kernel`] and [`Sampling`] say where we differ.
 //!
 //! Lengths in metres, on the rest surface. Weights are numbers that sum to one.
-//!
-//! ```
-//! use nalgebra::Vector3;
-//! use ruga_constraint::{ClusterSettings, Kernel, Sampling, cluster_centres, constraint_rows};
-//! use ruga_mesh::{MaterialPoint, PerVertex, TriMesh, subdivide, vertex_normals};
-//!
-//! // Two triangles, 4 cm wide, subdivided to edges of 1.25 mm; rows every 15 mm.
-//! let coarse = TriMesh::new(4, vec![[0, 1, 2], [0, 2, 3]])?;
-//! let fine = subdivide(&coarse, 5, &PerVertex::filled(4, true));
-//! let square = [[0.0, 0.0], [0.04, 0.0], [0.04, 0.04], [0.0, 0.04]];
-//! let positions = fine.fine_from_coarse.apply(&square.map(|[x, y]| Vector3::new(x, y, 0.0)));
-//! let normals = vertex_normals(&fine.mesh, &positions);
-//!
-//! let spacing = PerVertex::filled(positions.len(), 0.015);
-//! let everywhere: Vec<_> = spacing.ids().collect();
-//! let settings = ClusterSettings::default();
-//! let centres = cluster_centres(&fine.mesh, &positions, &spacing, &everywhere, &settings)?;
-//! let centres: Vec<_> =
-//!     centres.iter().filter_map(|&v| MaterialPoint::of_vertex(&fine.mesh, v)).collect();
-//! let kernels = vec![Kernel::beside_foundation(0.015); centres.len()];
-//! let set = constraint_rows(
-//!     &fine.mesh, &positions, &normals, &centres, &kernels, Sampling::Quadrature,
-//! )?;
-//! assert_eq!(set.rows.len(), 8);
-//! let sum: f64 = set.rows[0].weights.iter().map(|pair| pair.1).sum();
-//! assert!((sum - 1.0).abs() < 1e-12);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
 
 mod centre;
 mod chart;

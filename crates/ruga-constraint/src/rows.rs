@@ -1,6 +1,8 @@
 //! Constraint functions sampled at the vertices of a mesh.
 
 use std::collections::BTreeSet;
+use std::iter::Sum;
+use std::ops::Mul;
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 use ruga_mesh::{Id, MaterialPoint, TriMesh, VertexId, vertex_areas};
@@ -13,19 +15,31 @@ use crate::{ConstraintError, Degradation, Kernel};
 
 /// How a continuous weighting becomes weights of vertices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema),
+    serde(rename_all = "lowercase")
+)]
 pub enum Sampling {
-    /// Kernel times vertex area, normalised: Li 2014, eq. 4.3. Reproduces constants only.
+    /// Vertex areas (Li 2014, eq. 4.3).
+    ///
+    /// Kernel times vertex area, normalised; reproduces constants only.
     Area,
-    /// The same, rescaled to reproduce affine functions: Li 2014, section 4.3, made multiplicative
-    /// so that support, sign and unit sum survive.
+    /// Vertex areas, corrected so that centres and slopes are kept.
+    ///
+    /// Kernel times vertex area, rescaled to reproduce affine functions: Li 2014, section 4.3, made
+    /// multiplicative so that support, sign and unit sum survive.
     Adjusted,
     /// Li 2014, eqs. 4.4-4.8, to the letter: a correction is added to every weight of the support,
     /// with the centre as target. Breaks the unit sum (.3 to .8 at borders), and is noisier than
     /// no adjustment there; kept to show that.
+    #[cfg_attr(feature = "serde", serde(skip))]
     AdjustedAsPrinted,
-    /// A quadrature rule with the vertices as its points: kernel times vertex area, rescaled to be
-    /// exact for quadratic functions. Where vertices are too few for that, it is exact for affine ones,
-    /// in the end by integrating the mesh's linear interpolation, which is so on any mesh.
+    /// A quadrature over the surface that is exact for quadratic functions.
+    ///
+    /// Its points are the vertices: kernel times vertex area, rescaled. Where vertices are too few for
+    /// that, it is exact for affine functions, in the end by integrating the mesh's linear
+    /// interpolation, which is so on any mesh.
     ///
     /// Linear interpolation alone sees a curved field by `f'' h²/12` too low at a crest, which
     /// changes with the edges `h`: when the mesh is exchanged, averages of a wave of 30 edges jump by
@@ -59,6 +73,14 @@ pub struct ConstraintRow {
     pub weights: Vec<(VertexId, f64)>,
     /// What the row reproduces.
     pub order: Order,
+}
+
+impl ConstraintRow {
+    /// The average of a field, such as positions or temperatures, that has `value` at a vertex.
+    pub fn average<T: Mul<f64, Output = T> + Sum>(&self, value: impl Fn(VertexId) -> T) -> T {
+        let terms = self.weights.iter();
+        terms.map(|&(vertex, weight)| value(vertex) * weight).sum()
+    }
 }
 
 /// Rows, and what had to be given up on the way.
@@ -124,6 +146,16 @@ pub fn constraint_rows(
 }
 
 impl ConstraintSet {
+    /// The average that each row takes of a field with one value per vertex.
+    ///
+    /// # Panics
+    /// When the field has no value for a vertex of a row.
+    pub fn averages<T: Copy + Mul<f64, Output = T> + Sum>(&self, field: &[T]) -> Vec<T> {
+        let rows = self.rows.iter();
+        rows.map(|row| row.average(|vertex| field[vertex.index()]))
+            .collect()
+    }
+
     fn push(
         &mut self,
         centre: usize,

@@ -28,7 +28,7 @@ fn measured(
     let origin = patch.positions[centre.index()];
     let along = Vector3::new(direction.cos(), direction.sin(), 0.0);
     let phase = |v: VertexId| wavenumber * along.dot(&(patch.positions[v.index()] - origin));
-    row.weights.iter().map(|(v, w)| w * phase(*v).cos()).sum()
+    row.average(|v| phase(v).cos())
 }
 
 fn row(patch: &Patch, centre: VertexId, kernel: Kernel, sampling: Sampling) -> ConstraintRow {

@@ -3,6 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use ruga_blend::did_you_mean;
 use thiserror::Error;
 
 /// A file that cannot be read, means something impossible, or cannot be written.
@@ -141,31 +142,9 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
     })
 }
 
-/// The accepted name nearest to `name`, if one is near enough to be a slip of the hand.
-pub fn nearest<'a>(name: &str, accepted: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    // Jaro-Winkler likes common beginnings, as typing errors do; below 0.75 the guesses annoy.
-    const LEAST_SIMILARITY: f64 = 0.75;
-    let lower = name.to_lowercase();
-    accepted
-        .into_iter()
-        .map(|candidate| {
-            (
-                strsim::jaro_winkler(&lower, &candidate.to_lowercase()),
-                candidate,
-            )
-        })
-        .filter(|(similarity, _)| *similarity >= LEAST_SIMILARITY)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, candidate)| candidate.to_owned())
-}
-
 fn listed(names: &[String]) -> String {
     let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
     quoted.join(", ")
-}
-
-fn did_you_mean(suggestion: Option<&str>) -> String {
-    suggestion.map_or_else(String::new, |name| format!(" (did you mean `{name}`?)"))
 }
 
 /// The system's message, with the words that an artist looks for put first.

@@ -49,7 +49,8 @@ impl GltfDocument {
         let mut warnings = Vec::new();
         if container.unused_bytes > 0 {
             warnings.push(format!(
-                "{} bytes of the file belong to no buffer; they are not written back",
+                "{} bytes of the file belong to no buffer and are not written into the GLB; mesh, \
+                 materials and animations are whole",
                 container.unused_bytes
             ));
         }
@@ -89,7 +90,10 @@ fn files_of_extensions(json: &JsonObject) -> Vec<String> {
     found.sort();
     found.dedup();
     let warning = |uri: String| {
-        format!("an extension of the file names `{uri}`, which is not written into the GLB")
+        format!(
+            "an extension of the file names `{uri}`, which is not written into the GLB: put that file beside \
+             the GLB"
+        )
     };
     found.into_iter().map(warning).collect()
 }

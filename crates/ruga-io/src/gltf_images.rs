@@ -81,7 +81,10 @@ fn image_files(json: &JsonObject, path: &Path) -> Vec<(usize, ImageFile)> {
 
 fn left_outside(number: usize, uri: &str, reason: &str) -> String {
     let uri = shortened(uri);
-    format!("image {number} is not written into the GLB, which names `{uri}` as before: {reason}")
+    format!(
+        "image {number} is not written into the GLB, which names `{uri}` as before: {reason}; put the \
+         image beside the GLB"
+    )
 }
 
 /// By the first bytes, else by the name.

@@ -8,9 +8,8 @@ use gltf::json::mesh::{Mesh, Mode, MorphTarget, Primitive, Semantic};
 use gltf::json::validation::Checked;
 use gltf::json::{Index, Root};
 use nalgebra::{Matrix3, Vector2, Vector3};
-use ruga_blend::{ArtistMesh, BlendShape};
+use ruga_blend::{ArtistMesh, BlendShape, nearest};
 
-use crate::error::nearest;
 use crate::gltf_container::Container;
 use crate::gltf_document::{GltfDocument, PartSource};
 use crate::gltf_placement::{Placement, placement};

@@ -41,8 +41,9 @@ pub(crate) fn placement(container: &Container, mesh: usize) -> Result<Placement,
     let mut warnings = Vec::new();
     if nodes[first].skin.is_some() {
         warnings.push(
-            "the mesh has an armature, which is not evaluated: the shape it was bound in is \
-             simulated; the GLB keeps the armature"
+            "the mesh has an armature, which does not move the skin here: the shape in which the \
+             mesh was bound is simulated, and the GLB keeps the armature; for another shape, export \
+             it as a blend shape"
                 .to_owned(),
         );
     }
@@ -54,7 +55,8 @@ pub(crate) fn placement(container: &Container, mesh: usize) -> Result<Placement,
         });
         if differs {
             warnings.push(format!(
-                "nodes {first} and {other} show the mesh at different scales; the first is used"
+                "nodes {first} and {other} show the mesh at different scales; the size at the first is simulated; if that is the \
+                 wrong one, give `scale` under [driver]"
             ));
         }
     }

@@ -36,7 +36,8 @@ pub(crate) fn name_shapes(mesh: &mut ArtistMesh, names: &[String], warnings: &mu
         if shape.name != base {
             let new = &shape.name;
             warnings.push(format!(
-                "two blend shapes are named `{base}`; one is now `{new}`"
+                "two blend shapes are named `{base}`; the later one is called `{new}` in scenes and \
+                 maps"
             ));
         }
         taken.push(shape.name.clone());

@@ -156,8 +156,8 @@ impl Writer<'_> {
         }
         let extras = mesh.get("extras").map_or("{}", RawValue::get);
         let Ok(mut extras) = JsonObject::parse(extras) else {
-            let warning = "the `extras` of the mesh are no JSON object and stay as they are: the \
-                           maps are listed in wrinkles.json alone";
+            let warning = "the `extras` of the mesh are no JSON object and stay as they are: a \
+                           program that looks for the maps finds them in wrinkles.json alone";
             self.warnings.push(warning.to_owned());
             return Ok(false);
         };
@@ -220,7 +220,8 @@ impl Writer<'_> {
         } else if self.file.mesh.normals.is_none() {
             self.warnings.push(format!(
                 "primitive {number} has normals, but others of its mesh have none: the maps are \
-                 relative to smooth normals, which differ from those of the primitive"
+                 relative to smooth normals, so its wrinkles are lit a little wrongly; export normals \
+                 for the whole mesh"
             ));
         }
     }

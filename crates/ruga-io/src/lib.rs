@@ -1,4 +1,7 @@
 //! Files: glTF and OBJ in, GLB, OBJ, PNG and EXR out.
+#![doc = include_str!("../README.md")]
+//!
+//! ## Parts
 //!
 //! [`MeshFile`] is the artist's file: the mesh with its blend shapes, and the document around it, which
 //! [`write_glb`] writes back unchanged. [`Image`] is a picture as plain numbers. [`Wrinkles`] says which
@@ -15,13 +18,6 @@
 //!
 //! Every writer goes through [`AtomicFile`]: a file appears whole or not at all. No input, however
 //! damaged, makes a reader panic or return a number that is not finite.
-//!
-//! ```
-//! use ruga_io::{ObjOptions, read_mesh};
-//!
-//! let error = read_mesh("face.fbx".as_ref(), None, &ObjOptions::default()).unwrap_err();
-//! assert!(error.to_string().starts_with("face.fbx: "));
-//! ```
 
 mod atomic_file;
 mod error;
@@ -50,15 +46,16 @@ mod report;
 mod wrinkles;
 
 pub use atomic_file::{AtomicFile, write_atomically};
-pub use error::{IoError, nearest, read_bytes};
+pub use error::{IoError, read_bytes};
 pub use glb_write::{GlbAdditions, WrittenGlb, write_glb};
 pub use gltf_document::GltfDocument;
 pub use image_read::{GreyImage, Image, read_image, read_mask};
 pub use image_write::{ExrTexels, PngTexels, write_exr, write_png};
-pub use map_kinds::{Frame, MapFormat, MapKind, NormalY};
+pub use map_kinds::{MapFormat, MapKind};
 pub use mesh_file::{LengthUnit, Material, MeshFile, MeshPart, ObjOptions, read_mesh};
 pub use obj_frame::{ObjFrame, write_obj_frame};
 pub use report::{LayerReport, PoseReport, Report, Seconds};
+pub use ruga_bake::{Frame, NormalY};
 pub use wrinkles::{
     Blend, GlbReference, MapCoordinates, WrinkleMap, Wrinkles, key_percent, map_file,
 };

@@ -47,26 +47,3 @@ impl MapFormat {
         }
     }
 }
-
-/// Sign of the green channel: `+` for OpenGL, Blender, glTF, Unity; `-` for Unreal.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub enum NormalY {
-    /// Green grows towards the top of the image.
-    #[default]
-    #[serde(rename = "+")]
-    Plus,
-    /// Green grows towards the bottom of the image.
-    #[serde(rename = "-")]
-    Minus,
-}
-
-/// The tangent frame of normal maps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Frame {
-    /// The smooth posed driver's: only the wrinkles show.
-    #[default]
-    Driver,
-    /// The artist's own posed mesh's: what a high-to-low bake gives.
-    Mesh,
-}

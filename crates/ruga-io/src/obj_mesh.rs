@@ -4,10 +4,10 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use nalgebra::{Matrix3, Matrix4, Vector2, Vector3};
-use ruga_blend::{ArtistMesh, BlendShape};
+use ruga_blend::{ArtistMesh, BlendShape, nearest};
 use tobj::{LoadError, LoadOptions, Model};
 
-use crate::error::{nearest, read_bytes};
+use crate::error::read_bytes;
 use crate::obj_indices::check_indices;
 use crate::{IoError, MeshFile, MeshPart, ObjOptions};
 

@@ -26,7 +26,7 @@ fn written(path: &Path, file: &MeshFile) -> WrittenGlb {
         tangents: Some(&vec![Vector4::new(1.0, 0.0, 0.0, 1.0); vertices]),
         normals: Some(&vec![Vector3::z(); vertices]),
         maps: &[
-            WrinkleMap::normal("smile", 1.0, MapFormat::Png16, NormalY::Plus),
+            WrinkleMap::normal("smile", 1.0, MapFormat::Png16, NormalY::Up),
             WrinkleMap::height("smile", 1.0, MapFormat::Png16, 1e-3),
         ],
     };

@@ -228,8 +228,8 @@ fn glb_carries_tangents_and_maps() {
         Vector4::new(f64::NAN, 0.0, 0.0, -1.0),
     ];
     let maps = [
-        WrinkleMap::normal("a pose", 0.5, MapFormat::Png16, NormalY::Plus),
-        WrinkleMap::normal("a pose", 1.0, MapFormat::Png16, NormalY::Plus),
+        WrinkleMap::normal("a pose", 0.5, MapFormat::Png16, NormalY::Up),
+        WrinkleMap::normal("a pose", 1.0, MapFormat::Png16, NormalY::Up),
         WrinkleMap::height("a pose", 1.0, MapFormat::Png16, 1e-3),
     ];
     let additions = GlbAdditions {
@@ -313,7 +313,7 @@ fn wrinkle_manifest() {
         "smile",
         1.0,
         MapFormat::Png16,
-        NormalY::Plus,
+        NormalY::Up,
     ));
     wrinkles
         .maps

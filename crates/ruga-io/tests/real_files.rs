@@ -137,8 +137,8 @@ fn write_with_additions(target: &Path, file: &MeshFile) {
     // Any tangents do: what is tested is that the file keeps the rules.
     let tangents = vec![Vector4::new(0.3, 0.5, -0.2, -1.0); vertices];
     let maps = [
-        WrinkleMap::normal("mouth smile", 0.5, MapFormat::Png16, NormalY::Plus),
-        WrinkleMap::normal("mouth smile", 1.0, MapFormat::Png16, NormalY::Plus),
+        WrinkleMap::normal("mouth smile", 0.5, MapFormat::Png16, NormalY::Up),
+        WrinkleMap::normal("mouth smile", 1.0, MapFormat::Png16, NormalY::Up),
         WrinkleMap::height("mouth smile", 1.0, MapFormat::Png16, 2e-3),
     ];
     let additions = GlbAdditions {

@@ -4,13 +4,21 @@ use nalgebra::Vector3;
 
 /// The functions that interpolate within an element: products of one per axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema),
+    serde(rename_all = "lowercase")
+)]
 pub enum Shape {
-    /// Quadratic B-splines: 27 nodes, 27 quadrature points; first derivatives are continuous
-    /// across elements. A node's value is not the value at its place.
+    /// Quadratic B-splines.
+    ///
+    /// 27 nodes, 27 quadrature points; first derivatives are continuous across elements. A node's
+    /// value is not the value at its place.
     #[default]
     Quadratic,
-    /// Trilinear: the 8 corners, 8 quadrature points; bends at every border between elements. For
-    /// comparison.
+    /// Trilinear, for comparison.
+    ///
+    /// The 8 corners, 8 quadrature points; bends at every border between elements.
     Linear,
 }
 

@@ -1,4 +1,7 @@
 //! Materials of a stiff layer and of what carries it in, wrinkle wavelength and critical strain out.
+#![doc = include_str!("../README.md")]
+//!
+//! ## Parts
 //!
 //! A [`LayerMaterial`] lies bonded on a [`Substrate`], whose lower face is held. [`wrinkling`]
 //! compares bending with the foundation and returns a [`Wrinkling`]: which wave appears, at what
@@ -16,20 +19,6 @@
 //!
 //! SI units; lengths in the rest configuration; compressive strain is positive. All is linear film
 //! theory, which fades above a critical strain of about 10 % (a modulus ratio below 50).
-//!
-//! ```
-//! use ruga_material::{LayerMaterial, Substrate, WavelengthModel, design_layer, wrinkling};
-//!
-//! let dermis = LayerMaterial { young: 4e6, poisson: 0.48, thickness: 1.3e-3, density: 1100.0 };
-//! let fat = Substrate { young: 0.5e6, poisson: 0.48, thickness: 15e-3 };
-//! let found = wrinkling(&dermis, &fat, WavelengthModel::Layer)?;
-//! assert!((found.wavelength - 11.32e-3).abs() < 0.01e-3);
-//! assert!((found.critical_strain - 0.130).abs() < 0.001);
-//!
-//! let again = design_layer(found.wavelength, found.critical_strain, 0.48, 1100.0, &fat)?;
-//! assert!((again.thickness / dermis.thickness - 1.0).abs() < 1e-9);
-//! # Ok::<(), ruga_material::MaterialError>(())
-//! ```
 
 mod design;
 mod error;

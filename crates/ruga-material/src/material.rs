@@ -5,6 +5,7 @@ use crate::error::{require_poisson, require_positive};
 
 /// An isotropic elastic layer that may wrinkle.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LayerMaterial {
     /// Young's modulus `E` (Pa), above 0. Dermis: 4e6, epidermis: 600e6 (Li 2014, 5.2).
     pub young: f64,
@@ -51,6 +52,7 @@ impl LayerMaterial {
 
 /// The elastic foundation under a layer, its lower face held.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Substrate {
     /// Young's modulus `E_s` (Pa), above 0. Under the dermis: 0.5e6 (Li 2014, 5.2).
     pub young: f64,

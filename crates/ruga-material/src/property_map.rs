@@ -6,14 +6,23 @@ use crate::{MaterialError, RelativeProperties};
 
 /// What lies beyond the border of an image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema),
+    serde(rename_all = "lowercase")
+)]
 pub enum Wrap {
-    /// The border's own texels, for ever. The default, although that of glTF is to repeat: maps are
-    /// painted and baked with UVs inside `[0, 1]`, where the two differ only within half a texel of
-    /// the border, and there repeating would mix in what was painted on the opposite side. A patch
-    /// whose UVs fill the square would get a false value all along its border.
+    /// The border's own texels. The default, unlike that of glTF: maps are painted inside the unit
+    /// square, and repeating would mix both borders along each.
+    ///
+    /// Inside the square the two differ only within half a texel of the border, but a patch whose UVs
+    /// fill the square would get a false value all along it.
     #[default]
+    #[cfg_attr(feature = "serde", serde(rename = "clamp"))]
     ClampToEdge,
-    /// The image again, for UVs that leave `[0, 1]` on purpose.
+    /// The image again.
+    ///
+    /// For UVs that leave `[0, 1]` on purpose.
     Repeat,
 }
 

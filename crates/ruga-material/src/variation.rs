@@ -12,6 +12,7 @@ use crate::error::{require_positive, require_representable};
 /// An even layer wrinkles in even, parallel corrugations. Skin does not: its furrows bend, join and
 /// fade, because its thickness varies from place to place.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Variation {
     /// Relative standard deviation of thickness, from 0 (even) to [`Variation::MAX_SPREAD`].
     pub spread: f64,

@@ -13,16 +13,27 @@ const MAX_TIE: f64 = 0.12;
 
 /// How the stiffness of the foundation is modelled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema),
+    serde(rename_all = "kebab-case")
+)]
 pub enum WavelengthModel {
-    /// Bonded elastic layer of finite thickness on a rigid base; contains the other two as limits.
+    /// Film on a bonded elastic layer of finite thickness.
+    ///
+    /// The layer stands on a rigid base; the other two models are limits of this one.
     #[default]
     Layer,
-    /// Half-space without shear at the interface, `K = E_s k / (2 (1 - ν_s²))`: Rémillard and Kry
-    /// 2013, eq. 3. Ignores the thickness of the substrate. Within 5 % for `k H ≥ 4`.
+    /// Film on a half-space (Rémillard & Kry 2013, eq. 3).
+    ///
+    /// `K = E_s k / (2 (1 - ν_s²))`, without shear at the interface. Ignores the thickness of the
+    /// substrate. Within 5 % for `k H ≥ 4`.
     HalfSpace,
-    /// Thin incompressible layer, `K = 4 E_s / (k² H³)`: Li 2014, eq. 3.1, after Cerda and
-    /// Mahadevan, with the prefactor `2π / (96 (1 - ν²))^(1/6)` that they leave open. Ignores the
-    /// Poisson ratio of the substrate. Within 5 % for `k H ≤ 1` where that is close to 0.5.
+    /// The scaling of Li 2014, eq. 3.1.
+    ///
+    /// Thin incompressible layer after Cerda and Mahadevan, `K = 4 E_s / (k² H³)`, with the prefactor
+    /// `2π / (96 (1 - ν²))^(1/6)` that they leave open. Ignores the Poisson ratio of the substrate.
+    /// Within 5 % for `k H ≤ 1` where that is close to 0.5.
     CerdaMahadevan,
 }
 
@@ -30,18 +41,13 @@ impl WavelengthModel {
     /// Every model, the default first.
     pub const ALL: [Self; 3] = [Self::Layer, Self::HalfSpace, Self::CerdaMahadevan];
 
-    /// Name in scenes and on the command line.
+    /// Name in scenes and reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Layer => "layer",
             Self::HalfSpace => "half-space",
             Self::CerdaMahadevan => "cerda-mahadevan",
         }
-    }
-
-    /// The model of that [`name`](Self::name), if there is one.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|model| model.name() == name)
     }
 }
 

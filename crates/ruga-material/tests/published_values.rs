@@ -341,18 +341,3 @@ fn preset_names_are_unique_and_found() {
     let (dermis, epidermis) = (&PRESETS[0], &PRESETS[1]);
     assert_eq!(dermis.layer.as_substrate(), epidermis.substrate);
 }
-
-#[test]
-fn model_names_round_trip() {
-    assert_eq!(WavelengthModel::default().name(), "layer");
-    for model in WavelengthModel::ALL {
-        assert_eq!(WavelengthModel::from_name(model.name()), Some(model));
-    }
-    assert_eq!(
-        WavelengthModel::from_name("half-space"),
-        Some(WavelengthModel::HalfSpace)
-    );
-    let cerda = Some(WavelengthModel::CerdaMahadevan);
-    assert_eq!(WavelengthModel::from_name("cerda-mahadevan"), cerda);
-    assert_eq!(WavelengthModel::from_name("Layer"), None);
-}

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::{PerFace, TriMesh};
+use crate::{Id, PerFace, PerVertex, TriMesh};
 
 /// Normal of every face, of length twice its area (m²).
 ///
@@ -60,4 +60,32 @@ pub fn vertex_areas(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Vec<f64> {
         }
     }
     areas
+}
+
+/// A border turning by more than this (degrees) is a corner: those of a square patch are, the polygon
+/// of a hole or a cut is not.
+const SHARP_TURN: f64 = 60.0;
+
+/// The border vertices that subdivision should leave sharp: the border turns there by more than 60
+/// degrees.
+///
+/// # Panics
+/// When there is not one position per vertex.
+pub fn sharp_border_corners(mesh: &TriMesh, positions: &[Vector3<f64>]) -> PerVertex<bool> {
+    let normals = face_normals(mesh, positions);
+    let limit = SHARP_TURN.to_radians().cos();
+    let mut corners = PerVertex::filled(mesh.vertex_count(), false);
+    for vertex in corners.ids() {
+        let Some(ring) = mesh.ring(vertex).filter(|ring| !ring.closed) else {
+            continue;
+        };
+        let normal: Vector3<f64> = mesh.vertex_faces(vertex).iter().map(|&f| normals[f]).sum();
+        let flat = |v: Vector3<f64>| v - normal * (normal.dot(&v) / normal.norm_squared());
+        let here = positions[vertex.index()];
+        let (start, end) = (ring.vertices[0], ring.vertices[ring.vertices.len() - 1]);
+        let incoming = flat(here - positions[end.index()]);
+        let outgoing = flat(positions[start.index()] - here);
+        corners[vertex] = incoming.dot(&outgoing) < limit * incoming.norm() * outgoing.norm();
+    }
+    corners
 }

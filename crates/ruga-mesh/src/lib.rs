@@ -1,4 +1,7 @@
 //! Topology, typed ids, material points, Loop subdivision and surface lookup for triangle meshes.
+#![doc = include_str!("../README.md")]
+//!
+//! ## Parts
 //!
 //! A [`TriMesh`] is faces, edges and their incidence; it never holds positions. A
 //! [`MaterialPoint`] (face, barycentric coordinates) is the one address for a place on a surface.
@@ -6,26 +9,9 @@
 //! quantity follows; [`limit_rows`] evaluates the limit surface at vertices and [`LoopSurface`] at
 //! any material point, where a [`SurfaceJet`] tells normal and curvature. [`PlanarLookup`] finds
 //! the material point under a texture coordinate, [`SurfaceLookup`] the closest one to a point in
-//! space; [`tangent_coordinates`] unrolls a neighbourhood.
+//! space; [`tangent_coordinates`] unrolls a neighbourhood. [`weld`] joins vertices that a file repeats.
 //!
 //! Positions given to a function are in metres, but nothing here depends on the unit.
-//!
-//! ```
-//! use nalgebra::Vector3;
-//! use ruga_mesh::{PerVertex, TriMesh, limit_rows, subdivide};
-//!
-//! // A square of two triangles, subdivided three times, stays in its plane.
-//! let mesh = TriMesh::new(4, vec![[0, 1, 2], [0, 2, 3]])?;
-//! let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-//! let positions = square.map(|[x, y]| Vector3::new(x, y, 0.0));
-//! let corners = PerVertex::filled(4, true);
-//! let fine = subdivide(&mesh, 3, &corners);
-//! let control = fine.fine_from_coarse.apply(&positions);
-//! let limit = limit_rows(&fine.mesh, &fine.corners).position.apply(&control);
-//! assert_eq!(fine.mesh.face_count(), 128);
-//! assert!(limit.iter().all(|p| p.z == 0.0));
-//! # Ok::<(), ruga_mesh::MeshError>(())
-//! ```
 
 mod box_spline;
 mod error;
@@ -44,13 +30,14 @@ mod surface_lookup;
 mod tangent_coordinates;
 mod topology;
 mod vertex_fan;
+mod weld;
 
 pub use material_point::MaterialPoint;
 pub use topology::{Edge, Ring, Submesh, TriMesh};
 
 pub use error::MeshError;
 pub use geodesic::edge_distances;
-pub use geometry::{face_normals, vertex_areas, vertex_normals};
+pub use geometry::{face_normals, sharp_border_corners, vertex_areas, vertex_normals};
 pub use ids::{EdgeId, FaceId, Id, PerEdge, PerElement, PerFace, PerVertex, VertexId};
 pub use loop_subdivision::{
     FaceOrigin, LimitRows, Subdivision, limit_rows, subdivide, subdivide_while,
@@ -63,3 +50,4 @@ pub use surface_lookup::{ClosestPlace, SurfaceLookup};
 pub use tangent_coordinates::{
     TangentCentre, TangentCoordinates, tangent_coordinates, tangent_frame,
 };
+pub use weld::{Weld, weld};

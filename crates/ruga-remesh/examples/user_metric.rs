@@ -11,10 +11,9 @@
 use std::error::Error;
 
 use nalgebra::{Matrix3, Vector3};
-use ruga_mesh::{PerEdge, PerVertex, TriMesh};
+use ruga_mesh::{MaterialPoint, PerEdge, TriMesh};
 use ruga_remesh::{
-    PolyhedralSurface, RemeshError, RemeshSettings, SizeLimits, Sizing, SurfaceMesh, remesh,
-    size_tensor,
+    PolyhedralSurface, RemeshSettings, SizeLimits, SurfaceMesh, remesh_to_metric, size_tensor,
 };
 
 /// Side of the square and radius of the circle, m.
@@ -27,8 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let positions = corners.map(|[x, y]| Vector3::new(x, y, 0.0));
     let seams = PerEdge::filled(base.edges().len(), false);
     let surface = PolyhedralSurface::new(&base, &positions, &seams)?;
-    let mut mesh = SurfaceMesh::on_surface(base.clone(), surface.vertex_points()?, &surface)?;
-
+    let mesh = SurfaceMesh::on_surface(base.clone(), surface.vertex_points()?, &surface)?;
     let settings = RemeshSettings {
         limits: SizeLimits {
             min_edge: 0.5e-3,
@@ -38,34 +36,24 @@ fn main() -> Result<(), Box<dyn Error>> {
         },
         ..RemeshSettings::default()
     };
-    // A sizing is known at vertices only; each round asks for it on a mesh that sees more of it.
-    for round in 1..=4 {
-        let tensors: PerVertex<Matrix3<f64>> = mesh
-            .positions
-            .iter()
-            .map(|(_, &p)| circle_metric(p))
-            .collect::<Result<_, _>>()?;
-        let remeshed = remesh(&mesh, &Sizing { tensors }, &surface, &settings)?;
-        let report = remeshed.report;
-        eprintln!(
-            "round {round}: {} faces, {:.1} % of edges within 0.5 to 1.5 of the wanted length",
-            remeshed.mesh.mesh.face_count(),
-            100.0 * report.share_met()
-        );
-        mesh = remeshed.mesh;
-    }
-    write_obj(&mesh);
+    let metric = |_: MaterialPoint, p| circle_metric(p);
+    let remeshed = remesh_to_metric(&mesh, &metric, &surface, &settings)?;
+    eprintln!(
+        "{} faces, {:.1} % of edges within 0.5 to 1.5 of the wanted length",
+        remeshed.mesh.mesh.face_count(),
+        100.0 * remeshed.report.share_met()
+    );
+    write_obj(&remeshed.mesh);
     Ok(())
 }
 
 /// Across the circle edges of 1 mm on it, growing with the distance; three times that along it.
-fn circle_metric(p: Vector3<f64>) -> Result<Matrix3<f64>, RemeshError> {
+fn circle_metric(p: Vector3<f64>) -> Matrix3<f64> {
     let radial = p - Vector3::new(SIDE / 2.0, SIDE / 2.0, 0.0);
     let across = 1e-3 + 0.3 * (radial.norm() - RADIUS).abs();
-    if radial.norm() < 1e-9 {
-        return Ok(Matrix3::identity() / (across * across));
-    }
+    // The centre has no radial direction.
     size_tensor(Vector3::z(), radial, across, 3.0 * across)
+        .unwrap_or_else(|_| Matrix3::identity() / (across * across))
 }
 
 fn write_obj(mesh: &SurfaceMesh) {

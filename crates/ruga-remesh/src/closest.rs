@@ -93,7 +93,7 @@ pub(crate) fn on_feature(
     best.filter(|_| are_on_curve).map(|(_, place)| place)
 }
 
-fn closest_on_edge(
+pub(crate) fn closest_on_edge(
     mesh: &TriMesh,
     positions: &[Vector3<f64>],
     face: FaceId,
@@ -121,7 +121,7 @@ fn along(a: Vector3<f64>, b: Vector3<f64>, target: Vector3<f64>) -> f64 {
 }
 
 /// Squared distance (m²) to the closest place of a face, and that place.
-fn closest_on_face(
+pub(crate) fn closest_on_face(
     mesh: &TriMesh,
     positions: &[Vector3<f64>],
     face: FaceId,

@@ -15,6 +15,9 @@ pub enum RemeshError {
         /// Entries it must have.
         expected: usize,
     },
+    /// The triangles are no mesh.
+    #[error(transparent)]
+    Mesh(#[from] ruga_mesh::MeshError),
     /// A setting is outside its range.
     #[error("{name} = {value}; accepted: {accepted}")]
     Setting {

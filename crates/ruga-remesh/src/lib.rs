@@ -1,4 +1,7 @@
 //! Remeshes a surface so that its edges follow a sizing tensor, and says how to carry data over.
+#![doc = include_str!("../README.md")]
+//!
+//! ## Parts
 //!
 //! A [`SurfaceMesh`] lies on a [`Surface`], addressed by material points; a [`Sizing`] says at each
 //! vertex how long edges should be in each direction. [`remesh`] returns a mesh that follows it
@@ -12,27 +15,10 @@
 //! instead of texture coordinates.
 //!
 //! Positions and wanted lengths are in metres, tensors in 1/m².
-//!
-//! ```
-//! use nalgebra::Vector3;
-//! use ruga_mesh::{PerEdge, TriMesh};
-//! use ruga_remesh::{PolyhedralSurface, RemeshSettings, Sizing, SurfaceMesh, remesh};
-//!
-//! // A square of 10 mm, two triangles, meshed with edges of about 1 mm.
-//! let base = TriMesh::new(4, vec![[0, 1, 2], [0, 2, 3]])?;
-//! let corners = [[0.0, 0.0], [0.01, 0.0], [0.01, 0.01], [0.0, 0.01]];
-//! let positions = corners.map(|[x, y]| Vector3::new(x, y, 0.0));
-//! let seams = PerEdge::filled(base.edges().len(), false);
-//! let surface = PolyhedralSurface::new(&base, &positions, &seams)?;
-//! let coarse = SurfaceMesh::on_surface(base.clone(), surface.vertex_points()?, &surface)?;
-//! let fine = remesh(&coarse, &Sizing::uniform(4, 1e-3)?, &surface, &RemeshSettings::default())?;
-//! assert!(fine.report.share_met() > 0.95);
-//! assert_eq!(fine.mesh.mesh.vertex_count(), fine.transfer.rows.row_count());
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
 
 mod closest;
 mod collapse;
+mod corner_values;
 mod error;
 mod flip;
 mod grading;
@@ -42,15 +28,17 @@ mod relax;
 mod remesh;
 mod sizing;
 mod sizing_field;
+mod smooth_surface;
 mod split;
 mod surface;
 mod tensor2;
 mod tensor3;
 mod transfer;
 
-pub use remesh::{RemeshReport, RemeshSettings, Remeshed, remesh};
-pub use sizing::{SizeLimits, Sizing, size_tensor};
+pub use remesh::{RemeshReport, RemeshSettings, Remeshed, remesh, remesh_to_metric};
+pub use sizing::{Metric, SizeLimits, Sizing, size_tensor};
 pub use sizing_field::{FaceDriver, Refinement, SizingInput, face_compression, sizing_field};
+pub use smooth_surface::SmoothSurface;
 pub use surface::{PolyhedralSurface, Surface, SurfaceMesh};
 pub use transfer::Transfer;
 

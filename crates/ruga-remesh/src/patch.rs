@@ -8,7 +8,7 @@ use crate::closest::descend;
 use crate::half_edges::{HalfEdges, NONE};
 use crate::sizing::{area_of_squares, metric_length};
 use crate::tensor3::Tensor3;
-use crate::{Sizing, Surface, SurfaceMesh};
+use crate::{Metric, RemeshError, SizeLimits, Sizing, Surface, SurfaceMesh};
 
 /// Metric length above which an edge is split: its halves are as far below one as it is above.
 const SPLIT_ABOVE: f64 = 1.4;
@@ -42,25 +42,31 @@ pub(crate) struct Patch<'a> {
     pub(crate) old: &'a SurfaceMesh,
     sizing: &'a Sizing,
     surface: &'a dyn Surface,
+    /// What is asked at new vertices instead of `sizing`, and the limits that its answers are held to.
+    metric: Option<(&'a Metric<'a>, SizeLimits)>,
     /// Whether an edge may collapse onto its middle where neither end will do.
     pub(crate) may_ends_meet: bool,
 }
 
 impl<'a> Patch<'a> {
     /// # Errors
-    /// The vertex at which no face or more than one fan of faces meets.
+    /// [`RemeshError::NonManifoldVertex`] where no face or more than one fan of faces meets.
     pub(crate) fn new(
         old: &'a SurfaceMesh,
         sizing: &'a Sizing,
         surface: &'a dyn Surface,
-    ) -> Result<Self, u32> {
+    ) -> Result<Self, RemeshError> {
         let site = |(v, &position)| Site {
             position,
             normal: surface.normal(old.points[v]),
             tensor: Tensor3::from_matrix(&sizing.tensors[v]),
         };
         Ok(Self {
-            topology: HalfEdges::new(&old.mesh, &old.features)?,
+            topology: HalfEdges::new(&old.mesh, &old.features).map_err(|v| {
+                RemeshError::NonManifoldVertex {
+                    vertex: VertexId(v),
+                }
+            })?,
             sites: old.positions.iter().map(site).collect(),
             points: old.points.as_slice().to_vec(),
             old_vertices: (0..old.mesh.vertex_count() as u32).collect(),
@@ -68,8 +74,14 @@ impl<'a> Patch<'a> {
             old,
             sizing,
             surface,
+            metric: None,
             may_ends_meet: false,
         })
+    }
+
+    /// Asks `metric` at new vertices from now on.
+    pub(crate) fn ask(&mut self, metric: &'a Metric<'a>, limits: SizeLimits) {
+        self.metric = Some((metric, limits));
     }
 
     pub(crate) fn position(&self, v: u32) -> Vector3<f64> {
@@ -268,7 +280,11 @@ impl<'a> Patch<'a> {
         let (position, normal) = (self.surface.position(point), self.surface.normal(point));
         let old = self.old;
         let origin = descend(&old.mesh, old.positions.as_slice(), start, position);
-        let tensor = interpolate(old, &self.sizing.tensors, origin);
+        let asked = self
+            .metric
+            .as_ref()
+            .and_then(|(metric, limits)| limits.hold(&metric(point, position), normal));
+        let tensor = asked.unwrap_or_else(|| interpolate(old, &self.sizing.tensors, origin));
         self.sites[v] = Site {
             position,
             normal,

@@ -1,6 +1,6 @@
 //! The remesh: split, collapse, relax, and what comes out.
 
-use ruga_mesh::{MaterialPoint, PerEdge, PerVertex, SparseRows, TriMesh, VertexId};
+use ruga_mesh::{MaterialPoint, PerEdge, PerVertex, SparseRows, TriMesh};
 
 use crate::collapse::collapse_short_edges;
 use crate::flip::flip_around;
@@ -8,7 +8,7 @@ use crate::half_edges::HalfEdges;
 use crate::patch::{Patch, Touched};
 use crate::relax::relax_new_vertices;
 use crate::sizing::setting;
-use crate::{RemeshError, SizeLimits, Sizing, Surface, SurfaceMesh, Transfer};
+use crate::{Metric, RemeshError, SizeLimits, Sizing, Surface, SurfaceMesh, Transfer};
 
 /// Rounds of the closing loop; one that changes nothing ends it, and two are usual.
 const MAX_CLOSING_ROUNDS: usize = 8;
@@ -128,9 +128,6 @@ pub fn remesh(
     surface: &dyn Surface,
     settings: &RemeshSettings,
 ) -> Result<Remeshed, RemeshError> {
-    setting("corner_angle", settings.corner_angle, "0 to 1.57", |v| {
-        (0.0..=1.57).contains(&v)
-    })?;
     let limited = sizing.limited(mesh, surface, &settings.limits)?;
     let estimate = limited.vertex_estimate(mesh)?;
     if estimate > settings.max_vertices {
@@ -139,15 +136,45 @@ pub fn remesh(
             limit: settings.max_vertices,
         });
     }
-    let mut patch =
-        Patch::new(mesh, &limited, surface).map_err(|v| RemeshError::NonManifoldVertex {
-            vertex: VertexId(v),
-        })?;
+    follow(Patch::new(mesh, &limited, surface)?, settings)
+}
+
+/// Makes a mesh follow a metric that is asked at every new vertex, instead of interpolating what
+/// was asked at the old ones.
+///
+/// So a coarse mesh gets there in one go. What the metric wants between vertices is seen as far as
+/// `max_edge` makes it split there. Shortest and longest edge and the aspect are held as by [`remesh`];
+/// grading is left to the metric, and the number of vertices is not foretold: splitting stops at twice
+/// `max_vertices` new ones. A new vertex where the metric gives no tensor takes an interpolated one.
+///
+/// # Errors
+/// As [`remesh`]; [`RemeshError::Tensor`] for an old vertex where the metric gives no tensor.
+pub fn remesh_to_metric(
+    mesh: &SurfaceMesh,
+    metric: &Metric<'_>,
+    surface: &dyn Surface,
+    settings: &RemeshSettings,
+) -> Result<Remeshed, RemeshError> {
+    let limits = SizeLimits {
+        grading: f64::INFINITY,
+        ..settings.limits
+    };
+    let limited = Sizing::from_metric(mesh, metric).limited(mesh, surface, &limits)?;
+    let mut patch = Patch::new(mesh, &limited, surface)?;
+    patch.ask(metric, limits.within(mesh));
+    follow(patch, settings)
+}
+
+/// The passes, on a patch that knows its sizing.
+fn follow(mut patch: Patch<'_>, settings: &RemeshSettings) -> Result<Remeshed, RemeshError> {
+    setting("corner_angle", settings.corner_angle, "0 to 1.57", |v| {
+        (0.0..=1.57).contains(&v)
+    })?;
     let mut counts = Counts::default();
     let corner = settings.corner_angle.cos();
     flip_everywhere(&mut patch, &mut counts);
     let most = settings.max_vertices.saturating_mul(2);
-    let most = most.saturating_add(mesh.mesh.vertex_count());
+    let most = most.saturating_add(patch.old.mesh.vertex_count());
     let mut converged = crate::split::split_long_edges(&mut patch, &mut counts, most);
     if counts.splits > 0 {
         patch.renumber();
@@ -255,6 +282,7 @@ fn transfer(patch: &Patch, kept: &[u32]) -> Transfer {
         survivors.push(survivor);
     }
     Transfer {
+        origins: take(kept, |v| patch.origin(v)),
         rows,
         survivors: survivors.into(),
     }

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use nalgebra::{Matrix3, Vector3};
-use ruga_mesh::{Id, PerVertex, tangent_frame};
+use ruga_mesh::{Id, MaterialPoint, PerVertex, tangent_frame};
 
 use crate::grading::grade;
 use crate::surface::check_length;
@@ -89,12 +89,21 @@ impl SizeLimits {
     }
 
     /// These limits with the longest edge held to the extent of a mesh.
-    fn within(&self, mesh: &SurfaceMesh) -> Self {
+    pub(crate) fn within(&self, mesh: &SurfaceMesh) -> Self {
         let max_edge = self.max_edge.min(extent(&mesh.positions));
         Self {
             max_edge: max_edge.max(self.min_edge),
             ..*self
         }
+    }
+
+    /// A tensor made tangent and held to the limits; `None` when it is no metric.
+    pub(crate) fn hold(&self, tensor: &Matrix3<f64>, normal: Vector3<f64>) -> Option<Matrix3<f64>> {
+        let frame = tangent_frame(normal, Vector3::zeros());
+        is_metric(tensor).then(|| {
+            let flat = self.clamp(Tensor2::in_frame(tensor, &frame));
+            flat.in_space(&frame)
+        })
     }
 
     /// The tensor with eigenvalues raised or lowered into the limits.
@@ -144,6 +153,11 @@ pub(crate) fn setting(
     }
 }
 
+/// Wanted edges as a function of the place and its position (m): a tensor as in [`Sizing`].
+///
+/// [`size_tensor`] makes such tensors.
+pub type Metric<'a> = dyn Fn(MaterialPoint, Vector3<f64>) -> Matrix3<f64> + 'a;
+
 impl Sizing {
     /// The same wanted length `edge` (m, positive) everywhere and in every direction.
     ///
@@ -155,6 +169,14 @@ impl Sizing {
         Ok(Self {
             tensors: PerVertex::filled(vertex_count, tensor),
         })
+    }
+
+    /// Asks `metric` at every vertex of a mesh.
+    pub fn from_metric(mesh: &SurfaceMesh, metric: &Metric<'_>) -> Self {
+        let ask = |(v, &position)| metric(mesh.points[v], position);
+        Self {
+            tensors: mesh.positions.iter().map(ask).collect(),
+        }
     }
 
     /// The sizing made tangent and held to limits: edge lengths, aspect, then grading.
@@ -219,17 +241,20 @@ impl Sizing {
     fn check(&self, vertex_count: usize) -> Result<(), RemeshError> {
         check_length("sizing", self.tensors.len(), vertex_count)?;
         for (vertex, tensor) in self.tensors.iter() {
-            let scale = tensor.norm();
-            let is_symmetric = (tensor - tensor.transpose()).norm() <= 1e-9 * scale;
-            if !scale.is_finite()
-                || !is_symmetric
-                || tensor.symmetric_eigenvalues().min() < -1e-9 * scale
-            {
+            if !is_metric(tensor) {
                 return Err(RemeshError::Tensor { vertex });
             }
         }
         Ok(())
     }
+}
+
+/// Whether a tensor is finite, symmetric and not negative.
+fn is_metric(tensor: &Matrix3<f64>) -> bool {
+    let scale = tensor.norm();
+    scale.is_finite()
+        && (tensor - tensor.transpose()).norm() <= 1e-9 * scale
+        && tensor.symmetric_eigenvalues().min() >= -1e-9 * scale
 }
 
 /// The tensor of a place where edges should be `across` long in the direction of `direction` and

@@ -50,7 +50,7 @@ pub trait Surface {
 }
 
 /// Whether barycentric coordinates are numbers of sum one.
-fn sums_to_one(at: MaterialPoint) -> bool {
+pub(crate) fn sums_to_one(at: MaterialPoint) -> bool {
     (at.barycentric.iter().sum::<f64>() - 1.0).abs() <= SUM_TOLERANCE
 }
 
@@ -127,7 +127,7 @@ fn check_points(
     }
 }
 
-fn check_finite(positions: &[Vector3<f64>]) -> Result<(), RemeshError> {
+pub(crate) fn check_finite(positions: &[Vector3<f64>]) -> Result<(), RemeshError> {
     let is_finite = |p: &Vector3<f64>| p.iter().all(|c| c.is_finite());
     match positions.iter().position(|p| !is_finite(p)) {
         Some(i) => Err(RemeshError::Position {

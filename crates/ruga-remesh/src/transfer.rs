@@ -1,7 +1,7 @@
 //! What a remesh hands over: new values from old.
 
 use nalgebra::Vector3;
-use ruga_mesh::{Id, PerVertex, SparseRows, VertexId};
+use ruga_mesh::{Id, MaterialPoint, PerVertex, SparseRows, VertexId};
 
 /// How per-vertex values of the old mesh become values of the new one.
 ///
@@ -12,6 +12,8 @@ use ruga_mesh::{Id, PerVertex, SparseRows, VertexId};
 /// lies on the smooth surface, off the old facets, and zero displacement must stay zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transfer {
+    /// Where each new vertex lies on the old mesh.
+    pub origins: PerVertex<MaterialPoint>,
     /// Row per new vertex, column per old vertex.
     pub rows: SparseRows,
     /// For each new vertex the old vertex that it is, if it is one.

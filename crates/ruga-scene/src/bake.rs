@@ -77,10 +77,7 @@ impl Scene {
         BakeSettings {
             size: bake.size,
             supersample: bake.supersample,
-            frame: match bake.frame {
-                ruga_io::Frame::Driver => ruga_bake::Frame::Driver,
-                ruga_io::Frame::Mesh => ruga_bake::Frame::Mesh,
-            },
+            frame: bake.frame,
         }
     }
 

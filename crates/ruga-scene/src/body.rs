@@ -1,21 +1,18 @@
 //! From a scene's `[interior]` and motions to what the stepper simulates.
 
 use ruga_material::Substrate;
-use ruga_stepper::{
-    Body, CellShape, Handle, Keyframe, Motion, Obstacle, ObstacleShape, SolidMaterial,
-};
+use ruga_stepper::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape, SolidMaterial};
 
 use crate::file::{self, SceneFile};
 use crate::placement::Placement;
 
 /// The body that `interior` describes, made of what carries its layer.
 pub(crate) fn body(interior: &file::Interior, inside: &Substrate, placement: &Placement) -> Body {
-    // Reading a scene has refused obstacles without exactly one shape.
     let obstacles = interior.obstacles.iter();
     let obstacles = obstacles.filter_map(|obstacle| {
         Some(Obstacle {
             name: obstacle.name.clone(),
-            shape: obstacle_shape(obstacle.shape()?, placement),
+            shape: obstacle_shape(obstacle, placement)?,
         })
     });
     let handle = |handle: &file::Handle| Handle {
@@ -27,10 +24,7 @@ pub(crate) fn body(interior: &file::Interior, inside: &Substrate, placement: &Pl
     };
     Body {
         cells: interior.cells,
-        shape: match interior.shape {
-            file::CellShape::Quadratic => CellShape::Quadratic,
-            file::CellShape::Linear => CellShape::Linear,
-        },
+        shape: interior.shape,
         material: SolidMaterial {
             young: inside.young,
             poisson: inside.poisson,
@@ -43,23 +37,23 @@ pub(crate) fn body(interior: &file::Interior, inside: &Substrate, placement: &Pl
     }
 }
 
-fn obstacle_shape(shape: file::ObstacleShape, placement: &Placement) -> ObstacleShape {
+/// The shape that is given; reading a scene has refused obstacles with none or several.
+fn obstacle_shape(obstacle: &file::Obstacle, placement: &Placement) -> Option<ObstacleShape> {
     let place = |place| placement.place_in_file(place);
-    match shape {
-        file::ObstacleShape::Plane(plane) => ObstacleShape::Plane {
-            point: place(plane.point),
-            normal: placement.way_in_file(plane.normal),
-        },
-        file::ObstacleShape::Sphere(sphere) => ObstacleShape::Sphere {
-            centre: place(sphere.centre),
-            radius: sphere.radius,
-        },
-        file::ObstacleShape::Cylinder(cylinder) => ObstacleShape::Cylinder {
-            from: place(cylinder.from),
-            to: place(cylinder.to),
-            radius: cylinder.radius,
-        },
-    }
+    let plane = obstacle.plane.map(|plane| ObstacleShape::Plane {
+        point: place(plane.point),
+        normal: placement.way_in_file(plane.normal),
+    });
+    let sphere = obstacle.sphere.map(|sphere| ObstacleShape::Sphere {
+        centre: place(sphere.centre),
+        radius: sphere.radius,
+    });
+    let cylinder = obstacle.cylinder.map(|cylinder| ObstacleShape::Cylinder {
+        from: place(cylinder.from),
+        to: place(cylinder.to),
+        radius: cylinder.radius,
+    });
+    plane.or(sphere).or(cylinder)
 }
 
 /// How handles and obstacles move in the pose named `pose`; one that the scene does not list has no

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use miette::Diagnostic;
 use ruga_bake::BakeError;
-use ruga_blend::BlendError;
+use ruga_blend::{BlendError, did_you_mean};
 use ruga_io::IoError;
 use ruga_material::MaterialError;
 use ruga_stepper::{LatticeError, StepperError};
@@ -17,7 +17,7 @@ pub enum SceneError {
     #[error(transparent)]
     Io(#[from] IoError),
     /// The scene says something that cannot be done.
-    #[error("{}: {}{reason}{}", path.display(), key_and_line(key, *line), perhaps(suggestion.as_deref()))]
+    #[error("{}: {}{reason}{}", path.display(), key_and_line(key, *line), did_you_mean(suggestion.as_deref()))]
     Key {
         /// The scene file.
         path: PathBuf,
@@ -202,14 +202,6 @@ pub fn counted(count: usize, noun: &str) -> String {
         1 => format!("1 {noun}"),
         _ => format!("{count} {noun}s"),
     }
-}
-
-fn did_you_mean(suggestion: Option<&str>) -> String {
-    suggestion.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
-}
-
-fn perhaps(suggestion: Option<&str>) -> String {
-    suggestion.map_or_else(String::new, |name| format!(" (did you mean `{name}`?)"))
 }
 
 fn key_and_line(key: &str, line: Option<usize>) -> String {

@@ -21,20 +21,19 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use interior::{
-    CellShape, Cylinder, Handle, Interior, Motion, Obstacle, ObstacleShape, Plane, Sphere,
-};
+pub use interior::{Cylinder, Handle, Interior, Motion, Obstacle, Plane, Sphere};
 pub use names::{is_usable_file_name, usable_file_name};
 pub use reference::{Key, Table, reference};
 pub use settings::{Bake, Remesh, Solver, SolverMode};
-pub use skin::{
-    Coupling, Layer, LayerDefinition, PropertyMap, Sampling, Substrate, SubstrateDefinition,
-    WavelengthModel, Wrap,
-};
-
+pub use skin::{Layer, LayerDefinition, PropertyMap, Substrate, SubstrateDefinition};
 pub use zones::Zone;
 
+pub use ruga_blend::Smoothing;
+pub use ruga_material::{WavelengthModel, Wrap};
+pub use ruga_stepper::{CellShape, Coupling, Sampling, Stack};
+
 use ruga_io::LengthUnit;
+use ruga_stepper::Modelling;
 
 /// A whole scene: what stands before the first table. All units are SI: metres, pascals, kilograms,
 /// seconds. Paths are relative to the scene's folder. An unknown key is an error.
@@ -69,22 +68,9 @@ pub struct SceneFile {
     /// What is baked.
     #[serde(default)]
     pub bake: Bake,
-    /// Present: one layer on a soft body instead of on the posed mesh.
+    /// Present: the layers lie on a soft body instead of on the posed mesh.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub interior: Option<Interior>,
-}
-
-/// What a stack of layers means.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Stack {
-    /// Each layer by its own wavelength, as painted.
-    #[default]
-    Nominal,
-    /// The lower layer carries the stiffness of the stack.
-    Composite,
-    /// All layers in one system; for small patches.
-    Joint,
 }
 
 /// The mesh and the part of it that is simulated.
@@ -117,7 +103,7 @@ pub struct Driver {
 }
 
 fn default_vertex_budget() -> u64 {
-    300_000
+    Modelling::default().vertex_budget as u64
 }
 
 /// Where skin is simulated: `auto`, `all`, or the path of a mask.
@@ -151,17 +137,6 @@ impl From<Region> for String {
             Region::Mask(path) => path.to_string_lossy().into_owned(),
         }
     }
-}
-
-/// How the artist's facets are smoothed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Smoothing {
-    /// Loop subdivision.
-    #[default]
-    Loop,
-    /// Not at all.
-    None,
 }
 
 /// A set of weights and motions, and where on the way to it maps are baked.

@@ -51,5 +51,5 @@ pub use error::{SceneError, counted};
 pub use file::SceneFile;
 pub use placement::Placement;
 pub use plan::{ScenePlan, ZonePlan};
-pub use property_images::{PropertyImages, PropertyPlane, read_property_images};
+pub use property_images::{PropertyImages, read_property_images};
 pub use scene::{Inspection, Scene, SceneOptions, driver_of};

@@ -3,22 +3,16 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use ruga_blend::{Driver, Smoothing};
-
+use ruga_blend::{Driver, nearest};
 use ruga_material::{
-    LayerMaterial, MaterialError, PRESETS, Preset, PropertyImage, PropertyMap, Substrate,
-    Variation, VariationField, WavelengthModel, Wrap, design_layer, preset, wrinkling,
+    LayerMaterial, MaterialError, PRESETS, Preset, PropertyMap, Substrate, Variation, design_layer,
+    preset, wrinkling,
 };
-use ruga_stepper::{
-    Coupling, Dynamics, EdgeLimits, LayerSpec, Modelling, PoseSpec, Presence, Region, Sampling,
-    Stack,
-};
-
-use ruga_io::nearest;
+use ruga_stepper::{Dynamics, EdgeLimits, LayerSpec, Modelling, PoseSpec, Presence, Region, Stack};
 
 use crate::SceneError;
 use crate::file::{self, SceneFile};
-use crate::property_images::{PropertyPlane, read_property_images};
+use crate::property_images::read_property_images;
 use crate::scene::mask;
 
 /// Weights beyond this look like a slip: shapes are whole at 1, and now and then overdriven a little.
@@ -101,35 +95,27 @@ fn layer(
             with(preset.layer.young, preset.layer.thickness)
         }
     };
-    let model = wavelength_model(layer.model);
-    let wavelength = wrinkling(&material, &substrate, model)
-        .map_err(wrong)?
-        .wavelength;
-    let variation = variation(scene, index, preset)
-        .map(|variation| {
-            // Layers are uneven each in its own way.
-            let seed = scene.solver.seed.wrapping_add(index as u64);
-            VariationField::new(variation, wavelength, seed).map_err(wrong)
-        })
-        .transpose()?;
     let map = layer
         .map
         .as_ref()
         .map(|map| property_map(map, path, &format!("{key}.map")))
         .transpose()?;
-    Ok(LayerSpec {
-        name: layer.name.clone(),
-        material,
-        substrate,
-        model,
-        coupling: coupling(layer.coupling),
-        sampling: sampling(layer.sampling),
+    let spec = LayerSpec {
+        model: layer.model,
+        coupling: layer.coupling,
+        sampling: layer.sampling,
         map: map.map(Arc::new),
         sharp: layer.map.as_ref().is_some_and(|map| map.sharp),
         bending_transfer: layer.bending_transfer,
-        variation: variation.map(Arc::new),
         presence: presence(scene, index, path)?,
-    })
+        ..LayerSpec::new(&layer.name, material, substrate)
+    };
+    match variation(scene, index, preset) {
+        // Layers are uneven each in its own way.
+        Some(variation) => spec.uneven(variation, scene.solver.seed.wrapping_add(index as u64)),
+        None => wrinkling(&spec.material, &spec.substrate, spec.model).map(|_| spec),
+    }
+    .map_err(wrong)
 }
 
 /// How uneven layer number `index` is: as the scene says, or else as its preset is.
@@ -139,7 +125,7 @@ fn layer(
 fn variation(scene: &SceneFile, index: usize, preset: Option<&Preset>) -> Option<Variation> {
     let layer = &scene.layers[index];
     let of_preset = || {
-        let is_alone = scene.stack == file::Stack::Nominal;
+        let is_alone = scene.stack == Stack::Nominal;
         preset.filter(|_| is_alone)?.variation
     };
     let found = match layer.variation {
@@ -184,27 +170,13 @@ fn property_map(
     key: &str,
 ) -> Result<PropertyMap, SceneError> {
     let images = read_property_images(map, path, key)?;
-    let image = |plane: PropertyPlane| PropertyImage {
-        width: plane.width,
-        height: plane.height,
-        values: plane.values,
-        range: plane.range,
-    };
-    let wrap = match map.wrap {
-        file::Wrap::Clamp => Wrap::ClampToEdge,
-        file::Wrap::Repeat => Wrap::Repeat,
-    };
-    PropertyMap::new(
-        images.wavelength.map(image),
-        images.young.map(image),
-        images.thickness.map(image),
-        wrap,
+    PropertyMap::new(images.wavelength, images.young, images.thickness, map.wrap).map_err(
+        |source| SceneError::Material {
+            scene: path.to_owned(),
+            key: key.to_owned(),
+            source,
+        },
     )
-    .map_err(|source| SceneError::Material {
-        scene: path.to_owned(),
-        key: key.to_owned(),
-        source,
-    })
 }
 
 fn substrate(scene: &SceneFile, path: &Path) -> Result<Option<Substrate>, SceneError> {
@@ -215,15 +187,7 @@ fn substrate(scene: &SceneFile, path: &Path) -> Result<Option<Substrate>, SceneE
         file::SubstrateDefinition::Preset(name) => {
             preset_named(name, "substrate.preset", path)?.substrate
         }
-        file::SubstrateDefinition::Elastic {
-            young,
-            poisson,
-            thickness,
-        } => Substrate {
-            young,
-            poisson,
-            thickness,
-        },
+        file::SubstrateDefinition::Elastic(substrate) => substrate,
     }))
 }
 
@@ -320,11 +284,7 @@ pub(crate) fn modelling(scene: &SceneFile, region: Region, points: Option<f64>) 
             aspect: scene.remesh.aspect,
         }),
         vertex_budget: usize::try_from(scene.driver.vertex_budget).unwrap_or(usize::MAX),
-        stack: match scene.stack {
-            file::Stack::Nominal => Stack::Nominal,
-            file::Stack::Composite => Stack::Composite,
-            file::Stack::Joint => Stack::Joint,
-        },
+        stack: scene.stack,
         dynamics: match scene.solver.mode {
             file::SolverMode::Static => None,
             file::SolverMode::Dynamic => Some(Dynamics {
@@ -332,36 +292,9 @@ pub(crate) fn modelling(scene: &SceneFile, region: Region, points: Option<f64>) 
                 damping: scene.solver.damping,
             }),
         },
-        smoothing: match scene.driver.smoothing {
-            file::Smoothing::Loop => Smoothing::Loop,
-            file::Smoothing::None => Smoothing::None,
-        },
+        smoothing: scene.driver.smoothing,
         tolerance: scene.solver.tolerance,
         seed: scene.solver.seed,
         ..Modelling::default()
-    }
-}
-
-fn coupling(coupling: file::Coupling) -> Coupling {
-    match coupling {
-        file::Coupling::Constraint => Coupling::Constraint,
-        file::Coupling::Elastic => Coupling::Elastic,
-        file::Coupling::Hybrid => Coupling::Hybrid,
-    }
-}
-
-fn sampling(sampling: file::Sampling) -> Sampling {
-    match sampling {
-        file::Sampling::Area => Sampling::Area,
-        file::Sampling::Adjusted => Sampling::Adjusted,
-        file::Sampling::Quadrature => Sampling::Quadrature,
-    }
-}
-
-fn wavelength_model(model: file::WavelengthModel) -> WavelengthModel {
-    match model {
-        file::WavelengthModel::Layer => WavelengthModel::Layer,
-        file::WavelengthModel::HalfSpace => WavelengthModel::HalfSpace,
-        file::WavelengthModel::CerdaMahadevan => WavelengthModel::CerdaMahadevan,
     }
 }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use ruga_io::{Image, IoError, read_image};
+use ruga_material::PropertyImage;
 
 use crate::SceneError;
 use crate::file::PropertyMap;
@@ -11,28 +12,15 @@ use crate::file::PropertyMap;
 /// rounding of half floats, and what filters of paint programs leave behind.
 const SLACK: f32 = 1e-3;
 
-/// One painted property: a grey image and the range that it is laid over.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PropertyPlane {
-    /// Texels per row, at least 1.
-    pub width: usize,
-    /// Rows, at least 1, the first on top.
-    pub height: usize,
-    /// `width * height` numbers `c` from 0 to 1, as stored: nothing is decoded from sRGB.
-    pub values: Vec<f32>,
-    /// `[lo, hi]`: the relative property is `lo + (hi - lo) c`.
-    pub range: [f64; 2],
-}
-
 /// What is painted over a layer; a property that is `None` keeps the layer's own value.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PropertyImages {
     /// Relative wavelength; the red channel of a packed image.
-    pub wavelength: Option<PropertyPlane>,
+    pub wavelength: Option<PropertyImage>,
     /// Relative Young's modulus; the green channel.
-    pub young: Option<PropertyPlane>,
+    pub young: Option<PropertyImage>,
     /// Relative thickness; the blue channel.
-    pub thickness: Option<PropertyPlane>,
+    pub thickness: Option<PropertyImage>,
 }
 
 /// Reads the images of a layer's map. `key` is that of the map, such as `layers[0].map`; it and
@@ -92,7 +80,7 @@ fn packed(path: &Path, map: &PropertyMap) -> Result<PropertyImages, IoError> {
     })
 }
 
-fn grey(path: &Path, range: [f64; 2]) -> Result<PropertyPlane, IoError> {
+fn grey(path: &Path, range: [f64; 2]) -> Result<PropertyImage, IoError> {
     let image = read_image(path)?;
     let coloured = image
         .values
@@ -115,7 +103,7 @@ fn plane(
     channel: usize,
     range: [f64; 2],
     path: &Path,
-) -> Result<PropertyPlane, IoError> {
+) -> Result<PropertyImage, IoError> {
     let numbers = || image.values.iter().skip(channel).step_by(image.channels);
     let accepted = -SLACK..=1.0 + SLACK;
     if let Some((texel, value)) = numbers().enumerate().find(|(_, c)| !accepted.contains(*c)) {
@@ -126,7 +114,7 @@ fn plane(
         );
         return Err(IoError::malformed(path, element, reason));
     }
-    Ok(PropertyPlane {
+    Ok(PropertyImage {
         width: image.width,
         height: image.height,
         values: numbers().map(|value| value.clamp(0.0, 1.0)).collect(),

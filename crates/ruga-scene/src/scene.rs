@@ -96,10 +96,10 @@ impl Scene {
     fn planned(&self) -> Result<ScenePlan, StepperError> {
         let (driver, poses, modelling) = (&self.driver, &self.poses, &self.modelling);
         let size = self.file.bake.size;
-        if let (Some(body), Some(layer)) = (&self.body, self.layers.first()) {
+        if let Some(body) = &self.body {
             let zone = ZonePlan {
-                plan: plan_body(driver, layer, body, poses, modelling, size)?,
-                layers: vec![0],
+                plan: plan_body(driver, &self.layers, body, poses, modelling, size)?,
+                layers: (0..self.layers.len()).collect(),
             };
             return Ok(ScenePlan { zones: vec![zone] });
         }
@@ -277,7 +277,8 @@ fn mesh_warnings(mesh: &MeshFile, driver: &Driver) -> Vec<String> {
     let degenerate = driver.degenerate_triangles();
     if let Some(first) = degenerate.first() {
         warnings.push(format!(
-            "{}: {} without area left out, the first is triangle {first}",
+            "{}: {} without area left out, the first is triangle {first}; the skin has no gap there, and \
+             nothing needs to be done",
             mesh.path.display(),
             counted(degenerate.len(), "triangle")
         ));
@@ -311,11 +312,16 @@ fn mask_warnings(scene: &SceneFile) -> Vec<String> {
         if image.width != image.height {
             let (width, height) = (image.width, image.height);
             warn(format!(
-                "the mask is {width} x {height} texels; it is stretched over the whole UV square"
+                "the mask is {width} x {height} texels and is stretched over the whole UV square; if it \
+                 was painted on a layout of those proportions, save it as a square"
             ));
         }
         if image.had_transparency {
-            warn("the mask is transparent in places; they count as black".to_owned());
+            warn(
+                "the mask is transparent in places, which count as black: nothing wrinkles there; \
+                 fill them if it should"
+                    .to_owned(),
+            );
         }
     }
     warnings

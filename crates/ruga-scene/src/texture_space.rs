@@ -68,22 +68,24 @@ pub(crate) fn check(mesh: &MeshFile) -> Result<Vec<String>, SceneError> {
     if let Some((face, other)) = report.overlaps.first() {
         warn(format!(
             "the texture coordinates of {} overlap others, the first are {other} and {face}; \
-             wrinkles on one show on the other",
+             wrinkles on one show on the other; give each its own place, unless the copies are \
+             meant",
             counted(report.overlapping, "triangle")
         ));
     }
     if let Some(first) = report.outside.first() {
         warn(format!(
             "the texture coordinates of {} leave the square from 0 to 1, the first is triangle \
-             {first}; what lies outside is not baked, {} of the skin",
+             {first}; what lies outside is not baked, {} of the skin; move it into the square if it is to \
+             wrinkle",
             counted(report.outside.len(), "triangle"),
             percent(1.0 - layout.inside)
         ));
     }
     if let Some(first) = report.zero_area.first() {
         warn(format!(
-            "the texture coordinates of {} have no area, the first is triangle {first}; maps are \
-             neutral there",
+            "the texture coordinates of {} have no area, the first is triangle {first}; it shows \
+             no wrinkles: unwrap it if it should",
             counted(report.zero_area.len(), "triangle")
         ));
     }
@@ -140,7 +142,7 @@ pub(crate) fn check_active(
         if let Some(layout) = layout(active).filter(|layout| layout.inside < LEAST_INSIDE) {
             warnings.push(format!(
                 "{}: pose `{pose}`: the texture coordinates of the skin that is simulated {}; the \
-                 maps of this pose are neutral",
+                 maps of this pose are neutral: move that skin into the square if it is to wrinkle",
                 mesh.path.display(),
                 place(&layout)
             ));

@@ -7,9 +7,7 @@ mod fixture;
 use std::path::Path;
 
 use fixture::assert_says;
-use ruga_scene::file::{
-    CellShape, Cylinder, Handle, Motion, Obstacle, ObstacleShape, Plane, Pose, Sphere,
-};
+use ruga_scene::file::{CellShape, Cylinder, Handle, Motion, Obstacle, Plane, Pose, Sphere};
 use ruga_scene::{SceneError, SceneFile};
 
 const BODY: &str = r#"
@@ -86,7 +84,6 @@ fn a_body_is_what_the_file_says() {
         max: [0.01, 1.0, 1.0],
     };
     assert_eq!(interior.handles, [left]);
-    let shapes: Vec<_> = interior.obstacles.iter().map(Obstacle::shape).collect();
     let button = Cylinder {
         from: [0.0, 0.0, 0.05],
         to: [0.0, 0.0, 0.1],
@@ -100,12 +97,14 @@ fn a_body_is_what_the_file_says() {
         point: [0.0, 0.0, -0.02],
         normal: [0.0, 0.0, 2.0],
     };
+    let shapes = |obstacle: &Obstacle| (obstacle.cylinder, obstacle.sphere, obstacle.plane);
+    let shapes: Vec<_> = interior.obstacles.iter().map(shapes).collect();
     let wanted = [
-        ObstacleShape::Cylinder(button),
-        ObstacleShape::Sphere(ball),
-        ObstacleShape::Plane(floor),
+        (Some(button), None, None),
+        (None, Some(ball), None),
+        (None, None, Some(floor)),
     ];
-    assert_eq!(shapes, wanted.map(Some));
+    assert_eq!(shapes, wanted);
     let movable: Vec<_> = interior.movable().collect();
     assert_eq!(movable, ["left", "button", "ball", "floor"]);
 }

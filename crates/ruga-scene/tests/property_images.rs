@@ -249,7 +249,7 @@ fn wrap_and_sharp_are_keys() {
     };
     let map = |text: &str| parse(text).unwrap().layers[0].map.clone().unwrap();
     let plain = map("thickness = [0.5, 2.0] }");
-    assert_eq!((plain.wrap, plain.sharp), (Wrap::Clamp, false));
+    assert_eq!((plain.wrap, plain.sharp), (Wrap::ClampToEdge, false));
     let set = map("thickness = [0.5, 2.0], wrap = \"repeat\", sharp = true }");
     assert_eq!((set.wrap, set.sharp), (Wrap::Repeat, true));
     let scene = parse("thickness = [0.5, 2.0], wrap = \"repeat\", sharp = true }").unwrap();

@@ -43,7 +43,7 @@ fn defaults_are_those_of_the_sample() {
     };
     assert_eq!(full.interior.unwrap(), interior);
     assert_eq!(full.bake.maps, [MapKind::Normal, MapKind::Height]);
-    assert_eq!(full.bake.normal_y, NormalY::Plus);
+    assert_eq!(full.bake.normal_y, NormalY::Up);
 }
 
 #[test]
@@ -305,7 +305,7 @@ fn zones_that_contradict_themselves() {
     let alone = alone.replace("mask = \"forehead.png\"\n", "");
     assert!(parse(&alone).is_ok());
     let bad = parse(&format!("{ZONES}[interior]\ngravity = [0.0, -9.8, 0.0]\n"));
-    assert_says(bad, "scene.toml", &["interior", "exactly one layer"]);
+    assert_says(bad, "scene.toml", &["interior", "2 zones", "one zone"]);
 }
 
 #[test]
@@ -381,4 +381,18 @@ fn poses_from_shapes() {
         "scene.toml",
         &["no blend shapes"],
     );
+}
+
+#[test]
+fn materials_and_words_of_the_domain_go_through_json() {
+    let skin = ruga_material::PRESETS[2].layer;
+    let text = serde_json::to_string(&skin).unwrap();
+    let back: ruga_material::LayerMaterial = serde_json::from_str(&text).unwrap();
+    assert_eq!(back, skin);
+    for model in WavelengthModel::ALL {
+        assert_eq!(serde_json::to_value(model).unwrap(), model.name());
+    }
+    // Methods for comparison are no words of a scene.
+    assert!(serde_json::from_str::<Coupling>("\"spectral\"").is_err());
+    assert!(serde_json::from_str::<Sampling>("\"adjustedasprinted\"").is_err());
 }

@@ -35,10 +35,8 @@
 //!
 //! use nalgebra::{Vector2, Vector3};
 //! use ruga_blend::{ArtistMesh, BlendShape, Driver};
-//! use ruga_material::{WavelengthModel, preset};
-//! use ruga_stepper::{
-//!     Coupling, LayerSpec, Modelling, PoseSpec, Presence, Sampling, Silent, plan,
-//! };
+//! use ruga_material::preset;
+//! use ruga_stepper::{LayerSpec, Modelling, PoseSpec, Silent, plan};
 //!
 //! let square = [[0.0, 0.0], [0.04, 0.0], [0.04, 0.04], [0.0, 0.04]];
 //! let driver = Arc::new(Driver::new(&ArtistMesh {
@@ -53,19 +51,7 @@
 //!     ..ArtistMesh::default()
 //! })?);
 //! let skin = preset("forehead-furrow").expect("one of the presets");
-//! let layers = [LayerSpec {
-//!     name: "skin".into(),
-//!     material: skin.layer,
-//!     substrate: skin.substrate,
-//!     model: WavelengthModel::Layer,
-//!     coupling: Coupling::Hybrid,
-//!     sampling: Sampling::Quadrature,
-//!     map: None,
-//!     sharp: false,
-//!     bending_transfer: None,
-//!     variation: None,
-//!     presence: Presence::default(),
-//! }];
+//! let layers = [LayerSpec::from_preset(skin, 1)?];
 //! let poses = [PoseSpec {
 //!     name: "frown".into(),
 //!     weights: driver.weights([("compress", 1.0)])?,
@@ -73,14 +59,13 @@
 //!     steps: 3,
 //!     motions: Vec::new(),
 //! }];
-//! let draft = Modelling { points_per_wavelength: 6.0, ..Modelling::default() };
 //!
-//! let plan = plan(&driver, &layers, &poses, &draft, 1024)?;
+//! let plan = plan(&driver, &layers, &poses, &Modelling::draft(), 1024)?;
 //! let result = plan.simulate(0, &mut Silent)?;
 //! assert!(result.converged);
 //! // Deeper than a tenth of a millimetre: the skin wrinkles.
 //! assert!(result.layers[0].amplitude > 1e-4);
-//! # Ok::<(), ruga_stepper::StepperError>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod model;
@@ -109,15 +94,15 @@ mod measure;
 mod motion;
 mod region;
 mod relief;
-mod skin_energy;
 mod stacking;
 mod strain_ratio;
 mod surface_measures;
 #[cfg(test)]
 mod test_square;
 mod upper_layers;
+mod upper_shell;
 
-mod embedded;
+mod support;
 
 mod error;
 mod observer;
@@ -133,7 +118,7 @@ pub use model::{
 };
 pub use result::{ComputedMesh, KeyResult, LayerReport, LayerSurface, PoseResult};
 
-pub use embedded::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape, plan_body};
+pub use support::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape, plan_body};
 
 pub use observer::{Frame, Observer, Phase, Preparation, Progress, Silent};
 

@@ -5,7 +5,10 @@ use std::sync::Arc;
 use nalgebra::Vector2;
 use ruga_blend::{Smoothing, Weights};
 use ruga_constraint::Sampling;
-use ruga_material::{LayerMaterial, PropertyMap, Substrate, VariationField, WavelengthModel};
+use ruga_material::{
+    LayerMaterial, MaterialError, Preset, PropertyMap, Substrate, Variation, VariationField,
+    WavelengthModel, wrinkling,
+};
 use ruga_shell::BendingModel;
 use ruga_solver::{Minimise, minimise};
 
@@ -14,16 +17,28 @@ use crate::{Motion, StepperError};
 
 /// How a layer is held by what lies below it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema),
+    serde(rename_all = "lowercase")
+)]
 pub enum Coupling {
-    /// Low-pass rows at spacing wavelength/√3 and nothing else: the papers' coupling.
+    /// Gaussian averaging constraints alone, as in the papers.
+    ///
+    /// Their centres are wavelength/√3 apart.
     Constraint,
     /// The lowest eigenfunctions of the layer's Laplacian as rows, on all of it at once, and nothing
     /// else (Rémillard and Kry 2013, section 3.2): what is longer than five quarters of a wavelength
     /// is held. For comparison: a wrinkle anywhere is felt everywhere.
+    #[cfg_attr(feature = "serde", serde(skip))]
     Spectral,
-    /// Pasternak foundation and tangential tie.
+    /// An elastic foundation alone.
+    ///
+    /// A Pasternak foundation and tangential springs.
     Elastic,
-    /// Pasternak, tie and low-pass rows at 1.5 wavelengths.
+    /// The foundation with averaging constraints over longer distances.
+    ///
+    /// Their centres are 1.5 wavelengths apart.
     #[default]
     Hybrid,
 }
@@ -62,6 +77,49 @@ pub struct LayerSpec {
     pub variation: Option<Arc<VariationField>>,
     /// Where on the artist's mesh it is, and how much of it shows.
     pub presence: Presence,
+}
+
+impl LayerSpec {
+    /// Makes an even layer of `material` that lies everywhere on `substrate`, with the default formula,
+    /// coupling and sampling.
+    pub fn new(name: impl Into<String>, material: LayerMaterial, substrate: Substrate) -> Self {
+        Self {
+            name: name.into(),
+            material,
+            substrate,
+            model: WavelengthModel::default(),
+            coupling: Coupling::default(),
+            sampling: Sampling::default(),
+            map: None,
+            sharp: false,
+            bending_transfer: None,
+            variation: None,
+            presence: Presence::default(),
+        }
+    }
+
+    /// Makes the layer that `preset` describes, named after it, with its natural unevenness.
+    ///
+    /// # Errors
+    /// Those of [`Self::uneven`]; none for one of [`ruga_material::PRESETS`].
+    pub fn from_preset(preset: &Preset, seed: u64) -> Result<Self, MaterialError> {
+        let even = Self::new(preset.name, preset.layer, preset.substrate);
+        match preset.variation {
+            Some(variation) => even.uneven(variation, seed),
+            None => Ok(even),
+        }
+    }
+
+    /// Lets the layer's thickness vary from place to place; `seed` says where it is thick.
+    ///
+    /// # Errors
+    /// [`MaterialError`] when material, substrate or variation are out of range.
+    pub fn uneven(mut self, variation: Variation, seed: u64) -> Result<Self, MaterialError> {
+        let wave = wrinkling(&self.material, &self.substrate, self.model)?;
+        let field = VariationField::new(variation, wave.wavelength, seed)?;
+        self.variation = Some(Arc::new(field));
+        Ok(self)
+    }
 }
 
 /// Where a layer is, and how much of its relief results show.
@@ -103,15 +161,26 @@ impl Presence {
 
 /// What a stack of layers means.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema),
+    serde(rename_all = "lowercase")
+)]
 pub enum Stack {
-    /// Each layer has its own wrinkles, as painted, small ones on large ones.
+    /// Each layer by its own wavelength, as painted.
+    ///
+    /// Small wrinkles lie on large ones.
     #[default]
     Nominal,
-    /// A lower layer is as stiff as it and all above it together: physical, with fine wrinkles
-    /// gathered in the valleys of large ones.
+    /// The lower layer carries the stiffness of the stack.
+    ///
+    /// It is as stiff as it and all above it together: physical, with fine wrinkles gathered in the
+    /// valleys of large ones.
     Composite,
+    /// All layers in one system; for small patches.
+    ///
     /// Two layers are solved at once, on one mesh that is as fine as the upper one needs: the
-    /// reference for the other two, for small patches. Both are held by foundations and ties alone,
+    /// reference for the other two. Both are held by foundations and tangential springs alone,
     /// whatever their couplings; what the upper one feels of the lower one's bending follows.
     Joint,
 }
@@ -268,6 +337,7 @@ fn is_inside(uv: Vector2<f64>) -> bool {
 
 /// What the edges of a fitted mesh are held to.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EdgeLimits {
     /// Shortest, m; not negative.
     pub min_edge: f64,
@@ -297,6 +367,7 @@ impl Default for EdgeLimits {
 /// moves with its layer, and time is the load: no key waits,
 /// and one between two steps, like a keyframe of a motion, divides the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Dynamics {
     /// Length of a step, s; positive.
     pub time_step: f64,
@@ -338,6 +409,38 @@ pub struct Modelling {
 const CARRYING_POINTS: f64 = 18.0;
 
 impl Modelling {
+    /// The choices for a first look: 6 edges per wavelength.
+    pub fn draft() -> Self {
+        Self::with_points(6.0)
+    }
+
+    /// The default: 12 edges per wavelength.
+    pub fn standard() -> Self {
+        Self::with_points(12.0)
+    }
+
+    /// The choices for the last tenths of a degree: 24 edges per wavelength, sixteen times the
+    /// vertices of a draft.
+    pub fn fine() -> Self {
+        Self::with_points(24.0)
+    }
+
+    fn with_points(points_per_wavelength: f64) -> Self {
+        Self {
+            region: Region::Auto,
+            points_per_wavelength,
+            vertex_budget: 300_000,
+            remesh: Some(EdgeLimits::default()),
+            stack: Stack::Nominal,
+            dynamics: None,
+            smoothing: Smoothing::Loop,
+            bending: BendingModel::VertexCurvature,
+            minimise,
+            tolerance: 1e-6,
+            seed: 1,
+        }
+    }
+
     /// Edges per wavelength of layer number `index` of `layers`.
     pub(crate) fn points_of(&self, index: usize, layers: usize) -> f64 {
         match index + 1 < layers {
@@ -349,19 +452,7 @@ impl Modelling {
 
 impl Default for Modelling {
     fn default() -> Self {
-        Self {
-            region: Region::Auto,
-            points_per_wavelength: 12.0,
-            vertex_budget: 300_000,
-            remesh: Some(EdgeLimits::default()),
-            stack: Stack::Nominal,
-            dynamics: None,
-            smoothing: Smoothing::Loop,
-            bending: BendingModel::VertexCurvature,
-            minimise,
-            tolerance: 1e-6,
-            seed: 1,
-        }
+        Self::standard()
     }
 }
 

@@ -264,7 +264,7 @@ fn scenes_of_bodies_fit_their_meshes() {
             );
         }
         for obstacle in &interior.obstacles {
-            let Some(ruga_scene::file::ObstacleShape::Cylinder(button)) = obstacle.shape() else {
+            let Some(button) = obstacle.cylinder else {
                 continue;
             };
             let top = positions.iter().map(|p| p.z).fold(0.0, f64::max);

@@ -116,7 +116,8 @@ impl WrinkleMaps<'_> {
         let map = self.pool.install(|| self.scene.bake_key(pose, key))?;
         if map.folded_samples > 0 {
             warnings.push(format!(
-                "at key {} the layer folds over in {} texels, which a normal map cannot hold",
+                "at key {} the layer folds over itself in {} texels; a normal map cannot show that and is \
+                 as steep there as it can be: give the pose a smaller weight if it looks wrong",
                 key.load, map.folded_samples
             ));
         }

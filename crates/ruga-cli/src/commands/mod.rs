@@ -1,6 +1,6 @@
 //! The commands, one per module; each returns how it ended.
 
-mod body_plan;
+mod plan_json;
 mod scene_for_mesh;
 
 pub(crate) mod bake;

@@ -1,11 +1,10 @@
 //! `ruga plan`: what will be modelled, where, how fine and at what cost.
 
-use ruga_material::{FirstScale, Wrinkling};
-use ruga_scene::{Scene, SceneOptions, ScenePlan, ZonePlan};
-use ruga_stepper::{AppliedStrain, LayerPlan, LoadPath};
-use serde::Serialize;
+use ruga_material::Wrinkling;
+use ruga_scene::{Scene, SceneOptions, ScenePlan, counted};
+use ruga_stepper::InteriorPlan;
 
-use super::body_plan;
+use super::plan_json::{Totals, json, pairs};
 use crate::arguments::{PlanArguments, Quality};
 use crate::error::CliError;
 use crate::messages;
@@ -24,16 +23,10 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<Outcome, CliError> {
     let scene = Scene::read_with(&arguments.scene, &options)?;
     let planned = scene.plan()?;
     if arguments.json {
-        messages::result(&match planned.interior() {
-            None => json(&scene, &planned),
-            Some(interior) => body_plan::json(&scene, &planned.zones[0].plan, interior),
-        });
+        messages::result(&json(&scene, &planned));
         return Ok(Outcome::Done);
     }
-    match planned.interior() {
-        None => print(&scene, &planned),
-        Some(interior) => body_plan::print(&scene, &planned.zones[0].plan, interior),
-    }
+    print(&scene, &planned);
     let warnings = scene.warnings.iter().chain(planned.warnings());
     messages::warnings(warnings, "`--json` lists all");
     Ok(Outcome::Done)
@@ -49,6 +42,10 @@ fn print(scene: &Scene, plan: &ScenePlan) {
     let waves: Vec<Wrinkling> = waves.into_iter().flatten().collect();
     messages::result(&layers_table(scene, &waves));
     messages::result("");
+    if let Some(interior) = plan.interior() {
+        messages::result(&lattice(interior));
+        messages::result("");
+    }
     if plan.zones.iter().any(|zone| !zone.plan.pairs().is_empty()) {
         messages::result(&pairs_table(scene, plan));
         messages::result("");
@@ -63,7 +60,7 @@ fn print(scene: &Scene, plan: &ScenePlan) {
 }
 
 /// Every layer with its critical wave.
-pub(super) fn layers_table(scene: &Scene, waves: &[Wrinkling]) -> String {
+fn layers_table(scene: &Scene, waves: &[Wrinkling]) -> String {
     let rows: Vec<Vec<String>> = scene
         .layers
         .iter()
@@ -88,6 +85,17 @@ pub(super) fn layers_table(scene: &Scene, waves: &[Wrinkling]) -> String {
         "thickness",
     ];
     table(&headings, &rows)
+}
+
+/// The lattice of a body in words.
+fn lattice(interior: &InteriorPlan) -> String {
+    let [x, y, z] = [0, 1, 2].map(|axis| 1e3 * interior.cell_size[axis]);
+    format!(
+        "interior: {} of {x:.1} x {y:.1} x {z:.1} mm, {} along the longest side, {}",
+        counted(interior.cells, "lattice cell"),
+        interior.cells_along,
+        counted(interior.nodes, "node")
+    )
 }
 
 /// Every layer on the one that carries it: what the two would do together.
@@ -117,31 +125,6 @@ fn pairs_table(scene: &Scene, plan: &ScenePlan) -> String {
         "bending transfer",
     ];
     table(&headings, &rows)
-}
-
-fn pairs<'a>(scene: &'a Scene, plan: &ScenePlan) -> Vec<PairJson<'a>> {
-    let of_zone = |zone| zone_pairs(scene, zone);
-    plan.zones.iter().flat_map(of_zone).collect()
-}
-
-fn zone_pairs<'a>(scene: &'a Scene, ZonePlan { layers, plan }: &ZonePlan) -> Vec<PairJson<'a>> {
-    let named = layers.windows(2).zip(plan.pairs());
-    named
-        .enumerate()
-        .map(|(lower, (layers, pair))| PairJson {
-            lower: &scene.layers[layers[0]].name,
-            upper: &scene.layers[layers[1]].name,
-            membrane_ratio: pair.membrane_ratio,
-            force_ratio: pair.force_ratio,
-            joint_wavelength_m: pair.joint.map(|joint| joint.wavelength),
-            joint_critical_strain: pair.joint.map(|joint| joint.critical_strain),
-            first_scale: match pair.first_scale() {
-                FirstScale::Fine => "fine",
-                FirstScale::Large => "large",
-            },
-            bending_transfer: plan.bending_transfer(lower + 1),
-        })
-        .collect()
 }
 
 /// What paint and natural unevenness make of the layers in every pose; empty where nothing is uneven.
@@ -186,14 +169,22 @@ fn poses_table(plan: &ScenePlan) -> String {
         for layer in plan.pose_layers(index) {
             let simulated = layer.vertices > 0;
             let shown = |text: String| if simulated { text } else { ABSENT.to_owned() };
-            let applied = layer.applied.unwrap_or_default();
+            // What a body compresses is known when it is simulated.
+            let applied = |value: String| {
+                if layer.applied.is_some() {
+                    shown(value)
+                } else {
+                    ABSENT.to_owned()
+                }
+            };
+            let strain = layer.applied.unwrap_or_default();
             rows.push(vec![
                 pose.name.clone(),
                 layer.name.clone(),
-                shown(number(1e2 * applied.median, 1, "%")),
-                shown(number(1e2 * applied.p99, 1, "%")),
+                applied(number(1e2 * strain.median, 1, "%")),
+                applied(number(1e2 * strain.p99, 1, "%")),
                 number(1e4 * layer.active_area, 1, "cm2"),
-                number(1e4 * applied.capped_area, 1, "cm2"),
+                number(1e4 * strain.capped_area, 1, "cm2"),
                 layer.vertices.to_string(),
                 shown(number(layer.points_per_wavelength, 1, "")),
                 shown(number(layer.texels_per_wavelength, 1, "")),
@@ -218,28 +209,6 @@ fn poses_table(plan: &ScenePlan) -> String {
     table(&headings, &rows)
 }
 
-/// Sums over poses; memory is that of the largest, as poses come and go.
-struct Totals {
-    vertices: usize,
-    seconds: f64,
-    largest_memory: f64,
-}
-
-impl Totals {
-    fn of(plan: &ScenePlan) -> Self {
-        let simulated = || {
-            let poses = plan.zones.iter().flat_map(|zone| &zone.plan.poses);
-            let layers = poses.flat_map(|pose| &pose.layers);
-            layers.filter(|layer| layer.vertices > 0)
-        };
-        Self {
-            vertices: simulated().map(|layer| layer.vertices).sum(),
-            seconds: simulated().map(|layer| layer.seconds).sum(),
-            largest_memory: simulated().map(|layer| layer.memory).fold(0.0, f64::max),
-        }
-    }
-}
-
 fn totals(plan: &ScenePlan) -> String {
     let totals = Totals::of(plan);
     let poses = plan.zones[0].plan.poses.len();
@@ -247,144 +216,17 @@ fn totals(plan: &ScenePlan) -> String {
         let mut layers = plan.pose_layers(*pose).into_iter();
         layers.any(|layer| layer.vertices > 0)
     };
-    let wrinkling = (0..poses).filter(wrinkles).count();
+    let poses = match plan.interior() {
+        Some(_) => counted(poses, "pose"),
+        None => {
+            let wrinkling = (0..poses).filter(wrinkles).count();
+            format!("{wrinkling} of {poses} poses wrinkle")
+        }
+    };
     format!(
-        "total: {wrinkling} of {} poses wrinkle, {} vertices, {} on one core, {} per thread",
-        poses,
+        "total: {poses}, {} vertices, {} on one core, {} per thread",
         totals.vertices,
         duration(totals.seconds),
         memory(totals.largest_memory),
     )
-}
-
-#[derive(Serialize)]
-struct PlanJson<'a> {
-    version: u32,
-    ruga: &'a str,
-    scene: String,
-    warnings: Vec<&'a String>,
-    /// Bottom first; empty for a single layer.
-    pairs: Vec<PairJson<'a>>,
-    poses: Vec<PoseJson<'a>>,
-    total: TotalJson,
-}
-
-/// A layer on the one below. Where the two have no wave in common, that wave's numbers are `null`.
-#[derive(Serialize)]
-struct PairJson<'a> {
-    lower: &'a str,
-    upper: &'a str,
-    /// Membrane stiffness of the upper layer over that of the lower one.
-    membrane_ratio: f64,
-    /// Critical force of the upper layer over that of the lower one, each alone.
-    force_ratio: f64,
-    joint_wavelength_m: Option<f64>,
-    joint_critical_strain: Option<f64>,
-    /// What a growing compression would show first of both together: `fine` or `large`.
-    first_scale: &'static str,
-    /// The share that is used: the scene's, or what its kind of stack has.
-    bending_transfer: f64,
-}
-
-#[derive(Serialize)]
-struct PoseJson<'a> {
-    name: &'a str,
-    /// What grows from load step to load step: `weight` or `strain`.
-    path: &'static str,
-    layers: Vec<LayerJson<'a>>,
-}
-
-/// Numbers that do not exist, as in a layer that is not simulated, are `null`.
-#[derive(Serialize)]
-struct LayerJson<'a> {
-    name: &'a str,
-    wavelength_m: f64,
-    critical_strain: f64,
-    strain_median: Option<f64>,
-    strain_p99: Option<f64>,
-    active_area_m2: f64,
-    capped_area_m2: f64,
-    folded_area_m2: f64,
-    vertices: usize,
-    points_per_wavelength: Option<f64>,
-    chi: Option<f64>,
-    texels_per_wavelength: Option<f64>,
-    /// Ranges over the active area of what paint and natural unevenness make of the layer.
-    wavelength_range_m: Option<[f64; 2]>,
-    critical_strain_range: Option<[f64; 2]>,
-    thickness_range_m: Option<[f64; 2]>,
-    seconds: f64,
-    memory_bytes: f64,
-}
-
-#[derive(Serialize)]
-struct TotalJson {
-    vertices: usize,
-    seconds: f64,
-    memory_bytes_per_pose: f64,
-}
-
-impl<'a> LayerJson<'a> {
-    fn new(layer: &'a LayerPlan) -> Self {
-        let simulated = layer.vertices > 0;
-        let known = |value: f64| Some(value).filter(|v| simulated && v.is_finite());
-        let applied = |value: fn(&AppliedStrain) -> f64| layer.applied.as_ref().map(value);
-        Self {
-            name: &layer.name,
-            wavelength_m: layer.wavelength,
-            critical_strain: layer.critical_strain,
-            strain_median: applied(|strain| strain.median).and_then(known),
-            strain_p99: applied(|strain| strain.p99).and_then(known),
-            active_area_m2: layer.active_area + 0.0,
-            capped_area_m2: applied(|strain| strain.capped_area).unwrap_or(0.0) + 0.0,
-            folded_area_m2: applied(|strain| strain.folded_area).unwrap_or(0.0) + 0.0,
-            vertices: layer.vertices,
-            points_per_wavelength: known(layer.points_per_wavelength),
-            chi: applied(|strain| strain.chi).and_then(known),
-            texels_per_wavelength: known(layer.texels_per_wavelength),
-            wavelength_range_m: layer.painted.map(|painted| painted.wavelength),
-            critical_strain_range: layer.painted.map(|painted| painted.critical_strain),
-            thickness_range_m: layer.painted.map(|painted| painted.thickness),
-            seconds: known(layer.seconds).unwrap_or(0.0),
-            memory_bytes: known(layer.memory).unwrap_or(0.0),
-        }
-    }
-}
-
-fn json(scene: &Scene, plan: &ScenePlan) -> String {
-    let totals = Totals::of(plan);
-    let own = plan.zones.iter().flat_map(|zone| &zone.plan.warnings);
-    let has_strain_path = |pose: usize| {
-        let mut paths = plan.zones.iter().map(|zone| zone.plan.poses[pose].path);
-        paths.any(|path| path == LoadPath::Strain)
-    };
-    let document = PlanJson {
-        version: 1,
-        ruga: env!("CARGO_PKG_VERSION"),
-        scene: scene.path.to_string_lossy().into_owned(),
-        warnings: scene.warnings.iter().chain(own).collect(),
-        pairs: pairs(scene, plan),
-        poses: (0..)
-            .zip(&scene.poses)
-            .map(|(index, pose)| PoseJson {
-                name: &pose.name,
-                path: match has_strain_path(index) {
-                    true => "strain",
-                    false => "weight",
-                },
-                layers: plan
-                    .pose_layers(index)
-                    .into_iter()
-                    .map(LayerJson::new)
-                    .collect(),
-            })
-            .collect(),
-        total: TotalJson {
-            vertices: totals.vertices,
-            seconds: totals.seconds,
-            memory_bytes_per_pose: totals.largest_memory,
-        },
-    };
-    serde_json::to_string_pretty(&document)
-        .expect("structs of numbers, strings and lists always serialise")
 }

@@ -93,10 +93,7 @@ impl Patch {
 
     /// What a row makes of a field over space.
     pub(crate) fn average(&self, row: &ConstraintRow, field: impl Fn(&Vector3<f64>) -> f64) -> f64 {
-        let terms = row.weights.iter();
-        terms
-            .map(|(v, w)| w * field(&self.positions[v.index()]))
-            .sum()
+        row.average(|v| field(&self.positions[v.index()]))
     }
 }
 

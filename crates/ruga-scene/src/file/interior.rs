@@ -1,10 +1,11 @@
 //! `[interior]`: the soft body below the layer, what holds it and what it runs into; and the
 //! motions of poses.
 
+use ruga_stepper::CellShape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// `[interior]`: one layer on an embedded lattice (Rémillard and Kry 2013).
+/// `[interior]`: layers on an embedded lattice (Rémillard and Kry 2013).
 ///
 /// What lies inside has the Young's modulus and the Poisson ratio of `[substrate]`. All lengths are
 /// metres; `length_unit` converts OBJ input alone. Places and directions are in the axes of the world:
@@ -58,17 +59,6 @@ impl Interior {
     }
 }
 
-/// The lattice's elements.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum CellShape {
-    /// Quadratic B-splines.
-    #[default]
-    Quadratic,
-    /// Trilinear, for comparison.
-    Linear,
-}
-
 /// One of `[[interior.handles]]`: the part of the body in a box, which moves as poses tell it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -96,30 +86,6 @@ pub struct Obstacle {
     /// A straight cylinder: a button.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cylinder: Option<Cylinder>,
-}
-
-/// The shape of an obstacle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ObstacleShape {
-    /// Everything behind a plane.
-    Plane(Plane),
-    /// A ball.
-    Sphere(Sphere),
-    /// A straight cylinder.
-    Cylinder(Cylinder),
-}
-
-impl Obstacle {
-    /// The one shape that is given; `None` when there are none or several, which
-    /// [`validate`](super::SceneFile::validate) refuses.
-    pub fn shape(&self) -> Option<ObstacleShape> {
-        match (self.plane, self.sphere, self.cylinder) {
-            (Some(plane), None, None) => Some(ObstacleShape::Plane(plane)),
-            (None, Some(sphere), None) => Some(ObstacleShape::Sphere(sphere)),
-            (None, None, Some(cylinder)) => Some(ObstacleShape::Cylinder(cylinder)),
-            _ => None,
-        }
-    }
 }
 
 /// A plane and everything behind it.

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use super::slips::{UnknownKey, duplicate};
 use super::{Region, SceneFile};
 use crate::SceneError;
-use ruga_io::{nearest, read_bytes};
+use ruga_blend::nearest;
+use ruga_io::read_bytes;
 
 impl SceneFile {
     /// Reads and checks a scene; its relative paths are resolved against the scene's folder.

@@ -112,6 +112,13 @@ fn text(schema: &Value, name: &str) -> String {
         .unwrap_or_default()
 }
 
+/// The first paragraph of a comment; what follows it is for programmers.
+fn first_paragraph(schema: &Value) -> String {
+    let all = schema.get("description").and_then(Value::as_str);
+    let first = all.and_then(|text| text.split("\n\n").next());
+    first.map(one_line).unwrap_or_default()
+}
+
 /// The lines of a comment as one.
 fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
@@ -133,7 +140,7 @@ fn choices(schema: &Value) -> Vec<(String, String)> {
     let options = schema.get("oneOf").and_then(Value::as_array);
     let choice = |option: &Value| {
         let word = option.get("const")?.as_str()?.to_owned();
-        Some((word, text(option, "description")))
+        Some((word, first_paragraph(option)))
     };
     options.into_iter().flatten().filter_map(choice).collect()
 }

@@ -1,6 +1,8 @@
 //! The optional tables: `[solver]`, `[remesh]`, `[bake]`.
 
+use ruga_bake::BakeSettings;
 use ruga_io::{Frame, MapFormat, MapKind, NormalY};
+use ruga_stepper::{EdgeLimits, Modelling};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -22,12 +24,13 @@ pub struct Solver {
 
 impl Default for Solver {
     fn default() -> Self {
+        let modelling = Modelling::default();
         Self {
             mode: SolverMode::Static,
             time_step: 0.02,
             damping: 0.5,
-            tolerance: 1e-6,
-            seed: 1,
+            tolerance: modelling.tolerance,
+            seed: modelling.seed,
         }
     }
 }
@@ -62,12 +65,13 @@ pub struct Remesh {
 
 impl Default for Remesh {
     fn default() -> Self {
+        let edges = EdgeLimits::default();
         Self {
             enabled: true,
-            points_per_wavelength: 12.0,
-            min_edge: 0.0,
-            max_edge: 1.0,
-            aspect: 4.0,
+            points_per_wavelength: Modelling::default().points_per_wavelength,
+            min_edge: edges.min_edge,
+            max_edge: edges.max_edge,
+            aspect: edges.aspect,
         }
     }
 }
@@ -94,14 +98,15 @@ pub struct Bake {
 
 impl Default for Bake {
     fn default() -> Self {
+        let settings = BakeSettings::default();
         Self {
-            size: 2048,
+            size: settings.size,
             maps: vec![MapKind::Normal, MapKind::Height],
             format: MapFormat::Png16,
-            normal_y: NormalY::Plus,
-            frame: Frame::Driver,
+            normal_y: NormalY::Up,
+            frame: settings.frame,
             padding: 16,
-            supersample: 1,
+            supersample: settings.supersample,
         }
     }
 }

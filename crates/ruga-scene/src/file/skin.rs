@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use ruga_material::{WavelengthModel, Wrap};
+use ruga_stepper::{Coupling, Sampling};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -30,14 +32,7 @@ pub enum SubstrateDefinition<'a> {
     /// That of a preset.
     Preset(&'a str),
     /// By numbers.
-    Elastic {
-        /// Young's modulus, Pa.
-        young: f64,
-        /// Poisson's ratio.
-        poisson: f64,
-        /// Thickness, m.
-        thickness: f64,
-    },
+    Elastic(ruga_material::Substrate),
 }
 
 impl Substrate {
@@ -45,11 +40,11 @@ impl Substrate {
     pub fn definition(&self) -> SubstrateDefinition<'_> {
         match &self.preset {
             Some(name) => SubstrateDefinition::Preset(name),
-            None => SubstrateDefinition::Elastic {
+            None => SubstrateDefinition::Elastic(ruga_material::Substrate {
                 young: self.young.unwrap_or(0.5e6),
                 poisson: self.poisson.unwrap_or(DEFAULT_POISSON),
                 thickness: self.thickness.unwrap_or(15e-3),
-            },
+            }),
         }
     }
 }
@@ -182,45 +177,6 @@ impl Layer {
     }
 }
 
-/// What holds a layer on the surface below.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Coupling {
-    /// Gaussian averaging constraints alone, as in the papers.
-    Constraint,
-    /// An elastic foundation alone.
-    Elastic,
-    /// The foundation with averaging constraints over longer distances.
-    #[default]
-    Hybrid,
-}
-
-/// How averaging constraints follow a changing mesh.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Sampling {
-    /// Vertex areas (Li 2014, eq. 4.3).
-    Area,
-    /// Vertex areas, corrected so that centres and slopes are kept.
-    Adjusted,
-    /// A quadrature over the surface that is exact for quadratic functions.
-    #[default]
-    Quadrature,
-}
-
-/// The formula for wavelength and critical strain.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum WavelengthModel {
-    /// Film on a bonded elastic layer of finite thickness.
-    #[default]
-    Layer,
-    /// Film on a half-space (Rémillard & Kry 2013, eq. 3).
-    HalfSpace,
-    /// The scaling of Li 2014, eq. 3.1.
-    CerdaMahadevan,
-}
-
 /// Painted properties of a layer. Each is `lo + (hi - lo) c` times the layer's own value, `c` from
 /// 0 to 1 read linearly. Either one `image` (red: wavelength, green: Young's modulus, blue:
 /// thickness), or one grey image per property. A property without range keeps its value.
@@ -266,16 +222,4 @@ impl PropertyMap {
         .into_iter()
         .filter_map(Option::as_deref)
     }
-}
-
-/// What lies beyond the border of a painted image.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Wrap {
-    /// The border's own texels. The default, unlike that of glTF: maps are painted inside the unit
-    /// square, and repeating would mix both borders along each.
-    #[default]
-    Clamp,
-    /// The image again.
-    Repeat,
 }

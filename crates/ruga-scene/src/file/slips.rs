@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::reference::{Table, reference};
-use ruga_io::nearest;
+use ruga_blend::nearest;
 
 /// Keys that scenes had in earlier versions: table, key, and what holds now.
 const GONE: [(&str, &str, &str); 1] = [(

@@ -6,9 +6,9 @@ use super::names::{file_name_fault, same_file, usable_file_name};
 use super::read::scene_error;
 use super::validate_interior::motion_faults;
 use super::{Driver, Interior, Pose, SceneFile};
+use ruga_blend::nearest;
 use ruga_io::LengthUnit;
 use ruga_io::key_percent;
-use ruga_io::nearest;
 
 use crate::SceneError;
 
@@ -304,6 +304,15 @@ pub(super) fn fault(key: &str, found: impl std::fmt::Display, accepted: &str) ->
         reason: format!("found {found}; accepted: {accepted}"),
         suggestion: None,
     })
+}
+
+/// Those of `keys` that are given, for messages.
+pub(super) fn names_given(keys: &[(&str, bool)]) -> String {
+    let given: Vec<&str> = keys.iter().filter(|key| key.1).map(|key| key.0).collect();
+    match given.as_slice() {
+        [] => "none of them".to_owned(),
+        names => names.join(", "),
+    }
 }
 
 pub(super) fn positive(key: &str, value: f64) -> Checked {

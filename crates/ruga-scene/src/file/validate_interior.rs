@@ -1,8 +1,8 @@
 //! What `[interior]` and the motions of poses must mean, beyond being well-formed.
 
-use super::validate::{Checked, Fault, fault, positive, within};
-use super::{Cylinder, Handle, Interior, Motion, Obstacle, ObstacleShape, Plane, Sphere};
-use ruga_io::nearest;
+use super::validate::{Checked, Fault, fault, names_given, positive, within};
+use super::{Cylinder, Handle, Interior, Motion, Obstacle, Plane, Sphere};
+use ruga_blend::nearest;
 
 impl Interior {
     pub(super) fn faults(&self, layers: usize) -> Checked {
@@ -23,9 +23,8 @@ impl Interior {
             self.name_fault(&key, self.handles.len() + i)?;
             obstacle.faults(&key)?;
         }
-        if layers != 1 {
-            let found = format!("{layers} layers");
-            return fault("interior", found, "exactly one layer on a lattice");
+        if layers == 0 {
+            return fault("interior", "no layer", "at least one layer on a lattice");
         }
         Ok(())
     }
@@ -64,24 +63,19 @@ impl Handle {
 
 impl Obstacle {
     fn faults(&self, key: &str) -> Checked {
-        match self.shape() {
-            Some(ObstacleShape::Plane(plane)) => plane.faults(&format!("{key}.plane")),
-            Some(ObstacleShape::Sphere(sphere)) => sphere.faults(&format!("{key}.sphere")),
-            Some(ObstacleShape::Cylinder(cylinder)) => cylinder.faults(&format!("{key}.cylinder")),
-            None => {
-                let given = [
-                    ("plane", self.plane.is_some()),
-                    ("sphere", self.sphere.is_some()),
-                    ("cylinder", self.cylinder.is_some()),
-                ];
-                let given: Vec<&str> = given.iter().filter(|g| g.1).map(|g| g.0).collect();
-                let found = match given.as_slice() {
-                    [] => "none of them".to_owned(),
-                    names => names.join(", "),
-                };
-                fault(key, found, "exactly one of plane, sphere, cylinder")
-            }
+        let given = [
+            ("plane", self.plane.is_some()),
+            ("sphere", self.sphere.is_some()),
+            ("cylinder", self.cylinder.is_some()),
+        ];
+        if given.iter().filter(|(_, is_given)| *is_given).count() != 1 {
+            let accepted = "exactly one of plane, sphere, cylinder";
+            return fault(key, names_given(&given), accepted);
         }
+        let plane = self.plane.map(|it| it.faults(&format!("{key}.plane")));
+        let sphere = self.sphere.map(|it| it.faults(&format!("{key}.sphere")));
+        let cylinder = (self.cylinder).map(|it| it.faults(&format!("{key}.cylinder")));
+        plane.or(sphere).or(cylinder).unwrap_or(Ok(()))
     }
 }
 

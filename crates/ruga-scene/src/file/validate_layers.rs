@@ -1,7 +1,7 @@
 //! What `[substrate]` and `[[layers]]` must mean, beyond being well-formed.
 
 use super::names::same_file;
-use super::validate::{Checked, fault, positive, unique_name};
+use super::validate::{Checked, fault, names_given, positive, unique_name};
 use super::{Layer, PropertyMap, SceneFile, Substrate};
 
 /// Beyond this spread a good part of the skin would be less than half as thick as the rest.
@@ -33,7 +33,11 @@ impl SceneFile {
         let zones = self.zones();
         if let (Some(_), [_, _, ..]) = (&self.interior, zones.as_slice()) {
             let found = format!("{} zones", zones.len());
-            return fault("interior", found, "exactly one layer on a lattice");
+            return fault(
+                "interior",
+                found,
+                "one zone on a lattice: its layers one on the other",
+            );
         }
         for zone in &zones {
             let lowest = zone.layers[0];
@@ -161,13 +165,8 @@ impl Layer {
             ("wavelength", self.wavelength.is_some()),
             ("critical_strain", self.critical_strain.is_some()),
         ];
-        let given: Vec<&str> = given.iter().filter(|g| g.1).map(|g| g.0).collect();
-        let found = match given.as_slice() {
-            [] => "none of them".to_owned(),
-            names => names.join(", "),
-        };
         let accepted = "either young and thickness, or wavelength and critical_strain, or preset";
-        fault(key, found, accepted)
+        fault(key, names_given(&given), accepted)
     }
 }
 

@@ -1,0 +1,144 @@
+//! What the springs below a layer add to the stiffness of a lattice that carries it.
+
+use std::ops::AddAssign;
+
+use nalgebra::{Matrix3, Vector3};
+use ruga_lattice::{Embedding, SurfacePattern};
+use ruga_shell::FoundationStiffness;
+
+/// The matrix `F` of [`FoundationStiffness`] between vertices, for products with the embedding `B`:
+/// with `e = x - B q` the springs' energy has the second derivatives `F`, `-F B` and `B' F B`.
+#[derive(Clone, Debug)]
+pub(crate) struct Springs {
+    /// Per vertex the vertices it shares faces with, itself included, ascending; and `m`.
+    neighbours: Vec<Vec<(u32, f64)>>,
+    /// N/m.
+    ties: Vec<f64>,
+    /// Lower triangle of `F`.
+    points: Vec<u32>,
+    column_starts: Vec<usize>,
+    rows: Vec<usize>,
+}
+
+impl Springs {
+    pub(crate) fn new(stiffness: FoundationStiffness) -> Self {
+        let of_vertex = |(i, m): (u32, &f64)| vec![(i, *m)];
+        let mut neighbours: Vec<Vec<(u32, f64)>> =
+            (0..).zip(&stiffness.diagonal).map(of_vertex).collect();
+        for ([i, j], m) in stiffness.edges {
+            neighbours[i as usize].push((j, m));
+            neighbours[j as usize].push((i, m));
+        }
+        for row in &mut neighbours {
+            row.sort_by_key(|(j, _)| *j);
+        }
+        let (column_starts, rows) = lower_pattern(&neighbours);
+        Self {
+            ties: stiffness.ties,
+            points: (0..neighbours.len() as u32).collect(),
+            neighbours,
+            column_starts,
+            rows,
+        }
+    }
+
+    /// Vertices whose deviations pull at vertex `i`, ascending.
+    pub(crate) fn neighbours(&self, i: usize) -> impl Iterator<Item = usize> + '_ {
+        self.neighbours[i].iter().map(|(j, _)| *j as usize)
+    }
+
+    /// Where the entries of [`Self::hessian`] are.
+    pub(crate) fn pattern(&self) -> SurfacePattern<'_> {
+        SurfacePattern {
+            points: &self.points,
+            column_starts: &self.column_starts,
+            rows: &self.rows,
+        }
+    }
+
+    /// The lower triangle of `F` (N/m), over these unit normals.
+    pub(crate) fn hessian(&self, normals: &[Vector3<f64>]) -> Vec<f64> {
+        let mut values = Vec::with_capacity(self.rows.len());
+        for j in 0..self.points.len() {
+            let blocks: Vec<_> = below(&self.neighbours, j)
+                .map(|&(i, m)| self.block(normals, [i as usize, j], m))
+                .collect();
+            for c in 0..3 {
+                for (k, block) in blocks.iter().enumerate() {
+                    let first = if k == 0 { c } else { 0 };
+                    values.extend((first..3).map(|r| block[(r, c)]));
+                }
+            }
+        }
+        values
+    }
+
+    /// Row `i` of `F B`: nodes, ascending, each with its block (N/m).
+    pub(crate) fn times(
+        &self,
+        embedding: &Embedding,
+        normals: &[Vector3<f64>],
+        i: usize,
+    ) -> Vec<(u32, Matrix3<f64>)> {
+        // All blocks but the tie's begin with the normal here: one vector per node is enough.
+        let mut lifts: Vec<(u32, Vector3<f64>)> = Vec::new();
+        for &(j, m) in &self.neighbours[i] {
+            let lift = normals[j as usize] * m;
+            let row = embedding.rows().row(j as usize);
+            lifts.extend(row.map(|(node, weight)| (node, lift * weight)));
+        }
+        add_up(&mut lifts);
+        let n = normals[i];
+        let tangential = (Matrix3::identity() - n * n.transpose()) * self.ties[i];
+        let mut blocks: Vec<_> = lifts
+            .into_iter()
+            .map(|(node, lift)| (node, n * lift.transpose()))
+            .collect();
+        for (node, weight) in embedding.rows().row(i) {
+            if let Ok(place) = blocks.binary_search_by_key(&node, |block| block.0) {
+                blocks[place].1 += tangential * weight;
+            }
+        }
+        blocks
+    }
+
+    fn block(&self, normals: &[Vector3<f64>], [i, j]: [usize; 2], m: f64) -> Matrix3<f64> {
+        let block = normals[i] * normals[j].transpose() * m;
+        if i != j {
+            return block;
+        }
+        let across = Matrix3::identity() - normals[i] * normals[i].transpose();
+        block + across * self.ties[i]
+    }
+}
+
+/// Sorts by node and adds up what belongs to the same one.
+fn add_up<T: Copy + AddAssign>(terms: &mut Vec<(u32, T)>) {
+    terms.sort_by_key(|term| term.0);
+    terms.dedup_by(|next, sum| {
+        let is_same = next.0 == sum.0;
+        if is_same {
+            sum.1 += next.1;
+        }
+        is_same
+    });
+}
+
+/// The neighbours of `j` from itself on.
+fn below(neighbours: &[Vec<(u32, f64)>], j: usize) -> impl Iterator<Item = &(u32, f64)> {
+    neighbours[j].iter().filter(move |(i, _)| *i as usize >= j)
+}
+
+fn lower_pattern(neighbours: &[Vec<(u32, f64)>]) -> (Vec<usize>, Vec<usize>) {
+    let (mut starts, mut rows) = (vec![0], Vec::new());
+    for j in 0..neighbours.len() {
+        for c in 0..3 {
+            for &(i, _) in below(neighbours, j) {
+                let first = if i as usize == j { c } else { 0 };
+                rows.extend((first..3).map(|r| 3 * i as usize + r));
+            }
+            starts.push(rows.len());
+        }
+    }
+    (starts, rows)
+}
