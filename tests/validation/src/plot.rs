@@ -186,9 +186,7 @@ impl Page<'_> {
             true => FontStyle::Bold,
             false => FontStyle::Normal,
         };
-        let font = ("sans-serif", SCALE * style.size * FONT)
-            .into_font()
-            .style(weight);
+        let font = ("sans-serif", SCALE * style.size * FONT, weight).into_font();
         let horizontal = match style.anchor {
             0.0 => HPos::Left,
             1.0 => HPos::Right,

@@ -239,7 +239,7 @@ pub(crate) fn bars(page: &Page<'_>, frame: [f64; 4], findings: &Findings) -> Dra
     });
     let title = Title {
         name: "A bar bent at one end",
-        note: "upwards: RMS height of its skin, in thicknesses; bent between the dashed lines",
+        note: "upwards: RMS height in thicknesses; bent between the dashed lines",
         across: "along the bar, wavelengths",
     };
     let axes = [(along, 2.0), (up, 0.5)].map(|(high, step)| {
