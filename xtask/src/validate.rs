@@ -7,7 +7,7 @@ use std::process::{ExitCode, Stdio};
 
 use clap::ValueEnum;
 
-use crate::repository::{Outcome, cargo, run, target_folder};
+use crate::repository::{Outcome, cargo, root, run, target_folder};
 
 /// What can be run by itself.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -58,10 +58,7 @@ impl Study {
         flags: &[&str],
     ) -> Result<Option<ExitCode>, Box<dyn Error>> {
         let name = match self {
-            Self::Tests => {
-                let tests = ["test", "--release", "--package", "ruga-validation"];
-                return run(&[], &tests);
-            }
+            Self::Tests => return tests(),
             Self::Stability => return stability(),
             Self::Patterns => return run(&[], &[PROGRAM.as_slice(), &["patterns"]].concat()),
             Self::Bodies => "bodies",
@@ -83,6 +80,26 @@ impl Study {
         let arguments = [PROGRAM.as_slice(), &[name, "--", &folder], flags].concat();
         run(&environment, &arguments)
     }
+}
+
+/// Runs the tests of `tests/validation` but for the stability suite, each by its name: with `--package`
+/// shared crates would be built anew with fewer features.
+fn tests() -> Result<Option<ExitCode>, Box<dyn Error>> {
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(root().join("tests/validation/tests"))? {
+        let path = entry?.path();
+        let is_test = path.extension().is_some() || path.join("main.rs").exists();
+        names.extend(
+            path.file_stem()
+                .filter(|_| is_test)
+                .map(|n| n.to_string_lossy().into_owned()),
+        );
+    }
+    names.sort();
+    let mut arguments = vec!["test", "--release", "--workspace", "--lib", "--bins"];
+    let long = names.iter().filter(|name| *name != "stability");
+    arguments.extend(long.flat_map(|name| ["--test", name.as_str()]));
+    run(&[], &arguments)
 }
 
 /// Draws the README's picture from a finished bake.
