@@ -4,7 +4,7 @@ use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, BaseSurface, BlendShape, Driver, Smoothing};
 use ruga_mesh::FaceId;
 
-use crate::skin_mesh::{RegionMesh, SkinMesh};
+use crate::skin::skin_mesh::{RegionMesh, SkinMesh};
 use crate::{Coupling, LayerSpec, Presence, Sampling};
 
 pub(crate) const SIDE: f64 = 0.04;

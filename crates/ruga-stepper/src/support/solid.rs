@@ -8,17 +8,17 @@ use ruga_lattice::{Embedding, Lattice, LatticeEnergy};
 use ruga_mesh::vertex_areas;
 use ruga_solver::{ConstraintRows, LowerPattern, SolverError};
 
-use super::body_plan::Interior;
 use super::contact::Contact;
 use super::handles::Moves;
+use super::interior::Interior;
 use super::layout::Layout;
 use super::mass::{BodyMass, Diagonal};
 use super::obstacle::PlacedObstacle;
 use super::prediction::Prediction;
 use super::springs::Springs;
 use super::{Body, posed};
-use crate::motion::{Inertia, velocities};
-use crate::skin_mesh::SkinMesh;
+use crate::skin::skin_mesh::SkinMesh;
+use crate::support::motion::{Inertia, velocities};
 use crate::{LayerSpec, StepperError};
 use ruga_shell::LayerEnergy;
 
