@@ -79,7 +79,7 @@ mod error;
 mod observer;
 mod preparing;
 #[cfg(test)]
-mod test_square;
+mod test_drivers;
 mod validation;
 
 pub use plan::{

@@ -4,6 +4,8 @@ mod boundary_cut;
 pub(crate) mod cover;
 mod facet_address;
 mod fading;
+mod fans;
+pub(crate) mod interpolation;
 pub(crate) mod local_skin;
 pub(crate) mod measure;
 pub(crate) mod place;

@@ -213,7 +213,7 @@ fn constraint(spec: &LayerSpec, source: ConstraintError) -> StepperError {
 mod tests {
     use super::*;
     use crate::Sampling;
-    use crate::test_square::{knuckle, skin, square};
+    use crate::test_drivers::{knuckle, skin, square};
 
     /// Edges of two millimetres.
     #[test]

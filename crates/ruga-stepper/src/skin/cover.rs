@@ -11,7 +11,8 @@ use ruga_mesh::{
 };
 
 use crate::skin::fading::faded_from;
-use crate::skin::skin_mesh::{Mark, SkinMesh, through_vertices};
+use crate::skin::interpolation::through_vertices;
+use crate::skin::skin_mesh::{Mark, SkinMesh};
 
 /// A place counts as beside the layer below when it lies this share of an edge outside.
 const BESIDE: f64 = 1e-3;
@@ -167,7 +168,7 @@ pub(crate) fn is_on_border(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_square::{SIDE, skin, square};
+    use crate::test_drivers::{SIDE, skin, square};
 
     const OFFSET: f64 = 7e-4;
 

@@ -230,7 +230,7 @@ mod tests {
 
     use super::*;
     use crate::skin::skin_mesh::RegionMesh;
-    use crate::test_square::{SIDE, region, square_mesh};
+    use crate::test_drivers::{SIDE, region, square_mesh};
 
     /// A flat square of triangles cut along either diagonal, its vertices moved by up to `jitter`,
     /// its texture as flat as itself.

@@ -116,7 +116,7 @@ mod tests {
     use ruga_mesh::Id;
 
     use super::*;
-    use crate::test_square::{SIDE, knuckle, region_of, square_mesh};
+    use crate::test_drivers::{SIDE, knuckle, region_of, square_mesh};
     use crate::{Mask, Presence};
 
     /// Shares on the inner half of a square, under one grey everywhere: the least and the greatest at

@@ -1,15 +1,11 @@
 //! The mesh a layer is computed on, and the one it is handed out on.
 
-use std::collections::VecDeque;
 use std::sync::{Arc, Weak};
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector2, Vector3};
 use ruga_blend::{BaseSurface, Driver, PosedSurface, Smoothing, SurfacePoints};
 use ruga_material::PropertyMap;
-use ruga_mesh::{
-    FaceId, Id, LoopSurface, MaterialPoint, PerEdge, PerFace, PerVertex, SparseRows, SurfaceLookup,
-    TriMesh, VertexId, limit_rows,
-};
+use ruga_mesh::{FaceId, Id, MaterialPoint, PerEdge, PerFace, PerVertex, SurfaceLookup, TriMesh};
 use ruga_remesh::{
     FaceDriver, PolyhedralSurface, Refinement, RemeshError, RemeshSettings, SizeLimits, Sizing,
     SizingInput, SurfaceMesh, remesh, sizing_field,
@@ -20,12 +16,8 @@ use crate::skin::boundary_cut::{
     Cut, Piece, TooManyCrossings, blend, check_crossings, cut_along, faces_beside,
 };
 use crate::skin::facet_address::{FacetAddresses, Piece as Facets};
+use crate::skin::fans::one_fan_per_vertex;
 use crate::{LayerSpec, StepperError};
-
-/// Corrections of control points towards a limit surface that passes through the vertices. The
-/// limit alone loses some 4 % of a wave's amplitude at 12 points per wavelength; one correction
-/// leaves 0.2 % of it, more would bring back what is as short as the edges and no wrinkle.
-const INTERPOLATION_STEPS: usize = 1;
 
 /// Lengths of edges, as multiples of what is wanted, that a mesh goes through. A mesh that is too
 /// fine stays so up to a factor of 0.6, because edges between old vertices are spared; split edges
@@ -35,9 +27,6 @@ const ROUNDS: [f64; 3] = [2.0, 1.0, 1.0];
 
 /// Edges over those asked for that a fitted mesh may have here and there.
 const TOO_LONG: f64 = 1.5;
-
-/// Places found, or interpolated at, between two questions whether to go on.
-const PLACES_AT_A_TIME: usize = 20_000;
 
 /// A triangle mesh whose vertices are material points of the driver.
 #[derive(Clone, Debug)]
@@ -445,227 +434,4 @@ fn limit_aspect(tensor: &mut Matrix3<f64>, aspect: f64) {
     let values = eigen.eigenvalues.map(|value| value.max(least));
     let vectors = eigen.eigenvectors;
     *tensor = vectors * Matrix3::from_diagonal(&values) * vectors.transpose();
-}
-
-/// Smooth interpolation of what is known at a mesh's vertices.
-///
-/// The Loop limit of control values that are corrected until it passes through the given ones:
-/// smooth as the limit, without its loss of amplitude.
-#[derive(Clone, Debug)]
-pub(crate) struct Interpolation {
-    at_vertices: SparseRows,
-    at_places: SparseRows,
-    places: Vec<MaterialPoint>,
-}
-
-impl Interpolation {
-    /// How values at the vertices of one mesh become values at those of another, of the same skin;
-    /// `None` as soon as `goes_on` says no.
-    pub(crate) fn new(
-        from: &SkinMesh,
-        to: &SkinMesh,
-        goes_on: &mut dyn FnMut() -> bool,
-    ) -> Option<Self> {
-        let places = places_on(from, to, goes_on)?;
-        let corners = PerVertex::filled(from.mesh.vertex_count(), false);
-        let surface = LoopSurface::new(&from.mesh, &corners);
-        let mut at_places = SparseRows::default();
-        for chunk in places.chunks(PLACES_AT_A_TIME) {
-            at_places.append(&surface.position_rows(chunk));
-            if !goes_on() {
-                return None;
-            }
-        }
-        Some(Self {
-            at_vertices: limit_rows(&from.mesh, &corners).position,
-            at_places,
-            places,
-        })
-    }
-
-    /// Where on the one mesh the vertices of the other are.
-    pub(crate) fn places(&self) -> &[MaterialPoint] {
-        &self.places
-    }
-
-    pub(crate) fn apply(&self, values: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-        self.at_places
-            .apply(&through_vertices(&self.at_vertices, values))
-    }
-}
-
-/// Control points whose limit surface, by the rows `at_vertices`, passes closer to `values`.
-pub(crate) fn through_vertices(
-    at_vertices: &SparseRows,
-    values: &[Vector3<f64>],
-) -> Vec<Vector3<f64>> {
-    let mut control = values.to_vec();
-    for _ in 0..INTERPOLATION_STEPS {
-        let reached = at_vertices.apply(&control);
-        for ((control, value), reached) in control.iter_mut().zip(values).zip(&reached) {
-            *control += value - reached;
-        }
-    }
-    control
-}
-
-/// The place of `layer` under every vertex of `region`, both at rest.
-///
-/// Found from neighbour to neighbour along the region, so that parts that touch are not confused;
-/// `None` as soon as `goes_on` says no.
-fn places_on(
-    layer: &SkinMesh,
-    region: &SkinMesh,
-    goes_on: &mut dyn FnMut() -> bool,
-) -> Option<Vec<MaterialPoint>> {
-    let lookup = SurfaceLookup::new(&layer.mesh, &layer.rest.positions);
-    let mesh = &region.mesh;
-    let mut places: PerVertex<Option<MaterialPoint>> = PerVertex::filled(mesh.vertex_count(), None);
-    let mut queue = VecDeque::new();
-    let mut visited = 0;
-    for seed in places.ids().collect::<Vec<_>>() {
-        if places[seed].is_some() {
-            continue;
-        }
-        places[seed] = lookup
-            .closest(&region.rest.positions[seed.index()])
-            .map(|found| found.point);
-        queue.push_back(seed);
-        while let Some(vertex) = queue.pop_front() {
-            visited += 1;
-            if visited % PLACES_AT_A_TIME == 0 && !goes_on() {
-                return None;
-            }
-            let Some(near) = places[vertex] else { continue };
-            for &face in mesh.vertex_faces(vertex) {
-                for next in mesh.faces()[face] {
-                    if places[next].is_none() {
-                        places[next] = place_near(&lookup, region, near.face, vertex, next);
-                        queue.push_back(next);
-                    }
-                }
-            }
-        }
-    }
-    let anywhere = MaterialPoint::at_corner(FaceId(0), 0);
-    let found = places.into_vec().into_iter();
-    Some(found.map(|place| place.unwrap_or(anywhere)).collect())
-}
-
-fn place_near(
-    lookup: &SurfaceLookup<'_>,
-    region: &SkinMesh,
-    start: FaceId,
-    from: VertexId,
-    to: VertexId,
-) -> Option<MaterialPoint> {
-    let [from, to] = [from, to].map(|v| region.rest.positions[v.index()]);
-    let reach = 2.0 * (to - from).norm();
-    lookup
-        .closest_near(start, &to, reach)
-        .or_else(|| lookup.closest(&to))
-        .map(|found| found.point)
-}
-
-/// The mesh with a vertex for every fan of faces, and the old vertex of every new one.
-///
-/// Two parts of a region that touch at a vertex only have nothing to do with each other.
-fn one_fan_per_vertex(mesh: &TriMesh) -> (TriMesh, Vec<VertexId>) {
-    let mut faces: Vec<[u32; 3]> = Vec::new();
-    for face in mesh.faces().as_slice() {
-        faces.push(face.map(|v| v.0));
-    }
-    let mut copied: Vec<VertexId> = (0..mesh.vertex_count()).map(VertexId::from_index).collect();
-    for vertex in (0..mesh.vertex_count()).map(VertexId::from_index) {
-        for fan in fans(mesh, vertex).into_iter().skip(1) {
-            let copy = copied.len() as u32;
-            copied.push(vertex);
-            for face in fan {
-                let corners = &mut faces[face.index()];
-                let corner = corners.iter_mut().find(|corner| **corner == vertex.0);
-                if let Some(corner) = corner {
-                    *corner = copy;
-                }
-            }
-        }
-    }
-    let split = TriMesh::new(copied.len(), faces);
-    (
-        split.expect("fans taken apart leave a manifold a manifold"),
-        copied,
-    )
-}
-
-/// The faces around a vertex, in groups that hang together by edges.
-fn fans(mesh: &TriMesh, vertex: VertexId) -> Vec<Vec<FaceId>> {
-    let mut left: Vec<FaceId> = mesh.vertex_faces(vertex).to_vec();
-    let mut fans = Vec::new();
-    while let Some(first) = left.first().copied() {
-        let mut fan = vec![first];
-        left.remove(0);
-        let mut next = 0;
-        while next < fan.len() {
-            for corner in 0..3 {
-                let neighbour = mesh.neighbour(fan[next], corner);
-                if let Some(at) = left.iter().position(|&f| Some(f) == neighbour) {
-                    fan.push(left.remove(at));
-                }
-            }
-            next += 1;
-        }
-        fans.push(fan);
-    }
-    fans
-}
-
-#[cfg(test)]
-mod tests {
-    use std::f64::consts::TAU;
-
-    use super::*;
-
-    /// A grid of 24 by 24 squares of side 1, each cut in two.
-    fn grid() -> (TriMesh, Vec<Vector3<f64>>) {
-        let at = |i: u32, j: u32| 25 * j + i;
-        let mut faces = Vec::new();
-        for (i, j) in (0..24).flat_map(|j| (0..24).map(move |i| (i, j))) {
-            faces.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
-            faces.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
-        }
-        let positions = (0..625).map(|v| Vector3::new(f64::from(v % 25), f64::from(v / 25), 0.0));
-        (
-            TriMesh::new(625, faces).expect("a grid"),
-            positions.collect(),
-        )
-    }
-
-    /// Of a wave of 12 edges, the limit through corrected points loses little, the plain one much.
-    #[test]
-    fn a_wave_keeps_its_amplitude() {
-        let (mesh, positions) = grid();
-        let corners = PerVertex::filled(625, false);
-        let at_vertices = limit_rows(&mesh, &corners).position;
-        let height = |p: &Vector3<f64>| Vector3::z() * (TAU * p.x / 12.0).sin();
-        let wave: Vec<_> = positions.iter().map(height).collect();
-        let corrected = at_vertices.apply(&through_vertices(&at_vertices, &wave));
-        let plain = at_vertices.apply(&wave);
-        // A crest in the middle of the grid.
-        let crest = 25 * 12 + 15;
-        let loss = |found: &[Vector3<f64>]| 1.0 - found[crest].z / wave[crest].z;
-        assert!(loss(&plain).abs() > 0.02, "{}", loss(&plain));
-        assert!(loss(&corrected).abs() < 0.003, "{}", loss(&corrected));
-    }
-
-    /// Two triangles that share a vertex alone come apart there, and nowhere else.
-    #[test]
-    fn fans_come_apart() {
-        let mesh = TriMesh::new(5, vec![[0, 1, 2], [2, 3, 4]]).expect("two triangles");
-        let (split, copied) = one_fan_per_vertex(&mesh);
-        assert_eq!(split.vertex_count(), 6);
-        assert_eq!(copied[5], VertexId(2));
-        assert_eq!(split.faces().as_slice()[0].map(|v| v.0), [0, 1, 2]);
-        assert_eq!(split.faces().as_slice()[1].map(|v| v.0), [5, 3, 4]);
-        let (mesh, _) = grid();
-        assert_eq!(one_fan_per_vertex(&mesh).1.len(), 625);
-    }
 }

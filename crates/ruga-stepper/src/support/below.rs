@@ -176,7 +176,7 @@ mod tests {
 
     use super::*;
     use crate::support::PosedDriver;
-    use crate::test_square::{SIDE, Shape, region_of, skin, square};
+    use crate::test_drivers::{SIDE, Shape, region_of, skin, square};
 
     const OFFSET: f64 = 7e-4;
     const TRANSFER: f64 = 0.3;

@@ -1,4 +1,6 @@
-//! A square driver and layers' meshes on it, for tests.
+//! A square driver with layers' meshes on it, and a closed block, for tests.
+
+use std::sync::Arc;
 
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, BaseSurface, BlendShape, Driver, Smoothing};
@@ -78,4 +80,46 @@ pub(crate) fn knuckle() -> LayerSpec {
         variation: None,
         presence: Presence::default(),
     }
+}
+
+/// Sides of [`block`], m.
+pub(crate) const SIDES: [f64; 3] = [0.02, 0.015, 0.01];
+
+/// A block of 2 x 2 x 2 squares a side, with a shape that shears it.
+pub(crate) fn block() -> Arc<Driver> {
+    let at = |c: [usize; 3]| Vector3::from_fn(|axis, _| 0.5 * SIDES[axis] * c[axis] as f64);
+    let mut mesh = ArtistMesh::default();
+    for axis in 0..3 {
+        let [a, b] = [(axis + 1) % 3, (axis + 2) % 3];
+        for (side, [i, j]) in [0, 2]
+            .map(|s| (0..2).flat_map(move |i| (0..2).map(move |j| (s, [i, j]))))
+            .into_iter()
+            .flatten()
+        {
+            let first = mesh.positions.len() as u32;
+            for [u, v] in [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]] {
+                let mut corner = [0; 3];
+                corner[axis] = side;
+                corner[a] = u;
+                corner[b] = v;
+                mesh.positions.push(at(corner));
+            }
+            let order = if side == 2 { [1, 2, 3] } else { [3, 2, 1] };
+            let [p, q, r] = order.map(|k| first + k);
+            mesh.triangles.extend([[first, p, q], [first, q, r]]);
+        }
+    }
+    let sheared = |p: &Vector3<f64>| Vector3::new(0.2 * p.z, 0.0, 0.1 * p.x);
+    mesh.shapes = vec![BlendShape {
+        name: "shear".into(),
+        position_deltas: mesh.positions.iter().map(sheared).collect(),
+        normal_deltas: None,
+    }];
+    mesh.uvs = Some(
+        mesh.positions
+            .iter()
+            .map(|p| Vector2::new(p.x, p.y + p.z))
+            .collect(),
+    );
+    Arc::new(Driver::new(&mesh).expect("a closed block"))
 }
