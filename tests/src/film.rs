@@ -243,10 +243,7 @@ impl Film {
         report
     }
 
-    pub(crate) fn objective<'a>(
-        &'a mut self,
-        base: &'a [f64],
-    ) -> (FilmObjective<'a, LayerEnergy>, &'a mut Kkt) {
+    pub(crate) fn objective<'a>(&'a mut self, base: &'a [f64]) -> (FilmObjective<'a>, &'a mut Kkt) {
         let objective = FilmObjective {
             energy: &self.energy,
             free: &self.free,

@@ -5,33 +5,9 @@ use ruga_material::Wrinkling;
 use ruga_shell::LayerEnergy;
 use ruga_solver::{LowerPattern, Objective};
 
-/// What is minimised, by the positions of all vertices (m).
-pub(crate) trait SheetEnergy {
-    /// J.
-    fn value(&self, x: &[Vector3<f64>]) -> f64;
-    /// By the coordinates that move, N.
-    fn gradient(&self, x: &[Vector3<f64>], gradient: &mut [f64]);
-    /// By them twice, in the pattern's order, N/m.
-    fn hessian(&self, x: &[Vector3<f64>], exact: &mut [f64], relaxed: &mut [f64]);
-}
-
-impl SheetEnergy for LayerEnergy {
-    fn value(&self, x: &[Vector3<f64>]) -> f64 {
-        Self::value(self, x)
-    }
-
-    fn gradient(&self, x: &[Vector3<f64>], gradient: &mut [f64]) {
-        Self::gradient(self, x, gradient);
-    }
-
-    fn hessian(&self, x: &[Vector3<f64>], exact: &mut [f64], relaxed: &mut [f64]) {
-        Self::hessian(self, x, exact, Some(relaxed));
-    }
-}
-
 /// Energy of the coordinates that move, less the work of a dead load.
-pub(crate) struct FilmObjective<'a, E> {
-    pub(crate) energy: &'a E,
+pub(crate) struct FilmObjective<'a> {
+    pub(crate) energy: &'a LayerEnergy,
     pub(crate) free: &'a [u32],
     /// Where pinned vertices are.
     pub(crate) positions: &'a [Vector3<f64>],
@@ -45,7 +21,7 @@ pub(crate) struct FilmObjective<'a, E> {
     pub(crate) area: f64,
 }
 
-impl<E> FilmObjective<'_, E> {
+impl FilmObjective<'_> {
     fn all(&self, x: &[f64]) -> Vec<Vector3<f64>> {
         let mut positions = self.positions.to_vec();
         scatter(self.free, x, &mut positions);
@@ -62,7 +38,7 @@ impl<E> FilmObjective<'_, E> {
     }
 }
 
-impl<E: SheetEnergy> Objective for FilmObjective<'_, E> {
+impl Objective for FilmObjective<'_> {
     fn pattern(&self) -> &LowerPattern {
         &self.pattern
     }
@@ -81,7 +57,7 @@ impl<E: SheetEnergy> Objective for FilmObjective<'_, E> {
     }
 
     fn hessian(&self, x: &[f64], exact: &mut [f64], relaxed: &mut [f64]) {
-        self.energy.hessian(&self.all(x), exact, relaxed);
+        self.energy.hessian(&self.all(x), exact, Some(relaxed));
     }
 
     fn floor(&self) -> &[f64] {

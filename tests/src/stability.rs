@@ -275,10 +275,7 @@ impl Sheet {
         targets
     }
 
-    fn objective<'a>(
-        &'a mut self,
-        base: &'a [f64],
-    ) -> (FilmObjective<'a, LayerEnergy>, &'a mut Kkt) {
+    fn objective<'a>(&'a mut self, base: &'a [f64]) -> (FilmObjective<'a>, &'a mut Kkt) {
         let objective = FilmObjective {
             energy: &self.energy,
             free: &self.free,

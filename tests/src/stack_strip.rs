@@ -6,14 +6,12 @@
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use ruga_material::{CompositeLayer, LayerMaterial, StackLayer, StackPair, Wrinkling};
-use ruga_shell::{
-    BendingModel, FaceParameters, JointEnergy, LayerEnergy, LayerParameters, TieParameters,
-};
+use ruga_material::{LayerMaterial, StackLayer, StackPair, Wrinkling};
+use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters, UpperSheet};
 use ruga_solver::{AtSaddle, Kkt, LowerPattern, NewtonSettings, SolveReport, inertia_at, minimise};
 use ruga_stepper::{LayerSpec, Stack};
 
-use crate::film_objective::{FilmObjective, SheetEnergy, gather, scatter};
+use crate::film_objective::{FilmObjective, gather, scatter};
 use crate::film_rows::{Row, side_rollers, to_constraint_rows};
 use crate::{Base, Strip, equilateral};
 
@@ -37,9 +35,10 @@ pub struct StackStrip {
     pub wave: Wrinkling,
     /// Of the upper layer by itself, m.
     pub fine: f64,
-    energy: StackEnergy,
+    energy: LayerEnergy,
     strip: Strip,
-    lever: f64,
+    /// Distance of the upper layer, where it is one of its own, m.
+    lever: Option<f64>,
     thickness: f64,
     free: Vec<u32>,
     kkt: Kkt,
@@ -64,11 +63,6 @@ pub struct StackState {
     pub fine: [f64; 2],
 }
 
-enum StackEnergy {
-    Joint(Box<JointEnergy>),
-    Composite(Box<LayerEnergy>),
-}
-
 impl StackStrip {
     /// `waves` large wavelengths of `upper` on `lower`, with `points` edges per fine wavelength.
     ///
@@ -87,24 +81,31 @@ impl StackStrip {
         let strip = equilateral(ASPECT * length, columns, ROWS).stretched(1.0 / ASPECT);
         let rest = Base::Flat.points(&strip, 0.0);
         let lever = 0.5 * (lower.material.thickness + upper.material.thickness);
-        let energy = match stack {
-            Stack::Joint => StackEnergy::joint(&strip, &rest, &pair, lever),
-            Stack::Composite => StackEnergy::composite(&strip, &rest, &composite),
+        let (energy, lever) = match stack {
+            Stack::Joint => (joint(&strip, &rest, &pair, lever), Some(lever)),
+            Stack::Composite => {
+                let layer = (&composite.material, &composite.wrinkling);
+                let parameters = parameters(&strip, layer, wave.tangential_stiffness);
+                (shell(&strip, &rest, parameters, None), None)
+            }
             Stack::Nominal => panic!("each layer of a nominal stack has a strip of its own"),
         };
         let free = energy.free_vertices().to_vec();
         let (starts, entries) = energy.pattern();
         let pattern =
             LowerPattern::new(starts.to_vec(), entries.to_vec()).expect("a valid pattern");
-        let all = energy.both(&strip);
+        let mut all = strip.clone();
+        if lever.is_some() {
+            all.points.extend_from_slice(&strip.points);
+        }
         let mut rows = side_rollers(&all, &free);
         rows.extend(level(&all, &free));
         let rows = to_constraint_rows(&rows, 3 * free.len());
-        let areas = energy.lower().vertex_areas();
+        let areas = energy.vertex_areas();
         let floor = free
             .iter()
             .flat_map(|&v| [FLOOR * wave.normal_stiffness * areas[v as usize % areas.len()]; 3]);
-        let positions = energy.lifted(&rest, lever);
+        let positions = lifted(&rest, lever);
         Self {
             wave,
             fine,
@@ -124,8 +125,10 @@ impl StackStrip {
     fn set_strain(&mut self, strain: f64) {
         let base = Base::Flat.points(&self.strip, strain);
         let normals = vec![Vector3::z(); base.len()];
-        self.energy.set_base(&base, &normals);
-        let points = self.energy.lifted(&base, self.lever);
+        self.energy
+            .set_base(&base, &normals, &vec![0.0; base.len()])
+            .expect("a valid base");
+        let points = lifted(&base, self.lever);
         for (x, (old, new)) in self
             .positions
             .iter_mut()
@@ -142,7 +145,7 @@ impl StackStrip {
         self.positions.clone_from(&self.points);
     }
 
-    fn objective(&mut self) -> (FilmObjective<'_, StackEnergy>, &mut Kkt) {
+    fn objective(&mut self) -> (FilmObjective<'_>, &mut Kkt) {
         let objective = FilmObjective {
             energy: &self.energy,
             free: &self.free,
@@ -222,7 +225,7 @@ impl StackStrip {
             REACH * self.wave.wavelength,
             self.strip.length - REACH * self.wave.wavelength,
         ];
-        let areas = self.energy.lower().vertex_areas();
+        let areas = self.energy.vertex_areas();
         let inside = self
             .strip
             .points
@@ -277,106 +280,12 @@ impl StackStrip {
     }
 }
 
-impl StackEnergy {
-    fn composite(strip: &Strip, rest: &[Vector3<f64>], composite: &CompositeLayer) -> Self {
-        let CompositeLayer {
-            material,
-            wrinkling,
-        } = composite;
-        Self::Composite(Box::new(shell(strip, rest, material, Some(wrinkling))))
-    }
-
-    fn joint(strip: &Strip, rest: &[Vector3<f64>], pair: &StackPair, lever: f64) -> Self {
-        let springs = &pair.upper.wrinkling;
-        let tie = TieParameters {
-            normal_stiffness: springs.normal_stiffness,
-            gradient_stiffness: springs.gradient_stiffness,
-            tangential_stiffness: pair.shear_tie(),
-        };
-        let above: Vec<_> = rest.iter().map(|p| p + Vector3::z() * lever).collect();
-        let lower = shell(
-            strip,
-            rest,
-            &pair.lower.material,
-            Some(&pair.lower.wrinkling),
-        );
-        let upper = shell(strip, &above, &pair.upper.material, None);
-        let ties = vec![tie; strip.faces.len()];
-        let levers = vec![lever; rest.len()];
-        let joint = JointEnergy::new(lower, upper, &ties, &levers).expect("equal meshes");
-        Self::Joint(Box::new(joint))
-    }
-
-    fn lower(&self) -> &LayerEnergy {
-        match self {
-            Self::Joint(joint) => joint.lower(),
-            Self::Composite(layer) => layer,
-        }
-    }
-
-    /// Where the layers are that lie flat on `points`.
-    fn lifted(&self, points: &[Vector3<f64>], lever: f64) -> Vec<Vector3<f64>> {
-        let above = points.iter().map(|p| p + Vector3::z() * lever);
-        match self {
-            Self::Joint(_) => points.iter().copied().chain(above).collect(),
-            Self::Composite(_) => points.to_vec(),
-        }
-    }
-
-    /// The strip with the vertices of all layers.
-    fn both(&self, strip: &Strip) -> Strip {
-        let mut all = strip.clone();
-        if let Self::Joint(_) = self {
-            all.points.extend_from_slice(&strip.points);
-        }
-        all
-    }
-
-    fn set_base(&mut self, points: &[Vector3<f64>], normals: &[Vector3<f64>]) {
-        let offsets = vec![0.0; points.len()];
-        let done = match self {
-            Self::Joint(joint) => joint.set_base(points, normals, &offsets),
-            Self::Composite(layer) => layer.set_base(points, normals, &offsets),
-        };
-        done.expect("a valid base");
-    }
-
-    fn free_vertices(&self) -> &[u32] {
-        match self {
-            Self::Joint(joint) => joint.free_vertices(),
-            Self::Composite(layer) => layer.free_vertices(),
-        }
-    }
-
-    fn pattern(&self) -> (&[usize], &[usize]) {
-        match self {
-            Self::Joint(joint) => joint.pattern(),
-            Self::Composite(layer) => layer.pattern(),
-        }
-    }
-}
-
-impl SheetEnergy for StackEnergy {
-    fn value(&self, x: &[Vector3<f64>]) -> f64 {
-        match self {
-            Self::Joint(joint) => joint.value(x),
-            Self::Composite(layer) => layer.value(x),
-        }
-    }
-
-    fn gradient(&self, x: &[Vector3<f64>], gradient: &mut [f64]) {
-        match self {
-            Self::Joint(joint) => joint.gradient(x, gradient),
-            Self::Composite(layer) => layer.gradient(x, gradient),
-        }
-    }
-
-    fn hessian(&self, x: &[Vector3<f64>], exact: &mut [f64], relaxed: &mut [f64]) {
-        match self {
-            Self::Joint(joint) => joint.hessian(x, exact, Some(relaxed)),
-            Self::Composite(layer) => layer.hessian(x, exact, Some(relaxed)),
-        }
-    }
+/// Where the layers are that lie flat on `points`.
+fn lifted(points: &[Vector3<f64>], lever: Option<f64>) -> Vec<Vector3<f64>> {
+    let above = lever
+        .iter()
+        .flat_map(|t| points.iter().map(move |p| p + Vector3::z() * *t));
+    points.iter().copied().chain(above).collect()
 }
 
 /// Equal heights across the strip, in every other row of vertices: what is so narrow would else
@@ -398,29 +307,46 @@ fn level(strip: &Strip, free: &[u32]) -> Vec<Row> {
         .collect()
 }
 
-/// A layer of the strip; `springs` on the base, or none.
-fn shell(
+fn joint(strip: &Strip, rest: &[Vector3<f64>], pair: &StackPair, lever: f64) -> LayerEnergy {
+    let [below, above] = [&pair.lower, &pair.upper].map(|of| (&of.material, &of.wrinkling));
+    let upper = UpperSheet {
+        rest_positions: rest.iter().map(|p| p + Vector3::z() * lever).collect(),
+        parameters: parameters(strip, above, pair.shear_tie()),
+        levers: vec![lever; rest.len()],
+    };
+    let lower = parameters(strip, below, below.1.tangential_stiffness);
+    shell(strip, rest, lower, Some(upper))
+}
+
+/// What a layer of the strip is made of, with its springs to what is below.
+fn parameters(
     strip: &Strip,
-    rest: &[Vector3<f64>],
-    material: &LayerMaterial,
-    springs: Option<&Wrinkling>,
-) -> LayerEnergy {
-    let [normal, gradient, tie] = springs.map_or([0.0; 3], |on| {
-        [
-            on.normal_stiffness,
-            on.gradient_stiffness,
-            on.tangential_stiffness,
-        ]
-    });
+    (material, springs): (&LayerMaterial, &Wrinkling),
+    tie: f64,
+) -> LayerParameters {
     let face = FaceParameters {
         young: material.young,
         poisson: material.poisson,
         thickness: material.thickness,
-        normal_stiffness: normal,
-        gradient_stiffness: gradient,
+        normal_stiffness: springs.normal_stiffness,
+        gradient_stiffness: springs.gradient_stiffness,
     };
-    let parameters = LayerParameters::uniform(face, strip.faces.len(), tie, rest.len());
-    let bending = BendingModel::VertexCurvature;
-    LayerEnergy::with_bending(rest, &strip.faces, parameters, &strip.ends(), bending)
-        .expect("a valid layer")
+    LayerParameters::uniform(face, strip.faces.len(), tie, strip.points.len())
+}
+
+fn shell(
+    strip: &Strip,
+    rest: &[Vector3<f64>],
+    parameters: LayerParameters,
+    upper: Option<UpperSheet>,
+) -> LayerEnergy {
+    let (ends, bending) = (strip.ends(), BendingModel::VertexCurvature);
+    let energy = match upper {
+        Some(upper) => {
+            let mesh = (rest, strip.faces.as_slice(), ends.as_slice());
+            LayerEnergy::pair(mesh, parameters, upper, bending)
+        }
+        None => LayerEnergy::with_bending(rest, &strip.faces, parameters, &ends, bending),
+    };
+    energy.expect("a valid layer")
 }

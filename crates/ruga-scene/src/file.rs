@@ -68,7 +68,7 @@ pub struct SceneFile {
     /// What is baked.
     #[serde(default)]
     pub bake: Bake,
-    /// Present: one layer on a soft body instead of on the posed mesh.
+    /// Present: the layers lie on a soft body instead of on the posed mesh.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub interior: Option<Interior>,
 }

@@ -96,10 +96,10 @@ impl Scene {
     fn planned(&self) -> Result<ScenePlan, StepperError> {
         let (driver, poses, modelling) = (&self.driver, &self.poses, &self.modelling);
         let size = self.file.bake.size;
-        if let (Some(body), Some(layer)) = (&self.body, self.layers.first()) {
+        if let Some(body) = &self.body {
             let zone = ZonePlan {
-                plan: plan_body(driver, layer, body, poses, modelling, size)?,
-                layers: vec![0],
+                plan: plan_body(driver, &self.layers, body, poses, modelling, size)?,
+                layers: (0..self.layers.len()).collect(),
             };
             return Ok(ScenePlan { zones: vec![zone] });
         }

@@ -305,7 +305,7 @@ fn zones_that_contradict_themselves() {
     let alone = alone.replace("mask = \"forehead.png\"\n", "");
     assert!(parse(&alone).is_ok());
     let bad = parse(&format!("{ZONES}[interior]\ngravity = [0.0, -9.8, 0.0]\n"));
-    assert_says(bad, "scene.toml", &["interior", "exactly one layer"]);
+    assert_says(bad, "scene.toml", &["interior", "2 zones", "one zone"]);
 }
 
 #[test]

@@ -125,22 +125,4 @@ pub enum ShellError {
         /// The query's gradient stiffness (N/m).
         gradient_stiffness: f64,
     },
-    /// The layers of a joint stack do not have the same faces.
-    #[error("face {face} of the lower layer is not face {face} of the upper layer")]
-    LayersDiffer {
-        /// Index of the first face that differs, or that only one of them has.
-        face: usize,
-    },
-    /// A vertex is pinned in one layer of a joint stack alone.
-    #[error("vertex {vertex} is pinned in one of the two layers alone")]
-    PinnedInOneLayer {
-        /// Index of the vertex.
-        vertex: usize,
-    },
-    /// The upper layer of a joint stack has a foundation of its own besides the tie.
-    #[error(
-        "the upper layer has foundation stiffness of its own; its springs belong in the tie to the \
-         lower layer"
-    )]
-    SupportedUpperLayer,
 }

@@ -9,7 +9,7 @@ use crate::layer_energy::gather;
 use crate::pattern::{Pattern, Slot};
 use crate::stars::{Star, stars};
 use crate::vertex_curvature::weighted;
-use crate::{BendingModel, LayerParameters, RestTriangle};
+use crate::{BendingModel, FaceParameters, RestTriangle};
 
 /// Hinges at all inner edges and, if the model has them, the stars that their angles go into.
 #[derive(Clone, Debug)]
@@ -95,11 +95,6 @@ impl LayerBending {
         }
     }
 
-    /// Every two vertices that share a star.
-    pub(crate) fn star_pairs(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
-        self.stars.iter().flat_map(|element| element.star.pairs())
-    }
-
     pub(crate) fn set_factor(&mut self, factor: f64) {
         self.factor = factor;
     }
@@ -109,9 +104,9 @@ impl LayerBending {
         &mut self,
         edges: &[Edge],
         rest: &[RestTriangle],
-        parameters: &LayerParameters,
+        parameters: &[FaceParameters],
     ) {
-        let modulus = |face: usize| parameters.faces[face].bending_modulus();
+        let modulus = |face: usize| parameters[face].bending_modulus();
         let factor = self.factor;
         if self.stars.is_empty() {
             for element in &mut self.hinges {
@@ -125,7 +120,7 @@ impl LayerBending {
         for element in &mut self.stars {
             let shape = element.star.shape(rest);
             let stiffness = factor * shape.area() * element.star.mean(rest, modulus);
-            let poisson = |face: usize| parameters.faces[face].poisson;
+            let poisson = |face: usize| parameters[face].poisson;
             element.rows = shape.rows(stiffness, element.star.mean(rest, poisson));
         }
     }

@@ -1,47 +1,52 @@
-//! All energies of one layer, assembled over its free vertices.
+//! All energies of a layer, assembled over its free vertices.
 
 use nalgebra::{Matrix2, Vector3};
 
-use crate::edges::{Edge, edges};
 use crate::foundation::Anchor;
-use crate::layer_bending::{LayerBending, bending_stars};
-use crate::layer_foundation::{LayerFoundation, anchors};
+use crate::layer_foundation::{FoundationStiffness, LayerFoundation, anchors, deviations};
 use crate::measures::{PrincipalStrain, vertex_normals};
-use crate::membrane::{Membrane, Stress};
 use crate::parameters::{check_finite, check_length};
-use crate::pattern::{Pattern, Slot};
-use crate::stars::Star;
-use crate::{BendingModel, FaceParameters, LayerParameters, RestTriangle, ShellError};
+use crate::pattern::Pattern;
+use crate::sheet::{Sheet, SheetTopology, check_positions};
+use crate::sheet_ties::SheetTies;
+use crate::{BendingModel, LayerParameters, ShellError, TieParameters};
 
-/// Membrane, bending and foundation of one layer.
+/// Membrane, bending and foundation of a layer, or of a pair of sheets one on the other that move
+/// together.
 ///
 /// Every vertex has a position; only those that are not pinned have degrees of freedom, three
 /// each (x, y, z) in the order of the vertices. A pinned vertex still strains its faces, bends
 /// and deviates from the base. Terms are summed in a fixed order: same input, same bytes.
 ///
+/// Of a pair the lower sheet lies on the foundation, and springs ([`crate::LayerTie`] per face) hold the
+/// upper one on it: the reference for methods that solve layers one after the other, for nothing is
+/// passed on and both are unknown. Positions are those of all lower vertices, then of all upper ones;
+/// small waves are those of the matrix that `two_shells` in the material crate states.
+///
 /// # Panics
 /// Methods that take positions or a target slice panic when its length is not the layer's.
 #[derive(Clone, Debug)]
 pub struct LayerEnergy {
-    faces: Vec<[u32; 3]>,
-    edges: Vec<Edge>,
-    parameters: LayerParameters,
-    /// Rest triangles without any stretch, and as they are now.
-    unstretched: Vec<RestTriangle>,
-    rest: Vec<RestTriangle>,
-    membranes: Vec<Membrane>,
-    membrane_slots: Vec<[Slot; 3]>,
-    bending: LayerBending,
+    /// The lower one first; they have the same faces.
+    sheets: Vec<Sheet>,
+    ties: Option<SheetTies>,
     bending_model: BendingModel,
     foundation: LayerFoundation,
     foundation_hessian: Vec<f64>,
     pattern: Pattern,
 }
 
-/// Row and column, within a stencil, of the off-diagonal blocks in the order of the slots, and
-/// their positions in the stencil's list of lower blocks.
-const FACE_PAIRS: [([usize; 2], usize); 3] = [([1, 0], 1), ([2, 0], 3), ([2, 1], 4)];
-const FACE_DIAGONAL: [usize; 3] = [0, 2, 5];
+/// A sheet above another one, vertex `i` above vertex `i`.
+#[derive(Clone, Debug)]
+pub struct UpperSheet {
+    /// Positions at rest, m.
+    pub rest_positions: Vec<Vector3<f64>>,
+    /// Material per face; the springs in it are those that hold this sheet to the lower one, on a face
+    /// with the mean tangential stiffness of its corners.
+    pub parameters: LayerParameters,
+    /// Distance of the mid-surfaces along the lower one's normal, per vertex, m.
+    pub levers: Vec<f64>,
+}
 
 /// Where the energy of a layer sits (J).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -95,49 +100,79 @@ impl LayerEnergy {
         pinned: &[bool],
         bending_model: BendingModel,
     ) -> Result<Self, ShellError> {
-        let vertices = rest_positions.len();
-        check_length("pinned", vertices, pinned.len())?;
-        parameters.check(faces.len(), vertices)?;
-        let edges = edges(faces, vertices)?;
-        check_positions(rest_positions, faces, pinned)?;
-        let corners = |face: &[u32; 3]| face.map(|v| rest_positions[v as usize]);
-        let rest = faces
-            .iter()
-            .enumerate()
-            .map(|(index, face)| RestTriangle::new(&corners(face), index))
-            .collect::<Result<Vec<_>, _>>()?;
-
-        let stars = bending_stars(bending_model, faces, &edges);
-        let pairs = stencil_pairs(faces, &edges).chain(stars.iter().flat_map(Star::pairs));
-        let pattern = Pattern::new(pinned, pairs);
-        let anchors = vertex_normals(rest_positions, faces)
-            .into_iter()
-            .zip(rest_positions)
-            .map(|(normal, &point)| Anchor { point, normal })
-            .collect();
-        let foundation = LayerFoundation::new(faces, &edges, &rest, &parameters, &pattern, anchors);
-        let mut this = Self {
-            membranes: membranes(&rest, &parameters),
-            membrane_slots: faces
-                .iter()
-                .map(|face| FACE_PAIRS.map(|([i, j], _)| pattern.slot(face[i], face[j])))
-                .collect(),
-            bending: LayerBending::new(stars, faces, &edges, rest_positions, &pattern),
-            bending_model,
-            foundation_hessian: foundation.hessian(&edges, &pattern),
-            faces: faces.to_vec(),
-            unstretched: rest.clone(),
-            edges,
-            parameters,
-            rest,
-            foundation,
-            pattern,
-        };
-        this.set_bending_stiffness();
-        Ok(this)
+        let mesh = (rest_positions, faces, pinned);
+        Self::build(mesh, parameters, None, bending_model)
     }
 
-    /// Replaces the surface below: per vertex a point (m), a unit normal and an offset (m) along it.
+    /// A layer with an `upper` sheet that moves together with it, both at rest; a vertex is pinned in
+    /// both.
+    ///
+    /// # Errors
+    /// Those of [`Self::with_bending`], for either sheet; [`ShellError::ParameterOutOfRange`] for a
+    /// lever.
+    pub fn pair(
+        (rest_positions, faces, pinned): (&[Vector3<f64>], &[[u32; 3]], &[bool]),
+        parameters: LayerParameters,
+        upper: UpperSheet,
+        bending_model: BendingModel,
+    ) -> Result<Self, ShellError> {
+        let mesh = (rest_positions, faces, pinned);
+        Self::build(mesh, parameters, Some(upper), bending_model)
+    }
+
+    fn build(
+        (rest, faces, pinned): (&[Vector3<f64>], &[[u32; 3]], &[bool]),
+        parameters: LayerParameters,
+        upper: Option<UpperSheet>,
+        bending_model: BendingModel,
+    ) -> Result<Self, ShellError> {
+        let count = rest.len();
+        check_length("pinned", count, pinned.len())?;
+        parameters.check(faces.len(), count)?;
+        let (mut rest, mut pinned) = (rest.to_vec(), pinned.to_vec());
+        if let Some(upper) = &upper {
+            upper.check(faces.len(), count)?;
+            rest.extend_from_slice(&upper.rest_positions);
+            pinned.extend_from_within(..);
+        }
+        let topology = |faces| SheetTopology::new(faces, rest.len(), bending_model);
+        let mut sheets = vec![topology(faces.to_vec())?];
+        let mut all_faces = faces.to_vec();
+        if upper.is_some() {
+            let above = faces.iter().map(|face| face.map(|v| v + count as u32));
+            all_faces.extend(above.clone());
+            sheets.push(topology(above.collect())?);
+        }
+        check_positions(&rest, &all_faces, &pinned)?;
+        let between = upper.iter().flat_map(|_| SheetTies::pairs(faces, count));
+        let pairs = sheets.iter().flat_map(SheetTopology::pairs).chain(between);
+        let pattern = Pattern::new(&pinned, pairs);
+        let of_faces = std::iter::once(parameters.faces)
+            .chain(upper.iter().map(|upper| upper.parameters.faces.clone()));
+        let sheets = sheets
+            .into_iter()
+            .zip(of_faces)
+            .map(|(topology, faces)| Sheet::new(topology, &rest, faces, &pattern))
+            .collect::<Result<Vec<_>, _>>()?;
+        let lower = (faces, sheets[0].rest(), count);
+        let ties =
+            upper.map(|upper| SheetTies::new(lower, upper.ties(faces), upper.levers, &pattern));
+        let normals = vertex_normals(&rest[..count], faces).into_iter();
+        let anchors = normals.zip(&rest);
+        let anchors = anchors.map(|(normal, &point)| Anchor { point, normal });
+        let tangential = parameters.tangential_stiffness;
+        let foundation = LayerFoundation::new(&sheets[0], tangential, &pattern, anchors.collect());
+        Ok(Self {
+            foundation_hessian: foundation.hessian(sheets[0].edges(), &pattern),
+            sheets,
+            ties,
+            bending_model,
+            foundation,
+            pattern,
+        })
+    }
+
+    /// Replaces the surface below: per vertex of the lower sheet a point (m), a unit normal and an offset (m) along it.
     ///
     /// # Errors
     /// Wrong lengths, values that are not finite, normals not of unit length.
@@ -147,35 +182,39 @@ impl LayerEnergy {
         normals: &[Vector3<f64>],
         offsets: &[f64],
     ) -> Result<(), ShellError> {
-        let anchors = anchors(points, normals, offsets, self.pattern.free_of.len())?;
+        let anchors = anchors(points, normals, offsets, self.mesh_vertices())?;
         self.foundation.set_anchors(anchors);
-        self.foundation_hessian = self.foundation.hessian(&self.edges, &self.pattern);
+        self.foundation_hessian = self.foundation.hessian(self.lower().edges(), &self.pattern);
         Ok(())
     }
 
     /// Stretches every rest triangle, as built, by a 2×2 matrix in its local frame
     /// ([`crate::rest_frame`]): the rest metric becomes `S^T S`. Replaces any earlier stretch.
     ///
-    /// Membrane, bending stiffness and foundation all follow; rest angles stay, and natural strains
+    /// Membrane, bending stiffness and springs all follow, of a pair in both sheets; rest angles stay, and natural strains
     /// are zero again.
     ///
     /// # Errors
     /// [`ShellError::LengthMismatch`], [`ShellError::InvertedStretch`],
     /// [`ShellError::DegenerateFace`]; the layer is then unchanged.
     pub fn set_rest_metric(&mut self, stretches: &[Matrix2<f64>]) -> Result<(), ShellError> {
-        check_length("rest stretches", self.faces.len(), stretches.len())?;
-        self.rest = self
-            .unstretched
-            .iter()
-            .zip(stretches)
-            .enumerate()
-            .map(|(face, (rest, stretch))| rest.stretched(stretch, face))
-            .collect::<Result<_, _>>()?;
-        self.membranes = membranes(&self.rest, &self.parameters);
-        self.set_bending_stiffness();
-        self.foundation
-            .set_rest(&self.faces, &self.edges, &self.rest, &self.parameters);
-        self.foundation_hessian = self.foundation.hessian(&self.edges, &self.pattern);
+        check_length(
+            "rest stretches",
+            self.lower().faces().len(),
+            stretches.len(),
+        )?;
+        let stretched = self.sheets.iter().map(|sheet| sheet.stretched(stretches));
+        let stretched = stretched.collect::<Result<Vec<_>, _>>()?;
+        for (sheet, rest) in self.sheets.iter_mut().zip(stretched) {
+            sheet.set_rest(rest);
+        }
+        if let Some(ties) = &mut self.ties {
+            ties.set_rest(self.sheets[0].rest());
+        }
+        self.foundation.set_rest(&self.sheets[0]);
+        self.foundation_hessian = self
+            .foundation
+            .hessian(self.sheets[0].edges(), &self.pattern);
         Ok(())
     }
 
@@ -188,26 +227,21 @@ impl LayerEnergy {
     /// [`ShellError::LengthMismatch`] for an array of another size;
     /// [`ShellError::ParameterOutOfRange`] for a strain that is not finite.
     pub fn set_natural_strains(&mut self, strains: &[Matrix2<f64>]) -> Result<(), ShellError> {
-        self.check_natural_strains(strains)?;
-        for (membrane, strain) in self.membranes.iter_mut().zip(strains) {
-            *membrane = membrane.with_natural_strain(*strain);
-        }
-        Ok(())
-    }
-
-    pub(crate) fn check_natural_strains(&self, strains: &[Matrix2<f64>]) -> Result<(), ShellError> {
-        check_length("natural strains", self.faces.len(), strains.len())?;
+        check_length("natural strains", self.lower().faces().len(), strains.len())?;
         let mut values = strains.iter().flatten().enumerate();
-        match values.find(|(_, value)| !value.is_finite()) {
-            None => Ok(()),
-            Some((index, &value)) => Err(ShellError::ParameterOutOfRange {
+        if let Some((index, &value)) = values.find(|(_, value)| !value.is_finite()) {
+            return Err(ShellError::ParameterOutOfRange {
                 element: "face",
                 index: index / 4,
                 name: "natural strain",
                 value,
                 range: "finite",
-            }),
+            });
         }
+        for sheet in &mut self.sheets {
+            sheet.set_natural_strains(strains);
+        }
+        Ok(())
     }
 
     /// Makes the angles of `positions` (m) the rest angles: the layer is not bent there.
@@ -217,13 +251,10 @@ impl LayerEnergy {
     pub fn set_rest_angles(&mut self, positions: &[Vector3<f64>]) -> Result<(), ShellError> {
         check_length("positions", self.vertex_count(), positions.len())?;
         check_finite("position", positions.iter().flatten(), 3)?;
-        self.bending.set_rest_angles(positions);
+        for sheet in &mut self.sheets {
+            sheet.set_rest_angles(positions);
+        }
         Ok(())
-    }
-
-    fn set_bending_stiffness(&mut self) {
-        self.bending
-            .set_rest(&self.edges, &self.rest, &self.parameters);
     }
 
     /// The model that the layer was built with.
@@ -243,12 +274,13 @@ impl LayerEnergy {
         if !(factor > 0.0 && factor.is_finite()) {
             return Err(ShellError::BendingFactor { value: factor });
         }
-        self.bending.set_factor(factor);
-        self.set_bending_stiffness();
+        for sheet in &mut self.sheets {
+            sheet.set_bending_factor(factor);
+        }
         Ok(())
     }
 
-    /// Number of vertices, pinned ones included.
+    /// Number of vertices, pinned ones included, of both sheets of a pair.
     pub fn vertex_count(&self) -> usize {
         self.pattern.free_of.len()
     }
@@ -271,173 +303,190 @@ impl LayerEnergy {
 
     /// Energy (J) at the positions `x` (m) of all vertices.
     pub fn value(&self, x: &[Vector3<f64>]) -> f64 {
-        self.energy_parts(x).total()
+        self.total(x, self.foundation.anchors())
     }
 
-    /// Energy by origin.
+    /// Energy (J) with the surface below at other `points` (m) but with the same normals.
+    pub fn value_over(&self, x: &[Vector3<f64>], points: &[Vector3<f64>]) -> f64 {
+        self.total(x, &self.foundation.anchors_at(points))
+    }
+
+    /// Energy by origin, without that of the springs between two sheets ([`Self::tie_parts`]).
     pub fn energy_parts(&self, x: &[Vector3<f64>]) -> EnergyParts {
+        self.parts(x, self.foundation.anchors())
+    }
+
+    /// Energy of the springs between two sheets by origin; membrane and bending are zero.
+    pub fn tie_parts(&self, x: &[Vector3<f64>]) -> EnergyParts {
         self.check(x);
-        let [normal, gradient, tangential] = self.foundation.values(&self.faces, x);
-        EnergyParts {
-            membrane: self
-                .faces
-                .iter()
-                .zip(&self.membranes)
-                .map(|(face, membrane)| membrane.value(&gather(x, face)))
-                .sum(),
-            bending: self.bending.value(x),
+        let ties = self.ties.as_ref();
+        ties.map_or_else(EnergyParts::default, |ties| ties.parts(x))
+    }
+
+    fn total(&self, x: &[Vector3<f64>], anchors: &[Anchor]) -> f64 {
+        let total = self.parts(x, anchors).total();
+        match &self.ties {
+            Some(ties) => total + ties.parts(x).total(),
+            None => total,
+        }
+    }
+
+    fn parts(&self, x: &[Vector3<f64>], anchors: &[Anchor]) -> EnergyParts {
+        self.check(x);
+        let [normal, gradient, tangential] =
+            self.foundation.values(self.lower().faces(), anchors, x);
+        let mut parts = EnergyParts {
             normal,
             gradient,
             tangential,
+            ..EnergyParts::default()
+        };
+        for sheet in &self.sheets {
+            let [membrane, bending] = sheet.values(x);
+            parts.membrane += membrane;
+            parts.bending += bending;
         }
+        parts
     }
 
     /// Writes the derivative of the energy by the degrees of freedom (N).
     pub fn gradient(&self, x: &[Vector3<f64>], gradient: &mut [f64]) {
+        self.write_gradient(x, self.foundation.anchors(), gradient);
+    }
+
+    /// Writes the derivative by the degrees of freedom (N) with the surface below at other `points`
+    /// (m) but with the same normals, and returns how the springs below pull at every vertex (N).
+    ///
+    /// The energy depends on differences of `x` and `points` only, so that its derivative by the
+    /// points is the negative of that pull.
+    pub fn gradient_over(
+        &self,
+        x: &[Vector3<f64>],
+        points: &[Vector3<f64>],
+        gradient: &mut [f64],
+    ) -> Vec<Vector3<f64>> {
+        self.write_gradient(x, &self.foundation.anchors_at(points), gradient)
+    }
+
+    fn write_gradient(
+        &self,
+        x: &[Vector3<f64>],
+        anchors: &[Anchor],
+        gradient: &mut [f64],
+    ) -> Vec<Vector3<f64>> {
         self.check(x);
         assert_eq!(gradient.len(), self.dof_count(), "one entry per dof");
-        self.foundation
-            .write_gradient(&self.faces, x, &self.pattern, gradient);
-        for (face, membrane) in self.faces.iter().zip(&self.membranes) {
-            let forces = membrane.gradient(&gather(x, face));
-            self.pattern.add_forces(gradient, face, &forces);
+        let springs = self.foundation.forces(self.lower().faces(), anchors, x);
+        // An upper sheet has no foundation.
+        gradient.fill(0.0);
+        let free = gradient.chunks_exact_mut(3).zip(self.free_vertices());
+        for (entries, &vertex) in free {
+            if let Some(spring) = springs.get(vertex as usize) {
+                entries.copy_from_slice(spring.as_slice());
+            }
         }
-        self.bending.add_gradient(x, &self.pattern, gradient);
+        for sheet in &self.sheets {
+            sheet.add_gradient(x, &self.pattern, gradient);
+        }
+        if let Some(ties) = &self.ties {
+            ties.add_gradient(x, &self.pattern, gradient);
+        }
+        springs
+    }
+
+    /// Stiffness of the springs below, under the present rest metric.
+    pub fn foundation_stiffness(&self) -> FoundationStiffness {
+        self.foundation.stiffness(self.lower().edges())
     }
 
     /// Writes the second derivative (N/m), values in the order of [`Self::pattern`].
     ///
     /// `relaxed`, if asked for, takes the same matrix without compressive stress stiffness: tensile
-    /// stress only in the membrane's geometric part, no second derivatives of angles in bending. It is positive
+    /// stress only in the membrane's geometric part, no second derivatives of angles in bending and of normals
+    /// between sheets. It is positive
     /// semidefinite up to a negative `K1`.
     pub fn hessian(&self, x: &[Vector3<f64>], exact: &mut [f64], relaxed: Option<&mut [f64]>) {
         self.check(x);
         exact.copy_from_slice(&self.foundation_hessian);
-        match relaxed {
-            None => {
-                self.add_membrane(x, exact, &mut []);
-                self.bending.add_hessian(x, &self.pattern, exact, &mut []);
-            }
+        let relaxed = match relaxed {
+            None => &mut [],
             Some(relaxed) => {
                 relaxed.copy_from_slice(&self.foundation_hessian);
-                self.add_membrane(x, exact, relaxed);
-                self.bending.add_hessian(x, &self.pattern, exact, relaxed);
+                relaxed
             }
+        };
+        for sheet in &self.sheets {
+            sheet.add_hessian(x, &self.pattern, exact, relaxed);
+        }
+        if let Some(ties) = &self.ties {
+            ties.add_hessian(x, &self.pattern, exact, relaxed);
         }
     }
 
-    /// An empty `relaxed` is not wanted.
-    fn add_membrane(&self, x: &[Vector3<f64>], exact: &mut [f64], relaxed: &mut [f64]) {
-        let elements = self.faces.iter().zip(&self.membranes);
-        for ((face, membrane), slots) in elements.zip(&self.membrane_slots) {
-            let state = membrane.state(&gather(x, face));
-            let material = membrane.material_blocks(&state);
-            let add = |values: &mut [f64], stress: Stress| {
-                let blocks = membrane.with_stress(&material, &state, stress);
-                for (&vertex, block) in face.iter().zip(FACE_DIAGONAL) {
-                    self.pattern.add_diagonal(values, vertex, &blocks[block]);
-                }
-                for (&slot, (_, block)) in slots.iter().zip(FACE_PAIRS) {
-                    Pattern::add_block(values, slot, &blocks[block]);
-                }
-            };
-            add(exact, Stress::Full);
-            if !relaxed.is_empty() {
-                add(relaxed, Stress::Tensile);
-            }
-        }
-    }
-
-    /// Rest area of each vertex (m²): a third of its faces, under the present rest metric.
+    /// Rest area of each vertex of the lower sheet (m²): a third of its faces, under the present rest
+    /// metric.
     pub fn vertex_areas(&self) -> &[f64] {
         self.foundation.vertex_areas()
     }
 
-    /// Normal deviation of each vertex from the base plus offset (m).
+    /// Normal deviation of each vertex of the lower sheet from the base plus offset (m).
     pub fn deviations(&self, x: &[Vector3<f64>]) -> Vec<f64> {
         self.check(x);
-        self.foundation.deviations(x)
+        deviations(self.foundation.anchors(), x)
     }
 
-    /// Principal strains of each face against the present rest metric.
+    /// Principal strains of each face of the lower sheet against the present rest metric.
     pub fn principal_strains(&self, x: &[Vector3<f64>]) -> Vec<PrincipalStrain> {
         self.check(x);
-        self.faces
-            .iter()
-            .zip(&self.membranes)
-            .map(|(face, membrane)| {
-                PrincipalStrain::from_green(&membrane.state(&gather(x, face)).strain())
-            })
-            .collect()
+        self.lower().principal_strains(x)
     }
 
     fn check(&self, x: &[Vector3<f64>]) {
         assert_eq!(x.len(), self.vertex_count(), "one position per vertex");
     }
 
-    pub(crate) fn faces(&self) -> &[[u32; 3]] {
-        &self.faces
+    fn lower(&self) -> &Sheet {
+        &self.sheets[0]
     }
 
-    /// Rest triangles under the present rest metric.
-    pub(crate) fn rest_triangles(&self) -> &[RestTriangle] {
-        &self.rest
+    /// Vertices of the lower sheet.
+    fn mesh_vertices(&self) -> usize {
+        self.foundation.anchors().len()
+    }
+}
+
+impl UpperSheet {
+    fn check(&self, faces: usize, vertices: usize) -> Result<(), ShellError> {
+        check_length("upper rest positions", vertices, self.rest_positions.len())?;
+        check_length("levers", vertices, self.levers.len())?;
+        self.parameters.check(faces, vertices)?;
+        let valid = |lever: &f64| *lever >= 0.0 && lever.is_finite();
+        match self.levers.iter().position(|lever| !valid(lever)) {
+            None => Ok(()),
+            Some(index) => Err(ShellError::ParameterOutOfRange {
+                element: "vertex",
+                index,
+                name: "lever",
+                value: self.levers[index],
+                range: ">= 0",
+            }),
+        }
     }
 
-    pub(crate) fn is_pinned(&self, vertex: usize) -> bool {
-        self.pattern.free(vertex as u32).is_none()
-    }
-
-    /// Every two vertices that share a stencil.
-    pub(crate) fn stencil_pairs(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
-        stencil_pairs(&self.faces, &self.edges).chain(self.bending.star_pairs())
-    }
-
-    /// Whether no foundation holds the layer.
-    pub(crate) fn is_unsupported(&self) -> bool {
-        let springs = |p: &FaceParameters| p.normal_stiffness != 0.0 || p.gradient_stiffness != 0.0;
-        let tied = |&stiffness: &f64| stiffness != 0.0;
-        !self.parameters.faces.iter().any(springs)
-            && !self.parameters.tangential_stiffness.iter().any(tied)
+    fn ties(&self, faces: &[[u32; 3]]) -> Vec<TieParameters> {
+        let tangential = &self.parameters.tangential_stiffness;
+        let pairs = faces.iter().zip(&self.parameters.faces);
+        let tie = |(corners, face): (&[u32; 3], &crate::FaceParameters)| TieParameters {
+            normal_stiffness: face.normal_stiffness,
+            gradient_stiffness: face.gradient_stiffness,
+            tangential_stiffness: corners.iter().map(|&v| tangential[v as usize]).sum::<f64>()
+                / 3.0,
+        };
+        pairs.map(tie).collect()
     }
 }
 
 #[inline]
 pub(crate) fn gather<const N: usize>(x: &[Vector3<f64>], vertices: &[u32; N]) -> [Vector3<f64>; N] {
     vertices.map(|v| x[v as usize])
-}
-
-fn membranes(rest: &[RestTriangle], parameters: &LayerParameters) -> Vec<Membrane> {
-    rest.iter()
-        .zip(&parameters.faces)
-        .map(|(rest, p)| Membrane::new(rest, p.tension_modulus(), p.poisson))
-        .collect()
-}
-
-/// Every two vertices that share a face or a hinge.
-fn stencil_pairs<'a>(
-    faces: &'a [[u32; 3]],
-    edges: &'a [Edge],
-) -> impl Iterator<Item = [u32; 2]> + 'a {
-    edges.iter().flat_map(|edge| {
-        let apexes = edge
-            .hinge(faces)
-            .map(|([_, _, left, right], _)| [left, right]);
-        std::iter::once(edge.ends).chain(apexes)
-    })
-}
-
-fn check_positions(
-    positions: &[Vector3<f64>],
-    faces: &[[u32; 3]],
-    pinned: &[bool],
-) -> Result<(), ShellError> {
-    let mut held = pinned.to_vec();
-    for &vertex in faces.iter().flatten() {
-        held[vertex as usize] = true;
-    }
-    if let Some(vertex) = held.iter().position(|held| !held) {
-        return Err(ShellError::IsolatedVertex { vertex });
-    }
-    check_finite("rest position", positions.iter().flatten(), 3)
 }

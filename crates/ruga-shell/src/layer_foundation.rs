@@ -2,11 +2,12 @@
 
 use nalgebra::Vector3;
 
+use crate::ShellError;
 use crate::edges::Edge;
 use crate::foundation::{Anchor, NormalFoundation, TangentialTie};
 use crate::parameters::{check_finite, check_length};
 use crate::pattern::{Pattern, Slot};
-use crate::{LayerParameters, RestTriangle, ShellError};
+use crate::sheet::Sheet;
 
 /// Tolerance on the length of a base normal.
 const UNIT_TOLERANCE: f64 = 1e-6;
@@ -19,23 +20,38 @@ pub(crate) struct LayerFoundation {
     /// Scalar stiffness between deviations: per vertex, and per edge.
     diagonal: Vec<f64>,
     off_diagonal: Vec<f64>,
+    /// Where the surface below was last set.
     anchors: Vec<Anchor>,
+    /// N/m³, per vertex.
+    tangential: Vec<f64>,
     edge_slots: Vec<Slot>,
 }
 
+/// Stiffness of the springs below a layer, as it is between vertices (N/m).
+///
+/// ```text
+/// F_ij = m_ij n_i n_j' + d_ij t_i (I - n_i n_i')
+/// ```
+/// `n` are the unit normals of the surface below.
+#[derive(Clone, Debug)]
+pub struct FoundationStiffness {
+    /// `m_ii`, one per vertex.
+    pub diagonal: Vec<f64>,
+    /// Two vertices that share an edge, and `m_ij`.
+    pub edges: Vec<([u32; 2], f64)>,
+    /// `t_i`, one per vertex.
+    pub ties: Vec<f64>,
+}
+
 impl LayerFoundation {
+    /// Under the lower sheet, with this tangential stiffness (N/m³) per vertex.
     pub(crate) fn new(
-        faces: &[[u32; 3]],
-        edges: &[Edge],
-        rest: &[RestTriangle],
-        parameters: &LayerParameters,
+        sheet: &Sheet,
+        tangential: Vec<f64>,
         pattern: &Pattern,
         anchors: Vec<Anchor>,
     ) -> Self {
-        let edge_slots = edges
-            .iter()
-            .map(|e| pattern.slot(e.ends[1], e.ends[0]))
-            .collect();
+        let edges = sheet.edges().iter();
         let mut this = Self {
             normal: Vec::new(),
             ties: Vec::new(),
@@ -43,23 +59,19 @@ impl LayerFoundation {
             diagonal: Vec::new(),
             off_diagonal: Vec::new(),
             anchors,
-            edge_slots,
+            tangential,
+            edge_slots: edges.map(|e| pattern.slot(e.ends[1], e.ends[0])).collect(),
         };
-        this.set_rest(faces, edges, rest, parameters);
+        this.set_rest(sheet);
         this
     }
 
-    /// Recomputes every stiffness for another rest metric.
-    pub(crate) fn set_rest(
-        &mut self,
-        faces: &[[u32; 3]],
-        edges: &[Edge],
-        rest: &[RestTriangle],
-        parameters: &LayerParameters,
-    ) {
+    /// Recomputes every stiffness for the sheet's present rest metric.
+    pub(crate) fn set_rest(&mut self, sheet: &Sheet) {
+        let (faces, rest) = (sheet.faces(), sheet.rest());
         self.normal = rest
             .iter()
-            .zip(&parameters.faces)
+            .zip(sheet.parameters())
             .map(|(rest, p)| NormalFoundation::new(rest, p.normal_stiffness, p.gradient_stiffness))
             .collect();
         let mut areas = vec![0.0; self.anchors.len()];
@@ -73,13 +85,14 @@ impl LayerFoundation {
         }
         self.ties = areas
             .iter()
-            .zip(&parameters.tangential_stiffness)
+            .zip(&self.tangential)
             .map(|(area, k)| TangentialTie {
                 stiffness: area * k,
             })
             .collect();
         let entry = |face: usize, corner: usize| matrices[face][(corner, (corner + 1) % 3)];
-        self.off_diagonal = edges
+        self.off_diagonal = sheet
+            .edges()
             .iter()
             .map(|edge| {
                 entry(edge.left.face, edge.left.corner)
@@ -98,17 +111,35 @@ impl LayerFoundation {
         &self.vertex_areas
     }
 
-    pub(crate) fn deviations(&self, x: &[Vector3<f64>]) -> Vec<f64> {
-        self.anchors
-            .iter()
-            .zip(x)
-            .map(|(anchor, x)| anchor.deviation(x))
-            .collect()
+    pub(crate) fn anchors(&self) -> &[Anchor] {
+        &self.anchors
+    }
+
+    /// Anchors with the present normals at other points.
+    pub(crate) fn anchors_at(&self, points: &[Vector3<f64>]) -> Vec<Anchor> {
+        assert_eq!(points.len(), self.anchors.len(), "one point per vertex");
+        let anchors = self.anchors.iter().zip(points);
+        let moved = anchors.map(|(anchor, &point)| Anchor { point, ..*anchor });
+        moved.collect()
+    }
+
+    pub(crate) fn stiffness(&self, edges: &[Edge]) -> FoundationStiffness {
+        let pairs = edges.iter().zip(&self.off_diagonal);
+        FoundationStiffness {
+            diagonal: self.diagonal.clone(),
+            edges: pairs.map(|(edge, m)| (edge.ends, *m)).collect(),
+            ties: self.ties.iter().map(|tie| tie.stiffness).collect(),
+        }
     }
 
     /// Energies of the `K0`, `K1` and `Kt` terms (J).
-    pub(crate) fn values(&self, faces: &[[u32; 3]], x: &[Vector3<f64>]) -> [f64; 3] {
-        let w = self.deviations(x);
+    pub(crate) fn values(
+        &self,
+        faces: &[[u32; 3]],
+        anchors: &[Anchor],
+        x: &[Vector3<f64>],
+    ) -> [f64; 3] {
+        let w = deviations(anchors, x);
         let (mut normal, mut gradient) = (0.0, 0.0);
         for (face, stencil) in faces.iter().zip(&self.normal) {
             let [k0, k1] = stencil.values(face.map(|v| w[v as usize]));
@@ -118,22 +149,21 @@ impl LayerFoundation {
         let tangential = self
             .ties
             .iter()
-            .zip(&self.anchors)
+            .zip(anchors)
             .zip(x)
             .map(|((tie, anchor), x)| tie.value(anchor, x))
             .sum();
         [normal, gradient, tangential]
     }
 
-    /// Writes the gradient over the free degrees of freedom; the first term to do so.
-    pub(crate) fn write_gradient(
+    /// Forces of the springs on every vertex, against them: the derivative of the energy by `x` (N).
+    pub(crate) fn forces(
         &self,
         faces: &[[u32; 3]],
+        anchors: &[Anchor],
         x: &[Vector3<f64>],
-        pattern: &Pattern,
-        gradient: &mut [f64],
-    ) {
-        let w = self.deviations(x);
+    ) -> Vec<Vector3<f64>> {
+        let w = deviations(anchors, x);
         let mut by_deviation = vec![0.0; w.len()];
         for (face, stencil) in faces.iter().zip(&self.normal) {
             let force = stencil.gradient(face.map(|v| w[v as usize]));
@@ -141,12 +171,10 @@ impl LayerFoundation {
                 by_deviation[vertex as usize] += force;
             }
         }
-        for (free, &vertex) in pattern.free_vertices.iter().enumerate() {
-            let v = vertex as usize;
-            let anchor = &self.anchors[v];
-            let force = anchor.normal * by_deviation[v] + self.ties[v].gradient(anchor, &x[v]);
-            gradient[3 * free..3 * free + 3].copy_from_slice(force.as_slice());
-        }
+        let vertices = anchors.iter().zip(&self.ties).zip(x).zip(by_deviation);
+        vertices
+            .map(|(((anchor, tie), x), force)| anchor.normal * force + tie.gradient(anchor, x))
+            .collect()
     }
 
     /// The constant second derivative, in the order of `pattern`.
@@ -154,7 +182,9 @@ impl LayerFoundation {
         let mut values = vec![0.0; pattern.rows.len()];
         for &vertex in &pattern.free_vertices {
             let v = vertex as usize;
-            let anchor = &self.anchors[v];
+            let Some(anchor) = self.anchors.get(v) else {
+                continue;
+            };
             let n = anchor.normal;
             let block = n * n.transpose() * self.diagonal[v] + self.ties[v].hessian(anchor);
             pattern.add_diagonal(&mut values, vertex, &block);
@@ -166,6 +196,12 @@ impl LayerFoundation {
         }
         values
     }
+}
+
+/// Heights over the surface below (m).
+pub(crate) fn deviations(anchors: &[Anchor], x: &[Vector3<f64>]) -> Vec<f64> {
+    let pairs = anchors.iter().zip(x);
+    pairs.map(|(anchor, x)| anchor.deviation(x)).collect()
 }
 
 /// Base points, normals and offsets as anchors, checked.

@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::RestTriangle;
 use crate::foundation::NormalFoundation;
-use crate::{RestTriangle, ShellError};
 
 /// Springs between two layers at one face.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,42 +16,6 @@ pub struct TieParameters {
     /// `Kt` against sliding (N/m³), ≥ 0; the shear of the lower layer across its thickness,
     /// `mu_1/h_1`.
     pub tangential_stiffness: f64,
-}
-
-impl TieParameters {
-    pub(crate) fn check(&self, face: usize) -> Result<(), ShellError> {
-        let not_negative = |v: f64| v >= 0.0 && v.is_finite();
-        let (normal, gradient, tangential) = (
-            self.normal_stiffness,
-            self.gradient_stiffness,
-            self.tangential_stiffness,
-        );
-        let checks = [
-            ("normal_stiffness", normal, not_negative(normal), ">= 0"),
-            (
-                "gradient_stiffness",
-                gradient,
-                gradient.is_finite(),
-                "finite",
-            ),
-            (
-                "tangential_stiffness",
-                tangential,
-                not_negative(tangential),
-                ">= 0",
-            ),
-        ];
-        match checks.into_iter().find(|(_, _, valid, _)| !valid) {
-            None => Ok(()),
-            Some((name, value, _, range)) => Err(ShellError::ParameterOutOfRange {
-                element: "face",
-                index: face,
-                name,
-                value,
-                range,
-            }),
-        }
-    }
 }
 
 /// Energy of two faces one above the other.

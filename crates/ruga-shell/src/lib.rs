@@ -4,8 +4,8 @@
 //! face, bending by the [`BendingModel`] asked for (a [`Hinge`] per interior edge, or a
 //! [`VertexCurvature`] per vertex that has an inner edge), and a foundation ([`NormalFoundation`] per face,
 //! [`TangentialTie`] per vertex) towards a base that each frame replaces. Each stencil can be used
-//! alone. [`response_modulus`] says how stiffly a given mesh really bends. A [`JointEnergy`] is two
-//! layers, one on springs above the other ([`LayerTie`] per face), that move together.
+//! alone. [`response_modulus`] says how stiffly a given mesh really bends. An [`UpperSheet`] may move
+//! together with the layer, on springs above it ([`LayerTie`] per face).
 //!
 //! ```text
 //! E = sum_faces  A C/2 ((1 - nu) E:E + nu tr(E)^2)             St. Venant-Kirchhoff, plane stress
@@ -52,13 +52,14 @@
 //! ```
 
 mod bending_model;
-mod joint_energy;
 mod layer_bending;
 mod layer_energy;
 mod layer_foundation;
 mod measures;
 mod parameters;
 mod pattern;
+mod sheet;
+mod sheet_ties;
 
 mod foundation;
 mod hinge;
@@ -75,8 +76,8 @@ mod rest_triangle;
 mod stars;
 
 pub use bending_model::BendingModel;
-pub use joint_energy::{JointEnergy, JointParts};
-pub use layer_energy::{EnergyParts, LayerEnergy};
+pub use layer_energy::{EnergyParts, LayerEnergy, UpperSheet};
+pub use layer_foundation::FoundationStiffness;
 pub use parameters::{FaceParameters, LayerParameters};
 
 pub use foundation::{Anchor, NormalFoundation, TangentialTie};

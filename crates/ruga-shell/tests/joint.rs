@@ -7,8 +7,8 @@ use std::f64::consts::PI;
 use meshes::{Mesh, jittered, lattice, outline, random_rotation, random_vector, rng};
 use nalgebra::{Matrix2, Vector3};
 use ruga_shell::{
-    FaceParameters, JointEnergy, LayerEnergy, LayerParameters, LayerTie, RestTriangle, ShellError,
-    TieParameters,
+    BendingModel, FaceParameters, LayerEnergy, LayerParameters, LayerTie, RestTriangle, ShellError,
+    TieParameters, UpperSheet,
 };
 
 const EDGE: f64 = 2e-4;
@@ -24,8 +24,8 @@ const UPPER: FaceParameters = FaceParameters {
     young: 6e8,
     poisson: 0.48,
     thickness: 1.2e-4,
-    normal_stiffness: 0.0,
-    gradient_stiffness: 0.0,
+    normal_stiffness: TIE.normal_stiffness,
+    gradient_stiffness: TIE.gradient_stiffness,
 };
 const TIE: TieParameters = TieParameters {
     normal_stiffness: 4.8e9,
@@ -48,17 +48,35 @@ fn raised(rest: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
     rest.iter().map(|p| p + Vector3::z() * LEVER).collect()
 }
 
-/// A pair on a flat mesh and its unstrained positions.
-fn flat_pair(mesh: &Mesh, pinned: &[bool]) -> (JointEnergy, Vec<Vector3<f64>>) {
+/// `UPPER` on `lower`, on a flat mesh, and their unstrained positions.
+fn pair_on(
+    lower: FaceParameters,
+    mesh: &Mesh,
+    pinned: &[bool],
+) -> (LayerEnergy, Vec<Vector3<f64>>) {
     let above = raised(&mesh.positions);
-    let joint = JointEnergy::new(
-        layer(&mesh.positions, &mesh.faces, LOWER, 0.0, pinned),
-        layer(&above, &mesh.faces, UPPER, 0.0, pinned),
-        &vec![TIE; mesh.faces.len()],
-        &vec![LEVER; above.len()],
+    let (faces, count) = (mesh.faces.len(), above.len());
+    let joint = LayerEnergy::pair(
+        (&mesh.positions, &mesh.faces, pinned),
+        LayerParameters::uniform(lower, faces, 0.0, count),
+        upper(&above, faces),
+        BendingModel::Hinge,
     )
-    .expect("layers that fit");
+    .expect("sheets that fit");
     (joint, [&mesh.positions[..], &above[..]].concat())
+}
+
+fn upper(rest: &[Vector3<f64>], faces: usize) -> UpperSheet {
+    let tangential = TIE.tangential_stiffness;
+    UpperSheet {
+        rest_positions: rest.to_vec(),
+        parameters: LayerParameters::uniform(UPPER, faces, tangential, rest.len()),
+        levers: vec![LEVER; rest.len()],
+    }
+}
+
+fn flat_pair(mesh: &Mesh, pinned: &[bool]) -> (LayerEnergy, Vec<Vector3<f64>>) {
+    pair_on(LOWER, mesh, pinned)
 }
 
 fn free(mesh: &Mesh) -> Vec<bool> {
@@ -89,13 +107,13 @@ fn rigid_motion_costs_the_tie_nothing() {
         .iter()
         .map(|p| p + random_vector(&mut rng) * (0.2 * EDGE))
         .collect();
-    let before = joint.energy_parts(&x).tie;
+    let before = joint.tie_parts(&x);
     assert!(before.normal > 0.0 && before.gradient > 0.0 && before.tangential > 0.0);
     for _ in 0..10 {
         let turn = random_rotation(&mut rng);
         let shift = random_vector(&mut rng) * 1e-2;
         let moved: Vec<_> = x.iter().map(|p| turn * p + shift).collect();
-        let after = joint.energy_parts(&moved).tie;
+        let after = joint.tie_parts(&moved);
         for (a, b) in [
             (before.normal, after.normal),
             (before.gradient, after.gradient),
@@ -115,16 +133,8 @@ fn the_pair_without_a_base_has_no_resultant() {
         gradient_stiffness: 0.0,
         ..LOWER
     };
-    let above = raised(&mesh.positions);
-    let joint = JointEnergy::new(
-        layer(&mesh.positions, &mesh.faces, bare, 0.0, &free(&mesh)),
-        layer(&above, &mesh.faces, UPPER, 0.0, &free(&mesh)),
-        &vec![TIE; mesh.faces.len()],
-        &vec![LEVER; above.len()],
-    )
-    .expect("layers that fit");
+    let (joint, rest) = pair_on(bare, &mesh, &free(&mesh));
     let mut rng = rng(25);
-    let rest = [mesh.positions, above].concat();
     let x: Vec<_> = rest
         .iter()
         .map(|p| p + random_vector(&mut rng) * (0.2 * EDGE))
@@ -149,19 +159,8 @@ fn an_upper_layer_on_a_fixed_lower_one_is_a_layer_on_its_base() {
     let mesh = jittered(10, 9, EDGE, 0.25, 26);
     let (joint, rest) = flat_pair(&mesh, &free(&mesh));
     let count = mesh.positions.len();
-    let supported = FaceParameters {
-        normal_stiffness: TIE.normal_stiffness,
-        gradient_stiffness: TIE.gradient_stiffness,
-        ..UPPER
-    };
     let tangential = TIE.tangential_stiffness;
-    let alone = layer(
-        &rest[count..],
-        &mesh.faces,
-        supported,
-        tangential,
-        &free(&mesh),
-    );
+    let alone = layer(&rest[count..], &mesh.faces, UPPER, tangential, &free(&mesh));
     let mut rng = rng(27);
     let x: Vec<_> = (0..2 * count)
         .map(|v| {
@@ -210,27 +209,22 @@ fn the_tie_follows_the_rest_metric_of_the_lower_layer() {
             }
         })
         .collect();
-    let before = joint.energy_parts(&x).tie;
+    let before = joint.tie_parts(&x);
     let faces = mesh.faces.len();
-    let (halved, same) = (Matrix2::identity() * 0.5, Matrix2::identity());
+    let halved = Matrix2::identity() * 0.5;
     joint
-        .set_rest_metric(&vec![halved; faces], &vec![same; faces])
+        .set_rest_metric(&vec![halved; faces])
         .expect("as many faces");
-    let after = joint.energy_parts(&x).tie;
+    let after = joint.tie_parts(&x);
     // A quarter of the area; gradients twice as steep.
     assert!((after.normal / before.normal - 0.25).abs() < 1e-12);
     assert!((after.tangential / before.tangential - 0.25).abs() < 1e-12);
     assert!((after.gradient / before.gradient - 1.0).abs() < 1e-12);
 
-    joint
-        .set_rest_metric(&vec![same; faces], &vec![halved; faces])
-        .expect("as many faces");
-    assert_eq!(joint.energy_parts(&x).tie, before);
-
     let turned = Matrix2::new(1.0, 0.0, 0.0, -1.0);
-    let refused = joint.set_rest_metric(&vec![halved; faces], &vec![turned; faces]);
+    let refused = joint.set_rest_metric(&vec![turned; faces]);
     assert!(matches!(refused, Err(ShellError::InvertedStretch { .. })));
-    assert_eq!(joint.energy_parts(&x).tie, before, "nothing was changed");
+    assert_eq!(joint.tie_parts(&x), after, "nothing was changed");
 }
 
 /// Area-weighted unit normals of the vertices.
@@ -284,51 +278,37 @@ fn facets_bend_as_stiffly_as_documented() {
 }
 
 #[test]
-fn layers_that_do_not_fit_are_refused() {
+fn sheets_that_do_not_fit_are_refused() {
     let mesh = jittered(6, 5, EDGE, 0.25, 30);
-    let rest = &mesh.positions;
-    let (faces, count) = (mesh.faces.len(), rest.len());
-    let (unpinned, pinned) = (free(&mesh), outline(6, 5));
-    let lower = layer(rest, &mesh.faces, LOWER, 0.0, &unpinned);
-    let upper = layer(rest, &mesh.faces, UPPER, 0.0, &unpinned);
-    let join = |upper: &LayerEnergy, tie: TieParameters, lever: f64| {
-        JointEnergy::new(
-            lower.clone(),
-            upper.clone(),
-            &vec![tie; faces],
-            &vec![lever; count],
-        )
-        .map(|_| ())
+    let (faces, count) = (mesh.faces.len(), mesh.positions.len());
+    let join = |upper: UpperSheet| {
+        let lower = LayerParameters::uniform(LOWER, faces, 0.0, count);
+        let on = (&mesh.positions[..], &mesh.faces[..], &free(&mesh)[..]);
+        LayerEnergy::pair(on, lower, upper, BendingModel::Hinge).map(|_| ())
     };
-    assert_eq!(join(&upper, TIE, LEVER), Ok(()));
-    let held = layer(rest, &mesh.faces, UPPER, 0.0, &pinned);
-    assert_eq!(
-        join(&held, TIE, LEVER),
-        Err(ShellError::PinnedInOneLayer { vertex: 0 })
-    );
-    let fewer = layer(rest, &mesh.faces[..faces - 1], UPPER, 0.0, &pinned);
-    let face = faces - 1;
-    assert_eq!(
-        join(&fewer, TIE, LEVER),
-        Err(ShellError::LayersDiffer { face })
-    );
-    for held in [
-        layer(rest, &mesh.faces, LOWER, 0.0, &unpinned),
-        layer(rest, &mesh.faces, UPPER, 1.0, &unpinned),
-    ] {
-        let refused = join(&held, TIE, LEVER);
-        assert_eq!(refused, Err(ShellError::SupportedUpperLayer));
-    }
-    let slack = TieParameters {
-        tangential_stiffness: -1.0,
-        ..TIE
-    };
-    for refused in [join(&upper, slack, LEVER), join(&upper, TIE, f64::NAN)] {
+    let whole = || upper(&raised(&mesh.positions), faces);
+    assert_eq!(join(whole()), Ok(()));
+    let [
+        mut slack,
+        mut no_lever,
+        mut few_levers,
+        mut few_faces,
+        mut few_places,
+    ] = [0; 5].map(|_| whole());
+    slack.parameters.tangential_stiffness[0] = -1.0;
+    no_lever.levers[0] = f64::NAN;
+    for upper in [slack, no_lever] {
+        let refused = join(upper);
         assert!(matches!(
             refused,
             Err(ShellError::ParameterOutOfRange { index: 0, .. })
         ));
     }
-    assert!(JointEnergy::new(lower.clone(), upper.clone(), &[TIE], &vec![LEVER; count]).is_err());
-    assert!(JointEnergy::new(lower, upper, &vec![TIE; faces], &[LEVER]).is_err());
+    few_levers.levers.pop();
+    few_faces.parameters.faces.pop();
+    few_places.rest_positions.pop();
+    for upper in [few_levers, few_faces, few_places] {
+        let refused = join(upper);
+        assert!(matches!(refused, Err(ShellError::LengthMismatch { .. })));
+    }
 }

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use pairs::{Pair, soft, thick};
-use ruga_shell::JointEnergy;
+use ruga_shell::LayerEnergy;
 
 /// Vertices along a wave, and to either side of it so that the cell's stencils are whole.
 const PERIOD: usize = 24;
@@ -24,7 +24,7 @@ const UNKNOWNS: usize = 2 * 2 * PERIOD * 2;
 const LONGEST_STEP: f64 = 1e-4;
 
 struct Strip {
-    joint: JointEnergy,
+    joint: LayerEnergy,
     rest: Vec<Vector3<f64>>,
     displacements: DVector<f64>,
 }

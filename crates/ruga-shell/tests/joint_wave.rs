@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{Matrix6, SymmetricEigen, Vector3};
 use pairs::{Pair, soft, thick};
-use ruga_shell::JointEnergy;
+use ruga_shell::LayerEnergy;
 
 const COLUMNS: usize = 9;
 const ROWS: usize = 9;
@@ -20,7 +20,7 @@ const ROWS: usize = 9;
 /// Deviations go with the cosine and displacements with the sine, by the lattice's symmetry: with
 /// the in-plane coordinates of each vertex times i, the Hermitian matrix of the wave is real. Rows
 /// are scaled by their diagonal.
-fn least(joint: &JointEnergy, rest: &[Vector3<f64>], strain: f64, wave_number: f64) -> f64 {
+fn least(joint: &LayerEnergy, rest: &[Vector3<f64>], strain: f64, wave_number: f64) -> f64 {
     let squeezed: Vec<_> = rest
         .iter()
         .map(|x| Vector3::new(x.x * (1.0 - strain), x.y, x.z))

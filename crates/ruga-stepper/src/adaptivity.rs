@@ -56,18 +56,29 @@ fn remesh_error(layer: &LayerSpec, source: RemeshError) -> StepperError {
     }
 }
 
+/// What a mesh is to be fine enough for.
+#[derive(Clone, Copy)]
+pub(crate) enum Fitting<'a> {
+    /// The wrinkles that these surfaces below ask for.
+    Surfaces(&'a [BelowSurface]),
+    /// Wrinkles everywhere, in any direction.
+    Everywhere,
+    /// The large shape alone.
+    LargeShape,
+}
+
 /// What a layer asks of its mesh, on the region's faces and at its vertices.
 pub(crate) struct MeshWishes {
     drivers: PerFace<FaceDriver>,
     longest: Vec<f64>,
     aspects: Vec<f64>,
-    points: f64,
+    refinement: Refinement,
     budget: usize,
     settings: RemeshSettings,
 }
 
 impl MeshWishes {
-    /// What the surfaces `below` ask of the region; `None` where meshes are to stay uniform.
+    /// What `fitting` asks of the region; `None` where meshes are to stay uniform.
     ///
     /// # Errors
     /// [`Halt::Interrupted`] when the observer asks for it between the steps.
@@ -75,26 +86,52 @@ impl MeshWishes {
         driver: &Driver,
         (layer, wrinkling): (&LayerSpec, &Wrinkling),
         region: &RegionMesh,
-        below: &[BelowSurface],
+        fitting: Fitting<'_>,
         (modelling, points): (&Modelling, f64),
         preparing: &mut Preparing<'_>,
     ) -> Result<Option<Self>, Halt> {
-        let Some(limits) = modelling.remesh else {
-            return Ok(None);
+        let limits = match (fitting, modelling.remesh) {
+            (_, Some(limits)) => limits,
+            // This mesh is given up before anything is handed out.
+            (Fitting::LargeShape, None) => EdgeLimits::default(),
+            (_, None) => return Ok(None),
         };
         let properties = SkinProperties::new(layer, wrinkling, None, driver, &region.skin)?;
         preparing.step()?;
+        let below = match fitting {
+            Fitting::Surfaces(below) => below,
+            Fitting::Everywhere | Fitting::LargeShape => &[],
+        };
         let drivers = face_drivers(layer.material.poisson, &properties, &region.skin, below);
         preparing.step()?;
         let waves = properties.vertices.iter();
         let waves = waves.map(|local| local.wrinkling.wavelength);
         let across = waves.clone().fold(f64::MAX, f64::min) / points;
         let aspect = aspect(&limits, points);
+        let (longest, refinement) = match fitting {
+            Fitting::Everywhere => (
+                1.0 / points,
+                Refinement {
+                    angle: f64::INFINITY,
+                    points_per_wavelength: points,
+                    ..Refinement::default()
+                },
+            ),
+            // On a body a mesh may be coarser than its waves are long.
+            Fitting::Surfaces(_) | Fitting::LargeShape => (
+                COARSEST.max(1.0 / points),
+                Refinement {
+                    points_per_wavelength: points,
+                    ..Refinement::default()
+                },
+            ),
+        };
+        let edge = |wavelength: f64| (longest * wavelength).clamp(limits.min_edge, limits.max_edge);
         Ok(Some(Self {
-            longest: waves.map(|wavelength| COARSEST * wavelength).collect(),
+            longest: waves.map(edge).collect(),
             aspects: aspects(&region.skin, &drivers, aspect, aspect * across),
             drivers,
-            points,
+            refinement,
             budget: modelling.vertex_budget,
             settings: settings(&limits, points),
         }))
@@ -130,10 +167,7 @@ impl MeshWishes {
             drivers: &self.drivers,
             longest: &self.longest,
             aspects: &self.aspects,
-            refinement: Refinement {
-                points_per_wavelength: self.points,
-                ..Refinement::default()
-            },
+            refinement: self.refinement,
             budget: self.budget,
         }
     }

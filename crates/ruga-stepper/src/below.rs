@@ -1,4 +1,4 @@
-//! What lies below places of the skin: the layer below where there is one, the driver elsewhere.
+//! What lies below places of the skin: the layer below where there is one, driver or body elsewhere.
 
 use nalgebra::{Matrix2, SymmetricEigen, Vector3};
 use ruga_blend::{Driver, FaceStrain, PosedSurface, face_strains};
@@ -6,6 +6,7 @@ use ruga_mesh::PerFace;
 
 use crate::cover::{Cover, Covers};
 use crate::skin_mesh::SkinMesh;
+use crate::support::Support;
 
 /// Width of the rim over which the normals of the layer below turn into the driver's, in the
 /// distance between the two layers. That layer ends in a hinge; above a kink of 36 degrees, which a
@@ -59,23 +60,22 @@ pub(crate) struct Seat {
     pub(crate) tie: Option<f64>,
 }
 
-/// The surface below the vertices of `skin`, whose rest positions include the seat's offset: the driver,
-/// and on it the `lower` layers, bottom first.
+/// The surface below the vertices of `skin`, whose rest positions include the seat's offset: what carries
+/// all layers, and on it the `lower` ones, bottom first.
 pub(crate) fn surface_below(
-    driver: &Driver,
+    (driver, support): (&Driver, &dyn Support),
     skin: &SkinMesh,
     seat: Seat,
-    control: &[Vector3<f64>],
     lower: &[LowerLayer<'_>],
 ) -> BelowSurface {
-    let mut middle = skin.points.pose(control);
-    let on_driver = middle.positions.clone();
+    let mut middle = support.pose(skin);
+    let on_support = middle.positions.clone();
     let mut distance = vec![seat.offset; middle.positions.len()];
     // What an upper one of them covers is its surface; where it is not, that of the next lower one.
     for lower in lower {
         let rim = RIM * (seat.offset - lower.offset);
         let cover = lower.covers.of(driver, skin, lower.skin, rim);
-        for &vertex in lay_on(&cover, (skin, &on_driver), control, lower, &mut middle) {
+        for &vertex in lay_on(&cover, (skin, &on_support), support, lower, &mut middle) {
             distance[vertex as usize] = seat.offset - lower.offset;
         }
     }
@@ -138,21 +138,21 @@ fn power(matrix: &Matrix2<f64>, exponent: f64, [low, high]: [f64; 2]) -> Matrix2
 /// smooth surface through positions would cut the corners.
 fn lay_on<'c>(
     cover: &'c Cover,
-    (skin, on_driver): (&SkinMesh, &[Vector3<f64>]),
-    control: &[Vector3<f64>],
+    (skin, on_support): (&SkinMesh, &[Vector3<f64>]),
+    support: &dyn Support,
     lower: &LowerLayer<'_>,
     middle: &mut PosedSurface,
 ) -> &'c [u32] {
-    let base = lower.skin.points.pose(control).positions;
+    let base = support.pose(lower.skin).positions;
     let deviations = lower.positions.iter().zip(&base);
     let deviations: Vec<Vector3<f64>> = deviations.map(|(x, base)| x - base).collect();
     let [change, along_u, along_v] = cover.interpolate(&deviations);
-    let posed = skin.points.derivatives(control);
+    let posed = support.derivatives(skin);
     let changes = change.iter().zip(along_u.iter().zip(&along_v));
     let vertices = cover.vertices().iter().zip(cover.shares());
     for ((&vertex, share), (change, (along_u, along_v))) in vertices.zip(changes) {
         let i = vertex as usize;
-        middle.positions[i] = on_driver[i] + change;
+        middle.positions[i] = on_support[i] + change;
         let first = posed[i][0] + along_u;
         let second = posed[i][1] + along_v;
         let normal = first.cross(&second).try_normalize(0.0);
@@ -175,6 +175,7 @@ mod tests {
     use ruga_mesh::Id;
 
     use super::*;
+    use crate::support::PosedDriver;
     use crate::test_square::{SIDE, Shape, region_of, skin, square};
 
     const OFFSET: f64 = 7e-4;
@@ -191,7 +192,8 @@ mod tests {
             tie: None,
         };
         let control = driver.pose(&driver.weights([("bend", 1.0)]).expect("a shape"));
-        let below = surface_below(&driver, &skin, seat, &control, &[]);
+        let support = PosedDriver { control };
+        let below = surface_below((&driver, &support), &skin, seat, &[]);
         let transfer = below.transfer.expect("a part is not transferred");
         let faces = skin.mesh.faces().as_slice().iter().zip(transfer);
         faces
@@ -249,7 +251,9 @@ mod tests {
             bending_transfer: 1.0,
             tie: None,
         };
-        let surface = surface_below(&driver, &upper, seat, driver.rest(), &[below]);
+        let control = driver.rest().to_vec();
+        let support = PosedDriver { control };
+        let surface = surface_below((&driver, &support), &upper, seat, &[below]);
         let own = face_strains(&lower.mesh, &lower.rest.positions, &positions);
         let strains = face_strains(&upper.mesh, &upper.rest.positions, &surface.posed.positions);
         let range = |strains: &PerFace<FaceStrain>| {

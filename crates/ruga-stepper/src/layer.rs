@@ -1,49 +1,43 @@
 //! One layer, held by a surface below it.
 
 mod bending;
+mod equilibrium;
+mod load;
 mod snapshot;
+#[cfg(test)]
+mod tests;
 mod unwrinkled;
 
-use nalgebra::{Matrix2, Rotation3, Vector3};
+use std::sync::Arc;
+
+use nalgebra::{Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use ruga_blend::{Driver, FaceStrain, PosedSurface, face_strains};
-use ruga_material::{CAP_START, Wrinkling, capped_strain};
-use ruga_mesh::{FaceId, Id, PerFace, VertexId};
-use ruga_shell::{BendingModel, FaceParameters, LayerParameters, ShellError};
-use ruga_solver::{
-    Iteration, Kkt, LowerPattern, Minimise, NewtonSettings, SolveReport, SolverError,
-};
+use ruga_material::{CAP_START, Wrinkling};
+use ruga_mesh::{Id, PerFace, PerVertex, VertexId};
+use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters};
+use ruga_solver::{ConstraintRows, LowerPattern};
 
 use crate::below::BelowSurface;
 use crate::error::Halt;
-use crate::layer_objective::{LayerObjective, gather, scatter};
 use crate::local_skin::{LocalSkin, SkinProperties};
 use crate::low_pass_rows::{RowCentre, low_pass_rows, row_centres};
-use crate::motion::{Inertia, Motion};
 use crate::preparing::Preparing;
 use crate::relief::ReliefShares;
-use crate::skin_energy::{SkinEnergy, UpperShell};
 use crate::skin_mesh::{Interpolation, RegionMesh, SkinMesh};
-use crate::strain_ratio::{StrainRatios, applied, applied_strains, green_strain};
-use crate::{Dynamics, LayerSpec, StepperError};
+use crate::strain_ratio::StrainRatios;
+use crate::support::{Interior, Solid};
+use crate::upper_shell::UpperShell;
+use crate::{LayerSpec, StepperError};
 
-/// Levenberg floor in units of `K0 V_i`: keeps modes that slide along themselves from having a
+pub(crate) use load::LayerState;
+
+/// Levenberg damping in units of `K0 V_i`: keeps modes that slide along themselves from having a
 /// random sign, and is far below what any wrinkle feels.
-const FLOOR: f64 = 1e-6;
+const DAMPING: f64 = 1e-6;
 /// Initial noise in thicknesses; a tenth picks a wrong wavelength.
 const NOISE: f64 = 1e-3;
-
-/// Least factor by which a rest triangle may shrink, so that one which collapses on the way keeps
-/// an area.
-const LEAST_STRETCH: f64 = 0.05;
-
-/// Where a layer and the surface below it are.
-pub(crate) struct LayerState {
-    positions: Vec<Vector3<f64>>,
-    below: BelowSurface,
-    share: f64,
-}
 
 /// How a layer is held, beyond what its own material says.
 #[derive(Clone, Debug)]
@@ -56,6 +50,8 @@ pub(crate) struct Holding {
     pub(crate) bending: BendingModel,
     /// Where its rows are centred; by its wavelength where nothing is said.
     pub(crate) centres: Option<Vec<RowCentre>>,
+    /// The body below that moves with it.
+    pub(crate) interior: Option<Arc<Interior>>,
 }
 
 /// A layer: mesh, energy, rows, and its present shape.
@@ -76,33 +72,43 @@ pub(crate) struct Layer {
     below: BelowSurface,
     /// What the surface below asks for, relative to the rest metric with its transfer.
     strains: PerFace<FaceStrain>,
-    /// Share of the strain that is loaded, in (0, 1].
-    share: f64,
+    /// Fraction of the strain that is loaded, in (0, 1].
+    fraction: f64,
     /// Of the layer's vertices, then of those of a layer that moves together with it.
     positions: Vec<Vector3<f64>>,
     /// Where these would be without wrinkles, on the surface below.
     base: Vec<Vector3<f64>>,
-    energy: SkinEnergy,
+    /// Velocities of the vertices where they have inertia, m/s.
+    velocities: Vec<Vector3<f64>>,
+    /// Their masses, kg.
+    masses: Vec<f64>,
+    energy: LayerEnergy,
     /// The layer that moves together with this one.
     upper: Option<UpperShell>,
+    /// The body below that moves together with this one.
+    solid: Option<Solid>,
     /// Whether the energy's rest metric may differ from the rest surface's.
     is_metric_changed: bool,
+    /// Normals of the surface below that the energy stands on.
+    held_normals: Vec<Vector3<f64>>,
+    /// Factors of the energy's rest lengths on a body, per face.
+    held_ratios: Vec<f64>,
     /// Dead load on the coordinates that move, N.
     reaction: Vec<f64>,
-    /// Velocities, where it moves in time.
-    motion: Option<Motion>,
     free: Vec<VertexId>,
-    floor: Vec<f64>,
+    /// Levenberg damping of all unknowns, N/m.
+    damping: Vec<f64>,
     centres: Vec<RowCentre>,
     /// What the user should know about its rows.
     pub(crate) row_warning: Option<String>,
-    kkt: Kkt,
+    rows: ConstraintRows,
+    pattern: LowerPattern,
 }
 
 impl Layer {
     /// Builds the layer on `adapted`, or else on the region's own mesh, at rest.
     pub(crate) fn new(
-        driver: &Driver,
+        driver: &Arc<Driver>,
         spec: &LayerSpec,
         wrinkling: &Wrinkling,
         holding: Holding,
@@ -130,28 +136,33 @@ impl Layer {
         };
         let skin = adapted.unwrap_or_else(|| region.skin.clone());
         let rest = &skin.rest;
-        let pinned = skin.mesh.border_vertices();
-        let faces = skin.corner_indices();
         let Holding {
             tie,
             upper,
             bending,
-            ..
+            centres,
+            interior,
         } = holding;
+        // A driver goes on beyond the layer, and holds its border; on a body nothing does.
+        let pinned = match &interior {
+            Some(_) => PerVertex::filled(rest.positions.len(), false),
+            None => skin.mesh.border_vertices(),
+        };
+        let faces = skin.corner_indices();
         let properties = SkinProperties::new(spec, wrinkling, tie, driver, &skin)?;
         preparing.step()?;
         let parameters = layer_parameters(&properties, spec.coupling.has_foundation());
         let surface = (rest.positions.as_slice(), rest.normals.as_slice());
-        let energy = SkinEnergy::new(
-            surface,
-            &faces,
-            parameters,
-            upper.as_ref(),
-            bending,
-            pinned.as_slice(),
-        )
-        .map_err(shell)?;
-        let positions = energy.laid_on(&rest.positions, &rest.normals);
+        let mesh = (surface.0, faces.as_slice(), pinned.as_slice());
+        let energy = match &upper {
+            None => LayerEnergy::with_bending(mesh.0, mesh.1, parameters, mesh.2, bending),
+            Some(upper) => {
+                let above = upper.sheet(surface, faces.len());
+                LayerEnergy::pair(mesh, parameters, above, bending)
+            }
+        };
+        let energy = energy.map_err(shell)?;
+        let positions = laid_on(rest, upper.as_ref());
         let vertices = rest.positions.len();
         let free: Vec<VertexId> = (0..positions.len())
             .map(VertexId::from_index)
@@ -163,18 +174,26 @@ impl Layer {
             }));
         }
         preparing.step()?;
-        let (starts, entries) = energy.pattern();
-        let pattern = LowerPattern::new(starts.to_vec(), entries.to_vec()).map_err(solver)?;
         let areas = energy.vertex_areas().to_vec();
-        let floor = free
+        let of_vertex = |(local, area): (&LocalSkin, &f64)| local.mass_per_area() * area;
+        let mut masses: Vec<f64> = properties
+            .vertices
             .iter()
-            .flat_map(|v| {
-                let i = v.index() % vertices;
-                let stiffness = properties.vertices[i].wrinkling.normal_stiffness;
-                [FLOOR * stiffness * areas[i]; 3]
-            })
+            .zip(&areas)
+            .map(of_vertex)
             .collect();
-        let centres = match holding.centres {
+        let mut solid = match &interior {
+            Some(interior) => {
+                let body = (interior, driver);
+                Some(Solid::new(body, spec, (&skin, &energy), &masses)?)
+            }
+            None => None,
+        };
+        if let Some(upper) = &upper {
+            masses.extend(areas.iter().map(|area| upper.mass_per_area() * area));
+        }
+        preparing.step()?;
+        let centres = match centres {
             Some(centres) => centres,
             None => row_centres(spec, &properties, &skin, &free)?,
         };
@@ -190,19 +209,43 @@ impl Layer {
         )?;
         preparing.step()?;
         let row_warning = low_pass.warning(driver, &skin);
-        let kkt = Kkt::new(&pattern, &low_pass.rows, 3).map_err(solver)?;
+        let mut damping: Vec<f64> = free
+            .iter()
+            .flat_map(|v| {
+                let i = v.index() % vertices;
+                let stiffness = properties.vertices[i].wrinkling.normal_stiffness;
+                [DAMPING * stiffness * areas[i]; 3]
+            })
+            .collect();
+        damping.extend(solid.iter().flat_map(Solid::damping));
+        let (rows, pattern) = match &mut solid {
+            Some(solid) => {
+                let rows = solid.hang(&low_pass.rows).map_err(solver)?;
+                (rows, solid.pattern().clone())
+            }
+            None => {
+                let (starts, entries) = energy.pattern();
+                let pattern = LowerPattern::new(starts.to_vec(), entries.to_vec());
+                (low_pass.rows, pattern.map_err(solver)?)
+            }
+        };
         preparing.step()?;
         let mut layer = Self {
             spec: spec.clone(),
             wrinkling: *wrinkling,
             strains: face_strains(&skin.mesh, &rest.positions, &rest.positions),
             base: positions.clone(),
-            positions,
             below: BelowSurface {
                 posed: rest.clone(),
                 transfer: None,
             },
-            share: 1.0,
+            fraction: 1.0,
+            held_normals: rest.normals.clone(),
+            held_ratios: match &solid {
+                Some(_) => vec![1.0; faces.len()],
+                None => Vec::new(),
+            },
+            velocities: vec![Vector3::zeros(); positions.len()],
             properties,
             skin,
             region,
@@ -215,12 +258,15 @@ impl Layer {
             upper,
             is_metric_changed: false,
             reaction: vec![0.0; 3 * free.len()],
-            motion: None,
+            positions,
+            masses,
+            solid,
             free,
-            floor,
+            damping,
             centres,
             row_warning,
-            kkt,
+            rows,
+            pattern,
         };
         layer.add_noise(seed);
         Ok(layer)
@@ -235,7 +281,7 @@ impl Layer {
     }
 
     pub(crate) fn row_count(&self) -> usize {
-        self.kkt.rows().count() / 3
+        self.rows.count() / 3
     }
 
     /// A little of every wave, so that none has to grow out of rounding errors.
@@ -251,131 +297,12 @@ impl Layer {
         }
     }
 
-    /// Moves the surface below; the layer is carried along, turning with it.
-    ///
-    /// With a `share` under 1 the layer feels only that part of the surface's Green strain, while
-    /// the surface stays where it is. Hinges and foundation stay those of the whole strain: with a
-    /// rest metric between posed and rest, waves would be chosen in the posed surface's lengths and
-    /// end up too long by the compression.
-    ///
-    /// The layer is not bent where it lies in the posed surface: folds that the artist has drawn
-    /// sharper than the layer is thick would otherwise be unstable without any compression.
-    pub(crate) fn set_below(
-        &mut self,
-        below: BelowSurface,
-        share: f64,
-    ) -> Result<(), StepperError> {
-        let (old, new) = (&self.below.posed, &below.posed);
-        let base = self.energy.laid_on(&new.positions, &new.normals);
-        let vertices = self.vertex_count();
-        for (i, base) in base.iter().enumerate() {
-            let deviation = self.positions[i] - self.base[i];
-            self.positions[i] = base + turn_between(old, new, i % vertices) * deviation;
-        }
-        self.base = base;
-        self.strains = applied_strains(&self.skin, &below);
-        self.energy
-            .set_base(&new.positions, &new.normals)
-            .and_then(|()| self.energy.set_rest_angles(&self.base))
-            .map_err(|source| self.shell_error(source))?;
-        self.below = below;
-        self.share = share;
-        self.set_rest_metric()?;
-        if self.spec.coupling.has_foundation() {
-            self.balance()?;
-        }
-        self.set_felt_strains(|_, applied| applied)
-    }
-
-    /// Sets the forces with which the surface below holds the layer in its own shape.
-    ///
-    /// The artist's posed shape is skin in equilibrium: against what a layer lying on it pulls and
-    /// presses, the surface pushes back. Without this a layer under tension flattens
-    /// the artist's shape, one under half of the critical compression doubles every bump as long
-    /// as a wrinkle, and on a cylinder an elastic foundation delays the onset. Compression counts
-    /// up to the critical strain, because a wrinkled layer carries no more.
-    fn balance(&mut self) -> Result<(), StepperError> {
-        let poisson = self.spec.material.poisson;
-        let wanted = |critical: f64, [first, second]: [f64; 2]| {
-            let second = second.min(critical / (1.0 + poisson));
-            [(critical - poisson * second).min(first), second]
-        };
-        self.set_felt_strains(wanted)?;
-        self.energy.gradient(&self.base, &mut self.reaction);
-        Ok(())
-    }
-
-    /// Shrinks the rest metric with the surface below, face by face, where that asks for more than
-    /// 15 %, and takes out what of its bending is not transferred.
-    fn set_rest_metric(&mut self) -> Result<(), StepperError> {
-        let capped = self.strains.as_slice().iter().any(|s| s.first > CAP_START);
-        let changed = capped || self.below.transfer.is_some();
-        if changed || self.is_metric_changed {
-            let strains = self.strains.iter();
-            let stretches: Vec<_> = strains.map(|(f, s)| self.rest_stretch(f, s)).collect();
-            let outcome = self.energy.set_rest_metric(&stretches);
-            outcome.map_err(|source| self.shell_error(source))?;
-        }
-        self.is_metric_changed = changed;
-        Ok(())
-    }
-
-    fn rest_stretch(&self, face: FaceId, strain: &FaceStrain) -> Matrix2<f64> {
-        let ratio = (1.0 - strain.first) / (1.0 - capped_strain(strain.first));
-        let along = strain.direction * strain.direction.transpose();
-        let stretch = Matrix2::identity() + along * (ratio.max(LEAST_STRETCH) - 1.0);
-        match &self.below.transfer {
-            Some(transfer) => stretch * transfer[face.index()],
-            None => stretch,
-        }
-    }
-
-    /// Lets the layer feel of every face's applied principal strains what `wanted` says, of the
-    /// face's critical strain and these.
-    fn set_felt_strains(
-        &mut self,
-        wanted: impl Fn(f64, [f64; 2]) -> [f64; 2],
-    ) -> Result<(), StepperError> {
-        let strains = self.strains.iter();
-        let natural: Vec<_> = strains
-            .map(|(face, strain)| {
-                let critical = self.properties.faces[face].wrinkling.critical_strain;
-                let felt = wanted(critical, applied(strain, self.share));
-                green_strain(strain, applied(strain, 1.0)) - green_strain(strain, felt)
-            })
-            .collect();
-        let outcome = self.energy.set_natural_strains(&natural);
-        outcome.map_err(|source| self.shell_error(source))
-    }
-
-    fn shell_error(&self, source: ShellError) -> StepperError {
-        StepperError::Shell {
-            layer: self.spec.name.clone(),
-            source,
-        }
-    }
-
-    /// Takes over how `other`, the same layer on another mesh, deviates from the surface below;
-    /// both are on the same one, and no layer moves together with them. False as soon as `goes_on`
-    /// says no.
-    pub(crate) fn take_shape(&mut self, other: &Layer, goes_on: &mut dyn FnMut() -> bool) -> bool {
-        let Some(interpolation) = Interpolation::new(&other.skin, &self.skin, goes_on) else {
-            return false;
-        };
-        let deviations = interpolation.apply(&other.deviations());
-        for v in &self.free {
-            let i = v.index();
-            self.positions[i] = self.base[i] + deviations[i];
-        }
-        true
-    }
-
-    /// Way from the surface below to every vertex, m.
+    /// Displacement of every vertex from the surface below, m.
     fn deviations(&self) -> Vec<Vector3<f64>> {
         self.all_deviations().take(self.vertex_count()).collect()
     }
 
-    /// The same of the layer that moves together with this one.
+    /// Displacements of the layer that moves together with this one from where it would lie, m.
     fn upper_deviations(&self) -> Vec<Vector3<f64>> {
         self.all_deviations().skip(self.vertex_count()).collect()
     }
@@ -385,95 +312,6 @@ impl Layer {
         pairs.map(|(x, base)| x - base)
     }
 
-    /// Lets the layer move in time from now on, first at rest.
-    pub(crate) fn set_in_motion(&mut self, dynamics: Dynamics) {
-        let vertices = self.properties.vertices.iter().zip(&self.areas);
-        let mass = |(local, area): (&LocalSkin, &f64)| local.mass_per_area() * area;
-        let mut masses: Vec<f64> = vertices.map(mass).collect();
-        if let Some(upper) = &self.upper {
-            masses.extend(self.areas.iter().map(|area| upper.mass_per_area() * area));
-        }
-        self.motion = Some(Motion::new(dynamics, masses));
-    }
-
-    /// Moves from where it was at `start` by one step in time, the present positions being a guess
-    /// at where that ends.
-    pub(crate) fn step_in_time(
-        &mut self,
-        start: &[Vector3<f64>],
-        how: (Minimise, &NewtonSettings),
-        keep_going: &mut dyn FnMut(&Iteration) -> bool,
-    ) -> Result<SolveReport, SolverError> {
-        let inertia = self.motion.as_ref().map(|motion| motion.inertia(start));
-        let report = self.minimise_with(inertia.as_ref(), how, keep_going)?;
-        if let Some(motion) = &mut self.motion {
-            motion.moved(start, &self.positions);
-        }
-        Ok(report)
-    }
-
-    /// Finds the equilibrium near the present positions and moves there.
-    pub(crate) fn minimise(
-        &mut self,
-        how: (Minimise, &NewtonSettings),
-        keep_going: &mut dyn FnMut(&Iteration) -> bool,
-    ) -> Result<SolveReport, SolverError> {
-        self.minimise_with(None, how, keep_going)
-    }
-
-    fn minimise_with(
-        &mut self,
-        inertia: Option<&Inertia>,
-        (minimise, settings): (Minimise, &NewtonSettings),
-        keep_going: &mut dyn FnMut(&Iteration) -> bool,
-    ) -> Result<SolveReport, SolverError> {
-        // A row asks for the same average of the layer as of the surface below.
-        let base = gather(&self.free, &self.base);
-        let mut targets = vec![0.0; self.kkt.rows().count()];
-        self.kkt.rows().mul(&base, &mut targets)?;
-        let mut unknowns = gather(&self.free, &self.positions);
-        let objective = LayerObjective {
-            energy: &self.energy,
-            free: &self.free,
-            positions: &self.positions,
-            pattern: self.kkt.pattern().clone(),
-            floor: &self.floor,
-            reaction: &self.reaction,
-            base: &base,
-            inertia: inertia.zip(self.motion.as_ref().map(Motion::masses)),
-            vertex_area: self.areas.iter().sum::<f64>() / self.areas.len().max(1) as f64,
-            energy_scale: self.strain_ratios().energy_scale(),
-            wrinkling: &self.wrinkling,
-            thickness: self.spec.material.thickness,
-        };
-        let report = minimise(
-            &objective,
-            &targets,
-            &mut unknowns,
-            &mut self.kkt,
-            settings,
-            keep_going,
-        )?;
-        scatter(&self.free, &unknowns, &mut self.positions);
-        Ok(report)
-    }
-
-    /// Shape of the layer and of the surface below it, to return to.
-    pub(crate) fn state(&self) -> LayerState {
-        LayerState {
-            positions: self.positions.clone(),
-            below: self.below.clone(),
-            share: self.share,
-        }
-    }
-
-    /// Returns to an earlier shape, and the surface below to where it was then.
-    pub(crate) fn restore(&mut self, state: &LayerState) -> Result<(), StepperError> {
-        self.set_below(state.below.clone(), state.share)?;
-        self.positions.clone_from(&state.positions);
-        Ok(())
-    }
-
     /// What the surface below asks of the faces, in their critical strains.
     pub(crate) fn strain_ratios(&self) -> StrainRatios<'_> {
         StrainRatios {
@@ -481,8 +319,7 @@ impl Layer {
             properties: &self.properties,
             poisson: self.spec.material.poisson,
             strains: &self.strains,
-            fraction: self.share,
-            is_capped: true,
+            fraction: self.fraction,
         }
     }
 
@@ -491,9 +328,44 @@ impl Layer {
         self.strain_ratios().largest()
     }
 
-    /// Total elastic energy, J.
+    /// Total elastic energy, of a body that moves with the layer too, J.
     pub(crate) fn energy(&self) -> f64 {
-        self.energy.value(&self.positions)
+        let below = &self.below.posed.positions;
+        let inside = self.solid.as_ref().map_or(0.0, Solid::elastic_energy);
+        self.energy.value_over(&self.positions, below) + inside
+    }
+
+    /// The body below that moves together with this layer.
+    pub(crate) fn solid(&self) -> Option<&Solid> {
+        self.solid.as_ref()
+    }
+
+    /// Whether an obstacle pushes.
+    pub(crate) fn is_touched(&self) -> bool {
+        let own = &self.positions[..self.vertex_count()];
+        self.solid
+            .as_ref()
+            .is_some_and(|solid| solid.is_touched(own))
+    }
+
+    /// Deepest displacement of a vertex into an obstacle, m.
+    pub(crate) fn penetration(&self) -> f64 {
+        let own = &self.positions[..self.vertex_count()];
+        self.solid
+            .as_ref()
+            .map_or(0.0, |solid| solid.penetration(own))
+    }
+
+    /// Share of the faces that are compressed beyond 15 %, where the layer feels no more.
+    pub(crate) fn capped_share(&self) -> f64 {
+        let strains = self.strains.as_slice().iter();
+        let capped = strains.filter(|strain| strain.first > CAP_START).count();
+        capped as f64 / self.strains.len().max(1) as f64
+    }
+
+    /// Averaging constraints over all unknowns, and the Hessian's lower triangle.
+    pub(crate) fn system(&self) -> (&LowerPattern, &ConstraintRows) {
+        (&self.pattern, &self.rows)
     }
 
     /// Wrinkle heights, m.
@@ -540,6 +412,15 @@ impl Layer {
     pub(crate) fn positions(&self) -> &[Vector3<f64>] {
         &self.positions
     }
+}
+
+/// Where the vertices would lie on a surface without wrinkles, then those of an upper layer.
+fn laid_on(surface: &PosedSurface, upper: Option<&UpperShell>) -> Vec<Vector3<f64>> {
+    let mut positions = surface.positions.clone();
+    if let Some(upper) = upper {
+        positions.extend(upper.above(&surface.positions, &surface.normals));
+    }
+    positions
 }
 
 /// Random heights at vertices with these properties and areas (m²), m.

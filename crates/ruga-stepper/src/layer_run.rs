@@ -1,18 +1,22 @@
 //! One layer on its way to its load, and what is told of it.
 
-use nalgebra::Vector3;
+mod course;
+mod in_time;
+
 use ruga_blend::Driver;
 use ruga_solver::{
-    AtSaddle, LoadSettings, LoadStepper, NewtonSettings, Outcome, SolveReport, SolverError,
+    AtSaddle, Kkt, LoadSettings, LoadStepper, NewtonSettings, Outcome, SolveReport, SolverError,
     StopRule, Trial, Verdict,
 };
 
 use crate::below::BelowSurface;
 use crate::layer::{Layer, LayerState};
+use crate::motion::Inertia;
 use crate::preparing::Preparing;
-use crate::skin_energy::UpperShell;
-use crate::skin_mesh::SkinMesh;
+use crate::upper_shell::UpperShell;
 use crate::{LayerPlan, LayerReport, Modelling, Observer, Phase, Progress, StepperError};
+
+pub(crate) use course::{Course, Ending};
 
 /// Share of the critical strain below which nothing can wrinkle.
 pub(crate) const LEAST_RATIO: f64 = 0.9;
@@ -34,12 +38,12 @@ const SETTLED: f64 = 3e-5;
 /// is left then is the pattern sliding along itself, and the next load moves it anyway.
 const PASSING: f64 = 1e-3;
 
-/// Newton decrement of the equilibrium, in energy scales, at which a moving layer counts as being
-/// there.
-const AT_REST: f64 = 1e-4;
+/// Lag of the energy behind the surface below up to which a result stands, rad: a layer that is a tenth
+/// of a wavelength off then moves by a ten-thousandth of one.
+const LAG: f64 = 1e-3;
 
-/// Steps in time after which a layer that still moves is given up.
-const MOST_STEPS_TO_REST: usize = 200;
+/// Solves after which a body that still turns under its layer is taken as it is.
+const MOST_SOLVES: usize = 3;
 
 /// The relaxation that a solve is tried with first, over what the last one needed: lets it shrink.
 const SLOWLY_LESS: f64 = 0.97;
@@ -50,100 +54,39 @@ const MISSING_INERTIA: &str =
     "the solver cannot tell a wrinkled state from an unstable flat one; compare with the default";
 const UNSTABLE: &str = "forces are in balance, but the state is an unstable one";
 
-/// What a solve that converged leaves open about a layer that may wrinkle.
-pub(crate) fn blind_spot(solve: &SolveReport) -> Option<&'static str> {
+/// Why a solve that converged may not have ended in a stable state.
+fn unverified_stability(solve: &SolveReport) -> Option<&'static str> {
     match solve.inertia {
         None => Some(MISSING_INERTIA),
         Some(inertia) => (!inertia.is_minimum()).then_some(UNSTABLE),
     }
 }
 
-/// What a load means to a layer, and what follows from reaching one.
-pub(crate) trait Course {
-    /// The surface below the layer's vertices at `load`, and the share of its strain that counts.
-    fn below(&self, skin: &SkinMesh, load: f64) -> (BelowSurface, f64);
-
-    /// `load` as a fraction of the pose.
-    fn shown(&self, load: f64) -> f64;
-
-    /// Whether the state at `load` is wanted for itself, not only on the way to others.
-    fn is_result(&self, load: f64) -> bool;
-
-    /// The layer is in equilibrium at `load`; false when the observer ends the work.
-    fn kept(
-        &mut self,
-        run: &LayerRun<'_>,
-        load: f64,
-        observer: &mut dyn Observer,
-    ) -> Result<bool, StepperError>;
-}
-
-/// How following a course ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Ending {
-    /// At the last load.
-    Reached,
-    /// Without an equilibrium for the next load.
-    GaveUp,
-    /// By the observer.
-    Interrupted,
-}
-
-/// Where a step in time led.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Arrival {
-    /// Where it was to lead: to its end, or to rest.
-    Resting,
-    /// To a state that still moves where it was to rest.
-    Moving,
-    /// To no state.
-    Nowhere,
-    /// Ended by the observer.
-    Interrupted,
-}
-
 /// How exact a state has to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Pace {
+enum Accuracy {
     /// It decides something or is handed out.
     Result,
     /// It is the start of the next.
     Passing,
 }
 
-/// The settings of a solve, of which the last one with a pattern needed this `relaxation`.
-pub(crate) fn newton_settings(
-    modelling: &Modelling,
-    (at_saddle, pace): (AtSaddle, Pace),
-    relaxation: f64,
-) -> NewtonSettings {
-    NewtonSettings {
-        at_saddle,
-        energy_tolerance: match pace {
-            Pace::Result => SETTLED,
-            Pace::Passing => PASSING,
-        },
-        residual_tolerance: modelling.tolerance,
-        first_relaxation: match at_saddle {
-            AtSaddle::Leave => SLOWLY_LESS * relaxation,
-            AtSaddle::Stop => 0.0,
-        },
-        seed: modelling.seed,
-        ..NewtonSettings::default()
-    }
-}
-
-/// A layer with its report.
+/// A layer with its factorisation and its report.
 pub(crate) struct LayerRun<'a> {
     pub(crate) modelling: &'a Modelling,
     /// Number of the layer in its stack.
     pub(crate) index: usize,
     pub(crate) layer: Layer,
+    kkt: Kkt,
     pub(crate) report: LayerReport,
     /// What had to be left out of the first step of the last solve that began with a pattern.
     relaxation: f64,
     /// What the user should know, without the layer's name.
     pub(crate) warnings: Vec<String>,
+    /// Whether a result on a body is not as exact as it should be.
+    pub(crate) is_rough: bool,
+    /// Steps in time that had to be halved.
+    halved: usize,
 }
 
 impl<'a> LayerRun<'a> {
@@ -152,25 +95,32 @@ impl<'a> LayerRun<'a> {
         layer: Layer,
         planned: &LayerPlan,
         modelling: &'a Modelling,
-    ) -> Self {
+    ) -> Result<Self, StepperError> {
         let report = LayerReport {
-            painted: planned.painted,
-            name: layer.spec.name.clone(),
             vertices: layer.vertex_count(),
             faces: layer.face_count(),
             constraints: layer.row_count(),
-            wavelength_predicted: planned.wavelength,
-            critical_strain_predicted: planned.critical_strain,
-            ..LayerReport::default()
+            ..LayerReport::planned(planned)
         };
-        Self {
+        let (pattern, rows) = layer.system();
+        // A node of a lattice touches hundreds of vertices. Dissecting the graph with all nodes in it is
+        // still better than to eliminate them last: by a tenth at six cells along a side, by a third at
+        // ten.
+        let kkt = Kkt::new(pattern, rows, 3).map_err(|source| StepperError::Solver {
+            layer: layer.spec.name.clone(),
+            source,
+        })?;
+        Ok(Self {
             modelling,
             index,
             report,
+            kkt,
             relaxation: 0.0,
             warnings: layer.row_warning.iter().cloned().collect(),
             layer,
-        }
+            is_rough: false,
+            halved: 0,
+        })
     }
 
     /// Counts in what an earlier run of the same layer has done.
@@ -195,14 +145,18 @@ impl<'a> LayerRun<'a> {
         }
     }
 
-    /// Solves at every one of `loads`, and in between where the layer begins to wrinkle.
+    /// Takes the layer through every one of `loads`, a fraction `1 / steps` of the way apart: from
+    /// equilibrium to equilibrium, and in between where it begins to wrinkle, or in time.
     pub(crate) fn follow(
         &mut self,
         course: &mut dyn Course,
-        loads: &[f64],
+        (loads, steps): (&[f64], u32),
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
-        self.climb(course, loads, LoadSettings::default(), observer)
+        match self.modelling.dynamics {
+            None => self.climb(course, loads, LoadSettings::default(), observer),
+            Some(dynamics) => self.move_in_time(course, (loads, steps), dynamics, observer),
+        }
     }
 
     /// Solves at load 1, with no more steps on the way than it takes to find the onset.
@@ -211,8 +165,7 @@ impl<'a> LayerRun<'a> {
         course: &mut dyn Course,
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
-        let (below, share) = course.below(self.layer.skin(), 1.0);
-        self.layer.set_below(below, share)?;
+        course.place(&mut self.layer, 1.0, None)?;
         let settings = LoadSettings {
             first: self.layer.strain_ratios().fraction_for(FIRST_RATIO),
             ..LoadSettings::default()
@@ -245,12 +198,12 @@ impl<'a> LayerRun<'a> {
         loop {
             share = (share * GROWTH).min(1.0);
             self.layer.set_below(below.clone(), share)?;
-            let pace = if share < 1.0 {
-                Pace::Passing
+            let accuracy = if share < 1.0 {
+                Accuracy::Passing
             } else {
-                Pace::Result
+                Accuracy::Result
             };
-            let solve = self.solve((AtSaddle::Leave, pace), shown, observer)?;
+            let solve = self.solve(None, (AtSaddle::Leave, accuracy), shown, observer)?;
             if solve.stop == StopRule::Interrupted {
                 return Ok(Ending::Interrupted);
             }
@@ -258,94 +211,10 @@ impl<'a> LayerRun<'a> {
                 return Ok(Ending::GaveUp);
             }
             if share == 1.0 {
-                self.tell_of_blind_spot(&solve);
+                self.warn_unverified(&solve);
                 return Ok(Ending::Reached);
             }
         }
-    }
-
-    /// Moves in time through `loads`, and stands still at the `keys` until the layer rests.
-    pub(crate) fn follow_in_time(
-        &mut self,
-        course: &mut dyn Course,
-        (loads, keys): (&[f64], &[f64]),
-        observer: &mut dyn Observer,
-    ) -> Result<Ending, StepperError> {
-        let mut worst = Ending::Reached;
-        for &load in loads {
-            observer.phase(self.index, Phase::Sampling);
-            let before = self.layer.state();
-            let start = self.layer.positions().to_vec();
-            let (below, share) = course.below(self.layer.skin(), load);
-            self.layer.set_below(below, share)?;
-            observer.phase(self.index, Phase::Integration);
-            let shown = course.shown(load);
-            let is_key = keys.iter().any(|key| (key - load).abs() < 1e-9);
-            match self.move_in_time(start, is_key, shown, observer)? {
-                Arrival::Resting => {}
-                Arrival::Moving => worst = Ending::GaveUp,
-                Arrival::Nowhere => {
-                    self.layer.restore(&before)?;
-                    return Ok(Ending::GaveUp);
-                }
-                Arrival::Interrupted => return Ok(Ending::Interrupted),
-            }
-            if !course.kept(self, load, observer)? {
-                return Ok(Ending::Interrupted);
-            }
-        }
-        Ok(worst)
-    }
-
-    /// One step in time from `start`, or as many as it takes to come to rest.
-    fn move_in_time(
-        &mut self,
-        mut start: Vec<Vector3<f64>>,
-        until_rest: bool,
-        shown: f64,
-        observer: &mut dyn Observer,
-    ) -> Result<Arrival, StepperError> {
-        for _ in 0..MOST_STEPS_TO_REST {
-            let from = Some(start.as_slice());
-            let solve = self.solve_from(from, (AtSaddle::Leave, Pace::Result), shown, observer)?;
-            if solve.stop == StopRule::Interrupted {
-                return Ok(Arrival::Interrupted);
-            }
-            if !solve.converged {
-                self.warnings.push(format!(
-                    "no step in time found at load {shown:.3} ({:?} after {} iterations, relative residual {:.1e})",
-                    solve.stop, solve.iterations, solve.residual
-                ));
-                return Ok(Arrival::Nowhere);
-            }
-            self.tell_of_blind_spot(&solve);
-            if !until_rest || self.rests()? {
-                return Ok(Arrival::Resting);
-            }
-            start = self.layer.positions().to_vec();
-        }
-        self.warnings.push(format!(
-            "still moving after {MOST_STEPS_TO_REST} steps in time at load {shown:.3}; longer ones may bring it to rest"
-        ));
-        Ok(Arrival::Moving)
-    }
-
-    /// Whether the layer is in equilibrium, a stable one as far as the method can tell.
-    fn rests(&mut self) -> Result<bool, StepperError> {
-        let settings = NewtonSettings {
-            at_saddle: AtSaddle::Stop,
-            max_iterations: 1,
-            energy_tolerance: AT_REST,
-            residual_tolerance: self.modelling.tolerance,
-            ..NewtonSettings::default()
-        };
-        let state = self.layer.state();
-        let how = (self.modelling.minimise, &settings);
-        let solve = self.layer.minimise(how, &mut |_| true);
-        let solve = solve.map_err(|source| self.solver_error(source))?;
-        self.report.factorizations += solve.factorizations;
-        self.layer.restore(&state)?;
-        Ok(solve.converged)
     }
 
     fn climb(
@@ -362,39 +231,25 @@ impl<'a> LayerRun<'a> {
         let mut kept = self.layer.state();
         let mut onset = None;
         while let Some(trial) = stepper.next_trial() {
-            let sampled = {
-                let mut preparing = Preparing::new(observer, self.index, Phase::Sampling);
-                let (below, share) = course.below(self.layer.skin(), trial.load);
-                self.layer.set_below(below, share)?;
-                preparing.goes_on()
-            };
-            if !sampled {
+            let solve = self.try_load(course, trial, observer)?;
+            let Some(solve) = solve.filter(|solve| solve.stop != StopRule::Interrupted) else {
                 return Ok(Ending::Interrupted);
-            }
-            observer.phase(self.index, Phase::Integration);
+            };
             let shown = course.shown(trial.load);
-            let at_saddle = if self.is_probe(trial) {
-                AtSaddle::Stop
-            } else {
-                AtSaddle::Leave
-            };
-            let pace = if trial.probe || course.is_result(trial.load) {
-                Pace::Result
-            } else {
-                Pace::Passing
-            };
-            let solve = self.solve((at_saddle, pace), shown, observer)?;
-            if solve.stop == StopRule::Interrupted {
-                return Ok(Ending::Interrupted);
-            }
-            let outcome = self.outcome(trial, &solve);
+            let outcome = self.outcome(trial, &kept, &solve);
             if trial.probe && outcome == Outcome::Buckled {
                 onset = Some(shown);
             }
             match stepper.report(outcome) {
                 Verdict::Keep => {
+                    // A probe is as exact as a result already.
+                    let is_settled = trial.probe && self.layer.lag() <= LAG;
+                    let is_wanted = course.is_result(trial.load) && !is_settled;
+                    if is_wanted && !self.settle(None, shown, observer)? {
+                        return Ok(Ending::Interrupted);
+                    }
                     kept = self.layer.state();
-                    self.tell_of_blind_spot(&solve);
+                    self.warn_unverified(&solve);
                     if !trial.probe {
                         // Where it first wrinkled; another key's course may begin anew.
                         self.report.onset_load = self.report.onset_load.or(onset);
@@ -405,7 +260,8 @@ impl<'a> LayerRun<'a> {
                 }
                 Verdict::Discard => self.layer.restore(&kept)?,
                 Verdict::GiveUp => {
-                    self.give_up(&kept, shown, &solve)?;
+                    self.warn_of_failure("no equilibrium found", shown, &solve);
+                    self.layer.restore(&kept)?;
                     return Ok(Ending::GaveUp);
                 }
             }
@@ -413,25 +269,94 @@ impl<'a> LayerRun<'a> {
         Ok(Ending::Reached)
     }
 
-    /// Finds the equilibrium.
-    fn solve(
+    /// Looks for the equilibrium at a load; `None` when the observer ends the work.
+    fn try_load(
         &mut self,
-        how: (AtSaddle, Pace),
-        shown: f64,
+        course: &dyn Course,
+        trial: Trial,
         observer: &mut dyn Observer,
-    ) -> Result<SolveReport, StepperError> {
-        self.solve_from(None, how, shown, observer)
+    ) -> Result<Option<SolveReport>, StepperError> {
+        let mut preparing = Preparing::new(observer, self.index, Phase::Sampling);
+        course.place(&mut self.layer, trial.load, None)?;
+        if !preparing.goes_on() {
+            return Ok(None);
+        }
+        observer.phase(self.index, Phase::Integration);
+        let shown = course.shown(trial.load);
+        // On a body that moves a result is settled later, once it is known where the body is.
+        let is_exact = course.is_result(trial.load) && self.layer.solid().is_none();
+        let accuracy = match trial.probe || is_exact {
+            true => Accuracy::Result,
+            false => Accuracy::Passing,
+        };
+        let at_saddle = match self.is_probe(trial) {
+            true => AtSaddle::Stop,
+            false => AtSaddle::Leave,
+        };
+        let solve = self.solve(None, (at_saddle, accuracy), shown, observer)?;
+        if solve.stop == StopRule::Saddle && !self.is_probe(trial) {
+            // Nothing wrinkles where the body has gone: what gives way is the body, or a noise of the
+            // mesh.
+            let how = (AtSaddle::Leave, accuracy);
+            return self.solve(None, how, shown, observer).map(Some);
+        }
+        Ok(Some(solve))
     }
 
-    /// Finds the equilibrium, or the end of a step in time from `start`.
-    fn solve_from(
+    /// Makes a result of a state on a body: on the way there the surface below has turned, and the
+    /// springs stand on its normals. False when interrupted.
+    fn settle(
         &mut self,
-        start: Option<&[Vector3<f64>]>,
-        (at_saddle, pace): (AtSaddle, Pace),
+        inertia: Option<&Inertia>,
+        shown: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<bool, StepperError> {
+        if self.layer.solid().is_none() {
+            return Ok(true);
+        }
+        for _ in 0..MOST_SOLVES {
+            let before = self.layer.state();
+            let how = (AtSaddle::Leave, Accuracy::Result);
+            let solve = self.solve(inertia, how, shown, observer)?;
+            if solve.stop == StopRule::Interrupted {
+                return Ok(false);
+            }
+            if !solve.converged || self.layer.has_passed(&before) {
+                self.warn_of_failure("only a rough equilibrium found", shown, &solve);
+                self.layer.restore(&before)?;
+                self.is_rough = true;
+                break;
+            }
+            if self.layer.lag() <= LAG {
+                break;
+            }
+        }
+        Ok(true)
+    }
+
+    /// Finds the equilibrium, or the end of a step in time.
+    fn solve(
+        &mut self,
+        inertia: Option<&Inertia>,
+        (at_saddle, accuracy): (AtSaddle, Accuracy),
         shown: f64,
         observer: &mut dyn Observer,
     ) -> Result<SolveReport, StepperError> {
-        let settings = newton_settings(self.modelling, (at_saddle, pace), self.relaxation);
+        let settings = NewtonSettings {
+            at_saddle,
+            energy_tolerance: match accuracy {
+                Accuracy::Result => SETTLED,
+                Accuracy::Passing => PASSING,
+            },
+            residual_tolerance: self.modelling.tolerance,
+            first_relaxation: match at_saddle {
+                AtSaddle::Leave => SLOWLY_LESS * self.relaxation,
+                AtSaddle::Stop => 0.0,
+            },
+            overshoot: self.layer.is_touched(),
+            seed: self.modelling.seed,
+            ..NewtonSettings::default()
+        };
         let vertices = self.layer.vertex_count();
         let mut keep_going = |iteration: &ruga_solver::Iteration| {
             observer.progress(Progress {
@@ -440,13 +365,10 @@ impl<'a> LayerRun<'a> {
                 vertices,
             })
         };
-        let layer = &mut self.layer;
         let how = (self.modelling.minimise, &settings);
-        let solve = match start {
-            None => layer.minimise(how, &mut keep_going),
-            Some(start) => layer.step_in_time(start, how, &mut keep_going),
-        };
-        let solve = solve.map_err(|source| self.solver_error(source))?;
+        let solve = self
+            .layer
+            .minimise(inertia, how, &mut self.kkt, &mut keep_going)?;
         if solve.converged && solve.first_relaxation > 0.0 && self.layer.strain_ratio() > 1.0 {
             self.relaxation = solve.first_relaxation;
         }
@@ -454,32 +376,48 @@ impl<'a> LayerRun<'a> {
         Ok(solve)
     }
 
-    fn tell_of_blind_spot(&mut self, solve: &SolveReport) {
-        if let Some(blind_spot) = blind_spot(solve)
+    fn warn_unverified(&mut self, solve: &SolveReport) {
+        if let Some(warning) = unverified_stability(solve)
             && self.layer.strain_ratio() > 1.0
         {
-            self.warn(blind_spot.to_owned());
+            self.warn(warning.to_owned());
         }
     }
 
-    fn give_up(
-        &mut self,
-        kept: &LayerState,
-        shown: f64,
-        solve: &SolveReport,
-    ) -> Result<(), StepperError> {
-        self.layer.restore(kept)?;
-        self.warnings.push(format!(
-            "no equilibrium found at load {shown:.3} ({:?} after {} iterations, relative residual {:.1e})",
-            solve.stop, solve.iterations, solve.residual
-        ));
-        Ok(())
+    fn warn_of_failure(&mut self, what: &str, shown: f64, solve: &SolveReport) {
+        let why = match solve.converged {
+            true => "a vertex passed through an obstacle".to_owned(),
+            false => format!(
+                "{:?} after {} iterations, relative residual {:.1e}",
+                solve.stop, solve.iterations, solve.residual
+            ),
+        };
+        self.warn(format!("{what} at load {shown:.3} ({why})"));
     }
 
     /// Notes where the layer was to wrinkle and has not.
     pub(crate) fn warn_unwrinkled(&mut self, driver: &Driver) {
         for warning in self.layer.unwrinkled(driver) {
             self.warn(warning);
+        }
+    }
+
+    /// Notes what a body and its obstacles do to the layer that a plan cannot know.
+    pub(crate) fn warn_of_body(&mut self) {
+        if self.layer.solid().is_none() {
+            return;
+        }
+        let percent = 100.0 * self.layer.capped_share();
+        if percent >= 1.0 {
+            self.warn(format!(
+                "{percent:.0} % of the layer are compressed by more than 15 %, where real skin folds, doubles its wrinkles or creases, which is not modelled. The map can be used there, but holds the wrinkles of 15 to 25 % compression; move handles and obstacles less far if they look wrong"
+            ));
+        }
+        let depth = self.layer.penetration() / self.layer.spec.material.thickness;
+        if depth > 0.1 {
+            self.warn(format!(
+                "the layer is {depth:.1} of its thickness inside an obstacle"
+            ));
         }
     }
 
@@ -520,14 +458,16 @@ impl<'a> LayerRun<'a> {
         trial.probe && self.layer.strain_ratio() > LEAST_RATIO
     }
 
-    fn outcome(&self, trial: Trial, solve: &SolveReport) -> Outcome {
+    fn outcome(&self, trial: Trial, kept: &LayerState, solve: &SolveReport) -> Outcome {
         let left_saddle = solve.left_saddle && (!trial.probe || self.is_probe(trial));
-        if solve.stop == StopRule::Saddle || (left_saddle && solve.converged) {
+        if solve.stop == StopRule::Saddle {
             Outcome::Buckled
-        } else if solve.converged {
-            Outcome::Stable
-        } else {
+        } else if !solve.converged || self.layer.has_passed(kept) {
             Outcome::Failed
+        } else if left_saddle {
+            Outcome::Buckled
+        } else {
+            Outcome::Stable
         }
     }
 

@@ -1,6 +1,6 @@
 //! Layers as a pose needs them: their region, their mesh, their bending.
 
-use crate::adaptivity::MeshWishes;
+use crate::adaptivity::{Fitting, MeshWishes};
 use crate::below::BelowSurface;
 use crate::error::Halt;
 use crate::layer::{Holding, Layer};
@@ -19,31 +19,52 @@ pub(crate) type BelowOf<'a> = Box<dyn Fn(&SkinMesh) -> BelowSurface + 'a>;
 
 impl<'a> StackRun<'a> {
     /// Builds layer number `index`, its mesh fitted to each of what may lie `below`, its
-    /// bending corrected on the last.
+    /// bending corrected on the last; where nothing is known, fine everywhere and not corrected.
     pub(crate) fn build(
         &self,
         index: usize,
         below: &[BelowOf<'_>],
         observer: &mut dyn Observer,
     ) -> Result<LayerRun<'a>, Halt> {
-        let (driver, modelling) = (&self.plan.driver, &self.plan.modelling);
         let mut preparing = Preparing::new(observer, index, Phase::Sampling);
-        let layer = &self.plan.poses[self.pose].layers[index];
-        let surface = preparing.while_wanted(|goes_on| self.plan.layer_surface(layer, goes_on))?;
-        let offset = self.plan.stacking.seats[index].offset;
-        let spec = &self.plan.stacking.specs[index];
-        let on = (&surface, modelling.smoothing, offset);
-        let region = RegionMesh::new(driver, spec, on, &mut || preparing.goes_on())?;
+        let region = self.region(index, &mut preparing)?;
         preparing.enter(Phase::Remeshing)?;
         let mut surfaces = Vec::with_capacity(below.len());
         for below in below {
             surfaces.push(below(&region.skin));
             preparing.step()?;
         }
-        let wishes = self.wishes(index, &region, &surfaces, &mut preparing)?;
+        let fitting = match surfaces.is_empty() {
+            true => Fitting::Everywhere,
+            false => Fitting::Surfaces(&surfaces),
+        };
+        let wishes = self.wishes(index, &region, fitting, &mut preparing)?;
         preparing.step()?;
-        let last = below.last().expect("a pose has a key");
-        self.build_on(index, (region, wishes), None, last, &mut preparing)
+        self.build_on(index, (region, wishes), None, below.last(), &mut preparing)
+    }
+
+    /// Builds layer number `index` on a mesh that is fine enough for its large shape alone.
+    pub(crate) fn build_coarse(
+        &self,
+        index: usize,
+        observer: &mut dyn Observer,
+    ) -> Result<LayerRun<'a>, Halt> {
+        let mut preparing = Preparing::new(observer, index, Phase::Sampling);
+        let region = self.region(index, &mut preparing)?;
+        preparing.enter(Phase::Remeshing)?;
+        let wishes = self.wishes(index, &region, Fitting::LargeShape, &mut preparing)?;
+        self.build_on(index, (region, wishes), None, None, &mut preparing)
+    }
+
+    /// The mesh of layer number `index` that results are handed out on.
+    fn region(&self, index: usize, preparing: &mut Preparing<'_>) -> Result<RegionMesh, Halt> {
+        let plan = self.plan;
+        let layer = &plan.poses[self.pose].layers[index];
+        let surface = preparing.while_wanted(|goes_on| plan.layer_surface(layer, goes_on))?;
+        let offset = plan.stacking.seats[index].offset;
+        let on = (&surface, plan.modelling.smoothing, offset);
+        let spec = &plan.stacking.specs[index];
+        RegionMesh::new(&plan.driver, spec, on, &mut || preparing.goes_on())
     }
 
     /// What layer number `index` asks of the mesh of its region.
@@ -51,7 +72,7 @@ impl<'a> StackRun<'a> {
         &self,
         index: usize,
         region: &RegionMesh,
-        below: &[BelowSurface],
+        fitting: Fitting<'_>,
         preparing: &mut Preparing<'_>,
     ) -> Result<Option<MeshWishes>, Halt> {
         let plan = self.plan;
@@ -60,17 +81,17 @@ impl<'a> StackRun<'a> {
             &plan.modelling,
             plan.modelling.points_of(index, plan.meshes()),
         );
-        MeshWishes::new(&plan.driver, layer, region, below, how, preparing)
+        MeshWishes::new(&plan.driver, layer, region, fitting, how, preparing)
     }
 
     /// Builds layer number `index` on a mesh of `region` that is fitted to `wishes`, its averaging
-    /// constraints around given `centres`.
+    /// constraints around given `centres`, its bending corrected for what lies `below`.
     fn build_on(
         &self,
         index: usize,
         (region, wishes): (RegionMesh, Option<MeshWishes>),
         centres: Option<Vec<RowCentre>>,
-        below: &BelowOf<'_>,
+        below: Option<&BelowOf<'_>>,
         preparing: &mut Preparing<'_>,
     ) -> Result<LayerRun<'a>, Halt> {
         let plan = self.plan;
@@ -87,6 +108,10 @@ impl<'a> StackRun<'a> {
             upper: plan.stacking.joint.clone(),
             bending: modelling.bending,
             centres,
+            interior: match index == 0 {
+                true => plan.body.clone(),
+                false => None,
+            },
         };
         let mut layer = Layer::new(
             driver,
@@ -98,16 +123,16 @@ impl<'a> StackRun<'a> {
             preparing,
         )?;
         preparing.step()?;
-        let surface = below(layer.skin());
+        let mut is_measured = true;
+        if let Some(below) = below {
+            let surface = below(layer.skin());
+            preparing.step()?;
+            is_measured = layer.calibrate_bending(surface)?;
+            preparing.step()?;
+        }
+        let planned = &plan.poses[self.pose].layers[index];
+        let mut run = LayerRun::new(index, layer, planned, modelling)?;
         preparing.step()?;
-        let is_measured = layer.calibrate_bending(surface)?;
-        preparing.step()?;
-        let mut run = LayerRun::new(
-            index,
-            layer,
-            &plan.poses[self.pose].layers[index],
-            modelling,
-        );
         if coarseness > WORTH_TELLING {
             let points = modelling.points_of(index, plan.meshes());
             run.warnings.push(format!(
@@ -138,7 +163,7 @@ impl<'a> StackRun<'a> {
         let region = run.layer.region();
         let surface = below(&region.skin);
         preparing.step()?;
-        let wishes = self.wishes(index, region, &[surface], &mut preparing)?;
+        let wishes = self.wishes(index, region, Fitting::Surfaces(&[surface]), &mut preparing)?;
         preparing.step()?;
         if wishes
             .as_ref()
@@ -150,7 +175,7 @@ impl<'a> StackRun<'a> {
         let region = run.layer.region().clone();
         let centres = Some(run.layer.row_centres().to_vec());
         let wanted = (region, wishes);
-        let mut fitted = self.build_on(index, wanted, centres, below, &mut preparing)?;
+        let mut fitted = self.build_on(index, wanted, centres, Some(below), &mut preparing)?;
         preparing.enter(Phase::Remeshing)?;
         fitted.layer.set_below(below(fitted.layer.skin()), 1.0)?;
         preparing.while_wanted(|goes_on| {

@@ -94,15 +94,15 @@ mod measure;
 mod motion;
 mod region;
 mod relief;
-mod skin_energy;
 mod stacking;
 mod strain_ratio;
 mod surface_measures;
 #[cfg(test)]
 mod test_square;
 mod upper_layers;
+mod upper_shell;
 
-mod embedded;
+mod support;
 
 mod error;
 mod observer;
@@ -118,7 +118,7 @@ pub use model::{
 };
 pub use result::{ComputedMesh, KeyResult, LayerReport, LayerSurface, PoseResult};
 
-pub use embedded::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape, plan_body};
+pub use support::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape, plan_body};
 
 pub use observer::{Frame, Observer, Phase, Preparation, Progress, Silent};
 

@@ -58,42 +58,6 @@ pub(crate) fn velocities(
         .collect()
 }
 
-/// Vertices with masses that move in time.
-#[derive(Clone, Debug)]
-pub(crate) struct Motion {
-    dynamics: Dynamics,
-    /// Mass of every vertex, kg.
-    masses: Vec<f64>,
-    /// Velocity of every vertex, m/s.
-    velocities: Vec<Vector3<f64>>,
-}
-
-impl Motion {
-    /// At rest.
-    pub(crate) fn new(dynamics: Dynamics, masses: Vec<f64>) -> Self {
-        Self {
-            dynamics,
-            velocities: vec![Vector3::zeros(); masses.len()],
-            masses,
-        }
-    }
-
-    /// Mass of every vertex, kg.
-    pub(crate) fn masses(&self) -> &[f64] {
-        &self.masses
-    }
-
-    /// What a step from `start` adds to the energy.
-    pub(crate) fn inertia(&self, start: &[Vector3<f64>]) -> Inertia {
-        Inertia::new(self.dynamics, start, &self.velocities)
-    }
-
-    /// Takes over the velocities of a step from `start` to `end`.
-    pub(crate) fn moved(&mut self, start: &[Vector3<f64>], end: &[Vector3<f64>]) {
-        self.velocities = velocities(start, end, self.dynamics.time_step);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -105,14 +69,13 @@ mod tests {
         let (stiffness, mass, damping) = (400.0, 1.0, 8.0);
         let end = |time_step: f64| {
             let dynamics = Dynamics { time_step, damping };
-            let mut motion = Motion::new(dynamics, vec![mass]);
-            let mut x = vec![Vector3::x()];
+            let (mut x, mut v) = (vec![Vector3::x()], vec![Vector3::zeros()]);
             for _ in 0..(0.3 / time_step).round() as usize {
-                let inertia = motion.inertia(&x);
+                let inertia = Inertia::new(dynamics, &x, &v);
                 let (weight, centre) = (inertia.weight(mass), inertia.centres[0]);
                 // The minimum of the spring's energy and the step's.
                 let next = vec![centre * (weight / (weight + stiffness))];
-                motion.moved(&x, &next);
+                v = velocities(&x, &next, time_step);
                 x = next;
             }
             x[0].x

@@ -7,11 +7,11 @@ use ruga_blend::{BaseSurface, Driver};
 use ruga_material::{StackPair, Wrinkling};
 use ruga_mesh::FaceId;
 
-use crate::embedded::Interior;
 use crate::planning_surface::PlanningSurface;
 use crate::pose_plan::PlannedLayer;
 use crate::skin_mesh::{check_boundaries, sharp_map};
 use crate::stacking::Stacking;
+use crate::support::Interior;
 use crate::validation::{
     check_layer, check_map_size, check_modelling, check_motionless, check_pose,
 };
@@ -35,7 +35,7 @@ pub struct Plan {
     /// Times the driver's faces are split in four where [`LayerPlan::region`] counts them.
     pub(crate) planning_levels: u32,
     /// The body below the layers, where there is one.
-    pub(crate) body: Option<Interior>,
+    pub(crate) body: Option<Arc<Interior>>,
 }
 
 /// The lattice inside a soft body.
@@ -210,7 +210,7 @@ fn planned_layers<'a>(
 }
 
 /// Adds to a pose the layer that moves together with the lowest one, where there is one.
-fn add_carried_along(pose: &mut PosePlan, stacking: &Stacking) {
+pub(crate) fn add_carried_along(pose: &mut PosePlan, stacking: &Stacking) {
     if let (Some(upper), Some(pair)) = (&stacking.joint, stacking.pairs.first()) {
         pose.layers[0].wavelength = stacking.wrinkling[0].wavelength;
         pose.layers[0].critical_strain = stacking.wrinkling[0].critical_strain;

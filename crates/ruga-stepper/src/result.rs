@@ -4,10 +4,10 @@ use nalgebra::{Vector2, Vector3};
 use ruga_blend::Driver;
 use ruga_solver::{SolveReport, StopRule};
 
-use crate::PaintedRanges;
 use crate::local_skin::uv;
 use crate::measure::waviness;
 use crate::skin_mesh::SkinMesh;
+use crate::{LayerPlan, PaintedRanges};
 
 /// One layer in one load step, with the smooth driver under each of its vertices.
 #[derive(Clone, Debug, Default)]
@@ -144,6 +144,17 @@ impl ComputedMesh {
 const LEAST_AMPLITUDE: f64 = 0.01;
 
 impl LayerReport {
+    /// What is known of a layer before it is simulated.
+    pub(crate) fn planned(layer: &LayerPlan) -> Self {
+        Self {
+            name: layer.name.clone(),
+            wavelength_predicted: layer.wavelength,
+            critical_strain_predicted: layer.critical_strain,
+            painted: layer.painted,
+            ..Self::default()
+        }
+    }
+
     /// Measures wavelength and amplitude of a layer of this thickness (m), from its `heights` (m) over
     /// some faces of a mesh that at `rest` has its vertices there (m).
     pub(crate) fn measure(

@@ -4,16 +4,17 @@ use std::rc::Rc;
 
 use nalgebra::Vector3;
 
-use crate::below::{BelowSurface, surface_below};
+use crate::below::surface_below;
 use crate::cover::Covers;
-use crate::embedded::simulate_body;
 use crate::error::Halt;
+use crate::layer::Layer;
 use crate::layer_run::{Course, Ending, LayerRun};
 use crate::layer_setup::BelowOf;
-use crate::skin_mesh::SkinMesh;
+use crate::motion::Inertia;
+use crate::support::{Embeddings, Interior, Moves, PosedBody, PosedDriver, Solid, Support};
 use crate::{
     Frame, KeyResult, LayerReport, LoadPath, Observer, Phase, Plan, PoseResult, PoseSpec,
-    StepperError,
+    Preparation, Progress, StepperError,
 };
 
 impl Plan {
@@ -50,42 +51,15 @@ impl Plan {
                 poses: self.specs.len(),
             });
         }
-        match &self.body {
-            None => self.simulate_stack(pose, observer),
-            Some(body) => simulate_body((self, body), pose, observer),
-        }
-    }
-
-    fn simulate_stack(
-        &self,
-        pose: usize,
-        observer: &mut dyn Observer,
-    ) -> Result<PoseResult, StepperError> {
-        let mut run = StackRun {
-            plan: self,
-            pose,
-            result: PoseResult {
-                layers: self.reports(pose),
-                converged: true,
-                ..PoseResult::default()
-            },
-            upper: self.stacking.specs.iter().map(|_| None).collect(),
-            covers: Rc::default(),
-        };
+        let mut run = StackRun::new(self, pose)?;
         run.follow(observer)?;
         Ok(run.result)
     }
 
     /// What is known of the layers of pose number `pose` before they are simulated.
     pub(crate) fn reports(&self, pose: usize) -> Vec<LayerReport> {
-        let reports = self.poses[pose].layers.iter().map(|layer| LayerReport {
-            name: layer.name.clone(),
-            wavelength_predicted: layer.wavelength,
-            critical_strain_predicted: layer.critical_strain,
-            painted: layer.painted,
-            ..LayerReport::default()
-        });
-        reports.collect()
+        let layers = self.poses[pose].layers.iter();
+        layers.map(LayerReport::planned).collect()
     }
 }
 
@@ -117,9 +91,32 @@ pub(crate) struct StackRun<'a> {
     pub(crate) upper: Vec<Option<LayerRun<'a>>>,
     /// Where their meshes lie on those below.
     pub(crate) covers: Rc<Covers>,
+    /// Where meshes lie in a body.
+    embeddings: Rc<Embeddings>,
+    /// What moves around a body.
+    moves: Option<Moves<'a>>,
 }
 
 impl<'a> StackRun<'a> {
+    /// The layers of pose number `pose` at rest, none of them built.
+    pub(crate) fn new(plan: &'a Plan, pose: usize) -> Result<Self, StepperError> {
+        let interior = plan.body.as_ref();
+        let moves = interior.map(|interior| Moves::new(&interior.body, &plan.specs[pose]));
+        Ok(Self {
+            plan,
+            pose,
+            result: PoseResult {
+                layers: plan.reports(pose),
+                converged: true,
+                ..PoseResult::default()
+            },
+            upper: plan.stacking.specs.iter().map(|_| None).collect(),
+            covers: Rc::default(),
+            embeddings: Rc::default(),
+            moves: moves.transpose()?,
+        })
+    }
+
     /// The pose as it was asked for.
     pub(crate) fn spec(&self) -> &'a PoseSpec {
         &self.plan.specs[self.pose]
@@ -136,26 +133,20 @@ impl<'a> StackRun<'a> {
                 .collect();
             return Ok(());
         };
-        let keys = self.spec().keys.iter();
-        let keys: Vec<_> = keys.map(|&key| self.control(key)).collect();
-        let (driver, seat) = (&self.plan.driver, self.plan.stacking.seats[lowest]);
-        let at_key = |control: Vec<Vector3<f64>>| -> BelowOf<'_> {
-            Box::new(move |skin| surface_below(driver, skin, seat, &control, &[]))
-        };
-        let below: Vec<BelowOf<'_>> = keys.into_iter().map(at_key).collect();
-        let made = self.build(lowest, &below, observer);
+        let made = self.build_lowest(lowest, observer);
         let Some(mut run) = Halt::unless_interrupted(made)? else {
             self.result.converged = false;
             self.result.interrupted = true;
             return Ok(());
         };
         let ending = match self.plan.poses[self.pose].path {
-            LoadPath::Weight => self.follow_weight(lowest, &mut run, observer)?,
+            LoadPath::Weight => self.follow_course(lowest, &mut run, None, observer)?,
             LoadPath::Strain => self.follow_strain(lowest, &mut run, observer)?,
         };
         if ending == Ending::Reached {
             run.warn_unwrinkled(&self.plan.driver);
         }
+        run.warn_of_body();
         self.tell(&run, ending);
         run.measure();
         if let Some(upper) = run.layer.upper() {
@@ -166,23 +157,96 @@ impl<'a> StackRun<'a> {
         Ok(())
     }
 
-    fn follow_weight(
-        &mut self,
+    /// Builds the lowest layer for what it will lie on at the pose's keys.
+    fn build_lowest(
+        &self,
         lowest: usize,
-        run: &mut LayerRun<'_>,
         observer: &mut dyn Observer,
-    ) -> Result<Ending, StepperError> {
-        // Beyond the last key nothing was planned for.
-        let last = self.spec().keys.iter().copied().fold(0.0, f64::max);
-        let loads = loads_up_to(last, self.spec().steps, self.spec().keys.iter().copied());
-        let mut course = DriverCourse {
+    ) -> Result<LayerRun<'a>, Halt> {
+        let keys = self.spec().keys.iter();
+        let (supports, before) = match &self.plan.body {
+            None => {
+                let posed = keys.map(|&key| self.posed_driver(key));
+                (posed.collect(), None)
+            }
+            Some(interior) => {
+                let (places, run) = self.run_ahead(lowest, observer)?;
+                let posed = places.into_iter().map(|q| self.posed_body(interior, q));
+                (posed.collect::<Vec<_>>(), Some(run))
+            }
+        };
+        let (driver, seat) = (&self.plan.driver, self.plan.stacking.seats[lowest]);
+        let mut below: Vec<BelowOf<'_>> = Vec::new();
+        for support in &supports {
+            let on = (driver.as_ref(), support.as_ref());
+            below.push(Box::new(move |skin| surface_below(on, skin, seat, &[])));
+        }
+        let mut run = self.build(lowest, &below, observer)?;
+        if let Some(before) = before {
+            run.report.newton_iterations += before.newton_iterations;
+            run.report.factorizations += before.factorizations;
+        }
+        Ok(run)
+    }
+
+    /// Where the nodes of a body go at every key, found with a layer whose mesh is too coarse for
+    /// wrinkles, and the work that it took; nothing where not all keys were reached.
+    ///
+    /// A driver says beforehand where skin will be compressed, a body does not.
+    fn run_ahead(
+        &self,
+        lowest: usize,
+        observer: &mut dyn Observer,
+    ) -> Result<(Vec<Vec<Vector3<f64>>>, LayerReport), Halt> {
+        let mut run = self.build_coarse(lowest, observer)?;
+        let mut course = AheadCourse {
             stack: self,
             lowest,
-            key: None,
-            wants_frames: observer.wants_frames(),
+            places: Vec::new(),
         };
-        let keys = course.stack.spec().keys.clone();
-        follow_course(run, &mut course, (&loads, &keys), observer)
+        let loads = self.loads(None);
+        let mut ahead = Ahead { observer };
+        match run.follow(&mut course, (&loads, self.spec().steps), &mut ahead)? {
+            Ending::Reached => Ok((course.places, run.report)),
+            Ending::GaveUp => Ok((Vec::new(), run.report)),
+            Ending::Interrupted => Err(Halt::Interrupted),
+        }
+    }
+
+    fn posed_driver(&self, weight: f64) -> Box<dyn Support + 'a> {
+        let weights = self.spec().weights.scaled(weight);
+        let control = self.plan.driver.pose(&weights);
+        Box::new(PosedDriver { control })
+    }
+
+    fn posed_body(&self, interior: &'a Interior, q: Vec<Vector3<f64>>) -> Box<dyn Support + 'a> {
+        Box::new(PosedBody {
+            interior,
+            rest: self.plan.driver.rest(),
+            q,
+            embeddings: Rc::clone(&self.embeddings),
+        })
+    }
+
+    /// What all layers lie on, at a fraction of the pose that `lowest` is at.
+    fn support(&self, lowest: &Layer, weight: f64) -> Box<dyn Support + 'a> {
+        match (&self.plan.body, lowest.solid()) {
+            (Some(interior), Some(solid)) => self.posed_body(interior, solid.state.q.clone()),
+            _ => self.posed_driver(weight),
+        }
+    }
+
+    /// Loads of the pose, or of the growth of its strain at one key.
+    fn loads(&self, key: Option<f64>) -> Vec<f64> {
+        let spec = self.spec();
+        if key.is_some() {
+            return loads_up_to(1.0, spec.steps, [1.0]);
+        }
+        // Beyond the last key nothing was planned for.
+        let last = spec.keys.iter().copied().fold(0.0, f64::max);
+        let moves = self.moves.iter();
+        let keyframes = moves.flat_map(Moves::keyframes).filter(|&at| at < last);
+        loads_up_to(last, spec.steps, spec.keys.iter().copied().chain(keyframes))
     }
 
     fn follow_strain(
@@ -192,17 +256,10 @@ impl<'a> StackRun<'a> {
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
         let at_rest = run.layer.state();
-        let loads = loads_up_to(1.0, self.spec().steps, [1.0]);
         let mut worst = Ending::Reached;
         for key in self.spec().keys.clone() {
             run.layer.restore(&at_rest)?;
-            let mut course = DriverCourse {
-                stack: self,
-                lowest,
-                key: Some(key),
-                wants_frames: observer.wants_frames(),
-            };
-            match follow_course(run, &mut course, (&loads, &[1.0]), observer)? {
+            match self.follow_course(lowest, run, Some(key), observer)? {
                 Ending::Reached => {}
                 Ending::GaveUp => worst = Ending::GaveUp,
                 Ending::Interrupted => return Ok(Ending::Interrupted),
@@ -211,19 +268,49 @@ impl<'a> StackRun<'a> {
         Ok(worst)
     }
 
-    /// Where the driver's vertices are at a fraction of the pose.
-    fn control(&self, weight: f64) -> Vec<Vector3<f64>> {
-        self.plan.driver.pose(&self.spec().weights.scaled(weight))
+    fn follow_course(
+        &mut self,
+        lowest: usize,
+        run: &mut LayerRun<'_>,
+        key: Option<f64>,
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        let (loads, steps) = (self.loads(key), self.spec().steps);
+        let mut course = PoseCourse {
+            stack: self,
+            lowest,
+            key,
+            wants_frames: observer.wants_frames(),
+        };
+        run.follow(&mut course, (&loads, steps), observer)
     }
 
     /// Takes over what a layer's run has to say.
     pub(crate) fn tell(&mut self, run: &LayerRun<'_>, ending: Ending) {
-        self.result.converged &= ending == Ending::Reached;
+        self.result.converged &= ending == Ending::Reached && !run.is_rough;
         self.result.interrupted |= ending == Ending::Interrupted;
         for warning in &run.warnings {
             let (pose, layer) = (&self.plan.specs[self.pose].name, &run.layer.spec.name);
             self.result.warn(pose, layer, warning);
         }
+    }
+
+    /// Puts what lies below the lowest layer there.
+    fn place(
+        &self,
+        lowest: usize,
+        layer: &mut Layer,
+        place: Place,
+        inertia: Option<&Inertia>,
+    ) -> Result<(), StepperError> {
+        if let Some(moves) = &self.moves {
+            return layer.place_solid((moves, &self.spec().weights), place.weight, inertia);
+        }
+        let seat = self.plan.stacking.seats[lowest];
+        let support = self.posed_driver(place.weight);
+        let on = (self.plan.driver.as_ref(), support.as_ref());
+        let below = surface_below(on, layer.skin(), seat, &[]);
+        layer.set_below(below, place.share)
     }
 
     fn is_key(&self, place: Place) -> bool {
@@ -245,10 +332,10 @@ impl<'a> StackRun<'a> {
             return Ok(true);
         }
         observer.phase(lowest, Phase::Sampling);
-        let control = self.control(place.weight);
-        let mut layers = self.snapshot(run, &control, &[]);
+        let support = self.support(&run.layer, place.weight);
+        let mut layers = self.snapshot(run, support.as_ref(), &[]);
         if place.share == 1.0 {
-            let upper = self.upper_layers(lowest, run, place, &control, observer)?;
+            let upper = self.upper_layers(lowest, run, place, support.as_ref(), observer)?;
             let Some(upper) = upper else { return Ok(false) };
             layers.extend(upper);
         }
@@ -262,26 +349,10 @@ impl<'a> StackRun<'a> {
             self.result.keys.push(KeyResult {
                 load: place.weight,
                 layers,
-                artist_positions: None,
+                artist_positions: run.layer.solid().map(Solid::artist_positions),
             });
         }
         Ok(true)
-    }
-}
-
-/// Follows a course from equilibrium to equilibrium, or in time.
-fn follow_course(
-    run: &mut LayerRun<'_>,
-    course: &mut dyn Course,
-    (loads, keys): (&[f64], &[f64]),
-    observer: &mut dyn Observer,
-) -> Result<Ending, StepperError> {
-    match run.modelling.dynamics {
-        None => run.follow(course, loads, observer),
-        Some(dynamics) => {
-            run.layer.set_in_motion(dynamics);
-            run.follow_in_time(course, (loads, keys), observer)
-        }
     }
 }
 
@@ -294,15 +365,15 @@ fn flat_key(load: f64) -> KeyResult {
     }
 }
 
-/// The lowest layer's way: along the weights, or along the strain of one key.
-struct DriverCourse<'r, 'a> {
+/// What leads the lowest layer: the weights and motions of the pose, or the growing strain of one key.
+struct PoseCourse<'r, 'a> {
     stack: &'r mut StackRun<'a>,
     lowest: usize,
     key: Option<f64>,
     wants_frames: bool,
 }
 
-impl DriverCourse<'_, '_> {
+impl PoseCourse<'_, '_> {
     fn place(&self, load: f64) -> Place {
         match self.key {
             None => Place {
@@ -317,15 +388,15 @@ impl DriverCourse<'_, '_> {
     }
 }
 
-impl Course for DriverCourse<'_, '_> {
-    fn below(&self, skin: &SkinMesh, load: f64) -> (BelowSurface, f64) {
+impl Course for PoseCourse<'_, '_> {
+    fn place(
+        &self,
+        layer: &mut Layer,
+        load: f64,
+        inertia: Option<&Inertia>,
+    ) -> Result<(), StepperError> {
         let place = self.place(load);
-        let control = self.stack.control(place.weight);
-        let seat = self.stack.plan.stacking.seats[self.lowest];
-        (
-            surface_below(&self.stack.plan.driver, skin, seat, &control, &[]),
-            place.share,
-        )
+        self.stack.place(self.lowest, layer, place, inertia)
     }
 
     fn shown(&self, load: f64) -> f64 {
@@ -337,6 +408,11 @@ impl Course for DriverCourse<'_, '_> {
         self.wants_frames || self.stack.is_key(self.place(load))
     }
 
+    fn rests_at(&self, load: f64) -> bool {
+        // A body's time is the load: no key waits.
+        self.stack.moves.is_none() && self.stack.is_key(self.place(load))
+    }
+
     fn kept(
         &mut self,
         run: &LayerRun<'_>,
@@ -345,5 +421,78 @@ impl Course for DriverCourse<'_, '_> {
     ) -> Result<bool, StepperError> {
         let place = self.place(load);
         self.stack.frame(self.lowest, run, place, observer)
+    }
+}
+
+/// The course of a run that only finds out where a body goes.
+struct AheadCourse<'r, 'a> {
+    stack: &'r StackRun<'a>,
+    lowest: usize,
+    /// Where its nodes are at every key, m.
+    places: Vec<Vec<Vector3<f64>>>,
+}
+
+impl Course for AheadCourse<'_, '_> {
+    fn place(
+        &self,
+        layer: &mut Layer,
+        load: f64,
+        inertia: Option<&Inertia>,
+    ) -> Result<(), StepperError> {
+        let place = Place {
+            weight: load,
+            share: 1.0,
+        };
+        self.stack.place(self.lowest, layer, place, inertia)
+    }
+
+    fn shown(&self, load: f64) -> f64 {
+        load
+    }
+
+    fn is_result(&self, _: f64) -> bool {
+        // A rough state says where skin will be compressed.
+        false
+    }
+
+    fn rests_at(&self, _: f64) -> bool {
+        false
+    }
+
+    fn kept(
+        &mut self,
+        run: &LayerRun<'_>,
+        load: f64,
+        _: &mut dyn Observer,
+    ) -> Result<bool, StepperError> {
+        if self.stack.spec().has_key(load) {
+            self.places
+                .extend(run.layer.solid().map(|solid| solid.state.q.clone()));
+        }
+        Ok(true)
+    }
+}
+
+/// Passes on where the work stands, and no results.
+struct Ahead<'o> {
+    observer: &'o mut dyn Observer,
+}
+
+impl Observer for Ahead<'_> {
+    fn phase(&mut self, layer: usize, _: Phase) {
+        // Whatever it does, it serves the mesh.
+        self.observer.phase(layer, Phase::Remeshing);
+    }
+
+    fn preparing(&mut self, preparation: Preparation) -> bool {
+        self.observer.preparing(preparation)
+    }
+
+    fn progress(&mut self, progress: Progress) -> bool {
+        self.observer.progress(progress)
+    }
+
+    fn wants_frames(&self) -> bool {
+        false
     }
 }

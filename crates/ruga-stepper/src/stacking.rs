@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use ruga_material::{StackLayer, StackPair, Wrinkling, composite_layers, wrinkling};
 
 use crate::below::Seat;
-use crate::skin_energy::UpperShell;
+use crate::upper_shell::UpperShell;
 use crate::{Coupling, LayerSpec, Stack, StepperError};
 
 /// The layers as they are simulated, bottom first.

@@ -19,8 +19,6 @@ pub(crate) struct StrainRatios<'a> {
     pub(crate) strains: &'a PerFace<FaceStrain>,
     /// Fraction of the applied Green strain that is loaded, in (0, 1].
     pub(crate) fraction: f64,
-    /// Whether the layer feels strains beyond 15 % capped: on a driver, not on a body.
-    pub(crate) is_capped: bool,
 }
 
 impl StrainRatios<'_> {
@@ -30,11 +28,7 @@ impl StrainRatios<'_> {
     }
 
     fn of_face_at(&self, fraction: f64, face: FaceId) -> f64 {
-        let strain = &self.strains[face];
-        let [first, second] = match self.is_capped {
-            true => applied(strain, fraction),
-            false => [strain.first, strain.second].map(|strain| loaded(strain, fraction)),
-        };
+        let [first, second] = applied(&self.strains[face], fraction);
         let effective = first + self.poisson * second;
         effective / self.properties.faces[face].wrinkling.critical_strain
     }

@@ -7,10 +7,12 @@ use nalgebra::Vector3;
 use crate::below::{BelowSurface, LowerLayer, as_shown, surface_below};
 use crate::cover::Covers;
 use crate::error::Halt;
+use crate::layer::Layer;
 use crate::layer_run::{Course, Ending, LayerRun};
 use crate::layer_setup::BelowOf;
+use crate::motion::Inertia;
 use crate::simulate::{Place, StackRun};
-use crate::skin_mesh::SkinMesh;
+use crate::support::Support;
 use crate::{LayerSurface, Observer, Phase, StepperError};
 
 impl<'a> StackRun<'a> {
@@ -20,7 +22,7 @@ impl<'a> StackRun<'a> {
         lowest: usize,
         run: &LayerRun<'_>,
         place: Place,
-        control: &[Vector3<f64>],
+        support: &dyn Support,
         observer: &mut dyn Observer,
     ) -> Result<Option<Vec<LayerSurface>>, StepperError> {
         let covers = Rc::clone(&self.covers);
@@ -37,7 +39,7 @@ impl<'a> StackRun<'a> {
             let lower: Vec<LowerLayer<'_>> = lower
                 .map(|(run, shown)| self.lower(run, shown, &covers))
                 .collect();
-            let made = self.upper_layer(index, &lower, place, control, observer);
+            let made = self.upper_layer(index, &lower, place, support, observer);
             let Some((mut upper, ending)) = Halt::unless_interrupted(made)? else {
                 return Ok(None);
             };
@@ -50,10 +52,10 @@ impl<'a> StackRun<'a> {
                 return Ok(None);
             }
             observer.phase(index, Phase::Sampling);
-            surfaces.extend(self.snapshot(&upper, control, &lower));
+            surfaces.extend(self.snapshot(&upper, support, &lower));
             let seat = self.plan.stacking.seats[index];
             let skin = upper.layer.skin();
-            let below = surface_below(&self.plan.driver, skin, seat, control, &as_shown(&lower));
+            let below = surface_below((&self.plan.driver, support), skin, seat, &as_shown(&lower));
             shown.push(upper.layer.shown_positions(&below.posed));
             upper.measure();
             self.result.layers[index] = upper.report.clone();
@@ -74,14 +76,14 @@ impl<'a> StackRun<'a> {
         index: usize,
         lower: &[LowerLayer<'_>],
         place: Place,
-        control: &[Vector3<f64>],
+        support: &dyn Support,
         observer: &mut dyn Observer,
     ) -> Result<(LayerRun<'a>, Ending), Halt> {
         let seat = self.plan.stacking.seats[index];
         let last = self.upper[index].take();
         let driver = &self.plan.driver;
         let below: BelowOf<'_> =
-            Box::new(move |skin| surface_below(driver, skin, seat, control, lower));
+            Box::new(move |skin| surface_below((driver, support), skin, seat, lower));
         let mut history = None;
         if let Some(last) = last {
             let before = last.layer.strain_ratio();
@@ -123,15 +125,16 @@ impl<'a> StackRun<'a> {
     pub(crate) fn snapshot(
         &self,
         run: &LayerRun<'_>,
-        control: &[Vector3<f64>],
+        support: &dyn Support,
         lower: &[LowerLayer<'_>],
     ) -> Vec<LayerSurface> {
         let (driver, layer) = (&self.plan.driver, &run.layer);
         let seat = self.plan.stacking.seats[run.index];
         let region = &layer.region().skin;
-        let below = surface_below(driver, region, seat, control, lower).posed;
-        let shown = surface_below(driver, region, seat, control, &as_shown(lower)).posed;
-        let own = layer.snapshot(driver, control, (&below, &shown), seat.offset);
+        let on = (driver.as_ref(), support);
+        let below = surface_below(on, region, seat, lower).posed;
+        let shown = surface_below(on, region, seat, &as_shown(lower)).posed;
+        let own = layer.snapshot(on, (&below, &shown), seat.offset);
         let upper = layer.upper_snapshot(driver, &own, &below);
         std::iter::once(own).chain(upper).collect()
     }
@@ -144,8 +147,8 @@ struct CarriedCourse {
 }
 
 impl Course for CarriedCourse {
-    fn below(&self, _: &SkinMesh, load: f64) -> (BelowSurface, f64) {
-        (self.below.clone(), load)
+    fn place(&self, layer: &mut Layer, load: f64, _: Option<&Inertia>) -> Result<(), StepperError> {
+        layer.set_below(self.below.clone(), load)
     }
 
     fn shown(&self, load: f64) -> f64 {
@@ -154,6 +157,10 @@ impl Course for CarriedCourse {
 
     fn is_result(&self, load: f64) -> bool {
         load == 1.0
+    }
+
+    fn rests_at(&self, _: f64) -> bool {
+        false
     }
 
     fn kept(

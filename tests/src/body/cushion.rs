@@ -165,7 +165,7 @@ impl Cushion {
         };
         Ok(plan_body(
             driver,
-            &layer,
+            &[layer],
             &self.body(),
             &[thrown],
             modelling,

@@ -150,7 +150,7 @@ impl Slab {
             motions,
         };
         let layer = skin_of(self.materials(), self.coupling);
-        let plan = plan_body(&driver, &layer, &self.body(), &[pose], &modelling, 1024)?;
+        let plan = plan_body(&driver, &[layer], &self.body(), &[pose], &modelling, 1024)?;
         let result = plan.simulate(0, observer)?;
         let missing = || format!("no result: {}", result.warnings.join("; "));
         let report = result.layers.first().ok_or_else(missing)?;

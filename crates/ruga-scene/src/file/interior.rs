@@ -5,7 +5,7 @@ use ruga_stepper::CellShape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// `[interior]`: one layer on an embedded lattice (Rémillard and Kry 2013).
+/// `[interior]`: layers on an embedded lattice (Rémillard and Kry 2013).
 ///
 /// What lies inside has the Young's modulus and the Poisson ratio of `[substrate]`. All lengths are
 /// metres; `length_unit` converts OBJ input alone. Places and directions are in the axes of the world:

@@ -23,9 +23,8 @@ impl Interior {
             self.name_fault(&key, self.handles.len() + i)?;
             obstacle.faults(&key)?;
         }
-        if layers != 1 {
-            let found = format!("{layers} layers");
-            return fault("interior", found, "exactly one layer on a lattice");
+        if layers == 0 {
+            return fault("interior", "no layer", "at least one layer on a lattice");
         }
         Ok(())
     }

@@ -33,7 +33,11 @@ impl SceneFile {
         let zones = self.zones();
         if let (Some(_), [_, _, ..]) = (&self.interior, zones.as_slice()) {
             let found = format!("{} zones", zones.len());
-            return fault("interior", found, "exactly one layer on a lattice");
+            return fault(
+                "interior",
+                found,
+                "one zone on a lattice: its layers one on the other",
+            );
         }
         for zone in &zones {
             let lowest = zone.layers[0];

@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 use nalgebra::{Matrix2, Vector3};
-use ruga_shell::{FaceParameters, JointEnergy, LayerEnergy, LayerParameters, TieParameters};
+use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters, UpperSheet};
 
 use crate::meshes::lattice;
 
@@ -148,7 +148,7 @@ impl Pair {
         columns: usize,
         rows: usize,
         edge: f64,
-    ) -> (JointEnergy, Vec<Vector3<f64>>) {
+    ) -> (LayerEnergy, Vec<Vector3<f64>>) {
         let mesh = lattice(columns, rows, edge);
         let (faces, count) = (mesh.faces.len(), mesh.positions.len());
         let above: Vec<_> = mesh
@@ -156,28 +156,19 @@ impl Pair {
             .iter()
             .map(|p| p + Vector3::z() * self.lever())
             .collect();
-        let layer = |face: FaceParameters, rest: &[Vector3<f64>]| {
-            let parameters = LayerParameters::uniform(face, faces, 0.0, count);
-            LayerEnergy::new(rest, &mesh.faces, parameters, &vec![false; count])
-                .expect("a valid lattice")
+        let uniform = |face, tie| LayerParameters::uniform(face, faces, tie, count);
+        let upper = UpperSheet {
+            rest_positions: above.clone(),
+            parameters: uniform(self.upper.parameters(), self.tie),
+            levers: vec![self.lever(); count],
         };
-        let bare = FaceParameters {
-            normal_stiffness: 0.0,
-            gradient_stiffness: 0.0,
-            ..self.upper.parameters()
-        };
-        let tie = TieParameters {
-            normal_stiffness: self.upper.normal,
-            gradient_stiffness: self.upper.gradient,
-            tangential_stiffness: self.tie,
-        };
-        let joint = JointEnergy::new(
-            layer(self.lower.parameters(), &mesh.positions),
-            layer(bare, &above),
-            &vec![tie; faces],
-            &vec![self.lever(); count],
+        let joint = LayerEnergy::pair(
+            (&mesh.positions, &mesh.faces, &vec![false; count]),
+            uniform(self.lower.parameters(), 0.0),
+            upper,
+            BendingModel::Hinge,
         )
-        .expect("layers that fit");
+        .expect("a valid lattice");
         (joint, [mesh.positions, above].concat())
     }
 }

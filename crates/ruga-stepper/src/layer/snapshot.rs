@@ -5,21 +5,21 @@ use ruga_blend::{Driver, PosedSurface};
 
 use super::Layer;
 use crate::relief::shown_positions;
+use crate::support::Support;
 use crate::{ComputedMesh, LayerSurface};
 
 impl Layer {
     /// The layer as others see it: over `real`, which is what lies below the region's own mesh, or as
-    /// maps show that, over `shown`, and the driver's `control` points.
+    /// maps show that, over `shown`, and the `support` of all layers.
     pub(crate) fn snapshot(
         &self,
-        driver: &Driver,
-        control: &[Vector3<f64>],
+        (driver, support): (&Driver, &dyn Support),
         (real, shown): (&PosedSurface, &PosedSurface),
         offset: f64,
     ) -> LayerSurface {
         let own = &self.positions[..self.vertex_count()];
         let computed = ComputedMesh::new(driver, &self.skin, own);
-        let below = self.region.skin.points.pose(control);
+        let below = support.pose(&self.region.skin);
         let positions = self.on_region(&real.positions, self.deviations());
         LayerSurface {
             name: self.spec.name.clone(),
@@ -43,12 +43,9 @@ impl Layer {
         region_below: &PosedSurface,
     ) -> Option<LayerSurface> {
         let upper = self.upper.as_ref()?;
-        let above = self
-            .energy
-            .laid_on(&region_below.positions, &region_below.normals);
-        let above = &above[region_below.positions.len()..];
+        let above = upper.above(&region_below.positions, &region_below.normals);
         let above = PosedSurface {
-            positions: above.to_vec(),
+            positions: above.collect(),
             ..region_below.clone()
         };
         let positions = self.on_region(&above.positions, self.upper_deviations());

@@ -45,7 +45,7 @@ fn followed(
     let mut body = free_body(4);
     body.follow = Some(stiffness);
     let poses = [bend(driver, steps)];
-    let plan = plan_body(driver, &layer(50.0), &body, &poses, modelling, 1024);
+    let plan = plan_body(driver, &[layer(50.0)], &body, &poses, modelling, 1024);
     let run = plan.expect("a closed bar").simulate(0, observer);
     run.expect("a run")
 }
@@ -129,7 +129,7 @@ fn a_key_between_two_steps_in_time_divides_the_step() {
         ..coarse()
     };
     let poses = [pose(Vec::new(), &[0.75, 1.0], 2)];
-    let plan = plan_body(&driver, &layer(50.0), &body, &poses, &modelling, 1024);
+    let plan = plan_body(&driver, &[layer(50.0)], &body, &poses, &modelling, 1024);
     let run = plan.expect("a closed bar").simulate(0, &mut Silent);
     let result = run.expect("a run");
     assert!(result.converged && result.frames == 3);
@@ -153,7 +153,7 @@ fn results_are_whole_and_repeatable() {
         body.handles = vec![slice("foot", -1.0, 0.01)];
         let mut pose = bend(&driver, 2);
         pose.keys = vec![0.37, 1.0];
-        let plan = plan_body(&driver, &layer(50.0), &body, &[pose], &coarse(), 1024);
+        let plan = plan_body(&driver, &[layer(50.0)], &body, &[pose], &coarse(), 1024);
         let run = plan.expect("a closed bar").simulate(0, &mut Silent);
         run.expect("a run")
     };
@@ -198,7 +198,7 @@ fn a_free_body_stays_or_goes_where_it_is_pushed() {
     let thickness = layer(50.0).material.thickness;
     let moved = |motions| {
         let poses = [pose(motions, &[1.0], 1)];
-        let plan = plan_body(&driver, &layer(50.0), &body, &poses, &modelling, 1024);
+        let plan = plan_body(&driver, &[layer(50.0)], &body, &poses, &modelling, 1024);
         let run = plan.expect("a closed bar").simulate(0, &mut Silent);
         let result = run.expect("a run");
         assert!(result.converged, "{:?}", result.warnings);
@@ -287,7 +287,7 @@ fn what_does_not_fit_is_named() {
     let planned = |change: &dyn Fn(&mut ruga_stepper::Body)| {
         let mut body = free_body(4);
         change(&mut body);
-        plan_body(&driver, &layer(50.0), &body, &[], &coarse(), 1024)
+        plan_body(&driver, &[layer(50.0)], &body, &[], &coarse(), 1024)
     };
     let empty = planned(&|body| body.handles = vec![slice("far", 1.0, 2.0)]);
     assert!(matches!(empty, Err(StepperError::EmptyHandle { handle, .. }) if handle == "far"));
@@ -310,7 +310,7 @@ fn what_does_not_fit_is_named() {
     let unknown = [pose(vec![push("nobody", Vector3::x())], &[1.0], 1)];
     let plan = plan_body(
         &driver,
-        &layer(50.0),
+        &[layer(50.0)],
         &free_body(4),
         &unknown,
         &coarse(),
@@ -324,7 +324,7 @@ fn bodies_without_meaning_are_refused() {
     let driver = bar();
     let mut body = free_body(4);
     body.density = f64::NAN;
-    let light = plan_body(&driver, &layer(50.0), &body, &[], &coarse(), 1024);
+    let light = plan_body(&driver, &[layer(50.0)], &body, &[], &coarse(), 1024);
     let named = "density = NaN; accepted: a positive number";
     assert!(light.is_err_and(|error| error.to_string().contains(named)));
     let endless = Modelling {
@@ -334,7 +334,7 @@ fn bodies_without_meaning_are_refused() {
     let planned = |pose: PoseSpec, modelling: &Modelling| {
         plan_body(
             &driver,
-            &layer(50.0),
+            &[layer(50.0)],
             &free_body(4),
             &[pose],
             modelling,
@@ -422,7 +422,7 @@ fn what_is_wrong_with_a_surface_is_told_of_its_file() {
     };
     let refused = |mesh: &ArtistMesh| {
         let driver = Arc::new(Driver::new(mesh).expect("a mesh"));
-        plan_body(&driver, &layer(50.0), &free_body(4), &[], &smooth, 1024).expect_err("no body")
+        plan_body(&driver, &[layer(50.0)], &free_body(4), &[], &smooth, 1024).expect_err("no body")
     };
     let mut open = cubes(&[0.0]);
     open.triangles.pop();

@@ -1,12 +1,11 @@
 //! The lattice inside a driver's surface, and where places of that surface are in it.
 
 use nalgebra::{Matrix3, Vector3};
-use ruga_blend::{BaseSurface, Driver, Smoothing};
+use ruga_blend::{BaseSurface, Driver, PosedSurface, Smoothing};
 use ruga_lattice::{Embedding, Filling, Lattice, LatticeError, LatticeSpec};
 use ruga_mesh::{FaceId, Id, MaterialPoint, PerVertex, VertexId, vertex_normals};
 
 use super::lattice_size::cells_for;
-use crate::skin_mesh::SkinMesh;
 use crate::{Body, StepperError};
 
 /// Faces from which on a surface is fine enough to enclose the body: the polyhedron through points
@@ -61,11 +60,13 @@ impl Carrier {
         })
     }
 
-    /// Where the vertices of a mesh on the driver are in the lattice.
-    pub(crate) fn embed(&self, skin: &SkinMesh) -> Result<Embedding, LatticeError> {
-        let points = skin.points.points().iter();
-        let addresses: Vec<_> = points.map(|point| self.address(point)).collect();
-        let rest = &skin.rest;
+    /// Where points of the driver, which at rest are there, are in the lattice.
+    pub(crate) fn embed(
+        &self,
+        points: &[MaterialPoint],
+        rest: &PosedSurface,
+    ) -> Result<Embedding, LatticeError> {
+        let addresses: Vec<_> = points.iter().map(|point| self.address(point)).collect();
         Embedding::of_surface(&self.lattice, &addresses, &rest.positions, &rest.normals)
     }
 

@@ -1,7 +1,6 @@
 //! The unknowns of a layer and of the lattice below it, side by side.
 
 use nalgebra::Matrix3;
-use ruga_lattice::SurfacePattern;
 use ruga_solver::{LowerPattern, SolverError};
 
 /// Lower triangle of the Hessian by `[x, q]`: coordinates of the layer's vertices, then those of the
@@ -15,7 +14,7 @@ use ruga_solver::{LowerPattern, SolverError};
 pub(crate) struct Layout {
     pub(crate) pattern: LowerPattern,
     /// Where each column of the shell starts in the shell's own values.
-    shell_starts: Vec<usize>,
+    layer_starts: Vec<usize>,
     /// Free nodes that each vertex is coupled with, ascending.
     cross: Vec<Vec<u32>>,
 }
@@ -42,45 +41,35 @@ impl Layout {
         starts.extend(lattice.0[1..].iter().map(|start| body + start));
         Ok(Self {
             pattern: LowerPattern::new(starts, rows)?,
-            shell_starts: shell.0.to_vec(),
+            layer_starts: shell.0.to_vec(),
             cross,
         })
     }
 
     /// Coordinates of the layer's vertices.
-    pub(crate) fn shell_unknowns(&self) -> usize {
+    pub(crate) fn layer_unknowns(&self) -> usize {
         3 * self.cross.len()
+    }
+
+    /// Whether any vertex is coupled with nodes.
+    pub(crate) fn is_coupled(&self) -> bool {
+        self.cross.iter().any(|nodes| !nodes.is_empty())
     }
 
     /// The lattice's part of the values.
     pub(crate) fn body<'v>(&self, values: &'v mut [f64]) -> &'v mut [f64] {
-        let start = self.pattern.column_starts()[self.shell_unknowns()];
+        let start = self.pattern.column_starts()[self.layer_unknowns()];
         &mut values[start..]
     }
 
     /// Adds a Hessian in the order of the shell's own pattern.
-    pub(crate) fn add_shell(&self, shell: &[f64], values: &mut [f64]) {
+    pub(crate) fn add_layer(&self, shell: &[f64], values: &mut [f64]) {
         let starts = self.pattern.column_starts();
-        for (column, range) in self.shell_starts.windows(2).enumerate() {
+        for (column, range) in self.layer_starts.windows(2).enumerate() {
             let own = &shell[range[0]..range[1]];
             let target = &mut values[starts[column]..starts[column] + own.len()];
             for (target, value) in target.iter_mut().zip(own) {
                 *target += value;
-            }
-        }
-    }
-
-    /// Adds a matrix between the layer's vertices whose entries are all in the shell's pattern too.
-    pub(crate) fn add_surface(&self, surface: &SurfacePattern, own: &[f64], values: &mut [f64]) {
-        let (starts, rows) = (self.pattern.column_starts(), self.pattern.rows());
-        for (range, &start) in surface.column_starts.windows(2).zip(starts) {
-            let mut place = start;
-            let range = range[0]..range[1];
-            for (row, value) in surface.rows[range.clone()].iter().zip(&own[range]) {
-                while rows[place] < *row {
-                    place += 1;
-                }
-                values[place] += value;
             }
         }
     }

@@ -4,22 +4,22 @@ use std::sync::Arc;
 
 use ruga_blend::Driver;
 use ruga_lattice::LatticeError;
-use ruga_material::Wrinkling;
 use ruga_mesh::{FaceId, Id};
 
+use super::body_cost::cost;
 use super::carrier::Carrier;
-use super::cost::cost;
 use super::handles::{HeldNodes, Moves};
 use super::lattice_size::lattice_warnings;
 use super::obstacle::{self, distance};
 use super::waves::Waves;
-use crate::plan::within;
+use crate::adaptivity::aspect;
+use crate::plan::{add_carried_along, within};
 use crate::plan_warnings::resolution_warnings;
 use crate::stacking::Stacking;
 use crate::surface_measures::{MAX_LEVELS, MAX_PLANNING_FACES, needed_levels};
 use crate::validation::{check_body_modelling, check_layer, check_map_size, check_pose};
 use crate::{
-    Body, InteriorPlan, LayerPlan, LayerSpec, LoadPath, Modelling, Plan, PosePlan, PoseSpec, Stack,
+    Body, InteriorPlan, LayerPlan, LayerSpec, LoadPath, Modelling, Plan, PosePlan, PoseSpec,
     StepperError,
 };
 
@@ -30,28 +30,30 @@ const WORTH_TELLING: f64 = 1.1;
 #[derive(Clone, Debug)]
 pub(crate) struct Interior {
     pub(crate) body: Body,
-    pub(crate) carrier: Arc<Carrier>,
+    pub(crate) carrier: Carrier,
     pub(crate) held: HeldNodes,
 }
 
-/// Finds out what a body under a layer will be made of: its lattice, and the layer's mesh.
+/// Finds out what a body under `layers` will be made of: its lattice, and the layers' meshes.
 ///
-/// The layer covers the whole surface, or the faces on which its masks and that of
-/// [`Modelling::region`] let it be; borders of a mask are free. `layer.substrate` stands
+/// Every layer covers the whole surface, or the faces on which its masks and that of
+/// [`Modelling::region`] let it be; borders of a mask are free. The lowest layer's substrate stands
 /// for the interior at the scale of the wrinkles, which the lattice does not resolve, and
-/// [`Body::material`] for it at the scale of the body: the two are meant to be the same stuff. A
-/// lattice without a number of cells has as many as let the body bend, as long as they are longer than
-/// its waves. A map of the layer counts everywhere, but for a twentieth of the area with the shortest
-/// waves and one with the longest. `map_size` (texels) is only for the warning about too small a map.
+/// [`Body::material`] for it at the scale of the body: the two are meant to be the same stuff. That
+/// layer moves together with the body; those above are solved on it, one on the other, or two at once
+/// ([`Stack::Joint`](crate::Stack::Joint)). A lattice without a number of cells has as many as let the
+/// body bend, as long as they are longer than the lowest layer's waves. A map of a layer counts
+/// everywhere, but for a twentieth of the area with the shortest waves and one with the longest.
+/// `map_size` (texels) is only for the warning about too small a map.
 ///
 /// # Errors
 /// [`StepperError::Setting`] for a value out of range or that is no number, before any work is done;
-/// a bad material, a black mask, a surface that does not enclose a body, a handle without cells,
-/// handles that hold all of it, a sharp map whose boundaries are nearly everywhere; a motion of something
-/// that is not there, or whose keyframes do not ascend; an obstacle without a shape.
+/// a bad material, no layer, a black mask, a surface that does not enclose a body, a handle without
+/// cells, handles that hold all of it, a sharp map whose boundaries are nearly everywhere; a motion of
+/// something that is not there, or whose keyframes do not ascend; an obstacle without a shape.
 pub fn plan_body(
     driver: &Arc<Driver>,
-    layer: &LayerSpec,
+    layers: &[LayerSpec],
     body: &Body,
     poses: &[PoseSpec],
     modelling: &Modelling,
@@ -59,31 +61,25 @@ pub fn plan_body(
 ) -> Result<Plan, StepperError> {
     check_body_modelling(modelling)?;
     check_map_size(map_size)?;
-    check_layer(layer)?;
+    if layers.is_empty() {
+        return Err(StepperError::NoLayer);
+    }
+    layers.iter().try_for_each(check_layer)?;
     poses.iter().try_for_each(|pose| check_pose(driver, pose))?;
-    let layer = within(layer, modelling.region.mask());
-    let stacking = Stacking::new(std::slice::from_ref(&layer), Stack::Nominal)?;
+    let region = modelling.region.mask();
+    let layers: Vec<LayerSpec> = layers.iter().map(|layer| within(layer, region)).collect();
+    let stacking = Stacking::new(&layers, modelling.stack)?;
     check(body)?;
     body.obstacles.iter().try_for_each(obstacle::check)?;
     for pose in poses {
         Moves::new(body, pose)?;
     }
-    let numbers = &stacking.wrinkling[0];
-    let faces = covered_faces(driver, &layer)?;
-    let layer_mesh = LayerMesh::new(driver, &faces, (&layer, numbers), modelling)?;
-    let waves = &layer_mesh.waves;
-    let carrier = Carrier::new(driver, body, waves.longest, modelling.smoothing)?;
+    let meshes = (0..stacking.meshes())
+        .map(|index| LayerMesh::new(driver, &stacking, index, modelling))
+        .collect::<Result<Vec<_>, _>>()?;
+    let longest = meshes[0].waves.longest;
+    let carrier = Carrier::new(driver, body, longest, modelling.smoothing)?;
     let held = HeldNodes::new(&carrier.lattice, &body.handles)?;
-    let mut warnings = lattice_warnings(&carrier, body, waves.longest);
-    let covered = (faces.len(), layer.material.thickness);
-    warnings.extend(obstacle_warnings(driver, body, covered));
-    let of_layer = |text: String| format!("layer '{}': {text}", layer.name);
-    warnings.extend(
-        layer_mesh
-            .warnings(modelling, map_size)
-            .into_iter()
-            .map(of_layer),
-    );
     let lattice = &carrier.lattice;
     let interior = InteriorPlan {
         cells: lattice.element_count(),
@@ -91,31 +87,25 @@ pub fn plan_body(
         cell_size: lattice.cell_size(),
         nodes: lattice.node_count(),
     };
-    let (per_step, memory) = cost(layer_mesh.vertices, &interior);
-    let layer_plan = LayerPlan {
-        name: layer.name.clone(),
-        wavelength: numbers.wavelength,
-        critical_strain: numbers.critical_strain,
-        painted: None,
-        applied: None,
-        active_area: waves.area(),
-        vertices: layer_mesh.vertices,
-        levels: layer_mesh.levels,
-        points_per_wavelength: layer_mesh.points,
-        texels_per_wavelength: waves.texels(map_size),
-        seconds: 0.0,
-        memory,
-        asked_points: modelling.points_per_wavelength,
-        needed: layer_mesh.needed,
-        region: faces.iter().map(|face| u64::from(face.0)).collect(),
-    };
-    let pose_plan = |pose: &PoseSpec| PosePlan {
-        name: pose.name.clone(),
-        path: LoadPath::Weight,
-        layers: vec![LayerPlan {
-            seconds: per_step * f64::from(pose.steps),
-            ..layer_plan.clone()
-        }],
+    let mut warnings = stacking.warnings(modelling.stack);
+    warnings.extend(lattice_warnings(&carrier, body, longest));
+    let covered = (meshes[0].faces.len(), layers[0].material.thickness);
+    warnings.extend(obstacle_warnings(driver, body, covered));
+    for (layer, mesh) in layers.iter().zip(&meshes) {
+        let told = mesh.warnings(map_size).into_iter();
+        warnings.extend(told.map(|text| format!("layer '{}': {text}", layer.name)));
+    }
+    let pose_plan = |pose: &PoseSpec| {
+        let on = (&interior, map_size, pose.steps);
+        let layers = meshes.iter().enumerate();
+        let layers = layers.map(|(index, mesh)| mesh.plan(&stacking, index, on));
+        let mut pose = PosePlan {
+            name: pose.name.clone(),
+            path: LoadPath::Weight,
+            layers: layers.collect(),
+        };
+        add_carried_along(&mut pose, &stacking);
+        pose
     };
     let plan = Plan {
         poses: poses.iter().map(pose_plan).collect(),
@@ -126,11 +116,11 @@ pub fn plan_body(
         specs: poses.to_vec(),
         stacking,
         planning_levels: 0,
-        body: Some(Interior {
+        body: Some(Arc::new(Interior {
             body: body.clone(),
-            carrier: Arc::new(carrier),
+            carrier,
             held,
-        }),
+        })),
     };
     plan.check_boundaries()?;
     Ok(plan)
@@ -199,9 +189,13 @@ fn covered_faces(driver: &Driver, layer: &LayerSpec) -> Result<Vec<FaceId>, Step
     }
 }
 
-/// How fine the layer's mesh will be.
+/// How fine the mesh of a layer will be.
 struct LayerMesh {
+    /// The driver's faces that it covers.
+    faces: Vec<FaceId>,
     waves: Waves,
+    /// Edges per wavelength asked for.
+    asked: f64,
     /// Times the driver's faces are split in four where results are handed out.
     levels: u32,
     /// Edges to the shortest waves.
@@ -214,15 +208,17 @@ struct LayerMesh {
 }
 
 impl LayerMesh {
-    /// For a layer, and how it wrinkles, that covers `faces`.
+    /// For layer number `index` of a stack.
     fn new(
         driver: &Driver,
-        faces: &[FaceId],
-        (layer, numbers): (&LayerSpec, &Wrinkling),
+        stacking: &Stacking,
+        index: usize,
         modelling: &Modelling,
     ) -> Result<Self, StepperError> {
-        let asked = modelling.points_per_wavelength;
-        let [median, long] = edges(driver, faces);
+        let (layer, numbers) = (&stacking.specs[index], &stacking.simulated[index]);
+        let faces = covered_faces(driver, layer)?;
+        let asked = modelling.points_of(index, stacking.meshes());
+        let [median, long] = edges(driver, &faces);
         let needed_levels = |wavelength: f64| {
             let faces_at = |levels| faces.len() as f64 * 4f64.powi(levels as i32);
             let edges_at = |levels: u32| {
@@ -238,7 +234,7 @@ impl LayerMesh {
             false => 0,
         };
         let smoothing = modelling.smoothing;
-        let waves = Waves::new(driver, faces, (layer, numbers), (seen, smoothing))?;
+        let waves = Waves::new(driver, &faces, (layer, numbers), (seen, smoothing))?;
         let levels = needed_levels(waves.shortest);
         let budget = || format!("the vertex budget of {}", modelling.vertex_budget);
         let Some(limits) = modelling.remesh else {
@@ -248,11 +244,13 @@ impl LayerMesh {
                 limit: budget(),
                 vertices,
                 needed: vertices as f64,
+                faces,
+                asked,
                 waves,
                 levels,
             });
         };
-        let needed = waves.vertices(asked, &limits);
+        let needed = waves.vertices(asked, &limits) / aspect(&limits, asked);
         let coarseness = (needed / modelling.vertex_budget as f64).sqrt().max(1.0);
         let edge = (waves.shortest / asked).clamp(limits.min_edge, limits.max_edge);
         Ok(Self {
@@ -263,14 +261,46 @@ impl LayerMesh {
             },
             vertices: (needed / (coarseness * coarseness)) as usize,
             needed,
+            faces,
+            asked,
             waves,
             levels,
         })
     }
 
+    /// The plan of layer number `index` over so many load steps, with maps of that size.
+    fn plan(
+        &self,
+        stacking: &Stacking,
+        index: usize,
+        (interior, map_size, steps): (&InteriorPlan, u32, u32),
+    ) -> LayerPlan {
+        // The lowest layer is solved together with the body.
+        let below = (index == 0).then_some(interior);
+        let (per_step, memory) = cost(self.vertices, below);
+        let numbers = &stacking.wrinkling[index];
+        LayerPlan {
+            name: stacking.specs[index].name.clone(),
+            wavelength: numbers.wavelength,
+            critical_strain: numbers.critical_strain,
+            painted: None,
+            applied: None,
+            active_area: self.waves.area(),
+            vertices: self.vertices,
+            levels: self.levels,
+            points_per_wavelength: self.points,
+            texels_per_wavelength: self.waves.texels(map_size),
+            seconds: per_step * f64::from(steps),
+            memory,
+            asked_points: self.asked,
+            needed: self.needed,
+            region: self.faces.iter().map(|face| u64::from(face.0)).collect(),
+        }
+    }
+
     /// What the user should know, without the layer's name.
-    fn warnings(&self, modelling: &Modelling, map_size: u32) -> Vec<String> {
-        let asked = modelling.points_per_wavelength;
+    fn warnings(&self, map_size: u32) -> Vec<String> {
+        let asked = self.asked;
         let mut warnings = resolution_warnings(asked, self.waves.texels(map_size));
         if asked > WORTH_TELLING * self.points {
             warnings.push(format!(

@@ -1,26 +1,15 @@
-//! The springs between a layer and a surface that moves with a lattice.
+//! What the springs below a layer add to the stiffness of a lattice that carries it.
 
 use std::ops::AddAssign;
 
 use nalgebra::{Matrix3, Vector3};
 use ruga_lattice::{Embedding, SurfacePattern};
-use ruga_mesh::{Id, VertexId};
-use ruga_shell::{NormalFoundation, RestTriangle, ShellError};
+use ruga_shell::FoundationStiffness;
 
-use crate::LayerSpec;
-use crate::local_skin::SkinProperties;
-use crate::skin_mesh::SkinMesh;
-
-/// Pasternak foundation and tangential tie as a function of `e = x - B q`:
-///
-/// ```text
-/// E = 1/2 e' F e      F_ij = m_ij n_i n_j' + d_ij t_i (I - n_i n_i')
-/// ```
-/// `m` is the scalar stiffness between normal deviations, `t` the tie, `n` the surface's normals,
-/// which stay as they are during one solve. The same energy as in a shell on a given surface, only
-/// that here the surface gives way.
+/// The matrix `F` of [`FoundationStiffness`] between vertices, for products with the embedding `B`:
+/// with `e = x - B q` the springs' energy has the second derivatives `F`, `-F B` and `B' F B`.
 #[derive(Clone, Debug)]
-pub(crate) struct Foundation {
+pub(crate) struct Springs {
     /// Per vertex the vertices it shares faces with, itself included, ascending; and `m`.
     neighbours: Vec<Vec<(u32, f64)>>,
     /// N/m.
@@ -31,58 +20,31 @@ pub(crate) struct Foundation {
     rows: Vec<usize>,
 }
 
-impl Foundation {
-    /// `None` for a layer that is held by rows alone.
-    pub(crate) fn new(
-        spec: &LayerSpec,
-        skin: &SkinMesh,
-        properties: &SkinProperties,
-        areas: &[f64],
-    ) -> Result<Option<Self>, ShellError> {
-        if !spec.coupling.has_foundation() {
-            return Ok(None);
+impl Springs {
+    pub(crate) fn new(stiffness: FoundationStiffness) -> Self {
+        let of_vertex = |(i, m): (u32, &f64)| vec![(i, *m)];
+        let mut neighbours: Vec<Vec<(u32, f64)>> =
+            (0..).zip(&stiffness.diagonal).map(of_vertex).collect();
+        for ([i, j], m) in stiffness.edges {
+            neighbours[i as usize].push((j, m));
+            neighbours[j as usize].push((i, m));
         }
-        let mut neighbours: Vec<Vec<(u32, f64)>> = vec![Vec::new(); areas.len()];
-        for (face, corners) in skin.mesh.faces().iter() {
-            let at = |v: VertexId| skin.rest.positions[v.index()];
-            let rest = RestTriangle::new(&corners.map(at), face.index())?;
-            let numbers = &properties.faces[face].wrinkling;
-            let (normal, gradient) = (numbers.normal_stiffness, numbers.gradient_stiffness);
-            let matrix = NormalFoundation::new(&rest, normal, gradient).matrix();
-            for (i, row) in corners.iter().enumerate() {
-                for (j, column) in corners.iter().enumerate() {
-                    neighbours[row.index()].push((column.0, matrix[(i, j)]));
-                }
-            }
+        for row in &mut neighbours {
+            row.sort_by_key(|(j, _)| *j);
         }
-        neighbours.iter_mut().for_each(add_up);
-        let ties = properties.vertices.iter().zip(areas);
-        let ties = ties.map(|(local, area)| local.wrinkling.tangential_stiffness * area);
         let (column_starts, rows) = lower_pattern(&neighbours);
-        Ok(Some(Self {
-            ties: ties.collect(),
-            points: (0..areas.len() as u32).collect(),
+        Self {
+            ties: stiffness.ties,
+            points: (0..neighbours.len() as u32).collect(),
             neighbours,
             column_starts,
             rows,
-        }))
+        }
     }
 
     /// Vertices whose deviations pull at vertex `i`, ascending.
     pub(crate) fn neighbours(&self, i: usize) -> impl Iterator<Item = usize> + '_ {
         self.neighbours[i].iter().map(|(j, _)| *j as usize)
-    }
-
-    /// `F e` (N) for ways `e` (m) from the surface, with the unit `normals`.
-    pub(crate) fn forces(&self, normals: &[Vector3<f64>], e: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-        let heights: Vec<f64> = normals.iter().zip(e).map(|(n, e)| n.dot(e)).collect();
-        let force = |i: usize| {
-            let sum = |s: f64, (j, m): &(u32, f64)| s + m * heights[*j as usize];
-            let lift = self.neighbours[i].iter().fold(0.0, sum);
-            let drift = e[i] - normals[i] * heights[i];
-            normals[i] * lift + drift * self.ties[i]
-        };
-        (0..e.len()).map(force).collect()
     }
 
     /// Where the entries of [`Self::hessian`] are.
@@ -94,7 +56,7 @@ impl Foundation {
         }
     }
 
-    /// The lower triangle of `F` (N/m).
+    /// The lower triangle of `F` (N/m), over these unit normals.
     pub(crate) fn hessian(&self, normals: &[Vector3<f64>]) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.rows.len());
         for j in 0..self.points.len() {
@@ -150,7 +112,7 @@ impl Foundation {
     }
 }
 
-/// Sorts by vertex or node and adds up what belongs to the same one.
+/// Sorts by node and adds up what belongs to the same one.
 fn add_up<T: Copy + AddAssign>(terms: &mut Vec<(u32, T)>) {
     terms.sort_by_key(|term| term.0);
     terms.dedup_by(|next, sum| {

@@ -7,20 +7,16 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use ruga_blend::{ArtistMesh, BlendShape, Driver, Smoothing};
 use ruga_lattice::{Shape, SolidMaterial};
-use ruga_material::{LayerMaterial, Substrate, WavelengthModel};
-use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters};
-use ruga_solver::{NewtonSettings, Objective, minimise};
+use ruga_material::{LayerMaterial, Substrate, WavelengthModel, capped_strain};
+use ruga_solver::{Kkt, NewtonSettings, Objective, minimise};
 
-use super::embedded_layer::EmbeddedLayer;
-use super::handles::Moves;
-use super::objective::BodyObjective;
-use super::plan::Interior;
-use super::prediction::product;
-use super::run::BodyRun;
-use crate::preparing::Preparing;
+use super::Layer;
+use crate::layer_objective::gather;
+use crate::simulate::StackRun;
+use crate::support::{Interior, Moves, Solid, product};
 use crate::{
     Body, Coupling, Dynamics, Handle, Keyframe, LayerSpec, Modelling, Motion, Obstacle,
-    ObstacleShape, Phase, Plan, PoseSpec, Presence, Sampling, Silent, plan_body,
+    ObstacleShape, Plan, PoseSpec, Presence, Sampling, Silent, plan_body,
 };
 
 const SIDES: [f64; 3] = [0.02, 0.015, 0.01];
@@ -125,7 +121,15 @@ fn still(driver: &Driver) -> PoseSpec {
 
 fn planned(driver: &Arc<Driver>, spec: &LayerSpec, body: &Body) -> Plan {
     let poses = [still(driver)];
-    plan_body(driver, spec, body, &poses, &modelling(), 1024).expect("a body")
+    plan_body(
+        driver,
+        std::slice::from_ref(spec),
+        body,
+        &poses,
+        &modelling(),
+        1024,
+    )
+    .expect("a body")
 }
 
 fn interior(plan: &Plan) -> &Interior {
@@ -133,13 +137,16 @@ fn interior(plan: &Plan) -> &Interior {
 }
 
 /// At rest without noise.
-fn at_rest(plan: &Plan) -> EmbeddedLayer<'_> {
-    let mut silent = Silent;
-    let mut preparing = Preparing::new(&mut silent, 0, Phase::Remeshing);
-    let layer = EmbeddedLayer::new((plan, interior(plan)), 0, &mut preparing);
-    let mut layer = layer.expect("a layer");
-    layer.state.x.clone_from(&layer.skin.rest.positions);
+fn at_rest(plan: &Plan) -> Layer {
+    let stack = StackRun::new(plan, 0).expect("fitting motions");
+    let run = stack.build(0, &[], &mut Silent).expect("a layer");
+    let mut layer = run.layer;
+    layer.positions.clone_from(&layer.skin.rest.positions);
     layer
+}
+
+fn solid(layer: &mut Layer) -> &mut Solid {
+    layer.solid.as_mut().expect("a body")
 }
 
 fn random_vectors(random: &mut Pcg64Mcg, count: usize, size: f64) -> Vec<Vector3<f64>> {
@@ -150,32 +157,38 @@ fn random_vectors(random: &mut Pcg64Mcg, count: usize, size: f64) -> Vec<Vector3
 }
 
 /// A state far from any equilibrium, with everything that can act.
-fn crumpled(plan: &Plan) -> EmbeddedLayer<'_> {
+fn crumpled(plan: &Plan) -> Layer {
     let mut random = Pcg64Mcg::seed_from_u64(7);
     let mut layer = at_rest(plan);
     let (interior, pose) = (interior(plan), &plan.specs[0]);
     let moves = Moves::new(&interior.body, pose).expect("fitting motions");
     layer
-        .place((&moves, &pose.weights), 0.5)
+        .place_solid((&moves, &pose.weights), 0.5, None)
         .expect("a placed body");
     let cell = interior.carrier.lattice.cell_size().min();
-    let (nodes, vertices) = (layer.state.q.len(), layer.state.x.len());
+    let (nodes, vertices) = (solid(&mut layer).state.q.len(), layer.vertex_count());
     let held = interior.held.pinned();
-    for (i, way) in random_vectors(&mut random, nodes, 0.1 * cell)
-        .iter()
-        .enumerate()
-    {
+    let moved = random_vectors(&mut random, nodes, 0.1 * cell);
+    for (i, way) in moved.iter().enumerate() {
         if !held[i] {
-            layer.state.q[i] += way;
+            solid(&mut layer).state.q[i] += way;
         }
     }
-    layer.state.velocities = random_vectors(&mut random, nodes, 0.5);
-    layer.state.x = layer.system.embedding.positions(&layer.state.q);
-    let noise = random_vectors(&mut random, vertices, 0.2 * layer.thickness());
-    for (x, way) in layer.state.x.iter_mut().zip(noise) {
+    solid(&mut layer).state.velocities = random_vectors(&mut random, nodes, 0.5);
+    follow(&mut layer);
+    let noise = random_vectors(&mut random, vertices, 0.2 * layer.spec.material.thickness);
+    layer.positions.clone_from(&layer.base);
+    for (x, way) in layer.positions.iter_mut().zip(noise) {
         *x += way;
     }
     layer
+}
+
+/// Takes over where the nodes are.
+fn follow(layer: &mut Layer) {
+    let unknowns = layer.unknowns();
+    layer.set_unknowns(&unknowns);
+    layer.hold().expect("a surface below");
 }
 
 fn everything() -> Body {
@@ -209,23 +222,23 @@ fn the_whole_objective_has_its_derivatives() {
     for coupling in [Coupling::Hybrid, Coupling::Constraint, Coupling::Spectral] {
         let plan = planned(&driver, &skin(coupling), &everything());
         let mut layer = crumpled(&plan);
-        assert!(layer.penetration() > 0.1 * layer.thickness(), "no contact");
-        let dynamics = Dynamics {
+        let thickness = layer.spec.material.thickness;
+        assert!(layer.penetration() > 0.1 * thickness, "no contact");
+        let step = layer.time_step(Dynamics {
             time_step: 0.01,
             damping: 3.0,
-        };
+        });
         let moves = Moves::new(&interior(&plan).body, &pose).expect("fitting motions");
-        let before = layer.state.clone();
+        let before = layer.positions.clone();
+        let q = solid(&mut layer).state.q.clone();
         let around = (&moves, &pose.weights);
-        let inertia = layer.place_in_time(around, 0.7, dynamics);
-        layer.state.x = before.x;
-        layer.state.q = before.q;
-        let moment = layer.moment(Some(inertia));
-        let objective = BodyObjective {
-            system: &layer.system,
-            moment: &moment,
-            scales: layer.scales(),
-        };
+        let placed = layer.place_solid(around, 0.7, Some(&step.inertia));
+        placed.expect("a placed body");
+        solid(&mut layer).state.q = q;
+        layer.positions = before;
+        follow(&mut layer);
+        let base = gather(&layer.free, &layer.base);
+        let objective = layer.objective(&base, Some(&step.inertia));
         let x = layer.unknowns();
         let mut gradient = vec![0.0; x.len()];
         let energy = objective.gradient(&x, &mut gradient);
@@ -235,7 +248,7 @@ fn the_whole_objective_has_its_derivatives() {
         objective.hessian(&x, &mut exact, &mut relaxed);
 
         let mut random = Pcg64Mcg::seed_from_u64(11);
-        let layer_part = layer.system.layout.shell_unknowns() / 3;
+        let layer_part = layer.vertex_count();
         for part in [0..layer_part, layer_part..x.len() / 3, 0..x.len() / 3] {
             let mut way = random_vectors(&mut random, x.len() / 3, 1.0);
             for (i, way) in way.iter_mut().enumerate() {
@@ -244,7 +257,7 @@ fn the_whole_objective_has_its_derivatives() {
                 }
             }
             let flat: Vec<f64> = way.iter().flat_map(|w| [w.x, w.y, w.z]).collect();
-            let step = 1e-4 * layer.thickness();
+            let step = 1e-4 * thickness;
             let beside = |s: f64| -> Vec<f64> {
                 x.iter().zip(&flat).map(|(x, w)| x + s * step * w).collect()
             };
@@ -282,58 +295,10 @@ fn the_whole_objective_has_its_derivatives() {
     }
 }
 
-/// The springs to a body are those that a layer has to a surface that does not give way.
-#[test]
-fn the_foundation_is_that_of_a_layer_on_a_given_surface() {
-    let driver = block();
-    let spec = skin(Coupling::Hybrid);
-    let plan = planned(&driver, &spec, &body());
-    let layer = crumpled(&plan);
-    let numbers = &plan.wrinkling()[0];
-    let face = FaceParameters {
-        young: spec.material.young,
-        poisson: spec.material.poisson,
-        thickness: spec.material.thickness,
-        normal_stiffness: numbers.normal_stiffness,
-        gradient_stiffness: numbers.gradient_stiffness,
-    };
-    let (rest, faces) = (&layer.skin.rest.positions, layer.skin.corner_indices());
-    let tie = numbers.tangential_stiffness;
-    let parameters = LayerParameters::uniform(face, faces.len(), tie, rest.len());
-    let free = vec![false; rest.len()];
-    let bending = modelling().bending;
-    let whole = LayerEnergy::with_bending(rest, &faces, parameters, &free, bending);
-    let mut whole = whole.expect("a layer");
-    let embedding = &layer.system.embedding;
-    let below = embedding.positions(&layer.state.q);
-    let normals = embedding.normals(&layer.state.q);
-    whole
-        .set_base(&below, &normals, &vec![0.0; rest.len()])
-        .expect("a surface");
-    let (x, unknowns) = (&layer.state.x, 3 * rest.len());
-    let [mut with, mut without] = [vec![0.0; unknowns], vec![0.0; unknowns]];
-    whole.gradient(x, &mut with);
-    layer.system.shell.gradient(x, &mut without);
-    let e: Vec<_> = x.iter().zip(&below).map(|(x, b)| x - b).collect();
-    let foundation = layer.system.foundation.as_ref().expect("springs");
-    let forces = foundation.forces(&normals, &e);
-    let largest = forces.iter().map(|f| f.norm()).fold(0.0, f64::max);
-    for (i, force) in forces.iter().enumerate() {
-        for c in 0..3 {
-            let expected = with[3 * i + c] - without[3 * i + c];
-            assert!((force[c] - expected).abs() < 1e-9 * largest);
-        }
-    }
-}
-
 /// Forces in units of what strains the layer by one, on one vertex.
-fn largest_force(layer: &mut EmbeddedLayer<'_>, plan: &Plan) -> f64 {
-    let moment = layer.moment(None);
-    let objective = BodyObjective {
-        system: &layer.system,
-        moment: &moment,
-        scales: layer.scales(),
-    };
+fn largest_force(layer: &Layer, plan: &Plan) -> f64 {
+    let base = gather(&layer.free, &layer.base);
+    let objective = layer.objective(&base, None);
     let x = layer.unknowns();
     let mut gradient = vec![0.0; x.len()];
     objective.gradient(&x, &mut gradient);
@@ -348,46 +313,85 @@ fn rest_and_every_rigid_motion_of_it_are_without_forces() {
     let driver = block();
     let plan = planned(&driver, &skin(Coupling::Hybrid), &body());
     let mut layer = at_rest(&plan);
-    assert!(largest_force(&mut layer, &plan) < 1e-10);
-    let unit = layer.scales().energy;
+    assert!(largest_force(&layer, &plan) < 1e-10);
+    let unit = layer.strain_ratios().energy_scale();
     assert!(layer.energy().abs() < 1e-10 * unit);
     let turn = Rotation3::from_scaled_axis(Vector3::new(0.4, -1.1, 0.7));
     let moved = |p: &Vector3<f64>| turn * p + Vector3::new(0.1, 0.05, -0.2);
-    layer.state.x = layer.state.x.iter().map(moved).collect();
-    layer.state.q = layer.state.q.iter().map(moved).collect();
-    assert!(layer.turned() > 1.0);
-    assert!(largest_force(&mut layer, &plan) < 1e-10);
+    layer.positions = layer.positions.iter().map(moved).collect();
+    let q = &mut solid(&mut layer).state.q;
+    *q = q.iter().map(moved).collect();
+    let unknowns = layer.unknowns();
+    layer.set_unknowns(&unknowns);
+    assert!(layer.lag() > 1.0);
+    layer.hold().expect("a surface below");
+    assert!(largest_force(&layer, &plan) < 1e-10);
     assert!(layer.energy().abs() < 1e-10 * unit);
 }
 
+/// Squeezed to 70 % along x, the faces along x store what 15 to 25 % would: `A r C/2 E^2`, with the
+/// capped Green strain `E` in rest lengths shrunk by `r`; those across nothing.
+#[test]
+fn a_layer_on_a_body_feels_its_strain_capped() {
+    let driver = block();
+    // A mesh whose faces do not cut the block's edges.
+    let whole = Modelling {
+        remesh: None,
+        ..modelling()
+    };
+    let layers = [skin(Coupling::Hybrid)];
+    let poses = [still(&driver)];
+    let plan = plan_body(&driver, &layers, &body(), &poses, &whole, 1024).expect("a body");
+    let mut layer = at_rest(&plan);
+    let squeezed = 0.7;
+    for q in &mut solid(&mut layer).state.q {
+        q.x *= squeezed;
+    }
+    follow(&mut layer);
+    layer.positions.clone_from(&layer.base);
+    let felt = 1.0 - capped_strain(1.0 - squeezed);
+    let green = 0.5 * (felt * felt - 1.0);
+    let area = 2.0 * SIDES[0] * (SIDES[1] + SIDES[2]) * squeezed / felt;
+    let stiffness = plan.wrinkling()[0].membrane_stiffness;
+    let expected = 0.5 * area * stiffness * green * green;
+    let found = layer.energy() - layer.solid().expect("a body").elastic_energy();
+    assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
+    assert!(layer.capped_share() > 0.5);
+}
+
 /// One step in time, to convergence.
-fn step(layer: &mut EmbeddedLayer<'_>, driver: &Driver, dynamics: Dynamics) {
+fn step(layer: &mut Layer, driver: &Driver, dynamics: Dynamics) {
     let pose = still(driver);
     let free = body();
     let moves = Moves::new(&free, &pose).expect("nothing moves");
-    let before = layer.state.clone();
-    let inertia = layer.place_in_time((&moves, &pose.weights), 1.0, dynamics);
+    let step = layer.time_step(dynamics);
+    let placed = layer.place_solid((&moves, &pose.weights), 1.0, Some(&step.inertia));
+    placed.expect("a placed body");
     let settings = NewtonSettings {
         energy_tolerance: 1e-12,
         ..NewtonSettings::default()
     };
-    let solve = layer.minimise(Some(inertia), (minimise, &settings), &mut |_| true);
+    let (pattern, rows) = layer.system();
+    let mut kkt = Kkt::new(pattern, rows, 3).expect("a pattern");
+    let how = (minimise as _, &settings);
+    let solve = layer.minimise(Some(&step.inertia), how, &mut kkt, &mut |_| true);
     assert!(solve.expect("a solvable step").converged);
-    layer.take_velocities(&before, dynamics.time_step);
+    layer.end_step(&step);
 }
 
 /// Momentum, and angular momentum about the origin.
-fn momenta(layer: &EmbeddedLayer<'_>) -> [Vector3<f64>; 2] {
-    let state = &layer.state;
-    let p = layer.system.mass.times(&state.velocities);
-    let angular = state.q.iter().zip(&p).map(|(q, p)| q.cross(p));
+fn momenta(layer: &Layer) -> [Vector3<f64>; 2] {
+    let solid = layer.solid().expect("a body");
+    let p = solid.momentum();
+    let angular = solid.state.q.iter().zip(&p).map(|(q, p)| q.cross(p));
     [p.iter().sum(), angular.sum()]
 }
 
-fn kinetic(layer: &EmbeddedLayer<'_>) -> f64 {
-    let v = &layer.state.velocities;
-    let p = layer.system.mass.times(v);
-    v.iter().zip(&p).map(|(v, p)| 0.5 * v.dot(p)).sum()
+fn kinetic(layer: &Layer) -> f64 {
+    let solid = layer.solid().expect("a body");
+    let momentum = solid.momentum();
+    let pairs = solid.state.velocities.iter().zip(&momentum);
+    pairs.map(|(v, p)| 0.5 * v.dot(p)).sum()
 }
 
 /// A body that falls without anything around it: `x = g h^2 n (n + 1) / 2` after `n` steps.
@@ -409,7 +413,7 @@ fn a_falling_body_falls_as_implicit_euler_does() {
         step(&mut layer, &driver, dynamics);
     }
     let way = gravity * (0.02 * 0.02 * 10.0);
-    for (x, rest) in layer.state.x.iter().zip(&layer.skin.rest.positions) {
+    for (x, rest) in layer.positions.iter().zip(&layer.skin.rest.positions) {
         assert!((x - rest - way).norm() < 1e-8 * way.norm());
     }
 }
@@ -425,9 +429,11 @@ fn a_free_body_keeps_its_momentum_and_gains_no_energy() {
     let (speed, rate) = (Vector3::new(0.3, -0.1, 0.2), Vector3::new(1.0, 2.0, -2.0));
     let centre = 0.5 * Vector3::from(SIDES);
     let mut random = Pcg64Mcg::seed_from_u64(3);
-    let quiver = random_vectors(&mut random, layer.state.q.len(), 0.02);
+    let nodes = solid(&mut layer).state.q.len();
+    let quiver = random_vectors(&mut random, nodes, 0.02);
     for (i, v) in quiver.iter().enumerate() {
-        layer.state.velocities[i] = speed + rate.cross(&(layer.state.q[i] - centre)) + v;
+        let state = &mut solid(&mut layer).state;
+        state.velocities[i] = speed + rate.cross(&(state.q[i] - centre)) + v;
     }
     let dynamics = Dynamics {
         time_step: 0.005,
@@ -435,11 +441,11 @@ fn a_free_body_keeps_its_momentum_and_gains_no_energy() {
     };
     let (mut before, mut energy) = (momenta(&layer), kinetic(&layer));
     for _ in 0..6 {
-        let old = layer.system.mass.times(&layer.state.velocities);
+        let old = solid(&mut layer).momentum();
         step(&mut layer, &driver, dynamics);
         let now = momenta(&layer);
         assert!((now[0] - before[0]).norm() < 1e-9 * before[0].norm());
-        let pairs = layer.state.velocities.iter().zip(&old);
+        let pairs = solid(&mut layer).state.velocities.iter().zip(&old);
         let lost = pairs.map(|(v, p)| v.cross(p)).sum::<Vector3<f64>>() * dynamics.time_step;
         let torque = (now[1] - before[1] - lost).norm();
         assert!(
@@ -480,13 +486,20 @@ fn what_passes_through_in_the_first_step_is_seen() {
     }];
     let poses = std::slice::from_ref(&pose);
     let spec = skin(Coupling::Hybrid);
-    let plan = plan_body(&driver, &spec, &body, poses, &modelling(), 1024).expect("a body");
-    let run = BodyRun::new((&plan, interior(&plan)), 0, &mut Silent);
-    let mut layer = run.expect("a body").layer;
-    let before = layer.state.clone();
+    let plan = plan_body(
+        &driver,
+        std::slice::from_ref(&spec),
+        &body,
+        poses,
+        &modelling(),
+        1024,
+    )
+    .expect("a body");
+    let mut layer = at_rest(&plan);
+    let before = layer.state();
     let moves = Moves::new(&interior(&plan).body, &pose).expect("fitting motions");
     let around = (&moves, &pose.weights);
-    layer.place(around, 1.0).expect("a placed body");
+    layer.place_solid(around, 1.0, None).expect("a placed body");
     assert!(layer.has_passed(&before));
     assert_eq!(layer.penetration(), 0.0);
 }

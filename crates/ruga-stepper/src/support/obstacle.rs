@@ -25,6 +25,13 @@ pub(crate) struct PlacedObstacle {
 }
 
 impl PlacedObstacle {
+    pub(crate) fn at_rest(obstacle: &Obstacle) -> Self {
+        Self {
+            shape: obstacle.shape,
+            placement: Placement::default(),
+        }
+    }
+
     pub(crate) fn distance(&self, x: &Vector3<f64>) -> Distance {
         let own = distance(&self.shape, &self.placement.pull_back(x));
         Distance {

@@ -27,7 +27,7 @@ fn pressed(shape: ObstacleShape, depth: f64, steps: u32) -> PoseResult {
         &[1.0],
         steps,
     )];
-    let plan = plan_body(&driver, &layer(50.0), &body, &poses, &modelling, 1024);
+    let plan = plan_body(&driver, &[layer(50.0)], &body, &poses, &modelling, 1024);
     let run = plan.expect("a closed block").simulate(0, &mut Silent);
     run.expect("a run")
 }

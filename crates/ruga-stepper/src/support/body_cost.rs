@@ -11,12 +11,13 @@ const FACTOR: [f64; 3] = [1.2e-7, 3e-5, 6.5e-4];
 /// Bytes per vertex, and per lattice node.
 const BYTES: [f64; 2] = [65e3, 30e3];
 
-/// Expected time (s) of a load step on one core, and expected memory (bytes), with so many vertices
-/// of the layer.
-pub(super) fn cost(vertices: usize, interior: &InteriorPlan) -> (f64, f64) {
+/// Expected time (s) of a load step on one core, and expected memory (bytes), of a layer with so many
+/// vertices and of the interior that is solved together with it.
+pub(super) fn cost(vertices: usize, interior: Option<&InteriorPlan>) -> (f64, f64) {
     let vertices = vertices as f64;
     let layer = FACTOR[0] * vertices.powf(1.5) + FACTOR[1] * vertices;
-    let lattice = FACTOR[2] * (interior.cells as f64).powf(1.25);
-    let memory = BYTES[0] * vertices + BYTES[1] * interior.nodes as f64;
+    let [cells, nodes] = interior.map_or([0.0; 2], |i| [i.cells as f64, i.nodes as f64]);
+    let lattice = FACTOR[2] * cells.powf(1.25);
+    let memory = BYTES[0] * vertices + BYTES[1] * nodes;
     (PER_STEP * (layer + lattice), memory)
 }

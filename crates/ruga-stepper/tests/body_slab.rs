@@ -18,7 +18,7 @@ const WAVELENGTH: f64 = 0.01;
 
 /// The slab, eight wavelengths long, held at both ends and pushed together; with the effective
 /// strain of its surface in the middle at the end.
-fn pushed(coupling: Coupling, points: f64) -> (PoseResult, f64) {
+fn pushed(coupling: Coupling, points: f64, limits: EdgeLimits) -> (PoseResult, f64) {
     let driver = slab(SIZE, [16, 4, 4], |p| p);
     let mut spec = layer(150.0);
     spec.coupling = coupling;
@@ -26,10 +26,19 @@ fn pushed(coupling: Coupling, points: f64) -> (PoseResult, f64) {
     body.handles = vec![slice("left", -1.0, 0.01), slice("right", 0.07, 1.0)];
     let mut modelling = modelling(points);
     modelling.region = top();
+    modelling.remesh = Some(limits);
     let way = Vector3::x() * (0.03 * 1.8 * CRITICAL);
     let motions = vec![push("left", way), push("right", -way)];
     let poses = [pose(motions, &[1.0], 2)];
-    let plan = plan_body(&driver, &spec, &body, &poses, &modelling, 1024).expect("a closed slab");
+    let plan = plan_body(
+        &driver,
+        std::slice::from_ref(&spec),
+        &body,
+        &poses,
+        &modelling,
+        1024,
+    )
+    .expect("a closed slab");
     let planned = &plan.poses[0].layers[0];
     assert!((planned.wavelength - WAVELENGTH).abs() < 1e-12);
     assert!((planned.critical_strain - CRITICAL).abs() < 1e-8);
@@ -54,8 +63,10 @@ fn pushed(coupling: Coupling, points: f64) -> (PoseResult, f64) {
 
 #[test]
 fn wrinkles_have_the_length_the_height_and_the_onset_of_theory() {
-    let (result, strain) = pushed(Coupling::Hybrid, 8.0);
+    let (result, strain) = pushed(Coupling::Hybrid, 12.0, EdgeLimits::default());
     let report = &result.layers[0];
+    let bending = report.bending_ratio.expect("a measured mesh");
+    assert!((0.95..1.05).contains(&bending), "{bending}");
     let wavelength = report.wavelength.expect("wrinkles") / WAVELENGTH;
     assert!((0.9..1.1).contains(&wavelength), "{wavelength}");
     // A layer that ends has less to bear there than what lies below it, by shear lag.
@@ -67,10 +78,29 @@ fn wrinkles_have_the_length_the_height_and_the_onset_of_theory() {
     assert!((0.75..1.1).contains(&amplitude), "{amplitude}");
 }
 
+/// A mesh that is fine across the wrinkles alone gives what one that is fine everywhere does, with a
+/// third of the vertices.
+#[test]
+fn a_fitted_mesh_is_as_good_as_a_uniform_one() {
+    let everywhere = EdgeLimits {
+        aspect: 1.0,
+        max_edge: 1.4 * WAVELENGTH / 12.0,
+        ..EdgeLimits::default()
+    };
+    let limits = [EdgeLimits::default(), everywhere];
+    let [fitted, uniform] = limits.map(|limits| pushed(Coupling::Hybrid, 12.0, limits));
+    let [fitted, uniform] = [&fitted.0.layers[0], &uniform.0.layers[0]];
+    assert!(3 * fitted.vertices < uniform.vertices);
+    let lengths = fitted.wavelength.zip(uniform.wavelength).expect("wrinkles");
+    assert!((lengths.0 / lengths.1 - 1.0).abs() < 0.03, "{lengths:?}");
+    let heights = [fitted.amplitude, uniform.amplitude];
+    assert!((heights[0] / heights[1] - 1.0).abs() < 0.02, "{heights:?}");
+}
+
 /// Rows alone hold a layer on a body, too; how early it buckles depends on how they are sampled.
 #[test]
 fn rows_alone_hold_the_layer() {
-    let (result, strain) = pushed(Coupling::Constraint, 6.0);
+    let (result, strain) = pushed(Coupling::Constraint, 6.0, EdgeLimits::default());
     let report = &result.layers[0];
     let onset = report.onset_load.expect("an onset") * strain / CRITICAL;
     assert!((0.5..1.1).contains(&onset), "{onset}");
@@ -102,7 +132,15 @@ fn a_plan_knows_the_paint_and_the_limits_of_edges() {
         modelling.remesh = Some(limits);
         modelling.vertex_budget = budget;
         let poses = [pose(Vec::new(), &[1.0], 1)];
-        plan_body(&driver, &spec, &body, &poses, &modelling, map_size).expect("a closed slab")
+        plan_body(
+            &driver,
+            std::slice::from_ref(&spec),
+            &body,
+            &poses,
+            &modelling,
+            map_size,
+        )
+        .expect("a closed slab")
     };
     let mesh = |plan: &Plan| plan.poses[0].layers[0].clone();
     let cells_along = |plan: &Plan| plan.interior.as_ref().expect("a body").cells_along;

@@ -1,0 +1,581 @@
+//! A soft body under a layer: its unknowns, its energies, and how the layer hangs on them.
+
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+use ruga_blend::{Driver, PosedSurface, Weights};
+use ruga_lattice::{Embedding, Lattice, LatticeEnergy};
+use ruga_mesh::vertex_areas;
+use ruga_solver::{ConstraintRows, LowerPattern, SolverError};
+
+use super::body_plan::Interior;
+use super::contact::Contact;
+use super::handles::Moves;
+use super::layout::Layout;
+use super::mass::{BodyMass, Diagonal};
+use super::obstacle::PlacedObstacle;
+use super::prediction::Prediction;
+use super::springs::Springs;
+use super::{Body, posed};
+use crate::motion::{Inertia, velocities};
+use crate::skin_mesh::SkinMesh;
+use crate::{LayerSpec, StepperError};
+use ruga_shell::LayerEnergy;
+
+/// Levenberg damping of a node, in units of the lattice's mean stiffness: gives the motions of a free
+/// body a sign.
+const DAMPING: f64 = 1e-9;
+
+/// Where a body is, and what is around it.
+#[derive(Clone, Debug)]
+pub(crate) struct SolidState {
+    /// Lattice nodes, m.
+    pub(crate) q: Vec<Vector3<f64>>,
+    /// Of the nodes, m/s.
+    pub(crate) velocities: Vec<Vector3<f64>>,
+    pub(crate) obstacles: Vec<PlacedObstacle>,
+    /// Where the artist's vertices are drawn to; empty where nothing draws them, m.
+    pub(crate) targets: Vec<Vector3<f64>>,
+}
+
+/// A body that moves together with the layer on it.
+///
+/// ```text
+/// E(x, q) = layer(x, B q) + lattice(q) + contact(x) - weight . q
+///           + 1/2 sum k |C q - target|^2 + f/2 (q - c)' M (q - c)
+/// ```
+/// `x` are the layer's vertices, `q` the lattice's nodes, `B` and `C` the embeddings of the layer's and
+/// the artist's vertices (Rémillard and Kry 2013, eq. 11 to 15).
+pub(crate) struct Solid {
+    interior: Arc<Interior>,
+    driver: Arc<Driver>,
+    /// Where the layer's vertices are in the lattice.
+    embedding: Embedding,
+    /// Where the artist's vertices are in the lattice.
+    control: Embedding,
+    /// Energy over the free nodes, and over all.
+    lattice: LatticeEnergy,
+    all_nodes: LatticeEnergy,
+    /// Number of every node among the free ones.
+    free_of: Vec<Option<u32>>,
+    mass: BodyMass,
+    /// Weight on every node, N.
+    weight: Vec<Vector3<f64>>,
+    follow: Option<Follow>,
+    layout: Layout,
+    /// Contribution of held nodes to each row: node, axis and weight.
+    held_terms: HeldTerms,
+    prediction: Prediction,
+    /// Rest areas of the layer's vertices, m².
+    areas: Vec<f64>,
+    /// Young's moduli of interior and layer, Pa, and the layer's thickness, m.
+    stiffness: [f64; 2],
+    thickness: f64,
+    pub(crate) state: SolidState,
+}
+
+/// Springs from the artist's vertices to where blend shapes put them.
+#[derive(Clone, Debug)]
+struct Follow {
+    /// N/m.
+    stiffness: Vec<f64>,
+    /// In the lattice's pattern, N/m.
+    hessian: Vec<f64>,
+}
+
+/// What one solve holds fast of a body.
+#[derive(Clone, Debug)]
+pub(crate) struct Frozen {
+    /// Hessian entries that stay constant: springs, guide springs and inertia.
+    constant: Vec<f64>,
+    contact: Contact,
+    /// The term of a step in time.
+    inertia: Option<Inertia>,
+}
+
+impl Solid {
+    /// The body under `skin`, whose `energy` pins no vertex and whose vertices have these `masses` (kg).
+    pub(crate) fn new(
+        (interior, driver): (&Arc<Interior>, &Arc<Driver>),
+        spec: &LayerSpec,
+        (skin, energy): (&SkinMesh, &LayerEnergy),
+        masses: &[f64],
+    ) -> Result<Self, StepperError> {
+        let (body, lattice) = (&interior.body, &interior.carrier.lattice);
+        let solver = |source| StepperError::Solver {
+            layer: spec.name.clone(),
+            source,
+        };
+        let embedding = interior.carrier.embed(skin.points.points(), &skin.rest)?;
+        let control = interior.carrier.embed_control(driver)?;
+        let springs = Springs::new(energy.foundation_stiffness());
+        let is_held = spec.coupling.has_foundation();
+        let of_nodes = |pinned: &[bool]| -> Result<LatticeEnergy, StepperError> {
+            let mut energy = LatticeEnergy::new(lattice, &body.material, pinned)?;
+            if is_held {
+                energy.couple_surface(&embedding, &springs.pattern())?;
+            }
+            Ok(energy)
+        };
+        let pinned = interior.held.pinned();
+        let [free, all_nodes] = [of_nodes(&pinned)?, of_nodes(&vec![false; pinned.len()])?];
+        let free_of = numbers(&free, lattice);
+        let carried = (&embedding, masses);
+        let mass = BodyMass::new(lattice, [&all_nodes, &free], body.density, carried)?;
+        let follow = Follow::new(driver, &control, body, &free);
+        let of_vertex = |i| match is_held && i < embedding.point_count() {
+            true => coupled_nodes(&springs, &embedding, &free_of, i),
+            // An upper layer hangs on the lower one alone.
+            false => Vec::new(),
+        };
+        let cross = (0..energy.vertex_count()).map(of_vertex).collect();
+        let rest = lattice.rest_positions();
+        Ok(Self {
+            weight: weight(lattice, body, carried)?,
+            layout: Layout::new(energy.pattern(), cross, free.pattern()).map_err(solver)?,
+            held_terms: Vec::new(),
+            prediction: Prediction::new(&free).map_err(solver)?,
+            areas: energy.vertex_areas().to_vec(),
+            stiffness: [body.material.young, spec.material.young],
+            thickness: spec.material.thickness,
+            state: SolidState {
+                q: rest.to_vec(),
+                velocities: vec![Vector3::zeros(); rest.len()],
+                obstacles: body.obstacles.iter().map(PlacedObstacle::at_rest).collect(),
+                targets: match &follow {
+                    Some(_) => driver.rest().to_vec(),
+                    None => Vec::new(),
+                },
+            },
+            lattice: free,
+            interior: Arc::clone(interior),
+            driver: Arc::clone(driver),
+            embedding,
+            control,
+            all_nodes,
+            free_of,
+            mass,
+            follow,
+        })
+    }
+
+    /// Lower triangle of the Hessian by the layer's unknowns and the free nodes'.
+    pub(crate) fn pattern(&self) -> &LowerPattern {
+        &self.layout.pattern
+    }
+
+    /// The body's part of the Levenberg damping, N/m.
+    pub(crate) fn damping(&self) -> impl Iterator<Item = f64> + use<> {
+        let rest = self.interior.carrier.lattice.rest_positions();
+        let (starts, rows) = self.lattice.pattern();
+        let mut hessian = vec![0.0; rows.len()];
+        self.lattice.hessian(rest, &mut hessian, None);
+        let unknowns = self.lattice.dof_count();
+        let sum: f64 = starts[..unknowns].iter().map(|&k| hessian[k]).sum();
+        std::iter::repeat_n(DAMPING * sum / unknowns.max(1) as f64, unknowns)
+    }
+
+    /// Replaces rows of the layer by `H (x - B q)`: averages of the layer against the same averages of
+    /// the surface below.
+    pub(crate) fn hang(
+        &mut self,
+        of_layer: &ConstraintRows,
+    ) -> Result<ConstraintRows, SolverError> {
+        let layer = self.layout.layer_unknowns();
+        let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
+        let mut weights = vec![0.0; self.free_of.len()];
+        self.held_terms.clear();
+        for row in 0..of_layer.count() {
+            let (own, own_weights) = of_layer.row(row);
+            columns.extend_from_slice(own);
+            values.extend_from_slice(own_weights);
+            let axis = own.first().map_or(0, |column| column % 3);
+            for (column, weight) in own.iter().zip(own_weights) {
+                for (node, share) in self.embedding.rows().row(column / 3) {
+                    weights[node as usize] += weight * share;
+                }
+            }
+            let mut held = Vec::new();
+            for (node, weight) in weights.iter_mut().enumerate() {
+                let weight = std::mem::take(weight);
+                match self.free_of[node] {
+                    _ if weight == 0.0 => {}
+                    Some(free) => {
+                        columns.push(layer + 3 * free as usize + axis);
+                        values.push(-weight);
+                    }
+                    None => held.push((node as u32, axis, weight)),
+                }
+            }
+            self.held_terms.push(held);
+            starts.push(columns.len());
+        }
+        ConstraintRows::new(starts, columns, values, layer + self.lattice.dof_count())
+    }
+
+    /// What the rows ask for with the held nodes where they are.
+    pub(crate) fn row_targets(&self) -> Vec<f64> {
+        let of_node =
+            |(node, axis, weight): &(u32, usize, f64)| weight * self.state.q[*node as usize][*axis];
+        let targets = self.held_terms.iter();
+        targets
+            .map(|terms| terms.iter().map(of_node).sum())
+            .collect()
+    }
+
+    /// The body's surface under the layer's vertices; where it has collapsed with the frame of `before`.
+    pub(crate) fn surface(&self, before: &PosedSurface) -> PosedSurface {
+        posed(&self.embedding, &self.state.q, before)
+    }
+
+    /// Puts handles, obstacles and targets where they are at `time`; the inside moves with the handles.
+    pub(crate) fn place(
+        &mut self,
+        (moves, weights): (&Moves<'_>, &Weights),
+        time: f64,
+    ) -> Result<(), SolverError> {
+        let mut steps = self.handle_displacements(moves, time);
+        if steps.iter().any(|step| *step != Vector3::zeros()) {
+            let both = [&self.all_nodes, &self.lattice];
+            match self.prediction.fill_in(both, &self.state.q, &mut steps) {
+                // Then the elements beside the handles take up all of the motion.
+                Ok(()) | Err(SolverError::Breakdown { .. }) => {}
+                Err(source) => return Err(source),
+            }
+        }
+        self.move_nodes(&steps);
+        self.set_surroundings((moves, weights), time);
+        Ok(())
+    }
+
+    /// Does the same for a step in time that begins with the layer at `x` (m): the free nodes go where
+    /// their velocity takes them, unless something is touched; velocities then lead into obstacles, and
+    /// Newton's method is up to twice as long on its way out.
+    pub(crate) fn place_in_time(
+        &mut self,
+        (moves, weights): (&Moves<'_>, &Weights),
+        time: f64,
+        (inertia, x): (&Inertia, &[Vector3<f64>]),
+    ) {
+        let mut steps = self.handle_displacements(moves, time);
+        if !self.is_touched(x) {
+            for &node in self.lattice.free_nodes() {
+                let node = node as usize;
+                steps[node] = inertia.centres[node] - self.state.q[node];
+            }
+        }
+        self.move_nodes(&steps);
+        self.set_surroundings((moves, weights), time);
+    }
+
+    fn move_nodes(&mut self, steps: &[Vector3<f64>]) {
+        for (q, step) in self.state.q.iter_mut().zip(steps) {
+            *q += step;
+        }
+    }
+
+    fn set_surroundings(&mut self, (moves, weights): (&Moves<'_>, &Weights), time: f64) {
+        self.state.obstacles = moves.obstacles(time);
+        if self.follow.is_some() {
+            self.state.targets = self.driver.pose(&weights.scaled(time));
+        }
+    }
+
+    /// Displacements of the held nodes from where they are to where they are at `time`; 0 for others.
+    fn handle_displacements(&self, moves: &Moves<'_>, time: f64) -> Vec<Vector3<f64>> {
+        let rest = self.interior.carrier.lattice.rest_positions();
+        let handles = self.interior.body.handles.len();
+        let placements: Vec<_> = (0..handles).map(|i| moves.handle(i, time)).collect();
+        let holders = self.interior.held.holder.iter();
+        let nodes = holders.zip(rest).zip(&self.state.q);
+        let step = |((holder, rest), q): ((&Option<usize>, &Vector3<f64>), &Vector3<f64>)| {
+            holder.map_or(Vector3::zeros(), |i| placements[i].apply(rest) - q)
+        };
+        nodes.map(step).collect()
+    }
+
+    /// Takes over the velocities of a step from nodes at `start` (m) that took so many seconds.
+    pub(crate) fn take_velocities(&mut self, start: &[Vector3<f64>], time_step: f64) {
+        self.state.velocities = velocities(start, &self.state.q, time_step);
+    }
+
+    /// What the next solve holds fast, over a surface with these `normals` and the springs of `energy`.
+    pub(crate) fn freeze(
+        &self,
+        energy: &LayerEnergy,
+        normals: &[Vector3<f64>],
+        inertia: Option<&Inertia>,
+    ) -> Frozen {
+        let factor = inertia.map_or(0.0, |inertia| inertia.weight(1.0));
+        Frozen {
+            constant: self.constant_hessian(energy, normals, factor),
+            contact: self.contact(),
+            inertia: inertia.cloned(),
+        }
+    }
+
+    /// Entries of the Hessian that depend on neither layer nor nodes, without the springs' between
+    /// vertices; with `inertia` (1/s²) times the mass.
+    fn constant_hessian(
+        &self,
+        energy: &LayerEnergy,
+        normals: &[Vector3<f64>],
+        inertia: f64,
+    ) -> Vec<f64> {
+        let mut values = vec![0.0; self.layout.pattern.entries()];
+        if self.layout.is_coupled() {
+            let springs = Springs::new(energy.foundation_stiffness());
+            for vertex in 0..normals.len() {
+                for (node, block) in springs.times(&self.embedding, normals, vertex) {
+                    if let Some(free) = self.free_of[node as usize] {
+                        self.layout.add_cross(vertex, free, &-block, &mut values);
+                    }
+                }
+            }
+            let own = springs.hessian(normals);
+            let body = self.layout.body(&mut values);
+            let pattern = springs.pattern();
+            self.lattice
+                .add_pulled_back(&self.embedding, &pattern, &own, body);
+        }
+        let body = self.layout.body(&mut values);
+        if let Some(follow) = &self.follow {
+            add(body, &follow.hessian, 1.0);
+        }
+        if inertia > 0.0 {
+            add(body, &self.mass.free, inertia);
+        }
+        values
+    }
+
+    fn contact(&self) -> Contact {
+        let obstacles = self.state.obstacles.clone();
+        Contact::new(obstacles, self.stiffness, self.thickness)
+    }
+
+    /// Whether an obstacle pushes at a layer with its vertices at `x` (m).
+    pub(crate) fn is_touched(&self, x: &[Vector3<f64>]) -> bool {
+        self.contact().value(x, &self.areas) > 0.0
+    }
+
+    /// Whether a vertex got through an obstacle on its way from `x` (m) among the obstacles of an
+    /// earlier state to where it is `now`.
+    pub(crate) fn has_passed(
+        &self,
+        (before, x): (&SolidState, &[Vector3<f64>]),
+        now: &[Vector3<f64>],
+    ) -> bool {
+        let start = (before.obstacles.as_slice(), x);
+        self.contact().is_passed(start, now, self.thickness)
+    }
+
+    /// Deepest displacement of a vertex into an obstacle, m.
+    pub(crate) fn penetration(&self, x: &[Vector3<f64>]) -> f64 {
+        self.contact().penetration(x)
+    }
+
+    /// Coordinates of the free nodes.
+    pub(crate) fn unknowns(&self) -> Vec<f64> {
+        self.lattice.unknowns(&self.state.q)
+    }
+
+    pub(crate) fn set_unknowns(&mut self, unknowns: &[f64]) {
+        self.lattice.set_unknowns(unknowns, &mut self.state.q);
+    }
+
+    /// All nodes with the free ones there, and the surface below the layer's vertices.
+    pub(crate) fn at(&self, unknowns: &[f64]) -> (Vec<Vector3<f64>>, Vec<Vector3<f64>>) {
+        let mut q = self.state.q.clone();
+        self.lattice.set_unknowns(unknowns, &mut q);
+        let below = self.embedding.positions(&q);
+        (q, below)
+    }
+
+    /// Elastic energy of the inside, J.
+    pub(crate) fn elastic_energy(&self) -> f64 {
+        self.lattice.value(&self.state.q)
+    }
+
+    /// Where the artist's vertices are, in the order of [`Driver::pose`], m.
+    pub(crate) fn artist_positions(&self) -> Vec<Vector3<f64>> {
+        self.control.positions(&self.state.q)
+    }
+
+    /// Energy (J) without the layer's and its springs'.
+    pub(crate) fn value(&self, frozen: &Frozen, x: &[Vector3<f64>], q: &[Vector3<f64>]) -> f64 {
+        let mut energy = self.lattice.value(q) - dot(&self.weight, q);
+        energy += frozen.contact.value(x, &self.areas);
+        if let Some(follow) = &self.follow {
+            let places = self.control.positions(q);
+            let pairs = places
+                .iter()
+                .zip(&self.state.targets)
+                .zip(&follow.stiffness);
+            let springs = pairs.map(|((at, target), k)| 0.5 * k * (at - target).norm_squared());
+            energy += springs.sum::<f64>();
+        }
+        if let Some(inertia) = &frozen.inertia {
+            energy += self.mass.inertial_energy(inertia, q);
+        }
+        energy
+    }
+
+    /// Adds the contact to the gradient by the layer's unknowns, and writes that by the nodes, which the
+    /// layer's `springs` pull at (N).
+    pub(crate) fn gradient(
+        &self,
+        frozen: &Frozen,
+        (x, q): (&[Vector3<f64>], &[Vector3<f64>]),
+        springs: &[Vector3<f64>],
+        (of_layer, of_nodes): (&mut [f64], &mut [f64]),
+    ) {
+        let vertices = of_layer.chunks_exact_mut(3).zip(x).zip(&self.areas);
+        for ((entries, x), area) in vertices {
+            let push = frozen.contact.gradient(x, *area);
+            for c in 0..3 {
+                entries[c] += push[c];
+            }
+        }
+        self.lattice.gradient(q, of_nodes);
+        let forces = self.forces_on_nodes(frozen, q, springs);
+        for (&node, entries) in self
+            .lattice
+            .free_nodes()
+            .iter()
+            .zip(of_nodes.chunks_exact_mut(3))
+        {
+            for c in 0..3 {
+                entries[c] += forces[node as usize][c];
+            }
+        }
+    }
+
+    /// The gradient by all nodes, without the lattice's own.
+    fn forces_on_nodes(
+        &self,
+        frozen: &Frozen,
+        q: &[Vector3<f64>],
+        springs: &[Vector3<f64>],
+    ) -> Vec<Vector3<f64>> {
+        let mut forces: Vec<_> = self.weight.iter().map(|weight| -weight).collect();
+        let mut add = |more: Vec<Vector3<f64>>, sign: f64| {
+            for (force, more) in forces.iter_mut().zip(more) {
+                *force += more * sign;
+            }
+        };
+        add(self.embedding.pull_back(springs), -1.0);
+        if let Some(follow) = &self.follow {
+            let places = self.control.positions(q);
+            let pairs = places
+                .iter()
+                .zip(&self.state.targets)
+                .zip(&follow.stiffness);
+            let pulls: Vec<_> = pairs.map(|((at, target), k)| (at - target) * *k).collect();
+            add(self.control.pull_back(&pulls), 1.0);
+        }
+        if let Some(inertia) = &frozen.inertia {
+            add(self.mass.inertial_forces(inertia, q), 1.0);
+        }
+        forces
+    }
+
+    /// Writes the Hessian of layer and body, from that of the layer in its own pattern; both exact and
+    /// relaxed.
+    pub(crate) fn hessian(
+        &self,
+        frozen: &Frozen,
+        (x, q): (&[Vector3<f64>], &[Vector3<f64>]),
+        layer: [&[f64]; 2],
+        mut both: [&mut [f64]; 2],
+    ) {
+        let mut lattice = [0, 1].map(|_| vec![0.0; self.lattice.pattern().1.len()]);
+        let [exact, relaxed] = &mut lattice;
+        self.lattice.hessian(q, exact, Some(relaxed));
+        for ((values, layer), lattice) in both.iter_mut().zip(layer).zip(&lattice) {
+            values.copy_from_slice(&frozen.constant);
+            self.layout.add_layer(layer, values);
+            add(self.layout.body(values), lattice, 1.0);
+        }
+        for (vertex, (x, area)) in x.iter().zip(&self.areas).enumerate() {
+            if let Some(block) = frozen.contact.hessian(x, *area) {
+                for values in &mut both {
+                    self.layout.add_vertex(vertex, &block, values);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+impl Solid {
+    pub(crate) fn momentum(&self) -> Vec<Vector3<f64>> {
+        self.mass.times(&self.state.velocities)
+    }
+}
+
+impl Follow {
+    fn new(
+        driver: &Driver,
+        control: &Embedding,
+        body: &Body,
+        lattice: &LatticeEnergy,
+    ) -> Option<Self> {
+        let stiffness = body.follow?;
+        let areas = vertex_areas(driver.topology(), driver.rest());
+        let stiffness: Vec<f64> = areas.iter().map(|area| stiffness * area).collect();
+        let mut hessian = vec![0.0; lattice.pattern().1.len()];
+        Diagonal::new(&stiffness).pull_back(lattice, control, &mut hessian);
+        Some(Self { stiffness, hessian })
+    }
+}
+
+fn add(target: &mut [f64], values: &[f64], factor: f64) {
+    for (target, value) in target.iter_mut().zip(values) {
+        *target += factor * value;
+    }
+}
+
+fn numbers(free: &LatticeEnergy, lattice: &Lattice) -> Vec<Option<u32>> {
+    let mut free_of = vec![None; lattice.node_count()];
+    for (number, &node) in free.free_nodes().iter().enumerate() {
+        free_of[node as usize] = Some(number as u32);
+    }
+    free_of
+}
+
+fn weight(
+    lattice: &Lattice,
+    body: &Body,
+    (embedding, masses): (&Embedding, &[f64]),
+) -> Result<Vec<Vector3<f64>>, StepperError> {
+    let gravity = &body.gravity;
+    let mut weight = lattice.gravity_load(body.density, gravity)?;
+    let of_layer: Vec<_> = masses.iter().map(|mass| gravity * *mass).collect();
+    for (sum, force) in weight.iter_mut().zip(embedding.pull_back(&of_layer)) {
+        *sum += force;
+    }
+    Ok(weight)
+}
+
+/// The free nodes that the springs couple a vertex with.
+fn coupled_nodes(
+    springs: &Springs,
+    embedding: &Embedding,
+    free_of: &[Option<u32>],
+    vertex: usize,
+) -> Vec<u32> {
+    let mut nodes: Vec<u32> = springs
+        .neighbours(vertex)
+        .flat_map(|j| embedding.rows().row(j))
+        .filter_map(|(node, _)| free_of[node as usize])
+        .collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}
+
+type HeldTerms = Vec<Vec<(u32, usize, f64)>>;
+
+fn dot(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
+}

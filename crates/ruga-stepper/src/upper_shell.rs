@@ -1,0 +1,79 @@
+//! The upper one of two layers that move together.
+
+use nalgebra::Vector3;
+use ruga_material::{LayerMaterial, StackPair};
+use ruga_shell::{FaceParameters, LayerParameters, UpperSheet};
+
+/// The upper one of two layers that move together.
+#[derive(Clone, Debug)]
+pub(crate) struct UpperShell {
+    /// Name in reports.
+    pub(crate) name: String,
+    /// Number of the layer in its stack.
+    pub(crate) index: usize,
+    /// Distance of the mid-surfaces, m.
+    pub(crate) lever: f64,
+    material: LayerMaterial,
+    /// Stiffnesses towards the lower layer, Pa/m, N/m and Pa/m.
+    normal: f64,
+    gradient: f64,
+    tangential: f64,
+}
+
+impl UpperShell {
+    /// Number `index` of the stack, named `name`, the upper one of `pair`.
+    pub(crate) fn new(name: &str, index: usize, pair: &StackPair, lever: f64) -> Self {
+        let springs = &pair.upper.wrinkling;
+        Self {
+            name: name.to_owned(),
+            index,
+            lever,
+            material: pair.upper.material,
+            normal: springs.normal_stiffness,
+            gradient: springs.gradient_stiffness,
+            tangential: pair.shear_tie(),
+        }
+    }
+
+    /// m.
+    pub(crate) fn thickness(&self) -> f64 {
+        self.material.thickness
+    }
+
+    /// kg/m².
+    pub(crate) fn mass_per_area(&self) -> f64 {
+        self.material.density * self.material.thickness
+    }
+
+    /// The layer with so many faces above places (m) with these unit normals.
+    pub(crate) fn sheet(
+        &self,
+        (points, normals): (&[Vector3<f64>], &[Vector3<f64>]),
+        faces: usize,
+    ) -> UpperSheet {
+        let face = FaceParameters {
+            young: self.material.young,
+            poisson: self.material.poisson,
+            thickness: self.material.thickness,
+            normal_stiffness: self.normal,
+            gradient_stiffness: self.gradient,
+        };
+        let vertices = points.len();
+        UpperSheet {
+            rest_positions: self.above(points, normals).collect(),
+            parameters: LayerParameters::uniform(face, faces, self.tangential, vertices),
+            levers: vec![self.lever; vertices],
+        }
+    }
+
+    /// Where it lies over places (m) with these unit normals.
+    pub(crate) fn above<'a>(
+        &self,
+        points: &'a [Vector3<f64>],
+        normals: &'a [Vector3<f64>],
+    ) -> impl Iterator<Item = Vector3<f64>> + use<'a> {
+        let lever = self.lever;
+        let pairs = points.iter().zip(normals);
+        pairs.map(move |(point, normal)| point + normal * lever)
+    }
+}
