@@ -70,7 +70,11 @@ pub fn plan_body(
     let meshes = (0..stacking.meshes())
         .map(|index| LayerMesh::new(driver, &stacking, index, modelling))
         .collect::<Result<Vec<_>, _>>()?;
-    let longest = meshes[0].waves.longest;
+    // Two layers that move together wrinkle in a longer wave than either.
+    let longest = meshes[0]
+        .waves
+        .longest
+        .max(stacking.wrinkling[0].wavelength);
     let carrier = Carrier::new(driver, body, longest, modelling.smoothing)?;
     let held = HeldNodes::new(&carrier.lattice, &body.handles)?;
     let lattice = &carrier.lattice;

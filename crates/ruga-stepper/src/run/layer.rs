@@ -125,9 +125,9 @@ impl Layer {
             layer: spec.name.clone(),
             source,
         };
-        // A mesh may be fitted so coarsely that all of it is border, which is held.
-        let adapted =
-            adapted.filter(|skin| skin.mesh.border_vertices().as_slice().contains(&false));
+        // A mesh may be fitted so coarsely that all of it is border, which a driver holds.
+        let is_free = |skin: &SkinMesh| skin.mesh.border_vertices().as_slice().contains(&false);
+        let adapted = adapted.filter(|skin| holding.interior.is_some() || is_free(skin));
         let interpolation = match &adapted {
             Some(skin) => Some(
                 preparing
@@ -185,8 +185,11 @@ impl Layer {
             .collect();
         let mut solid = match &interior {
             Some(interior) => {
+                let of_upper = upper.as_ref().map_or(0.0, UpperShell::mass_per_area);
+                let pairs = masses.iter().zip(&areas);
+                let carried: Vec<f64> = pairs.map(|(mass, area)| mass + of_upper * area).collect();
                 let body = (interior, driver);
-                Some(Solid::new(body, spec, (&skin, &energy), &masses)?)
+                Some(Solid::new(body, spec, (&skin, &energy), &carried)?)
             }
             None => None,
         };
@@ -343,18 +346,14 @@ impl Layer {
 
     /// Whether an obstacle pushes.
     pub(crate) fn is_touched(&self) -> bool {
-        let own = &self.positions[..self.vertex_count()];
-        self.solid
-            .as_ref()
-            .is_some_and(|solid| solid.is_touched(own))
+        let solid = self.solid.as_ref();
+        solid.is_some_and(|solid| solid.is_touched(&self.positions))
     }
 
     /// Deepest displacement of a vertex into an obstacle, m.
     pub(crate) fn penetration(&self) -> f64 {
-        let own = &self.positions[..self.vertex_count()];
-        self.solid
-            .as_ref()
-            .map_or(0.0, |solid| solid.penetration(own))
+        let solid = self.solid.as_ref();
+        solid.map_or(0.0, |solid| solid.penetration(&self.positions))
     }
 
     /// Share of the faces that are compressed beyond 15 %, where the layer feels no more.

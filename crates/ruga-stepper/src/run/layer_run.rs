@@ -38,12 +38,14 @@ const SETTLED: f64 = 3e-5;
 /// is left then is the pattern sliding along itself, and the next load moves it anyway.
 const PASSING: f64 = 1e-3;
 
-/// Lag of the energy behind the surface below up to which a result stands, rad: a layer that is a tenth
-/// of a wavelength off then moves by a ten-thousandth of one.
+/// Lag of the energy behind the surface below up to which a result stands, in rad or as a change of rest
+/// lengths: a layer that is a tenth of a wavelength off then moves by a ten-thousandth of one.
 const LAG: f64 = 1e-3;
 
-/// Solves after which a body that still turns under its layer is taken as it is.
-const MOST_SOLVES: usize = 3;
+/// Solves after which a body that still gives way under its layer is taken as it is, and the lag up to
+/// which that counts as an equilibrium.
+const MOST_SOLVES: usize = 4;
+const TOLERATED_LAG: f64 = 1e-2;
 
 /// The relaxation that a solve is tried with first, over what the last one needed: lets it shrink.
 const SLOWLY_LESS: f64 = 0.97;
@@ -139,7 +141,7 @@ impl<'a> LayerRun<'a> {
     }
 
     /// Adds to the warnings what is not among them.
-    fn warn(&mut self, warning: String) {
+    pub(crate) fn warn(&mut self, warning: String) {
         if !self.warnings.contains(&warning) {
             self.warnings.push(warning);
         }
@@ -245,11 +247,12 @@ impl<'a> LayerRun<'a> {
                     // A probe is as exact as a result already.
                     let is_settled = trial.probe && self.layer.lag() <= LAG;
                     let is_wanted = course.is_result(trial.load) && !is_settled;
-                    if is_wanted && !self.settle(None, shown, observer)? {
+                    if !is_wanted || self.layer.solid().is_none() {
+                        self.warn_unverified(&solve);
+                    } else if self.settle(None, shown, observer)?.stop == StopRule::Interrupted {
                         return Ok(Ending::Interrupted);
                     }
                     kept = self.layer.state();
-                    self.warn_unverified(&solve);
                     if !trial.probe {
                         // Where it first wrinkled; another key's course may begin anew.
                         self.report.onset_load = self.report.onset_load.or(onset);
@@ -303,35 +306,47 @@ impl<'a> LayerRun<'a> {
         Ok(Some(solve))
     }
 
-    /// Makes a result of a state on a body: on the way there the surface below has turned, and the
-    /// springs stand on its normals. False when interrupted.
+    /// Makes a result of a state on a body: on the way there the surface below has turned and shrunk, and
+    /// the layer's energy stands on it. Returns the last solve.
     fn settle(
         &mut self,
         inertia: Option<&Inertia>,
         shown: f64,
         observer: &mut dyn Observer,
-    ) -> Result<bool, StepperError> {
-        if self.layer.solid().is_none() {
-            return Ok(true);
-        }
-        for _ in 0..MOST_SOLVES {
+    ) -> Result<SolveReport, StepperError> {
+        let how = (AtSaddle::Leave, Accuracy::Result);
+        let mut solves = 0;
+        loop {
             let before = self.layer.state();
-            let how = (AtSaddle::Leave, Accuracy::Result);
             let solve = self.solve(inertia, how, shown, observer)?;
+            solves += 1;
             if solve.stop == StopRule::Interrupted {
-                return Ok(false);
+                return Ok(solve);
             }
             if !solve.converged || self.layer.has_passed(&before) {
                 self.warn_of_failure("only a rough equilibrium found", shown, &solve);
                 self.layer.restore(&before)?;
                 self.is_rough = true;
-                break;
+                return Ok(solve);
             }
-            if self.layer.lag() <= LAG {
-                break;
+            if self.layer.lag() <= LAG || solves == MOST_SOLVES {
+                self.warn_unverified(&solve);
+                self.warn_of_lag(shown);
+                return Ok(solve);
             }
         }
-        Ok(true)
+    }
+
+    /// Notes that the body still gave way when the last solve ended.
+    fn warn_of_lag(&mut self, shown: f64) {
+        let lag = self.layer.lag();
+        if lag > TOLERATED_LAG {
+            self.is_rough = true;
+            self.warn(format!(
+                "only a rough equilibrium found at load {shown:.3}: the body still gave way under the layer, by {:.1} %; take more `steps`",
+                100.0 * lag
+            ));
+        }
     }
 
     /// Finds the equilibrium, or the end of a step in time.
@@ -402,8 +417,12 @@ impl<'a> LayerRun<'a> {
         }
     }
 
-    /// Notes what a body and its obstacles do to the layer that a plan cannot know.
-    pub(crate) fn warn_of_body(&mut self) {
+    /// Notes what a plan cannot know: steps that were halved, and what a body and its obstacles do to the
+    /// layer.
+    pub(crate) fn warn_of_course(&mut self) {
+        if self.halved > 0 {
+            self.warn(format!("steps in time that were halved: {}", self.halved));
+        }
         if self.layer.solid().is_none() {
             return;
         }

@@ -14,7 +14,7 @@ use crate::support::motion::Inertia;
 use crate::support::{Embeddings, Interior, Moves, PosedBody, PosedDriver, Solid, Support};
 use crate::{
     Frame, KeyResult, LayerReport, LoadPath, Observer, Phase, Plan, PoseResult, PoseSpec,
-    Preparation, Progress, StepperError,
+    StepperError,
 };
 
 impl Plan {
@@ -26,7 +26,8 @@ impl Plan {
     /// solved, its strain growing from none, and so on up (Li 2014); from one result to the next it
     /// goes on from its last shape, on a mesh that is fitted anew when the old one no longer serves.
     ///
-    /// On a soft body, layer and body are one minimum of all energies. Handles and obstacles go their
+    /// On a soft body, layer and body are one minimum of all energies. A first run on a coarse mesh, part of
+    /// the preparation, finds where the layer will be compressed, and so where its mesh has to be fine. Handles and obstacles go their
     /// ways and blend shapes draw the surface with growing weights; weight acts in full from the first
     /// load on, and [`KeyResult::artist_positions`] say where the artist's mesh has gone. With
     /// [`Modelling::dynamics`](crate::Modelling::dynamics) every load is one step in time instead,
@@ -146,7 +147,7 @@ impl<'a> StackRun<'a> {
         if ending == Ending::Reached {
             run.warn_unwrinkled(&self.plan.driver);
         }
-        run.warn_of_body();
+        run.warn_of_course();
         self.tell(&run, ending);
         run.measure();
         if let Some(upper) = run.layer.upper() {
@@ -170,9 +171,15 @@ impl<'a> StackRun<'a> {
                 (posed.collect(), None)
             }
             Some(interior) => {
-                let (places, run) = self.run_ahead(lowest, observer)?;
+                let (places, before) = match self.can_run_ahead(lowest) {
+                    true => {
+                        let (places, report) = self.run_ahead(lowest, observer)?;
+                        (places, Some(report))
+                    }
+                    false => (Vec::new(), None),
+                };
                 let posed = places.into_iter().map(|q| self.posed_body(interior, q));
-                (posed.collect::<Vec<_>>(), Some(run))
+                (posed.collect::<Vec<_>>(), before)
             }
         };
         let (driver, seat) = (&self.plan.driver, self.plan.stacking.seats[lowest]);
@@ -185,32 +192,13 @@ impl<'a> StackRun<'a> {
         if let Some(before) = before {
             run.report.newton_iterations += before.newton_iterations;
             run.report.factorizations += before.factorizations;
+            if below.is_empty() {
+                run.warn(
+                    "a first run on a coarse mesh, which finds where wrinkles come, did not reach the last key: the mesh is as fine everywhere as wrinkles need, slower but no less exact, and its bending is not corrected; take more `steps` if that is too slow".to_owned(),
+                );
+            }
         }
         Ok(run)
-    }
-
-    /// Where the nodes of a body go at every key, found with a layer whose mesh is too coarse for
-    /// wrinkles, and the work that it took; nothing where not all keys were reached.
-    ///
-    /// A driver says beforehand where skin will be compressed, a body does not.
-    fn run_ahead(
-        &self,
-        lowest: usize,
-        observer: &mut dyn Observer,
-    ) -> Result<(Vec<Vec<Vector3<f64>>>, LayerReport), Halt> {
-        let mut run = self.build_coarse(lowest, observer)?;
-        let mut course = AheadCourse {
-            stack: self,
-            lowest,
-            places: Vec::new(),
-        };
-        let loads = self.loads(None);
-        let mut ahead = Ahead { observer };
-        match run.follow(&mut course, (&loads, self.spec().steps), &mut ahead)? {
-            Ending::Reached => Ok((course.places, run.report)),
-            Ending::GaveUp => Ok((Vec::new(), run.report)),
-            Ending::Interrupted => Err(Halt::Interrupted),
-        }
     }
 
     fn posed_driver(&self, weight: f64) -> Box<dyn Support + 'a> {
@@ -237,7 +225,7 @@ impl<'a> StackRun<'a> {
     }
 
     /// Loads of the pose, or of the growth of its strain at one key.
-    fn loads(&self, key: Option<f64>) -> Vec<f64> {
+    pub(crate) fn loads(&self, key: Option<f64>) -> Vec<f64> {
         let spec = self.spec();
         if key.is_some() {
             return loads_up_to(1.0, spec.steps, [1.0]);
@@ -296,7 +284,7 @@ impl<'a> StackRun<'a> {
     }
 
     /// Puts what lies below the lowest layer there.
-    fn place(
+    pub(crate) fn place(
         &self,
         lowest: usize,
         layer: &mut Layer,
@@ -421,78 +409,5 @@ impl Course for PoseCourse<'_, '_> {
     ) -> Result<bool, StepperError> {
         let place = self.place(load);
         self.stack.frame(self.lowest, run, place, observer)
-    }
-}
-
-/// The course of a run that only finds out where a body goes.
-struct AheadCourse<'r, 'a> {
-    stack: &'r StackRun<'a>,
-    lowest: usize,
-    /// Where its nodes are at every key, m.
-    places: Vec<Vec<Vector3<f64>>>,
-}
-
-impl Course for AheadCourse<'_, '_> {
-    fn place(
-        &self,
-        layer: &mut Layer,
-        load: f64,
-        inertia: Option<&Inertia>,
-    ) -> Result<(), StepperError> {
-        let place = Place {
-            weight: load,
-            share: 1.0,
-        };
-        self.stack.place(self.lowest, layer, place, inertia)
-    }
-
-    fn shown(&self, load: f64) -> f64 {
-        load
-    }
-
-    fn is_result(&self, _: f64) -> bool {
-        // A rough state says where skin will be compressed.
-        false
-    }
-
-    fn rests_at(&self, _: f64) -> bool {
-        false
-    }
-
-    fn kept(
-        &mut self,
-        run: &LayerRun<'_>,
-        load: f64,
-        _: &mut dyn Observer,
-    ) -> Result<bool, StepperError> {
-        if self.stack.spec().has_key(load) {
-            self.places
-                .extend(run.layer.solid().map(|solid| solid.state.q.clone()));
-        }
-        Ok(true)
-    }
-}
-
-/// Passes on where the work stands, and no results.
-struct Ahead<'o> {
-    observer: &'o mut dyn Observer,
-}
-
-impl Observer for Ahead<'_> {
-    fn phase(&mut self, layer: usize, _: Phase) {
-        // Whatever it does, it serves the mesh.
-        self.observer.phase(layer, Phase::Remeshing);
-    }
-
-    fn preparing(&mut self, preparation: Preparation) -> bool {
-        self.observer.preparing(preparation)
-    }
-
-    fn progress(&mut self, progress: Progress) -> bool {
-        self.observer.progress(progress)
-    }
-
-    fn wants_frames(&self) -> bool {
-        false
     }
 }

@@ -293,6 +293,11 @@ impl Solid {
         self.state.velocities = velocities(start, &self.state.q, time_step);
     }
 
+    /// The positions that obstacles touch: of two sheets one on the other those of the upper one.
+    fn outer<'x>(&self, x: &'x [Vector3<f64>]) -> &'x [Vector3<f64>] {
+        &x[x.len() - self.areas.len()..]
+    }
+
     fn contact(&self) -> Contact {
         let obstacles = self.state.obstacles.clone();
         Contact::new(obstacles, self.stiffness, self.thickness)
@@ -300,7 +305,7 @@ impl Solid {
 
     /// Whether an obstacle pushes at a layer with its vertices at `x` (m).
     pub(crate) fn is_touched(&self, x: &[Vector3<f64>]) -> bool {
-        self.contact().value(x, &self.areas) > 0.0
+        self.contact().value(self.outer(x), &self.areas) > 0.0
     }
 
     /// Whether a vertex got through an obstacle on its way from `x` (m) among the obstacles of an
@@ -310,13 +315,14 @@ impl Solid {
         (before, x): (&SolidState, &[Vector3<f64>]),
         now: &[Vector3<f64>],
     ) -> bool {
-        let start = (before.obstacles.as_slice(), x);
-        self.contact().is_passed(start, now, self.thickness)
+        let start = (before.obstacles.as_slice(), self.outer(x));
+        self.contact()
+            .is_passed(start, self.outer(now), self.thickness)
     }
 
     /// Deepest displacement of a vertex into an obstacle, m.
     pub(crate) fn penetration(&self, x: &[Vector3<f64>]) -> f64 {
-        self.contact().penetration(x)
+        self.contact().penetration(self.outer(x))
     }
 
     /// Coordinates of the free nodes.

@@ -9,7 +9,7 @@ use crate::run::strain_ratio::applied_strains;
 use crate::support::motion::{Inertia, velocities};
 use crate::{Dynamics, StepperError};
 
-/// Lag, in rad, from which on the energy is set up anew before a solve.
+/// Lag, in rad or as a change of rest lengths, from which on the energy is set up anew before a solve.
 const AS_BEFORE: f64 = 1e-4;
 
 /// A step in time: where everything that has mass begins, and the term that it adds to the energy.

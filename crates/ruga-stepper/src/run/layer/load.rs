@@ -169,7 +169,6 @@ impl Layer {
         time: f64,
         inertia: Option<&Inertia>,
     ) -> Result<(), StepperError> {
-        let count = self.vertex_count();
         let Some(solid) = &mut self.solid else {
             return Ok(());
         };
@@ -182,7 +181,7 @@ impl Layer {
                 })?;
             }
             Some(inertia) => {
-                solid.place_in_time(around, time, (inertia, &self.positions[..count]));
+                solid.place_in_time(around, time, (inertia, &self.positions));
             }
         }
         let posed = solid.surface(&self.below.posed);
@@ -229,11 +228,10 @@ impl Layer {
 
     /// Whether a vertex got through an obstacle on its way from an earlier state.
     pub(crate) fn has_passed(&self, before: &LayerState) -> bool {
-        let count = self.vertex_count();
         match (&self.solid, &before.solid) {
             (Some(solid), Some(state)) => {
-                let start = (state, &before.positions[..count]);
-                solid.has_passed(start, &self.positions[..count])
+                let start = (state, before.positions.as_slice());
+                solid.has_passed(start, &self.positions)
             }
             _ => false,
         }

@@ -17,7 +17,7 @@ use crate::support::{Interior, Moves, Solid, product};
 use crate::test_drivers::{SIDES, block};
 use crate::{
     Body, Coupling, Dynamics, Handle, Keyframe, LayerSpec, Modelling, Motion, Obstacle,
-    ObstacleShape, Plan, PoseSpec, Presence, Sampling, Silent, plan_body,
+    ObstacleShape, Plan, PoseSpec, Presence, Sampling, Silent, Stack, plan_body,
 };
 
 fn skin(coupling: Coupling) -> LayerSpec {
@@ -179,8 +179,25 @@ fn everything() -> Body {
 fn the_whole_objective_has_its_derivatives() {
     let driver = block();
     let pose = still(&driver);
-    for coupling in [Coupling::Hybrid, Coupling::Constraint, Coupling::Spectral] {
-        let plan = planned(&driver, &skin(coupling), &everything());
+    let mut fine = skin(Coupling::Hybrid);
+    fine.name = "fine".into();
+    fine.material.thickness *= 0.3;
+    let alone = [Coupling::Hybrid, Coupling::Constraint, Coupling::Spectral];
+    let alone = alone.map(|coupling| vec![skin(coupling)]);
+    let pair = vec![skin(Coupling::Hybrid), fine];
+    for layers in alone.into_iter().chain([pair]) {
+        let coupling = (layers[0].coupling, layers.len());
+        let stack = match layers.len() {
+            1 => Stack::Nominal,
+            _ => Stack::Joint,
+        };
+        let modelling = Modelling {
+            stack,
+            ..modelling()
+        };
+        let poses = [still(&driver)];
+        let plan = plan_body(&driver, &layers, &everything(), &poses, &modelling, 1024);
+        let plan = plan.expect("a body");
         let mut layer = crumpled(&plan);
         let thickness = layer.spec.material.thickness;
         assert!(layer.penetration() > 0.1 * thickness, "no contact");
@@ -208,7 +225,7 @@ fn the_whole_objective_has_its_derivatives() {
         objective.hessian(&x, &mut exact, &mut relaxed);
 
         let mut random = Pcg64Mcg::seed_from_u64(11);
-        let layer_part = layer.vertex_count();
+        let layer_part = layer.positions.len();
         for part in [0..layer_part, layer_part..x.len() / 3, 0..x.len() / 3] {
             let mut way = random_vectors(&mut random, x.len() / 3, 1.0);
             for (i, way) in way.iter_mut().enumerate() {

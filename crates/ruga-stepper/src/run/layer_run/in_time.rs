@@ -15,6 +15,18 @@ const MOST_STEPS_TO_REST: usize = 200;
 /// Halvings of a step in time before it counts as impossible.
 const HALVINGS: u32 = 4;
 
+/// How standing still until the layer rests has ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Rest {
+    Found,
+    /// With a layer that still moves.
+    StillMoving,
+    /// Without an end of a step; the layer is where the solver left it.
+    NoStep,
+    /// By the observer.
+    Interrupted,
+}
+
 impl LayerRun<'_> {
     /// Moves in time through `loads`, one step from each to the next, shorter where they are less than
     /// `1 / steps` apart; where the course asks for it, stands still until the layer rests.
@@ -35,11 +47,16 @@ impl LayerRun<'_> {
             };
             let mut ending = self.step(course, [from, load], (step, HALVINGS), observer)?;
             if ending == Ending::Reached && course.rests_at(load) {
-                ending = self.come_to_rest(dynamics, course.shown(load), observer)?;
-                if ending == Ending::GaveUp {
-                    worst = ending;
-                    ending = Ending::Reached;
-                }
+                let rest = self.come_to_rest(dynamics, course.shown(load), observer)?;
+                ending = match rest {
+                    Rest::Found => Ending::Reached,
+                    Rest::StillMoving => {
+                        worst = Ending::GaveUp;
+                        Ending::Reached
+                    }
+                    Rest::NoStep => Ending::GaveUp,
+                    Rest::Interrupted => Ending::Interrupted,
+                };
             }
             if ending != Ending::Reached {
                 self.layer.restore(&before)?;
@@ -49,9 +66,6 @@ impl LayerRun<'_> {
                 return Ok(Ending::Interrupted);
             }
             from = load;
-        }
-        if self.halved > 0 {
-            self.warn(format!("steps in time that were halved: {}", self.halved));
         }
         Ok(worst)
     }
@@ -70,7 +84,6 @@ impl LayerRun<'_> {
             return Ok(Ending::Interrupted);
         }
         if solve.converged && !self.layer.has_passed(&before) {
-            self.warn_unverified(&solve);
             return Ok(Ending::Reached);
         }
         if halvings == 0 {
@@ -113,11 +126,13 @@ impl LayerRun<'_> {
         };
         let how = (AtSaddle::Leave, accuracy);
         let mut solve = self.solve(Some(&step.inertia), how, shown, observer)?;
-        if solve.converged
-            && is_settled_later
-            && !self.settle(Some(&step.inertia), shown, observer)?
-        {
-            solve.stop = StopRule::Interrupted;
+        if solve.converged && is_settled_later {
+            let settled = self.settle(Some(&step.inertia), shown, observer)?;
+            if settled.stop == StopRule::Interrupted {
+                solve.stop = settled.stop;
+            }
+        } else if solve.converged {
+            self.warn_unverified(&solve);
         }
         self.layer.end_step(&step);
         Ok(solve)
@@ -129,27 +144,31 @@ impl LayerRun<'_> {
         dynamics: Dynamics,
         shown: f64,
         observer: &mut dyn Observer,
-    ) -> Result<Ending, StepperError> {
+    ) -> Result<Rest, StepperError> {
         for _ in 0..MOST_STEPS_TO_REST {
             if self.is_at_rest()? {
-                return Ok(Ending::Reached);
+                return Ok(Rest::Found);
             }
             let step = self.layer.time_step(dynamics);
             let how = (AtSaddle::Leave, Accuracy::Result);
             let solve = self.solve(Some(&step.inertia), how, shown, observer)?;
             if solve.stop == StopRule::Interrupted {
-                return Ok(Ending::Interrupted);
+                return Ok(Rest::Interrupted);
             }
             if !solve.converged {
                 self.warn_of_failure("no step in time found", shown, &solve);
-                return Ok(Ending::GaveUp);
+                return Ok(Rest::NoStep);
             }
+            self.warn_unverified(&solve);
             self.layer.end_step(&step);
+        }
+        if self.is_at_rest()? {
+            return Ok(Rest::Found);
         }
         self.warn(format!(
             "still moving after {MOST_STEPS_TO_REST} steps in time at load {shown:.3}; longer ones may bring it to rest"
         ));
-        Ok(Ending::GaveUp)
+        Ok(Rest::StillMoving)
     }
 
     /// Whether the layer is in equilibrium, a stable one as far as the method can tell.

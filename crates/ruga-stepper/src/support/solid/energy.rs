@@ -71,7 +71,7 @@ impl Solid {
     /// Energy (J) without the layer's and its springs'.
     pub(crate) fn value(&self, frozen: &Frozen, x: &[Vector3<f64>], q: &[Vector3<f64>]) -> f64 {
         let mut energy = self.lattice.value(q) - dot(&self.weight, q);
-        energy += frozen.contact.value(x, &self.areas);
+        energy += frozen.contact.value(self.outer(x), &self.areas);
         if let Some(follow) = &self.follow {
             let places = self.control.positions(q);
             let pairs = places
@@ -96,8 +96,9 @@ impl Solid {
         springs: &[Vector3<f64>],
         (of_layer, of_nodes): (&mut [f64], &mut [f64]),
     ) {
-        let vertices = of_layer.chunks_exact_mut(3).zip(x).zip(&self.areas);
-        for ((entries, x), area) in vertices {
+        let inner = x.len() - self.areas.len();
+        let outer = of_layer.chunks_exact_mut(3).zip(x).skip(inner);
+        for ((entries, x), area) in outer.zip(&self.areas) {
             let push = frozen.contact.gradient(x, *area);
             for c in 0..3 {
                 entries[c] += push[c];
@@ -163,7 +164,8 @@ impl Solid {
             self.layout.add_layer(layer, values);
             add(self.layout.body(values), lattice, 1.0);
         }
-        for (vertex, (x, area)) in x.iter().zip(&self.areas).enumerate() {
+        let inner = x.len() - self.areas.len();
+        for (vertex, (x, area)) in (inner..).zip(x[inner..].iter().zip(&self.areas)) {
             if let Some(block) = frozen.contact.hessian(x, *area) {
                 for values in &mut both {
                     self.layout.add_vertex(vertex, &block, values);
