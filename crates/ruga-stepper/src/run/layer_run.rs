@@ -45,7 +45,7 @@ const LAG: f64 = 1e-3;
 /// Solves after which a body that still gives way under its layer is taken as it is, and the lag up to
 /// which that counts as an equilibrium.
 const MOST_SOLVES: usize = 4;
-const TOLERATED_LAG: f64 = 1e-2;
+const TOLERATED_LAG: f64 = 5e-2;
 
 /// The relaxation that a solve is tried with first, over what the last one needed: lets it shrink.
 const SLOWLY_LESS: f64 = 0.97;

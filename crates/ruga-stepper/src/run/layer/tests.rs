@@ -101,7 +101,7 @@ fn at_rest(plan: &Plan) -> Layer {
     let stack = StackRun::new(plan, 0).expect("fitting motions");
     let run = stack.build(0, &[], &mut Silent).expect("a layer");
     let mut layer = run.layer;
-    layer.positions.clone_from(&layer.skin.rest.positions);
+    layer.positions.clone_from(&layer.base);
     layer
 }
 
