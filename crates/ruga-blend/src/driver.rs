@@ -151,6 +151,14 @@ impl Driver {
         &self.welded
     }
 
+    /// Positions (m) of the file's vertices from those of the welded ones.
+    ///
+    /// # Panics
+    /// When there is not one position per welded vertex.
+    pub fn unweld(&self, positions: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        self.welded.iter().map(|v| positions[v.index()]).collect()
+    }
+
     /// Vertices that stay sharp under subdivision.
     pub fn corners(&self) -> &PerVertex<bool> {
         &self.corners

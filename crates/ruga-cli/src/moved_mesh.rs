@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use nalgebra::Vector3;
 use ruga_io::ObjFrame;
-use ruga_mesh::Id;
 use ruga_scene::{Placement, Scene};
 use ruga_stepper::{KeyResult, PoseSpec};
 
@@ -25,12 +23,10 @@ pub(crate) fn write_moved_mesh(
     let Some(control) = &key.artist_positions else {
         return Ok(false);
     };
-    let welded = scene.driver.welded().iter();
-    let positions: Vec<Vector3<f64>> = welded.map(|welded| control[welded.index()]).collect();
     let artist = &scene.mesh.mesh;
     let frame = ObjFrame {
         name: &pose.name,
-        positions: &positions,
+        positions: &scene.driver.unweld(control),
         triangles: &artist.triangles,
         uvs: artist.uvs.as_deref().unwrap_or_default(),
         uv_triangles: &artist.triangles,

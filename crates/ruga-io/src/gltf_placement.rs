@@ -41,9 +41,8 @@ pub(crate) fn placement(container: &Container, mesh: usize) -> Result<Placement,
     let mut warnings = Vec::new();
     if nodes[first].skin.is_some() {
         warnings.push(
-            "the mesh has an armature, which does not move the skin here: the shape in which the \
-             mesh was bound is simulated, and the GLB keeps the armature; for another shape, export \
-             it as a blend shape"
+            "the mesh has an armature, which does not move it here: the shape in which it was bound is \
+             simulated, and the GLB keeps the armature; for another shape, export it as a blend shape"
                 .to_owned(),
         );
     }

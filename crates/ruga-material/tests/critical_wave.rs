@@ -1,5 +1,7 @@
 //! The wave found is the one of least force, and the springs reproduce it.
 
+mod skins;
+
 use std::f64::consts::TAU;
 
 use proptest::prelude::*;
@@ -7,13 +9,7 @@ use ruga_material::{
     LayerMaterial, PRESETS, Substrate, WavelengthModel, Wrinkling, capped_strain, effective_strain,
     substrate_stiffness, wrinkling,
 };
-
-fn assert_close(found: f64, expected: f64, relative: f64, what: &str) {
-    assert!(
-        (found / expected - 1.0).abs() < relative,
-        "{what}: {found}, expected {expected}"
-    );
-}
+use skins::assert_close;
 
 /// `N(k) = D k² + K(k)/k²` on the bonded layer.
 fn force(found: &Wrinkling, substrate: &Substrate, wave_number: f64) -> f64 {

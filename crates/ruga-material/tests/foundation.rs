@@ -1,6 +1,9 @@
 //! The stiffness of a bonded layer: against 60-digit values of its closed form, and its limits.
 
+mod skins;
+
 use ruga_material::{Substrate, substrate_stiffness};
+use skins::assert_close;
 
 /// Stiffness for `E_s = 1 Pa`, `H = 1 m`.
 fn unit_stiffness(poisson: f64, wave_number: f64) -> f64 {
@@ -12,13 +15,6 @@ fn unit_stiffness(poisson: f64, wave_number: f64) -> f64 {
             thickness: 1.0,
         },
     )
-}
-
-fn assert_close(found: f64, expected: f64, relative: f64, what: &str) {
-    assert!(
-        (found / expected - 1.0).abs() < relative,
-        "{what}: {found}, expected {expected}"
-    );
 }
 
 #[test]

@@ -1,10 +1,13 @@
 //! The numbers of the two papers and of the presets, to their printed digits.
 
+mod skins;
+
 use std::f64::consts::{PI, TAU};
 
 use ruga_material::{
     LayerMaterial, PRESETS, Substrate, WavelengthModel, Wrinkling, preset, wrinkling,
 };
+use skins::{assert_close, assert_prints};
 
 fn layer(young: f64, poisson: f64, thickness: f64) -> LayerMaterial {
     LayerMaterial {
@@ -17,21 +20,6 @@ fn layer(young: f64, poisson: f64, thickness: f64) -> LayerMaterial {
 
 fn solve(layer: &LayerMaterial, substrate: &Substrate, model: WavelengthModel) -> Wrinkling {
     wrinkling(layer, substrate, model).expect("the parameters are valid")
-}
-
-/// Asserts that `found` rounds to `printed`, whose last digit is worth `digit`.
-fn assert_prints(found: f64, printed: f64, digit: f64, what: &str) {
-    assert!(
-        (found - printed).abs() <= 0.5 * digit,
-        "{what}: {found}, printed {printed}"
-    );
-}
-
-fn assert_close(found: f64, expected: f64, relative: f64, what: &str) {
-    assert!(
-        (found / expected - 1.0).abs() < relative,
-        "{what}: {found}, expected {expected}"
-    );
 }
 
 /// Rémillard and Kry 2013, table 1: (h, E_x/E_q, λ as printed, λ exact).

@@ -1,15 +1,15 @@
 //! Loop subdivision and its limit: affine, consistent from level to level, oriented, convergent.
 
+mod controls;
+
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use ruga_mesh::{
-    FaceId, Id, PerVertex, SparseRows, Subdivision, TriMesh, VertexId, limit_rows, subdivide,
-};
+use ruga_mesh::{FaceId, Id, PerVertex, Subdivision, TriMesh, VertexId, limit_rows, subdivide};
 
-type Positions = Vec<Vector3<f64>>;
+use controls::{Control, Positions, sums};
 
 fn smooth(mesh: &TriMesh) -> PerVertex<bool> {
     PerVertex::filled(mesh.vertex_count(), false)
@@ -52,37 +52,9 @@ fn all_fans(height: f64) -> Vec<(TriMesh, Positions)> {
 
 /// A closed mesh: the icosahedron.
 fn icosahedron() -> (TriMesh, Positions) {
-    let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
-    let mut positions = Vec::new();
-    for axis in 0..3 {
-        for (a, b) in [
-            (-1.0, -golden),
-            (1.0, -golden),
-            (-1.0, golden),
-            (1.0, golden),
-        ] {
-            let mut p = Vector3::zeros();
-            p[(axis + 1) % 3] = a;
-            p[(axis + 2) % 3] = b;
-            positions.push(p);
-        }
-    }
-    let mut faces = Vec::new();
-    for a in 0..12_usize {
-        for b in a + 1..12 {
-            for c in b + 1..12 {
-                let [p, q, r] = [a, b, c].map(|i| positions[i]);
-                let is_near = |u: Vector3<f64>, v: Vector3<f64>| (u - v).norm() < 2.1;
-                if is_near(p, q) && is_near(q, r) && is_near(r, p) {
-                    let outwards = (q - p).cross(&(r - p)).dot(&p) > 0.0;
-                    let face = if outwards { [a, b, c] } else { [a, c, b] };
-                    faces.push(face.map(|i| i as u32));
-                }
-            }
-        }
-    }
-    let mesh = TriMesh::new(12, faces).expect("an icosahedron");
-    assert_eq!(mesh.face_count(), 20);
+    let Control {
+        mesh, positions, ..
+    } = controls::icosahedron();
     (mesh, positions)
 }
 
@@ -98,12 +70,6 @@ fn disc(seed: u64) -> (TriMesh, Positions) {
     (fine.mesh, positions)
 }
 
-fn row_sums(rows: &SparseRows) -> Vec<f64> {
-    (0..rows.row_count())
-        .map(|i| rows.row(i).map(|term| term.1).sum())
-        .collect()
-}
-
 #[test]
 fn rows_are_affine_and_tangents_blind_to_translation() {
     for (mesh, _) in all_fans(0.0).into_iter().chain([icosahedron(), disc(3)]) {
@@ -115,7 +81,7 @@ fn rows_are_affine_and_tangents_blind_to_translation() {
             (&limit.first_tangent, 0.0),
             (&limit.second_tangent, 0.0),
         ] {
-            let worst = row_sums(rows).into_iter().map(|s| (s - sum).abs());
+            let worst = sums(rows).into_iter().map(|s| (s - sum).abs());
             assert!(worst.fold(0.0, f64::max) < 1e-13);
         }
     }

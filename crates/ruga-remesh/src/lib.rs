@@ -3,10 +3,12 @@
 //!
 //! ## Parts
 //!
-//! A [`SurfaceMesh`] lies on a [`Surface`], addressed by material points; a [`Sizing`] says at each
-//! vertex how long edges should be in each direction. [`remesh`] returns a mesh that follows it
-//! and a [`Transfer`] that turns per-vertex values of the old mesh into values of the new one.
-//! [`sizing_field`] derives a sizing from a wrinkled shape and from what drives it.
+//! A [`SurfaceMesh`] lies on a [`Surface`], addressed by material points: the facets of a mesh
+//! ([`PolyhedralSurface`]), the Loop surface of positions and triangles ([`SmoothSurface`]), or one of
+//! your own. A [`Sizing`] says at each vertex how long edges should be in each direction, a [`Metric`]
+//! says it anywhere. [`remesh`] or [`remesh_to_metric`] returns a mesh that follows it and a
+//! [`Transfer`] that turns values of the old mesh, per vertex or per corner, into values of the new
+//! one. [`sizing_field`] derives a sizing from a wrinkled shape and from what drives it.
 //!
 //! An edge `e` has the metric length `sqrt(eᵀ M e)` with the mean tensor `M` of its ends and is
 //! wanted near one. Splitting in independent sets, flipping to the anisotropic Delaunay condition

@@ -40,8 +40,7 @@ fn frames(
     control: &[Vector3<f64>],
     normals: Option<Vec<Vector3<f64>>>,
 ) -> Result<Vec<[TangentFrame; 3]>, BakeError> {
-    let welded = driver.welded().iter();
-    let positions: Vec<Vector3<f64>> = welded.map(|welded| control[welded.index()]).collect();
+    let positions = driver.unweld(control);
     let normals = normals.unwrap_or_else(|| computed_normals(artist, driver, &positions));
     let uvs = artist.uvs.as_deref().unwrap_or_default();
     tangent_frames(&positions, &normals, uvs, &artist.triangles)

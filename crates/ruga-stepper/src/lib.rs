@@ -70,55 +70,29 @@
 
 mod model;
 mod plan;
-mod plan_cost;
-mod plan_warnings;
-mod planning_surface;
-mod pose_plan;
 mod result;
-mod simulate;
-mod skin_mesh;
-
-mod adaptivity;
-mod below;
-mod boundary_cut;
-mod cover;
-mod facet_address;
-mod fading;
-mod layer;
-mod layer_objective;
-mod layer_run;
-mod layer_setup;
-mod local_skin;
-mod low_pass_rows;
-mod measure;
-mod motion;
-mod region;
-mod relief;
-mod stacking;
-mod strain_ratio;
-mod surface_measures;
-#[cfg(test)]
-mod test_square;
-mod upper_layers;
-mod upper_shell;
-
+mod run;
+mod skin;
 mod support;
 
 mod error;
 mod observer;
-mod place;
 mod preparing;
+#[cfg(test)]
+mod test_drivers;
 mod validation;
 
-pub use plan::{InteriorPlan, Plan, plan};
-pub use pose_plan::{AppliedStrain, LayerPlan, LoadPath, PaintedRanges, PosePlan};
+pub use plan::{
+    AppliedStrain, InteriorPlan, LayerPlan, LoadPath, PaintedRanges, Plan, PosePlan, plan,
+    plan_body,
+};
 
 pub use model::{
     Coupling, Dynamics, EdgeLimits, LayerSpec, Mask, Modelling, PoseSpec, Presence, Region, Stack,
 };
 pub use result::{ComputedMesh, KeyResult, LayerReport, LayerSurface, PoseResult};
 
-pub use support::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape, plan_body};
+pub use support::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape};
 
 pub use observer::{Frame, Observer, Phase, Preparation, Progress, Silent};
 

@@ -361,11 +361,10 @@ impl Default for EdgeLimits {
 /// Motion instead of a sequence of equilibria: implicit Euler on the lowest layer (Li 2014,
 /// eq. 5.2).
 ///
-/// Every load step is then a step in time, however much the load grows in it ([`PoseSpec::steps`] of
-/// them to full load, one more for a key between two), and at every key the driver stands still until
-/// the skin rests. Layers on others are thin and light, and follow at once. A [`Body`](crate::Body)
-/// moves with its layer, and time is the load: no key waits,
-/// and one between two steps, like a keyframe of a motion, divides the step.
+/// Every load step is then a step in time, [`PoseSpec::steps`] of them to full load; a key or a keyframe
+/// of a motion between two divides a step, and one that cannot be solved is halved. At every key a
+/// driver stands still until the skin rests. Layers on others are thin and light, and follow at once. A
+/// [`Body`](crate::Body) moves with its layer, and time is the load: no key waits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Dynamics {

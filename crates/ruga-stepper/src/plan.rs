@@ -1,5 +1,16 @@
 //! What will be modelled, where, how fine and at what cost; nothing is simulated here.
 
+mod body_cost;
+mod body_plan;
+mod planning_surface;
+mod pose_plan;
+mod region;
+mod skin_cost;
+pub(crate) mod stacking;
+mod surface_measures;
+mod warnings;
+mod waves;
+
 use std::sync::Arc;
 
 use nalgebra::Vector3;
@@ -7,15 +18,18 @@ use ruga_blend::{BaseSurface, Driver};
 use ruga_material::{StackPair, Wrinkling};
 use ruga_mesh::FaceId;
 
-use crate::planning_surface::PlanningSurface;
-use crate::pose_plan::PlannedLayer;
-use crate::skin_mesh::{check_boundaries, sharp_map};
-use crate::stacking::Stacking;
+use crate::plan::planning_surface::PlanningSurface;
+use crate::plan::pose_plan::PlannedLayer;
+use crate::plan::stacking::Stacking;
+use crate::skin::skin_mesh::{check_boundaries, sharp_map};
 use crate::support::Interior;
 use crate::validation::{
     check_layer, check_map_size, check_modelling, check_motionless, check_pose,
 };
-use crate::{LayerPlan, LayerSpec, Mask, Modelling, PosePlan, PoseSpec, StepperError};
+use crate::{LayerSpec, Mask, Modelling, PoseSpec, StepperError};
+
+pub use body_plan::plan_body;
+pub use pose_plan::{AppliedStrain, LayerPlan, LoadPath, PaintedRanges, PosePlan};
 
 /// What will be modelled, with everything that it was made from: [`Plan::simulate`] needs no more
 /// than the number of a pose.

@@ -4,9 +4,9 @@ use nalgebra::{Vector2, Vector3};
 use ruga_blend::Driver;
 use ruga_solver::{SolveReport, StopRule};
 
-use crate::local_skin::uv;
-use crate::measure::waviness;
-use crate::skin_mesh::SkinMesh;
+use crate::skin::local_skin::uv;
+use crate::skin::measure::waviness;
+use crate::skin::skin_mesh::SkinMesh;
 use crate::{LayerPlan, PaintedRanges};
 
 /// One layer in one load step, with the smooth driver under each of its vertices.

@@ -1,19 +1,19 @@
 //! What layers lie on: the posed driver, or a soft body that moves with them.
 
+pub(crate) mod below;
 mod body;
-mod body_cost;
-mod body_plan;
-mod carrier;
+pub(crate) mod carrier;
 mod contact;
-mod handles;
-mod lattice_size;
+pub(crate) mod handles;
+mod interior;
+pub(crate) mod lattice_size;
 mod layout;
 mod mass;
-mod obstacle;
+pub(crate) mod motion;
+pub(crate) mod obstacle;
 mod prediction;
 mod solid;
 mod springs;
-mod waves;
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -22,12 +22,11 @@ use nalgebra::Vector3;
 use ruga_blend::PosedSurface;
 use ruga_lattice::Embedding;
 
-use crate::skin_mesh::{Mark, SkinMesh};
+use crate::skin::skin_mesh::{Mark, SkinMesh};
 
 pub use body::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape};
-pub(crate) use body_plan::Interior;
-pub use body_plan::plan_body;
 pub(crate) use handles::Moves;
+pub(crate) use interior::Interior;
 #[cfg(test)]
 pub(crate) use prediction::product;
 pub(crate) use solid::{Frozen, Solid, SolidState};

@@ -2,7 +2,12 @@
 
 mod patch;
 
+use std::cell::Cell;
+
 use patch::{draft, driver, pose, skin};
+use ruga_solver::{
+    Iteration, Kkt, NewtonSettings, Objective, SolveReport, SolverError, StopRule, minimise,
+};
 use ruga_stepper::{Coupling, Dynamics, Modelling, PoseResult, Silent, plan};
 
 fn run(modelling: &Modelling) -> PoseResult {
@@ -44,4 +49,49 @@ fn a_short_time_is_not_enough_to_rest() {
         "{:?}",
         result.warnings
     );
+}
+
+thread_local! {
+    /// Whether the skin has once been asked whether it rests.
+    static IS_ASKED: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Newton's method, which finds no step once the skin was asked whether it rests.
+fn fails_at_rest(
+    objective: &dyn Objective,
+    targets: &[f64],
+    x: &mut [f64],
+    kkt: &mut Kkt,
+    settings: &NewtonSettings,
+    keep_going: &mut dyn FnMut(&Iteration) -> bool,
+) -> Result<SolveReport, SolverError> {
+    let is_question = settings.max_iterations == 1;
+    let was_asked = IS_ASKED.replace(IS_ASKED.get() || is_question);
+    let solve = minimise(objective, targets, x, kkt, settings, keep_going)?;
+    Ok(match was_asked && !is_question {
+        true => SolveReport {
+            converged: false,
+            stop: StopRule::IterationLimit,
+            ..solve
+        },
+        false => solve,
+    })
+}
+
+/// What a solve has left without an end of a step is no result.
+#[test]
+fn a_step_to_rest_that_is_not_found_gives_no_key() {
+    let result = run(&Modelling {
+        dynamics: Some(Dynamics {
+            time_step: 1e-3,
+            damping: 0.5,
+        }),
+        minimise: fails_at_rest,
+        ..draft()
+    });
+    assert!(!result.converged);
+    assert!(result.keys.is_empty());
+    let told = result.warnings.iter();
+    let mut told = told.filter(|w| w.contains("no step in time found"));
+    assert!(told.next().is_some(), "{:?}", result.warnings);
 }

@@ -3,8 +3,8 @@
 use nalgebra::{Matrix3, Vector3};
 use ruga_lattice::{Shape, SolidMaterial};
 
-/// A soft body whose surface carries one layer (Rémillard and Kry 2013, RK): what lies inside, what
-/// holds it and what it runs into.
+/// A soft body whose surface carries layers (Rémillard and Kry 2013, RK): what lies inside, what holds
+/// it and what it runs into.
 #[derive(Clone, Debug)]
 pub struct Body {
     /// Lattice cells along the longest side; `None` leaves it to the plan.

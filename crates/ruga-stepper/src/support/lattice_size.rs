@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 use ruga_lattice::{MAX_CELLS, Shape, cell_size};
 
-use super::carrier::Carrier;
 use crate::Body;
+use crate::support::carrier::Carrier;
 
 /// Lattice cells over the wavelength below which the lattice itself wrinkles: in waves of two cells,
 /// which give way in it as well as in the foundation that stands for the same inside. The rows of a

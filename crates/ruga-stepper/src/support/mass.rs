@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use ruga_lattice::{Embedding, Lattice, LatticeEnergy, LatticeError, SurfacePattern};
 
-use crate::motion::Inertia;
+use crate::support::motion::Inertia;
 
 /// Consistent mass over all nodes, held ones too: that of the inside, and the layer's, `B' m B`.
 ///

@@ -1,5 +1,7 @@
 //! A soft body under a layer: its unknowns, its energies, and how the layer hangs on them.
 
+mod energy;
+
 use std::sync::Arc;
 
 use nalgebra::Vector3;
@@ -8,19 +10,21 @@ use ruga_lattice::{Embedding, Lattice, LatticeEnergy};
 use ruga_mesh::vertex_areas;
 use ruga_solver::{ConstraintRows, LowerPattern, SolverError};
 
-use super::body_plan::Interior;
 use super::contact::Contact;
 use super::handles::Moves;
+use super::interior::Interior;
 use super::layout::Layout;
 use super::mass::{BodyMass, Diagonal};
 use super::obstacle::PlacedObstacle;
 use super::prediction::Prediction;
 use super::springs::Springs;
 use super::{Body, posed};
-use crate::motion::{Inertia, velocities};
-use crate::skin_mesh::SkinMesh;
+use crate::skin::skin_mesh::SkinMesh;
+use crate::support::motion::{Inertia, velocities};
 use crate::{LayerSpec, StepperError};
 use ruga_shell::LayerEnergy;
+
+pub(crate) use energy::Frozen;
 
 /// Levenberg damping of a node, in units of the lattice's mean stiffness: gives the motions of a free
 /// body a sign.
@@ -81,16 +85,6 @@ struct Follow {
     stiffness: Vec<f64>,
     /// In the lattice's pattern, N/m.
     hessian: Vec<f64>,
-}
-
-/// What one solve holds fast of a body.
-#[derive(Clone, Debug)]
-pub(crate) struct Frozen {
-    /// Hessian entries that stay constant: springs, guide springs and inertia.
-    constant: Vec<f64>,
-    contact: Contact,
-    /// The term of a step in time.
-    inertia: Option<Inertia>,
 }
 
 impl Solid {
@@ -299,53 +293,9 @@ impl Solid {
         self.state.velocities = velocities(start, &self.state.q, time_step);
     }
 
-    /// What the next solve holds fast, over a surface with these `normals` and the springs of `energy`.
-    pub(crate) fn freeze(
-        &self,
-        energy: &LayerEnergy,
-        normals: &[Vector3<f64>],
-        inertia: Option<&Inertia>,
-    ) -> Frozen {
-        let factor = inertia.map_or(0.0, |inertia| inertia.weight(1.0));
-        Frozen {
-            constant: self.constant_hessian(energy, normals, factor),
-            contact: self.contact(),
-            inertia: inertia.cloned(),
-        }
-    }
-
-    /// Entries of the Hessian that depend on neither layer nor nodes, without the springs' between
-    /// vertices; with `inertia` (1/s²) times the mass.
-    fn constant_hessian(
-        &self,
-        energy: &LayerEnergy,
-        normals: &[Vector3<f64>],
-        inertia: f64,
-    ) -> Vec<f64> {
-        let mut values = vec![0.0; self.layout.pattern.entries()];
-        if self.layout.is_coupled() {
-            let springs = Springs::new(energy.foundation_stiffness());
-            for vertex in 0..normals.len() {
-                for (node, block) in springs.times(&self.embedding, normals, vertex) {
-                    if let Some(free) = self.free_of[node as usize] {
-                        self.layout.add_cross(vertex, free, &-block, &mut values);
-                    }
-                }
-            }
-            let own = springs.hessian(normals);
-            let body = self.layout.body(&mut values);
-            let pattern = springs.pattern();
-            self.lattice
-                .add_pulled_back(&self.embedding, &pattern, &own, body);
-        }
-        let body = self.layout.body(&mut values);
-        if let Some(follow) = &self.follow {
-            add(body, &follow.hessian, 1.0);
-        }
-        if inertia > 0.0 {
-            add(body, &self.mass.free, inertia);
-        }
-        values
+    /// The positions that obstacles touch: of two sheets one on the other those of the upper one.
+    fn outer<'x>(&self, x: &'x [Vector3<f64>]) -> &'x [Vector3<f64>] {
+        &x[x.len() - self.areas.len()..]
     }
 
     fn contact(&self) -> Contact {
@@ -355,7 +305,7 @@ impl Solid {
 
     /// Whether an obstacle pushes at a layer with its vertices at `x` (m).
     pub(crate) fn is_touched(&self, x: &[Vector3<f64>]) -> bool {
-        self.contact().value(x, &self.areas) > 0.0
+        self.contact().value(self.outer(x), &self.areas) > 0.0
     }
 
     /// Whether a vertex got through an obstacle on its way from `x` (m) among the obstacles of an
@@ -365,13 +315,14 @@ impl Solid {
         (before, x): (&SolidState, &[Vector3<f64>]),
         now: &[Vector3<f64>],
     ) -> bool {
-        let start = (before.obstacles.as_slice(), x);
-        self.contact().is_passed(start, now, self.thickness)
+        let start = (before.obstacles.as_slice(), self.outer(x));
+        self.contact()
+            .is_passed(start, self.outer(now), self.thickness)
     }
 
     /// Deepest displacement of a vertex into an obstacle, m.
     pub(crate) fn penetration(&self, x: &[Vector3<f64>]) -> f64 {
-        self.contact().penetration(x)
+        self.contact().penetration(self.outer(x))
     }
 
     /// Coordinates of the free nodes.
@@ -400,110 +351,6 @@ impl Solid {
     pub(crate) fn artist_positions(&self) -> Vec<Vector3<f64>> {
         self.control.positions(&self.state.q)
     }
-
-    /// Energy (J) without the layer's and its springs'.
-    pub(crate) fn value(&self, frozen: &Frozen, x: &[Vector3<f64>], q: &[Vector3<f64>]) -> f64 {
-        let mut energy = self.lattice.value(q) - dot(&self.weight, q);
-        energy += frozen.contact.value(x, &self.areas);
-        if let Some(follow) = &self.follow {
-            let places = self.control.positions(q);
-            let pairs = places
-                .iter()
-                .zip(&self.state.targets)
-                .zip(&follow.stiffness);
-            let springs = pairs.map(|((at, target), k)| 0.5 * k * (at - target).norm_squared());
-            energy += springs.sum::<f64>();
-        }
-        if let Some(inertia) = &frozen.inertia {
-            energy += self.mass.inertial_energy(inertia, q);
-        }
-        energy
-    }
-
-    /// Adds the contact to the gradient by the layer's unknowns, and writes that by the nodes, which the
-    /// layer's `springs` pull at (N).
-    pub(crate) fn gradient(
-        &self,
-        frozen: &Frozen,
-        (x, q): (&[Vector3<f64>], &[Vector3<f64>]),
-        springs: &[Vector3<f64>],
-        (of_layer, of_nodes): (&mut [f64], &mut [f64]),
-    ) {
-        let vertices = of_layer.chunks_exact_mut(3).zip(x).zip(&self.areas);
-        for ((entries, x), area) in vertices {
-            let push = frozen.contact.gradient(x, *area);
-            for c in 0..3 {
-                entries[c] += push[c];
-            }
-        }
-        self.lattice.gradient(q, of_nodes);
-        let forces = self.forces_on_nodes(frozen, q, springs);
-        for (&node, entries) in self
-            .lattice
-            .free_nodes()
-            .iter()
-            .zip(of_nodes.chunks_exact_mut(3))
-        {
-            for c in 0..3 {
-                entries[c] += forces[node as usize][c];
-            }
-        }
-    }
-
-    /// The gradient by all nodes, without the lattice's own.
-    fn forces_on_nodes(
-        &self,
-        frozen: &Frozen,
-        q: &[Vector3<f64>],
-        springs: &[Vector3<f64>],
-    ) -> Vec<Vector3<f64>> {
-        let mut forces: Vec<_> = self.weight.iter().map(|weight| -weight).collect();
-        let mut add = |more: Vec<Vector3<f64>>, sign: f64| {
-            for (force, more) in forces.iter_mut().zip(more) {
-                *force += more * sign;
-            }
-        };
-        add(self.embedding.pull_back(springs), -1.0);
-        if let Some(follow) = &self.follow {
-            let places = self.control.positions(q);
-            let pairs = places
-                .iter()
-                .zip(&self.state.targets)
-                .zip(&follow.stiffness);
-            let pulls: Vec<_> = pairs.map(|((at, target), k)| (at - target) * *k).collect();
-            add(self.control.pull_back(&pulls), 1.0);
-        }
-        if let Some(inertia) = &frozen.inertia {
-            add(self.mass.inertial_forces(inertia, q), 1.0);
-        }
-        forces
-    }
-
-    /// Writes the Hessian of layer and body, from that of the layer in its own pattern; both exact and
-    /// relaxed.
-    pub(crate) fn hessian(
-        &self,
-        frozen: &Frozen,
-        (x, q): (&[Vector3<f64>], &[Vector3<f64>]),
-        layer: [&[f64]; 2],
-        mut both: [&mut [f64]; 2],
-    ) {
-        let mut lattice = [0, 1].map(|_| vec![0.0; self.lattice.pattern().1.len()]);
-        let [exact, relaxed] = &mut lattice;
-        self.lattice.hessian(q, exact, Some(relaxed));
-        for ((values, layer), lattice) in both.iter_mut().zip(layer).zip(&lattice) {
-            values.copy_from_slice(&frozen.constant);
-            self.layout.add_layer(layer, values);
-            add(self.layout.body(values), lattice, 1.0);
-        }
-        for (vertex, (x, area)) in x.iter().zip(&self.areas).enumerate() {
-            if let Some(block) = frozen.contact.hessian(x, *area) {
-                for values in &mut both {
-                    self.layout.add_vertex(vertex, &block, values);
-                }
-            }
-        }
-    }
 }
 
 #[cfg(test)]
@@ -526,12 +373,6 @@ impl Follow {
         let mut hessian = vec![0.0; lattice.pattern().1.len()];
         Diagonal::new(&stiffness).pull_back(lattice, control, &mut hessian);
         Some(Self { stiffness, hessian })
-    }
-}
-
-fn add(target: &mut [f64], values: &[f64], factor: f64) {
-    for (target, value) in target.iter_mut().zip(values) {
-        *target += factor * value;
     }
 }
 
@@ -575,7 +416,3 @@ fn coupled_nodes(
 }
 
 type HeldTerms = Vec<Vec<(u32, usize, f64)>>;
-
-fn dot(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
-}

@@ -1,0 +1,402 @@
+//! The surface on which a plan compares poses with layers.
+
+use std::cell::OnceCell;
+
+use nalgebra::{Matrix3, Vector3};
+use ruga_blend::{BaseSurface, Driver, PosedSurface};
+use ruga_material::{CAP_START, Wrinkling};
+use ruga_mesh::{FaceId, Id, PerFace};
+use ruga_remesh::{FaceDriver, Refinement};
+
+use crate::plan::pose_plan::PlannedLayer;
+use crate::plan::region::{ACTIVE_SHARE, Demand};
+use crate::plan::skin_cost::{GRADING, Load, cost, factorisations};
+use crate::plan::stacking::Stacking;
+use crate::plan::surface_measures::{
+    MAX_PLANNING_FACES, needed_levels, per_face, uv_density, weighted_quantile,
+};
+use crate::plan::warnings::PosedPlan;
+use crate::run::adaptivity::{COARSEST, aspect};
+use crate::skin::local_skin::wrinkling_on_face;
+use crate::skin::place::ShapeCentres;
+use crate::{
+    AppliedStrain, Coupling, EdgeLimits, LayerPlan, LayerSpec, LoadPath, Modelling, PaintedRanges,
+    PosePlan, PoseSpec, Stack, StepperError,
+};
+
+/// Base edges stay below this share of the wavelength, or the artist's facets imprint.
+const FACET_SHARE: f64 = 1.0 / 3.0;
+/// Loads, as shares of the last key, at which the way to the keys is looked at.
+const PASSING: [f64; 3] = [0.25, 0.5, 0.75];
+/// Edges beside the wrinkles over those across them, where a fitted mesh grows coarser.
+const GRADED: f64 = 3.0;
+
+/// The driver, or what a mask leaves of it, subdivided finely enough to measure strain on.
+pub(crate) struct PlanningSurface<'a> {
+    driver: &'a Driver,
+    modelling: &'a Modelling,
+    /// Side of the maps, texels.
+    map_size: u32,
+    surface: BaseSurface,
+    rest: PosedSurface,
+    /// Mean edge of every face, m.
+    edges: PerFace<f64>,
+    /// Largest normal curvature along the edges of every face, 1/m.
+    curvatures: PerFace<f64>,
+    /// Texels per metre at size 1.
+    uv_density: PerFace<f64>,
+    /// Of the driver's blend shapes, once a place has to be named.
+    shapes: OnceCell<ShapeCentres>,
+}
+
+impl<'a> PlanningSurface<'a> {
+    /// Splits the driver as finely as the finest wave of the stack needs.
+    ///
+    /// # Errors
+    /// [`StepperError::NoLayer`], and [`StepperError::BlackMask`] for a layer that is nowhere.
+    pub(crate) fn new(
+        driver: &'a Driver,
+        stacking: &Stacking,
+        modelling: &'a Modelling,
+        map_size: u32,
+    ) -> Result<Self, StepperError> {
+        let layers = &stacking.specs;
+        let waves = stacking.simulated.iter().map(|w| w.wavelength);
+        let Some(wavelength) = waves.reduce(f64::min) else {
+            return Err(StepperError::NoLayer);
+        };
+        let topology = driver.topology();
+        let may_be_on = |face: &FaceId| {
+            let corners = &driver.uvs()[*face];
+            layers.iter().any(|layer| layer.presence.touches(corners))
+        };
+        let faces: Vec<FaceId> = topology.faces().ids().filter(may_be_on).collect();
+        let mut lengths: Vec<f64> = faces
+            .iter()
+            .flat_map(|&face| {
+                let [a, b, c] = topology.faces()[face].map(|v| driver.rest()[v.index()]);
+                [(b - a).norm(), (c - b).norm(), (a - c).norm()]
+            })
+            .collect();
+        if lengths.is_empty() {
+            return Err(StepperError::BlackMask {
+                layer: layers[0].name.clone(),
+            });
+        }
+        lengths.sort_by(f64::total_cmp);
+        let long = lengths[(lengths.len() - 1) * 95 / 100];
+        let split = BaseSurface::split_count(driver, &faces);
+        let mut levels = 0;
+        while long / f64::from(1u32 << levels) > FACET_SHARE * wavelength
+            && (split << (2 * (levels + 1))) <= MAX_PLANNING_FACES
+        {
+            levels += 1;
+        }
+        let surface = BaseSurface::new(driver, &faces, levels, modelling.smoothing);
+        let rest = surface.pose(driver.rest());
+        let planning = Self {
+            driver,
+            modelling,
+            map_size,
+            edges: per_face(&surface, |corners, _| mean_edge(corners), &rest),
+            curvatures: per_face(&surface, curvature, &rest),
+            uv_density: uv_density(&surface, &rest),
+            shapes: OnceCell::new(),
+            surface,
+            rest,
+        };
+        planning.check_masks(layers)?;
+        Ok(planning)
+    }
+
+    /// Times the driver's faces are split in four.
+    pub(crate) fn levels(&self) -> u32 {
+        self.surface.levels()
+    }
+
+    /// How the layer wrinkles on every face, by its map and its variation.
+    pub(crate) fn local_wrinkling(
+        &self,
+        layer: &LayerSpec,
+        nominal: &Wrinkling,
+    ) -> Result<PerFace<Wrinkling>, StepperError> {
+        let faces = self.surface.mesh().faces().as_slice().iter();
+        let uvs = self.surface.uvs().as_slice().iter();
+        uvs.zip(faces)
+            .map(|(uvs, corners)| {
+                let corners = corners.map(|v| self.rest.positions[v.index()]);
+                wrinkling_on_face(layer, nominal, (uvs, corners))
+            })
+            .collect()
+    }
+
+    /// Whether every layer is somewhere on the mesh.
+    fn check_masks(&self, layers: &[LayerSpec]) -> Result<(), StepperError> {
+        let uvs = self.surface.uvs().as_slice();
+        let is_nowhere = |layer: &&LayerSpec| {
+            let mut centres = uvs.iter().map(|[a, b, c]| (a + b + c) / 3.0);
+            !centres.any(|centre| layer.presence.covers(centre))
+        };
+        layers.iter().find(is_nowhere).map_or(Ok(()), |layer| {
+            Err(StepperError::BlackMask {
+                layer: layer.name.clone(),
+            })
+        })
+    }
+
+    /// Finds out what a pose asks of the layers, and adds to `warnings` what the user should know.
+    pub(crate) fn pose_plan(
+        &self,
+        layers: &[PlannedLayer<'_>],
+        pose: &PoseSpec,
+        warnings: &mut Vec<String>,
+    ) -> PosePlan {
+        let driver = self.driver;
+        let posed = |load: f64| self.surface.pose(&driver.pose(&pose.weights.scaled(load)));
+        let keys: Vec<PosedSurface> = pose.keys.iter().map(|&key| posed(key)).collect();
+        let last = pose.keys.iter().copied().fold(0.0, f64::max);
+        let passing = PASSING.map(|share| (share, posed(share * last)));
+        let mut demands: Vec<Demand> = layers
+            .iter()
+            .map(|layer| Demand::new(&self.surface, &self.rest, &keys, &passing, layer))
+            .collect();
+        let about = PosedPlan {
+            driver,
+            shapes: &self.shapes,
+            surface: &self.surface,
+            rest: &self.rest,
+            pose,
+            modelling: self.modelling,
+        };
+        let path = load_path(&demands, layers, &about, warnings);
+        if path == LoadPath::Weight {
+            demands.iter_mut().for_each(Demand::exclude_passing_folds);
+        }
+        let layers = layers
+            .iter()
+            .zip(&demands)
+            .map(|(layer, demand)| {
+                let plan = self.layer_plan(layer, demand, (pose, path));
+                about.warn(&plan, demand, warnings);
+                plan
+            })
+            .collect();
+        PosePlan {
+            name: pose.name.clone(),
+            path,
+            layers,
+        }
+    }
+
+    fn layer_plan(
+        &self,
+        layer: &PlannedLayer<'_>,
+        demand: &Demand,
+        (pose, path): (&PoseSpec, LoadPath),
+    ) -> LayerPlan {
+        let (modelling, map_size) = (self.modelling, self.map_size);
+        let PlannedLayer {
+            spec,
+            numbers,
+            local,
+            points: asked,
+            is_lowest,
+        } = layer;
+        let waves = local.as_slice().iter().map(|numbers| numbers.wavelength);
+        let longest = waves.fold(0.0, f64::max);
+        let where_to = (&modelling.region, &spec.presence);
+        let active = demand.active_faces(&self.surface, &self.rest, where_to, longest);
+        let quantile = |field: &PerFace<f64>, share: f64| {
+            weighted_quantile(&active, field, &demand.areas, share)
+        };
+        let area_where = |test: &dyn Fn(FaceId) -> bool| -> f64 {
+            let areas = active
+                .iter()
+                .filter(|&&f| test(f))
+                .map(|&f| demand.areas[f]);
+            // Not `sum`, which makes -0 of nothing.
+            areas.fold(0.0, |sum, area| sum + area)
+        };
+        let (median, long) = (quantile(&self.edges, 0.5), quantile(&self.edges, 0.95));
+        let planned = self.surface.levels();
+        let faces_at =
+            |levels: u32| active.len() as f64 * 4f64.powi(levels as i32 - planned as i32);
+        let edges_at = |levels: u32| {
+            let split = 2f64.powi(levels as i32 - planned as i32);
+            (median / split, long / split)
+        };
+        let wavelengths = local.as_slice().iter().map(|numbers| numbers.wavelength);
+        let wavelengths: PerFace<f64> = wavelengths.collect();
+        let shortest = match active.is_empty() {
+            true => numbers.wavelength,
+            false => quantile(&wavelengths, 0.05),
+        };
+        let longest = Some(FACET_SHARE * shortest);
+        let levels = needed_levels((shortest / asked, longest), modelling, faces_at, edges_at);
+        let vertices_of = |faces: f64| 0.5 * faces + faces.sqrt();
+        let uniform_points = shortest / edges_at(levels).0;
+        let (needed, points) = match modelling.remesh {
+            Some(limits) => {
+                let faces = {
+                    let skin = (&wavelengths, spec.material.poisson);
+                    fitted_faces(&active, demand, skin, &limits, *asked)
+                };
+                let needed = GRADING * vertices_of(faces);
+                let short = (modelling.vertex_budget as f64 / needed).min(1.0).sqrt();
+                let points = asked * short;
+                (needed, points.min(uniform_points))
+            }
+            // Refinement goes in steps of four.
+            None if uniform_points < 0.9 * asked => {
+                (4.0 * vertices_of(faces_at(levels)), uniform_points)
+            }
+            None => (vertices_of(faces_at(levels)), uniform_points),
+        };
+        let vertices = match modelling.remesh {
+            Some(_) => needed.min(modelling.vertex_budget as f64),
+            None => vertices_of(faces_at(levels)),
+        } as usize;
+        // Two layers on one mesh have twice the unknowns.
+        let unknowns = match modelling.stack {
+            Stack::Joint => 2 * vertices,
+            Stack::Nominal | Stack::Composite => vertices,
+        };
+        let handed_out = vertices_of(faces_at(levels));
+        let curvature = quantile(&self.curvatures, 0.95);
+        let lowest = (*is_lowest && !active.is_empty()).then(|| Load {
+            onset: quantile(&demand.onsets(path), 0.01),
+            bend: numbers.wavelength * curvature,
+            spread: (quantile(&wavelengths, 0.95) / shortest).max(1.0),
+        });
+        let work = factorisations(lowest, pose, path);
+        let (seconds, memory) = cost(unknowns, handed_out, map_size, work);
+        LayerPlan {
+            name: spec.name.clone(),
+            wavelength: numbers.wavelength,
+            critical_strain: numbers.critical_strain,
+            painted: painted_ranges(spec, &active, local, &demand.areas),
+            applied: Some(AppliedStrain {
+                median: quantile(&demand.effective, 0.5),
+                p99: quantile(&demand.effective, 0.99),
+                capped_area: area_where(&|f| demand.compression[f] > CAP_START),
+                folded_area: demand.folded_area(),
+                chi: numbers.curvature_measure(1.0 / curvature),
+                labyrinth_area: match spec.coupling {
+                    Coupling::Elastic => 0.0,
+                    Coupling::Hybrid | Coupling::Constraint | Coupling::Spectral => {
+                        area_where(&|f| demand.is_pressed_equally(f))
+                    }
+                },
+            }),
+            active_area: area_where(&|_| true),
+            vertices: if active.is_empty() { 0 } else { vertices },
+            levels,
+            points_per_wavelength: points,
+            asked_points: *asked,
+            needed,
+            texels_per_wavelength: quantile(&self.uv_density, 0.5) * f64::from(map_size) * shortest,
+            seconds,
+            memory,
+            region: active
+                .iter()
+                .map(|&face| self.surface.ancestor(face, planned))
+                .collect(),
+        }
+    }
+}
+
+/// What paint and variation make of a layer over the active faces.
+fn painted_ranges(
+    spec: &LayerSpec,
+    active: &[FaceId],
+    local: &PerFace<Wrinkling>,
+    areas: &PerFace<f64>,
+) -> Option<PaintedRanges> {
+    if active.is_empty() || (spec.map.is_none() && spec.variation.is_none()) {
+        return None;
+    }
+    let range = |value: fn(&Wrinkling) -> f64| {
+        let field: PerFace<f64> = local.as_slice().iter().map(value).collect();
+        [0.01, 0.99].map(|share| weighted_quantile(active, &field, areas, share))
+    };
+    Some(PaintedRanges {
+        wavelength: range(|numbers| numbers.wavelength),
+        critical_strain: range(|numbers| numbers.critical_strain),
+        thickness: range(|numbers| {
+            (12.0 * numbers.bending_stiffness / numbers.membrane_stiffness).sqrt()
+        }),
+    })
+}
+
+/// Triangles of a mesh fitted to what a pose asks for.
+///
+/// Where the layer wrinkles, edges across the wrinkles have the asked share of a wavelength, along
+/// them they are longer by the aspect, unless it wrinkles that way too; elsewhere they grow towards
+/// half a wavelength.
+fn fitted_faces(
+    active: &[FaceId],
+    demand: &Demand,
+    (wavelengths, poisson): (&PerFace<f64>, f64),
+    limits: &EdgeLimits,
+    points: f64,
+) -> f64 {
+    let refinement = Refinement {
+        points_per_wavelength: points,
+        ..Refinement::default()
+    };
+    let per_area = |face: FaceId| {
+        let wavelength = wavelengths[face];
+        let longest = (COARSEST * wavelength).min(limits.max_edge);
+        let across = (wavelength / points).max(limits.min_edge);
+        let (across, along) = match demand.demand(face) > ACTIVE_SHARE {
+            true => {
+                let driver = FaceDriver {
+                    compression: Matrix3::zeros(),
+                    wavelength,
+                    critical_strain: demand.critical(face),
+                    poisson,
+                };
+                let [first, second] = demand.principal[face];
+                let size = driver.wrinkle_size(second, first, &refinement);
+                let along = (aspect(limits, points) * across).min(longest);
+                (across, along.min(size.sqrt().recip()).max(across))
+            }
+            false => (GRADED * across, GRADED * across),
+        };
+        4.0 / (3f64.sqrt() * across.min(longest) * along.min(longest))
+    };
+    active
+        .iter()
+        .map(|&face| demand.areas[face] * per_area(face))
+        .sum()
+}
+
+/// Chooses the path of a pose, and says so where it is not the plain one.
+fn load_path(
+    demands: &[Demand],
+    layers: &[PlannedLayer<'_>],
+    about: &PosedPlan<'_>,
+    warnings: &mut Vec<String>,
+) -> LoadPath {
+    let detours = demands.iter().zip(layers);
+    let detours = detours.map(|(demand, layer)| (demand.detour(layer.numbers.wavelength), demand));
+    let largest = detours.max_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((area, demand)) = largest.filter(|(area, _)| *area > 0.0) else {
+        return LoadPath::Weight;
+    };
+    warnings.push(about.detour_warning(area, demand));
+    LoadPath::Strain
+}
+
+fn mean_edge([a, b, c]: [Vector3<f64>; 3]) -> f64 {
+    ((b - a).norm() + (c - b).norm() + (a - c).norm()) / 3.0
+}
+
+fn curvature(corners: [Vector3<f64>; 3], normals: [Vector3<f64>; 3]) -> f64 {
+    (0..3)
+        .map(|i| {
+            let j = (i + 1) % 3;
+            (normals[j] - normals[i]).norm() / (corners[j] - corners[i]).norm()
+        })
+        .fold(0.0, f64::max)
+}

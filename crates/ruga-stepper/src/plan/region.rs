@@ -1,0 +1,396 @@
+//! Where a pose can wrinkle a layer: the active region.
+
+use nalgebra::{Matrix2, Matrix3, Vector3};
+use ruga_blend::{BaseSurface, FaceStrain, PosedSurface, face_strains, rest_frame};
+use ruga_mesh::{FaceId, Id, PerFace, TriMesh, edge_distances, face_normals};
+
+use crate::plan::pose_plan::{LoadPath, PlannedLayer};
+use crate::{Presence, Region};
+
+/// A face is active where the effective strain passes this share of the critical one.
+pub(crate) const ACTIVE_SHARE: f64 = 0.8;
+/// Triangles compressed beyond this stay on the driver: the artist has drawn a fold.
+const COLLAPSED: f64 = 0.6;
+/// What wrinkles on the way matters when it is more than this share of what wrinkles at the keys.
+const DETOUR_SHARE: f64 = 0.1;
+/// The smaller compression over the larger one from which on both count the same.
+const EQUALLY: f64 = 0.8;
+/// Least distance by which the active region grows, m.
+const MIN_MARGIN: f64 = 4e-3;
+
+/// The strain that a pose's keys ask of the faces of the planning surface.
+pub(crate) struct Demand {
+    /// Largest effective strain over the keys, from smoothed tensors.
+    pub(crate) effective: PerFace<f64>,
+    /// Largest compression over the keys, as it is.
+    pub(crate) compression: PerFace<f64>,
+    /// Collapsed or turned-over faces.
+    pub(crate) folded: PerFace<bool>,
+    /// The same, without averaging.
+    raw: PerFace<f64>,
+    /// Principal compressions at the key that asks most, without averaging.
+    pub(crate) principal: PerFace<[f64; 2]>,
+    /// Largest effective strain on the way to the keys, without averaging.
+    passing: PerFace<f64>,
+    /// Share of the last key from which on, as weights grow, the effective strain is critical; 1
+    /// where it never is.
+    onset: PerFace<f64>,
+    /// Collapsed or turned over on the way.
+    passing_folded: PerFace<bool>,
+    /// The layer's critical strain on every face.
+    critical: PerFace<f64>,
+    /// Rest area of every face, m².
+    pub(crate) areas: PerFace<f64>,
+}
+
+impl Demand {
+    /// Area that the pose folds over or collapses, m².
+    pub(crate) fn folded_area(&self) -> f64 {
+        let folded = self.folded.iter().filter(|(_, folded)| **folded);
+        // Not `sum`, which makes -0 of nothing.
+        folded.fold(0.0, |sum, (face, _)| sum + self.areas[face])
+    }
+
+    /// Measures what the `keys` of a pose ask of `surface`.
+    ///
+    /// `passing` are surfaces on the way to the last key, each after a share of it, ascending.
+    pub(crate) fn new(
+        surface: &BaseSurface,
+        rest: &PosedSurface,
+        keys: &[PosedSurface],
+        passing: &[(f64, PosedSurface)],
+        layer: &PlannedLayer<'_>,
+    ) -> Self {
+        let poisson = layer.spec.material.poisson;
+        let local = layer.local.as_slice().iter();
+        let mesh = surface.mesh();
+        let count = mesh.face_count();
+        let normals = face_normals(mesh, &rest.positions);
+        let mut demand = Self {
+            effective: PerFace::filled(count, f64::NEG_INFINITY),
+            compression: PerFace::filled(count, f64::NEG_INFINITY),
+            folded: PerFace::filled(count, false),
+            raw: PerFace::filled(count, f64::NEG_INFINITY),
+            principal: PerFace::filled(count, [0.0; 2]),
+            passing: PerFace::filled(count, f64::NEG_INFINITY),
+            onset: PerFace::filled(count, 1.0),
+            passing_folded: PerFace::filled(count, false),
+            critical: local.map(|numbers| numbers.critical_strain).collect(),
+            areas: normals.as_slice().iter().map(|n| 0.5 * n.norm()).collect(),
+        };
+        // Averaging over more than 2 mm would remove real gradients at lids and mouth corners.
+        let width = (0.5 * layer.numbers.wavelength).min(2e-3);
+        let mut before = (0.0, PerFace::filled(count, 0.0));
+        for (share, pose) in passing {
+            let strains = face_strains(mesh, &rest.positions, &pose.positions);
+            mark_folded(mesh, pose, &strains, &mut demand.passing_folded);
+            let strains: PerFace<f64> = strains
+                .iter()
+                .map(|(_, strain)| strain.effective(poisson))
+                .collect();
+            let onset = &mut demand.onset;
+            note_onset(
+                onset,
+                &demand.critical,
+                (before.0, &before.1),
+                (*share, &strains),
+            );
+            for face in demand.areas.ids() {
+                demand.passing[face] = demand.passing[face].max(strains[face]);
+            }
+            before = (*share, strains);
+        }
+        for pose in keys {
+            let strains = face_strains(mesh, &rest.positions, &pose.positions);
+            mark_folded(mesh, pose, &strains, &mut demand.folded);
+            let smooth = smoothed_strains(mesh, &rest.positions, &strains, &normals, width);
+            for face in demand.areas.ids() {
+                let first = strains[face].first;
+                demand.compression[face] = demand.compression[face].max(first);
+                let raw = strains[face].effective(poisson);
+                if raw > demand.raw[face] {
+                    demand.raw[face] = raw;
+                    demand.principal[face] = [strains[face].first, strains[face].second];
+                }
+                let effective = smooth[face].effective(poisson);
+                demand.effective[face] = demand.effective[face].max(effective);
+            }
+        }
+        let Self {
+            onset,
+            critical,
+            raw,
+            ..
+        } = &mut demand;
+        note_onset(onset, critical, (before.0, &before.1), (1.0, raw));
+        demand
+    }
+
+    /// Share of the load at which each face begins to wrinkle, in (0, 1]; 1 where it never does.
+    pub(crate) fn onsets(&self, path: LoadPath) -> PerFace<f64> {
+        match path {
+            LoadPath::Weight => self.onset.clone(),
+            LoadPath::Strain => {
+                let shares = self
+                    .critical
+                    .iter()
+                    .map(|(face, critical)| critical / self.raw[face]);
+                let wrinkles = |share: f64| share > 0.0 && share < 1.0;
+                shares
+                    .map(|share| if wrinkles(share) { share } else { 1.0 })
+                    .collect()
+            }
+        }
+    }
+
+    /// Area that would wrinkle on the way to the keys and at none of them, m²; zero when it is
+    /// small beside what wrinkles at the keys or than a wavelength squared.
+    ///
+    /// A blend shape moves points on straight lines: a part that it turns by an angle `a` is
+    /// shorter half way by the factor `cos(a / 2)`.
+    pub(crate) fn detour(&self, wavelength: f64) -> f64 {
+        let area_where = |test: &dyn Fn(FaceId) -> bool| -> f64 {
+            let faces = self.areas.iter().filter(|&(face, _)| test(face));
+            faces.map(|(_, area)| area).sum()
+        };
+        let critical = &self.critical;
+        let at_keys = area_where(&|face| self.raw[face] > critical[face]);
+        let on_the_way = area_where(&|face| self.is_detour(face));
+        let worth_it = (DETOUR_SHARE * at_keys).max(wavelength * wavelength);
+        if on_the_way > worth_it {
+            on_the_way
+        } else {
+            0.0
+        }
+    }
+
+    /// Whether a face would wrinkle on the way to the keys and at none of them.
+    pub(crate) fn is_detour(&self, face: FaceId) -> bool {
+        let critical = self.critical[face];
+        self.passing[face] > critical && self.raw[face] <= critical
+    }
+
+    /// The layer's critical strain.
+    pub(crate) fn critical(&self, face: FaceId) -> f64 {
+        self.critical[face]
+    }
+
+    /// Largest effective strain over the keys, in critical strains.
+    pub(crate) fn demand(&self, face: FaceId) -> f64 {
+        self.effective[face] / self.critical[face]
+    }
+
+    /// Whether a face is pressed beyond its critical strain in no particular direction.
+    pub(crate) fn is_pressed_equally(&self, face: FaceId) -> bool {
+        let [first, second] = self.principal[face];
+        self.demand(face) > 1.0 && second > EQUALLY * first
+    }
+
+    /// Leaves out, too, what collapses on the way: it cannot be followed there.
+    pub(crate) fn exclude_passing_folds(&mut self) {
+        for face in self.areas.ids() {
+            self.folded[face] |= self.passing_folded[face];
+        }
+    }
+
+    /// Faces to simulate, ascending.
+    pub(crate) fn active_faces(
+        &self,
+        surface: &BaseSurface,
+        rest: &PosedSurface,
+        (region, presence): (&Region, &Presence),
+        wavelength: f64,
+    ) -> Vec<FaceId> {
+        let mesh = surface.mesh();
+        let allowed = |face: FaceId| {
+            let [a, b, c] = surface.uvs()[face];
+            let centre = (a + b + c) / 3.0;
+            presence.covers(centre)
+        };
+        let mut active: PerFace<bool> = mesh
+            .faces()
+            .ids()
+            .map(|face| {
+                let wrinkles = self.demand(face) > ACTIVE_SHARE;
+                (matches!(region, Region::All) || wrinkles) && allowed(face)
+            })
+            .collect();
+        if !matches!(region, Region::All) {
+            drop_specks(mesh, &self.areas, &mut active, wavelength * wavelength);
+            let margin = (2.0 * wavelength).max(MIN_MARGIN);
+            grow(mesh, &rest.positions, &mut active, margin);
+        }
+        active
+            .iter()
+            .filter(|&(face, &on)| on && allowed(face) && !self.folded[face])
+            .map(|(face, _)| face)
+            .collect()
+    }
+}
+
+/// Notes on which faces the effective strain first becomes critical between two shares of the last
+/// key.
+fn note_onset(
+    onset: &mut PerFace<f64>,
+    critical: &PerFace<f64>,
+    before: (f64, &PerFace<f64>),
+    now: (f64, &PerFace<f64>),
+) {
+    for (face, &critical) in critical.iter() {
+        let (low, high) = (before.1[face], now.1[face]);
+        if onset[face] == 1.0 && low < critical && critical <= high {
+            onset[face] = before.0 + (now.0 - before.0) * (critical - low) / (high - low);
+        }
+    }
+}
+
+/// Marks the faces that one pose collapses or turns over.
+fn mark_folded(
+    mesh: &TriMesh,
+    pose: &PosedSurface,
+    strains: &PerFace<FaceStrain>,
+    folded: &mut PerFace<bool>,
+) {
+    let normals = face_normals(mesh, &pose.positions);
+    for (face, vertices) in mesh.faces().iter() {
+        let outward: Vector3<f64> = vertices.iter().map(|v| pose.normals[v.index()]).sum();
+        let turned_over = outward.dot(&normals[face]) <= 0.0;
+        folded[face] |= turned_over || strains[face].first > COLLAPSED;
+    }
+}
+
+/// Strains from tensors averaged over about `width`, by diffusion from face to face.
+///
+/// Averaging the tensor keeps direction and size together; faces that meet at a crease sharper
+/// than acos 0.3 do not mix.
+fn smoothed_strains(
+    mesh: &TriMesh,
+    rest: &[Vector3<f64>],
+    strains: &PerFace<FaceStrain>,
+    normals: &PerFace<Vector3<f64>>,
+    width: f64,
+) -> PerFace<FaceStrain> {
+    let frames: PerFace<[Vector3<f64>; 2]> = mesh
+        .faces()
+        .as_slice()
+        .iter()
+        .map(|face| rest_frame(face.map(|v| rest[v.index()])))
+        .collect();
+    let mut tensors: Vec<Matrix3<f64>> = strains
+        .iter()
+        .map(|(face, strain)| lift(&strain.cauchy_green, &frames[face]))
+        .collect();
+    let neighbours: Vec<[Option<FaceId>; 3]> = mesh
+        .faces()
+        .ids()
+        .map(|face| {
+            std::array::from_fn(|corner| {
+                mesh.neighbour(face, corner).filter(|&next| {
+                    let (a, b) = (normals[face], normals[next]);
+                    a.dot(&b) > 0.3 * a.norm() * b.norm()
+                })
+            })
+        })
+        .collect();
+    let area: f64 = normals.as_slice().iter().map(|n| 0.5 * n.norm()).sum();
+    let mean_edge_squared = area / mesh.face_count() as f64 * 4.0 / 3f64.sqrt();
+    let passes = (8.0 * width * width / mean_edge_squared)
+        .round()
+        .clamp(0.0, 40.0) as u32;
+    // A new list for every pass would cost as much as the sums.
+    let mut before = tensors.clone();
+    for _ in 0..passes {
+        std::mem::swap(&mut before, &mut tensors);
+        for (i, tensor) in tensors.iter_mut().enumerate() {
+            let here = normals.as_slice()[i].norm();
+            let (mut sum, mut weight) = (before[i] * here, here);
+            for &next in neighbours[i].iter().flatten() {
+                let area = normals[next].norm();
+                sum += before[next.index()] * area;
+                weight += area;
+            }
+            *tensor = sum / weight;
+        }
+    }
+    frames
+        .iter()
+        .map(|(face, [u, v])| {
+            let t = &tensors[face.index()];
+            let shear = u.dot(&(t * v));
+            let flat = Matrix2::new(u.dot(&(t * u)), shear, shear, v.dot(&(t * v)));
+            FaceStrain::from_cauchy_green(flat)
+        })
+        .collect()
+}
+
+/// The tensor in space, with a unit normal part so that tilting a face does not read as strain.
+fn lift(tensor: &Matrix2<f64>, [u, v]: &[Vector3<f64>; 2]) -> Matrix3<f64> {
+    let n = u.cross(v);
+    u * u.transpose() * tensor[(0, 0)]
+        + (u * v.transpose() + v * u.transpose()) * tensor[(0, 1)]
+        + v * v.transpose() * tensor[(1, 1)]
+        + n * n.transpose()
+}
+
+/// Switches off connected parts smaller than `min_area`.
+fn drop_specks(mesh: &TriMesh, areas: &PerFace<f64>, active: &mut PerFace<bool>, min_area: f64) {
+    let mut seen = PerFace::filled(mesh.face_count(), false);
+    for seed in mesh.faces().ids() {
+        if !active[seed] || seen[seed] {
+            continue;
+        }
+        let mut part = vec![seed];
+        seen[seed] = true;
+        let mut next = 0;
+        while next < part.len() {
+            for corner in 0..3 {
+                if let Some(face) = mesh.neighbour(part[next], corner)
+                    && active[face]
+                    && !seen[face]
+                {
+                    seen[face] = true;
+                    part.push(face);
+                }
+            }
+            next += 1;
+        }
+        if part.iter().map(|&face| areas[face]).sum::<f64>() < min_area {
+            part.iter().for_each(|&face| active[face] = false);
+        }
+    }
+}
+
+fn grow(mesh: &TriMesh, rest: &[Vector3<f64>], active: &mut PerFace<bool>, margin: f64) {
+    let sources: Vec<_> = active
+        .iter()
+        .filter(|(_, on)| **on)
+        .flat_map(|(face, _)| mesh.faces()[face])
+        .collect();
+    let distances = edge_distances(mesh, rest, sources, margin);
+    for face in mesh.faces().ids() {
+        active[face] |= mesh.faces()[face].iter().all(|&v| distances[v].is_finite());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrinkling_begins_between_the_surfaces_that_were_looked_at() {
+        let field = |values: [f64; 4]| -> PerFace<f64> { values.into_iter().collect() };
+        let critical = field([1.0; 4]);
+        // Evenly; never; on the way only; at the end only.
+        let looked_at = [
+            (0.0, field([0.0; 4])),
+            (0.5, field([2.0, 0.5, 4.0, 0.0])),
+            (1.0, field([4.0, 0.9, 0.0, 1.0])),
+        ];
+        let mut onset = PerFace::filled(4, 1.0);
+        for pair in looked_at.windows(2) {
+            let [before, now] = [0, 1].map(|i: usize| (pair[i].0, &pair[i].1));
+            note_onset(&mut onset, &critical, before, now);
+        }
+        assert_eq!(onset.as_slice(), [0.25, 1.0, 0.125, 1.0]);
+    }
+}

@@ -1,0 +1,184 @@
+//! What every layer of a stack is by itself, and how it lies on the one below.
+
+use std::f64::consts::TAU;
+
+use ruga_material::{StackLayer, StackPair, Wrinkling, composite_layers, wrinkling};
+
+use crate::skin::upper_shell::UpperShell;
+use crate::support::below::Seat;
+use crate::{Coupling, LayerSpec, Stack, StepperError};
+
+/// The layers as they are simulated, bottom first.
+#[derive(Clone, Debug)]
+pub(crate) struct Stacking {
+    pub(crate) specs: Vec<LayerSpec>,
+    /// How every layer wrinkles, as it is told.
+    pub(crate) wrinkling: Vec<Wrinkling>,
+    /// The same with the finest wave and the first onset of what is solved at once.
+    pub(crate) simulated: Vec<Wrinkling>,
+    pub(crate) seats: Vec<Seat>,
+    /// Every layer with the one above it.
+    pub(crate) pairs: Vec<StackPair>,
+    /// The layer that moves together with the lowest one.
+    pub(crate) joint: Option<UpperShell>,
+}
+
+impl Stacking {
+    /// Applies the meaning of the stack to `layers`.
+    pub(crate) fn new(layers: &[LayerSpec], stack: Stack) -> Result<Self, StepperError> {
+        let alone = layers.iter().map(alone).collect::<Result<Vec<_>, _>>()?;
+        let pairs = (1..layers.len())
+            .map(|k| {
+                let pair = StackPair::new(&alone[k - 1], &alone[k]);
+                pair.map_err(|source| material(&layers[k], source))
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let mut stacking = Self {
+            specs: layers.to_vec(),
+            wrinkling: alone.iter().map(|layer| layer.wrinkling).collect(),
+            simulated: Vec::new(),
+            seats: vec![Seat::default(); layers.len()],
+            pairs,
+            joint: None,
+        };
+        match stack {
+            Stack::Nominal => {}
+            Stack::Composite => stacking.replace_by_composites(&alone)?,
+            Stack::Joint => stacking.require_pair()?,
+        }
+        stacking.seat(layers, stack);
+        stacking.simulated.clone_from(&stacking.wrinkling);
+        if stack == Stack::Joint {
+            stacking.join();
+        }
+        Ok(stacking)
+    }
+
+    /// How many layers have a mesh of their own: one that moves together with the lowest has none.
+    pub(crate) fn meshes(&self) -> usize {
+        match self.joint {
+            Some(_) => 1,
+            None => self.specs.len(),
+        }
+    }
+
+    /// Lets every layer stand for itself and all above it.
+    fn replace_by_composites(&mut self, alone: &[StackLayer]) -> Result<(), StepperError> {
+        self.require_uniform("composite")?;
+        let composites =
+            composite_layers(alone).map_err(|source| material(&self.specs[0], source))?;
+        for (k, composite) in composites.into_iter().enumerate() {
+            self.specs[k].material = composite.material;
+            self.wrinkling[k] = composite.wrinkling;
+        }
+        Ok(())
+    }
+
+    fn require_uniform(&self, stack: &'static str) -> Result<(), StepperError> {
+        let painted = self
+            .specs
+            .iter()
+            .find(|spec| spec.map.is_some() || spec.variation.is_some());
+        painted.map_or(Ok(()), |painted| {
+            Err(StepperError::PaintedStack {
+                layer: painted.name.clone(),
+                what: match painted.map {
+                    Some(_) => "property map",
+                    None => "variation",
+                },
+                stack,
+            })
+        })
+    }
+
+    fn require_pair(&self) -> Result<(), StepperError> {
+        let found = self.specs.len();
+        if found != 2 {
+            return Err(StepperError::NoPair { found });
+        }
+        self.require_uniform("joint")
+    }
+
+    /// Lets the lowest layer carry the other along: what it looks out for is the first wave of the
+    /// pair, its mesh is as fine as the finer one needs.
+    fn join(&mut self) {
+        let pair = self.pairs[0];
+        let modes = [pair.joint, pair.fine];
+        let strains = modes.iter().flatten().map(|mode| mode.critical_strain);
+        let own = self.wrinkling[0];
+        if let Some(mode) = pair.joint {
+            self.wrinkling[0].wavelength = mode.wavelength;
+            self.wrinkling[0].wave_number = mode.wave_number;
+            self.wrinkling[0].critical_strain = mode.critical_strain;
+        }
+        let wavelength = own.wavelength.min(pair.upper.wrinkling.wavelength);
+        self.simulated[0] = Wrinkling {
+            wavelength,
+            wave_number: TAU / wavelength,
+            critical_strain: strains.fold(own.critical_strain, f64::min),
+            // Both carry what wrinkling relieves.
+            membrane_stiffness: own.membrane_stiffness + pair.upper.wrinkling.membrane_stiffness,
+            ..own
+        };
+        // Rows as close as the fine waves would hold down the large ones.
+        self.specs[0].coupling = Coupling::Elastic;
+        let lever = self.seats[1].offset;
+        self.joint = Some(UpperShell::new(&self.specs[1].name, 1, &pair, lever));
+    }
+
+    /// Puts the upper layers on those below; `layers` have their real thicknesses.
+    fn seat(&mut self, layers: &[LayerSpec], stack: Stack) {
+        for (k, pair) in self.pairs.iter().enumerate() {
+            let upper = k + 1;
+            let step = 0.5 * (layers[k].material.thickness + layers[upper].material.thickness);
+            let (tie, transfer) = match stack {
+                Stack::Nominal => (pair.nominal_tie(), pair.bending_transfer),
+                Stack::Composite | Stack::Joint => (pair.shear_tie(), 1.0),
+            };
+            self.wrinkling[upper].tangential_stiffness = tie;
+            self.seats[upper] = Seat {
+                offset: self.seats[k].offset + step,
+                bending_transfer: layers[upper].bending_transfer.unwrap_or(transfer),
+                tie: Some(tie),
+            };
+            // Rows that hold a layer on a wrinkled one would leave their own pattern in it.
+            if self.specs[upper].coupling == Coupling::Hybrid {
+                self.specs[upper].coupling = Coupling::Elastic;
+            }
+        }
+    }
+
+    /// What the user should know about the stack.
+    pub(crate) fn warnings(&self, stack: Stack) -> Vec<String> {
+        let pairs = self.pairs.iter().zip(self.specs.windows(2));
+        let disagreeing =
+            pairs.filter(|(pair, _)| stack == Stack::Nominal && pair.nominal_disagrees());
+        disagreeing
+            .filter_map(|(pair, names)| Some((pair.joint?, names)))
+            .map(|(joint, names)| {
+                format!(
+                    "real skin made of layers '{}' and '{}' would wrinkle together every {:.2} mm from {:.1} % compression on. With `stack = \"nominal\"`, as here, each has the wrinkles of its own numbers instead: leave it if that is what you painted; for the wrinkles of both together set `stack = \"composite\"`",
+                    names[0].name,
+                    names[1].name,
+                    1e3 * joint.wavelength,
+                    100.0 * joint.critical_strain
+                )
+            })
+            .collect()
+    }
+}
+
+fn alone(layer: &LayerSpec) -> Result<StackLayer, StepperError> {
+    let numbers = wrinkling(&layer.material, &layer.substrate, layer.model);
+    Ok(StackLayer {
+        material: layer.material,
+        wrinkling: numbers.map_err(|source| material(layer, source))?,
+    })
+}
+
+fn material(layer: &LayerSpec, source: ruga_material::MaterialError) -> StepperError {
+    StepperError::Material {
+        layer: layer.name.clone(),
+        source,
+    }
+}

@@ -1,0 +1,239 @@
+//! What the planner tells an artist: what happens, where, whether it matters, and what to do.
+
+use std::cell::OnceCell;
+
+use ruga_blend::{BaseSurface, Driver, PosedSurface};
+use ruga_material::CAP_START;
+use ruga_mesh::FaceId;
+
+use crate::plan::region::Demand;
+use crate::plan::surface_measures::{HANDED_OUT, weighted_quantile};
+use crate::skin::place::{ShapeCentres, place_of_faces};
+use crate::{AppliedStrain, LayerPlan, Modelling, PoseSpec};
+
+/// Areas below a hundredth of a square centimetre are not worth a warning, m².
+const NEGLIGIBLE_AREA: f64 = 1e-6;
+
+/// Squares of a wavelength in which a labyrinth has room for several directions.
+const LABYRINTH: f64 = 4.0;
+
+/// Points per wavelength below which a wrinkle is hardly one any more.
+const FEWEST_POINTS: f64 = 5.0;
+
+/// Texels per wavelength below which a map cannot hold it.
+const FEWEST_TEXELS: f64 = 4.0;
+
+/// Median strain, compression or stretch, beyond which what is posed is not skin any more: skin tears
+/// at about as much stretch, and folds under half of that compression.
+const NOT_SKIN: f64 = 0.3;
+
+/// Vertices that no budget will ever allow: their factor alone would fill 40 GB.
+const HOPELESS: f64 = 2e7;
+
+/// One pose on the planning surface.
+pub(crate) struct PosedPlan<'a> {
+    pub(crate) driver: &'a Driver,
+    /// Of the driver's blend shapes, from the first place on that is named.
+    pub(crate) shapes: &'a OnceCell<ShapeCentres>,
+    pub(crate) surface: &'a BaseSurface,
+    pub(crate) rest: &'a PosedSurface,
+    pub(crate) pose: &'a PoseSpec,
+    pub(crate) modelling: &'a Modelling,
+}
+
+impl PosedPlan<'_> {
+    /// Adds to `warnings` what the user should know about one layer, of whose faces the pose asks for
+    /// `demand`.
+    pub(crate) fn warn(&self, plan: &LayerPlan, demand: &Demand, warnings: &mut Vec<String>) {
+        let texts = self.layer_warnings(plan, demand);
+        let told = texts
+            .into_iter()
+            .map(|text| format!("pose '{}', layer '{}': {text}", self.pose.name, plan.name));
+        warnings.extend(told);
+    }
+
+    fn layer_warnings(&self, plan: &LayerPlan, demand: &Demand) -> Vec<String> {
+        let applied = plan.applied.unwrap_or_default();
+        let folded = self.folded_warning(&applied, demand);
+        if plan.active_area == 0.0 {
+            let strained = not_skin(self.median_strained(demand), self.pose);
+            return folded.into_iter().chain(strained).collect();
+        }
+        let resolution = resolution_warnings(plan.asked_points, plan.texels_per_wavelength);
+        folded
+            .into_iter()
+            .chain(not_skin(applied.median, self.pose))
+            .chain(self.capped_warning((plan, &applied), demand))
+            .chain(late_warning(plan))
+            .chain(self.labyrinth_warning((plan, &applied), demand))
+            .chain(resolution)
+            .chain(budget_warning((plan, &applied), self.modelling))
+            .collect()
+    }
+
+    fn folded_warning(&self, applied: &AppliedStrain, demand: &Demand) -> Option<String> {
+        (applied.folded_area > NEGLIGIBLE_AREA).then(|| {
+            format!(
+                "{:.2} cm2 of the driver fold over or collapse by more than 60 %, {}; they stay as the artist drew them, without wrinkles, and the rest is not affected. To wrinkle them, lower the weight or let the shape keep some width there",
+                1e4 * applied.folded_area,
+                self.place(demand, &|face| demand.folded[face])
+            )
+        })
+    }
+
+    fn capped_warning(
+        &self,
+        (plan, applied): (&LayerPlan, &AppliedStrain),
+        demand: &Demand,
+    ) -> Option<String> {
+        let is_capped = |face| self.is_active(plan, face) && demand.compression[face] > CAP_START;
+        (applied.capped_area > NEGLIGIBLE_AREA).then(|| {
+            format!(
+                "{:.2} cm2 are compressed by more than 15 %, {}, where real skin folds, doubles its wrinkles or creases, which is not modelled. The map can be used there, but holds the wrinkles of 15 to 25 % compression, shallower than the pose asks for; if they look wrong, lower the weight or paint the place black in the region mask",
+                1e4 * applied.capped_area,
+                self.place(demand, &is_capped)
+            )
+        })
+    }
+
+    fn labyrinth_warning(
+        &self,
+        (plan, applied): (&LayerPlan, &AppliedStrain),
+        demand: &Demand,
+    ) -> Option<String> {
+        let is_labyrinth = |face| self.is_active(plan, face) && demand.is_pressed_equally(face);
+        (applied.labyrinth_area > LABYRINTH * plan.wavelength.powi(2)).then(|| {
+            format!(
+                "{:.2} cm2 are compressed about equally from all sides, {}, where wrinkles of real skin meander. Their depth and spacing are right, but the averaging constraints that hold the layer let them run in two crossing directions; if the map shows such squares, set `coupling = \"elastic\"` for this layer",
+                1e4 * applied.labyrinth_area,
+                self.place(demand, &is_labyrinth)
+            )
+        })
+    }
+
+    fn is_active(&self, plan: &LayerPlan, face: FaceId) -> bool {
+        let address = self.surface.ancestor(face, self.surface.levels());
+        plan.region.binary_search(&address).is_ok()
+    }
+
+    /// What is to be said of a pose that compresses `area` (m²) on its way that is not compressed at
+    /// its keys.
+    pub(crate) fn detour_warning(&self, area: f64, demand: &Demand) -> String {
+        format!(
+            "pose '{}': between rest and its keys {:.1} cm2 are squeezed that are not squeezed at the keys, {}, because a blend shape moves its points on straight lines where a part turns. So that no wrinkle of that squeeze is left in the maps, every key is simulated from its own shape, with the strain growing from none. The maps are right; with several keys it takes longer",
+            self.pose.name,
+            1e4 * area,
+            self.place(demand, &|face| demand.is_detour(face))
+        )
+    }
+
+    /// Median effective strain where the pose strains the skin by more than the critical strain, either
+    /// way; 0 where it does so nowhere.
+    fn median_strained(&self, demand: &Demand) -> f64 {
+        let is_strained = |face: &FaceId| demand.effective[*face].abs() > demand.critical(*face);
+        let faces = self.surface.mesh().faces().ids().filter(is_strained);
+        let faces: Vec<FaceId> = faces.collect();
+        weighted_quantile(&faces, &demand.effective, &demand.areas, 0.5)
+    }
+
+    fn place(&self, demand: &Demand, is_in: &dyn Fn(FaceId) -> bool) -> String {
+        let shapes = self.shapes.get_or_init(|| ShapeCentres::new(self.driver));
+        place_of_faces(shapes, (self.surface, self.rest), &demand.areas, is_in)
+    }
+}
+
+/// What is to be said of a pose that deforms half of what it deforms by more than skin bears, where half
+/// of it has at least the effective strain `median`.
+fn not_skin(median: f64, pose: &PoseSpec) -> Option<String> {
+    if median.abs() <= NOT_SKIN {
+        return None;
+    }
+    let change = match median > 0.0 {
+        true => "compressed",
+        false => "stretched",
+    };
+    // Strain grows about in proportion to the weights.
+    let factor = CAP_START / median.abs();
+    let advice = match pose.weights.iter().collect::<Vec<_>>().as_slice() {
+        [(_, weight)] => format!("a weight of {:.1} instead of {weight}", factor * weight),
+        _ => format!("{factor:.1} times these weights"),
+    };
+    Some(format!(
+        "half of the skin that the pose moves is {change} by more than {:.0} %; this is not skin any more, which bears about 15 %. The maps will not look like skin: did you mean {advice}?",
+        100.0 * median.abs()
+    ))
+}
+
+fn late_warning(plan: &LayerPlan) -> Option<String> {
+    (plan.critical_strain > CAP_START).then(|| {
+        format!(
+            "the layer's critical strain of {:.1} % is beyond 15 %, from where on compression counts less and less: it wrinkles late or not at all. Take a lower `critical_strain`, or a stiffer layer",
+            100.0 * plan.critical_strain
+        )
+    })
+}
+
+/// What is wrong with so many edges and texels to a wavelength.
+pub(crate) fn resolution_warnings(asked_points: f64, texels: f64) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if asked_points < FEWEST_POINTS {
+        warnings.push(format!(
+            "remesh.points_per_wavelength asks for {asked_points:.1}: below {FEWEST_POINTS:.0} wrinkles come out several per cent too high; `--quality draft` has 6"
+        ));
+    }
+    if texels < FEWEST_TEXELS {
+        warnings.push(format!(
+            "{texels:.1} texels per wavelength are too few; bake larger maps or enlarge the UV islands"
+        ));
+    }
+    warnings
+}
+
+/// What is to be said where the budget does not allow the mesh that was asked for.
+fn budget_warning(
+    (plan, applied): (&LayerPlan, &AppliedStrain),
+    modelling: &Modelling,
+) -> Option<String> {
+    let (reached, asked) = (plan.points_per_wavelength, plan.asked_points);
+    if reached >= 0.9 * asked {
+        return None;
+    }
+    let effect = match reached < FEWEST_POINTS {
+        true => "too few for the wrinkles to be right",
+        false => "wrinkles come out a few per cent too high",
+    };
+    if plan.needed <= modelling.vertex_budget as f64 {
+        // The mesh that results are handed out on bounds the fitted one.
+        return Some(format!(
+            "the layer gets {reached:.1} of {asked} points per wavelength: the artist's mesh is not split further, because results would need more than {} vertices: {effect}. Raise `driver.vertex_budget`, or simulate less skin with a mask",
+            HANDED_OUT * modelling.vertex_budget as f64
+        ));
+    }
+    Some(format!(
+        "{asked} points per wavelength need about {:.0} vertices, and the vertex budget of {} stops refinement at {reached:.1}: {effect}. {}",
+        plan.needed,
+        modelling.vertex_budget,
+        remedy((plan, applied), modelling)
+    ))
+}
+
+/// Which change brings the vertices under the budget.
+fn remedy((plan, applied): (&LayerPlan, &AppliedStrain), modelling: &Modelling) -> String {
+    let area = 1e4 * plan.active_area;
+    if plan.needed > HOPELESS {
+        return format!(
+            "No budget is enough for waves of {:.3} mm on {area:.1} cm2: check the unit of the mesh and the layer's thickness, or paint a small region mask",
+            1e3 * plan.wavelength
+        );
+    }
+    let share = (modelling.vertex_budget as f64 / plan.needed).min(1.0);
+    let quality = match plan.points_per_wavelength >= 6.0 {
+        true => "`--quality draft` is met as it is",
+        false => "`--quality draft` needs more too",
+    };
+    format!(
+        "Raise `driver.vertex_budget`, paint a region mask that leaves at most {:.2} of the {area:.2} cm2 that are simulated, or raise the critical strain above {:.1} %, so that half as much of the pose wrinkles; {quality}",
+        share * area,
+        100.0 * applied.median.max(plan.critical_strain)
+    )
+}

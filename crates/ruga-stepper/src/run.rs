@@ -1,0 +1,12 @@
+//! One pose from rest to its keys: layers, their load path, and the stack of them.
+
+pub(crate) mod adaptivity;
+mod layer;
+mod layer_objective;
+mod layer_run;
+mod layer_setup;
+mod low_pass_rows;
+mod run_ahead;
+mod stack_run;
+mod strain_ratio;
+mod upper_layers;

@@ -1,0 +1,287 @@
+//! Meshes that are fine only where, and in the direction that, a pose compresses the skin.
+
+use std::f64::consts::FRAC_PI_2;
+
+use nalgebra::{Matrix3, SymmetricEigen};
+use ruga_blend::{Driver, FaceStrain, rest_frame};
+use ruga_material::Wrinkling;
+use ruga_mesh::{FaceId, Id, PerFace};
+use ruga_remesh::{FaceDriver, Refinement, RemeshError, RemeshSettings, SizeLimits};
+
+use crate::error::Halt;
+use crate::preparing::Preparing;
+use crate::run::layer::Layer;
+use crate::run::strain_ratio::applied_strains;
+use crate::skin::local_skin::{LocalSkin, SkinProperties};
+use crate::skin::skin_mesh::{Adapted, MeshDemand, RegionMesh, SkinMesh};
+use crate::support::below::BelowSurface;
+use crate::{EdgeLimits, LayerSpec, Modelling, StepperError};
+
+/// Longest edge where nothing wrinkles, in wavelengths: the low-pass rows, which reach further,
+/// still see a smooth average.
+pub(crate) const COARSEST: f64 = 0.5;
+
+/// Edges per wavelength along the wrinkles, at least. With two, oblique waves are so soft that the
+/// pattern of a film eight times beyond its onset drifted on for hundreds of iterations (8525
+/// vertices, given up after 200 s); with 2.25 it took 37 s, with 2.5 21 s.
+const LEAST_ALONG: f64 = 2.5;
+
+/// Rounds of averaging of directions, at most: the region's mesh may be far finer than the reach.
+const MOST_PASSES: f64 = 40.0;
+
+/// Share of the region that may be coarser than asked for before its mesh is fitted anew.
+const TOLERATED: f64 = 0.05;
+
+/// Largest ratio of edges along and across the wrinkles where these have `points` per wavelength.
+pub(crate) fn aspect(limits: &EdgeLimits, points: f64) -> f64 {
+    limits.aspect.min(points / LEAST_ALONG).max(1.0)
+}
+
+fn settings(limits: &EdgeLimits, points: f64) -> RemeshSettings {
+    RemeshSettings {
+        limits: SizeLimits {
+            min_edge: limits.min_edge,
+            max_edge: limits.max_edge,
+            aspect: aspect(limits, points),
+            ..SizeLimits::default()
+        },
+        ..RemeshSettings::default()
+    }
+}
+
+fn remesh_error(layer: &LayerSpec, source: RemeshError) -> StepperError {
+    StepperError::Remesh {
+        layer: layer.name.clone(),
+        source,
+    }
+}
+
+/// What a mesh is to be fine enough for.
+#[derive(Clone, Copy)]
+pub(crate) enum Fitting<'a> {
+    /// The wrinkles that these surfaces below ask for.
+    Surfaces(&'a [BelowSurface]),
+    /// Wrinkles everywhere, in any direction.
+    Everywhere,
+    /// The large shape alone.
+    LargeShape,
+}
+
+/// What a layer asks of its mesh, on the region's faces and at its vertices.
+pub(crate) struct MeshWishes {
+    drivers: PerFace<FaceDriver>,
+    longest: Vec<f64>,
+    aspects: Vec<f64>,
+    refinement: Refinement,
+    budget: usize,
+    settings: RemeshSettings,
+}
+
+impl MeshWishes {
+    /// What `fitting` asks of the region; `None` where meshes are to stay uniform.
+    ///
+    /// # Errors
+    /// [`Halt::Interrupted`] when the observer asks for it between the steps.
+    pub(crate) fn new(
+        driver: &Driver,
+        (layer, wrinkling): (&LayerSpec, &Wrinkling),
+        region: &RegionMesh,
+        fitting: Fitting<'_>,
+        (modelling, points): (&Modelling, f64),
+        preparing: &mut Preparing<'_>,
+    ) -> Result<Option<Self>, Halt> {
+        let limits = match (fitting, modelling.remesh) {
+            (_, Some(limits)) => limits,
+            // This mesh is given up before anything is handed out.
+            (Fitting::LargeShape, None) => EdgeLimits::default(),
+            (_, None) => return Ok(None),
+        };
+        let properties = SkinProperties::new(layer, wrinkling, None, driver, &region.skin)?;
+        preparing.step()?;
+        let below = match fitting {
+            Fitting::Surfaces(below) => below,
+            Fitting::Everywhere | Fitting::LargeShape => &[],
+        };
+        let drivers = face_drivers(layer.material.poisson, &properties, &region.skin, below);
+        preparing.step()?;
+        let waves = properties.vertices.iter();
+        let waves = waves.map(|local| local.wrinkling.wavelength);
+        let across = waves.clone().fold(f64::MAX, f64::min) / points;
+        let aspect = aspect(&limits, points);
+        let (longest, refinement) = match fitting {
+            Fitting::Everywhere => (
+                1.0 / points,
+                Refinement {
+                    angle: f64::INFINITY,
+                    points_per_wavelength: points,
+                    ..Refinement::default()
+                },
+            ),
+            // On a body a mesh may be coarser than its waves are long.
+            Fitting::Surfaces(_) | Fitting::LargeShape => (
+                COARSEST.max(1.0 / points),
+                Refinement {
+                    points_per_wavelength: points,
+                    ..Refinement::default()
+                },
+            ),
+        };
+        let edge = |wavelength: f64| (longest * wavelength).clamp(limits.min_edge, limits.max_edge);
+        Ok(Some(Self {
+            longest: waves.map(edge).collect(),
+            aspects: aspects(&region.skin, &drivers, aspect, aspect * across),
+            drivers,
+            refinement,
+            budget: modelling.vertex_budget,
+            settings: settings(&limits, points),
+        }))
+    }
+
+    /// The region's mesh fitted to them.
+    pub(crate) fn fitted(
+        &self,
+        driver: &Driver,
+        layer: &LayerSpec,
+        region: &RegionMesh,
+        preparing: &mut Preparing<'_>,
+    ) -> Result<Adapted, Halt> {
+        let mut goes_on = || preparing.goes_on();
+        let adapted = region.adapted(driver, &self.demand(), &self.settings, &mut goes_on);
+        let adapted = adapted.map_err(|source| remesh_error(layer, source))?;
+        adapted.ok_or(Halt::Interrupted)
+    }
+
+    /// Whether the mesh of `layer`, on the same region, is fine enough.
+    pub(crate) fn are_met_by(&self, layer: &Layer) -> Result<bool, StepperError> {
+        let Some(interpolation) = layer.interpolation() else {
+            return Ok(true);
+        };
+        let places = interpolation.places();
+        let region = layer.region();
+        let share = region.share_too_coarse(layer.skin(), places, &self.demand(), &self.settings);
+        Ok(share.map_err(|source| remesh_error(&layer.spec, source))? <= TOLERATED)
+    }
+
+    fn demand(&self) -> MeshDemand<'_> {
+        MeshDemand {
+            drivers: &self.drivers,
+            longest: &self.longest,
+            aspects: &self.aspects,
+            refinement: self.refinement,
+            budget: self.budget,
+        }
+    }
+}
+
+/// How much longer than wide triangles may be at every vertex, at most `most`, where the direction
+/// of the compression varies over the distance `reach`.
+///
+/// With a scatter `D` of the direction, an edge `r` times as long as the short ones `a` crosses
+/// the wrinkles by `r a sin D`, which is to stay below `2 a`. The scatter follows from the
+/// coherence `C` of the averaged direction as `sqrt(-ln(C) / 2)`.
+fn aspects(skin: &SkinMesh, drivers: &PerFace<FaceDriver>, most: f64, reach: f64) -> Vec<f64> {
+    // Up to here no scatter asks for less, and the mesh's own limit holds.
+    if most <= 2.0 {
+        return vec![f64::INFINITY; skin.mesh.vertex_count()];
+    }
+    let tensors = averaged_directions(skin, drivers, reach);
+    let aspect = |tensor: &Matrix3<f64>| {
+        let mut values = tensor.symmetric_eigenvalues();
+        values.as_mut_slice().sort_by(|a, b| b.total_cmp(a));
+        let sum = values[0] + values[1];
+        let coherence = if sum > 0.0 {
+            (values[0] - values[1]) / sum
+        } else {
+            1.0
+        };
+        let scatter = (-0.5 * coherence.max(f64::MIN_POSITIVE).ln())
+            .max(0.0)
+            .sqrt();
+        (2.0 / scatter.min(FRAC_PI_2).sin()).clamp(1.0, most)
+    };
+    tensors.iter().map(aspect).collect()
+}
+
+/// Directions `d d^T` of the faces' compression, weighted by area and size, averaged over `reach`
+/// by diffusion from vertex to vertex.
+fn averaged_directions(
+    skin: &SkinMesh,
+    drivers: &PerFace<FaceDriver>,
+    reach: f64,
+) -> Vec<Matrix3<f64>> {
+    let mesh = &skin.mesh;
+    let mut tensors = vec![Matrix3::zeros(); mesh.vertex_count()];
+    let mut area = 0.0;
+    for (face, corners) in mesh.faces().iter() {
+        let [a, b, c] = corners.map(|v| skin.rest.positions[v.index()]);
+        let share = 0.5 * (b - a).cross(&(c - a)).norm();
+        area += share;
+        // Tension does not wrinkle; the larger compression decides where both do.
+        let eigen = SymmetricEigen::new(drivers[face].compression);
+        let values = eigen.eigenvalues.map(|value| value.max(0.0).powi(2));
+        let vectors = eigen.eigenvectors;
+        let directions = vectors * Matrix3::from_diagonal(&values) * vectors.transpose();
+        for v in corners {
+            tensors[v.index()] += directions * (share / 3.0);
+        }
+    }
+    let edge_squared = area / mesh.face_count().max(1) as f64 * 4.0 / 3f64.sqrt();
+    // A pass moves by half an edge's square in each direction of the plane.
+    let passes = (reach * reach / edge_squared).ceil().min(MOST_PASSES) as usize;
+    let mut counts = vec![1.0; tensors.len()];
+    for edge in mesh.edges().as_slice() {
+        for v in edge.vertices {
+            counts[v.index()] += 1.0;
+        }
+    }
+    let mut before = tensors.clone();
+    for _ in 0..passes {
+        before.copy_from_slice(&tensors);
+        for edge in mesh.edges().as_slice() {
+            let [a, b] = edge.vertices.map(Id::index);
+            tensors[a] += before[b];
+            tensors[b] += before[a];
+        }
+        for (tensor, count) in tensors.iter_mut().zip(&counts) {
+            *tensor /= *count;
+        }
+    }
+    tensors
+}
+
+/// Every face's compression on the surface that asks most of it.
+fn face_drivers(
+    poisson: f64,
+    properties: &SkinProperties,
+    skin: &SkinMesh,
+    below: &[BelowSurface],
+) -> PerFace<FaceDriver> {
+    let unloaded = |local: &LocalSkin| FaceDriver {
+        compression: Matrix3::zeros(),
+        wavelength: local.wrinkling.wavelength,
+        critical_strain: local.wrinkling.critical_strain,
+        poisson,
+    };
+    let faces = properties.faces.as_slice().iter();
+    let mut drivers: PerFace<FaceDriver> = faces.map(unloaded).collect();
+    let mut largest = PerFace::filled(drivers.len(), f64::NEG_INFINITY);
+    for surface in below {
+        for (face, strain) in applied_strains(skin, surface).iter() {
+            let effective = strain.effective(poisson);
+            if effective > largest[face] {
+                largest[face] = effective;
+                drivers[face].compression = in_space(skin, face, strain);
+            }
+        }
+    }
+    drivers
+}
+
+/// The compression `I - U` of a face as a tensor in space.
+fn in_space(skin: &SkinMesh, face: FaceId, strain: &FaceStrain) -> Matrix3<f64> {
+    let corners = skin.mesh.faces()[face].map(|v| skin.rest.positions[v.index()]);
+    let [u, v] = rest_frame(corners);
+    let first = u * strain.direction.x + v * strain.direction.y;
+    let second = v * strain.direction.x - u * strain.direction.y;
+    first * first.transpose() * strain.first + second * second.transpose() * strain.second
+}

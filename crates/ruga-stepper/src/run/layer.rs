@@ -1,0 +1,458 @@
+//! One layer, held by a surface below it.
+
+mod bending;
+mod equilibrium;
+mod load;
+mod snapshot;
+#[cfg(test)]
+mod tests;
+mod unwrinkled;
+
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use ruga_blend::{Driver, FaceStrain, PosedSurface, face_strains};
+use ruga_material::{CAP_START, Wrinkling};
+use ruga_mesh::{Id, PerFace, PerVertex, VertexId};
+use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters};
+use ruga_solver::{ConstraintRows, LowerPattern};
+
+use crate::error::Halt;
+use crate::preparing::Preparing;
+use crate::run::low_pass_rows::{RowCentre, low_pass_rows, row_centres};
+use crate::run::strain_ratio::StrainRatios;
+use crate::skin::interpolation::Interpolation;
+use crate::skin::local_skin::{LocalSkin, SkinProperties};
+use crate::skin::relief::ReliefShares;
+use crate::skin::skin_mesh::{RegionMesh, SkinMesh};
+use crate::skin::upper_shell::UpperShell;
+use crate::support::below::BelowSurface;
+use crate::support::{Interior, Solid};
+use crate::{LayerSpec, StepperError};
+
+pub(crate) use load::LayerState;
+
+/// Levenberg damping in units of `K0 V_i`: keeps modes that slide along themselves from having a
+/// random sign, and is far below what any wrinkle feels.
+const DAMPING: f64 = 1e-6;
+/// Initial noise in thicknesses; a tenth picks a wrong wavelength.
+const NOISE: f64 = 1e-3;
+
+/// How a layer is held, beyond what its own material says.
+#[derive(Clone, Debug)]
+pub(crate) struct Holding {
+    /// Tangential stiffness per area where it is not the layer's own, Pa/m.
+    pub(crate) tie: Option<f64>,
+    /// A layer that moves together with it.
+    pub(crate) upper: Option<UpperShell>,
+    /// How their bending is measured.
+    pub(crate) bending: BendingModel,
+    /// Where its rows are centred; by its wavelength where nothing is said.
+    pub(crate) centres: Option<Vec<RowCentre>>,
+    /// The body below that moves with it.
+    pub(crate) interior: Option<Arc<Interior>>,
+}
+
+/// A layer: mesh, energy, rows, and its present shape.
+pub(crate) struct Layer {
+    pub(crate) spec: LayerSpec,
+    pub(crate) wrinkling: Wrinkling,
+    skin: SkinMesh,
+    properties: SkinProperties,
+    /// What results are handed out on.
+    region: RegionMesh,
+    shares: ReliefShares,
+    /// How they get there; `None` where that is the layer's own mesh.
+    interpolation: Option<Interpolation>,
+    bending: BendingModel,
+    /// Response bending modulus of the uncorrected mesh over that of the material, once measured.
+    pub(crate) bending_ratio: Option<f64>,
+    areas: Vec<f64>,
+    below: BelowSurface,
+    /// What the surface below asks for, relative to the rest metric with its transfer.
+    strains: PerFace<FaceStrain>,
+    /// Fraction of the strain that is loaded, in (0, 1].
+    fraction: f64,
+    /// Of the layer's vertices, then of those of a layer that moves together with it.
+    positions: Vec<Vector3<f64>>,
+    /// Where these would be without wrinkles, on the surface below.
+    base: Vec<Vector3<f64>>,
+    /// Velocities of the vertices where they have inertia, m/s.
+    velocities: Vec<Vector3<f64>>,
+    /// Their masses, kg.
+    masses: Vec<f64>,
+    energy: LayerEnergy,
+    /// The layer that moves together with this one.
+    upper: Option<UpperShell>,
+    /// The body below that moves together with this one.
+    solid: Option<Solid>,
+    /// Whether the energy's rest metric may differ from the rest surface's.
+    is_metric_changed: bool,
+    /// Normals of the surface below that the energy stands on.
+    held_normals: Vec<Vector3<f64>>,
+    /// Factors of the energy's rest lengths on a body, per face.
+    held_ratios: Vec<f64>,
+    /// Dead load on the coordinates that move, N.
+    reaction: Vec<f64>,
+    free: Vec<VertexId>,
+    /// Levenberg damping of all unknowns, N/m.
+    damping: Vec<f64>,
+    centres: Vec<RowCentre>,
+    /// What the user should know about its rows.
+    pub(crate) row_warning: Option<String>,
+    rows: ConstraintRows,
+    pattern: LowerPattern,
+}
+
+impl Layer {
+    /// Builds the layer on `adapted`, or else on the region's own mesh, at rest.
+    pub(crate) fn new(
+        driver: &Arc<Driver>,
+        spec: &LayerSpec,
+        wrinkling: &Wrinkling,
+        holding: Holding,
+        (region, adapted): (RegionMesh, Option<SkinMesh>),
+        seed: u64,
+        preparing: &mut Preparing<'_>,
+    ) -> Result<Self, Halt> {
+        let shell = |source| StepperError::Shell {
+            layer: spec.name.clone(),
+            source,
+        };
+        let solver = |source| StepperError::Solver {
+            layer: spec.name.clone(),
+            source,
+        };
+        // A mesh may be fitted so coarsely that all of it is border, which a driver holds.
+        let is_free = |skin: &SkinMesh| skin.mesh.border_vertices().as_slice().contains(&false);
+        let adapted = adapted.filter(|skin| holding.interior.is_some() || is_free(skin));
+        let interpolation = match &adapted {
+            Some(skin) => Some(
+                preparing
+                    .while_wanted(|goes_on| Interpolation::new(skin, &region.skin, goes_on))?,
+            ),
+            None => None,
+        };
+        let skin = adapted.unwrap_or_else(|| region.skin.clone());
+        let rest = &skin.rest;
+        let Holding {
+            tie,
+            upper,
+            bending,
+            centres,
+            interior,
+        } = holding;
+        // A driver goes on beyond the layer, and holds its border; on a body nothing does.
+        let pinned = match &interior {
+            Some(_) => PerVertex::filled(rest.positions.len(), false),
+            None => skin.mesh.border_vertices(),
+        };
+        let faces = skin.corner_indices();
+        let properties = SkinProperties::new(spec, wrinkling, tie, driver, &skin)?;
+        preparing.step()?;
+        let parameters = layer_parameters(&properties, spec.coupling.has_foundation());
+        let surface = (rest.positions.as_slice(), rest.normals.as_slice());
+        let mesh = (surface.0, faces.as_slice(), pinned.as_slice());
+        let energy = match &upper {
+            None => LayerEnergy::with_bending(mesh.0, mesh.1, parameters, mesh.2, bending),
+            Some(upper) => {
+                let above = upper.sheet(surface, faces.len());
+                LayerEnergy::pair(mesh, parameters, above, bending)
+            }
+        };
+        let energy = energy.map_err(shell)?;
+        let positions = laid_on(rest, upper.as_ref());
+        let vertices = rest.positions.len();
+        let free: Vec<VertexId> = (0..positions.len())
+            .map(VertexId::from_index)
+            .filter(|v| !pinned[VertexId::from_index(v.index() % vertices)])
+            .collect();
+        if free.is_empty() {
+            return Err(Halt::Failed(StepperError::NoRoom {
+                layer: spec.name.clone(),
+            }));
+        }
+        preparing.step()?;
+        let areas = energy.vertex_areas().to_vec();
+        let of_vertex = |(local, area): (&LocalSkin, &f64)| local.mass_per_area() * area;
+        let mut masses: Vec<f64> = properties
+            .vertices
+            .iter()
+            .zip(&areas)
+            .map(of_vertex)
+            .collect();
+        let mut solid = match &interior {
+            Some(interior) => {
+                let of_upper = upper.as_ref().map_or(0.0, UpperShell::mass_per_area);
+                let pairs = masses.iter().zip(&areas);
+                let carried: Vec<f64> = pairs.map(|(mass, area)| mass + of_upper * area).collect();
+                let body = (interior, driver);
+                Some(Solid::new(body, spec, (&skin, &energy), &carried)?)
+            }
+            None => None,
+        };
+        if let Some(upper) = &upper {
+            masses.extend(areas.iter().map(|area| upper.mass_per_area() * area));
+        }
+        preparing.step()?;
+        let centres = match centres {
+            Some(centres) => centres,
+            None => row_centres(spec, &properties, &skin, &free)?,
+        };
+        preparing.step()?;
+        let shares = ReliefShares::new(driver, spec, wrinkling, (&skin, &region.skin))?;
+        preparing.step()?;
+        let low_pass = low_pass_rows(
+            spec,
+            &centres,
+            (&skin, wrinkling.wavelength),
+            &pinned,
+            &free,
+        )?;
+        preparing.step()?;
+        let row_warning = low_pass.warning(driver, &skin);
+        let mut damping: Vec<f64> = free
+            .iter()
+            .flat_map(|v| {
+                let i = v.index() % vertices;
+                let stiffness = properties.vertices[i].wrinkling.normal_stiffness;
+                [DAMPING * stiffness * areas[i]; 3]
+            })
+            .collect();
+        damping.extend(solid.iter().flat_map(Solid::damping));
+        let (rows, pattern) = match &mut solid {
+            Some(solid) => {
+                let rows = solid.hang(&low_pass.rows).map_err(solver)?;
+                (rows, solid.pattern().clone())
+            }
+            None => {
+                let (starts, entries) = energy.pattern();
+                let pattern = LowerPattern::new(starts.to_vec(), entries.to_vec());
+                (low_pass.rows, pattern.map_err(solver)?)
+            }
+        };
+        preparing.step()?;
+        let mut layer = Self {
+            spec: spec.clone(),
+            wrinkling: *wrinkling,
+            strains: face_strains(&skin.mesh, &rest.positions, &rest.positions),
+            base: positions.clone(),
+            below: BelowSurface {
+                posed: rest.clone(),
+                transfer: None,
+            },
+            fraction: 1.0,
+            held_normals: rest.normals.clone(),
+            held_ratios: match &solid {
+                Some(_) => vec![1.0; faces.len()],
+                None => Vec::new(),
+            },
+            velocities: vec![Vector3::zeros(); positions.len()],
+            properties,
+            skin,
+            region,
+            shares,
+            interpolation,
+            bending,
+            bending_ratio: None,
+            areas,
+            energy,
+            upper,
+            is_metric_changed: false,
+            reaction: vec![0.0; 3 * free.len()],
+            positions,
+            masses,
+            solid,
+            free,
+            damping,
+            centres,
+            row_warning,
+            rows,
+            pattern,
+        };
+        layer.add_noise(seed);
+        Ok(layer)
+    }
+
+    pub(crate) fn vertex_count(&self) -> usize {
+        self.skin.mesh.vertex_count()
+    }
+
+    pub(crate) fn face_count(&self) -> usize {
+        self.skin.mesh.face_count()
+    }
+
+    pub(crate) fn row_count(&self) -> usize {
+        self.rows.count() / 3
+    }
+
+    /// A little of every wave, so that none has to grow out of rounding errors.
+    fn add_noise(&mut self, seed: u64) {
+        let vertices = self.vertex_count();
+        let places = self.free.iter().map(|v| {
+            let i = v.index() % vertices;
+            (&self.properties.vertices[i], self.areas[i])
+        });
+        for (v, height) in self.free.iter().zip(noise(seed, places)) {
+            let normal = self.skin.rest.normals[v.index() % vertices];
+            self.positions[v.index()] += normal * height;
+        }
+    }
+
+    /// Displacement of every vertex from the surface below, m.
+    fn deviations(&self) -> Vec<Vector3<f64>> {
+        self.all_deviations().take(self.vertex_count()).collect()
+    }
+
+    /// Displacements of the layer that moves together with this one from where it would lie, m.
+    fn upper_deviations(&self) -> Vec<Vector3<f64>> {
+        self.all_deviations().skip(self.vertex_count()).collect()
+    }
+
+    fn all_deviations(&self) -> impl Iterator<Item = Vector3<f64>> + '_ {
+        let pairs = self.positions.iter().zip(&self.base);
+        pairs.map(|(x, base)| x - base)
+    }
+
+    /// What the surface below asks of the faces, in their critical strains.
+    pub(crate) fn strain_ratios(&self) -> StrainRatios<'_> {
+        StrainRatios {
+            skin: &self.skin,
+            properties: &self.properties,
+            poisson: self.spec.material.poisson,
+            strains: &self.strains,
+            fraction: self.fraction,
+        }
+    }
+
+    /// The largest strain that the surface below asks for, in critical strains.
+    pub(crate) fn strain_ratio(&self) -> f64 {
+        self.strain_ratios().largest()
+    }
+
+    /// Total elastic energy, of a body that moves with the layer too, J.
+    pub(crate) fn energy(&self) -> f64 {
+        let below = &self.below.posed.positions;
+        let inside = self.solid.as_ref().map_or(0.0, Solid::elastic_energy);
+        self.energy.value_over(&self.positions, below) + inside
+    }
+
+    /// The body below that moves together with this layer.
+    pub(crate) fn solid(&self) -> Option<&Solid> {
+        self.solid.as_ref()
+    }
+
+    /// Whether an obstacle pushes.
+    pub(crate) fn is_touched(&self) -> bool {
+        let solid = self.solid.as_ref();
+        solid.is_some_and(|solid| solid.is_touched(&self.positions))
+    }
+
+    /// Deepest displacement of a vertex into an obstacle, m.
+    pub(crate) fn penetration(&self) -> f64 {
+        let solid = self.solid.as_ref();
+        solid.map_or(0.0, |solid| solid.penetration(&self.positions))
+    }
+
+    /// Share of the faces that are compressed beyond 15 %, where the layer feels no more.
+    pub(crate) fn capped_share(&self) -> f64 {
+        let strains = self.strains.as_slice().iter();
+        let capped = strains.filter(|strain| strain.first > CAP_START).count();
+        capped as f64 / self.strains.len().max(1) as f64
+    }
+
+    /// Averaging constraints over all unknowns, and the Hessian's lower triangle.
+    pub(crate) fn system(&self) -> (&LowerPattern, &ConstraintRows) {
+        (&self.pattern, &self.rows)
+    }
+
+    /// Wrinkle heights, m.
+    pub(crate) fn heights(&self) -> Vec<f64> {
+        self.along_normals(&self.deviations())
+    }
+
+    /// Wrinkle heights of the layer that moves together with this one, m.
+    pub(crate) fn upper_heights(&self) -> Vec<f64> {
+        self.along_normals(&self.upper_deviations())
+    }
+
+    fn along_normals(&self, deviations: &[Vector3<f64>]) -> Vec<f64> {
+        let normals = self.below.posed.normals.iter();
+        normals.zip(deviations).map(|(n, d)| n.dot(d)).collect()
+    }
+
+    /// The layer that moves together with this one.
+    pub(crate) fn upper(&self) -> Option<&UpperShell> {
+        self.upper.as_ref()
+    }
+
+    /// Where the rows of the layer's coupling are centred.
+    pub(crate) fn row_centres(&self) -> &[RowCentre] {
+        &self.centres
+    }
+
+    /// The layer's mesh at rest.
+    pub(crate) fn skin(&self) -> &SkinMesh {
+        &self.skin
+    }
+
+    /// The mesh that results are handed out on.
+    pub(crate) fn region(&self) -> &RegionMesh {
+        &self.region
+    }
+
+    /// How results get to the mesh they are handed out on; `None` where that is the layer's own.
+    pub(crate) fn interpolation(&self) -> Option<&Interpolation> {
+        self.interpolation.as_ref()
+    }
+
+    /// Where the layer's vertices are, and those of a layer that moves together with it, m.
+    pub(crate) fn positions(&self) -> &[Vector3<f64>] {
+        &self.positions
+    }
+}
+
+/// Where the vertices would lie on a surface without wrinkles, then those of an upper layer.
+fn laid_on(surface: &PosedSurface, upper: Option<&UpperShell>) -> Vec<Vector3<f64>> {
+    let mut positions = surface.positions.clone();
+    if let Some(upper) = upper {
+        positions.extend(upper.above(&surface.positions, &surface.normals));
+    }
+    positions
+}
+
+/// Random heights at vertices with these properties and areas (m²), m.
+pub(crate) fn noise<'a>(
+    seed: u64,
+    vertices: impl Iterator<Item = (&'a LocalSkin, f64)>,
+) -> impl Iterator<Item = f64> {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    vertices.map(move |(local, area)| noise_size(local, area) * random.random_range(-1.0..1.0))
+}
+
+/// Largest noise at a vertex with this area (m²), m.
+fn noise_size(local: &LocalSkin, area: f64) -> f64 {
+    let usual_edge = local.wrinkling.wavelength / 12.0;
+    // Where the artist's mesh is much finer than asked for, the same noise would fold it.
+    let fineness = (area / (usual_edge * usual_edge)).min(1.0);
+    NOISE * local.material.thickness * fineness
+}
+
+/// What a shell is made of, with the springs of its foundation where it is `held` by one.
+pub(crate) fn layer_parameters(properties: &SkinProperties, held: bool) -> LayerParameters {
+    let spring = |stiffness: f64| if held { stiffness } else { 0.0 };
+    let face = |local: &LocalSkin| FaceParameters {
+        young: local.material.young,
+        poisson: local.material.poisson,
+        thickness: local.material.thickness,
+        normal_stiffness: spring(local.wrinkling.normal_stiffness),
+        gradient_stiffness: spring(local.wrinkling.gradient_stiffness),
+    };
+    let tie = |local: &LocalSkin| spring(local.wrinkling.tangential_stiffness);
+    LayerParameters {
+        faces: properties.faces.as_slice().iter().map(face).collect(),
+        tangential_stiffness: properties.vertices.iter().map(tie).collect(),
+    }
+}

@@ -1,0 +1,138 @@
+//! The equilibrium of a layer, and of a body that moves with it, and steps in time.
+
+use nalgebra::Vector3;
+use ruga_solver::{Iteration, Kkt, Minimise, NewtonSettings, SolveReport, SolverError};
+
+use super::{Layer, laid_on};
+use crate::run::layer_objective::{LayerObjective, gather, scatter};
+use crate::run::strain_ratio::applied_strains;
+use crate::support::motion::{Inertia, velocities};
+use crate::{Dynamics, StepperError};
+
+/// Lag, in rad or as a change of rest lengths, from which on the energy is set up anew before a solve.
+const AS_BEFORE: f64 = 1e-4;
+
+/// A step in time: where everything that has mass begins, and the term that it adds to the energy.
+pub(crate) struct TimeStep {
+    pub(crate) inertia: Inertia,
+    start: Vec<Vector3<f64>>,
+    seconds: f64,
+}
+
+impl Layer {
+    /// A step in time from where everything is now.
+    pub(crate) fn time_step(&self, dynamics: Dynamics) -> TimeStep {
+        let (start, velocities) = match &self.solid {
+            // The layer has no inertia of its own: it is in equilibrium at every moment, and its mass
+            // goes with the body below (RK 6.2).
+            Some(solid) => (&solid.state.q, &solid.state.velocities),
+            None => (&self.positions, &self.velocities),
+        };
+        TimeStep {
+            inertia: Inertia::new(dynamics, start, velocities),
+            start: start.clone(),
+            seconds: dynamics.time_step,
+        }
+    }
+
+    /// Takes over the velocities of a step that ends here.
+    pub(crate) fn end_step(&mut self, step: &TimeStep) {
+        match &mut self.solid {
+            Some(solid) => solid.take_velocities(&step.start, step.seconds),
+            None => self.velocities = velocities(&step.start, &self.positions, step.seconds),
+        }
+    }
+
+    /// Finds the equilibrium near the present state, or the end of a step in time, and moves there.
+    pub(crate) fn minimise(
+        &mut self,
+        inertia: Option<&Inertia>,
+        (minimise, settings): (Minimise, &NewtonSettings),
+        kkt: &mut Kkt,
+        keep_going: &mut dyn FnMut(&Iteration) -> bool,
+    ) -> Result<SolveReport, StepperError> {
+        if self.lag() > AS_BEFORE {
+            self.hold()?;
+        }
+        let mut unknowns = self.unknowns();
+        let base = gather(&self.free, &self.base);
+        let solved = self.row_targets(&base).and_then(|targets| {
+            let objective = self.objective(&base, inertia);
+            minimise(
+                &objective,
+                &targets,
+                &mut unknowns,
+                kkt,
+                settings,
+                keep_going,
+            )
+        });
+        let report = solved.map_err(|source| StepperError::Solver {
+            layer: self.spec.name.clone(),
+            source,
+        })?;
+        self.set_unknowns(&unknowns);
+        Ok(report)
+    }
+
+    /// What the layer's rows ask for: the same averages of the layer as of the surface below.
+    fn row_targets(&self, base: &[f64]) -> Result<Vec<f64>, SolverError> {
+        if let Some(solid) = &self.solid {
+            return Ok(solid.row_targets());
+        }
+        let mut targets = vec![0.0; self.rows.count()];
+        self.rows.mul(base, &mut targets)?;
+        Ok(targets)
+    }
+
+    /// Coordinates of everything that moves.
+    pub(super) fn unknowns(&self) -> Vec<f64> {
+        let mut unknowns = gather(&self.free, &self.positions);
+        unknowns.extend(self.solid.iter().flat_map(|solid| solid.unknowns()));
+        unknowns
+    }
+
+    pub(super) fn set_unknowns(&mut self, unknowns: &[f64]) {
+        let (own, nodes) = unknowns.split_at(3 * self.free.len());
+        scatter(&self.free, own, &mut self.positions);
+        let Some(solid) = &mut self.solid else { return };
+        solid.set_unknowns(nodes);
+        // Layer and body have moved together.
+        self.below.posed = solid.surface(&self.below.posed);
+        self.base = laid_on(&self.below.posed, self.upper.as_ref());
+        self.strains = applied_strains(&self.skin, &self.below);
+    }
+
+    /// The energy that the next solve minimises; the free vertices would be at `base` (m) without
+    /// wrinkles.
+    pub(super) fn objective<'a>(
+        &'a self,
+        base: &'a [f64],
+        inertia: Option<&'a Inertia>,
+    ) -> LayerObjective<'a> {
+        let solid = self.solid.as_ref();
+        LayerObjective {
+            energy: &self.energy,
+            free: &self.free,
+            positions: &self.positions,
+            pattern: self.pattern.clone(),
+            damping: &self.damping,
+            reaction: &self.reaction,
+            base,
+            inertia: match solid {
+                None => inertia.map(|inertia| (inertia, self.masses.as_slice())),
+                Some(_) => None,
+            },
+            solid: solid.map(|solid| {
+                (
+                    solid,
+                    solid.freeze(&self.energy, &self.held_normals, inertia),
+                )
+            }),
+            vertex_area: self.areas.iter().sum::<f64>() / self.areas.len().max(1) as f64,
+            energy_scale: self.strain_ratios().energy_scale(),
+            wrinkling: &self.wrinkling,
+            thickness: self.spec.material.thickness,
+        }
+    }
+}

@@ -1,0 +1,245 @@
+//! What a layer feels of the surface below it, and where that surface is.
+
+use nalgebra::{Matrix2, Vector3};
+use ruga_blend::{FaceStrain, Weights};
+use ruga_material::{CAP_START, capped_strain};
+use ruga_mesh::{FaceId, Id};
+use ruga_shell::ShellError;
+
+use super::{Layer, laid_on};
+use crate::StepperError;
+use crate::run::strain_ratio::{applied, applied_strains, green_strain};
+use crate::skin::interpolation::Interpolation;
+use crate::skin::relief::turn_between;
+use crate::support::below::BelowSurface;
+use crate::support::motion::Inertia;
+use crate::support::{Moves, SolidState};
+
+/// Least factor by which a rest triangle may shrink, so that one which collapses on the way keeps
+/// an area.
+const LEAST_STRETCH: f64 = 0.05;
+
+/// Where a layer and the surface below it are, and how fast they move.
+pub(crate) struct LayerState {
+    positions: Vec<Vector3<f64>>,
+    velocities: Vec<Vector3<f64>>,
+    below: BelowSurface,
+    fraction: f64,
+    solid: Option<SolidState>,
+}
+
+impl Layer {
+    /// Moves the surface below; the layer is carried along, turning with it.
+    ///
+    /// With a `fraction` under 1 the layer feels only that part of the surface's Green strain, while
+    /// the surface stays where it is. Hinges and foundation stay those of the whole strain: with a
+    /// rest metric between posed and rest, waves would be chosen in the posed surface's lengths and
+    /// end up too long by the compression.
+    pub(crate) fn set_below(
+        &mut self,
+        below: BelowSurface,
+        fraction: f64,
+    ) -> Result<(), StepperError> {
+        let (old, new) = (&self.below.posed, &below.posed);
+        let base = laid_on(new, self.upper.as_ref());
+        let vertices = self.vertex_count();
+        for (i, base) in base.iter().enumerate() {
+            let deviation = self.positions[i] - self.base[i];
+            self.positions[i] = base + turn_between(old, new, i % vertices) * deviation;
+        }
+        self.base = base;
+        self.strains = applied_strains(&self.skin, &below);
+        self.below = below;
+        self.fraction = fraction;
+        self.hold()
+    }
+
+    /// Sets up the energy for the surface below as it is now.
+    ///
+    /// On a driver the layer is not bent where it lies in the posed surface: folds that the artist has
+    /// drawn sharper than the layer is thick would otherwise be unstable without any compression. A
+    /// body bends its layer.
+    pub(super) fn hold(&mut self) -> Result<(), StepperError> {
+        let posed = &self.below.posed;
+        let no_offset = vec![0.0; posed.positions.len()];
+        let energy = &mut self.energy;
+        let mut outcome = energy.set_base(&posed.positions, &posed.normals, &no_offset);
+        if self.solid.is_none() {
+            outcome = outcome.and_then(|()| self.energy.set_rest_angles(&self.base));
+        }
+        outcome.map_err(|source| self.shell_error(source))?;
+        self.held_normals.clone_from(&self.below.posed.normals);
+        self.set_rest_metric()?;
+        if self.solid.is_none() && self.spec.coupling.has_foundation() {
+            self.balance()?;
+        }
+        self.set_felt_strains(|_, applied| applied)
+    }
+
+    /// Sets the forces with which the posed driver holds the layer in its own shape.
+    ///
+    /// The artist's posed shape is skin in equilibrium: against what a layer lying on it pulls and
+    /// presses, the surface pushes back. Without this a layer under tension flattens
+    /// the artist's shape, one under half of the critical compression doubles every bump as long
+    /// as a wrinkle, and on a cylinder an elastic foundation delays the onset. Compression counts
+    /// up to the critical strain, because a wrinkled layer carries no more.
+    fn balance(&mut self) -> Result<(), StepperError> {
+        let poisson = self.spec.material.poisson;
+        let wanted = |critical: f64, [first, second]: [f64; 2]| {
+            let second = second.min(critical / (1.0 + poisson));
+            [(critical - poisson * second).min(first), second]
+        };
+        self.set_felt_strains(wanted)?;
+        self.energy.gradient(&self.base, &mut self.reaction);
+        Ok(())
+    }
+
+    /// Shrinks the rest metric with the surface below, face by face, where that asks for more than
+    /// 15 %, and takes out what of its bending is not transferred.
+    fn set_rest_metric(&mut self) -> Result<(), StepperError> {
+        let capped = self.strains.as_slice().iter().any(|s| s.first > CAP_START);
+        let changed = capped || self.below.transfer.is_some();
+        if changed || self.is_metric_changed {
+            let strains = self.strains.iter();
+            let stretches: Vec<_> = strains.map(|(f, s)| self.rest_stretch(f, s)).collect();
+            let outcome = self.energy.set_rest_metric(&stretches);
+            outcome.map_err(|source| self.shell_error(source))?;
+        }
+        self.is_metric_changed = changed;
+        self.held_ratios = match self.solid {
+            Some(_) => self.metric_ratios().collect(),
+            None => Vec::new(),
+        };
+        Ok(())
+    }
+
+    fn rest_stretch(&self, face: FaceId, strain: &FaceStrain) -> Matrix2<f64> {
+        let along = strain.direction * strain.direction.transpose();
+        let stretch = Matrix2::identity() + along * (metric_ratio(strain) - 1.0);
+        match &self.below.transfer {
+            Some(transfer) => stretch * transfer[face.index()],
+            None => stretch,
+        }
+    }
+
+    fn metric_ratios(&self) -> impl Iterator<Item = f64> + '_ {
+        self.strains.as_slice().iter().map(metric_ratio)
+    }
+
+    /// How far the energy is from the surface below as a solve has left that: the largest angle (rad) by
+    /// which a normal has turned, or change of a capped rest length; 0 on a driver.
+    pub(crate) fn lag(&self) -> f64 {
+        let normals = self.held_normals.iter().zip(&self.below.posed.normals);
+        let turned = normals.map(|(old, new)| old.cross(new).norm().atan2(old.dot(new)));
+        let ratios = self.held_ratios.iter().zip(self.metric_ratios());
+        let shrunk = ratios.map(|(old, new)| (old - new).abs());
+        turned.chain(shrunk).fold(0.0, f64::max)
+    }
+
+    /// Lets the layer feel of every face's applied principal strains what `wanted` says, of the
+    /// face's critical strain and these.
+    fn set_felt_strains(
+        &mut self,
+        wanted: impl Fn(f64, [f64; 2]) -> [f64; 2],
+    ) -> Result<(), StepperError> {
+        let strains = self.strains.iter();
+        let natural: Vec<_> = strains
+            .map(|(face, strain)| {
+                let critical = self.properties.faces[face].wrinkling.critical_strain;
+                let felt = wanted(critical, applied(strain, self.fraction));
+                green_strain(strain, applied(strain, 1.0)) - green_strain(strain, felt)
+            })
+            .collect();
+        let outcome = self.energy.set_natural_strains(&natural);
+        outcome.map_err(|source| self.shell_error(source))
+    }
+
+    pub(super) fn shell_error(&self, source: ShellError) -> StepperError {
+        StepperError::Shell {
+            layer: self.spec.name.clone(),
+            source,
+        }
+    }
+
+    /// Puts everything around the body below where it is at `time`; the inside moves with the handles,
+    /// or in a step in time where its velocity takes it, and the layer with the inside.
+    pub(crate) fn place_solid(
+        &mut self,
+        around: (&Moves<'_>, &Weights),
+        time: f64,
+        inertia: Option<&Inertia>,
+    ) -> Result<(), StepperError> {
+        let Some(solid) = &mut self.solid else {
+            return Ok(());
+        };
+        match inertia {
+            None => {
+                let placed = solid.place(around, time);
+                placed.map_err(|source| StepperError::Solver {
+                    layer: self.spec.name.clone(),
+                    source,
+                })?;
+            }
+            Some(inertia) => {
+                solid.place_in_time(around, time, (inertia, &self.positions));
+            }
+        }
+        let posed = solid.surface(&self.below.posed);
+        let transfer = None;
+        self.set_below(BelowSurface { posed, transfer }, 1.0)
+    }
+
+    /// Takes over how `other`, the same layer on another mesh, deviates from the surface below;
+    /// both are on the same one, and no layer moves together with them. False as soon as `goes_on`
+    /// says no.
+    pub(crate) fn take_shape(&mut self, other: &Layer, goes_on: &mut dyn FnMut() -> bool) -> bool {
+        let Some(interpolation) = Interpolation::new(&other.skin, &self.skin, goes_on) else {
+            return false;
+        };
+        let deviations = interpolation.apply(&other.deviations());
+        for v in &self.free {
+            let i = v.index();
+            self.positions[i] = self.base[i] + deviations[i];
+        }
+        true
+    }
+
+    /// Shape of the layer and of what is below it, to return to.
+    pub(crate) fn state(&self) -> LayerState {
+        LayerState {
+            positions: self.positions.clone(),
+            velocities: self.velocities.clone(),
+            below: self.below.clone(),
+            fraction: self.fraction,
+            solid: self.solid.as_ref().map(|solid| solid.state.clone()),
+        }
+    }
+
+    /// Returns to an earlier shape, and what is below to where it was then.
+    pub(crate) fn restore(&mut self, state: &LayerState) -> Result<(), StepperError> {
+        if let (Some(solid), Some(state)) = (&mut self.solid, &state.solid) {
+            solid.state.clone_from(state);
+        }
+        self.set_below(state.below.clone(), state.fraction)?;
+        self.positions.clone_from(&state.positions);
+        self.velocities.clone_from(&state.velocities);
+        Ok(())
+    }
+
+    /// Whether a vertex got through an obstacle on its way from an earlier state.
+    pub(crate) fn has_passed(&self, before: &LayerState) -> bool {
+        match (&self.solid, &before.solid) {
+            (Some(solid), Some(state)) => {
+                let start = (state, before.positions.as_slice());
+                solid.has_passed(start, &self.positions)
+            }
+            _ => false,
+        }
+    }
+}
+
+/// Factor by which a face's rest length shrinks along its compression.
+fn metric_ratio(strain: &FaceStrain) -> f64 {
+    let ratio = (1.0 - strain.first) / (1.0 - capped_strain(strain.first));
+    ratio.max(LEAST_STRETCH)
+}

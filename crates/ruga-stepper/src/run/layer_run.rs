@@ -1,0 +1,499 @@
+//! One layer on its way to its load, and what is told of it.
+
+mod course;
+mod in_time;
+
+use ruga_blend::Driver;
+use ruga_solver::{
+    AtSaddle, Kkt, LoadSettings, LoadStepper, NewtonSettings, Outcome, SolveReport, SolverError,
+    StopRule, Trial, Verdict,
+};
+
+use crate::preparing::Preparing;
+use crate::run::layer::{Layer, LayerState};
+use crate::skin::upper_shell::UpperShell;
+use crate::support::below::BelowSurface;
+use crate::support::motion::Inertia;
+use crate::{LayerPlan, LayerReport, Modelling, Observer, Phase, Progress, StepperError};
+
+pub(crate) use course::{Course, Ending};
+
+/// Share of the critical strain below which nothing can wrinkle.
+pub(crate) const LEAST_RATIO: f64 = 0.9;
+
+/// Where the way up to the onset of a layer begins that lies on another, in critical strains: as
+/// high as nothing buckles. Far above the onset a trial costs ten times as much.
+const FIRST_RATIO: f64 = 0.9;
+
+/// Largest factor between two steps' strains on a surface that has moved: up to 2 the wavelength
+/// is kept.
+const GROWTH: f64 = 1.5;
+
+/// Newton decrement, in energy scales, at which a state is a result. Where a pattern is held fast
+/// the last step, which is taken, leaves a square of it; on a whole forehead some defect always
+/// slides a little further, for hundreds of iterations, while the energy changes by a thousandth.
+const SETTLED: f64 = 3e-5;
+
+/// Newton decrement, in energy scales, at which a state that is only passed is good enough. What
+/// is left then is the pattern sliding along itself, and the next load moves it anyway.
+const PASSING: f64 = 1e-3;
+
+/// Lag of the energy behind the surface below up to which a result stands, in rad or as a change of rest
+/// lengths: a layer that is a tenth of a wavelength off then moves by a ten-thousandth of one.
+const LAG: f64 = 1e-3;
+
+/// Solves after which a body that still gives way under its layer is taken as it is, and the lag up to
+/// which that counts as an equilibrium.
+const MOST_SOLVES: usize = 4;
+const TOLERATED_LAG: f64 = 5e-2;
+
+/// The relaxation that a solve is tried with first, over what the last one needed: lets it shrink.
+const SLOWLY_LESS: f64 = 0.97;
+
+/// What is told of a solve whose method says nothing about stability, and of one that ended on a
+/// saddle: [`Modelling::minimise`] may be such a method.
+const MISSING_INERTIA: &str =
+    "the solver cannot tell a wrinkled state from an unstable flat one; compare with the default";
+const UNSTABLE: &str = "forces are in balance, but the state is an unstable one";
+
+/// Why a solve that converged may not have ended in a stable state.
+fn unverified_stability(solve: &SolveReport) -> Option<&'static str> {
+    match solve.inertia {
+        None => Some(MISSING_INERTIA),
+        Some(inertia) => (!inertia.is_minimum()).then_some(UNSTABLE),
+    }
+}
+
+/// How exact a state has to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Accuracy {
+    /// It decides something or is handed out.
+    Result,
+    /// It is the start of the next.
+    Passing,
+}
+
+/// A layer with its factorisation and its report.
+pub(crate) struct LayerRun<'a> {
+    pub(crate) modelling: &'a Modelling,
+    /// Number of the layer in its stack.
+    pub(crate) index: usize,
+    pub(crate) layer: Layer,
+    kkt: Kkt,
+    pub(crate) report: LayerReport,
+    /// What had to be left out of the first step of the last solve that began with a pattern.
+    relaxation: f64,
+    /// What the user should know, without the layer's name.
+    pub(crate) warnings: Vec<String>,
+    /// Whether a result on a body is not as exact as it should be.
+    pub(crate) is_rough: bool,
+    /// Steps in time that had to be halved.
+    halved: usize,
+}
+
+impl<'a> LayerRun<'a> {
+    pub(crate) fn new(
+        index: usize,
+        layer: Layer,
+        planned: &LayerPlan,
+        modelling: &'a Modelling,
+    ) -> Result<Self, StepperError> {
+        let report = LayerReport {
+            vertices: layer.vertex_count(),
+            faces: layer.face_count(),
+            constraints: layer.row_count(),
+            ..LayerReport::planned(planned)
+        };
+        let (pattern, rows) = layer.system();
+        // A node of a lattice touches hundreds of vertices. Dissecting the graph with all nodes in it is
+        // still better than to eliminate them last: by a tenth at six cells along a side, by a third at
+        // ten.
+        let kkt = Kkt::new(pattern, rows, 3).map_err(|source| StepperError::Solver {
+            layer: layer.spec.name.clone(),
+            source,
+        })?;
+        Ok(Self {
+            modelling,
+            index,
+            report,
+            kkt,
+            relaxation: 0.0,
+            warnings: layer.row_warning.iter().cloned().collect(),
+            layer,
+            is_rough: false,
+            halved: 0,
+        })
+    }
+
+    /// Counts in what an earlier run of the same layer has done.
+    pub(crate) fn take_history(&mut self, before: LayerRun<'_>) {
+        self.report.newton_iterations += before.report.newton_iterations;
+        self.report.factorizations += before.report.factorizations;
+        self.report.onset_load = self.report.onset_load.or(before.report.onset_load);
+        self.relaxation = before.relaxation;
+        // What was wrong with the rows of another mesh is no longer so.
+        let outdated = before.layer.row_warning;
+        for warning in before.warnings {
+            if outdated.as_ref() != Some(&warning) {
+                self.warn(warning);
+            }
+        }
+    }
+
+    /// Adds to the warnings what is not among them.
+    pub(crate) fn warn(&mut self, warning: String) {
+        if !self.warnings.contains(&warning) {
+            self.warnings.push(warning);
+        }
+    }
+
+    /// Takes the layer through every one of `loads`, a fraction `1 / steps` of the way apart: from
+    /// equilibrium to equilibrium, and in between where it begins to wrinkle, or in time.
+    pub(crate) fn follow(
+        &mut self,
+        course: &mut dyn Course,
+        (loads, steps): (&[f64], u32),
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        match self.modelling.dynamics {
+            None => self.climb(course, loads, LoadSettings::default(), observer),
+            Some(dynamics) => self.move_in_time(course, (loads, steps), dynamics, observer),
+        }
+    }
+
+    /// Solves at load 1, with no more steps on the way than it takes to find the onset.
+    pub(crate) fn follow_from_onset(
+        &mut self,
+        course: &mut dyn Course,
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        course.place(&mut self.layer, 1.0, None)?;
+        let settings = LoadSettings {
+            first: self.layer.strain_ratios().fraction_for(FIRST_RATIO),
+            ..LoadSettings::default()
+        };
+        self.climb(course, &[1.0], settings, observer)
+    }
+
+    /// Goes on from the present shape on a surface that has moved.
+    ///
+    /// The strain grows from the demand `before`, which the layer is used to. Gives up where it was
+    /// not wrinkled and now may be: then the onset has to be found.
+    pub(crate) fn move_on(
+        &mut self,
+        below: BelowSurface,
+        (before, shown): (f64, f64),
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        observer.phase(self.index, Phase::Sampling);
+        self.layer.set_below(below.clone(), 1.0)?;
+        let demand = self.layer.strain_ratio();
+        if before < 1.0 && demand > LEAST_RATIO {
+            return Ok(Ending::GaveUp);
+        }
+        let mut share = if demand > LEAST_RATIO {
+            self.layer.strain_ratios().fraction_for(before)
+        } else {
+            1.0
+        };
+        observer.phase(self.index, Phase::Integration);
+        loop {
+            share = (share * GROWTH).min(1.0);
+            self.layer.set_below(below.clone(), share)?;
+            let accuracy = if share < 1.0 {
+                Accuracy::Passing
+            } else {
+                Accuracy::Result
+            };
+            let solve = self.solve(None, (AtSaddle::Leave, accuracy), shown, observer)?;
+            if solve.stop == StopRule::Interrupted {
+                return Ok(Ending::Interrupted);
+            }
+            if !solve.converged {
+                return Ok(Ending::GaveUp);
+            }
+            if share == 1.0 {
+                self.warn_unverified(&solve);
+                return Ok(Ending::Reached);
+            }
+        }
+    }
+
+    fn climb(
+        &mut self,
+        course: &mut dyn Course,
+        loads: &[f64],
+        settings: LoadSettings,
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        let mut stepper =
+            LoadStepper::new(loads, settings).map_err(|source| self.solver_error(source))?;
+        // The first pattern is chosen with care.
+        self.relaxation = 0.0;
+        let mut kept = self.layer.state();
+        let mut onset = None;
+        while let Some(trial) = stepper.next_trial() {
+            let solve = self.try_load(course, trial, observer)?;
+            let Some(solve) = solve.filter(|solve| solve.stop != StopRule::Interrupted) else {
+                return Ok(Ending::Interrupted);
+            };
+            let shown = course.shown(trial.load);
+            let outcome = self.outcome(trial, &kept, &solve);
+            if trial.probe && outcome == Outcome::Buckled {
+                onset = Some(shown);
+            }
+            match stepper.report(outcome) {
+                Verdict::Keep => {
+                    // A probe is as exact as a result already.
+                    let is_settled = trial.probe && self.layer.lag() <= LAG;
+                    let is_wanted = course.is_result(trial.load) && !is_settled;
+                    if !is_wanted || self.layer.solid().is_none() {
+                        self.warn_unverified(&solve);
+                    } else if self.settle(None, shown, observer)?.stop == StopRule::Interrupted {
+                        return Ok(Ending::Interrupted);
+                    }
+                    kept = self.layer.state();
+                    if !trial.probe {
+                        // Where it first wrinkled; another key's course may begin anew.
+                        self.report.onset_load = self.report.onset_load.or(onset);
+                    }
+                    if !course.kept(self, trial.load, observer)? {
+                        return Ok(Ending::Interrupted);
+                    }
+                }
+                Verdict::Discard => self.layer.restore(&kept)?,
+                Verdict::GiveUp => {
+                    self.warn_of_failure("no equilibrium found", shown, &solve);
+                    self.layer.restore(&kept)?;
+                    return Ok(Ending::GaveUp);
+                }
+            }
+        }
+        Ok(Ending::Reached)
+    }
+
+    /// Looks for the equilibrium at a load; `None` when the observer ends the work.
+    fn try_load(
+        &mut self,
+        course: &dyn Course,
+        trial: Trial,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<SolveReport>, StepperError> {
+        let mut preparing = Preparing::new(observer, self.index, Phase::Sampling);
+        course.place(&mut self.layer, trial.load, None)?;
+        if !preparing.goes_on() {
+            return Ok(None);
+        }
+        observer.phase(self.index, Phase::Integration);
+        let shown = course.shown(trial.load);
+        // On a body that moves a result is settled later, once it is known where the body is.
+        let is_exact = course.is_result(trial.load) && self.layer.solid().is_none();
+        let accuracy = match trial.probe || is_exact {
+            true => Accuracy::Result,
+            false => Accuracy::Passing,
+        };
+        let at_saddle = match self.is_probe(trial) {
+            true => AtSaddle::Stop,
+            false => AtSaddle::Leave,
+        };
+        let solve = self.solve(None, (at_saddle, accuracy), shown, observer)?;
+        if solve.stop == StopRule::Saddle && !self.is_probe(trial) {
+            // Nothing wrinkles where the body has gone: what gives way is the body, or a noise of the
+            // mesh.
+            let how = (AtSaddle::Leave, accuracy);
+            return self.solve(None, how, shown, observer).map(Some);
+        }
+        Ok(Some(solve))
+    }
+
+    /// Makes a result of a state on a body: on the way there the surface below has turned and shrunk, and
+    /// the layer's energy stands on it. Returns the last solve.
+    fn settle(
+        &mut self,
+        inertia: Option<&Inertia>,
+        shown: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<SolveReport, StepperError> {
+        let how = (AtSaddle::Leave, Accuracy::Result);
+        let mut solves = 0;
+        loop {
+            let before = self.layer.state();
+            let solve = self.solve(inertia, how, shown, observer)?;
+            solves += 1;
+            if solve.stop == StopRule::Interrupted {
+                return Ok(solve);
+            }
+            if !solve.converged || self.layer.has_passed(&before) {
+                self.warn_of_failure("only a rough equilibrium found", shown, &solve);
+                self.layer.restore(&before)?;
+                self.is_rough = true;
+                return Ok(solve);
+            }
+            if self.layer.lag() <= LAG || solves == MOST_SOLVES {
+                self.warn_unverified(&solve);
+                self.warn_of_lag(shown);
+                return Ok(solve);
+            }
+        }
+    }
+
+    /// Notes that the body still gave way when the last solve ended.
+    fn warn_of_lag(&mut self, shown: f64) {
+        let lag = self.layer.lag();
+        if lag > TOLERATED_LAG {
+            self.is_rough = true;
+            self.warn(format!(
+                "only a rough equilibrium found at load {shown:.3}: the body still gave way under the layer, by {:.1} %; take more `steps`",
+                100.0 * lag
+            ));
+        }
+    }
+
+    /// Finds the equilibrium, or the end of a step in time.
+    fn solve(
+        &mut self,
+        inertia: Option<&Inertia>,
+        (at_saddle, accuracy): (AtSaddle, Accuracy),
+        shown: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<SolveReport, StepperError> {
+        let settings = NewtonSettings {
+            at_saddle,
+            energy_tolerance: match accuracy {
+                Accuracy::Result => SETTLED,
+                Accuracy::Passing => PASSING,
+            },
+            residual_tolerance: self.modelling.tolerance,
+            first_relaxation: match at_saddle {
+                AtSaddle::Leave => SLOWLY_LESS * self.relaxation,
+                AtSaddle::Stop => 0.0,
+            },
+            overshoot: self.layer.is_touched(),
+            seed: self.modelling.seed,
+            ..NewtonSettings::default()
+        };
+        let vertices = self.layer.vertex_count();
+        let mut keep_going = |iteration: &ruga_solver::Iteration| {
+            observer.progress(Progress {
+                load: shown,
+                iteration: iteration.index,
+                vertices,
+            })
+        };
+        let how = (self.modelling.minimise, &settings);
+        let solve = self
+            .layer
+            .minimise(inertia, how, &mut self.kkt, &mut keep_going)?;
+        if solve.converged && solve.first_relaxation > 0.0 && self.layer.strain_ratio() > 1.0 {
+            self.relaxation = solve.first_relaxation;
+        }
+        self.report.take(&solve);
+        Ok(solve)
+    }
+
+    fn warn_unverified(&mut self, solve: &SolveReport) {
+        if let Some(warning) = unverified_stability(solve)
+            && self.layer.strain_ratio() > 1.0
+        {
+            self.warn(warning.to_owned());
+        }
+    }
+
+    fn warn_of_failure(&mut self, what: &str, shown: f64, solve: &SolveReport) {
+        let why = match solve.converged {
+            true => "a vertex passed through an obstacle".to_owned(),
+            false => format!(
+                "{:?} after {} iterations, relative residual {:.1e}",
+                solve.stop, solve.iterations, solve.residual
+            ),
+        };
+        self.warn(format!("{what} at load {shown:.3} ({why})"));
+    }
+
+    /// Notes where the layer was to wrinkle and has not.
+    pub(crate) fn warn_unwrinkled(&mut self, driver: &Driver) {
+        for warning in self.layer.unwrinkled(driver) {
+            self.warn(warning);
+        }
+    }
+
+    /// Notes what a plan cannot know: steps that were halved, and what a body and its obstacles do to the
+    /// layer.
+    pub(crate) fn warn_of_course(&mut self) {
+        if self.halved > 0 {
+            self.warn(format!("steps in time that were halved: {}", self.halved));
+        }
+        if self.layer.solid().is_none() {
+            return;
+        }
+        let percent = 100.0 * self.layer.capped_share();
+        if percent >= 1.0 {
+            self.warn(format!(
+                "{percent:.0} % of the layer are compressed by more than 15 %, where real skin folds, doubles its wrinkles or creases, which is not modelled. The map can be used there, but holds the wrinkles of 15 to 25 % compression; move handles and obstacles less far if they look wrong"
+            ));
+        }
+        let depth = self.layer.penetration() / self.layer.spec.material.thickness;
+        if depth > 0.1 {
+            self.warn(format!(
+                "the layer is {depth:.1} of its thickness inside an obstacle"
+            ));
+        }
+    }
+
+    /// Measures the layer as it is now.
+    pub(crate) fn measure(&mut self) {
+        let layer = &self.layer;
+        self.report.energy = layer.energy();
+        self.report.bending_ratio = layer.bending_ratio;
+        let faces = layer.strain_ratios().supercritical_faces();
+        let heights = layer.heights();
+        let on = (heights.as_slice(), layer.skin().rest.positions.as_slice());
+        let thickness = layer.spec.material.thickness;
+        self.report.measure(on, &faces, thickness);
+    }
+
+    /// The report of the layer that moves together with this one, over what was `planned` of it.
+    /// Energy and work of both stand with this one.
+    pub(crate) fn upper_report(&self, upper: &UpperShell, planned: &LayerReport) -> LayerReport {
+        let layer = &self.layer;
+        let heights = layer.upper_heights();
+        let on = (heights.as_slice(), layer.skin().rest.positions.as_slice());
+        let faces = layer.strain_ratios().supercritical_faces();
+        let mut report = LayerReport {
+            vertices: self.report.vertices,
+            faces: self.report.faces,
+            residual: self.report.residual,
+            stop: self.report.stop,
+            onset_load: self.report.onset_load,
+            ..planned.clone()
+        };
+        report.measure(on, &faces, upper.thickness());
+        report
+    }
+
+    /// Whether a saddle at this load would be the onset of wrinkling: below the critical strain
+    /// it is the noise of a detail finer than the layer is thick.
+    fn is_probe(&self, trial: Trial) -> bool {
+        trial.probe && self.layer.strain_ratio() > LEAST_RATIO
+    }
+
+    fn outcome(&self, trial: Trial, kept: &LayerState, solve: &SolveReport) -> Outcome {
+        let left_saddle = solve.left_saddle && (!trial.probe || self.is_probe(trial));
+        if solve.stop == StopRule::Saddle {
+            Outcome::Buckled
+        } else if !solve.converged || self.layer.has_passed(kept) {
+            Outcome::Failed
+        } else if left_saddle {
+            Outcome::Buckled
+        } else {
+            Outcome::Stable
+        }
+    }
+
+    fn solver_error(&self, source: SolverError) -> StepperError {
+        StepperError::Solver {
+            layer: self.layer.spec.name.clone(),
+            source,
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! Motion in time.
+
+use ruga_solver::{AtSaddle, NewtonSettings, SolveReport, StopRule};
+
+use super::{Accuracy, Course, Ending, LayerRun};
+use crate::{Dynamics, Observer, Phase, StepperError};
+
+/// Newton decrement of the equilibrium, in energy scales, at which a moving layer counts as being
+/// there.
+const AT_REST: f64 = 1e-4;
+
+/// Steps in time after which a layer that still moves is given up.
+const MOST_STEPS_TO_REST: usize = 200;
+
+/// Halvings of a step in time before it counts as impossible.
+const HALVINGS: u32 = 4;
+
+/// How standing still until the layer rests has ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Rest {
+    Found,
+    /// With a layer that still moves.
+    StillMoving,
+    /// Without an end of a step; the layer is where the solver left it.
+    NoStep,
+    /// By the observer.
+    Interrupted,
+}
+
+impl LayerRun<'_> {
+    /// Moves in time through `loads`, one step from each to the next, shorter where they are less than
+    /// `1 / steps` apart; where the course asks for it, stands still until the layer rests.
+    pub(super) fn move_in_time(
+        &mut self,
+        course: &mut dyn Course,
+        (loads, steps): (&[f64], u32),
+        dynamics: Dynamics,
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        let mut worst = Ending::Reached;
+        let mut from = 0.0;
+        for &load in loads {
+            let before = self.layer.state();
+            let step = Dynamics {
+                time_step: f64::from(steps) * (load - from) * dynamics.time_step,
+                ..dynamics
+            };
+            let mut ending = self.step(course, [from, load], (step, HALVINGS), observer)?;
+            if ending == Ending::Reached && course.rests_at(load) {
+                let rest = self.come_to_rest(dynamics, course.shown(load), observer)?;
+                ending = match rest {
+                    Rest::Found => Ending::Reached,
+                    Rest::StillMoving => {
+                        worst = Ending::GaveUp;
+                        Ending::Reached
+                    }
+                    Rest::NoStep => Ending::GaveUp,
+                    Rest::Interrupted => Ending::Interrupted,
+                };
+            }
+            if ending != Ending::Reached {
+                self.layer.restore(&before)?;
+                return Ok(ending);
+            }
+            if !course.kept(self, load, observer)? {
+                return Ok(Ending::Interrupted);
+            }
+            from = load;
+        }
+        Ok(worst)
+    }
+
+    /// One step in time between two loads, in halves where it cannot be made at once.
+    fn step(
+        &mut self,
+        course: &mut dyn Course,
+        [from, to]: [f64; 2],
+        (dynamics, halvings): (Dynamics, u32),
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        let before = self.layer.state();
+        let solve = self.step_at_once(course, to, dynamics, observer)?;
+        if solve.stop == StopRule::Interrupted {
+            return Ok(Ending::Interrupted);
+        }
+        if solve.converged && !self.layer.has_passed(&before) {
+            return Ok(Ending::Reached);
+        }
+        if halvings == 0 {
+            self.warn_of_failure("no step in time found", course.shown(to), &solve);
+        }
+        self.layer.restore(&before)?;
+        if halvings == 0 {
+            return Ok(Ending::GaveUp);
+        }
+        self.halved += 1;
+        let half = Dynamics {
+            time_step: 0.5 * dynamics.time_step,
+            ..dynamics
+        };
+        let (half, middle) = ((half, halvings - 1), 0.5 * (from + to));
+        match self.step(course, [from, middle], half, observer)? {
+            Ending::Reached => self.step(course, [middle, to], half, observer),
+            ending => Ok(ending),
+        }
+    }
+
+    fn step_at_once(
+        &mut self,
+        course: &dyn Course,
+        to: f64,
+        dynamics: Dynamics,
+        observer: &mut dyn Observer,
+    ) -> Result<SolveReport, StepperError> {
+        observer.phase(self.index, Phase::Sampling);
+        let step = self.layer.time_step(dynamics);
+        course.place(&mut self.layer, to, Some(&step.inertia))?;
+        observer.phase(self.index, Phase::Integration);
+        let shown = course.shown(to);
+        // What a step leaves out of balance the next one inherits: without a second solve it has to be
+        // a result at once.
+        let is_settled_later = self.layer.solid().is_some() && course.is_result(to);
+        let accuracy = match is_settled_later {
+            true => Accuracy::Passing,
+            false => Accuracy::Result,
+        };
+        let how = (AtSaddle::Leave, accuracy);
+        let mut solve = self.solve(Some(&step.inertia), how, shown, observer)?;
+        if solve.converged && is_settled_later {
+            let settled = self.settle(Some(&step.inertia), shown, observer)?;
+            if settled.stop == StopRule::Interrupted {
+                solve.stop = settled.stop;
+            }
+        } else if solve.converged {
+            self.warn_unverified(&solve);
+        }
+        self.layer.end_step(&step);
+        Ok(solve)
+    }
+
+    /// Makes steps in time with everything below standing still, until the layer is in equilibrium.
+    fn come_to_rest(
+        &mut self,
+        dynamics: Dynamics,
+        shown: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<Rest, StepperError> {
+        for _ in 0..MOST_STEPS_TO_REST {
+            if self.is_at_rest()? {
+                return Ok(Rest::Found);
+            }
+            let step = self.layer.time_step(dynamics);
+            let how = (AtSaddle::Leave, Accuracy::Result);
+            let solve = self.solve(Some(&step.inertia), how, shown, observer)?;
+            if solve.stop == StopRule::Interrupted {
+                return Ok(Rest::Interrupted);
+            }
+            if !solve.converged {
+                self.warn_of_failure("no step in time found", shown, &solve);
+                return Ok(Rest::NoStep);
+            }
+            self.warn_unverified(&solve);
+            self.layer.end_step(&step);
+        }
+        if self.is_at_rest()? {
+            return Ok(Rest::Found);
+        }
+        self.warn(format!(
+            "still moving after {MOST_STEPS_TO_REST} steps in time at load {shown:.3}; longer ones may bring it to rest"
+        ));
+        Ok(Rest::StillMoving)
+    }
+
+    /// Whether the layer is in equilibrium, a stable one as far as the method can tell.
+    fn is_at_rest(&mut self) -> Result<bool, StepperError> {
+        let settings = NewtonSettings {
+            at_saddle: AtSaddle::Stop,
+            max_iterations: 1,
+            energy_tolerance: AT_REST,
+            residual_tolerance: self.modelling.tolerance,
+            ..NewtonSettings::default()
+        };
+        let state = self.layer.state();
+        let how = (self.modelling.minimise, &settings);
+        let solve = self
+            .layer
+            .minimise(None, how, &mut self.kkt, &mut |_| true)?;
+        self.report.factorizations += solve.factorizations;
+        self.layer.restore(&state)?;
+        Ok(solve.converged)
+    }
+}

@@ -1,0 +1,188 @@
+//! Layers as a pose needs them: their region, their mesh, their bending.
+
+use crate::error::Halt;
+use crate::preparing::Preparing;
+use crate::run::adaptivity::{Fitting, MeshWishes};
+use crate::run::layer::{Holding, Layer};
+use crate::run::layer_run::LayerRun;
+use crate::run::low_pass_rows::RowCentre;
+use crate::run::stack_run::StackRun;
+use crate::skin::skin_mesh::{RegionMesh, SkinMesh};
+use crate::support::below::BelowSurface;
+use crate::{Observer, Phase};
+
+/// Edges longer than asked for by less than this factor are not worth a word.
+const WORTH_TELLING: f64 = 1.1;
+
+/// What lies below a mesh.
+pub(crate) type BelowOf<'a> = Box<dyn Fn(&SkinMesh) -> BelowSurface + 'a>;
+
+impl<'a> StackRun<'a> {
+    /// Builds layer number `index`, its mesh fitted to each of what may lie `below`, its
+    /// bending corrected on the last; where nothing is known, fine everywhere and not corrected.
+    pub(crate) fn build(
+        &self,
+        index: usize,
+        below: &[BelowOf<'_>],
+        observer: &mut dyn Observer,
+    ) -> Result<LayerRun<'a>, Halt> {
+        let mut preparing = Preparing::new(observer, index, Phase::Sampling);
+        let region = self.region(index, &mut preparing)?;
+        preparing.enter(Phase::Remeshing)?;
+        let mut surfaces = Vec::with_capacity(below.len());
+        for below in below {
+            surfaces.push(below(&region.skin));
+            preparing.step()?;
+        }
+        let fitting = match surfaces.is_empty() {
+            true => Fitting::Everywhere,
+            false => Fitting::Surfaces(&surfaces),
+        };
+        let wishes = self.wishes(index, &region, fitting, &mut preparing)?;
+        preparing.step()?;
+        self.build_on(index, (region, wishes), None, below.last(), &mut preparing)
+    }
+
+    /// Builds layer number `index` on a mesh that is fine enough for its large shape alone.
+    pub(crate) fn build_coarse(
+        &self,
+        index: usize,
+        observer: &mut dyn Observer,
+    ) -> Result<LayerRun<'a>, Halt> {
+        let mut preparing = Preparing::new(observer, index, Phase::Sampling);
+        let region = self.region(index, &mut preparing)?;
+        preparing.enter(Phase::Remeshing)?;
+        let wishes = self.wishes(index, &region, Fitting::LargeShape, &mut preparing)?;
+        self.build_on(index, (region, wishes), None, None, &mut preparing)
+    }
+
+    /// The mesh of layer number `index` that results are handed out on.
+    fn region(&self, index: usize, preparing: &mut Preparing<'_>) -> Result<RegionMesh, Halt> {
+        let plan = self.plan;
+        let layer = &plan.poses[self.pose].layers[index];
+        let surface = preparing.while_wanted(|goes_on| plan.layer_surface(layer, goes_on))?;
+        let offset = plan.stacking.seats[index].offset;
+        let on = (&surface, plan.modelling.smoothing, offset);
+        let spec = &plan.stacking.specs[index];
+        RegionMesh::new(&plan.driver, spec, on, &mut || preparing.goes_on())
+    }
+
+    /// What layer number `index` asks of the mesh of its region.
+    fn wishes(
+        &self,
+        index: usize,
+        region: &RegionMesh,
+        fitting: Fitting<'_>,
+        preparing: &mut Preparing<'_>,
+    ) -> Result<Option<MeshWishes>, Halt> {
+        let plan = self.plan;
+        let layer = (&plan.stacking.specs[index], &plan.stacking.simulated[index]);
+        let how = (
+            &plan.modelling,
+            plan.modelling.points_of(index, plan.meshes()),
+        );
+        MeshWishes::new(&plan.driver, layer, region, fitting, how, preparing)
+    }
+
+    /// Builds layer number `index` on a mesh of `region` that is fitted to `wishes`, its averaging
+    /// constraints around given `centres`, its bending corrected for what lies `below`.
+    fn build_on(
+        &self,
+        index: usize,
+        (region, wishes): (RegionMesh, Option<MeshWishes>),
+        centres: Option<Vec<RowCentre>>,
+        below: Option<&BelowOf<'_>>,
+        preparing: &mut Preparing<'_>,
+    ) -> Result<LayerRun<'a>, Halt> {
+        let plan = self.plan;
+        let (driver, modelling) = (&plan.driver, &plan.modelling);
+        let spec = &plan.stacking.specs[index];
+        let wrinkling = &plan.stacking.simulated[index];
+        let adapted = wishes.map(|wishes| wishes.fitted(driver, spec, &region, preparing));
+        let adapted = adapted.transpose()?;
+        let coarseness = adapted.as_ref().map_or(1.0, |adapted| adapted.coarseness);
+        let adapted = adapted.map(|adapted| adapted.skin);
+        preparing.enter(Phase::Constraints)?;
+        let holding = Holding {
+            tie: plan.stacking.seats[index].tie,
+            upper: plan.stacking.joint.clone(),
+            bending: modelling.bending,
+            centres,
+            interior: match index == 0 {
+                true => plan.body.clone(),
+                false => None,
+            },
+        };
+        let mut layer = Layer::new(
+            driver,
+            spec,
+            wrinkling,
+            holding,
+            (region, adapted),
+            modelling.seed,
+            preparing,
+        )?;
+        preparing.step()?;
+        let mut is_measured = true;
+        if let Some(below) = below {
+            let surface = below(layer.skin());
+            preparing.step()?;
+            is_measured = layer.calibrate_bending(surface)?;
+            preparing.step()?;
+        }
+        let planned = &plan.poses[self.pose].layers[index];
+        let mut run = LayerRun::new(index, layer, planned, modelling)?;
+        preparing.step()?;
+        if coarseness > WORTH_TELLING {
+            let points = modelling.points_of(index, plan.meshes());
+            run.warnings.push(format!(
+                "the vertex budget of {} leaves {:.1} points per wavelength of {} asked for",
+                modelling.vertex_budget,
+                points / coarseness,
+                points
+            ));
+        }
+        if !is_measured {
+            run.warnings.push(
+                "the bending modulus of its mesh could not be measured; wavelengths may be off by some per cent".to_owned(),
+            );
+        }
+        Ok(run)
+    }
+
+    /// The layer on a mesh that resolves what now lies `below` it: its own, or where too much has
+    /// changed a new one to which its shape is carried over.
+    pub(crate) fn refitted(
+        &self,
+        mut run: LayerRun<'a>,
+        below: &BelowOf<'_>,
+        observer: &mut dyn Observer,
+    ) -> Result<LayerRun<'a>, Halt> {
+        let index = run.index;
+        let mut preparing = Preparing::new(observer, index, Phase::Remeshing);
+        let region = run.layer.region();
+        let surface = below(&region.skin);
+        preparing.step()?;
+        let wishes = self.wishes(index, region, Fitting::Surfaces(&[surface]), &mut preparing)?;
+        preparing.step()?;
+        if wishes
+            .as_ref()
+            .map_or(Ok(true), |wishes| wishes.are_met_by(&run.layer))?
+        {
+            return Ok(run);
+        }
+        run.layer.set_below(below(run.layer.skin()), 1.0)?;
+        let region = run.layer.region().clone();
+        let centres = Some(run.layer.row_centres().to_vec());
+        let wanted = (region, wishes);
+        let mut fitted = self.build_on(index, wanted, centres, Some(below), &mut preparing)?;
+        preparing.enter(Phase::Remeshing)?;
+        fitted.layer.set_below(below(fitted.layer.skin()), 1.0)?;
+        preparing.while_wanted(|goes_on| {
+            let is_taken = fitted.layer.take_shape(&run.layer, goes_on);
+            is_taken.then_some(())
+        })?;
+        fitted.take_history(run);
+        Ok(fitted)
+    }
+}

@@ -1,0 +1,252 @@
+//! The rows that keep a layer's large shape on the surface below.
+
+use std::f64::consts::PI;
+
+use nalgebra::Vector3;
+use ruga_blend::Driver;
+use ruga_constraint::{
+    ClusterSettings, ConstraintError, ConstraintSet, Kernel, cluster_centres, constraint_rows,
+    spectral_rows,
+};
+use ruga_mesh::{Id, MaterialPoint, PerVertex, SurfaceLookup, VertexId, face_normals};
+use ruga_solver::ConstraintRows;
+
+use crate::skin::local_skin::{SkinProperties, uv};
+use crate::skin::place::{ShapeCentres, place_of_points};
+use crate::skin::skin_mesh::SkinMesh;
+use crate::{Coupling, LayerSpec, StepperError};
+
+/// Spacing of the low-pass rows beside a foundation, in wavelengths: away from the wavelength
+/// itself, with which the rows' reactions would resonate on a curved surface.
+const HYBRID_SPACING: f64 = 1.5;
+/// Spacing of rows that act alone: a hex lattice then lets the wavelength itself through
+/// and holds everything longer.
+const CONSTRAINT_SPACING: f64 = 0.577_350_269_189_625_8;
+/// A row is dropped when less than this share of its weight is on vertices that move.
+const MIN_FREE_WEIGHT: f64 = 0.2;
+
+/// Wavelength, in wavelengths of the layer, from which on spectral rows hold everything.
+const SPECTRAL_CUT: f64 = 1.25;
+
+/// A place around which the layer's average is held, the same on every mesh of the skin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RowCentre {
+    /// At rest, m.
+    at: Vector3<f64>,
+    kernel: Kernel,
+}
+
+/// Rows that hold a layer's averages.
+pub(crate) struct LowPassRows {
+    /// Three to an average.
+    pub(crate) rows: ConstraintRows,
+    /// The middles of averages that were meant to be right for slopes, and are for constants only.
+    pub(crate) degraded: Vec<VertexId>,
+}
+
+impl LowPassRows {
+    /// What the user should know about them, on the mesh that they hold.
+    pub(crate) fn warning(&self, driver: &Driver, skin: &SkinMesh) -> Option<String> {
+        let Self { rows, degraded } = self;
+        if degraded.is_empty() {
+            return None;
+        }
+        let points = skin.points.points();
+        let uvs = degraded.iter().map(|v| uv(driver, &points[v.index()]));
+        let positions = degraded.iter().map(|v| skin.rest.positions[v.index()]);
+        Some(format!(
+            "the mesh is too coarse for {} of the {} averaging constraints that hold the layer to the surface, {}; there the skin may tilt by a degree or so, which shows as a faint slope in the map. Use `--quality fine`, or `coupling = \"elastic\"` for this layer",
+            degraded.len(),
+            rows.count() / 3,
+            place_of_points(&ShapeCentres::new(driver), uvs, positions)
+        ))
+    }
+}
+
+/// Where the rows of the layer's coupling are centred, by its wavelength there.
+pub(crate) fn row_centres(
+    spec: &LayerSpec,
+    properties: &SkinProperties,
+    skin: &SkinMesh,
+    free: &[VertexId],
+) -> Result<Vec<RowCentre>, StepperError> {
+    let spacing = match spec.coupling {
+        Coupling::Elastic | Coupling::Spectral => return Ok(Vec::new()),
+        Coupling::Hybrid => HYBRID_SPACING,
+        Coupling::Constraint => CONSTRAINT_SPACING,
+    };
+    if free.is_empty() {
+        return Ok(Vec::new());
+    }
+    let wavelength = |v: usize| properties.vertices[v].wrinkling.wavelength;
+    let spacings = (0..skin.mesh.vertex_count()).map(|v| spacing * wavelength(v));
+    let rest = &skin.rest.positions;
+    let centres = cluster_centres(
+        &skin.mesh,
+        rest,
+        &spacings.collect(),
+        free,
+        &ClusterSettings::default(),
+    )
+    .map_err(|source| constraint(spec, source))?;
+    let centre = |v: VertexId| RowCentre {
+        at: rest[v.index()],
+        kernel: match spec.coupling {
+            Coupling::Constraint => Kernel::alone(wavelength(v.index())),
+            _ => Kernel::beside_foundation(spacing * wavelength(v.index())),
+        },
+    };
+    Ok(centres.into_iter().map(centre).collect())
+}
+
+/// The rows of the layer's coupling on the coordinates of its free vertices, x, y, z in turn: around
+/// `centres`, or global ones.
+pub(crate) fn low_pass_rows(
+    spec: &LayerSpec,
+    centres: &[RowCentre],
+    (skin, wavelength): (&SkinMesh, f64),
+    pinned: &PerVertex<bool>,
+    free: &[VertexId],
+) -> Result<LowPassRows, StepperError> {
+    let (set, least_weight) = match spec.coupling {
+        Coupling::Spectral => (global_rows(spec, wavelength, skin)?, f64::NEG_INFINITY),
+        _ => (rows_around(spec, centres, skin)?, MIN_FREE_WEIGHT),
+    };
+    let mut low_pass = LowPassRows {
+        rows: ConstraintRows::none(3 * free.len()),
+        degraded: Vec::new(),
+    };
+    if set.rows.is_empty() {
+        // Two layers that move together have none, and more vertices than the mesh.
+        return Ok(low_pass);
+    }
+    let mut unknown = PerVertex::filled(skin.mesh.vertex_count(), None);
+    for (i, &v) in free.iter().enumerate() {
+        unknown[v] = Some(3 * i);
+    }
+    let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
+    for row in &set.rows {
+        // Pinned vertices lie on their targets, so their share of the average is right already.
+        let moving: Vec<(usize, f64)> = row
+            .weights
+            .iter()
+            .filter(|(v, _)| !pinned[*v])
+            .filter_map(|&(v, w)| unknown[v].map(|u| (u, w)))
+            .collect();
+        if moving.iter().map(|m| m.1).sum::<f64>() < least_weight {
+            continue;
+        }
+        if set.degraded.iter().any(|(centre, _)| *centre == row.centre) {
+            let heaviest = row.weights.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+            low_pass.degraded.extend(heaviest.map(|(v, _)| *v));
+        }
+        for axis in 0..3 {
+            columns.extend(moving.iter().map(|(u, _)| u + axis));
+            values.extend(moving.iter().map(|(_, w)| w));
+            starts.push(columns.len());
+        }
+    }
+    let rows = ConstraintRows::new(starts, columns, values, 3 * free.len());
+    low_pass.rows = rows.map_err(|source| StepperError::Solver {
+        layer: spec.name.clone(),
+        source,
+    })?;
+    Ok(low_pass)
+}
+
+/// Averages around `centres`.
+fn rows_around(
+    spec: &LayerSpec,
+    centres: &[RowCentre],
+    skin: &SkinMesh,
+) -> Result<ConstraintSet, StepperError> {
+    if centres.is_empty() {
+        return Ok(ConstraintSet::default());
+    }
+    let SkinMesh { mesh, rest, .. } = skin;
+    let lookup = SurfaceLookup::new(mesh, &rest.positions);
+    let (places, kernels): (Vec<MaterialPoint>, Vec<Kernel>) = centres
+        .iter()
+        .filter_map(|centre| Some((lookup.closest(&centre.at)?.point, centre.kernel)))
+        .unzip();
+    constraint_rows(
+        mesh,
+        &rest.positions,
+        &rest.normals,
+        &places,
+        &kernels,
+        spec.sampling,
+    )
+    .map_err(|source| constraint(spec, source))
+}
+
+/// As many eigenfunctions as there are waves longer than the cut: by Weyl's law `A k^2 / (4 pi)`.
+fn global_rows(
+    spec: &LayerSpec,
+    wavelength: f64,
+    skin: &SkinMesh,
+) -> Result<ConstraintSet, StepperError> {
+    let (mesh, rest) = (&skin.mesh, &skin.rest.positions);
+    let doubled = face_normals(mesh, rest);
+    let area: f64 = doubled.as_slice().iter().map(|n| 0.5 * n.norm()).sum();
+    let cut = SPECTRAL_CUT * wavelength;
+    let count = (PI * area / (cut * cut)).ceil().max(1.0) as usize;
+    let count = count.min(mesh.vertex_count());
+    let global = spectral_rows(mesh, rest, count).map_err(|source| constraint(spec, source))?;
+    match global.converged {
+        true => Ok(ConstraintSet {
+            rows: global.rows,
+            ..ConstraintSet::default()
+        }),
+        false => Err(constraint(spec, ConstraintError::NoSpectrum)),
+    }
+}
+
+fn constraint(spec: &LayerSpec, source: ConstraintError) -> StepperError {
+    StepperError::Constraint {
+        layer: spec.name.clone(),
+        source,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Sampling;
+    use crate::test_drivers::{knuckle, skin, square};
+
+    /// Edges of two millimetres.
+    #[test]
+    fn averages_over_too_few_vertices_are_warned_of() {
+        let flat = |p: nalgebra::Vector2<f64>| Vector3::new(p.x, p.y, 0.0);
+        let driver = square(&flat, &flat);
+        let skin = skin(&driver, 0, 0.0);
+        let free: Vec<VertexId> = (0..skin.mesh.vertex_count())
+            .map(VertexId::from_index)
+            .collect();
+        let pinned = PerVertex::filled(free.len(), false);
+        let held = |wavelength: f64| {
+            let centre = RowCentre {
+                at: Vector3::zeros(),
+                kernel: Kernel::alone(wavelength),
+            };
+            // Quadrature reaches all corners of the faces around a vertex.
+            let spec = LayerSpec {
+                sampling: Sampling::Adjusted,
+                ..knuckle()
+            };
+            low_pass_rows(&spec, &[centre], (&skin, wavelength), &pinned, &free).expect("a row")
+        };
+        let told = |wavelength: f64| held(wavelength).warning(&driver, &skin);
+        let said = told(2e-3).expect("one vertex is no average");
+        for words in [
+            "1 of the 1 averaging",
+            "u 0.00 to 0.00",
+            "--quality fine",
+            "elastic",
+        ] {
+            assert!(said.contains(words), "{said}");
+        }
+        assert_eq!(told(10e-3), None);
+    }
+}

@@ -1,0 +1,413 @@
+//! One pose from rest to its keys, layer by layer.
+
+use std::rc::Rc;
+
+use nalgebra::Vector3;
+
+use crate::error::Halt;
+use crate::run::layer::Layer;
+use crate::run::layer_run::{Course, Ending, LayerRun};
+use crate::run::layer_setup::BelowOf;
+use crate::skin::cover::Covers;
+use crate::support::below::surface_below;
+use crate::support::motion::Inertia;
+use crate::support::{Embeddings, Interior, Moves, PosedBody, PosedDriver, Solid, Support};
+use crate::{
+    Frame, KeyResult, LayerReport, LoadPath, Observer, Phase, Plan, PoseResult, PoseSpec,
+    StepperError,
+};
+
+impl Plan {
+    /// Simulates pose number `pose`, from rest to its keys.
+    ///
+    /// On a driver, the lowest layer that can wrinkle follows it from rest to full weight, or at each
+    /// key the growth of its strain ([`LoadPath`]); a load at which it first buckles is approached by
+    /// bisection, so that the wavelength is chosen at the onset. On its equilibrium the next layer is
+    /// solved, its strain growing from none, and so on up (Li 2014); from one result to the next it
+    /// goes on from its last shape, on a mesh that is fitted anew when the old one no longer serves.
+    ///
+    /// On a soft body, layer and body are one minimum of all energies. A first run on a coarse mesh, part of
+    /// the preparation, finds where the layer will be compressed, and so where its mesh has to be fine. Handles and obstacles go their
+    /// ways and blend shapes draw the surface with growing weights; weight acts in full from the first
+    /// load on, and [`KeyResult::artist_positions`] say where the artist's mesh has gone. With
+    /// [`Modelling::dynamics`](crate::Modelling::dynamics) every load is one step in time instead,
+    /// whole where the solver finds its end, or else in shorter ones, and nothing waits at keys for
+    /// rest.
+    ///
+    /// Not converging is reported, not an error; the results reached until then are kept. An observer
+    /// may end the work at any time, also before the first step, while meshes and constraints are made
+    /// ([`Observer::preparing`]); the result then says that it was interrupted.
+    ///
+    /// # Errors
+    /// [`StepperError::NoSuchPose`] for a pose that the plan does not have; what shell, constraints,
+    /// remeshing or solver refuse.
+    pub fn simulate(
+        &self,
+        pose: usize,
+        observer: &mut dyn Observer,
+    ) -> Result<PoseResult, StepperError> {
+        if pose >= self.specs.len() {
+            return Err(StepperError::NoSuchPose {
+                pose,
+                poses: self.specs.len(),
+            });
+        }
+        let mut run = StackRun::new(self, pose)?;
+        run.follow(observer)?;
+        Ok(run.result)
+    }
+
+    /// What is known of the layers of pose number `pose` before they are simulated.
+    pub(crate) fn reports(&self, pose: usize) -> Vec<LayerReport> {
+        let layers = self.poses[pose].layers.iter();
+        layers.map(LayerReport::planned).collect()
+    }
+}
+
+/// `steps` equal steps to 1, as far as `last`, and the `keys`; ascending.
+pub(crate) fn loads_up_to(last: f64, steps: u32, keys: impl IntoIterator<Item = f64>) -> Vec<f64> {
+    let mut loads: Vec<f64> = (1..=steps)
+        .map(|i| f64::from(i) / f64::from(steps))
+        .filter(|&load| load < last)
+        .chain(keys)
+        .collect();
+    loads.sort_by(f64::total_cmp);
+    loads.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+    loads
+}
+
+/// A fraction of the pose's weights, and a share of the strain there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    pub(crate) weight: f64,
+    pub(crate) share: f64,
+}
+
+/// The layers of one pose.
+pub(crate) struct StackRun<'a> {
+    pub(crate) plan: &'a Plan,
+    pub(crate) pose: usize,
+    pub(crate) result: PoseResult,
+    /// The layers above the lowest one, as they were left by the last frame that had them.
+    pub(crate) upper: Vec<Option<LayerRun<'a>>>,
+    /// Where their meshes lie on those below.
+    pub(crate) covers: Rc<Covers>,
+    /// Where meshes lie in a body.
+    embeddings: Rc<Embeddings>,
+    /// What moves around a body.
+    moves: Option<Moves<'a>>,
+}
+
+impl<'a> StackRun<'a> {
+    /// The layers of pose number `pose` at rest, none of them built.
+    pub(crate) fn new(plan: &'a Plan, pose: usize) -> Result<Self, StepperError> {
+        let interior = plan.body.as_ref();
+        let moves = interior.map(|interior| Moves::new(&interior.body, &plan.specs[pose]));
+        Ok(Self {
+            plan,
+            pose,
+            result: PoseResult {
+                layers: plan.reports(pose),
+                converged: true,
+                ..PoseResult::default()
+            },
+            upper: plan.stacking.specs.iter().map(|_| None).collect(),
+            covers: Rc::default(),
+            embeddings: Rc::default(),
+            moves: moves.transpose()?,
+        })
+    }
+
+    /// The pose as it was asked for.
+    pub(crate) fn spec(&self) -> &'a PoseSpec {
+        &self.plan.specs[self.pose]
+    }
+
+    fn follow(&mut self, observer: &mut dyn Observer) -> Result<(), StepperError> {
+        let layers = &self.plan.poses[self.pose].layers;
+        let Some(lowest) = layers.iter().position(|layer| !layer.region.is_empty()) else {
+            self.result.keys = self
+                .spec()
+                .keys
+                .iter()
+                .map(|&load| flat_key(load))
+                .collect();
+            return Ok(());
+        };
+        let made = self.build_lowest(lowest, observer);
+        let Some(mut run) = Halt::unless_interrupted(made)? else {
+            self.result.converged = false;
+            self.result.interrupted = true;
+            return Ok(());
+        };
+        let ending = match self.plan.poses[self.pose].path {
+            LoadPath::Weight => self.follow_course(lowest, &mut run, None, observer)?,
+            LoadPath::Strain => self.follow_strain(lowest, &mut run, observer)?,
+        };
+        if ending == Ending::Reached {
+            run.warn_unwrinkled(&self.plan.driver);
+        }
+        run.warn_of_course();
+        self.tell(&run, ending);
+        run.measure();
+        if let Some(upper) = run.layer.upper() {
+            let planned = &self.result.layers[upper.index];
+            self.result.layers[upper.index] = run.upper_report(upper, planned);
+        }
+        self.result.layers[lowest] = run.report;
+        Ok(())
+    }
+
+    /// Builds the lowest layer for what it will lie on at the pose's keys.
+    fn build_lowest(
+        &self,
+        lowest: usize,
+        observer: &mut dyn Observer,
+    ) -> Result<LayerRun<'a>, Halt> {
+        let keys = self.spec().keys.iter();
+        let (supports, before) = match &self.plan.body {
+            None => {
+                let posed = keys.map(|&key| self.posed_driver(key));
+                (posed.collect(), None)
+            }
+            Some(interior) => {
+                let (places, before) = match self.can_run_ahead(lowest) {
+                    true => {
+                        let (places, report) = self.run_ahead(lowest, observer)?;
+                        (places, Some(report))
+                    }
+                    false => (Vec::new(), None),
+                };
+                let posed = places.into_iter().map(|q| self.posed_body(interior, q));
+                (posed.collect::<Vec<_>>(), before)
+            }
+        };
+        let (driver, seat) = (&self.plan.driver, self.plan.stacking.seats[lowest]);
+        let mut below: Vec<BelowOf<'_>> = Vec::new();
+        for support in &supports {
+            let on = (driver.as_ref(), support.as_ref());
+            below.push(Box::new(move |skin| surface_below(on, skin, seat, &[])));
+        }
+        let mut run = self.build(lowest, &below, observer)?;
+        if let Some(before) = before {
+            run.report.newton_iterations += before.newton_iterations;
+            run.report.factorizations += before.factorizations;
+            if below.is_empty() {
+                run.warn(
+                    "a first run on a coarse mesh, which finds where wrinkles come, did not reach the last key: the mesh is as fine everywhere as wrinkles need, slower but no less exact, and its bending is not corrected; take more `steps` if that is too slow".to_owned(),
+                );
+            }
+        }
+        Ok(run)
+    }
+
+    fn posed_driver(&self, weight: f64) -> Box<dyn Support + 'a> {
+        let weights = self.spec().weights.scaled(weight);
+        let control = self.plan.driver.pose(&weights);
+        Box::new(PosedDriver { control })
+    }
+
+    fn posed_body(&self, interior: &'a Interior, q: Vec<Vector3<f64>>) -> Box<dyn Support + 'a> {
+        Box::new(PosedBody {
+            interior,
+            rest: self.plan.driver.rest(),
+            q,
+            embeddings: Rc::clone(&self.embeddings),
+        })
+    }
+
+    /// What all layers lie on, at a fraction of the pose that `lowest` is at.
+    fn support(&self, lowest: &Layer, weight: f64) -> Box<dyn Support + 'a> {
+        match (&self.plan.body, lowest.solid()) {
+            (Some(interior), Some(solid)) => self.posed_body(interior, solid.state.q.clone()),
+            _ => self.posed_driver(weight),
+        }
+    }
+
+    /// Loads of the pose, or of the growth of its strain at one key.
+    pub(crate) fn loads(&self, key: Option<f64>) -> Vec<f64> {
+        let spec = self.spec();
+        if key.is_some() {
+            return loads_up_to(1.0, spec.steps, [1.0]);
+        }
+        // Beyond the last key nothing was planned for.
+        let last = spec.keys.iter().copied().fold(0.0, f64::max);
+        let moves = self.moves.iter();
+        let keyframes = moves.flat_map(Moves::keyframes).filter(|&at| at < last);
+        loads_up_to(last, spec.steps, spec.keys.iter().copied().chain(keyframes))
+    }
+
+    fn follow_strain(
+        &mut self,
+        lowest: usize,
+        run: &mut LayerRun<'_>,
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        let at_rest = run.layer.state();
+        let mut worst = Ending::Reached;
+        for key in self.spec().keys.clone() {
+            run.layer.restore(&at_rest)?;
+            match self.follow_course(lowest, run, Some(key), observer)? {
+                Ending::Reached => {}
+                Ending::GaveUp => worst = Ending::GaveUp,
+                Ending::Interrupted => return Ok(Ending::Interrupted),
+            }
+        }
+        Ok(worst)
+    }
+
+    fn follow_course(
+        &mut self,
+        lowest: usize,
+        run: &mut LayerRun<'_>,
+        key: Option<f64>,
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        let (loads, steps) = (self.loads(key), self.spec().steps);
+        let mut course = PoseCourse {
+            stack: self,
+            lowest,
+            key,
+            wants_frames: observer.wants_frames(),
+        };
+        run.follow(&mut course, (&loads, steps), observer)
+    }
+
+    /// Takes over what a layer's run has to say.
+    pub(crate) fn tell(&mut self, run: &LayerRun<'_>, ending: Ending) {
+        self.result.converged &= ending == Ending::Reached && !run.is_rough;
+        self.result.interrupted |= ending == Ending::Interrupted;
+        for warning in &run.warnings {
+            let (pose, layer) = (&self.plan.specs[self.pose].name, &run.layer.spec.name);
+            self.result.warn(pose, layer, warning);
+        }
+    }
+
+    /// Puts what lies below the lowest layer there.
+    pub(crate) fn place(
+        &self,
+        lowest: usize,
+        layer: &mut Layer,
+        place: Place,
+        inertia: Option<&Inertia>,
+    ) -> Result<(), StepperError> {
+        if let Some(moves) = &self.moves {
+            return layer.place_solid((moves, &self.spec().weights), place.weight, inertia);
+        }
+        let seat = self.plan.stacking.seats[lowest];
+        let support = self.posed_driver(place.weight);
+        let on = (self.plan.driver.as_ref(), support.as_ref());
+        let below = surface_below(on, layer.skin(), seat, &[]);
+        layer.set_below(below, place.share)
+    }
+
+    fn is_key(&self, place: Place) -> bool {
+        place.share == 1.0 && self.spec().has_key(place.weight)
+    }
+
+    /// Hands out what was reached at `place` by layer `lowest`, after solving the layers above.
+    /// False when the observer ends the work.
+    fn frame(
+        &mut self,
+        lowest: usize,
+        run: &LayerRun<'_>,
+        place: Place,
+        observer: &mut dyn Observer,
+    ) -> Result<bool, StepperError> {
+        let is_key = self.is_key(place);
+        if !is_key && !observer.wants_frames() {
+            self.result.frames += 1;
+            return Ok(true);
+        }
+        observer.phase(lowest, Phase::Sampling);
+        let support = self.support(&run.layer, place.weight);
+        let mut layers = self.snapshot(run, support.as_ref(), &[]);
+        if place.share == 1.0 {
+            let upper = self.upper_layers(lowest, run, place, support.as_ref(), observer)?;
+            let Some(upper) = upper else { return Ok(false) };
+            layers.extend(upper);
+        }
+        observer.frame(&Frame {
+            index: self.result.frames,
+            load: place.weight * place.share,
+            layers: &layers,
+        });
+        self.result.frames += 1;
+        if is_key {
+            self.result.keys.push(KeyResult {
+                load: place.weight,
+                layers,
+                artist_positions: run.layer.solid().map(Solid::artist_positions),
+            });
+        }
+        Ok(true)
+    }
+}
+
+/// A key at which nothing wrinkles.
+fn flat_key(load: f64) -> KeyResult {
+    KeyResult {
+        load,
+        layers: Vec::new(),
+        artist_positions: None,
+    }
+}
+
+/// What leads the lowest layer: the weights and motions of the pose, or the growing strain of one key.
+struct PoseCourse<'r, 'a> {
+    stack: &'r mut StackRun<'a>,
+    lowest: usize,
+    key: Option<f64>,
+    wants_frames: bool,
+}
+
+impl PoseCourse<'_, '_> {
+    fn place(&self, load: f64) -> Place {
+        match self.key {
+            None => Place {
+                weight: load,
+                share: 1.0,
+            },
+            Some(weight) => Place {
+                weight,
+                share: load,
+            },
+        }
+    }
+}
+
+impl Course for PoseCourse<'_, '_> {
+    fn place(
+        &self,
+        layer: &mut Layer,
+        load: f64,
+        inertia: Option<&Inertia>,
+    ) -> Result<(), StepperError> {
+        let place = self.place(load);
+        self.stack.place(self.lowest, layer, place, inertia)
+    }
+
+    fn shown(&self, load: f64) -> f64 {
+        let place = self.place(load);
+        place.weight * place.share
+    }
+
+    fn is_result(&self, load: f64) -> bool {
+        self.wants_frames || self.stack.is_key(self.place(load))
+    }
+
+    fn rests_at(&self, load: f64) -> bool {
+        // A body's time is the load: no key waits.
+        self.stack.moves.is_none() && self.stack.is_key(self.place(load))
+    }
+
+    fn kept(
+        &mut self,
+        run: &LayerRun<'_>,
+        load: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<bool, StepperError> {
+        let place = self.place(load);
+        self.stack.frame(self.lowest, run, place, observer)
+    }
+}

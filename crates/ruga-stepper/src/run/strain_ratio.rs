@@ -1,0 +1,122 @@
+//! What the surface below a layer asks of it: applied strains, and their ratio to the critical ones.
+
+use nalgebra::Matrix2;
+use ruga_blend::{FaceStrain, face_strains};
+use ruga_material::capped_strain;
+use ruga_mesh::{FaceId, Id, PerFace};
+
+use crate::skin::local_skin::SkinProperties;
+use crate::skin::skin_mesh::SkinMesh;
+use crate::support::below::BelowSurface;
+
+/// The effective strain that is loaded on every face of a layer, over the face's critical strain.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StrainRatios<'a> {
+    pub(crate) skin: &'a SkinMesh,
+    pub(crate) properties: &'a SkinProperties,
+    pub(crate) poisson: f64,
+    /// Applied strains: those of the surface below, relative to the layer's rest metric.
+    pub(crate) strains: &'a PerFace<FaceStrain>,
+    /// Fraction of the applied Green strain that is loaded, in (0, 1].
+    pub(crate) fraction: f64,
+}
+
+impl StrainRatios<'_> {
+    /// The ratio of one face.
+    pub(crate) fn of_face(&self, face: FaceId) -> f64 {
+        self.of_face_at(self.fraction, face)
+    }
+
+    fn of_face_at(&self, fraction: f64, face: FaceId) -> f64 {
+        let [first, second] = applied(&self.strains[face], fraction);
+        let effective = first + self.poisson * second;
+        effective / self.properties.faces[face].wrinkling.critical_strain
+    }
+
+    /// The largest ratio of all faces.
+    pub(crate) fn largest(&self) -> f64 {
+        self.largest_at(self.fraction)
+    }
+
+    fn largest_at(&self, fraction: f64) -> f64 {
+        let faces = self.strains.ids();
+        let ratios = faces.map(|face| self.of_face_at(fraction, face));
+        ratios.fold(0.0, f64::max)
+    }
+
+    /// The fraction of the applied strain at which the largest ratio is `wanted`; all of it where that
+    /// is not enough.
+    pub(crate) fn fraction_for(&self, wanted: f64) -> f64 {
+        if self.largest_at(1.0) <= wanted {
+            return 1.0;
+        }
+        let (mut low, mut high) = (0.0, 1.0);
+        // To a per cent of the fraction: the onset is not known better.
+        while high - low > 0.01 * high {
+            let middle = 0.5 * (low + high);
+            if self.largest_at(middle) < wanted {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        high
+    }
+
+    /// Corners of the faces that are loaded beyond their critical strain.
+    pub(crate) fn supercritical_faces(&self) -> Vec<[u32; 3]> {
+        let faces = self.strains.ids().filter(|face| self.of_face(*face) > 1.0);
+        faces
+            .map(|face| self.skin.mesh.faces()[face].map(|v| v.0))
+            .collect()
+    }
+
+    /// Energy that wrinkling is about, J: what a critical compression costs, or what wrinkles save
+    /// of a larger one.
+    pub(crate) fn energy_scale(&self) -> f64 {
+        let faces = self.skin.mesh.faces();
+        let of_face = |face: FaceId| {
+            let [a, b, c] = faces[face].map(|v| self.skin.rest.positions[v.index()]);
+            let area = 0.5 * (b - a).cross(&(c - a)).norm();
+            let numbers = &self.properties.faces[face].wrinkling;
+            let excess = (self.of_face(face) - 1.0).max(1.0);
+            let strain = numbers.critical_strain * excess;
+            0.5 * numbers.membrane_stiffness * strain * strain * area
+        };
+        self.strains.ids().map(of_face).sum()
+    }
+}
+
+/// The strains that the surface below applies to every face, the untransferred part of its bending
+/// taken away.
+pub(crate) fn applied_strains(skin: &SkinMesh, below: &BelowSurface) -> PerFace<FaceStrain> {
+    let strains = face_strains(&skin.mesh, &skin.rest.positions, &below.posed.positions);
+    let Some(transfer) = &below.transfer else {
+        return strains;
+    };
+    let pairs = strains.as_slice().iter().zip(transfer);
+    pairs
+        .map(|(strain, stretch)| {
+            let inverse = stretch.try_inverse().unwrap_or_else(Matrix2::identity);
+            FaceStrain::from_cauchy_green(inverse.transpose() * strain.cauchy_green * inverse)
+        })
+        .collect()
+}
+
+/// Principal strains, capped, of which only a part is loaded: `fraction` times their Green strain.
+pub(crate) fn applied(strain: &FaceStrain, fraction: f64) -> [f64; 2] {
+    [capped_strain(strain.first), strain.second].map(|strain| loaded(strain, fraction))
+}
+
+/// The compression whose Green strain is a fraction of that of `compression`.
+fn loaded(compression: f64, fraction: f64) -> f64 {
+    let squared = (1.0 - compression).powi(2);
+    1.0 - (1.0 - fraction * (1.0 - squared)).max(0.0).sqrt()
+}
+
+/// Green strain of these compressions along the principal directions of `strain`.
+pub(crate) fn green_strain(strain: &FaceStrain, compressions: [f64; 2]) -> Matrix2<f64> {
+    let [first, second] = compressions.map(|e| 0.5 * ((1.0 - e).powi(2) - 1.0));
+    let along = strain.direction * strain.direction.transpose();
+    along * first + (Matrix2::identity() - along) * second
+}

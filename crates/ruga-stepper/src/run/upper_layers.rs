@@ -1,0 +1,174 @@
+//! Layers that lie on others, solved on what those have become.
+
+use std::rc::Rc;
+
+use nalgebra::Vector3;
+
+use crate::error::Halt;
+use crate::run::layer::Layer;
+use crate::run::layer_run::{Course, Ending, LayerRun};
+use crate::run::layer_setup::BelowOf;
+use crate::run::stack_run::{Place, StackRun};
+use crate::skin::cover::Covers;
+use crate::support::Support;
+use crate::support::below::{BelowSurface, LowerLayer, as_shown, surface_below};
+use crate::support::motion::Inertia;
+use crate::{LayerSurface, Observer, Phase, StepperError};
+
+impl<'a> StackRun<'a> {
+    /// Solves the layers above `lowest` one on the other; `None` when the observer ends the work.
+    pub(crate) fn upper_layers(
+        &mut self,
+        lowest: usize,
+        run: &LayerRun<'_>,
+        place: Place,
+        support: &dyn Support,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<Vec<LayerSurface>>, StepperError> {
+        let covers = Rc::clone(&self.covers);
+        let mut surfaces = Vec::new();
+        let mut solved: Vec<(LayerRun<'a>, Ending)> = Vec::new();
+        // Where every layer's vertices are as maps show them, the lowest layer's first.
+        let mut shown = vec![run.layer.shown_positions(run.layer.below())];
+        for index in lowest + 1..self.plan.stacking.specs.len() {
+            if self.plan.poses[self.pose].layers[index].region.is_empty() {
+                continue;
+            }
+            let runs = std::iter::once(run).chain(solved.iter().map(|(run, _)| run));
+            let lower = runs.zip(&shown);
+            let lower: Vec<LowerLayer<'_>> = lower
+                .map(|(run, shown)| self.lower(run, shown, &covers))
+                .collect();
+            let made = self.upper_layer(index, &lower, place, support, observer);
+            let Some((mut upper, ending)) = Halt::unless_interrupted(made)? else {
+                return Ok(None);
+            };
+            let last = self.spec().keys.iter().copied().fold(0.0, f64::max);
+            if ending == Ending::Reached && place.weight >= last {
+                upper.warn_unwrinkled(&self.plan.driver);
+            }
+            self.tell(&upper, ending);
+            if ending == Ending::Interrupted {
+                return Ok(None);
+            }
+            observer.phase(index, Phase::Sampling);
+            surfaces.extend(self.snapshot(&upper, support, &lower));
+            let seat = self.plan.stacking.seats[index];
+            let skin = upper.layer.skin();
+            let below = surface_below((&self.plan.driver, support), skin, seat, &as_shown(&lower));
+            shown.push(upper.layer.shown_positions(&below.posed));
+            upper.measure();
+            self.result.layers[index] = upper.report.clone();
+            solved.push((upper, ending));
+        }
+        // From a state that is none, nothing goes on.
+        for (run, _) in solved.into_iter().filter(|(_, e)| *e == Ending::Reached) {
+            let index = run.index;
+            self.upper[index] = Some(run);
+        }
+        Ok(Some(surfaces))
+    }
+
+    /// Solves one layer on the `lower` ones, bottom first: from its last shape if there is one from which the
+    /// equilibrium can be reached, else from none.
+    fn upper_layer(
+        &mut self,
+        index: usize,
+        lower: &[LowerLayer<'_>],
+        place: Place,
+        support: &dyn Support,
+        observer: &mut dyn Observer,
+    ) -> Result<(LayerRun<'a>, Ending), Halt> {
+        let seat = self.plan.stacking.seats[index];
+        let last = self.upper[index].take();
+        let driver = &self.plan.driver;
+        let below: BelowOf<'_> =
+            Box::new(move |skin| surface_below((driver, support), skin, seat, lower));
+        let mut history = None;
+        if let Some(last) = last {
+            let before = last.layer.strain_ratio();
+            let mut run = self.refitted(last, &below, observer)?;
+            let surface = below(run.layer.skin());
+            match run.move_on(surface, (before, place.weight), observer)? {
+                Ending::GaveUp => history = Some(run),
+                ending => return Ok((run, ending)),
+            }
+        }
+        let mut run = self.build(index, std::slice::from_ref(&below), observer)?;
+        if let Some(history) = history {
+            run.take_history(history);
+        }
+        let mut course = CarriedCourse {
+            below: below(run.layer.skin()),
+            weight: place.weight,
+        };
+        let ending = run.follow_from_onset(&mut course, observer)?;
+        Ok((run, ending))
+    }
+
+    fn lower<'r>(
+        &self,
+        run: &'r LayerRun<'_>,
+        shown: &'r [Vector3<f64>],
+        covers: &'r Covers,
+    ) -> LowerLayer<'r> {
+        LowerLayer {
+            skin: run.layer.skin(),
+            positions: run.layer.positions(),
+            shown,
+            offset: self.plan.stacking.seats[run.index].offset,
+            covers,
+        }
+    }
+
+    /// The layer, and one that moves together with it, as others see them.
+    pub(crate) fn snapshot(
+        &self,
+        run: &LayerRun<'_>,
+        support: &dyn Support,
+        lower: &[LowerLayer<'_>],
+    ) -> Vec<LayerSurface> {
+        let (driver, layer) = (&self.plan.driver, &run.layer);
+        let seat = self.plan.stacking.seats[run.index];
+        let region = &layer.region().skin;
+        let on = (driver.as_ref(), support);
+        let below = surface_below(on, region, seat, lower).posed;
+        let shown = surface_below(on, region, seat, &as_shown(lower)).posed;
+        let own = layer.snapshot(on, (&below, &shown), seat.offset);
+        let upper = layer.upper_snapshot(driver, &own, &below);
+        std::iter::once(own).chain(upper).collect()
+    }
+}
+
+/// An upper layer's way: its strain grows on a surface that stays.
+struct CarriedCourse {
+    below: BelowSurface,
+    weight: f64,
+}
+
+impl Course for CarriedCourse {
+    fn place(&self, layer: &mut Layer, load: f64, _: Option<&Inertia>) -> Result<(), StepperError> {
+        layer.set_below(self.below.clone(), load)
+    }
+
+    fn shown(&self, load: f64) -> f64 {
+        self.weight * load
+    }
+
+    fn is_result(&self, load: f64) -> bool {
+        load == 1.0
+    }
+
+    fn rests_at(&self, _: f64) -> bool {
+        false
+    }
+
+    fn kept(
+        &mut self,
+        _: &LayerRun<'_>,
+        _: f64,
+        _: &mut dyn Observer,
+    ) -> Result<bool, StepperError> {
+        Ok(true)
+    }
+}

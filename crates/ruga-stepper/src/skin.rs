@@ -1,0 +1,14 @@
+//! The skin of a layer: its meshes, where they lie on each other, and what it is made of there.
+
+mod boundary_cut;
+pub(crate) mod cover;
+mod facet_address;
+mod fading;
+mod fans;
+pub(crate) mod interpolation;
+pub(crate) mod local_skin;
+pub(crate) mod measure;
+pub(crate) mod place;
+pub(crate) mod relief;
+pub(crate) mod skin_mesh;
+pub(crate) mod upper_shell;

@@ -1,0 +1,210 @@
+//! Which place of one layer every vertex of another lies on.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use nalgebra::{Matrix2, Vector2, Vector3};
+use ruga_blend::Driver;
+use ruga_mesh::{
+    Id, LimitPointRows, LoopSurface, MaterialPoint, PerVertex, SparseRows, SurfaceLookup, TriMesh,
+    limit_rows,
+};
+
+use crate::skin::fading::faded_from;
+use crate::skin::interpolation::through_vertices;
+use crate::skin::skin_mesh::{Mark, SkinMesh};
+
+/// A place counts as beside the layer below when it lies this share of an edge outside.
+const BESIDE: f64 = 1e-3;
+
+/// Barycentric weight under which a place lies on the opposite edge.
+const ON_EDGE: f64 = 1e-9;
+
+/// How a layer below carries over what its vertices have to the layer above.
+#[derive(Debug)]
+pub(crate) struct Cover {
+    /// The vertices above that lie on it.
+    vertices: Vec<u32>,
+    /// How far each is from those beside it: 0 to 1.
+    shares: Vec<f64>,
+    /// Its limit surface there.
+    rows: LimitPointRows,
+    /// Its limit surface at its own vertices.
+    at_vertices: SparseRows,
+    /// Per covered vertex the upper mesh's tangents at rest, as columns, in the lower one's.
+    tangents: Vec<Matrix2<f64>>,
+}
+
+impl Cover {
+    fn new(driver: &Driver, skin: &SkinMesh, lower: &SkinMesh, rim: f64) -> Self {
+        let places = places_above(skin, lower);
+        let beside: Vec<bool> = places.iter().map(Option::is_none).collect();
+        let shares = faded_from(&skin.mesh, &skin.rest.positions, &beside, |_| rim);
+        let (vertices, inside): (Vec<u32>, Vec<MaterialPoint>) = (0..)
+            .zip(places)
+            .filter_map(|(vertex, place)| Some((vertex, place?)))
+            .unzip();
+        let corners = PerVertex::filled(lower.mesh.vertex_count(), false);
+        let rows = LoopSurface::new(&lower.mesh, &corners).rows(&inside);
+        let rest = skin.points.derivatives(driver.rest());
+        let firsts = rows
+            .first
+            .each_ref()
+            .map(|rows| rows.apply(&lower.rest.positions));
+        let tangents = vertices.iter().enumerate().map(|(k, &vertex)| {
+            let basis = [firsts[0][k], firsts[1][k]];
+            let columns = rest[vertex as usize].map(|tangent| coordinates(&tangent, &basis));
+            Matrix2::from_columns(&columns)
+        });
+        Self {
+            tangents: tangents.collect(),
+            at_vertices: limit_rows(&lower.mesh, &corners).position,
+            rows,
+            shares: vertices.iter().map(|&v| shares[v as usize]).collect(),
+            vertices,
+        }
+    }
+
+    /// The vertices above that lie on the layer below, ascending.
+    pub(crate) fn vertices(&self) -> &[u32] {
+        &self.vertices
+    }
+
+    /// Per covered vertex 0 to 1: 1 where every vertex within the rim is covered too, 0 beside those
+    /// that are not.
+    pub(crate) fn shares(&self) -> &[f64] {
+        &self.shares
+    }
+
+    /// What the lower layer's vertices have, at every covered vertex, and its derivatives along the
+    /// upper mesh's own tangents.
+    pub(crate) fn interpolate(&self, values: &[Vector3<f64>]) -> [Vec<Vector3<f64>>; 3] {
+        let control = through_vertices(&self.at_vertices, values);
+        let [by_u, by_v] = self.rows.first.each_ref().map(|rows| rows.apply(&control));
+        let along = |column: usize| {
+            let firsts = by_u.iter().zip(&by_v).zip(&self.tangents);
+            firsts
+                .map(|((u, v), t)| u * t[(0, column)] + v * t[(1, column)])
+                .collect()
+        };
+        [self.rows.position.apply(&control), along(0), along(1)]
+    }
+}
+
+/// The covers between meshes that still exist: finding one takes longer than a step of the solver,
+/// and meshes last for many.
+#[derive(Debug, Default)]
+pub(crate) struct Covers {
+    known: RefCell<Vec<([Mark; 2], Rc<Cover>)>>,
+}
+
+impl Covers {
+    /// The cover of `lower` by `skin`, with a rim of that width, m, the same for every call with these
+    /// meshes.
+    pub(crate) fn of(
+        &self,
+        driver: &Driver,
+        skin: &SkinMesh,
+        lower: &SkinMesh,
+        rim: f64,
+    ) -> Rc<Cover> {
+        let mut known = self.known.borrow_mut();
+        known.retain(|(pair, _)| !pair.iter().any(Mark::is_stale));
+        let found = known.iter().find(|([above, below], _)| {
+            above.is_of(&skin.identity) && below.is_of(&lower.identity)
+        });
+        if let Some((_, cover)) = found {
+            return Rc::clone(cover);
+        }
+        let cover = Rc::new(Cover::new(driver, skin, lower, rim));
+        let pair = [skin, lower].map(|mesh| mesh.identity.mark());
+        known.push((pair, Rc::clone(&cover)));
+        cover
+    }
+}
+
+/// Coordinates of a tangent in a basis of the tangent plane, by least squares.
+fn coordinates(tangent: &Vector3<f64>, [u, v]: &[Vector3<f64>; 2]) -> Vector2<f64> {
+    let gram = Matrix2::new(u.dot(u), u.dot(v), u.dot(v), v.dot(v));
+    let right = Vector2::new(u.dot(tangent), v.dot(tangent));
+    gram.try_inverse()
+        .map_or_else(Vector2::zeros, |g| g * right)
+}
+/// The place of the layer below under every vertex, where there is one.
+fn places_above(skin: &SkinMesh, lower: &SkinMesh) -> Vec<Option<MaterialPoint>> {
+    let lookup = SurfaceLookup::new(&lower.mesh, &lower.rest.positions);
+    let border = lower.mesh.border_vertices();
+    let vertices = skin.rest.positions.iter().zip(&skin.rest.normals);
+    vertices
+        .map(|(x, normal)| {
+            let point = lookup.closest(x)?.point;
+            let away = x - point.interpolate(&lower.mesh, &lower.rest.positions);
+            let sideways = away - normal * normal.dot(&away);
+            let [a, b, _] = lower.mesh.faces()[point.face].map(|v| v.index());
+            let edge = lower.rest.positions[b] - lower.rest.positions[a];
+            let is_beside = sideways.norm() > BESIDE * edge.norm();
+            (!is_beside || !is_on_border(&lower.mesh, &border, &point)).then_some(point)
+        })
+        .collect()
+}
+
+/// Whether a place lies on the border of its mesh. On an edge or a vertex in the middle nothing is
+/// beside the mesh, however much the facets' normals there differ from the surface's.
+pub(crate) fn is_on_border(
+    mesh: &TriMesh,
+    border: &PerVertex<bool>,
+    place: &MaterialPoint,
+) -> bool {
+    let corners = mesh.faces()[place.face];
+    let weight = |corner: usize| place.barycentric[corner % 3];
+    (0..3).any(|corner| {
+        let on_edge = weight(corner + 2) < ON_EDGE;
+        let at_vertex = on_edge && weight(corner + 1) < ON_EDGE;
+        on_edge && mesh.neighbour(place.face, corner).is_none()
+            || at_vertex && border[corners[corner]]
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_drivers::{SIDE, skin, square};
+
+    const OFFSET: f64 = 7e-4;
+
+    /// Also over its vertices and edges, where what is closest lies on the border of a facet.
+    #[test]
+    fn a_layer_covers_all_of_a_bumpy_one() {
+        let bumps = |p: Vector2<f64>| {
+            let height = 1e-3 * (500.0 * p.x).sin() * (500.0 * p.y).cos();
+            Vector3::new(p.x, p.y, height)
+        };
+        let driver = square(&bumps, &bumps);
+        let lower = skin(&driver, 0, 0.0);
+        for levels in [0, 1] {
+            let upper = skin(&driver, levels, OFFSET);
+            let cover = Cover::new(&driver, &upper, &lower, OFFSET);
+            let positions = (0..).zip(&upper.rest.positions);
+            let uncovered = positions
+                .filter(|(_, x)| x.xy().amax() < 0.45 * SIDE)
+                .filter(|(vertex, _)| cover.vertices().binary_search(vertex).is_err());
+            assert_eq!(uncovered.count(), 0, "at level {levels}");
+        }
+    }
+
+    /// The same meshes have one cover, which goes with either of them.
+    #[test]
+    fn covers_are_kept_as_long_as_their_meshes() {
+        let flat = |p: Vector2<f64>| Vector3::new(p.x, p.y, 0.0);
+        let driver = square(&flat, &flat);
+        let covers = Covers::default();
+        let [lower, upper] = [0.0, OFFSET].map(|offset| skin(&driver, 0, offset));
+        let first = covers.of(&driver, &upper, &lower, OFFSET);
+        let again = covers.of(&driver, &upper.clone(), &lower, OFFSET);
+        assert!(Rc::ptr_eq(&first, &again));
+        drop(upper);
+        let other = covers.of(&driver, &skin(&driver, 0, OFFSET), &lower, OFFSET);
+        assert!(!Rc::ptr_eq(&first, &other));
+        assert_eq!(covers.known.borrow().len(), 1);
+    }
+}

@@ -1,0 +1,333 @@
+//! Where on the artist's flat triangles a place of the smooth surface is.
+//!
+//! Loop subdivision moves vertices sideways as well: where quads of a face are cut along either
+//! diagonal, by half a millimetre and to the other side at every vertex. On the smooth surface
+//! texture coordinates make up for it, but maps are looked at on the flat triangles, where straight
+//! fine lines would come out as zigzags. So results are addressed by the place on those that lies
+//! straight above or below, along the smooth surface's normal. The closest place would not do: under
+//! a corner that stands out, the closest places avoid the corner.
+
+use nalgebra::{Matrix2, Matrix2x3, Matrix3, Matrix3x2, Vector2, Vector3};
+use ruga_blend::Driver;
+use ruga_mesh::{FaceId, FaceOrigin, Id, MaterialPoint, PerFace, TriMesh};
+
+use crate::skin::cover::is_on_border;
+use crate::skin::fading::faded_from;
+use crate::skin::local_skin::uv;
+
+/// Distance from seams and borders, in largest ways sideways, over which addresses are faded back
+/// to those of the material points, so that islands stay as large as they are.
+const FADE: f64 = 4.0;
+
+/// Part of the way from the flat triangle, in the texture, by which the place found may miss where the
+/// triangle's own plane says it is; beyond, there is a seam between.
+const CONTINUOUS: f64 = 0.5;
+
+/// Barycentric weight by which a line may miss a triangle and still meet it, and triangles that one is
+/// followed across: more lie around a corner only where the mesh is a fan.
+const INSIDE: f64 = 1e-9;
+const MOST_FACES: usize = 16;
+
+/// Share of its area in the texture that a triangle keeps, and attempts to see to it. Around a vertex
+/// of valence 4 the smooth surface really is that small: every split leaves 0.56 of what it leaves
+/// elsewhere.
+const LEAST_AREA: f64 = 1e-3;
+const ATTEMPTS: usize = 8;
+
+/// A mesh of places of the smooth surface, none of its faces across an edge of the driver.
+pub(crate) struct Piece<'a> {
+    pub(crate) mesh: &'a TriMesh,
+    pub(crate) points: &'a [MaterialPoint],
+    /// Where the surface is there, at rest, m.
+    pub(crate) positions: &'a [Vector3<f64>],
+    /// Its unit normals there.
+    pub(crate) normals: &'a [Vector3<f64>],
+    pub(crate) origins: &'a PerFace<FaceOrigin>,
+    /// Texture coordinates of the material points, per face and corner.
+    pub(crate) uvs: &'a [[Vector2<f64>; 3]],
+}
+
+/// Texture coordinates of the corners of every face, and their barycentric coordinates in the
+/// driver's face it lies in; these may be beyond the face's edges.
+#[derive(Clone, Debug)]
+pub(crate) struct FacetAddresses {
+    pub(crate) uvs: Vec<[Vector2<f64>; 3]>,
+    pub(crate) corners: Vec<[[f64; 3]; 3]>,
+}
+
+impl FacetAddresses {
+    pub(crate) fn new(driver: &Driver, piece: &Piece<'_>) -> Self {
+        let ways = ways(driver, piece);
+        let mut shares = faded(piece, &ways);
+        for _ in 0..ATTEMPTS {
+            if !halve_where_folded(piece, &ways, &mut shares) {
+                break;
+            }
+        }
+        let uvs: Vec<_> = (0..piece.uvs.len())
+            .map(|face| shifted(piece, &ways, &shares, face))
+            .collect();
+        let corners = uvs.iter().enumerate().map(|(face, uvs)| {
+            let origin = &piece.origins[FaceId::from_index(face)];
+            barycentric(&driver.uvs()[origin.face], uvs)
+                .filter(|corners| corners.as_flattened().iter().all(|w| w.abs() <= FAR_OUT))
+                .unwrap_or(origin.corners)
+        });
+        Self {
+            corners: corners.collect(),
+            uvs,
+        }
+    }
+}
+
+/// From a vertex' place on its flat triangle to the one above or below where the surface is: how far,
+/// m, and in the texture; `None` across a seam or at one, or on the border.
+type Way = Option<(f64, Vector2<f64>)>;
+
+fn ways(driver: &Driver, piece: &Piece<'_>) -> Vec<Way> {
+    let border = driver.topology().border_vertices();
+    let seams = seam_vertices(piece);
+    let lines = piece.positions.iter().zip(piece.normals);
+    let vertices = piece.points.iter().zip(lines).zip(seams);
+    vertices
+        .map(|((point, line), is_seam)| {
+            (!is_seam && !is_on_border(driver.topology(), &border, point))
+                .then(|| way(driver, point, line))
+                .flatten()
+        })
+        .collect()
+}
+
+fn way(driver: &Driver, point: &MaterialPoint, line: (&Vector3<f64>, &Vector3<f64>)) -> Way {
+    let x = line.0;
+    let flat = point.interpolate(driver.topology(), driver.rest());
+    let place = along_normal(driver, point.face, line)?;
+    let sideways = (place.interpolate(driver.topology(), driver.rest()) - flat).norm();
+    let way = uv(driver, &place) - uv(driver, point);
+    let texture = in_texture(driver, point.face)?;
+    let away = x - flat;
+    // Where the smooth surface meets the flat one, both ways are nothing but rounding.
+    let rounding = 1e-9 * longest_edge(driver, point.face);
+    let slack = CONTINUOUS * away.norm() + rounding;
+    ((way - texture * away).norm() <= slack * texture.norm()).then_some((sideways, way))
+}
+
+/// Where a line from `x` along the normal meets the flat triangles, from `face` on across the edges
+/// that it passes.
+fn along_normal(
+    driver: &Driver,
+    mut face: FaceId,
+    (x, normal): (&Vector3<f64>, &Vector3<f64>),
+) -> Option<MaterialPoint> {
+    let mesh = driver.topology();
+    for _ in 0..MOST_FACES {
+        let [a, b, c] = mesh.faces()[face].map(|v| driver.rest()[v.index()]);
+        let inverse = Matrix3::from_columns(&[b - a, c - a, *normal]).try_inverse()?;
+        let met = inverse * (x - a);
+        let barycentric = [1.0 - met.x - met.y, met.x, met.y];
+        let (least, weight) = (0..3)
+            .map(|corner| (corner, barycentric[corner]))
+            .min_by(|a, b| a.1.total_cmp(&b.1))?;
+        if weight >= -INSIDE {
+            return Some(MaterialPoint { face, barycentric });
+        }
+        face = mesh.neighbour(face, (least + 1) % 3)?;
+    }
+    None
+}
+
+fn longest_edge(driver: &Driver, face: FaceId) -> f64 {
+    let [a, b, c] = driver.topology().faces()[face].map(|v| driver.rest()[v.index()]);
+    (b - a).norm().max((c - b).norm()).max((a - c).norm())
+}
+
+/// Derivative of a face's texture coordinates by the place in space.
+fn in_texture(driver: &Driver, face: FaceId) -> Option<Matrix2x3<f64>> {
+    let [a, b, c] = driver.topology().faces()[face].map(|v| driver.rest()[v.index()]);
+    let edges = Matrix3x2::from_columns(&[b - a, c - a]);
+    let coordinates = (edges.transpose() * edges).try_inverse()? * edges.transpose();
+    let [p, q, r] = driver.uvs()[face];
+    Some(Matrix2::from_columns(&[q - p, r - p]) * coordinates)
+}
+
+/// Barycentric coordinate at which a triangle has too little texture to measure places by.
+const FAR_OUT: f64 = 3.0;
+
+/// Vertices with more than one texture coordinate.
+fn seam_vertices(piece: &Piece<'_>) -> Vec<bool> {
+    let mut known: Vec<Option<Vector2<f64>>> = vec![None; piece.points.len()];
+    let mut seams = vec![false; piece.points.len()];
+    let scale: f64 = piece
+        .uvs
+        .iter()
+        .flatten()
+        .map(Vector2::amax)
+        .fold(1.0, f64::max);
+    for (corners, uvs) in piece.mesh.faces().as_slice().iter().zip(piece.uvs) {
+        for (vertex, uv) in corners.iter().zip(uvs) {
+            let i = vertex.index();
+            match &known[i] {
+                // As far as rounding goes: faces that share an edge may interpolate it apart.
+                Some(known) => seams[i] |= (known - uv).amax() > 1e-9 * scale,
+                None => known[i] = Some(*uv),
+            }
+        }
+    }
+    seams
+}
+
+/// The share of its way that every vertex takes: rising with the distance from those with none.
+fn faded(piece: &Piece<'_>, ways: &[Way]) -> Vec<f64> {
+    let reach = FADE * ways.iter().flatten().map(|way| way.0).fold(0.0, f64::max);
+    if reach == 0.0 {
+        return vec![0.0; ways.len()];
+    }
+    let held: Vec<bool> = ways.iter().map(Option::is_none).collect();
+    faded_from(piece.mesh, piece.positions, &held, |_| reach)
+}
+
+fn shifted(piece: &Piece<'_>, ways: &[Way], shares: &[f64], face: usize) -> [Vector2<f64>; 3] {
+    let corners = piece.mesh.faces()[FaceId::from_index(face)];
+    std::array::from_fn(|k| {
+        let i = corners[k].index();
+        let way = ways[i].map_or_else(Vector2::zeros, |way| way.1);
+        piece.uvs[face][k] + way * shares[i]
+    })
+}
+
+/// Halves the shares at the corners of faces that have all but lost their area; whether there were
+/// any.
+fn halve_where_folded(piece: &Piece<'_>, ways: &[Way], shares: &mut [f64]) -> bool {
+    let area = |[a, b, c]: &[Vector2<f64>; 3]| (b - a).perp(&(c - a));
+    let is_folded = |face: usize| {
+        let before = area(&piece.uvs[face]);
+        let after = area(&shifted(piece, ways, shares, face));
+        after * before.signum() < LEAST_AREA * before.abs()
+    };
+    let folded: Vec<usize> = (0..piece.uvs.len()).filter(|&f| is_folded(f)).collect();
+    for &face in &folded {
+        for vertex in piece.mesh.faces()[FaceId::from_index(face)] {
+            shares[vertex.index()] *= 0.5;
+        }
+    }
+    !folded.is_empty()
+}
+
+/// Barycentric coordinates of three places of the texture in a face of it.
+fn barycentric(face: &[Vector2<f64>; 3], places: &[Vector2<f64>; 3]) -> Option<[[f64; 3]; 3]> {
+    let [a, b, c] = face;
+    let inverse = Matrix2::from_columns(&[b - a, c - a]).try_inverse()?;
+    Some(places.map(|place| {
+        let t = inverse * (place - a);
+        [1.0 - t.x - t.y, t.x, t.y]
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    use super::*;
+    use crate::skin::skin_mesh::RegionMesh;
+    use crate::test_drivers::{SIDE, region, square_mesh};
+
+    /// A flat square of triangles cut along either diagonal, its vertices moved by up to `jitter`,
+    /// its texture as flat as itself.
+    fn uneven(jitter: f64) -> Driver {
+        let mut random = Pcg64Mcg::seed_from_u64(3);
+        let flat = |p: Vector2<f64>| Vector3::new(p.x, p.y, 0.0);
+        let mut mesh = square_mesh(&flat, &flat);
+        for x in &mut mesh.positions {
+            if x.amax() < 0.49 * SIDE {
+                x.x += jitter * random.random_range(-1.0..1.0);
+                x.y += jitter * random.random_range(-1.0..1.0);
+            }
+        }
+        // Every other pair of triangles cut the other way.
+        for pair in mesh.triangles.chunks_exact_mut(2).step_by(2) {
+            let ([a, b, c], d) = (pair[0], pair[1][2]);
+            pair.copy_from_slice(&[[a, b, d], [b, c, d]]);
+        }
+        mesh.uvs = Some(mesh.positions.iter().map(Vector3::xy).collect());
+        Driver::new(&mesh).expect("a square")
+    }
+
+    /// Largest distance in the middle between where a vertex is and where `uvs` show it.
+    fn misses(region: &RegionMesh, uvs: &[[Vector2<f64>; 3]]) -> f64 {
+        let faces = region.skin.mesh.faces().as_slice().iter().zip(uvs);
+        let corners = faces.flat_map(|(corners, uvs)| corners.iter().zip(uvs));
+        corners
+            .map(|(v, uv)| (region.skin.rest.positions[v.index()].xy(), uv))
+            .filter(|(x, _)| x.amax() < 0.3 * SIDE)
+            .map(|(x, uv)| (x - uv).norm())
+            .fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn places_are_shown_where_they_are() {
+        // Without jitter many vertices stay where they are, with nothing but rounding between.
+        for jitter in [0.0, 3e-4] {
+            let region = region(&uneven(jitter), 3, 5e-4);
+            let [before, after] =
+                [region.uvs(), region.shown_uvs()].map(|uvs| misses(&region, uvs));
+            assert!(before > 1e-4, "{before} m");
+            assert!(after < 1e-12, "{after} m");
+        }
+    }
+
+    /// The square's border stays the border of its texture, and nothing is folded.
+    #[test]
+    fn islands_stay_whole() {
+        let region = region(&uneven(3e-4), 2, 0.0);
+        let area = |[a, b, c]: &[Vector2<f64>; 3]| 0.5 * (b - a).perp(&(c - a));
+        let areas: Vec<f64> = region.shown_uvs().iter().map(area).collect();
+        assert!(areas.iter().all(|area| *area > 0.0));
+        let total: f64 = areas.iter().sum();
+        assert!((total / (SIDE * SIDE) - 1.0).abs() < 1e-9, "{total}");
+    }
+
+    /// The texture of one half lies elsewhere: no address crosses the seam.
+    #[test]
+    fn seams_are_not_crossed() {
+        let mut random = Pcg64Mcg::seed_from_u64(4);
+        let flat = |p: Vector2<f64>| Vector3::new(p.x, p.y, 0.0);
+        let mut mesh = square_mesh(&flat, &flat);
+        let own = mesh.positions.len() as u32;
+        let on_seam = |x: &Vector3<f64>| x.x.abs() < 1e-9 && x.y.abs() < 0.49 * SIDE;
+        for x in &mut mesh.positions {
+            x.y += if on_seam(x) {
+                2e-4 * random.random_range(-1.0..1.0)
+            } else {
+                0.0
+            };
+        }
+        let copies = mesh.positions.clone();
+        let far = Vector2::new(1.0, 0.0);
+        let uvs: Vec<_> = copies.iter().map(Vector3::xy).collect();
+        mesh.uvs = Some(
+            uvs.iter()
+                .copied()
+                .chain(uvs.iter().map(|uv| uv + far))
+                .collect(),
+        );
+        mesh.positions.extend(copies.iter().copied());
+        for shape in &mut mesh.shapes {
+            shape.position_deltas = vec![Vector3::zeros(); mesh.positions.len()];
+        }
+        for corners in &mut mesh.triangles {
+            if corners.iter().any(|v| copies[*v as usize].x > 1e-9) {
+                *corners = corners.map(|v| v + own);
+            }
+        }
+        let region = region(&Driver::new(&mesh).expect("a square in two halves"), 2, 0.0);
+        let total: f64 = (region.shown_uvs().iter())
+            .map(|[a, b, c]| 0.5 * (b - a).perp(&(c - a)))
+            .inspect(|area| assert!(*area > 0.0))
+            .sum();
+        assert!((total / (SIDE * SIDE) - 1.0).abs() < 1e-9, "{total}");
+        for uvs in region.shown_uvs() {
+            assert!(uvs.iter().all(|uv| uv.x < 0.5) || uvs.iter().all(|uv| uv.x > 0.5));
+        }
+    }
+}

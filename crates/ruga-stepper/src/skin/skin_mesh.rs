@@ -1,0 +1,437 @@
+//! The mesh a layer is computed on, and the one it is handed out on.
+
+use std::sync::{Arc, Weak};
+
+use nalgebra::{Matrix3, SymmetricEigen, Vector2, Vector3};
+use ruga_blend::{BaseSurface, Driver, PosedSurface, Smoothing, SurfacePoints};
+use ruga_material::PropertyMap;
+use ruga_mesh::{FaceId, Id, MaterialPoint, PerEdge, PerFace, PerVertex, SurfaceLookup, TriMesh};
+use ruga_remesh::{
+    FaceDriver, PolyhedralSurface, Refinement, RemeshError, RemeshSettings, SizeLimits, Sizing,
+    SizingInput, SurfaceMesh, remesh, sizing_field,
+};
+
+use crate::error::Halt;
+use crate::skin::boundary_cut::{
+    Cut, Piece, TooManyCrossings, blend, check_crossings, cut_along, faces_beside,
+};
+use crate::skin::facet_address::{FacetAddresses, Piece as Facets};
+use crate::skin::fans::one_fan_per_vertex;
+use crate::{LayerSpec, StepperError};
+
+/// Lengths of edges, as multiples of what is wanted, that a mesh goes through. A mesh that is too
+/// fine stays so up to a factor of 0.6, because edges between old vertices are spared; split edges
+/// of a coarser one end nearer to what is wanted, with little more than half of the vertices. The
+/// last round sees the sizing where the one before put its vertices.
+const ROUNDS: [f64; 3] = [2.0, 1.0, 1.0];
+
+/// Edges over those asked for that a fitted mesh may have here and there.
+const TOO_LONG: f64 = 1.5;
+
+/// A triangle mesh whose vertices are material points of the driver.
+#[derive(Clone, Debug)]
+pub(crate) struct SkinMesh {
+    pub(crate) mesh: TriMesh,
+    pub(crate) points: SurfacePoints,
+    pub(crate) rest: PosedSurface,
+    /// Faces beside a sharp boundary of the layer's map, each with a texture coordinate well inside
+    /// it: their corners are on the boundary and say nothing about either side.
+    pub(crate) beside: Vec<(FaceId, Vector2<f64>)>,
+    /// What tells it from others; copies share it.
+    pub(crate) identity: Identity,
+}
+
+/// Equal for an original and its copies only.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Identity(Arc<()>);
+
+impl Identity {
+    /// Something to know it by that does not keep it.
+    pub(crate) fn mark(&self) -> Mark {
+        Mark(Arc::downgrade(&self.0))
+    }
+}
+
+/// Reminder of an [`Identity`].
+#[derive(Debug)]
+pub(crate) struct Mark(Weak<()>);
+
+impl Mark {
+    pub(crate) fn is_of(&self, identity: &Identity) -> bool {
+        std::ptr::eq(self.0.as_ptr(), Arc::as_ptr(&identity.0))
+    }
+
+    /// Whether nothing of that identity is left.
+    pub(crate) fn is_stale(&self) -> bool {
+        self.0.strong_count() == 0
+    }
+}
+
+impl SkinMesh {
+    /// At rest `offset` above the driver; `None` as soon as `goes_on` says no.
+    fn new(
+        driver: &Driver,
+        (mesh, points): (TriMesh, &[MaterialPoint]),
+        smoothing: Smoothing,
+        offset: f64,
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> Option<Self> {
+        let points = SurfacePoints::new_while(driver, points, smoothing, goes_on)?;
+        let on_driver = Self {
+            rest: points.pose(driver.rest()),
+            mesh,
+            points,
+            beside: Vec::new(),
+            identity: Identity::default(),
+        };
+        Some(on_driver.lifted(offset))
+    }
+
+    /// At rest so much higher.
+    fn lifted(mut self, offset: f64) -> Self {
+        for (x, normal) in self.rest.positions.iter_mut().zip(&self.rest.normals) {
+            *x += normal * offset;
+        }
+        self
+    }
+
+    /// The vertices' indices at the corners of every triangle.
+    pub(crate) fn corner_indices(&self) -> Vec<[u32; 3]> {
+        let faces = self.mesh.faces().as_slice().iter();
+        faces.map(|corners| corners.map(|v| v.0)).collect()
+    }
+}
+
+/// What a mesh of a region is to resolve.
+pub(crate) struct MeshDemand<'a> {
+    /// What drives wrinkles on every triangle of the region's mesh.
+    pub(crate) drivers: &'a PerFace<FaceDriver>,
+    /// Longest edge at every vertex, m.
+    pub(crate) longest: &'a [f64],
+    /// Largest ratio of edges along and across the wrinkles at every vertex; infinite where the
+    /// mesh's own limit is enough.
+    pub(crate) aspects: &'a [f64],
+    pub(crate) refinement: Refinement,
+    /// Vertices that there may be.
+    pub(crate) budget: usize,
+}
+
+/// What a mesh of a region is to be like.
+struct Wanted<'a> {
+    surface: PolyhedralSurface<'a>,
+    start: SurfaceMesh,
+    sizing: Sizing,
+    /// Edges over those asked for, where the budget does not allow them; 1 where it does.
+    coarseness: f64,
+}
+
+/// A fitted mesh.
+pub(crate) struct Adapted {
+    pub(crate) skin: SkinMesh,
+    /// Edges over those asked for, where the budget did not allow them; 1 where it did.
+    pub(crate) coarseness: f64,
+}
+
+/// The uniform mesh of the active region: every triangle lies in one of the artist's, and, where the
+/// layer's map is sharp, on one side of each of its boundaries.
+#[derive(Clone, Debug)]
+pub(crate) struct RegionMesh {
+    pub(crate) skin: SkinMesh,
+    /// Of the material points.
+    uvs: Vec<[Vector2<f64>; 3]>,
+    origins: PerFace<ruga_mesh::FaceOrigin>,
+    /// Where results are shown.
+    addresses: FacetAddresses,
+    artist: Vec<u32>,
+    /// Edges that a fitted mesh keeps.
+    features: PerEdge<bool>,
+    smoothing: Smoothing,
+    offset: f64,
+}
+
+/// Whether the mesh of the region of `base` that `layer` covers can follow its map.
+///
+/// # Errors
+/// [`StepperError::TooManyBoundaries`].
+pub(crate) fn check_boundaries(
+    driver: &Driver,
+    base: &BaseSurface,
+    layer: &LayerSpec,
+) -> Result<(), StepperError> {
+    let Some(map) = sharp_map(layer) else {
+        return Ok(());
+    };
+    check_crossings(map, driver, piece_of(base)).map_err(|source| too_many(layer, source))
+}
+
+/// The map whose boundaries the layer's mesh is to follow.
+pub(crate) fn sharp_map(layer: &LayerSpec) -> Option<&PropertyMap> {
+    layer.map.as_deref().filter(|_| layer.sharp)
+}
+
+fn too_many(layer: &LayerSpec, crossings: TooManyCrossings) -> StepperError {
+    StepperError::TooManyBoundaries {
+        layer: layer.name.clone(),
+        percent: 100.0 * crossings.share,
+    }
+}
+
+fn piece_of(base: &BaseSurface) -> Piece {
+    let (mesh, copied) = one_fan_per_vertex(base.mesh());
+    let base_points = base.vertex_points();
+    Piece {
+        mesh,
+        points: copied.iter().map(|v| base_points[v.index()]).collect(),
+        origins: base.origins().clone(),
+        uvs: base.uvs().as_slice().to_vec(),
+    }
+}
+
+impl RegionMesh {
+    /// The region of `base` that `layer` covers, at rest `offset` above the driver.
+    ///
+    /// # Errors
+    /// [`StepperError::TooManyBoundaries`]; [`Halt::Interrupted`] as soon as `goes_on`, which is
+    /// asked between the steps, says no.
+    pub(crate) fn new(
+        driver: &Driver,
+        layer: &LayerSpec,
+        (base, smoothing, offset): (&BaseSurface, Smoothing, f64),
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> Result<Self, Halt> {
+        let piece = piece_of(base);
+        let Cut { piece, features } = match sharp_map(layer) {
+            None => Cut::none(piece),
+            Some(map) => cut_along(map, driver, piece).map_err(|source| too_many(layer, source))?,
+        };
+        let Piece {
+            mesh,
+            points,
+            origins,
+            uvs,
+        } = piece;
+        let beside = faces_beside(&mesh, &features).into_iter();
+        let beside = beside
+            .map(|(face, weights)| (face, blend(&uvs[face.index()], weights)))
+            .collect();
+        let skin = SkinMesh::new(driver, (mesh, &points), smoothing, 0.0, goes_on);
+        let skin = skin.ok_or(Halt::Interrupted)?;
+        let addresses = FacetAddresses::new(
+            driver,
+            &Facets {
+                mesh: &skin.mesh,
+                points: &points,
+                positions: &skin.rest.positions,
+                normals: &skin.rest.normals,
+                origins: &origins,
+                uvs: &uvs,
+            },
+        );
+        let artist = origins.as_slice().iter();
+        Ok(Self {
+            features,
+            skin: SkinMesh {
+                beside,
+                ..skin.lifted(offset)
+            },
+            uvs,
+            addresses,
+            artist: artist
+                .map(|origin| driver.triangles()[origin.face])
+                .collect(),
+            origins,
+            smoothing,
+            offset,
+        })
+    }
+
+    /// Texture coordinates of the material points of every triangle's corners, V down.
+    #[cfg(test)]
+    pub(crate) fn uvs(&self) -> &[[Vector2<f64>; 3]] {
+        &self.uvs
+    }
+
+    /// Texture coordinates of every triangle's corners, V down, as the artist's flat triangles show
+    /// them.
+    pub(crate) fn shown_uvs(&self) -> &[[Vector2<f64>; 3]] {
+        &self.addresses.uvs
+    }
+
+    /// For every triangle the file's triangle and its corners' places there.
+    pub(crate) fn artist(&self) -> Vec<(u32, [[f64; 3]; 3])> {
+        let triangles = self.artist.iter().copied();
+        triangles
+            .zip(self.addresses.corners.iter().copied())
+            .collect()
+    }
+
+    /// A mesh of the region that is as fine as `demand` and the rest shape ask for, in the
+    /// directions in which they do, or as the budget allows; `None` as soon as `goes_on`, which is
+    /// asked between its steps, says no.
+    pub(crate) fn adapted(
+        &self,
+        driver: &Driver,
+        demand: &MeshDemand<'_>,
+        settings: &RemeshSettings,
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> Result<Option<Adapted>, RemeshError> {
+        let Wanted {
+            surface,
+            start,
+            sizing: wanted,
+            coarseness,
+        } = self.wanted(demand, settings)?;
+        if !goes_on() {
+            return Ok(None);
+        }
+        let settings = RemeshSettings {
+            limits: SizeLimits {
+                min_edge: 0.0,
+                max_edge: f64::MAX,
+                aspect: settings.limits.aspect,
+                grading: f64::INFINITY,
+            },
+            ..*settings
+        };
+        let mut made = start;
+        for round in ROUNDS {
+            let sizing = self.sizing_at(&made.points, &wanted, round * coarseness);
+            made = remesh(&made, &sizing, &surface, &settings)?.mesh;
+            if !goes_on() {
+                return Ok(None);
+            }
+        }
+        let on_driver = |point: &MaterialPoint| self.origins[point.face].place(point.barycentric);
+        let points: Vec<MaterialPoint> = made.points.as_slice().iter().map(on_driver).collect();
+        let beside = self.beside(&made);
+        let places = (made.mesh, points.as_slice());
+        let skin = SkinMesh::new(driver, places, self.smoothing, self.offset, goes_on);
+        Ok(skin.map(|skin| Adapted {
+            skin: SkinMesh { beside, ..skin },
+            coarseness,
+        }))
+    }
+
+    /// The faces of a fitted mesh beside features, each with a texture coordinate inside: that of the
+    /// place of this mesh below, because a fitted face may lie across a seam.
+    fn beside(&self, fitted: &SurfaceMesh) -> Vec<(FaceId, Vector2<f64>)> {
+        let faces = faces_beside(&fitted.mesh, &fitted.features);
+        if faces.is_empty() {
+            return Vec::new();
+        }
+        let lookup = SurfaceLookup::new(&self.skin.mesh, &self.skin.rest.positions);
+        faces
+            .into_iter()
+            .map(|(face, weights)| {
+                let corners = fitted.mesh.faces()[face];
+                let weighted = corners.iter().zip(weights);
+                let target: Vector3<f64> = weighted.map(|(&v, w)| fitted.positions[v] * w).sum();
+                let near = fitted.points[corners[nearest(weights)]];
+                // All of the way from the corner to the target is within this reach.
+                let reach = (fitted.positions[corners[nearest(weights)]] - target).norm();
+                let found = lookup.closest_near(near.face, &target, reach);
+                let place = found.map_or(near, |found| found.point);
+                (
+                    face,
+                    blend(&self.uvs[place.face.index()], place.barycentric),
+                )
+            })
+            .collect()
+    }
+
+    /// What `demand` and the rest shape ask for at this mesh's vertices.
+    fn wanted(
+        &self,
+        demand: &MeshDemand<'_>,
+        settings: &RemeshSettings,
+    ) -> Result<Wanted<'_>, RemeshError> {
+        let mesh = &self.skin.mesh;
+        let surface = PolyhedralSurface::new(mesh, &self.skin.rest.positions, &self.features)?;
+        let start = SurfaceMesh {
+            features: self.features.clone(),
+            ..SurfaceMesh::on_surface(mesh.clone(), surface.vertex_points()?, &surface)?
+        };
+        let mut sizing = sizing_field(&SizingInput {
+            mesh: &start,
+            shape: &self.skin.rest.positions,
+            velocity: None,
+            driver: Some(demand.drivers),
+            refinement: demand.refinement,
+        })?;
+        let limits = demand.longest.iter().zip(demand.aspects);
+        for (tensor, (longest, aspect)) in sizing.tensors.as_mut_slice().iter_mut().zip(limits) {
+            *tensor += Matrix3::identity() / (longest * longest);
+            limit_aspect(tensor, *aspect);
+        }
+        let sizing = sizing.limited(&start, &surface, &settings.limits)?;
+        let estimate = sizing.vertex_estimate(&start)? as f64;
+        Ok(Wanted {
+            coarseness: (estimate / demand.budget as f64).sqrt().max(1.0),
+            surface,
+            start,
+            sizing,
+        })
+    }
+
+    /// Share of this mesh's vertices under which the triangle of `layer`, a mesh of the same
+    /// region, is longer than `demand` allows by the factor that a fitted mesh may have anywhere.
+    pub(crate) fn share_too_coarse(
+        &self,
+        layer: &SkinMesh,
+        places: &[MaterialPoint],
+        demand: &MeshDemand<'_>,
+        settings: &RemeshSettings,
+    ) -> Result<f64, RemeshError> {
+        let Wanted {
+            sizing, coarseness, ..
+        } = self.wanted(demand, settings)?;
+        let longest = TOO_LONG * coarseness;
+        let too_coarse = places.iter().zip(sizing.tensors.as_slice());
+        let too_coarse = too_coarse.filter(|(place, tensor)| {
+            let [a, b, c] = layer.mesh.faces()[place.face].map(|v| layer.rest.positions[v.index()]);
+            [b - a, c - b, a - c]
+                .iter()
+                .any(|edge| edge.dot(&(*tensor * edge)) > longest * longest)
+        });
+        Ok(too_coarse.count() as f64 / places.len().max(1) as f64)
+    }
+
+    /// Sizing at places of this mesh from that at its vertices, for edges `coarseness` times as
+    /// long.
+    fn sizing_at(
+        &self,
+        places: &PerVertex<MaterialPoint>,
+        sizing: &Sizing,
+        coarseness: f64,
+    ) -> Sizing {
+        let tensor = |place: &MaterialPoint| {
+            let corners = self.skin.mesh.faces()[place.face].iter();
+            let weighted = corners.zip(place.barycentric);
+            let sum = weighted.map(|(&v, weight)| sizing.tensors[v] * weight);
+            sum.sum::<Matrix3<f64>>() / (coarseness * coarseness)
+        };
+        Sizing {
+            tensors: places.as_slice().iter().map(tensor).collect(),
+        }
+    }
+}
+
+/// The corner with the largest weight.
+fn nearest(weights: [f64; 3]) -> usize {
+    (1..3).fold(
+        0,
+        |best, i| if weights[i] > weights[best] { i } else { best },
+    )
+}
+
+/// Shortens the long directions of a sizing tensor to `aspect` times the short one.
+fn limit_aspect(tensor: &mut Matrix3<f64>, aspect: f64) {
+    if aspect == f64::INFINITY {
+        return;
+    }
+    let eigen = SymmetricEigen::new(*tensor);
+    let least = eigen.eigenvalues.max() / (aspect * aspect);
+    let values = eigen.eigenvalues.map(|value| value.max(least));
+    let vectors = eigen.eigenvectors;
+    *tensor = vectors * Matrix3::from_diagonal(&values) * vectors.transpose();
+}

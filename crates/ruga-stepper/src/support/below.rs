@@ -1,0 +1,311 @@
+//! What lies below places of the skin: the layer below where there is one, driver or body elsewhere.
+
+use nalgebra::{Matrix2, SymmetricEigen, Vector3};
+use ruga_blend::{Driver, FaceStrain, PosedSurface, face_strains};
+use ruga_mesh::PerFace;
+
+use crate::skin::cover::{Cover, Covers};
+use crate::skin::skin_mesh::SkinMesh;
+use crate::support::Support;
+
+/// Width of the rim over which the normals of the layer below turn into the driver's, in the
+/// distance between the two layers. That layer ends in a hinge; above a kink of 36 degrees, which a
+/// real forehead has, skin would be stretched to twice its length or turned inside out.
+const RIM: f64 = 4.0;
+
+/// Squared stretches by which the bending of the layer below may change a rest metric: where that
+/// layer bends within twice its offset, the offset surface is about to turn inside out.
+const TRANSFER_RANGE: [f64; 2] = [0.25, 2.25];
+
+/// A surface on which a layer would lie, and what of its bending the layer is not to feel.
+#[derive(Clone, Debug)]
+pub(crate) struct BelowSurface {
+    /// The layer's own place in it: offsets are included.
+    pub(crate) posed: PosedSurface,
+    /// Per face the symmetric stretch of the rest metric, in the face's rest frame, that takes the
+    /// untransferred part of the bending strain away.
+    pub(crate) transfer: Option<Vec<Matrix2<f64>>>,
+}
+
+/// The layer below, with its shape.
+#[derive(Clone, Copy)]
+pub(crate) struct LowerLayer<'a> {
+    pub(crate) skin: &'a SkinMesh,
+    pub(crate) positions: &'a [Vector3<f64>],
+    /// Where its vertices are as maps show them.
+    pub(crate) shown: &'a [Vector3<f64>],
+    /// Its distance from the driver, m.
+    pub(crate) offset: f64,
+    /// Where others lie on it, as far as that is known.
+    pub(crate) covers: &'a Covers,
+}
+
+/// The layers in the shapes that maps show.
+pub(crate) fn as_shown<'a>(layers: &[LowerLayer<'a>]) -> Vec<LowerLayer<'a>> {
+    let shown = |layer: &LowerLayer<'a>| LowerLayer {
+        positions: layer.shown,
+        ..*layer
+    };
+    layers.iter().map(shown).collect()
+}
+
+/// How a layer lies on what is below.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Seat {
+    /// Distance from the driver along its normal, m.
+    pub(crate) offset: f64,
+    /// Share of the bending strain of what lies below that the layer feels, 0 to 1.
+    pub(crate) bending_transfer: f64,
+    /// Tangential stiffness per area where it is not the layer's own, Pa/m.
+    pub(crate) tie: Option<f64>,
+}
+
+/// The surface below the vertices of `skin`, whose rest positions include the seat's offset: what carries
+/// all layers, and on it the `lower` ones, bottom first.
+pub(crate) fn surface_below(
+    (driver, support): (&Driver, &dyn Support),
+    skin: &SkinMesh,
+    seat: Seat,
+    lower: &[LowerLayer<'_>],
+) -> BelowSurface {
+    let mut middle = support.pose(skin);
+    let on_support = middle.positions.clone();
+    let mut distance = vec![seat.offset; middle.positions.len()];
+    // What an upper one of them covers is its surface; where it is not, that of the next lower one.
+    for lower in lower {
+        let rim = RIM * (seat.offset - lower.offset);
+        let cover = lower.covers.of(driver, skin, lower.skin, rim);
+        for &vertex in lay_on(&cover, (skin, &on_support), support, lower, &mut middle) {
+            distance[vertex as usize] = seat.offset - lower.offset;
+        }
+    }
+    let lifted = |share: f64| -> Vec<Vector3<f64>> {
+        let normals = middle.positions.iter().zip(&middle.normals).zip(&distance);
+        normals.map(|((x, n), d)| x + n * (share * d)).collect()
+    };
+    let positions = lifted(1.0);
+    let transfer = (seat.offset > 0.0 && seat.bending_transfer < 1.0).then(|| {
+        // Where the layer rests, between the surface below and its own place.
+        let rest: Vec<Vector3<f64>> = skin
+            .rest
+            .positions
+            .iter()
+            .zip(&skin.rest.normals)
+            .zip(&distance)
+            .map(|((x, n), d)| x - n * ((1.0 - seat.bending_transfer) * d))
+            .collect();
+        let part = face_strains(&skin.mesh, &rest, &lifted(seat.bending_transfer));
+        let whole = face_strains(&skin.mesh, &skin.rest.positions, &positions);
+        untransferred(&whole, &part)
+    });
+    BelowSurface {
+        posed: PosedSurface {
+            positions,
+            ..middle
+        },
+        transfer,
+    }
+}
+
+/// `A = P^-1/2 W P^-1/2` per face, as stretch `A^1/2`, of the whole metric `W` and the part `P`
+/// that is felt: with this rest metric a layer in `W` is strained as one in `P`. For bending about
+/// one axis it is `l0' = l0 |dQ_t| / |dQ_teff|` of the notes.
+fn untransferred(whole: &PerFace<FaceStrain>, part: &PerFace<FaceStrain>) -> Vec<Matrix2<f64>> {
+    let pairs = whole.as_slice().iter().zip(part.as_slice());
+    pairs
+        .map(|(whole, part)| {
+            let root = power(&part.cauchy_green, -0.5, [1e-4, f64::MAX]);
+            let metric = root * whole.cauchy_green * root;
+            power(&metric, 0.5, TRANSFER_RANGE)
+        })
+        .collect()
+}
+
+/// A power of a symmetric positive matrix, its eigenvalues held to a range.
+fn power(matrix: &Matrix2<f64>, exponent: f64, [low, high]: [f64; 2]) -> Matrix2<f64> {
+    let eigen = SymmetricEigen::new(*matrix);
+    let values = eigen
+        .eigenvalues
+        .map(|value| value.clamp(low, high).powf(exponent));
+    let vectors = eigen.eigenvectors;
+    vectors * Matrix2::from_diagonal(&values) * vectors.transpose()
+}
+
+/// Puts a layer below in the place of what lies below it, wherever that layer is; returns where.
+/// Over a rim its normals turn into those of what is there without it.
+///
+/// Deviations, not positions, are interpolated: they vanish at the layer's ragged border, where a
+/// smooth surface through positions would cut the corners.
+fn lay_on<'c>(
+    cover: &'c Cover,
+    (skin, on_support): (&SkinMesh, &[Vector3<f64>]),
+    support: &dyn Support,
+    lower: &LowerLayer<'_>,
+    middle: &mut PosedSurface,
+) -> &'c [u32] {
+    let base = support.pose(lower.skin).positions;
+    let deviations = lower.positions.iter().zip(&base);
+    let deviations: Vec<Vector3<f64>> = deviations.map(|(x, base)| x - base).collect();
+    let [change, along_u, along_v] = cover.interpolate(&deviations);
+    let posed = support.derivatives(skin);
+    let changes = change.iter().zip(along_u.iter().zip(&along_v));
+    let vertices = cover.vertices().iter().zip(cover.shares());
+    for ((&vertex, share), (change, (along_u, along_v))) in vertices.zip(changes) {
+        let i = vertex as usize;
+        middle.positions[i] = on_support[i] + change;
+        let first = posed[i][0] + along_u;
+        let second = posed[i][1] + along_v;
+        let normal = first.cross(&second).try_normalize(0.0);
+        let normal = normal.map(|normal| middle.normals[i].lerp(&normal, *share));
+        if let Some(normal) = normal.and_then(|normal| normal.try_normalize(0.0)) {
+            let tangent = first - normal * normal.dot(&first);
+            middle.tangents[i] = tangent.try_normalize(0.0).unwrap_or(middle.tangents[i]);
+            middle.normals[i] = normal;
+        }
+    }
+    cover.vertices()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use nalgebra::Vector2;
+    use ruga_blend::rest_frame;
+    use ruga_mesh::Id;
+
+    use super::*;
+    use crate::support::PosedDriver;
+    use crate::test_drivers::{SIDE, Shape, region_of, skin, square};
+
+    const OFFSET: f64 = 7e-4;
+    const TRANSFER: f64 = 0.3;
+
+    /// Places of faces and the stretches of their rest metrics, where the flat square is bent to
+    /// `shape`; in its plane's axes, away from its border.
+    fn stretches(shape: Shape) -> Vec<(Vector2<f64>, Matrix2<f64>)> {
+        let driver = square(&|p| Vector3::new(p.x, p.y, 0.0), shape);
+        let skin = skin(&driver, 1, OFFSET);
+        let seat = Seat {
+            offset: OFFSET,
+            bending_transfer: TRANSFER,
+            tie: None,
+        };
+        let control = driver.pose(&driver.weights([("bend", 1.0)]).expect("a shape"));
+        let support = PosedDriver { control };
+        let below = surface_below((&driver, &support), &skin, seat, &[]);
+        let transfer = below.transfer.expect("a part is not transferred");
+        let faces = skin.mesh.faces().as_slice().iter().zip(transfer);
+        faces
+            .map(|(corners, stretch)| {
+                let [a, b, c] = corners.map(|v| skin.rest.positions[v.index()]);
+                let [u, v] = rest_frame([a, b, c]).map(|axis| axis.xy());
+                let axes = Matrix2::from_columns(&[u, v]);
+                let centre = (a + b + c).xy() / 3.0;
+                (centre, axes * stretch * axes.transpose())
+            })
+            .filter(|(centre, _)| centre.amax() < 0.25 * SIDE)
+            .collect()
+    }
+
+    /// `(1 + t k) / (1 + b t k)` for the curvature `k` of a crest.
+    fn expected(curvature: f64) -> f64 {
+        let bent = OFFSET * curvature;
+        (1.0 + bent) / (1.0 + TRANSFER * bent)
+    }
+
+    fn sorted(stretch: &Matrix2<f64>) -> [f64; 2] {
+        let values = stretch.symmetric_eigenvalues();
+        [values.min(), values.max()]
+    }
+
+    /// The layer below meets its border at 35 degrees; above the kink nothing is stretched or
+    /// squeezed by much more than the layer below is.
+    #[test]
+    fn a_layer_goes_over_to_the_driver_at_the_border_of_the_one_below() {
+        let flat = |p: Vector2<f64>| Vector3::new(p.x, p.y, 0.0);
+        let driver = square(&flat, &flat);
+        let upper = skin(&driver, 2, OFFSET);
+        let half = 0.25 * SIDE;
+        let corners = driver.topology().faces().iter();
+        let inside = corners.filter(|(_, corners)| {
+            let places = corners.map(|v| driver.rest()[v.index()]);
+            places.iter().all(|x| x.xy().amax() < half + 1e-9)
+        });
+        let faces: Vec<_> = inside.map(|(face, _)| face).collect();
+        let lower = region_of(&driver, &faces, 0, 0.0).skin;
+        let hump = |x: &Vector3<f64>| {
+            let [u, v] = [x.x, x.y].map(|x| (0.5 * PI * x / half).cos());
+            x + Vector3::z() * (0.7 * 2.0 * half / PI * u * v)
+        };
+        let positions: Vec<_> = lower.rest.positions.iter().map(hump).collect();
+        let below = LowerLayer {
+            skin: &lower,
+            positions: &positions,
+            shown: &positions,
+            offset: 0.0,
+            covers: &Covers::default(),
+        };
+        let seat = Seat {
+            offset: OFFSET,
+            bending_transfer: 1.0,
+            tie: None,
+        };
+        let control = driver.rest().to_vec();
+        let support = PosedDriver { control };
+        let surface = surface_below((&driver, &support), &upper, seat, &[below]);
+        let own = face_strains(&lower.mesh, &lower.rest.positions, &positions);
+        let strains = face_strains(&upper.mesh, &upper.rest.positions, &surface.posed.positions);
+        let range = |strains: &PerFace<FaceStrain>| {
+            let strains = strains.as_slice().iter();
+            strains.fold([0.0_f64; 2], |[low, high], s| {
+                [low.min(s.second), high.max(s.first)]
+            })
+        };
+        let ([low, high], [low_below, high_below]) = (range(&strains), range(&own));
+        assert!(low > low_below - 0.1, "stretched by {}", -low);
+        // Without the rim 0.68.
+        assert!(high < high_below + 0.2, "squeezed by {high}");
+    }
+
+    /// Round the cylinder the rest metric takes up what is not transferred, along it nothing.
+    #[test]
+    fn a_cylinder_stretches_the_rest_metric_around_it() {
+        let radius = 0.015;
+        let cylinder = |p: Vector2<f64>| {
+            let angle = p.x / radius;
+            radius * Vector3::new(angle.sin(), p.y / radius, angle.cos() - 1.0)
+        };
+        for (_, stretch) in stretches(&cylinder) {
+            let [along, around] = sorted(&stretch);
+            assert!((along - 1.0).abs() < 1e-5, "{along}");
+            assert!((around - expected(1.0 / radius)).abs() < 2e-4, "{around}");
+        }
+    }
+
+    /// In the middle of a saddle one direction is stretched and one shortened, each by its own
+    /// curvature; for small ones the share that is not transferred times the bending strain.
+    #[test]
+    fn a_saddle_has_both_signs() {
+        let saddle = |curvature: f64| {
+            let shape = move |p: Vector2<f64>| {
+                let height = 0.5 * curvature * (p.y * p.y - p.x * p.x);
+                Vector3::new(p.x, p.y, height)
+            };
+            let mut found = stretches(&shape);
+            found.sort_by(|a, b| a.0.norm().total_cmp(&b.0.norm()));
+            // The two faces that share the middle.
+            0.5 * (found[0].1 + found[1].1)
+        };
+        let curvature = 1.0 / 0.015;
+        let [low, high] = sorted(&saddle(curvature));
+        assert!((high - expected(curvature)).abs() < 2e-3, "{high}");
+        assert!((low - expected(-curvature)).abs() < 2e-3, "{low}");
+        let step = 0.5;
+        let slope = (saddle(step) - saddle(-step)) / (2.0 * step);
+        let [low, high] = sorted(&slope);
+        let expected = (1.0 - TRANSFER) * OFFSET;
+        assert!((high / expected - 1.0).abs() < 0.02, "{high} {expected}");
+        assert!((low / expected + 1.0).abs() < 0.02, "{low} {expected}");
+    }
+}
