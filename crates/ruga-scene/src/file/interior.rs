@@ -1,4 +1,4 @@
-//! `[interior]`: the soft body below the layer, what holds it and what it runs into; and the
+//! `[interior]`: the soft body below the layers, what holds it and what it runs into; and the
 //! motions of poses.
 
 use ruga_stepper::CellShape;
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// What lies inside has the Young's modulus and the Poisson ratio of `[substrate]`. All lengths are
 /// metres; `length_unit` converts OBJ input alone. Places and directions are in the axes of the world:
 /// those in which a glTF file's node stands, of which glTF says that `y` is up. `driver.region` is
-/// `"all"` where it is `"auto"`, and `remesh.aspect` has no effect.
+/// `"all"` where it is `"auto"`. The lowest layer moves together with the body; others lie on it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Interior {

@@ -10,6 +10,9 @@ use crate::run::stack_run::{Place, StackRun};
 use crate::support::motion::Inertia;
 use crate::{LayerReport, Observer, Phase, Preparation, Progress, StepperError};
 
+/// Where the nodes of a body are at every key of a pose, m.
+pub(super) type Places = Vec<Vec<Vector3<f64>>>;
+
 impl<'a> StackRun<'a> {
     /// Whether a mesh for the large shape alone would be coarser than the layer's own.
     pub(super) fn can_run_ahead(&self, lowest: usize) -> bool {
@@ -25,7 +28,7 @@ impl<'a> StackRun<'a> {
         &self,
         lowest: usize,
         observer: &mut dyn Observer,
-    ) -> Result<(Vec<Vec<Vector3<f64>>>, LayerReport), Halt> {
+    ) -> Result<(Places, LayerReport), Halt> {
         let mut run = self.build_coarse(lowest, observer)?;
         let mut course = AheadCourse {
             stack: self,
@@ -51,7 +54,7 @@ struct AheadCourse<'r, 'a> {
     stack: &'r StackRun<'a>,
     lowest: usize,
     /// Where its nodes are at every key, m.
-    places: Vec<Vec<Vector3<f64>>>,
+    places: Places,
 }
 
 impl Course for AheadCourse<'_, '_> {
