@@ -184,7 +184,7 @@ fn poses_table(plan: &ScenePlan) -> String {
                 applied(number(1e2 * strain.median, 1, "%")),
                 applied(number(1e2 * strain.p99, 1, "%")),
                 number(1e4 * layer.active_area, 1, "cm2"),
-                number(1e4 * strain.capped_area, 1, "cm2"),
+                applied(number(1e4 * strain.capped_area, 1, "cm2")),
                 layer.vertices.to_string(),
                 shown(number(layer.points_per_wavelength, 1, "")),
                 shown(number(layer.texels_per_wavelength, 1, "")),
