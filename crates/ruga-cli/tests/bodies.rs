@@ -174,7 +174,7 @@ const MOTION: &str =
     "move = [-0.012, 0.0, 0.0], turn = [0.0, 5.0, 0.0], about = [0.22, 0.04, 0.04]";
 
 /// What holds a body, pulls it and presses it is where the world has it, wherever the file's node has
-/// put the mesh.
+/// put the mesh. On meshes as they are: one that is fitted to strains is another after a turn, by rounding.
 #[test]
 fn a_node_moves_the_mesh_alone() {
     let folder = folder();
@@ -186,7 +186,8 @@ fn a_node_moves_the_mesh_alone() {
             &format!("[[interior.obstacles]]\nname = \"table\"\n{TABLE}\n\n[[poses]]"),
         )
         .replace("move = [-0.012, 0.0, 0.0]", MOTION)
-        .replace("keys = [0.5, 1.0]\nsteps = 2", "steps = 1");
+        .replace("keys = [0.5, 1.0]\nsteps = 2", "steps = 1")
+        .replace("[remesh]", "[remesh]\nenabled = false");
     let mut mesh = read_mesh(&folder.path("block.obj"), None, &ObjOptions::default()).unwrap();
     let mut end = |name: &str, world_from_node: Matrix4<f64>, changes: &[(&str, &str)]| {
         mesh.world_from_node = world_from_node;
