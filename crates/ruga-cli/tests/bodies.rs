@@ -187,7 +187,10 @@ fn a_node_moves_the_mesh_alone() {
         )
         .replace("move = [-0.012, 0.0, 0.0]", MOTION)
         .replace("keys = [0.5, 1.0]\nsteps = 2", "steps = 1")
-        .replace("[remesh]", "[remesh]\nenabled = false");
+        .replace(
+            "[remesh]\npoints_per_wavelength = 4",
+            "[remesh]\nenabled = false\npoints_per_wavelength = 3",
+        );
     let mut mesh = read_mesh(&folder.path("block.obj"), None, &ObjOptions::default()).unwrap();
     let mut end = |name: &str, world_from_node: Matrix4<f64>, changes: &[(&str, &str)]| {
         mesh.world_from_node = world_from_node;
