@@ -104,30 +104,4 @@ pub enum ConstraintError {
         /// The cut found, in widths.
         cut: f64,
     },
-    /// More global functions were asked for than there are vertices, or none.
-    #[error(
-        "{count} functions were asked for; accepted: from 1 to {vertices}, the number of vertices"
-    )]
-    FunctionCount {
-        /// Functions asked for.
-        count: usize,
-        /// Vertices there are.
-        vertices: usize,
-    },
-    /// A face has no area, so functions on it have no gradient.
-    #[error("face {face} has no area", face = face.0)]
-    DegenerateFace {
-        /// The face.
-        face: FaceId,
-    },
-    /// A vertex belongs to no face, so functions have no weight there.
-    #[error("vertex {vertex} belongs to no face", vertex = vertex.0)]
-    LooseVertex {
-        /// The vertex.
-        vertex: VertexId,
-    },
-    /// The Laplacian could not be factorised because its entries left the range of numbers, or its
-    /// eigenfunctions were not found.
-    #[error("the eigenfunctions of the mesh's Laplacian cannot be found; are its lengths metres?")]
-    NoSpectrum,
 }

@@ -10,8 +10,6 @@
 //! surface below. Centres and kernels belong to the surface, rows to one mesh of it: after a remesh
 //! the same functions are sampled again.
 //!
-//! For comparison with these local functions, [`spectral_rows`] gives global ones.
-//!
 //! Li 2014 (multi-layer skin), chapter 4, and Rémillard and Kry 2013 (embedded shells), section 3;
 //! [`cluster_centres`], [`Kernel`] and [`Sampling`] say where we differ.
 //!
@@ -22,18 +20,14 @@ mod chart;
 mod cluster_centres;
 mod error;
 mod kernel;
-mod krylov;
-mod laplacian;
 mod moments;
 mod quadrature;
 mod region_graph;
 mod rows;
-mod spectral;
 
 pub use cluster_centres::{ClusterSettings, cluster_centres};
 pub use kernel::Kernel;
-pub use rows::{ConstraintRow, ConstraintSet, Order, Sampling, constraint_rows};
-pub use spectral::{SpectralRows, spectral_rows};
+pub use rows::{ConstraintRow, ConstraintSet, Order, SampleConstraints, Sampling, constraint_rows};
 
 pub use error::ConstraintError;
 pub use moments::Degradation;

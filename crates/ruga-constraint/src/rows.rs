@@ -57,19 +57,15 @@ pub enum Order {
     Affine,
     /// Quadratic functions too: the second moments of the weights are those of the kernel.
     Quadratic,
-    /// A function of the whole surface, of [`spectral_rows`](crate::spectral_rows): no average
-    /// around a centre, so the weights sum to zero.
-    Global,
 }
 
 /// One weighted average over vertices; the same weights serve x, y and z.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConstraintRow {
-    /// Around which of the given centres the average is taken, or which of the global functions it
-    /// is, counted from 0.
+    /// Around which of the given centres the average is taken, counted from 0.
     pub centre: usize,
     /// Vertices with weights other than zero, ascending; the weights sum to one
-    /// (with [`Sampling::AdjustedAsPrinted`], not; with [`Order::Global`], to zero).
+    /// (with [`Sampling::AdjustedAsPrinted`], not).
     pub weights: Vec<(VertexId, f64)>,
     /// What the row reproduces.
     pub order: Order,
@@ -93,6 +89,16 @@ pub struct ConstraintSet {
     /// Numbers of the centres that stand where an earlier one does: their row would be the same.
     pub duplicates: Vec<usize>,
 }
+
+/// Signature of [`constraint_rows`], for callers that let another method take its place.
+pub type SampleConstraints = fn(
+    &TriMesh,
+    &[Vector3<f64>],
+    &[Vector3<f64>],
+    &[MaterialPoint],
+    &[Kernel],
+    Sampling,
+) -> Result<ConstraintSet, ConstraintError>;
 
 /// Samples one constraint function per centre on a mesh.
 ///

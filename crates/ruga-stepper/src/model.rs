@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector2;
 use ruga_blend::{Smoothing, Weights};
-use ruga_constraint::Sampling;
+use ruga_constraint::{SampleConstraints, Sampling, constraint_rows};
 use ruga_material::{
     LayerMaterial, MaterialError, Preset, PropertyMap, Substrate, Variation, VariationField,
     WavelengthModel, wrinkling,
@@ -27,11 +27,6 @@ pub enum Coupling {
     ///
     /// Their centres are wavelength/√3 apart.
     Constraint,
-    /// The lowest eigenfunctions of the layer's Laplacian as rows, on all of it at once, and nothing
-    /// else (Rémillard and Kry 2013, section 3.2): what is longer than five quarters of a wavelength
-    /// is held. For comparison: a wrinkle anywhere is felt everywhere.
-    #[cfg_attr(feature = "serde", serde(skip))]
-    Spectral,
     /// An elastic foundation alone.
     ///
     /// A Pasternak foundation and tangential springs.
@@ -397,6 +392,9 @@ pub struct Modelling {
     /// Method that finds an equilibrium; [`ruga_solver::minimise`], unless methods are compared. States
     /// that another one does not call stable are warned of.
     pub minimise: Minimise,
+    /// Method that samples averaging constraints on a mesh; [`ruga_constraint::constraint_rows`],
+    /// unless methods are compared.
+    pub sample: SampleConstraints,
     /// Relative residual at which a solve may stop, in (0, 1).
     pub tolerance: f64,
     /// Seed of the initial noise.
@@ -435,6 +433,7 @@ impl Modelling {
             smoothing: Smoothing::Loop,
             bending: BendingModel::VertexCurvature,
             minimise,
+            sample: constraint_rows,
             tolerance: 1e-6,
             seed: 1,
         }

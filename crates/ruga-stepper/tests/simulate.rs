@@ -28,7 +28,6 @@ fn every_coupling_wrinkles_near_the_predicted_wavelength() {
         (Coupling::Elastic, 0.1),
         // Rows alone set the wavelength by their irregular spacing.
         (Coupling::Constraint, 0.4),
-        (Coupling::Spectral, 0.4),
     ] {
         let result = run(coupling, &draft(), &mut Silent);
         let layer = &result.layers[0];

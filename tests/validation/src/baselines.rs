@@ -1,15 +1,18 @@
-//! Methods of the papers that ruga is compared with: MINRES in place of a factorisation, and Newton's
-//! method on the norm of the forces in place of the energy.
+//! Methods of the papers that ruga is compared with: MINRES in place of a factorisation, Newton's
+//! method on the norm of the forces in place of the energy, and eigenfunctions of the surface in
+//! place of averages ([`global_rows`]).
 //!
-//! Each solves what [`ruga_solver::minimise`] solves. The functions of its signature,
+//! The first two solve what [`ruga_solver::minimise`] solves. The functions of its signature,
 //! [`by_minres`], [`by_residual`] and [`by_residual_and_minres`], take its place in
 //! [`Modelling::minimise`](ruga_stepper::Modelling::minimise).
 
 mod backtracking;
+mod global_rows;
 mod iterated_newton;
 mod minres;
 mod residual_descent;
 
+pub use global_rows::{global_rows, lowest_eigenfunctions};
 pub use iterated_newton::minimise_iterated;
 pub use residual_descent::descend_residual;
 

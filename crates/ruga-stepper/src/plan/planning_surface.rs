@@ -283,7 +283,7 @@ impl<'a> PlanningSurface<'a> {
                 chi: numbers.curvature_measure(1.0 / curvature),
                 labyrinth_area: match spec.coupling {
                     Coupling::Elastic => 0.0,
-                    Coupling::Hybrid | Coupling::Constraint | Coupling::Spectral => {
+                    Coupling::Hybrid | Coupling::Constraint => {
                         area_where(&|f| demand.is_pressed_equally(f))
                     }
                 },

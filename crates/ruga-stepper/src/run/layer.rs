@@ -14,6 +14,7 @@ use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use ruga_blend::{Driver, FaceStrain, PosedSurface, face_strains};
+use ruga_constraint::SampleConstraints;
 use ruga_material::{CAP_START, Wrinkling};
 use ruga_mesh::{Id, PerFace, PerVertex, VertexId};
 use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters};
@@ -51,6 +52,8 @@ pub(crate) struct Holding {
     pub(crate) bending: BendingModel,
     /// Where its rows are centred; by its wavelength where nothing is said.
     pub(crate) centres: Option<Vec<RowCentre>>,
+    /// Samples the rows around their centres.
+    pub(crate) sample: SampleConstraints,
     /// The body below that moves with it.
     pub(crate) interior: Option<Arc<Interior>>,
 }
@@ -142,6 +145,7 @@ impl Layer {
             upper,
             bending,
             centres,
+            sample,
             interior,
         } = holding;
         // A driver goes on beyond the layer, and holds its border; on a body nothing does.
@@ -204,13 +208,7 @@ impl Layer {
         preparing.step()?;
         let shares = ReliefShares::new(driver, spec, wrinkling, (&skin, &region.skin))?;
         preparing.step()?;
-        let low_pass = low_pass_rows(
-            spec,
-            &centres,
-            (&skin, wrinkling.wavelength),
-            &pinned,
-            &free,
-        )?;
+        let low_pass = low_pass_rows((spec, sample), &centres, &skin, &pinned, &free)?;
         preparing.step()?;
         let row_warning = low_pass.warning(driver, &skin);
         let mut damping: Vec<f64> = free

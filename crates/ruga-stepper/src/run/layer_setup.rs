@@ -108,6 +108,7 @@ impl<'a> StackRun<'a> {
             upper: plan.stacking.joint.clone(),
             bending: modelling.bending,
             centres,
+            sample: modelling.sample,
             interior: match index == 0 {
                 true => plan.body.clone(),
                 false => None,

@@ -1,14 +1,11 @@
 //! The rows that keep a layer's large shape on the surface below.
 
-use std::f64::consts::PI;
-
 use nalgebra::Vector3;
 use ruga_blend::Driver;
 use ruga_constraint::{
-    ClusterSettings, ConstraintError, ConstraintSet, Kernel, cluster_centres, constraint_rows,
-    spectral_rows,
+    ClusterSettings, ConstraintError, ConstraintSet, Kernel, SampleConstraints, cluster_centres,
 };
-use ruga_mesh::{Id, MaterialPoint, PerVertex, SurfaceLookup, VertexId, face_normals};
+use ruga_mesh::{Id, MaterialPoint, PerVertex, SurfaceLookup, VertexId};
 use ruga_solver::ConstraintRows;
 
 use crate::skin::local_skin::{SkinProperties, uv};
@@ -24,9 +21,6 @@ const HYBRID_SPACING: f64 = 1.5;
 const CONSTRAINT_SPACING: f64 = 0.577_350_269_189_625_8;
 /// A row is dropped when less than this share of its weight is on vertices that move.
 const MIN_FREE_WEIGHT: f64 = 0.2;
-
-/// Wavelength, in wavelengths of the layer, from which on spectral rows hold everything.
-const SPECTRAL_CUT: f64 = 1.25;
 
 /// A place around which the layer's average is held, the same on every mesh of the skin.
 #[derive(Clone, Copy, Debug)]
@@ -71,7 +65,7 @@ pub(crate) fn row_centres(
     free: &[VertexId],
 ) -> Result<Vec<RowCentre>, StepperError> {
     let spacing = match spec.coupling {
-        Coupling::Elastic | Coupling::Spectral => return Ok(Vec::new()),
+        Coupling::Elastic => return Ok(Vec::new()),
         Coupling::Hybrid => HYBRID_SPACING,
         Coupling::Constraint => CONSTRAINT_SPACING,
     };
@@ -99,19 +93,16 @@ pub(crate) fn row_centres(
     Ok(centres.into_iter().map(centre).collect())
 }
 
-/// The rows of the layer's coupling on the coordinates of its free vertices, x, y, z in turn: around
-/// `centres`, or global ones.
+/// The rows of the layer's coupling around `centres`, on the coordinates of its free vertices, x, y,
+/// z in turn.
 pub(crate) fn low_pass_rows(
-    spec: &LayerSpec,
+    (spec, sample): (&LayerSpec, SampleConstraints),
     centres: &[RowCentre],
-    (skin, wavelength): (&SkinMesh, f64),
+    skin: &SkinMesh,
     pinned: &PerVertex<bool>,
     free: &[VertexId],
 ) -> Result<LowPassRows, StepperError> {
-    let (set, least_weight) = match spec.coupling {
-        Coupling::Spectral => (global_rows(spec, wavelength, skin)?, f64::NEG_INFINITY),
-        _ => (rows_around(spec, centres, skin)?, MIN_FREE_WEIGHT),
-    };
+    let set = rows_around((spec, sample), centres, skin)?;
     let mut low_pass = LowPassRows {
         rows: ConstraintRows::none(3 * free.len()),
         degraded: Vec::new(),
@@ -133,7 +124,8 @@ pub(crate) fn low_pass_rows(
             .filter(|(v, _)| !pinned[*v])
             .filter_map(|&(v, w)| unknown[v].map(|u| (u, w)))
             .collect();
-        if moving.iter().map(|m| m.1).sum::<f64>() < least_weight {
+        let has_pinned = moving.len() < row.weights.len();
+        if has_pinned && moving.iter().map(|m| m.1).sum::<f64>() < MIN_FREE_WEIGHT {
             continue;
         }
         if set.degraded.iter().any(|(centre, _)| *centre == row.centre) {
@@ -156,7 +148,7 @@ pub(crate) fn low_pass_rows(
 
 /// Averages around `centres`.
 fn rows_around(
-    spec: &LayerSpec,
+    (spec, sample): (&LayerSpec, SampleConstraints),
     centres: &[RowCentre],
     skin: &SkinMesh,
 ) -> Result<ConstraintSet, StepperError> {
@@ -169,7 +161,7 @@ fn rows_around(
         .iter()
         .filter_map(|centre| Some((lookup.closest(&centre.at)?.point, centre.kernel)))
         .unzip();
-    constraint_rows(
+    sample(
         mesh,
         &rest.positions,
         &rest.normals,
@@ -178,28 +170,6 @@ fn rows_around(
         spec.sampling,
     )
     .map_err(|source| constraint(spec, source))
-}
-
-/// As many eigenfunctions as there are waves longer than the cut: by Weyl's law `A k^2 / (4 pi)`.
-fn global_rows(
-    spec: &LayerSpec,
-    wavelength: f64,
-    skin: &SkinMesh,
-) -> Result<ConstraintSet, StepperError> {
-    let (mesh, rest) = (&skin.mesh, &skin.rest.positions);
-    let doubled = face_normals(mesh, rest);
-    let area: f64 = doubled.as_slice().iter().map(|n| 0.5 * n.norm()).sum();
-    let cut = SPECTRAL_CUT * wavelength;
-    let count = (PI * area / (cut * cut)).ceil().max(1.0) as usize;
-    let count = count.min(mesh.vertex_count());
-    let global = spectral_rows(mesh, rest, count).map_err(|source| constraint(spec, source))?;
-    match global.converged {
-        true => Ok(ConstraintSet {
-            rows: global.rows,
-            ..ConstraintSet::default()
-        }),
-        false => Err(constraint(spec, ConstraintError::NoSpectrum)),
-    }
 }
 
 fn constraint(spec: &LayerSpec, source: ConstraintError) -> StepperError {
@@ -211,6 +181,8 @@ fn constraint(spec: &LayerSpec, source: ConstraintError) -> StepperError {
 
 #[cfg(test)]
 mod tests {
+    use ruga_constraint::constraint_rows;
+
     use super::*;
     use crate::Sampling;
     use crate::test_drivers::{knuckle, skin, square};
@@ -235,7 +207,8 @@ mod tests {
                 sampling: Sampling::Adjusted,
                 ..knuckle()
             };
-            low_pass_rows(&spec, &[centre], (&skin, wavelength), &pinned, &free).expect("a row")
+            let how = (&spec, constraint_rows as SampleConstraints);
+            low_pass_rows(how, &[centre], &skin, &pinned, &free).expect("a row")
         };
         let told = |wavelength: f64| held(wavelength).warning(&driver, &skin);
         let said = told(2e-3).expect("one vertex is no average");

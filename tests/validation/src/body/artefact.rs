@@ -4,6 +4,7 @@ use std::error::Error;
 use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{DMatrix, DVector, Vector3};
+use ruga_constraint::constraint_rows;
 use ruga_stepper::{CellShape, Coupling, Keyframe, Motion};
 use serde::{Deserialize, Serialize};
 
@@ -59,6 +60,7 @@ fn measure((shape, name): (CellShape, &str)) -> Result<Artefact, Box<dyn Error>>
         ratio: 100.0,
         thickness: 5e-4,
         coupling: Coupling::Hybrid,
+        sample: constraint_rows,
         points: 12.0,
         is_fitted: false,
         slices: Vec::new(),

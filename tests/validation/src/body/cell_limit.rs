@@ -4,6 +4,7 @@
 use std::error::Error;
 
 use nalgebra::Vector3;
+use ruga_constraint::constraint_rows;
 use ruga_stepper::{CellShape, Coupling};
 use serde::{Deserialize, Serialize};
 
@@ -60,6 +61,7 @@ fn slab(sample: Sample, cell: f64) -> Result<Slab, Box<dyn Error>> {
         ratio: sample.ratio,
         thickness: sample.thickness,
         coupling: Coupling::Hybrid,
+        sample: constraint_rows,
         points: 8.0,
         is_fitted: true,
         slices: Vec::new(),

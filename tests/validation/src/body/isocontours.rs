@@ -7,6 +7,7 @@
 use std::error::Error;
 
 use nalgebra::Vector3;
+use ruga_constraint::constraint_rows;
 use ruga_material::MaterialError;
 use ruga_stepper::{CellShape, Coupling};
 use serde::{Deserialize, Serialize};
@@ -145,6 +146,7 @@ impl Slab {
             ratio: sample.ratio,
             thickness: THICKNESS * SPREAD.sqrt(),
             coupling,
+            sample: constraint_rows,
             points: POINTS,
             is_fitted: true,
             slices: Vec::new(),

@@ -3,12 +3,14 @@
 use std::error::Error;
 
 use nalgebra::Vector3;
+use ruga_constraint::{SampleConstraints, constraint_rows};
 use ruga_stepper::{CellShape, Coupling, Motion};
 use serde::{Deserialize, Serialize};
 
 use super::Slab;
 use super::artefact::turn;
 use super::slab::coupling_name;
+use crate::baselines::global_rows;
 
 /// Compression of the top where the bar is bent, in critical strains.
 const STRAIN: f64 = 2.2;
@@ -23,13 +25,16 @@ const BENT: [f64; 2] = [1.0, 5.0];
 /// Wavelengths beside the bent part that belong to it: a wave does not end at once.
 const MARGIN: f64 = 0.5;
 
-/// How a skin is held: every coupling that there is.
-const COUPLINGS: [Coupling; 4] = [
-    Coupling::Hybrid,
-    Coupling::Elastic,
-    Coupling::Constraint,
-    Coupling::Spectral,
+/// How a skin is held: every coupling that there is, and by global functions.
+const HOLDINGS: [(Coupling, SampleConstraints); 4] = [
+    (Coupling::Hybrid, constraint_rows),
+    (Coupling::Elastic, constraint_rows),
+    (Coupling::Constraint, constraint_rows),
+    (Coupling::Constraint, global_rows),
 ];
+
+/// What holding by global functions is called in tables.
+const GLOBAL: &str = "spectral";
 
 /// Where the wrinkles of a bent bar are.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -53,10 +58,17 @@ pub struct Locality {
 /// # Errors
 /// What the simulator refuses.
 pub fn locality() -> Result<Vec<Locality>, Box<dyn Error>> {
-    COUPLINGS.into_iter().map(measure).collect()
+    let mut all = HOLDINGS
+        .into_iter()
+        .map(measure)
+        .collect::<Result<Vec<_>, _>>()?;
+    if let Some(global) = all.last_mut() {
+        global.coupling = GLOBAL.to_owned();
+    }
+    Ok(all)
 }
 
-fn measure(coupling: Coupling) -> Result<Locality, Box<dyn Error>> {
+fn measure((coupling, sample): (Coupling, SampleConstraints)) -> Result<Locality, Box<dyn Error>> {
     let mut slab = Slab {
         size: Vector3::repeat(1.0),
         cells: CELLS[0],
@@ -65,6 +77,7 @@ fn measure(coupling: Coupling) -> Result<Locality, Box<dyn Error>> {
         ratio: 100.0,
         thickness: 5e-4,
         coupling,
+        sample,
         points: 8.0,
         is_fitted: true,
         slices: Vec::new(),

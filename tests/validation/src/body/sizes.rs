@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use nalgebra::Vector3;
 use ruga_blend::Driver;
+use ruga_constraint::constraint_rows;
 use ruga_lattice::{Filling, Lattice, LatticeEnergy, LatticeSpec};
 use ruga_material::{LayerMaterial, Wrinkling};
 use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters};
@@ -314,6 +315,7 @@ impl SizedBody {
             ratio: self.ratio,
             thickness: self.thickness,
             coupling: Coupling::Hybrid,
+            sample: constraint_rows,
             points: self.points,
             is_fitted: true,
             slices: vec![

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, Driver, Smoothing};
+use ruga_constraint::SampleConstraints;
 use ruga_material::{
     LayerMaterial, MaterialError, Substrate, WavelengthModel, Wrinkling, wrinkling,
 };
@@ -44,6 +45,8 @@ pub struct Slab {
     pub thickness: f64,
     /// How the two hold together.
     pub coupling: Coupling,
+    /// What samples the rows of that.
+    pub sample: SampleConstraints,
     /// Edges of the skin's mesh per wavelength.
     pub points: f64,
     /// Whether the skin's mesh is fitted, or the grid that results are handed out on.
@@ -74,7 +77,6 @@ pub struct SlabRun {
 pub fn coupling_name(coupling: Coupling) -> &'static str {
     match coupling {
         Coupling::Constraint => "hard rows",
-        Coupling::Spectral => "spectral",
         Coupling::Elastic => "elastic",
         Coupling::Hybrid => "hybrid",
     }
@@ -195,6 +197,7 @@ impl Slab {
     fn modelling(&self) -> Modelling {
         Modelling {
             points_per_wavelength: self.points,
+            sample: self.sample,
             smoothing: Smoothing::None,
             remesh: self.is_fitted.then(EdgeLimits::default),
             // The top has the left half of the texture.

@@ -2,5 +2,6 @@
 
 #![allow(clippy::unwrap_used, reason = "a failing unwrap fails the test")]
 
+mod global_rows;
 mod minres;
 mod residual;

@@ -2,6 +2,7 @@
 //! knows given surfaces alone.
 
 use nalgebra::Vector3;
+use ruga_constraint::constraint_rows;
 use ruga_solver::{Minimise, minimise};
 use ruga_stepper::{CellShape, Coupling};
 use ruga_validation::baselines::{by_minres, by_residual, by_residual_and_minres};
@@ -89,6 +90,7 @@ fn pushed(minimise: Minimise, steps: u32) -> (SlabRun, f64) {
         ratio: 100.0,
         thickness: 5e-4,
         coupling: Coupling::Hybrid,
+        sample: constraint_rows,
         points: 4.0,
         is_fitted: true,
         slices: Vec::new(),

@@ -182,7 +182,7 @@ fn the_whole_objective_has_its_derivatives() {
     let mut fine = skin(Coupling::Hybrid);
     fine.name = "fine".into();
     fine.material.thickness *= 0.3;
-    let alone = [Coupling::Hybrid, Coupling::Constraint, Coupling::Spectral];
+    let alone = [Coupling::Hybrid, Coupling::Constraint];
     let alone = alone.map(|coupling| vec![skin(coupling)]);
     let pair = vec![skin(Coupling::Hybrid), fine];
     for layers in alone.into_iter().chain([pair]) {
