@@ -14,7 +14,7 @@ const MIN_Z: f64 = 0.02;
 pub(crate) struct Shaded {
     /// Unit, tangent space.
     pub normal: Vector3<f64>,
-    /// m.
+    /// Height above the artist's surface, m.
     pub height: f64,
     /// Whether the normal had to be tilted back above the tangent plane.
     pub folded: bool,

@@ -57,7 +57,7 @@ impl Centre {
         &self.carriers
     }
 
-    /// The same for every address of one place: an edge or vertex is addressed in several faces.
+    /// Identifies the place: equal for all addresses of one edge or vertex, which lies in several faces.
     pub(crate) fn key(&self) -> Vec<(VertexId, u64)> {
         let bits = self
             .carriers

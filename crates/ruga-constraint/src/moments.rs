@@ -15,12 +15,14 @@ pub enum Degradation {
 
 /// Below this many vertices a match follows single vertices more than the kernel.
 const LEAST_FOR_AFFINE: usize = 6;
-/// The same for the six moments of order two and less.
+/// Below this many vertices a match of all six moments up to the second follows single vertices more
+/// than the kernel.
 const LEAST_FOR_QUADRATIC: usize = 12;
 /// Condition of the moment matrix above which the vertices lie nearly on a line. A full support has
 /// about 6 with lengths over its radius, a border 20 to 30.
 const LARGEST_CONDITION: f64 = 1e3;
-/// The same for moments up to the second, where a full support has 500 and a border five times that.
+/// Condition of the matrix of moments up to the second above which a match is given up. A full support
+/// has 500, a border five times that.
 const LARGEST_QUADRATIC_CONDITION: f64 = 1e5;
 
 /// Centroid and second moments of weights of unit sum, m and m2.
@@ -76,7 +78,7 @@ pub(crate) fn match_centroid(
     match_basis(points, weights, basis, &goal, limits)
 }
 
-/// The same for the second moments, too: `P = (1, u/R, u uᵀ/R²)`.
+/// Rescales weights so that centroid and second moments are right: `P = (1, u/R, u uᵀ/R²)`.
 ///
 /// What is linear on each triangle misses a curved field by its curvature times the square of the
 /// edges, everywhere with the same sign. Weights with the right second moments do not.

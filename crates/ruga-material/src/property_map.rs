@@ -147,20 +147,20 @@ impl PropertyImage {
 pub(crate) struct Cell {
     pub(crate) column: i64,
     pub(crate) row: i64,
-    /// Share of the way to the next column, in `[0, 1)`.
+    /// Fraction of the distance to the next column, in `[0, 1)`.
     pub(crate) across: f64,
-    /// Share of the way to the next row, in `[0, 1)`.
+    /// Fraction of the distance to the next row, in `[0, 1)`.
     pub(crate) down: f64,
 }
 
 /// What black and white mean in each channel of a packed image; `None` leaves the property alone.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PropertyRanges {
-    /// Of the relative wavelength, the red channel.
+    /// Relative wavelengths that black and white mean in the red channel.
     pub wavelength: Option<[f64; 2]>,
-    /// Of the relative Young's modulus, the green channel.
+    /// Relative Young's moduli that black and white mean in the green channel.
     pub young: Option<[f64; 2]>,
-    /// Of the relative thickness, the blue channel.
+    /// Relative thicknesses that black and white mean in the blue channel.
     pub thickness: Option<[f64; 2]>,
 }
 

@@ -12,7 +12,7 @@ use crate::tensor2::Tensor2;
 /// Sine by which the angles opposite an edge must exceed 180 degrees together before it is
 /// flipped; regular grids, where it is zero, are left as they are.
 const TOLERANCE: f64 = 1e-3;
-/// The same among four vertices of the old mesh: a hysteresis against churn, 3 degrees.
+/// Sine for flips among four vertices of the old mesh: 3 degrees of hysteresis against churn.
 const TOLERANCE_OLD: f64 = 0.05;
 /// Flips per edge asked about after which flipping stops: in a metric that varies, Lawson's
 /// algorithm may go round in circles. Two are seldom reached.

@@ -14,9 +14,11 @@ use crate::{Metric, RemeshError, SizeLimits, Sizing, Surface, SurfaceMesh};
 const SPLIT_ABOVE: f64 = 1.4;
 /// Metric length under which an edge is collapsed; half of what is just split stays.
 const COLLAPSE_BELOW: f64 = 0.7;
-/// The same between two vertices of the old mesh. The distance to the former values is a
-/// hysteresis: a mesh that was just made, or whose sizing changed by a few per cent, is left alone.
+/// Metric length above which an edge between two vertices of the old mesh is split. The distance to
+/// [`SPLIT_ABOVE`] is a hysteresis: a mesh that was just made, or whose sizing changed by a few per
+/// cent, is left alone.
 const SPLIT_OLD_ABOVE: f64 = 1.48;
+/// Metric length under which an edge between two vertices of the old mesh is collapsed.
 const COLLAPSE_OLD_BELOW: f64 = 0.63;
 
 /// Cosine between a face's normal and the surface's at its corners under which an operation may

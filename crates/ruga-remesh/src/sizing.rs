@@ -159,7 +159,7 @@ pub(crate) fn setting(
 pub type Metric<'a> = dyn Fn(MaterialPoint, Vector3<f64>) -> Matrix3<f64> + 'a;
 
 impl Sizing {
-    /// The same wanted length `edge` (m, positive) everywhere and in every direction.
+    /// Asks for edges of the length `edge` (m, positive) everywhere and in every direction.
     ///
     /// # Errors
     /// [`RemeshError::Setting`] for a length that is not a positive number.

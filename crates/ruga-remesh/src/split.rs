@@ -79,7 +79,7 @@ fn long_edges(patch: &Patch, candidates: &[u32]) -> Vec<(Reverse<i32>, u32)> {
     longest_first(long)
 }
 
-/// The same edges by their lengths in space.
+/// Sorts edges by their lengths in space, longest first.
 fn by_plain_length(patch: &Patch, long: &[(Reverse<i32>, u32)]) -> Vec<(Reverse<i32>, u32)> {
     let edges: Vec<u32> = long.iter().map(|&(_, h)| h).collect();
     longest_first(by_length_class(&edges, |h| {

@@ -18,7 +18,7 @@ impl Tensor2 {
         Self::of(&Tensor3::from_matrix(tensor), frame)
     }
 
-    /// The same of a packed tensor.
+    /// The tangent part of a packed tensor in space.
     pub(crate) fn of(tensor: &Tensor3, frame: &[Vector3<f64>; 2]) -> Self {
         let [x, y] = frame;
         let (mx, my) = (tensor.times(x), tensor.times(y));

@@ -21,7 +21,8 @@ pub(crate) fn posed_frames(
     frames(artist, driver, &driver.pose(weights), normals)
 }
 
-/// The same with the welded vertices at `control`, m: where a body has taken them.
+/// MikkTSpace frames of the artist's triangles with the welded vertices at `control` (m), where a
+/// body has taken them.
 ///
 /// # Errors
 /// Those of [`posed_frames`].

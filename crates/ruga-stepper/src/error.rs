@@ -20,13 +20,13 @@ pub enum StepperError {
     /// A setting has a value that nothing can be planned or simulated with.
     #[error("{of}: `{field}` is {found}; accepted: {accepted}")]
     Setting {
-        /// What has the setting, such as `pose 'frown'`.
+        /// Owner of the setting, such as `pose 'frown'`.
         of: String,
         /// The field, with its place in a list.
         field: String,
         /// Its value.
         found: String,
-        /// What it may be.
+        /// Accepted values.
         accepted: String,
     },
     /// A pose is asked for that the plan does not have.
@@ -52,7 +52,7 @@ pub enum StepperError {
     Material {
         /// Name of the layer.
         layer: String,
-        /// What is wrong.
+        /// Description of the mistake.
         source: MaterialError,
     },
     /// A painted map jumps nearly everywhere.
@@ -72,9 +72,9 @@ pub enum StepperError {
     PaintedStack {
         /// Name of the layer.
         layer: String,
-        /// What makes it uneven.
+        /// Source of the unevenness.
         what: &'static str,
-        /// What the stack was to be.
+        /// Meaning asked of the stack.
         stack: &'static str,
     },
     /// A stack is to be solved at once and is no pair.
@@ -107,7 +107,7 @@ pub enum StepperError {
         handle: String,
         /// Lowest and highest corner of its box, m.
         asked: [Vector3<f64>; 2],
-        /// The same of the box around the centres of all cells.
+        /// Lowest and highest corner of the box around the centres of all cells, m.
         found: [Vector3<f64>; 2],
     },
     /// Handles hold all of a body.
@@ -120,7 +120,7 @@ pub enum StepperError {
     ShapelessObstacle {
         /// Name of the obstacle.
         obstacle: String,
-        /// What it was to be.
+        /// Kind of thing that was expected.
         shape: ObstacleShape,
     },
     /// A motion is of something that is not there.
@@ -128,7 +128,7 @@ pub enum StepperError {
     UnknownMover {
         /// Name of the pose.
         pose: String,
-        /// What it names.
+        /// Name that it gives.
         name: String,
     },
     /// The keyframes of a motion are out of order.
@@ -138,7 +138,7 @@ pub enum StepperError {
     Keyframes {
         /// Name of the pose.
         pose: String,
-        /// What moves.
+        /// Name of the handle or obstacle.
         name: String,
     },
     /// The driver cannot be posed.
@@ -149,7 +149,7 @@ pub enum StepperError {
     Shell {
         /// Name of the layer.
         layer: String,
-        /// What is wrong.
+        /// Description of the mistake.
         source: ShellError,
     },
     /// The layer's mesh cannot be fitted to the pose.
@@ -157,7 +157,7 @@ pub enum StepperError {
     Remesh {
         /// Name of the layer.
         layer: String,
-        /// What is wrong.
+        /// Description of the mistake.
         source: RemeshError,
     },
     /// The constraints cannot be sampled.
@@ -165,7 +165,7 @@ pub enum StepperError {
     Constraint {
         /// Name of the layer.
         layer: String,
-        /// What is wrong.
+        /// Description of the mistake.
         source: ConstraintError,
     },
     /// The solver refused its input or broke down.
@@ -173,7 +173,7 @@ pub enum StepperError {
     Solver {
         /// Name of the layer.
         layer: String,
-        /// What is wrong.
+        /// Description of the mistake.
         source: SolverError,
     },
 }
@@ -188,7 +188,7 @@ pub(crate) enum Halt {
 }
 
 impl Halt {
-    /// What was made; `None` where the observer ended the work.
+    /// Result; `None` where the observer ended the work.
     pub(crate) fn unless_interrupted<T>(made: Result<T, Self>) -> Result<Option<T>, StepperError> {
         match made {
             Ok(made) => Ok(Some(made)),

@@ -15,7 +15,7 @@ use ruga_solver::{Minimise, minimise};
 use crate::validation::check_mask;
 use crate::{Motion, StepperError};
 
-/// How a layer is held by what lies below it.
+/// Energies and constraints that hold a layer on its support surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -52,25 +52,25 @@ pub struct LayerSpec {
     pub name: String,
     /// The layer.
     pub material: LayerMaterial,
-    /// What carries it.
+    /// Material below the layer.
     pub substrate: Substrate,
     /// Formula for wavelength and critical strain.
     pub model: WavelengthModel,
-    /// How the two hold together.
+    /// Energies and constraints that hold the layer on its support surface.
     pub coupling: Coupling,
-    /// How constraint functions are sampled.
+    /// Sampling of the averaging constraints on a mesh.
     pub sampling: Sampling,
     /// Painted properties, relative to `material` and the wavelength it gives.
     pub map: Option<Arc<PropertyMap>>,
     /// Whether edges of the layer's mesh follow the places where the map jumps by a fifth or more, so
     /// that no triangle lies across them; without effect where it does not.
     pub sharp: bool,
-    /// Share of the bending strain of the layer below that this one feels, 0 to 1; from the
+    /// Fraction of the bending strain of the layer below that this one feels, 0 to 1; from the
     /// stiffness of both if left out.
     pub bending_transfer: Option<f64>,
     /// Natural unevenness of its thickness, on top of what is painted.
     pub variation: Option<Arc<VariationField>>,
-    /// Where on the artist's mesh it is, and how much of it shows.
+    /// Painted presence on the artist's mesh, and strength of the relief.
     pub presence: Presence,
 }
 
@@ -117,7 +117,7 @@ impl LayerSpec {
     }
 }
 
-/// Where a layer is, and how much of its relief results show.
+/// Painted presence of a layer, and strength of its relief in results.
 #[derive(Clone, Debug)]
 pub struct Presence {
     /// Painted masks; the layer is where each of them is lighter than [`Mask::DARKEST`]. Their grey
@@ -154,7 +154,7 @@ impl Presence {
     }
 }
 
-/// What a stack of layers means.
+/// Meaning of a stack of layers: which wrinkle together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -191,7 +191,7 @@ pub struct PoseSpec {
     pub keys: Vec<f64>,
     /// Load steps from 0 to 1, 1 to 100 000.
     pub steps: u32,
-    /// How handles and obstacles of a [`Body`](crate::Body) move on the way; what is not named stands
+    /// Motions of handles and obstacles of a [`Body`](crate::Body); what is not named stands
     /// still. A keyframe between two load steps is one of its own.
     pub motions: Vec<Motion>,
 }
@@ -203,15 +203,15 @@ impl PoseSpec {
     }
 }
 
-/// Where layers are simulated.
+/// Part of the artist's mesh on which layers are simulated.
 #[derive(Clone, Debug, Default)]
 pub enum Region {
-    /// Where a pose compresses the skin enough.
+    /// The faces that a pose compresses enough.
     #[default]
     Auto,
     /// Everywhere.
     All,
-    /// Where a pose compresses the skin enough and the painted mask is lighter than
+    /// The faces that a pose compresses enough and on which the painted mask is lighter than
     /// [`Mask::DARKEST`]; its grey values fade the relief.
     Mask(Mask),
 }
@@ -236,7 +236,7 @@ pub struct Mask {
 
 impl Mask {
     /// Grey value from which on skin is simulated: a sixteenth. Darker skin would show less than
-    /// that share of its wrinkles, and scans and compressed pictures have such a grey for black.
+    /// that fraction of its wrinkles, and scans and compressed pictures have such a grey for black.
     pub const DARKEST: f32 = 1.0 / 16.0;
 
     /// Makes a mask of `width` by `height` pixels from grey values in [0, 1], row by row, the first
@@ -330,7 +330,7 @@ fn is_inside(uv: Vector2<f64>) -> bool {
     tile.contains(&uv.x) && tile.contains(&uv.y)
 }
 
-/// What the edges of a fitted mesh are held to.
+/// Limits of the edges of a fitted mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EdgeLimits {
@@ -372,7 +372,7 @@ pub struct Dynamics {
 /// Choices that are not physics.
 #[derive(Clone, Debug)]
 pub struct Modelling {
-    /// Where to simulate.
+    /// Part of the artist's mesh that is simulated.
     pub region: Region,
     /// Edges per wavelength asked for, 2 to 200; 12 is the standard quality. A layer that carries
     /// another has at least 18. A layer on a body may have fewer, from 0.1.
@@ -381,13 +381,13 @@ pub struct Modelling {
     pub vertex_budget: usize,
     /// Limits of the mesh where it is fitted to the pose; `None` keeps it uniform.
     pub remesh: Option<EdgeLimits>,
-    /// What a stack of layers means.
+    /// Meaning of a stack of layers: which wrinkle together.
     pub stack: Stack,
-    /// How the skin moves; `None` takes it from equilibrium to equilibrium.
+    /// Motion in time; `None` takes the skin from equilibrium to equilibrium.
     pub dynamics: Option<Dynamics>,
     /// The surface between the artist's vertices.
     pub smoothing: Smoothing,
-    /// What the bending energy is made up of.
+    /// Discrete bending energy.
     pub bending: BendingModel,
     /// Method that finds an equilibrium; [`ruga_solver::minimise`], unless methods are compared. States
     /// that another one does not call stable are warned of.

@@ -2,7 +2,7 @@
 
 use crate::LayerSurface;
 
-/// What the time goes into: the columns of Li 2014, table 6-1.
+/// Parts of the work that time is reported for: the columns of Li 2014, table 6-1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// Cluster centres and constraint functions.
@@ -15,7 +15,7 @@ pub enum Phase {
     Integration,
 }
 
-/// Where a solve stands.
+/// Progress of a solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// Fraction of the pose, in (0, 1].
@@ -26,12 +26,12 @@ pub struct Progress {
     pub vertices: usize,
 }
 
-/// Where the preparation of a layer stands, before its first iteration or between two load steps.
+/// Progress of the preparation of a layer, before its first iteration or between two load steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Preparation {
     /// Number of the layer, from the lowest one.
     pub layer: usize,
-    /// What is being done.
+    /// Part of the work that is being done.
     pub phase: Phase,
     /// Steps done since the preparation of the layer or of a load step began, from 1. How many there
     /// will be is not known: about thirty.

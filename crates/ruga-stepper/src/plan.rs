@@ -31,13 +31,13 @@ use crate::{LayerSpec, Mask, Modelling, PoseSpec, StepperError};
 pub use body_plan::plan_body;
 pub use pose_plan::{AppliedStrain, LayerPlan, LoadPath, PaintedRanges, PosePlan};
 
-/// What will be modelled, with everything that it was made from: [`Plan::simulate`] needs no more
+/// Model of the poses, with everything that it was made from: [`Plan::simulate`] needs no more
 /// than the number of a pose.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// Per pose, what is simulated.
     pub poses: Vec<PosePlan>,
-    /// What the user should know.
+    /// Warnings.
     pub warnings: Vec<String>,
     /// The lattice inside a soft body; `None` where the posed driver carries the layers.
     pub interior: Option<InteriorPlan>,
@@ -76,13 +76,13 @@ impl Plan {
         &self.stacking.pairs
     }
 
-    /// Share of the bending strain of what lies below that layer number `layer` feels, by the scene or
+    /// Fraction of the bending strain of what lies below that layer number `layer` feels, by the scene or
     /// by what the stack means.
     ///
     /// # Panics
     /// If there is no layer of that number.
     pub fn bending_transfer(&self, layer: usize) -> f64 {
-        self.stacking.seats[layer].bending_transfer
+        self.stacking.attachments[layer].bending_transfer
     }
 
     /// The file's triangles that have a simulated part in pose number `pose`, ascending.
@@ -105,7 +105,7 @@ impl Plan {
         FaceId((face >> (2 * self.planning_levels)) as u32)
     }
 
-    /// How many layers have a mesh of their own.
+    /// Number of layers with a mesh of their own.
     pub(crate) fn meshes(&self) -> usize {
         self.stacking.meshes()
     }
@@ -211,11 +211,11 @@ fn planned_layers<'a>(
 ) -> Result<Vec<PlannedLayer<'a>>, StepperError> {
     let meshes = stacking.meshes();
     let layers = stacking.specs.iter().zip(&stacking.simulated).take(meshes);
-    let planned = layers.enumerate().map(|(index, (spec, numbers))| {
+    let planned = layers.enumerate().map(|(index, (spec, wrinkling))| {
         Ok(PlannedLayer {
             spec,
-            numbers,
-            local: surface.local_wrinkling(spec, numbers)?,
+            wrinkling,
+            local: surface.local_wrinkling(spec, wrinkling)?,
             points: modelling.points_of(index, meshes),
             is_lowest: index == 0,
         })

@@ -45,7 +45,7 @@ impl<'o> Preparing<'o> {
         }
     }
 
-    /// What `work` makes, which asks between its steps whether to go on and makes nothing once the
+    /// Result of `work`, which asks between its steps whether to go on and makes nothing once the
     /// answer was no.
     ///
     /// # Errors

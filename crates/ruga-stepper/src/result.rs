@@ -16,8 +16,8 @@ pub struct LayerSurface {
     pub name: String,
     /// Vertex positions, m.
     pub positions: Vec<Vector3<f64>>,
-    /// The same as maps show it: every layer's relief by its strength, faded to nothing at painted
-    /// borders ([`Presence`](crate::Presence)), m.
+    /// Vertex positions as maps show them (m): every layer's relief by its strength, faded to nothing
+    /// at painted borders ([`Presence`](crate::Presence)).
     pub relief: Vec<Vector3<f64>>,
     /// The posed driver at the vertices' material points, or the surface of the body there, m.
     pub driver_positions: Vec<Vector3<f64>>,
@@ -32,12 +32,12 @@ pub struct LayerSurface {
     /// For every triangle the file's triangle whose skin it is, and barycentric coordinates of its
     /// corners' texture coordinates there; beside an edge of that triangle they may leave [0, 1].
     pub artist: Vec<(u32, [[f64; 3]; 3])>,
-    /// What it was computed on.
+    /// Mesh that it was computed on.
     pub computed: ComputedMesh,
 }
 
 /// The mesh on which a layer was computed: finer only where, and in the direction that, it
-/// wrinkles, while results are handed out on a uniform one.
+/// wrinkles, while the output mesh is uniform.
 #[derive(Clone, Debug, Default)]
 pub struct ComputedMesh {
     /// Vertex positions, m.
@@ -64,7 +64,7 @@ pub struct PoseResult {
     pub converged: bool,
     /// Whether the observer stopped the work.
     pub interrupted: bool,
-    /// What the user should know.
+    /// Warnings.
     pub warnings: Vec<String>,
 }
 
@@ -75,12 +75,12 @@ pub struct KeyResult {
     pub load: f64,
     /// Layers, bottom first.
     pub layers: Vec<LayerSurface>,
-    /// Where the driver's vertices are if they moved with a [`Body`](crate::Body) and not by blend
+    /// Positions of the driver's vertices (m) if they moved with a [`Body`](crate::Body) and not by blend
     /// shapes alone, m.
     pub artist_positions: Option<Vec<Vector3<f64>>>,
 }
 
-/// What was measured on one layer, at the last load unless said otherwise.
+/// Measurements on one layer, at the last load unless said otherwise.
 #[derive(Clone, Debug, Default)]
 pub struct LayerReport {
     /// Name of the layer.
@@ -95,7 +95,7 @@ pub struct LayerReport {
     pub wavelength_predicted: f64,
     /// Critical strain of the linear theory.
     pub critical_strain_predicted: f64,
-    /// What paint and natural unevenness make of the layer where it is simulated.
+    /// Ranges of painted and naturally uneven properties where the layer is simulated.
     pub painted: Option<PaintedRanges>,
     /// Dominant wavelength along the surface, m; `None` where nothing wrinkles.
     pub wavelength: Option<f64>,
@@ -144,7 +144,7 @@ impl ComputedMesh {
 const LEAST_AMPLITUDE: f64 = 0.01;
 
 impl LayerReport {
-    /// What is known of a layer before it is simulated.
+    /// Report of a layer before it is simulated.
     pub(crate) fn planned(layer: &LayerPlan) -> Self {
         Self {
             name: layer.name.clone(),

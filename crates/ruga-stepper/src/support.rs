@@ -1,9 +1,8 @@
 //! What layers lie on: the posed driver, or a soft body that moves with them.
 
-pub(crate) mod below;
 mod body;
-pub(crate) mod carrier;
 mod contact;
+pub(crate) mod embedding_lattice;
 pub(crate) mod handles;
 mod interior;
 pub(crate) mod lattice_size;
@@ -14,6 +13,7 @@ pub(crate) mod obstacle;
 mod prediction;
 mod solid;
 mod springs;
+pub(crate) mod support_surface;
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -43,7 +43,7 @@ pub(crate) trait Support {
 
 /// The driver under blend shapes.
 pub(crate) struct PosedDriver {
-    /// Where its vertices are, m.
+    /// Positions of its vertices, m.
     pub(crate) control: Vec<Vector3<f64>>,
 }
 
@@ -60,9 +60,9 @@ impl Support for PosedDriver {
 /// The surface of a soft body.
 pub(crate) struct PosedBody<'a> {
     pub(crate) interior: &'a Interior,
-    /// Where the driver's vertices are at rest, m.
+    /// Rest positions of the driver's vertices, m.
     pub(crate) rest: &'a [Vector3<f64>],
-    /// Where the lattice's nodes are, m.
+    /// Positions of the lattice's nodes, m.
     pub(crate) q: Vec<Vector3<f64>>,
     pub(crate) embeddings: Rc<Embeddings>,
 }
@@ -77,7 +77,7 @@ impl Support for PosedBody<'_> {
     fn derivatives(&self, skin: &SkinMesh) -> Vec<[Vector3<f64>; 2]> {
         let rest = skin.points.pose(self.rest);
         let embedding = self.embeddings.of(self.interior, skin, &rest);
-        let lattice = self.interior.carrier.lattice.rest_positions();
+        let lattice = self.interior.embedding_lattice.lattice.rest_positions();
         let [of_rest, of_posed] = [lattice, self.q.as_slice()].map(|q| tangents(&embedding, q));
         let along = skin.points.derivatives(self.rest).into_iter().enumerate();
         // The rest tangents are orthonormal: a tangent's coordinates in them stay what they are.
@@ -132,7 +132,7 @@ impl Embeddings {
         if let Some((_, found)) = known.iter().find(|(mark, _)| mark.is_of(&skin.identity)) {
             return Rc::clone(found);
         }
-        let made = interior.carrier.embed(skin.points.points(), rest);
+        let made = interior.embedding_lattice.embed(skin.points.points(), rest);
         let made = Rc::new(made.expect("points of the driver have finite places and unit normals"));
         known.push((skin.identity.mark(), Rc::clone(&made)));
         made

@@ -12,7 +12,7 @@ use crate::{Coupling, LayerSpec, Presence, Sampling};
 pub(crate) const SIDE: f64 = 0.04;
 const CELLS: usize = 20;
 
-/// Where a place of the square is.
+/// Position of a place of the square.
 pub(crate) type Shape<'a> = &'a dyn Fn(Vector2<f64>) -> Vector3<f64>;
 
 /// A square with a blend shape that takes it from one shape to another.
@@ -50,13 +50,13 @@ pub(crate) fn skin(driver: &Driver, levels: u32, offset: f64) -> SkinMesh {
     region(driver, levels, offset).skin
 }
 
-/// All of a driver as the mesh that a layer's results are handed out on.
+/// All of a driver as the output mesh of a layer.
 pub(crate) fn region(driver: &Driver, levels: u32, offset: f64) -> RegionMesh {
     let faces: Vec<_> = driver.topology().faces().ids().collect();
     region_of(driver, &faces, levels, offset)
 }
 
-/// Some faces of a driver as the mesh that a layer's results are handed out on.
+/// Some faces of a driver as the output mesh of a layer.
 pub(crate) fn region_of(driver: &Driver, faces: &[FaceId], levels: u32, offset: f64) -> RegionMesh {
     let base = BaseSurface::new(driver, faces, levels, Smoothing::Loop);
     let on = (&base, Smoothing::Loop, offset);

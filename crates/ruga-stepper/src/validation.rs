@@ -75,11 +75,11 @@ pub(crate) fn check_layer(layer: &LayerSpec) -> Checked {
         return refuse(of, "presence.strength", strength, "a number above 0");
     }
     let transfer = layer.bending_transfer;
-    match transfer.filter(|share| !(0.0..=1.0).contains(share)) {
+    match transfer.filter(|fraction| !(0.0..=1.0).contains(fraction)) {
         None => Ok(()),
-        Some(share) => {
+        Some(fraction) => {
             let of = format!("layer '{}'", layer.name);
-            refuse(of, "bending_transfer", share, "a share in [0, 1]")
+            refuse(of, "bending_transfer", fraction, "a fraction in [0, 1]")
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::plan::warnings::resolution_warnings;
 use crate::plan::{add_carried_along, within};
 use crate::run::adaptivity::aspect;
 use crate::support::Interior;
-use crate::support::carrier::Carrier;
+use crate::support::embedding_lattice::EmbeddingLattice;
 use crate::support::handles::{HeldNodes, Moves};
 use crate::support::lattice_size::lattice_warnings;
 use crate::support::obstacle::{self, distance};
@@ -75,17 +75,17 @@ pub fn plan_body(
         .waves
         .longest
         .max(stacking.wrinkling[0].wavelength);
-    let carrier = Carrier::new(driver, body, longest, modelling.smoothing)?;
-    let held = HeldNodes::new(&carrier.lattice, &body.handles)?;
-    let lattice = &carrier.lattice;
+    let embedding_lattice = EmbeddingLattice::new(driver, body, longest, modelling.smoothing)?;
+    let held = HeldNodes::new(&embedding_lattice.lattice, &body.handles)?;
+    let lattice = &embedding_lattice.lattice;
     let interior = InteriorPlan {
         cells: lattice.element_count(),
-        cells_along: carrier.cells,
+        cells_along: embedding_lattice.cells,
         cell_size: lattice.cell_size(),
         nodes: lattice.node_count(),
     };
     let mut warnings = stacking.warnings(modelling.stack);
-    warnings.extend(lattice_warnings(&carrier, body, longest));
+    warnings.extend(lattice_warnings(&embedding_lattice, body, longest));
     let covered = (meshes[0].faces.len(), layers[0].material.thickness);
     warnings.extend(obstacle_warnings(driver, body, covered));
     for (layer, mesh) in layers.iter().zip(&meshes) {
@@ -115,7 +115,7 @@ pub fn plan_body(
         planning_levels: 0,
         body: Some(Arc::new(Interior {
             body: body.clone(),
-            carrier,
+            embedding_lattice,
             held,
         })),
     };
@@ -186,18 +186,18 @@ fn covered_faces(driver: &Driver, layer: &LayerSpec) -> Result<Vec<FaceId>, Step
     }
 }
 
-/// How fine the mesh of a layer will be.
+/// Resolution of the mesh of a layer.
 struct LayerMesh {
     /// The driver's faces that it covers.
     faces: Vec<FaceId>,
     waves: Waves,
     /// Edges per wavelength asked for.
     asked: f64,
-    /// Times the driver's faces are split in four where results are handed out.
+    /// Times the driver's faces are split in four for the output mesh.
     levels: u32,
     /// Edges to the shortest waves.
     points: f64,
-    /// What they are limited by, for people.
+    /// Limit that they reach, for messages.
     limit: String,
     vertices: usize,
     /// Vertices that would meet what was asked for.
@@ -205,14 +205,14 @@ struct LayerMesh {
 }
 
 impl LayerMesh {
-    /// For layer number `index` of a stack.
+    /// Resolves layer number `index` of a stack.
     fn new(
         driver: &Driver,
         stacking: &Stacking,
         index: usize,
         modelling: &Modelling,
     ) -> Result<Self, StepperError> {
-        let (layer, numbers) = (&stacking.specs[index], &stacking.simulated[index]);
+        let (layer, wrinkling) = (&stacking.specs[index], &stacking.simulated[index]);
         let faces = covered_faces(driver, layer)?;
         let asked = modelling.points_of(index, stacking.meshes());
         let [median, long] = edges(driver, &faces);
@@ -227,11 +227,11 @@ impl LayerMesh {
         };
         // Without paint and variation waves are the same everywhere.
         let seen = match layer.map.is_some() || layer.variation.is_some() {
-            true => needed_levels(numbers.wavelength).min(readable_levels(faces.len())),
+            true => needed_levels(wrinkling.wavelength).min(readable_levels(faces.len())),
             false => 0,
         };
         let smoothing = modelling.smoothing;
-        let waves = Waves::new(driver, &faces, (layer, numbers), (seen, smoothing))?;
+        let waves = Waves::new(driver, &faces, (layer, wrinkling), (seen, smoothing))?;
         let levels = needed_levels(waves.shortest);
         let budget = || format!("the vertex budget of {}", modelling.vertex_budget);
         let Some(limits) = modelling.remesh else {
@@ -275,11 +275,11 @@ impl LayerMesh {
         // The lowest layer is solved together with the body.
         let below = (index == 0).then_some(interior);
         let (per_step, memory) = cost(self.vertices, below);
-        let numbers = &stacking.wrinkling[index];
+        let wrinkling = &stacking.wrinkling[index];
         LayerPlan {
             name: stacking.specs[index].name.clone(),
-            wavelength: numbers.wavelength,
-            critical_strain: numbers.critical_strain,
+            wavelength: wrinkling.wavelength,
+            critical_strain: wrinkling.critical_strain,
             painted: None,
             applied: None,
             active_area: self.waves.area(),
@@ -295,7 +295,7 @@ impl LayerMesh {
         }
     }
 
-    /// What the user should know, without the layer's name.
+    /// Warnings, without the layer's name.
     fn warnings(&self, map_size: u32) -> Vec<String> {
         let asked = self.asked;
         let mut warnings = resolution_warnings(asked, self.waves.texels(map_size));

@@ -9,7 +9,7 @@ use ruga_mesh::{FaceId, Id, PerFace};
 use ruga_remesh::{FaceDriver, Refinement};
 
 use crate::plan::pose_plan::PlannedLayer;
-use crate::plan::region::{ACTIVE_SHARE, Demand};
+use crate::plan::region::{ACTIVE_FRACTION, PoseStrains};
 use crate::plan::skin_cost::{GRADING, Load, cost, factorisations};
 use crate::plan::stacking::Stacking;
 use crate::plan::surface_measures::{
@@ -24,8 +24,8 @@ use crate::{
     PosePlan, PoseSpec, Stack, StepperError,
 };
 
-/// Base edges stay below this share of the wavelength, or the artist's facets imprint.
-const FACET_SHARE: f64 = 1.0 / 3.0;
+/// Base edges stay below this fraction of the wavelength, or the artist's facets imprint.
+const FACET_FRACTION: f64 = 1.0 / 3.0;
 /// Loads, as shares of the last key, at which the way to the keys is looked at.
 const PASSING: [f64; 3] = [0.25, 0.5, 0.75];
 /// Edges beside the wrinkles over those across them, where a fitted mesh grows coarser.
@@ -45,7 +45,7 @@ pub(crate) struct PlanningSurface<'a> {
     curvatures: PerFace<f64>,
     /// Texels per metre at size 1.
     uv_density: PerFace<f64>,
-    /// Of the driver's blend shapes, once a place has to be named.
+    /// Centres of the driver's blend shapes, computed when a warning first names a place.
     shapes: OnceCell<ShapeCentres>,
 }
 
@@ -87,7 +87,7 @@ impl<'a> PlanningSurface<'a> {
         let long = lengths[(lengths.len() - 1) * 95 / 100];
         let split = BaseSurface::split_count(driver, &faces);
         let mut levels = 0;
-        while long / f64::from(1u32 << levels) > FACET_SHARE * wavelength
+        while long / f64::from(1u32 << levels) > FACET_FRACTION * wavelength
             && (split << (2 * (levels + 1))) <= MAX_PLANNING_FACES
         {
             levels += 1;
@@ -114,7 +114,7 @@ impl<'a> PlanningSurface<'a> {
         self.surface.levels()
     }
 
-    /// How the layer wrinkles on every face, by its map and its variation.
+    /// Critical mode of the layer on every face, by its map and its variation.
     pub(crate) fn local_wrinkling(
         &self,
         layer: &LayerSpec,
@@ -155,10 +155,10 @@ impl<'a> PlanningSurface<'a> {
         let posed = |load: f64| self.surface.pose(&driver.pose(&pose.weights.scaled(load)));
         let keys: Vec<PosedSurface> = pose.keys.iter().map(|&key| posed(key)).collect();
         let last = pose.keys.iter().copied().fold(0.0, f64::max);
-        let passing = PASSING.map(|share| (share, posed(share * last)));
-        let mut demands: Vec<Demand> = layers
+        let passing = PASSING.map(|fraction| (fraction, posed(fraction * last)));
+        let mut pose_strains: Vec<PoseStrains> = layers
             .iter()
-            .map(|layer| Demand::new(&self.surface, &self.rest, &keys, &passing, layer))
+            .map(|layer| PoseStrains::new(&self.surface, &self.rest, &keys, &passing, layer))
             .collect();
         let about = PosedPlan {
             driver,
@@ -168,16 +168,18 @@ impl<'a> PlanningSurface<'a> {
             pose,
             modelling: self.modelling,
         };
-        let path = load_path(&demands, layers, &about, warnings);
+        let path = load_path(&pose_strains, layers, &about, warnings);
         if path == LoadPath::Weight {
-            demands.iter_mut().for_each(Demand::exclude_passing_folds);
+            pose_strains
+                .iter_mut()
+                .for_each(PoseStrains::exclude_passing_folds);
         }
         let layers = layers
             .iter()
-            .zip(&demands)
-            .map(|(layer, demand)| {
-                let plan = self.layer_plan(layer, demand, (pose, path));
-                about.warn(&plan, demand, warnings);
+            .zip(&pose_strains)
+            .map(|(layer, pose_strains)| {
+                let plan = self.layer_plan(layer, pose_strains, (pose, path));
+                about.warn(&plan, pose_strains, warnings);
                 plan
             })
             .collect();
@@ -191,29 +193,32 @@ impl<'a> PlanningSurface<'a> {
     fn layer_plan(
         &self,
         layer: &PlannedLayer<'_>,
-        demand: &Demand,
+        pose_strains: &PoseStrains,
         (pose, path): (&PoseSpec, LoadPath),
     ) -> LayerPlan {
         let (modelling, map_size) = (self.modelling, self.map_size);
         let PlannedLayer {
             spec,
-            numbers,
+            wrinkling,
             local,
             points: asked,
             is_lowest,
         } = layer;
-        let waves = local.as_slice().iter().map(|numbers| numbers.wavelength);
+        let waves = local
+            .as_slice()
+            .iter()
+            .map(|wrinkling| wrinkling.wavelength);
         let longest = waves.fold(0.0, f64::max);
         let where_to = (&modelling.region, &spec.presence);
-        let active = demand.active_faces(&self.surface, &self.rest, where_to, longest);
-        let quantile = |field: &PerFace<f64>, share: f64| {
-            weighted_quantile(&active, field, &demand.areas, share)
+        let active = pose_strains.active_faces(&self.surface, &self.rest, where_to, longest);
+        let quantile = |field: &PerFace<f64>, fraction: f64| {
+            weighted_quantile(&active, field, &pose_strains.areas, fraction)
         };
         let area_where = |test: &dyn Fn(FaceId) -> bool| -> f64 {
             let areas = active
                 .iter()
                 .filter(|&&f| test(f))
-                .map(|&f| demand.areas[f]);
+                .map(|&f| pose_strains.areas[f]);
             // Not `sum`, which makes -0 of nothing.
             areas.fold(0.0, |sum, area| sum + area)
         };
@@ -225,13 +230,16 @@ impl<'a> PlanningSurface<'a> {
             let split = 2f64.powi(levels as i32 - planned as i32);
             (median / split, long / split)
         };
-        let wavelengths = local.as_slice().iter().map(|numbers| numbers.wavelength);
+        let wavelengths = local
+            .as_slice()
+            .iter()
+            .map(|wrinkling| wrinkling.wavelength);
         let wavelengths: PerFace<f64> = wavelengths.collect();
         let shortest = match active.is_empty() {
-            true => numbers.wavelength,
+            true => wrinkling.wavelength,
             false => quantile(&wavelengths, 0.05),
         };
-        let longest = Some(FACET_SHARE * shortest);
+        let longest = Some(FACET_FRACTION * shortest);
         let levels = needed_levels((shortest / asked, longest), modelling, faces_at, edges_at);
         let vertices_of = |faces: f64| 0.5 * faces + faces.sqrt();
         let uniform_points = shortest / edges_at(levels).0;
@@ -239,7 +247,7 @@ impl<'a> PlanningSurface<'a> {
             Some(limits) => {
                 let faces = {
                     let skin = (&wavelengths, spec.material.poisson);
-                    fitted_faces(&active, demand, skin, &limits, *asked)
+                    fitted_faces(&active, pose_strains, skin, &limits, *asked)
                 };
                 let needed = GRADING * vertices_of(faces);
                 let short = (modelling.vertex_budget as f64 / needed).min(1.0).sqrt();
@@ -264,27 +272,27 @@ impl<'a> PlanningSurface<'a> {
         let handed_out = vertices_of(faces_at(levels));
         let curvature = quantile(&self.curvatures, 0.95);
         let lowest = (*is_lowest && !active.is_empty()).then(|| Load {
-            onset: quantile(&demand.onsets(path), 0.01),
-            bend: numbers.wavelength * curvature,
+            onset: quantile(&pose_strains.onsets(path), 0.01),
+            bend: wrinkling.wavelength * curvature,
             spread: (quantile(&wavelengths, 0.95) / shortest).max(1.0),
         });
         let work = factorisations(lowest, pose, path);
         let (seconds, memory) = cost(unknowns, handed_out, map_size, work);
         LayerPlan {
             name: spec.name.clone(),
-            wavelength: numbers.wavelength,
-            critical_strain: numbers.critical_strain,
-            painted: painted_ranges(spec, &active, local, &demand.areas),
+            wavelength: wrinkling.wavelength,
+            critical_strain: wrinkling.critical_strain,
+            painted: painted_ranges(spec, &active, local, &pose_strains.areas),
             applied: Some(AppliedStrain {
-                median: quantile(&demand.effective, 0.5),
-                p99: quantile(&demand.effective, 0.99),
-                capped_area: area_where(&|f| demand.compression[f] > CAP_START),
-                folded_area: demand.folded_area(),
-                chi: numbers.curvature_measure(1.0 / curvature),
+                median: quantile(&pose_strains.effective, 0.5),
+                p99: quantile(&pose_strains.effective, 0.99),
+                capped_area: area_where(&|f| pose_strains.compression[f] > CAP_START),
+                folded_area: pose_strains.folded_area(),
+                chi: wrinkling.curvature_measure(1.0 / curvature),
                 labyrinth_area: match spec.coupling {
                     Coupling::Elastic => 0.0,
                     Coupling::Hybrid | Coupling::Constraint => {
-                        area_where(&|f| demand.is_pressed_equally(f))
+                        area_where(&|f| pose_strains.is_compressed_equally(f))
                     }
                 },
             }),
@@ -305,7 +313,7 @@ impl<'a> PlanningSurface<'a> {
     }
 }
 
-/// What paint and variation make of a layer over the active faces.
+/// Ranges of painted and naturally varying properties of a layer over the active faces.
 fn painted_ranges(
     spec: &LayerSpec,
     active: &[FaceId],
@@ -317,25 +325,25 @@ fn painted_ranges(
     }
     let range = |value: fn(&Wrinkling) -> f64| {
         let field: PerFace<f64> = local.as_slice().iter().map(value).collect();
-        [0.01, 0.99].map(|share| weighted_quantile(active, &field, areas, share))
+        [0.01, 0.99].map(|fraction| weighted_quantile(active, &field, areas, fraction))
     };
     Some(PaintedRanges {
-        wavelength: range(|numbers| numbers.wavelength),
-        critical_strain: range(|numbers| numbers.critical_strain),
-        thickness: range(|numbers| {
-            (12.0 * numbers.bending_stiffness / numbers.membrane_stiffness).sqrt()
+        wavelength: range(|wrinkling| wrinkling.wavelength),
+        critical_strain: range(|wrinkling| wrinkling.critical_strain),
+        thickness: range(|wrinkling| {
+            (12.0 * wrinkling.bending_stiffness / wrinkling.membrane_stiffness).sqrt()
         }),
     })
 }
 
 /// Triangles of a mesh fitted to what a pose asks for.
 ///
-/// Where the layer wrinkles, edges across the wrinkles have the asked share of a wavelength, along
+/// Where the layer wrinkles, edges across the wrinkles have the asked fraction of a wavelength, along
 /// them they are longer by the aspect, unless it wrinkles that way too; elsewhere they grow towards
 /// half a wavelength.
 fn fitted_faces(
     active: &[FaceId],
-    demand: &Demand,
+    pose_strains: &PoseStrains,
     (wavelengths, poisson): (&PerFace<f64>, f64),
     limits: &EdgeLimits,
     points: f64,
@@ -348,15 +356,15 @@ fn fitted_faces(
         let wavelength = wavelengths[face];
         let longest = (COARSEST * wavelength).min(limits.max_edge);
         let across = (wavelength / points).max(limits.min_edge);
-        let (across, along) = match demand.demand(face) > ACTIVE_SHARE {
+        let (across, along) = match pose_strains.pose_strains(face) > ACTIVE_FRACTION {
             true => {
                 let driver = FaceDriver {
                     compression: Matrix3::zeros(),
                     wavelength,
-                    critical_strain: demand.critical(face),
+                    critical_strain: pose_strains.critical(face),
                     poisson,
                 };
-                let [first, second] = demand.principal[face];
+                let [first, second] = pose_strains.principal[face];
                 let size = driver.wrinkle_size(second, first, &refinement);
                 let along = (aspect(limits, points) * across).min(longest);
                 (across, along.min(size.sqrt().recip()).max(across))
@@ -367,24 +375,29 @@ fn fitted_faces(
     };
     active
         .iter()
-        .map(|&face| demand.areas[face] * per_area(face))
+        .map(|&face| pose_strains.areas[face] * per_area(face))
         .sum()
 }
 
 /// Chooses the path of a pose, and says so where it is not the plain one.
 fn load_path(
-    demands: &[Demand],
+    pose_strains: &[PoseStrains],
     layers: &[PlannedLayer<'_>],
     about: &PosedPlan<'_>,
     warnings: &mut Vec<String>,
 ) -> LoadPath {
-    let detours = demands.iter().zip(layers);
-    let detours = detours.map(|(demand, layer)| (demand.detour(layer.numbers.wavelength), demand));
+    let detours = pose_strains.iter().zip(layers);
+    let detours = detours.map(|(pose_strains, layer)| {
+        (
+            pose_strains.detour(layer.wrinkling.wavelength),
+            pose_strains,
+        )
+    });
     let largest = detours.max_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((area, demand)) = largest.filter(|(area, _)| *area > 0.0) else {
+    let Some((area, pose_strains)) = largest.filter(|(area, _)| *area > 0.0) else {
         return LoadPath::Weight;
     };
-    warnings.push(about.detour_warning(area, demand));
+    warnings.push(about.detour_warning(area, pose_strains));
     LoadPath::Strain
 }
 

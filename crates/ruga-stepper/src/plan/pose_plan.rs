@@ -10,13 +10,13 @@ use crate::LayerSpec;
 pub struct PosePlan {
     /// Name of the pose.
     pub name: String,
-    /// How its load steps lead to its keys.
+    /// Path of its load steps to its keys.
     pub path: LoadPath,
     /// Bottom first.
     pub layers: Vec<LayerPlan>,
 }
 
-/// How load steps lead from rest to a pose's keys.
+/// Path of load steps from rest to a pose's keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LoadPath {
     /// The weights grow; one sequence passes all keys.
@@ -38,10 +38,10 @@ pub struct LayerPlan {
     pub wavelength: f64,
     /// Critical strain.
     pub critical_strain: f64,
-    /// What paint and natural unevenness make of them over the active area; `None` where all of it is
+    /// Ranges of painted and naturally uneven properties over the active area; `None` where all of it is
     /// the same, or nothing is simulated.
     pub painted: Option<PaintedRanges>,
-    /// What the pose asks of the layer; `None` on a soft body, whose surface goes where the simulation
+    /// Strain that the pose applies to the layer; `None` on a soft body, whose surface goes where the simulation
     /// takes it.
     pub applied: Option<AppliedStrain>,
     /// Area that is simulated, m²; zero where the layer cannot wrinkle.
@@ -67,7 +67,7 @@ pub struct LayerPlan {
     pub(crate) region: Vec<u64>,
 }
 
-/// What the posed driver asks of a layer.
+/// Strain that the posed driver applies to a layer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AppliedStrain {
     /// Median over the active area of the largest effective strain over the keys.
@@ -78,7 +78,7 @@ pub struct AppliedStrain {
     pub capped_area: f64,
     /// Area left on the driver because the pose folds or collapses it, m².
     pub folded_area: f64,
-    /// Curvature measure `C / (R² K0)` at the 95th percentile of the rest curvature. By this share
+    /// Curvature measure `C / (R² K0)` at the 95th percentile of the rest curvature. By this fraction
     /// a foundation alone would delay the onset; the balance with the support removes the delay, and
     /// what is left near 1 is that the support bends within one wavelength.
     pub chi: f64,
@@ -99,11 +99,11 @@ pub struct PaintedRanges {
 
 impl LayerPlan {
     /// A layer that is solved together with this one, on its mesh; the cost stands with this one.
-    pub(crate) fn carried_along(&self, name: &str, numbers: &Wrinkling) -> Self {
+    pub(crate) fn carried_along(&self, name: &str, wrinkling: &Wrinkling) -> Self {
         Self {
             name: name.to_owned(),
-            wavelength: numbers.wavelength,
-            critical_strain: numbers.critical_strain,
+            wavelength: wrinkling.wavelength,
+            critical_strain: wrinkling.critical_strain,
             seconds: 0.0,
             memory: 0.0,
             region: Vec::new(),
@@ -115,7 +115,7 @@ impl LayerPlan {
 /// A layer with its critical wave, by itself and on every face of the planning surface.
 pub(crate) struct PlannedLayer<'a> {
     pub(crate) spec: &'a LayerSpec,
-    pub(crate) numbers: &'a Wrinkling,
+    pub(crate) wrinkling: &'a Wrinkling,
     pub(crate) local: PerFace<Wrinkling>,
     /// Edges per wavelength asked for.
     pub(crate) points: f64,

@@ -7,35 +7,35 @@ use ruga_mesh::{FaceId, Id, PerFace, TriMesh, edge_distances, face_normals};
 use crate::plan::pose_plan::{LoadPath, PlannedLayer};
 use crate::{Presence, Region};
 
-/// A face is active where the effective strain passes this share of the critical one.
-pub(crate) const ACTIVE_SHARE: f64 = 0.8;
+/// A face is active where the effective strain passes this fraction of the critical one.
+pub(crate) const ACTIVE_FRACTION: f64 = 0.8;
 /// Triangles compressed beyond this stay on the driver: the artist has drawn a fold.
 const COLLAPSED: f64 = 0.6;
-/// What wrinkles on the way matters when it is more than this share of what wrinkles at the keys.
-const DETOUR_SHARE: f64 = 0.1;
+/// Area that wrinkles only on the way matters above this fraction of the area that wrinkles at the keys.
+const DETOUR_FRACTION: f64 = 0.1;
 /// The smaller compression over the larger one from which on both count the same.
 const EQUALLY: f64 = 0.8;
 /// Least distance by which the active region grows, m.
 const MIN_MARGIN: f64 = 4e-3;
 
 /// The strain that a pose's keys ask of the faces of the planning surface.
-pub(crate) struct Demand {
+pub(crate) struct PoseStrains {
     /// Largest effective strain over the keys, from smoothed tensors.
     pub(crate) effective: PerFace<f64>,
-    /// Largest compression over the keys, as it is.
+    /// Largest compression over the keys, without averaging.
     pub(crate) compression: PerFace<f64>,
-    /// Collapsed or turned-over faces.
+    /// Faces that collapse or turn over at a key.
     pub(crate) folded: PerFace<bool>,
-    /// The same, without averaging.
+    /// Largest effective strain over the keys, without averaging.
     raw: PerFace<f64>,
     /// Principal compressions at the key that asks most, without averaging.
     pub(crate) principal: PerFace<[f64; 2]>,
     /// Largest effective strain on the way to the keys, without averaging.
     passing: PerFace<f64>,
-    /// Share of the last key from which on, as weights grow, the effective strain is critical; 1
+    /// Fraction of the last key from which on, as weights grow, the effective strain is critical; 1
     /// where it never is.
     onset: PerFace<f64>,
-    /// Collapsed or turned over on the way.
+    /// Faces that collapse or turn over on the way to the keys.
     passing_folded: PerFace<bool>,
     /// The layer's critical strain on every face.
     critical: PerFace<f64>,
@@ -43,7 +43,7 @@ pub(crate) struct Demand {
     pub(crate) areas: PerFace<f64>,
 }
 
-impl Demand {
+impl PoseStrains {
     /// Area that the pose folds over or collapses, m².
     pub(crate) fn folded_area(&self) -> f64 {
         let folded = self.folded.iter().filter(|(_, folded)| **folded);
@@ -53,7 +53,7 @@ impl Demand {
 
     /// Measures what the `keys` of a pose ask of `surface`.
     ///
-    /// `passing` are surfaces on the way to the last key, each after a share of it, ascending.
+    /// `passing` are surfaces on the way to the last key, each after a fraction of it, ascending.
     pub(crate) fn new(
         surface: &BaseSurface,
         rest: &PosedSurface,
@@ -66,7 +66,7 @@ impl Demand {
         let mesh = surface.mesh();
         let count = mesh.face_count();
         let normals = face_normals(mesh, &rest.positions);
-        let mut demand = Self {
+        let mut pose_strains = Self {
             effective: PerFace::filled(count, f64::NEG_INFINITY),
             compression: PerFace::filled(count, f64::NEG_INFINITY),
             folded: PerFace::filled(count, false),
@@ -75,45 +75,45 @@ impl Demand {
             passing: PerFace::filled(count, f64::NEG_INFINITY),
             onset: PerFace::filled(count, 1.0),
             passing_folded: PerFace::filled(count, false),
-            critical: local.map(|numbers| numbers.critical_strain).collect(),
+            critical: local.map(|wrinkling| wrinkling.critical_strain).collect(),
             areas: normals.as_slice().iter().map(|n| 0.5 * n.norm()).collect(),
         };
         // Averaging over more than 2 mm would remove real gradients at lids and mouth corners.
-        let width = (0.5 * layer.numbers.wavelength).min(2e-3);
+        let width = (0.5 * layer.wrinkling.wavelength).min(2e-3);
         let mut before = (0.0, PerFace::filled(count, 0.0));
-        for (share, pose) in passing {
+        for (fraction, pose) in passing {
             let strains = face_strains(mesh, &rest.positions, &pose.positions);
-            mark_folded(mesh, pose, &strains, &mut demand.passing_folded);
+            mark_folded(mesh, pose, &strains, &mut pose_strains.passing_folded);
             let strains: PerFace<f64> = strains
                 .iter()
                 .map(|(_, strain)| strain.effective(poisson))
                 .collect();
-            let onset = &mut demand.onset;
+            let onset = &mut pose_strains.onset;
             note_onset(
                 onset,
-                &demand.critical,
+                &pose_strains.critical,
                 (before.0, &before.1),
-                (*share, &strains),
+                (*fraction, &strains),
             );
-            for face in demand.areas.ids() {
-                demand.passing[face] = demand.passing[face].max(strains[face]);
+            for face in pose_strains.areas.ids() {
+                pose_strains.passing[face] = pose_strains.passing[face].max(strains[face]);
             }
-            before = (*share, strains);
+            before = (*fraction, strains);
         }
         for pose in keys {
             let strains = face_strains(mesh, &rest.positions, &pose.positions);
-            mark_folded(mesh, pose, &strains, &mut demand.folded);
+            mark_folded(mesh, pose, &strains, &mut pose_strains.folded);
             let smooth = smoothed_strains(mesh, &rest.positions, &strains, &normals, width);
-            for face in demand.areas.ids() {
+            for face in pose_strains.areas.ids() {
                 let first = strains[face].first;
-                demand.compression[face] = demand.compression[face].max(first);
+                pose_strains.compression[face] = pose_strains.compression[face].max(first);
                 let raw = strains[face].effective(poisson);
-                if raw > demand.raw[face] {
-                    demand.raw[face] = raw;
-                    demand.principal[face] = [strains[face].first, strains[face].second];
+                if raw > pose_strains.raw[face] {
+                    pose_strains.raw[face] = raw;
+                    pose_strains.principal[face] = [strains[face].first, strains[face].second];
                 }
                 let effective = smooth[face].effective(poisson);
-                demand.effective[face] = demand.effective[face].max(effective);
+                pose_strains.effective[face] = pose_strains.effective[face].max(effective);
             }
         }
         let Self {
@@ -121,12 +121,12 @@ impl Demand {
             critical,
             raw,
             ..
-        } = &mut demand;
+        } = &mut pose_strains;
         note_onset(onset, critical, (before.0, &before.1), (1.0, raw));
-        demand
+        pose_strains
     }
 
-    /// Share of the load at which each face begins to wrinkle, in (0, 1]; 1 where it never does.
+    /// Fraction of the load at which each face begins to wrinkle, in (0, 1]; 1 where it never does.
     pub(crate) fn onsets(&self, path: LoadPath) -> PerFace<f64> {
         match path {
             LoadPath::Weight => self.onset.clone(),
@@ -135,9 +135,9 @@ impl Demand {
                     .critical
                     .iter()
                     .map(|(face, critical)| critical / self.raw[face]);
-                let wrinkles = |share: f64| share > 0.0 && share < 1.0;
+                let wrinkles = |fraction: f64| fraction > 0.0 && fraction < 1.0;
                 shares
-                    .map(|share| if wrinkles(share) { share } else { 1.0 })
+                    .map(|fraction| if wrinkles(fraction) { fraction } else { 1.0 })
                     .collect()
             }
         }
@@ -156,7 +156,7 @@ impl Demand {
         let critical = &self.critical;
         let at_keys = area_where(&|face| self.raw[face] > critical[face]);
         let on_the_way = area_where(&|face| self.is_detour(face));
-        let worth_it = (DETOUR_SHARE * at_keys).max(wavelength * wavelength);
+        let worth_it = (DETOUR_FRACTION * at_keys).max(wavelength * wavelength);
         if on_the_way > worth_it {
             on_the_way
         } else {
@@ -176,14 +176,14 @@ impl Demand {
     }
 
     /// Largest effective strain over the keys, in critical strains.
-    pub(crate) fn demand(&self, face: FaceId) -> f64 {
+    pub(crate) fn pose_strains(&self, face: FaceId) -> f64 {
         self.effective[face] / self.critical[face]
     }
 
-    /// Whether a face is pressed beyond its critical strain in no particular direction.
-    pub(crate) fn is_pressed_equally(&self, face: FaceId) -> bool {
+    /// Whether a face is compressed beyond its critical strain equally in all directions.
+    pub(crate) fn is_compressed_equally(&self, face: FaceId) -> bool {
         let [first, second] = self.principal[face];
-        self.demand(face) > 1.0 && second > EQUALLY * first
+        self.pose_strains(face) > 1.0 && second > EQUALLY * first
     }
 
     /// Leaves out, too, what collapses on the way: it cannot be followed there.
@@ -211,7 +211,7 @@ impl Demand {
             .faces()
             .ids()
             .map(|face| {
-                let wrinkles = self.demand(face) > ACTIVE_SHARE;
+                let wrinkles = self.pose_strains(face) > ACTIVE_FRACTION;
                 (matches!(region, Region::All) || wrinkles) && allowed(face)
             })
             .collect();

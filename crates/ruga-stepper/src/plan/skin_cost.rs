@@ -9,10 +9,10 @@ const PER_TEXEL: f64 = 30.0;
 /// Vertices made for every one planned: triangles at borders and between sizes are smaller.
 pub(crate) const GRADING: f64 = 1.08;
 
-/// What says how much work the lowest layer is.
+/// Measures of the work that the lowest layer will be.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Load {
-    /// Share of the last key at which the layer begins to wrinkle, in (0, 1].
+    /// Fraction of the last key at which the layer begins to wrinkle, in (0, 1].
     pub(crate) onset: f64,
     /// Critical wavelength over the radius to which the base bends where it bends most.
     pub(crate) bend: f64,

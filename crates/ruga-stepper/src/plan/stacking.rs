@@ -5,18 +5,19 @@ use std::f64::consts::TAU;
 use ruga_material::{StackLayer, StackPair, Wrinkling, composite_layers, wrinkling};
 
 use crate::skin::upper_shell::UpperShell;
-use crate::support::below::Seat;
+use crate::support::support_surface::Attachment;
 use crate::{Coupling, LayerSpec, Stack, StepperError};
 
 /// The layers as they are simulated, bottom first.
 #[derive(Clone, Debug)]
 pub(crate) struct Stacking {
     pub(crate) specs: Vec<LayerSpec>,
-    /// How every layer wrinkles, as it is told.
+    /// Critical mode of every layer by itself, which plan and report name.
     pub(crate) wrinkling: Vec<Wrinkling>,
-    /// The same with the finest wave and the first onset of what is solved at once.
+    /// Critical mode that every layer is simulated for: of layers that are solved at once the finest
+    /// wave and the first onset.
     pub(crate) simulated: Vec<Wrinkling>,
-    pub(crate) seats: Vec<Seat>,
+    pub(crate) attachments: Vec<Attachment>,
     /// Every layer with the one above it.
     pub(crate) pairs: Vec<StackPair>,
     /// The layer that moves together with the lowest one.
@@ -37,7 +38,7 @@ impl Stacking {
             specs: layers.to_vec(),
             wrinkling: alone.iter().map(|layer| layer.wrinkling).collect(),
             simulated: Vec::new(),
-            seats: vec![Seat::default(); layers.len()],
+            attachments: vec![Attachment::default(); layers.len()],
             pairs,
             joint: None,
         };
@@ -46,7 +47,7 @@ impl Stacking {
             Stack::Composite => stacking.replace_by_composites(&alone)?,
             Stack::Joint => stacking.require_pair()?,
         }
-        stacking.seat(layers, stack);
+        stacking.attachment(layers, stack);
         stacking.simulated.clone_from(&stacking.wrinkling);
         if stack == Stack::Joint {
             stacking.join();
@@ -54,7 +55,7 @@ impl Stacking {
         Ok(stacking)
     }
 
-    /// How many layers have a mesh of their own: one that moves together with the lowest has none.
+    /// Number of layers with a mesh of their own: one that moves together with the lowest has none.
     pub(crate) fn meshes(&self) -> usize {
         match self.joint {
             Some(_) => 1,
@@ -122,12 +123,12 @@ impl Stacking {
         };
         // Rows as close as the fine waves would hold down the large ones.
         self.specs[0].coupling = Coupling::Elastic;
-        let lever = self.seats[1].offset;
+        let lever = self.attachments[1].offset;
         self.joint = Some(UpperShell::new(&self.specs[1].name, 1, &pair, lever));
     }
 
     /// Puts the upper layers on those below; `layers` have their real thicknesses.
-    fn seat(&mut self, layers: &[LayerSpec], stack: Stack) {
+    fn attachment(&mut self, layers: &[LayerSpec], stack: Stack) {
         for (k, pair) in self.pairs.iter().enumerate() {
             let upper = k + 1;
             let step = 0.5 * (layers[k].material.thickness + layers[upper].material.thickness);
@@ -136,8 +137,8 @@ impl Stacking {
                 Stack::Composite | Stack::Joint => (pair.shear_tie(), 1.0),
             };
             self.wrinkling[upper].tangential_stiffness = tie;
-            self.seats[upper] = Seat {
-                offset: self.seats[k].offset + step,
+            self.attachments[upper] = Attachment {
+                offset: self.attachments[k].offset + step,
                 bending_transfer: layers[upper].bending_transfer.unwrap_or(transfer),
                 tie: Some(tie),
             };
@@ -148,7 +149,7 @@ impl Stacking {
         }
     }
 
-    /// What the user should know about the stack.
+    /// Warnings about the stack.
     pub(crate) fn warnings(&self, stack: Stack) -> Vec<String> {
         let pairs = self.pairs.iter().zip(self.specs.windows(2));
         let disagreeing =

@@ -11,7 +11,7 @@ use crate::Modelling;
 pub(crate) const MAX_PLANNING_FACES: usize = 400_000;
 /// Splits of one face in four; ten make a metre a millimetre.
 pub(crate) const MAX_LEVELS: u32 = 10;
-/// Vertices of the uniform mesh that a fitted one may be handed out on, in vertex budgets.
+/// Vertices that the uniform output mesh of a fitted one may have, in vertex budgets.
 pub(crate) const HANDED_OUT: f64 = 4.0;
 
 /// Splits until the median edge meets the target (m) and few edges are far off or longer than facets
@@ -30,7 +30,7 @@ pub(crate) fn needed_levels(
         let is_faceted = longest.is_some_and(|longest| long > longest);
         median > 1.1 * target || long > 1.65 * target || is_faceted
     };
-    // A fitted mesh is handed out on the uniform one, which costs little.
+    // The uniform output mesh of a fitted one costs little.
     let vertices = match modelling.remesh {
         Some(_) => HANDED_OUT * modelling.vertex_budget as f64,
         None => modelling.vertex_budget as f64,
@@ -61,7 +61,7 @@ pub(crate) fn per_face(
         .collect()
 }
 
-/// Share of the texture's side per metre of every face.
+/// Fraction of the texture's side per metre of every face.
 pub(crate) fn uv_density(surface: &BaseSurface, rest: &PosedSurface) -> PerFace<f64> {
     surface
         .mesh()
@@ -77,12 +77,12 @@ pub(crate) fn uv_density(surface: &BaseSurface, rest: &PosedSurface) -> PerFace<
         .collect()
 }
 
-/// Value of a field below which so large a share of the faces' weights lies.
+/// Value of a field below which so large a fraction of the faces' weights lies.
 pub(crate) fn weighted_quantile(
     faces: &[FaceId],
     field: &PerFace<f64>,
     weights: &PerFace<f64>,
-    share: f64,
+    fraction: f64,
 ) -> f64 {
     let mut pairs: Vec<(f64, f64)> = faces.iter().map(|&f| (field[f], weights[f])).collect();
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -90,7 +90,7 @@ pub(crate) fn weighted_quantile(
     let mut sum = 0.0;
     for (value, weight) in &pairs {
         sum += weight;
-        if sum >= share * total {
+        if sum >= fraction * total {
             return *value;
         }
     }

@@ -6,7 +6,7 @@ use ruga_blend::{BaseSurface, Driver, PosedSurface};
 use ruga_material::CAP_START;
 use ruga_mesh::FaceId;
 
-use crate::plan::region::Demand;
+use crate::plan::region::PoseStrains;
 use crate::plan::surface_measures::{HANDED_OUT, weighted_quantile};
 use crate::skin::place::{ShapeCentres, place_of_faces};
 use crate::{AppliedStrain, LayerPlan, Modelling, PoseSpec};
@@ -33,7 +33,7 @@ const HOPELESS: f64 = 2e7;
 /// One pose on the planning surface.
 pub(crate) struct PosedPlan<'a> {
     pub(crate) driver: &'a Driver,
-    /// Of the driver's blend shapes, from the first place on that is named.
+    /// Centres of the driver's blend shapes, computed when a warning first names a place.
     pub(crate) shapes: &'a OnceCell<ShapeCentres>,
     pub(crate) surface: &'a BaseSurface,
     pub(crate) rest: &'a PosedSurface,
@@ -43,40 +43,49 @@ pub(crate) struct PosedPlan<'a> {
 
 impl PosedPlan<'_> {
     /// Adds to `warnings` what the user should know about one layer, of whose faces the pose asks for
-    /// `demand`.
-    pub(crate) fn warn(&self, plan: &LayerPlan, demand: &Demand, warnings: &mut Vec<String>) {
-        let texts = self.layer_warnings(plan, demand);
+    /// `pose_strains`.
+    pub(crate) fn warn(
+        &self,
+        plan: &LayerPlan,
+        pose_strains: &PoseStrains,
+        warnings: &mut Vec<String>,
+    ) {
+        let texts = self.layer_warnings(plan, pose_strains);
         let told = texts
             .into_iter()
             .map(|text| format!("pose '{}', layer '{}': {text}", self.pose.name, plan.name));
         warnings.extend(told);
     }
 
-    fn layer_warnings(&self, plan: &LayerPlan, demand: &Demand) -> Vec<String> {
+    fn layer_warnings(&self, plan: &LayerPlan, pose_strains: &PoseStrains) -> Vec<String> {
         let applied = plan.applied.unwrap_or_default();
-        let folded = self.folded_warning(&applied, demand);
+        let folded = self.folded_warning(&applied, pose_strains);
         if plan.active_area == 0.0 {
-            let strained = not_skin(self.median_strained(demand), self.pose);
+            let strained = not_skin(self.median_strained(pose_strains), self.pose);
             return folded.into_iter().chain(strained).collect();
         }
         let resolution = resolution_warnings(plan.asked_points, plan.texels_per_wavelength);
         folded
             .into_iter()
             .chain(not_skin(applied.median, self.pose))
-            .chain(self.capped_warning((plan, &applied), demand))
+            .chain(self.capped_warning((plan, &applied), pose_strains))
             .chain(late_warning(plan))
-            .chain(self.labyrinth_warning((plan, &applied), demand))
+            .chain(self.labyrinth_warning((plan, &applied), pose_strains))
             .chain(resolution)
             .chain(budget_warning((plan, &applied), self.modelling))
             .collect()
     }
 
-    fn folded_warning(&self, applied: &AppliedStrain, demand: &Demand) -> Option<String> {
+    fn folded_warning(
+        &self,
+        applied: &AppliedStrain,
+        pose_strains: &PoseStrains,
+    ) -> Option<String> {
         (applied.folded_area > NEGLIGIBLE_AREA).then(|| {
             format!(
                 "{:.2} cm2 of the driver fold over or collapse by more than 60 %, {}; they stay as the artist drew them, without wrinkles, and the rest is not affected. To wrinkle them, lower the weight or let the shape keep some width there",
                 1e4 * applied.folded_area,
-                self.place(demand, &|face| demand.folded[face])
+                self.place(pose_strains, &|face| pose_strains.folded[face])
             )
         })
     }
@@ -84,14 +93,15 @@ impl PosedPlan<'_> {
     fn capped_warning(
         &self,
         (plan, applied): (&LayerPlan, &AppliedStrain),
-        demand: &Demand,
+        pose_strains: &PoseStrains,
     ) -> Option<String> {
-        let is_capped = |face| self.is_active(plan, face) && demand.compression[face] > CAP_START;
+        let is_capped =
+            |face| self.is_active(plan, face) && pose_strains.compression[face] > CAP_START;
         (applied.capped_area > NEGLIGIBLE_AREA).then(|| {
             format!(
                 "{:.2} cm2 are compressed by more than 15 %, {}, where real skin folds, doubles its wrinkles or creases, which is not modelled. The map can be used there, but holds the wrinkles of 15 to 25 % compression, shallower than the pose asks for; if they look wrong, lower the weight or paint the place black in the region mask",
                 1e4 * applied.capped_area,
-                self.place(demand, &is_capped)
+                self.place(pose_strains, &is_capped)
             )
         })
     }
@@ -99,14 +109,15 @@ impl PosedPlan<'_> {
     fn labyrinth_warning(
         &self,
         (plan, applied): (&LayerPlan, &AppliedStrain),
-        demand: &Demand,
+        pose_strains: &PoseStrains,
     ) -> Option<String> {
-        let is_labyrinth = |face| self.is_active(plan, face) && demand.is_pressed_equally(face);
+        let is_labyrinth =
+            |face| self.is_active(plan, face) && pose_strains.is_compressed_equally(face);
         (applied.labyrinth_area > LABYRINTH * plan.wavelength.powi(2)).then(|| {
             format!(
                 "{:.2} cm2 are compressed about equally from all sides, {}, where wrinkles of real skin meander. Their depth and spacing are right, but the averaging constraints that hold the layer let them run in two crossing directions; if the map shows such squares, set `coupling = \"elastic\"` for this layer",
                 1e4 * applied.labyrinth_area,
-                self.place(demand, &is_labyrinth)
+                self.place(pose_strains, &is_labyrinth)
             )
         })
     }
@@ -116,33 +127,39 @@ impl PosedPlan<'_> {
         plan.region.binary_search(&address).is_ok()
     }
 
-    /// What is to be said of a pose that compresses `area` (m²) on its way that is not compressed at
+    /// Warning of a pose that compresses `area` (m²) on its way that is not compressed at
     /// its keys.
-    pub(crate) fn detour_warning(&self, area: f64, demand: &Demand) -> String {
+    pub(crate) fn detour_warning(&self, area: f64, pose_strains: &PoseStrains) -> String {
         format!(
             "pose '{}': between rest and its keys {:.1} cm2 are squeezed that are not squeezed at the keys, {}, because a blend shape moves its points on straight lines where a part turns. So that no wrinkle of that squeeze is left in the maps, every key is simulated from its own shape, with the strain growing from none. The maps are right; with several keys it takes longer",
             self.pose.name,
             1e4 * area,
-            self.place(demand, &|face| demand.is_detour(face))
+            self.place(pose_strains, &|face| pose_strains.is_detour(face))
         )
     }
 
     /// Median effective strain where the pose strains the skin by more than the critical strain, either
     /// way; 0 where it does so nowhere.
-    fn median_strained(&self, demand: &Demand) -> f64 {
-        let is_strained = |face: &FaceId| demand.effective[*face].abs() > demand.critical(*face);
+    fn median_strained(&self, pose_strains: &PoseStrains) -> f64 {
+        let is_strained =
+            |face: &FaceId| pose_strains.effective[*face].abs() > pose_strains.critical(*face);
         let faces = self.surface.mesh().faces().ids().filter(is_strained);
         let faces: Vec<FaceId> = faces.collect();
-        weighted_quantile(&faces, &demand.effective, &demand.areas, 0.5)
+        weighted_quantile(&faces, &pose_strains.effective, &pose_strains.areas, 0.5)
     }
 
-    fn place(&self, demand: &Demand, is_in: &dyn Fn(FaceId) -> bool) -> String {
+    fn place(&self, pose_strains: &PoseStrains, is_in: &dyn Fn(FaceId) -> bool) -> String {
         let shapes = self.shapes.get_or_init(|| ShapeCentres::new(self.driver));
-        place_of_faces(shapes, (self.surface, self.rest), &demand.areas, is_in)
+        place_of_faces(
+            shapes,
+            (self.surface, self.rest),
+            &pose_strains.areas,
+            is_in,
+        )
     }
 }
 
-/// What is to be said of a pose that deforms half of what it deforms by more than skin bears, where half
+/// Warning of a pose that deforms half of what it deforms by more than skin bears, where half
 /// of it has at least the effective strain `median`.
 fn not_skin(median: f64, pose: &PoseSpec) -> Option<String> {
     if median.abs() <= NOT_SKIN {
@@ -173,7 +190,7 @@ fn late_warning(plan: &LayerPlan) -> Option<String> {
     })
 }
 
-/// What is wrong with so many edges and texels to a wavelength.
+/// Warnings of too few edges or texels per wavelength.
 pub(crate) fn resolution_warnings(asked_points: f64, texels: f64) -> Vec<String> {
     let mut warnings = Vec::new();
     if asked_points < FEWEST_POINTS {
@@ -189,7 +206,7 @@ pub(crate) fn resolution_warnings(asked_points: f64, texels: f64) -> Vec<String>
     warnings
 }
 
-/// What is to be said where the budget does not allow the mesh that was asked for.
+/// Warning where the budget does not allow the mesh that was asked for.
 fn budget_warning(
     (plan, applied): (&LayerPlan, &AppliedStrain),
     modelling: &Modelling,
@@ -203,7 +220,7 @@ fn budget_warning(
         false => "wrinkles come out a few per cent too high",
     };
     if plan.needed <= modelling.vertex_budget as f64 {
-        // The mesh that results are handed out on bounds the fitted one.
+        // The output mesh bounds the fitted one.
         return Some(format!(
             "the layer gets {reached:.1} of {asked} points per wavelength: the artist's mesh is not split further, because results would need more than {} vertices: {effect}. Raise `driver.vertex_budget`, or simulate less skin with a mask",
             HANDED_OUT * modelling.vertex_budget as f64
@@ -217,7 +234,7 @@ fn budget_warning(
     ))
 }
 
-/// Which change brings the vertices under the budget.
+/// Change that brings the vertices under the budget.
 fn remedy((plan, applied): (&LayerPlan, &AppliedStrain), modelling: &Modelling) -> String {
     let area = 1e4 * plan.active_area;
     if plan.needed > HOPELESS {
@@ -226,14 +243,14 @@ fn remedy((plan, applied): (&LayerPlan, &AppliedStrain), modelling: &Modelling) 
             1e3 * plan.wavelength
         );
     }
-    let share = (modelling.vertex_budget as f64 / plan.needed).min(1.0);
+    let fraction = (modelling.vertex_budget as f64 / plan.needed).min(1.0);
     let quality = match plan.points_per_wavelength >= 6.0 {
         true => "`--quality draft` is met as it is",
         false => "`--quality draft` needs more too",
     };
     format!(
         "Raise `driver.vertex_budget`, paint a region mask that leaves at most {:.2} of the {area:.2} cm2 that are simulated, or raise the critical strain above {:.1} %, so that half as much of the pose wrinkles; {quality}",
-        share * area,
+        fraction * area,
         100.0 * applied.median.max(plan.critical_strain)
     )
 }

@@ -9,24 +9,25 @@ use crate::plan::surface_measures::{per_face, uv_density, weighted_quantile};
 use crate::skin::local_skin::wrinkling_on_face;
 use crate::{EdgeLimits, LayerSpec, StepperError};
 
-/// Shares of the covered area beyond which neither shorter nor longer waves count.
+/// Fraction of the covered area whose waves are too short to count.
 const SHORT: f64 = 0.05;
+/// Fraction of the covered area above which waves are too long to count.
 const LONG: f64 = 0.95;
 
 /// The waves on the covered part of a body.
 pub(super) struct Waves {
-    /// m.
+    /// Shortest wavelength that counts, m.
     pub(super) shortest: f64,
-    /// m.
+    /// Longest wavelength that counts, m.
     pub(super) longest: f64,
     /// Area, m², and wavelength, m, of every face.
     patches: Vec<[f64; 2]>,
-    /// Share of the texture's side per metre, in the middle.
+    /// Median of the texture's sides per metre, 1/m.
     uv_density: f64,
 }
 
 impl Waves {
-    /// By the layer's map and variation, read on every face of the driver's `faces` split `levels` times.
+    /// Measures the waves by the layer's map and variation, read on every face of the driver's `faces` split `levels` times.
     pub(super) fn new(
         driver: &Driver,
         faces: &[FaceId],
@@ -45,7 +46,7 @@ impl Waves {
         let area = |[a, b, c]: [Vector3<f64>; 3], _| 0.5 * (b - a).cross(&(c - a)).norm();
         let areas = per_face(&surface, area, &rest);
         let faces: Vec<FaceId> = surface.mesh().faces().ids().collect();
-        let quantile = |field, share| weighted_quantile(&faces, field, &areas, share);
+        let quantile = |field, fraction| weighted_quantile(&faces, field, &areas, fraction);
         Ok(Self {
             shortest: quantile(&lengths, SHORT),
             longest: quantile(&lengths, LONG),

@@ -13,8 +13,8 @@ use crate::preparing::Preparing;
 use crate::run::layer::Layer;
 use crate::run::strain_ratio::applied_strains;
 use crate::skin::local_skin::{LocalSkin, SkinProperties};
-use crate::skin::skin_mesh::{Adapted, MeshDemand, RegionMesh, SkinMesh};
-use crate::support::below::BelowSurface;
+use crate::skin::skin_mesh::{Adapted, RegionMesh, SizingStrains, SkinMesh};
+use crate::support::support_surface::SupportSurface;
 use crate::{EdgeLimits, LayerSpec, Modelling, StepperError};
 
 /// Longest edge where nothing wrinkles, in wavelengths: the low-pass rows, which reach further,
@@ -29,7 +29,7 @@ const LEAST_ALONG: f64 = 2.5;
 /// Rounds of averaging of directions, at most: the region's mesh may be far finer than the reach.
 const MOST_PASSES: f64 = 40.0;
 
-/// Share of the region that may be coarser than asked for before its mesh is fitted anew.
+/// Fraction of the region that may be coarser than asked for before its mesh is fitted anew.
 const TOLERATED: f64 = 0.05;
 
 /// Largest ratio of edges along and across the wrinkles where these have `points` per wavelength.
@@ -56,19 +56,19 @@ fn remesh_error(layer: &LayerSpec, source: RemeshError) -> StepperError {
     }
 }
 
-/// What a mesh is to be fine enough for.
+/// What a mesh has to resolve.
 #[derive(Clone, Copy)]
 pub(crate) enum Fitting<'a> {
     /// The wrinkles that these surfaces below ask for.
-    Surfaces(&'a [BelowSurface]),
+    Surfaces(&'a [SupportSurface]),
     /// Wrinkles everywhere, in any direction.
     Everywhere,
     /// The large shape alone.
     LargeShape,
 }
 
-/// What a layer asks of its mesh, on the region's faces and at its vertices.
-pub(crate) struct MeshWishes {
+/// Sizing that a layer asks for, on the faces of its region and at its vertices.
+pub(crate) struct SizingRequest {
     drivers: PerFace<FaceDriver>,
     longest: Vec<f64>,
     aspects: Vec<f64>,
@@ -77,8 +77,8 @@ pub(crate) struct MeshWishes {
     settings: RemeshSettings,
 }
 
-impl MeshWishes {
-    /// What `fitting` asks of the region; `None` where meshes are to stay uniform.
+impl SizingRequest {
+    /// Sizing of the region by `fitting`; `None` where meshes are to stay uniform.
     ///
     /// # Errors
     /// [`Halt::Interrupted`] when the observer asks for it between the steps.
@@ -92,7 +92,7 @@ impl MeshWishes {
     ) -> Result<Option<Self>, Halt> {
         let limits = match (fitting, modelling.remesh) {
             (_, Some(limits)) => limits,
-            // This mesh is given up before anything is handed out.
+            // This mesh is given up before there are results.
             (Fitting::LargeShape, None) => EdgeLimits::default(),
             (_, None) => return Ok(None),
         };
@@ -137,7 +137,7 @@ impl MeshWishes {
         }))
     }
 
-    /// The region's mesh fitted to them.
+    /// Fits the region's mesh to the sizing.
     pub(crate) fn fitted(
         &self,
         driver: &Driver,
@@ -146,7 +146,7 @@ impl MeshWishes {
         preparing: &mut Preparing<'_>,
     ) -> Result<Adapted, Halt> {
         let mut goes_on = || preparing.goes_on();
-        let adapted = region.adapted(driver, &self.demand(), &self.settings, &mut goes_on);
+        let adapted = region.adapted(driver, &self.strains(), &self.settings, &mut goes_on);
         let adapted = adapted.map_err(|source| remesh_error(layer, source))?;
         adapted.ok_or(Halt::Interrupted)
     }
@@ -158,12 +158,13 @@ impl MeshWishes {
         };
         let places = interpolation.places();
         let region = layer.region();
-        let share = region.share_too_coarse(layer.skin(), places, &self.demand(), &self.settings);
-        Ok(share.map_err(|source| remesh_error(&layer.spec, source))? <= TOLERATED)
+        let too_coarse =
+            region.fraction_too_coarse(layer.skin(), places, &self.strains(), &self.settings);
+        Ok(too_coarse.map_err(|source| remesh_error(&layer.spec, source))? <= TOLERATED)
     }
 
-    fn demand(&self) -> MeshDemand<'_> {
-        MeshDemand {
+    fn strains(&self) -> SizingStrains<'_> {
+        SizingStrains {
             drivers: &self.drivers,
             longest: &self.longest,
             aspects: &self.aspects,
@@ -173,7 +174,7 @@ impl MeshWishes {
     }
 }
 
-/// How much longer than wide triangles may be at every vertex, at most `most`, where the direction
+/// Largest length over width of triangles at every vertex, at most `most`, where the direction
 /// of the compression varies over the distance `reach`.
 ///
 /// With a scatter `D` of the direction, an edge `r` times as long as the short ones `a` crosses
@@ -214,15 +215,15 @@ fn averaged_directions(
     let mut area = 0.0;
     for (face, corners) in mesh.faces().iter() {
         let [a, b, c] = corners.map(|v| skin.rest.positions[v.index()]);
-        let share = 0.5 * (b - a).cross(&(c - a)).norm();
-        area += share;
+        let piece = 0.5 * (b - a).cross(&(c - a)).norm();
+        area += piece;
         // Tension does not wrinkle; the larger compression decides where both do.
         let eigen = SymmetricEigen::new(drivers[face].compression);
         let values = eigen.eigenvalues.map(|value| value.max(0.0).powi(2));
         let vectors = eigen.eigenvectors;
         let directions = vectors * Matrix3::from_diagonal(&values) * vectors.transpose();
         for v in corners {
-            tensors[v.index()] += directions * (share / 3.0);
+            tensors[v.index()] += directions * (piece / 3.0);
         }
     }
     let edge_squared = area / mesh.face_count().max(1) as f64 * 4.0 / 3f64.sqrt();
@@ -254,7 +255,7 @@ fn face_drivers(
     poisson: f64,
     properties: &SkinProperties,
     skin: &SkinMesh,
-    below: &[BelowSurface],
+    below: &[SupportSurface],
 ) -> PerFace<FaceDriver> {
     let unloaded = |local: &LocalSkin| FaceDriver {
         compression: Matrix3::zeros(),

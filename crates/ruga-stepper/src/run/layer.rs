@@ -26,10 +26,10 @@ use crate::run::low_pass_rows::{RowCentre, low_pass_rows, row_centres};
 use crate::run::strain_ratio::StrainRatios;
 use crate::skin::interpolation::Interpolation;
 use crate::skin::local_skin::{LocalSkin, SkinProperties};
-use crate::skin::relief::ReliefShares;
+use crate::skin::relief::ReliefWeights;
 use crate::skin::skin_mesh::{RegionMesh, SkinMesh};
 use crate::skin::upper_shell::UpperShell;
-use crate::support::below::BelowSurface;
+use crate::support::support_surface::SupportSurface;
 use crate::support::{Interior, Solid};
 use crate::{LayerSpec, StepperError};
 
@@ -41,16 +41,16 @@ const DAMPING: f64 = 1e-6;
 /// Initial noise in thicknesses; a tenth picks a wrong wavelength.
 const NOISE: f64 = 1e-3;
 
-/// How a layer is held, beyond what its own material says.
+/// How a layer is built, beyond what its own specification says.
 #[derive(Clone, Debug)]
-pub(crate) struct Holding {
+pub(crate) struct LayerOptions {
     /// Tangential stiffness per area where it is not the layer's own, Pa/m.
     pub(crate) tie: Option<f64>,
     /// A layer that moves together with it.
     pub(crate) upper: Option<UpperShell>,
-    /// How their bending is measured.
+    /// Discrete bending energy.
     pub(crate) bending: BendingModel,
-    /// Where its rows are centred; by its wavelength where nothing is said.
+    /// Centres of its averaging constraints; chosen by its wavelength where there are none.
     pub(crate) centres: Option<Vec<RowCentre>>,
     /// Samples the rows around their centres.
     pub(crate) sample: SampleConstraints,
@@ -64,27 +64,27 @@ pub(crate) struct Layer {
     pub(crate) wrinkling: Wrinkling,
     skin: SkinMesh,
     properties: SkinProperties,
-    /// What results are handed out on.
+    /// Uniform output mesh of the active region.
     region: RegionMesh,
-    shares: ReliefShares,
-    /// How they get there; `None` where that is the layer's own mesh.
+    weights: ReliefWeights,
+    /// Takes results to the output mesh; `None` where that is the layer's own mesh.
     interpolation: Option<Interpolation>,
     bending: BendingModel,
     /// Response bending modulus of the uncorrected mesh over that of the material, once measured.
     pub(crate) bending_ratio: Option<f64>,
     areas: Vec<f64>,
-    below: BelowSurface,
-    /// What the surface below asks for, relative to the rest metric with its transfer.
+    support: SupportSurface,
+    /// Strains of the support surface, relative to the rest metric with its transfer.
     strains: PerFace<FaceStrain>,
     /// Fraction of the strain that is loaded, in (0, 1].
     fraction: f64,
-    /// Of the layer's vertices, then of those of a layer that moves together with it.
+    /// Positions of the layer's vertices, then of those of a layer that moves together with it, m.
     positions: Vec<Vector3<f64>>,
-    /// Where these would be without wrinkles, on the surface below.
+    /// Where the vertices would be without wrinkles, on the support surface, m.
     base: Vec<Vector3<f64>>,
     /// Velocities of the vertices where they have inertia, m/s.
     velocities: Vec<Vector3<f64>>,
-    /// Their masses, kg.
+    /// Masses of the vertices, kg.
     masses: Vec<f64>,
     energy: LayerEnergy,
     /// The layer that moves together with this one.
@@ -93,7 +93,7 @@ pub(crate) struct Layer {
     solid: Option<Solid>,
     /// Whether the energy's rest metric may differ from the rest surface's.
     is_metric_changed: bool,
-    /// Normals of the surface below that the energy stands on.
+    /// Normals of the support surface that the energy stands on.
     held_normals: Vec<Vector3<f64>>,
     /// Factors of the energy's rest lengths on a body, per face.
     held_ratios: Vec<f64>,
@@ -103,7 +103,7 @@ pub(crate) struct Layer {
     /// Levenberg damping of all unknowns, N/m.
     damping: Vec<f64>,
     centres: Vec<RowCentre>,
-    /// What the user should know about its rows.
+    /// Warning about its averaging constraints.
     pub(crate) row_warning: Option<String>,
     rows: ConstraintRows,
     pattern: LowerPattern,
@@ -115,7 +115,7 @@ impl Layer {
         driver: &Arc<Driver>,
         spec: &LayerSpec,
         wrinkling: &Wrinkling,
-        holding: Holding,
+        options: LayerOptions,
         (region, adapted): (RegionMesh, Option<SkinMesh>),
         seed: u64,
         preparing: &mut Preparing<'_>,
@@ -130,7 +130,7 @@ impl Layer {
         };
         // A mesh may be fitted so coarsely that all of it is border, which a driver holds.
         let is_free = |skin: &SkinMesh| skin.mesh.border_vertices().as_slice().contains(&false);
-        let adapted = adapted.filter(|skin| holding.interior.is_some() || is_free(skin));
+        let adapted = adapted.filter(|skin| options.interior.is_some() || is_free(skin));
         let interpolation = match &adapted {
             Some(skin) => Some(
                 preparing
@@ -140,14 +140,14 @@ impl Layer {
         };
         let skin = adapted.unwrap_or_else(|| region.skin.clone());
         let rest = &skin.rest;
-        let Holding {
+        let LayerOptions {
             tie,
             upper,
             bending,
             centres,
             sample,
             interior,
-        } = holding;
+        } = options;
         // A driver goes on beyond the layer, and holds its border; on a body nothing does.
         let pinned = match &interior {
             Some(_) => PerVertex::filled(rest.positions.len(), false),
@@ -206,7 +206,7 @@ impl Layer {
             None => row_centres(spec, &properties, &skin, &free)?,
         };
         preparing.step()?;
-        let shares = ReliefShares::new(driver, spec, wrinkling, (&skin, &region.skin))?;
+        let weights = ReliefWeights::new(driver, spec, wrinkling, (&skin, &region.skin))?;
         preparing.step()?;
         let low_pass = low_pass_rows((spec, sample), &centres, &skin, &pinned, &free)?;
         preparing.step()?;
@@ -237,7 +237,7 @@ impl Layer {
             wrinkling: *wrinkling,
             strains: face_strains(&skin.mesh, &rest.positions, &rest.positions),
             base: positions.clone(),
-            below: BelowSurface {
+            support: SupportSurface {
                 posed: rest.clone(),
                 transfer: None,
             },
@@ -251,7 +251,7 @@ impl Layer {
             properties,
             skin,
             region,
-            shares,
+            weights,
             interpolation,
             bending,
             bending_ratio: None,
@@ -314,7 +314,7 @@ impl Layer {
         pairs.map(|(x, base)| x - base)
     }
 
-    /// What the surface below asks of the faces, in their critical strains.
+    /// Strains of the support surface over the critical strains, per face.
     pub(crate) fn strain_ratios(&self) -> StrainRatios<'_> {
         StrainRatios {
             skin: &self.skin,
@@ -332,9 +332,9 @@ impl Layer {
 
     /// Total elastic energy, of a body that moves with the layer too, J.
     pub(crate) fn energy(&self) -> f64 {
-        let below = &self.below.posed.positions;
+        let support = &self.support.posed.positions;
         let inside = self.solid.as_ref().map_or(0.0, Solid::elastic_energy);
-        self.energy.value_over(&self.positions, below) + inside
+        self.energy.value_over(&self.positions, support) + inside
     }
 
     /// The body below that moves together with this layer.
@@ -354,8 +354,8 @@ impl Layer {
         solid.map_or(0.0, |solid| solid.penetration(&self.positions))
     }
 
-    /// Share of the faces that are compressed beyond 15 %, where the layer feels no more.
-    pub(crate) fn capped_share(&self) -> f64 {
+    /// Fraction of the faces that are compressed beyond 15 %, where the layer feels no more.
+    pub(crate) fn capped_fraction(&self) -> f64 {
         let strains = self.strains.as_slice().iter();
         let capped = strains.filter(|strain| strain.first > CAP_START).count();
         capped as f64 / self.strains.len().max(1) as f64
@@ -377,7 +377,7 @@ impl Layer {
     }
 
     fn along_normals(&self, deviations: &[Vector3<f64>]) -> Vec<f64> {
-        let normals = self.below.posed.normals.iter();
+        let normals = self.support.posed.normals.iter();
         normals.zip(deviations).map(|(n, d)| n.dot(d)).collect()
     }
 
@@ -386,7 +386,7 @@ impl Layer {
         self.upper.as_ref()
     }
 
-    /// Where the rows of the layer's coupling are centred.
+    /// Centres of the layer's averaging constraints.
     pub(crate) fn row_centres(&self) -> &[RowCentre] {
         &self.centres
     }
@@ -396,23 +396,23 @@ impl Layer {
         &self.skin
     }
 
-    /// The mesh that results are handed out on.
+    /// Output mesh.
     pub(crate) fn region(&self) -> &RegionMesh {
         &self.region
     }
 
-    /// How results get to the mesh they are handed out on; `None` where that is the layer's own.
+    /// Takes results to the output mesh; `None` where that is the layer's own.
     pub(crate) fn interpolation(&self) -> Option<&Interpolation> {
         self.interpolation.as_ref()
     }
 
-    /// Where the layer's vertices are, and those of a layer that moves together with it, m.
+    /// Positions of the layer's vertices, then of those of a layer that moves together with it, m.
     pub(crate) fn positions(&self) -> &[Vector3<f64>] {
         &self.positions
     }
 }
 
-/// Where the vertices would lie on a surface without wrinkles, then those of an upper layer.
+/// Positions of the vertices on a surface without wrinkles, then of those of an upper layer, m.
 fn laid_on(surface: &PosedSurface, upper: Option<&UpperShell>) -> Vec<Vector3<f64>> {
     let mut positions = surface.positions.clone();
     if let Some(upper) = upper {
@@ -438,7 +438,7 @@ fn noise_size(local: &LocalSkin, area: f64) -> f64 {
     NOISE * local.material.thickness * fineness
 }
 
-/// What a shell is made of, with the springs of its foundation where it is `held` by one.
+/// Parameters of a shell, with the springs of its foundation where it is `held` by one.
 pub(crate) fn layer_parameters(properties: &SkinProperties, held: bool) -> LayerParameters {
     let spring = |stiffness: f64| if held { stiffness } else { 0.0 };
     let face = |local: &LocalSkin| FaceParameters {

@@ -14,14 +14,14 @@ use ruga_shell::LayerEnergy;
 pub(crate) struct LayerObjective<'a> {
     pub(crate) energy: &'a LayerEnergy,
     pub(crate) free: &'a [VertexId],
-    /// Where pinned vertices are.
+    /// Positions of all vertices, of which only the pinned ones are read, m.
     pub(crate) positions: &'a [Vector3<f64>],
     pub(crate) pattern: LowerPattern,
     /// Levenberg damping, N/m.
     pub(crate) damping: &'a [f64],
     /// Dead load, N.
     pub(crate) reaction: &'a [f64],
-    /// Where the dead load does no work, m.
+    /// Positions at which the dead load does no work, m.
     pub(crate) base: &'a [f64],
     /// The term of a step in time, with the mass of every vertex, kg; a body has the mass of its layer.
     pub(crate) inertia: Option<(&'a Inertia, &'a [f64])>,

@@ -1,7 +1,7 @@
-//! One layer on its way to its load, and what is told of it.
+//! The run of one layer along its load path, its report and its warnings.
 
-mod course;
 mod in_time;
+mod loading;
 
 use ruga_blend::Driver;
 use ruga_solver::{
@@ -12,17 +12,17 @@ use ruga_solver::{
 use crate::preparing::Preparing;
 use crate::run::layer::{Layer, LayerState};
 use crate::skin::upper_shell::UpperShell;
-use crate::support::below::BelowSurface;
 use crate::support::motion::Inertia;
+use crate::support::support_surface::SupportSurface;
 use crate::{LayerPlan, LayerReport, Modelling, Observer, Phase, Progress, StepperError};
 
-pub(crate) use course::{Course, Ending};
+pub(crate) use loading::{Ending, Loading};
 
-/// Share of the critical strain below which nothing can wrinkle.
+/// Fraction of the critical strain below which nothing can wrinkle.
 pub(crate) const LEAST_RATIO: f64 = 0.9;
 
-/// Where the way up to the onset of a layer begins that lies on another, in critical strains: as
-/// high as nothing buckles. Far above the onset a trial costs ten times as much.
+/// First strain of the load path of a layer that lies on another, in critical strains: as high as
+/// nothing buckles. Far above the onset a trial costs ten times as much.
 const FIRST_RATIO: f64 = 0.9;
 
 /// Largest factor between two steps' strains on a surface that has moved: up to 2 the wavelength
@@ -32,28 +32,29 @@ const GROWTH: f64 = 1.5;
 /// Newton decrement, in energy scales, at which a state is a result. Where a pattern is held fast
 /// the last step, which is taken, leaves a square of it; on a whole forehead some defect always
 /// slides a little further, for hundreds of iterations, while the energy changes by a thousandth.
-const SETTLED: f64 = 3e-5;
+const RESULT_DECREMENT: f64 = 3e-5;
 
 /// Newton decrement, in energy scales, at which a state that is only passed is good enough. What
 /// is left then is the pattern sliding along itself, and the next load moves it anyway.
-const PASSING: f64 = 1e-3;
+const PASSING_DECREMENT: f64 = 1e-3;
 
 /// Lag of the energy behind the surface below up to which a result stands, in rad or as a change of rest
 /// lengths: a layer that is a tenth of a wavelength off then moves by a ten-thousandth of one.
 const LAG: f64 = 1e-3;
 
-/// Solves after which a body that still gives way under its layer is taken as it is, and the lag up to
-/// which that counts as an equilibrium.
+/// Solves after which a body that still gives way under its layer is taken as it is.
 const MOST_SOLVES: usize = 4;
+
+/// Lag up to which such a state counts as an equilibrium, in rad or as a change of rest lengths.
 const TOLERATED_LAG: f64 = 5e-2;
 
-/// The relaxation that a solve is tried with first, over what the last one needed: lets it shrink.
+/// The convexification that a solve is tried with first, over what the last one needed: lets it shrink.
 const SLOWLY_LESS: f64 = 0.97;
 
-/// What is told of a solve whose method says nothing about stability, and of one that ended on a
-/// saddle: [`Modelling::minimise`] may be such a method.
+/// Warning of a solve whose method says nothing about stability: [`Modelling::minimise`] may be one.
 const MISSING_INERTIA: &str =
     "the solver cannot tell a wrinkled state from an unstable flat one; compare with the default";
+/// Warning of a solve that ended on a saddle.
 const UNSTABLE: &str = "forces are in balance, but the state is an unstable one";
 
 /// Why a solve that converged may not have ended in a stable state.
@@ -64,12 +65,12 @@ fn unverified_stability(solve: &SolveReport) -> Option<&'static str> {
     }
 }
 
-/// How exact a state has to be.
+/// Accuracy that a state needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Accuracy {
-    /// It decides something or is handed out.
+    /// Exact enough to decide something, or to be given to the user.
     Result,
-    /// It is the start of the next.
+    /// Exact enough to start the next solve from.
     Passing,
 }
 
@@ -81,9 +82,9 @@ pub(crate) struct LayerRun<'a> {
     pub(crate) layer: Layer,
     kkt: Kkt,
     pub(crate) report: LayerReport,
-    /// What had to be left out of the first step of the last solve that began with a pattern.
+    /// Convexification of the first step of the last solve that began with a pattern.
     relaxation: f64,
-    /// What the user should know, without the layer's name.
+    /// Warnings, without the layer's name.
     pub(crate) warnings: Vec<String>,
     /// Whether a result on a body is not as exact as it should be.
     pub(crate) is_rough: bool,
@@ -151,68 +152,68 @@ impl<'a> LayerRun<'a> {
     /// equilibrium to equilibrium, and in between where it begins to wrinkle, or in time.
     pub(crate) fn follow(
         &mut self,
-        course: &mut dyn Course,
+        loading: &mut dyn Loading,
         (loads, steps): (&[f64], u32),
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
         match self.modelling.dynamics {
-            None => self.climb(course, loads, LoadSettings::default(), observer),
-            Some(dynamics) => self.move_in_time(course, (loads, steps), dynamics, observer),
+            None => self.climb(loading, loads, LoadSettings::default(), observer),
+            Some(dynamics) => self.move_in_time(loading, (loads, steps), dynamics, observer),
         }
     }
 
     /// Solves at load 1, with no more steps on the way than it takes to find the onset.
     pub(crate) fn follow_from_onset(
         &mut self,
-        course: &mut dyn Course,
+        loading: &mut dyn Loading,
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
-        course.place(&mut self.layer, 1.0, None)?;
+        loading.place(&mut self.layer, 1.0, None)?;
         let settings = LoadSettings {
             first: self.layer.strain_ratios().fraction_for(FIRST_RATIO),
             ..LoadSettings::default()
         };
-        self.climb(course, &[1.0], settings, observer)
+        self.climb(loading, &[1.0], settings, observer)
     }
 
     /// Goes on from the present shape on a surface that has moved.
     ///
-    /// The strain grows from the demand `before`, which the layer is used to. Gives up where it was
+    /// The strain grows from the strain ratio `before`, in which the layer is in equilibrium. Gives up where it was
     /// not wrinkled and now may be: then the onset has to be found.
     pub(crate) fn move_on(
         &mut self,
-        below: BelowSurface,
-        (before, shown): (f64, f64),
+        support: SupportSurface,
+        (before, pose_fraction): (f64, f64),
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
         observer.phase(self.index, Phase::Sampling);
-        self.layer.set_below(below.clone(), 1.0)?;
-        let demand = self.layer.strain_ratio();
-        if before < 1.0 && demand > LEAST_RATIO {
+        self.layer.set_support(support.clone(), 1.0)?;
+        let strain_ratio = self.layer.strain_ratio();
+        if before < 1.0 && strain_ratio > LEAST_RATIO {
             return Ok(Ending::GaveUp);
         }
-        let mut share = if demand > LEAST_RATIO {
+        let mut fraction = if strain_ratio > LEAST_RATIO {
             self.layer.strain_ratios().fraction_for(before)
         } else {
             1.0
         };
         observer.phase(self.index, Phase::Integration);
         loop {
-            share = (share * GROWTH).min(1.0);
-            self.layer.set_below(below.clone(), share)?;
-            let accuracy = if share < 1.0 {
+            fraction = (fraction * GROWTH).min(1.0);
+            self.layer.set_support(support.clone(), fraction)?;
+            let accuracy = if fraction < 1.0 {
                 Accuracy::Passing
             } else {
                 Accuracy::Result
             };
-            let solve = self.solve(None, (AtSaddle::Leave, accuracy), shown, observer)?;
+            let solve = self.solve(None, (AtSaddle::Leave, accuracy), pose_fraction, observer)?;
             if solve.stop == StopRule::Interrupted {
                 return Ok(Ending::Interrupted);
             }
             if !solve.converged {
                 return Ok(Ending::GaveUp);
             }
-            if share == 1.0 {
+            if fraction == 1.0 {
                 self.warn_unverified(&solve);
                 return Ok(Ending::Reached);
             }
@@ -221,7 +222,7 @@ impl<'a> LayerRun<'a> {
 
     fn climb(
         &mut self,
-        course: &mut dyn Course,
+        loading: &mut dyn Loading,
         loads: &[f64],
         settings: LoadSettings,
         observer: &mut dyn Observer,
@@ -233,37 +234,39 @@ impl<'a> LayerRun<'a> {
         let mut kept = self.layer.state();
         let mut onset = None;
         while let Some(trial) = stepper.next_trial() {
-            let solve = self.try_load(course, trial, observer)?;
+            let solve = self.try_load(loading, trial, observer)?;
             let Some(solve) = solve.filter(|solve| solve.stop != StopRule::Interrupted) else {
                 return Ok(Ending::Interrupted);
             };
-            let shown = course.shown(trial.load);
+            let pose_fraction = loading.pose_fraction(trial.load);
             let outcome = self.outcome(trial, &kept, &solve);
             if trial.probe && outcome == Outcome::Buckled {
-                onset = Some(shown);
+                onset = Some(pose_fraction);
             }
             match stepper.report(outcome) {
                 Verdict::Keep => {
                     // A probe is as exact as a result already.
-                    let is_settled = trial.probe && self.layer.lag() <= LAG;
-                    let is_wanted = course.is_result(trial.load) && !is_settled;
+                    let is_polished = trial.probe && self.layer.lag() <= LAG;
+                    let is_wanted = loading.is_result(trial.load) && !is_polished;
                     if !is_wanted || self.layer.solid().is_none() {
                         self.warn_unverified(&solve);
-                    } else if self.settle(None, shown, observer)?.stop == StopRule::Interrupted {
+                    } else if self.polish(None, pose_fraction, observer)?.stop
+                        == StopRule::Interrupted
+                    {
                         return Ok(Ending::Interrupted);
                     }
                     kept = self.layer.state();
                     if !trial.probe {
-                        // Where it first wrinkled; another key's course may begin anew.
+                        // Where it first wrinkled; another key may begin anew.
                         self.report.onset_load = self.report.onset_load.or(onset);
                     }
-                    if !course.kept(self, trial.load, observer)? {
+                    if !loading.kept(self, trial.load, observer)? {
                         return Ok(Ending::Interrupted);
                     }
                 }
                 Verdict::Discard => self.layer.restore(&kept)?,
                 Verdict::GiveUp => {
-                    self.warn_of_failure("no equilibrium found", shown, &solve);
+                    self.warn_of_failure("no equilibrium found", pose_fraction, &solve);
                     self.layer.restore(&kept)?;
                     return Ok(Ending::GaveUp);
                 }
@@ -275,19 +278,19 @@ impl<'a> LayerRun<'a> {
     /// Looks for the equilibrium at a load; `None` when the observer ends the work.
     fn try_load(
         &mut self,
-        course: &dyn Course,
+        loading: &dyn Loading,
         trial: Trial,
         observer: &mut dyn Observer,
     ) -> Result<Option<SolveReport>, StepperError> {
         let mut preparing = Preparing::new(observer, self.index, Phase::Sampling);
-        course.place(&mut self.layer, trial.load, None)?;
+        loading.place(&mut self.layer, trial.load, None)?;
         if !preparing.goes_on() {
             return Ok(None);
         }
         observer.phase(self.index, Phase::Integration);
-        let shown = course.shown(trial.load);
-        // On a body that moves a result is settled later, once it is known where the body is.
-        let is_exact = course.is_result(trial.load) && self.layer.solid().is_none();
+        let pose_fraction = loading.pose_fraction(trial.load);
+        // On a body that moves a result is polished later, once it is known where the body is.
+        let is_exact = loading.is_result(trial.load) && self.layer.solid().is_none();
         let accuracy = match trial.probe || is_exact {
             true => Accuracy::Result,
             false => Accuracy::Passing,
@@ -296,54 +299,54 @@ impl<'a> LayerRun<'a> {
             true => AtSaddle::Stop,
             false => AtSaddle::Leave,
         };
-        let solve = self.solve(None, (at_saddle, accuracy), shown, observer)?;
+        let solve = self.solve(None, (at_saddle, accuracy), pose_fraction, observer)?;
         if solve.stop == StopRule::Saddle && !self.is_probe(trial) {
             // Nothing wrinkles where the body has gone: what gives way is the body, or a noise of the
             // mesh.
             let how = (AtSaddle::Leave, accuracy);
-            return self.solve(None, how, shown, observer).map(Some);
+            return self.solve(None, how, pose_fraction, observer).map(Some);
         }
         Ok(Some(solve))
     }
 
     /// Makes a result of a state on a body: on the way there the surface below has turned and shrunk, and
     /// the layer's energy stands on it. Returns the last solve.
-    fn settle(
+    fn polish(
         &mut self,
         inertia: Option<&Inertia>,
-        shown: f64,
+        pose_fraction: f64,
         observer: &mut dyn Observer,
     ) -> Result<SolveReport, StepperError> {
         let how = (AtSaddle::Leave, Accuracy::Result);
         let mut solves = 0;
         loop {
             let before = self.layer.state();
-            let solve = self.solve(inertia, how, shown, observer)?;
+            let solve = self.solve(inertia, how, pose_fraction, observer)?;
             solves += 1;
             if solve.stop == StopRule::Interrupted {
                 return Ok(solve);
             }
             if !solve.converged || self.layer.has_passed(&before) {
-                self.warn_of_failure("only a rough equilibrium found", shown, &solve);
+                self.warn_of_failure("only a rough equilibrium found", pose_fraction, &solve);
                 self.layer.restore(&before)?;
                 self.is_rough = true;
                 return Ok(solve);
             }
             if self.layer.lag() <= LAG || solves == MOST_SOLVES {
                 self.warn_unverified(&solve);
-                self.warn_of_lag(shown);
+                self.warn_of_lag(pose_fraction);
                 return Ok(solve);
             }
         }
     }
 
     /// Notes that the body still gave way when the last solve ended.
-    fn warn_of_lag(&mut self, shown: f64) {
+    fn warn_of_lag(&mut self, pose_fraction: f64) {
         let lag = self.layer.lag();
         if lag > TOLERATED_LAG {
             self.is_rough = true;
             self.warn(format!(
-                "only a rough equilibrium found at load {shown:.3}: the body still gave way under the layer, by {:.1} %; take more `steps`",
+                "only a rough equilibrium found at load {pose_fraction:.3}: the body still gave way under the layer, by {:.1} %; take more `steps`",
                 100.0 * lag
             ));
         }
@@ -354,14 +357,14 @@ impl<'a> LayerRun<'a> {
         &mut self,
         inertia: Option<&Inertia>,
         (at_saddle, accuracy): (AtSaddle, Accuracy),
-        shown: f64,
+        pose_fraction: f64,
         observer: &mut dyn Observer,
     ) -> Result<SolveReport, StepperError> {
         let settings = NewtonSettings {
             at_saddle,
             energy_tolerance: match accuracy {
-                Accuracy::Result => SETTLED,
-                Accuracy::Passing => PASSING,
+                Accuracy::Result => RESULT_DECREMENT,
+                Accuracy::Passing => PASSING_DECREMENT,
             },
             residual_tolerance: self.modelling.tolerance,
             first_relaxation: match at_saddle {
@@ -375,7 +378,7 @@ impl<'a> LayerRun<'a> {
         let vertices = self.layer.vertex_count();
         let mut keep_going = |iteration: &ruga_solver::Iteration| {
             observer.progress(Progress {
-                load: shown,
+                load: pose_fraction,
                 iteration: iteration.index,
                 vertices,
             })
@@ -399,7 +402,7 @@ impl<'a> LayerRun<'a> {
         }
     }
 
-    fn warn_of_failure(&mut self, what: &str, shown: f64, solve: &SolveReport) {
+    fn warn_of_failure(&mut self, what: &str, pose_fraction: f64, solve: &SolveReport) {
         let why = match solve.converged {
             true => "a vertex passed through an obstacle".to_owned(),
             false => format!(
@@ -407,7 +410,7 @@ impl<'a> LayerRun<'a> {
                 solve.stop, solve.iterations, solve.residual
             ),
         };
-        self.warn(format!("{what} at load {shown:.3} ({why})"));
+        self.warn(format!("{what} at load {pose_fraction:.3} ({why})"));
     }
 
     /// Notes where the layer was to wrinkle and has not.
@@ -419,14 +422,14 @@ impl<'a> LayerRun<'a> {
 
     /// Notes what a plan cannot know: steps that were halved, and what a body and its obstacles do to the
     /// layer.
-    pub(crate) fn warn_of_course(&mut self) {
+    pub(crate) fn warn_of_loading(&mut self) {
         if self.halved > 0 {
             self.warn(format!("steps in time that were halved: {}", self.halved));
         }
         if self.layer.solid().is_none() {
             return;
         }
-        let percent = 100.0 * self.layer.capped_share();
+        let percent = 100.0 * self.layer.capped_fraction();
         if percent >= 1.0 {
             self.warn(format!(
                 "{percent:.0} % of the layer are compressed by more than 15 %, where real skin folds, doubles its wrinkles or creases, which is not modelled. The map can be used there, but holds the wrinkles of 15 to 25 % compression; move handles and obstacles less far if they look wrong"

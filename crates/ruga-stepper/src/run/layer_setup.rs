@@ -2,20 +2,20 @@
 
 use crate::error::Halt;
 use crate::preparing::Preparing;
-use crate::run::adaptivity::{Fitting, MeshWishes};
-use crate::run::layer::{Holding, Layer};
+use crate::run::adaptivity::{Fitting, SizingRequest};
+use crate::run::layer::{Layer, LayerOptions};
 use crate::run::layer_run::LayerRun;
 use crate::run::low_pass_rows::RowCentre;
 use crate::run::stack_run::StackRun;
 use crate::skin::skin_mesh::{RegionMesh, SkinMesh};
-use crate::support::below::BelowSurface;
+use crate::support::support_surface::SupportSurface;
 use crate::{Observer, Phase};
 
 /// Edges longer than asked for by less than this factor are not worth a word.
 const WORTH_TELLING: f64 = 1.1;
 
-/// What lies below a mesh.
-pub(crate) type BelowOf<'a> = Box<dyn Fn(&SkinMesh) -> BelowSurface + 'a>;
+/// Gives the support surface of a mesh.
+pub(crate) type SupportOf<'a> = Box<dyn Fn(&SkinMesh) -> SupportSurface + 'a>;
 
 impl<'a> StackRun<'a> {
     /// Builds layer number `index`, its mesh fitted to each of what may lie `below`, its
@@ -23,24 +23,30 @@ impl<'a> StackRun<'a> {
     pub(crate) fn build(
         &self,
         index: usize,
-        below: &[BelowOf<'_>],
+        support: &[SupportOf<'_>],
         observer: &mut dyn Observer,
     ) -> Result<LayerRun<'a>, Halt> {
         let mut preparing = Preparing::new(observer, index, Phase::Sampling);
         let region = self.region(index, &mut preparing)?;
         preparing.enter(Phase::Remeshing)?;
-        let mut surfaces = Vec::with_capacity(below.len());
-        for below in below {
-            surfaces.push(below(&region.skin));
+        let mut surfaces = Vec::with_capacity(support.len());
+        for support in support {
+            surfaces.push(support(&region.skin));
             preparing.step()?;
         }
         let fitting = match surfaces.is_empty() {
             true => Fitting::Everywhere,
             false => Fitting::Surfaces(&surfaces),
         };
-        let wishes = self.wishes(index, &region, fitting, &mut preparing)?;
+        let sizing = self.sizing(index, &region, fitting, &mut preparing)?;
         preparing.step()?;
-        self.build_on(index, (region, wishes), None, below.last(), &mut preparing)
+        self.build_on(
+            index,
+            (region, sizing),
+            None,
+            support.last(),
+            &mut preparing,
+        )
     }
 
     /// Builds layer number `index` on a mesh that is fine enough for its large shape alone.
@@ -52,59 +58,59 @@ impl<'a> StackRun<'a> {
         let mut preparing = Preparing::new(observer, index, Phase::Sampling);
         let region = self.region(index, &mut preparing)?;
         preparing.enter(Phase::Remeshing)?;
-        let wishes = self.wishes(index, &region, Fitting::LargeShape, &mut preparing)?;
-        self.build_on(index, (region, wishes), None, None, &mut preparing)
+        let sizing = self.sizing(index, &region, Fitting::LargeShape, &mut preparing)?;
+        self.build_on(index, (region, sizing), None, None, &mut preparing)
     }
 
-    /// The mesh of layer number `index` that results are handed out on.
+    /// Output mesh of layer number `index`.
     fn region(&self, index: usize, preparing: &mut Preparing<'_>) -> Result<RegionMesh, Halt> {
         let plan = self.plan;
         let layer = &plan.poses[self.pose].layers[index];
         let surface = preparing.while_wanted(|goes_on| plan.layer_surface(layer, goes_on))?;
-        let offset = plan.stacking.seats[index].offset;
+        let offset = plan.stacking.attachments[index].offset;
         let on = (&surface, plan.modelling.smoothing, offset);
         let spec = &plan.stacking.specs[index];
         RegionMesh::new(&plan.driver, spec, on, &mut || preparing.goes_on())
     }
 
-    /// What layer number `index` asks of the mesh of its region.
-    fn wishes(
+    /// Sizing that layer number `index` asks for on its region.
+    fn sizing(
         &self,
         index: usize,
         region: &RegionMesh,
         fitting: Fitting<'_>,
         preparing: &mut Preparing<'_>,
-    ) -> Result<Option<MeshWishes>, Halt> {
+    ) -> Result<Option<SizingRequest>, Halt> {
         let plan = self.plan;
         let layer = (&plan.stacking.specs[index], &plan.stacking.simulated[index]);
         let how = (
             &plan.modelling,
             plan.modelling.points_of(index, plan.meshes()),
         );
-        MeshWishes::new(&plan.driver, layer, region, fitting, how, preparing)
+        SizingRequest::new(&plan.driver, layer, region, fitting, how, preparing)
     }
 
-    /// Builds layer number `index` on a mesh of `region` that is fitted to `wishes`, its averaging
+    /// Builds layer number `index` on a mesh of `region` that is fitted to `sizing`, its averaging
     /// constraints around given `centres`, its bending corrected for what lies `below`.
     fn build_on(
         &self,
         index: usize,
-        (region, wishes): (RegionMesh, Option<MeshWishes>),
+        (region, sizing): (RegionMesh, Option<SizingRequest>),
         centres: Option<Vec<RowCentre>>,
-        below: Option<&BelowOf<'_>>,
+        support: Option<&SupportOf<'_>>,
         preparing: &mut Preparing<'_>,
     ) -> Result<LayerRun<'a>, Halt> {
         let plan = self.plan;
         let (driver, modelling) = (&plan.driver, &plan.modelling);
         let spec = &plan.stacking.specs[index];
         let wrinkling = &plan.stacking.simulated[index];
-        let adapted = wishes.map(|wishes| wishes.fitted(driver, spec, &region, preparing));
+        let adapted = sizing.map(|sizing| sizing.fitted(driver, spec, &region, preparing));
         let adapted = adapted.transpose()?;
         let coarseness = adapted.as_ref().map_or(1.0, |adapted| adapted.coarseness);
         let adapted = adapted.map(|adapted| adapted.skin);
         preparing.enter(Phase::Constraints)?;
-        let holding = Holding {
-            tie: plan.stacking.seats[index].tie,
+        let options = LayerOptions {
+            tie: plan.stacking.attachments[index].tie,
             upper: plan.stacking.joint.clone(),
             bending: modelling.bending,
             centres,
@@ -118,15 +124,15 @@ impl<'a> StackRun<'a> {
             driver,
             spec,
             wrinkling,
-            holding,
+            options,
             (region, adapted),
             modelling.seed,
             preparing,
         )?;
         preparing.step()?;
         let mut is_measured = true;
-        if let Some(below) = below {
-            let surface = below(layer.skin());
+        if let Some(support) = support {
+            let surface = support(layer.skin());
             preparing.step()?;
             is_measured = layer.calibrate_bending(surface)?;
             preparing.step()?;
@@ -156,29 +162,31 @@ impl<'a> StackRun<'a> {
     pub(crate) fn refitted(
         &self,
         mut run: LayerRun<'a>,
-        below: &BelowOf<'_>,
+        support: &SupportOf<'_>,
         observer: &mut dyn Observer,
     ) -> Result<LayerRun<'a>, Halt> {
         let index = run.index;
         let mut preparing = Preparing::new(observer, index, Phase::Remeshing);
         let region = run.layer.region();
-        let surface = below(&region.skin);
+        let surface = support(&region.skin);
         preparing.step()?;
-        let wishes = self.wishes(index, region, Fitting::Surfaces(&[surface]), &mut preparing)?;
+        let sizing = self.sizing(index, region, Fitting::Surfaces(&[surface]), &mut preparing)?;
         preparing.step()?;
-        if wishes
+        if sizing
             .as_ref()
-            .map_or(Ok(true), |wishes| wishes.are_met_by(&run.layer))?
+            .map_or(Ok(true), |sizing| sizing.are_met_by(&run.layer))?
         {
             return Ok(run);
         }
-        run.layer.set_below(below(run.layer.skin()), 1.0)?;
+        run.layer.set_support(support(run.layer.skin()), 1.0)?;
         let region = run.layer.region().clone();
         let centres = Some(run.layer.row_centres().to_vec());
-        let wanted = (region, wishes);
-        let mut fitted = self.build_on(index, wanted, centres, Some(below), &mut preparing)?;
+        let wanted = (region, sizing);
+        let mut fitted = self.build_on(index, wanted, centres, Some(support), &mut preparing)?;
         preparing.enter(Phase::Remeshing)?;
-        fitted.layer.set_below(below(fitted.layer.skin()), 1.0)?;
+        fitted
+            .layer
+            .set_support(support(fitted.layer.skin()), 1.0)?;
         preparing.while_wanted(|goes_on| {
             let is_taken = fitted.layer.take_shape(&run.layer, goes_on);
             is_taken.then_some(())

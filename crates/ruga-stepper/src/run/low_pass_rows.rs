@@ -19,13 +19,13 @@ const HYBRID_SPACING: f64 = 1.5;
 /// Spacing of rows that act alone: a hex lattice then lets the wavelength itself through
 /// and holds everything longer.
 const CONSTRAINT_SPACING: f64 = 0.577_350_269_189_625_8;
-/// A row is dropped when less than this share of its weight is on vertices that move.
+/// A row is dropped when less than this fraction of its weight is on vertices that move.
 const MIN_FREE_WEIGHT: f64 = 0.2;
 
 /// A place around which the layer's average is held, the same on every mesh of the skin.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RowCentre {
-    /// At rest, m.
+    /// Rest position, m.
     at: Vector3<f64>,
     kernel: Kernel,
 }
@@ -39,7 +39,7 @@ pub(crate) struct LowPassRows {
 }
 
 impl LowPassRows {
-    /// What the user should know about them, on the mesh that they hold.
+    /// Warning about constraints that the mesh is too coarse for.
     pub(crate) fn warning(&self, driver: &Driver, skin: &SkinMesh) -> Option<String> {
         let Self { rows, degraded } = self;
         if degraded.is_empty() {
@@ -57,7 +57,7 @@ impl LowPassRows {
     }
 }
 
-/// Where the rows of the layer's coupling are centred, by its wavelength there.
+/// Centres of the layer's averaging constraints, spaced by its wavelength there.
 pub(crate) fn row_centres(
     spec: &LayerSpec,
     properties: &SkinProperties,
@@ -117,7 +117,7 @@ pub(crate) fn low_pass_rows(
     }
     let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
     for row in &set.rows {
-        // Pinned vertices lie on their targets, so their share of the average is right already.
+        // Pinned vertices lie on their targets, so their part of the average is right already.
         let moving: Vec<(usize, f64)> = row
             .weights
             .iter()

@@ -5,12 +5,12 @@ use nalgebra::Vector3;
 use crate::error::Halt;
 use crate::run::adaptivity::COARSEST;
 use crate::run::layer::Layer;
-use crate::run::layer_run::{Course, Ending, LayerRun};
-use crate::run::stack_run::{Place, StackRun};
+use crate::run::layer_run::{Ending, LayerRun, Loading};
+use crate::run::stack_run::{LoadPoint, StackRun};
 use crate::support::motion::Inertia;
 use crate::{LayerReport, Observer, Phase, Preparation, Progress, StepperError};
 
-/// Where the nodes of a body are at every key of a pose, m.
+/// Positions of the nodes of a body at every key of a pose, m.
 pub(super) type Places = Vec<Vec<Vector3<f64>>>;
 
 impl<'a> StackRun<'a> {
@@ -20,7 +20,7 @@ impl<'a> StackRun<'a> {
         points * COARSEST > 1.0
     }
 
-    /// Where the nodes of a body go at every key, found with a layer whose mesh is too coarse for
+    /// Positions of the nodes of a body at every key, found with a layer whose mesh is too coarse for
     /// wrinkles, and the work that it took; nothing where not all keys were reached.
     ///
     /// A driver says beforehand where skin will be compressed, a body does not.
@@ -30,7 +30,7 @@ impl<'a> StackRun<'a> {
         observer: &mut dyn Observer,
     ) -> Result<(Places, LayerReport), Halt> {
         let mut run = self.build_coarse(lowest, observer)?;
-        let mut course = AheadCourse {
+        let mut loading = CoarseLoading {
             stack: self,
             lowest,
             places: Vec::new(),
@@ -41,37 +41,37 @@ impl<'a> StackRun<'a> {
             layer: lowest,
             steps: 0,
         };
-        match run.follow(&mut course, (&loads, self.spec().steps), &mut ahead)? {
-            Ending::Reached => Ok((course.places, run.report)),
+        match run.follow(&mut loading, (&loads, self.spec().steps), &mut ahead)? {
+            Ending::Reached => Ok((loading.places, run.report)),
             Ending::GaveUp => Ok((Vec::new(), run.report)),
             Ending::Interrupted => Err(Halt::Interrupted),
         }
     }
 }
 
-/// The course of a run that only finds out where a body goes.
-struct AheadCourse<'r, 'a> {
+/// The loading of a run that only finds out where a body goes.
+struct CoarseLoading<'r, 'a> {
     stack: &'r StackRun<'a>,
     lowest: usize,
-    /// Where its nodes are at every key, m.
+    /// Positions of its nodes at every key, m.
     places: Places,
 }
 
-impl Course for AheadCourse<'_, '_> {
+impl Loading for CoarseLoading<'_, '_> {
     fn place(
         &self,
         layer: &mut Layer,
         load: f64,
         inertia: Option<&Inertia>,
     ) -> Result<(), StepperError> {
-        let place = Place {
-            weight: load,
-            share: 1.0,
+        let point = LoadPoint {
+            weight_fraction: load,
+            strain_fraction: 1.0,
         };
-        self.stack.place(self.lowest, layer, place, inertia)
+        self.stack.place(self.lowest, layer, point, inertia)
     }
 
-    fn shown(&self, load: f64) -> f64 {
+    fn pose_fraction(&self, load: f64) -> f64 {
         load
     }
 

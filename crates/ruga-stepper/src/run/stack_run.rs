@@ -6,11 +6,11 @@ use nalgebra::Vector3;
 
 use crate::error::Halt;
 use crate::run::layer::Layer;
-use crate::run::layer_run::{Course, Ending, LayerRun};
-use crate::run::layer_setup::BelowOf;
+use crate::run::layer_run::{Ending, LayerRun, Loading};
+use crate::run::layer_setup::SupportOf;
 use crate::skin::cover::Covers;
-use crate::support::below::surface_below;
 use crate::support::motion::Inertia;
+use crate::support::support_surface::support_surface;
 use crate::support::{Embeddings, Interior, Moves, PosedBody, PosedDriver, Solid, Support};
 use crate::{
     Frame, KeyResult, LayerReport, LoadPath, Observer, Phase, Plan, PoseResult, PoseSpec,
@@ -57,7 +57,7 @@ impl Plan {
         Ok(run.result)
     }
 
-    /// What is known of the layers of pose number `pose` before they are simulated.
+    /// Reports of the layers of pose number `pose` before they are simulated.
     pub(crate) fn reports(&self, pose: usize) -> Vec<LayerReport> {
         let layers = self.poses[pose].layers.iter();
         layers.map(LayerReport::planned).collect()
@@ -76,11 +76,11 @@ pub(crate) fn loads_up_to(last: f64, steps: u32, keys: impl IntoIterator<Item = 
     loads
 }
 
-/// A fraction of the pose's weights, and a share of the strain there.
+/// A fraction of the pose's weights, and a fraction of the strain there.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
-    pub(crate) weight: f64,
-    pub(crate) share: f64,
+pub(crate) struct LoadPoint {
+    pub(crate) weight_fraction: f64,
+    pub(crate) strain_fraction: f64,
 }
 
 /// The layers of one pose.
@@ -90,11 +90,11 @@ pub(crate) struct StackRun<'a> {
     pub(crate) result: PoseResult,
     /// The layers above the lowest one, as they were left by the last frame that had them.
     pub(crate) upper: Vec<Option<LayerRun<'a>>>,
-    /// Where their meshes lie on those below.
+    /// Projections of their meshes onto those below.
     pub(crate) covers: Rc<Covers>,
-    /// Where meshes lie in a body.
+    /// Places of meshes in a body.
     embeddings: Rc<Embeddings>,
-    /// What moves around a body.
+    /// Motions of handles and obstacles of a body.
     moves: Option<Moves<'a>>,
 }
 
@@ -141,13 +141,13 @@ impl<'a> StackRun<'a> {
             return Ok(());
         };
         let ending = match self.plan.poses[self.pose].path {
-            LoadPath::Weight => self.follow_course(lowest, &mut run, None, observer)?,
+            LoadPath::Weight => self.follow_loading(lowest, &mut run, None, observer)?,
             LoadPath::Strain => self.follow_strain(lowest, &mut run, observer)?,
         };
         if ending == Ending::Reached {
             run.warn_unwrinkled(&self.plan.driver);
         }
-        run.warn_of_course();
+        run.warn_of_loading();
         self.tell(&run, ending);
         run.measure();
         if let Some(upper) = run.layer.upper() {
@@ -182,17 +182,19 @@ impl<'a> StackRun<'a> {
                 (posed.collect::<Vec<_>>(), before)
             }
         };
-        let (driver, seat) = (&self.plan.driver, self.plan.stacking.seats[lowest]);
-        let mut below: Vec<BelowOf<'_>> = Vec::new();
+        let (driver, attachment) = (&self.plan.driver, self.plan.stacking.attachments[lowest]);
+        let mut surface: Vec<SupportOf<'_>> = Vec::new();
         for support in &supports {
             let on = (driver.as_ref(), support.as_ref());
-            below.push(Box::new(move |skin| surface_below(on, skin, seat, &[])));
+            surface.push(Box::new(move |skin| {
+                support_surface(on, skin, attachment, &[])
+            }));
         }
-        let mut run = self.build(lowest, &below, observer)?;
+        let mut run = self.build(lowest, &surface, observer)?;
         if let Some(before) = before {
             run.report.newton_iterations += before.newton_iterations;
             run.report.factorizations += before.factorizations;
-            if below.is_empty() {
+            if surface.is_empty() {
                 run.warn(
                     "a first run on a coarse mesh, which finds where wrinkles come, did not reach the last key: the mesh is as fine everywhere as wrinkles need, slower but no less exact, and its bending is not corrected; take more `steps` if that is too slow".to_owned(),
                 );
@@ -216,7 +218,7 @@ impl<'a> StackRun<'a> {
         })
     }
 
-    /// What all layers lie on, at a fraction of the pose that `lowest` is at.
+    /// Support of all layers, at a fraction of the pose that `lowest` is at.
     fn support(&self, lowest: &Layer, weight: f64) -> Box<dyn Support + 'a> {
         match (&self.plan.body, lowest.solid()) {
             (Some(interior), Some(solid)) => self.posed_body(interior, solid.state.q.clone()),
@@ -247,7 +249,7 @@ impl<'a> StackRun<'a> {
         let mut worst = Ending::Reached;
         for key in self.spec().keys.clone() {
             run.layer.restore(&at_rest)?;
-            match self.follow_course(lowest, run, Some(key), observer)? {
+            match self.follow_loading(lowest, run, Some(key), observer)? {
                 Ending::Reached => {}
                 Ending::GaveUp => worst = Ending::GaveUp,
                 Ending::Interrupted => return Ok(Ending::Interrupted),
@@ -256,7 +258,7 @@ impl<'a> StackRun<'a> {
         Ok(worst)
     }
 
-    fn follow_course(
+    fn follow_loading(
         &mut self,
         lowest: usize,
         run: &mut LayerRun<'_>,
@@ -264,13 +266,13 @@ impl<'a> StackRun<'a> {
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
         let (loads, steps) = (self.loads(key), self.spec().steps);
-        let mut course = PoseCourse {
+        let mut loading = PoseLoading {
             stack: self,
             lowest,
             key,
             wants_frames: observer.wants_frames(),
         };
-        run.follow(&mut course, (&loads, steps), observer)
+        run.follow(&mut loading, (&loads, steps), observer)
     }
 
     /// Takes over what a layer's run has to say.
@@ -288,21 +290,25 @@ impl<'a> StackRun<'a> {
         &self,
         lowest: usize,
         layer: &mut Layer,
-        place: Place,
+        point: LoadPoint,
         inertia: Option<&Inertia>,
     ) -> Result<(), StepperError> {
         if let Some(moves) = &self.moves {
-            return layer.place_solid((moves, &self.spec().weights), place.weight, inertia);
+            return layer.place_solid(
+                (moves, &self.spec().weights),
+                point.weight_fraction,
+                inertia,
+            );
         }
-        let seat = self.plan.stacking.seats[lowest];
-        let support = self.posed_driver(place.weight);
+        let attachment = self.plan.stacking.attachments[lowest];
+        let support = self.posed_driver(point.weight_fraction);
         let on = (self.plan.driver.as_ref(), support.as_ref());
-        let below = surface_below(on, layer.skin(), seat, &[]);
-        layer.set_below(below, place.share)
+        let surface = support_surface(on, layer.skin(), attachment, &[]);
+        layer.set_support(surface, point.strain_fraction)
     }
 
-    fn is_key(&self, place: Place) -> bool {
-        place.share == 1.0 && self.spec().has_key(place.weight)
+    fn is_key(&self, point: LoadPoint) -> bool {
+        point.strain_fraction == 1.0 && self.spec().has_key(point.weight_fraction)
     }
 
     /// Hands out what was reached at `place` by layer `lowest`, after solving the layers above.
@@ -311,31 +317,31 @@ impl<'a> StackRun<'a> {
         &mut self,
         lowest: usize,
         run: &LayerRun<'_>,
-        place: Place,
+        point: LoadPoint,
         observer: &mut dyn Observer,
     ) -> Result<bool, StepperError> {
-        let is_key = self.is_key(place);
+        let is_key = self.is_key(point);
         if !is_key && !observer.wants_frames() {
             self.result.frames += 1;
             return Ok(true);
         }
         observer.phase(lowest, Phase::Sampling);
-        let support = self.support(&run.layer, place.weight);
+        let support = self.support(&run.layer, point.weight_fraction);
         let mut layers = self.snapshot(run, support.as_ref(), &[]);
-        if place.share == 1.0 {
-            let upper = self.upper_layers(lowest, run, place, support.as_ref(), observer)?;
+        if point.strain_fraction == 1.0 {
+            let upper = self.upper_layers(lowest, run, point, support.as_ref(), observer)?;
             let Some(upper) = upper else { return Ok(false) };
             layers.extend(upper);
         }
         observer.frame(&Frame {
             index: self.result.frames,
-            load: place.weight * place.share,
+            load: point.weight_fraction * point.strain_fraction,
             layers: &layers,
         });
         self.result.frames += 1;
         if is_key {
             self.result.keys.push(KeyResult {
-                load: place.weight,
+                load: point.weight_fraction,
                 layers,
                 artist_positions: run.layer.solid().map(Solid::artist_positions),
             });
@@ -353,52 +359,52 @@ fn flat_key(load: f64) -> KeyResult {
     }
 }
 
-/// What leads the lowest layer: the weights and motions of the pose, or the growing strain of one key.
-struct PoseCourse<'r, 'a> {
+/// Loading of the lowest layer: the weights and motions of the pose, or the growing strain of one key.
+struct PoseLoading<'r, 'a> {
     stack: &'r mut StackRun<'a>,
     lowest: usize,
     key: Option<f64>,
     wants_frames: bool,
 }
 
-impl PoseCourse<'_, '_> {
-    fn place(&self, load: f64) -> Place {
+impl PoseLoading<'_, '_> {
+    fn point(&self, load: f64) -> LoadPoint {
         match self.key {
-            None => Place {
-                weight: load,
-                share: 1.0,
+            None => LoadPoint {
+                weight_fraction: load,
+                strain_fraction: 1.0,
             },
-            Some(weight) => Place {
-                weight,
-                share: load,
+            Some(weight_fraction) => LoadPoint {
+                weight_fraction,
+                strain_fraction: load,
             },
         }
     }
 }
 
-impl Course for PoseCourse<'_, '_> {
+impl Loading for PoseLoading<'_, '_> {
     fn place(
         &self,
         layer: &mut Layer,
         load: f64,
         inertia: Option<&Inertia>,
     ) -> Result<(), StepperError> {
-        let place = self.place(load);
-        self.stack.place(self.lowest, layer, place, inertia)
+        let point = self.point(load);
+        self.stack.place(self.lowest, layer, point, inertia)
     }
 
-    fn shown(&self, load: f64) -> f64 {
-        let place = self.place(load);
-        place.weight * place.share
+    fn pose_fraction(&self, load: f64) -> f64 {
+        let point = self.point(load);
+        point.weight_fraction * point.strain_fraction
     }
 
     fn is_result(&self, load: f64) -> bool {
-        self.wants_frames || self.stack.is_key(self.place(load))
+        self.wants_frames || self.stack.is_key(self.point(load))
     }
 
     fn rests_at(&self, load: f64) -> bool {
         // A body's time is the load: no key waits.
-        self.stack.moves.is_none() && self.stack.is_key(self.place(load))
+        self.stack.moves.is_none() && self.stack.is_key(self.point(load))
     }
 
     fn kept(
@@ -407,7 +413,7 @@ impl Course for PoseCourse<'_, '_> {
         load: f64,
         observer: &mut dyn Observer,
     ) -> Result<bool, StepperError> {
-        let place = self.place(load);
-        self.stack.frame(self.lowest, run, place, observer)
+        let point = self.point(load);
+        self.stack.frame(self.lowest, run, point, observer)
     }
 }

@@ -7,7 +7,7 @@ use ruga_mesh::{FaceId, Id, PerFace};
 
 use crate::skin::local_skin::SkinProperties;
 use crate::skin::skin_mesh::SkinMesh;
-use crate::support::below::BelowSurface;
+use crate::support::support_surface::SupportSurface;
 
 /// The effective strain that is loaded on every face of a layer, over the face's critical strain.
 #[derive(Clone, Copy, Debug)]
@@ -78,10 +78,10 @@ impl StrainRatios<'_> {
         let of_face = |face: FaceId| {
             let [a, b, c] = faces[face].map(|v| self.skin.rest.positions[v.index()]);
             let area = 0.5 * (b - a).cross(&(c - a)).norm();
-            let numbers = &self.properties.faces[face].wrinkling;
+            let wrinkling = &self.properties.faces[face].wrinkling;
             let excess = (self.of_face(face) - 1.0).max(1.0);
-            let strain = numbers.critical_strain * excess;
-            0.5 * numbers.membrane_stiffness * strain * strain * area
+            let strain = wrinkling.critical_strain * excess;
+            0.5 * wrinkling.membrane_stiffness * strain * strain * area
         };
         self.strains.ids().map(of_face).sum()
     }
@@ -89,9 +89,9 @@ impl StrainRatios<'_> {
 
 /// The strains that the surface below applies to every face, the untransferred part of its bending
 /// taken away.
-pub(crate) fn applied_strains(skin: &SkinMesh, below: &BelowSurface) -> PerFace<FaceStrain> {
-    let strains = face_strains(&skin.mesh, &skin.rest.positions, &below.posed.positions);
-    let Some(transfer) = &below.transfer else {
+pub(crate) fn applied_strains(skin: &SkinMesh, support: &SupportSurface) -> PerFace<FaceStrain> {
+    let strains = face_strains(&skin.mesh, &skin.rest.positions, &support.posed.positions);
+    let Some(transfer) = &support.transfer else {
         return strains;
     };
     let pairs = strains.as_slice().iter().zip(transfer);

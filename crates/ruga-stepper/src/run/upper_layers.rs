@@ -6,13 +6,13 @@ use nalgebra::Vector3;
 
 use crate::error::Halt;
 use crate::run::layer::Layer;
-use crate::run::layer_run::{Course, Ending, LayerRun};
-use crate::run::layer_setup::BelowOf;
-use crate::run::stack_run::{Place, StackRun};
+use crate::run::layer_run::{Ending, LayerRun, Loading};
+use crate::run::layer_setup::SupportOf;
+use crate::run::stack_run::{LoadPoint, StackRun};
 use crate::skin::cover::Covers;
 use crate::support::Support;
-use crate::support::below::{BelowSurface, LowerLayer, as_shown, surface_below};
 use crate::support::motion::Inertia;
+use crate::support::support_surface::{LowerLayer, SupportSurface, as_shown, support_surface};
 use crate::{LayerSurface, Observer, Phase, StepperError};
 
 impl<'a> StackRun<'a> {
@@ -21,7 +21,7 @@ impl<'a> StackRun<'a> {
         &mut self,
         lowest: usize,
         run: &LayerRun<'_>,
-        place: Place,
+        point: LoadPoint,
         support: &dyn Support,
         observer: &mut dyn Observer,
     ) -> Result<Option<Vec<LayerSurface>>, StepperError> {
@@ -29,7 +29,7 @@ impl<'a> StackRun<'a> {
         let mut surfaces = Vec::new();
         let mut solved: Vec<(LayerRun<'a>, Ending)> = Vec::new();
         // Where every layer's vertices are as maps show them, the lowest layer's first.
-        let mut shown = vec![run.layer.shown_positions(run.layer.below())];
+        let mut shown = vec![run.layer.shown_positions(run.layer.support())];
         for index in lowest + 1..self.plan.stacking.specs.len() {
             if self.plan.poses[self.pose].layers[index].region.is_empty() {
                 continue;
@@ -39,12 +39,12 @@ impl<'a> StackRun<'a> {
             let lower: Vec<LowerLayer<'_>> = lower
                 .map(|(run, shown)| self.lower(run, shown, &covers))
                 .collect();
-            let made = self.upper_layer(index, &lower, place, support, observer);
+            let made = self.upper_layer(index, &lower, point, support, observer);
             let Some((mut upper, ending)) = Halt::unless_interrupted(made)? else {
                 return Ok(None);
             };
             let last = self.spec().keys.iter().copied().fold(0.0, f64::max);
-            if ending == Ending::Reached && place.weight >= last {
+            if ending == Ending::Reached && point.weight_fraction >= last {
                 upper.warn_unwrinkled(&self.plan.driver);
             }
             self.tell(&upper, ending);
@@ -53,10 +53,15 @@ impl<'a> StackRun<'a> {
             }
             observer.phase(index, Phase::Sampling);
             surfaces.extend(self.snapshot(&upper, support, &lower));
-            let seat = self.plan.stacking.seats[index];
+            let attachment = self.plan.stacking.attachments[index];
             let skin = upper.layer.skin();
-            let below = surface_below((&self.plan.driver, support), skin, seat, &as_shown(&lower));
-            shown.push(upper.layer.shown_positions(&below.posed));
+            let surface = support_surface(
+                (&self.plan.driver, support),
+                skin,
+                attachment,
+                &as_shown(&lower),
+            );
+            shown.push(upper.layer.shown_positions(&surface.posed));
             upper.measure();
             self.result.layers[index] = upper.report.clone();
             solved.push((upper, ending));
@@ -75,34 +80,34 @@ impl<'a> StackRun<'a> {
         &mut self,
         index: usize,
         lower: &[LowerLayer<'_>],
-        place: Place,
+        point: LoadPoint,
         support: &dyn Support,
         observer: &mut dyn Observer,
     ) -> Result<(LayerRun<'a>, Ending), Halt> {
-        let seat = self.plan.stacking.seats[index];
+        let attachment = self.plan.stacking.attachments[index];
         let last = self.upper[index].take();
         let driver = &self.plan.driver;
-        let below: BelowOf<'_> =
-            Box::new(move |skin| surface_below((driver, support), skin, seat, lower));
+        let surface: SupportOf<'_> =
+            Box::new(move |skin| support_surface((driver, support), skin, attachment, lower));
         let mut history = None;
         if let Some(last) = last {
             let before = last.layer.strain_ratio();
-            let mut run = self.refitted(last, &below, observer)?;
-            let surface = below(run.layer.skin());
-            match run.move_on(surface, (before, place.weight), observer)? {
+            let mut run = self.refitted(last, &surface, observer)?;
+            let surface = surface(run.layer.skin());
+            match run.move_on(surface, (before, point.weight_fraction), observer)? {
                 Ending::GaveUp => history = Some(run),
                 ending => return Ok((run, ending)),
             }
         }
-        let mut run = self.build(index, std::slice::from_ref(&below), observer)?;
+        let mut run = self.build(index, std::slice::from_ref(&surface), observer)?;
         if let Some(history) = history {
             run.take_history(history);
         }
-        let mut course = CarriedCourse {
-            below: below(run.layer.skin()),
-            weight: place.weight,
+        let mut loading = CarriedLoading {
+            support: surface(run.layer.skin()),
+            weight: point.weight_fraction,
         };
-        let ending = run.follow_from_onset(&mut course, observer)?;
+        let ending = run.follow_from_onset(&mut loading, observer)?;
         Ok((run, ending))
     }
 
@@ -116,7 +121,7 @@ impl<'a> StackRun<'a> {
             skin: run.layer.skin(),
             positions: run.layer.positions(),
             shown,
-            offset: self.plan.stacking.seats[run.index].offset,
+            offset: self.plan.stacking.attachments[run.index].offset,
             covers,
         }
     }
@@ -129,29 +134,29 @@ impl<'a> StackRun<'a> {
         lower: &[LowerLayer<'_>],
     ) -> Vec<LayerSurface> {
         let (driver, layer) = (&self.plan.driver, &run.layer);
-        let seat = self.plan.stacking.seats[run.index];
+        let attachment = self.plan.stacking.attachments[run.index];
         let region = &layer.region().skin;
         let on = (driver.as_ref(), support);
-        let below = surface_below(on, region, seat, lower).posed;
-        let shown = surface_below(on, region, seat, &as_shown(lower)).posed;
-        let own = layer.snapshot(on, (&below, &shown), seat.offset);
-        let upper = layer.upper_snapshot(driver, &own, &below);
+        let surface = support_surface(on, region, attachment, lower).posed;
+        let shown = support_surface(on, region, attachment, &as_shown(lower)).posed;
+        let own = layer.snapshot(on, (&surface, &shown), attachment.offset);
+        let upper = layer.upper_snapshot(driver, &own, &surface);
         std::iter::once(own).chain(upper).collect()
     }
 }
 
 /// An upper layer's way: its strain grows on a surface that stays.
-struct CarriedCourse {
-    below: BelowSurface,
+struct CarriedLoading {
+    support: SupportSurface,
     weight: f64,
 }
 
-impl Course for CarriedCourse {
+impl Loading for CarriedLoading {
     fn place(&self, layer: &mut Layer, load: f64, _: Option<&Inertia>) -> Result<(), StepperError> {
-        layer.set_below(self.below.clone(), load)
+        layer.set_support(self.support.clone(), load)
     }
 
-    fn shown(&self, load: f64) -> f64 {
+    fn pose_fraction(&self, load: f64) -> f64 {
         self.weight * load
     }
 

@@ -27,14 +27,15 @@ use ruga_mesh::{
 /// the mesh's error of place, and the least side of the faces that cutting makes.
 const SNAP: f64 = 0.02;
 
-/// The same for a vertex that lies on the boundary already. More than [`SNAP`], or the boundary would
+/// Distance of a crossing, in edges, from a vertex that lies on the boundary already, up to which the
+/// boundary goes through it. More than [`SNAP`], or the boundary would
 /// leave along one edge of a vertex that another one has drawn it to, and turn by a right angle.
 const SNAP_ON_BOUNDARY: f64 = 0.2;
 
 /// Passes: three bands may lie across one edge.
 const MOST_PASSES: usize = 6;
 
-/// Share of a mesh's edges that boundaries may cross. Stripes of a whole wavelength cross one edge
+/// Fraction of a mesh's edges that boundaries may cross. Stripes of a whole wavelength cross one edge
 /// in six; what crosses every third is finer than any wrinkle, or noise.
 const MOST_CROSSED: f64 = 0.35;
 
@@ -48,7 +49,7 @@ pub(crate) struct Piece {
     pub(crate) mesh: TriMesh,
     /// The driver's place under every vertex.
     pub(crate) points: Vec<MaterialPoint>,
-    /// Where every face lies in a face of the driver.
+    /// Place of every face in a face of the driver.
     pub(crate) origins: PerFace<FaceOrigin>,
     /// Texture coordinates of every face's corners.
     pub(crate) uvs: Vec<[Vector2<f64>; 3]>,
@@ -74,8 +75,8 @@ impl Cut {
 /// Boundaries cross too many edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TooManyCrossings {
-    /// Share of the edges.
-    pub(crate) share: f64,
+    /// Fraction of the edges.
+    pub(crate) fraction: f64,
 }
 
 /// Whether a piece of the driver can be cut along the boundaries of `map`.
@@ -90,9 +91,9 @@ pub(crate) fn check_crossings(
 /// `crossings` are those of every edge.
 fn refuse_too_many(crossings: &[Vec<BoundaryCrossing>]) -> Result<(), TooManyCrossings> {
     let crossed = crossings.iter().filter(|found| !found.is_empty()).count();
-    let share = crossed as f64 / crossings.len().max(1) as f64;
-    match share > MOST_CROSSED {
-        true => Err(TooManyCrossings { share }),
+    let fraction = crossed as f64 / crossings.len().max(1) as f64;
+    match fraction > MOST_CROSSED {
+        true => Err(TooManyCrossings { fraction }),
         false => Ok(()),
     }
 }
@@ -230,7 +231,7 @@ impl<'a> Cutter<'a> {
         }
     }
 
-    /// How far a crossing is from both ends of its edge, in edges of the uncut mesh.
+    /// Distances of a crossing from both ends of its edge, in edges of the uncut mesh.
     fn distances(&self, edge: &Edge, crossing: &BoundaryCrossing) -> [f64; 2] {
         let [a, b] = edge.vertices.map(Id::index);
         let length = (self.positions[b] - self.positions[a]).norm();
@@ -255,7 +256,7 @@ impl<'a> Cutter<'a> {
         }
     }
 
-    /// Where each edge is to be cut, as a share of the way: at its largest jump.
+    /// Where each edge is to be cut, as a fraction of the way: at its largest jump.
     fn places(&self, crossings: &[Vec<BoundaryCrossing>]) -> Vec<Option<f64>> {
         let edges = self.piece.mesh.edges().as_slice().iter();
         edges
@@ -318,21 +319,21 @@ impl<'a> Cutter<'a> {
         for (id, place) in self.piece.mesh.edges().ids().zip(places) {
             let number = self.positions.len() as u32;
             born.push(place.map(|_| number));
-            let Some(share) = *place else { continue };
+            let Some(fraction) = *place else { continue };
             let edge = self.piece.mesh.edges()[id];
             let face = edge.faces[0].expect("an edge has a face to its left");
             let corner = edge_corner(&self.piece.mesh, face, id);
             // `vertices` runs the way in which the first face runs the edge.
             let mut weights = [0.0; 3];
-            weights[corner] = 1.0 - share;
-            weights[(corner + 1) % 3] = share;
+            weights[corner] = 1.0 - fraction;
+            weights[(corner + 1) % 3] = fraction;
             let [a, b] = edge.vertices.map(Id::index);
-            let mix = |a: f64, b: f64| a + (b - a) * share;
+            let mix = |a: f64, b: f64| a + (b - a) * fraction;
             self.piece
                 .points
                 .push(self.piece.origins[face].place(weights));
             self.positions
-                .push(self.positions[a].lerp(&self.positions[b], share));
+                .push(self.positions[a].lerp(&self.positions[b], fraction));
             self.sizes.push(mix(self.sizes[a], self.sizes[b]));
             self.on_boundary.push(true);
         }
@@ -357,13 +358,13 @@ impl<'a> Cutter<'a> {
             }
             let corner = at - 3;
             let edge = edges[corner];
-            let (Some(vertex), Some(share)) = (born[edge.index()], places[edge.index()]) else {
+            let (Some(vertex), Some(fraction)) = (born[edge.index()], places[edge.index()]) else {
                 return (u32::MAX, weights);
             };
             let is_along = mesh.edges()[edge].vertices[0] == corners[corner];
-            let share = if is_along { share } else { 1.0 - share };
-            weights[corner] = 1.0 - share;
-            weights[(corner + 1) % 3] = share;
+            let fraction = if is_along { fraction } else { 1.0 - fraction };
+            weights[corner] = 1.0 - fraction;
+            weights[(corner + 1) % 3] = fraction;
             (vertex, weights)
         })
     }

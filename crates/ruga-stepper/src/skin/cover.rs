@@ -14,18 +14,18 @@ use crate::skin::fading::faded_from;
 use crate::skin::interpolation::through_vertices;
 use crate::skin::skin_mesh::{Mark, SkinMesh};
 
-/// A place counts as beside the layer below when it lies this share of an edge outside.
+/// A place counts as beside the layer below when it lies this fraction of an edge outside.
 const BESIDE: f64 = 1e-3;
 
 /// Barycentric weight under which a place lies on the opposite edge.
 const ON_EDGE: f64 = 1e-9;
 
-/// How a layer below carries over what its vertices have to the layer above.
+/// Projection of a layer onto the one below it: takes values of the lower to the upper one.
 #[derive(Debug)]
 pub(crate) struct Cover {
     /// The vertices above that lie on it.
     vertices: Vec<u32>,
-    /// How far each is from those beside it: 0 to 1.
+    /// Weight of each, rising from 0 beside the layer below to 1.
     shares: Vec<f64>,
     /// Its limit surface there.
     rows: LimitPointRows,

@@ -28,7 +28,7 @@ const CONTINUOUS: f64 = 0.5;
 const INSIDE: f64 = 1e-9;
 const MOST_FACES: usize = 16;
 
-/// Share of its area in the texture that a triangle keeps, and attempts to see to it. Around a vertex
+/// Fraction of its area in the texture that a triangle keeps, and attempts to see to it. Around a vertex
 /// of valence 4 the smooth surface really is that small: every split leaves 0.56 of what it leaves
 /// elsewhere.
 const LEAST_AREA: f64 = 1e-3;
@@ -38,7 +38,7 @@ const ATTEMPTS: usize = 8;
 pub(crate) struct Piece<'a> {
     pub(crate) mesh: &'a TriMesh,
     pub(crate) points: &'a [MaterialPoint],
-    /// Where the surface is there, at rest, m.
+    /// Rest position of the surface there, m.
     pub(crate) positions: &'a [Vector3<f64>],
     /// Its unit normals there.
     pub(crate) normals: &'a [Vector3<f64>],
@@ -58,14 +58,14 @@ pub(crate) struct FacetAddresses {
 impl FacetAddresses {
     pub(crate) fn new(driver: &Driver, piece: &Piece<'_>) -> Self {
         let ways = ways(driver, piece);
-        let mut shares = faded(piece, &ways);
+        let mut weights = faded(piece, &ways);
         for _ in 0..ATTEMPTS {
-            if !halve_where_folded(piece, &ways, &mut shares) {
+            if !halve_where_folded(piece, &ways, &mut weights) {
                 break;
             }
         }
         let uvs: Vec<_> = (0..piece.uvs.len())
-            .map(|face| shifted(piece, &ways, &shares, face))
+            .map(|face| shifted(piece, &ways, &weights, face))
             .collect();
         let corners = uvs.iter().enumerate().map(|(face, uvs)| {
             let origin = &piece.origins[FaceId::from_index(face)];
@@ -176,7 +176,7 @@ fn seam_vertices(piece: &Piece<'_>) -> Vec<bool> {
     seams
 }
 
-/// The share of its way that every vertex takes: rising with the distance from those with none.
+/// The fraction of its way that every vertex takes: rising with the distance from those with none.
 fn faded(piece: &Piece<'_>, ways: &[Way]) -> Vec<f64> {
     let reach = FADE * ways.iter().flatten().map(|way| way.0).fold(0.0, f64::max);
     if reach == 0.0 {
@@ -186,28 +186,28 @@ fn faded(piece: &Piece<'_>, ways: &[Way]) -> Vec<f64> {
     faded_from(piece.mesh, piece.positions, &held, |_| reach)
 }
 
-fn shifted(piece: &Piece<'_>, ways: &[Way], shares: &[f64], face: usize) -> [Vector2<f64>; 3] {
+fn shifted(piece: &Piece<'_>, ways: &[Way], weights: &[f64], face: usize) -> [Vector2<f64>; 3] {
     let corners = piece.mesh.faces()[FaceId::from_index(face)];
     std::array::from_fn(|k| {
         let i = corners[k].index();
         let way = ways[i].map_or_else(Vector2::zeros, |way| way.1);
-        piece.uvs[face][k] + way * shares[i]
+        piece.uvs[face][k] + way * weights[i]
     })
 }
 
-/// Halves the shares at the corners of faces that have all but lost their area; whether there were
+/// Halves the weights at the corners of faces that have all but lost their area; whether there were
 /// any.
-fn halve_where_folded(piece: &Piece<'_>, ways: &[Way], shares: &mut [f64]) -> bool {
+fn halve_where_folded(piece: &Piece<'_>, ways: &[Way], weights: &mut [f64]) -> bool {
     let area = |[a, b, c]: &[Vector2<f64>; 3]| (b - a).perp(&(c - a));
     let is_folded = |face: usize| {
         let before = area(&piece.uvs[face]);
-        let after = area(&shifted(piece, ways, shares, face));
+        let after = area(&shifted(piece, ways, weights, face));
         after * before.signum() < LEAST_AREA * before.abs()
     };
     let folded: Vec<usize> = (0..piece.uvs.len()).filter(|&f| is_folded(f)).collect();
     for &face in &folded {
         for vertex in piece.mesh.faces()[FaceId::from_index(face)] {
-            shares[vertex.index()] *= 0.5;
+            weights[vertex.index()] *= 0.5;
         }
     }
     !folded.is_empty()

@@ -14,12 +14,12 @@ pub(crate) fn faded_from(
     let sources = (0..held.len())
         .filter(|&i| held[i])
         .map(VertexId::from_index);
-    let share = |(i, distance): (usize, f64)| {
+    let fraction = |(i, distance): (usize, f64)| {
         let t = (distance / reach(i)).min(1.0);
         t * t * (3.0 - 2.0 * t)
     };
     let furthest = (0..held.len()).map(&reach).fold(0.0, f64::max);
     let distances = edge_distances(mesh, positions, sources, furthest);
     let distances = distances.into_vec().into_iter().enumerate();
-    distances.map(share).collect()
+    distances.map(fraction).collect()
 }

@@ -30,7 +30,7 @@ pub(crate) struct Interpolation {
 }
 
 impl Interpolation {
-    /// How values at the vertices of one mesh become values at those of another, of the same skin;
+    /// Transfer of values at the vertices of one mesh to those of another, of the same skin;
     /// `None` as soon as `goes_on` says no.
     pub(crate) fn new(
         from: &SkinMesh,
@@ -54,7 +54,7 @@ impl Interpolation {
         })
     }
 
-    /// Where on the one mesh the vertices of the other are.
+    /// Material points on the one mesh of the vertices of the other.
     pub(crate) fn places(&self) -> &[MaterialPoint] {
         &self.places
     }

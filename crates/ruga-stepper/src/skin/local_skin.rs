@@ -100,7 +100,7 @@ pub(crate) fn wavelengths_at_vertices(
         .collect()
 }
 
-/// What the layer's map and its variation say at the vertices of a mesh.
+/// Properties by the layer's map and its variation at the vertices of a mesh.
 fn relative_at_vertices(
     spec: &LayerSpec,
     driver: &Driver,
@@ -112,13 +112,13 @@ fn relative_at_vertices(
         .collect()
 }
 
-/// What the layer's map says at a texture coordinate.
+/// Properties by the layer's map at a texture coordinate.
 fn painted(spec: &LayerSpec, uv: &Vector2<f64>) -> RelativeProperties {
     let sample = spec.map.as_ref().map(|map| map.sample(uv));
     sample.unwrap_or_default()
 }
 
-/// How the layer wrinkles on a face with these corners in the texture and at rest.
+/// Critical mode of the layer on a face with these corners in the texture and at rest.
 pub(crate) fn wrinkling_on_face(
     spec: &LayerSpec,
     nominal: &Wrinkling,
@@ -193,7 +193,7 @@ mod tests {
 
     use super::*;
     use crate::error::Halt;
-    use crate::skin::skin_mesh::{MeshDemand, RegionMesh};
+    use crate::skin::skin_mesh::{RegionMesh, SizingStrains};
     use crate::{Coupling, Presence, Sampling};
 
     /// Depth inside the thick part at a place, m.
@@ -283,7 +283,7 @@ mod tests {
             poisson: 0.3,
         };
         let vertices = region.skin.mesh.vertex_count();
-        let demand = MeshDemand {
+        let demand = SizingStrains {
             drivers: &PerFace::filled(region.skin.mesh.face_count(), idle),
             longest: &vec![length; vertices],
             aspects: &vec![1.0; vertices],
@@ -295,7 +295,7 @@ mod tests {
         adapted.expect("nobody interrupts").skin
     }
 
-    /// Share of the square that has another thickness than painted, weighted with the difference in
+    /// Fraction of the square that has another thickness than painted, weighted with the difference in
     /// jumps, and the largest part of a face beyond the boundary, in mean faces.
     fn misplaced(
         (driver, layer, skin): (&Driver, &LayerSpec, &SkinMesh),
@@ -309,7 +309,7 @@ mod tests {
             let [a, b, c] = corners.map(|v| skin.rest.positions[v.index()]);
             let area = (b - a).cross(&(c - a)).norm() / 2.0;
             let thickness = properties.faces[face].material.thickness / layer.material.thickness;
-            let thick = thick_share([a, b, c], &is_thick);
+            let thick = thick_fraction([a, b, c], &is_thick);
             wrong += area * (thick * (1.0 - thickness) + (1.0 - thick) * (thickness - 0.5)) / 0.5;
             total += area;
             straddling = straddling.max(area * thick.min(1.0 - thick));
@@ -320,8 +320,8 @@ mod tests {
         ]
     }
 
-    /// Share of a triangle that is painted thick, from the middles of its 144 parts.
-    fn thick_share([a, b, c]: [Vector3<f64>; 3], is_thick: impl Fn(f64, f64) -> bool) -> f64 {
+    /// Fraction of a triangle that is painted thick, from the middles of its 144 parts.
+    fn thick_fraction([a, b, c]: [Vector3<f64>; 3], is_thick: impl Fn(f64, f64) -> bool) -> f64 {
         let cells = (0..12).flat_map(|i| (0..12).map(move |j| [i, j]));
         let places = cells.flat_map(|cell| {
             [1.0, 2.0].map(|third| cell.map(|k| (f64::from(k) + third / 3.0) / 12.0))

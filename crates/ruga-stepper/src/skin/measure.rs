@@ -30,11 +30,11 @@ pub(crate) fn waviness(
             ((b - a) * q[1] - (c - a) * p[1]) / twice_area,
             ((c - a) * p[0] - (b - a) * q[0]) / twice_area,
         ];
-        let share = 0.5 * twice_area;
-        area += share;
+        let piece = 0.5 * twice_area;
+        area += piece;
         // The consistent mass integrates the square of a linear function exactly.
-        squares += share / 12.0 * ((a + b + c).powi(2) + a * a + b * b + c * c);
-        slopes += share * (gradient[0].powi(2) + gradient[1].powi(2));
+        squares += piece / 12.0 * ((a + b + c).powi(2) + a * a + b * b + c * c);
+        slopes += piece * (gradient[0].powi(2) + gradient[1].powi(2));
     }
     (area > 0.0).then(|| Waviness {
         wavelength: std::f64::consts::TAU * (squares / slopes).sqrt(),

@@ -5,7 +5,7 @@ use nalgebra::{Vector2, Vector3};
 use ruga_blend::{BaseSurface, Driver, PosedSurface};
 use ruga_mesh::{FaceId, Id, PerFace, TriMesh};
 
-/// Share of an area from which on its largest connected part stands for all of it.
+/// Fraction of an area from which on its largest connected part stands for all of it.
 const ALL_OF_IT: f64 = 0.9;
 
 /// Every blend shape with its centre: the mean of the vertices at rest, weighted with the squares of

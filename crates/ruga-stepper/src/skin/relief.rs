@@ -17,17 +17,17 @@ const FADE: f64 = 0.5;
 /// Grey at a border up to which the painted mask itself has faded the relief.
 const FADED: f64 = 0.25;
 
-/// How much of a layer's relief shows on the meshes it is computed and handed out on.
+/// Weights of a layer's relief at the vertices of its own mesh and of the output mesh.
 #[derive(Clone, Debug)]
-pub(crate) struct ReliefShares {
-    /// At the vertices of the mesh it is computed on.
+pub(crate) struct ReliefWeights {
+    /// Weights at the vertices of the layer's own mesh.
     pub(crate) computed: Vec<f64>,
-    /// At those of the mesh that results are handed out on.
+    /// Weights at the vertices of the output mesh.
     pub(crate) region: Vec<f64>,
 }
 
-impl ReliefShares {
-    /// For the two meshes of a layer's region.
+impl ReliefWeights {
+    /// Computes the weights for the two meshes of a layer's region.
     pub(crate) fn new(
         driver: &Driver,
         spec: &LayerSpec,
@@ -35,8 +35,8 @@ impl ReliefShares {
         (computed, region): (&SkinMesh, &SkinMesh),
     ) -> Result<Self, StepperError> {
         Ok(Self {
-            computed: relief_shares(driver, spec, nominal, computed)?,
-            region: relief_shares(driver, spec, nominal, region)?,
+            computed: relief_weights(driver, spec, nominal, computed)?,
+            region: relief_weights(driver, spec, nominal, region)?,
         })
     }
 }
@@ -45,7 +45,7 @@ impl ReliefShares {
 ///
 /// Relief fades inside the border of the region, which is held on the surface below, unless that is
 /// the border of the artist's mesh: there is no skin beyond it to be cut from.
-pub(crate) fn relief_shares(
+pub(crate) fn relief_weights(
     driver: &Driver,
     spec: &LayerSpec,
     nominal: &Wrinkling,
@@ -63,40 +63,40 @@ pub(crate) fn relief_shares(
                 && spec.presence.grey(uv(driver, place)) > FADED
         })
         .collect();
-    let mut shares = vec![spec.presence.strength; points.len()];
+    let mut weights = vec![spec.presence.strength; points.len()];
     if is_cut.contains(&true) {
         let wavelengths = wavelengths_at_vertices(spec, nominal, driver, skin)?;
         let reach = |i: usize| FADE * wavelengths[i];
         let faded = faded_from(&skin.mesh, &skin.rest.positions, &is_cut, reach);
-        for (share, faded) in shares.iter_mut().zip(faded) {
-            *share *= faded;
+        for (fraction, faded) in weights.iter_mut().zip(faded) {
+            *fraction *= faded;
         }
     }
-    for (share, place) in shares.iter_mut().zip(points) {
-        *share *= spec.presence.grey(uv(driver, place));
+    for (fraction, place) in weights.iter_mut().zip(points) {
+        *fraction *= spec.presence.grey(uv(driver, place));
     }
-    Ok(shares)
+    Ok(weights)
 }
 
-/// Where the vertices are on a surface `shown` below them, their `shares` of how they deviate from the
+/// Where the vertices are on a surface `shown` below them, their `weights` of how they deviate from the
 /// real one kept.
 pub(crate) fn shown_positions(
     positions: &[Vector3<f64>],
     real: &PosedSurface,
     shown: &PosedSurface,
-    shares: &[f64],
+    weights: &[f64],
 ) -> Vec<Vector3<f64>> {
     (0..positions.len())
         .map(|i| {
             let deviation = positions[i] - real.positions[i];
             // The surface shown is turned where the layer below it is shown flatter than it is.
             let turned = turn_between(real, shown, i) * deviation;
-            shown.positions[i] + shares[i] * turned
+            shown.positions[i] + weights[i] * turned
         })
         .collect()
 }
 
-/// How the surface turns at one vertex between two poses.
+/// Rotation of the surface at one vertex between two poses.
 pub(crate) fn turn_between(
     old: &PosedSurface,
     new: &PosedSurface,
@@ -121,7 +121,7 @@ mod tests {
 
     /// Shares on the inner half of a square, under one grey everywhere: the least and the greatest at
     /// its border, and the least well inside.
-    fn shares(grey: f32, strength: f64) -> [f64; 3] {
+    fn weights(grey: f32, strength: f64) -> [f64; 3] {
         let flat = |p: Vector2<f64>| Vector3::new(p.x, p.y, 0.0);
         let mut mesh = square_mesh(&flat, &flat);
         for uv in mesh.uvs.iter_mut().flatten() {
@@ -144,15 +144,19 @@ mod tests {
             ..knuckle()
         };
         let nominal = wrinkling(&spec.material, &spec.substrate, spec.model).expect("a preset");
-        let found = relief_shares(&driver, &spec, &nominal, &skin).expect("shares");
+        let found = relief_weights(&driver, &spec, &nominal, &skin).expect("weights");
         let border = skin.mesh.border_vertices();
         let of_border = || found.iter().zip(border.as_slice()).filter(|(_, b)| **b);
         let of_middle = found.iter().zip(&skin.rest.positions);
         let of_middle = of_middle.filter(|(_, x)| inside(x, 0.25 * SIDE - nominal.wavelength));
         [
-            of_border().map(|(share, _)| *share).fold(1.0, f64::min),
-            of_border().map(|(share, _)| *share).fold(0.0, f64::max),
-            of_middle.map(|(share, _)| *share).fold(1.0, f64::min),
+            of_border()
+                .map(|(fraction, _)| *fraction)
+                .fold(1.0, f64::min),
+            of_border()
+                .map(|(fraction, _)| *fraction)
+                .fold(0.0, f64::max),
+            of_middle.map(|(fraction, _)| *fraction).fold(1.0, f64::min),
         ]
     }
 
@@ -167,9 +171,9 @@ mod tests {
                 "{found:?}"
             );
         };
-        near(shares(1.0, 1.0), [0.0, 0.0, 1.0]);
-        near(shares(0.5, 1.5), [0.0, 0.0, 0.75]);
-        near(shares(0.25, 1.0), [0.25, 0.25, 0.25]);
-        near(shares(0.2, 1.0), [0.2, 0.2, 0.2]);
+        near(weights(1.0, 1.0), [0.0, 0.0, 1.0]);
+        near(weights(0.5, 1.5), [0.0, 0.0, 0.75]);
+        near(weights(0.25, 1.0), [0.25, 0.25, 0.25]);
+        near(weights(0.2, 1.0), [0.2, 0.2, 0.2]);
     }
 }

@@ -1,4 +1,4 @@
-//! The mesh a layer is computed on, and the one it is handed out on.
+//! The mesh that a layer is computed on, and its output mesh.
 
 use std::sync::{Arc, Weak};
 
@@ -37,7 +37,7 @@ pub(crate) struct SkinMesh {
     /// Faces beside a sharp boundary of the layer's map, each with a texture coordinate well inside
     /// it: their corners are on the boundary and say nothing about either side.
     pub(crate) beside: Vec<(FaceId, Vector2<f64>)>,
-    /// What tells it from others; copies share it.
+    /// Identity of the mesh; copies share it.
     pub(crate) identity: Identity,
 }
 
@@ -68,7 +68,7 @@ impl Mark {
 }
 
 impl SkinMesh {
-    /// At rest `offset` above the driver; `None` as soon as `goes_on` says no.
+    /// The mesh at rest `offset` (m) above the driver; `None` as soon as `goes_on` returns false.
     fn new(
         driver: &Driver,
         (mesh, points): (TriMesh, &[MaterialPoint]),
@@ -87,7 +87,7 @@ impl SkinMesh {
         Some(on_driver.lifted(offset))
     }
 
-    /// At rest so much higher.
+    /// The mesh with rest positions raised by a distance, m.
     fn lifted(mut self, offset: f64) -> Self {
         for (x, normal) in self.rest.positions.iter_mut().zip(&self.rest.normals) {
             *x += normal * offset;
@@ -102,9 +102,9 @@ impl SkinMesh {
     }
 }
 
-/// What a mesh of a region is to resolve.
-pub(crate) struct MeshDemand<'a> {
-    /// What drives wrinkles on every triangle of the region's mesh.
+/// Compressions and edge lengths that a mesh of a region is fitted to.
+pub(crate) struct SizingStrains<'a> {
+    /// Compression that drives wrinkles on every triangle of the region's mesh.
     pub(crate) drivers: &'a PerFace<FaceDriver>,
     /// Longest edge at every vertex, m.
     pub(crate) longest: &'a [f64],
@@ -116,8 +116,8 @@ pub(crate) struct MeshDemand<'a> {
     pub(crate) budget: usize,
 }
 
-/// What a mesh of a region is to be like.
-struct Wanted<'a> {
+/// Surface and sizing that the remesher is given.
+struct RemeshInput<'a> {
     surface: PolyhedralSurface<'a>,
     start: SurfaceMesh,
     sizing: Sizing,
@@ -137,10 +137,10 @@ pub(crate) struct Adapted {
 #[derive(Clone, Debug)]
 pub(crate) struct RegionMesh {
     pub(crate) skin: SkinMesh,
-    /// Of the material points.
+    /// Texture coordinates of every triangle's corners at their material points.
     uvs: Vec<[Vector2<f64>; 3]>,
     origins: PerFace<ruga_mesh::FaceOrigin>,
-    /// Where results are shown.
+    /// Texture coordinates at which results are shown.
     addresses: FacetAddresses,
     artist: Vec<u32>,
     /// Edges that a fitted mesh keeps.
@@ -172,7 +172,7 @@ pub(crate) fn sharp_map(layer: &LayerSpec) -> Option<&PropertyMap> {
 fn too_many(layer: &LayerSpec, crossings: TooManyCrossings) -> StepperError {
     StepperError::TooManyBoundaries {
         layer: layer.name.clone(),
-        percent: 100.0 * crossings.share,
+        percent: 100.0 * crossings.fraction,
     }
 }
 
@@ -265,22 +265,22 @@ impl RegionMesh {
             .collect()
     }
 
-    /// A mesh of the region that is as fine as `demand` and the rest shape ask for, in the
+    /// A mesh of the region that is as fine as `strains` and the rest shape ask for, in the
     /// directions in which they do, or as the budget allows; `None` as soon as `goes_on`, which is
     /// asked between its steps, says no.
     pub(crate) fn adapted(
         &self,
         driver: &Driver,
-        demand: &MeshDemand<'_>,
+        strains: &SizingStrains<'_>,
         settings: &RemeshSettings,
         goes_on: &mut dyn FnMut() -> bool,
     ) -> Result<Option<Adapted>, RemeshError> {
-        let Wanted {
+        let RemeshInput {
             surface,
             start,
             sizing: wanted,
             coarseness,
-        } = self.wanted(demand, settings)?;
+        } = self.remesh_input(strains, settings)?;
         if !goes_on() {
             return Ok(None);
         }
@@ -339,12 +339,12 @@ impl RegionMesh {
             .collect()
     }
 
-    /// What `demand` and the rest shape ask for at this mesh's vertices.
-    fn wanted(
+    /// Surface and sizing for `strains` and the rest shape at this mesh's vertices.
+    fn remesh_input(
         &self,
-        demand: &MeshDemand<'_>,
+        strains: &SizingStrains<'_>,
         settings: &RemeshSettings,
-    ) -> Result<Wanted<'_>, RemeshError> {
+    ) -> Result<RemeshInput<'_>, RemeshError> {
         let mesh = &self.skin.mesh;
         let surface = PolyhedralSurface::new(mesh, &self.skin.rest.positions, &self.features)?;
         let start = SurfaceMesh {
@@ -355,36 +355,36 @@ impl RegionMesh {
             mesh: &start,
             shape: &self.skin.rest.positions,
             velocity: None,
-            driver: Some(demand.drivers),
-            refinement: demand.refinement,
+            driver: Some(strains.drivers),
+            refinement: strains.refinement,
         })?;
-        let limits = demand.longest.iter().zip(demand.aspects);
+        let limits = strains.longest.iter().zip(strains.aspects);
         for (tensor, (longest, aspect)) in sizing.tensors.as_mut_slice().iter_mut().zip(limits) {
             *tensor += Matrix3::identity() / (longest * longest);
             limit_aspect(tensor, *aspect);
         }
         let sizing = sizing.limited(&start, &surface, &settings.limits)?;
         let estimate = sizing.vertex_estimate(&start)? as f64;
-        Ok(Wanted {
-            coarseness: (estimate / demand.budget as f64).sqrt().max(1.0),
+        Ok(RemeshInput {
+            coarseness: (estimate / strains.budget as f64).sqrt().max(1.0),
             surface,
             start,
             sizing,
         })
     }
 
-    /// Share of this mesh's vertices under which the triangle of `layer`, a mesh of the same
-    /// region, is longer than `demand` allows by the factor that a fitted mesh may have anywhere.
-    pub(crate) fn share_too_coarse(
+    /// Fraction of this mesh's vertices under which the triangle of `layer`, a mesh of the same
+    /// region, is longer than `strains` allows by the factor that a fitted mesh may have anywhere.
+    pub(crate) fn fraction_too_coarse(
         &self,
         layer: &SkinMesh,
         places: &[MaterialPoint],
-        demand: &MeshDemand<'_>,
+        strains: &SizingStrains<'_>,
         settings: &RemeshSettings,
     ) -> Result<f64, RemeshError> {
-        let Wanted {
+        let RemeshInput {
             sizing, coarseness, ..
-        } = self.wanted(demand, settings)?;
+        } = self.remesh_input(strains, settings)?;
         let longest = TOO_LONG * coarseness;
         let too_coarse = places.iter().zip(sizing.tensors.as_slice());
         let too_coarse = too_coarse.filter(|(place, tensor)| {

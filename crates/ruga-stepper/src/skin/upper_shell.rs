@@ -21,7 +21,7 @@ pub(crate) struct UpperShell {
 }
 
 impl UpperShell {
-    /// Number `index` of the stack, named `name`, the upper one of `pair`.
+    /// The upper layer of `pair`, number `index` of the stack.
     pub(crate) fn new(name: &str, index: usize, pair: &StackPair, lever: f64) -> Self {
         let springs = &pair.upper.wrinkling;
         Self {
@@ -35,12 +35,12 @@ impl UpperShell {
         }
     }
 
-    /// m.
+    /// Thickness of the layer, m.
     pub(crate) fn thickness(&self) -> f64 {
         self.material.thickness
     }
 
-    /// kg/m².
+    /// Mass per area, kg/m².
     pub(crate) fn mass_per_area(&self) -> f64 {
         self.material.density * self.material.thickness
     }
@@ -66,7 +66,7 @@ impl UpperShell {
         }
     }
 
-    /// Where it lies over places (m) with these unit normals.
+    /// Positions of its vertices over places (m) with these unit normals.
     pub(crate) fn above<'a>(
         &self,
         points: &'a [Vector3<f64>],

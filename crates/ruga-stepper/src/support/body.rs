@@ -11,7 +11,7 @@ pub struct Body {
     pub cells: Option<u32>,
     /// The lattice's elements.
     pub shape: Shape,
-    /// What the inside is made of.
+    /// Material of the inside.
     pub material: SolidMaterial,
     /// Its density, kg/m3.
     pub density: f64,
@@ -19,7 +19,7 @@ pub struct Body {
     pub gravity: Vector3<f64>,
     /// Parts of the body that stay where they are put.
     pub handles: Vec<Handle>,
-    /// What the layer cannot enter.
+    /// Obstacles that the layer cannot enter.
     pub obstacles: Vec<Obstacle>,
     /// Stiffness per area of springs that draw the body's surface to the posed blend shapes, Pa/m
     /// (RK 7.4: muscles); `None` leaves it to itself.
@@ -34,16 +34,17 @@ pub struct Handle {
     pub name: String,
     /// Lowest corner of the box, at rest, m.
     pub min: Vector3<f64>,
-    /// Highest corner, m.
+    /// Highest corner of the box, at rest, m.
     pub max: Vector3<f64>,
-    /// Orthogonal; with `shift`, from the body's axes to those of the box: `turn x + shift`.
+    /// Orthogonal matrix from the body's axes to those of the box, together with `shift`:
+    /// `turn x + shift`.
     pub turn: Matrix3<f64>,
-    /// m.
+    /// Shift of the box's axes, m.
     pub shift: Vector3<f64>,
 }
 
 impl Handle {
-    /// For a box along the body's own axes.
+    /// A handle whose box lies along the body's own axes.
     pub fn new(name: impl Into<String>, [min, max]: [Vector3<f64>; 2]) -> Self {
         Self {
             name: name.into(),
@@ -60,7 +61,7 @@ impl Handle {
 pub struct Obstacle {
     /// Name in motions and messages.
     pub name: String,
-    /// Where it is as long as nothing moves it.
+    /// Shape and place at rest.
     pub shape: ObstacleShape,
 }
 
@@ -69,7 +70,7 @@ pub struct Obstacle {
 pub enum ObstacleShape {
     /// Everything behind a plane.
     Plane {
-        /// On the plane.
+        /// A point of the plane, m.
         point: Vector3<f64>,
         /// Towards the free side; any length.
         normal: Vector3<f64>,
@@ -98,11 +99,11 @@ pub enum ObstacleShape {
 pub struct Motion {
     /// Name of the handle or obstacle.
     pub of: String,
-    /// Where it is when, ascending in `at`; straight in between, from where it is at rest at 0.
+    /// Placements, ascending in `at`; interpolated linearly, from rest at 0.
     pub keyframes: Vec<Keyframe>,
 }
 
-/// Where a moved thing is at one time.
+/// Placement of a handle or obstacle at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Keyframe {
     /// Fraction of the pose, in (0, 1].

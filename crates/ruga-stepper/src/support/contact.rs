@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::obstacle::PlacedObstacle;
 
-/// Where the obstacle begins to push, in thicknesses of the layer.
+/// Distance at which an obstacle begins to push, in thicknesses of the layer.
 const REACH: f64 = 0.05;
 
 /// Way into an obstacle, in thicknesses, for which the pressure grows by Young's modulus: of the
@@ -29,14 +29,14 @@ const SAMPLES: u32 = 8;
 #[derive(Clone, Debug)]
 pub(crate) struct Contact {
     pub(crate) obstacles: Vec<PlacedObstacle>,
-    /// Pa/m.
+    /// Pressure per depth `k`, Pa/m.
     stiffness: f64,
-    /// m.
+    /// Distance at which an obstacle begins to push, m.
     reach: f64,
 }
 
 impl Contact {
-    /// For an interior with this Young's modulus (Pa) and a layer with this one, so thick (m).
+    /// Contact of `obstacles` with a layer of `thickness` (m); moduli of interior and layer in Pa.
     pub(crate) fn new(
         obstacles: Vec<PlacedObstacle>,
         [interior, layer]: [f64; 2],
@@ -89,7 +89,7 @@ impl Contact {
         sum
     }
 
-    /// Deepest way of any vertex into any obstacle, m; 0 where none is inside.
+    /// Largest depth of any vertex in any obstacle, m; 0 where none is inside.
     pub(crate) fn penetration(&self, x: &[Vector3<f64>]) -> f64 {
         let depths = self.obstacles.iter().flat_map(|obstacle| {
             let depth = |x: &Vector3<f64>| -obstacle.distance(x).value;
@@ -98,7 +98,7 @@ impl Contact {
         depths.fold(0.0, f64::max)
     }
 
-    /// Whether a vertex has passed through an obstacle on a straight way, as seen by the obstacle,
+    /// Whether a vertex has passed through an obstacle on a straight line, as seen by the obstacle,
     /// from one place to another, or has ended more than `depth` (m) inside.
     pub(crate) fn is_passed(
         &self,
@@ -110,9 +110,9 @@ impl Contact {
             let depth = depth.min(0.5 * now.shape.half_depth());
             x.iter().zip(to).any(|(x, to)| {
                 let start = before.placement.pull_back(x);
-                let way = now.placement.pull_back(to) - start;
+                let displacement = now.placement.pull_back(to) - start;
                 (1..=SAMPLES).any(|k| {
-                    let place = start + way * (f64::from(k) / f64::from(SAMPLES));
+                    let place = start + displacement * (f64::from(k) / f64::from(SAMPLES));
                     super::obstacle::distance(&now.shape, &place).value < -depth
                 })
             })
@@ -131,8 +131,12 @@ impl Contact {
         if s <= 0.0 {
             [0.0; 3]
         } else if s < reach {
-            let share = s / reach;
-            [k * s * s * share / 6.0, 0.5 * k * s * share, k * share]
+            let fraction = s / reach;
+            [
+                k * s * s * fraction / 6.0,
+                0.5 * k * s * fraction,
+                k * fraction,
+            ]
         } else {
             let t = s - 0.5 * reach;
             [0.5 * k * t * t + k * reach * reach / 24.0, k * t, k]

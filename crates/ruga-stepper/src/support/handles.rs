@@ -10,7 +10,7 @@ use crate::{Body, Handle, Keyframe, Motion, PoseSpec, StepperError};
 /// A rigid motion: a turn about a point, then a translation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Placement {
-    /// m.
+    /// Translation after the turn, m.
     pub(crate) translation: Vector3<f64>,
     /// Axis times angle, rad.
     pub(crate) turn: Vector3<f64>,
@@ -19,7 +19,7 @@ pub(crate) struct Placement {
 }
 
 impl Placement {
-    /// Where a motion is at `time`, in [0, 1]: straight between keyframes, as far as the last.
+    /// Placement of a motion at `time`, in [0, 1]: linear between keyframes, constant after the last.
     pub(crate) fn at(motion: Option<&Motion>, time: f64) -> Self {
         let Some(frames) = motion.map(|m| &m.keyframes).filter(|f| !f.is_empty()) else {
             return Self::default();
@@ -39,8 +39,8 @@ impl Placement {
         } else if end.turn == Vector3::zeros() {
             end_about = start.about;
         }
-        let share = (time - at) / (end.at - at);
-        let between = |a: Vector3<f64>, b: Vector3<f64>| a + (b - a) * share;
+        let fraction = (time - at) / (end.at - at);
+        let between = |a: Vector3<f64>, b: Vector3<f64>| a + (b - a) * fraction;
         Self {
             translation: between(start.translation, end.translation),
             turn: between(start.turn, end.turn),
@@ -60,7 +60,7 @@ impl Placement {
         Rotation3::from_scaled_axis(self.turn)
     }
 
-    /// Where a place at rest is now.
+    /// Present position of a place at rest.
     pub(crate) fn apply(&self, rest: &Vector3<f64>) -> Vector3<f64> {
         if self.turn == Vector3::zeros() {
             return rest + self.translation;
@@ -68,7 +68,7 @@ impl Placement {
         self.rotation() * (rest - self.about) + self.about + self.translation
     }
 
-    /// Where a place now would be at rest.
+    /// Rest position of a present place.
     pub(crate) fn pull_back(&self, now: &Vector3<f64>) -> Vector3<f64> {
         if self.turn == Vector3::zeros() {
             return now - self.translation;
@@ -161,7 +161,7 @@ impl<'a> Moves<'a> {
         })
     }
 
-    /// Where handle number `handle` is.
+    /// Placement of handle number `handle`.
     pub(crate) fn handle(&self, handle: usize, time: f64) -> Placement {
         Placement::at(self.motion_of(&self.body.handles[handle].name), time)
     }

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use ruga_lattice::{MAX_CELLS, Shape, cell_size};
 
 use crate::Body;
-use crate::support::carrier::Carrier;
+use crate::support::embedding_lattice::EmbeddingLattice;
 
 /// Lattice cells over the wavelength below which the lattice itself wrinkles: in waves of two cells,
 /// which give way in it as well as in the foundation that stands for the same inside. The rows of a
@@ -50,7 +50,7 @@ pub(crate) fn cells_for(sides: &Vector3<f64>, shape: Shape, wavelength: f64) -> 
     (1..=wanted).rev().find(fits).unwrap_or(1)
 }
 
-/// What to tell those who chose the number of cells themselves, and those who did not.
+/// Advice for a number of cells that the user chose, and for one that was computed.
 fn advice(body: &Body, chosen: &'static str, planned: &'static str) -> &'static str {
     match body.cells {
         Some(_) => chosen,
@@ -58,9 +58,13 @@ fn advice(body: &Body, chosen: &'static str, planned: &'static str) -> &'static 
     }
 }
 
-/// What is wrong with a lattice for waves of this length, m.
-pub(crate) fn lattice_warnings(carrier: &Carrier, body: &Body, wavelength: f64) -> Vec<String> {
-    let cell = carrier.lattice.cell_size();
+/// Warning of a lattice that is too coarse or too fine for waves of this length, m.
+pub(crate) fn lattice_warnings(
+    embedding_lattice: &EmbeddingLattice,
+    body: &Body,
+    wavelength: f64,
+) -> Vec<String> {
+    let cell = embedding_lattice.lattice.cell_size();
     let (shortest, longest) = (cell.min(), cell.max());
     let mut warnings = Vec::new();
     if shortest < LEAST_CELL * wavelength {
@@ -71,7 +75,7 @@ pub(crate) fn lattice_warnings(carrier: &Carrier, body: &Body, wavelength: f64) 
             advice(body, "; take fewer cells", "")
         ));
     }
-    let thinnest = carrier.sides.min();
+    let thinnest = embedding_lattice.sides.min();
     let across = cells_across(body.shape);
     // The grid fits the body's box, so that whole numbers of cells are usual.
     if across * longest > 1.001 * thinnest {
@@ -83,10 +87,10 @@ pub(crate) fn lattice_warnings(carrier: &Carrier, body: &Body, wavelength: f64) 
         ));
     }
     let (poisson, cells) = LOCKING;
-    if body.material.poisson > poisson && carrier.cells < cells {
+    if body.material.poisson > poisson && embedding_lattice.cells < cells {
         warnings.push(format!(
             "interior: at a Poisson ratio of {} a lattice of {} cells locks and is too stiff in bending (by 12 % at 0.48 and 8 cells); take at most {poisson}, or more cells",
-            body.material.poisson, carrier.cells
+            body.material.poisson, embedding_lattice.cells
         ));
     }
     warnings

@@ -43,8 +43,8 @@ impl BodyMass {
 
     /// Energy that a step in time to `q` (m) adds, J.
     pub(crate) fn inertial_energy(&self, inertia: &Inertia, q: &[Vector3<f64>]) -> f64 {
-        let ways = inertia.ways(q);
-        let pairs = ways.iter().zip(self.times(&ways));
+        let displacements = inertia.displacements(q);
+        let pairs = displacements.iter().zip(self.times(&displacements));
         0.5 * inertia.weight(1.0) * pairs.map(|(u, mu)| u.dot(&mu)).sum::<f64>()
     }
 
@@ -54,7 +54,7 @@ impl BodyMass {
         inertia: &Inertia,
         q: &[Vector3<f64>],
     ) -> Vec<Vector3<f64>> {
-        let mut forces = self.times(&inertia.ways(q));
+        let mut forces = self.times(&inertia.displacements(q));
         let weight = inertia.weight(1.0);
         forces.iter_mut().for_each(|force| *force *= weight);
         forces

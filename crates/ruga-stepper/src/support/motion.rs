@@ -14,7 +14,7 @@ use crate::Dynamics;
 #[derive(Clone, Debug)]
 pub(crate) struct Inertia {
     dynamics: Dynamics,
-    /// Where everything would go without forces, m.
+    /// Positions that everything would reach without forces, m.
     pub(crate) centres: Vec<Vector3<f64>>,
 }
 
@@ -41,7 +41,7 @@ impl Inertia {
     }
 
     /// Ways to `x` from where everything would go without forces, m.
-    pub(crate) fn ways(&self, x: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    pub(crate) fn displacements(&self, x: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         x.iter().zip(&self.centres).map(|(x, c)| x - c).collect()
     }
 }

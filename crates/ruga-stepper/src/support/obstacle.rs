@@ -11,9 +11,9 @@ const RIM: f64 = 0.1;
 /// Signed distance to a surface with its derivative; negative inside.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Distance {
-    /// m.
+    /// Distance, negative inside, m.
     pub(crate) value: f64,
-    /// Unit, away from the obstacle.
+    /// Unit vector away from the obstacle.
     pub(crate) gradient: Vector3<f64>,
 }
 
@@ -42,7 +42,7 @@ impl PlacedObstacle {
 }
 
 impl ObstacleShape {
-    /// Half of the least way through it, m; infinite for what has no other side.
+    /// Half of the least distance through it, m; infinite for what has no other side.
     pub(crate) fn half_depth(&self) -> f64 {
         match self {
             Self::Plane { .. } => f64::INFINITY,
@@ -178,9 +178,10 @@ mod tests {
                 let here = distance(shape, x);
                 assert!((here.gradient.norm() - 1.0).abs() < 1e-12);
                 for axis in 0..3 {
-                    let mut way = Vector3::zeros();
-                    way[axis] = step;
-                    let [up, down] = [x + way, x - way].map(|p| distance(shape, &p));
+                    let mut displacement = Vector3::zeros();
+                    displacement[axis] = step;
+                    let [up, down] =
+                        [x + displacement, x - displacement].map(|p| distance(shape, &p));
                     let slope = (up.value - down.value) / (2.0 * step);
                     assert!((slope - here.gradient[axis]).abs() < 1e-8, "{shape:?} {x}");
                 }

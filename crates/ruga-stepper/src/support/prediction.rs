@@ -26,12 +26,12 @@ impl Prediction {
         })
     }
 
-    /// Ways of the free nodes, all others having `ways`; `q` are all nodes (m).
+    /// Displacements of the free nodes, all others having `displacements`; `q` are all nodes (m).
     pub(crate) fn fill_in(
         &mut self,
         [all, free]: [&LatticeEnergy; 2],
         q: &[Vector3<f64>],
-        ways: &mut [Vector3<f64>],
+        displacements: &mut [Vector3<f64>],
     ) -> Result<(), SolverError> {
         let relaxed_hessian = |energy: &LatticeEnergy| {
             let mut exact = vec![0.0; energy.pattern().1.len()];
@@ -41,7 +41,7 @@ impl Prediction {
         };
         let (starts, rows) = all.pattern();
         let pattern = LowerPattern::new(starts.to_vec(), rows.to_vec())?;
-        let pull = product(&pattern, &relaxed_hessian(all), ways);
+        let pull = product(&pattern, &relaxed_hessian(all), displacements);
         let force: Vec<f64> = free.unknowns(&pull).iter().map(|f| -f).collect();
         let hessian = relaxed_hessian(free);
         let diagonal = free.pattern().0.iter().take(free.dof_count());
@@ -50,7 +50,7 @@ impl Prediction {
         self.kkt.factorize(&hessian, &floor)?;
         let mut step = vec![0.0; force.len()];
         self.kkt.solve(&force, &[], &mut step, &mut [])?;
-        free.set_unknowns(&step, ways);
+        free.set_unknowns(&step, displacements);
         Ok(())
     }
 }

@@ -95,13 +95,15 @@ impl Solid {
         (skin, energy): (&SkinMesh, &LayerEnergy),
         masses: &[f64],
     ) -> Result<Self, StepperError> {
-        let (body, lattice) = (&interior.body, &interior.carrier.lattice);
+        let (body, lattice) = (&interior.body, &interior.embedding_lattice.lattice);
         let solver = |source| StepperError::Solver {
             layer: spec.name.clone(),
             source,
         };
-        let embedding = interior.carrier.embed(skin.points.points(), &skin.rest)?;
-        let control = interior.carrier.embed_control(driver)?;
+        let embedding = interior
+            .embedding_lattice
+            .embed(skin.points.points(), &skin.rest)?;
+        let control = interior.embedding_lattice.embed_control(driver)?;
         let springs = Springs::new(energy.foundation_stiffness());
         let is_held = spec.coupling.has_foundation();
         let of_nodes = |pinned: &[bool]| -> Result<LatticeEnergy, StepperError> {
@@ -160,7 +162,7 @@ impl Solid {
 
     /// The body's part of the Levenberg damping, N/m.
     pub(crate) fn damping(&self) -> impl Iterator<Item = f64> + use<> {
-        let rest = self.interior.carrier.lattice.rest_positions();
+        let rest = self.interior.embedding_lattice.lattice.rest_positions();
         let (starts, rows) = self.lattice.pattern();
         let mut hessian = vec![0.0; rows.len()];
         self.lattice.hessian(rest, &mut hessian, None);
@@ -185,8 +187,8 @@ impl Solid {
             values.extend_from_slice(own_weights);
             let axis = own.first().map_or(0, |column| column % 3);
             for (column, weight) in own.iter().zip(own_weights) {
-                for (node, share) in self.embedding.rows().row(column / 3) {
-                    weights[node as usize] += weight * share;
+                for (node, fraction) in self.embedding.rows().row(column / 3) {
+                    weights[node as usize] += weight * fraction;
                 }
             }
             let mut held = Vec::new();
@@ -277,7 +279,7 @@ impl Solid {
 
     /// Displacements of the held nodes from where they are to where they are at `time`; 0 for others.
     fn handle_displacements(&self, moves: &Moves<'_>, time: f64) -> Vec<Vector3<f64>> {
-        let rest = self.interior.carrier.lattice.rest_positions();
+        let rest = self.interior.embedding_lattice.lattice.rest_positions();
         let handles = self.interior.body.handles.len();
         let placements: Vec<_> = (0..handles).map(|i| moves.handle(i, time)).collect();
         let holders = self.interior.held.holder.iter();

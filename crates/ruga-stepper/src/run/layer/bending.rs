@@ -6,7 +6,7 @@ use ruga_shell::{BendingModel, HINGE_EXPONENT, ResponseQuery, face_corners, resp
 
 use super::Layer;
 use crate::StepperError;
-use crate::support::below::BelowSurface;
+use crate::support::support_surface::SupportSurface;
 
 /// Ratios of a mesh's bending modulus to the material's that can be the triangles' doing. A smaller
 /// one counts as not measured.
@@ -17,9 +17,12 @@ impl Layer {
     /// and makes up for what is missing to the material, for hinges also for what is too much; the
     /// layer stays where it is.
     /// False when the layer is compressed enough to wrinkle and could not be measured.
-    pub(crate) fn calibrate_bending(&mut self, below: BelowSurface) -> Result<bool, StepperError> {
+    pub(crate) fn calibrate_bending(
+        &mut self,
+        support: SupportSurface,
+    ) -> Result<bool, StepperError> {
         let state = self.state();
-        self.set_below(below, 1.0)?;
+        self.set_support(support, 1.0)?;
         let [low, high] = BENDING_RATIOS;
         let measured = self.measured_bending_ratio();
         self.bending_ratio = measured

@@ -75,7 +75,7 @@ impl Layer {
         Ok(report)
     }
 
-    /// What the layer's rows ask for: the same averages of the layer as of the surface below.
+    /// Right-hand sides of the layer's constraints: averages of the support surface.
     fn row_targets(&self, base: &[f64]) -> Result<Vec<f64>, SolverError> {
         if let Some(solid) = &self.solid {
             return Ok(solid.row_targets());
@@ -98,9 +98,9 @@ impl Layer {
         let Some(solid) = &mut self.solid else { return };
         solid.set_unknowns(nodes);
         // Layer and body have moved together.
-        self.below.posed = solid.surface(&self.below.posed);
-        self.base = laid_on(&self.below.posed, self.upper.as_ref());
-        self.strains = applied_strains(&self.skin, &self.below);
+        self.support.posed = solid.surface(&self.support.posed);
+        self.base = laid_on(&self.support.posed, self.upper.as_ref());
+        self.strains = applied_strains(&self.skin, &self.support);
     }
 
     /// The energy that the next solve minimises; the free vertices would be at `base` (m) without

@@ -11,19 +11,19 @@ use crate::StepperError;
 use crate::run::strain_ratio::{applied, applied_strains, green_strain};
 use crate::skin::interpolation::Interpolation;
 use crate::skin::relief::turn_between;
-use crate::support::below::BelowSurface;
 use crate::support::motion::Inertia;
+use crate::support::support_surface::SupportSurface;
 use crate::support::{Moves, SolidState};
 
 /// Least factor by which a rest triangle may shrink, so that one which collapses on the way keeps
 /// an area.
 const LEAST_STRETCH: f64 = 0.05;
 
-/// Where a layer and the surface below it are, and how fast they move.
+/// Positions and velocities of a layer, and its support surface.
 pub(crate) struct LayerState {
     positions: Vec<Vector3<f64>>,
     velocities: Vec<Vector3<f64>>,
-    below: BelowSurface,
+    support: SupportSurface,
     fraction: f64,
     solid: Option<SolidState>,
 }
@@ -35,12 +35,12 @@ impl Layer {
     /// the surface stays where it is. Hinges and foundation stay those of the whole strain: with a
     /// rest metric between posed and rest, waves would be chosen in the posed surface's lengths and
     /// end up too long by the compression.
-    pub(crate) fn set_below(
+    pub(crate) fn set_support(
         &mut self,
-        below: BelowSurface,
+        support: SupportSurface,
         fraction: f64,
     ) -> Result<(), StepperError> {
-        let (old, new) = (&self.below.posed, &below.posed);
+        let (old, new) = (&self.support.posed, &support.posed);
         let base = laid_on(new, self.upper.as_ref());
         let vertices = self.vertex_count();
         for (i, base) in base.iter().enumerate() {
@@ -48,8 +48,8 @@ impl Layer {
             self.positions[i] = base + turn_between(old, new, i % vertices) * deviation;
         }
         self.base = base;
-        self.strains = applied_strains(&self.skin, &below);
-        self.below = below;
+        self.strains = applied_strains(&self.skin, &support);
+        self.support = support;
         self.fraction = fraction;
         self.hold()
     }
@@ -60,7 +60,7 @@ impl Layer {
     /// drawn sharper than the layer is thick would otherwise be unstable without any compression. A
     /// body bends its layer.
     pub(super) fn hold(&mut self) -> Result<(), StepperError> {
-        let posed = &self.below.posed;
+        let posed = &self.support.posed;
         let no_offset = vec![0.0; posed.positions.len()];
         let energy = &mut self.energy;
         let mut outcome = energy.set_base(&posed.positions, &posed.normals, &no_offset);
@@ -68,12 +68,12 @@ impl Layer {
             outcome = outcome.and_then(|()| self.energy.set_rest_angles(&self.base));
         }
         outcome.map_err(|source| self.shell_error(source))?;
-        self.held_normals.clone_from(&self.below.posed.normals);
+        self.held_normals.clone_from(&self.support.posed.normals);
         self.set_rest_metric()?;
         if self.solid.is_none() && self.spec.coupling.has_foundation() {
             self.balance()?;
         }
-        self.set_felt_strains(|_, applied| applied)
+        self.set_effective_strains(|_, applied| applied)
     }
 
     /// Sets the forces with which the posed driver holds the layer in its own shape.
@@ -89,7 +89,7 @@ impl Layer {
             let second = second.min(critical / (1.0 + poisson));
             [(critical - poisson * second).min(first), second]
         };
-        self.set_felt_strains(wanted)?;
+        self.set_effective_strains(wanted)?;
         self.energy.gradient(&self.base, &mut self.reaction);
         Ok(())
     }
@@ -98,7 +98,7 @@ impl Layer {
     /// 15 %, and takes out what of its bending is not transferred.
     fn set_rest_metric(&mut self) -> Result<(), StepperError> {
         let capped = self.strains.as_slice().iter().any(|s| s.first > CAP_START);
-        let changed = capped || self.below.transfer.is_some();
+        let changed = capped || self.support.transfer.is_some();
         if changed || self.is_metric_changed {
             let strains = self.strains.iter();
             let stretches: Vec<_> = strains.map(|(f, s)| self.rest_stretch(f, s)).collect();
@@ -116,7 +116,7 @@ impl Layer {
     fn rest_stretch(&self, face: FaceId, strain: &FaceStrain) -> Matrix2<f64> {
         let along = strain.direction * strain.direction.transpose();
         let stretch = Matrix2::identity() + along * (metric_ratio(strain) - 1.0);
-        match &self.below.transfer {
+        match &self.support.transfer {
             Some(transfer) => stretch * transfer[face.index()],
             None => stretch,
         }
@@ -126,10 +126,10 @@ impl Layer {
         self.strains.as_slice().iter().map(metric_ratio)
     }
 
-    /// How far the energy is from the surface below as a solve has left that: the largest angle (rad) by
+    /// Lag of the energy behind the support surface as a solve has left that: the largest angle (rad) by
     /// which a normal has turned, or change of a capped rest length; 0 on a driver.
     pub(crate) fn lag(&self) -> f64 {
-        let normals = self.held_normals.iter().zip(&self.below.posed.normals);
+        let normals = self.held_normals.iter().zip(&self.support.posed.normals);
         let turned = normals.map(|(old, new)| old.cross(new).norm().atan2(old.dot(new)));
         let ratios = self.held_ratios.iter().zip(self.metric_ratios());
         let shrunk = ratios.map(|(old, new)| (old - new).abs());
@@ -138,7 +138,7 @@ impl Layer {
 
     /// Lets the layer feel of every face's applied principal strains what `wanted` says, of the
     /// face's critical strain and these.
-    fn set_felt_strains(
+    fn set_effective_strains(
         &mut self,
         wanted: impl Fn(f64, [f64; 2]) -> [f64; 2],
     ) -> Result<(), StepperError> {
@@ -146,8 +146,8 @@ impl Layer {
         let natural: Vec<_> = strains
             .map(|(face, strain)| {
                 let critical = self.properties.faces[face].wrinkling.critical_strain;
-                let felt = wanted(critical, applied(strain, self.fraction));
-                green_strain(strain, applied(strain, 1.0)) - green_strain(strain, felt)
+                let effective = wanted(critical, applied(strain, self.fraction));
+                green_strain(strain, applied(strain, 1.0)) - green_strain(strain, effective)
             })
             .collect();
         let outcome = self.energy.set_natural_strains(&natural);
@@ -184,9 +184,9 @@ impl Layer {
                 solid.place_in_time(around, time, (inertia, &self.positions));
             }
         }
-        let posed = solid.surface(&self.below.posed);
+        let posed = solid.surface(&self.support.posed);
         let transfer = None;
-        self.set_below(BelowSurface { posed, transfer }, 1.0)
+        self.set_support(SupportSurface { posed, transfer }, 1.0)
     }
 
     /// Takes over how `other`, the same layer on another mesh, deviates from the surface below;
@@ -209,7 +209,7 @@ impl Layer {
         LayerState {
             positions: self.positions.clone(),
             velocities: self.velocities.clone(),
-            below: self.below.clone(),
+            support: self.support.clone(),
             fraction: self.fraction,
             solid: self.solid.as_ref().map(|solid| solid.state.clone()),
         }
@@ -220,7 +220,7 @@ impl Layer {
         if let (Some(solid), Some(state)) = (&mut self.solid, &state.solid) {
             solid.state.clone_from(state);
         }
-        self.set_below(state.below.clone(), state.fraction)?;
+        self.set_support(state.support.clone(), state.fraction)?;
         self.positions.clone_from(&state.positions);
         self.velocities.clone_from(&state.velocities);
         Ok(())

@@ -19,14 +19,14 @@ impl Layer {
     ) -> LayerSurface {
         let own = &self.positions[..self.vertex_count()];
         let computed = ComputedMesh::new(driver, &self.skin, own);
-        let below = support.pose(&self.region.skin);
+        let surface = support.pose(&self.region.skin);
         let positions = self.on_region(&real.positions, self.deviations());
         LayerSurface {
             name: self.spec.name.clone(),
-            relief: shown_positions(&positions, real, shown, &self.shares.region),
+            relief: shown_positions(&positions, real, shown, &self.weights.region),
             positions,
-            driver_positions: below.positions,
-            driver_normals: below.normals,
+            driver_positions: surface.positions,
+            driver_normals: surface.normals,
             offset,
             faces: self.region.skin.corner_indices(),
             uvs: self.region.shown_uvs().to_vec(),
@@ -51,7 +51,7 @@ impl Layer {
         let positions = self.on_region(&above.positions, self.upper_deviations());
         Some(LayerSurface {
             name: upper.name.clone(),
-            relief: shown_positions(&positions, &above, &above, &self.shares.region),
+            relief: shown_positions(&positions, &above, &above, &self.weights.region),
             positions,
             offset: own.offset + upper.lever,
             computed: ComputedMesh::new(driver, &self.skin, &self.positions[self.vertex_count()..]),
@@ -59,16 +59,16 @@ impl Layer {
         })
     }
 
-    /// Where the vertices of the layer's own mesh are as maps show them, over what lies below it as maps
+    /// Positions of the layer's own vertices as maps show them, over the support surface as maps
     /// show that.
     pub(crate) fn shown_positions(&self, shown: &PosedSurface) -> Vec<Vector3<f64>> {
         let own = &self.positions[..self.vertex_count()];
-        shown_positions(own, &self.below.posed, shown, &self.shares.computed)
+        shown_positions(own, &self.support.posed, shown, &self.weights.computed)
     }
 
-    /// What lies below the layer's own mesh.
-    pub(crate) fn below(&self) -> &PosedSurface {
-        &self.below.posed
+    /// Support surface of the layer's own mesh.
+    pub(crate) fn support(&self) -> &PosedSurface {
+        &self.support.posed
     }
 
     /// Deviations at the layer's vertices, added to places of the region's.

@@ -125,21 +125,21 @@ fn crumpled(plan: &Plan) -> Layer {
     layer
         .place_solid((&moves, &pose.weights), 0.5, None)
         .expect("a placed body");
-    let cell = interior.carrier.lattice.cell_size().min();
+    let cell = interior.embedding_lattice.lattice.cell_size().min();
     let (nodes, vertices) = (solid(&mut layer).state.q.len(), layer.vertex_count());
     let held = interior.held.pinned();
     let moved = random_vectors(&mut random, nodes, 0.1 * cell);
-    for (i, way) in moved.iter().enumerate() {
+    for (i, displacement) in moved.iter().enumerate() {
         if !held[i] {
-            solid(&mut layer).state.q[i] += way;
+            solid(&mut layer).state.q[i] += displacement;
         }
     }
     solid(&mut layer).state.velocities = random_vectors(&mut random, nodes, 0.5);
     follow(&mut layer);
     let noise = random_vectors(&mut random, vertices, 0.2 * layer.spec.material.thickness);
     layer.positions.clone_from(&layer.base);
-    for (x, way) in layer.positions.iter_mut().zip(noise) {
-        *x += way;
+    for (x, displacement) in layer.positions.iter_mut().zip(noise) {
+        *x += displacement;
     }
     layer
 }
@@ -174,7 +174,7 @@ fn everything() -> Body {
     }
 }
 
-/// Energy, gradient and Hessian of everything at once, against differences along random ways.
+/// Energy, gradient and Hessian of everything at once, against differences in random directions.
 #[test]
 fn the_whole_objective_has_its_derivatives() {
     let driver = block();
@@ -227,13 +227,13 @@ fn the_whole_objective_has_its_derivatives() {
         let mut random = Pcg64Mcg::seed_from_u64(11);
         let layer_part = layer.positions.len();
         for part in [0..layer_part, layer_part..x.len() / 3, 0..x.len() / 3] {
-            let mut way = random_vectors(&mut random, x.len() / 3, 1.0);
-            for (i, way) in way.iter_mut().enumerate() {
+            let mut displacement = random_vectors(&mut random, x.len() / 3, 1.0);
+            for (i, displacement) in displacement.iter_mut().enumerate() {
                 if !part.contains(&i) {
-                    *way = Vector3::zeros();
+                    *displacement = Vector3::zeros();
                 }
             }
-            let flat: Vec<f64> = way.iter().flat_map(|w| [w.x, w.y, w.z]).collect();
+            let flat: Vec<f64> = displacement.iter().flat_map(|w| [w.x, w.y, w.z]).collect();
             let step = 1e-4 * thickness;
             let beside = |s: f64| -> Vec<f64> {
                 x.iter().zip(&flat).map(|(x, w)| x + s * step * w).collect()
@@ -248,7 +248,7 @@ fn the_whole_objective_has_its_derivatives() {
             let [mut high, mut low] = [gradient.clone(), gradient.clone()];
             objective.gradient(&up, &mut high);
             objective.gradient(&down, &mut low);
-            let bend = product(objective.pattern(), &exact, &way);
+            let bend = product(objective.pattern(), &exact, &displacement);
             let (mut error, mut size) = (0.0, 0.0);
             for (i, bend) in bend.iter().enumerate() {
                 for c in 0..3 {
@@ -263,8 +263,8 @@ fn the_whole_objective_has_its_derivatives() {
                 error / size
             );
             let of = |values: &[f64]| -> f64 {
-                let bend = product(objective.pattern(), values, &way);
-                bend.iter().zip(&way).map(|(b, w)| b.dot(w)).sum()
+                let bend = product(objective.pattern(), values, &displacement);
+                bend.iter().zip(&displacement).map(|(b, w)| b.dot(w)).sum()
             };
             // What is left out in relaxing is compression, which only takes stiffness away.
             assert!(of(&relaxed) > 0.0 && of(&relaxed) >= of(&exact));
@@ -280,9 +280,9 @@ fn largest_force(layer: &Layer, plan: &Plan) -> f64 {
     let mut gradient = vec![0.0; x.len()];
     objective.gradient(&x, &mut gradient);
     let largest = gradient.iter().fold(0.0, |m: f64, g| m.max(g.abs()));
-    let numbers = &plan.wrinkling()[0];
-    let edge = numbers.wavelength / plan.poses[0].layers[0].points_per_wavelength;
-    largest / (numbers.membrane_stiffness * edge)
+    let wrinkling = &plan.wrinkling()[0];
+    let edge = wrinkling.wavelength / plan.poses[0].layers[0].points_per_wavelength;
+    largest / (wrinkling.membrane_stiffness * edge)
 }
 
 #[test]
@@ -326,14 +326,14 @@ fn a_layer_on_a_body_feels_its_strain_capped() {
     }
     follow(&mut layer);
     layer.positions.clone_from(&layer.base);
-    let felt = 1.0 - capped_strain(1.0 - squeezed);
-    let green = 0.5 * (felt * felt - 1.0);
-    let area = 2.0 * SIDES[0] * (SIDES[1] + SIDES[2]) * squeezed / felt;
+    let effective = 1.0 - capped_strain(1.0 - squeezed);
+    let green = 0.5 * (effective * effective - 1.0);
+    let area = 2.0 * SIDES[0] * (SIDES[1] + SIDES[2]) * squeezed / effective;
     let stiffness = plan.wrinkling()[0].membrane_stiffness;
     let expected = 0.5 * area * stiffness * green * green;
     let found = layer.energy() - layer.solid().expect("a body").elastic_energy();
     assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
-    assert!(layer.capped_share() > 0.5);
+    assert!(layer.capped_fraction() > 0.5);
 }
 
 /// One step in time, to convergence.
@@ -389,15 +389,15 @@ fn a_falling_body_falls_as_implicit_euler_does() {
     for _ in 0..4 {
         step(&mut layer, &driver, dynamics);
     }
-    let way = gravity * (0.02 * 0.02 * 10.0);
+    let displacement = gravity * (0.02 * 0.02 * 10.0);
     for (x, rest) in layer.positions.iter().zip(&layer.skin.rest.positions) {
-        assert!((x - rest - way).norm() < 1e-8 * way.norm());
+        assert!((x - rest - displacement).norm() < 1e-8 * displacement.norm());
     }
 }
 
 /// A body that turns, flies and quivers keeps its momentum; energy never grows. Without a torque
 /// implicit Euler changes the angular momentum by `h sum v' x m v` of the new and old velocities,
-/// a share of some `(w h)^2`, and by nothing else but what the foundation's fixed normals add.
+/// a fraction of some `(w h)^2`, and by nothing else but what the foundation's fixed normals add.
 #[test]
 fn a_free_body_keeps_its_momentum_and_gains_no_energy() {
     let driver = block();

@@ -37,7 +37,7 @@ struct Patch {
 }
 
 impl Layer {
-    /// What the user should know about places that the pose compresses well beyond their critical
+    /// Warnings of places that the pose compresses well beyond their critical
     /// strain and that have stayed smooth: where, and why.
     pub(crate) fn unwrinkled(&self, driver: &Driver) -> Vec<String> {
         let smooth = self.smooth_patches();
@@ -66,9 +66,9 @@ impl Layer {
         let heights = self.heights();
         let is_in_wrinkle = |face: FaceId| {
             let wrinkling = &self.properties.faces[face].wrinkling;
-            let felt = strain(face).min(CAP_START);
-            let felt = felt.max(EXPECTED * wrinkling.critical_strain);
-            let least = WRINKLED * wrinkling.amplitude(felt);
+            let effective = strain(face).min(CAP_START);
+            let effective = effective.max(EXPECTED * wrinkling.critical_strain);
+            let least = WRINKLED * wrinkling.amplitude(effective);
             mesh.faces()[face]
                 .iter()
                 .any(|v| heights[v.index()].abs() > least)

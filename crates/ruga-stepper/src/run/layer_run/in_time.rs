@@ -2,7 +2,7 @@
 
 use ruga_solver::{AtSaddle, NewtonSettings, SolveReport, StopRule};
 
-use super::{Accuracy, Course, Ending, LayerRun};
+use super::{Accuracy, Ending, LayerRun, Loading};
 use crate::{Dynamics, Observer, Phase, StepperError};
 
 /// Newton decrement of the equilibrium, in energy scales, at which a moving layer counts as being
@@ -15,7 +15,7 @@ const MOST_STEPS_TO_REST: usize = 200;
 /// Halvings of a step in time before it counts as impossible.
 const HALVINGS: u32 = 4;
 
-/// How standing still until the layer rests has ended.
+/// How the steps until the layer rests have ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Rest {
     Found,
@@ -29,10 +29,10 @@ enum Rest {
 
 impl LayerRun<'_> {
     /// Moves in time through `loads`, one step from each to the next, shorter where they are less than
-    /// `1 / steps` apart; where the course asks for it, stands still until the layer rests.
+    /// `1 / steps` apart; where the loading asks for it, stands still until the layer rests.
     pub(super) fn move_in_time(
         &mut self,
-        course: &mut dyn Course,
+        loading: &mut dyn Loading,
         (loads, steps): (&[f64], u32),
         dynamics: Dynamics,
         observer: &mut dyn Observer,
@@ -45,9 +45,9 @@ impl LayerRun<'_> {
                 time_step: f64::from(steps) * (load - from) * dynamics.time_step,
                 ..dynamics
             };
-            let mut ending = self.step(course, [from, load], (step, HALVINGS), observer)?;
-            if ending == Ending::Reached && course.rests_at(load) {
-                let rest = self.come_to_rest(dynamics, course.shown(load), observer)?;
+            let mut ending = self.step(loading, [from, load], (step, HALVINGS), observer)?;
+            if ending == Ending::Reached && loading.rests_at(load) {
+                let rest = self.come_to_rest(dynamics, loading.pose_fraction(load), observer)?;
                 ending = match rest {
                     Rest::Found => Ending::Reached,
                     Rest::StillMoving => {
@@ -62,7 +62,7 @@ impl LayerRun<'_> {
                 self.layer.restore(&before)?;
                 return Ok(ending);
             }
-            if !course.kept(self, load, observer)? {
+            if !loading.kept(self, load, observer)? {
                 return Ok(Ending::Interrupted);
             }
             from = load;
@@ -73,13 +73,13 @@ impl LayerRun<'_> {
     /// One step in time between two loads, in halves where it cannot be made at once.
     fn step(
         &mut self,
-        course: &mut dyn Course,
+        loading: &mut dyn Loading,
         [from, to]: [f64; 2],
         (dynamics, halvings): (Dynamics, u32),
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
         let before = self.layer.state();
-        let solve = self.step_at_once(course, to, dynamics, observer)?;
+        let solve = self.step_at_once(loading, to, dynamics, observer)?;
         if solve.stop == StopRule::Interrupted {
             return Ok(Ending::Interrupted);
         }
@@ -87,7 +87,7 @@ impl LayerRun<'_> {
             return Ok(Ending::Reached);
         }
         if halvings == 0 {
-            self.warn_of_failure("no step in time found", course.shown(to), &solve);
+            self.warn_of_failure("no step in time found", loading.pose_fraction(to), &solve);
         }
         self.layer.restore(&before)?;
         if halvings == 0 {
@@ -99,37 +99,37 @@ impl LayerRun<'_> {
             ..dynamics
         };
         let (half, middle) = ((half, halvings - 1), 0.5 * (from + to));
-        match self.step(course, [from, middle], half, observer)? {
-            Ending::Reached => self.step(course, [middle, to], half, observer),
+        match self.step(loading, [from, middle], half, observer)? {
+            Ending::Reached => self.step(loading, [middle, to], half, observer),
             ending => Ok(ending),
         }
     }
 
     fn step_at_once(
         &mut self,
-        course: &dyn Course,
+        loading: &dyn Loading,
         to: f64,
         dynamics: Dynamics,
         observer: &mut dyn Observer,
     ) -> Result<SolveReport, StepperError> {
         observer.phase(self.index, Phase::Sampling);
         let step = self.layer.time_step(dynamics);
-        course.place(&mut self.layer, to, Some(&step.inertia))?;
+        loading.place(&mut self.layer, to, Some(&step.inertia))?;
         observer.phase(self.index, Phase::Integration);
-        let shown = course.shown(to);
+        let pose_fraction = loading.pose_fraction(to);
         // What a step leaves out of balance the next one inherits: without a second solve it has to be
         // a result at once.
-        let is_settled_later = self.layer.solid().is_some() && course.is_result(to);
-        let accuracy = match is_settled_later {
+        let is_polished_later = self.layer.solid().is_some() && loading.is_result(to);
+        let accuracy = match is_polished_later {
             true => Accuracy::Passing,
             false => Accuracy::Result,
         };
         let how = (AtSaddle::Leave, accuracy);
-        let mut solve = self.solve(Some(&step.inertia), how, shown, observer)?;
-        if solve.converged && is_settled_later {
-            let settled = self.settle(Some(&step.inertia), shown, observer)?;
-            if settled.stop == StopRule::Interrupted {
-                solve.stop = settled.stop;
+        let mut solve = self.solve(Some(&step.inertia), how, pose_fraction, observer)?;
+        if solve.converged && is_polished_later {
+            let polished = self.polish(Some(&step.inertia), pose_fraction, observer)?;
+            if polished.stop == StopRule::Interrupted {
+                solve.stop = polished.stop;
             }
         } else if solve.converged {
             self.warn_unverified(&solve);
@@ -142,7 +142,7 @@ impl LayerRun<'_> {
     fn come_to_rest(
         &mut self,
         dynamics: Dynamics,
-        shown: f64,
+        pose_fraction: f64,
         observer: &mut dyn Observer,
     ) -> Result<Rest, StepperError> {
         for _ in 0..MOST_STEPS_TO_REST {
@@ -151,12 +151,12 @@ impl LayerRun<'_> {
             }
             let step = self.layer.time_step(dynamics);
             let how = (AtSaddle::Leave, Accuracy::Result);
-            let solve = self.solve(Some(&step.inertia), how, shown, observer)?;
+            let solve = self.solve(Some(&step.inertia), how, pose_fraction, observer)?;
             if solve.stop == StopRule::Interrupted {
                 return Ok(Rest::Interrupted);
             }
             if !solve.converged {
-                self.warn_of_failure("no step in time found", shown, &solve);
+                self.warn_of_failure("no step in time found", pose_fraction, &solve);
                 return Ok(Rest::NoStep);
             }
             self.warn_unverified(&solve);
@@ -166,7 +166,7 @@ impl LayerRun<'_> {
             return Ok(Rest::Found);
         }
         self.warn(format!(
-            "still moving after {MOST_STEPS_TO_REST} steps in time at load {shown:.3}; longer ones may bring it to rest"
+            "still moving after {MOST_STEPS_TO_REST} steps in time at load {pose_fraction:.3}; longer ones may bring it to rest"
         ));
         Ok(Rest::StillMoving)
     }

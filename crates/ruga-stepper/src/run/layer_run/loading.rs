@@ -1,14 +1,14 @@
-//! What leads a layer from load to load.
+//! The loading of a layer: what its load fractions mean.
 
 use super::LayerRun;
 use crate::run::layer::Layer;
 use crate::support::motion::Inertia;
 use crate::{Observer, StepperError};
 
-/// What a load means to a layer, and what follows from reaching one.
-pub(crate) trait Course {
-    /// Puts what lies below `layer` where it is at `load`: at the end of a step in time where `inertia`
-    /// is that of one.
+/// What a load fraction means to a layer, and what is done when it is reached.
+pub(crate) trait Loading {
+    /// Moves the support surface of `layer` to where it is at `load`; with `inertia`, at the end of that
+    /// step in time.
     fn place(
         &self,
         layer: &mut Layer,
@@ -16,16 +16,16 @@ pub(crate) trait Course {
         inertia: Option<&Inertia>,
     ) -> Result<(), StepperError>;
 
-    /// `load` as a fraction of the pose.
-    fn shown(&self, load: f64) -> f64;
+    /// Converts `load` to the fraction of the pose that progress and warnings name.
+    fn pose_fraction(&self, load: f64) -> f64;
 
-    /// Whether the state at `load` is wanted for itself, not only on the way to others.
+    /// Whether the state at `load` is a result, not only passed on the way to one.
     fn is_result(&self, load: f64) -> bool;
 
     /// Whether motion in time stands still at `load` until the layer rests.
     fn rests_at(&self, load: f64) -> bool;
 
-    /// The layer is in equilibrium at `load`; false when the observer ends the work.
+    /// Takes note that the layer is in equilibrium at `load`; false when the observer ends the work.
     fn kept(
         &mut self,
         run: &LayerRun<'_>,
@@ -34,7 +34,7 @@ pub(crate) trait Course {
     ) -> Result<bool, StepperError>;
 }
 
-/// How following a course ended.
+/// How following a loading ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Ending {
     /// At the last load.

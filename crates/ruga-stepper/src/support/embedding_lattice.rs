@@ -17,16 +17,16 @@ const ENOUGH_FACES: usize = 4000;
 /// It is built from the very surface that the layer lies on, not from the artist's control points,
 /// which stand off a smooth surface: so its volume and its weight are those of what is seen.
 #[derive(Clone, Debug)]
-pub(crate) struct Carrier {
+pub(crate) struct EmbeddingLattice {
     pub(crate) lattice: Lattice,
     /// Cells along the longest side.
     pub(crate) cells: u32,
-    /// Of the body's box, m.
+    /// Sides of the body's box, m.
     pub(crate) sides: Vector3<f64>,
     surface: BaseSurface,
 }
 
-impl Carrier {
+impl EmbeddingLattice {
     pub(crate) fn new(
         driver: &Driver,
         body: &Body,
@@ -60,7 +60,7 @@ impl Carrier {
         })
     }
 
-    /// Where points of the driver, which at rest are there, are in the lattice.
+    /// Embeds points of the driver, given at rest, in the lattice.
     pub(crate) fn embed(
         &self,
         points: &[MaterialPoint],
@@ -70,7 +70,7 @@ impl Carrier {
         Embedding::of_surface(&self.lattice, &addresses, &rest.positions, &rest.normals)
     }
 
-    /// Where the driver's own vertices are, wherever they stand off its smooth surface.
+    /// Embeds the driver's own vertices, wherever they stand off its smooth surface.
     pub(crate) fn embed_control(&self, driver: &Driver) -> Result<Embedding, LatticeError> {
         let (mesh, rest) = (driver.topology(), driver.rest());
         let vertices = PerVertex::filled(mesh.vertex_count(), ());
@@ -108,7 +108,7 @@ impl Carrier {
     }
 }
 
-/// What is wrong with a driver's smooth surface, told of the vertices and triangles of its file; pairs of
+/// Error about a driver's smooth surface, in terms of the vertices and triangles of its file; pairs of
 /// faces that cross are still counted on the smooth surface.
 fn in_the_file(error: LatticeError, driver: &Driver, surface: &BaseSurface) -> LatticeError {
     let triangle = |face: FaceId| FaceId(driver.triangles()[surface.origins()[face].face]);

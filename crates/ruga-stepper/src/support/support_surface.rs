@@ -1,4 +1,4 @@
-//! What lies below places of the skin: the layer below where there is one, driver or body elsewhere.
+//! The surface that a layer lies on: the layer below where there is one, driver or body elsewhere.
 
 use nalgebra::{Matrix2, SymmetricEigen, Vector3};
 use ruga_blend::{Driver, FaceStrain, PosedSurface, face_strains};
@@ -17,10 +17,10 @@ const RIM: f64 = 4.0;
 /// layer bends within twice its offset, the offset surface is about to turn inside out.
 const TRANSFER_RANGE: [f64; 2] = [0.25, 2.25];
 
-/// A surface on which a layer would lie, and what of its bending the layer is not to feel.
+/// Surface that a layer lies on, and the part of its bending that the layer does not take over.
 #[derive(Clone, Debug)]
-pub(crate) struct BelowSurface {
-    /// The layer's own place in it: offsets are included.
+pub(crate) struct SupportSurface {
+    /// Positions and normals at the layer's vertices; offsets are included.
     pub(crate) posed: PosedSurface,
     /// Per face the symmetric stretch of the rest metric, in the face's rest frame, that takes the
     /// untransferred part of the bending strain away.
@@ -32,11 +32,11 @@ pub(crate) struct BelowSurface {
 pub(crate) struct LowerLayer<'a> {
     pub(crate) skin: &'a SkinMesh,
     pub(crate) positions: &'a [Vector3<f64>],
-    /// Where its vertices are as maps show them.
+    /// Positions of its vertices as maps show them, m.
     pub(crate) shown: &'a [Vector3<f64>],
     /// Its distance from the driver, m.
     pub(crate) offset: f64,
-    /// Where others lie on it, as far as that is known.
+    /// Projections of other layers onto it, as far as they are known.
     pub(crate) covers: &'a Covers,
 }
 
@@ -49,42 +49,42 @@ pub(crate) fn as_shown<'a>(layers: &[LowerLayer<'a>]) -> Vec<LowerLayer<'a>> {
     layers.iter().map(shown).collect()
 }
 
-/// How a layer lies on what is below.
+/// How a layer is attached to its support surface.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Seat {
+pub(crate) struct Attachment {
     /// Distance from the driver along its normal, m.
     pub(crate) offset: f64,
-    /// Share of the bending strain of what lies below that the layer feels, 0 to 1.
+    /// Fraction of the support surface's bending strain that the layer takes over, 0 to 1.
     pub(crate) bending_transfer: f64,
-    /// Tangential stiffness per area where it is not the layer's own, Pa/m.
+    /// Stiffness of its tangential springs per area where it is not the layer's own, Pa/m.
     pub(crate) tie: Option<f64>,
 }
 
-/// The surface below the vertices of `skin`, whose rest positions include the seat's offset: what carries
+/// The surface below the vertices of `skin`, whose rest positions include the attachment's offset: what carries
 /// all layers, and on it the `lower` ones, bottom first.
-pub(crate) fn surface_below(
+pub(crate) fn support_surface(
     (driver, support): (&Driver, &dyn Support),
     skin: &SkinMesh,
-    seat: Seat,
+    attachment: Attachment,
     lower: &[LowerLayer<'_>],
-) -> BelowSurface {
+) -> SupportSurface {
     let mut middle = support.pose(skin);
     let on_support = middle.positions.clone();
-    let mut distance = vec![seat.offset; middle.positions.len()];
+    let mut distance = vec![attachment.offset; middle.positions.len()];
     // What an upper one of them covers is its surface; where it is not, that of the next lower one.
     for lower in lower {
-        let rim = RIM * (seat.offset - lower.offset);
+        let rim = RIM * (attachment.offset - lower.offset);
         let cover = lower.covers.of(driver, skin, lower.skin, rim);
         for &vertex in lay_on(&cover, (skin, &on_support), support, lower, &mut middle) {
-            distance[vertex as usize] = seat.offset - lower.offset;
+            distance[vertex as usize] = attachment.offset - lower.offset;
         }
     }
-    let lifted = |share: f64| -> Vec<Vector3<f64>> {
+    let lifted = |fraction: f64| -> Vec<Vector3<f64>> {
         let normals = middle.positions.iter().zip(&middle.normals).zip(&distance);
-        normals.map(|((x, n), d)| x + n * (share * d)).collect()
+        normals.map(|((x, n), d)| x + n * (fraction * d)).collect()
     };
     let positions = lifted(1.0);
-    let transfer = (seat.offset > 0.0 && seat.bending_transfer < 1.0).then(|| {
+    let transfer = (attachment.offset > 0.0 && attachment.bending_transfer < 1.0).then(|| {
         // Where the layer rests, between the surface below and its own place.
         let rest: Vec<Vector3<f64>> = skin
             .rest
@@ -92,13 +92,13 @@ pub(crate) fn surface_below(
             .iter()
             .zip(&skin.rest.normals)
             .zip(&distance)
-            .map(|((x, n), d)| x - n * ((1.0 - seat.bending_transfer) * d))
+            .map(|((x, n), d)| x - n * ((1.0 - attachment.bending_transfer) * d))
             .collect();
-        let part = face_strains(&skin.mesh, &rest, &lifted(seat.bending_transfer));
+        let part = face_strains(&skin.mesh, &rest, &lifted(attachment.bending_transfer));
         let whole = face_strains(&skin.mesh, &skin.rest.positions, &positions);
         untransferred(&whole, &part)
     });
-    BelowSurface {
+    SupportSurface {
         posed: PosedSurface {
             positions,
             ..middle
@@ -108,7 +108,7 @@ pub(crate) fn surface_below(
 }
 
 /// `A = P^-1/2 W P^-1/2` per face, as stretch `A^1/2`, of the whole metric `W` and the part `P`
-/// that is felt: with this rest metric a layer in `W` is strained as one in `P`. For bending about
+/// that is taken over: with this rest metric a layer in `W` is strained as one in `P`. For bending about
 /// one axis it is `l0' = l0 |dQ_t| / |dQ_teff|` of the notes.
 fn untransferred(whole: &PerFace<FaceStrain>, part: &PerFace<FaceStrain>) -> Vec<Matrix2<f64>> {
     let pairs = whole.as_slice().iter().zip(part.as_slice());
@@ -150,13 +150,13 @@ fn lay_on<'c>(
     let posed = support.derivatives(skin);
     let changes = change.iter().zip(along_u.iter().zip(&along_v));
     let vertices = cover.vertices().iter().zip(cover.shares());
-    for ((&vertex, share), (change, (along_u, along_v))) in vertices.zip(changes) {
+    for ((&vertex, fraction), (change, (along_u, along_v))) in vertices.zip(changes) {
         let i = vertex as usize;
         middle.positions[i] = on_support[i] + change;
         let first = posed[i][0] + along_u;
         let second = posed[i][1] + along_v;
         let normal = first.cross(&second).try_normalize(0.0);
-        let normal = normal.map(|normal| middle.normals[i].lerp(&normal, *share));
+        let normal = normal.map(|normal| middle.normals[i].lerp(&normal, *fraction));
         if let Some(normal) = normal.and_then(|normal| normal.try_normalize(0.0)) {
             let tangent = first - normal * normal.dot(&first);
             middle.tangents[i] = tangent.try_normalize(0.0).unwrap_or(middle.tangents[i]);
@@ -186,14 +186,14 @@ mod tests {
     fn stretches(shape: Shape) -> Vec<(Vector2<f64>, Matrix2<f64>)> {
         let driver = square(&|p| Vector3::new(p.x, p.y, 0.0), shape);
         let skin = skin(&driver, 1, OFFSET);
-        let seat = Seat {
+        let attachment = Attachment {
             offset: OFFSET,
             bending_transfer: TRANSFER,
             tie: None,
         };
         let control = driver.pose(&driver.weights([("bend", 1.0)]).expect("a shape"));
         let support = PosedDriver { control };
-        let below = surface_below((&driver, &support), &skin, seat, &[]);
+        let below = support_surface((&driver, &support), &skin, attachment, &[]);
         let transfer = below.transfer.expect("a part is not transferred");
         let faces = skin.mesh.faces().as_slice().iter().zip(transfer);
         faces
@@ -246,14 +246,14 @@ mod tests {
             offset: 0.0,
             covers: &Covers::default(),
         };
-        let seat = Seat {
+        let attachment = Attachment {
             offset: OFFSET,
             bending_transfer: 1.0,
             tie: None,
         };
         let control = driver.rest().to_vec();
         let support = PosedDriver { control };
-        let surface = surface_below((&driver, &support), &upper, seat, &[below]);
+        let surface = support_surface((&driver, &support), &upper, attachment, &[below]);
         let own = face_strains(&lower.mesh, &lower.rest.positions, &positions);
         let strains = face_strains(&upper.mesh, &upper.rest.positions, &surface.posed.positions);
         let range = |strains: &PerFace<FaceStrain>| {
@@ -284,7 +284,7 @@ mod tests {
     }
 
     /// In the middle of a saddle one direction is stretched and one shortened, each by its own
-    /// curvature; for small ones the share that is not transferred times the bending strain.
+    /// curvature; for small ones the fraction that is not transferred times the bending strain.
     #[test]
     fn a_saddle_has_both_signs() {
         let saddle = |curvature: f64| {
