@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::raster::{GridTriangle, Placed, SampleGrid};
 use crate::relief_normals::{VertexRelief, vertex_reliefs};
 use crate::shading::TriangleShader;
-use crate::{BakeError, Coverage, Relief, TangentFrame, WrinkleMap};
+use crate::{BakeError, Coverage, Frame, Relief, TangentFrame, WrinkleMap};
 
 /// Largest side of a map, texels.
 pub const MAX_SIZE: u32 = 16384;
@@ -14,25 +14,6 @@ pub const MAX_SIZE: u32 = 16384;
 /// Rows of texels that one task works on. Small enough to balance, large enough that few
 /// triangles are visited by two tasks.
 const BAND_ROWS: usize = 16;
-
-/// The tangent frame of normal maps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema),
-    serde(rename_all = "lowercase")
-)]
-pub enum Frame {
-    /// The smooth posed driver's: only the wrinkles show.
-    ///
-    /// Such a map is neutral elsewhere, to be laid over the shading that is already there.
-    #[default]
-    Driver,
-    /// The artist's own posed mesh's: what a high-to-low bake gives.
-    ///
-    /// Its normals are those of the file, interpolated.
-    Mesh,
-}
 
 /// How a map is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

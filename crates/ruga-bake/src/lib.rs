@@ -32,6 +32,7 @@ mod uv_check;
 mod uv_layout;
 
 mod error;
+mod frame;
 mod islands;
 mod overlap_sweep;
 mod padding;
@@ -42,7 +43,8 @@ mod surface_fit;
 mod sweep_line;
 mod triangle_overlap;
 
-pub use bake::{BakeSettings, Frame, MAX_SIZE, bake};
+pub use bake::{BakeSettings, MAX_SIZE, bake};
+pub use frame::Frame;
 pub use relief::Relief;
 pub use tangent_frames::{TangentFrame, tangent_frames, vertex_tangents};
 pub use wrinkle_map::{Coverage, WrinkleMap};

@@ -1,18 +1,48 @@
 //! Extends the islands of a map by their nearest texels.
 
+use nalgebra::Vector2;
 use rayon::prelude::*;
 
-use crate::{Coverage, WrinkleMap};
+use crate::error::all_finite;
+use crate::islands::texels_inside;
+use crate::{BakeError, Coverage, WrinkleMap};
 
 /// No texel of an island within reach in this column.
 const FAR: i32 = i32::MAX;
+
+impl WrinkleMap {
+    /// Extends every UV island by `padding` texels, so that filtering at its border meets no
+    /// foreign value. The last step, after all layers are composed.
+    ///
+    /// `islands` are the UVs of *all* triangles of the artist's mesh, V down, not only those whose
+    /// skin was simulated. Texels inside them that nothing covers are [`Coverage::Skin`]: they stay
+    /// neutral, whatever wrinkles beside them. Texels outside within `padding` (Euclidean, centre to
+    /// centre) of an island take the value of its nearest texel.
+    ///
+    /// # Errors
+    /// [`BakeError::NotFinite`] naming the triangle.
+    pub fn pad(&mut self, islands: &[[Vector2<f64>; 3]], padding: u32) -> Result<(), BakeError> {
+        all_finite("islands", islands, |corners| {
+            corners.iter().flatten().all(|c| c.is_finite())
+        })?;
+        for texel in bare_skin(
+            &self.coverage,
+            &texels_inside(islands, self.size),
+            self.size,
+        ) {
+            self.coverage[texel] = Coverage::Skin;
+        }
+        extend(self, padding);
+        Ok(())
+    }
+}
 
 /// Copies to every texel outside the islands within `padding` (Euclidean, centre to centre) of one
 /// inside the value of the nearest texel inside.
 ///
 /// Exact: the nearest texel of each column first, then the best of the columns. Of equally near
 /// texels the one further left, then the one above, is taken.
-pub(crate) fn extend(map: &mut WrinkleMap, padding: u32) {
+fn extend(map: &mut WrinkleMap, padding: u32) {
     let size = map.size as usize;
     let reach = padding.min(map.size) as i32;
     if reach == 0 {
@@ -113,4 +143,25 @@ fn nearest(column: usize, distances: &[i32], reach: i32) -> Option<(usize, i32)>
         }
     }
     best
+}
+
+/// The texels inside islands that nothing covers.
+///
+/// A layer's border runs along the border of an island, but its vertices on the middle of the
+/// artist's edges are rounded: a texel whose center lies on such an edge may be inside the island and
+/// beside the layer. So a texel between what is covered and the outside is left to padding.
+fn bare_skin(coverage: &[Coverage], inside: &[bool], size: u32) -> Vec<usize> {
+    let is_covered = |texel: usize| coverage[texel] == Coverage::Covered;
+    let is_outside = |texel: usize| !inside[texel] && !is_covered(texel);
+    let beside = |texel: usize, is_it: &(dyn Fn(usize) -> bool + Sync)| {
+        let side = size as usize;
+        let [row, column] = [texel / side, texel % side];
+        let around = |at: usize| at.saturating_sub(1)..(at + 2).min(side);
+        around(row).any(|row| around(column).any(|column| is_it(row * side + column)))
+    };
+    (0..coverage.len().min(inside.len()))
+        .into_par_iter()
+        .filter(|&texel| inside[texel] && !is_covered(texel))
+        .filter(|&texel| !beside(texel, &is_covered) || !beside(texel, &is_outside))
+        .collect()
 }

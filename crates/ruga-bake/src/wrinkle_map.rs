@@ -1,11 +1,7 @@
 //! The result of a bake.
 
-use nalgebra::Vector2;
-use rayon::prelude::*;
-
-use crate::error::{all_finite, same_length};
-use crate::islands::texels_inside;
-use crate::{BakeError, padding};
+use crate::BakeError;
+use crate::error::same_length;
 
 /// What a texel's value is based on, the weakest first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -79,31 +75,6 @@ impl WrinkleMap {
         Ok(())
     }
 
-    /// Extends every UV island by `padding` texels, so that filtering at its border meets no
-    /// foreign value. The last step, after all layers are composed.
-    ///
-    /// `islands` are the UVs of *all* triangles of the artist's mesh, V down, not only those whose
-    /// skin was simulated. Texels inside them that nothing covers are [`Coverage::Skin`]: they stay
-    /// neutral, whatever wrinkles beside them. Texels outside within `padding` (Euclidean, centre to
-    /// centre) of an island take the value of its nearest texel.
-    ///
-    /// # Errors
-    /// [`BakeError::NotFinite`] naming the triangle.
-    pub fn pad(&mut self, islands: &[[Vector2<f64>; 3]], padding: u32) -> Result<(), BakeError> {
-        all_finite("islands", islands, |corners| {
-            corners.iter().flatten().all(|c| c.is_finite())
-        })?;
-        for texel in bare_skin(
-            &self.coverage,
-            &texels_inside(islands, self.size),
-            self.size,
-        ) {
-            self.coverage[texel] = Coverage::Skin;
-        }
-        padding::extend(self, padding);
-        Ok(())
-    }
-
     /// A map of neutral texels.
     pub(crate) fn neutral(size: u32) -> Self {
         let texels = size as usize * size as usize;
@@ -131,27 +102,6 @@ impl WrinkleMap {
         self.skipped_faces += other.skipped_faces;
         self.folded_samples += other.folded_samples;
     }
-}
-
-/// The texels inside islands that nothing covers.
-///
-/// A layer's border runs along the border of an island, but its vertices on the middle of the
-/// artist's edges are rounded: a texel whose center lies on such an edge may be inside the island and
-/// beside the layer. So a texel between what is covered and the outside is left to padding.
-fn bare_skin(coverage: &[Coverage], inside: &[bool], size: u32) -> Vec<usize> {
-    let is_covered = |texel: usize| coverage[texel] == Coverage::Covered;
-    let is_outside = |texel: usize| !inside[texel] && !is_covered(texel);
-    let beside = |texel: usize, is_it: &(dyn Fn(usize) -> bool + Sync)| {
-        let side = size as usize;
-        let [row, column] = [texel / side, texel % side];
-        let around = |at: usize| at.saturating_sub(1)..(at + 2).min(side);
-        around(row).any(|row| around(column).any(|column| is_it(row * side + column)))
-    };
-    (0..coverage.len().min(inside.len()))
-        .into_par_iter()
-        .filter(|&texel| inside[texel] && !is_covered(texel))
-        .filter(|&texel| !beside(texel, &is_covered) || !beside(texel, &is_outside))
-        .collect()
 }
 
 fn sum_of_slopes(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {

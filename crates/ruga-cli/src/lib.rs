@@ -15,6 +15,7 @@
 
 mod arguments;
 mod commands;
+mod outcome;
 mod run;
 
 mod artist_file;

@@ -7,16 +7,8 @@ use clap::Parser;
 
 use crate::arguments::{Arguments, Command};
 use crate::error::CliError;
+use crate::outcome::Outcome;
 use crate::{commands, messages};
-
-/// How a command that could run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Outcome {
-    /// All is well.
-    Done,
-    /// Results are written, but a pose did not converge or the run was interrupted.
-    Incomplete,
-}
 
 /// Runs the command that `arguments` spell, the program's name first.
 ///

@@ -7,8 +7,8 @@ use crate::arguments::RunArguments;
 use crate::error::CliError;
 use crate::folder_results::FolderResults;
 use crate::messages;
+use crate::outcome::Outcome;
 use crate::pose_record::PoseRecord;
-use crate::run::Outcome;
 use crate::table::{ABSENT, duration, number, table};
 
 /// Where each warning can be read when several were said as one.

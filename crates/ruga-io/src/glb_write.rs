@@ -1,7 +1,6 @@
 //! The artist's mesh as GLB, with tangents and the baked maps.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 
@@ -10,24 +9,13 @@ use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3, Vector4};
 use serde_json::{Map, Value, json};
 
 use crate::glb_buffer::GlbBuffer;
+use crate::glb_content::{GlbAdditions, GlbContent, wrinkle_maps};
 use crate::glb_frames::{single, unit, unit_tangent};
 use crate::gltf_write::document_content;
 use crate::{
     GlbReference, IoError, MapCoordinates, Material, MeshFile, MeshPart, WrinkleMap,
     write_atomically,
 };
-
-/// What `ruga` adds to the artist's mesh.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct GlbAdditions<'a> {
-    /// Tangent of each vertex and, as `w`, the sign of the bitangent for V pointing down: for the
-    /// raw MikkTSpace sign, its negative. Written when the mesh has normals.
-    pub tangents: Option<&'a [Vector4<f64>]>,
-    /// Normals for a mesh whose file has none, one per vertex; ignored where it has its own.
-    pub normals: Option<&'a [Vector3<f64>]>,
-    /// The baked maps, files relative to the GLB.
-    pub maps: &'a [WrinkleMap],
-}
 
 /// What was written.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -81,17 +69,6 @@ pub fn write_glb(
     };
     write_atomically(path, &glb_bytes(path, content.json, content.binary)?)?;
     Ok(written)
-}
-
-/// A GLB before it is a file.
-pub(crate) struct GlbContent {
-    pub(crate) json: String,
-    /// Empty: no binary chunk.
-    pub(crate) binary: Vec<u8>,
-    /// JSON pointer to the list of maps.
-    pub(crate) maps: Option<String>,
-    pub(crate) coordinates: Vec<MapCoordinates>,
-    pub(crate) warnings: Vec<String>,
 }
 
 fn glb_bytes(path: &Path, json: String, binary: Vec<u8>) -> Result<Vec<u8>, IoError> {
@@ -403,31 +380,4 @@ fn material_json(material: &Material) -> Value {
         json["name"] = json!(name);
     }
     json
-}
-
-/// `[{ "pose": …, "key": …, "normal": file, "height": file }, …]` in the order of the maps.
-pub(crate) fn wrinkle_maps(maps: &[WrinkleMap]) -> Value {
-    let mut entries: Vec<(&str, f64, BTreeMap<&str, &str>)> = Vec::new();
-    for map in maps {
-        let same = |entry: &&mut (&str, f64, _)| entry.0 == map.pose && entry.1 == map.key;
-        match entries.iter_mut().find(same) {
-            Some(entry) => {
-                entry.2.insert(map.kind.word(), &map.file);
-            }
-            None => entries.push((
-                &map.pose,
-                map.key,
-                BTreeMap::from([(map.kind.word(), map.file.as_str())]),
-            )),
-        }
-    }
-    entries
-        .into_iter()
-        .map(|(pose, key, files)| {
-            let mut entry = json!(files);
-            entry["pose"] = json!(pose);
-            entry["key"] = json!(key);
-            entry
-        })
-        .collect()
 }

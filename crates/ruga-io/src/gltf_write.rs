@@ -6,8 +6,8 @@ use nalgebra::{Vector3, Vector4};
 use serde_json::value::{RawValue, to_raw_value};
 
 use crate::glb_buffer::GlbBuffer;
+use crate::glb_content::{GlbAdditions, GlbContent, wrinkle_maps};
 use crate::glb_frames::{FileSpace, single, unit, unit_tangent};
-use crate::glb_write::{GlbAdditions, GlbContent, wrinkle_maps};
 use crate::gltf_document::{GltfDocument, PartSource};
 use crate::gltf_images::embed_images;
 use crate::gltf_uri::encode_data_uri;

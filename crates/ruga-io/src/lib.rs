@@ -22,6 +22,7 @@
 mod atomic_file;
 mod error;
 mod glb_buffer;
+mod glb_content;
 mod glb_frames;
 mod glb_write;
 mod gltf_accessor;
@@ -42,18 +43,21 @@ mod mesh_file;
 mod obj_frame;
 mod obj_indices;
 mod obj_mesh;
+mod read_mesh;
 mod report;
 mod wrinkles;
 
 pub use atomic_file::{AtomicFile, write_atomically};
 pub use error::{IoError, read_bytes};
-pub use glb_write::{GlbAdditions, WrittenGlb, write_glb};
+pub use glb_content::GlbAdditions;
+pub use glb_write::{WrittenGlb, write_glb};
 pub use gltf_document::GltfDocument;
 pub use image_read::{GreyImage, Image, read_image, read_mask};
 pub use image_write::{ExrTexels, PngTexels, write_exr, write_png};
 pub use map_kinds::{MapFormat, MapKind};
-pub use mesh_file::{LengthUnit, Material, MeshFile, MeshPart, ObjOptions, read_mesh};
+pub use mesh_file::{LengthUnit, Material, MeshFile, MeshPart, ObjOptions};
 pub use obj_frame::{ObjFrame, write_obj_frame};
+pub use read_mesh::read_mesh;
 pub use report::{LayerReport, PoseReport, Report, Seconds};
 pub use ruga_bake::{Frame, NormalY};
 pub use wrinkles::{

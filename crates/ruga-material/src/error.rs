@@ -1,6 +1,7 @@
 //! What can be wrong with a material.
 
-use crate::Variation;
+/// Largest relative spread of a variation.
+pub(crate) const MAX_SPREAD: f64 = 0.5;
 
 /// Why a layer on a substrate has no wavelength.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -30,7 +31,7 @@ pub enum MaterialError {
     /// An unevenness that no skin has.
     #[error(
         "the variation's relative spread is {value}, but must lie between 0 and {}",
-        Variation::MAX_SPREAD
+        MAX_SPREAD
     )]
     SpreadOutOfRange {
         /// The value found.

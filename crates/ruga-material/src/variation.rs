@@ -5,7 +5,7 @@ use std::f64::consts::{LN_2, TAU};
 use nalgebra::Vector3;
 
 use crate::MaterialError;
-use crate::error::{require_positive, require_representable};
+use crate::error::{MAX_SPREAD, require_positive, require_representable};
 
 /// How uneven the thickness of a layer is by nature.
 ///
@@ -23,7 +23,7 @@ pub struct Variation {
 impl Variation {
     /// The largest [`Variation::spread`] accepted. Beyond it thin spots are a quarter as thick as the
     /// layer, and no longer the same skin.
-    pub const MAX_SPREAD: f64 = 0.5;
+    pub const MAX_SPREAD: f64 = MAX_SPREAD;
 
     /// Accepts a spread from 0 to [`Variation::MAX_SPREAD`] and a finite scale above 0.
     ///

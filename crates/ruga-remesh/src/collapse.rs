@@ -1,8 +1,8 @@
 //! Collapses edges that are too short.
 
+use crate::counts::Counts;
 use crate::flip::flip_around;
 use crate::patch::{Patch, Touched, by_length_class};
-use crate::remesh::Counts;
 
 /// Passes after which collapsing stops; each removes a share of what can go, so a mesh a thousand
 /// times too fine needs about twenty.

@@ -4,9 +4,9 @@ use std::collections::VecDeque;
 
 use nalgebra::Vector3;
 
+use crate::counts::Counts;
 use crate::half_edges::{next, prev};
 use crate::patch::{Patch, Touched};
-use crate::remesh::Counts;
 use crate::tensor2::Tensor2;
 
 /// Sine by which the angles opposite an edge must exceed 180 degrees together before it is

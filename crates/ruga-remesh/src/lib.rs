@@ -21,6 +21,7 @@
 mod closest;
 mod collapse;
 mod corner_values;
+mod counts;
 mod error;
 mod flip;
 mod grading;

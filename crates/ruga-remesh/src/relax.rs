@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
+use crate::counts::Counts;
 use crate::flip::flip_around;
 use crate::patch::{Patch, Touched};
-use crate::remesh::Counts;
 use crate::sizing::{metric_area, metric_length};
 
 /// How far beyond the centroid a vertex is moved. Bisection leaves grids of right triangles, in

@@ -3,6 +3,7 @@
 use ruga_mesh::{MaterialPoint, PerEdge, PerVertex, SparseRows, TriMesh};
 
 use crate::collapse::collapse_short_edges;
+use crate::counts::Counts;
 use crate::flip::flip_around;
 use crate::half_edges::HalfEdges;
 use crate::patch::{Patch, Touched};
@@ -100,15 +101,6 @@ impl RemeshReport {
     pub fn share_met(&self) -> f64 {
         1.0 - (self.too_long + self.too_short) as f64 / self.edges.max(1) as f64
     }
-}
-
-/// Operations done so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Counts {
-    pub(crate) splits: usize,
-    pub(crate) flips: usize,
-    pub(crate) collapses: usize,
-    pub(crate) moves: usize,
 }
 
 /// Makes a mesh follow a sizing by splitting, flipping and collapsing edges (Narain et al. 2012)

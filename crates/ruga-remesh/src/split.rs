@@ -2,9 +2,9 @@
 
 use std::cmp::Reverse;
 
+use crate::counts::Counts;
 use crate::flip::flip_around;
 use crate::patch::{Patch, Touched, by_length_class};
-use crate::remesh::Counts;
 
 /// Passes after which splitting stops. Three at most are needed to halve all edges of a face, so
 /// this reaches edges a million times shorter than the input's.

@@ -37,6 +37,7 @@ mod bake;
 mod body;
 mod error;
 pub mod file;
+mod mask_image;
 pub mod mesh_size;
 mod model;
 mod placement;
@@ -45,7 +46,6 @@ mod posed_frames;
 mod property_images;
 mod scene;
 mod texture_space;
-mod zone_overlap;
 
 pub use error::{SceneError, counted};
 pub use file::SceneFile;

@@ -12,8 +12,8 @@ use ruga_stepper::{Dynamics, EdgeLimits, LayerSpec, Modelling, PoseSpec, Presenc
 
 use crate::SceneError;
 use crate::file::{self, SceneFile};
+use crate::mask_image::mask;
 use crate::property_images::read_property_images;
-use crate::scene::mask;
 
 /// Weights beyond this look like a slip: shapes are whole at 1, and now and then overdriven a little.
 const LARGE_WEIGHT: f64 = 2.0;

@@ -1,18 +1,21 @@
 //! A scene with everything that it names, read and converted.
 
+mod zone_overlap;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use ruga_blend::Driver;
 use ruga_io::{MeshFile, ObjOptions, read_mask, read_mesh};
 use ruga_stepper::{
-    Body, LatticeError, LayerSpec, Mask, Modelling, PoseSpec, Region, StepperError, plan, plan_body,
+    Body, LatticeError, LayerSpec, Modelling, PoseSpec, Region, StepperError, plan, plan_body,
 };
 
 use crate::file::{self, SceneFile};
+use crate::mask_image::mask;
 use crate::placement::Placement;
 use crate::plan::{ScenePlan, ZonePlan};
-use crate::{SceneError, body, counted, mesh_size, model, texture_space, zone_overlap};
+use crate::{SceneError, body, counted, mesh_size, model, texture_space};
 
 /// What is asked of a scene beside what stands in its file.
 #[derive(Clone, Debug, Default)]
@@ -325,19 +328,4 @@ fn mask_warnings(scene: &SceneFile) -> Vec<String> {
         }
     }
     warnings
-}
-
-/// The grey image in a file that `key` of a scene names.
-pub(crate) fn mask(file: &Path, (scene, key): (&Path, &str)) -> Result<Mask, SceneError> {
-    let image = read_mask(file).map_err(|source| SceneError::Image {
-        scene: scene.to_owned(),
-        key: key.to_owned(),
-        source: Box::new(source),
-    })?;
-    let side = |texels: usize| u32::try_from(texels).unwrap_or(u32::MAX);
-    let mask = Mask::new(side(image.width), side(image.height), image.values);
-    mask.map_err(|source| SceneError::Model {
-        scene: scene.to_owned(),
-        source: Box::new(source),
-    })
 }

@@ -1,5 +1,7 @@
 //! What can be wrong with a scene once its files are read.
 
+use std::fmt::Display;
+
 use nalgebra::Vector3;
 use ruga_blend::BlendError;
 use ruga_constraint::ConstraintError;
@@ -207,4 +209,22 @@ impl<E: Into<StepperError>> From<E> for Halt {
 fn corners(of: &[Vector3<f64>; 2]) -> String {
     let [low, high] = of.map(|c| format!("[{:.4}, {:.4}, {:.4}]", c.x, c.y, c.z));
     format!("{low} to {high}")
+}
+
+/// Result of a check of the input.
+pub(crate) type Checked = Result<(), StepperError>;
+
+/// [`StepperError::Setting`]: `field` of `of` is `found`, but has to be `accepted`.
+pub(crate) fn refuse(
+    of: impl Display,
+    field: impl Display,
+    found: impl Display,
+    accepted: impl Display,
+) -> Checked {
+    Err(StepperError::Setting {
+        of: of.to_string(),
+        field: field.to_string(),
+        found: found.to_string(),
+        accepted: accepted.to_string(),
+    })
 }

@@ -68,6 +68,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod mask;
 mod model;
 mod plan;
 mod result;
@@ -87,8 +88,9 @@ pub use plan::{
     plan_body,
 };
 
+pub use mask::Mask;
 pub use model::{
-    Coupling, Dynamics, EdgeLimits, LayerSpec, Mask, Modelling, PoseSpec, Presence, Region, Stack,
+    Coupling, Dynamics, EdgeLimits, LayerSpec, Modelling, PoseSpec, Presence, Region, Stack,
 };
 pub use result::{ComputedMesh, KeyResult, LayerReport, LayerSurface, PoseResult};
 

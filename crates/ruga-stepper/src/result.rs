@@ -4,7 +4,7 @@ use nalgebra::{Vector2, Vector3};
 use ruga_blend::Driver;
 use ruga_solver::{SolveReport, StopRule};
 
-use crate::skin::local_skin::uv;
+use crate::skin::material_places::uv;
 use crate::skin::measure::waviness;
 use crate::skin::skin_mesh::SkinMesh;
 use crate::{LayerPlan, PaintedRanges};

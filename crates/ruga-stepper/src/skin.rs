@@ -7,6 +7,7 @@ mod fading;
 mod fans;
 pub(crate) mod interpolation;
 pub(crate) mod local_skin;
+pub(crate) mod material_places;
 pub(crate) mod measure;
 pub(crate) mod place;
 pub(crate) mod relief;

@@ -10,6 +10,7 @@ mod layout;
 mod mass;
 pub(crate) mod motion;
 pub(crate) mod obstacle;
+pub(crate) mod placement;
 mod prediction;
 mod solid;
 mod springs;

@@ -3,11 +3,11 @@
 //! Everything is looked at before any work begins, so that nonsense is refused at once and no NaN
 //! reaches a solver, which would take it for a state at rest.
 
-use std::fmt::Display;
 use std::ops::RangeInclusive;
 
 use ruga_blend::Driver;
 
+use crate::error::{Checked, refuse};
 use crate::{EdgeLimits, LayerSpec, Modelling, PoseSpec, StepperError};
 
 /// Load steps of a pose: every one is kept in a list and solved, and ten are usual.
@@ -27,44 +27,8 @@ const BODY_POINTS: RangeInclusive<f64> = 0.1..=200.0;
 /// Keys closer than this are one load step.
 const LEAST_KEY_DISTANCE: f64 = 1e-9;
 
-type Checked = Result<(), StepperError>;
-
-fn refuse(
-    of: impl Display,
-    field: impl Display,
-    found: impl Display,
-    accepted: impl Display,
-) -> Checked {
-    Err(StepperError::Setting {
-        of: of.to_string(),
-        field: field.to_string(),
-        found: found.to_string(),
-        accepted: accepted.to_string(),
-    })
-}
-
 fn is_positive(value: f64) -> bool {
     value > 0.0 && value.is_finite()
-}
-
-/// Checks the pixels of a mask.
-pub(crate) fn check_mask(width: u32, height: u32, values: &[f32]) -> Checked {
-    let of = "mask";
-    for (field, side) in [("width", width), ("height", height)] {
-        if side == 0 {
-            return refuse(of, field, side, "a number from 1");
-        }
-    }
-    let pixels = u64::from(width) * u64::from(height);
-    if values.len() as u64 != pixels {
-        let accepted = format!("{width} x {height} = {pixels} values");
-        let found = format!("a list of {}", values.len());
-        return refuse(of, "values", found, accepted);
-    }
-    match values.iter().position(|v| !(0.0..=1.0).contains(v)) {
-        None => Ok(()),
-        Some(i) => refuse(of, format!("values[{i}]"), values[i], "a grey in [0, 1]"),
-    }
 }
 
 /// Checks what a layer's material does not check itself.

@@ -11,11 +11,11 @@ use crate::error::CliError;
 use crate::folder_results::FolderResults;
 use crate::map_files::write_maps;
 use crate::moved_mesh::write_moved_mesh;
+use crate::outcome::Outcome;
 use crate::output_folder::OutputFolder;
 use crate::pose_inputs::ScenePose;
 use crate::pose_record::{PoseRecord, Records};
 use crate::pose_runs::{PoseFiles, Product, run_poses, thread_count};
-use crate::run::Outcome;
 use crate::summary::{self, ALL_IN_REPORT};
 use crate::{interrupt, messages};
 

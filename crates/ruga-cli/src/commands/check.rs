@@ -6,7 +6,7 @@ use ruga_stepper::Region;
 use crate::arguments::CheckArguments;
 use crate::error::CliError;
 use crate::messages;
-use crate::run::Outcome;
+use crate::outcome::Outcome;
 
 /// Prints what was found and OK, or every problem.
 ///

@@ -8,7 +8,7 @@ use ruga_scene::file::{Key, Table, reference};
 
 use crate::arguments::{Arguments, HelpArguments, Topic};
 use crate::messages;
-use crate::run::Outcome;
+use crate::outcome::Outcome;
 
 /// Columns of a line of text.
 const COLUMNS: usize = 96;

@@ -7,7 +7,7 @@ use ruga_io::write_atomically;
 use super::scene_for_mesh::OwnMesh;
 use crate::arguments::NewArguments;
 use crate::error::CliError;
-use crate::run::Outcome;
+use crate::outcome::Outcome;
 use crate::{messages, output_folder};
 
 /// Writes the files of a template, or a scene for a mesh, into a folder, over nothing.

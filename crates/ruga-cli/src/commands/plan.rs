@@ -8,7 +8,7 @@ use super::plan_json::{Totals, json, pairs};
 use crate::arguments::{PlanArguments, Quality};
 use crate::error::CliError;
 use crate::messages;
-use crate::run::Outcome;
+use crate::outcome::Outcome;
 use crate::table::{ABSENT, duration, memory, number, table};
 
 /// Prints the plan of a scene; nothing is simulated.

@@ -11,10 +11,10 @@ use crate::arguments::RunArguments;
 use crate::error::CliError;
 use crate::folder_results::FolderResults;
 use crate::moved_mesh::write_moved_mesh;
+use crate::outcome::Outcome;
 use crate::output_folder::OutputFolder;
 use crate::pose_record::{Records, remove_frames};
 use crate::pose_runs::{PoseFiles, Product, run_poses};
-use crate::run::Outcome;
 use crate::summary::{self, ALL_IN_REPORT};
 use crate::{interrupt, messages};
 

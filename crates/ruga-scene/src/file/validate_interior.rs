@@ -1,6 +1,6 @@
 //! What `[interior]` and the motions of poses must mean, beyond being well-formed.
 
-use super::validate::{Checked, Fault, fault, names_given, positive, within};
+use super::fault::{Checked, Fault, fault, names_given, positive, within};
 use super::{Cylinder, Handle, Interior, Motion, Obstacle, Plane, Sphere};
 use ruga_blend::nearest;
 

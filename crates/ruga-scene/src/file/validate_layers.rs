@@ -1,7 +1,7 @@
 //! What `[substrate]` and `[[layers]]` must mean, beyond being well-formed.
 
+use super::fault::{Checked, fault, names_given, positive, unique_name};
 use super::names::same_file;
-use super::validate::{Checked, fault, names_given, positive, unique_name};
 use super::{Layer, PropertyMap, SceneFile, Substrate};
 
 /// Beyond this spread a good part of the skin would be less than half as thick as the rest.

@@ -85,7 +85,8 @@ pub fn plan_body(
         nodes: lattice.node_count(),
     };
     let mut warnings = stacking.warnings(modelling.stack);
-    warnings.extend(lattice_warnings(&embedding_lattice, body, longest));
+    let cells = (lattice, embedding_lattice.cells, &embedding_lattice.sides);
+    warnings.extend(lattice_warnings(cells, body, longest));
     let covered = (meshes[0].faces.len(), layers[0].material.thickness);
     warnings.extend(obstacle_warnings(driver, body, covered));
     for (layer, mesh) in layers.iter().zip(&meshes) {

@@ -7,15 +7,12 @@ use crate::run::layer::{Layer, LayerOptions};
 use crate::run::layer_run::LayerRun;
 use crate::run::low_pass_rows::RowCentre;
 use crate::run::stack_run::StackRun;
-use crate::skin::skin_mesh::{RegionMesh, SkinMesh};
-use crate::support::support_surface::SupportSurface;
+use crate::skin::skin_mesh::RegionMesh;
+use crate::support::support_surface::SupportOf;
 use crate::{Observer, Phase};
 
 /// Edges longer than asked for by less than this factor are not worth a word.
 const WORTH_TELLING: f64 = 1.1;
-
-/// Gives the support surface of a mesh.
-pub(crate) type SupportOf<'a> = Box<dyn Fn(&SkinMesh) -> SupportSurface + 'a>;
 
 impl<'a> StackRun<'a> {
     /// Builds layer number `index`, its mesh fitted to each of what may lie `below`, its

@@ -8,7 +8,8 @@ use ruga_constraint::{
 use ruga_mesh::{Id, MaterialPoint, PerVertex, SurfaceLookup, VertexId};
 use ruga_solver::ConstraintRows;
 
-use crate::skin::local_skin::{SkinProperties, uv};
+use crate::skin::local_skin::SkinProperties;
+use crate::skin::material_places::uv;
 use crate::skin::place::{ShapeCentres, place_of_points};
 use crate::skin::skin_mesh::SkinMesh;
 use crate::{Coupling, LayerSpec, StepperError};

@@ -7,9 +7,9 @@ use nalgebra::Vector3;
 use crate::error::Halt;
 use crate::run::layer::Layer;
 use crate::run::layer_run::{Ending, LayerRun, Loading};
-use crate::run::layer_setup::SupportOf;
 use crate::skin::cover::Covers;
 use crate::support::motion::Inertia;
+use crate::support::support_surface::SupportOf;
 use crate::support::support_surface::support_surface;
 use crate::support::{Embeddings, Interior, Moves, PosedBody, PosedDriver, Solid, Support};
 use crate::{

@@ -7,11 +7,11 @@ use nalgebra::Vector3;
 use crate::error::Halt;
 use crate::run::layer::Layer;
 use crate::run::layer_run::{Ending, LayerRun, Loading};
-use crate::run::layer_setup::SupportOf;
 use crate::run::stack_run::{LoadPoint, StackRun};
 use crate::skin::cover::Covers;
 use crate::support::Support;
 use crate::support::motion::Inertia;
+use crate::support::support_surface::SupportOf;
 use crate::support::support_surface::{LowerLayer, SupportSurface, as_shown, support_surface};
 use crate::{LayerSurface, Observer, Phase, StepperError};
 

@@ -6,19 +6,17 @@ use std::rc::Rc;
 use nalgebra::{Matrix2, Vector2, Vector3};
 use ruga_blend::Driver;
 use ruga_mesh::{
-    Id, LimitPointRows, LoopSurface, MaterialPoint, PerVertex, SparseRows, SurfaceLookup, TriMesh,
+    Id, LimitPointRows, LoopSurface, MaterialPoint, PerVertex, SparseRows, SurfaceLookup,
     limit_rows,
 };
 
 use crate::skin::fading::faded_from;
 use crate::skin::interpolation::through_vertices;
+use crate::skin::material_places::is_on_border;
 use crate::skin::skin_mesh::{Mark, SkinMesh};
 
 /// A place counts as beside the layer below when it lies this fraction of an edge outside.
 const BESIDE: f64 = 1e-3;
-
-/// Barycentric weight under which a place lies on the opposite edge.
-const ON_EDGE: f64 = 1e-9;
 
 /// Projection of a layer onto the one below it: takes values of the lower to the upper one.
 #[derive(Debug)]
@@ -146,23 +144,6 @@ fn places_above(skin: &SkinMesh, lower: &SkinMesh) -> Vec<Option<MaterialPoint>>
             (!is_beside || !is_on_border(&lower.mesh, &border, &point)).then_some(point)
         })
         .collect()
-}
-
-/// Whether a place lies on the border of its mesh. On an edge or a vertex in the middle nothing is
-/// beside the mesh, however much the facets' normals there differ from the surface's.
-pub(crate) fn is_on_border(
-    mesh: &TriMesh,
-    border: &PerVertex<bool>,
-    place: &MaterialPoint,
-) -> bool {
-    let corners = mesh.faces()[place.face];
-    let weight = |corner: usize| place.barycentric[corner % 3];
-    (0..3).any(|corner| {
-        let on_edge = weight(corner + 2) < ON_EDGE;
-        let at_vertex = on_edge && weight(corner + 1) < ON_EDGE;
-        on_edge && mesh.neighbour(place.face, corner).is_none()
-            || at_vertex && border[corners[corner]]
-    })
 }
 
 #[cfg(test)]

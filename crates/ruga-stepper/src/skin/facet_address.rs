@@ -11,9 +11,9 @@ use nalgebra::{Matrix2, Matrix2x3, Matrix3, Matrix3x2, Vector2, Vector3};
 use ruga_blend::Driver;
 use ruga_mesh::{FaceId, FaceOrigin, Id, MaterialPoint, PerFace, TriMesh};
 
-use crate::skin::cover::is_on_border;
 use crate::skin::fading::faded_from;
-use crate::skin::local_skin::uv;
+use crate::skin::material_places::is_on_border;
+use crate::skin::material_places::uv;
 
 /// Distance from seams and borders, in largest ways sideways, over which addresses are faded back
 /// to those of the material points, so that islands stay as large as they are.

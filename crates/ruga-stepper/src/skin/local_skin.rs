@@ -3,8 +3,9 @@
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::Driver;
 use ruga_material::{LayerMaterial, RelativeProperties, Wrinkling, local_wrinkling};
-use ruga_mesh::{FaceId, Id, MaterialPoint, PerFace};
+use ruga_mesh::{Id, PerFace};
 
+use crate::skin::material_places::uv;
 use crate::skin::skin_mesh::SkinMesh;
 use crate::{LayerSpec, StepperError};
 
@@ -162,14 +163,6 @@ pub(crate) fn local_skin(
     })
 }
 
-/// Texture coordinate of a place of the driver.
-pub(crate) fn uv(driver: &Driver, place: &MaterialPoint) -> Vector2<f64> {
-    let face: FaceId = place.face;
-    let [a, b, c] = driver.uvs()[face];
-    let [u, v, w] = place.barycentric;
-    a * u + b * v + c * w
-}
-
 fn mean(corners: [RelativeProperties; 3]) -> RelativeProperties {
     let of =
         |property: fn(&RelativeProperties) -> f64| corners.iter().map(property).sum::<f64>() / 3.0;
@@ -265,7 +258,7 @@ mod tests {
     }
 
     fn region(driver: &Driver, layer: &LayerSpec) -> Result<RegionMesh, StepperError> {
-        let faces: Vec<FaceId> = driver.topology().faces().ids().collect();
+        let faces: Vec<ruga_mesh::FaceId> = driver.topology().faces().ids().collect();
         let base = BaseSurface::new(driver, &faces, 2, Smoothing::None);
         let on = (&base, Smoothing::None, 0.0);
         RegionMesh::new(driver, layer, on, &mut || true).map_err(|halt| match halt {

@@ -4,9 +4,10 @@ use nalgebra::{Rotation3, Vector3};
 use ruga_blend::{Driver, PosedSurface};
 use ruga_material::Wrinkling;
 
-use crate::skin::cover::is_on_border;
 use crate::skin::fading::faded_from;
-use crate::skin::local_skin::{uv, wavelengths_at_vertices};
+use crate::skin::local_skin::wavelengths_at_vertices;
+use crate::skin::material_places::is_on_border;
+use crate::skin::material_places::uv;
 use crate::skin::skin_mesh::SkinMesh;
 use crate::{LayerSpec, StepperError};
 

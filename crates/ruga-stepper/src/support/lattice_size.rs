@@ -1,10 +1,9 @@
 //! How fine a body's lattice should be, and what is wrong with one that is not.
 
 use nalgebra::Vector3;
-use ruga_lattice::{MAX_CELLS, Shape, cell_size};
+use ruga_lattice::{Lattice, MAX_CELLS, Shape, cell_size};
 
 use crate::Body;
-use crate::support::embedding_lattice::EmbeddingLattice;
 
 /// Lattice cells over the wavelength below which the lattice itself wrinkles: in waves of two cells,
 /// which give way in it as well as in the foundation that stands for the same inside. The rows of a
@@ -58,13 +57,14 @@ fn advice(body: &Body, chosen: &'static str, planned: &'static str) -> &'static 
     }
 }
 
-/// Warning of a lattice that is too coarse or too fine for waves of this length, m.
+/// Warnings of a lattice of so many cells along the longest of the body's `sides` (m) that does not suit
+/// waves of this length, m.
 pub(crate) fn lattice_warnings(
-    embedding_lattice: &EmbeddingLattice,
+    (lattice, cells, sides): (&Lattice, u32, &Vector3<f64>),
     body: &Body,
     wavelength: f64,
 ) -> Vec<String> {
-    let cell = embedding_lattice.lattice.cell_size();
+    let cell = lattice.cell_size();
     let (shortest, longest) = (cell.min(), cell.max());
     let mut warnings = Vec::new();
     if shortest < LEAST_CELL * wavelength {
@@ -75,7 +75,7 @@ pub(crate) fn lattice_warnings(
             advice(body, "; take fewer cells", "")
         ));
     }
-    let thinnest = embedding_lattice.sides.min();
+    let thinnest = sides.min();
     let across = cells_across(body.shape);
     // The grid fits the body's box, so that whole numbers of cells are usual.
     if across * longest > 1.001 * thinnest {
@@ -86,11 +86,11 @@ pub(crate) fn lattice_warnings(
             advice(body, "; take more cells", "; more would be shorter than its waves allow")
         ));
     }
-    let (poisson, cells) = LOCKING;
-    if body.material.poisson > poisson && embedding_lattice.cells < cells {
+    let (poisson, enough) = LOCKING;
+    if body.material.poisson > poisson && cells < enough {
         warnings.push(format!(
             "interior: at a Poisson ratio of {} a lattice of {} cells locks and is too stiff in bending (by 12 % at 0.48 and 8 cells); take at most {poisson}, or more cells",
-            body.material.poisson, embedding_lattice.cells
+            body.material.poisson, cells
         ));
     }
     warnings

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::handles::Placement;
+use super::placement::Placement;
 use crate::{Obstacle, ObstacleShape, StepperError};
 
 /// Radius of a button's rim over its own.

@@ -27,6 +27,9 @@ pub(crate) struct SupportSurface {
     pub(crate) transfer: Option<Vec<Matrix2<f64>>>,
 }
 
+/// Gives the support surface of a mesh.
+pub(crate) type SupportOf<'a> = Box<dyn Fn(&SkinMesh) -> SupportSurface + 'a>;
+
 /// The layer below, with its shape.
 #[derive(Clone, Copy)]
 pub(crate) struct LowerLayer<'a> {

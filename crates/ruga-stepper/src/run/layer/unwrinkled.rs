@@ -6,7 +6,7 @@ use ruga_material::{CAP_START, capped_strain};
 use ruga_mesh::{FaceId, Id, PerFace, VertexId, edge_distances};
 
 use super::Layer;
-use crate::skin::local_skin::uv;
+use crate::skin::material_places::uv;
 use crate::skin::place::{ShapeCentres, connected_parts, place_of_points};
 
 /// Applied strain over the critical one from which on wrinkles are expected: nearer to 1 they are

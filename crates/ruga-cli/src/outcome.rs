@@ -1,0 +1,10 @@
+//! How a command ends.
+
+/// How a command that could run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// All is well.
+    Done,
+    /// Results are written, but a pose did not converge or the run was interrupted.
+    Incomplete,
+}

@@ -1,0 +1,58 @@
+//! Contents of a GLB, and what `ruga` adds to the artist's mesh.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{Vector3, Vector4};
+use serde_json::{Value, json};
+
+use crate::{MapCoordinates, WrinkleMap};
+
+/// What `ruga` adds to the artist's mesh.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct GlbAdditions<'a> {
+    /// Tangent of each vertex and, as `w`, the sign of the bitangent for V pointing down: for the
+    /// raw MikkTSpace sign, its negative. Written when the mesh has normals.
+    pub tangents: Option<&'a [Vector4<f64>]>,
+    /// Normals for a mesh whose file has none, one per vertex; ignored where it has its own.
+    pub normals: Option<&'a [Vector3<f64>]>,
+    /// The baked maps, files relative to the GLB.
+    pub maps: &'a [WrinkleMap],
+}
+
+/// A GLB before it is a file.
+pub(crate) struct GlbContent {
+    pub(crate) json: String,
+    /// Empty: no binary chunk.
+    pub(crate) binary: Vec<u8>,
+    /// JSON pointer to the list of maps.
+    pub(crate) maps: Option<String>,
+    pub(crate) coordinates: Vec<MapCoordinates>,
+    pub(crate) warnings: Vec<String>,
+}
+
+/// `[{ "pose": …, "key": …, "normal": file, "height": file }, …]` in the order of the maps.
+pub(crate) fn wrinkle_maps(maps: &[WrinkleMap]) -> Value {
+    let mut entries: Vec<(&str, f64, BTreeMap<&str, &str>)> = Vec::new();
+    for map in maps {
+        let same = |entry: &&mut (&str, f64, _)| entry.0 == map.pose && entry.1 == map.key;
+        match entries.iter_mut().find(same) {
+            Some(entry) => {
+                entry.2.insert(map.kind.word(), &map.file);
+            }
+            None => entries.push((
+                &map.pose,
+                map.key,
+                BTreeMap::from([(map.kind.word(), map.file.as_str())]),
+            )),
+        }
+    }
+    entries
+        .into_iter()
+        .map(|(pose, key, files)| {
+            let mut entry = json!(files);
+            entry["pose"] = json!(pose);
+            entry["key"] = json!(key);
+            entry
+        })
+        .collect()
+}

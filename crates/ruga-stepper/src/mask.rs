@@ -1,0 +1,171 @@
+//! Painted masks over the UV square.
+
+use std::sync::Arc;
+
+use nalgebra::Vector2;
+
+use crate::StepperError;
+use crate::error::{Checked, refuse};
+
+/// A painted grey image over the UV square; copies share its pixels.
+#[derive(Clone, Debug)]
+pub struct Mask {
+    width: u32,
+    height: u32,
+    values: Arc<[f32]>,
+}
+
+impl Mask {
+    /// Grey value from which on skin is simulated: a sixteenth. Darker skin would show less than
+    /// that fraction of its wrinkles, and scans and compressed pictures have such a grey for black.
+    pub const DARKEST: f32 = 1.0 / 16.0;
+
+    /// Makes a mask of `width` by `height` pixels from grey values in [0, 1], row by row, the first
+    /// row at V = 0.
+    ///
+    /// # Errors
+    /// [`StepperError::Setting`] for a mask without pixels, a number of values that is not
+    /// `width * height`, or a value outside [0, 1].
+    pub fn new(width: u32, height: u32, values: Vec<f32>) -> Result<Self, StepperError> {
+        check_mask(width, height, &values)?;
+        Ok(Self {
+            width,
+            height,
+            values: values.into(),
+        })
+    }
+
+    /// Pixels per row.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Rows, the first one at V = 0.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Grey values in [0, 1], row by row.
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    /// Grey value at a texture coordinate, linear between the centres of pixels, 0 to 1; black
+    /// outside the unit square.
+    pub fn grey(&self, uv: Vector2<f64>) -> f64 {
+        if !is_inside(uv) {
+            return 0.0;
+        }
+        let uv = uv.map(|c| c.clamp(0.0, 1.0));
+        let between = |c: f64, count: u32| {
+            let place = (c * f64::from(count) - 0.5).clamp(0.0, f64::from(count - 1));
+            let low = place.floor();
+            let next = (low as usize + 1).min(count as usize - 1);
+            ([low as usize, next], place - low)
+        };
+        let (columns, across) = between(uv.x, self.width);
+        let (rows, down) = between(uv.y, self.height);
+        let row = |y: usize| {
+            let [a, b] = columns.map(|x| f64::from(self.values[y * self.width as usize + x]));
+            a + (b - a) * across
+        };
+        let [top, bottom] = rows.map(row);
+        top + (bottom - top) * down
+    }
+
+    /// Whether the pixel under a texture coordinate is lighter than [`Self::DARKEST`].
+    pub(crate) fn covers(&self, uv: Vector2<f64>) -> bool {
+        let [x, y] = self.pixel(uv);
+        is_inside(uv) && self.values[y * self.width as usize + x] >= Self::DARKEST
+    }
+
+    /// Whether a pixel lighter than [`Self::DARKEST`] lies in the smallest upright rectangle around a triangle.
+    pub(crate) fn touches(&self, corners: &[Vector2<f64>; 3]) -> bool {
+        let [a, b, c] = corners;
+        let (low, high) = (a.inf(b).inf(c), a.sup(b).sup(c));
+        let is_beside = |c: usize| high[c] < 0.0 || low[c] > 1.0;
+        if is_beside(0) || is_beside(1) {
+            return false;
+        }
+        let [[left, top], [right, bottom]] = [low, high].map(|corner| self.pixel(corner));
+        (top..=bottom).any(|y| {
+            let row = y * self.width as usize;
+            let pixels = &self.values[row + left..=row + right];
+            pixels.iter().any(|&value| value >= Self::DARKEST)
+        })
+    }
+
+    /// Column and row of the pixel under a texture coordinate, or of the next one to it.
+    fn pixel(&self, uv: Vector2<f64>) -> [usize; 2] {
+        // A conversion of what is negative is zero.
+        let pixel = |c: f64, count: u32| ((c * f64::from(count)) as usize).min(count as usize - 1);
+        [pixel(uv.x, self.width), pixel(uv.y, self.height)]
+    }
+}
+
+/// Coordinates of the border come a rounding beyond the square out of files and interpolation.
+const ROUNDING: f64 = 1e-6;
+
+fn is_inside(uv: Vector2<f64>) -> bool {
+    let tile = -ROUNDING..=1.0 + ROUNDING;
+    tile.contains(&uv.x) && tile.contains(&uv.y)
+}
+
+/// Checks the pixels of a mask.
+fn check_mask(width: u32, height: u32, values: &[f32]) -> Checked {
+    let of = "mask";
+    for (field, side) in [("width", width), ("height", height)] {
+        if side == 0 {
+            return refuse(of, field, side, "a number from 1");
+        }
+    }
+    let pixels = u64::from(width) * u64::from(height);
+    if values.len() as u64 != pixels {
+        let accepted = format!("{width} x {height} = {pixels} values");
+        let found = format!("a list of {}", values.len());
+        return refuse(of, "values", found, accepted);
+    }
+    match values.iter().position(|v| !(0.0..=1.0).contains(v)) {
+        None => Ok(()),
+        Some(i) => refuse(of, format!("values[{i}]"), values[i], "a grey in [0, 1]"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn grey_is_linear_between_the_centres_of_pixels() {
+        let mask = Mask::new(2, 2, vec![0.0, 1.0, 0.5, 0.5]).expect("four pixels");
+        let grey = |u: f64, v: f64| mask.grey(Vector2::new(u, v));
+        assert_eq!(grey(0.25, 0.25), 0.0);
+        assert_eq!(grey(0.5, 0.25), 0.5);
+        assert_eq!(grey(0.75, 0.5), 0.75);
+        assert_eq!(grey(0.0, 1.0), 0.5);
+        assert_eq!(grey(1.0, 0.0), 1.0);
+        assert_eq!(grey(1.1, 0.5), 0.0);
+        assert_eq!(grey(f64::NAN, 0.5), 0.0);
+        assert!(!mask.covers(Vector2::new(0.25, 0.25)));
+        assert!(mask.covers(Vector2::new(0.25, 0.75)));
+    }
+
+    #[test]
+    fn a_mask_touches_triangles_with_a_white_pixel_in_their_rectangle() {
+        let mut values = vec![0.0; 16];
+        // Third row, second column.
+        values[9] = 1.0;
+        let mask = Mask::new(4, 4, values).expect("sixteen pixels");
+        let triangle = |corners: [[f64; 2]; 3]| mask.touches(&corners.map(Vector2::from));
+        assert!(triangle([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]));
+        assert!(triangle([[-1.0, 0.6], [0.3, 0.6], [-1.0, 0.7]]));
+        assert!(!triangle([[0.0, 0.0], [0.2, 0.0], [0.0, 1.0]]));
+        assert!(!triangle([[0.0, 0.0], [1.0, 0.0], [0.0, 0.49]]));
+        assert!(!triangle([[1.2, 0.6], [1.5, 0.6], [1.2, 0.7]]));
+        assert!(!triangle([
+            [f64::NAN, 0.6],
+            [f64::NAN, 0.6],
+            [f64::NAN, 0.7]
+        ]));
+    }
+}
