@@ -186,7 +186,7 @@ fn best_of_five(mut run: impl FnMut()) -> f64 {
 
 fn compare(criterion: &mut Criterion) {
     let plate = Plate::new();
-    let floor = vec![0.0; UNKNOWNS];
+    let damping = vec![0.0; UNKNOWNS];
     let mut plain = PlainCholesky::new(&plate);
     let reference = best_of_five(|| plain.factorize());
     println!(
@@ -204,7 +204,7 @@ fn compare(criterion: &mut Criterion) {
         let mut kkt = Kkt::new(&plate.pattern, &rows, 3).unwrap();
         let analysis = start.elapsed().as_secs_f64();
         let factor = best_of_five(|| {
-            kkt.factorize(&plate.values, &floor).unwrap();
+            kkt.factorize(&plate.values, &damping).unwrap();
         });
         let force = vec![1.0; UNKNOWNS];
         let offset = vec![0.0; rows.count()];
@@ -229,7 +229,7 @@ fn compare(criterion: &mut Criterion) {
             cost.flops / 1e9,
         );
         criterion.bench_function(&format!("KKT, {name}"), |bench| {
-            bench.iter(|| kkt.factorize(&plate.values, &floor).unwrap());
+            bench.iter(|| kkt.factorize(&plate.values, &damping).unwrap());
         });
     }
 }

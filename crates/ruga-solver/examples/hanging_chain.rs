@@ -10,7 +10,6 @@ use ruga_solver::{
 /// Heights of the weights; stiffness of the springs and weights are one.
 struct Chain {
     pattern: LowerPattern,
-    zeros: Vec<f64>,
 }
 
 impl Objective for Chain {
@@ -38,16 +37,7 @@ impl Objective for Chain {
         }
         relaxed.copy_from_slice(exact);
     }
-    fn floor(&self) -> &[f64] {
-        &self.zeros
-    }
-    fn energy_scale(&self) -> f64 {
-        1.0
-    }
     fn force_scale(&self) -> f64 {
-        1.0
-    }
-    fn length_scale(&self) -> f64 {
         1.0
     }
 }
@@ -61,7 +51,6 @@ fn main() -> Result<(), SolverError> {
         .collect();
     let chain = Chain {
         pattern: LowerPattern::new(starts, rows)?,
-        zeros: vec![0.0; COUNT],
     };
     let ends = ConstraintRows::new(vec![0, 1, 2], vec![0, COUNT - 1], vec![1.0, 1.0], COUNT)?;
     let mut kkt = Kkt::new(chain.pattern(), &ends, 1)?;

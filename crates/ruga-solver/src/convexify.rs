@@ -42,7 +42,7 @@ pub(crate) struct Convexified {
 /// Work space, a count, and what the last saddle took.
 pub(crate) struct Convexifier {
     mixed: Vec<f64>,
-    shifted_floor: Vec<f64>,
+    shifted_damping: Vec<f64>,
     /// The last relaxation that was searched for and enough.
     last: Option<f64>,
     pub(crate) factorizations: usize,
@@ -52,7 +52,7 @@ impl Convexifier {
     pub(crate) fn new(kkt: &Kkt) -> Self {
         Self {
             mixed: vec![0.0; kkt.pattern().entries()],
-            shifted_floor: vec![0.0; kkt.pattern().size()],
+            shifted_damping: vec![0.0; kkt.pattern().size()],
             last: None,
             factorizations: 0,
         }
@@ -66,10 +66,10 @@ impl Convexifier {
         kkt: &mut Kkt,
         exact: &[f64],
         relaxed: &[f64],
-        floor: &[f64],
+        damping: &[f64],
         hint: Option<f64>,
     ) -> Result<Convexified, SolverError> {
-        let inertia = self.inertia(kkt, exact, floor)?;
+        let inertia = self.inertia(kkt, exact, damping)?;
         let mut outcome = Convexified {
             exact: inertia,
             relaxation: 0.0,
@@ -79,19 +79,19 @@ impl Convexifier {
             return Ok(outcome);
         }
         if let Some(hint) = hint
-            && self.try_relaxation(kkt, exact, relaxed, floor, hint)?
+            && self.try_relaxation(kkt, exact, relaxed, damping, hint)?
         {
             outcome.relaxation = hint;
             return Ok(outcome);
         }
         let found = match self.last {
-            None => self.relax(kkt, exact, relaxed, floor)?,
-            Some(last) => self.relax_near(last, kkt, exact, relaxed, floor)?,
+            None => self.relax(kkt, exact, relaxed, damping)?,
+            Some(last) => self.relax_near(last, kkt, exact, relaxed, damping)?,
         };
         self.last = found;
         outcome.relaxation = found.unwrap_or(1.0);
         if found.is_none() {
-            outcome.shift = self.shift(kkt, relaxed, floor)?;
+            outcome.shift = self.shift(kkt, relaxed, damping)?;
         }
         Ok(outcome)
     }
@@ -104,11 +104,11 @@ impl Convexifier {
         kkt: &mut Kkt,
         exact: &[f64],
         relaxed: &[f64],
-        floor: &[f64],
+        damping: &[f64],
     ) -> Result<Option<f64>, SolverError> {
         let mut relaxation = step_down(last);
         loop {
-            if self.try_relaxation(kkt, exact, relaxed, floor, relaxation)? {
+            if self.try_relaxation(kkt, exact, relaxed, damping, relaxation)? {
                 return Ok(Some(relaxation));
             }
             if relaxation == 1.0 {
@@ -124,15 +124,15 @@ impl Convexifier {
         kkt: &mut Kkt,
         exact: &[f64],
         relaxed: &[f64],
-        floor: &[f64],
+        damping: &[f64],
     ) -> Result<Option<f64>, SolverError> {
         let largest_small = 1.0 - CLOSE_TO_CRITICAL;
-        if self.try_relaxation(kkt, exact, relaxed, floor, largest_small)? {
-            return self.relax_little(kkt, exact, relaxed, floor).map(Some);
+        if self.try_relaxation(kkt, exact, relaxed, damping, largest_small)? {
+            return self.relax_little(kkt, exact, relaxed, damping).map(Some);
         }
         let mut too_little = largest_small;
         let mut enough = 1.0 - (1.0 - too_little) * LOAD_DECREASE;
-        while !self.try_relaxation(kkt, exact, relaxed, floor, enough)? {
+        while !self.try_relaxation(kkt, exact, relaxed, damping, enough)? {
             if enough == 1.0 {
                 return Ok(None);
             }
@@ -146,14 +146,14 @@ impl Convexifier {
             && 1.0 - too_little >= LEAST_LOAD
         {
             in_factor = 0.5 * (enough + too_little);
-            if self.try_relaxation(kkt, exact, relaxed, floor, in_factor)? {
+            if self.try_relaxation(kkt, exact, relaxed, damping, in_factor)? {
                 enough = in_factor;
             } else {
                 too_little = in_factor;
             }
         }
         if in_factor != enough {
-            self.try_relaxation(kkt, exact, relaxed, floor, enough)?;
+            self.try_relaxation(kkt, exact, relaxed, damping, enough)?;
         }
         Ok(Some(enough))
     }
@@ -164,15 +164,15 @@ impl Convexifier {
         kkt: &mut Kkt,
         exact: &[f64],
         relaxed: &[f64],
-        floor: &[f64],
+        damping: &[f64],
     ) -> Result<f64, SolverError> {
         for relaxation in SMALL_RELAXATIONS {
-            if self.try_relaxation(kkt, exact, relaxed, floor, relaxation)? {
+            if self.try_relaxation(kkt, exact, relaxed, damping, relaxation)? {
                 return Ok(relaxation);
             }
         }
         let largest_small = 1.0 - CLOSE_TO_CRITICAL;
-        self.try_relaxation(kkt, exact, relaxed, floor, largest_small)?;
+        self.try_relaxation(kkt, exact, relaxed, damping, largest_small)?;
         Ok(largest_small)
     }
 
@@ -181,14 +181,14 @@ impl Convexifier {
         kkt: &mut Kkt,
         exact: &[f64],
         relaxed: &[f64],
-        floor: &[f64],
+        damping: &[f64],
         relaxation: f64,
     ) -> Result<bool, SolverError> {
         let mut mixed = std::mem::take(&mut self.mixed);
         for ((mixed, exact), relaxed) in mixed.iter_mut().zip(exact).zip(relaxed) {
             *mixed = (1.0 - relaxation) * exact + relaxation * relaxed;
         }
-        let inertia = self.inertia(kkt, &mixed, floor);
+        let inertia = self.inertia(kkt, &mixed, damping);
         self.mixed = mixed;
         Ok(inertia?.is_minimum())
     }
@@ -199,20 +199,21 @@ impl Convexifier {
         &mut self,
         kkt: &mut Kkt,
         relaxed: &[f64],
-        floor: &[f64],
+        damping: &[f64],
     ) -> Result<f64, SolverError> {
-        if self.inertia(kkt, relaxed, floor)?.is_minimum() {
+        if self.inertia(kkt, relaxed, damping)?.is_minimum() {
             return Ok(0.0);
         }
         let unit = kkt.typical_diagonal();
         let mut shift = SMALLEST_SHIFT;
         while shift <= LARGEST_SHIFT {
-            let mut shifted = std::mem::take(&mut self.shifted_floor);
-            for (shifted, floor) in shifted.iter_mut().zip(floor) {
-                *shifted = floor + shift * unit;
+            let mut shifted = std::mem::take(&mut self.shifted_damping);
+            for (i, shifted) in shifted.iter_mut().enumerate() {
+                // Without damping there is nothing to add to.
+                *shifted = damping.get(i).unwrap_or(&0.0) + shift * unit;
             }
             let inertia = self.inertia(kkt, relaxed, &shifted);
-            self.shifted_floor = shifted;
+            self.shifted_damping = shifted;
             if inertia?.is_minimum() {
                 return Ok(shift);
             }
@@ -227,11 +228,11 @@ impl Convexifier {
         &mut self,
         kkt: &mut Kkt,
         values: &[f64],
-        floor: &[f64],
+        damping: &[f64],
     ) -> Result<Inertia, SolverError> {
         self.factorizations += 1;
         let rows = kkt.rows().count();
-        match kkt.factorize(values, floor) {
+        match kkt.factorize(values, damping) {
             Err(SolverError::Breakdown { .. }) => Ok(Inertia {
                 negative: rows + 1,
                 rows,

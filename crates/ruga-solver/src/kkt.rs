@@ -88,7 +88,7 @@ pub struct Kkt {
     /// Lower triangle of the permuted system; the entries of `H` in it never change.
     system: Vec<f64>,
     factor: Vec<f64>,
-    /// `K` plus floor, in pattern order, for refinement.
+    /// `K` plus damping, in pattern order, for refinement.
     values: Vec<f64>,
     typical_diagonal: f64,
     /// Scratch for its median.
@@ -100,6 +100,14 @@ pub struct Kkt {
     trial: Vec<f64>,
     residual: Vec<f64>,
     permuted: Vec<f64>,
+}
+
+/// Refuses a damping that is neither empty nor one value per unknown.
+pub(crate) fn check_damping(pattern: &LowerPattern, damping: &[f64]) -> Result<(), SolverError> {
+    match damping {
+        [] => Ok(()),
+        _ => check_length("damping", pattern.size(), damping.len()),
+    }
 }
 
 impl Kkt {
@@ -174,20 +182,20 @@ impl Kkt {
         &self.rows
     }
 
-    /// Factorises `K + diag(floor)` with the rows; nothing is allocated.
+    /// Factorises `K + diag(damping)` with the rows; nothing is allocated.
     ///
-    /// `values` in pattern order (N/m), `floor` one value per unknown (N/m).
+    /// `values` in pattern order (N/m), `damping` one value per unknown (N/m), or none.
     ///
     /// # Errors
     /// [`SolverError::SizeMismatch`], [`NotFinite`](SolverError::NotFinite),
     /// [`Breakdown`](SolverError::Breakdown) when a pivot vanishes exactly or overflows.
-    pub fn factorize(&mut self, values: &[f64], floor: &[f64]) -> Result<Inertia, SolverError> {
+    pub fn factorize(&mut self, values: &[f64], damping: &[f64]) -> Result<Inertia, SolverError> {
         check_length("matrix values", self.pattern.entries(), values.len())?;
-        check_length("floor", self.pattern.size(), floor.len())?;
+        check_damping(&self.pattern, damping)?;
         check_finite("matrix values", values)?;
-        check_finite("floor", floor)?;
+        check_finite("damping", damping)?;
         self.factorized = false;
-        self.scatter(values, floor);
+        self.scatter(values, damping);
         factorize_supernodal_numeric_ldlt(
             &mut self.factor,
             SparseColMatRef::new(self.lower.as_ref(), &self.system),
@@ -355,11 +363,11 @@ impl Kkt {
     }
 
     /// Writes `K` into the permuted system, scaled and regularised.
-    fn scatter(&mut self, values: &[f64], floor: &[f64]) {
+    fn scatter(&mut self, values: &[f64], damping: &[f64]) {
         let size = self.pattern.size();
         self.values.copy_from_slice(values);
-        for (column, floor) in floor.iter().enumerate() {
-            self.values[self.pattern.diagonal(column)] += floor;
+        for (column, damping) in damping.iter().enumerate() {
+            self.values[self.pattern.diagonal(column)] += damping;
         }
         self.typical_diagonal = self.median_diagonal();
         let scale = 1.0 / self.typical_diagonal;

@@ -41,18 +41,6 @@
 //!         exact.copy_from_slice(&[1.0, 3.0]);
 //!         relaxed.copy_from_slice(&[1.0, 3.0]);
 //!     }
-//!     fn floor(&self) -> &[f64] {
-//!         &[0.0; 2]
-//!     }
-//!     fn energy_scale(&self) -> f64 {
-//!         1.0
-//!     }
-//!     fn force_scale(&self) -> f64 {
-//!         1.0
-//!     }
-//!     fn length_scale(&self) -> f64 {
-//!         1.0
-//!     }
 //! }
 //!
 //! # fn main() -> Result<(), ruga_solver::SolverError> {
@@ -71,6 +59,7 @@
 mod newton;
 
 mod objective;
+mod pinned;
 
 mod kkt;
 
@@ -90,6 +79,7 @@ mod permuted_system;
 
 pub use newton::{Minimise, minimise};
 pub use objective::Objective;
+pub use pinned::Pinned;
 
 pub use kkt::{FactorCost, Inertia, Kkt};
 

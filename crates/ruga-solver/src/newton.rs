@@ -263,7 +263,7 @@ impl<'a> Newton<'a> {
             self.kkt,
             &self.exact,
             &self.relaxed,
-            self.objective.floor(),
+            self.objective.damping(),
             self.hint.take(),
         )?;
         self.report.shift_used = self.report.shift_used.max(outcome.shift);
@@ -279,8 +279,8 @@ impl<'a> Newton<'a> {
     fn factorize_relaxed(&mut self, x: &[f64]) -> Result<(), SolverError> {
         self.objective
             .hessian(x, &mut self.exact, &mut self.relaxed);
-        let floor = self.objective.floor();
-        let shift = self.convexifier.shift(self.kkt, &self.relaxed, floor)?;
+        let damping = self.objective.damping();
+        let shift = self.convexifier.shift(self.kkt, &self.relaxed, damping)?;
         self.report.shift_used = self.report.shift_used.max(shift);
         Ok(())
     }

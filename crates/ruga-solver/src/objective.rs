@@ -1,10 +1,10 @@
 //! What the solver asks of an energy.
 
-use crate::error::check_length;
+use crate::kkt::check_damping;
 use crate::{Kkt, LowerPattern, SolverError};
 
 /// An energy of `n` unknowns with exact derivatives, and the scales that make tolerances
-/// nondimensional.
+/// nondimensional; one where nothing is said.
 ///
 /// All arrays have `n` entries unless said otherwise. Energies in J, unknowns in m.
 pub trait Objective {
@@ -21,24 +21,34 @@ pub trait Objective {
     /// Writes the Hessian twice, in pattern order (N/m): `exact`, and `relaxed`, the same with
     /// the compressive part of the stress stiffness removed.
     ///
-    /// `relaxed` need not be a projection of `exact`, only mend its inertia when mixed in.
+    /// `relaxed` need not be a projection of `exact`, only mend its inertia when mixed in; an energy
+    /// without stress stiffness writes `exact` twice.
     fn hessian(&self, x: &[f64], exact: &mut [f64], relaxed: &mut [f64]);
 
-    /// Levenberg diagonal (N/m) added to both Hessians before the inertia is counted.
+    /// Levenberg damping (N/m), a diagonal added to both Hessians before the inertia is counted;
+    /// empty for none.
     ///
     /// It keeps modes without stiffness (a pattern sliding along itself) from having a random
     /// sign; 1e-6 of a vertex's foundation stiffness does.
-    fn floor(&self) -> &[f64];
+    fn damping(&self) -> &[f64] {
+        &[]
+    }
 
     /// Energy (J) that the Newton decrement is compared with: the gap between flat and wrinkled
     /// state, such as `C eps_c^2 area / 2`.
-    fn energy_scale(&self) -> f64;
+    fn energy_scale(&self) -> f64 {
+        1.0
+    }
 
     /// Force on one unknown (N) that the residual is compared with.
-    fn force_scale(&self) -> f64;
+    fn force_scale(&self) -> f64 {
+        1.0
+    }
 
     /// Smallest length that matters (m), such as the thickness.
-    fn length_scale(&self) -> f64;
+    fn length_scale(&self) -> f64 {
+        1.0
+    }
 }
 
 /// Whether `objective` speaks of the system that `kkt` analysed, with arrays of its size and
@@ -47,7 +57,7 @@ pub(crate) fn check_pattern(objective: &dyn Objective, kkt: &Kkt) -> Result<(), 
     if objective.pattern() != kkt.pattern() {
         return Err(SolverError::PatternMismatch);
     }
-    check_length("floor", kkt.pattern().size(), objective.floor().len())?;
+    check_damping(kkt.pattern(), objective.damping())?;
     for (setting, value) in [
         ("energy_scale", objective.energy_scale()),
         ("force_scale", objective.force_scale()),

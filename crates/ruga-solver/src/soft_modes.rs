@@ -27,11 +27,11 @@ const MAX_DOUBLINGS: usize = 30;
 pub struct SoftMode {
     /// The mode, one entry per unknown, largest entry 1 in absolute value.
     pub mode: Vec<f64>,
-    /// `v'Kv / v'v` of the exact Hessian without floor (N/m).
+    /// `v'Kv / v'v` of the exact Hessian without damping (N/m).
     pub rayleigh_quotient: f64,
 }
 
-/// Signs of the pivots of the exact Hessian (plus floor) at `x`, to bisect a load with.
+/// Signs of the pivots of the exact Hessian (plus damping) at `x`, to bisect a load with.
 ///
 /// # Errors
 /// [`SolverError::PatternMismatch`], [`SizeMismatch`](SolverError::SizeMismatch),
@@ -81,7 +81,7 @@ fn factorize_at(
     let mut exact = vec![0.0; kkt.pattern().entries()];
     let mut relaxed = exact.clone();
     objective.hessian(x, &mut exact, &mut relaxed);
-    let inertia = kkt.factorize(&exact, objective.floor())?;
+    let inertia = kkt.factorize(&exact, objective.damping())?;
     Ok((exact, inertia))
 }
 

@@ -11,7 +11,7 @@ use ruga_solver::{
 struct Springs {
     pattern: LowerPattern,
     stiffness: f64,
-    floor: Vec<f64>,
+    damping: Vec<f64>,
     energy_scale: f64,
 }
 
@@ -19,7 +19,7 @@ fn springs(count: usize) -> Springs {
     Springs {
         pattern: diagonal(count),
         stiffness: 1.0,
-        floor: vec![0.0; count],
+        damping: vec![0.0; count],
         energy_scale: 1.0,
     }
 }
@@ -45,14 +45,11 @@ impl Objective for Springs {
         exact.fill(self.stiffness);
         relaxed.fill(self.stiffness);
     }
-    fn floor(&self) -> &[f64] {
-        &self.floor
+    fn damping(&self) -> &[f64] {
+        &self.damping
     }
     fn energy_scale(&self) -> f64 {
         self.energy_scale
-    }
-    fn force_scale(&self) -> f64 {
-        1.0
     }
     fn length_scale(&self) -> f64 {
         1.0
@@ -346,16 +343,7 @@ impl Objective for BareSaddle {
         exact.copy_from_slice(&[1e-30, 1.0, 1e-30]);
         relaxed.copy_from_slice(exact);
     }
-    fn floor(&self) -> &[f64] {
-        &[0.0; 2]
-    }
-    fn energy_scale(&self) -> f64 {
-        1.0
-    }
     fn force_scale(&self) -> f64 {
-        1.0
-    }
-    fn length_scale(&self) -> f64 {
         1.0
     }
 }

@@ -29,7 +29,7 @@ struct Film {
     edge: f64,
     foundation: f64,
     pattern: LowerPattern,
-    floor: Vec<f64>,
+    damping: Vec<f64>,
 }
 
 impl Film {
@@ -49,7 +49,7 @@ impl Film {
             edge,
             foundation,
             pattern: LowerPattern::from_stencils(2 * NODES, lists).unwrap(),
-            floor: vec![1e-6 * foundation * edge; 2 * NODES],
+            damping: vec![1e-6 * foundation * edge; 2 * NODES],
         }
     }
 
@@ -166,8 +166,8 @@ impl Objective for Film {
         self.fill_hessian(x, true, relaxed);
     }
 
-    fn floor(&self) -> &[f64] {
-        &self.floor
+    fn damping(&self) -> &[f64] {
+        &self.damping
     }
 
     fn energy_scale(&self) -> f64 {

@@ -41,7 +41,7 @@ impl Objective for Valley {
         }
     }
 
-    fn floor(&self) -> &[f64] {
+    fn damping(&self) -> &[f64] {
         &[1e-9, 1e-9]
     }
 
@@ -51,10 +51,6 @@ impl Objective for Valley {
 
     fn force_scale(&self) -> f64 {
         self.slope
-    }
-
-    fn length_scale(&self) -> f64 {
-        1.0
     }
 }
 

@@ -249,7 +249,7 @@ fn refactorising_forgets_the_matrix_before() {
     let (pattern, values) = chain(10, 0.1, &mut noise);
     let other: Vec<f64> = values.iter().map(|value| 3.0 * value).collect();
     let rows = random_rows(30, 3, 0, &mut noise);
-    let floor = [0.0; 30];
+    let damping = [0.0; 30];
     let force = noise.vector(30);
     let solve = |kkt: &mut Kkt| {
         let (mut step, mut multipliers) = (vec![0.0; 30], vec![0.0; 3]);
@@ -258,10 +258,10 @@ fn refactorising_forgets_the_matrix_before() {
         step
     };
     let mut fresh = Kkt::new(&pattern, &rows, BLOCK).unwrap();
-    fresh.factorize(&values, &floor).unwrap();
+    fresh.factorize(&values, &damping).unwrap();
     let expected = solve(&mut fresh);
     let mut reused = Kkt::new(&pattern, &rows, BLOCK).unwrap();
-    reused.factorize(&other, &floor).unwrap();
-    reused.factorize(&values, &floor).unwrap();
+    reused.factorize(&other, &damping).unwrap();
+    reused.factorize(&values, &damping).unwrap();
     assert_eq!(solve(&mut reused), expected);
 }

@@ -46,16 +46,7 @@ impl Objective for Quartic {
         let [first, second, beside] = self.relaxed;
         relaxed.copy_from_slice(&[first, beside, second]);
     }
-    fn floor(&self) -> &[f64] {
-        &[0.0; 2]
-    }
-    fn energy_scale(&self) -> f64 {
-        1.0
-    }
     fn force_scale(&self) -> f64 {
-        1.0
-    }
-    fn length_scale(&self) -> f64 {
         1.0
     }
 }

@@ -16,7 +16,7 @@ const FLOOR: f64 = 1e6;
 /// `sum T/2 (z_i+1 - z_i)^2 + w z_i + F/2 min(z_i, 0)^2`.
 struct Rope {
     pattern: LowerPattern,
-    floor: Vec<f64>,
+    damping: Vec<f64>,
 }
 
 impl Rope {
@@ -25,7 +25,7 @@ impl Rope {
         let stencils = pairs.iter().map(<[usize; 2]>::as_slice);
         Self {
             pattern: LowerPattern::from_stencils(POINTS, stencils).unwrap(),
-            floor: vec![1e-9; POINTS],
+            damping: vec![1e-9; POINTS],
         }
     }
 
@@ -66,8 +66,8 @@ impl Objective for Rope {
         relaxed.copy_from_slice(exact);
     }
 
-    fn floor(&self) -> &[f64] {
-        &self.floor
+    fn damping(&self) -> &[f64] {
+        &self.damping
     }
 
     fn energy_scale(&self) -> f64 {
@@ -76,10 +76,6 @@ impl Objective for Rope {
 
     fn force_scale(&self) -> f64 {
         WEIGHT
-    }
-
-    fn length_scale(&self) -> f64 {
-        1.0
     }
 }
 
@@ -154,20 +150,8 @@ impl Objective for Cliff {
         relaxed[0] = exact[0];
     }
 
-    fn floor(&self) -> &[f64] {
+    fn damping(&self) -> &[f64] {
         &[1e-9]
-    }
-
-    fn energy_scale(&self) -> f64 {
-        1.0
-    }
-
-    fn force_scale(&self) -> f64 {
-        1.0
-    }
-
-    fn length_scale(&self) -> f64 {
-        1.0
     }
 }
 

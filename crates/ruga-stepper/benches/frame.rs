@@ -304,9 +304,9 @@ fn plain_cholesky(pattern: &LowerPattern, values: &[f64]) -> f64 {
 /// time of the factorisation (s).
 fn kkt(name: &str, shell: &Shell, rows: &ConstraintRows, values: &[f64], reference: f64) -> f64 {
     let mut kkt = Kkt::new(&shell.pattern, rows, 3).unwrap();
-    let floor = vec![0.0; shell.pattern.size()];
+    let damping = vec![0.0; shell.pattern.size()];
     let factor = best(7, || {
-        kkt.factorize(values, &floor).unwrap();
+        kkt.factorize(values, &damping).unwrap();
     });
     let force = vec![1.0; shell.pattern.size()];
     let offset = vec![0.0; rows.count()];

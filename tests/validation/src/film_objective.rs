@@ -60,7 +60,7 @@ impl Objective for FilmObjective<'_> {
         self.energy.hessian(&self.all(x), exact, Some(relaxed));
     }
 
-    fn floor(&self) -> &[f64] {
+    fn damping(&self) -> &[f64] {
         self.floor
     }
 

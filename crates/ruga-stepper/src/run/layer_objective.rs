@@ -132,7 +132,7 @@ impl Objective for LayerObjective<'_> {
         }
     }
 
-    fn floor(&self) -> &[f64] {
+    fn damping(&self) -> &[f64] {
         self.damping
     }
 

@@ -46,8 +46,8 @@ impl Prediction {
         let hessian = relaxed_hessian(free);
         let diagonal = free.pattern().0.iter().take(free.dof_count());
         let mean = diagonal.map(|&k| hessian[k]).sum::<f64>() / free.dof_count().max(1) as f64;
-        let floor = vec![FLOOR * mean; free.dof_count()];
-        self.kkt.factorize(&hessian, &floor)?;
+        let damping = vec![FLOOR * mean; free.dof_count()];
+        self.kkt.factorize(&hessian, &damping)?;
         let mut step = vec![0.0; force.len()];
         self.kkt.solve(&force, &[], &mut step, &mut [])?;
         free.set_unknowns(&step, displacements);

@@ -160,7 +160,7 @@ impl<'a> IteratedNewton<'a> {
         let mut exact = vec![0.0; kkt.pattern().entries()];
         let mut relaxed = exact.clone();
         objective.hessian(x, &mut exact, &mut relaxed);
-        self.minres.prepare(kkt, &exact, objective.floor())
+        self.minres.prepare(kkt, &exact, objective.damping())
     }
 
     /// Solves for `step` and `multipliers`, and returns the iterations.

@@ -45,17 +45,17 @@ impl MinresStep {
         })
     }
 
-    /// Takes over the matrix `K + diag(floor)` and builds its preconditioner.
+    /// Takes over the matrix `K + diag(damping)` and builds its preconditioner.
     pub(super) fn prepare(
         &mut self,
         kkt: &Kkt,
         values: &[f64],
-        floor: &[f64],
+        damping: &[f64],
     ) -> Result<(), SolverError> {
         check_finite("matrix values", values)?;
         self.values.copy_from_slice(values);
-        for (column, floor) in floor.iter().enumerate() {
-            self.values[kkt.pattern().column_starts()[column]] += floor;
+        for (column, damping) in damping.iter().enumerate() {
+            self.values[kkt.pattern().column_starts()[column]] += damping;
         }
         let block = kkt.block();
         for (vertex, inverse) in self.inverse_blocks.chunks_mut(block * block).enumerate() {
@@ -278,8 +278,8 @@ impl Schur {
                 }
             }
         }
-        let floor = vec![0.0; self.factor.pattern().size()];
-        self.factor.factorize(&self.values, &floor).map(|_| ())
+        let damping = vec![0.0; self.factor.pattern().size()];
+        self.factor.factorize(&self.values, &damping).map(|_| ())
     }
 }
 

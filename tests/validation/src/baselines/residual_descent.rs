@@ -124,7 +124,7 @@ impl<'a> Search<'a> {
     ) -> Result<(Vec<f64>, Vec<f64>, Iteration), SolverError> {
         let objective = self.problem.objective;
         let kkt = &mut *self.problem.kkt;
-        let floor = objective.floor();
+        let damping = objective.damping();
         let mut relaxed = vec![0.0; self.values.len()];
         objective.hessian(x, &mut self.values, &mut relaxed);
         let force: Vec<f64> = here.gradient.iter().map(|g| -g).collect();
@@ -132,11 +132,11 @@ impl<'a> Search<'a> {
         match &mut self.minres {
             None => {
                 self.report.factorizations += 1;
-                self.report.inertia = Some(kkt.factorize(&self.values, floor)?);
+                self.report.inertia = Some(kkt.factorize(&self.values, damping)?);
                 kkt.solve_step(&force, &here.offset, &mut step, &mut wanted)?;
             }
             Some(minres) => {
-                minres.prepare(kkt, &self.values, floor)?;
+                minres.prepare(kkt, &self.values, damping)?;
                 let ends = (&mut step[..], &mut wanted[..]);
                 self.work
                     .add(&minres.solve(kkt, (&force, &here.offset), ends)?);

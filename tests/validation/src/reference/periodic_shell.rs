@@ -23,7 +23,7 @@ pub(super) struct PeriodicShell {
     energy: LayerEnergy,
     pattern: LowerPattern,
     slots: Vec<Slot>,
-    floor: Vec<f64>,
+    damping: Vec<f64>,
     /// Mean compressive strains along x and y.
     strain: [f64; 2],
 }
@@ -47,7 +47,7 @@ impl PeriodicShell {
             film,
             thickness: material.thickness,
             originals: mesh.originals(),
-            floor: vec![1e-6 * film.normal_stiffness * vertex_area; 3 * mesh.count()],
+            damping: vec![1e-6 * film.normal_stiffness * vertex_area; 3 * mesh.count()],
             mesh,
             energy,
             pattern,
@@ -135,8 +135,8 @@ impl Objective for PeriodicShell {
         }
     }
 
-    fn floor(&self) -> &[f64] {
-        &self.floor
+    fn damping(&self) -> &[f64] {
+        &self.damping
     }
 
     fn energy_scale(&self) -> f64 {

@@ -57,7 +57,7 @@ impl ShellPatch {
         let mesh = PeriodicMesh::new(size[0], size[1], edge, 1);
         let rows = averages(&mesh, &film, rows.axes());
         let shell = PeriodicShell::new(mesh, material, film);
-        let rows = to_constraint_rows(&rows, shell.floor().len());
+        let rows = to_constraint_rows(&rows, shell.damping().len());
         Self {
             kkt: Kkt::new(shell.pattern(), &rows, 3).expect("a valid system"),
             x: shell.base(),

@@ -25,7 +25,7 @@ pub struct StretchedSheet {
     energy: LayerEnergy,
     pattern: LowerPattern,
     positions: Vec<Vector3<f64>>,
-    floor: Vec<f64>,
+    damping: Vec<f64>,
     stretch: f64,
 }
 
@@ -76,7 +76,7 @@ impl StretchedSheet {
         Self {
             material: *material,
             strip,
-            floor: vec![0.0; energy.dof_count()],
+            damping: vec![0.0; energy.dof_count()],
             energy,
             pattern,
             positions: rest,
@@ -145,7 +145,7 @@ impl StretchedSheet {
     fn set_floor(&mut self) {
         let spring = self.foundation();
         let areas = self.energy.vertex_areas();
-        self.floor = self
+        self.damping = self
             .energy
             .free_vertices()
             .iter()
@@ -216,8 +216,8 @@ impl Objective for StretchedSheet {
         self.energy.hessian(&self.all(x), exact, Some(relaxed));
     }
 
-    fn floor(&self) -> &[f64] {
-        &self.floor
+    fn damping(&self) -> &[f64] {
+        &self.damping
     }
 
     /// That of a film on the foundation which the pull makes, `C/2 (2 sqrt(B K)/C)^2`.

@@ -9,7 +9,6 @@ const UNKNOWNS: usize = 3 * VERTICES;
 /// A hanging chain of springs on a soft foundation, with a quartic that keeps it convex.
 struct Chain {
     pattern: LowerPattern,
-    floor: Vec<f64>,
 }
 
 fn chain() -> Chain {
@@ -19,7 +18,6 @@ fn chain() -> Chain {
     let lists = stencils.iter().map(Vec::as_slice);
     Chain {
         pattern: LowerPattern::from_stencils(UNKNOWNS, lists).unwrap(),
-        floor: vec![0.0; UNKNOWNS],
     }
 }
 
@@ -63,16 +61,7 @@ impl Objective for Chain {
         }
         relaxed.copy_from_slice(exact);
     }
-    fn floor(&self) -> &[f64] {
-        &self.floor
-    }
-    fn energy_scale(&self) -> f64 {
-        1.0
-    }
     fn force_scale(&self) -> f64 {
-        1.0
-    }
-    fn length_scale(&self) -> f64 {
         1.0
     }
 }

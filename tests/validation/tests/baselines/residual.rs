@@ -31,16 +31,7 @@ impl Objective for Wells {
         exact.copy_from_slice(&[3.0 * x[0] * x[0] - 1.0, 2.0]);
         relaxed.copy_from_slice(&[3.0 * x[0] * x[0], 2.0]);
     }
-    fn floor(&self) -> &[f64] {
-        &[0.0; 2]
-    }
-    fn energy_scale(&self) -> f64 {
-        1.0
-    }
     fn force_scale(&self) -> f64 {
-        1.0
-    }
-    fn length_scale(&self) -> f64 {
         1.0
     }
 }
