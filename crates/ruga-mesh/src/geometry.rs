@@ -82,7 +82,7 @@ pub fn sharp_border_corners(mesh: &TriMesh, positions: &[Vector3<f64>]) -> PerVe
         let normal: Vector3<f64> = mesh.vertex_faces(vertex).iter().map(|&f| normals[f]).sum();
         let flat = |v: Vector3<f64>| v - normal * (normal.dot(&v) / normal.norm_squared());
         let here = positions[vertex.index()];
-        let (start, end) = (ring.vertices[0], ring.vertices[ring.vertices.len() - 1]);
+        let (start, end) = (ring.spokes[0], ring.spokes[ring.spokes.len() - 1]);
         let incoming = flat(here - positions[end.index()]);
         let outgoing = flat(positions[start.index()] - here);
         corners[vertex] = incoming.dot(&outgoing) < limit * incoming.norm() * outgoing.norm();

@@ -13,6 +13,7 @@
 //!
 //! Positions given to a function are in metres, but nothing here depends on the unit.
 
+mod block_pattern;
 mod box_spline;
 mod error;
 mod face_place;
@@ -33,8 +34,10 @@ mod vertex_fan;
 mod weld;
 
 pub use material_point::MaterialPoint;
-pub use topology::{Edge, Ring, Submesh, TriMesh};
+pub use topology::{Edge, Submesh, TriMesh};
+pub use vertex_fan::VertexFan;
 
+pub use block_pattern::{BlockPattern, BlockSlot};
 pub use error::MeshError;
 pub use geodesic::edge_distances;
 pub use geometry::{face_normals, sharp_border_corners, vertex_areas, vertex_normals};

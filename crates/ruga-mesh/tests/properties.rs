@@ -113,15 +113,15 @@ proptest! {
             let ring = mesh.ring(vertex);
             prop_assert_eq!(ring.is_some(), fan_count(&mesh, vertex) == 1);
             let Some(ring) = ring else { continue };
-            let count = ring.vertices.len();
+            let count = ring.spokes.len();
             prop_assert_eq!(ring.closed, !is_border);
             let faces = mesh.vertex_faces(vertex).len();
             prop_assert_eq!(count, if ring.closed { faces } else { faces + 1 });
             for i in 0..faces {
-                let next = ring.vertices[(i + 1) % count];
-                prop_assert!(is_face(&mesh, [vertex, ring.vertices[i], next]));
+                let next = ring.spokes[(i + 1) % count];
+                prop_assert!(is_face(&mesh, [vertex, ring.spokes[i], next]));
             }
-            let mut distinct = ring.vertices.clone();
+            let mut distinct = ring.spokes.clone();
             distinct.sort();
             distinct.dedup();
             prop_assert_eq!(distinct.len(), count);

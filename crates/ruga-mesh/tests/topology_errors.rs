@@ -96,5 +96,5 @@ fn two_fans_at_a_vertex_are_accepted_and_have_no_ring() {
     let faces = [tetrahedron([0, 1, 2, 3]), tetrahedron([0, 4, 5, 6])].concat();
     let mesh = TriMesh::new(7, faces).expect("two tetrahedra");
     assert_eq!(mesh.ring(VertexId(0)), None);
-    assert_eq!(mesh.ring(VertexId(1)).map(|r| r.vertices.len()), Some(3));
+    assert_eq!(mesh.ring(VertexId(1)).map(|r| r.spokes.len()), Some(3));
 }

@@ -238,8 +238,8 @@ fn scalars_and_vectors_are_carried_alike() {
         .map(|(v, p)| p * (1.0 + v.index() as f64))
         .collect();
     let heights: Vec<f64> = values.as_slice().iter().map(|p| p.y).collect();
-    let vectors = result.transfer.vectors(values.as_slice());
-    for (vector, height) in vectors.iter().zip(result.transfer.scalars(&heights)) {
+    let vectors = result.transfer.rows.apply(values.as_slice());
+    for (vector, height) in vectors.iter().zip(result.transfer.rows.apply(&heights)) {
         assert!((vector.y - height).abs() < 1e-12);
     }
     let born = result

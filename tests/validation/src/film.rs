@@ -89,7 +89,7 @@ impl Film {
         let pinned = strip.ends();
         let parameters = spec.parameters(&strip);
         let energy =
-            LayerEnergy::with_bending(&rest, &strip.faces, parameters, &pinned, spec.bending)
+            LayerEnergy::with_bending(&strip.topology(), &rest, parameters, &pinned, spec.bending)
                 .expect("a valid layer");
         let free = energy.free_vertices().to_vec();
         let (starts, entries) = energy.pattern();

@@ -14,7 +14,7 @@ use super::contact::Contact;
 use super::handles::Moves;
 use super::interior::Interior;
 use super::layout::Layout;
-use super::mass::{BodyMass, Diagonal};
+use super::mass::{BodyMass, diagonal};
 use super::obstacle::PlacedObstacle;
 use super::prediction::Prediction;
 use super::springs::Springs;
@@ -67,6 +67,8 @@ pub(crate) struct Solid {
     weight: Vec<Vector3<f64>>,
     follow: Option<Follow>,
     layout: Layout,
+    /// Whether springs hold the layer on it.
+    is_held: bool,
     /// Contribution of held nodes to each row: node, axis and weight.
     held_terms: HeldTerms,
     prediction: Prediction,
@@ -107,7 +109,7 @@ impl Solid {
         let of_nodes = |pinned: &[bool]| -> Result<LatticeEnergy, StepperError> {
             let mut energy = LatticeEnergy::new(lattice, &body.material, pinned)?;
             if is_held {
-                energy.couple_surface(&embedding, &springs.pattern())?;
+                energy.couple_surface(&embedding, springs.stencils())?;
             }
             Ok(energy)
         };
@@ -122,11 +124,11 @@ impl Solid {
             // An upper layer hangs on the lower one alone.
             false => Vec::new(),
         };
-        let cross = (0..energy.vertex_count()).map(of_vertex).collect();
+        let coupled: Vec<_> = (0..energy.vertex_count()).map(of_vertex).collect();
         let rest = lattice.rest_positions();
         Ok(Self {
             weight: weight(lattice, body, carried)?,
-            layout: Layout::new(energy.pattern(), cross, free.pattern()).map_err(solver)?,
+            layout: Layout::new(energy.blocks(), free.blocks(), &coupled).map_err(solver)?,
             held_terms: Vec::new(),
             prediction: Prediction::new(&free).map_err(solver)?,
             areas: energy.vertex_areas().to_vec(),
@@ -150,6 +152,7 @@ impl Solid {
             free_of,
             mass,
             follow,
+            is_held,
         })
     }
 
@@ -371,7 +374,7 @@ impl Follow {
         let areas = vertex_areas(driver.topology(), driver.rest());
         let stiffness: Vec<f64> = areas.iter().map(|area| stiffness * area).collect();
         let mut hessian = vec![0.0; lattice.pattern().1.len()];
-        Diagonal::new(&stiffness).pull_back(lattice, control, &mut hessian);
+        lattice.add_pulled_back(control, &diagonal(&stiffness), &mut hessian);
         Some(Self { stiffness, hessian })
     }
 }

@@ -3,7 +3,7 @@
 use std::ops::AddAssign;
 
 use nalgebra::{Matrix3, Vector3};
-use ruga_lattice::{Embedding, SurfacePattern};
+use ruga_lattice::Embedding;
 use ruga_shell::FoundationStiffness;
 
 /// The matrix `F` of [`FoundationStiffness`] between vertices, for products with the embedding `B`:
@@ -14,10 +14,6 @@ pub(crate) struct Springs {
     neighbours: Vec<Vec<(u32, f64)>>,
     /// N/m.
     ties: Vec<f64>,
-    /// Lower triangle of `F`.
-    points: Vec<u32>,
-    column_starts: Vec<usize>,
-    rows: Vec<usize>,
 }
 
 impl Springs {
@@ -32,13 +28,9 @@ impl Springs {
         for row in &mut neighbours {
             row.sort_by_key(|(j, _)| *j);
         }
-        let (column_starts, rows) = lower_pattern(&neighbours);
         Self {
             ties: stiffness.ties,
-            points: (0..neighbours.len() as u32).collect(),
             neighbours,
-            column_starts,
-            rows,
         }
     }
 
@@ -47,30 +39,26 @@ impl Springs {
         self.neighbours[i].iter().map(|(j, _)| *j as usize)
     }
 
-    /// Where the entries of [`Self::hessian`] are.
-    pub(crate) fn pattern(&self) -> SurfacePattern<'_> {
-        SurfacePattern {
-            points: &self.points,
-            column_starts: &self.column_starts,
-            rows: &self.rows,
-        }
+    /// Every vertex with its neighbours of higher numbers.
+    pub(crate) fn stencils(&self) -> impl Iterator<Item = Vec<u32>> {
+        (0..self.neighbours.len()).map(|j| self.below(j).map(|(i, _)| *i).collect())
     }
 
     /// The lower triangle of `F` (N/m), over these unit normals.
-    pub(crate) fn hessian(&self, normals: &[Vector3<f64>]) -> Vec<f64> {
-        let mut values = Vec::with_capacity(self.rows.len());
-        for j in 0..self.points.len() {
-            let blocks: Vec<_> = below(&self.neighbours, j)
-                .map(|&(i, m)| self.block(normals, [i as usize, j], m))
-                .collect();
-            for c in 0..3 {
-                for (k, block) in blocks.iter().enumerate() {
-                    let first = if k == 0 { c } else { 0 };
-                    values.extend((first..3).map(|r| block[(r, c)]));
-                }
-            }
-        }
-        values
+    pub(crate) fn hessian(&self, normals: &[Vector3<f64>]) -> Vec<Vec<(u32, Matrix3<f64>)>> {
+        let column = |j: usize| {
+            let rows = self.below(j);
+            rows.map(move |&(i, m)| (i, self.block(normals, [i as usize, j], m)))
+        };
+        (0..self.neighbours.len())
+            .map(|j| column(j).collect())
+            .collect()
+    }
+
+    /// The neighbours of `j` from itself on.
+    fn below(&self, j: usize) -> impl Iterator<Item = &(u32, f64)> {
+        let neighbours = self.neighbours[j].iter();
+        neighbours.filter(move |(i, _)| *i as usize >= j)
     }
 
     /// Row `i` of `F B`: nodes, ascending, each with its block (N/m).
@@ -122,23 +110,4 @@ fn add_up<T: Copy + AddAssign>(terms: &mut Vec<(u32, T)>) {
         }
         is_same
     });
-}
-
-/// The neighbours of `j` from itself on.
-fn below(neighbours: &[Vec<(u32, f64)>], j: usize) -> impl Iterator<Item = &(u32, f64)> {
-    neighbours[j].iter().filter(move |(i, _)| *i as usize >= j)
-}
-
-fn lower_pattern(neighbours: &[Vec<(u32, f64)>]) -> (Vec<usize>, Vec<usize>) {
-    let (mut starts, mut rows) = (vec![0], Vec::new());
-    for j in 0..neighbours.len() {
-        for c in 0..3 {
-            for &(i, _) in below(neighbours, j) {
-                let first = if i as usize == j { c } else { 0 };
-                rows.extend((first..3).map(|r| 3 * i as usize + r));
-            }
-            starts.push(rows.len());
-        }
-    }
-    (starts, rows)
 }

@@ -45,14 +45,14 @@ impl Layer {
     /// One direction for all: one that varies from face to face frustrates the mode and would
     /// count as stiffness.
     fn measured_bending_ratio(&self) -> Option<f64> {
-        let faces = self.skin.corner_indices();
-        let corners = face_corners(&self.skin.rest.positions, &faces);
-        let directions = vec![self.main_direction(&corners)?; faces.len()];
+        let mesh = &self.skin.mesh;
+        let corners = face_corners(mesh, &self.skin.rest.positions);
+        let directions = vec![self.main_direction(&corners)?; mesh.face_count()];
         // On a body, too, where nothing holds the border: the softest wave runs along a free edge, is
         // about half as stiff as any in the middle, and says nothing of the mesh.
-        let pinned = self.skin.mesh.border_vertices();
+        let pinned = mesh.border_vertices();
         let response = response_modulus(&ResponseQuery {
-            faces: &faces,
+            mesh,
             corners: &corners,
             directions: &directions,
             fixed: pinned.as_slice(),
