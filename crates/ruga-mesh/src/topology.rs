@@ -146,27 +146,28 @@ impl TriMesh {
         (fan.faces.len() == faces.len()).then_some(fan)
     }
 
-    /// The connected components of the faces: a component number per face, and how many there are.
-    pub fn components(&self) -> (PerFace<u32>, u32) {
-        let mut component = PerFace::filled(self.face_count(), u32::MAX);
-        let mut count = 0;
+    /// The faces for which `is_in` holds, in parts that hang together by edges; each begins with its
+    /// first face, and the parts are in the order of these.
+    pub fn connected_parts(&self, is_in: impl Fn(FaceId) -> bool) -> Vec<Vec<FaceId>> {
+        let mut left: PerFace<bool> = self.faces.ids().map(is_in).collect();
+        let mut parts = Vec::new();
         for seed in self.faces.ids() {
-            if component[seed] != u32::MAX {
+            if !std::mem::replace(&mut left[seed], false) {
                 continue;
             }
-            let mut stack = vec![seed];
-            component[seed] = count;
-            while let Some(face) = stack.pop() {
-                for next in (0..3).filter_map(|c| self.neighbour(face, c)) {
-                    if component[next] == u32::MAX {
-                        component[next] = count;
-                        stack.push(next);
+            let mut part = vec![seed];
+            let mut next = 0;
+            while let Some(&from) = part.get(next) {
+                for face in (0..3).filter_map(|corner| self.neighbour(from, corner)) {
+                    if std::mem::replace(&mut left[face], false) {
+                        part.push(face);
                     }
                 }
+                next += 1;
             }
-            count += 1;
+            parts.push(part);
         }
-        (component, count)
+        parts
     }
 
     /// The mesh of the chosen faces, in the order given.

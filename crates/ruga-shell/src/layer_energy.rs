@@ -193,7 +193,7 @@ impl LayerEnergy {
     }
 
     /// Stretches every rest triangle, as built, by a 2×2 matrix in its local frame
-    /// ([`crate::rest_frame`]): the rest metric becomes `S^T S`. Replaces any earlier stretch.
+    /// ([`ruga_mesh::triangle_frame`]): the rest metric becomes `S^T S`. Replaces any earlier stretch.
     ///
     /// Membrane, bending stiffness and springs all follow, of a pair in both sheets; rest angles stay, and natural strains
     /// are zero again.

@@ -84,6 +84,6 @@ pub use vertex_curvature::StarShape;
 
 pub use response::{ResponseModulus, face_corners, response_modulus};
 pub use response_query::ResponseQuery;
-pub use rest_triangle::{MIN_AREA_RATIO, RestTriangle, rest_frame};
+pub use rest_triangle::{MIN_AREA_RATIO, RestTriangle};
 
 pub use error::ShellError;

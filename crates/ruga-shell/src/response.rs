@@ -5,14 +5,12 @@ use faer::sparse::linalg::solvers::Llt;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{MatMut, Side};
 use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector2, Vector3};
-use ruga_mesh::{FaceId, Id, PerEdge, TriMesh, VertexId};
+use ruga_mesh::{FaceId, Id, PerEdge, TriMesh, VertexId, triangle_frame};
 
 use crate::hinge::HingeState;
 use crate::layer_bending::{InnerEdge, inner_edges};
 use crate::stars::stars;
-use crate::{
-    BendingModel, HingeShape, NormalFoundation, ResponseQuery, RestTriangle, ShellError, rest_frame,
-};
+use crate::{BendingModel, HingeShape, NormalFoundation, ResponseQuery, RestTriangle, ShellError};
 
 /// The first buckling mode of the sheet, as a plate modulus.
 #[derive(Clone, Debug, PartialEq)]
@@ -281,7 +279,7 @@ fn add_load(
     entries: &mut Entries,
 ) -> Result<(), ShellError> {
     for (face, triangle) in rest.iter().enumerate() {
-        let frame = rest_frame(&query.corners[face]);
+        let frame = triangle_frame(&query.corners[face]);
         let along = frame.map(|axis| axis.dot(&query.directions[face]));
         let direction = Vector2::from(along)
             .try_normalize(f64::MIN_POSITIVE)

@@ -4,7 +4,7 @@ mod meshes;
 
 use meshes::{jittered, random_rotation, random_vector, rng};
 use nalgebra::{Matrix2, Vector3};
-use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters, rest_frame};
+use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters};
 
 const SKIN: FaceParameters = FaceParameters {
     young: 6e8,
@@ -221,7 +221,7 @@ fn a_rest_stretch_moves_the_rest_state_to_the_stretched_shape() {
         .faces
         .iter()
         .map(|face| {
-            let frame = rest_frame(&face.map(|v| mesh.positions[v as usize]));
+            let frame = ruga_mesh::triangle_frame(&face.map(|v| mesh.positions[v as usize]));
             let d = nalgebra::Vector2::new(frame[0].dot(&along), frame[1].dot(&along));
             Matrix2::identity() - 0.3 * d * d.transpose()
         })

@@ -1,7 +1,7 @@
 //! How the mesh's triangles bend, and the correction for it.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
-use ruga_blend::rest_frame;
+use ruga_mesh::{face_areas, triangle_frame};
 use ruga_shell::{BendingModel, HINGE_EXPONENT, ResponseQuery, face_corners, response_modulus};
 
 use super::Layer;
@@ -71,14 +71,12 @@ impl Layer {
     fn main_direction(&self, corners: &[[Vector3<f64>; 3]]) -> Option<Vector3<f64>> {
         let mut tensor = Matrix3::zeros();
         let ratios = self.strain_ratios();
+        let areas = face_areas(&self.skin.mesh, &self.skin.rest.positions);
         for (corners, (face, strain)) in corners.iter().zip(self.strains.iter()) {
             let excess = ratios.of_face(face) - 1.0;
-            let [u, v] = rest_frame(*corners);
+            let [u, v] = triangle_frame(corners);
             let direction = u * strain.direction.x + v * strain.direction.y;
-            let area = (corners[1] - corners[0])
-                .cross(&(corners[2] - corners[0]))
-                .norm();
-            tensor += direction * direction.transpose() * (area * excess.max(0.0));
+            tensor += direction * direction.transpose() * (areas[face] * excess.max(0.0));
         }
         let eigen = SymmetricEigen::new(tensor);
         let largest = eigen.eigenvalues.imax();
