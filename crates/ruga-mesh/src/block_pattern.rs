@@ -207,6 +207,25 @@ impl BlockPattern {
         pairs.map(|[i, j]| self.slot(points[i], points[j]))
     }
 
+    /// The matrix with these values times one vector per free point.
+    ///
+    /// # Panics
+    /// When there are fewer values than entries, or vectors than free points.
+    pub fn product(&self, values: &[f64], v: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        let mut product = vec![Vector3::zeros(); v.len()];
+        for (column, range) in self.column_starts.windows(2).enumerate() {
+            let (j, c) = (column / 3, column % 3);
+            for k in range[0]..range[1] {
+                let (i, r) = (self.rows[k] / 3, self.rows[k] % 3);
+                product[i][r] += values[k] * v[j][c];
+                if self.rows[k] != column {
+                    product[j][c] += values[k] * v[i][r];
+                }
+            }
+        }
+        product
+    }
+
     /// Adds forces on points to a vector over the free ones' coordinates.
     #[inline]
     pub fn add_forces(&self, gradient: &mut [f64], points: &[u32], forces: &[Vector3<f64>]) {

@@ -51,7 +51,7 @@ pub use loop_surface::{LimitPointRows, LoopSurface};
 pub use planar_lookup::{PlanarLookup, barycentric};
 pub use sparse_rows::SparseRows;
 pub use surface_jet::SurfaceJet;
-pub use surface_lookup::{ClosestPlace, SurfaceLookup, closest_on_edge, closest_on_triangle};
+pub use surface_lookup::{ClosestPlace, SurfaceLookup, closest_on_triangle};
 pub use tangent_coordinates::{
     TangentCentre, TangentCoordinates, tangent_coordinates, tangent_frame,
 };

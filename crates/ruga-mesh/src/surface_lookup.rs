@@ -207,12 +207,8 @@ pub fn closest_on_triangle(corners: &[Vector3<f64>; 3], target: &Vector3<f64>) -
     best
 }
 
-/// Barycentric coordinates of the point of a triangle's edge from `corner` to the next that is closest
-/// to `target`, and its squared distance (m²).
-///
-/// # Panics
-/// When `corner` is not 0, 1 or 2.
-pub fn closest_on_edge(
+/// The closest point of the edge from `corner` to the next.
+fn closest_on_edge(
     corners: &[Vector3<f64>; 3],
     corner: usize,
     target: &Vector3<f64>,

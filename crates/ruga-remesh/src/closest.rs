@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use nalgebra::Vector3;
-use ruga_mesh::{FaceId, MaterialPoint, PerEdge, TriMesh, closest_on_triangle};
+use ruga_mesh::{FaceId, MaterialPoint, PerEdge, TriMesh};
 
 /// Distance, relative to half the edge that is split, up to which an end counts as lying on a
 /// feature: far above rounding, far below any real distance between two curves.
@@ -101,8 +101,23 @@ pub(crate) fn closest_on_edge(
     target: Vector3<f64>,
 ) -> (f64, MaterialPoint) {
     let corners = mesh.faces()[face].map(|v| positions[v.0 as usize]);
-    let (barycentric, squared) = ruga_mesh::closest_on_edge(&corners, corner, &target);
-    (squared, MaterialPoint { face, barycentric })
+    let (a, b) = (corners[corner], corners[(corner + 1) % 3]);
+    let t = along(a, b, target);
+    let mut barycentric = [0.0; 3];
+    barycentric[corner] = 1.0 - t;
+    barycentric[(corner + 1) % 3] = t;
+    let distance = (a + (b - a) * t - target).norm_squared();
+    (distance, MaterialPoint { face, barycentric })
+}
+
+/// Parameter in 0..=1 of the point of a segment that is closest to `target`.
+fn along(a: Vector3<f64>, b: Vector3<f64>, target: Vector3<f64>) -> f64 {
+    let length = (b - a).norm_squared();
+    if length > 0.0 {
+        ((target - a).dot(&(b - a)) / length).clamp(0.0, 1.0)
+    } else {
+        0.0
+    }
 }
 
 /// Squared distance (m²) to the closest place of a face, and that place.
@@ -112,9 +127,24 @@ pub(crate) fn closest_on_face(
     face: FaceId,
     target: Vector3<f64>,
 ) -> (f64, MaterialPoint) {
-    let corners = mesh.faces()[face].map(|v| positions[v.0 as usize]);
-    let (barycentric, squared) = closest_on_triangle(&corners, &target);
-    (squared, MaterialPoint { face, barycentric })
+    let [a, b, c] = mesh.faces()[face].map(|v| positions[v.0 as usize]);
+    let normal = (b - a).cross(&(c - a));
+    let double_area = normal.norm_squared();
+    let part =
+        |p: Vector3<f64>, q: Vector3<f64>| (q - p).cross(&(target - p)).dot(&normal) / double_area;
+    let [u, v, w] = [part(b, c), part(c, a), part(a, b)];
+    let sum = u + v + w;
+    // In a face with hardly any area rounding may leave nothing of the three, which is no place.
+    if double_area > 0.0 && u >= 0.0 && v >= 0.0 && w >= 0.0 && sum > 0.5 {
+        // Normalised, so that the coordinates sum to one to the last bit that division allows.
+        let barycentric = [u / sum, v / sum, w / sum];
+        let distance = (target - a).dot(&normal).powi(2) / double_area;
+        return (distance, MaterialPoint { face, barycentric });
+    }
+    (0..3)
+        .map(|corner| closest_on_edge(mesh, positions, face, corner, target))
+        .min_by(|l, r| l.0.total_cmp(&r.0))
+        .expect("a face has three edges")
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use faer::sparse::linalg::solvers::Llt;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{MatMut, Side};
 use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector2, Vector3};
-use ruga_mesh::{FaceId, Id, PerEdge, TriMesh, VertexId, triangle_frame};
+use ruga_mesh::{FaceId, Id, PerEdge, TriMesh, VertexId};
 
 use crate::hinge::HingeState;
 use crate::layer_bending::{InnerEdge, inner_edges};
@@ -279,8 +279,10 @@ fn add_load(
     entries: &mut Entries,
 ) -> Result<(), ShellError> {
     for (face, triangle) in rest.iter().enumerate() {
-        let frame = triangle_frame(&query.corners[face]);
-        let along = frame.map(|axis| axis.dot(&query.directions[face]));
+        let [a, b, c] = query.corners[face];
+        let first = (b - a).normalize();
+        let second = (b - a).cross(&(c - a)).cross(&first).normalize();
+        let along = [first, second].map(|axis| axis.dot(&query.directions[face]));
         let direction = Vector2::from(along)
             .try_normalize(f64::MIN_POSITIVE)
             .ok_or(ShellError::NoDirection { face })?;

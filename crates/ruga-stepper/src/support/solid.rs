@@ -7,6 +7,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 use ruga_blend::{Driver, PosedSurface, Weights};
 use ruga_lattice::{Embedding, Lattice, LatticeEnergy};
+
 use ruga_mesh::vertex_areas;
 use ruga_solver::{ConstraintRows, LowerPattern, SolverError};
 
@@ -358,6 +359,10 @@ impl Solid {
 
 #[cfg(test)]
 impl Solid {
+    pub(crate) fn blocks(&self) -> &ruga_mesh::BlockPattern {
+        &self.layout.blocks
+    }
+
     pub(crate) fn momentum(&self) -> Vec<Vector3<f64>> {
         self.mass.times(&self.state.velocities)
     }
