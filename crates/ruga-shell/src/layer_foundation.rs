@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use ruga_mesh::{BlockPattern, BlockSlot, FaceId, Id, TriMesh};
+use ruga_mesh::{BlockPattern, BlockSlot, FaceId, Id, SparseRows, TriMesh};
 
 use crate::ShellError;
 use crate::foundation::{Anchor, NormalFoundation, TangentialTie};
@@ -44,10 +44,8 @@ struct EdgeSprings {
 /// `n` are the unit normals of the surface below.
 #[derive(Clone, Debug)]
 pub struct FoundationStiffness {
-    /// `m_ii`, one per vertex.
-    pub diagonal: Vec<f64>,
-    /// Two vertices that share an edge, and `m_ij`.
-    pub edges: Vec<([u32; 2], f64)>,
+    /// `m`: a row per vertex, with the vertices that it shares an edge with and itself.
+    pub normal: SparseRows,
     /// `t_i`, one per vertex.
     pub ties: Vec<f64>,
 }
@@ -138,10 +136,17 @@ impl LayerFoundation {
     }
 
     pub(crate) fn stiffness(&self) -> FoundationStiffness {
-        let edges = self.edges.iter();
+        let of_vertex = |(i, m): (u32, &f64)| vec![(i, *m)];
+        let mut rows: Vec<_> = (0..).zip(&self.diagonal).map(of_vertex).collect();
+        for edge in &self.edges {
+            let [i, j] = edge.ends;
+            rows[i as usize].push((j, edge.stiffness));
+            rows[j as usize].push((i, edge.stiffness));
+        }
+        let mut normal = SparseRows::default();
+        rows.iter_mut().for_each(|row| normal.push_row(row));
         FoundationStiffness {
-            diagonal: self.diagonal.clone(),
-            edges: edges.map(|edge| (edge.ends, edge.stiffness)).collect(),
+            normal,
             ties: self.ties.iter().map(|tie| tie.stiffness).collect(),
         }
     }

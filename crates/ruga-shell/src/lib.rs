@@ -76,7 +76,7 @@ pub use layer_foundation::FoundationStiffness;
 pub use parameters::{FaceParameters, LayerParameters};
 
 pub use foundation::{Anchor, NormalFoundation, TangentialTie};
-pub use hinge::{Hinge, HingeCurvature, HingeState};
+pub use hinge::{Hinge, HingeState};
 pub use hinge_stiffness::{HINGE_EXPONENT, HingeShape, MAX_EDGE_RATIO};
 pub use layer_tie::{LayerTie, TieParameters, TieState};
 pub use membrane::{Membrane, MembraneState, Stress};

@@ -7,8 +7,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 use ruga_blend::{Driver, PosedSurface, Weights};
 use ruga_lattice::{Embedding, Lattice, LatticeEnergy};
-
-use ruga_mesh::vertex_areas;
+use ruga_mesh::{SparseRows, vertex_areas};
 use ruga_solver::{ConstraintRows, LowerPattern, SolverError};
 
 use super::contact::Contact;
@@ -70,8 +69,8 @@ pub(crate) struct Solid {
     layout: Layout,
     /// Whether springs hold the layer on it.
     is_held: bool,
-    /// Contribution of held nodes to each row: node, axis and weight.
-    held_terms: HeldTerms,
+    /// Contribution of the coordinates of held nodes to each row.
+    held_terms: SparseRows,
     prediction: Prediction,
     /// Rest areas of the layer's vertices, m².
     areas: Vec<f64>,
@@ -105,7 +104,7 @@ impl Solid {
         };
         let embedding = interior.carrier.embed(skin.points.points(), &skin.rest)?;
         let control = interior.carrier.embed_control(driver)?;
-        let springs = Springs::new(energy.foundation_stiffness());
+        let springs = Springs(energy.foundation_stiffness());
         let is_held = spec.coupling.has_foundation();
         let of_nodes = |pinned: &[bool]| -> Result<LatticeEnergy, StepperError> {
             let mut energy = LatticeEnergy::new(lattice, &body.material, pinned)?;
@@ -130,7 +129,7 @@ impl Solid {
         Ok(Self {
             weight: weight(lattice, body, carried)?,
             layout: Layout::new(energy.blocks(), free.blocks(), &coupled).map_err(solver)?,
-            held_terms: Vec::new(),
+            held_terms: SparseRows::default(),
             prediction: Prediction::new(&free).map_err(solver)?,
             areas: energy.vertex_areas().to_vec(),
             stiffness: [body.material.young, spec.material.young],
@@ -182,7 +181,7 @@ impl Solid {
         let layer = self.layout.layer_unknowns();
         let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
         let mut weights = vec![0.0; self.free_of.len()];
-        self.held_terms.clear();
+        self.held_terms = SparseRows::default();
         for row in 0..of_layer.count() {
             let (own, own_weights) = of_layer.row(row);
             columns.extend_from_slice(own);
@@ -202,10 +201,10 @@ impl Solid {
                         columns.push(layer + 3 * free as usize + axis);
                         values.push(-weight);
                     }
-                    None => held.push((node as u32, axis, weight)),
+                    None => held.push(((3 * node + axis) as u32, weight)),
                 }
             }
-            self.held_terms.push(held);
+            self.held_terms.push_row(&mut held);
             starts.push(columns.len());
         }
         ConstraintRows::new(starts, columns, values, layer + self.lattice.dof_count())
@@ -213,12 +212,8 @@ impl Solid {
 
     /// What the rows ask for with the held nodes where they are.
     pub(crate) fn row_targets(&self) -> Vec<f64> {
-        let of_node =
-            |(node, axis, weight): &(u32, usize, f64)| weight * self.state.q[*node as usize][*axis];
-        let targets = self.held_terms.iter();
-        targets
-            .map(|terms| terms.iter().map(of_node).sum())
-            .collect()
+        let coordinates: Vec<f64> = self.state.q.iter().flatten().copied().collect();
+        self.held_terms.apply(&coordinates)
     }
 
     /// The body's surface under the layer's vertices; where it has collapsed with the frame of `before`.
@@ -422,5 +417,3 @@ fn coupled_nodes(
     nodes.dedup();
     nodes
 }
-
-type HeldTerms = Vec<Vec<(u32, usize, f64)>>;

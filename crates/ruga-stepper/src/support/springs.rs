@@ -9,55 +9,33 @@ use ruga_shell::FoundationStiffness;
 /// The matrix `F` of [`FoundationStiffness`] between vertices, for products with the embedding `B`:
 /// with `e = x - B q` the springs' energy has the second derivatives `F`, `-F B` and `B' F B`.
 #[derive(Clone, Debug)]
-pub(crate) struct Springs {
-    /// Per vertex the vertices it shares faces with, itself included, ascending; and `m`.
-    neighbours: Vec<Vec<(u32, f64)>>,
-    /// N/m.
-    ties: Vec<f64>,
-}
+pub(crate) struct Springs(pub(crate) FoundationStiffness);
 
 impl Springs {
-    pub(crate) fn new(stiffness: FoundationStiffness) -> Self {
-        let of_vertex = |(i, m): (u32, &f64)| vec![(i, *m)];
-        let mut neighbours: Vec<Vec<(u32, f64)>> =
-            (0..).zip(&stiffness.diagonal).map(of_vertex).collect();
-        for ([i, j], m) in stiffness.edges {
-            neighbours[i as usize].push((j, m));
-            neighbours[j as usize].push((i, m));
-        }
-        for row in &mut neighbours {
-            row.sort_by_key(|(j, _)| *j);
-        }
-        Self {
-            ties: stiffness.ties,
-            neighbours,
-        }
-    }
-
     /// Vertices whose deviations pull at vertex `i`, ascending.
     pub(crate) fn neighbours(&self, i: usize) -> impl Iterator<Item = usize> + '_ {
-        self.neighbours[i].iter().map(|(j, _)| *j as usize)
+        self.0.normal.row(i).map(|(j, _)| j as usize)
     }
 
     /// Every vertex with its neighbours of higher numbers.
     pub(crate) fn stencils(&self) -> impl Iterator<Item = Vec<u32>> {
-        (0..self.neighbours.len()).map(|j| self.below(j).map(|(i, _)| *i).collect())
+        (0..self.0.ties.len()).map(|j| self.below(j).map(|(i, _)| i).collect())
     }
 
     /// The lower triangle of `F` (N/m), over these unit normals.
     pub(crate) fn hessian(&self, normals: &[Vector3<f64>]) -> Vec<Vec<(u32, Matrix3<f64>)>> {
         let column = |j: usize| {
             let rows = self.below(j);
-            rows.map(move |&(i, m)| (i, self.block(normals, [i as usize, j], m)))
+            rows.map(move |(i, m)| (i, self.block(normals, [i as usize, j], m)))
         };
-        (0..self.neighbours.len())
+        (0..self.0.ties.len())
             .map(|j| column(j).collect())
             .collect()
     }
 
     /// The neighbours of `j` from itself on.
-    fn below(&self, j: usize) -> impl Iterator<Item = &(u32, f64)> {
-        let neighbours = self.neighbours[j].iter();
+    fn below(&self, j: usize) -> impl Iterator<Item = (u32, f64)> {
+        let neighbours = self.0.normal.row(j);
         neighbours.filter(move |(i, _)| *i as usize >= j)
     }
 
@@ -70,14 +48,14 @@ impl Springs {
     ) -> Vec<(u32, Matrix3<f64>)> {
         // All blocks but the tie's begin with the normal here: one vector per node is enough.
         let mut lifts: Vec<(u32, Vector3<f64>)> = Vec::new();
-        for &(j, m) in &self.neighbours[i] {
+        for (j, m) in self.0.normal.row(i) {
             let lift = normals[j as usize] * m;
             let row = embedding.rows().row(j as usize);
             lifts.extend(row.map(|(node, weight)| (node, lift * weight)));
         }
         add_up(&mut lifts);
         let n = normals[i];
-        let tangential = (Matrix3::identity() - n * n.transpose()) * self.ties[i];
+        let tangential = (Matrix3::identity() - n * n.transpose()) * self.0.ties[i];
         let mut blocks: Vec<_> = lifts
             .into_iter()
             .map(|(node, lift)| (node, n * lift.transpose()))
@@ -96,7 +74,7 @@ impl Springs {
             return block;
         }
         let across = Matrix3::identity() - normals[i] * normals[i].transpose();
-        block + across * self.ties[i]
+        block + across * self.0.ties[i]
     }
 }
 

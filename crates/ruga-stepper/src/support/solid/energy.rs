@@ -44,7 +44,7 @@ impl Solid {
     ) -> Vec<f64> {
         let mut values = vec![0.0; self.layout.pattern.entries()];
         if self.is_held {
-            let springs = Springs::new(energy.foundation_stiffness());
+            let springs = Springs(energy.foundation_stiffness());
             let blocks = &self.layout.blocks;
             let first_node = energy.vertex_count() as u32;
             for vertex in 0..normals.len() {
