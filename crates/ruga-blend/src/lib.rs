@@ -21,5 +21,5 @@ pub use base_surface::{BaseSurface, PosedSurface, Smoothing};
 pub use driver::{Driver, Weights};
 pub use error::BlendError;
 pub use nearest::{did_you_mean, nearest};
-pub use strain::{FaceStrain, face_strains, rest_frame};
+pub use strain::{FaceStrain, face_strains};
 pub use surface_points::SurfacePoints;

@@ -1,12 +1,12 @@
 //! What a pose asks of the skin: principal strains per face.
 
 use nalgebra::{Matrix2, SymmetricEigen, Vector2, Vector3};
-use ruga_mesh::{PerFace, TriMesh};
+use ruga_mesh::{PerFace, TriMesh, triangle_frame};
 
 /// Principal strains of one face, posed against rest, in the rest surface's metric.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceStrain {
-    /// Right Cauchy-Green tensor in the frame of [`rest_frame`].
+    /// Right Cauchy-Green tensor in the frame of [`triangle_frame`].
     pub cauchy_green: Matrix2<f64>,
     /// Larger principal compression, `1 - stretch`; negative for tension.
     pub first: f64,
@@ -44,14 +44,6 @@ impl FaceStrain {
     }
 }
 
-/// Orthonormal tangents of a triangle with an area, the first along its first edge; not numbers for a
-/// triangle without.
-pub fn rest_frame(corners: [Vector3<f64>; 3]) -> [Vector3<f64>; 2] {
-    let along = (corners[1] - corners[0]).normalize();
-    let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
-    [along, normal.normalize().cross(&along)]
-}
-
 /// Strain of every face of `mesh`.
 ///
 /// Faces must have an area at rest, which a [`crate::Driver`] and its base surface ensure; the strain
@@ -82,7 +74,7 @@ pub fn face_strains(
 }
 
 fn cauchy_green(rest: [Vector3<f64>; 3], posed: [Vector3<f64>; 3]) -> Matrix2<f64> {
-    let frame = rest_frame(rest);
+    let frame = triangle_frame(&rest);
     let local = |edge: Vector3<f64>| Vector2::new(edge.dot(&frame[0]), edge.dot(&frame[1]));
     let shape = Matrix2::from_columns(&[local(rest[1] - rest[0]), local(rest[2] - rest[0])]);
     let inverse = shape.try_inverse().unwrap_or_else(Matrix2::zeros);

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::Vector3;
-use ruga_mesh::{FaceId, Id, PerFace, TriMesh};
+use ruga_mesh::{FaceId, Id, TriMesh};
 
 use crate::error::{LatticeError, check_length};
 use crate::self_intersection::intersecting_pairs;
@@ -41,14 +41,24 @@ fn check_border(mesh: &TriMesh) -> Result<(), LatticeError> {
 
 /// Every closed part must be the outside of a body on its own, or the wall of a hollow in one.
 fn check_sides(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Result<(), LatticeError> {
-    let (parts, count) = mesh.components();
-    let volumes = part_volumes(mesh, positions, &parts, count as usize);
-    for (part, &volume) in volumes.iter().enumerate() {
-        let Some((face, _)) = parts.iter().find(|&(_, &p)| p as usize == part) else {
-            continue;
-        };
+    let parts = mesh.connected_parts(|_| true);
+    // Measured from a point of the surface, a body far from the origin loses no digits.
+    let origin = positions[mesh.faces()[FaceId(0)][0].index()];
+    let corners =
+        |face: FaceId, from: Vector3<f64>| mesh.faces()[face].map(|v| positions[v.index()] - from);
+    for (own, part) in parts.iter().enumerate() {
+        let volume = part.iter().map(|&face| {
+            let [a, b, c] = corners(face, origin);
+            a.dot(&b.cross(&c)) / 6.0
+        });
+        let volume: f64 = volume.sum();
+        let face = part[0];
+        // The winding number of all other parts around a point of this one: a sum of solid angles.
         let point = positions[mesh.faces()[face][0].index()];
-        let depth = depth_within_others(mesh, positions, &parts, part as u32, &point);
+        let others = parts.iter().enumerate().filter(|(other, _)| *other != own);
+        let faces = others.flat_map(|(_, faces)| faces);
+        let angle: f64 = faces.map(|&face| solid_angle(&corners(face, point))).sum();
+        let depth = (angle / (2.0 * TAU)).round() as i64;
         let expected = i64::from(volume < 0.0);
         // Coordinates whose cubes overflow or vanish have no volume that could be told.
         if volume == 0.0 || !volume.is_finite() || depth != expected {
@@ -60,37 +70,6 @@ fn check_sides(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Result<(), Lattice
         }
     }
     Ok(())
-}
-
-fn part_volumes(
-    mesh: &TriMesh,
-    positions: &[Vector3<f64>],
-    parts: &PerFace<u32>,
-    count: usize,
-) -> Vec<f64> {
-    // Measured from a point of the surface, a body far from the origin loses no digits.
-    let origin = positions[mesh.faces()[FaceId(0)][0].index()];
-    let mut volumes = vec![0.0; count];
-    for (face, vertices) in mesh.faces().iter() {
-        let [a, b, c] = vertices.map(|v| positions[v.index()] - origin);
-        volumes[parts[face] as usize] += a.dot(&b.cross(&c)) / 6.0;
-    }
-    volumes
-}
-
-/// The winding number of all other parts around a point: a sum of solid angles.
-fn depth_within_others(
-    mesh: &TriMesh,
-    positions: &[Vector3<f64>],
-    parts: &PerFace<u32>,
-    own: u32,
-    point: &Vector3<f64>,
-) -> i64 {
-    let others = mesh.faces().iter().filter(|(face, _)| parts[*face] != own);
-    let angle: f64 = others
-        .map(|(_, face)| solid_angle(&face.map(|v| positions[v.index()] - point)))
-        .sum();
-    (angle / (2.0 * TAU)).round() as i64
 }
 
 /// Van Oosterom and Strackee 1983, eq. (8).

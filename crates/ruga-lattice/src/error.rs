@@ -96,12 +96,6 @@ pub enum LatticeError {
         /// Number of elements.
         count: usize,
     },
-    /// The columns of a sparse matrix do not follow each other.
-    #[error("column {column} of the surface's Hessian ends before it begins")]
-    ColumnStarts {
-        /// The first such column.
-        column: usize,
-    },
     /// A vertex has no face and so no place on the surface.
     #[error("vertex {vertex} belongs to no face", vertex = vertex.0)]
     IsolatedVertex {

@@ -2,9 +2,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
+use ruga_mesh::BlockPattern;
 
 use crate::error::check_length;
-use crate::pattern::Pattern;
 use crate::quadrature::{Integrand, Quadrature, QuadraturePoint};
 use crate::rotated_linear::Tangent;
 
@@ -29,7 +29,7 @@ pub struct LatticeEnergy {
     nodes_per_element: usize,
     /// Nodes of all elements, one after the other.
     nodes: Vec<u32>,
-    pattern: Pattern,
+    pattern: BlockPattern,
 }
 
 /// Elements whose Hessians are held at once: enough for all threads, little memory.
@@ -61,32 +61,33 @@ impl LatticeEnergy {
             laplacians: tables.map(|points| laplacian(points)).collect(),
             quadrature,
             nodes_per_element,
-            pattern: Pattern::new(pinned, nodes.chunks(nodes_per_element)),
+            pattern: BlockPattern::new(pinned, nodes.chunks(nodes_per_element)),
             nodes,
         })
     }
 
     /// The free nodes; the `k`-th has degrees of freedom `3k`, `3k + 1`, `3k + 2`.
     pub fn free_nodes(&self) -> &[u32] {
-        &self.pattern.free_nodes
+        self.pattern.free_points()
     }
 
     /// Number of degrees of freedom.
     pub fn dof_count(&self) -> usize {
-        3 * self.pattern.free_nodes.len()
+        self.pattern.size()
     }
 
     /// Column starts and row indices of the Hessian's lower triangle, diagonal included, rows
     /// sorted within each column.
     pub fn pattern(&self) -> (&[usize], &[usize]) {
-        (&self.pattern.column_starts, &self.pattern.rows)
+        (self.pattern.column_starts(), self.pattern.rows())
     }
 
-    pub(crate) fn blocks(&self) -> &Pattern {
+    /// The pattern by blocks of nodes.
+    pub fn blocks(&self) -> &BlockPattern {
         &self.pattern
     }
 
-    pub(crate) fn blocks_mut(&mut self) -> &mut Pattern {
+    pub(crate) fn blocks_mut(&mut self) -> &mut BlockPattern {
         &mut self.pattern
     }
 
@@ -120,14 +121,7 @@ impl LatticeEnergy {
             .map(|element| self.element_gradient(element, q))
             .collect();
         for (nodes, forces) in self.nodes.chunks(self.nodes_per_element).zip(&forces) {
-            for (&node, force) in nodes.iter().zip(forces) {
-                if let Some(free) = self.pattern.free(node) {
-                    let target = &mut gradient[3 * free..3 * free + 3];
-                    target[0] += force.x;
-                    target[1] += force.y;
-                    target[2] += force.z;
-                }
-            }
+            self.pattern.add_forces(gradient, nodes, forces);
         }
     }
 
@@ -163,10 +157,12 @@ impl LatticeEnergy {
                 .map(|element| self.element_hessian(element, q, relaxed.is_some()))
                 .collect();
             for (element, (blocks, relaxed_blocks)) in batch.zip(&hessians) {
-                let nodes = self.element_nodes(element);
-                self.pattern.add_stencil(exact, nodes, blocks);
-                if let Some(relaxed) = relaxed.as_deref_mut() {
-                    self.pattern.add_stencil(relaxed, nodes, relaxed_blocks);
+                let slots = self.pattern.stencil_slots(self.element_nodes(element));
+                for (k, slot) in slots.enumerate() {
+                    slot.add(exact, &blocks[k]);
+                    if let Some(relaxed) = relaxed.as_deref_mut() {
+                        slot.add(relaxed, &relaxed_blocks[k]);
+                    }
                 }
             }
         }
@@ -232,13 +228,13 @@ impl LatticeEnergy {
     }
 
     fn check(&self, q: &[Vector3<f64>]) {
-        assert_eq!(q.len(), self.pattern.node_count(), "one vector per node");
+        assert_eq!(q.len(), self.pattern.point_count(), "one vector per node");
     }
 
     /// The free nodes' coordinates, one after the other (m).
     pub fn unknowns(&self, q: &[Vector3<f64>]) -> Vec<f64> {
         self.check(q);
-        let free = self.pattern.free_nodes.iter();
+        let free = self.pattern.free_points().iter();
         free.flat_map(|&n| <[f64; 3]>::from(q[n as usize]))
             .collect()
     }
@@ -247,7 +243,7 @@ impl LatticeEnergy {
     pub fn set_unknowns(&self, unknowns: &[f64], q: &mut [Vector3<f64>]) {
         self.check(q);
         assert_eq!(unknowns.len(), self.dof_count(), "one entry per dof");
-        for (&node, x) in self.pattern.free_nodes.iter().zip(unknowns.chunks(3)) {
+        for (&node, x) in self.pattern.free_points().iter().zip(unknowns.chunks(3)) {
             q[node as usize] = Vector3::from_column_slice(x);
         }
     }

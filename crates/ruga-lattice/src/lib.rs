@@ -48,7 +48,6 @@ mod shape;
 
 mod lattice_energy;
 mod mass;
-mod pattern;
 mod quadrature;
 mod rotated_linear;
 mod signed_svd;
@@ -79,7 +78,7 @@ pub use rotated_linear::{RotatedLinear, SolidMaterial};
 
 pub use embedding::Embedding;
 pub use places::Place;
-pub use surface_stiffness::SurfacePattern;
+pub use surface_stiffness::SurfaceBlocks;
 
 pub use error::LatticeError;
 pub use ids::{ElementId, NodeId};

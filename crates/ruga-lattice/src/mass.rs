@@ -61,18 +61,21 @@ impl LatticeEnergy {
     /// # Errors
     /// [`LatticeError::Setting`]; [`LatticeError::Length`] for another lattice than the energy's.
     pub fn mass(&self, lattice: &Lattice, density: f64) -> Result<Vec<f64>, LatticeError> {
-        crate::error::check_length("nodes", self.blocks().node_count(), lattice.node_count())?;
+        crate::error::check_length("nodes", self.blocks().point_count(), lattice.node_count())?;
         lattice.node_masses(density)?;
         let quadrature = Quadrature::new(lattice, Integrand::Mass);
-        let mut values = vec![0.0; self.blocks().rows.len()];
+        let mut values = vec![0.0; self.blocks().rows().len()];
         for element in lattice.elements() {
             let products = lower_integrals(quadrature.points(element), |point, i, j| {
                 point.shape.values[i] * point.shape.values[j]
             });
-            let block = |&p: &f64| Matrix3::from_diagonal_element(density * p);
-            let blocks: Vec<Matrix3<f64>> = products.iter().map(block).collect();
             let nodes: Vec<u32> = lattice.element_nodes(element).iter().map(|n| n.0).collect();
-            self.blocks().add_stencil(&mut values, &nodes, &blocks);
+            for (slot, product) in self.blocks().stencil_slots(&nodes).zip(products) {
+                slot.add(
+                    &mut values,
+                    &Matrix3::from_diagonal_element(density * product),
+                );
+            }
         }
         Ok(values)
     }

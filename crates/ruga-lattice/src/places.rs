@@ -1,7 +1,7 @@
 //! From a material point, or a point in space, to a place in an element.
 
 use nalgebra::Vector3;
-use ruga_mesh::{FaceId, Id, MaterialPoint, SurfaceLookup, TriMesh};
+use ruga_mesh::{FaceId, Id, MaterialPoint, SurfaceLookup, TriMesh, closest_on_triangle};
 
 use crate::face_cutting::Fragment;
 use crate::grid::{Grid, Index};
@@ -97,7 +97,7 @@ impl SurfacePlaces {
         let end = self.fragment_cells.partition_point(|f| f.0 <= cell);
         let distances = self.fragment_cells[start..end].iter().map(|&(_, i)| {
             let triangles = self.fragments[i as usize].triangles();
-            let squared = triangles.map(|t| squared_distance(&t, point));
+            let squared = triangles.map(|t| closest_on_triangle(&t, point).1);
             (squared.fold(f64::INFINITY, f64::min), i)
         });
         let closest = distances.min_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -227,25 +227,4 @@ fn distance_to_cell(grid: &Grid, cell: Index, point: &Vector3<f64>) -> f64 {
     let local = grid.local(cell, point);
     let outside = local.map(|t| t - t.clamp(0.0, 1.0));
     outside.component_mul(&grid.size).norm()
-}
-
-/// Squared distance of a point from a triangle: to its plane's foot if inside, else to its edges.
-fn squared_distance(corners: &[Vector3<f64>; 3], point: &Vector3<f64>) -> f64 {
-    let [a, b, c] = corners;
-    let normal = (b - a).cross(&(c - a));
-    let inside = |from: &Vector3<f64>, to: &Vector3<f64>| {
-        (to - from).cross(&(point - from)).dot(&normal) >= 0.0
-    };
-    let height = (point - a).dot(&normal);
-    if normal.norm_squared() > 0.0 && inside(a, b) && inside(b, c) && inside(c, a) {
-        return height * height / normal.norm_squared();
-    }
-    let to_edge = |from: &Vector3<f64>, to: &Vector3<f64>| {
-        let edge = to - from;
-        let along = (point - from).dot(&edge) / edge.norm_squared();
-        // Comparisons with NaN, of an edge without length, choose the start.
-        let along = if along > 0.0 { along.min(1.0) } else { 0.0 };
-        (from + edge * along - point).norm_squared()
-    };
-    to_edge(a, b).min(to_edge(b, c)).min(to_edge(c, a))
 }

@@ -2,60 +2,39 @@
 
 mod shapes;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Matrix3};
 use rand::RngExt;
 use ruga_lattice::{
     Embedding, Lattice, LatticeEnergy, LatticeError, LatticeSpec, Shape, SolidMaterial,
-    SurfacePattern,
 };
 use shapes::{Surface, rng, spec, torus};
 
-/// A lower triangle with a random block for every edge and vertex of a surface.
-struct Stiffness {
-    points: Vec<u32>,
-    column_starts: Vec<usize>,
-    rows: Vec<usize>,
-    values: Vec<f64>,
+/// A lower triangle with a random block for every edge and vertex of a surface; every fourth vertex
+/// has none.
+fn stiffness(surface: &Surface) -> Vec<Vec<(u32, Matrix3<f64>)>> {
+    let mut rng = rng(6);
+    let mut block = || Matrix3::from_fn(|_, _| rng.random_range(-1.0..1.0));
+    let is_held = |point: u32| point % 4 == 1;
+    let mut columns = vec![Vec::new(); surface.positions.len()];
+    for (point, column) in (0..)
+        .zip(&mut columns)
+        .filter(|(point, _)| !is_held(*point))
+    {
+        let own = block();
+        column.push((point, own + own.transpose()));
+    }
+    for edge in surface.mesh().edges().as_slice() {
+        let [a, b] = edge.vertices.map(|v| v.0);
+        if !is_held(a) && !is_held(b) {
+            columns[a.min(b) as usize].push((a.max(b), block()));
+        }
+    }
+    columns
 }
 
-impl Stiffness {
-    /// Every fourth point is held.
-    fn of(surface: &Surface) -> Self {
-        let mut rng = rng(6);
-        let points: Vec<u32> = (0..surface.positions.len() as u32)
-            .filter(|p| p % 4 != 1)
-            .collect();
-        let mut pairs: Vec<[usize; 2]> = (0..points.len()).map(|k| [k, k]).collect();
-        for edge in surface.mesh().edges().as_slice() {
-            let ends = edge.vertices.map(|v| points.binary_search(&v.0));
-            if let [Ok(a), Ok(b)] = ends {
-                pairs.push([a.min(b), a.max(b)]);
-            }
-        }
-        pairs.sort_unstable();
-        let (mut column_starts, mut rows) = (vec![0], Vec::new());
-        for column in 0..3 * points.len() {
-            let own = pairs.iter().filter(|pair| pair[0] == column / 3);
-            let all = own.flat_map(|pair| 3 * pair[1]..3 * pair[1] + 3);
-            rows.extend(all.filter(|&row| row >= column));
-            column_starts.push(rows.len());
-        }
-        let values = rows.iter().map(|_| rng.random_range(-1.0..1.0)).collect();
-        Self {
-            points,
-            column_starts,
-            rows,
-            values,
-        }
-    }
-
-    fn pattern(&self) -> SurfacePattern<'_> {
-        SurfacePattern {
-            points: &self.points,
-            column_starts: &self.column_starts,
-            rows: &self.rows,
-        }
-    }
+fn stencils(stiffness: &[Vec<(u32, Matrix3<f64>)>]) -> impl Iterator<Item = Vec<u32>> {
+    let columns = stiffness.iter();
+    columns.map(|column| column.iter().map(|(point, _)| *point).collect())
 }
 
 fn dense((starts, rows): (&[usize], &[usize]), values: &[f64]) -> DMatrix<f64> {
@@ -82,14 +61,24 @@ fn energy(lattice: &Lattice) -> LatticeEnergy {
 #[test]
 fn pulled_back_stiffness_is_the_product() {
     let surface = torus(1.0, 0.35, [12, 6]);
-    let stiffness = Stiffness::of(&surface);
+    let stiffness = stiffness(&surface);
+    let unknowns = 3 * surface.positions.len();
+    let mut k = DMatrix::zeros(unknowns, unknowns);
+    for (j, column) in stiffness.iter().enumerate() {
+        for (i, block) in column {
+            let at = [3 * *i as usize, 3 * j];
+            k.fixed_view_mut::<3, 3>(at[0], at[1]).copy_from(block);
+            k.fixed_view_mut::<3, 3>(at[1], at[0])
+                .copy_from(&block.transpose());
+        }
+    }
     for shape in [Shape::Quadratic, Shape::Linear] {
         let lattice = surface.lattice(LatticeSpec { shape, ..spec(4) });
         let embedding = Embedding::of_vertices(&lattice).expect("no loose vertex");
         let mut energy = energy(&lattice);
         let before = energy.pattern().1.len();
         energy
-            .couple_surface(&embedding, &stiffness.pattern())
+            .couple_surface(&embedding, stencils(&stiffness))
             .expect("it fits");
         assert!(
             energy.pattern().1.len() > before,
@@ -97,21 +86,16 @@ fn pulled_back_stiffness_is_the_product() {
         );
 
         let mut found = vec![0.0; energy.pattern().1.len()];
-        let pattern = stiffness.pattern();
-        energy.add_pulled_back(&embedding, &pattern, &stiffness.values, &mut found);
-        let mut b = DMatrix::zeros(3 * stiffness.points.len(), energy.dof_count());
-        for (k, &point) in stiffness.points.iter().enumerate() {
-            for (node, weight) in embedding.rows().row(point as usize) {
+        energy.add_pulled_back(&embedding, &stiffness, &mut found);
+        let mut b = DMatrix::zeros(unknowns, energy.dof_count());
+        for point in 0..surface.positions.len() {
+            for (node, weight) in embedding.rows().row(point) {
                 if let Ok(free) = energy.free_nodes().binary_search(&node) {
-                    (0..3).for_each(|c| b[(3 * k + c, 3 * free + c)] = weight);
+                    (0..3).for_each(|c| b[(3 * point + c, 3 * free + c)] = weight);
                 }
             }
         }
-        let k = dense(
-            (&stiffness.column_starts, &stiffness.rows),
-            &stiffness.values,
-        );
-        let expected = b.transpose() * k * b;
+        let expected = b.transpose() * &k * b;
         let error = (dense(energy.pattern(), &found) - &expected).amax();
         assert!(error < 1e-13 * expected.amax(), "{error:e}");
         check_own_hessian(&lattice, &energy);
@@ -130,48 +114,18 @@ fn check_own_hessian(lattice: &Lattice, wide: &LatticeEnergy) {
 }
 
 #[test]
-fn arrays_that_do_not_fit_are_refused() {
+fn points_and_lattices_that_do_not_fit_are_refused() {
     let surface = torus(1.0, 0.35, [12, 6]);
     let lattice = surface.lattice(spec(2));
     let embedding = Embedding::of_vertices(&lattice).expect("no loose vertex");
-    let good = Stiffness::of(&surface);
-    let refused = |pattern: SurfacePattern| {
-        let error = energy(&lattice).couple_surface(&embedding, &pattern);
+    let good = stiffness(&surface);
+    let refused = |lattice: &Lattice, stencils: Vec<Vec<u32>>| {
+        let error = energy(lattice).couple_surface(&embedding, stencils.into_iter());
         assert!(
             matches!(error, Err(LatticeError::Length { .. })),
             "{error:?}"
         );
     };
-    refused(SurfacePattern {
-        column_starts: &good.column_starts[1..],
-        ..good.pattern()
-    });
-    refused(SurfacePattern {
-        rows: &good.rows[1..],
-        ..good.pattern()
-    });
-    // The last start alone fits; one before it points beyond the rows.
-    let mut starts = good.column_starts.clone();
-    starts[5] = good.rows.len() + 1;
-    let unsorted = SurfacePattern {
-        column_starts: &starts,
-        ..good.pattern()
-    };
-    assert_eq!(
-        energy(&lattice).couple_surface(&embedding, &unsorted),
-        Err(LatticeError::ColumnStarts { column: 5 })
-    );
-    let finer = surface.lattice(spec(3));
-    let error = energy(&finer).couple_surface(&embedding, &good.pattern());
-    assert!(
-        matches!(error, Err(LatticeError::Length { .. })),
-        "{error:?}"
-    );
-
-    let mut beyond = good.points.clone();
-    beyond[3] = 72;
-    refused(SurfacePattern {
-        points: &beyond,
-        ..good.pattern()
-    });
+    refused(&surface.lattice(spec(3)), stencils(&good).collect());
+    refused(&lattice, vec![vec![3, 72]]);
 }

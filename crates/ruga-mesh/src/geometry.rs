@@ -24,6 +24,23 @@ pub fn face_normals(mesh: &TriMesh, positions: &[Vector3<f64>]) -> PerFace<Vecto
         .collect()
 }
 
+/// Area of every face (m²).
+///
+/// # Panics
+/// When there is not one position per vertex.
+pub fn face_areas(mesh: &TriMesh, positions: &[Vector3<f64>]) -> PerFace<f64> {
+    let normals = face_normals(mesh, positions).into_vec().into_iter();
+    normals.map(|normal| 0.5 * normal.norm()).collect()
+}
+
+/// Orthonormal tangents of a triangle with an area, the first along its first edge; not numbers for a
+/// triangle without.
+pub fn triangle_frame(corners: &[Vector3<f64>; 3]) -> [Vector3<f64>; 2] {
+    let along = (corners[1] - corners[0]).normalize();
+    let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
+    [along, normal.normalize().cross(&along)]
+}
+
 /// Unit normals of the vertices, faces weighted by area; zero where all faces are degenerate, or
 /// one has a corner that is not finite.
 ///
@@ -82,7 +99,7 @@ pub fn sharp_border_corners(mesh: &TriMesh, positions: &[Vector3<f64>]) -> PerVe
         let normal: Vector3<f64> = mesh.vertex_faces(vertex).iter().map(|&f| normals[f]).sum();
         let flat = |v: Vector3<f64>| v - normal * (normal.dot(&v) / normal.norm_squared());
         let here = positions[vertex.index()];
-        let (start, end) = (ring.vertices[0], ring.vertices[ring.vertices.len() - 1]);
+        let (start, end) = (ring.spokes[0], ring.spokes[ring.spokes.len() - 1]);
         let incoming = flat(here - positions[end.index()]);
         let outgoing = flat(positions[start.index()] - here);
         corners[vertex] = incoming.dot(&outgoing) < limit * incoming.norm() * outgoing.norm();

@@ -13,6 +13,7 @@
 //!
 //! Positions given to a function are in metres, but nothing here depends on the unit.
 
+mod block_pattern;
 mod box_spline;
 mod error;
 mod face_place;
@@ -33,11 +34,15 @@ mod vertex_fan;
 mod weld;
 
 pub use material_point::MaterialPoint;
-pub use topology::{Edge, Ring, Submesh, TriMesh};
+pub use topology::{Edge, Submesh, TriMesh};
+pub use vertex_fan::VertexFan;
 
+pub use block_pattern::{BlockPattern, BlockSlot};
 pub use error::MeshError;
 pub use geodesic::edge_distances;
-pub use geometry::{face_normals, sharp_border_corners, vertex_areas, vertex_normals};
+pub use geometry::{
+    face_areas, face_normals, sharp_border_corners, triangle_frame, vertex_areas, vertex_normals,
+};
 pub use ids::{EdgeId, FaceId, Id, PerEdge, PerElement, PerFace, PerVertex, VertexId};
 pub use loop_subdivision::{
     FaceOrigin, LimitRows, Subdivision, limit_rows, subdivide, subdivide_while,
@@ -46,7 +51,7 @@ pub use loop_surface::{LimitPointRows, LoopSurface};
 pub use planar_lookup::{PlanarLookup, barycentric};
 pub use sparse_rows::SparseRows;
 pub use surface_jet::SurfaceJet;
-pub use surface_lookup::{ClosestPlace, SurfaceLookup};
+pub use surface_lookup::{ClosestPlace, SurfaceLookup, closest_on_triangle};
 pub use tangent_coordinates::{
     TangentCentre, TangentCoordinates, tangent_coordinates, tangent_frame,
 };

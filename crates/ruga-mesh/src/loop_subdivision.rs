@@ -6,7 +6,9 @@
 
 use std::f64::consts::TAU;
 
-use crate::{FaceId, Id, MaterialPoint, PerFace, PerVertex, Ring, SparseRows, TriMesh, VertexId};
+use crate::{
+    FaceId, Id, MaterialPoint, PerFace, PerVertex, SparseRows, TriMesh, VertexFan, VertexId,
+};
 
 /// Where a subdivided face came from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -209,13 +211,11 @@ fn vertex_rule(mesh: &TriMesh, vertex: VertexId, is_corner: bool, terms: &mut Ve
     terms.clear();
     let ring = if is_corner { None } else { mesh.ring(vertex) };
     match ring {
-        Some(Ring {
-            vertices,
-            closed: true,
-        }) => {
-            let weight = neighbour_weight(vertices.len());
-            terms.push((vertex.0, 1.0 - weight * vertices.len() as f64));
-            terms.extend(vertices.iter().map(|v| (v.0, weight)));
+        Some(ring) if ring.closed => {
+            let valence = ring.spokes.len();
+            let weight = neighbour_weight(valence);
+            terms.push((vertex.0, 1.0 - weight * valence as f64));
+            terms.extend(ring.spokes.iter().map(|v| (v.0, weight)));
         }
         Some(ring) => {
             let (first, last) = border_neighbours(&ring);
@@ -225,8 +225,8 @@ fn vertex_rule(mesh: &TriMesh, vertex: VertexId, is_corner: bool, terms: &mut Ve
     }
 }
 
-fn border_neighbours(ring: &Ring) -> (VertexId, VertexId) {
-    (ring.vertices[0], ring.vertices[ring.vertices.len() - 1])
+fn border_neighbours(ring: &VertexFan) -> (VertexId, VertexId) {
+    (ring.spokes[0], ring.spokes[ring.spokes.len() - 1])
 }
 
 /// Limit positions and tangents at the vertices of `mesh`.
@@ -272,15 +272,15 @@ type Terms = Vec<(u32, f64)>;
 
 fn interior_limit(
     vertex: VertexId,
-    ring: &Ring,
+    ring: &VertexFan,
     position: &mut Terms,
     first: &mut Terms,
     second: &mut Terms,
 ) {
-    let n = ring.vertices.len() as f64;
-    let weight = 1.0 / (n + 0.375 / neighbour_weight(ring.vertices.len()));
+    let n = ring.spokes.len() as f64;
+    let weight = 1.0 / (n + 0.375 / neighbour_weight(ring.spokes.len()));
     position.push((vertex.0, 1.0 - n * weight));
-    for (i, v) in ring.vertices.iter().enumerate() {
+    for (i, v) in ring.spokes.iter().enumerate() {
         let (sin, cos) = (TAU * i as f64 / n).sin_cos();
         position.push((v.0, weight));
         first.push((v.0, cos));
@@ -295,7 +295,7 @@ fn interior_limit(
 /// rules that they change near irregular vertices, which we don't.
 fn border_limit(
     vertex: VertexId,
-    ring: &Ring,
+    ring: &VertexFan,
     position: &mut Terms,
     first: &mut Terms,
     second: &mut Terms,
@@ -307,7 +307,7 @@ fn border_limit(
         (end.0, 1.0 / 6.0),
     ]);
     first.extend([(start.0, 1.0), (end.0, -1.0)]);
-    let count = ring.vertices.len();
+    let count = ring.spokes.len();
     if count == 2 {
         second.extend([(vertex.0, -2.0), (start.0, 1.0), (end.0, 1.0)]);
         return;
@@ -317,7 +317,7 @@ fn border_limit(
     let inner = 1.0 / (0.5 * angle).tan();
     let rim = (angle.sin() - inner) / (1.0 + 2.0 * angle.cos());
     second.extend([(start.0, rim), (end.0, rim), (vertex.0, -2.0 * rim - inner)]);
-    for (i, v) in ring.vertices.iter().enumerate().take(count - 1).skip(1) {
+    for (i, v) in ring.spokes.iter().enumerate().take(count - 1).skip(1) {
         second.push((v.0, (i as f64 * angle).sin()));
     }
 }

@@ -1,8 +1,7 @@
 //! A sparse linear map from per-vertex values to per-vertex values.
 
-use std::ops::Range;
-
-use nalgebra::Vector3;
+use std::iter::Sum;
+use std::ops::{Mul, Range};
 
 use crate::{Id, VertexId};
 
@@ -117,18 +116,14 @@ impl SparseRows {
         renamed
     }
 
-    /// The weighted sums of `values`, one per row.
+    /// The weighted sums of `values`, numbers or vectors, one per row.
     ///
     /// # Panics
     /// When a row has a column beyond the end of `values`.
-    pub fn apply(&self, values: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-        (0..self.row_count())
-            .map(|i| {
-                self.row(i).fold(Vector3::zeros(), |sum, (column, weight)| {
-                    sum + values[column as usize] * weight
-                })
-            })
-            .collect()
+    pub fn apply<T: Copy + Mul<f64, Output = T> + Sum>(&self, values: &[T]) -> Vec<T> {
+        let term = |(column, weight): (u32, f64)| values[column as usize] * weight;
+        let rows = 0..self.row_count();
+        rows.map(|i| self.row(i).map(term).sum()).collect()
     }
 
     /// This map after `inner`: `self * inner`.

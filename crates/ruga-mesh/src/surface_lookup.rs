@@ -125,9 +125,8 @@ impl<'a> SurfaceLookup<'a> {
     }
 
     fn closest_on(&self, face: FaceId, target: &Vector3<f64>) -> Option<ClosestPlace> {
-        let corners = self.corners(face);
-        let barycentric = closest_on_triangle(corners, target);
-        let distance = (blend(corners, barycentric) - target).norm();
+        let (barycentric, squared) = closest_on_triangle(&self.corners(face), target);
+        let distance = squared.sqrt();
         distance.is_finite().then_some(ClosestPlace {
             point: MaterialPoint { face, barycentric },
             distance,
@@ -191,42 +190,29 @@ impl Node {
     }
 }
 
-fn blend(corners: [Vector3<f64>; 3], weights: [f64; 3]) -> Vector3<f64> {
-    corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2]
-}
-
-/// Barycentric coordinates of the point of a triangle that is closest to `target`.
+/// Barycentric coordinates of the point of a triangle that is closest to `target`, and its squared
+/// distance (m²).
 ///
 /// The foot of the perpendicular competes with the closest points of the edges by its actual
 /// distance, so that rounding in a sliver's plane does no harm.
-fn closest_on_triangle(corners: [Vector3<f64>; 3], target: &Vector3<f64>) -> [f64; 3] {
-    let squared = |weights: [f64; 3]| (blend(corners, weights) - target).norm_squared();
-    let mut best = [1.0, 0.0, 0.0];
-    let mut least = squared(best);
-    let edges = (0..3).map(|corner| on_edge(corners, corner, target));
-    for weights in foot(corners, target).into_iter().chain(edges) {
-        let distance = squared(weights);
-        if distance < least {
-            (best, least) = (weights, distance);
+pub fn closest_on_triangle(corners: &[Vector3<f64>; 3], target: &Vector3<f64>) -> ([f64; 3], f64) {
+    let mut best = measured(corners, [1.0, 0.0, 0.0], target);
+    let foot = foot(corners, target).map(|weights| measured(corners, weights, target));
+    let edges = (0..3).map(|corner| closest_on_edge(corners, corner, target));
+    for place in foot.into_iter().chain(edges) {
+        if place.1 < best.1 {
+            best = place;
         }
     }
     best
 }
 
-/// The foot of the perpendicular on the triangle's plane, where it lies inside.
-fn foot(corners: [Vector3<f64>; 3], target: &Vector3<f64>) -> Option<[f64; 3]> {
-    let [a, b, c] = corners;
-    let normal = (b - a).cross(&(c - a));
-    let area = normal.norm_squared();
-    let v = (target - a).cross(&(c - a)).dot(&normal) / area;
-    let w = (b - a).cross(&(target - a)).dot(&normal) / area;
-    let weights = [1.0 - v - w, v, w];
-    // Comparisons with NaN are false.
-    weights.iter().all(|&b| b >= 0.0).then_some(weights)
-}
-
 /// The closest point of the edge from `corner` to the next.
-fn on_edge(corners: [Vector3<f64>; 3], corner: usize, target: &Vector3<f64>) -> [f64; 3] {
+fn closest_on_edge(
+    corners: &[Vector3<f64>; 3],
+    corner: usize,
+    target: &Vector3<f64>,
+) -> ([f64; 3], f64) {
     let next = (corner + 1) % 3;
     let edge = corners[next] - corners[corner];
     let along = (target - corners[corner]).dot(&edge) / edge.norm_squared();
@@ -239,5 +225,26 @@ fn on_edge(corners: [Vector3<f64>; 3], corner: usize, target: &Vector3<f64>) -> 
     let mut weights = [0.0; 3];
     weights[corner] = 1.0 - t;
     weights[next] = t;
-    weights
+    measured(corners, weights, target)
+}
+
+/// The foot of the perpendicular on the triangle's plane, where it lies inside.
+fn foot(corners: &[Vector3<f64>; 3], target: &Vector3<f64>) -> Option<[f64; 3]> {
+    let [a, b, c] = corners;
+    let normal = (b - a).cross(&(c - a));
+    let area = normal.norm_squared();
+    let v = (target - a).cross(&(c - a)).dot(&normal) / area;
+    let w = (b - a).cross(&(target - a)).dot(&normal) / area;
+    let weights = [1.0 - v - w, v, w];
+    // Comparisons with NaN are false.
+    weights.iter().all(|&b| b >= 0.0).then_some(weights)
+}
+
+fn measured(
+    [a, b, c]: &[Vector3<f64>; 3],
+    weights: [f64; 3],
+    target: &Vector3<f64>,
+) -> ([f64; 3], f64) {
+    let place = a * weights[0] + b * weights[1] + c * weights[2];
+    (weights, (place - target).norm_squared())
 }

@@ -1,6 +1,6 @@
 //! Connectivity of an oriented manifold triangle mesh with border.
 
-use crate::{EdgeId, FaceId, Id, MeshError, PerEdge, PerFace, PerVertex, VertexId};
+use crate::{EdgeId, FaceId, Id, MeshError, PerEdge, PerFace, PerVertex, VertexFan, VertexId};
 
 /// An undirected edge and what lies on both sides of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,15 +18,6 @@ impl Edge {
     pub fn is_border(&self) -> bool {
         self.faces[1].is_none()
     }
-}
-
-/// The neighbours of a vertex in counter-clockwise order.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Ring {
-    /// Neighbouring vertices; for an open ring the first and last are on the border.
-    pub vertices: Vec<VertexId>,
-    /// Whether the last neighbour is followed by the first.
-    pub closed: bool,
 }
 
 /// Faces, edges and their incidence; no positions.
@@ -132,58 +123,51 @@ impl TriMesh {
         border
     }
 
-    /// The ordered neighbours of a vertex; `None` where no face or more than one fan meets it.
+    /// The faces at an edge, left and right, each with the corner at which the edge begins there.
+    ///
+    /// # Panics
+    /// When `edge` is none of this mesh's.
+    pub fn edge_sides(&self, edge: EdgeId) -> [Option<(FaceId, usize)>; 2] {
+        self.edges[edge].faces.map(|face| {
+            let corner = self.face_edges[face?].iter().position(|&e| e == edge);
+            face.zip(corner)
+        })
+    }
+
+    /// The fan of faces around a vertex; `None` where no face or more than one fan meets it.
     ///
     /// # Panics
     /// When `vertex` is none of this mesh's.
-    pub fn ring(&self, vertex: VertexId) -> Option<Ring> {
+    pub fn ring(&self, vertex: VertexId) -> Option<VertexFan> {
         let faces = self.vertex_faces(vertex);
-        let spokes: Vec<[VertexId; 2]> = faces.iter().map(|&f| self.spoke(f, vertex)).collect();
-        let is_reached = |v: VertexId| spokes.iter().any(|s| s[1] == v);
-        let start = spokes.iter().map(|s| s[0]).find(|&v| !is_reached(v));
-        let closed = start.is_none();
-        let mut current = start.or(spokes.first().map(|s| s[0]))?;
-        let mut vertices = vec![current];
-        for _ in 0..spokes.len() {
-            current = spokes.iter().find(|s| s[0] == current)?[1];
-            vertices.push(current);
-        }
-        if closed {
-            let last = vertices.pop()?;
-            let turned_once = last == vertices[0] && !vertices[1..].contains(&last);
-            return turned_once.then_some(Ring { vertices, closed });
-        }
-        Some(Ring { vertices, closed })
+        let &face = faces.first()?;
+        let corner = self.faces[face].iter().position(|&v| v == vertex)?;
+        let fan = VertexFan::around(self, face, corner);
+        (fan.faces.len() == faces.len()).then_some(fan)
     }
 
-    /// The two other vertices of a face at `vertex`, in winding order.
-    fn spoke(&self, face: FaceId, vertex: VertexId) -> [VertexId; 2] {
-        let f = self.faces[face];
-        let corner = f.iter().position(|&v| v == vertex).unwrap_or(0);
-        [f[(corner + 1) % 3], f[(corner + 2) % 3]]
-    }
-
-    /// The connected components of the faces: a component number per face, and how many there are.
-    pub fn components(&self) -> (PerFace<u32>, u32) {
-        let mut component = PerFace::filled(self.face_count(), u32::MAX);
-        let mut count = 0;
+    /// The faces for which `is_in` holds, in parts that hang together by edges; each begins with its
+    /// first face, and the parts are in the order of these.
+    pub fn connected_parts(&self, is_in: impl Fn(FaceId) -> bool) -> Vec<Vec<FaceId>> {
+        let mut left: PerFace<bool> = self.faces.ids().map(is_in).collect();
+        let mut parts = Vec::new();
         for seed in self.faces.ids() {
-            if component[seed] != u32::MAX {
+            if !std::mem::replace(&mut left[seed], false) {
                 continue;
             }
-            let mut stack = vec![seed];
-            component[seed] = count;
-            while let Some(face) = stack.pop() {
-                for next in (0..3).filter_map(|c| self.neighbour(face, c)) {
-                    if component[next] == u32::MAX {
-                        component[next] = count;
-                        stack.push(next);
+            let mut part = vec![seed];
+            let mut next = 0;
+            while let Some(&from) = part.get(next) {
+                for face in (0..3).filter_map(|corner| self.neighbour(from, corner)) {
+                    if std::mem::replace(&mut left[face], false) {
+                        part.push(face);
                     }
                 }
+                next += 1;
             }
-            count += 1;
+            parts.push(part);
         }
-        (component, count)
+        parts
     }
 
     /// The mesh of the chosen faces, in the order given.

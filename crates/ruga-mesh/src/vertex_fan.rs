@@ -1,25 +1,48 @@
 //! The faces around one corner of a face, and the controls that they give.
 
-use crate::{FaceId, Id, PerVertex, SparseRows, TriMesh, VertexId};
+use crate::{FaceId, Id, PerFace, PerVertex, SparseRows, TriMesh, VertexId};
 
 /// Faces around a vertex that hang together, counter-clockwise.
-///
-/// Unlike [`TriMesh::ring`], it starts from a face and knows where vertices with several fans end.
-#[derive(Clone, Debug)]
-pub(crate) struct VertexFan {
+#[derive(Clone, Debug, PartialEq)]
+pub struct VertexFan {
+    /// The vertex.
+    pub vertex: VertexId,
     /// Each face with the corner at which the vertex is.
-    pub(crate) faces: Vec<(FaceId, usize)>,
-    /// The neighbours; one more than faces unless closed.
-    pub(crate) spokes: Vec<VertexId>,
+    pub faces: Vec<(FaceId, usize)>,
+    /// The neighbours, one where each face begins; of an open fan one more, on the border as the first.
+    pub spokes: Vec<VertexId>,
     /// Whether the last face is followed by the first.
-    pub(crate) closed: bool,
+    pub closed: bool,
     /// Position in `faces` of the face asked for; zero in a closed fan.
-    pub(crate) sector: usize,
+    pub sector: usize,
 }
 
 impl VertexFan {
+    /// The fans of all vertices, by face and corner of the first face of each that the mesh has.
+    ///
+    /// A vertex at which several fans touch has all of them.
+    pub fn all(mesh: &TriMesh) -> Vec<Self> {
+        let mut seen = PerFace::filled(mesh.face_count(), [false; 3]);
+        let mut fans = Vec::new();
+        for face in mesh.faces().ids() {
+            for corner in 0..3 {
+                if !seen[face][corner] {
+                    let fan = Self::around(mesh, face, corner);
+                    for &(face, corner) in &fan.faces {
+                        seen[face][corner] = true;
+                    }
+                    fans.push(fan);
+                }
+            }
+        }
+        fans
+    }
+
     /// The fan around `corner` of `face`; a closed one starts at that face, others at the border.
-    pub(crate) fn around(mesh: &TriMesh, face: FaceId, corner: usize) -> Self {
+    ///
+    /// # Panics
+    /// When `face` is none of the mesh's, or `corner` is not 0, 1 or 2.
+    pub fn around(mesh: &TriMesh, face: FaceId, corner: usize) -> Self {
         let vertex = mesh.faces()[face][corner];
         let mut first = (face, corner);
         let mut sector = 0;
@@ -48,6 +71,7 @@ impl VertexFan {
             spokes.push(mesh.faces()[f][(c + 2) % 3]);
         }
         Self {
+            vertex,
             faces,
             spokes,
             closed,
@@ -82,12 +106,10 @@ pub(crate) struct VertexKind {
 impl VertexKind {
     /// The kind of the vertex of `fan`.
     pub(crate) fn of(mesh: &TriMesh, corners: &PerVertex<bool>, fan: &VertexFan) -> Self {
-        let (face, corner) = fan.faces[0];
-        let vertex = mesh.faces()[face][corner];
         Self {
             faces: fan.faces.len(),
             closed: fan.closed,
-            fixed: corners[vertex] || mesh.vertex_faces(vertex).len() != fan.faces.len(),
+            fixed: corners[fan.vertex] || mesh.vertex_faces(fan.vertex).len() != fan.faces.len(),
         }
     }
 

@@ -113,15 +113,15 @@ proptest! {
             let ring = mesh.ring(vertex);
             prop_assert_eq!(ring.is_some(), fan_count(&mesh, vertex) == 1);
             let Some(ring) = ring else { continue };
-            let count = ring.vertices.len();
+            let count = ring.spokes.len();
             prop_assert_eq!(ring.closed, !is_border);
             let faces = mesh.vertex_faces(vertex).len();
             prop_assert_eq!(count, if ring.closed { faces } else { faces + 1 });
             for i in 0..faces {
-                let next = ring.vertices[(i + 1) % count];
-                prop_assert!(is_face(&mesh, [vertex, ring.vertices[i], next]));
+                let next = ring.spokes[(i + 1) % count];
+                prop_assert!(is_face(&mesh, [vertex, ring.spokes[i], next]));
             }
-            let mut distinct = ring.vertices.clone();
+            let mut distinct = ring.spokes.clone();
             distinct.sort();
             distinct.dedup();
             prop_assert_eq!(distinct.len(), count);
@@ -129,22 +129,21 @@ proptest! {
     }
 
     #[test]
-    fn components_are_what_neighbours_connect(mesh in random_mesh()) {
-        let (component, count) = mesh.components();
-        let mut is_used = vec![false; count as usize];
-        for face in component.ids() {
-            is_used[component[face] as usize] = true;
+    fn parts_are_what_neighbours_connect(mesh in random_mesh()) {
+        let parts = mesh.connected_parts(|_| true);
+        let mut part_of = PerFace::filled(mesh.face_count(), usize::MAX);
+        for (number, part) in parts.iter().enumerate() {
+            part.iter().for_each(|&face| part_of[face] = number);
+            prop_assert_eq!(part.iter().min(), part.first());
+        }
+        for face in part_of.ids() {
             for next in (0..3).filter_map(|corner| mesh.neighbour(face, corner)) {
-                prop_assert_eq!(component[face], component[next]);
+                prop_assert_eq!(part_of[face], part_of[next]);
             }
         }
-        prop_assert!(is_used.iter().all(|&used| used));
-        // Numbered by their first face.
-        let firsts: Vec<usize> = (0..count)
-            .filter_map(|c| component.as_slice().iter().position(|&x| x == c))
-            .collect();
-        prop_assert!(firsts.is_sorted());
-        prop_assert_eq!(count as usize, count_by_merging(&mesh));
+        prop_assert!(parts.is_sorted_by_key(|part| part[0]));
+        prop_assert_eq!(parts.iter().map(Vec::len).sum::<usize>(), mesh.face_count());
+        prop_assert_eq!(parts.len(), count_by_merging(&mesh));
     }
 
     #[test]

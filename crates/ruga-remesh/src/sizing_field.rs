@@ -1,7 +1,7 @@
 //! The sizing that a wrinkled shape and its driver ask for.
 
 use nalgebra::{Matrix3, Vector3};
-use ruga_mesh::{FaceId, Id, PerFace, PerVertex, face_normals, tangent_frame, vertex_normals};
+use ruga_mesh::{FaceId, Id, PerFace, PerVertex, face_areas, tangent_frame, vertex_normals};
 
 use crate::sizing::setting;
 use crate::surface::check_length;
@@ -102,10 +102,7 @@ pub fn sizing_field(input: &SizingInput) -> Result<Sizing, RemeshError> {
     } = *input;
     let rest = mesh.positions.as_slice();
     let normals = vertex_normals(&mesh.mesh, shape);
-    let areas: PerFace<f64> = face_normals(&mesh.mesh, rest)
-        .iter()
-        .map(|(_, n)| n.norm())
-        .collect();
+    let areas = face_areas(&mesh.mesh, rest);
     let mut sums = PerVertex::filled(mesh.mesh.vertex_count(), Sums::default());
     for (face, corners) in mesh.mesh.faces().iter() {
         let at = |field: &[Vector3<f64>]| corners.map(|v| field[v.index()]);

@@ -1,6 +1,5 @@
 //! What a remesh hands over: new values from old.
 
-use nalgebra::Vector3;
 use ruga_mesh::{Id, MaterialPoint, PerVertex, SparseRows, VertexId};
 
 /// How per-vertex values of the old mesh become values of the new one.
@@ -14,36 +13,13 @@ use ruga_mesh::{Id, MaterialPoint, PerVertex, SparseRows, VertexId};
 pub struct Transfer {
     /// Where each new vertex lies on the old mesh.
     pub origins: PerVertex<MaterialPoint>,
-    /// Row per new vertex, column per old vertex.
+    /// Row per new vertex, column per old vertex: what carries numbers and vectors over.
     pub rows: SparseRows,
     /// For each new vertex the old vertex that it is, if it is one.
     pub survivors: PerVertex<Option<VertexId>>,
 }
 
 impl Transfer {
-    /// Values at the new vertices, from one vector per old vertex.
-    ///
-    /// # Panics
-    /// Where `old` has fewer values than the old mesh has vertices.
-    pub fn vectors(&self, old: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-        self.rows.apply(old)
-    }
-
-    /// Values at the new vertices, from one number per old vertex.
-    ///
-    /// # Panics
-    /// Where `old` has fewer values than the old mesh has vertices.
-    pub fn scalars(&self, old: &[f64]) -> Vec<f64> {
-        (0..self.rows.row_count())
-            .map(|row| {
-                self.rows
-                    .row(row)
-                    .map(|(v, weight)| old[v as usize] * weight)
-                    .sum()
-            })
-            .collect()
-    }
-
     /// Pins and flags at the new vertices: the survivor's own, `born` for a new vertex.
     ///
     /// # Panics

@@ -85,7 +85,7 @@ fn check_transfer(
         }
     }
     if matches!(shape, Shape::Flat) {
-        let carried = after.transfer.vectors(before.positions.as_slice());
+        let carried = after.transfer.rows.apply(before.positions.as_slice());
         for (p, q) in carried.iter().zip(after.mesh.positions.as_slice()) {
             prop_assert!((p - q).norm() < 1e-9, "linear fields are carried exactly");
         }

@@ -3,6 +3,7 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::{Matrix2, Vector3};
+use ruga_mesh::TriMesh;
 use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters};
 
 const SIDE: usize = 97;
@@ -39,15 +40,16 @@ fn layer(model: BendingModel) -> (LayerEnergy, Vec<Vector3<f64>>, usize) {
         normal_stiffness: 5e9,
         gradient_stiffness: 1e3,
     };
-    let parameters = LayerParameters::uniform(skin, faces.len(), 1e10, rest.len());
+    let mesh = TriMesh::new(rest.len(), faces).expect("a lattice");
+    let parameters = LayerParameters::uniform(skin, mesh.face_count(), 1e10, rest.len());
     let pinned = vec![false; rest.len()];
-    let layer = LayerEnergy::with_bending(&rest, &faces, parameters, &pinned, model)
+    let layer = LayerEnergy::with_bending(&mesh, &rest, parameters, &pinned, model)
         .expect("a valid lattice");
     let wrinkled = rest
         .iter()
         .map(|p| Vector3::new(0.97 * p.x, p.y, 5e-5 * (2.5e3 * p.x).sin()))
         .collect();
-    (layer, wrinkled, faces.len())
+    (layer, wrinkled, mesh.face_count())
 }
 
 fn assembly(criterion: &mut Criterion) {

@@ -15,22 +15,6 @@ pub enum ShellError {
         /// Its length.
         found: usize,
     },
-    /// A face names a vertex that does not exist.
-    #[error("face {face} names vertex {vertex}, but there are {count} vertices")]
-    VertexOutOfRange {
-        /// Index of the face.
-        face: usize,
-        /// The vertex it names.
-        vertex: u32,
-        /// Number of vertices.
-        count: usize,
-    },
-    /// A face names a vertex twice.
-    #[error("face {face} names a vertex twice")]
-    RepeatedVertex {
-        /// Index of the face.
-        face: usize,
-    },
     /// A rest triangle is too thin to have a shape.
     #[error(
         "rest triangle {face} has area {area:e} m2, under {minimum:e} m2 (a millionth of its \
@@ -43,22 +27,6 @@ pub enum ShellError {
         area: f64,
         /// The least area accepted (m²).
         minimum: f64,
-    },
-    /// More than two faces meet at an edge, or two faces are the same triangle.
-    #[error("edge {tail}-{head} is not manifold")]
-    NonManifoldEdge {
-        /// One end.
-        tail: u32,
-        /// The other end.
-        head: u32,
-    },
-    /// Two neighbouring faces are wound in opposite senses.
-    #[error("the faces at edge {tail}-{head} are wound in opposite senses")]
-    InconsistentOrientation {
-        /// One end.
-        tail: u32,
-        /// The other end.
-        head: u32,
     },
     /// A vertex that may move belongs to no face: nothing would hold it.
     #[error("vertex {vertex} is free but belongs to no face")]

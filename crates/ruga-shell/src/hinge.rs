@@ -27,15 +27,6 @@ pub struct Hinge {
     pub rest_angle: f64,
 }
 
-/// Which part of a hinge's second derivative a Hessian holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum HingeCurvature {
-    /// All of it: `k (g g^T + (theta - theta_rest) d2theta)`.
-    Full,
-    /// `k g g^T`: positive semidefinite.
-    GaussNewton,
-}
-
 /// One triangle of a hinge in the frame of its edge.
 #[derive(Clone, Copy, Debug)]
 struct Side {
@@ -166,17 +157,15 @@ impl Hinge {
         state.angle_gradient().map(|g| g * moment)
     }
 
-    /// Second derivative of the energy (N/m).
-    pub fn hessian(&self, x: &[Vector3<f64>; 4], curvature: HingeCurvature) -> [Matrix3<f64>; 10] {
+    /// Second derivative of the energy (N/m): `k (g g^T + (theta - theta_rest) d2theta)`.
+    pub fn hessian(&self, x: &[Vector3<f64>; 4]) -> [Matrix3<f64>; 10] {
         let state = HingeState::new(x);
         let mut blocks = self.gauss_newton(&state);
-        if curvature == HingeCurvature::Full {
-            self.add_curvature(&state, &mut blocks);
-        }
+        self.add_curvature(&state, &mut blocks);
         blocks
     }
 
-    /// `k g g^T`.
+    /// `k g g^T`: positive semidefinite.
     #[inline]
     pub fn gauss_newton(&self, state: &HingeState) -> [Matrix3<f64>; 10] {
         let g = state.angle_gradient();

@@ -1,7 +1,8 @@
 //! The stiffness that makes hinges bend like a plate.
 
+use ruga_mesh::{FaceId, Id};
+
 use crate::RestTriangle;
-use crate::edges::Side;
 
 /// Default exponent of the per-hinge factor.
 ///
@@ -44,14 +45,12 @@ impl HingeShape {
         }
     }
 
-    /// The two sides of an inner edge.
-    pub(crate) fn between(left: Side, right: Side, rest: &[RestTriangle]) -> Self {
-        Self::new(
-            &rest[left.face],
-            left.corner,
-            &rest[right.face],
-            right.corner,
-        )
+    /// The faces on the two sides of an inner edge, each with the corner at which the edge begins.
+    pub(crate) fn between(
+        [(left, tail), (right, head)]: [(FaceId, usize); 2],
+        rest: &[RestTriangle],
+    ) -> Self {
+        Self::new(&rest[left.index()], tail, &rest[right.index()], head)
     }
 
     /// Derivative of the angle by the height of tail, head, left and right apex above the plane.

@@ -2,14 +2,15 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::edges::Edge;
+use ruga_mesh::{BlockPattern, BlockSlot, EdgeId, FaceId, Id, PerEdge, TriMesh};
+
 use crate::hinge::{Hinge, HingeState};
 use crate::hinge_stiffness::{HINGE_EXPONENT, HingeShape};
 use crate::layer_energy::gather;
-use crate::pattern::{Pattern, Slot};
-use crate::stars::{Star, stars};
+use crate::sheet::{add_blocks, slots};
+use crate::stars::Star;
 use crate::vertex_curvature::weighted;
-use crate::{BendingModel, FaceParameters, RestTriangle};
+use crate::{FaceParameters, RestTriangle};
 
 /// Hinges at all inner edges and, if the model has them, the stars that their angles go into.
 #[derive(Clone, Debug)]
@@ -19,13 +20,22 @@ pub(crate) struct LayerBending {
     factor: f64,
 }
 
+/// An inner edge of a mesh, without a stiffness.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct InnerEdge {
+    pub(crate) edge: EdgeId,
+    /// Its two faces, each with the corner at which the edge begins.
+    pub(crate) sides: [(FaceId, usize); 2],
+    /// Tail, head, left and right apex.
+    pub(crate) vertices: [u32; 4],
+}
+
 #[derive(Clone, Copy, Debug)]
 struct HingeElement {
     hinge: Hinge,
     vertices: [u32; 4],
-    /// Index of the edge it lies on.
-    edge: usize,
-    slots: [Slot; 6],
+    sides: [(FaceId, usize); 2],
+    slots: [BlockSlot; 10],
 }
 
 #[derive(Clone, Debug)]
@@ -35,62 +45,62 @@ struct StarElement {
     rows: Vec<Vector3<f64>>,
     /// Per inner edge, the hinge on it.
     hinges: Vec<u32>,
-    /// Of the blocks below the diagonal, row by row.
-    slots: Vec<Slot>,
+    slots: Vec<BlockSlot>,
 }
 
-/// Row and column, within a hinge, of the off-diagonal blocks in the order of the slots, and their
-/// positions in the list of lower blocks.
-const HINGE_PAIRS: [([usize; 2], usize); 6] = [
-    ([1, 0], 1),
-    ([2, 0], 3),
-    ([2, 1], 4),
-    ([3, 0], 6),
-    ([3, 1], 7),
-    ([3, 2], 8),
-];
-const HINGE_DIAGONAL: [usize; 4] = [0, 2, 5, 9];
-
-/// The stars that a model bends at; none with hinges.
-pub(crate) fn bending_stars(model: BendingModel, faces: &[[u32; 3]], edges: &[Edge]) -> Vec<Star> {
-    match model {
-        BendingModel::Hinge => Vec::new(),
-        BendingModel::VertexCurvature => stars(faces, edges),
-    }
+/// The edges between two faces, by their lower and then their higher end.
+pub(crate) fn inner_edges(mesh: &TriMesh) -> Vec<InnerEdge> {
+    let inner = mesh.edges().iter().filter_map(|(id, edge)| {
+        let ([left, right], [Some(first), Some(second)]) = (mesh.edge_sides(id), edge.apexes)
+        else {
+            return None;
+        };
+        let [tail, head] = edge.vertices;
+        Some(InnerEdge {
+            edge: id,
+            sides: [left?, right?],
+            vertices: [tail, head, first, second].map(|v| v.0),
+        })
+    });
+    let mut inner: Vec<_> = inner.collect();
+    inner.sort_by_key(|inner| {
+        let [tail, head, ..] = inner.vertices;
+        (tail.min(head), tail.max(head))
+    });
+    inner
 }
 
 impl LayerBending {
+    /// Bending at these inner edges and stars of a mesh.
+    ///
     /// Rest angles are those of `rest`; stiffness is set later, because the rest metric changes it.
     pub(crate) fn new(
         stars: Vec<Star>,
-        faces: &[[u32; 3]],
-        edges: &[Edge],
+        (mesh, inner): (&TriMesh, &[InnerEdge]),
         rest: &[Vector3<f64>],
-        pattern: &Pattern,
+        pattern: &BlockPattern,
     ) -> Self {
-        let mut hinge_of = vec![0; edges.len()];
-        let mut hinges = Vec::new();
-        for (edge, topology) in edges.iter().enumerate() {
-            let Some((vertices, _)) = topology.hinge(faces) else {
-                continue;
-            };
-            hinge_of[edge] = hinges.len() as u32;
-            hinges.push(HingeElement {
-                hinge: Hinge {
-                    stiffness: 0.0,
-                    rest_angle: HingeState::new(&gather(rest, &vertices)).angle(),
-                },
-                vertices,
-                edge,
-                slots: HINGE_PAIRS.map(|([i, j], _)| pattern.slot(vertices[i], vertices[j])),
-            });
+        let mut hinge_of = PerEdge::filled(mesh.edges().len(), 0);
+        for (hinge, inner) in (0..).zip(inner) {
+            hinge_of[inner.edge] = hinge;
         }
+        let hinge = |&InnerEdge {
+                         sides, vertices, ..
+                     }: &InnerEdge| HingeElement {
+            hinge: Hinge {
+                stiffness: 0.0,
+                rest_angle: HingeState::new(&gather(rest, &vertices)).angle(),
+            },
+            vertices,
+            sides,
+            slots: slots(pattern, &vertices),
+        };
         Self {
             stars: stars
                 .into_iter()
                 .map(|star| StarElement::new(star, &hinge_of, pattern))
                 .collect(),
-            hinges,
+            hinges: inner.iter().map(hinge).collect(),
             factor: 1.0,
         }
     }
@@ -100,20 +110,14 @@ impl LayerBending {
     }
 
     /// Recomputes every stiffness for another rest metric or factor.
-    pub(crate) fn set_rest(
-        &mut self,
-        edges: &[Edge],
-        rest: &[RestTriangle],
-        parameters: &[FaceParameters],
-    ) {
+    pub(crate) fn set_rest(&mut self, rest: &[RestTriangle], parameters: &[FaceParameters]) {
         let modulus = |face: usize| parameters[face].bending_modulus();
         let factor = self.factor;
         if self.stars.is_empty() {
             for element in &mut self.hinges {
-                let edge = &edges[element.edge];
-                let Some(right) = edge.right else { continue };
-                let shape = HingeShape::between(edge.left, right, rest);
-                let mean = 0.5 * (modulus(edge.left.face) + modulus(right.face));
+                let shape = HingeShape::between(element.sides, rest);
+                let [left, right] = element.sides.map(|(face, _)| modulus(face.index()));
+                let mean = 0.5 * (left + right);
                 element.hinge.stiffness = factor * shape.stiffness(mean, HINGE_EXPONENT);
             }
         }
@@ -143,7 +147,12 @@ impl LayerBending {
         self.stars.iter().map(curved).sum()
     }
 
-    pub(crate) fn add_gradient(&self, x: &[Vector3<f64>], pattern: &Pattern, gradient: &mut [f64]) {
+    pub(crate) fn add_gradient(
+        &self,
+        x: &[Vector3<f64>],
+        pattern: &BlockPattern,
+        gradient: &mut [f64],
+    ) {
         if self.stars.is_empty() {
             for element in &self.hinges {
                 let forces = element.hinge.gradient(&gather(x, &element.vertices));
@@ -161,22 +170,16 @@ impl LayerBending {
 
     /// Adds the second derivative to `exact`, and its Gauss-Newton part to `relaxed` unless that is
     /// empty.
-    pub(crate) fn add_hessian(
-        &self,
-        x: &[Vector3<f64>],
-        pattern: &Pattern,
-        exact: &mut [f64],
-        relaxed: &mut [f64],
-    ) {
+    pub(crate) fn add_hessian(&self, x: &[Vector3<f64>], exact: &mut [f64], relaxed: &mut [f64]) {
         if self.stars.is_empty() {
             for element in &self.hinges {
                 let state = element.state(x);
                 let mut blocks = element.hinge.gauss_newton(&state);
                 if !relaxed.is_empty() {
-                    element.add(&blocks, pattern, relaxed);
+                    add_blocks(relaxed, &element.slots, &blocks);
                 }
                 element.hinge.add_curvature(&state, &mut blocks);
-                element.add(&blocks, pattern, exact);
+                add_blocks(exact, &element.slots, &blocks);
             }
             return;
         }
@@ -185,12 +188,12 @@ impl LayerBending {
         for ((element, state), moment) in self.hinges.iter().zip(&states).zip(moments) {
             let mut blocks = [Matrix3::zeros(); 10];
             state.add_curvature(moment, &mut blocks);
-            element.add(&blocks, pattern, exact);
+            add_blocks(exact, &element.slots, &blocks);
         }
         let gradients: Vec<_> = states.iter().map(HingeState::angle_gradient).collect();
         let mut slopes = Vec::new();
         for star in &self.stars {
-            star.add_gauss_newton(&gradients, &mut slopes, pattern, exact, relaxed);
+            star.add_gauss_newton(&gradients, &mut slopes, exact, relaxed);
         }
     }
 
@@ -224,24 +227,14 @@ impl HingeElement {
     fn state(&self, x: &[Vector3<f64>]) -> HingeState {
         HingeState::new(&gather(x, &self.vertices))
     }
-
-    #[inline]
-    fn add(&self, blocks: &[Matrix3<f64>; 10], pattern: &Pattern, values: &mut [f64]) {
-        for (&vertex, block) in self.vertices.iter().zip(HINGE_DIAGONAL) {
-            pattern.add_diagonal(values, vertex, &blocks[block]);
-        }
-        for (&slot, (_, block)) in self.slots.iter().zip(HINGE_PAIRS) {
-            Pattern::add_block(values, slot, &blocks[block]);
-        }
-    }
 }
 
 impl StarElement {
-    fn new(star: Star, hinge_of: &[u32], pattern: &Pattern) -> Self {
+    fn new(star: Star, hinge_of: &PerEdge<u32>, pattern: &BlockPattern) -> Self {
         Self {
             rows: Vec::new(),
             hinges: star.folds.iter().map(|fold| hinge_of[fold.edge]).collect(),
-            slots: star.pairs().map(|[i, j]| pattern.slot(i, j)).collect(),
+            slots: pattern.stencil_slots(&star.vertices).collect(),
             star,
         }
     }
@@ -258,30 +251,24 @@ impl StarElement {
         &self,
         gradients: &[[Vector3<f64>; 4]],
         slopes: &mut Vec<Matrix3<f64>>,
-        pattern: &Pattern,
         exact: &mut [f64],
         relaxed: &mut [f64],
     ) {
         slopes.clear();
-        slopes.resize(self.star.vertices().count(), Matrix3::zeros());
+        slopes.resize(self.star.vertices.len(), Matrix3::zeros());
         for ((&hinge, fold), row) in self.hinges.iter().zip(&self.star.folds).zip(&self.rows) {
             for (&i, g) in fold.corners.iter().zip(&gradients[hinge as usize]) {
                 slopes[i as usize] += row * g.transpose();
             }
         }
         let mut slots = self.slots.iter();
-        for (i, (slope, vertex)) in slopes.iter().zip(self.star.vertices()).enumerate() {
-            for (other, &slot) in slopes[..i].iter().zip(slots.by_ref()) {
+        for (i, slope) in slopes.iter().enumerate() {
+            for (other, slot) in slopes[..=i].iter().zip(slots.by_ref()) {
                 let block = slope.tr_mul(other);
-                Pattern::add_block(exact, slot, &block);
+                slot.add(exact, &block);
                 if !relaxed.is_empty() {
-                    Pattern::add_block(relaxed, slot, &block);
+                    slot.add(relaxed, &block);
                 }
-            }
-            let block = slope.tr_mul(slope);
-            pattern.add_diagonal(exact, vertex, &block);
-            if !relaxed.is_empty() {
-                pattern.add_diagonal(relaxed, vertex, &block);
             }
         }
     }

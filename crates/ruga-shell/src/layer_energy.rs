@@ -2,13 +2,13 @@
 
 use nalgebra::{Matrix2, Vector3};
 
+use ruga_mesh::{BlockPattern, PerVertex, TriMesh, vertex_normals};
+
 use crate::foundation::Anchor;
 use crate::layer_foundation::{FoundationStiffness, LayerFoundation, anchors, deviations};
-use crate::measures::{PrincipalStrain, vertex_normals};
 use crate::parameters::{check_finite, check_length};
-use crate::pattern::Pattern;
-use crate::sheet::{Sheet, SheetTopology, check_positions};
-use crate::sheet_ties::SheetTies;
+use crate::sheet::{Sheet, SheetTopology};
+use crate::sheet_ties::{SheetTies, both};
 use crate::{BendingModel, LayerParameters, ShellError, TieParameters};
 
 /// Membrane, bending and foundation of a layer, or of a pair of sheets one on the other that move
@@ -33,7 +33,7 @@ pub struct LayerEnergy {
     bending_model: BendingModel,
     foundation: LayerFoundation,
     foundation_hessian: Vec<f64>,
-    pattern: Pattern,
+    pattern: BlockPattern,
 }
 
 /// A sheet above another one, vertex `i` above vertex `i`.
@@ -77,31 +77,31 @@ impl LayerEnergy {
     /// # Errors
     /// Those of [`Self::with_bending`].
     pub fn new(
+        mesh: &TriMesh,
         rest_positions: &[Vector3<f64>],
-        faces: &[[u32; 3]],
         parameters: LayerParameters,
         pinned: &[bool],
     ) -> Result<Self, ShellError> {
         let model = BendingModel::Hinge;
-        Self::with_bending(rest_positions, faces, parameters, pinned, model)
+        Self::with_bending(mesh, rest_positions, parameters, pinned, model)
     }
 
     /// A layer at rest on itself: rest angles and metric are those of `rest_positions` (m), the
     /// base is the rest surface with its area-weighted normals and no offset.
     ///
-    /// `faces` name vertices counter-clockwise; `pinned` has one entry per vertex.
+    /// `rest_positions` and `pinned` have one entry per vertex.
     ///
     /// # Errors
-    /// Any [`ShellError`] about lengths, indices, orientation, degenerate faces or parameters.
+    /// Any [`ShellError`] about lengths, degenerate faces or parameters.
     pub fn with_bending(
+        mesh: &TriMesh,
         rest_positions: &[Vector3<f64>],
-        faces: &[[u32; 3]],
         parameters: LayerParameters,
         pinned: &[bool],
         bending_model: BendingModel,
     ) -> Result<Self, ShellError> {
-        let mesh = (rest_positions, faces, pinned);
-        Self::build(mesh, parameters, None, bending_model)
+        let at_rest = (mesh, rest_positions, pinned);
+        Self::build(at_rest, parameters, None, bending_model)
     }
 
     /// A layer with an `upper` sheet that moves together with it, both at rest; a vertex is pinned in
@@ -111,59 +111,63 @@ impl LayerEnergy {
     /// Those of [`Self::with_bending`], for either sheet; [`ShellError::ParameterOutOfRange`] for a
     /// lever.
     pub fn pair(
-        (rest_positions, faces, pinned): (&[Vector3<f64>], &[[u32; 3]], &[bool]),
+        at_rest: (&TriMesh, &[Vector3<f64>], &[bool]),
         parameters: LayerParameters,
         upper: UpperSheet,
         bending_model: BendingModel,
     ) -> Result<Self, ShellError> {
-        let mesh = (rest_positions, faces, pinned);
-        Self::build(mesh, parameters, Some(upper), bending_model)
+        Self::build(at_rest, parameters, Some(upper), bending_model)
     }
 
     fn build(
-        (rest, faces, pinned): (&[Vector3<f64>], &[[u32; 3]], &[bool]),
+        (mesh, rest, pinned): (&TriMesh, &[Vector3<f64>], &[bool]),
         parameters: LayerParameters,
         upper: Option<UpperSheet>,
         bending_model: BendingModel,
     ) -> Result<Self, ShellError> {
-        let count = rest.len();
+        let (count, face_count) = (mesh.vertex_count(), mesh.face_count());
+        check_length("rest positions", count, rest.len())?;
         check_length("pinned", count, pinned.len())?;
-        parameters.check(faces.len(), count)?;
+        parameters.check(face_count, count)?;
+        check_held(mesh, pinned)?;
+        let normals = vertex_normals(mesh, rest);
         let (mut rest, mut pinned) = (rest.to_vec(), pinned.to_vec());
+        let first = SheetTopology::new(mesh, 0, bending_model);
+        let mut sheets = vec![(first, parameters.faces)];
+        let mut between: Vec<[u32; 6]> = Vec::new();
         if let Some(upper) = &upper {
-            upper.check(faces.len(), count)?;
+            upper.check(face_count, count)?;
             rest.extend_from_slice(&upper.rest_positions);
             pinned.extend_from_within(..);
+            let second = SheetTopology::new(mesh, count as u32, bending_model);
+            sheets.push((second, upper.parameters.faces.clone()));
+            let faces = mesh.faces().as_slice().iter();
+            between.extend(faces.map(|face| both(face.map(|v| v.0), count as u32)));
         }
-        let topology = |faces| SheetTopology::new(faces, rest.len(), bending_model);
-        let mut sheets = vec![topology(faces.to_vec())?];
-        let mut all_faces = faces.to_vec();
-        if upper.is_some() {
-            let above = faces.iter().map(|face| face.map(|v| v + count as u32));
-            all_faces.extend(above.clone());
-            sheets.push(topology(above.collect())?);
-        }
-        check_positions(&rest, &all_faces, &pinned)?;
-        let between = upper.iter().flat_map(|_| SheetTies::pairs(faces, count));
-        let pairs = sheets.iter().flat_map(SheetTopology::pairs).chain(between);
-        let pattern = Pattern::new(&pinned, pairs);
-        let of_faces = std::iter::once(parameters.faces)
-            .chain(upper.iter().map(|upper| upper.parameters.faces.clone()));
+        check_finite("rest position", rest.iter().flatten(), 3)?;
+        let of_sheets = sheets.iter().flat_map(|(sheet, _)| sheet.stencils());
+        let stencils = of_sheets.chain(between.iter().map(<[u32; 6]>::as_slice));
+        let pattern = BlockPattern::new(&pinned, stencils);
         let sheets = sheets
             .into_iter()
-            .zip(of_faces)
             .map(|(topology, faces)| Sheet::new(topology, &rest, faces, &pattern))
             .collect::<Result<Vec<_>, _>>()?;
-        let lower = (faces, sheets[0].rest(), count);
-        let ties =
-            upper.map(|upper| SheetTies::new(lower, upper.ties(faces), upper.levers, &pattern));
-        let normals = vertex_normals(&rest[..count], faces).into_iter();
-        let anchors = normals.zip(&rest);
+        let ties = upper.map(|upper| {
+            let parameters = upper.ties(sheets[0].faces());
+            SheetTies::new(
+                (&between, sheets[0].rest()),
+                parameters,
+                upper.levers,
+                &pattern,
+            )
+        });
+        let anchors = normals.into_iter().zip(&rest);
         let anchors = anchors.map(|(normal, &point)| Anchor { point, normal });
         let tangential = parameters.tangential_stiffness;
-        let foundation = LayerFoundation::new(&sheets[0], tangential, &pattern, anchors.collect());
+        let lower = (mesh, &sheets[0]);
+        let foundation = LayerFoundation::new(lower, tangential, &pattern, anchors.collect());
         Ok(Self {
-            foundation_hessian: foundation.hessian(sheets[0].edges(), &pattern),
+            foundation_hessian: foundation.hessian(&pattern),
             sheets,
             ties,
             bending_model,
@@ -184,12 +188,12 @@ impl LayerEnergy {
     ) -> Result<(), ShellError> {
         let anchors = anchors(points, normals, offsets, self.mesh_vertices())?;
         self.foundation.set_anchors(anchors);
-        self.foundation_hessian = self.foundation.hessian(self.lower().edges(), &self.pattern);
+        self.foundation_hessian = self.foundation.hessian(&self.pattern);
         Ok(())
     }
 
     /// Stretches every rest triangle, as built, by a 2×2 matrix in its local frame
-    /// ([`crate::rest_frame`]): the rest metric becomes `S^T S`. Replaces any earlier stretch.
+    /// ([`ruga_mesh::triangle_frame`]): the rest metric becomes `S^T S`. Replaces any earlier stretch.
     ///
     /// Membrane, bending stiffness and springs all follow, of a pair in both sheets; rest angles stay, and natural strains
     /// are zero again.
@@ -212,9 +216,7 @@ impl LayerEnergy {
             ties.set_rest(self.sheets[0].rest());
         }
         self.foundation.set_rest(&self.sheets[0]);
-        self.foundation_hessian = self
-            .foundation
-            .hessian(self.sheets[0].edges(), &self.pattern);
+        self.foundation_hessian = self.foundation.hessian(&self.pattern);
         Ok(())
     }
 
@@ -282,23 +284,28 @@ impl LayerEnergy {
 
     /// Number of vertices, pinned ones included, of both sheets of a pair.
     pub fn vertex_count(&self) -> usize {
-        self.pattern.free_of.len()
+        self.pattern.point_count()
     }
 
     /// The free vertices; the `k`-th has degrees of freedom `3k`, `3k + 1`, `3k + 2`.
     pub fn free_vertices(&self) -> &[u32] {
-        &self.pattern.free_vertices
+        self.pattern.free_points()
     }
 
     /// Number of degrees of freedom.
     pub fn dof_count(&self) -> usize {
-        3 * self.pattern.free_vertices.len()
+        self.pattern.size()
     }
 
     /// Column starts and row indices of the Hessian's lower triangle, diagonal included, rows
     /// sorted within each column.
     pub fn pattern(&self) -> (&[usize], &[usize]) {
-        (&self.pattern.column_starts, &self.pattern.rows)
+        (self.pattern.column_starts(), self.pattern.rows())
+    }
+
+    /// The pattern by blocks of vertices.
+    pub fn blocks(&self) -> &BlockPattern {
+        &self.pattern
     }
 
     /// Energy (J) at the positions `x` (m) of all vertices.
@@ -396,7 +403,7 @@ impl LayerEnergy {
 
     /// Stiffness of the springs below, under the present rest metric.
     pub fn foundation_stiffness(&self) -> FoundationStiffness {
-        self.foundation.stiffness(self.lower().edges())
+        self.foundation.stiffness()
     }
 
     /// Writes the second derivative (N/m), values in the order of [`Self::pattern`].
@@ -416,10 +423,10 @@ impl LayerEnergy {
             }
         };
         for sheet in &self.sheets {
-            sheet.add_hessian(x, &self.pattern, exact, relaxed);
+            sheet.add_hessian(x, exact, relaxed);
         }
         if let Some(ties) = &self.ties {
-            ties.add_hessian(x, &self.pattern, exact, relaxed);
+            ties.add_hessian(x, exact, relaxed);
         }
     }
 
@@ -433,12 +440,6 @@ impl LayerEnergy {
     pub fn deviations(&self, x: &[Vector3<f64>]) -> Vec<f64> {
         self.check(x);
         deviations(self.foundation.anchors(), x)
-    }
-
-    /// Principal strains of each face of the lower sheet against the present rest metric.
-    pub fn principal_strains(&self, x: &[Vector3<f64>]) -> Vec<PrincipalStrain> {
-        self.check(x);
-        self.lower().principal_strains(x)
     }
 
     fn check(&self, x: &[Vector3<f64>]) {
@@ -483,6 +484,20 @@ impl UpperSheet {
                 / 3.0,
         };
         pairs.map(tie).collect()
+    }
+}
+
+/// Refuses vertices that would move without being held by any face.
+fn check_held(mesh: &TriMesh, pinned: &[bool]) -> Result<(), ShellError> {
+    let faces = PerVertex::filled(mesh.vertex_count(), ())
+        .ids()
+        .map(|v| mesh.vertex_faces(v));
+    let mut lost = faces
+        .zip(pinned)
+        .map(|(faces, pinned)| faces.is_empty() && !pinned);
+    match lost.position(|lost| lost) {
+        None => Ok(()),
+        Some(vertex) => Err(ShellError::IsolatedVertex { vertex }),
     }
 }
 

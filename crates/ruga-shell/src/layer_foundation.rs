@@ -2,11 +2,11 @@
 
 use nalgebra::Vector3;
 
+use ruga_mesh::{BlockPattern, BlockSlot, FaceId, Id, SparseRows, TriMesh};
+
 use crate::ShellError;
-use crate::edges::Edge;
 use crate::foundation::{Anchor, NormalFoundation, TangentialTie};
 use crate::parameters::{check_finite, check_length};
-use crate::pattern::{Pattern, Slot};
 use crate::sheet::Sheet;
 
 /// Tolerance on the length of a base normal.
@@ -17,14 +17,23 @@ pub(crate) struct LayerFoundation {
     normal: Vec<NormalFoundation>,
     ties: Vec<TangentialTie>,
     vertex_areas: Vec<f64>,
-    /// Scalar stiffness between deviations: per vertex, and per edge.
+    /// Scalar stiffness between deviations, per vertex.
     diagonal: Vec<f64>,
-    off_diagonal: Vec<f64>,
+    edges: Vec<EdgeSprings>,
     /// Where the surface below was last set.
     anchors: Vec<Anchor>,
     /// N/m³, per vertex.
     tangential: Vec<f64>,
-    edge_slots: Vec<Slot>,
+}
+
+/// Scalar stiffness between the deviations at the ends of an edge.
+#[derive(Clone, Debug)]
+struct EdgeSprings {
+    ends: [u32; 2],
+    /// The faces at it, each with the corner at which it begins.
+    sides: [Option<(FaceId, usize)>; 2],
+    slot: BlockSlot,
+    stiffness: f64,
 }
 
 /// Stiffness of the springs below a layer, as it is between vertices (N/m).
@@ -35,32 +44,37 @@ pub(crate) struct LayerFoundation {
 /// `n` are the unit normals of the surface below.
 #[derive(Clone, Debug)]
 pub struct FoundationStiffness {
-    /// `m_ii`, one per vertex.
-    pub diagonal: Vec<f64>,
-    /// Two vertices that share an edge, and `m_ij`.
-    pub edges: Vec<([u32; 2], f64)>,
+    /// `m`: a row per vertex, with the vertices that it shares an edge with and itself.
+    pub normal: SparseRows,
     /// `t_i`, one per vertex.
     pub ties: Vec<f64>,
 }
 
 impl LayerFoundation {
-    /// Under the lower sheet, with this tangential stiffness (N/m³) per vertex.
+    /// Under the lower `sheet`, on `mesh`, with this tangential stiffness (N/m³) per vertex.
     pub(crate) fn new(
-        sheet: &Sheet,
+        (mesh, sheet): (&TriMesh, &Sheet),
         tangential: Vec<f64>,
-        pattern: &Pattern,
+        pattern: &BlockPattern,
         anchors: Vec<Anchor>,
     ) -> Self {
-        let edges = sheet.edges().iter();
+        let edges = mesh.edges().iter().map(|(id, edge)| {
+            let ends = edge.vertices.map(|v| v.0);
+            EdgeSprings {
+                ends,
+                sides: mesh.edge_sides(id),
+                slot: pattern.slot(ends[1], ends[0]),
+                stiffness: 0.0,
+            }
+        });
         let mut this = Self {
             normal: Vec::new(),
             ties: Vec::new(),
             vertex_areas: Vec::new(),
             diagonal: Vec::new(),
-            off_diagonal: Vec::new(),
+            edges: edges.collect(),
             anchors,
             tangential,
-            edge_slots: edges.map(|e| pattern.slot(e.ends[1], e.ends[0])).collect(),
         };
         this.set_rest(sheet);
         this
@@ -90,15 +104,13 @@ impl LayerFoundation {
                 stiffness: area * k,
             })
             .collect();
-        let entry = |face: usize, corner: usize| matrices[face][(corner, (corner + 1) % 3)];
-        self.off_diagonal = sheet
-            .edges()
-            .iter()
-            .map(|edge| {
-                entry(edge.left.face, edge.left.corner)
-                    + edge.right.map_or(0.0, |side| entry(side.face, side.corner))
-            })
-            .collect();
+        let entry = |side: Option<(FaceId, usize)>| {
+            side.map(|(face, corner)| matrices[face.index()][(corner, (corner + 1) % 3)])
+        };
+        for edge in &mut self.edges {
+            let entries = edge.sides.into_iter().filter_map(entry);
+            edge.stiffness = entries.sum();
+        }
         self.vertex_areas = areas;
         self.diagonal = diagonal;
     }
@@ -123,11 +135,18 @@ impl LayerFoundation {
         moved.collect()
     }
 
-    pub(crate) fn stiffness(&self, edges: &[Edge]) -> FoundationStiffness {
-        let pairs = edges.iter().zip(&self.off_diagonal);
+    pub(crate) fn stiffness(&self) -> FoundationStiffness {
+        let of_vertex = |(i, m): (u32, &f64)| vec![(i, *m)];
+        let mut rows: Vec<_> = (0..).zip(&self.diagonal).map(of_vertex).collect();
+        for edge in &self.edges {
+            let [i, j] = edge.ends;
+            rows[i as usize].push((j, edge.stiffness));
+            rows[j as usize].push((i, edge.stiffness));
+        }
+        let mut normal = SparseRows::default();
+        rows.iter_mut().for_each(|row| normal.push_row(row));
         FoundationStiffness {
-            diagonal: self.diagonal.clone(),
-            edges: pairs.map(|(edge, m)| (edge.ends, *m)).collect(),
+            normal,
             ties: self.ties.iter().map(|tie| tie.stiffness).collect(),
         }
     }
@@ -178,21 +197,18 @@ impl LayerFoundation {
     }
 
     /// The constant second derivative, in the order of `pattern`.
-    pub(crate) fn hessian(&self, edges: &[Edge], pattern: &Pattern) -> Vec<f64> {
-        let mut values = vec![0.0; pattern.rows.len()];
-        for &vertex in &pattern.free_vertices {
-            let v = vertex as usize;
-            let Some(anchor) = self.anchors.get(v) else {
-                continue;
-            };
+    pub(crate) fn hessian(&self, pattern: &BlockPattern) -> Vec<f64> {
+        let mut values = vec![0.0; pattern.rows().len()];
+        let vertices = (0..).zip(&self.anchors).zip(&self.diagonal).zip(&self.ties);
+        for (((vertex, anchor), stiffness), tie) in vertices {
             let n = anchor.normal;
-            let block = n * n.transpose() * self.diagonal[v] + self.ties[v].hessian(anchor);
-            pattern.add_diagonal(&mut values, vertex, &block);
+            let block = n * n.transpose() * *stiffness + tie.hessian(anchor);
+            pattern.slot(vertex, vertex).add(&mut values, &block);
         }
-        for ((edge, stiffness), slot) in edges.iter().zip(&self.off_diagonal).zip(&self.edge_slots)
-        {
+        for edge in &self.edges {
             let [tail, head] = edge.ends.map(|v| self.anchors[v as usize].normal);
-            Pattern::add_block(&mut values, *slot, &(head * tail.transpose() * *stiffness));
+            let block = head * tail.transpose() * edge.stiffness;
+            edge.slot.add(&mut values, &block);
         }
         values
     }

@@ -1,8 +1,8 @@
 //! Energies of a thin layer on a surface: positions in; value, gradient and Hessian out.
 //!
-//! A [`LayerEnergy`] sums three kinds of stencil over an indexed triangle mesh: a [`Membrane`] per
+//! A [`LayerEnergy`] sums three kinds of stencil over a [`TriMesh`](ruga_mesh::TriMesh): a [`Membrane`] per
 //! face, bending by the [`BendingModel`] asked for (a [`Hinge`] per interior edge, or a
-//! [`VertexCurvature`] per vertex that has an inner edge), and a foundation ([`NormalFoundation`] per face,
+//! the curvature of a [`StarShape`] per vertex that has an inner edge), and a foundation ([`NormalFoundation`] per face,
 //! [`TangentialTie`] per vertex) towards a base that each frame replaces. Each stencil can be used
 //! alone. [`response_modulus`] says how stiffly a given mesh really bends. An [`UpperSheet`] may move
 //! together with the layer, on springs above it ([`LayerTie`] per face).
@@ -20,6 +20,7 @@
 //!
 //! ```
 //! use nalgebra::Vector3;
+//! use ruga_mesh::TriMesh;
 //! use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters};
 //!
 //! let rest = [[0.0, 0.0], [1e-3, 0.0], [1e-3, 1e-3], [0.0, 1e-3]]
@@ -32,12 +33,9 @@
 //!     gradient_stiffness: 0.0,
 //! };
 //! let parameters = LayerParameters::uniform(skin, 2, 2e9, 4);
-//! let layer = LayerEnergy::new(
-//!     &rest,
-//!     &[[0, 1, 2], [0, 2, 3]],
-//!     parameters,
-//!     &[true, false, false, false],
-//! )?;
+//! let mesh = TriMesh::new(4, vec![[0, 1, 2], [0, 2, 3]])?;
+//! let pinned = [true, false, false, false];
+//! let layer = LayerEnergy::new(&mesh, &rest, parameters, &pinned)?;
 //!
 //! let raised = rest.map(|x| x + Vector3::new(0.0, 0.0, 1e-5));
 //! let parts = layer.energy_parts(&raised);
@@ -48,16 +46,14 @@
 //! let mut hessian = vec![0.0; layer.pattern().1.len()];
 //! layer.hessian(&raised, &mut hessian, None);
 //! assert_eq!(layer.dof_count(), 9);
-//! # Ok::<(), ruga_shell::ShellError>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod bending_model;
 mod layer_bending;
 mod layer_energy;
 mod layer_foundation;
-mod measures;
 mod parameters;
-mod pattern;
 mod sheet;
 mod sheet_ties;
 
@@ -70,7 +66,6 @@ mod response;
 mod response_query;
 mod vertex_curvature;
 
-mod edges;
 mod error;
 mod rest_triangle;
 mod stars;
@@ -81,15 +76,14 @@ pub use layer_foundation::FoundationStiffness;
 pub use parameters::{FaceParameters, LayerParameters};
 
 pub use foundation::{Anchor, NormalFoundation, TangentialTie};
-pub use hinge::{Hinge, HingeCurvature, HingeState};
+pub use hinge::{Hinge, HingeState};
 pub use hinge_stiffness::{HINGE_EXPONENT, HingeShape, MAX_EDGE_RATIO};
 pub use layer_tie::{LayerTie, TieParameters, TieState};
 pub use membrane::{Membrane, MembraneState, Stress};
-pub use vertex_curvature::{StarShape, VertexCurvature};
+pub use vertex_curvature::StarShape;
 
-pub use measures::PrincipalStrain;
 pub use response::{ResponseModulus, face_corners, response_modulus};
 pub use response_query::ResponseQuery;
-pub use rest_triangle::{MIN_AREA_RATIO, RestTriangle, rest_frame};
+pub use rest_triangle::{MIN_AREA_RATIO, RestTriangle};
 
 pub use error::ShellError;

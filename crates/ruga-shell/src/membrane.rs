@@ -143,13 +143,6 @@ impl Membrane {
     }
 }
 
-impl MembraneState {
-    /// Green strain in the face's rest frame, less the natural one.
-    pub fn strain(&self) -> Matrix2<f64> {
-        self.strain
-    }
-}
-
 /// Positive part of a symmetric 2×2 matrix.
 fn positive_part(m: &Matrix2<f64>) -> Matrix2<f64> {
     let mean = 0.5 * m.trace();

@@ -5,13 +5,12 @@ use faer::sparse::linalg::solvers::Llt;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{MatMut, Side};
 use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector2, Vector3};
+use ruga_mesh::{FaceId, Id, PerEdge, TriMesh, VertexId};
 
-use crate::edges::{Edge, edges};
 use crate::hinge::HingeState;
+use crate::layer_bending::{InnerEdge, inner_edges};
 use crate::stars::stars;
-use crate::{
-    BendingModel, HingeShape, NormalFoundation, ResponseQuery, RestTriangle, ShellError, rest_frame,
-};
+use crate::{BendingModel, HingeShape, NormalFoundation, ResponseQuery, RestTriangle, ShellError};
 
 /// The first buckling mode of the sheet, as a plate modulus.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,11 +44,11 @@ const MAX_STEPS: usize = 300;
 /// Corner positions of each face, for a mesh whose vertices have one position each.
 ///
 /// # Panics
-/// When a face names a vertex beyond the end of `positions`.
-pub fn face_corners(positions: &[Vector3<f64>], faces: &[[u32; 3]]) -> Vec<[Vector3<f64>; 3]> {
+/// When there are fewer `positions` than vertices.
+pub fn face_corners(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Vec<[Vector3<f64>; 3]> {
+    let faces = mesh.faces().as_slice().iter();
     faces
-        .iter()
-        .map(|face| face.map(|v| positions[v as usize]))
+        .map(|face| face.map(|v| positions[v.index()]))
         .collect()
 }
 
@@ -70,7 +69,6 @@ pub fn face_corners(positions: &[Vector3<f64>], faces: &[[u32; 3]]) -> Vec<[Vect
 /// [`ShellError::UnstableSheet`], [`ShellError::NoDirection`], and those of bad meshes.
 pub fn response_modulus(query: &ResponseQuery) -> Result<ResponseModulus, ShellError> {
     query.check()?;
-    let edges = edges(query.faces, query.fixed.len())?;
     let rest = query
         .corners
         .iter()
@@ -80,7 +78,7 @@ pub fn response_modulus(query: &ResponseQuery) -> Result<ResponseModulus, ShellE
     let free = FreeIndex::new(query.fixed);
 
     let mut stiffness = Vec::new();
-    add_bending(query, &edges, &rest, &free, &mut stiffness);
+    add_bending(query, &rest, &free, &mut stiffness);
     add_foundation(query, &rest, &free, &mut stiffness);
     let mut load = Vec::new();
     add_load(query, &rest, &free, &mut load)?;
@@ -134,13 +132,13 @@ impl FreeIndex {
         Self { of, count }
     }
 
-    fn add(&self, entries: &mut Entries, row: u32, column: u32, value: f64) {
-        if let (Some(row), Some(column)) = (self.of[row as usize], self.of[column as usize]) {
+    fn add(&self, entries: &mut Entries, row: VertexId, column: VertexId, value: f64) {
+        if let (Some(row), Some(column)) = (self.of[row.index()], self.of[column.index()]) {
             entries.push(Triplet::new(row, column, value));
         }
     }
 
-    fn add_face(&self, entries: &mut Entries, face: &[u32; 3], matrix: &Matrix3<f64>) {
+    fn add_face(&self, entries: &mut Entries, face: [VertexId; 3], matrix: &Matrix3<f64>) {
         for i in 0..3 {
             for j in 0..3 {
                 self.add(entries, face[i], face[j], matrix[(i, j)]);
@@ -149,7 +147,7 @@ impl FreeIndex {
     }
 
     /// Adds the square of a sum of deviations.
-    fn add_square(&self, entries: &mut Entries, stiffness: f64, row: &[(u32, f64)]) {
+    fn add_square(&self, entries: &mut Entries, stiffness: f64, row: &[(VertexId, f64)]) {
         for &(i, a) in row {
             for &(j, b) in row {
                 self.add(entries, i, j, stiffness * a * b);
@@ -171,47 +169,40 @@ impl FreeIndex {
 
 fn add_bending(
     query: &ResponseQuery,
-    edges: &[Edge],
     rest: &[RestTriangle],
     free: &FreeIndex,
     entries: &mut Entries,
 ) {
-    let folds = folds(query, edges);
+    let inner = inner_edges(query.mesh);
+    let folds = folds(query, &inner);
     match query.bending_model {
-        BendingModel::Hinge => add_hinges(query, edges, rest, &folds, free, entries),
-        BendingModel::VertexCurvature => add_stars(query, edges, rest, &folds, free, entries),
+        BendingModel::Hinge => {
+            for edge in inner {
+                let shape = HingeShape::between(edge.sides, rest);
+                let stiffness = shape.stiffness(query.bending_modulus, query.hinge_exponent);
+                free.add_square(entries, stiffness, &folds[edge.edge]);
+            }
+        }
+        BendingModel::VertexCurvature => add_stars(query, rest, &folds, free, entries),
     }
 }
 
-fn add_hinges(
-    query: &ResponseQuery,
-    edges: &[Edge],
-    rest: &[RestTriangle],
-    folds: &[[(u32, f64); 4]],
-    free: &FreeIndex,
-    entries: &mut Entries,
-) {
-    for (edge, fold) in edges.iter().zip(folds) {
-        let Some(right) = edge.right else { continue };
-        let shape = HingeShape::between(edge.left, right, rest);
-        let stiffness = shape.stiffness(query.bending_modulus, query.hinge_exponent);
-        free.add_square(entries, stiffness, fold);
-    }
-}
+/// Derivative of an edge's angle by the deviations of its four vertices.
+type FoldRow = [(VertexId, f64); 4];
 
 fn add_stars(
     query: &ResponseQuery,
-    edges: &[Edge],
     rest: &[RestTriangle],
-    folds: &[[(u32, f64); 4]],
+    folds: &PerEdge<FoldRow>,
     free: &FreeIndex,
     entries: &mut Entries,
 ) {
-    for star in stars(query.faces, edges) {
+    for star in stars(query.mesh) {
         let shape = star.shape(rest);
         let weights = shape.rows(query.bending_modulus * shape.area(), query.poisson);
         for component in 0..3 {
-            let mut row: Vec<_> = star.vertices().map(|vertex| (vertex, 0.0)).collect();
+            let vertices = star.vertices.iter();
+            let mut row: Vec<_> = vertices.map(|&vertex| (VertexId(vertex), 0.0)).collect();
             for (fold, weight) in star.folds.iter().zip(&weights) {
                 for (corner, (_, by)) in fold.corners.iter().zip(folds[fold.edge]) {
                     row[*corner as usize].1 += weight[component] * by;
@@ -222,41 +213,31 @@ fn add_stars(
     }
 }
 
-/// Derivative of each edge's angle by the deviations of its four vertices; zero at borders.
-fn folds(query: &ResponseQuery, edges: &[Edge]) -> Vec<[(u32, f64); 4]> {
+/// Per edge, zero at borders.
+fn folds(query: &ResponseQuery, inner: &[InnerEdge]) -> PerEdge<FoldRow> {
     let normals = corner_normals(query);
-    let corner = |face: usize, k: usize| query.corners[face][k % 3];
-    edges
-        .iter()
-        .map(|edge| {
-            let Some((vertices, right)) = edge.hinge(query.faces) else {
-                return [(0, 0.0); 4];
-            };
-            let left = edge.left;
-            // The right apex is placed from its own face's copy of the edge's head.
-            let head = corner(left.face, left.corner + 1);
-            let apex =
-                head + corner(right.face, right.corner + 2) - corner(right.face, right.corner);
-            let state = HingeState::new(&[
-                corner(left.face, left.corner),
-                head,
-                corner(left.face, left.corner + 2),
-                apex,
-            ]);
-            let gradient = state.angle_gradient();
-            std::array::from_fn(|i| {
-                let vertex = vertices[i];
-                (vertex, gradient[i].dot(&normals[vertex as usize]))
-            })
-        })
-        .collect()
+    let corner = |face: FaceId, k: usize| query.corners[face.index()][k % 3];
+    let mut folds = PerEdge::filled(query.mesh.edges().len(), [(VertexId(0), 0.0); 4]);
+    for edge in inner {
+        let [(left, tail), (right, head)] = edge.sides;
+        // The right apex is placed from its own face's copy of the edge's head.
+        let end = corner(left, tail + 1);
+        let apex = end + corner(right, head + 2) - corner(right, head);
+        let points = [corner(left, tail), end, corner(left, tail + 2), apex];
+        let gradient = HingeState::new(&points).angle_gradient();
+        folds[edge.edge] = std::array::from_fn(|i| {
+            let vertex = VertexId(edge.vertices[i]);
+            (vertex, gradient[i].dot(&normals[vertex.index()]))
+        });
+    }
+    folds
 }
 
 /// `w^T M w` with the foundation's mass over that with a lumped one.
 fn mass_share(query: &ResponseQuery, rest: &[RestTriangle], mode: &[f64]) -> f64 {
     let (mut mixed, mut lumped) = (0.0, 0.0);
-    for (face, rest) in query.faces.iter().zip(rest) {
-        let w = face.map(|v| mode[v as usize]);
+    for (face, rest) in query.mesh.faces().as_slice().iter().zip(rest) {
+        let w = face.map(|v| mode[v.index()]);
         let [normal, _] = NormalFoundation::new(rest, 1.0, 0.0).values(w);
         mixed += 2.0 * normal;
         lumped += rest.area() / 3.0 * dot(&w, &w);
@@ -266,10 +247,10 @@ fn mass_share(query: &ResponseQuery, rest: &[RestTriangle], mode: &[f64]) -> f64
 
 fn corner_normals(query: &ResponseQuery) -> Vec<Vector3<f64>> {
     let mut normals = vec![Vector3::zeros(); query.fixed.len()];
-    for (face, [a, b, c]) in query.faces.iter().zip(query.corners) {
+    for (face, [a, b, c]) in query.mesh.faces().as_slice().iter().zip(query.corners) {
         let normal = (b - a).cross(&(c - a));
-        for &vertex in face {
-            normals[vertex as usize] += normal;
+        for vertex in face {
+            normals[vertex.index()] += normal;
         }
     }
     normals
@@ -284,7 +265,7 @@ fn add_foundation(
     free: &FreeIndex,
     entries: &mut Entries,
 ) {
-    for (face, rest) in query.faces.iter().zip(rest) {
+    for (&face, rest) in query.mesh.faces().as_slice().iter().zip(rest) {
         let stencil = NormalFoundation::new(rest, query.normal_stiffness, query.gradient_stiffness);
         free.add_face(entries, face, &stencil.matrix());
     }
@@ -298,14 +279,16 @@ fn add_load(
     entries: &mut Entries,
 ) -> Result<(), ShellError> {
     for (face, triangle) in rest.iter().enumerate() {
-        let frame = rest_frame(&query.corners[face]);
-        let along = frame.map(|axis| axis.dot(&query.directions[face]));
+        let [a, b, c] = query.corners[face];
+        let first = (b - a).normalize();
+        let second = (b - a).cross(&(c - a)).cross(&first).normalize();
+        let along = [first, second].map(|axis| axis.dot(&query.directions[face]));
         let direction = Vector2::from(along)
             .try_normalize(f64::MIN_POSITIVE)
             .ok_or(ShellError::NoDirection { face })?;
         let slopes = Vector3::from(triangle.shape_gradients().map(|g| g.dot(&direction)));
         let matrix = slopes * slopes.transpose() * triangle.area();
-        free.add_face(entries, &query.faces[face], &matrix);
+        free.add_face(entries, query.mesh.faces().as_slice()[face], &matrix);
     }
     Ok(())
 }

@@ -1,17 +1,18 @@
 //! What a response modulus is asked of.
 
 use nalgebra::Vector3;
+use ruga_mesh::{Id, TriMesh};
 
 use crate::parameters::check_length;
 use crate::{BendingModel, ShellError};
 
 /// A sheet on a foundation, compressed along one direction per face.
 ///
-/// Shapes: `corners`, `directions` and `faces` per face, `fixed` per vertex.
+/// Shapes: `corners` and `directions` per face, `fixed` per vertex.
 #[derive(Clone, Copy, Debug)]
 pub struct ResponseQuery<'a> {
-    /// Vertices of each face, counter-clockwise.
-    pub faces: &'a [[u32; 3]],
+    /// The sheet.
+    pub mesh: &'a TriMesh,
     /// Rest positions of each face's corners (m), from [`crate::face_corners`]. They are given per face so
     /// that a periodic cell can be described: unwrap the corners of the faces that cross its border.
     pub corners: &'a [[Vector3<f64>; 3]],
@@ -35,15 +36,16 @@ pub struct ResponseQuery<'a> {
 
 impl ResponseQuery<'_> {
     pub(crate) fn check(&self) -> Result<(), ShellError> {
-        let faces = self.faces.len();
+        let faces = self.mesh.face_count();
+        check_length("fixed", self.mesh.vertex_count(), self.fixed.len())?;
         check_length("corners", faces, self.corners.len())?;
         check_length("directions", faces, self.directions.len())?;
         let is_finite = |p: &Vector3<f64>| p.iter().all(|c| c.is_finite());
-        for (face, corners) in self.faces.iter().zip(self.corners) {
+        for (face, corners) in self.mesh.faces().as_slice().iter().zip(self.corners) {
             if let Some(corner) = corners.iter().position(|p| !is_finite(p)) {
                 return Err(ShellError::NotFinite {
                     what: "rest position",
-                    vertex: face[corner] as usize,
+                    vertex: face[corner].index(),
                 });
             }
         }

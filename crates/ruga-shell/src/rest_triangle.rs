@@ -10,7 +10,8 @@ use crate::ShellError;
 /// digits.
 pub const MIN_AREA_RATIO: f64 = 1e-6;
 
-/// Rest shape of one face in its local frame: origin at corner 0, first axis along edge 0→1.
+/// Rest shape of one face in its local frame: origin at corner 0, axes those of
+/// [`triangle_frame`](ruga_mesh::triangle_frame).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestTriangle {
     /// Corners 1 and 2 seen from corner 0 (m).
@@ -118,14 +119,4 @@ impl RestTriangle {
             2.0 * self.area / length,
         )
     }
-}
-
-/// The local frame's axes in space: along edge 0→1, and across it in the triangle's plane.
-///
-/// Components of a rest stretch or a strain direction refer to these. They are not numbers for a
-/// triangle without an area.
-pub fn rest_frame(corners: &[Vector3<f64>; 3]) -> [Vector3<f64>; 2] {
-    let along = (corners[1] - corners[0]).normalize();
-    let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
-    [along, normal.cross(&along).normalize()]
 }

@@ -1,80 +1,79 @@
 //! Membrane and bending of one sheet among the vertices of a layer.
 
-use nalgebra::{Matrix2, Vector3};
+use nalgebra::{Matrix2, Matrix3, Vector3};
 
-use crate::edges::{Edge, edges};
-use crate::layer_bending::{LayerBending, bending_stars};
+use ruga_mesh::{BlockPattern, BlockSlot, TriMesh};
+
+use crate::layer_bending::{InnerEdge, LayerBending, inner_edges};
 use crate::layer_energy::gather;
-use crate::measures::PrincipalStrain;
 use crate::membrane::{Membrane, Stress};
-use crate::parameters::check_finite;
-use crate::pattern::{Pattern, Slot};
-use crate::stars::Star;
+use crate::stars::{Star, stars};
 use crate::{BendingModel, FaceParameters, RestTriangle, ShellError};
 
-/// Row and column, within a stencil, of the off-diagonal blocks in the order of the slots, and
-/// their positions in the stencil's list of lower blocks.
-const FACE_PAIRS: [([usize; 2], usize); 3] = [([1, 0], 1), ([2, 0], 3), ([2, 1], 4)];
-const FACE_DIAGONAL: [usize; 3] = [0, 2, 5];
-
-/// Faces, edges and stars of a sheet, numbered by the vertices of the whole layer.
-pub(crate) struct SheetTopology {
+/// The stencils of a sheet, numbered by the vertices of the whole layer.
+pub(crate) struct SheetTopology<'a> {
+    mesh: &'a TriMesh,
     faces: Vec<[u32; 3]>,
-    edges: Vec<Edge>,
+    inner: Vec<InnerEdge>,
     stars: Vec<Star>,
 }
 
-impl SheetTopology {
-    /// `faces` name some of so many vertices.
-    pub(crate) fn new(
-        faces: Vec<[u32; 3]>,
-        vertices: usize,
-        model: BendingModel,
-    ) -> Result<Self, ShellError> {
-        let edges = edges(&faces, vertices)?;
-        Ok(Self {
-            stars: bending_stars(model, &faces, &edges),
-            faces,
-            edges,
-        })
+impl<'a> SheetTopology<'a> {
+    /// A sheet whose vertices follow `before` others.
+    pub(crate) fn new(mesh: &'a TriMesh, before: u32, model: BendingModel) -> Self {
+        let mut inner = inner_edges(mesh);
+        for edge in &mut inner {
+            edge.vertices = edge.vertices.map(|v| before + v);
+        }
+        let mut stars = match model {
+            BendingModel::Hinge => Vec::new(),
+            BendingModel::VertexCurvature => stars(mesh),
+        };
+        for vertex in stars.iter_mut().flat_map(|star| &mut star.vertices) {
+            *vertex += before;
+        }
+        let faces = mesh.faces().as_slice().iter();
+        Self {
+            mesh,
+            faces: faces.map(|face| face.map(|v| before + v.0)).collect(),
+            inner,
+            stars,
+        }
     }
 
-    /// Every two vertices that share a stencil.
-    pub(crate) fn pairs(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
-        let faces_and_hinges = self.edges.iter().flat_map(|edge| {
-            let apexes = edge
-                .hinge(&self.faces)
-                .map(|([_, _, left, right], _)| [left, right]);
-            std::iter::once(edge.ends).chain(apexes)
-        });
-        faces_and_hinges.chain(self.stars.iter().flat_map(Star::pairs))
+    /// The vertices of every stencil.
+    pub(crate) fn stencils(&self) -> impl Iterator<Item = &[u32]> {
+        let faces = self.faces.iter().map(<[u32; 3]>::as_slice);
+        let hinges = self.inner.iter().map(|edge| edge.vertices.as_slice());
+        let stars = self.stars.iter().map(|star| star.vertices.as_slice());
+        faces.chain(hinges).chain(stars)
     }
 }
 
 #[derive(Clone, Debug)]
 pub(crate) struct Sheet {
     faces: Vec<[u32; 3]>,
-    edges: Vec<Edge>,
     parameters: Vec<FaceParameters>,
     /// Rest triangles without any stretch, and as they are now.
     unstretched: Vec<RestTriangle>,
     rest: Vec<RestTriangle>,
     membranes: Vec<Membrane>,
-    membrane_slots: Vec<[Slot; 3]>,
+    membrane_slots: Vec<[BlockSlot; 6]>,
     bending: LayerBending,
 }
 
 impl Sheet {
     /// A sheet at rest at the `positions` (m) of all vertices of the layer.
     pub(crate) fn new(
-        topology: SheetTopology,
+        topology: SheetTopology<'_>,
         positions: &[Vector3<f64>],
         parameters: Vec<FaceParameters>,
-        pattern: &Pattern,
+        pattern: &BlockPattern,
     ) -> Result<Self, ShellError> {
         let SheetTopology {
+            mesh,
             faces,
-            edges,
+            inner,
             stars,
         } = topology;
         let corners = faces.iter().map(|face| gather(positions, face));
@@ -82,14 +81,12 @@ impl Sheet {
             .enumerate()
             .map(|(index, corners)| RestTriangle::new(&corners, index))
             .collect::<Result<Vec<_>, _>>()?;
-        let slots = |face: &[u32; 3]| FACE_PAIRS.map(|([i, j], _)| pattern.slot(face[i], face[j]));
         let mut this = Self {
             membranes: membranes(&rest, &parameters),
-            membrane_slots: faces.iter().map(slots).collect(),
-            bending: LayerBending::new(stars, &faces, &edges, positions, pattern),
+            membrane_slots: faces.iter().map(|face| slots(pattern, face)).collect(),
+            bending: LayerBending::new(stars, (mesh, &inner), positions, pattern),
             unstretched: rest.clone(),
             faces,
-            edges,
             parameters,
             rest,
         };
@@ -99,10 +96,6 @@ impl Sheet {
 
     pub(crate) fn faces(&self) -> &[[u32; 3]] {
         &self.faces
-    }
-
-    pub(crate) fn edges(&self) -> &[Edge] {
-        &self.edges
     }
 
     pub(crate) fn parameters(&self) -> &[FaceParameters] {
@@ -148,8 +141,7 @@ impl Sheet {
     }
 
     fn set_bending_stiffness(&mut self) {
-        self.bending
-            .set_rest(&self.edges, &self.rest, &self.parameters);
+        self.bending.set_rest(&self.rest, &self.parameters);
     }
 
     /// Energies of membrane and bending (J).
@@ -159,7 +151,12 @@ impl Sheet {
         [membrane.sum(), self.bending.value(x)]
     }
 
-    pub(crate) fn add_gradient(&self, x: &[Vector3<f64>], pattern: &Pattern, gradient: &mut [f64]) {
+    pub(crate) fn add_gradient(
+        &self,
+        x: &[Vector3<f64>],
+        pattern: &BlockPattern,
+        gradient: &mut [f64],
+    ) {
         for (face, membrane) in self.faces.iter().zip(&self.membranes) {
             let forces = membrane.gradient(&gather(x, face));
             pattern.add_forces(gradient, face, &forces);
@@ -168,41 +165,21 @@ impl Sheet {
     }
 
     /// An empty `relaxed` is not wanted.
-    pub(crate) fn add_hessian(
-        &self,
-        x: &[Vector3<f64>],
-        pattern: &Pattern,
-        exact: &mut [f64],
-        relaxed: &mut [f64],
-    ) {
+    pub(crate) fn add_hessian(&self, x: &[Vector3<f64>], exact: &mut [f64], relaxed: &mut [f64]) {
         let elements = self.faces.iter().zip(&self.membranes);
         for ((face, membrane), slots) in elements.zip(&self.membrane_slots) {
             let state = membrane.state(&gather(x, face));
             let material = membrane.material_blocks(&state);
             let add = |values: &mut [f64], stress: Stress| {
                 let blocks = membrane.with_stress(&material, &state, stress);
-                for (&vertex, block) in face.iter().zip(FACE_DIAGONAL) {
-                    pattern.add_diagonal(values, vertex, &blocks[block]);
-                }
-                for (&slot, (_, block)) in slots.iter().zip(FACE_PAIRS) {
-                    Pattern::add_block(values, slot, &blocks[block]);
-                }
+                add_blocks(values, slots, &blocks);
             };
             add(exact, Stress::Full);
             if !relaxed.is_empty() {
                 add(relaxed, Stress::Tensile);
             }
         }
-        self.bending.add_hessian(x, pattern, exact, relaxed);
-    }
-
-    /// Principal strains of each face against the present rest metric.
-    pub(crate) fn principal_strains(&self, x: &[Vector3<f64>]) -> Vec<PrincipalStrain> {
-        let faces = self.faces.iter().zip(&self.membranes);
-        let strain = |(face, membrane): (&[u32; 3], &Membrane)| {
-            PrincipalStrain::from_green(&membrane.state(&gather(x, face)).strain())
-        };
-        faces.map(strain).collect()
+        self.bending.add_hessian(x, exact, relaxed);
     }
 }
 
@@ -213,19 +190,23 @@ fn membranes(rest: &[RestTriangle], parameters: &[FaceParameters]) -> Vec<Membra
         .collect()
 }
 
-/// Checks the rest positions (m) of all vertices, which some of `faces` have to hold unless they are
-/// `pinned`.
-pub(crate) fn check_positions(
-    positions: &[Vector3<f64>],
-    faces: &[[u32; 3]],
-    pinned: &[bool],
-) -> Result<(), ShellError> {
-    let mut held = pinned.to_vec();
-    for &vertex in faces.iter().flatten() {
-        held[vertex as usize] = true;
+/// Slots of the lower blocks of a stencil of `N` vertices, row by row.
+pub(crate) fn slots<const N: usize, const M: usize>(
+    pattern: &BlockPattern,
+    vertices: &[u32; N],
+) -> [BlockSlot; M] {
+    let mut slots = pattern.stencil_slots(vertices);
+    std::array::from_fn(|_| slots.next().expect("M is N (N + 1)/2"))
+}
+
+/// Adds a stencil's lower blocks to a Hessian.
+#[inline]
+pub(crate) fn add_blocks<const M: usize>(
+    values: &mut [f64],
+    slots: &[BlockSlot; M],
+    blocks: &[Matrix3<f64>; M],
+) {
+    for (slot, block) in slots.iter().zip(blocks) {
+        slot.add(values, block);
     }
-    if let Some(vertex) = held.iter().position(|held| !held) {
-        return Err(ShellError::IsolatedVertex { vertex });
-    }
-    check_finite("rest position", positions.iter().flatten(), 3)
 }

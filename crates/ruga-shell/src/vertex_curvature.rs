@@ -1,9 +1,8 @@
-//! Bending energy of the faces around one vertex.
+//! Curvature of the faces around one vertex, and what it costs.
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 use crate::RestTriangle;
-use crate::hinge::{HingeCurvature, HingeState};
 
 /// Smallest singular value of the mean map, see [`StarShape`], that is inverted as it is.
 ///
@@ -34,6 +33,19 @@ const MIN_HEIGHT_RATIO: f64 = 1e-3;
 ///
 /// positive along crests. Its trace is the cotangent Laplacian. Source: Miyoshi 1973 (moments that
 /// are linear on each triangle), with the mass lumped.
+///
+/// # Energy
+/// ```text
+///       2---1           W = A D/2 ((tr kappa)^2 - 2 (1 - nu) det kappa), for the angles less their
+///      / \ / \          rest values and the traceless part corrected: with t and d for the
+///     3---0---6         components of kappa and of C kappa
+///      \ / \ /
+///       4---5           W = A D/2 ((1 + nu) t_0^2 + (1 - nu) (d_1^2 + d_2^2))
+/// ```
+///
+/// At a border `W = A D/2 ((1 - nu^2) k_tt^2 + 2 (1 - nu) k_nt^2)` with t along it. Under a
+/// compression `e` across the wave angles grow, and on equilateral triangles the energy of a given
+/// height by `1.75 e` (hinges `1.33 e`).
 ///
 /// # Traceless part
 /// On a piecewise linear interpolant of curvature `c`, `kappa` is `P c`; `P` is the identity in
@@ -128,8 +140,9 @@ impl StarShape {
         weighted(&self.weights, angles.iter().copied())
     }
 
-    /// Half the square of the sum of angle times row is the energy, for a stiffness `A D`.
-    pub(crate) fn rows(&self, stiffness: f64, poisson: f64) -> Vec<Vector3<f64>> {
+    /// A row per inner edge: the energy is half the square of the sum of bend (rad) times row, for a
+    /// `stiffness` `A D` (N m³) and a Poisson ratio in (-1, 1].
+    pub fn rows(&self, stiffness: f64, poisson: f64) -> Vec<Vector3<f64>> {
         let map = match self.kind {
             StarKind::Closed(correction) => plate_root(stiffness, poisson, correction),
             StarKind::Open(along) => border_root(stiffness, poisson, along),
@@ -242,136 +255,6 @@ fn inverse(matrix: Matrix3<f64>) -> Matrix3<f64> {
             v_t.transpose() * Matrix3::from_diagonal(&parts.singular_values) * u.transpose()
         }
         _ => Matrix3::identity(),
-    }
-}
-
-/// `W = A D/2 ((tr kappa)^2 - 2 (1 - nu) det kappa)` of the faces around one vertex.
-///
-/// ```text
-///       2---1           x: the vertex 0, then its neighbours counter-clockwise, as many as there are;
-///      / \ / \          kappa: that of StarShape for the angles less their rest values, the
-///     3---0---6         traceless part corrected. With t and d for the components of kappa and
-///      \ / \ /          of C kappa:  W = A D/2 ((1 + nu) t_0^2 + (1 - nu) (d_1^2 + d_2^2)).
-///       4---5
-/// ```
-///
-/// At a border `W = A D/2 ((1 - nu^2) k_tt^2 + 2 (1 - nu) k_nt^2)` with t along it, and the
-/// neighbours run from one border edge to the other.
-///
-/// # Shapes and units
-/// Value J, gradient N, Hessian N/m as the 3×3 blocks of the lower triangle, row by row:
-/// (0,0) (1,0) (1,1) (2,0) ...
-///
-/// # Validity
-/// As [`Hinge`](crate::Hinge): angles jump where two faces are folded shut; a collapsed triangle
-/// gives a value but no derivative, and never a NaN. Under a compression `e` across the wave angles
-/// grow, and on equilateral triangles the energy of a given height by `1.75 e` (hinges `1.33 e`).
-///
-/// # Panics
-/// Methods panic when the number of points is not that of the star.
-#[derive(Clone, Debug, PartialEq)]
-pub struct VertexCurvature {
-    /// `sqrt(A D)` times the components with their factors: `W` is half the square of the sum of
-    /// angle times row.
-    rows: Vec<Vector3<f64>>,
-    closed: bool,
-    /// Angles of the inner edges at rest (rad).
-    pub rest_angles: Vec<f64>,
-}
-
-impl VertexCurvature {
-    /// `stiffness` is `D` (N m) times the star's area (m²), `poisson` in (-1, 1], `rest_angles` one
-    /// per inner edge (rad).
-    ///
-    /// # Panics
-    /// Where `rest_angles` are not one per inner edge or `poisson` is outside its range.
-    pub fn new(shape: &StarShape, stiffness: f64, poisson: f64, rest_angles: Vec<f64>) -> Self {
-        assert_eq!(rest_angles.len(), shape.weights.len(), "one angle per edge");
-        assert!(-1.0 < poisson && poisson <= 1.0, "Poisson ratio {poisson}");
-        Self {
-            rows: shape.rows(stiffness, poisson),
-            closed: matches!(shape.kind, StarKind::Closed(_)),
-            rest_angles,
-        }
-    }
-
-    /// Energy (J).
-    pub fn value(&self, x: &[Vector3<f64>]) -> f64 {
-        0.5 * self.bend(&self.states(x)).norm_squared()
-    }
-
-    /// Derivative of the energy by the points (N).
-    pub fn gradient(&self, x: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-        let states = self.states(x);
-        let bend = self.bend(&states);
-        let mut gradient = vec![Vector3::zeros(); x.len()];
-        for (k, (state, row)) in states.iter().zip(&self.rows).enumerate() {
-            let moment = row.dot(&bend);
-            for (i, g) in self.corners(k).into_iter().zip(state.angle_gradient()) {
-                gradient[i] += g * moment;
-            }
-        }
-        gradient
-    }
-
-    /// Second derivative of the energy (N/m).
-    pub fn hessian(&self, x: &[Vector3<f64>], curvature: HingeCurvature) -> Vec<Matrix3<f64>> {
-        let states = self.states(x);
-        let mut slopes = vec![Matrix3::zeros(); x.len()];
-        for (k, (state, row)) in states.iter().zip(&self.rows).enumerate() {
-            for (i, g) in self.corners(k).into_iter().zip(state.angle_gradient()) {
-                slopes[i] += row * g.transpose();
-            }
-        }
-        let mut blocks = Vec::with_capacity(x.len() * (x.len() + 1) / 2);
-        for (i, slope) in slopes.iter().enumerate() {
-            blocks.extend(slopes[..=i].iter().map(|other| slope.tr_mul(other)));
-        }
-        if curvature == HingeCurvature::Full {
-            self.add_curvature(&states, &mut blocks);
-        }
-        blocks
-    }
-
-    fn add_curvature(&self, states: &[HingeState], blocks: &mut [Matrix3<f64>]) {
-        let bend = self.bend(states);
-        for (k, (state, row)) in states.iter().zip(&self.rows).enumerate() {
-            let mut hinge = [Matrix3::zeros(); 10];
-            state.add_curvature(row.dot(&bend), &mut hinge);
-            let corners = self.corners(k);
-            let mut next = hinge.into_iter();
-            for (a, &i) in corners.iter().enumerate() {
-                for (&j, block) in corners[..=a].iter().zip(next.by_ref()) {
-                    let (row, column) = (i.max(j), i.min(j));
-                    let block = if i < j { block.transpose() } else { block };
-                    blocks[row * (row + 1) / 2 + column] += block;
-                }
-            }
-        }
-    }
-
-    /// Tail, head, left and right apex of the hinge at an inner edge.
-    fn corners(&self, edge: usize) -> [usize; 4] {
-        let count = self.rows.len();
-        if self.closed {
-            let [next, last] = [(edge + 1) % count, (edge + count - 1) % count];
-            [0, edge + 1, next + 1, last + 1]
-        } else {
-            [0, edge + 2, edge + 3, edge + 1]
-        }
-    }
-
-    fn states(&self, x: &[Vector3<f64>]) -> Vec<HingeState> {
-        let points = self.rows.len() + if self.closed { 1 } else { 3 };
-        assert_eq!(x.len(), points, "the centre and its neighbours");
-        (0..self.rows.len())
-            .map(|edge| HingeState::new(&self.corners(edge).map(|i| x[i])))
-            .collect()
-    }
-
-    fn bend(&self, states: &[HingeState]) -> Vector3<f64> {
-        let bends = states.iter().zip(&self.rest_angles);
-        weighted(&self.rows, bends.map(|(state, rest)| state.angle() - rest))
     }
 }
 

@@ -32,8 +32,14 @@ fn bending(
     let skin = FaceParameters { poisson, ..SKIN };
     let parameters = LayerParameters::uniform(skin, mesh.faces.len(), 0.0, mesh.positions.len());
     let pinned = vec![false; mesh.positions.len()];
-    let layer = LayerEnergy::with_bending(&mesh.positions, &mesh.faces, parameters, &pinned, model)
-        .expect("a valid lattice");
+    let layer = LayerEnergy::with_bending(
+        &mesh.topology(),
+        &mesh.positions,
+        parameters,
+        &pinned,
+        model,
+    )
+    .expect("a valid lattice");
     let (sin, cos) = rotation.sin_cos();
     let x: Vec<_> = mesh
         .positions
@@ -158,9 +164,14 @@ fn a_developable_bend_costs_little_membrane_energy() {
         let count = mesh.positions.len();
         let parameters = LayerParameters::uniform(SKIN, mesh.faces.len(), 0.0, count);
         let pinned = vec![false; count];
-        let layer =
-            LayerEnergy::with_bending(&mesh.positions, &mesh.faces, parameters, &pinned, model)
-                .expect("a valid lattice");
+        let layer = LayerEnergy::with_bending(
+            &mesh.topology(),
+            &mesh.positions,
+            parameters,
+            &pinned,
+            model,
+        )
+        .expect("a valid lattice");
         let bend = |p: &Vector3<f64>| {
             let angle = p.x / radius;
             Vector3::new(radius * angle.sin(), p.y, radius * (1.0 - angle.cos()))
@@ -184,7 +195,7 @@ fn foundation(points_per_wavelength: usize, normal: f64, gradient: f64) -> f64 {
     };
     let parameters = LayerParameters::uniform(face, mesh.faces.len(), 0.0, mesh.positions.len());
     let pinned = vec![false; mesh.positions.len()];
-    let layer = LayerEnergy::new(&mesh.positions, &mesh.faces, parameters, &pinned)
+    let layer = LayerEnergy::new(&mesh.topology(), &mesh.positions, parameters, &pinned)
         .expect("a valid lattice");
     let lifted: Vec<_> = mesh
         .positions

@@ -35,8 +35,14 @@ fn film(model: BendingModel, strain: f64, edge: f64) -> (LayerEnergy, Vec<Vector
     let mesh = lattice(COLUMNS, ROWS, edge);
     let parameters = LayerParameters::uniform(face, mesh.faces.len(), 0.0, mesh.positions.len());
     let pinned = vec![false; mesh.positions.len()];
-    let layer = LayerEnergy::with_bending(&mesh.positions, &mesh.faces, parameters, &pinned, model)
-        .expect("a valid lattice");
+    let layer = LayerEnergy::with_bending(
+        &mesh.topology(),
+        &mesh.positions,
+        parameters,
+        &pinned,
+        model,
+    )
+    .expect("a valid lattice");
     (layer, mesh.positions)
 }
 

@@ -34,14 +34,14 @@ const TIE: TieParameters = TieParameters {
 };
 
 fn layer(
+    mesh: &Mesh,
     rest: &[Vector3<f64>],
-    faces: &[[u32; 3]],
     face: FaceParameters,
     tangential: f64,
     pinned: &[bool],
 ) -> LayerEnergy {
-    let parameters = LayerParameters::uniform(face, faces.len(), tangential, rest.len());
-    LayerEnergy::new(rest, faces, parameters, pinned).expect("a valid layer")
+    let parameters = LayerParameters::uniform(face, mesh.faces.len(), tangential, rest.len());
+    LayerEnergy::new(&mesh.topology(), rest, parameters, pinned).expect("a valid layer")
 }
 
 fn raised(rest: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
@@ -57,7 +57,7 @@ fn pair_on(
     let above = raised(&mesh.positions);
     let (faces, count) = (mesh.faces.len(), above.len());
     let joint = LayerEnergy::pair(
-        (&mesh.positions, &mesh.faces, pinned),
+        (&mesh.topology(), &mesh.positions, pinned),
         LayerParameters::uniform(lower, faces, 0.0, count),
         upper(&above, faces),
         BendingModel::Hinge,
@@ -160,7 +160,7 @@ fn an_upper_layer_on_a_fixed_lower_one_is_a_layer_on_its_base() {
     let (joint, rest) = flat_pair(&mesh, &free(&mesh));
     let count = mesh.positions.len();
     let tangential = TIE.tangential_stiffness;
-    let alone = layer(&rest[count..], &mesh.faces, UPPER, tangential, &free(&mesh));
+    let alone = layer(&mesh, &rest[count..], UPPER, tangential, &free(&mesh));
     let mut rng = rng(27);
     let x: Vec<_> = (0..2 * count)
         .map(|v| {
@@ -283,7 +283,7 @@ fn sheets_that_do_not_fit_are_refused() {
     let (faces, count) = (mesh.faces.len(), mesh.positions.len());
     let join = |upper: UpperSheet| {
         let lower = LayerParameters::uniform(LOWER, faces, 0.0, count);
-        let on = (&mesh.positions[..], &mesh.faces[..], &free(&mesh)[..]);
+        let on = (&mesh.topology(), &mesh.positions[..], &free(&mesh)[..]);
         LayerEnergy::pair(on, lower, upper, BendingModel::Hinge).map(|_| ())
     };
     let whole = || upper(&raised(&mesh.positions), faces);

@@ -19,7 +19,7 @@ fn affine_fields_are_in_equilibrium() {
     };
     let parameters = LayerParameters::uniform(skin, mesh.faces.len(), 0.0, mesh.positions.len());
     let pinned = outline(columns, rows);
-    let layer = LayerEnergy::new(&mesh.positions, &mesh.faces, parameters, &pinned).unwrap();
+    let layer = LayerEnergy::new(&mesh.topology(), &mesh.positions, parameters, &pinned).unwrap();
     // Forces per width E h (1 - nu^2)^-1, so residuals below 1e-12 E h times an edge.
     let limit = 1e-12 * skin.young * skin.thickness * edge;
     let turn = random_rotation(&mut rng(22));

@@ -33,7 +33,7 @@ fn modulus(mesh: &PeriodicMesh, exponent: f64) -> [f64; 2] {
         let directions = vec![direction; mesh.faces.len()];
         let fixed = vec![false; mesh.points.len()];
         let result = response_modulus(&ResponseQuery {
-            faces: &mesh.faces,
+            mesh: &mesh.topology(),
             corners: &mesh.corners,
             directions: &directions,
             fixed: &fixed,
@@ -138,10 +138,10 @@ fn patch(model: BendingModel, shape: impl Fn(&Vector3<f64>) -> Vector3<f64>, gra
     let (columns, rows) = (61, 71);
     let mesh = lattice(columns, rows, EDGE);
     let positions: Vec<_> = mesh.positions.iter().map(shape).collect();
-    let corners = face_corners(&positions, &mesh.faces);
+    let corners = face_corners(&mesh.topology(), &positions);
     let directions = vec![Vector3::y(); mesh.faces.len()];
     let result = response_modulus(&ResponseQuery {
-        faces: &mesh.faces,
+        mesh: &mesh.topology(),
         corners: &corners,
         directions: &directions,
         fixed: &outline(columns, rows),

@@ -55,7 +55,7 @@ impl Noise {
 
     fn response(&self, mesh: &PeriodicMesh, model: BendingModel, poisson: f64) -> Response {
         let result = response_modulus(&ResponseQuery {
-            faces: &mesh.faces,
+            mesh: &mesh.topology(),
             corners: &mesh.corners,
             directions: &vec![self.direction(); mesh.faces.len()],
             fixed: &vec![false; mesh.points.len()],

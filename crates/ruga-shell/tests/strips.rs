@@ -29,8 +29,14 @@ fn layer(
     };
     let parameters = LayerParameters::uniform(face, mesh.faces.len(), 0.0, mesh.positions.len());
     let pinned: Vec<_> = mesh.positions.iter().map(pinned).collect();
-    LayerEnergy::with_bending(&mesh.positions, &mesh.faces, parameters, &pinned, model)
-        .expect("a valid sheet")
+    LayerEnergy::with_bending(
+        &mesh.topology(),
+        &mesh.positions,
+        parameters,
+        &pinned,
+        model,
+    )
+    .expect("a valid sheet")
 }
 
 /// A strip of irregular triangles from x = 0 to 1, `aspect` times as long across the strip as along

@@ -89,22 +89,6 @@ impl ConstraintRows {
         Ok(())
     }
 
-    /// `product = H' multipliers`; lengths `count` and `unknowns`.
-    ///
-    /// # Errors
-    /// [`SolverError::SizeMismatch`].
-    pub fn mul_transposed(
-        &self,
-        multipliers: &[f64],
-        product: &mut [f64],
-    ) -> Result<(), SolverError> {
-        crate::error::check_length("multipliers", self.count(), multipliers.len())?;
-        crate::error::check_length("product", self.unknowns, product.len())?;
-        product.fill(0.0);
-        self.add_transposed_product(multipliers, product);
-        Ok(())
-    }
-
     pub(crate) fn add_product(&self, x: &[f64], product: &mut [f64]) {
         for (row, sum) in product.iter_mut().enumerate() {
             let (columns, values) = self.row(row);

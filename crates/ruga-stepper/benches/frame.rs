@@ -192,12 +192,6 @@ impl Shell {
         let surface = BaseSurface::new(driver, &faces, LEVELS, Smoothing::Loop);
         let rest = surface.pose(driver.rest());
         let mesh = surface.mesh();
-        let faces: Vec<_> = mesh
-            .faces()
-            .as_slice()
-            .iter()
-            .map(|f| f.map(|v| v.0))
-            .collect();
         let face = FaceParameters {
             young: skin.layer.young,
             poisson: skin.layer.poisson,
@@ -206,12 +200,13 @@ impl Shell {
             gradient_stiffness: wrinkling.gradient_stiffness,
         };
         let tie = wrinkling.tangential_stiffness;
-        let parameters = LayerParameters::uniform(face, faces.len(), tie, mesh.vertex_count());
+        let parameters =
+            LayerParameters::uniform(face, mesh.face_count(), tie, mesh.vertex_count());
         let pinned = mesh.border_vertices();
         let free = pinned.iter().filter(|(_, pinned)| !**pinned);
         let free = free.map(|(v, _)| v).collect();
         let energy =
-            LayerEnergy::new(&rest.positions, &faces, parameters, pinned.as_slice()).unwrap();
+            LayerEnergy::new(mesh, &rest.positions, parameters, pinned.as_slice()).unwrap();
         let (starts, rows) = energy.pattern();
         let pattern = LowerPattern::new(starts.to_vec(), rows.to_vec()).unwrap();
         Self {

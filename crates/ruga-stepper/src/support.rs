@@ -28,8 +28,6 @@ use crate::skin::skin_mesh::{Mark, SkinMesh};
 pub use body::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape};
 pub(crate) use handles::Moves;
 pub(crate) use interior::Interior;
-#[cfg(test)]
-pub(crate) use prediction::product;
 pub(crate) use solid::{Frozen, Solid, SolidState};
 
 /// A surface that gives position and normal at every material point of the skin.

@@ -13,8 +13,9 @@ use std::sync::LazyLock;
 use nalgebra::{Vector2, Vector3};
 use rayon::ThreadPoolBuilder;
 use ruga_bake::{Coverage, WrinkleMap};
-use ruga_blend::{Driver, face_strains, rest_frame};
+use ruga_blend::{Driver, face_strains};
 use ruga_io::{ObjOptions, read_mesh};
+use ruga_mesh::triangle_frame;
 use ruga_mesh::{Id, TriMesh};
 use ruga_stepper::{LayerSurface, Modelling, PoseSpec, plan};
 use ruga_validation::{Skin, asset, shared_data, tilts};
@@ -99,7 +100,7 @@ fn misalignment(rest: &LayerSurface, layer: &LayerSurface, poisson: f64, critica
 
 /// Gradient of a linear function in the triangle's rest frame, and the triangle's area.
 fn gradient(corners: [Vector3<f64>; 3], values: [f64; 3]) -> (Vector2<f64>, f64) {
-    let frame = rest_frame(corners);
+    let frame = triangle_frame(&corners);
     let edges = [corners[1] - corners[0], corners[2] - corners[0]];
     let [p, q] = edges.map(|e| Vector2::new(e.dot(&frame[0]), e.dot(&frame[1])));
     let twice_area = p.perp(&q);

@@ -10,7 +10,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use ruga_constraint::Sampling;
 use ruga_material::Wrinkling;
-use ruga_shell::{LayerEnergy, rest_frame};
+use ruga_mesh::triangle_frame;
+use ruga_shell::LayerEnergy;
 use ruga_solver::{
     AtSaddle, Iteration, Kkt, LoadSettings, LoadStepper, LowerPattern, NewtonSettings, Outcome,
     SolveReport, StopRule, Verdict, inertia_at,
@@ -89,7 +90,7 @@ impl Film {
         let pinned = strip.ends();
         let parameters = spec.parameters(&strip);
         let energy =
-            LayerEnergy::with_bending(&rest, &strip.faces, parameters, &pinned, spec.bending)
+            LayerEnergy::with_bending(&strip.topology(), &rest, parameters, &pinned, spec.bending)
                 .expect("a valid layer");
         let free = energy.free_vertices().to_vec();
         let (starts, entries) = energy.pattern();
@@ -191,7 +192,7 @@ impl Film {
         let corners = self.strip.faces[face].map(|v| self.rest[v as usize]);
         let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
         let direction = self.spec.base.direction(&centre);
-        let frame = rest_frame(&corners);
+        let frame = triangle_frame(&corners);
         Vector2::new(frame[0].dot(&direction), frame[1].dot(&direction)).normalize()
     }
 

@@ -24,7 +24,7 @@ impl Film {
     /// Makes up for triangles that bend more or less easily than the material, as the product does.
     pub fn calibrate_bending(&mut self) {
         let pinned = self.strip.ends();
-        let factor = bending_factor(&self.spec, &self.rest, &self.strip.faces, &pinned);
+        let factor = bending_factor(&self.spec, &self.rest, &self.strip.topology(), &pinned);
         self.energy
             .set_bending_factor(factor)
             .expect("a positive factor");

@@ -5,7 +5,9 @@ use std::f64::consts::TAU;
 use nalgebra::Vector3;
 use ruga_constraint::{ClusterSettings, Kernel, Sampling, cluster_centres, constraint_rows};
 use ruga_material::Wrinkling;
-use ruga_mesh::{Id, LoopSurface, PerVertex, SurfaceLookup, VertexId, limit_rows, vertex_normals};
+use ruga_mesh::{
+    Id, LoopSurface, PerVertex, SurfaceLookup, TriMesh, VertexId, limit_rows, vertex_normals,
+};
 use ruga_remesh::SurfaceMesh;
 use ruga_shell::{
     BendingModel, HINGE_EXPONENT, LayerEnergy, ResponseQuery, face_corners, response_modulus,
@@ -145,7 +147,7 @@ impl RemeshedFilm {
         let made = self.rectangle.remeshed(&self.mesh, edge, jitter, seed);
         let deviations: Vec<_> = self.deviations().collect();
         let carried = match carry {
-            Carry::Linear => made.transfer.vectors(&deviations),
+            Carry::Linear => made.transfer.rows.apply(&deviations),
             Carry::Smooth => smoothly(&self.mesh, &deviations, &made.mesh),
         };
         self.mesh = made.mesh;
@@ -282,7 +284,7 @@ impl Discrete {
         let parameters = spec.film.parameters(&strip);
         let bending = spec.film.bending;
         let mut energy =
-            LayerEnergy::with_bending(rest, &strip.faces, parameters, &pinned, bending)
+            LayerEnergy::with_bending(&strip.topology(), rest, parameters, &pinned, bending)
                 .expect("a valid layer");
         let base = compressed(spec, theory, rest);
         let (normals, offsets) = (vec![Vector3::z(); rest.len()], vec![0.0; rest.len()]);
@@ -290,7 +292,7 @@ impl Discrete {
             .set_base(&base, &normals, &offsets)
             .expect("a valid base");
         if spec.is_calibrated {
-            let factor = bending_factor(&spec.film, rest, &strip.faces, &pinned);
+            let factor = bending_factor(&spec.film, rest, &strip.topology(), &pinned);
             energy
                 .set_bending_factor(factor)
                 .expect("a positive factor");
@@ -377,14 +379,14 @@ fn compressed(spec: &RemeshedSpec, theory: &Wrinkling, rest: &[Vector3<f64>]) ->
 pub(crate) fn bending_factor(
     spec: &FilmSpec,
     rest: &[Vector3<f64>],
-    faces: &[[u32; 3]],
+    mesh: &TriMesh,
     pinned: &[bool],
 ) -> f64 {
     let theory = spec.theory();
     let response = response_modulus(&ResponseQuery {
-        faces,
-        corners: &face_corners(rest, faces),
-        directions: &vec![Vector3::x(); faces.len()],
+        mesh,
+        corners: &face_corners(mesh, rest),
+        directions: &vec![Vector3::x(); mesh.face_count()],
         fixed: pinned,
         bending_modulus: theory.bending_stiffness,
         hinge_exponent: HINGE_EXPONENT,

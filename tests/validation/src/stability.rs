@@ -6,6 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use ruga_constraint::Sampling;
 use ruga_material::Wrinkling;
+use ruga_mesh::TriMesh;
 use ruga_shell::{BendingModel, LayerEnergy, LayerParameters};
 use ruga_solver::{
     Inertia, Kkt, LowerPattern, Minimise, NewtonSettings, SolveReport, inertia_at, minimise,
@@ -159,9 +160,10 @@ impl Sheet {
     /// # Panics
     /// When the specification is no valid layer.
     pub fn new(spec: SheetSpec) -> Self {
+        let mesh = TriMesh::new(spec.rest.len(), spec.faces.clone()).expect("a valid mesh");
         let energy = LayerEnergy::with_bending(
+            &mesh,
             &spec.rest,
-            &spec.faces,
             spec.parameters.clone(),
             &spec.pinned,
             spec.bending,

@@ -343,10 +343,9 @@ fn shell(
     let (ends, bending) = (strip.ends(), BendingModel::VertexCurvature);
     let energy = match upper {
         Some(upper) => {
-            let mesh = (rest, strip.faces.as_slice(), ends.as_slice());
-            LayerEnergy::pair(mesh, parameters, upper, bending)
+            LayerEnergy::pair((&strip.topology(), rest, &ends), parameters, upper, bending)
         }
-        None => LayerEnergy::with_bending(rest, &strip.faces, parameters, &ends, bending),
+        None => LayerEnergy::with_bending(&strip.topology(), rest, parameters, &ends, bending),
     };
     energy.expect("a valid layer")
 }

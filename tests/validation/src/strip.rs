@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::Vector2;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use ruga_mesh::TriMesh;
 use ruga_remesh::SurfaceMesh;
 
 use crate::Rectangle;
@@ -25,6 +26,14 @@ pub struct Strip {
 }
 
 impl Strip {
+    /// Vertices, edges and faces without places.
+    ///
+    /// # Panics
+    /// When the triangles are no manifold.
+    pub fn topology(&self) -> TriMesh {
+        TriMesh::new(self.points.len(), self.faces.clone()).expect("a strip is a mesh")
+    }
+
     /// A mesh of the plane as a strip.
     pub fn of(mesh: &SurfaceMesh, rectangle: &Rectangle) -> Self {
         let positions = mesh.positions.as_slice().iter();

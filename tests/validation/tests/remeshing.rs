@@ -207,11 +207,10 @@ fn force_at_rest(mesh: &SurfaceMesh) -> f64 {
         normal_stiffness: theory.normal_stiffness,
         gradient_stiffness: theory.gradient_stiffness,
     };
-    let corners = mesh.mesh.faces().as_slice().iter();
-    let faces: Vec<[u32; 3]> = corners.map(|face| face.map(|v| v.0)).collect();
     let (rest, tie) = (mesh.positions.as_slice(), theory.tangential_stiffness);
-    let parameters = LayerParameters::uniform(face, faces.len(), tie, rest.len());
-    let energy = LayerEnergy::new(rest, &faces, parameters, &vec![false; rest.len()]);
+    let parameters = LayerParameters::uniform(face, mesh.mesh.face_count(), tie, rest.len());
+    let pinned = vec![false; rest.len()];
+    let energy = LayerEnergy::new(&mesh.mesh, rest, parameters, &pinned);
     let energy = energy.expect("a valid layer");
     let mut forces = vec![0.0; energy.dof_count()];
     energy.gradient(rest, &mut forces);
@@ -257,7 +256,7 @@ impl Unloaded {
         for step in 0..100 {
             let edge = wavelength / 12.0 * random.random_range(0.8..1.25);
             let made = sheet.remeshed(&mesh, edge, 0.2, step);
-            carried = made.transfer.vectors(&carried);
+            carried = made.transfer.rows.apply(&carried);
             mesh = made.mesh;
             let positions = mesh.positions.as_slice();
             worst.force = worst.force.max(force_at_rest(&mesh));

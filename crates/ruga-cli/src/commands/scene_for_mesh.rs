@@ -6,7 +6,7 @@ use std::path::{Component, Path};
 use ruga_blend::{Driver, face_strains};
 use ruga_io::{IoError, MeshFile, ObjOptions, read_mesh};
 use ruga_material::{PRESETS, Preset, preset};
-use ruga_mesh::Id;
+use ruga_mesh::face_areas;
 use ruga_scene::file::usable_file_name;
 use ruga_scene::mesh_size::{is_unlikely, length, likely_scale, width};
 use ruga_scene::{counted, driver_of};
@@ -175,19 +175,15 @@ impl OwnMesh {
         );
         let critical = critical.map_or(0.05, |wave| wave.critical_strain);
         let driver = &self.driver;
-        let area = |face: usize| {
-            let corners = driver.topology().faces().as_slice()[face];
-            let [a, b, c] = corners.map(|vertex| driver.rest()[vertex.index()]);
-            0.5 * (b - a).cross(&(c - a)).norm()
-        };
+        let areas = face_areas(driver.topology(), driver.rest());
         let compressed = |shape: &str| -> f64 {
             let weights = driver.weights([(shape, 1.0)]);
             let posed = driver.pose(&weights.expect("one of the driver's shapes"));
             let strains = face_strains(driver.topology(), driver.rest(), &posed);
-            let strains = strains.as_slice().iter().enumerate();
             strains
+                .iter()
                 .filter(|(_, strain)| strain.effective(skin.layer.poisson) > critical)
-                .map(|(face, _)| area(face))
+                .map(|(face, _)| areas[face])
                 .sum()
         };
         let areas: Vec<f64> = driver.shape_names().map(compressed).collect();

@@ -43,7 +43,7 @@ fn check(mesh: &HalfEdges) {
             assert!(mesh.outgoing(v).all(|h| mesh.tail(h) == v));
             let ring = whole.ring(VertexId(v)).expect("one fan");
             assert_eq!(ring.closed, !mesh.is_border_vertex(v));
-            assert_eq!(mesh.neighbours(v).count(), ring.vertices.len());
+            assert_eq!(mesh.neighbours(v).count(), ring.spokes.len());
         }
     }
 }

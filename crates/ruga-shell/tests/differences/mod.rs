@@ -27,65 +27,6 @@ pub(crate) fn full<const N: usize, const B: usize>(blocks: &[Matrix3<f64>; B]) -
     matrix
 }
 
-/// The same of a stencil with any number of points.
-pub(crate) fn full_points(blocks: &[Matrix3<f64>]) -> DMatrix<f64> {
-    let count = (0..)
-        .find(|n| n * (n + 1) / 2 >= blocks.len())
-        .expect("a triangle number");
-    let mut matrix = DMatrix::zeros(3 * count, 3 * count);
-    let mut next = blocks.iter();
-    for i in 0..count {
-        for (j, block) in (0..=i).zip(next.by_ref()) {
-            matrix.fixed_view_mut::<3, 3>(3 * i, 3 * j).copy_from(block);
-            let mirrored = block.transpose();
-            matrix
-                .fixed_view_mut::<3, 3>(3 * j, 3 * i)
-                .copy_from(&mirrored);
-        }
-    }
-    matrix
-}
-
-/// [`check_stencil`] for any number of points.
-pub(crate) fn check_points(
-    x: &[Vector3<f64>],
-    step: f64,
-    value: impl Fn(&[Vector3<f64>]) -> f64,
-    gradient: impl Fn(&[Vector3<f64>]) -> Vec<Vector3<f64>>,
-    hessian: &[Matrix3<f64>],
-    what: &str,
-) {
-    let flat = |v: Vec<Vector3<f64>>| {
-        DVector::from_iterator(3 * v.len(), v.iter().flat_map(|v| v.iter().copied()))
-    };
-    let moved = |k: usize, by: f64| {
-        let mut y = x.to_vec();
-        y[k / 3][k % 3] += by * step;
-        y
-    };
-    let stencil = |f: &dyn Fn(f64) -> DVector<f64>| {
-        (8.0 * (f(1.0) - f(-1.0)) - (f(2.0) - f(-2.0))) / (12.0 * step)
-    };
-    let (mut by_value, mut by_gradient) = (Vec::new(), Vec::new());
-    for k in 0..3 * x.len() {
-        by_value.push(stencil(&|s| DVector::from_element(1, value(&moved(k, s))))[0]);
-        by_gradient.push(stencil(&|s| flat(gradient(&moved(k, s)))));
-    }
-    let size = 3 * x.len();
-    let exact = full_points(hessian);
-    // At rest there is no force: compare with that of a displacement by a hundredth.
-    let unit = 1e-2 * exact.amax();
-    let found = flat(gradient(x));
-    let error = (found.clone() - DVector::from_vec(by_value)).amax() / found.amax().max(unit);
-    assert!(
-        error < TOLERANCE,
-        "{what} gradient: relative error {error:e}"
-    );
-    assert_eq!(exact.nrows(), size);
-    let what = format!("{what} Hessian");
-    assert_close(&exact, &DMatrix::from_columns(&by_gradient), &what);
-}
-
 pub(crate) fn flat<const N: usize>(vectors: &[Vector3<f64>; N]) -> DVector<f64> {
     DVector::from_iterator(3 * N, vectors.iter().flat_map(|v| v.iter().copied()))
 }
@@ -153,16 +94,11 @@ pub(crate) fn dense((starts, rows): (&[usize], &[usize]), values: &[f64]) -> DMa
     matrix
 }
 
-/// Gradient and Hessian of a whole against differences of value and gradient.
-pub(crate) fn check_assembled(
-    x: &[Vector3<f64>],
-    free: &[u32],
-    value: impl Fn(&[Vector3<f64>]) -> f64,
-    gradient: impl Fn(&[Vector3<f64>], &mut [f64]),
-    hessian: &DMatrix<f64>,
-) {
-    let size = 3 * free.len();
-    assert!(size < 3 * x.len() && size > 30);
+/// Gradient and Hessian of a whole layer against differences of value and gradient.
+pub(crate) fn check_layer(layer: &LayerEnergy, x: &[Vector3<f64>]) {
+    let (free, size) = (layer.free_vertices(), layer.dof_count());
+    let mut hessian = vec![7.0; layer.pattern().1.len()];
+    layer.hessian(x, &mut hessian, None);
     let moved = |dof: usize, by: f64| {
         let mut y = x.to_vec();
         y[free[dof / 3] as usize][dof % 3] += by;
@@ -171,7 +107,7 @@ pub(crate) fn check_assembled(
     let gradient_at = |y: &[Vector3<f64>]| {
         // Not zero, so that whoever only adds is found out.
         let mut target = vec![7.0; size];
-        gradient(y, &mut target);
+        layer.gradient(y, &mut target);
         DVector::from_vec(target)
     };
     let step = 1e-3;
@@ -180,14 +116,14 @@ pub(crate) fn check_assembled(
     };
     let (mut by_value, mut by_gradient) = (Vec::new(), Vec::new());
     for dof in 0..size {
-        by_value.push(stencil(&|s| DVector::from_element(1, value(&moved(dof, s))))[0]);
+        by_value.push(stencil(&|s| DVector::from_element(1, layer.value(&moved(dof, s))))[0]);
         by_gradient.push(stencil(&|s| gradient_at(&moved(dof, s))));
     }
     let by_value = DMatrix::from_column_slice(size, 1, &by_value);
     let gradient = DMatrix::from_column_slice(size, 1, gradient_at(x).as_slice());
     assert_close(&gradient, &by_value, "assembled gradient");
     assert_close(
-        hessian,
+        &dense(layer.pattern(), &hessian),
         &DMatrix::from_columns(&by_gradient),
         "assembled Hessian",
     );
@@ -228,7 +164,7 @@ pub(crate) fn assembled(model: BendingModel) -> (LayerEnergy, Vec<Vector3<f64>>)
         .iter()
         .map(|p| p + Vector3::z() * (0.3 * (p.x * p.y).sin()))
         .collect();
-    let mut layer = LayerEnergy::with_bending(&rest, &mesh.faces, parameters, &pinned, model)
+    let mut layer = LayerEnergy::with_bending(&mesh.topology(), &rest, parameters, &pinned, model)
         .expect("valid input");
     let stretch: Vec<_> = mesh
         .faces

@@ -4,10 +4,17 @@
 use nalgebra::{Matrix3, Rotation3, Unit, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
+use ruga_mesh::TriMesh;
 
 pub(crate) struct Mesh {
     pub(crate) positions: Vec<Vector3<f64>>,
     pub(crate) faces: Vec<[u32; 3]>,
+}
+
+impl Mesh {
+    pub(crate) fn topology(&self) -> TriMesh {
+        TriMesh::new(self.positions.len(), self.faces.clone()).expect("a valid mesh")
+    }
 }
 
 pub(crate) fn rng(seed: u64) -> Pcg64 {
@@ -85,6 +92,10 @@ pub(crate) struct PeriodicMesh {
 }
 
 impl PeriodicMesh {
+    pub(crate) fn topology(&self) -> TriMesh {
+        TriMesh::new(self.points.len(), self.faces.clone()).expect("a valid mesh")
+    }
+
     /// Equilateral, `columns` x `rows` (even) vertices of edge `a`.
     pub(crate) fn lattice(columns: usize, rows: usize, a: f64) -> Self {
         let height = a * 0.75_f64.sqrt();

@@ -163,7 +163,7 @@ impl Pair {
             levers: vec![self.lever(); count],
         };
         let joint = LayerEnergy::pair(
-            (&mesh.positions, &mesh.faces, &vec![false; count]),
+            (&mesh.topology(), &mesh.positions, &vec![false; count]),
             uniform(self.lower.parameters(), 0.0),
             upper,
             BendingModel::Hinge,

@@ -1,8 +1,8 @@
 //! Where a pose can wrinkle a layer: the active region.
 
 use nalgebra::{Matrix2, Matrix3, Vector3};
-use ruga_blend::{BaseSurface, FaceStrain, PosedSurface, face_strains, rest_frame};
-use ruga_mesh::{FaceId, Id, PerFace, TriMesh, edge_distances, face_normals};
+use ruga_blend::{BaseSurface, FaceStrain, PosedSurface, face_strains};
+use ruga_mesh::{FaceId, Id, PerFace, TriMesh, edge_distances, face_normals, triangle_frame};
 
 use crate::plan::pose_plan::{LoadPath, PlannedLayer};
 use crate::{Presence, Region};
@@ -274,7 +274,7 @@ fn smoothed_strains(
         .faces()
         .as_slice()
         .iter()
-        .map(|face| rest_frame(face.map(|v| rest[v.index()])))
+        .map(|face| triangle_frame(&face.map(|v| rest[v.index()])))
         .collect();
     let mut tensors: Vec<Matrix3<f64>> = strains
         .iter()
@@ -334,26 +334,7 @@ fn lift(tensor: &Matrix2<f64>, [u, v]: &[Vector3<f64>; 2]) -> Matrix3<f64> {
 
 /// Switches off connected parts smaller than `min_area`.
 fn drop_specks(mesh: &TriMesh, areas: &PerFace<f64>, active: &mut PerFace<bool>, min_area: f64) {
-    let mut seen = PerFace::filled(mesh.face_count(), false);
-    for seed in mesh.faces().ids() {
-        if !active[seed] || seen[seed] {
-            continue;
-        }
-        let mut part = vec![seed];
-        seen[seed] = true;
-        let mut next = 0;
-        while next < part.len() {
-            for corner in 0..3 {
-                if let Some(face) = mesh.neighbour(part[next], corner)
-                    && active[face]
-                    && !seen[face]
-                {
-                    seen[face] = true;
-                    part.push(face);
-                }
-            }
-            next += 1;
-        }
+    for part in mesh.connected_parts(|face| active[face]) {
         if part.iter().map(|&face| areas[face]).sum::<f64>() < min_area {
             part.iter().for_each(|&face| active[face] = false);
         }

@@ -1,11 +1,10 @@
 //! How long a layer's waves are on a body, here and there.
 
-use nalgebra::Vector3;
 use ruga_blend::{BaseSurface, Driver, Smoothing};
 use ruga_material::Wrinkling;
-use ruga_mesh::{FaceId, Id, PerFace};
+use ruga_mesh::{FaceId, Id, PerFace, face_areas};
 
-use crate::plan::surface_measures::{per_face, uv_density, weighted_quantile};
+use crate::plan::surface_measures::{uv_density, weighted_quantile};
 use crate::skin::local_skin::wrinkling_on_face;
 use crate::{EdgeLimits, LayerSpec, StepperError};
 
@@ -43,8 +42,7 @@ impl Waves {
             Ok(wrinkling_on_face(layer, nominal, (uvs, corners))?.wavelength)
         });
         let lengths: PerFace<f64> = lengths.collect::<Result<_, StepperError>>()?;
-        let area = |[a, b, c]: [Vector3<f64>; 3], _| 0.5 * (b - a).cross(&(c - a)).norm();
-        let areas = per_face(&surface, area, &rest);
+        let areas = face_areas(surface.mesh(), &rest.positions);
         let faces: Vec<FaceId> = surface.mesh().faces().ids().collect();
         let quantile = |field, fraction| weighted_quantile(&faces, field, &areas, fraction);
         Ok(Self {

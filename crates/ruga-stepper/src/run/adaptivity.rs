@@ -3,9 +3,9 @@
 use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Matrix3, SymmetricEigen};
-use ruga_blend::{Driver, FaceStrain, rest_frame};
+use ruga_blend::{Driver, FaceStrain};
 use ruga_material::Wrinkling;
-use ruga_mesh::{FaceId, Id, PerFace};
+use ruga_mesh::{FaceId, Id, PerFace, face_areas, triangle_frame};
 use ruga_remesh::{FaceDriver, Refinement, RemeshError, RemeshSettings, SizeLimits};
 
 use crate::error::Halt;
@@ -212,18 +212,16 @@ fn averaged_directions(
 ) -> Vec<Matrix3<f64>> {
     let mesh = &skin.mesh;
     let mut tensors = vec![Matrix3::zeros(); mesh.vertex_count()];
-    let mut area = 0.0;
+    let areas = face_areas(mesh, &skin.rest.positions);
+    let area: f64 = areas.as_slice().iter().sum();
     for (face, corners) in mesh.faces().iter() {
-        let [a, b, c] = corners.map(|v| skin.rest.positions[v.index()]);
-        let piece = 0.5 * (b - a).cross(&(c - a)).norm();
-        area += piece;
         // Tension does not wrinkle; the larger compression decides where both do.
         let eigen = SymmetricEigen::new(drivers[face].compression);
         let values = eigen.eigenvalues.map(|value| value.max(0.0).powi(2));
         let vectors = eigen.eigenvectors;
         let directions = vectors * Matrix3::from_diagonal(&values) * vectors.transpose();
         for v in corners {
-            tensors[v.index()] += directions * (piece / 3.0);
+            tensors[v.index()] += directions * (areas[face] / 3.0);
         }
     }
     let edge_squared = area / mesh.face_count().max(1) as f64 * 4.0 / 3f64.sqrt();
@@ -281,7 +279,7 @@ fn face_drivers(
 /// The compression `I - U` of a face as a tensor in space.
 fn in_space(skin: &SkinMesh, face: FaceId, strain: &FaceStrain) -> Matrix3<f64> {
     let corners = skin.mesh.faces()[face].map(|v| skin.rest.positions[v.index()]);
-    let [u, v] = rest_frame(corners);
+    let [u, v] = triangle_frame(&corners);
     let first = u * strain.direction.x + v * strain.direction.y;
     let second = v * strain.direction.x - u * strain.direction.y;
     first * first.transpose() * strain.first + second * second.transpose() * strain.second

@@ -153,17 +153,16 @@ impl Layer {
             Some(_) => PerVertex::filled(rest.positions.len(), false),
             None => skin.mesh.border_vertices(),
         };
-        let faces = skin.corner_indices();
         let properties = SkinProperties::new(spec, wrinkling, tie, driver, &skin)?;
         preparing.step()?;
         let parameters = layer_parameters(&properties, spec.coupling.has_foundation());
         let surface = (rest.positions.as_slice(), rest.normals.as_slice());
-        let mesh = (surface.0, faces.as_slice(), pinned.as_slice());
+        let (mesh, held) = (&skin.mesh, pinned.as_slice());
         let energy = match &upper {
-            None => LayerEnergy::with_bending(mesh.0, mesh.1, parameters, mesh.2, bending),
+            None => LayerEnergy::with_bending(mesh, surface.0, parameters, held, bending),
             Some(upper) => {
-                let above = upper.sheet(surface, faces.len());
-                LayerEnergy::pair(mesh, parameters, above, bending)
+                let above = upper.sheet(surface, mesh.face_count());
+                LayerEnergy::pair((mesh, surface.0, held), parameters, above, bending)
             }
         };
         let energy = energy.map_err(shell)?;
@@ -244,7 +243,7 @@ impl Layer {
             fraction: 1.0,
             held_normals: rest.normals.clone(),
             held_ratios: match &solid {
-                Some(_) => vec![1.0; faces.len()],
+                Some(_) => vec![1.0; skin.mesh.face_count()],
                 None => Vec::new(),
             },
             velocities: vec![Vector3::zeros(); positions.len()],

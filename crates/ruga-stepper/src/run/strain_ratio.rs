@@ -3,7 +3,7 @@
 use nalgebra::Matrix2;
 use ruga_blend::{FaceStrain, face_strains};
 use ruga_material::capped_strain;
-use ruga_mesh::{FaceId, Id, PerFace};
+use ruga_mesh::{FaceId, PerFace, face_areas};
 
 use crate::skin::local_skin::SkinProperties;
 use crate::skin::skin_mesh::SkinMesh;
@@ -74,14 +74,12 @@ impl StrainRatios<'_> {
     /// Energy that wrinkling is about, J: what a critical compression costs, or what wrinkles save
     /// of a larger one.
     pub(crate) fn energy_scale(&self) -> f64 {
-        let faces = self.skin.mesh.faces();
+        let areas = face_areas(&self.skin.mesh, &self.skin.rest.positions);
         let of_face = |face: FaceId| {
-            let [a, b, c] = faces[face].map(|v| self.skin.rest.positions[v.index()]);
-            let area = 0.5 * (b - a).cross(&(c - a)).norm();
             let wrinkling = &self.properties.faces[face].wrinkling;
             let excess = (self.of_face(face) - 1.0).max(1.0);
             let strain = wrinkling.critical_strain * excess;
-            0.5 * wrinkling.membrane_stiffness * strain * strain * area
+            0.5 * wrinkling.membrane_stiffness * strain * strain * areas[face]
         };
         self.strains.ids().map(of_face).sum()
     }

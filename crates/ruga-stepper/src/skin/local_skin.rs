@@ -184,6 +184,8 @@ mod tests {
     use ruga_material::{PropertyImage, PropertyMap, Wrap, preset};
     use ruga_remesh::{FaceDriver, Refinement, RemeshSettings};
 
+    use ruga_mesh::face_areas;
+
     use super::*;
     use crate::error::Halt;
     use crate::skin::skin_mesh::{RegionMesh, SizingStrains};
@@ -297,10 +299,11 @@ mod tests {
         let nominal = local_skin(layer, &RelativeProperties::default()).expect("a material");
         let properties = SkinProperties::new(layer, &nominal.wrinkling, None, driver, skin);
         let properties = properties.expect("a material everywhere");
+        let areas = face_areas(&skin.mesh, &skin.rest.positions);
         let (mut wrong, mut total, mut straddling) = (0.0, 0.0, 0.0f64);
         for (face, corners) in skin.mesh.faces().iter() {
             let [a, b, c] = corners.map(|v| skin.rest.positions[v.index()]);
-            let area = (b - a).cross(&(c - a)).norm() / 2.0;
+            let area = areas[face];
             let thickness = properties.faces[face].material.thickness / layer.material.thickness;
             let thick = thick_fraction([a, b, c], &is_thick);
             wrong += area * (thick * (1.0 - thickness) + (1.0 - thick) * (thickness - 0.5)) / 0.5;

@@ -1,7 +1,7 @@
 //! Dominant wavelength and amplitude of a wrinkled layer.
 
 use nalgebra::Vector3;
-use ruga_blend::rest_frame;
+use ruga_mesh::triangle_frame;
 
 /// Wavelength and amplitude over some faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +22,7 @@ pub(crate) fn waviness(
     for face in faces {
         let corners = face.map(|v| rest[v as usize]);
         let [a, b, c] = face.map(|v| heights[v as usize]);
-        let frame = rest_frame(corners);
+        let frame = triangle_frame(&corners);
         let edges = [corners[1] - corners[0], corners[2] - corners[0]];
         let [p, q] = edges.map(|e| [e.dot(&frame[0]), e.dot(&frame[1])]);
         let twice_area = p[0] * q[1] - p[1] * q[0];

@@ -3,7 +3,7 @@
 
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::{BaseSurface, Driver, PosedSurface};
-use ruga_mesh::{FaceId, Id, PerFace, TriMesh};
+use ruga_mesh::{FaceId, Id, PerFace};
 
 /// Fraction of an area from which on its largest connected part stands for all of it.
 const ALL_OF_IT: f64 = 0.9;
@@ -50,7 +50,7 @@ pub(crate) fn place_of_faces(
     is_in: &dyn Fn(FaceId) -> bool,
 ) -> String {
     let area_of = |faces: &[FaceId]| faces.iter().map(|&f| areas[f]).sum::<f64>();
-    let parts = connected_parts(surface.mesh(), is_in);
+    let parts = surface.mesh().connected_parts(is_in);
     let whole: f64 = parts.iter().map(|part| area_of(part)).sum();
     let largest = parts
         .iter()
@@ -86,31 +86,4 @@ pub(crate) fn place_of_points(
         Some(name) => format!("{square} (nearest blend shape '{name}')"),
         None => square,
     }
-}
-
-/// The faces for which `is_in` holds, in parts that hang together by edges.
-pub(crate) fn connected_parts(mesh: &TriMesh, is_in: &dyn Fn(FaceId) -> bool) -> Vec<Vec<FaceId>> {
-    let mut left: PerFace<bool> = mesh.faces().ids().map(is_in).collect();
-    let mut parts = Vec::new();
-    for seed in mesh.faces().ids() {
-        if !left[seed] {
-            continue;
-        }
-        left[seed] = false;
-        let mut part = vec![seed];
-        let mut next = 0;
-        while next < part.len() {
-            for corner in 0..3 {
-                if let Some(face) = mesh.neighbour(part[next], corner)
-                    && left[face]
-                {
-                    left[face] = false;
-                    part.push(face);
-                }
-            }
-            next += 1;
-        }
-        parts.push(part);
-    }
-    parts
 }

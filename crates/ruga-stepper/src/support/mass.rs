@@ -1,7 +1,7 @@
 //! Mass of a body with its layer.
 
-use nalgebra::Vector3;
-use ruga_lattice::{Embedding, Lattice, LatticeEnergy, LatticeError, SurfacePattern};
+use nalgebra::{Matrix3, Vector3};
+use ruga_lattice::{Embedding, Lattice, LatticeEnergy, LatticeError};
 
 use crate::support::motion::Inertia;
 
@@ -26,10 +26,10 @@ impl BodyMass {
         density: f64,
         (embedding, of_layer): (&Embedding, &[f64]),
     ) -> Result<Self, LatticeError> {
-        let diagonal = Diagonal::new(of_layer);
+        let of_layer = diagonal(of_layer);
         let with_layer = |energy: &LatticeEnergy| -> Result<Vec<f64>, LatticeError> {
             let mut values = energy.mass(lattice, density)?;
-            diagonal.pull_back(energy, embedding, &mut values);
+            energy.add_pulled_back(embedding, &of_layer, &mut values);
             Ok(values)
         };
         let (starts, rows) = all.pattern();
@@ -80,38 +80,8 @@ impl BodyMass {
     }
 }
 
-/// A diagonal stiffness or mass of the points of a surface.
-pub(crate) struct Diagonal {
-    points: Vec<u32>,
-    column_starts: Vec<usize>,
-    rows: Vec<usize>,
-    values: Vec<f64>,
-}
-
-impl Diagonal {
-    /// One value per point, the same for x, y and z.
-    pub(crate) fn new(of_points: &[f64]) -> Self {
-        let unknowns = 3 * of_points.len();
-        Self {
-            points: (0..of_points.len() as u32).collect(),
-            column_starts: (0..=unknowns).collect(),
-            rows: (0..unknowns).collect(),
-            values: of_points.iter().flat_map(|value| [*value; 3]).collect(),
-        }
-    }
-
-    /// Adds `B' d B` to a Hessian of the lattice.
-    pub(crate) fn pull_back(
-        &self,
-        lattice: &LatticeEnergy,
-        embedding: &Embedding,
-        hessian: &mut [f64],
-    ) {
-        let pattern = SurfacePattern {
-            points: &self.points,
-            column_starts: &self.column_starts,
-            rows: &self.rows,
-        };
-        lattice.add_pulled_back(embedding, &pattern, &self.values, hessian);
-    }
+/// A stiffness or mass of the points of a surface with one value per point, the same for x, y and z.
+pub(crate) fn diagonal(of_points: &[f64]) -> Vec<Vec<(u32, Matrix3<f64>)>> {
+    let block = |(point, value): (u32, &f64)| vec![(point, Matrix3::from_diagonal_element(*value))];
+    (0..).zip(of_points).map(block).collect()
 }

@@ -39,9 +39,7 @@ impl Prediction {
             energy.hessian(q, &mut exact, Some(&mut relaxed));
             relaxed
         };
-        let (starts, rows) = all.pattern();
-        let pattern = LowerPattern::new(starts.to_vec(), rows.to_vec())?;
-        let pull = product(&pattern, &relaxed_hessian(all), displacements);
+        let pull = all.blocks().product(&relaxed_hessian(all), displacements);
         let force: Vec<f64> = free.unknowns(&pull).iter().map(|f| -f).collect();
         let hessian = relaxed_hessian(free);
         let diagonal = free.pattern().0.iter().take(free.dof_count());
@@ -53,23 +51,4 @@ impl Prediction {
         free.set_unknowns(&step, displacements);
         Ok(())
     }
-}
-
-/// Symmetric matrix times vectors.
-pub(crate) fn product(
-    pattern: &LowerPattern,
-    values: &[f64],
-    v: &[Vector3<f64>],
-) -> Vec<Vector3<f64>> {
-    let mut product = vec![Vector3::zeros(); v.len()];
-    for (column, range) in pattern.column_starts().windows(2).enumerate() {
-        let range = range[0]..range[1];
-        for (&row, value) in pattern.rows()[range.clone()].iter().zip(&values[range]) {
-            product[row / 3][row % 3] += value * v[column / 3][column % 3];
-            if row != column {
-                product[column / 3][column % 3] += value * v[row / 3][row % 3];
-            }
-        }
-    }
-    product
 }

@@ -7,14 +7,14 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 use ruga_blend::{Driver, PosedSurface, Weights};
 use ruga_lattice::{Embedding, Lattice, LatticeEnergy};
-use ruga_mesh::vertex_areas;
+use ruga_mesh::{SparseRows, vertex_areas};
 use ruga_solver::{ConstraintRows, LowerPattern, SolverError};
 
 use super::contact::Contact;
 use super::handles::Moves;
 use super::interior::Interior;
 use super::layout::Layout;
-use super::mass::{BodyMass, Diagonal};
+use super::mass::{BodyMass, diagonal};
 use super::obstacle::PlacedObstacle;
 use super::prediction::Prediction;
 use super::springs::Springs;
@@ -67,8 +67,10 @@ pub(crate) struct Solid {
     weight: Vec<Vector3<f64>>,
     follow: Option<Follow>,
     layout: Layout,
-    /// Contribution of held nodes to each row: node, axis and weight.
-    held_terms: HeldTerms,
+    /// Whether springs hold the layer on it.
+    is_held: bool,
+    /// Contribution of the coordinates of held nodes to each row.
+    held_terms: SparseRows,
     prediction: Prediction,
     /// Rest areas of the layer's vertices, m².
     areas: Vec<f64>,
@@ -104,12 +106,12 @@ impl Solid {
             .embedding_lattice
             .embed(skin.points.points(), &skin.rest)?;
         let control = interior.embedding_lattice.embed_control(driver)?;
-        let springs = Springs::new(energy.foundation_stiffness());
+        let springs = Springs(energy.foundation_stiffness());
         let is_held = spec.coupling.has_foundation();
         let of_nodes = |pinned: &[bool]| -> Result<LatticeEnergy, StepperError> {
             let mut energy = LatticeEnergy::new(lattice, &body.material, pinned)?;
             if is_held {
-                energy.couple_surface(&embedding, &springs.pattern())?;
+                energy.couple_surface(&embedding, springs.stencils())?;
             }
             Ok(energy)
         };
@@ -124,12 +126,12 @@ impl Solid {
             // An upper layer hangs on the lower one alone.
             false => Vec::new(),
         };
-        let cross = (0..energy.vertex_count()).map(of_vertex).collect();
+        let coupled: Vec<_> = (0..energy.vertex_count()).map(of_vertex).collect();
         let rest = lattice.rest_positions();
         Ok(Self {
             weight: weight(lattice, body, carried)?,
-            layout: Layout::new(energy.pattern(), cross, free.pattern()).map_err(solver)?,
-            held_terms: Vec::new(),
+            layout: Layout::new(energy.blocks(), free.blocks(), &coupled).map_err(solver)?,
+            held_terms: SparseRows::default(),
             prediction: Prediction::new(&free).map_err(solver)?,
             areas: energy.vertex_areas().to_vec(),
             stiffness: [body.material.young, spec.material.young],
@@ -152,6 +154,7 @@ impl Solid {
             free_of,
             mass,
             follow,
+            is_held,
         })
     }
 
@@ -180,7 +183,7 @@ impl Solid {
         let layer = self.layout.layer_unknowns();
         let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
         let mut weights = vec![0.0; self.free_of.len()];
-        self.held_terms.clear();
+        self.held_terms = SparseRows::default();
         for row in 0..of_layer.count() {
             let (own, own_weights) = of_layer.row(row);
             columns.extend_from_slice(own);
@@ -200,10 +203,10 @@ impl Solid {
                         columns.push(layer + 3 * free as usize + axis);
                         values.push(-weight);
                     }
-                    None => held.push((node as u32, axis, weight)),
+                    None => held.push(((3 * node + axis) as u32, weight)),
                 }
             }
-            self.held_terms.push(held);
+            self.held_terms.push_row(&mut held);
             starts.push(columns.len());
         }
         ConstraintRows::new(starts, columns, values, layer + self.lattice.dof_count())
@@ -211,12 +214,8 @@ impl Solid {
 
     /// What the rows ask for with the held nodes where they are.
     pub(crate) fn row_targets(&self) -> Vec<f64> {
-        let of_node =
-            |(node, axis, weight): &(u32, usize, f64)| weight * self.state.q[*node as usize][*axis];
-        let targets = self.held_terms.iter();
-        targets
-            .map(|terms| terms.iter().map(of_node).sum())
-            .collect()
+        let coordinates: Vec<f64> = self.state.q.iter().flatten().copied().collect();
+        self.held_terms.apply(&coordinates)
     }
 
     /// The body's surface under the layer's vertices; where it has collapsed with the frame of `before`.
@@ -357,6 +356,10 @@ impl Solid {
 
 #[cfg(test)]
 impl Solid {
+    pub(crate) fn blocks(&self) -> &ruga_mesh::BlockPattern {
+        &self.layout.blocks
+    }
+
     pub(crate) fn momentum(&self) -> Vec<Vector3<f64>> {
         self.mass.times(&self.state.velocities)
     }
@@ -373,7 +376,7 @@ impl Follow {
         let areas = vertex_areas(driver.topology(), driver.rest());
         let stiffness: Vec<f64> = areas.iter().map(|area| stiffness * area).collect();
         let mut hessian = vec![0.0; lattice.pattern().1.len()];
-        Diagonal::new(&stiffness).pull_back(lattice, control, &mut hessian);
+        lattice.add_pulled_back(control, &diagonal(&stiffness), &mut hessian);
         Some(Self { stiffness, hessian })
     }
 }
@@ -416,5 +419,3 @@ fn coupled_nodes(
     nodes.dedup();
     nodes
 }
-
-type HeldTerms = Vec<Vec<(u32, usize, f64)>>;

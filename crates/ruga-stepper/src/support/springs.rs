@@ -3,74 +3,40 @@
 use std::ops::AddAssign;
 
 use nalgebra::{Matrix3, Vector3};
-use ruga_lattice::{Embedding, SurfacePattern};
+use ruga_lattice::Embedding;
 use ruga_shell::FoundationStiffness;
 
 /// The matrix `F` of [`FoundationStiffness`] between vertices, for products with the embedding `B`:
 /// with `e = x - B q` the springs' energy has the second derivatives `F`, `-F B` and `B' F B`.
 #[derive(Clone, Debug)]
-pub(crate) struct Springs {
-    /// Per vertex the vertices it shares faces with, itself included, ascending; and `m`.
-    neighbours: Vec<Vec<(u32, f64)>>,
-    /// N/m.
-    ties: Vec<f64>,
-    /// Lower triangle of `F`.
-    points: Vec<u32>,
-    column_starts: Vec<usize>,
-    rows: Vec<usize>,
-}
+pub(crate) struct Springs(pub(crate) FoundationStiffness);
 
 impl Springs {
-    pub(crate) fn new(stiffness: FoundationStiffness) -> Self {
-        let of_vertex = |(i, m): (u32, &f64)| vec![(i, *m)];
-        let mut neighbours: Vec<Vec<(u32, f64)>> =
-            (0..).zip(&stiffness.diagonal).map(of_vertex).collect();
-        for ([i, j], m) in stiffness.edges {
-            neighbours[i as usize].push((j, m));
-            neighbours[j as usize].push((i, m));
-        }
-        for row in &mut neighbours {
-            row.sort_by_key(|(j, _)| *j);
-        }
-        let (column_starts, rows) = lower_pattern(&neighbours);
-        Self {
-            ties: stiffness.ties,
-            points: (0..neighbours.len() as u32).collect(),
-            neighbours,
-            column_starts,
-            rows,
-        }
-    }
-
     /// Vertices whose deviations pull at vertex `i`, ascending.
     pub(crate) fn neighbours(&self, i: usize) -> impl Iterator<Item = usize> + '_ {
-        self.neighbours[i].iter().map(|(j, _)| *j as usize)
+        self.0.normal.row(i).map(|(j, _)| j as usize)
     }
 
-    /// Where the entries of [`Self::hessian`] are.
-    pub(crate) fn pattern(&self) -> SurfacePattern<'_> {
-        SurfacePattern {
-            points: &self.points,
-            column_starts: &self.column_starts,
-            rows: &self.rows,
-        }
+    /// Every vertex with its neighbours of higher numbers.
+    pub(crate) fn stencils(&self) -> impl Iterator<Item = Vec<u32>> {
+        (0..self.0.ties.len()).map(|j| self.below(j).map(|(i, _)| i).collect())
     }
 
     /// The lower triangle of `F` (N/m), over these unit normals.
-    pub(crate) fn hessian(&self, normals: &[Vector3<f64>]) -> Vec<f64> {
-        let mut values = Vec::with_capacity(self.rows.len());
-        for j in 0..self.points.len() {
-            let blocks: Vec<_> = below(&self.neighbours, j)
-                .map(|&(i, m)| self.block(normals, [i as usize, j], m))
-                .collect();
-            for c in 0..3 {
-                for (k, block) in blocks.iter().enumerate() {
-                    let first = if k == 0 { c } else { 0 };
-                    values.extend((first..3).map(|r| block[(r, c)]));
-                }
-            }
-        }
-        values
+    pub(crate) fn hessian(&self, normals: &[Vector3<f64>]) -> Vec<Vec<(u32, Matrix3<f64>)>> {
+        let column = |j: usize| {
+            let rows = self.below(j);
+            rows.map(move |(i, m)| (i, self.block(normals, [i as usize, j], m)))
+        };
+        (0..self.0.ties.len())
+            .map(|j| column(j).collect())
+            .collect()
+    }
+
+    /// The neighbours of `j` from itself on.
+    fn below(&self, j: usize) -> impl Iterator<Item = (u32, f64)> {
+        let neighbours = self.0.normal.row(j);
+        neighbours.filter(move |(i, _)| *i as usize >= j)
     }
 
     /// Row `i` of `F B`: nodes, ascending, each with its block (N/m).
@@ -82,14 +48,14 @@ impl Springs {
     ) -> Vec<(u32, Matrix3<f64>)> {
         // All blocks but the tie's begin with the normal here: one vector per node is enough.
         let mut lifts: Vec<(u32, Vector3<f64>)> = Vec::new();
-        for &(j, m) in &self.neighbours[i] {
+        for (j, m) in self.0.normal.row(i) {
             let lift = normals[j as usize] * m;
             let row = embedding.rows().row(j as usize);
             lifts.extend(row.map(|(node, weight)| (node, lift * weight)));
         }
         add_up(&mut lifts);
         let n = normals[i];
-        let tangential = (Matrix3::identity() - n * n.transpose()) * self.ties[i];
+        let tangential = (Matrix3::identity() - n * n.transpose()) * self.0.ties[i];
         let mut blocks: Vec<_> = lifts
             .into_iter()
             .map(|(node, lift)| (node, n * lift.transpose()))
@@ -108,7 +74,7 @@ impl Springs {
             return block;
         }
         let across = Matrix3::identity() - normals[i] * normals[i].transpose();
-        block + across * self.ties[i]
+        block + across * self.0.ties[i]
     }
 }
 
@@ -122,23 +88,4 @@ fn add_up<T: Copy + AddAssign>(terms: &mut Vec<(u32, T)>) {
         }
         is_same
     });
-}
-
-/// The neighbours of `j` from itself on.
-fn below(neighbours: &[Vec<(u32, f64)>], j: usize) -> impl Iterator<Item = &(u32, f64)> {
-    neighbours[j].iter().filter(move |(i, _)| *i as usize >= j)
-}
-
-fn lower_pattern(neighbours: &[Vec<(u32, f64)>]) -> (Vec<usize>, Vec<usize>) {
-    let (mut starts, mut rows) = (vec![0], Vec::new());
-    for j in 0..neighbours.len() {
-        for c in 0..3 {
-            for &(i, _) in below(neighbours, j) {
-                let first = if i as usize == j { c } else { 0 };
-                rows.extend((first..3).map(|r| 3 * i as usize + r));
-            }
-            starts.push(rows.len());
-        }
-    }
-    (starts, rows)
 }

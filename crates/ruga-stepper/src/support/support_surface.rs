@@ -174,7 +174,6 @@ mod tests {
     use std::f64::consts::PI;
 
     use nalgebra::Vector2;
-    use ruga_blend::rest_frame;
     use ruga_mesh::Id;
 
     use super::*;
@@ -202,7 +201,7 @@ mod tests {
         faces
             .map(|(corners, stretch)| {
                 let [a, b, c] = corners.map(|v| skin.rest.positions[v.index()]);
-                let [u, v] = rest_frame([a, b, c]).map(|axis| axis.xy());
+                let [u, v] = ruga_mesh::triangle_frame(&[a, b, c]).map(|axis| axis.xy());
                 let axes = Matrix2::from_columns(&[u, v]);
                 let centre = (a + b + c).xy() / 3.0;
                 (centre, axes * stretch * axes.transpose())

@@ -9,6 +9,7 @@ use ruga_blend::Driver;
 use ruga_constraint::constraint_rows;
 use ruga_lattice::{Filling, Lattice, LatticeEnergy, LatticeSpec};
 use ruga_material::{LayerMaterial, Wrinkling};
+use ruga_mesh::TriMesh;
 use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters};
 use ruga_solver::minimise;
 use ruga_stepper::{Body, CellShape, ComputedMesh, Coupling, LayerReport, Modelling, Motion};
@@ -363,8 +364,9 @@ impl Run {
         let tie = self.theory.tangential_stiffness;
         let parameters = LayerParameters::uniform(face, faces.len(), tie, x.len());
         let free = vec![false; x.len()];
+        let mesh = TriMesh::new(x.len(), faces.clone())?;
         let bending = Modelling::default().bending;
-        let layer = LayerEnergy::with_bending(x, faces, parameters, &free, bending);
+        let layer = LayerEnergy::with_bending(&mesh, x, parameters, &free, bending);
         let layer = layer?;
         let [mut exact, mut relaxed] = [0, 1].map(|_| vec![0.0; layer.pattern().1.len()]);
         let mut gradient = vec![0.0; layer.dof_count()];

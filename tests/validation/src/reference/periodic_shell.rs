@@ -6,6 +6,7 @@
 
 use nalgebra::Vector3;
 use ruga_material::{LayerMaterial, Wrinkling};
+use ruga_mesh::TriMesh;
 use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters};
 use ruga_solver::{LowerPattern, Objective};
 
@@ -39,8 +40,9 @@ impl PeriodicShell {
     pub(super) fn new(mesh: PeriodicMesh, material: &LayerMaterial, film: Wrinkling) -> Self {
         let parameters = parameters(&mesh, material, &film);
         let pinned = vec![false; mesh.points.len()];
+        let topology = TriMesh::new(mesh.points.len(), mesh.faces.clone()).expect("a mesh");
         let energy =
-            LayerEnergy::new(&mesh.points, &mesh.faces, parameters, &pinned).expect("a layer");
+            LayerEnergy::new(&topology, &mesh.points, parameters, &pinned).expect("a layer");
         let (pattern, slots) = folded(&energy, &mesh);
         let vertex_area = mesh.edge * mesh.edge * 0.75_f64.sqrt();
         Self {

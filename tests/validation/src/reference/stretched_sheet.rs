@@ -69,7 +69,7 @@ impl StretchedSheet {
         };
         let parameters = LayerParameters::uniform(face, strip.faces.len(), 0.0, rest.len());
         let energy =
-            LayerEnergy::new(&rest, &strip.faces, parameters, &strip.ends()).expect("a sheet");
+            LayerEnergy::new(&strip.topology(), &rest, parameters, &strip.ends()).expect("a sheet");
         let (starts, entries) = energy.pattern();
         let pattern =
             LowerPattern::new(starts.to_vec(), entries.to_vec()).expect("a valid pattern");

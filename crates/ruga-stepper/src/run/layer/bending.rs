@@ -1,7 +1,7 @@
 //! How the mesh's triangles bend, and the correction for it.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
-use ruga_blend::rest_frame;
+use ruga_mesh::{face_areas, triangle_frame};
 use ruga_shell::{BendingModel, HINGE_EXPONENT, ResponseQuery, face_corners, response_modulus};
 
 use super::Layer;
@@ -48,14 +48,14 @@ impl Layer {
     /// One direction for all: one that varies from face to face frustrates the mode and would
     /// count as stiffness.
     fn measured_bending_ratio(&self) -> Option<f64> {
-        let faces = self.skin.corner_indices();
-        let corners = face_corners(&self.skin.rest.positions, &faces);
-        let directions = vec![self.main_direction(&corners)?; faces.len()];
+        let mesh = &self.skin.mesh;
+        let corners = face_corners(mesh, &self.skin.rest.positions);
+        let directions = vec![self.main_direction(&corners)?; mesh.face_count()];
         // On a body, too, where nothing holds the border: the softest wave runs along a free edge, is
         // about half as stiff as any in the middle, and says nothing of the mesh.
-        let pinned = self.skin.mesh.border_vertices();
+        let pinned = mesh.border_vertices();
         let response = response_modulus(&ResponseQuery {
-            faces: &faces,
+            mesh,
             corners: &corners,
             directions: &directions,
             fixed: pinned.as_slice(),
@@ -74,14 +74,12 @@ impl Layer {
     fn main_direction(&self, corners: &[[Vector3<f64>; 3]]) -> Option<Vector3<f64>> {
         let mut tensor = Matrix3::zeros();
         let ratios = self.strain_ratios();
+        let areas = face_areas(&self.skin.mesh, &self.skin.rest.positions);
         for (corners, (face, strain)) in corners.iter().zip(self.strains.iter()) {
             let excess = ratios.of_face(face) - 1.0;
-            let [u, v] = rest_frame(*corners);
+            let [u, v] = triangle_frame(corners);
             let direction = u * strain.direction.x + v * strain.direction.y;
-            let area = (corners[1] - corners[0])
-                .cross(&(corners[2] - corners[0]))
-                .norm();
-            tensor += direction * direction.transpose() * (area * excess.max(0.0));
+            tensor += direction * direction.transpose() * (areas[face] * excess.max(0.0));
         }
         let eigen = SymmetricEigen::new(tensor);
         let largest = eigen.eigenvalues.imax();

@@ -13,7 +13,7 @@ use ruga_solver::{Kkt, NewtonSettings, Objective, minimise};
 use super::Layer;
 use crate::run::layer_objective::gather;
 use crate::run::stack_run::StackRun;
-use crate::support::{Interior, Moves, Solid, product};
+use crate::support::{Interior, Moves, Solid};
 use crate::test_drivers::{SIDES, block};
 use crate::{
     Body, Coupling, Dynamics, Handle, Keyframe, LayerSpec, Modelling, Motion, Obstacle,
@@ -224,6 +224,7 @@ fn the_whole_objective_has_its_derivatives() {
         let [mut exact, mut relaxed] = [vec![0.0; entries], vec![0.0; entries]];
         objective.hessian(&x, &mut exact, &mut relaxed);
 
+        let blocks = layer.solid.as_ref().expect("a body").blocks();
         let mut random = Pcg64Mcg::seed_from_u64(11);
         let layer_part = layer.positions.len();
         for part in [0..layer_part, layer_part..x.len() / 3, 0..x.len() / 3] {
@@ -248,7 +249,7 @@ fn the_whole_objective_has_its_derivatives() {
             let [mut high, mut low] = [gradient.clone(), gradient.clone()];
             objective.gradient(&up, &mut high);
             objective.gradient(&down, &mut low);
-            let bend = product(objective.pattern(), &exact, &displacement);
+            let bend = blocks.product(&exact, &displacement);
             let (mut error, mut size) = (0.0, 0.0);
             for (i, bend) in bend.iter().enumerate() {
                 for c in 0..3 {
@@ -263,7 +264,7 @@ fn the_whole_objective_has_its_derivatives() {
                 error / size
             );
             let of = |values: &[f64]| -> f64 {
-                let bend = product(objective.pattern(), values, &displacement);
+                let bend = blocks.product(values, &displacement);
                 bend.iter().zip(&displacement).map(|(b, w)| b.dot(w)).sum()
             };
             // What is left out in relaxing is compression, which only takes stiffness away.

@@ -3,11 +3,11 @@
 use nalgebra::Vector3;
 use ruga_blend::Driver;
 use ruga_material::{CAP_START, capped_strain};
-use ruga_mesh::{FaceId, Id, PerFace, VertexId, edge_distances};
+use ruga_mesh::{FaceId, Id, VertexId, edge_distances, face_areas};
 
 use super::Layer;
 use crate::skin::material_places::uv;
-use crate::skin::place::{ShapeCentres, connected_parts, place_of_points};
+use crate::skin::place::{ShapeCentres, place_of_points};
 
 /// Applied strain over the critical one from which on wrinkles are expected: nearer to 1 they are
 /// shallow, and neighbours that pull decide.
@@ -59,7 +59,7 @@ impl Layer {
     fn smooth_patches(&self) -> Vec<Patch> {
         let poisson = self.spec.material.poisson;
         let mesh = &self.skin.mesh;
-        let areas: PerFace<f64> = mesh.faces().ids().map(|f| self.area(f)).collect();
+        let areas = face_areas(mesh, &self.skin.rest.positions);
         let critical = |face: FaceId| self.properties.faces[face].wrinkling.critical_strain;
         let strain = |face: FaceId| self.strains[face].effective(poisson);
         let is_expected = |face: FaceId| strain(face) > EXPECTED * critical(face);
@@ -86,7 +86,7 @@ impl Layer {
             let mut corners = mesh.faces()[face].iter();
             is_expected(face) && corners.all(|v| away[*v] > AWAY * waves[v.index()])
         };
-        let parts = connected_parts(mesh, &is_smooth).into_iter();
+        let parts = mesh.connected_parts(is_smooth).into_iter();
         let patches = parts.map(|faces| {
             let median = |value: &dyn Fn(FaceId) -> f64| {
                 let mut values: Vec<f64> = faces.iter().map(|f| value(*f)).collect();
@@ -103,11 +103,6 @@ impl Layer {
         });
         let is_large = |patch: &Patch| patch.area > LEAST_AREA * patch.wavelength.powi(2);
         patches.filter(is_large).collect()
-    }
-
-    fn area(&self, face: FaceId) -> f64 {
-        let [a, b, c] = self.corners(face);
-        0.5 * (b - a).cross(&(c - a)).norm()
     }
 
     fn corners(&self, face: FaceId) -> [Vector3<f64>; 3] {

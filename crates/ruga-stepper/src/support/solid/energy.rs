@@ -43,20 +43,19 @@ impl Solid {
         inertia: f64,
     ) -> Vec<f64> {
         let mut values = vec![0.0; self.layout.pattern.entries()];
-        if self.layout.is_coupled() {
-            let springs = Springs::new(energy.foundation_stiffness());
+        if self.is_held {
+            let springs = Springs(energy.foundation_stiffness());
+            let blocks = &self.layout.blocks;
+            let first_node = energy.vertex_count() as u32;
             for vertex in 0..normals.len() {
                 for (node, block) in springs.times(&self.embedding, normals, vertex) {
-                    if let Some(free) = self.free_of[node as usize] {
-                        self.layout.add_cross(vertex, free, &-block, &mut values);
-                    }
+                    let slot = blocks.slot(vertex as u32, first_node + node);
+                    slot.add(&mut values, &-block);
                 }
             }
             let own = springs.hessian(normals);
             let body = self.layout.body(&mut values);
-            let pattern = springs.pattern();
-            self.lattice
-                .add_pulled_back(&self.embedding, &pattern, &own, body);
+            self.lattice.add_pulled_back(&self.embedding, &own, body);
         }
         let body = self.layout.body(&mut values);
         if let Some(follow) = &self.follow {
@@ -165,11 +164,10 @@ impl Solid {
             add(self.layout.body(values), lattice, 1.0);
         }
         let inner = x.len() - self.areas.len();
-        for (vertex, (x, area)) in (inner..).zip(x[inner..].iter().zip(&self.areas)) {
+        for (vertex, (x, area)) in (inner as u32..).zip(x[inner..].iter().zip(&self.areas)) {
             if let Some(block) = frozen.contact.hessian(x, *area) {
-                for values in &mut both {
-                    self.layout.add_vertex(vertex, &block, values);
-                }
+                let slot = self.layout.blocks.slot(vertex, vertex);
+                both.iter_mut().for_each(|values| slot.add(values, &block));
             }
         }
     }
