@@ -11,12 +11,12 @@
 use std::error::Error;
 use std::f64::consts::TAU;
 
-use faer::linalg::solvers::Solve;
-use faer::sparse::{SparseColMat, Triplet};
-use faer::{MatMut, Side};
 use nalgebra::Vector3;
-use ruga_lattice::{Embedding, Lattice, LatticeEnergy, LatticeSpec, SolidMaterial};
+use ruga_lattice::{
+    Embedding, Lattice, LatticeEnergy, LatticeObjective, LatticeSpec, SolidMaterial,
+};
 use ruga_mesh::{MeshError, TriMesh};
+use ruga_solver::{ConstraintRows, Kkt, NewtonSettings, Objective, minimise};
 
 /// Radii of the ring and of its tube, m.
 const RING: f64 = 0.2;
@@ -49,8 +49,17 @@ fn main() -> Result<(), Box<dyn Error>> {
         lattice.volume() * DENSITY
     );
 
-    let mut q = lattice.rest_positions().to_vec();
-    sag(&energy, &weights, &mut q)?;
+    let objective = LatticeObjective::new(&energy, lattice.rest_positions(), &weights, TUBE)?;
+    let unheld = ConstraintRows::none(energy.dof_count());
+    let mut kkt = Kkt::new(objective.pattern(), &unheld, 3)?;
+    let mut x = energy.unknowns(lattice.rest_positions());
+    let settings = NewtonSettings::default();
+    let report = minimise(&objective, &[], &mut x, &mut kkt, &settings, &mut |_| true)?;
+    eprintln!(
+        "{} iterations, residual {:.1e} of the weight of a node",
+        report.iterations, report.residual
+    );
+    let q = objective.nodes(&x);
 
     let surface = Embedding::of_vertices(&lattice)?;
     let positions = surface.positions(&q);
@@ -58,74 +67,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     eprintln!("lowest point {:.1} mm below the middle", -1e3 * lowest);
     write_obj(&mesh, &positions, &surface.normals(&q));
     Ok(())
-}
-
-/// Newton's method on elastic energy and weight, with a line search.
-fn sag(
-    energy: &LatticeEnergy,
-    weights: &[Vector3<f64>],
-    q: &mut [Vector3<f64>],
-) -> Result<(), Box<dyn Error>> {
-    let load = energy.unknowns(weights);
-    let work = |x: &[f64]| load.iter().zip(x).map(|(f, x)| f * x).sum::<f64>();
-    let total: f64 = weights.iter().map(Vector3::norm).sum();
-    for round in 0..50 {
-        let mut gradient = vec![0.0; energy.dof_count()];
-        energy.gradient(q, &mut gradient);
-        gradient.iter_mut().zip(&load).for_each(|(g, f)| *g -= f);
-        let residual = gradient.iter().fold(0.0_f64, |a, g| a.max(g.abs()));
-        let start = energy.unknowns(q);
-        let before = energy.value(q) - work(&start);
-        eprintln!(
-            "round {round}: energy {before:.6e} J, residual {:.1e} of the weight",
-            residual / total
-        );
-        if residual < 1e-9 * total {
-            break;
-        }
-        let step = newton_step(energy, q, &gradient)?;
-        let mut share = 1.0;
-        while share > 1e-9 {
-            let moved: Vec<f64> = start
-                .iter()
-                .zip(&step)
-                .map(|(x, p)| x + share * p)
-                .collect();
-            energy.set_unknowns(&moved, q);
-            if energy.value(q) - work(&moved) <= before {
-                break;
-            }
-            share *= 0.5;
-        }
-    }
-    Ok(())
-}
-
-/// With the exact Hessian where it is positive definite, and the relaxed one elsewhere.
-fn newton_step(
-    energy: &LatticeEnergy,
-    q: &[Vector3<f64>],
-    gradient: &[f64],
-) -> Result<Vec<f64>, Box<dyn Error>> {
-    let (starts, rows) = energy.pattern();
-    let (mut exact, mut relaxed) = (vec![0.0; rows.len()], vec![0.0; rows.len()]);
-    energy.hessian(q, &mut exact, Some(&mut relaxed));
-    let size = energy.dof_count();
-    let factorise = |values: &[f64]| {
-        let mut entries = Vec::with_capacity(rows.len());
-        for column in 0..size {
-            let range = starts[column]..starts[column + 1];
-            entries.extend(range.map(|k| Triplet::new(rows[k], column, values[k])));
-        }
-        SparseColMat::<usize, f64>::try_new_from_triplets(size, size, &entries)
-            .ok()
-            .and_then(|matrix| matrix.sp_cholesky(Side::Lower).ok())
-    };
-    let factors = factorise(&exact).or_else(|| factorise(&relaxed));
-    let factors = factors.ok_or("the lattice is not held")?;
-    let mut step: Vec<f64> = gradient.iter().map(|g| -g).collect();
-    factors.solve_in_place(MatMut::from_column_major_slice_mut(&mut step, size, 1));
-    Ok(step)
 }
 
 /// A torus around z.

@@ -47,6 +47,7 @@ mod lattice;
 mod shape;
 
 mod lattice_energy;
+mod lattice_objective;
 mod mass;
 mod quadrature;
 mod rotated_linear;
@@ -74,6 +75,7 @@ pub use lattice::{Filling, Lattice, LatticeSpec, MAX_CELLS, VOID_STIFFNESS};
 pub use shape::Shape;
 
 pub use lattice_energy::LatticeEnergy;
+pub use lattice_objective::LatticeObjective;
 pub use rotated_linear::{RotatedLinear, SolidMaterial};
 
 pub use embedding::Embedding;
