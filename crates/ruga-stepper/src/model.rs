@@ -199,6 +199,8 @@ pub struct PoseSpec {
 impl PoseSpec {
     /// Whether results are kept at a load.
     pub(crate) fn has_key(&self, load: f64) -> bool {
+        // Loads are computed and keys are given, so that equal ones may differ by rounding. Keys
+        // this close to each other are refused.
         self.keys.iter().any(|key| (key - load).abs() < 1e-9)
     }
 }
@@ -244,6 +246,8 @@ impl Default for EdgeLimits {
         Self {
             min_edge: 0.0,
             max_edge: 1.0,
+            // Bending by the curvature at vertices stays right on triangles up to four times as
+            // long as wide along the wrinkles. At an angle to them they are up to a quarter too stiff.
             aspect: 4.0,
         }
     }
@@ -322,11 +326,16 @@ impl Modelling {
         Self {
             region: Region::Auto,
             points_per_wavelength,
+            // By the planner's own model, one factorisation of so many vertices takes some twenty
+            // seconds and 1.7 GB.
             vertex_budget: 300_000,
             remesh: Some(EdgeLimits::default()),
             stack: Stack::Nominal,
             dynamics: None,
+            // The artist's facets are as long as fine waves and would imprint on them.
             smoothing: Smoothing::Loop,
+            // Hinges bend a fifth to a third too easily across triangles two to four times as long
+            // as wide, which fitted meshes have.
             bending: BendingModel::VertexCurvature,
             minimise,
             sample: constraint_rows,

@@ -117,6 +117,9 @@ impl Plan {
         layer: &LayerPlan,
         goes_on: &mut dyn FnMut() -> bool,
     ) -> Option<BaseSurface> {
+        // Splitting begins at the driver's own triangles, because the layer may be coarser or finer
+        // than the surface on which its region was found. Parts of one triangle stand side by side
+        // in the region, so that removing repetitions side by side removes all.
         let mut coarse: Vec<FaceId> = layer.region.iter().map(|f| self.whole_face(*f)).collect();
         coarse.dedup();
         let smoothing = self.modelling.smoothing;
@@ -140,6 +143,8 @@ impl Plan {
             }
             let mut checked: Vec<&LayerPlan> = Vec::new();
             for layer in self.poses.iter().map(|pose| &pose.layers[index]) {
+                // Poses often share a region, and looking for boundaries means splitting all of it
+                // anew.
                 let is_same = |other: &&LayerPlan| {
                     other.levels == layer.levels && other.region == layer.region
                 };
@@ -199,6 +204,8 @@ pub fn plan(
         stacking,
         body: None,
     };
+    // Checked here, although only a run cuts the meshes: a run would fail minutes later, when it
+    // comes to the layer.
     plan.check_boundaries()?;
     Ok(plan)
 }
@@ -226,6 +233,8 @@ fn planned_layers<'a>(
 /// Adds to a pose the layer that moves together with the lowest one, where there is one.
 pub(crate) fn add_carried_along(pose: &mut PosePlan, stacking: &Stacking) {
     if let (Some(upper), Some(pair)) = (&stacking.joint, stacking.pairs.first()) {
+        // The mesh was planned for the finest wave of the pair. What is reported is the wave in
+        // which both wrinkle together.
         pose.layers[0].wavelength = stacking.wrinkling[0].wavelength;
         pose.layers[0].critical_strain = stacking.wrinkling[0].critical_strain;
         let carried = pose.layers[0].carried_along(&upper.name, &pair.upper.wrinkling);

@@ -70,6 +70,7 @@ pub(crate) fn check_pose(driver: &Driver, pose: &PoseSpec) -> Checked {
                 accepted,
             );
         }
+        // A comparison with what is no number is false, so that it has to be asked for.
         if weight.is_nan() || weight.abs() > LARGEST_WEIGHT {
             let accepted = format!("a number in [-{LARGEST_WEIGHT}, {LARGEST_WEIGHT}]");
             return refuse(of, format!("weights[{i}]"), weight, accepted);

@@ -106,6 +106,7 @@ impl LayerPlan {
             critical_strain: wrinkling.critical_strain,
             seconds: 0.0,
             memory: 0.0,
+            // A layer with a region of its own would be simulated once more by itself.
             region: Vec::new(),
             ..self.clone()
         }
