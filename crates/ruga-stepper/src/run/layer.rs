@@ -190,6 +190,8 @@ impl Layer {
             Some(interior) => {
                 let of_upper = upper.as_ref().map_or(0.0, UpperShell::mass_per_area);
                 let pairs = masses.iter().zip(&areas);
+                // The upper sheet of a pair has no place of its own in the body and weighs on the
+                // lower one's.
                 let carried: Vec<f64> = pairs.map(|(mass, area)| mass + of_upper * area).collect();
                 let body = (interior, driver);
                 Some(Solid::new(body, spec, (&skin, &energy), &carried)?)
@@ -197,6 +199,8 @@ impl Layer {
             None => None,
         };
         if let Some(upper) = &upper {
+            // Extended only now: a body takes one mass per place, motion on a driver one per vertex
+            // of both sheets.
             masses.extend(areas.iter().map(|area| upper.mass_per_area() * area));
         }
         preparing.step()?;
@@ -214,6 +218,8 @@ impl Layer {
             .iter()
             .flat_map(|v| {
                 let i = v.index() % vertices;
+                // Relative to the foundation, or it would be too much where a layer is painted soft
+                // and too little where it is stiff.
                 let stiffness = properties.vertices[i].wrinkling.normal_stiffness;
                 [DAMPING * stiffness * areas[i]; 3]
             })
@@ -294,6 +300,8 @@ impl Layer {
         });
         for (v, height) in self.free.iter().zip(noise(seed, places)) {
             let normal = self.skin.rest.normals[v.index() % vertices];
+            // Along the normal alone: in the surface noise would stretch the membrane, which is far
+            // stiffer than the layer is in bending.
             self.positions[v.index()] += normal * height;
         }
     }

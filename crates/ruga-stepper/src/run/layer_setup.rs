@@ -175,8 +175,11 @@ impl<'a> StackRun<'a> {
         {
             return Ok(run);
         }
+        // Deviations can be carried over only between meshes that lie on the same surface.
         run.layer.set_support(support(run.layer.skin()), 1.0)?;
         let region = run.layer.region().clone();
+        // The same places are averaged on every mesh. Centres chosen anew would hold the layer
+        // elsewhere, and its shape would jump.
         let centres = Some(run.layer.row_centres().to_vec());
         let wanted = (region, sizing);
         let mut fitted = self.build_on(index, wanted, centres, Some(support), &mut preparing)?;

@@ -86,6 +86,9 @@ pub(crate) fn row_centres(
     .map_err(|source| constraint(spec, source))?;
     let centre = |v: VertexId| RowCentre {
         at: rest[v.index()],
+        // Rows that act alone have to hold everything longer than the wavelength. Beside a
+        // foundation rows that see the wrinkles raise the onset by some per cent, so that theirs
+        // are wider.
         kernel: match spec.coupling {
             Coupling::Constraint => Kernel::alone(wavelength(v.index())),
             _ => Kernel::beside_foundation(spacing * wavelength(v.index())),
@@ -133,6 +136,8 @@ pub(crate) fn low_pass_rows(
             let heaviest = row.weights.iter().max_by(|a, b| a.1.total_cmp(&b.1));
             low_pass.degraded.extend(heaviest.map(|(v, _)| *v));
         }
+        // All three components are held. Along the surface too, or excess length would move from
+        // one wrinkle to the next, which nothing in a wrinkled membrane opposes.
         for axis in 0..3 {
             columns.extend(moving.iter().map(|(u, _)| u + axis));
             values.extend(moving.iter().map(|(_, w)| w));

@@ -144,6 +144,7 @@ impl<'a> StackRun<'a> {
             LoadPath::Weight => self.follow_loading(lowest, &mut run, None, observer)?,
             LoadPath::Strain => self.follow_strain(lowest, &mut run, observer)?,
         };
+        // Of a state that was given up, smooth places say nothing.
         if ending == Ending::Reached {
             run.warn_unwrinkled(&self.plan.driver);
         }
@@ -235,6 +236,7 @@ impl<'a> StackRun<'a> {
         // Beyond the last key nothing was planned for.
         let last = spec.keys.iter().copied().fold(0.0, f64::max);
         let moves = self.moves.iter();
+        // Between keyframes motions are linear. A step across one would cut the corner.
         let keyframes = moves.flat_map(Moves::keyframes).filter(|&at| at < last);
         loads_up_to(last, spec.steps, spec.keys.iter().copied().chain(keyframes))
     }
@@ -248,6 +250,8 @@ impl<'a> StackRun<'a> {
         let at_rest = run.layer.state();
         let mut worst = Ending::Reached;
         for key in self.spec().keys.clone() {
+            // The strain grows from none at every key, where the pattern of another key would be in
+            // the way.
             run.layer.restore(&at_rest)?;
             match self.follow_loading(lowest, run, Some(key), observer)? {
                 Ending::Reached => {}
@@ -328,6 +332,8 @@ impl<'a> StackRun<'a> {
         observer.phase(lowest, Phase::Sampling);
         let support = self.support(&run.layer, point.weight_fraction);
         let mut layers = self.snapshot(run, support.as_ref(), &[]);
+        // Before that the lowest layer has the key's place but not its wrinkles, which upper layers
+        // lie on.
         if point.strain_fraction == 1.0 {
             let upper = self.upper_layers(lowest, run, point, support.as_ref(), observer)?;
             let Some(upper) = upper else { return Ok(false) };

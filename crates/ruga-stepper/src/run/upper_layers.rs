@@ -90,6 +90,7 @@ impl<'a> StackRun<'a> {
         let surface: SupportOf<'_> =
             Box::new(move |skin| support_surface((driver, support), skin, attachment, lower));
         let mut history = None;
+        // From its last shape a layer takes some thirty factorisations, from none two hundred.
         if let Some(last) = last {
             let before = last.layer.strain_ratio();
             let mut run = self.refitted(last, &surface, observer)?;

@@ -79,6 +79,7 @@ impl Layer {
             let excess = ratios.of_face(face) - 1.0;
             let [u, v] = triangle_frame(corners);
             let direction = u * strain.direction.x + v * strain.direction.y;
+            // A direction and its opposite are the same wave, and would cancel in a sum of vectors.
             tensor += direction * direction.transpose() * (areas[face] * excess.max(0.0));
         }
         let eigen = SymmetricEigen::new(tensor);

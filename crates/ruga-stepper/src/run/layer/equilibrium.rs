@@ -51,6 +51,8 @@ impl Layer {
         kkt: &mut Kkt,
         keep_going: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Result<SolveReport, StepperError> {
+        // Setting the energy up anew disturbs a state that has converged. A surface that has hardly
+        // turned is not worth that.
         if self.lag() > AS_BEFORE {
             self.hold()?;
         }
@@ -99,6 +101,8 @@ impl Layer {
         solid.set_unknowns(nodes);
         // Layer and body have moved together.
         self.support.posed = solid.surface(&self.support.posed);
+        // The energy keeps the normals and rest lengths that it was set up with, so that it has one
+        // minimum during a solve. How far they are behind then is the lag.
         self.base = laid_on(&self.support.posed, self.upper.as_ref());
         self.strains = applied_strains(&self.skin, &self.support);
     }
@@ -120,6 +124,8 @@ impl Layer {
             reaction: &self.reaction,
             base,
             inertia: match solid {
+                // The mass matrix of a body holds the layer's masses, too, and must not count them
+                // twice.
                 None => inertia.map(|inertia| (inertia, self.masses.as_slice())),
                 Some(_) => None,
             },
