@@ -58,6 +58,7 @@ pub(crate) struct FacetAddresses {
 impl FacetAddresses {
     pub(crate) fn new(driver: &Driver, piece: &Piece<'_>) -> Self {
         let ways = ways(driver, piece);
+        // A shift that ended abruptly at a seam could fold the triangles beside it.
         let mut weights = faded(piece, &ways);
         for _ in 0..ATTEMPTS {
             if !halve_where_folded(piece, &ways, &mut weights) {
@@ -91,6 +92,8 @@ fn ways(driver: &Driver, piece: &Piece<'_>) -> Vec<Way> {
     let vertices = piece.points.iter().zip(lines).zip(seams);
     vertices
         .map(|((point, line), is_seam)| {
+            // On a border the shift could lead out of the texture's island, and at a seam there are
+            // two islands to shift in.
             (!is_seam && !is_on_border(driver.topology(), &border, point))
                 .then(|| way(driver, point, line))
                 .flatten()
@@ -131,6 +134,8 @@ fn along_normal(
         if weight >= -INSIDE {
             return Some(MaterialPoint { face, barycentric });
         }
+        // The most negative weight names the edge that the line has passed: the one opposite that
+        // corner.
         face = mesh.neighbour(face, (least + 1) % 3)?;
     }
     None
@@ -207,6 +212,7 @@ fn halve_where_folded(piece: &Piece<'_>, ways: &[Way], weights: &mut [f64]) -> b
     let folded: Vec<usize> = (0..piece.uvs.len()).filter(|&f| is_folded(f)).collect();
     for &face in &folded {
         for vertex in piece.mesh.faces()[FaceId::from_index(face)] {
+            // Half at a time, and looked at again, because neighbours share the vertices.
             weights[vertex.index()] *= 0.5;
         }
     }

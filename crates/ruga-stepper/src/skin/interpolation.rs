@@ -38,6 +38,7 @@ impl Interpolation {
         goes_on: &mut dyn FnMut() -> bool,
     ) -> Option<Self> {
         let places = places_on(from, to, goes_on)?;
+        // Deviations from a smooth surface are smooth, so that no vertex is a corner.
         let corners = PerVertex::filled(from.mesh.vertex_count(), false);
         let surface = LoopSurface::new(&from.mesh, &corners);
         let mut at_places = SparseRows::default();
@@ -131,6 +132,8 @@ fn place_near(
     to: VertexId,
 ) -> Option<MaterialPoint> {
     let [from, to] = [from, to].map(|v| region.rest.positions[v.index()]);
+    // Twice the edge: on another mesh, whose facets cut corners elsewhere, two neighbours' places
+    // may be farther apart than they are.
     let reach = 2.0 * (to - from).norm();
     lookup
         .closest_near(start, &to, reach)

@@ -136,6 +136,7 @@ fn direction(v: &Vector3<f64>, otherwise: &Vector3<f64>) -> (f64, Vector3<f64>) 
 }
 
 fn any_normal(axis: &Vector3<f64>) -> Vector3<f64> {
+    // Farthest from parallel, so that the cross product is long.
     let thinnest = axis.abs().imin();
     let mut other = Vector3::zeros();
     other[thinnest] = 1.0;

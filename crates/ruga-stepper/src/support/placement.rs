@@ -25,6 +25,7 @@ impl Placement {
         let Some(end) = frames.get(next) else {
             return Self::of(&frames[frames.len() - 1]);
         };
+        // Before the first keyframe there is the rest at time 0.
         let (at, mut start) = match next.checked_sub(1) {
             Some(last) => (frames[last].at, Self::of(&frames[last])),
             None => (0.0, Self::default()),
