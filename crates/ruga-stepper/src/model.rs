@@ -110,6 +110,7 @@ impl LayerSpec {
     /// # Errors
     /// [`MaterialError`] when material, substrate or variation are out of range.
     pub fn uneven(mut self, variation: Variation, seed: u64) -> Result<Self, MaterialError> {
+        // The size of the unevenness is in wavelengths of the layer.
         let wave = wrinkling(&self.material, &self.substrate, self.model)?;
         let field = VariationField::new(variation, wave.wavelength, seed)?;
         self.variation = Some(Arc::new(field));

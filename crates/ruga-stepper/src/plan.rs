@@ -183,6 +183,7 @@ pub fn plan(
         check_motionless(pose)?;
     }
     let region = modelling.region.mask();
+    // The region's mask becomes one of every layer's, so that both kinds cut and fade alike.
     let layers: Vec<LayerSpec> = layers.iter().map(|layer| within(layer, region)).collect();
     let stacking = Stacking::new(&layers, modelling.stack)?;
     let surface = PlanningSurface::new(driver, &stacking, modelling, map_size)?;
@@ -217,6 +218,7 @@ fn planned_layers<'a>(
     modelling: &Modelling,
 ) -> Result<Vec<PlannedLayer<'a>>, StepperError> {
     let meshes = stacking.meshes();
+    // A layer that moves together with the lowest one has no mesh of its own to plan.
     let layers = stacking.specs.iter().zip(&stacking.simulated).take(meshes);
     let planned = layers.enumerate().map(|(index, (spec, wrinkling))| {
         Ok(PlannedLayer {

@@ -138,6 +138,8 @@ impl<'a> PlanningSurface<'a> {
     fn check_masks(&self, layers: &[LayerSpec]) -> Result<(), StepperError> {
         let uvs = self.surface.uvs().as_slice();
         let is_nowhere = |layer: &&LayerSpec| {
+            // By the centres of faces, which also decide on what is simulated. A mask may touch a
+            // triangle and still leave all centres black.
             let mut centres = uvs.iter().map(|[a, b, c]| (a + b + c) / 3.0);
             !centres.any(|centre| layer.presence.covers(centre))
         };
@@ -174,6 +176,7 @@ impl<'a> PlanningSurface<'a> {
             modelling: self.modelling,
         };
         let path = load_path(&pose_strains, layers, &about, warnings);
+        // A strain path stands at its key from the beginning and never sees what folds on the way.
         if path == LoadPath::Weight {
             pose_strains
                 .iter_mut()

@@ -368,6 +368,7 @@ fn grow(mesh: &TriMesh, rest: &[Vector3<f64>], active: &mut PerFace<bool>, margi
         .filter(|(_, on)| **on)
         .flat_map(|(face, _)| mesh.faces()[face])
         .collect();
+    // Infinite beyond the margin.
     let distances = edge_distances(mesh, rest, sources, margin);
     for face in mesh.faces().ids() {
         active[face] |= mesh.faces()[face].iter().all(|&v| distances[v].is_finite());

@@ -48,6 +48,8 @@ impl Stacking {
             Stack::Joint => stacking.require_pair()?,
         }
         stacking.attachment(layers, stack);
+        // Before layers are joined: for a pair the mode that is reported and the one that meshes
+        // are made for are not the same.
         stacking.simulated.clone_from(&stacking.wrinkling);
         if stack == Stack::Joint {
             stacking.join();

@@ -86,6 +86,7 @@ pub(crate) fn weighted_quantile(
     fraction: f64,
 ) -> f64 {
     let mut pairs: Vec<(f64, f64)> = faces.iter().map(|&f| (field[f], weights[f])).collect();
+    // Faces without area may have no measure. They weigh nothing, so that they are never chosen.
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let total: f64 = pairs.iter().map(|p| p.1).sum();
     let mut sum = 0.0;

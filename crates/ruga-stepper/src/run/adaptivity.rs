@@ -154,6 +154,7 @@ impl SizingRequest {
 
     /// Whether the mesh of `layer`, on the same region, is fine enough.
     pub(crate) fn are_met_by(&self, layer: &Layer) -> Result<bool, StepperError> {
+        // Without a fitted mesh the layer is on the uniform one, which no pose changes.
         let Some(interpolation) = layer.interpolation() else {
             return Ok(true);
         };

@@ -170,6 +170,7 @@ impl Layer {
         let vertices = rest.positions.len();
         let free: Vec<VertexId> = (0..positions.len())
             .map(VertexId::from_index)
+            // Both sheets of a pair are held at the same places.
             .filter(|v| !pinned[VertexId::from_index(v.index() % vertices)])
             .collect();
         if free.is_empty() {
@@ -339,6 +340,7 @@ impl Layer {
 
     /// Total elastic energy, of a body that moves with the layer too, J.
     pub(crate) fn energy(&self) -> f64 {
+        // A body's surface may have moved since the energy was set up.
         let support = &self.support.posed.positions;
         let inside = self.solid.as_ref().map_or(0.0, Solid::elastic_energy);
         self.energy.value_over(&self.positions, support) + inside
@@ -433,6 +435,8 @@ pub(crate) fn noise<'a>(
     seed: u64,
     vertices: impl Iterator<Item = (&'a LocalSkin, f64)>,
 ) -> impl Iterator<Item = f64> {
+    // A named generator keeps its numbers from version to version, unlike the standard one of
+    // `rand`.
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     vertices.map(move |(local, area)| noise_size(local, area) * random.random_range(-1.0..1.0))
 }

@@ -114,6 +114,7 @@ impl<'a> LayerRun<'a> {
         self.report.newton_iterations += before.report.newton_iterations;
         self.report.factorizations += before.report.factorizations;
         self.report.onset_load = self.report.onset_load.or(before.report.onset_load);
+        // The pattern is carried over, so that it needs about the same on the new mesh.
         self.relaxation = before.relaxation;
         // What was wrong with the rows of another mesh is no longer so.
         let outdated = before.layer.row_warning;
@@ -151,11 +152,13 @@ impl<'a> LayerRun<'a> {
         loading: &mut dyn Loading,
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
+        // The surface has to be in its place before the onset can be estimated from its strain.
         loading.place(&mut self.layer, 1.0, None)?;
         let settings = LoadSettings {
             first: self.layer.strain_ratios().fraction_for(FIRST_RATIO),
             ..LoadSettings::default()
         };
+        // Also in motion: layers on others are thin and light, and follow at once.
         self.climb(loading, &[1.0], settings, observer)
     }
 

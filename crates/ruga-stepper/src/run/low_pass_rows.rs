@@ -133,6 +133,7 @@ pub(crate) fn low_pass_rows(
             continue;
         }
         if set.degraded.iter().any(|(centre, _)| *centre == row.centre) {
+            // A row has no position. Its heaviest vertex is what the warning names a place by.
             let heaviest = row.weights.iter().max_by(|a, b| a.1.total_cmp(&b.1));
             low_pass.degraded.extend(heaviest.map(|(v, _)| *v));
         }

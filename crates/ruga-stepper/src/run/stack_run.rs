@@ -172,6 +172,8 @@ impl<'a> StackRun<'a> {
                 (posed.collect(), None)
             }
             Some(interior) => {
+                // A driver says at every key where it compresses the skin. A body has to be
+                // simulated for that.
                 let (places, before) = match self.can_run_ahead(lowest) {
                     true => {
                         let (places, report) = self.run_ahead(lowest, observer)?;
@@ -405,6 +407,7 @@ impl Loading for PoseLoading<'_, '_> {
     }
 
     fn is_result(&self, load: f64) -> bool {
+        // Frames are handed out like keys, and have to be as exact.
         self.wants_frames || self.stack.is_key(self.point(load))
     }
 

@@ -107,6 +107,7 @@ pub(crate) fn applied_strains(skin: &SkinMesh, support: &SupportSurface) -> PerF
 
 /// Principal strains, capped, of which only a part is loaded: `fraction` times their Green strain.
 pub(crate) fn applied(strain: &FaceStrain, fraction: f64) -> [f64; 2] {
+    // The second strain is not capped, because the rest metric shrinks along the first alone.
     [capped_strain(strain.first), strain.second].map(|strain| loaded(strain, fraction))
 }
 

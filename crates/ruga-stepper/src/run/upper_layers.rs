@@ -44,6 +44,7 @@ impl<'a> StackRun<'a> {
                 return Ok(None);
             };
             let last = self.spec().keys.iter().copied().fold(0.0, f64::max);
+            // What stays smooth at an earlier key may wrinkle by the last one.
             if ending == Ending::Reached && point.weight_fraction >= last {
                 upper.warn_unwrinkled(&self.plan.driver);
             }

@@ -64,6 +64,7 @@ impl Contact {
         let mut sum = Vector3::zeros();
         for obstacle in &self.obstacles {
             let distance = obstacle.distance(x);
+            // The energy falls as the distance grows.
             sum -= distance.gradient * (area * self.pressure(distance.value)[1]);
         }
         sum

@@ -148,6 +148,7 @@ fn lay_on<'c>(
     lower: &LowerLayer<'_>,
     middle: &mut PosedSurface,
 ) -> &'c [u32] {
+    // Without any offset, so that a deviation includes the lower layer's.
     let base = support.pose(lower.skin).positions;
     let deviations = lower.positions.iter().zip(&base);
     let deviations: Vec<Vector3<f64>> = deviations.map(|(x, base)| x - base).collect();

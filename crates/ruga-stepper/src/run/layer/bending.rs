@@ -38,6 +38,7 @@ impl Layer {
             outcome.map_err(|source| self.shell_error(source))?;
         }
         let is_measured = self.bending_ratio.is_some() || self.strain_ratio() <= 1.0;
+        // It was measured on the surface of a key, and the layer begins at rest.
         self.restore(&state)?;
         Ok(is_measured)
     }

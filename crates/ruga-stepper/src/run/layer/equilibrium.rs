@@ -80,6 +80,8 @@ impl Layer {
     /// Right-hand sides of the layer's constraints: averages of the support surface.
     fn row_targets(&self, base: &[f64]) -> Result<Vec<f64>, SolverError> {
         if let Some(solid) = &self.solid {
+            // On a body the rows hold differences from its surface, so that only held nodes are on
+            // the right side.
             return Ok(solid.row_targets());
         }
         let mut targets = vec![0.0; self.rows.count()];

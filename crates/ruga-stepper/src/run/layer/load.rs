@@ -71,10 +71,12 @@ impl Layer {
         }
         outcome.map_err(|source| self.shell_error(source))?;
         self.held_normals.clone_from(&self.support.posed.normals);
+        // Before any natural strain, because a new rest metric clears them.
         self.set_rest_metric()?;
         if self.solid.is_none() && self.spec.coupling.has_foundation() {
             self.balance()?;
         }
+        // Balancing has left the strains of a layer that does not wrinkle.
         self.set_effective_strains(|_, applied| applied)
     }
 
@@ -104,6 +106,7 @@ impl Layer {
     fn set_rest_metric(&mut self) -> Result<(), StepperError> {
         let capped = self.strains.as_slice().iter().any(|s| s.first > CAP_START);
         let changed = capped || self.support.transfer.is_some();
+        // Once more after the last change, to take it back.
         if changed || self.is_metric_changed {
             let strains = self.strains.iter();
             let stretches: Vec<_> = strains.map(|(f, s)| self.rest_stretch(f, s)).collect();

@@ -99,6 +99,7 @@ impl LayerRun<'_> {
             return Ok(Ending::GaveUp);
         }
         self.halved += 1;
+        // Half of the way in half of the time: velocities stay what they are.
         let half = Dynamics {
             time_step: 0.5 * dynamics.time_step,
             ..dynamics
@@ -154,6 +155,7 @@ impl LayerRun<'_> {
             if self.is_at_rest()? {
                 return Ok(Rest::Found);
             }
+            // Whole steps whatever the last one was: where nothing moves there is no way to divide.
             let step = self.layer.time_step(dynamics);
             let how = (AtSaddle::Leave, Accuracy::Result);
             let solve = self.solve(Some(&step.inertia), how, pose_fraction, observer)?;
