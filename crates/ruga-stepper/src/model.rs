@@ -129,7 +129,7 @@ pub struct Presence {
 }
 
 impl Default for Presence {
-    /// Everywhere, as it is.
+    /// A layer that is everywhere, with its relief as it is.
     fn default() -> Self {
         Self {
             masks: Vec::new(),
@@ -212,7 +212,7 @@ pub enum Region {
     /// The faces that a pose compresses enough.
     #[default]
     Auto,
-    /// Everywhere.
+    /// All of the mesh.
     All,
     /// The faces that a pose compresses enough and on which the painted mask is lighter than
     /// [`Mask::DARKEST`]; its grey values fade the relief.
@@ -233,9 +233,9 @@ impl Region {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EdgeLimits {
-    /// Shortest, m; not negative.
+    /// Shortest edge, m; not negative.
     pub min_edge: f64,
-    /// Longest, m; above `min_edge`. Half a wavelength is the most in any case.
+    /// Longest edge, m; above `min_edge`. Half a wavelength is the most in any case.
     pub max_edge: f64,
     /// Largest ratio of the lengths in two directions, at least 1. Two and a half edges per
     /// wavelength along the wrinkles are kept in any case.

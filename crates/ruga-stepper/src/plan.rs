@@ -35,9 +35,9 @@ pub use pose_plan::{AppliedStrain, LayerPlan, LoadPath, PaintedRanges, PosePlan}
 /// than the number of a pose.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// Per pose, what is simulated.
+    /// The poses, with what is simulated of each.
     pub poses: Vec<PosePlan>,
-    /// Warnings.
+    /// Warnings for the user, of all poses.
     pub warnings: Vec<String>,
     /// The lattice inside a soft body; `None` where the posed driver carries the layers.
     pub interior: Option<InteriorPlan>,

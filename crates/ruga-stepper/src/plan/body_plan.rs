@@ -145,7 +145,8 @@ fn check(body: &Body) -> Result<(), StepperError> {
     Ok(())
 }
 
-/// What keeps obstacles from pressing as meant on a layer that covers so many faces and is so thick, m.
+/// Warnings of what keeps obstacles from pressing as meant on a layer of this thickness (m) that
+/// covers so many faces.
 fn obstacle_warnings(
     driver: &Driver,
     body: &Body,

@@ -80,7 +80,7 @@ pub(crate) struct Layer {
     fraction: f64,
     /// Positions of the layer's vertices, then of those of a layer that moves together with it, m.
     positions: Vec<Vector3<f64>>,
-    /// Where the vertices would be without wrinkles, on the support surface, m.
+    /// Positions of the vertices without wrinkles, on the support surface, m.
     base: Vec<Vector3<f64>>,
     /// Velocities of the vertices where they have inertia, m/s.
     velocities: Vec<Vector3<f64>>,

@@ -33,7 +33,7 @@ pub(crate) struct RowCentre {
 
 /// Rows that hold a layer's averages.
 pub(crate) struct LowPassRows {
-    /// Three to an average.
+    /// Three rows to an average: x, y and z.
     pub(crate) rows: ConstraintRows,
     /// The middles of averages that were meant to be right for slopes, and are for constants only.
     pub(crate) degraded: Vec<VertexId>,
@@ -194,7 +194,7 @@ mod tests {
     use crate::Sampling;
     use crate::test_drivers::{knuckle, skin, square};
 
-    /// Edges of two millimetres.
+    /// The mesh has edges of two millimetres.
     #[test]
     fn averages_over_too_few_vertices_are_warned_of() {
         let flat = |p: nalgebra::Vector2<f64>| Vector3::new(p.x, p.y, 0.0);

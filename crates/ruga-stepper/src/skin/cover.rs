@@ -23,11 +23,11 @@ const BESIDE: f64 = 1e-3;
 pub(crate) struct Cover {
     /// The vertices above that lie on it.
     vertices: Vec<u32>,
-    /// Weight of each, rising from 0 beside the layer below to 1.
+    /// Weight of each of these vertices, rising from 0 beside the layer below to 1.
     shares: Vec<f64>,
-    /// Its limit surface there.
+    /// Limit surface of the lower layer at these vertices.
     rows: LimitPointRows,
-    /// Its limit surface at its own vertices.
+    /// Limit surface of the lower layer at its own vertices.
     at_vertices: SparseRows,
     /// Per covered vertex the upper mesh's tangents at rest, as columns, in the lower one's.
     tangents: Vec<Matrix2<f64>>,
@@ -74,8 +74,8 @@ impl Cover {
         &self.shares
     }
 
-    /// What the lower layer's vertices have, at every covered vertex, and its derivatives along the
-    /// upper mesh's own tangents.
+    /// Interpolates values at the lower layer's vertices to every covered vertex, with their
+    /// derivatives along the upper mesh's own tangents.
     pub(crate) fn interpolate(&self, values: &[Vector3<f64>]) -> [Vec<Vector3<f64>>; 3] {
         // The limit surface alone loses some per cent of a wave, which would be missing in the map.
         let control = through_vertices(&self.at_vertices, values);

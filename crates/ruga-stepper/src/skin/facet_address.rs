@@ -40,7 +40,7 @@ pub(crate) struct Piece<'a> {
     pub(crate) points: &'a [MaterialPoint],
     /// Rest position of the surface there, m.
     pub(crate) positions: &'a [Vector3<f64>],
-    /// Its unit normals there.
+    /// Unit normals of the surface there.
     pub(crate) normals: &'a [Vector3<f64>],
     pub(crate) origins: &'a PerFace<FaceOrigin>,
     /// Texture coordinates of the material points, per face and corner.
@@ -81,8 +81,8 @@ impl FacetAddresses {
     }
 }
 
-/// From a vertex' place on its flat triangle to the one above or below where the surface is: how far,
-/// m, and in the texture; `None` across a seam or at one, or on the border.
+/// Shift from a vertex' place on its flat triangle to the one above or below where the surface is:
+/// its length, m, and its vector in the texture; `None` across a seam or at one, or on the border.
 type Way = Option<(f64, Vector2<f64>)>;
 
 fn ways(driver: &Driver, piece: &Piece<'_>) -> Vec<Way> {
@@ -115,8 +115,8 @@ fn way(driver: &Driver, point: &MaterialPoint, line: (&Vector3<f64>, &Vector3<f6
     ((way - texture * away).norm() <= slack * texture.norm()).then_some((sideways, way))
 }
 
-/// Where a line from `x` along the normal meets the flat triangles, from `face` on across the edges
-/// that it passes.
+/// The place where a line from `x` along the normal meets the flat triangles, followed from `face`
+/// on across the edges that it passes.
 fn along_normal(
     driver: &Driver,
     mut face: FaceId,

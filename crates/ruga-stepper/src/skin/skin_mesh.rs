@@ -114,7 +114,7 @@ pub(crate) struct SizingStrains<'a> {
     /// mesh's own limit is enough.
     pub(crate) aspects: &'a [f64],
     pub(crate) refinement: Refinement,
-    /// Vertices that there may be.
+    /// Largest number of vertices.
     pub(crate) budget: usize,
 }
 
@@ -260,7 +260,7 @@ impl RegionMesh {
         &self.addresses.uvs
     }
 
-    /// For every triangle the file's triangle and its corners' places there.
+    /// The file's triangle under every triangle, and its corners' places there.
     pub(crate) fn artist(&self) -> Vec<(u32, [[f64; 3]; 3])> {
         let triangles = self.artist.iter().copied();
         triangles

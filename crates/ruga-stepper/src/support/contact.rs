@@ -49,7 +49,7 @@ impl Contact {
         }
     }
 
-    /// J, for vertices with these areas (m²).
+    /// Energy (J) of vertices with these areas (m²).
     pub(crate) fn value(&self, x: &[Vector3<f64>], areas: &[f64]) -> f64 {
         let pairs = || x.iter().zip(areas);
         let of = |obstacle: &PlacedObstacle| -> f64 {

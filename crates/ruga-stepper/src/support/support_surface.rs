@@ -37,7 +37,7 @@ pub(crate) struct LowerLayer<'a> {
     pub(crate) positions: &'a [Vector3<f64>],
     /// Positions of its vertices as maps show them, m.
     pub(crate) shown: &'a [Vector3<f64>],
-    /// Its distance from the driver, m.
+    /// Distance of the layer from the driver, m.
     pub(crate) offset: f64,
     /// Projections of other layers onto it, as far as they are known.
     pub(crate) covers: &'a Covers,

@@ -19,11 +19,11 @@ const HALVINGS: u32 = 4;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Rest {
     Found,
-    /// With a layer that still moves.
+    /// The layer still moves.
     StillMoving,
-    /// Without an end of a step; the layer is where the solver left it.
+    /// A step had no end that could be found; the layer is where the solver left it.
     NoStep,
-    /// By the observer.
+    /// The observer ended it.
     Interrupted,
 }
 
