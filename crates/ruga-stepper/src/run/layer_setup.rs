@@ -31,6 +31,7 @@ impl<'a> StackRun<'a> {
             surfaces.push(support(&region.skin));
             preparing.step()?;
         }
+        // There is no surface where a body was not run ahead, or where that run did not arrive.
         let fitting = match surfaces.is_empty() {
             true => Fitting::Everywhere,
             false => Fitting::Surfaces(&surfaces),
@@ -56,6 +57,7 @@ impl<'a> StackRun<'a> {
         let region = self.region(index, &mut preparing)?;
         preparing.enter(Phase::Remeshing)?;
         let sizing = self.sizing(index, &region, Fitting::LargeShape, &mut preparing)?;
+        // No correction of its bending: such a mesh has no waves to measure.
         self.build_on(index, (region, sizing), None, None, &mut preparing)
     }
 

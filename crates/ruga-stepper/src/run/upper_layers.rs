@@ -56,6 +56,8 @@ impl<'a> StackRun<'a> {
             surfaces.extend(self.snapshot(&upper, support, &lower));
             let attachment = self.plan.stacking.attachments[index];
             let skin = upper.layer.skin();
+            // Maps show a layer on those below as maps show them, which may be flatter than they
+            // are.
             let surface = support_surface(
                 (&self.plan.driver, support),
                 skin,

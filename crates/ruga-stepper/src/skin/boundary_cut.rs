@@ -111,6 +111,8 @@ pub(crate) fn cut_along(
         if pass == 0 {
             refuse_too_many(&crossings)?;
         }
+        // Before any edge is cut, or one would be cut beside a vertex that the boundary goes
+        // through.
         cutter.snap(&crossings);
         let places = cutter.places(&crossings);
         if places.iter().all(Option::is_none) {
@@ -202,6 +204,7 @@ impl<'a> Cutter<'a> {
         let mut lines: Vec<[Vector2<f64>; 2]> = Vec::new();
         for &face in edge.faces.iter().flatten() {
             let line = self.line(face, id, edge);
+            // Only at a seam do two faces read an edge at different places of the map.
             if !lines.contains(&line) {
                 lines.push(line);
             }

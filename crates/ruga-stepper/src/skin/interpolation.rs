@@ -42,6 +42,7 @@ impl Interpolation {
         let corners = PerVertex::filled(from.mesh.vertex_count(), false);
         let surface = LoopSurface::new(&from.mesh, &corners);
         let mut at_places = SparseRows::default();
+        // In parts, so that a run on a whole face can be ended meanwhile.
         for chunk in places.chunks(PLACES_AT_A_TIME) {
             at_places.append(&surface.position_rows(chunk));
             if !goes_on() {

@@ -300,6 +300,8 @@ impl RegionMesh {
         };
         let mut made = start;
         for round in ROUNDS {
+            // The sizing is known at this mesh's vertices, and the fitted one has others after
+            // every round.
             let sizing = self.sizing_at(&made.points, &wanted, round * coarseness);
             made = remesh(&made, &sizing, &surface, &settings)?.mesh;
             if !goes_on() {

@@ -143,6 +143,7 @@ impl Contact {
                 k * fraction,
             ]
         } else {
+            // Pressure is straight from here on, as if it had begun at half of the reach.
             let t = s - 0.5 * reach;
             [0.5 * k * t * t + k * reach * reach / 24.0, k * t, k]
         }

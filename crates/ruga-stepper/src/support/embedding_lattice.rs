@@ -84,6 +84,7 @@ impl EmbeddingLattice {
         let mut normals = vertex_normals(mesh, rest);
         for normal in &mut normals {
             if *normal == Vector3::zeros() {
+                // An embedding wants unit normals. A vertex without one has no face with an area.
                 *normal = Vector3::z();
             }
         }

@@ -46,6 +46,7 @@ impl HeldNodes {
                 });
             }
         }
+        // Nothing would be left to solve for.
         if holder.iter().all(Option::is_some) {
             return Err(StepperError::HeldBody);
         }

@@ -90,6 +90,7 @@ pub(crate) fn distance(shape: &ObstacleShape, x: &Vector3<f64>) -> Distance {
             }
         }
         ObstacleShape::Sphere { centre, radius } => {
+            // From the very centre any direction leads out.
             let (length, gradient) = direction(&(x - centre), &Vector3::z());
             Distance {
                 value: length - radius,
@@ -114,6 +115,7 @@ fn button([from, to]: [&Vector3<f64>; 2], radius: f64, x: &Vector3<f64>) -> Dist
     let (value, gradient) = if out > 0.0 && up > 0.0 {
         let length = out.hypot(up);
         (length, (outward * out + along * up) / length)
+    // Inside both are negative, and the larger one belongs to the nearer side.
     } else if out > up {
         (out, outward)
     } else {
