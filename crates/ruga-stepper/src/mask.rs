@@ -85,7 +85,8 @@ impl Mask {
     pub(crate) fn touches(&self, corners: &[Vector2<f64>; 3]) -> bool {
         let [a, b, c] = corners;
         let (low, high) = (a.inf(b).inf(c), a.sup(b).sup(c));
-        // Asked first, because `pixel` moves what lies outside to the nearest pixel of the border.
+        // This is asked first, because `pixel` moves what lies outside to the nearest pixel of the
+        // border.
         let is_beside = |c: usize| high[c] < 0.0 || low[c] > 1.0;
         if is_beside(0) || is_beside(1) {
             return false;

@@ -205,8 +205,7 @@ pub fn plan(
         stacking,
         body: None,
     };
-    // Checked here, although only a run cuts the meshes: a run would fail minutes later, when it
-    // comes to the layer.
+    // Only a run cuts the meshes, but there an error would come minutes later, with the layer.
     plan.check_boundaries()?;
     Ok(plan)
 }

@@ -166,8 +166,8 @@ impl LayerReport {
         let waves = waviness(heights, rest, faces.iter().copied());
         // What was measured at an earlier key may be gone.
         self.amplitude = waves.map_or(0.0, |waves| waves.amplitude);
-        // Ten times the noise that a layer begins with. Below, a wavelength would be one of the
-        // noise.
+        // This is ten times the noise that a layer begins with. Below, a wavelength would be one of
+        // the noise.
         let wrinkled = waves.filter(|waves| waves.amplitude > LEAST_AMPLITUDE * thickness);
         self.wavelength = wrinkled.map(|waves| waves.wavelength);
     }

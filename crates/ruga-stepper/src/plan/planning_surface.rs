@@ -84,8 +84,8 @@ impl<'a> PlanningSurface<'a> {
             });
         }
         lengths.sort_by(f64::total_cmp);
-        // Not the longest: a few large triangles where nothing happens would have all others split
-        // in four.
+        // The longest edge does not decide: a few large triangles where nothing happens would have
+        // all others split in four.
         let long = lengths[(lengths.len() - 1) * 95 / 100];
         // Subdivision near a border needs the faces beyond it, so that more are split than are
         // kept.
@@ -138,7 +138,7 @@ impl<'a> PlanningSurface<'a> {
     fn check_masks(&self, layers: &[LayerSpec]) -> Result<(), StepperError> {
         let uvs = self.surface.uvs().as_slice();
         let is_nowhere = |layer: &&LayerSpec| {
-            // By the centres of faces, which also decide on what is simulated. A mask may touch a
+            // The centres of faces decide here, as they do on what is simulated. A mask may touch a
             // triangle and still leave all centres black.
             let mut centres = uvs.iter().map(|[a, b, c]| (a + b + c) / 3.0);
             !centres.any(|centre| layer.presence.covers(centre))
@@ -288,7 +288,8 @@ impl<'a> PlanningSurface<'a> {
         let handed_out = vertices_of(faces_at(levels));
         let curvature = quantile(&self.curvatures, 0.95);
         let lowest = (*is_lowest && !active.is_empty()).then(|| Load {
-            // Not the least of all: one extreme triangle begins to wrinkle at next to no load.
+            // The least of all does not count: one extreme triangle begins to wrinkle at next to no
+            // load.
             onset: quantile(&pose_strains.onsets(path), 0.01),
             bend: wrinkling.wavelength * curvature,
             spread: (quantile(&wavelengths, 0.95) / shortest).max(1.0),
@@ -393,7 +394,7 @@ fn fitted_faces(
             }
             false => (GRADED * across, GRADED * across),
         };
-        // One over the area of an equilateral triangle, stretched in one direction.
+        // Triangles are counted as equilateral ones, stretched in one direction.
         4.0 / (3f64.sqrt() * across.min(longest) * along.min(longest))
     };
     active

@@ -310,9 +310,9 @@ fn smoothed_strains(
         })
         .collect();
     let area: f64 = normals.as_slice().iter().map(|n| 0.5 * n.norm()).sum();
-    // Of equilateral triangles of the mean area. A pass moves three quarters of a face's tensor to
-    // the centres beside it, `edge / sqrt(3)` away: an eighth of the edge's square in each
-    // direction.
+    // Triangles are taken as equilateral ones of the mean area. A pass moves three quarters of a
+    // face's tensor to the centres beside it, `edge / sqrt(3)` away: an eighth of the edge's square
+    // in each direction.
     let mean_edge_squared = area / mesh.face_count() as f64 * 4.0 / 3f64.sqrt();
     let passes = (8.0 * width * width / mean_edge_squared)
         .round()
@@ -322,7 +322,8 @@ fn smoothed_strains(
     for _ in 0..passes {
         std::mem::swap(&mut before, &mut tensors);
         for (i, tensor) in tensors.iter_mut().enumerate() {
-            // Weighted by area, or the finer side of a change of size would count for more.
+            // Tensors are weighted by area, or the finer side of a change of size would count for
+            // more.
             let here = normals.as_slice()[i].norm();
             let (mut sum, mut weight) = (before[i] * here, here);
             for &next in neighbours[i].iter().flatten() {
@@ -368,7 +369,7 @@ fn grow(mesh: &TriMesh, rest: &[Vector3<f64>], active: &mut PerFace<bool>, margi
         .filter(|(_, on)| **on)
         .flat_map(|(face, _)| mesh.faces()[face])
         .collect();
-    // Infinite beyond the margin.
+    // Distances beyond the margin are infinite.
     let distances = edge_distances(mesh, rest, sources, margin);
     for face in mesh.faces().ids() {
         active[face] |= mesh.faces()[face].iter().all(|&v| distances[v].is_finite());

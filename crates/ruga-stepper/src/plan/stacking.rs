@@ -48,8 +48,8 @@ impl Stacking {
             Stack::Joint => stacking.require_pair()?,
         }
         stacking.attachment(layers, stack);
-        // Before layers are joined: for a pair the mode that is reported and the one that meshes
-        // are made for are not the same.
+        // This is before layers are joined: for a pair the mode that is reported and the one that
+        // meshes are made for are not the same.
         stacking.simulated.clone_from(&stacking.wrinkling);
         if stack == Stack::Joint {
             stacking.join();
@@ -138,10 +138,10 @@ impl Stacking {
             // Both shells are mid-surfaces. Li 2014, eq. 4.1, adds all of the upper layer's
             // thickness.
             let step = 0.5 * (layers[k].material.thickness + layers[upper].material.thickness);
-            // A layer with wrinkles of its own needs a tie at their scale: with the shear stiffness
-            // of the layer below, 6 to 60 times softer, fine wrinkles run together into few folds.
-            // A composite and a pair are meant to be physical: tied by shear alone, and stretched
-            // by all of the bending below.
+            // A layer with wrinkles of its own needs tangential springs at their scale: with the
+            // shear stiffness of the layer below, 6 to 60 times softer, fine wrinkles run together
+            // into few folds. A composite and a pair are meant to be physical: held by shear alone,
+            // and stretched by all of the bending below.
             let (tie, transfer) = match stack {
                 Stack::Nominal => (pair.nominal_tie(), pair.bending_transfer),
                 Stack::Composite | Stack::Joint => (pair.shear_tie(), 1.0),

@@ -35,7 +35,7 @@ pub(crate) fn needed_levels(
         Some(_) => HANDED_OUT * modelling.vertex_budget as f64,
         None => modelling.vertex_budget as f64,
     };
-    // In triangles, of which there are two to a vertex.
+    // There are two triangles to a vertex.
     let budget = 2.0 * vertices;
     let mut levels = 0;
     while is_coarse(levels) && levels < MAX_LEVELS && faces_at(levels + 1) <= budget {

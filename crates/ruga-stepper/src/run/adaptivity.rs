@@ -229,7 +229,7 @@ fn averaged_directions(
             tensors[v.index()] += directions * (areas[face] / 3.0);
         }
     }
-    // Of equilateral triangles of the mean area.
+    // Triangles are taken as equilateral ones of the mean area.
     let edge_squared = area / mesh.face_count().max(1) as f64 * 4.0 / 3f64.sqrt();
     // A pass moves by half an edge's square in each direction of the plane.
     let passes = (reach * reach / edge_squared).ceil().min(MOST_PASSES) as usize;
@@ -276,8 +276,8 @@ fn face_drivers(
             let effective = strain.effective(poisson);
             if effective > largest[face] {
                 largest[face] = effective;
-                // In space, because averages are taken across faces, each of which has a frame of
-                // its own.
+                // The tensor is in space, because averages are taken across faces, each of which
+                // has a frame of its own.
                 drivers[face].compression = in_space(skin, face, strain);
             }
         }

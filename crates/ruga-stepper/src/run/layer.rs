@@ -200,8 +200,8 @@ impl Layer {
             None => None,
         };
         if let Some(upper) = &upper {
-            // Extended only now: a body takes one mass per place, motion on a driver one per vertex
-            // of both sheets.
+            // They are extended only now: a body takes one mass per place, motion on a driver one
+            // per vertex of both sheets.
             masses.extend(areas.iter().map(|area| upper.mass_per_area() * area));
         }
         preparing.step()?;
@@ -219,8 +219,8 @@ impl Layer {
             .iter()
             .flat_map(|v| {
                 let i = v.index() % vertices;
-                // Relative to the foundation, or it would be too much where a layer is painted soft
-                // and too little where it is stiff.
+                // It is relative to the foundation, or it would be too much where a layer is
+                // painted soft and too little where it is stiff.
                 let stiffness = properties.vertices[i].wrinkling.normal_stiffness;
                 [DAMPING * stiffness * areas[i]; 3]
             })
@@ -301,8 +301,8 @@ impl Layer {
         });
         for (v, height) in self.free.iter().zip(noise(seed, places)) {
             let normal = self.skin.rest.normals[v.index() % vertices];
-            // Along the normal alone: in the surface noise would stretch the membrane, which is far
-            // stiffer than the layer is in bending.
+            // Noise acts along the normal alone: in the surface it would stretch the membrane,
+            // which is far stiffer than the layer is in bending.
             self.positions[v.index()] += normal * height;
         }
     }

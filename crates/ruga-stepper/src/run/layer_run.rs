@@ -158,7 +158,7 @@ impl<'a> LayerRun<'a> {
             first: self.layer.strain_ratios().fraction_for(FIRST_RATIO),
             ..LoadSettings::default()
         };
-        // Also in motion: layers on others are thin and light, and follow at once.
+        // This holds in motion, too: layers on others are thin and light, and follow at once.
         self.climb(loading, &[1.0], settings, observer)
     }
 

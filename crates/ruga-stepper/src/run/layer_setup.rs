@@ -57,7 +57,7 @@ impl<'a> StackRun<'a> {
         let region = self.region(index, &mut preparing)?;
         preparing.enter(Phase::Remeshing)?;
         let sizing = self.sizing(index, &region, Fitting::LargeShape, &mut preparing)?;
-        // No correction of its bending: such a mesh has no waves to measure.
+        // Its bending is not corrected: such a mesh has no waves to measure.
         self.build_on(index, (region, sizing), None, None, &mut preparing)
     }
 

@@ -111,8 +111,8 @@ pub(crate) fn cut_along(
         if pass == 0 {
             refuse_too_many(&crossings)?;
         }
-        // Before any edge is cut, or one would be cut beside a vertex that the boundary goes
-        // through.
+        // This is before any edge is cut, or one would be cut beside a vertex that the boundary
+        // goes through.
         cutter.snap(&crossings);
         let places = cutter.places(&crossings);
         if places.iter().all(Option::is_none) {
@@ -239,8 +239,8 @@ impl<'a> Cutter<'a> {
     fn distances(&self, edge: &Edge, crossing: &BoundaryCrossing) -> [f64; 2] {
         let [a, b] = edge.vertices.map(Id::index);
         let length = (self.positions[b] - self.positions[a]).norm();
-        // In edges of the uncut mesh: measured by its own shorter edges, every pass would make
-        // smaller faces than the one before.
+        // Distances are in edges of the uncut mesh: measured by its own shorter edges, every pass
+        // would make smaller faces than the one before.
         let along = [crossing.parameter, 1.0 - crossing.parameter];
         [
             along[0] * length / self.sizes[a],

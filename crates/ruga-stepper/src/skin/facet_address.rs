@@ -212,7 +212,7 @@ fn halve_where_folded(piece: &Piece<'_>, ways: &[Way], weights: &mut [f64]) -> b
     let folded: Vec<usize> = (0..piece.uvs.len()).filter(|&f| is_folded(f)).collect();
     for &face in &folded {
         for vertex in piece.mesh.faces()[FaceId::from_index(face)] {
-            // Half at a time, and looked at again, because neighbours share the vertices.
+            // Weights are halved and looked at again, because neighbours share the vertices.
             weights[vertex.index()] *= 0.5;
         }
     }

@@ -42,7 +42,7 @@ impl Interpolation {
         let corners = PerVertex::filled(from.mesh.vertex_count(), false);
         let surface = LoopSurface::new(&from.mesh, &corners);
         let mut at_places = SparseRows::default();
-        // In parts, so that a run on a whole face can be ended meanwhile.
+        // They are made in parts, so that a run on a whole face can be ended meanwhile.
         for chunk in places.chunks(PLACES_AT_A_TIME) {
             at_places.append(&surface.position_rows(chunk));
             if !goes_on() {
@@ -133,8 +133,8 @@ fn place_near(
     to: VertexId,
 ) -> Option<MaterialPoint> {
     let [from, to] = [from, to].map(|v| region.rest.positions[v.index()]);
-    // Twice the edge: on another mesh, whose facets cut corners elsewhere, two neighbours' places
-    // may be farther apart than they are.
+    // The reach is twice the edge: on another mesh, whose facets cut corners elsewhere, two
+    // neighbours' places may be farther apart than they are.
     let reach = 2.0 * (to - from).norm();
     lookup
         .closest_near(start, &to, reach)

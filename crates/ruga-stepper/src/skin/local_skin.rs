@@ -44,7 +44,7 @@ impl SkinProperties {
     ) -> Result<Self, StepperError> {
         let (vertices, faces) = (skin.mesh.vertex_count(), skin.mesh.face_count());
         if spec.map.is_none() && spec.variation.is_none() {
-            // The tie of an upper layer is among the nominal numbers already.
+            // An upper layer's tangential stiffness is among the nominal numbers already.
             let everywhere = LocalSkin {
                 material: spec.material,
                 wrinkling: *nominal,
@@ -67,7 +67,7 @@ impl SkinProperties {
         let mut of_faces: PerFace<RelativeProperties> = corners
             .map(|corners| mean(corners.map(|v| relative[v.index()])))
             .collect();
-        // All corners of such a face lie on the boundary, where paint of both sides is mixed.
+        // Corners of such a face lie on the boundary, where paint of both sides is mixed.
         for (face, inside) in &skin.beside {
             let corners = skin.mesh.faces()[*face].map(|v| rest[v.index()]);
             let centre = corners.iter().sum::<Vector3<f64>>() / 3.0;
@@ -130,8 +130,8 @@ pub(crate) fn wrinkling_on_face(
     if spec.map.is_none() && spec.variation.is_none() {
         return Ok(*nominal);
     }
-    // At the middle. Of a face beside a sharp boundary two corners lie on it, and their mean would
-    // take two thirds of the jump away.
+    // The map is read at the middle of the face. Beside a sharp boundary two corners lie on it, and
+    // their mean would take two thirds of the jump away.
     let painted = spec.map.as_ref().map(|map| map.sample_face(uvs));
     let centre = corners.iter().sum::<Vector3<f64>>() / 3.0;
     let relative = uneven(spec, painted.unwrap_or_default(), &centre);

@@ -218,7 +218,8 @@ impl RegionMesh {
             .collect();
         let skin = SkinMesh::new(driver, (mesh, &points), smoothing, 0.0, goes_on);
         let skin = skin.ok_or(Halt::Interrupted)?;
-        // Before the mesh is lifted: addresses are places of the driver, not of the layer above it.
+        // This is before the mesh is lifted: addresses are places of the driver, not of the layer
+        // above it.
         let addresses = FacetAddresses::new(
             driver,
             &Facets {

@@ -108,8 +108,8 @@ impl Contact {
         depth: f64,
     ) -> bool {
         let passes = |(before, now): (&PlacedObstacle, &PlacedObstacle)| {
-            // Well before the middle of a thin obstacle, beyond which it would push a vertex out at
-            // the far side.
+            // This is well before the middle of a thin obstacle, beyond which it would push a
+            // vertex out at the far side.
             let depth = depth.min(0.5 * now.shape.half_depth());
             x.iter().zip(to).any(|(x, to)| {
                 // In the obstacle's own frame both may move, and a thin obstacle that sweeps past

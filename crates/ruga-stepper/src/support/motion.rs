@@ -55,7 +55,7 @@ pub(crate) fn velocities(
 ) -> Vec<Vector3<f64>> {
     let pairs = start.iter().zip(end);
     pairs
-        // Implicit Euler: the mean over a step is the velocity at its end.
+        // In implicit Euler the mean over a step is the velocity at its end.
         .map(|(start, end)| (end - start) / time_step)
         .collect()
 }

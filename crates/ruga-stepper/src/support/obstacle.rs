@@ -115,8 +115,8 @@ fn button([from, to]: [&Vector3<f64>; 2], radius: f64, x: &Vector3<f64>) -> Dist
     let (value, gradient) = if out > 0.0 && up > 0.0 {
         let length = out.hypot(up);
         (length, (outward * out + along * up) / length)
-    // Inside both are negative, and the larger one belongs to the nearer side.
     } else if out > up {
+        // Inside both are negative, and the larger one belongs to the nearer side.
         (out, outward)
     } else {
         (up, along)
@@ -138,7 +138,7 @@ fn direction(v: &Vector3<f64>, otherwise: &Vector3<f64>) -> (f64, Vector3<f64>) 
 }
 
 fn any_normal(axis: &Vector3<f64>) -> Vector3<f64> {
-    // Farthest from parallel, so that the cross product is long.
+    // This axis is farthest from parallel, so that the cross product is long.
     let thinnest = axis.abs().imin();
     let mut other = Vector3::zeros();
     other[thinnest] = 1.0;

@@ -40,8 +40,8 @@ impl Placement {
         let fraction = (time - at) / (end.at - at);
         let between = |a: Vector3<f64>, b: Vector3<f64>| a + (b - a) * fraction;
         Self {
-            // Linear in the turn's vector too: a steady turn as long as the axis stays, as from
-            // rest to the first keyframe.
+            // This is linear in the turn's vector, too: a steady turn as long as the axis stays, as
+            // from rest to the first keyframe.
             translation: between(start.translation, end.translation),
             turn: between(start.turn, end.turn),
             about: between(start.about, end_about),

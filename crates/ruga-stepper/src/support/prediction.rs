@@ -33,8 +33,8 @@ impl Prediction {
         q: &[Vector3<f64>],
         displacements: &mut [Vector3<f64>],
     ) -> Result<(), SolverError> {
-        // Positive semidefinite. The exact Hessian of compressed material may have no minimum, and no
-        // state to predict.
+        // This one is positive semidefinite. The exact Hessian of compressed material may have no
+        // minimum, and no state to predict.
         let relaxed_hessian = |energy: &LatticeEnergy| {
             let mut exact = vec![0.0; energy.pattern().1.len()];
             let mut relaxed = exact.clone();

@@ -380,7 +380,7 @@ impl Follow {
     ) -> Option<Self> {
         let stiffness = body.follow?;
         let areas = vertex_areas(driver.topology(), driver.rest());
-        // By area, or what the artist has meshed finely would be drawn harder.
+        // Springs act by area, or what the artist has meshed finely would be drawn harder.
         let stiffness: Vec<f64> = areas.iter().map(|area| stiffness * area).collect();
         let mut hessian = vec![0.0; lattice.pattern().1.len()];
         lattice.add_pulled_back(control, &diagonal(&stiffness), &mut hessian);

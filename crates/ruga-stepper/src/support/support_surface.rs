@@ -148,7 +148,7 @@ fn lay_on<'c>(
     lower: &LowerLayer<'_>,
     middle: &mut PosedSurface,
 ) -> &'c [u32] {
-    // Without any offset, so that a deviation includes the lower layer's.
+    // The base is without any offset, so that a deviation includes the lower layer's.
     let base = support.pose(lower.skin).positions;
     let deviations = lower.positions.iter().zip(&base);
     let deviations: Vec<Vector3<f64>> = deviations.map(|(x, base)| x - base).collect();
@@ -158,8 +158,8 @@ fn lay_on<'c>(
     let vertices = cover.vertices().iter().zip(cover.shares());
     for ((&vertex, fraction), (change, (along_u, along_v))) in vertices.zip(changes) {
         let i = vertex as usize;
-        // Added to the driver's or body's own place, because the deviation of a layer counts from
-        // there and not from another layer that is covered too.
+        // It is added to the driver's or body's own place, because the deviation of a layer counts
+        // from there and not from another layer that is covered too.
         middle.positions[i] = on_support[i] + change;
         let first = posed[i][0] + along_u;
         let second = posed[i][1] + along_v;

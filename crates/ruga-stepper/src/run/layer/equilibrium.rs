@@ -101,10 +101,10 @@ impl Layer {
         scatter(&self.free, own, &mut self.positions);
         let Some(solid) = &mut self.solid else { return };
         solid.set_unknowns(nodes);
-        // Layer and body have moved together.
+        // Layer and body have moved together. The energy keeps the normals and rest lengths that it
+        // was set up with, so that it has one minimum during a solve. How far they are behind then
+        // is the lag.
         self.support.posed = solid.surface(&self.support.posed);
-        // The energy keeps the normals and rest lengths that it was set up with, so that it has one
-        // minimum during a solve. How far they are behind then is the lag.
         self.base = laid_on(&self.support.posed, self.upper.as_ref());
         self.strains = applied_strains(&self.skin, &self.support);
     }
@@ -125,9 +125,8 @@ impl Layer {
             damping: &self.damping,
             reaction: &self.reaction,
             base,
+            // The mass matrix of a body holds the layer's masses, too, and they count once.
             inertia: match solid {
-                // The mass matrix of a body holds the layer's masses, too, and must not count them
-                // twice.
                 None => inertia.map(|inertia| (inertia, self.masses.as_slice())),
                 Some(_) => None,
             },

@@ -71,7 +71,7 @@ impl Layer {
         }
         outcome.map_err(|source| self.shell_error(source))?;
         self.held_normals.clone_from(&self.support.posed.normals);
-        // Before any natural strain, because a new rest metric clears them.
+        // This comes before any natural strain, because a new rest metric clears them.
         self.set_rest_metric()?;
         if self.solid.is_none() && self.spec.coupling.has_foundation() {
             self.balance()?;
@@ -106,7 +106,7 @@ impl Layer {
     fn set_rest_metric(&mut self) -> Result<(), StepperError> {
         let capped = self.strains.as_slice().iter().any(|s| s.first > CAP_START);
         let changed = capped || self.support.transfer.is_some();
-        // Once more after the last change, to take it back.
+        // After the last change the metric is set once more, to take it back.
         if changed || self.is_metric_changed {
             let strains = self.strains.iter();
             let stretches: Vec<_> = strains.map(|(f, s)| self.rest_stretch(f, s)).collect();
@@ -123,7 +123,8 @@ impl Layer {
 
     fn rest_stretch(&self, face: FaceId, strain: &FaceStrain) -> Matrix2<f64> {
         let along = strain.direction * strain.direction.transpose();
-        // Only along the compression: across it the skin is stretched as the pose asks for.
+        // The metric shrinks along the compression only: across it the skin is stretched as the
+        // pose asks for.
         let stretch = Matrix2::identity() + along * (metric_ratio(strain) - 1.0);
         match &self.support.transfer {
             Some(transfer) => stretch * transfer[face.index()],

@@ -237,8 +237,8 @@ fn the_whole_objective_has_its_derivatives() {
                 }
             }
             let flat: Vec<f64> = displacement.iter().flat_map(|w| [w.x, w.y, w.z]).collect();
-            // Small against the thickness, over which energies curve, and far above the rounding of
-            // differences.
+            // This is small against the thickness, over which energies curve, and far above the
+            // rounding of differences.
             let step = 1e-4 * thickness;
             let beside = |s: f64| -> Vec<f64> {
                 x.iter().zip(&flat).map(|(x, w)| x + s * step * w).collect()

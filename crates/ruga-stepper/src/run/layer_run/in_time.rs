@@ -99,7 +99,7 @@ impl LayerRun<'_> {
             return Ok(Ending::GaveUp);
         }
         self.halved += 1;
-        // Half of the way in half of the time: velocities stay what they are.
+        // Half of the way takes half of the time, so that velocities stay what they are.
         let half = Dynamics {
             time_step: 0.5 * dynamics.time_step,
             ..dynamics
@@ -155,7 +155,7 @@ impl LayerRun<'_> {
             if self.is_at_rest()? {
                 return Ok(Rest::Found);
             }
-            // Whole steps whatever the last one was: where nothing moves there is no way to divide.
+            // Steps are whole ones here: where nothing moves there is no load to divide.
             let step = self.layer.time_step(dynamics);
             let how = (AtSaddle::Leave, Accuracy::Result);
             let solve = self.solve(Some(&step.inertia), how, pose_fraction, observer)?;
@@ -182,8 +182,7 @@ impl LayerRun<'_> {
     fn is_at_rest(&mut self) -> Result<bool, StepperError> {
         let settings = NewtonSettings {
             // At a saddle forces balance as well, but any disturbance moves the layer on. One
-            // iteration gives the decrement and the inertia of the matrix, and nothing else is
-            // wanted.
+            // iteration gives the decrement and the matrix inertia, and nothing else is wanted.
             at_saddle: AtSaddle::Stop,
             max_iterations: 1,
             energy_tolerance: AT_REST,
