@@ -26,7 +26,7 @@ pub enum StepperError {
         of: String,
         /// The field, with its place in a list.
         field: String,
-        /// Its value.
+        /// Value that was found.
         found: String,
         /// Accepted values.
         accepted: String,

@@ -58,6 +58,8 @@ impl Mask {
         }
         let uv = uv.map(|c| c.clamp(0.0, 1.0));
         let between = |c: f64, count: u32| {
+            // A value stands at the centre of its pixel. Beyond the outermost centres the outermost
+            // values go on.
             let place = (c * f64::from(count) - 0.5).clamp(0.0, f64::from(count - 1));
             let low = place.floor();
             let next = (low as usize + 1).min(count as usize - 1);
@@ -83,6 +85,8 @@ impl Mask {
     pub(crate) fn touches(&self, corners: &[Vector2<f64>; 3]) -> bool {
         let [a, b, c] = corners;
         let (low, high) = (a.inf(b).inf(c), a.sup(b).sup(c));
+        // This is asked first, because `pixel` moves what lies outside to the nearest pixel of the
+        // border.
         let is_beside = |c: usize| high[c] < 0.0 || low[c] > 1.0;
         if is_beside(0) || is_beside(1) {
             return false;

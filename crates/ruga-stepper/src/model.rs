@@ -110,6 +110,7 @@ impl LayerSpec {
     /// # Errors
     /// [`MaterialError`] when material, substrate or variation are out of range.
     pub fn uneven(mut self, variation: Variation, seed: u64) -> Result<Self, MaterialError> {
+        // The size of the unevenness is in wavelengths of the layer.
         let wave = wrinkling(&self.material, &self.substrate, self.model)?;
         let field = VariationField::new(variation, wave.wavelength, seed)?;
         self.variation = Some(Arc::new(field));
@@ -128,7 +129,7 @@ pub struct Presence {
 }
 
 impl Default for Presence {
-    /// Everywhere, as it is.
+    /// A layer that is everywhere, with its relief as it is.
     fn default() -> Self {
         Self {
             masks: Vec::new(),
@@ -199,6 +200,8 @@ pub struct PoseSpec {
 impl PoseSpec {
     /// Whether results are kept at a load.
     pub(crate) fn has_key(&self, load: f64) -> bool {
+        // Loads are computed and keys are given, so that equal ones may differ by rounding. Keys
+        // this close to each other are refused.
         self.keys.iter().any(|key| (key - load).abs() < 1e-9)
     }
 }
@@ -209,7 +212,7 @@ pub enum Region {
     /// The faces that a pose compresses enough.
     #[default]
     Auto,
-    /// Everywhere.
+    /// All of the mesh.
     All,
     /// The faces that a pose compresses enough and on which the painted mask is lighter than
     /// [`Mask::DARKEST`]; its grey values fade the relief.
@@ -230,9 +233,9 @@ impl Region {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EdgeLimits {
-    /// Shortest, m; not negative.
+    /// Shortest edge, m; not negative.
     pub min_edge: f64,
-    /// Longest, m; above `min_edge`. Half a wavelength is the most in any case.
+    /// Longest edge, m; above `min_edge`. Half a wavelength is the most in any case.
     pub max_edge: f64,
     /// Largest ratio of the lengths in two directions, at least 1. Two and a half edges per
     /// wavelength along the wrinkles are kept in any case.
@@ -244,6 +247,8 @@ impl Default for EdgeLimits {
         Self {
             min_edge: 0.0,
             max_edge: 1.0,
+            // Bending by the curvature at vertices stays right on triangles up to four times as
+            // long as wide along the wrinkles. At an angle to them they are up to a quarter too stiff.
             aspect: 4.0,
         }
     }
@@ -322,11 +327,16 @@ impl Modelling {
         Self {
             region: Region::Auto,
             points_per_wavelength,
+            // By the planner's own model, one factorisation of so many vertices takes some twenty
+            // seconds and 1.7 GB.
             vertex_budget: 300_000,
             remesh: Some(EdgeLimits::default()),
             stack: Stack::Nominal,
             dynamics: None,
+            // The artist's facets are as long as fine waves and would imprint on them.
             smoothing: Smoothing::Loop,
+            // Hinges bend a fifth to a third too easily across triangles two to four times as long
+            // as wide, which fitted meshes have.
             bending: BendingModel::VertexCurvature,
             minimise,
             sample: constraint_rows,

@@ -35,9 +35,9 @@ pub use pose_plan::{AppliedStrain, LayerPlan, LoadPath, PaintedRanges, PosePlan}
 /// than the number of a pose.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// Per pose, what is simulated.
+    /// The poses, with what is simulated of each.
     pub poses: Vec<PosePlan>,
-    /// Warnings.
+    /// Warnings for the user, of all poses.
     pub warnings: Vec<String>,
     /// The lattice inside a soft body; `None` where the posed driver carries the layers.
     pub interior: Option<InteriorPlan>,
@@ -117,6 +117,9 @@ impl Plan {
         layer: &LayerPlan,
         goes_on: &mut dyn FnMut() -> bool,
     ) -> Option<BaseSurface> {
+        // Splitting begins at the driver's own triangles, because the layer may be coarser or finer
+        // than the surface on which its region was found. Parts of one triangle stand side by side
+        // in the region, so that removing repetitions side by side removes all.
         let mut coarse: Vec<FaceId> = layer.region.iter().map(|f| self.whole_face(*f)).collect();
         coarse.dedup();
         let smoothing = self.modelling.smoothing;
@@ -140,6 +143,8 @@ impl Plan {
             }
             let mut checked: Vec<&LayerPlan> = Vec::new();
             for layer in self.poses.iter().map(|pose| &pose.layers[index]) {
+                // Poses often share a region, and looking for boundaries means splitting all of it
+                // anew.
                 let is_same = |other: &&LayerPlan| {
                     other.levels == layer.levels && other.region == layer.region
                 };
@@ -178,6 +183,7 @@ pub fn plan(
         check_motionless(pose)?;
     }
     let region = modelling.region.mask();
+    // The region's mask becomes one of every layer's, so that both kinds cut and fade alike.
     let layers: Vec<LayerSpec> = layers.iter().map(|layer| within(layer, region)).collect();
     let stacking = Stacking::new(&layers, modelling.stack)?;
     let surface = PlanningSurface::new(driver, &stacking, modelling, map_size)?;
@@ -199,6 +205,7 @@ pub fn plan(
         stacking,
         body: None,
     };
+    // Only a run cuts the meshes, but there an error would come minutes later, with the layer.
     plan.check_boundaries()?;
     Ok(plan)
 }
@@ -210,6 +217,7 @@ fn planned_layers<'a>(
     modelling: &Modelling,
 ) -> Result<Vec<PlannedLayer<'a>>, StepperError> {
     let meshes = stacking.meshes();
+    // A layer that moves together with the lowest one has no mesh of its own to plan.
     let layers = stacking.specs.iter().zip(&stacking.simulated).take(meshes);
     let planned = layers.enumerate().map(|(index, (spec, wrinkling))| {
         Ok(PlannedLayer {
@@ -226,6 +234,8 @@ fn planned_layers<'a>(
 /// Adds to a pose the layer that moves together with the lowest one, where there is one.
 pub(crate) fn add_carried_along(pose: &mut PosePlan, stacking: &Stacking) {
     if let (Some(upper), Some(pair)) = (&stacking.joint, stacking.pairs.first()) {
+        // The mesh was planned for the finest wave of the pair. What is reported is the wave in
+        // which both wrinkle together.
         pose.layers[0].wavelength = stacking.wrinkling[0].wavelength;
         pose.layers[0].critical_strain = stacking.wrinkling[0].critical_strain;
         let carried = pose.layers[0].carried_along(&upper.name, &pair.upper.wrinkling);

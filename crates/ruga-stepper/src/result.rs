@@ -21,7 +21,7 @@ pub struct LayerSurface {
     pub relief: Vec<Vector3<f64>>,
     /// The posed driver at the vertices' material points, or the surface of the body there, m.
     pub driver_positions: Vec<Vector3<f64>>,
-    /// Its unit normals there.
+    /// Unit normals of that surface there.
     pub driver_normals: Vec<Vector3<f64>>,
     /// Distance of the layer from the driver at rest, along the normal, m.
     pub offset: f64,
@@ -56,7 +56,7 @@ pub struct PoseResult {
     /// Results at the pose's keys, in order; fewer when interrupted or given up. A key at which
     /// nothing can wrinkle has no layers.
     pub keys: Vec<KeyResult>,
-    /// Numbers per layer, bottom first.
+    /// Measurements per layer, bottom first.
     pub layers: Vec<LayerReport>,
     /// Load steps solved.
     pub frames: usize,
@@ -166,6 +166,8 @@ impl LayerReport {
         let waves = waviness(heights, rest, faces.iter().copied());
         // What was measured at an earlier key may be gone.
         self.amplitude = waves.map_or(0.0, |waves| waves.amplitude);
+        // This is ten times the noise that a layer begins with. Below, a wavelength would be one of
+        // the noise.
         let wrinkled = waves.filter(|waves| waves.amplitude > LEAST_AMPLITUDE * thickness);
         self.wavelength = wrinkled.map(|waves| waves.wavelength);
     }

@@ -106,6 +106,8 @@ pub(crate) fn posed(
     let frame = |i: usize| {
         let tangent = first[i].try_normalize(0.0);
         let normal = first[i].cross(&second[i]).try_normalize(0.0);
+        // What has collapsed has no normal, and a solve may pass through such a state. The frame
+        // before serves until it has one again.
         let found = tangent.zip(normal);
         found.unwrap_or((before.tangents[i], before.normals[i]))
     };

@@ -34,6 +34,7 @@ fn is_positive(value: f64) -> bool {
 /// Checks what a layer's material does not check itself.
 pub(crate) fn check_layer(layer: &LayerSpec) -> Checked {
     let strength = layer.presence.strength;
+    // Asked like this, what is no number is refused too.
     if !(strength > 0.0 && strength.is_finite()) {
         let of = format!("layer '{}'", layer.name);
         return refuse(of, "presence.strength", strength, "a number above 0");
@@ -70,6 +71,7 @@ pub(crate) fn check_pose(driver: &Driver, pose: &PoseSpec) -> Checked {
                 accepted,
             );
         }
+        // A comparison with what is no number is false, so that it has to be asked for.
         if weight.is_nan() || weight.abs() > LARGEST_WEIGHT {
             let accepted = format!("a number in [-{LARGEST_WEIGHT}, {LARGEST_WEIGHT}]");
             return refuse(of, format!("weights[{i}]"), weight, accepted);

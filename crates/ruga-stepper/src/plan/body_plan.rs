@@ -65,6 +65,7 @@ pub fn plan_body(
     check(body)?;
     body.obstacles.iter().try_for_each(obstacle::check)?;
     for pose in poses {
+        // Every run makes them again. Here they only show that names and keyframes are right.
         Moves::new(body, pose)?;
     }
     let meshes = (0..stacking.meshes())
@@ -144,7 +145,8 @@ fn check(body: &Body) -> Result<(), StepperError> {
     Ok(())
 }
 
-/// What keeps obstacles from pressing as meant on a layer that covers so many faces and is so thick, m.
+/// Warnings of what keeps obstacles from pressing as meant on a layer of this thickness (m) that
+/// covers so many faces.
 fn obstacle_warnings(
     driver: &Driver,
     body: &Body,
@@ -157,6 +159,8 @@ fn obstacle_warnings(
         );
     }
     for obstacle in &body.obstacles {
+        // A vertex that is more than a thickness inside an obstacle counts as having passed through
+        // it, and no load step that ends like that is kept.
         let depths = driver
             .rest()
             .iter()
@@ -236,6 +240,7 @@ impl LayerMesh {
         let levels = needed_levels(waves.shortest);
         let budget = || format!("the vertex budget of {}", modelling.vertex_budget);
         let Some(limits) = modelling.remesh else {
+            // A closed surface has two triangles to a vertex.
             let vertices = (faces.len() << (2 * levels)) / 2;
             return Ok(Self {
                 points: waves.shortest * f64::from(1u32 << levels) / median,
@@ -248,7 +253,10 @@ impl LayerMesh {
                 levels,
             });
         };
+        // Where the body will compress its layer is not known before it is simulated. So wrinkles
+        // are counted everywhere, in one direction each.
         let needed = waves.vertices(asked, &limits) / aspect(&limits, asked);
+        // The number of vertices goes with the inverse square of the edge.
         let coarseness = (needed / modelling.vertex_budget as f64).sqrt().max(1.0);
         let edge = (waves.shortest / asked).clamp(limits.min_edge, limits.max_edge);
         Ok(Self {

@@ -84,7 +84,11 @@ impl<'a> PlanningSurface<'a> {
             });
         }
         lengths.sort_by(f64::total_cmp);
+        // The longest edge does not decide: a few large triangles where nothing happens would have
+        // all others split in four.
         let long = lengths[(lengths.len() - 1) * 95 / 100];
+        // Subdivision near a border needs the faces beyond it, so that more are split than are
+        // kept.
         let split = BaseSurface::split_count(driver, &faces);
         let mut levels = 0;
         while long / f64::from(1u32 << levels) > FACET_FRACTION * wavelength
@@ -134,6 +138,8 @@ impl<'a> PlanningSurface<'a> {
     fn check_masks(&self, layers: &[LayerSpec]) -> Result<(), StepperError> {
         let uvs = self.surface.uvs().as_slice();
         let is_nowhere = |layer: &&LayerSpec| {
+            // The centres of faces decide here, as they do on what is simulated. A mask may touch a
+            // triangle and still leave all centres black.
             let mut centres = uvs.iter().map(|[a, b, c]| (a + b + c) / 3.0);
             !centres.any(|centre| layer.presence.covers(centre))
         };
@@ -155,6 +161,7 @@ impl<'a> PlanningSurface<'a> {
         let posed = |load: f64| self.surface.pose(&driver.pose(&pose.weights.scaled(load)));
         let keys: Vec<PosedSurface> = pose.keys.iter().map(|&key| posed(key)).collect();
         let last = pose.keys.iter().copied().fold(0.0, f64::max);
+        // A part that turns is shortest half way. The quarters beside tell when a face gets there.
         let passing = PASSING.map(|fraction| (fraction, posed(fraction * last)));
         let mut pose_strains: Vec<PoseStrains> = layers
             .iter()
@@ -169,6 +176,7 @@ impl<'a> PlanningSurface<'a> {
             modelling: self.modelling,
         };
         let path = load_path(&pose_strains, layers, &about, warnings);
+        // A strain path stands at its key from the beginning and never sees what folds on the way.
         if path == LoadPath::Weight {
             pose_strains
                 .iter_mut()
@@ -204,6 +212,7 @@ impl<'a> PlanningSurface<'a> {
             points: asked,
             is_lowest,
         } = layer;
+        // One margin for all of a region, wide enough for its longest wave.
         let waves = local
             .as_slice()
             .iter()
@@ -224,6 +233,8 @@ impl<'a> PlanningSurface<'a> {
         };
         let (median, long) = (quantile(&self.edges, 0.5), quantile(&self.edges, 0.95));
         let planned = self.surface.levels();
+        // The active faces are those of the planning surface, which may be coarser or finer than
+        // the layer will be.
         let faces_at =
             |levels: u32| active.len() as f64 * 4f64.powi(levels as i32 - planned as i32);
         let edges_at = |levels: u32| {
@@ -235,12 +246,16 @@ impl<'a> PlanningSurface<'a> {
             .iter()
             .map(|wrinkling| wrinkling.wavelength);
         let wavelengths: PerFace<f64> = wavelengths.collect();
+        // The shortest twentieth does not count: a few strokes of paint would split all of the
+        // mesh.
         let shortest = match active.is_empty() {
             true => wrinkling.wavelength,
             false => quantile(&wavelengths, 0.05),
         };
         let longest = Some(FACET_FRACTION * shortest);
         let levels = needed_levels((shortest / asked, longest), modelling, faces_at, edges_at);
+        // Euler's formula: half as many vertices as triangles, and half of those on the border. A
+        // compact region of `n` triangles has some `2 sqrt(n)` of these.
         let vertices_of = |faces: f64| 0.5 * faces + faces.sqrt();
         let uniform_points = shortest / edges_at(levels).0;
         let (needed, points) = match modelling.remesh {
@@ -250,6 +265,7 @@ impl<'a> PlanningSurface<'a> {
                     fitted_faces(&active, pose_strains, skin, &limits, *asked)
                 };
                 let needed = GRADING * vertices_of(faces);
+                // Vertices go with the square of the points per wavelength.
                 let short = (modelling.vertex_budget as f64 / needed).min(1.0).sqrt();
                 let points = asked * short;
                 (needed, points.min(uniform_points))
@@ -272,6 +288,8 @@ impl<'a> PlanningSurface<'a> {
         let handed_out = vertices_of(faces_at(levels));
         let curvature = quantile(&self.curvatures, 0.95);
         let lowest = (*is_lowest && !active.is_empty()).then(|| Load {
+            // The least of all does not count: one extreme triangle begins to wrinkle at next to no
+            // load.
             onset: quantile(&pose_strains.onsets(path), 0.01),
             bend: wrinkling.wavelength * curvature,
             spread: (quantile(&wavelengths, 0.95) / shortest).max(1.0),
@@ -290,6 +308,8 @@ impl<'a> PlanningSurface<'a> {
                 folded_area: pose_strains.folded_area(),
                 chi: wrinkling.curvature_measure(1.0 / curvature),
                 labyrinth_area: match spec.coupling {
+                    // Without averaging constraints nothing hinders the domains of a labyrinth from
+                    // sliding.
                     Coupling::Elastic => 0.0,
                     Coupling::Hybrid | Coupling::Constraint => {
                         area_where(&|f| pose_strains.is_compressed_equally(f))
@@ -365,12 +385,16 @@ fn fitted_faces(
                     poisson,
                 };
                 let [first, second] = pose_strains.principal[face];
+                // The two strains change places: this is the size that wrinkles across the second
+                // direction ask for, which only exist where that is compressed beyond its critical
+                // strain, too.
                 let size = driver.wrinkle_size(second, first, &refinement);
                 let along = (aspect(limits, points) * across).min(longest);
                 (across, along.min(size.sqrt().recip()).max(across))
             }
             false => (GRADED * across, GRADED * across),
         };
+        // Triangles are counted as equilateral ones, stretched in one direction.
         4.0 / (3f64.sqrt() * across.min(longest) * along.min(longest))
     };
     active
@@ -393,6 +417,8 @@ fn load_path(
             pose_strains,
         )
     });
+    // Upper layers lie on what the lowest one has become, so that all take the same path: one layer
+    // with a detour decides for all.
     let largest = detours.max_by(|a, b| a.0.total_cmp(&b.0));
     let Some((area, pose_strains)) = largest.filter(|(area, _)| *area > 0.0) else {
         return LoadPath::Weight;

@@ -12,7 +12,7 @@ pub struct PosePlan {
     pub name: String,
     /// Path of its load steps to its keys.
     pub path: LoadPath,
-    /// Bottom first.
+    /// Layers of the pose, bottom first.
     pub layers: Vec<LayerPlan>,
 }
 
@@ -46,7 +46,7 @@ pub struct LayerPlan {
     pub applied: Option<AppliedStrain>,
     /// Area that is simulated, m²; zero where the layer cannot wrinkle.
     pub active_area: f64,
-    /// Vertices, estimated.
+    /// Estimated number of vertices.
     pub vertices: usize,
     /// Times the driver's faces are split in four.
     pub levels: u32,
@@ -72,7 +72,7 @@ pub struct LayerPlan {
 pub struct AppliedStrain {
     /// Median over the active area of the largest effective strain over the keys.
     pub median: f64,
-    /// Its 99th percentile.
+    /// 99th percentile of that strain.
     pub p99: f64,
     /// Active area compressed beyond 15 %, where the rest metric is capped, m².
     pub capped_area: f64,
@@ -106,6 +106,7 @@ impl LayerPlan {
             critical_strain: wrinkling.critical_strain,
             seconds: 0.0,
             memory: 0.0,
+            // A layer with a region of its own would be simulated once more by itself.
             region: Vec::new(),
             ..self.clone()
         }

@@ -81,6 +81,9 @@ impl PoseStrains {
         // Averaging over more than 2 mm would remove real gradients at lids and mouth corners.
         let width = (0.5 * layer.wrinkling.wavelength).min(2e-3);
         let mut before = (0.0, PerFace::filled(count, 0.0));
+        // Strains on the way are not averaged, because the ones at the keys that they are compared
+        // with are not. Averaging lowers peaks: on one side of the comparison alone it would hide
+        // detours or invent them.
         for (fraction, pose) in passing {
             let strains = face_strains(mesh, &rest.positions, &pose.positions);
             mark_folded(mesh, pose, &strains, &mut pose_strains.passing_folded);
@@ -108,6 +111,8 @@ impl PoseStrains {
                 let first = strains[face].first;
                 pose_strains.compression[face] = pose_strains.compression[face].max(first);
                 let raw = strains[face].effective(poisson);
+                // Directions are only comparable within one key: the principal strains of two keys
+                // have their own axes.
                 if raw > pose_strains.raw[face] {
                     pose_strains.raw[face] = raw;
                     pose_strains.principal[face] = [strains[face].first, strains[face].second];
@@ -131,6 +136,8 @@ impl PoseStrains {
         match path {
             LoadPath::Weight => self.onset.clone(),
             LoadPath::Strain => {
+                // Here the load is the fraction of the strain itself, so that the onset is the
+                // ratio of the two.
                 let shares = self
                     .critical
                     .iter()
@@ -156,6 +163,8 @@ impl PoseStrains {
         let critical = &self.critical;
         let at_keys = area_where(&|face| self.raw[face] > critical[face]);
         let on_the_way = area_where(&|face| self.is_detour(face));
+        // With a path for every key all keys begin from rest, which takes as many times as long. A
+        // small area is not worth that.
         let worth_it = (DETOUR_FRACTION * at_keys).max(wavelength * wavelength);
         if on_the_way > worth_it {
             on_the_way
@@ -211,17 +220,22 @@ impl PoseStrains {
             .faces()
             .ids()
             .map(|face| {
+                // Half of the critical strain, tried first, took in 1.7 to 2.5 times this area on
+                // six shapes of a face.
                 let wrinkles = self.pose_strains(face) > ACTIVE_FRACTION;
                 (matches!(region, Region::All) || wrinkles) && allowed(face)
             })
             .collect();
         if !matches!(region, Region::All) {
+            // A patch smaller than the square of a wave has no room for one.
             drop_specks(mesh, &self.areas, &mut active, wavelength * wavelength);
             let margin = (2.0 * wavelength).max(MIN_MARGIN);
+            // The border will be held on the driver. It has to lie where the skin stays smooth.
             grow(mesh, &rest.positions, &mut active, margin);
         }
         active
             .iter()
+            // Folds and black paint are taken out once more, because growing has taken them in.
             .filter(|&(face, &on)| on && allowed(face) && !self.folded[face])
             .map(|(face, _)| face)
             .collect()
@@ -238,6 +252,8 @@ fn note_onset(
 ) {
     for (face, &critical) in critical.iter() {
         let (low, high) = (before.1[face], now.1[face]);
+        // Only the first crossing counts. A face may fall below its critical strain again on the
+        // way.
         if onset[face] == 1.0 && low < critical && critical <= high {
             onset[face] = before.0 + (now.0 - before.0) * (critical - low) / (high - low);
         }
@@ -253,6 +269,7 @@ fn mark_folded(
 ) {
     let normals = face_normals(mesh, &pose.positions);
     for (face, vertices) in mesh.faces().iter() {
+        // Strains cannot tell a face that is turned over: they see lengths, not sides.
         let outward: Vector3<f64> = vertices.iter().map(|v| pose.normals[v.index()]).sum();
         let turned_over = outward.dot(&normals[face]) <= 0.0;
         folded[face] |= turned_over || strains[face].first > COLLAPSED;
@@ -293,6 +310,9 @@ fn smoothed_strains(
         })
         .collect();
     let area: f64 = normals.as_slice().iter().map(|n| 0.5 * n.norm()).sum();
+    // Triangles are taken as equilateral ones of the mean area. A pass moves three quarters of a
+    // face's tensor to the centres beside it, `edge / sqrt(3)` away: an eighth of the edge's square
+    // in each direction.
     let mean_edge_squared = area / mesh.face_count() as f64 * 4.0 / 3f64.sqrt();
     let passes = (8.0 * width * width / mean_edge_squared)
         .round()
@@ -302,6 +322,8 @@ fn smoothed_strains(
     for _ in 0..passes {
         std::mem::swap(&mut before, &mut tensors);
         for (i, tensor) in tensors.iter_mut().enumerate() {
+            // Tensors are weighted by area, or the finer side of a change of size would count for
+            // more.
             let here = normals.as_slice()[i].norm();
             let (mut sum, mut weight) = (before[i] * here, here);
             for &next in neighbours[i].iter().flatten() {
@@ -347,6 +369,7 @@ fn grow(mesh: &TriMesh, rest: &[Vector3<f64>], active: &mut PerFace<bool>, margi
         .filter(|(_, on)| **on)
         .flat_map(|(face, _)| mesh.faces()[face])
         .collect();
+    // Distances beyond the margin are infinite.
     let distances = edge_distances(mesh, rest, sources, margin);
     for face in mesh.faces().ids() {
         active[face] |= mesh.faces()[face].iter().all(|&v| distances[v].is_finite());

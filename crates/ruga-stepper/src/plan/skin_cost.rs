@@ -35,6 +35,7 @@ pub(crate) fn cost(
     let n = vertices as f64;
     let factorisation = 1.2e-7 * n.powf(1.5) + 7e-6 * n;
     let texels = f64::from(map_size).powi(2);
+    // The logarithm of no vertex is infinite, and none times that is not a number.
     let memory = n * (900.0 + 260.0 * n.max(2.0).log2()) + 8e3 * handed_out + PER_TEXEL * texels;
     (factorisations * factorisation, memory)
 }

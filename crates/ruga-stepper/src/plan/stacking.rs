@@ -48,6 +48,8 @@ impl Stacking {
             Stack::Joint => stacking.require_pair()?,
         }
         stacking.attachment(layers, stack);
+        // This is before layers are joined: for a pair the mode that is reported and the one that
+        // meshes are made for are not the same.
         stacking.simulated.clone_from(&stacking.wrinkling);
         if stack == Stack::Joint {
             stacking.join();
@@ -66,6 +68,8 @@ impl Stacking {
     /// Lets every layer stand for itself and all above it.
     fn replace_by_composites(&mut self, alone: &[StackLayer]) -> Result<(), StepperError> {
         self.require_uniform("composite")?;
+        // A composite is computed once, from the layers' nominal numbers. Paint would ask for
+        // another one at every place.
         let composites =
             composite_layers(alone).map_err(|source| material(&self.specs[0], source))?;
         for (k, composite) in composites.into_iter().enumerate() {
@@ -131,11 +135,18 @@ impl Stacking {
     fn attachment(&mut self, layers: &[LayerSpec], stack: Stack) {
         for (k, pair) in self.pairs.iter().enumerate() {
             let upper = k + 1;
+            // Both shells are mid-surfaces. Li 2014, eq. 4.1, adds all of the upper layer's
+            // thickness.
             let step = 0.5 * (layers[k].material.thickness + layers[upper].material.thickness);
+            // A layer with wrinkles of its own needs tangential springs at their scale: with the
+            // shear stiffness of the layer below, 6 to 60 times softer, fine wrinkles run together
+            // into few folds. A composite and a pair are meant to be physical: held by shear alone,
+            // and stretched by all of the bending below.
             let (tie, transfer) = match stack {
                 Stack::Nominal => (pair.nominal_tie(), pair.bending_transfer),
                 Stack::Composite | Stack::Joint => (pair.shear_tie(), 1.0),
             };
+            // Where nothing is painted, the layer's springs are taken from here.
             self.wrinkling[upper].tangential_stiffness = tie;
             self.attachments[upper] = Attachment {
                 offset: self.attachments[k].offset + step,

@@ -35,6 +35,7 @@ pub(crate) fn needed_levels(
         Some(_) => HANDED_OUT * modelling.vertex_budget as f64,
         None => modelling.vertex_budget as f64,
     };
+    // There are two triangles to a vertex.
     let budget = 2.0 * vertices;
     let mut levels = 0;
     while is_coarse(levels) && levels < MAX_LEVELS && faces_at(levels + 1) <= budget {
@@ -85,6 +86,7 @@ pub(crate) fn weighted_quantile(
     fraction: f64,
 ) -> f64 {
     let mut pairs: Vec<(f64, f64)> = faces.iter().map(|&f| (field[f], weights[f])).collect();
+    // Faces without area may have no measure. They weigh nothing, so that they are never chosen.
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let total: f64 = pairs.iter().map(|p| p.1).sum();
     let mut sum = 0.0;

@@ -212,6 +212,8 @@ fn budget_warning(
     modelling: &Modelling,
 ) -> Option<String> {
     let (reached, asked) = (plan.points_per_wavelength, plan.asked_points);
+    // The planner leaves edges up to a tenth too long by itself, because the next split would cost
+    // four times as much.
     if reached >= 0.9 * asked {
         return None;
     }
@@ -244,6 +246,7 @@ fn remedy((plan, applied): (&LayerPlan, &AppliedStrain), modelling: &Modelling) 
         );
     }
     let fraction = (modelling.vertex_budget as f64 / plan.needed).min(1.0);
+    // A draft asks for six points.
     let quality = match plan.points_per_wavelength >= 6.0 {
         true => "`--quality draft` is met as it is",
         false => "`--quality draft` needs more too",

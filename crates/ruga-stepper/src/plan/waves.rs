@@ -67,6 +67,7 @@ impl Waves {
     pub(super) fn vertices(&self, points: f64, limits: &EdgeLimits) -> f64 {
         let of = |[area, wavelength]: &[f64; 2]| {
             let edge = (wavelength / points).clamp(limits.min_edge, limits.max_edge);
+            // A vertex of a mesh of equilateral triangles has the area of two of them.
             area / (0.75f64.sqrt() * edge * edge)
         };
         self.patches.iter().map(of).sum()

@@ -112,6 +112,7 @@ impl SizingRequest {
             Fitting::Everywhere => (
                 1.0 / points,
                 Refinement {
+                    // Edges are as short as wrinkles need already. Curved places ask for no more.
                     angle: f64::INFINITY,
                     points_per_wavelength: points,
                     ..Refinement::default()
@@ -153,6 +154,7 @@ impl SizingRequest {
 
     /// Whether the mesh of `layer`, on the same region, is fine enough.
     pub(crate) fn are_met_by(&self, layer: &Layer) -> Result<bool, StepperError> {
+        // Without a fitted mesh the layer is on the uniform one, which no pose changes.
         let Some(interpolation) = layer.interpolation() else {
             return Ok(true);
         };
@@ -188,6 +190,7 @@ fn aspects(skin: &SkinMesh, drivers: &PerFace<FaceDriver>, most: f64, reach: f64
     let tensors = averaged_directions(skin, drivers, reach);
     let aspect = |tensor: &Matrix3<f64>| {
         let mut values = tensor.symmetric_eigenvalues();
+        // The third value, the least, belongs to the normal and is left out.
         values.as_mut_slice().sort_by(|a, b| b.total_cmp(a));
         let sum = values[0] + values[1];
         let coherence = if sum > 0.0 {
@@ -198,6 +201,8 @@ fn aspects(skin: &SkinMesh, drivers: &PerFace<FaceDriver>, most: f64, reach: f64
         let scatter = (-0.5 * coherence.max(f64::MIN_POSITIVE).ln())
             .max(0.0)
             .sqrt();
+        // The scatter grows without bound where no direction prevails. Directions differ by a right
+        // angle at most.
         (2.0 / scatter.min(FRAC_PI_2).sin()).clamp(1.0, most)
     };
     tensors.iter().map(aspect).collect()
@@ -224,9 +229,11 @@ fn averaged_directions(
             tensors[v.index()] += directions * (areas[face] / 3.0);
         }
     }
+    // Triangles are taken as equilateral ones of the mean area.
     let edge_squared = area / mesh.face_count().max(1) as f64 * 4.0 / 3f64.sqrt();
     // A pass moves by half an edge's square in each direction of the plane.
     let passes = (reach * reach / edge_squared).ceil().min(MOST_PASSES) as usize;
+    // A vertex counts itself in, which keeps a pass from swapping values between neighbours.
     let mut counts = vec![1.0; tensors.len()];
     for edge in mesh.edges().as_slice() {
         for v in edge.vertices {
@@ -269,6 +276,8 @@ fn face_drivers(
             let effective = strain.effective(poisson);
             if effective > largest[face] {
                 largest[face] = effective;
+                // The tensor is in space, because averages are taken across faces, each of which
+                // has a frame of its own.
                 drivers[face].compression = in_space(skin, face, strain);
             }
         }

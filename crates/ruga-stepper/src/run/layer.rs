@@ -80,7 +80,7 @@ pub(crate) struct Layer {
     fraction: f64,
     /// Positions of the layer's vertices, then of those of a layer that moves together with it, m.
     positions: Vec<Vector3<f64>>,
-    /// Where the vertices would be without wrinkles, on the support surface, m.
+    /// Positions of the vertices without wrinkles, on the support surface, m.
     base: Vec<Vector3<f64>>,
     /// Velocities of the vertices where they have inertia, m/s.
     velocities: Vec<Vector3<f64>>,
@@ -170,6 +170,7 @@ impl Layer {
         let vertices = rest.positions.len();
         let free: Vec<VertexId> = (0..positions.len())
             .map(VertexId::from_index)
+            // Both sheets of a pair are held at the same places.
             .filter(|v| !pinned[VertexId::from_index(v.index() % vertices)])
             .collect();
         if free.is_empty() {
@@ -190,6 +191,8 @@ impl Layer {
             Some(interior) => {
                 let of_upper = upper.as_ref().map_or(0.0, UpperShell::mass_per_area);
                 let pairs = masses.iter().zip(&areas);
+                // The upper sheet of a pair has no place of its own in the body and weighs on the
+                // lower one's.
                 let carried: Vec<f64> = pairs.map(|(mass, area)| mass + of_upper * area).collect();
                 let body = (interior, driver);
                 Some(Solid::new(body, spec, (&skin, &energy), &carried)?)
@@ -197,6 +200,8 @@ impl Layer {
             None => None,
         };
         if let Some(upper) = &upper {
+            // They are extended only now: a body takes one mass per place, motion on a driver one
+            // per vertex of both sheets.
             masses.extend(areas.iter().map(|area| upper.mass_per_area() * area));
         }
         preparing.step()?;
@@ -214,6 +219,8 @@ impl Layer {
             .iter()
             .flat_map(|v| {
                 let i = v.index() % vertices;
+                // It is relative to the foundation, or it would be too much where a layer is
+                // painted soft and too little where it is stiff.
                 let stiffness = properties.vertices[i].wrinkling.normal_stiffness;
                 [DAMPING * stiffness * areas[i]; 3]
             })
@@ -294,6 +301,8 @@ impl Layer {
         });
         for (v, height) in self.free.iter().zip(noise(seed, places)) {
             let normal = self.skin.rest.normals[v.index() % vertices];
+            // Noise acts along the normal alone: in the surface it would stretch the membrane,
+            // which is far stiffer than the layer is in bending.
             self.positions[v.index()] += normal * height;
         }
     }
@@ -331,6 +340,7 @@ impl Layer {
 
     /// Total elastic energy, of a body that moves with the layer too, J.
     pub(crate) fn energy(&self) -> f64 {
+        // A body's surface may have moved since the energy was set up.
         let support = &self.support.posed.positions;
         let inside = self.solid.as_ref().map_or(0.0, Solid::elastic_energy);
         self.energy.value_over(&self.positions, support) + inside
@@ -425,6 +435,8 @@ pub(crate) fn noise<'a>(
     seed: u64,
     vertices: impl Iterator<Item = (&'a LocalSkin, f64)>,
 ) -> impl Iterator<Item = f64> {
+    // A named generator keeps its numbers from version to version, unlike the standard one of
+    // `rand`.
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     vertices.map(move |(local, area)| noise_size(local, area) * random.random_range(-1.0..1.0))
 }

@@ -53,6 +53,7 @@ impl LayerObjective<'_> {
         let work: f64 = terms.map(|((force, x), base)| force * (x - base)).sum();
         let terms = self.inertia().zip(own);
         let kinetic: f64 = terms.map(|((w, c), x)| 0.5 * w * (x - c) * (x - c)).sum();
+        // A dead load lowers the energy by its work.
         kinetic - work
     }
 
@@ -117,6 +118,7 @@ impl Objective for LayerObjective<'_> {
         match &self.solid {
             None => self.energy.hessian(&x, exact, Some(&mut *relaxed)),
             Some((solid, frozen)) => {
+                // The layer's own pattern has no room for nodes.
                 let [mut first, mut second] =
                     [0, 1].map(|_| vec![0.0; self.energy.pattern().1.len()]);
                 self.energy.hessian(&x, &mut first, Some(&mut second));
@@ -141,6 +143,7 @@ impl Objective for LayerObjective<'_> {
     }
 
     fn force_scale(&self) -> f64 {
+        // What the foundation exerts on a vertex that is a thickness away.
         self.wrinkling.normal_stiffness * self.thickness * self.vertex_area
     }
 

@@ -114,6 +114,7 @@ impl<'a> LayerRun<'a> {
         self.report.newton_iterations += before.report.newton_iterations;
         self.report.factorizations += before.report.factorizations;
         self.report.onset_load = self.report.onset_load.or(before.report.onset_load);
+        // The pattern is carried over, so that it needs about the same on the new mesh.
         self.relaxation = before.relaxation;
         // What was wrong with the rows of another mesh is no longer so.
         let outdated = before.layer.row_warning;
@@ -151,11 +152,13 @@ impl<'a> LayerRun<'a> {
         loading: &mut dyn Loading,
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
+        // The surface has to be in its place before the onset can be estimated from its strain.
         loading.place(&mut self.layer, 1.0, None)?;
         let settings = LoadSettings {
             first: self.layer.strain_ratios().fraction_for(FIRST_RATIO),
             ..LoadSettings::default()
         };
+        // This holds in motion, too: layers on others are thin and light, and follow at once.
         self.climb(loading, &[1.0], settings, observer)
     }
 
@@ -172,9 +175,13 @@ impl<'a> LayerRun<'a> {
         observer.phase(self.index, Phase::Sampling);
         self.layer.set_support(support.clone(), 1.0)?;
         let strain_ratio = self.layer.strain_ratio();
+        // Going on in large steps would choose the wavelength far above the onset, where the
+        // softest wave is shorter.
         if before < 1.0 && strain_ratio > LEAST_RATIO {
             return Ok(Ending::GaveUp);
         }
+        // A pattern keeps its wavelength while its strain grows by no more than a factor of two at
+        // a time. One that hardly anything compresses has no wavelength to keep.
         let mut fraction = if strain_ratio > LEAST_RATIO {
             self.layer.strain_ratios().fraction_for(before)
         } else {
@@ -214,6 +221,8 @@ impl<'a> LayerRun<'a> {
             LoadStepper::new(loads, settings).map_err(|source| self.solver_error(source))?;
         // The first pattern is chosen with care.
         self.relaxation = 0.0;
+        // Every trial begins from the last state that was kept. A pattern that was made above the
+        // onset, in a trial that is thrown away, would fix the wavelength for the next one.
         let mut kept = self.layer.state();
         let mut onset = None;
         while let Some(trial) = stepper.next_trial() {
@@ -309,6 +318,7 @@ impl<'a> LayerRun<'a> {
             if solve.stop == StopRule::Interrupted {
                 return Ok(solve);
             }
+            // The state before is an equilibrium, only less exact, and better than none.
             if !solve.converged || self.layer.has_passed(&before) {
                 self.warn_of_failure("only a rough equilibrium found", pose_fraction, &solve);
                 self.layer.restore(&before)?;
@@ -338,10 +348,14 @@ impl<'a> LayerRun<'a> {
                 Accuracy::Passing => PASSING_DECREMENT,
             },
             residual_tolerance: self.modelling.tolerance,
+            // A pattern that has only moved takes what it took before. A probe searches anew,
+            // because the least convexification is what picks the mode that buckles first.
             first_relaxation: match at_saddle {
                 AtSaddle::Leave => SLOWLY_LESS * self.relaxation,
                 AtSaddle::Stop => 0.0,
             },
+            // Obstacles push from one side only, and where they do the energy shortens steps too
+            // much: whole ones saved ten of 24 iterations when a cushion landed.
             overshoot: self.layer.is_touched(),
             seed: self.modelling.seed,
             ..NewtonSettings::default()
@@ -358,6 +372,7 @@ impl<'a> LayerRun<'a> {
         let solve = self
             .layer
             .minimise(inertia, how, &mut self.kkt, &mut keep_going)?;
+        // Below the critical strain it was not a pattern that needed the convexification.
         if solve.converged && solve.first_relaxation > 0.0 && self.layer.strain_ratio() > 1.0 {
             self.relaxation = solve.first_relaxation;
         }
@@ -370,6 +385,8 @@ impl<'a> LayerRun<'a> {
         let layer = &self.layer;
         self.report.energy = layer.energy();
         self.report.bending_ratio = layer.bending_ratio;
+        // Only faces that wrinkle count: over all of them the amplitude would depend on how wide a
+        // margin the region has.
         let faces = layer.strain_ratios().supercritical_faces();
         let heights = layer.heights();
         let on = (heights.as_slice(), layer.skin().rest.positions.as_slice());
@@ -403,6 +420,8 @@ impl<'a> LayerRun<'a> {
     }
 
     fn outcome(&self, trial: Trial, kept: &LayerState, solve: &SolveReport) -> Outcome {
+        // Below the critical strain what gave way is no wrinkle, so that the onset is not looked
+        // for there.
         let left_saddle = solve.left_saddle && (!trial.probe || self.is_probe(trial));
         if solve.stop == StopRule::Saddle {
             Outcome::Buckled

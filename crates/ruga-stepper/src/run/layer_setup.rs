@@ -31,6 +31,7 @@ impl<'a> StackRun<'a> {
             surfaces.push(support(&region.skin));
             preparing.step()?;
         }
+        // There is no surface where a body was not run ahead, or where that run did not arrive.
         let fitting = match surfaces.is_empty() {
             true => Fitting::Everywhere,
             false => Fitting::Surfaces(&surfaces),
@@ -56,6 +57,7 @@ impl<'a> StackRun<'a> {
         let region = self.region(index, &mut preparing)?;
         preparing.enter(Phase::Remeshing)?;
         let sizing = self.sizing(index, &region, Fitting::LargeShape, &mut preparing)?;
+        // Its bending is not corrected: such a mesh has no waves to measure.
         self.build_on(index, (region, sizing), None, None, &mut preparing)
     }
 
@@ -175,8 +177,11 @@ impl<'a> StackRun<'a> {
         {
             return Ok(run);
         }
+        // Deviations can be carried over only between meshes that lie on the same surface.
         run.layer.set_support(support(run.layer.skin()), 1.0)?;
         let region = run.layer.region().clone();
+        // The same places are averaged on every mesh. Centres chosen anew would hold the layer
+        // elsewhere, and its shape would jump.
         let centres = Some(run.layer.row_centres().to_vec());
         let wanted = (region, sizing);
         let mut fitted = self.build_on(index, wanted, centres, Some(support), &mut preparing)?;

@@ -33,7 +33,7 @@ pub(crate) struct RowCentre {
 
 /// Rows that hold a layer's averages.
 pub(crate) struct LowPassRows {
-    /// Three to an average.
+    /// Three rows to an average: x, y and z.
     pub(crate) rows: ConstraintRows,
     /// The middles of averages that were meant to be right for slopes, and are for constants only.
     pub(crate) degraded: Vec<VertexId>,
@@ -86,6 +86,9 @@ pub(crate) fn row_centres(
     .map_err(|source| constraint(spec, source))?;
     let centre = |v: VertexId| RowCentre {
         at: rest[v.index()],
+        // Rows that act alone have to hold everything longer than the wavelength. Beside a
+        // foundation rows that see the wrinkles raise the onset by some per cent, so that theirs
+        // are wider.
         kernel: match spec.coupling {
             Coupling::Constraint => Kernel::alone(wavelength(v.index())),
             _ => Kernel::beside_foundation(spacing * wavelength(v.index())),
@@ -130,9 +133,12 @@ pub(crate) fn low_pass_rows(
             continue;
         }
         if set.degraded.iter().any(|(centre, _)| *centre == row.centre) {
+            // A row has no position. Its heaviest vertex is what the warning names a place by.
             let heaviest = row.weights.iter().max_by(|a, b| a.1.total_cmp(&b.1));
             low_pass.degraded.extend(heaviest.map(|(v, _)| *v));
         }
+        // All three components are held. Along the surface too, or excess length would move from
+        // one wrinkle to the next, which nothing in a wrinkled membrane opposes.
         for axis in 0..3 {
             columns.extend(moving.iter().map(|(u, _)| u + axis));
             values.extend(moving.iter().map(|(_, w)| w));
@@ -188,7 +194,7 @@ mod tests {
     use crate::Sampling;
     use crate::test_drivers::{knuckle, skin, square};
 
-    /// Edges of two millimetres.
+    /// The mesh has edges of two millimetres.
     #[test]
     fn averages_over_too_few_vertices_are_warned_of() {
         let flat = |p: nalgebra::Vector2<f64>| Vector3::new(p.x, p.y, 0.0);

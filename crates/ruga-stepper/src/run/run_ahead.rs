@@ -43,6 +43,7 @@ impl<'a> StackRun<'a> {
         };
         match run.follow(&mut loading, (&loads, self.spec().steps), &mut ahead)? {
             Ending::Reached => Ok((loading.places, run.report)),
+            // A mesh fitted to the keys that were reached would be too coarse at the others.
             Ending::GaveUp => Ok((Vec::new(), run.report)),
             Ending::Interrupted => Err(Halt::Interrupted),
         }

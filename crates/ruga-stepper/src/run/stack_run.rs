@@ -144,6 +144,7 @@ impl<'a> StackRun<'a> {
             LoadPath::Weight => self.follow_loading(lowest, &mut run, None, observer)?,
             LoadPath::Strain => self.follow_strain(lowest, &mut run, observer)?,
         };
+        // Of a state that was given up, smooth places say nothing.
         if ending == Ending::Reached {
             run.warn_unwrinkled(&self.plan.driver);
         }
@@ -171,6 +172,8 @@ impl<'a> StackRun<'a> {
                 (posed.collect(), None)
             }
             Some(interior) => {
+                // A driver says at every key where it compresses the skin. A body has to be
+                // simulated for that.
                 let (places, before) = match self.can_run_ahead(lowest) {
                     true => {
                         let (places, report) = self.run_ahead(lowest, observer)?;
@@ -235,6 +238,7 @@ impl<'a> StackRun<'a> {
         // Beyond the last key nothing was planned for.
         let last = spec.keys.iter().copied().fold(0.0, f64::max);
         let moves = self.moves.iter();
+        // Between keyframes motions are linear. A step across one would cut the corner.
         let keyframes = moves.flat_map(Moves::keyframes).filter(|&at| at < last);
         loads_up_to(last, spec.steps, spec.keys.iter().copied().chain(keyframes))
     }
@@ -248,6 +252,8 @@ impl<'a> StackRun<'a> {
         let at_rest = run.layer.state();
         let mut worst = Ending::Reached;
         for key in self.spec().keys.clone() {
+            // The strain grows from none at every key, where the pattern of another key would be in
+            // the way.
             run.layer.restore(&at_rest)?;
             match self.follow_loading(lowest, run, Some(key), observer)? {
                 Ending::Reached => {}
@@ -328,6 +334,8 @@ impl<'a> StackRun<'a> {
         observer.phase(lowest, Phase::Sampling);
         let support = self.support(&run.layer, point.weight_fraction);
         let mut layers = self.snapshot(run, support.as_ref(), &[]);
+        // Before that the lowest layer has the key's place but not its wrinkles, which upper layers
+        // lie on.
         if point.strain_fraction == 1.0 {
             let upper = self.upper_layers(lowest, run, point, support.as_ref(), observer)?;
             let Some(upper) = upper else { return Ok(false) };
@@ -399,6 +407,7 @@ impl Loading for PoseLoading<'_, '_> {
     }
 
     fn is_result(&self, load: f64) -> bool {
+        // Frames are handed out like keys, and have to be as exact.
         self.wants_frames || self.stack.is_key(self.point(load))
     }
 

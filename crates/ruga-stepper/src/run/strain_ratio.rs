@@ -41,6 +41,7 @@ impl StrainRatios<'_> {
     fn largest_at(&self, fraction: f64) -> f64 {
         let faces = self.strains.ids();
         let ratios = faces.map(|face| self.of_face_at(fraction, face));
+        // Tension, whose ratio is negative, asks for nothing.
         ratios.fold(0.0, f64::max)
     }
 
@@ -77,6 +78,8 @@ impl StrainRatios<'_> {
         let areas = face_areas(&self.skin.mesh, &self.skin.rest.positions);
         let of_face = |face: FaceId| {
             let wrinkling = &self.properties.faces[face].wrinkling;
+            // Without a lower bound the scale, and with it every tolerance, would vanish at the
+            // onset.
             let excess = (self.of_face(face) - 1.0).max(1.0);
             let strain = wrinkling.critical_strain * excess;
             0.5 * wrinkling.membrane_stiffness * strain * strain * areas[face]
@@ -95,6 +98,7 @@ pub(crate) fn applied_strains(skin: &SkinMesh, support: &SupportSurface) -> PerF
     let pairs = strains.as_slice().iter().zip(transfer);
     pairs
         .map(|(strain, stretch)| {
+            // Transfers are held to stretches of at least a half, so that they have an inverse.
             let inverse = stretch.try_inverse().unwrap_or_else(Matrix2::identity);
             FaceStrain::from_cauchy_green(inverse.transpose() * strain.cauchy_green * inverse)
         })
@@ -103,6 +107,7 @@ pub(crate) fn applied_strains(skin: &SkinMesh, support: &SupportSurface) -> PerF
 
 /// Principal strains, capped, of which only a part is loaded: `fraction` times their Green strain.
 pub(crate) fn applied(strain: &FaceStrain, fraction: f64) -> [f64; 2] {
+    // The second strain is not capped, because the rest metric shrinks along the first alone.
     [capped_strain(strain.first), strain.second].map(|strain| loaded(strain, fraction))
 }
 

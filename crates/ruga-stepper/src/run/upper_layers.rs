@@ -44,6 +44,7 @@ impl<'a> StackRun<'a> {
                 return Ok(None);
             };
             let last = self.spec().keys.iter().copied().fold(0.0, f64::max);
+            // What stays smooth at an earlier key may wrinkle by the last one.
             if ending == Ending::Reached && point.weight_fraction >= last {
                 upper.warn_unwrinkled(&self.plan.driver);
             }
@@ -55,6 +56,8 @@ impl<'a> StackRun<'a> {
             surfaces.extend(self.snapshot(&upper, support, &lower));
             let attachment = self.plan.stacking.attachments[index];
             let skin = upper.layer.skin();
+            // Maps show a layer on those below as maps show them, which may be flatter than they
+            // are.
             let surface = support_surface(
                 (&self.plan.driver, support),
                 skin,
@@ -90,6 +93,7 @@ impl<'a> StackRun<'a> {
         let surface: SupportOf<'_> =
             Box::new(move |skin| support_surface((driver, support), skin, attachment, lower));
         let mut history = None;
+        // From its last shape a layer takes some thirty factorisations, from none two hundred.
         if let Some(last) = last {
             let before = last.layer.strain_ratio();
             let mut run = self.refitted(last, &surface, observer)?;

@@ -107,9 +107,12 @@ pub(crate) fn cut_along(
     let mut cutter = Cutter::new(map, driver, piece);
     for pass in 0..MOST_PASSES {
         let crossings = cutter.crossings();
+        // Later passes look at faces that the first one made, of which many are crossed.
         if pass == 0 {
             refuse_too_many(&crossings)?;
         }
+        // This is before any edge is cut, or one would be cut beside a vertex that the boundary
+        // goes through.
         cutter.snap(&crossings);
         let places = cutter.places(&crossings);
         if places.iter().all(Option::is_none) {
@@ -201,6 +204,7 @@ impl<'a> Cutter<'a> {
         let mut lines: Vec<[Vector2<f64>; 2]> = Vec::new();
         for &face in edge.faces.iter().flatten() {
             let line = self.line(face, id, edge);
+            // Only at a seam do two faces read an edge at different places of the map.
             if !lines.contains(&line) {
                 lines.push(line);
             }
@@ -235,6 +239,8 @@ impl<'a> Cutter<'a> {
     fn distances(&self, edge: &Edge, crossing: &BoundaryCrossing) -> [f64; 2] {
         let [a, b] = edge.vertices.map(Id::index);
         let length = (self.positions[b] - self.positions[a]).norm();
+        // Distances are in edges of the uncut mesh: measured by its own shorter edges, every pass
+        // would make smaller faces than the one before.
         let along = [crossing.parameter, 1.0 - crossing.parameter];
         [
             along[0] * length / self.sizes[a],
@@ -272,6 +278,8 @@ impl<'a> Cutter<'a> {
                     distances[0] >= least[0] && distances[1] >= least[1]
                 };
                 let inside = found.iter().filter(is_inside);
+                // One cut to an edge and pass. A further jump on it lies on one of the halves in
+                // the next pass.
                 let best = inside.reduce(|best, c| if c.ratio > best.ratio { c } else { best });
                 best.map(|crossing| crossing.parameter)
             })
@@ -428,6 +436,7 @@ fn children(cut: [bool; 3], length: impl Fn([usize; 2]) -> f64) -> Vec<[usize; 3
     let apex = next(b);
     let (left, right) = (3 + apex, 3 + b);
     let mut parts = vec![[apex, left, right]];
+    // The shorter diagonal leaves the larger least angle.
     if length([left, b]) <= length([a, right]) {
         parts.extend([[left, a, b], [left, b, right]]);
     } else {

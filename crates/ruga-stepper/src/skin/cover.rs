@@ -23,11 +23,11 @@ const BESIDE: f64 = 1e-3;
 pub(crate) struct Cover {
     /// The vertices above that lie on it.
     vertices: Vec<u32>,
-    /// Weight of each, rising from 0 beside the layer below to 1.
+    /// Weight of each of these vertices, rising from 0 beside the layer below to 1.
     shares: Vec<f64>,
-    /// Its limit surface there.
+    /// Limit surface of the lower layer at these vertices.
     rows: LimitPointRows,
-    /// Its limit surface at its own vertices.
+    /// Limit surface of the lower layer at its own vertices.
     at_vertices: SparseRows,
     /// Per covered vertex the upper mesh's tangents at rest, as columns, in the lower one's.
     tangents: Vec<Matrix2<f64>>,
@@ -74,9 +74,10 @@ impl Cover {
         &self.shares
     }
 
-    /// What the lower layer's vertices have, at every covered vertex, and its derivatives along the
-    /// upper mesh's own tangents.
+    /// Interpolates values at the lower layer's vertices to every covered vertex, with their
+    /// derivatives along the upper mesh's own tangents.
     pub(crate) fn interpolate(&self, values: &[Vector3<f64>]) -> [Vec<Vector3<f64>>; 3] {
+        // The limit surface alone loses some per cent of a wave, which would be missing in the map.
         let control = through_vertices(&self.at_vertices, values);
         let [by_u, by_v] = self.rows.first.each_ref().map(|rows| rows.apply(&control));
         let along = |column: usize| {
@@ -107,6 +108,7 @@ impl Covers {
         rim: f64,
     ) -> Rc<Cover> {
         let mut known = self.known.borrow_mut();
+        // Meshes are fitted anew from key to key, and their covers would pile up.
         known.retain(|(pair, _)| !pair.iter().any(Mark::is_stale));
         let found = known.iter().find(|([above, below], _)| {
             above.is_of(&skin.identity) && below.is_of(&lower.identity)
@@ -128,6 +130,7 @@ fn coordinates(tangent: &Vector3<f64>, [u, v]: &[Vector3<f64>; 2]) -> Vector2<f6
     gram.try_inverse()
         .map_or_else(Vector2::zeros, |g| g * right)
 }
+
 /// The place of the layer below under every vertex, where there is one.
 fn places_above(skin: &SkinMesh, lower: &SkinMesh) -> Vec<Option<MaterialPoint>> {
     let lookup = SurfaceLookup::new(&lower.mesh, &lower.rest.positions);
@@ -140,6 +143,8 @@ fn places_above(skin: &SkinMesh, lower: &SkinMesh) -> Vec<Option<MaterialPoint>>
             let sideways = away - normal * normal.dot(&away);
             let [a, b, _] = lower.mesh.faces()[point.face].map(|v| v.index());
             let edge = lower.rest.positions[b] - lower.rest.positions[a];
+            // Over the layer below the way to the closest place goes along the normal. Beside it
+            // the closest place lies on its border, with a way sideways.
             let is_beside = sideways.norm() > BESIDE * edge.norm();
             (!is_beside || !is_on_border(&lower.mesh, &border, &point)).then_some(point)
         })

@@ -40,7 +40,7 @@ pub(crate) struct Piece<'a> {
     pub(crate) points: &'a [MaterialPoint],
     /// Rest position of the surface there, m.
     pub(crate) positions: &'a [Vector3<f64>],
-    /// Its unit normals there.
+    /// Unit normals of the surface there.
     pub(crate) normals: &'a [Vector3<f64>],
     pub(crate) origins: &'a PerFace<FaceOrigin>,
     /// Texture coordinates of the material points, per face and corner.
@@ -58,6 +58,7 @@ pub(crate) struct FacetAddresses {
 impl FacetAddresses {
     pub(crate) fn new(driver: &Driver, piece: &Piece<'_>) -> Self {
         let ways = ways(driver, piece);
+        // A shift that ended abruptly at a seam could fold the triangles beside it.
         let mut weights = faded(piece, &ways);
         for _ in 0..ATTEMPTS {
             if !halve_where_folded(piece, &ways, &mut weights) {
@@ -80,8 +81,8 @@ impl FacetAddresses {
     }
 }
 
-/// From a vertex' place on its flat triangle to the one above or below where the surface is: how far,
-/// m, and in the texture; `None` across a seam or at one, or on the border.
+/// Shift from a vertex' place on its flat triangle to the one above or below where the surface is:
+/// its length, m, and its vector in the texture; `None` across a seam or at one, or on the border.
 type Way = Option<(f64, Vector2<f64>)>;
 
 fn ways(driver: &Driver, piece: &Piece<'_>) -> Vec<Way> {
@@ -91,6 +92,8 @@ fn ways(driver: &Driver, piece: &Piece<'_>) -> Vec<Way> {
     let vertices = piece.points.iter().zip(lines).zip(seams);
     vertices
         .map(|((point, line), is_seam)| {
+            // On a border the shift could lead out of the texture's island, and at a seam there are
+            // two islands to shift in.
             (!is_seam && !is_on_border(driver.topology(), &border, point))
                 .then(|| way(driver, point, line))
                 .flatten()
@@ -112,8 +115,8 @@ fn way(driver: &Driver, point: &MaterialPoint, line: (&Vector3<f64>, &Vector3<f6
     ((way - texture * away).norm() <= slack * texture.norm()).then_some((sideways, way))
 }
 
-/// Where a line from `x` along the normal meets the flat triangles, from `face` on across the edges
-/// that it passes.
+/// The place where a line from `x` along the normal meets the flat triangles, followed from `face`
+/// on across the edges that it passes.
 fn along_normal(
     driver: &Driver,
     mut face: FaceId,
@@ -131,6 +134,8 @@ fn along_normal(
         if weight >= -INSIDE {
             return Some(MaterialPoint { face, barycentric });
         }
+        // The most negative weight names the edge that the line has passed: the one opposite that
+        // corner.
         face = mesh.neighbour(face, (least + 1) % 3)?;
     }
     None
@@ -207,6 +212,7 @@ fn halve_where_folded(piece: &Piece<'_>, ways: &[Way], weights: &mut [f64]) -> b
     let folded: Vec<usize> = (0..piece.uvs.len()).filter(|&f| is_folded(f)).collect();
     for &face in &folded {
         for vertex in piece.mesh.faces()[FaceId::from_index(face)] {
+            // Weights are halved and looked at again, because neighbours share the vertices.
             weights[vertex.index()] *= 0.5;
         }
     }

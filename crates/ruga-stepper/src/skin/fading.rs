@@ -15,6 +15,7 @@ pub(crate) fn faded_from(
         .filter(|&i| held[i])
         .map(VertexId::from_index);
     let fraction = |(i, distance): (usize, f64)| {
+        // Normal maps show slopes: where a straight ramp begins and ends they would show a line.
         let t = (distance / reach(i)).min(1.0);
         t * t * (3.0 - 2.0 * t)
     };

@@ -38,9 +38,11 @@ impl Interpolation {
         goes_on: &mut dyn FnMut() -> bool,
     ) -> Option<Self> {
         let places = places_on(from, to, goes_on)?;
+        // Deviations from a smooth surface are smooth, so that no vertex is a corner.
         let corners = PerVertex::filled(from.mesh.vertex_count(), false);
         let surface = LoopSurface::new(&from.mesh, &corners);
         let mut at_places = SparseRows::default();
+        // They are made in parts, so that a run on a whole face can be ended meanwhile.
         for chunk in places.chunks(PLACES_AT_A_TIME) {
             at_places.append(&surface.position_rows(chunk));
             if !goes_on() {
@@ -131,6 +133,8 @@ fn place_near(
     to: VertexId,
 ) -> Option<MaterialPoint> {
     let [from, to] = [from, to].map(|v| region.rest.positions[v.index()]);
+    // The reach is twice the edge: on another mesh, whose facets cut corners elsewhere, two
+    // neighbours' places may be farther apart than they are.
     let reach = 2.0 * (to - from).norm();
     lookup
         .closest_near(start, &to, reach)

@@ -44,6 +44,7 @@ impl SkinProperties {
     ) -> Result<Self, StepperError> {
         let (vertices, faces) = (skin.mesh.vertex_count(), skin.mesh.face_count());
         if spec.map.is_none() && spec.variation.is_none() {
+            // An upper layer's tangential stiffness is among the nominal numbers already.
             let everywhere = LocalSkin {
                 material: spec.material,
                 wrinkling: *nominal,
@@ -66,6 +67,7 @@ impl SkinProperties {
         let mut of_faces: PerFace<RelativeProperties> = corners
             .map(|corners| mean(corners.map(|v| relative[v.index()])))
             .collect();
+        // Corners of such a face lie on the boundary, where paint of both sides is mixed.
         for (face, inside) in &skin.beside {
             let corners = skin.mesh.faces()[*face].map(|v| rest[v.index()]);
             let centre = corners.iter().sum::<Vector3<f64>>() / 3.0;
@@ -128,6 +130,8 @@ pub(crate) fn wrinkling_on_face(
     if spec.map.is_none() && spec.variation.is_none() {
         return Ok(*nominal);
     }
+    // The map is read at the middle of the face. Beside a sharp boundary two corners lie on it, and
+    // their mean would take two thirds of the jump away.
     let painted = spec.map.as_ref().map(|map| map.sample_face(uvs));
     let centre = corners.iter().sum::<Vector3<f64>>() / 3.0;
     let relative = uneven(spec, painted.unwrap_or_default(), &centre);

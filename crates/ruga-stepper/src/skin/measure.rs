@@ -22,6 +22,7 @@ pub(crate) fn waviness(
     for face in faces {
         let corners = face.map(|v| rest[v as usize]);
         let [a, b, c] = face.map(|v| heights[v as usize]);
+        // Slopes are in the rest metric: lengths of posed skin are shorter by the compression.
         let frame = triangle_frame(&corners);
         let edges = [corners[1] - corners[0], corners[2] - corners[0]];
         let [p, q] = edges.map(|e| [e.dot(&frame[0]), e.dot(&frame[1])]);

@@ -32,6 +32,8 @@ fn centre_of(driver: &Driver, shape: &str) -> Option<Vector3<f64>> {
     let posed = driver.pose(&driver.weights([(shape, 1.0)]).ok()?);
     let (mut sum, mut total) = (Vector3::zeros(), 0.0);
     for (rest, posed) in driver.rest().iter().zip(&posed) {
+        // The weights are squares, or wide parts that hardly move would draw the centre away from
+        // those that do.
         let weight = (posed - rest).norm_squared();
         sum += rest * weight;
         total += weight;

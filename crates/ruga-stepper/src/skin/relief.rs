@@ -79,8 +79,8 @@ pub(crate) fn relief_weights(
     Ok(weights)
 }
 
-/// Where the vertices are on a surface `shown` below them, their `weights` of how they deviate from the
-/// real one kept.
+/// Positions of the vertices on a surface `shown` below them, which keep their `weights` of the
+/// deviation from the real one.
 pub(crate) fn shown_positions(
     positions: &[Vector3<f64>],
     real: &PosedSurface,

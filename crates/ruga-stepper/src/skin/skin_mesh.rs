@@ -58,6 +58,8 @@ pub(crate) struct Mark(Weak<()>);
 
 impl Mark {
     pub(crate) fn is_of(&self, identity: &Identity) -> bool {
+        // A weak reference keeps its address from being given to another mesh, so that equal
+        // addresses are enough.
         std::ptr::eq(self.0.as_ptr(), Arc::as_ptr(&identity.0))
     }
 
@@ -112,7 +114,7 @@ pub(crate) struct SizingStrains<'a> {
     /// mesh's own limit is enough.
     pub(crate) aspects: &'a [f64],
     pub(crate) refinement: Refinement,
-    /// Vertices that there may be.
+    /// Largest number of vertices.
     pub(crate) budget: usize,
 }
 
@@ -216,6 +218,8 @@ impl RegionMesh {
             .collect();
         let skin = SkinMesh::new(driver, (mesh, &points), smoothing, 0.0, goes_on);
         let skin = skin.ok_or(Halt::Interrupted)?;
+        // This is before the mesh is lifted: addresses are places of the driver, not of the layer
+        // above it.
         let addresses = FacetAddresses::new(
             driver,
             &Facets {
@@ -257,7 +261,7 @@ impl RegionMesh {
         &self.addresses.uvs
     }
 
-    /// For every triangle the file's triangle and its corners' places there.
+    /// The file's triangle under every triangle, and its corners' places there.
     pub(crate) fn artist(&self) -> Vec<(u32, [[f64; 3]; 3])> {
         let triangles = self.artist.iter().copied();
         triangles
@@ -284,6 +288,8 @@ impl RegionMesh {
         if !goes_on() {
             return Ok(None);
         }
+        // The sizing has been limited and graded already. Once more would act on the coarser
+        // rounds, whose edges are longer on purpose.
         let settings = RemeshSettings {
             limits: SizeLimits {
                 min_edge: 0.0,
@@ -295,6 +301,8 @@ impl RegionMesh {
         };
         let mut made = start;
         for round in ROUNDS {
+            // The sizing is known at this mesh's vertices, and the fitted one has others after
+            // every round.
             let sizing = self.sizing_at(&made.points, &wanted, round * coarseness);
             made = remesh(&made, &sizing, &surface, &settings)?.mesh;
             if !goes_on() {
@@ -360,6 +368,8 @@ impl RegionMesh {
         })?;
         let limits = strains.longest.iter().zip(strains.aspects);
         for (tensor, (longest, aspect)) in sizing.tensors.as_mut_slice().iter_mut().zip(limits) {
+            // A sum is no coarser than either term in any direction, and smooth where the larger
+            // one changes.
             *tensor += Matrix3::identity() / (longest * longest);
             limit_aspect(tensor, *aspect);
         }
@@ -385,6 +395,7 @@ impl RegionMesh {
         let RemeshInput {
             sizing, coarseness, ..
         } = self.remesh_input(strains, settings)?;
+        // Where the budget leaves edges too long everywhere, a new mesh would be no finer.
         let longest = TOO_LONG * coarseness;
         let too_coarse = places.iter().zip(sizing.tensors.as_slice());
         let too_coarse = too_coarse.filter(|(place, tensor)| {
@@ -430,6 +441,8 @@ fn limit_aspect(tensor: &mut Matrix3<f64>, aspect: f64) {
         return;
     }
     let eigen = SymmetricEigen::new(*tensor);
+    // Values are inverse squares of lengths: to raise small ones shortens the long direction, while
+    // to lower large ones would leave wrinkles unresolved.
     let least = eigen.eigenvalues.max() / (aspect * aspect);
     let values = eigen.eigenvalues.map(|value| value.max(least));
     let vectors = eigen.eigenvectors;

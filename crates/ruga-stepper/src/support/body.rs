@@ -13,7 +13,7 @@ pub struct Body {
     pub shape: Shape,
     /// Material of the inside.
     pub material: SolidMaterial,
-    /// Its density, kg/m3.
+    /// Density of the inside, kg/m3.
     pub density: f64,
     /// Acceleration of whatever has mass, m/s2.
     pub gravity: Vector3<f64>,
@@ -77,9 +77,9 @@ pub enum ObstacleShape {
     },
     /// A ball.
     Sphere {
-        /// Its centre.
+        /// Centre of the ball.
         centre: Vector3<f64>,
-        /// Its radius.
+        /// Radius of the ball.
         radius: f64,
     },
     /// A straight cylinder with flat ends whose rim is rounded by a tenth of the radius, or of half
@@ -87,9 +87,9 @@ pub enum ObstacleShape {
     Cylinder {
         /// Centre of one end.
         from: Vector3<f64>,
-        /// Centre of the other.
+        /// Centre of the other end.
         to: Vector3<f64>,
-        /// Its radius.
+        /// Radius of the cylinder.
         radius: f64,
     },
 }

@@ -49,7 +49,7 @@ impl Contact {
         }
     }
 
-    /// J, for vertices with these areas (m²).
+    /// Energy (J) of vertices with these areas (m²).
     pub(crate) fn value(&self, x: &[Vector3<f64>], areas: &[f64]) -> f64 {
         let pairs = || x.iter().zip(areas);
         let of = |obstacle: &PlacedObstacle| -> f64 {
@@ -64,6 +64,7 @@ impl Contact {
         let mut sum = Vector3::zeros();
         for obstacle in &self.obstacles {
             let distance = obstacle.distance(x);
+            // The energy falls as the distance grows.
             sum -= distance.gradient * (area * self.pressure(distance.value)[1]);
         }
         sum
@@ -107,8 +108,12 @@ impl Contact {
         depth: f64,
     ) -> bool {
         let passes = |(before, now): (&PlacedObstacle, &PlacedObstacle)| {
+            // This is well before the middle of a thin obstacle, beyond which it would push a
+            // vertex out at the far side.
             let depth = depth.min(0.5 * now.shape.half_depth());
             x.iter().zip(to).any(|(x, to)| {
+                // In the obstacle's own frame both may move, and a thin obstacle that sweeps past
+                // is seen too.
                 let start = before.placement.pull_back(x);
                 let displacement = now.placement.pull_back(to) - start;
                 (1..=SAMPLES).any(|k| {
@@ -138,6 +143,7 @@ impl Contact {
                 k * fraction,
             ]
         } else {
+            // Pressure is straight from here on, as if it had begun at half of the reach.
             let t = s - 0.5 * reach;
             [0.5 * k * t * t + k * reach * reach / 24.0, k * t, k]
         }

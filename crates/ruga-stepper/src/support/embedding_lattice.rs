@@ -35,6 +35,8 @@ impl EmbeddingLattice {
     ) -> Result<Self, StepperError> {
         let faces: Vec<FaceId> = driver.topology().faces().ids().collect();
         let mut levels = 0;
+        // Without smoothing the artist's triangles are the surface, and splitting them changes
+        // nothing.
         while smoothing == Smoothing::Loop && (faces.len() << (2 * levels)) < ENOUGH_FACES {
             levels += 1;
         }
@@ -82,6 +84,7 @@ impl EmbeddingLattice {
         let mut normals = vertex_normals(mesh, rest);
         for normal in &mut normals {
             if *normal == Vector3::zeros() {
+                // An embedding wants unit normals. A vertex without one has no face with an area.
                 *normal = Vector3::z();
             }
         }
@@ -103,6 +106,8 @@ impl EmbeddingLattice {
         };
         let inside = |p: &MaterialPoint| p.barycentric.iter().copied().fold(f64::MAX, f64::min);
         let places = (first..first + children).map(|face| place(FaceId::from_index(face)));
+        // Rounding may put a place on an edge outside of both faces beside it. The one that it is
+        // least outside of serves as well.
         let best = places.max_by(|a, b| inside(a).total_cmp(&inside(b)));
         best.expect("every face has at least one child")
     }

@@ -32,6 +32,8 @@ impl HeldNodes {
                 }
                 for node in lattice.element_nodes(element) {
                     let held = &mut holder[node.index()];
+                    // A handle behind others that hold all of its nodes would move nothing, and is
+                    // refused like one without cells.
                     is_empty &= held.is_some();
                     held.get_or_insert(number);
                 }
@@ -44,6 +46,7 @@ impl HeldNodes {
                 });
             }
         }
+        // Nothing would be left to solve for.
         if holder.iter().all(Option::is_some) {
             return Err(StepperError::HeldBody);
         }

@@ -26,6 +26,7 @@ impl Inertia {
         velocities: &[Vector3<f64>],
     ) -> Self {
         let Dynamics { time_step, damping } = dynamics;
+        // Damping is implicit as well, so that no step is too long for it.
         let slowed = 1.0 + damping * time_step;
         let end = |(x, v): (&Vector3<f64>, &Vector3<f64>)| x + v * (time_step / slowed);
         Self {
@@ -54,6 +55,7 @@ pub(crate) fn velocities(
 ) -> Vec<Vector3<f64>> {
     let pairs = start.iter().zip(end);
     pairs
+        // In implicit Euler the mean over a step is the velocity at its end.
         .map(|(start, end)| (end - start) / time_step)
         .collect()
 }

@@ -90,6 +90,7 @@ pub(crate) fn distance(shape: &ObstacleShape, x: &Vector3<f64>) -> Distance {
             }
         }
         ObstacleShape::Sphere { centre, radius } => {
+            // From the very centre any direction leads out.
             let (length, gradient) = direction(&(x - centre), &Vector3::z());
             Distance {
                 value: length - radius,
@@ -115,6 +116,7 @@ fn button([from, to]: [&Vector3<f64>; 2], radius: f64, x: &Vector3<f64>) -> Dist
         let length = out.hypot(up);
         (length, (outward * out + along * up) / length)
     } else if out > up {
+        // Inside both are negative, and the larger one belongs to the nearer side.
         (out, outward)
     } else {
         (up, along)
@@ -136,6 +138,7 @@ fn direction(v: &Vector3<f64>, otherwise: &Vector3<f64>) -> (f64, Vector3<f64>) 
 }
 
 fn any_normal(axis: &Vector3<f64>) -> Vector3<f64> {
+    // This axis is farthest from parallel, so that the cross product is long.
     let thinnest = axis.abs().imin();
     let mut other = Vector3::zeros();
     other[thinnest] = 1.0;

@@ -25,6 +25,7 @@ impl Placement {
         let Some(end) = frames.get(next) else {
             return Self::of(&frames[frames.len() - 1]);
         };
+        // Before the first keyframe there is the rest at time 0.
         let (at, mut start) = match next.checked_sub(1) {
             Some(last) => (frames[last].at, Self::of(&frames[last])),
             None => (0.0, Self::default()),
@@ -39,6 +40,8 @@ impl Placement {
         let fraction = (time - at) / (end.at - at);
         let between = |a: Vector3<f64>, b: Vector3<f64>| a + (b - a) * fraction;
         Self {
+            // This is linear in the turn's vector, too: a steady turn as long as the axis stays, as
+            // from rest to the first keyframe.
             translation: between(start.translation, end.translation),
             turn: between(start.turn, end.turn),
             about: between(start.about, end_about),

@@ -33,12 +33,16 @@ impl Prediction {
         q: &[Vector3<f64>],
         displacements: &mut [Vector3<f64>],
     ) -> Result<(), SolverError> {
+        // This one is positive semidefinite. The exact Hessian of compressed material may have no
+        // minimum, and no state to predict.
         let relaxed_hessian = |energy: &LatticeEnergy| {
             let mut exact = vec![0.0; energy.pattern().1.len()];
             let mut relaxed = exact.clone();
             energy.hessian(q, &mut exact, Some(&mut relaxed));
             relaxed
         };
+        // The held nodes' displacements are known. What they pull at the free ones goes to the
+        // right side.
         let pull = all.blocks().product(&relaxed_hessian(all), displacements);
         let force: Vec<f64> = free.unknowns(&pull).iter().map(|f| -f).collect();
         let hessian = relaxed_hessian(free);

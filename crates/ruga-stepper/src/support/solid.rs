@@ -30,15 +30,15 @@ pub(crate) use energy::Frozen;
 /// body a sign.
 const DAMPING: f64 = 1e-9;
 
-/// Where a body is, and what is around it.
+/// Shape of a body at one moment, and what is around it.
 #[derive(Clone, Debug)]
 pub(crate) struct SolidState {
-    /// Lattice nodes, m.
+    /// Positions of the lattice nodes, m.
     pub(crate) q: Vec<Vector3<f64>>,
-    /// Of the nodes, m/s.
+    /// Velocities of the nodes, m/s.
     pub(crate) velocities: Vec<Vector3<f64>>,
     pub(crate) obstacles: Vec<PlacedObstacle>,
-    /// Where the artist's vertices are drawn to; empty where nothing draws them, m.
+    /// Positions to which the artist's vertices are drawn; empty where nothing draws them, m.
     pub(crate) targets: Vec<Vector3<f64>>,
 }
 
@@ -53,9 +53,9 @@ pub(crate) struct SolidState {
 pub(crate) struct Solid {
     interior: Arc<Interior>,
     driver: Arc<Driver>,
-    /// Where the layer's vertices are in the lattice.
+    /// Places of the layer's vertices in the lattice.
     embedding: Embedding,
-    /// Where the artist's vertices are in the lattice.
+    /// Places of the artist's vertices in the lattice.
     control: Embedding,
     /// Energy over the free nodes, and over all.
     lattice: LatticeEnergy,
@@ -83,9 +83,9 @@ pub(crate) struct Solid {
 /// Springs from the artist's vertices to where blend shapes put them.
 #[derive(Clone, Debug)]
 struct Follow {
-    /// N/m.
+    /// Stiffness at every vertex of the artist's, N/m.
     stiffness: Vec<f64>,
-    /// In the lattice's pattern, N/m.
+    /// Their Hessian in the lattice's pattern, N/m.
     hessian: Vec<f64>,
 }
 
@@ -109,6 +109,8 @@ impl Solid {
         let springs = Springs(energy.foundation_stiffness());
         let is_held = spec.coupling.has_foundation();
         let of_nodes = |pinned: &[bool]| -> Result<LatticeEnergy, StepperError> {
+            // Springs couple nodes that share no element: their entries have to be there from the
+            // beginning.
             let mut energy = LatticeEnergy::new(lattice, &body.material, pinned)?;
             if is_held {
                 energy.couple_surface(&embedding, springs.stencils())?;
@@ -116,6 +118,8 @@ impl Solid {
             Ok(energy)
         };
         let pinned = interior.held.pinned();
+        // Held nodes have no unknowns, but they pull at the free ones when they move, and have
+        // mass.
         let [free, all_nodes] = [of_nodes(&pinned)?, of_nodes(&vec![false; pinned.len()])?];
         let free_of = numbers(&free, lattice);
         let carried = (&embedding, masses);
@@ -188,6 +192,7 @@ impl Solid {
             let (own, own_weights) = of_layer.row(row);
             columns.extend_from_slice(own);
             values.extend_from_slice(own_weights);
+            // A row averages one component.
             let axis = own.first().map_or(0, |column| column % 3);
             for (column, weight) in own.iter().zip(own_weights) {
                 for (node, fraction) in self.embedding.rows().row(column / 3) {
@@ -212,7 +217,7 @@ impl Solid {
         ConstraintRows::new(starts, columns, values, layer + self.lattice.dof_count())
     }
 
-    /// What the rows ask for with the held nodes where they are.
+    /// Right-hand sides of the rows, by the held nodes where they are.
     pub(crate) fn row_targets(&self) -> Vec<f64> {
         let coordinates: Vec<f64> = self.state.q.iter().flatten().copied().collect();
         self.held_terms.apply(&coordinates)
@@ -230,6 +235,7 @@ impl Solid {
         time: f64,
     ) -> Result<(), SolverError> {
         let mut steps = self.handle_displacements(moves, time);
+        // Without a handle that moves there is nothing to predict from.
         if steps.iter().any(|step| *step != Vector3::zeros()) {
             let both = [&self.all_nodes, &self.lattice];
             match self.prediction.fill_in(both, &self.state.q, &mut steps) {
@@ -348,7 +354,7 @@ impl Solid {
         self.lattice.value(&self.state.q)
     }
 
-    /// Where the artist's vertices are, in the order of [`Driver::pose`], m.
+    /// Positions of the artist's vertices, in the order of [`Driver::pose`], m.
     pub(crate) fn artist_positions(&self) -> Vec<Vector3<f64>> {
         self.control.positions(&self.state.q)
     }
@@ -374,6 +380,7 @@ impl Follow {
     ) -> Option<Self> {
         let stiffness = body.follow?;
         let areas = vertex_areas(driver.topology(), driver.rest());
+        // Springs act by area, or what the artist has meshed finely would be drawn harder.
         let stiffness: Vec<f64> = areas.iter().map(|area| stiffness * area).collect();
         let mut hessian = vec![0.0; lattice.pattern().1.len()];
         lattice.add_pulled_back(control, &diagonal(&stiffness), &mut hessian);

@@ -60,6 +60,8 @@ impl Springs {
             .into_iter()
             .map(|(node, lift)| (node, n * lift.transpose()))
             .collect();
+        // The tangential spring acts at the vertex itself, so that its nodes are among those that
+        // were just collected.
         for (node, weight) in embedding.rows().row(i) {
             if let Ok(place) = blocks.binary_search_by_key(&node, |block| block.0) {
                 blocks[place].1 += tangential * weight;

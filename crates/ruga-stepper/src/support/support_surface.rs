@@ -37,7 +37,7 @@ pub(crate) struct LowerLayer<'a> {
     pub(crate) positions: &'a [Vector3<f64>],
     /// Positions of its vertices as maps show them, m.
     pub(crate) shown: &'a [Vector3<f64>],
-    /// Its distance from the driver, m.
+    /// Distance of the layer from the driver, m.
     pub(crate) offset: f64,
     /// Projections of other layers onto it, as far as they are known.
     pub(crate) covers: &'a Covers,
@@ -117,6 +117,8 @@ fn untransferred(whole: &PerFace<FaceStrain>, part: &PerFace<FaceStrain>) -> Vec
     let pairs = whole.as_slice().iter().zip(part.as_slice());
     pairs
         .map(|(whole, part)| {
+            // A part that collapses a face has no inverse root. Held at a hundredth of its length
+            // it gives a metric that the range below bounds.
             let root = power(&part.cauchy_green, -0.5, [1e-4, f64::MAX]);
             let metric = root * whole.cauchy_green * root;
             power(&metric, 0.5, TRANSFER_RANGE)
@@ -146,6 +148,7 @@ fn lay_on<'c>(
     lower: &LowerLayer<'_>,
     middle: &mut PosedSurface,
 ) -> &'c [u32] {
+    // The base is without any offset, so that a deviation includes the lower layer's.
     let base = support.pose(lower.skin).positions;
     let deviations = lower.positions.iter().zip(&base);
     let deviations: Vec<Vector3<f64>> = deviations.map(|(x, base)| x - base).collect();
@@ -155,12 +158,16 @@ fn lay_on<'c>(
     let vertices = cover.vertices().iter().zip(cover.shares());
     for ((&vertex, fraction), (change, (along_u, along_v))) in vertices.zip(changes) {
         let i = vertex as usize;
+        // It is added to the driver's or body's own place, because the deviation of a layer counts
+        // from there and not from another layer that is covered too.
         middle.positions[i] = on_support[i] + change;
         let first = posed[i][0] + along_u;
         let second = posed[i][1] + along_v;
         let normal = first.cross(&second).try_normalize(0.0);
         let normal = normal.map(|normal| middle.normals[i].lerp(&normal, *fraction));
         if let Some(normal) = normal.and_then(|normal| normal.try_normalize(0.0)) {
+            // The normal has been turned in the rim, so that the first tangent is no longer at
+            // right angles to it.
             let tangent = first - normal * normal.dot(&first);
             middle.tangents[i] = tangent.try_normalize(0.0).unwrap_or(middle.tangents[i]);
             middle.normals[i] = normal;

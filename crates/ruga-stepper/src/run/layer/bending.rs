@@ -38,6 +38,7 @@ impl Layer {
             outcome.map_err(|source| self.shell_error(source))?;
         }
         let is_measured = self.bending_ratio.is_some() || self.strain_ratio() <= 1.0;
+        // It was measured on the surface of a key, and the layer begins at rest.
         self.restore(&state)?;
         Ok(is_measured)
     }
@@ -79,6 +80,7 @@ impl Layer {
             let excess = ratios.of_face(face) - 1.0;
             let [u, v] = triangle_frame(corners);
             let direction = u * strain.direction.x + v * strain.direction.y;
+            // A direction and its opposite are the same wave, and would cancel in a sum of vectors.
             tensor += direction * direction.transpose() * (areas[face] * excess.max(0.0));
         }
         let eigen = SymmetricEigen::new(tensor);

@@ -51,6 +51,8 @@ impl Layer {
         kkt: &mut Kkt,
         keep_going: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Result<SolveReport, StepperError> {
+        // Setting the energy up anew disturbs a state that has converged. A surface that has hardly
+        // turned is not worth that.
         if self.lag() > AS_BEFORE {
             self.hold()?;
         }
@@ -78,6 +80,8 @@ impl Layer {
     /// Right-hand sides of the layer's constraints: averages of the support surface.
     fn row_targets(&self, base: &[f64]) -> Result<Vec<f64>, SolverError> {
         if let Some(solid) = &self.solid {
+            // On a body the rows hold differences from its surface, so that only held nodes are on
+            // the right side.
             return Ok(solid.row_targets());
         }
         let mut targets = vec![0.0; self.rows.count()];
@@ -97,7 +101,9 @@ impl Layer {
         scatter(&self.free, own, &mut self.positions);
         let Some(solid) = &mut self.solid else { return };
         solid.set_unknowns(nodes);
-        // Layer and body have moved together.
+        // Layer and body have moved together. The energy keeps the normals and rest lengths that it
+        // was set up with, so that it has one minimum during a solve. How far they are behind then
+        // is the lag.
         self.support.posed = solid.surface(&self.support.posed);
         self.base = laid_on(&self.support.posed, self.upper.as_ref());
         self.strains = applied_strains(&self.skin, &self.support);
@@ -119,6 +125,7 @@ impl Layer {
             damping: &self.damping,
             reaction: &self.reaction,
             base,
+            // The mass matrix of a body holds the layer's masses, too, and they count once.
             inertia: match solid {
                 None => inertia.map(|inertia| (inertia, self.masses.as_slice())),
                 Some(_) => None,

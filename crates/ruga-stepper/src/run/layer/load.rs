@@ -44,6 +44,7 @@ impl Layer {
         let base = laid_on(new, self.upper.as_ref());
         let vertices = self.vertex_count();
         for (i, base) in base.iter().enumerate() {
+            // Wrinkles turn with the surface. Shifted alone they would lean.
             let deviation = self.positions[i] - self.base[i];
             self.positions[i] = base + turn_between(old, new, i % vertices) * deviation;
         }
@@ -63,16 +64,19 @@ impl Layer {
         let posed = &self.support.posed;
         let no_offset = vec![0.0; posed.positions.len()];
         let energy = &mut self.energy;
+        // The surface's positions have the layer's offset in them already.
         let mut outcome = energy.set_base(&posed.positions, &posed.normals, &no_offset);
         if self.solid.is_none() {
             outcome = outcome.and_then(|()| self.energy.set_rest_angles(&self.base));
         }
         outcome.map_err(|source| self.shell_error(source))?;
         self.held_normals.clone_from(&self.support.posed.normals);
+        // This comes before any natural strain, because a new rest metric clears them.
         self.set_rest_metric()?;
         if self.solid.is_none() && self.spec.coupling.has_foundation() {
             self.balance()?;
         }
+        // Balancing has left the strains of a layer that does not wrinkle.
         self.set_effective_strains(|_, applied| applied)
     }
 
@@ -85,6 +89,9 @@ impl Layer {
     /// up to the critical strain, because a wrinkled layer carries no more.
     fn balance(&mut self) -> Result<(), StepperError> {
         let poisson = self.spec.material.poisson;
+        // The effective strain `first + nu second` is held to the critical one. The second strain
+        // is held first, to what is critical when both are equal, or the first would come out as
+        // tension.
         let wanted = |critical: f64, [first, second]: [f64; 2]| {
             let second = second.min(critical / (1.0 + poisson));
             [(critical - poisson * second).min(first), second]
@@ -99,6 +106,7 @@ impl Layer {
     fn set_rest_metric(&mut self) -> Result<(), StepperError> {
         let capped = self.strains.as_slice().iter().any(|s| s.first > CAP_START);
         let changed = capped || self.support.transfer.is_some();
+        // After the last change the metric is set once more, to take it back.
         if changed || self.is_metric_changed {
             let strains = self.strains.iter();
             let stretches: Vec<_> = strains.map(|(f, s)| self.rest_stretch(f, s)).collect();
@@ -115,6 +123,8 @@ impl Layer {
 
     fn rest_stretch(&self, face: FaceId, strain: &FaceStrain) -> Matrix2<f64> {
         let along = strain.direction * strain.direction.transpose();
+        // The metric shrinks along the compression only: across it the skin is stretched as the
+        // pose asks for.
         let stretch = Matrix2::identity() + along * (metric_ratio(strain) - 1.0);
         match &self.support.transfer {
             Some(transfer) => stretch * transfer[face.index()],
@@ -130,6 +140,8 @@ impl Layer {
     /// which a normal has turned, or change of a capped rest length; 0 on a driver.
     pub(crate) fn lag(&self) -> f64 {
         let normals = self.held_normals.iter().zip(&self.support.posed.normals);
+        // The arc cosine of a dot product loses half of the digits at small angles, which are the
+        // usual ones.
         let turned = normals.map(|(old, new)| old.cross(new).norm().atan2(old.dot(new)));
         let ratios = self.held_ratios.iter().zip(self.metric_ratios());
         let shrunk = ratios.map(|(old, new)| (old - new).abs());
@@ -147,6 +159,7 @@ impl Layer {
             .map(|(face, strain)| {
                 let critical = self.properties.faces[face].wrinkling.critical_strain;
                 let effective = wanted(critical, applied(strain, self.fraction));
+                // What the layer is not to feel is strain without stress.
                 green_strain(strain, applied(strain, 1.0)) - green_strain(strain, effective)
             })
             .collect();
@@ -185,6 +198,7 @@ impl Layer {
             }
         }
         let posed = solid.surface(&self.support.posed);
+        // Only upper layers leave a part of the bending below out. A body carries the lowest one.
         let transfer = None;
         self.set_support(SupportSurface { posed, transfer }, 1.0)
     }
@@ -220,6 +234,7 @@ impl Layer {
         if let (Some(solid), Some(state)) = (&mut self.solid, &state.solid) {
             solid.state.clone_from(state);
         }
+        // It carries the positions along with the surface, so that they are put back after it.
         self.set_support(state.support.clone(), state.fraction)?;
         self.positions.clone_from(&state.positions);
         self.velocities.clone_from(&state.velocities);

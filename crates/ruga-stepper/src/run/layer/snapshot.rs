@@ -20,6 +20,9 @@ impl Layer {
         let own = &self.positions[..self.vertex_count()];
         let computed = ComputedMesh::new(driver, &self.skin, own);
         let surface = support.pose(&self.region.skin);
+        // The support surface is known on the output mesh itself. Only the deviation from it is
+        // carried over from the layer's coarser mesh, so that smooth parts of the region stay
+        // exact.
         let positions = self.on_region(&real.positions, self.deviations());
         LayerSurface {
             name: self.spec.name.clone(),

@@ -211,6 +211,8 @@ fn the_whole_objective_has_its_derivatives() {
         let around = (&moves, &pose.weights);
         let placed = layer.place_solid(around, 0.7, Some(&step.inertia));
         placed.expect("a placed body");
+        // Placing has set up obstacles and targets, and moved everything as well. The crumpled
+        // state tests more.
         solid(&mut layer).state.q = q;
         layer.positions = before;
         follow(&mut layer);
@@ -235,6 +237,8 @@ fn the_whole_objective_has_its_derivatives() {
                 }
             }
             let flat: Vec<f64> = displacement.iter().flat_map(|w| [w.x, w.y, w.z]).collect();
+            // This is small against the thickness, over which energies curve, and far above the
+            // rounding of differences.
             let step = 1e-4 * thickness;
             let beside = |s: f64| -> Vec<f64> {
                 x.iter().zip(&flat).map(|(x, w)| x + s * step * w).collect()

@@ -66,11 +66,14 @@ impl Layer {
         let heights = self.heights();
         let is_in_wrinkle = |face: FaceId| {
             let wrinkling = &self.properties.faces[face].wrinkling;
+            // Beyond the cap the layer feels hardly more. Where its critical strain is near the cap
+            // itself, the predicted amplitude would be zero there, and any noise a wrinkle.
             let effective = strain(face).min(CAP_START);
             let effective = effective.max(EXPECTED * wrinkling.critical_strain);
             let least = WRINKLED * wrinkling.amplitude(effective);
             mesh.faces()[face]
                 .iter()
+                // One corner is enough, because between crest and trough a wave has no height.
                 .any(|v| heights[v.index()].abs() > least)
         };
         let crests = mesh
@@ -147,6 +150,7 @@ impl Layer {
                 "its mesh has {points:.1} points per wavelength there, too few to bend. Take a finer `--quality`, or raise `vertex_budget` under [driver]"
             );
         }
+        // The area over half of the outline is the width of a long strip, and the radius of a disc.
         if 0.5 * wavelength > patch.area / self.outline(patch) {
             return "the place is narrower than its wrinkles are long, and the smooth skin beside it holds it. Paint a shorter wavelength, or a wider place".to_owned();
         }

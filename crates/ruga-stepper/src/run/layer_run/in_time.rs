@@ -19,11 +19,11 @@ const HALVINGS: u32 = 4;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Rest {
     Found,
-    /// With a layer that still moves.
+    /// The layer still moves.
     StillMoving,
-    /// Without an end of a step; the layer is where the solver left it.
+    /// A step had no end that could be found; the layer is where the solver left it.
     NoStep,
-    /// By the observer.
+    /// The observer ended it.
     Interrupted,
 }
 
@@ -42,6 +42,8 @@ impl LayerRun<'_> {
         for &load in loads {
             let before = self.layer.state();
             let step = Dynamics {
+                // A key or a keyframe may divide a step. The pieces take a part of its time each,
+                // or whatever moves would be slower in them.
                 time_step: f64::from(steps) * (load - from) * dynamics.time_step,
                 ..dynamics
             };
@@ -50,10 +52,13 @@ impl LayerRun<'_> {
                 let rest = self.come_to_rest(dynamics, loading.pose_fraction(load), observer)?;
                 ending = match rest {
                     Rest::Found => Ending::Reached,
+                    // Positions at the end of a step are a valid state in motion: they are handed
+                    // out, and the pose counts as not converged.
                     Rest::StillMoving => {
                         worst = Ending::GaveUp;
                         Ending::Reached
                     }
+                    // The solver stopped somewhere on its way, which is no state at any time.
                     Rest::NoStep => Ending::GaveUp,
                     Rest::Interrupted => Ending::Interrupted,
                 };
@@ -94,6 +99,7 @@ impl LayerRun<'_> {
             return Ok(Ending::GaveUp);
         }
         self.halved += 1;
+        // Half of the way takes half of the time, so that velocities stay what they are.
         let half = Dynamics {
             time_step: 0.5 * dynamics.time_step,
             ..dynamics
@@ -149,6 +155,7 @@ impl LayerRun<'_> {
             if self.is_at_rest()? {
                 return Ok(Rest::Found);
             }
+            // Steps are whole ones here: where nothing moves there is no load to divide.
             let step = self.layer.time_step(dynamics);
             let how = (AtSaddle::Leave, Accuracy::Result);
             let solve = self.solve(Some(&step.inertia), how, pose_fraction, observer)?;
@@ -174,6 +181,8 @@ impl LayerRun<'_> {
     /// Whether the layer is in equilibrium, a stable one as far as the method can tell.
     fn is_at_rest(&mut self) -> Result<bool, StepperError> {
         let settings = NewtonSettings {
+            // At a saddle forces balance as well, but any disturbance moves the layer on. One
+            // iteration gives the decrement and the matrix inertia, and nothing else is wanted.
             at_saddle: AtSaddle::Stop,
             max_iterations: 1,
             energy_tolerance: AT_REST,
@@ -186,6 +195,7 @@ impl LayerRun<'_> {
             .layer
             .minimise(None, how, &mut self.kkt, &mut |_| true)?;
         self.report.factorizations += solve.factorizations;
+        // Looking must not move the layer: its velocities belong to where it was.
         self.layer.restore(&state)?;
         Ok(solve.converged)
     }

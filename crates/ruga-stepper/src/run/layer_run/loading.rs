@@ -5,7 +5,7 @@ use crate::run::layer::Layer;
 use crate::support::motion::Inertia;
 use crate::{Observer, StepperError};
 
-/// What a load fraction means to a layer, and what is done when it is reached.
+/// The meaning of a load fraction to a layer, and what is done when it is reached.
 pub(crate) trait Loading {
     /// Moves the support surface of `layer` to where it is at `load`; with `inertia`, at the end of that
     /// step in time.
@@ -37,10 +37,10 @@ pub(crate) trait Loading {
 /// How following a loading ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Ending {
-    /// At the last load.
+    /// The last load was reached.
     Reached,
-    /// Without an equilibrium for the next load.
+    /// No equilibrium was found for the next load.
     GaveUp,
-    /// By the observer.
+    /// The observer ended it.
     Interrupted,
 }

@@ -39,6 +39,7 @@ impl LayerRun<'_> {
 
     /// Warns of a wrinkled state that may be unstable.
     pub(super) fn warn_unverified(&mut self, solve: &SolveReport) {
+        // A layer that nothing compresses beyond its critical strain has no wrinkled state to miss.
         if let Some(warning) = unverified_stability(solve)
             && self.layer.strain_ratio() > 1.0
         {

@@ -8,7 +8,7 @@ use crate::support::contact::Contact;
 use crate::support::motion::Inertia;
 use crate::support::springs::Springs;
 
-/// What one solve holds fast of a body.
+/// Parts of a body that one solve holds fast.
 #[derive(Clone, Debug)]
 pub(crate) struct Frozen {
     /// Hessian entries that stay constant: springs, guide springs and inertia.
@@ -19,7 +19,8 @@ pub(crate) struct Frozen {
 }
 
 impl Solid {
-    /// What the next solve holds fast, over a surface with these `normals` and the springs of `energy`.
+    /// The parts that the next solve holds fast, over a surface with these `normals` and the springs of
+    /// `energy`.
     pub(crate) fn freeze(
         &self,
         energy: &LayerEnergy,
@@ -124,12 +125,14 @@ impl Solid {
         q: &[Vector3<f64>],
         springs: &[Vector3<f64>],
     ) -> Vec<Vector3<f64>> {
+        // A gradient is the negative of the force.
         let mut forces: Vec<_> = self.weight.iter().map(|weight| -weight).collect();
         let mut add = |more: Vec<Vector3<f64>>, sign: f64| {
             for (force, more) in forces.iter_mut().zip(more) {
                 *force += more * sign;
             }
         };
+        // Springs depend on `x - B q`, so that nodes feel the opposite of what vertices feel.
         add(self.embedding.pull_back(springs), -1.0);
         if let Some(follow) = &self.follow {
             let places = self.control.positions(q);
@@ -165,6 +168,7 @@ impl Solid {
         }
         let inner = x.len() - self.areas.len();
         for (vertex, (x, area)) in (inner as u32..).zip(x[inner..].iter().zip(&self.areas)) {
+            // Contact only stiffens, and is the same in the relaxed matrix.
             if let Some(block) = frozen.contact.hessian(x, *area) {
                 let slot = self.layout.blocks.slot(vertex, vertex);
                 both.iter_mut().for_each(|values| slot.add(values, &block));
