@@ -1,9 +1,9 @@
-//! What can be wrong with a material.
+//! Errors of materials, property maps and stacks.
 
 /// Largest relative spread of a variation.
 pub(crate) const MAX_SPREAD: f64 = 0.5;
 
-/// Why a layer on a substrate has no wavelength.
+/// Reason why a layer on a substrate has no wavelength.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MaterialError {
     /// A modulus, length or density is negative, zero, infinite or NaN.
