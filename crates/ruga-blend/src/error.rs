@@ -1,10 +1,10 @@
-//! What can be wrong with a driver.
+//! Errors of a driver and its poses.
 
 use ruga_mesh::MeshError;
 
 use crate::did_you_mean;
 
-/// Why a mesh with blend shapes cannot drive a simulation.
+/// Reason why a mesh with blend shapes cannot drive a simulation.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BlendError {
     /// The mesh has no triangle with an area.
@@ -28,7 +28,7 @@ pub enum BlendError {
         name: String,
         /// The most similar name there is.
         nearest: Option<String>,
-        /// How many shapes the mesh has.
+        /// Number of shapes that the mesh has.
         available: usize,
     },
     /// A weight of a pose is NaN or infinite.
