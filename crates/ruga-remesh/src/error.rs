@@ -1,8 +1,8 @@
-//! What can be wrong with the input of a remesh.
+//! Errors in the input of a remesh.
 
 use ruga_mesh::{FaceId, MaterialPoint, VertexId};
 
-/// Why a mesh, a sizing or a setting is refused.
+/// Reason why a mesh, a sizing or a setting is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RemeshError {
     /// An array does not fit the mesh.
