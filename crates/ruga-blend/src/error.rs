@@ -18,7 +18,7 @@ pub enum BlendError {
     Topology {
         /// Name of the mesh.
         mesh: String,
-        /// What is wrong, with the file's triangle numbers and welded vertex numbers.
+        /// Fault of the topology, with the file's triangle numbers and welded vertex numbers.
         source: MeshError,
     },
     /// A pose names a blend shape that the mesh does not have.
@@ -44,7 +44,7 @@ pub enum BlendError {
     NotFinite {
         /// Name of the mesh.
         mesh: String,
-        /// Which array: `position`, `normal`, `texture coordinate` or the name of the shape.
+        /// Name of the array: `position`, `normal`, `texture coordinate` or the name of the shape.
         what: String,
         /// Vertex number in the file.
         vertex: usize,
@@ -54,7 +54,7 @@ pub enum BlendError {
     Length {
         /// Name of the mesh.
         mesh: String,
-        /// Which array.
+        /// Name of the array.
         what: String,
         /// Entries it has.
         found: usize,

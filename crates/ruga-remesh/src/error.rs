@@ -67,7 +67,7 @@ pub enum RemeshError {
         /// The vertex.
         vertex: VertexId,
     },
-    /// What drives the sizing at a face is not finite or out of range.
+    /// A number that drives the sizing at a face is not finite or out of range.
     #[error("face {face}: {what} = {value}; accepted: {accepted}", face = face.0)]
     Face {
         /// The face.
