@@ -41,7 +41,7 @@ impl WrinkleMap {
 /// inside the value of the nearest texel inside.
 ///
 /// Exact: the nearest texel of each column first, then the best of the columns. Of equally near
-/// texels the one further left, then the one above, is taken.
+/// texels the one in the nearer column is taken, left before right and above before below.
 fn extend(map: &mut WrinkleMap, padding: u32) {
     let size = map.size as usize;
     let reach = padding.min(map.size) as i32;
