@@ -15,7 +15,7 @@ pub const MAX_SIZE: u32 = 16384;
 /// triangles are visited by two tasks.
 const BAND_ROWS: usize = 16;
 
-/// How a map is made.
+/// Size, sampling and tangent frame of a bake.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BakeSettings {
@@ -23,7 +23,7 @@ pub struct BakeSettings {
     pub size: u32,
     /// Samples per texel along each side: 1, 2 or 4; default 1.
     pub supersample: u32,
-    /// What the normals are relative to.
+    /// Frame that the normals are relative to.
     pub frame: Frame,
 }
 
@@ -74,7 +74,7 @@ pub fn bake(
     Ok(map)
 }
 
-/// Everything that is fixed while texels are filled.
+/// Inputs and sample grid, which stay fixed while texels are filled.
 struct Painter<'a> {
     relief: &'a Relief<'a>,
     vertices: &'a [VertexRelief],
@@ -105,6 +105,8 @@ impl Painter<'_> {
             .filter(|p| matches!(p, Placed::Unusable))
             .count();
         let band_rows = BAND_ROWS as u32 * self.settings.supersample;
+        // Every texel belongs to one band, and a band takes its faces in ascending order: no number
+        // of threads changes which face a sample goes to.
         let bands = self.grid.bands(&placed, band_rows);
         let texels = BAND_ROWS * self.settings.size as usize;
         map.folded_samples = map
@@ -117,6 +119,8 @@ impl Painter<'_> {
             .map(|(band, (((normals, heights), coverage), faces))| {
                 let (texels, folded) = self.paint_band(band, normals.len(), faces, &placed);
                 for (index, texel) in texels.iter().enumerate() {
+                    // The mean is over covered samples alone. Mixed with the neutral ones outside
+                    // the island its border would come out flatter than the skin is.
                     let count = texel.owned.count_ones();
                     if count > 0 {
                         normals[index] = unit_f32(&texel.normal);
@@ -142,6 +146,8 @@ impl Painter<'_> {
             height: 0.0,
             owned: 0,
         };
+        // Sums of one band at a time: at 40 bytes per texel those of the largest map would take 11
+        // GB.
         let mut buffer = vec![empty; texels];
         let mut folded = 0;
         for &face in faces {
@@ -184,10 +190,12 @@ impl Painter<'_> {
             let texel_row = ((row - first_row) / supersample) as usize * size;
             for (step, column) in run.columns.clone().enumerate() {
                 let texel = &mut buffer[texel_row + (column / supersample) as usize];
+                // Up to 4 x 4 samples, which the 16 bits of `owned` hold.
                 let bit = 1 << (row % supersample * supersample + column % supersample);
                 if texel.owned & bit != 0 {
                     continue;
                 }
+                // A product instead of a running sum, which would collect rounding over long runs.
                 let [u, v] = [0, 1].map(|c| run.start[c] + step as f64 * run.step[c]);
                 let shaded = shader.shade([u, v, 1.0 - u - v]);
                 texel.owned |= bit;

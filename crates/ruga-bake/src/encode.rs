@@ -1,4 +1,4 @@
-//! From unit vectors and metres to the integers of an image file.
+//! Encoding of unit vectors and metres as the integers of an image file.
 
 use crate::{BakeError, WrinkleMap};
 
@@ -24,6 +24,7 @@ pub enum NormalY {
 
 impl NormalY {
     fn apply(self, [x, y, z]: [f32; 3]) -> [f64; 3] {
+        // Maps hold Y up, against V, so only the other convention turns the sign.
         let y = match self {
             NormalY::Up => y,
             NormalY::Down => -y,
@@ -43,6 +44,7 @@ const HEIGHT_MID_CODE: f64 = 32768.0;
 ///
 /// Neutral is `(32768, 32768, 65535)`; the rounding error is below 0.003 degrees.
 pub fn normal_to_png16(map: &WrinkleMap, normal_y: NormalY) -> Vec<u16> {
+    // Zero falls halfway between two codes and is rounded up, to 32768 as in a height map.
     let code = |c: f64| (65535.0 * (0.5 * c + 0.5)).round() as u16;
     map.normals
         .iter()
@@ -68,9 +70,12 @@ pub fn normal_to_png8(map: &WrinkleMap, normal_y: NormalY) -> Vec<u8> {
         let [x, y, _] = normal_y.apply(normal);
         let [row, column] = [texel / size, texel % size].map(|i| i as f64);
         let red = quantise(x, dither(column, row));
+        // The pattern is transposed and shifted for green. With one pattern for both, X and Y would
+        // be rounded up in the same texels, which tilts them all along one diagonal.
         let green = quantise(y, dither(row + 0.5, column + 0.5));
         let [x, y] = [red, green].map(|code| f64::from(code) / 127.5 - 1.0);
         let z = (1.0 - x * x - y * y).max(0.0).sqrt();
+        // One half rounds to the nearest code: dither in Z would change little but the length.
         bytes.extend([red, green, quantise(z, 0.5)]);
     }
     bytes
@@ -95,6 +100,7 @@ pub fn height_range(map: &WrinkleMap) -> f64 {
         .iter()
         .fold(0.0_f64, |a, &h| a.max(f64::from(h).abs()));
     // The codes reach 32767 above the middle one, not 32767.5.
+    // A map without relief needs a range, too: heights are divided by it.
     (2.0 * largest * 65535.0 / 65534.0).max(1e-6)
 }
 

@@ -1,8 +1,8 @@
-//! What a caller of this crate can get wrong.
+//! Errors of a bake: what a caller can get wrong.
 
 use thiserror::Error;
 
-/// Why nothing could be baked. Every variant names the offending element.
+/// Reason why nothing could be baked. Every variant names the offending element.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum BakeError {

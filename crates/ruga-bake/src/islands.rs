@@ -1,4 +1,4 @@
-//! Which texels lie in the UV islands of a mesh.
+//! Texels inside the UV islands of a mesh.
 
 use nalgebra::Vector2;
 use rayon::prelude::*;
@@ -36,6 +36,7 @@ fn fill_row(grid: &SampleGrid, placed: &[Placed], faces: &[u32], row: u32, texel
     let mut changes = vec![0_i32; texels.len() + 1];
     for &face in faces {
         if let Placed::Inside(triangle) = &placed[face as usize]
+            // A band lists every face that reaches one of its rows; most miss this one.
             && grid.rows(triangle).contains(&row)
             && let Some(run) = grid.run(triangle, row)
         {

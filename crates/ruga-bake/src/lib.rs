@@ -1,4 +1,5 @@
-//! From the top layer of a pose and the driver below it to the pose's normal and height map.
+//! Baker of wrinkle maps: the top layer of a pose and the driver below it in, its normal and height
+//! map out.
 #![doc = include_str!("../README.md")]
 //!
 //! ## Parts

@@ -1,4 +1,4 @@
-//! Which UV triangles overlap, by a sweep over U.
+//! Overlaps of UV triangles, found by a sweep over U.
 //!
 //! A line along V passes over the triangles from left to right. Those that it cuts stand in their
 //! order along it, and before two of them can begin to overlap they are neighbours in that order,
@@ -13,7 +13,7 @@ use nalgebra::Vector2;
 use crate::sweep_line::SweepLine;
 use crate::triangle_overlap::overlap;
 
-/// What a sweep found.
+/// Result of a sweep.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Sweep {
     /// Faces taken out until no two overlap, ascending; each overlaps an earlier face.
@@ -35,6 +35,7 @@ pub(crate) fn sweep(uvs: &[[Vector2<f64>; 3]], faces: &[u32]) -> Sweep {
     };
     for (_, change, item) in events(&sweeper.corners) {
         match change {
+            // A face that was taken out has left the line, but its end is still on the list.
             _ if sweeper.is_out[item as usize] => {}
             Change::Ends => sweeper.end(item),
             Change::Starts => sweeper.start(item),
@@ -47,7 +48,7 @@ pub(crate) fn sweep(uvs: &[[Vector2<f64>; 3]], faces: &[u32]) -> Sweep {
     }
 }
 
-/// What happens to a triangle as the line goes on. Ends come first: triangles that only touch are
+/// Change on the line as it goes on. Ends come first: triangles that only touch are
 /// never on the line together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Change {
@@ -65,6 +66,8 @@ fn events(corners: &[[Vector2<f64>; 3]]) -> Vec<(f64, Change, u32)> {
             ]
         })
         .collect();
+    // Ties are decided to the last: an unstable sort promises no order among equals, and the
+    // report must not depend on one.
     events.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
     events
 }
@@ -97,6 +100,8 @@ impl Sweeper {
             let Some(other) = neighbours
                 .into_iter()
                 .flatten()
+                // Whatever lies behind a neighbour cannot begin to overlap before that neighbour
+                // ends, and is tested when it does.
                 .find(|&other| self.overlap(item, other))
             else {
                 return;
@@ -158,6 +163,7 @@ fn is_before(a: &[Vector2<f64>; 3], b: &[Vector2<f64>; 3]) -> bool {
 fn center([left, middle, right]: &[Vector2<f64>; 3], u: f64) -> f64 {
     let along = |a: &Vector2<f64>, b: &Vector2<f64>| {
         let width = b.x - a.x;
+        // A side along V has no one place at its U; its middle stands for it.
         let t = if width > 0.0 {
             ((u - a.x) / width).clamp(0.0, 1.0)
         } else {

@@ -41,7 +41,7 @@ impl WrinkleMap {
 /// inside the value of the nearest texel inside.
 ///
 /// Exact: the nearest texel of each column first, then the best of the columns. Of equally near
-/// texels the one further left, then the one above, is taken.
+/// texels the one in the nearer column is taken, left before right and above before below.
 fn extend(map: &mut WrinkleMap, padding: u32) {
     let size = map.size as usize;
     let reach = padding.min(map.size) as i32;
@@ -49,6 +49,8 @@ fn extend(map: &mut WrinkleMap, padding: u32) {
         return;
     }
     let vertical = vertical_distances(&map.coverage, size, reach);
+    // All sources are found before the first is copied: rows then only read the map, and can be
+    // searched in parallel.
     let sources: Vec<(usize, usize)> = (0..size)
         .into_par_iter()
         .flat_map_iter(|row| row_sources(row, size, reach, &map.coverage, &vertical))
@@ -60,8 +62,9 @@ fn extend(map: &mut WrinkleMap, padding: u32) {
     }
 }
 
-/// Whether padding copies from such a texel. Bare skin counts, so that an island's neutral side does
-/// not get the wrinkles of the next island.
+/// Says whether padding copies from such a texel.
+///
+/// Bare skin counts, so that an island's neutral side does not get the wrinkles of the next island.
 fn is_source(coverage: Coverage) -> bool {
     matches!(coverage, Coverage::Covered | Coverage::Skin)
 }
@@ -70,6 +73,8 @@ fn is_source(coverage: Coverage) -> bool {
 fn vertical_distances(coverage: &[Coverage], size: usize, reach: i32) -> Vec<i32> {
     let mut distances = vec![FAR; coverage.len()];
     let rows = distances.chunks_mut(size).zip(coverage.chunks(size));
+    // Two sweeps, down and up: negative distances lead to the texel above, positive to the one
+    // below.
     let mut last = vec![FAR; size];
     for (distances, coverage) in rows {
         for ((distance, above), here) in distances.iter_mut().zip(&mut last).zip(coverage) {
@@ -90,6 +95,7 @@ fn vertical_distances(coverage: &[Coverage], size: usize, reach: i32) -> Vec<i32
                 _ if *below == FAR || *below >= reach => FAR,
                 _ => *below + 1,
             };
+            // A texel above wins a tie.
             if *below != FAR && (*distance == FAR || *below < -*distance) {
                 *distance = *below;
             }
@@ -123,9 +129,11 @@ fn row_sources(
 /// Column and row offset of the texel of an island nearest to `column`, within `reach`.
 fn nearest(column: usize, distances: &[i32], reach: i32) -> Option<(usize, i32)> {
     let mut best = None;
+    // One more than the reach squared, so that a texel just at the reach is taken.
     let mut best_squared = i64::from(reach) * i64::from(reach) + 1;
     for step in 0..=reach as usize {
         let across = (step * step) as i64;
+        // Columns from here on are further away than the best texel is.
         if across >= best_squared {
             break;
         }

@@ -1,4 +1,4 @@
-//! Which samples lie in which triangle, exactly.
+//! Exact assignment of samples to triangles.
 
 use std::ops::Range;
 
@@ -18,7 +18,7 @@ pub(crate) struct SampleGrid {
     subsample_bits: u32,
 }
 
-/// What became of a triangle on its way to the grid.
+/// Outcome of placing a triangle on the grid.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Placed {
     /// It may cover samples.
@@ -60,6 +60,8 @@ impl SampleGrid {
 
     /// Rounds a UV triangle to the grid.
     pub(crate) fn place(&self, uvs: &[Vector2<f64>; 3]) -> Placed {
+        // Tested first: a face outside leaves no gap in the map and is not reported, however far
+        // out it lies.
         for axis in 0..2 {
             if uvs.iter().all(|uv| uv[axis] < 0.0) || uvs.iter().all(|uv| uv[axis] > 1.0) {
                 return Placed::Outside;
@@ -68,6 +70,8 @@ impl SampleGrid {
         if uvs.iter().flatten().any(|c| c.abs() > MAX_TILES) {
             return Placed::Unusable;
         }
+        // At most 2^27 units per tile and 2^31 across all tiles that are accepted: products of two
+        // differences stay within 2^62.
         let unit = (f64::from(self.side)) * f64::from(1_u32 << self.subsample_bits);
         let corners = uvs.map(|uv| [uv.x, uv.y].map(|c| (c * unit).round() as i64));
         let area = edge_function(corners[0], corners[1], corners[2]);
@@ -108,6 +112,8 @@ impl SampleGrid {
         let [mut begin, mut end] = [0, i64::from(columns.end) - i64::from(columns.start)];
         let mut values = [0; 3];
         let mut steps = [0; 3];
+        // Edge functions are linear along the row, so the first and last sample inside follow by
+        // division instead of a test of each.
         for corner in 0..3 {
             let tail = triangle.corners[(corner + 1) % 3];
             let head = triangle.corners[(corner + 2) % 3];
@@ -131,6 +137,7 @@ impl SampleGrid {
         if begin >= end {
             return None;
         }
+        // The sign of a mirrored triangle is in the values already.
         let scale = 1.0 / triangle.area.abs() as f64;
         Some(Run {
             columns: columns.start + begin as u32..columns.start + end as u32,
@@ -147,8 +154,10 @@ impl SampleGrid {
     fn sample_range(&self, coordinates: [i64; 3]) -> Range<u32> {
         let [a, b, c] = coordinates;
         let half = (1_i64 << self.subsample_bits) / 2;
+        // A shift rounds down below zero, too, where a division would round towards it.
         let index = |coordinate: i64| (coordinate - half) >> self.subsample_bits;
         let side = i64::from(self.side);
+        // Rounded up: a sample exactly on the smallest coordinate may be inside.
         let first = index(a.min(b).min(c) - 1) + 1;
         let last = index(a.max(b).max(c));
         let start = first.clamp(0, side);

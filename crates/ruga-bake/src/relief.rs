@@ -24,7 +24,7 @@ pub struct Relief<'a> {
     pub faces: &'a [[u32; 3]],
     /// UV of the corners of every face, V down. Each face lies in one chart.
     pub uvs: &'a [[Vector2<f64>; 3]],
-    /// For every face the artist's triangle whose skin it is, and barycentric coordinates of its
+    /// Artist's triangle whose skin each face is, with barycentric coordinates of the face's
     /// corners' UVs there; beside an edge of that triangle they may leave [0, 1].
     pub artist: &'a [(u32, [[f64; 3]; 3])],
 }
@@ -43,6 +43,7 @@ impl Relief<'_> {
         all_finite("positions", self.positions, finite)?;
         all_finite("driver_positions", self.driver_positions, finite)?;
         all_unit("driver_normals", self.driver_normals)?;
+        // A NaN would become coordinate zero on the integer grid and paint a false triangle.
         all_finite("uvs", self.uvs, |corners| {
             corners.iter().flatten().all(|c| c.is_finite())
         })?;

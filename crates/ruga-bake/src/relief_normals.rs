@@ -1,4 +1,4 @@
-//! Per vertex of the layer: how far and which way it stands off the smooth driver.
+//! Relief at the vertices of the layer: height and tilt against the smooth driver.
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use rayon::prelude::*;
@@ -7,12 +7,14 @@ use crate::surface_fit::{FittedNormal, Sample, SurfaceFit, fit_surface};
 use crate::tangent_frames::any_orthogonal;
 use crate::{Frame, Relief};
 
-/// What the rasteriser interpolates. The direction at a place is `base + tilt`, unit at vertices.
+/// Relief at one vertex, for the rasteriser to interpolate.
+///
+/// The direction at a place is `base + tilt`, unit at vertices.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct VertexRelief {
     /// [`Frame::Driver`]: the smooth driver normal. [`Frame::Mesh`]: the layer's normal.
     pub base: Vector3<f64>,
-    /// What the wrinkles add to it; zero in [`Frame::Mesh`].
+    /// Part of the direction that wrinkles add; zero in [`Frame::Mesh`].
     pub tilt: Vector3<f64>,
     /// Derivative of `tilt` (of `base` in [`Frame::Mesh`]) by the driver position, 1/m.
     pub slope: Matrix3<f64>,
@@ -25,6 +27,7 @@ pub(crate) struct VertexRelief {
 /// Evaluates every vertex of the layer.
 pub(crate) fn vertex_reliefs(relief: &Relief, frame: Frame) -> Vec<VertexRelief> {
     let rings = Rings::new(relief.positions.len(), relief.faces);
+    // A pass of its own, because the fit at a vertex needs the feet of two rings around it.
     let feet: Vec<Foot> = (0..relief.positions.len())
         .into_par_iter()
         .map(|vertex| foot(relief, &rings, vertex))
@@ -50,6 +53,8 @@ pub(crate) fn vertex_reliefs(relief: &Relief, frame: Frame) -> Vec<VertexRelief>
 }
 
 fn driver_relief(normal: Vector3<f64>, foot: &Foot, fit: &SurfaceFit) -> VertexRelief {
+    // The foot points' curvature is taken off, not the driver's: both fits then share their error,
+    // and where nothing wrinkles the slope is zero.
     let [du, dv] = [0, 1].map(|axis| fit.layer.derivative[axis] - fit.foot.derivative[axis]);
     let direction = rotate(&fit.foot, &fit.layer, &normal);
     VertexRelief {
@@ -84,15 +89,16 @@ fn rotate(foot: &FittedNormal, layer: &FittedNormal, v: &Vector3<f64>) -> Vector
     if cosine < -0.999 {
         return layer.normal;
     }
+    // Rodrigues' formula with the sine in the length of the axis, so no angle is computed.
     v + axis.cross(v) + axis.cross(&axis.cross(v)) / (1.0 + cosine)
 }
 
-/// Where the layer stands on the driver.
+/// Foot point of a vertex of the layer on the driver.
 #[derive(Debug, Clone, Copy)]
 struct Foot {
     /// The vertex moved down to its rest distance from the driver, m.
     position: Vector3<f64>,
-    /// How far down that is: the wrinkle height, m.
+    /// Wrinkle height (m): how far down that is.
     height: f64,
 }
 
@@ -115,9 +121,13 @@ fn foot(relief: &Relief, rings: &Rings, vertex: usize) -> Foot {
     let u = any_orthogonal(&n);
     let axes = [u, n.cross(&u)];
     let curvature = driver_curvature(relief, rings, vertex, &axes);
+    // At the height `rise` a parallel surface is longer than the driver by `1 + curvature * rise`;
+    // curvature is positive where the driver is convex.
     let lowering = Matrix2::identity() + curvature * rise;
     let sliding = Vector2::new(axes[0].dot(&tangential), axes[1].dot(&tangential));
     let sliding = match lowering.try_inverse() {
+        // Near zero the layer is at a centre of curvature, where all normals of the driver meet and
+        // none is below it. The sliding is then better left as it is.
         Some(inverse) if lowering.determinant() > 0.1 => inverse * sliding,
         _ => sliding,
     };
@@ -151,13 +161,16 @@ fn driver_curvature(
         let other = other as usize;
         let step = plane(relief.driver_positions[other] - relief.driver_positions[vertex]);
         let turn = plane(relief.driver_normals[other] - relief.driver_normals[vertex]);
+        // Step and turn both grow with the edge; without the weight the longest would decide.
         let weight = 1.0 / step.norm_squared().max(f64::MIN_POSITIVE);
         moments += step * step.transpose() * weight;
         turns += turn * step.transpose() * weight;
     }
     match moments.try_inverse() {
+        // Neighbours on one line know nothing of the curvature across it.
         Some(inverse) if moments.determinant() > 1e-6 * moments.trace().powi(2) => {
             let curvature = turns * inverse;
+            // A shape operator is symmetric; the rest is error of the fit.
             (curvature + curvature.transpose()) / 2.0
         }
         _ => Matrix2::zeros(),
@@ -205,7 +218,7 @@ impl Rings {
         Self::without_repeats(&starts, &mut doubled)
     }
 
-    /// Interior edges come twice, once from either face.
+    /// Drops repeated neighbours: interior edges come twice, once from either face.
     fn without_repeats(starts: &[u32], doubled: &mut [u32]) -> Self {
         let mut rings = Self {
             starts: Vec::with_capacity(starts.len()),
@@ -254,6 +267,7 @@ impl Rings {
 
     fn add_around(&self, center: usize, vertex: usize, found: &mut Neighbours) {
         for &other in self.first(center) {
+            // At most 40 ids, so a linear search will do.
             let known = other as usize == vertex || found.ids().contains(&other);
             if !known && found.count < Self::MOST {
                 found.ids[found.count] = other;

@@ -12,11 +12,11 @@ const MIN_Z: f64 = 0.02;
 /// The value of one sample.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shaded {
-    /// Unit, tangent space.
+    /// Unit normal in tangent space.
     pub normal: Vector3<f64>,
     /// Height above the artist's surface, m.
     pub height: f64,
-    /// Whether the normal had to be tilted back above the tangent plane.
+    /// True where the normal had to be tilted back above the tangent plane.
     pub folded: bool,
 }
 
@@ -71,14 +71,19 @@ impl TriangleShader {
             },
             frame_normals: blend(frames.map(|f| f.normal)),
             tangents: blend(frames.map(|f| f.tangent)),
+            // MikkTSpace's sign is that of the triangle's UV area, the same at all corners.
             sign: frames[0].sign,
         }
     }
 
     /// Evaluates at barycentric coordinates.
     pub(crate) fn shade(&self, l: [f64; 3]) -> Shaded {
+        // Each product vanishes on the two other edges and is a quarter in the middle of its own,
+        // which the factor four of `bulges` makes up for.
         let pairs = [l[1] * l[2], l[2] * l[0], l[0] * l[1]];
         let base = linear(&self.base, l);
+        // Base and tilt are interpolated apart: where nothing wrinkles the tilt is zero, and a base
+        // that turns across the face leaves no trace in the map.
         let tilt = linear(&self.tilt.corners, l) + linear(&self.tilt.bulges, pairs);
         let tangent = linear(&self.tangents, l);
         let normal = match self.frame {
@@ -113,6 +118,7 @@ fn bulges(
     let edge = |opposite: usize| {
         let [i, j] = [(opposite + 1) % 3, (opposite + 2) % 3];
         let along = relief.driver_positions[ids[j]] - relief.driver_positions[ids[i]];
+        // The formula's eighth times four: products of two coordinates reach a quarter only.
         let tilt = (corners[i].slope - corners[j].slope) * along / 2.0;
         let height = (corners[i].height_slope - corners[j].height_slope).dot(&along) / 2.0;
         (tilt, height)
@@ -130,6 +136,8 @@ fn in_driver_frame(
 ) -> Vector3<f64> {
     let length = base.norm();
     let normal = base / length;
+    // The artist's tangent goes with the artist's normal, not with the smooth one. Only its
+    // direction about the smooth normal is of use.
     let tangent = (tangent - normal * normal.dot(&tangent))
         .try_normalize(1e-9)
         .unwrap_or_else(|| any_orthogonal(&normal));
@@ -148,6 +156,7 @@ fn in_mesh_frame(
     tangent: Vector3<f64>,
     sign: f64,
 ) -> Vector3<f64> {
+    // As a client's shader forms it: no Gram-Schmidt, no normalisation.
     let bitangent = normal.cross(&tangent) * sign;
     let volume = tangent.cross(&bitangent).dot(&normal);
     // Scaled by the volume, whose sign is that of `sign`; the length is normalised away later.
@@ -174,6 +183,8 @@ fn above_surface(normal: Vector3<f64>, height: f64) -> Shaded {
             folded: false,
         };
     }
+    // The direction in the plane is kept, so a fold still leans the way it does. A normal straight
+    // down has none, and any will do.
     let flat = Vector3::new(unit.x, unit.y, 0.0)
         .try_normalize(0.0)
         .unwrap_or_else(Vector3::x);

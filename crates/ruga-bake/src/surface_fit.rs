@@ -56,6 +56,7 @@ pub(crate) struct SurfaceFit {
 pub(crate) fn fit_surface(normal: &Vector3<f64>, samples: &[Sample]) -> SurfaceFit {
     let u = any_orthogonal(normal);
     let axes = [u, normal.cross(&u)];
+    // In units of this radius neither the condition nor the ridge depends on how fine the mesh is.
     let scale = plane_radius(&axes, samples);
     let c = solve(&axes, scale, samples);
 
@@ -102,6 +103,8 @@ fn solve(axes: &[Vector3<f64>; 2], scale: f64, samples: &[Sample]) -> SMatrix<f6
     for sample in samples {
         let a = axes[0].dot(&sample.driver) / scale;
         let b = axes[1].dot(&sample.driver) / scale;
+        // Terms that too few samples leave out are zero here and get a one on the diagonal below:
+        // their coefficients are zero, and one factorisation serves all degrees.
         let mut row = monomials(a, b);
         row.rows_mut(used, TERMS - used).fill(0.0);
         let weighted = row * weight(a, b, sample.facing);
@@ -117,6 +120,7 @@ fn solve(axes: &[Vector3<f64>; 2], scale: f64, samples: &[Sample]) -> SMatrix<f6
     }
     match matrix.cholesky() {
         Some(factor) => factor.solve(&right),
+        // Without derivatives the normal falls back to the driver's.
         None => SMatrix::zeros(),
     }
 }
@@ -139,6 +143,7 @@ fn monomials(a: f64, b: f64) -> SVector<f64, TERMS> {
 /// whose driver faces elsewhere (across a fold of the driver) count less, and nothing beyond 90
 /// degrees.
 fn weight(a: f64, b: f64, facing: f64) -> f64 {
+    // The constant keeps a sample close by from deciding alone.
     let near = 1.0 / (0.1 + a * a + b * b);
     near * near * facing.max(0.0)
 }
@@ -161,6 +166,7 @@ fn fitted_normal(
 ) -> FittedNormal {
     // Below this the sheet is crushed to a line and its normal is noise.
     const MIN_AREA_RATIO: f64 = 1e-6;
+    // Metres per metre: the length is the ratio of the layer's area to the driver's.
     let m = xa.cross(&xb);
     let length = m.norm();
     if length <= MIN_AREA_RATIO {

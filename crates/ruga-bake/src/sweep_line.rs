@@ -1,4 +1,4 @@
-//! The order of what a sweep line cuts.
+//! Order of the items that a sweep line cuts.
 
 /// An ordered set of numbers, searched by a comparison of the caller's.
 ///
@@ -41,6 +41,8 @@ impl SweepLine {
         while let Some(other) = below {
             side = usize::from(!is_before(other));
             node.parent = Some(other);
+            // The last node passed on a side is the neighbour there, so the list costs no further
+            // search.
             node.neighbours[1 - side] = Some(other);
             below = self.node(other).children[side];
         }
@@ -51,6 +53,7 @@ impl SweepLine {
         }
         self.link([node.neighbours[0], Some(item)]);
         self.link([Some(item), node.neighbours[1]]);
+        // A rotation keeps the order, so the heap is mended without another comparison.
         while let Some(parent) = self.node(item).parent {
             if priority(parent) >= priority(item) {
                 break;
@@ -61,6 +64,8 @@ impl SweepLine {
 
     /// Takes `item` off the line; returns those that have become neighbours.
     pub(crate) fn remove(&mut self, item: u32) -> [Option<u32>; 2] {
+        // The node sinks until a child is missing. The child of higher priority rises, or the other
+        // would end up under a lower one.
         while let [Some(left), Some(right)] = self.node(item).children {
             self.lift(if priority(left) > priority(right) {
                 left

@@ -115,6 +115,7 @@ pub fn vertex_tangents(
     let mut sums = vec![Vector3::zeros(); vertex_count];
     for (triangle, corners) in triangles.iter().zip(frames) {
         for (&vertex, frame) in triangle.iter().zip(corners) {
+            // Tangents on both sides of a mirror line cancel, so only one side is averaged.
             if frame.sign == signs[vertex as usize] {
                 sums[vertex as usize] += frame.tangent;
             }
@@ -137,6 +138,7 @@ fn fallback_frame(normal: Vector3<f64>) -> TangentFrame {
 
 /// A unit vector orthogonal to `normal`.
 pub(crate) fn any_orthogonal(normal: &Vector3<f64>) -> Vector3<f64> {
+    // The axis furthest from the normal leaves the cross product the most digits.
     let axis = match normal.iamin() {
         0 => Vector3::x(),
         1 => Vector3::y(),
@@ -172,6 +174,8 @@ impl Geometry for Corners<'_> {
         3
     }
 
+    // Single precision throughout, as in the reference implementation: it welds by equal bits, and
+    // clients have the same ones.
     fn position(&self, face: usize, vert: usize) -> [f32; 3] {
         self.positions[self.vertex(face, vert)]
             .map(|c| c as f32)
@@ -195,6 +199,7 @@ impl Geometry for Corners<'_> {
         if let Some(unit) = tangent.try_normalize(1e-6) {
             let frame = &mut self.frames[face][vert];
             frame.tangent = unit;
+            // MikkTSpace means V up; glTF's points down, which turns the sign.
             frame.sign = -sign;
         }
     }

@@ -1,4 +1,4 @@
-//! Whether two UV triangles share area.
+//! Area that two UV triangles share.
 
 use nalgebra::Vector2;
 
@@ -12,18 +12,23 @@ pub(crate) fn area([a, b, c]: &[Vector2<f64>; 3]) -> f64 {
 
 /// Whether two triangles share more than [`OVERLAP_TOLERANCE`] of the smaller one's area.
 pub(crate) fn overlap(a: &[Vector2<f64>; 3], b: &[Vector2<f64>; 3]) -> bool {
+    // Of two convex shapes that are apart one has an edge line between them, so only overlaps, and
+    // contacts blurred by rounding, are clipped.
     if separated(a, b) || separated(b, a) {
         return false;
     }
+    // Relative to the smaller face: one that lies within a large face shares little of that.
     let smaller = area(a).abs().min(area(b).abs());
     shared_area(a, b) > OVERLAP_TOLERANCE * smaller
 }
 
-/// Whether an edge line of `a` has `a` on one side and `b` on the other.
+/// Says whether an edge line of `a` has `a` on one side and `b` on the other.
 fn separated(a: &[Vector2<f64>; 3], b: &[Vector2<f64>; 3]) -> bool {
+    // The sign turns the edges of mirrored faces, so that the inside is to the left of each.
     let sign = area(a).signum();
     (0..3).any(|i| {
         let edge = (a[(i + 1) % 3] - a[i]) * sign;
+        // Faces that touch in an edge or corner count as apart.
         b.iter().all(|p| edge.perp(&(p - a[i])) <= 0.0)
     })
 }

@@ -1,11 +1,11 @@
-//! Whether a mesh's UVs can carry a map.
+//! Check whether a mesh's UVs can carry a map.
 
 use nalgebra::Vector2;
 
 use crate::overlap_sweep::sweep;
 use crate::triangle_overlap::{area, overlap};
 
-/// What stands in the way of baking to these UVs, by face.
+/// Faces whose UVs stand in the way of a bake.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct UvReport {
     /// Faces with a UV that is not finite; they take no part in the other checks.
@@ -53,6 +53,7 @@ pub fn check_uvs(uvs: &[[Vector2<f64>; 3]]) -> UvReport {
         outside: faces_where(&|uv| present(uv) && uv.iter().flatten().any(out)),
         overlapping: overlapping.len(),
         overlaps: first_overlaps(uvs, &with_area, &overlapping),
+        // V points down, so what is counter-clockwise in the image has a negative area.
         mirrored: faces_where(&|uv| present(uv) && area(uv) > MIN_AREA),
         zero_area: faces_where(&|uv| present(uv) && area(uv).abs() <= MIN_AREA),
     }
@@ -64,6 +65,8 @@ fn first_overlaps(
     faces: &[u32],
     overlapping: &[u32],
 ) -> Vec<(u32, u32)> {
+    // Only those listed are compared with all earlier faces; to do so for every overlap would take
+    // quadratic time.
     let listed = overlapping.iter().take(MAX_OVERLAPS);
     let pair = |&face: &u32| {
         let mut earlier = faces.iter().take_while(|&&other| other < face);

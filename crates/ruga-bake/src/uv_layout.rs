@@ -1,4 +1,4 @@
-//! Where in the plane UVs lie.
+//! Layout of UVs in the plane.
 
 use std::collections::HashMap;
 
@@ -11,7 +11,7 @@ use crate::uv_check::MIN_AREA;
 /// small, not a layout that repeats.
 const MARGIN: f64 = 0.02;
 
-/// Where the UVs of some faces lie, and which way round they are.
+/// Extent and orientation of the UVs of some faces.
 ///
 /// Shares are parts, 0 to 1, of the weights of all faces that have an area in UV.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,8 +67,10 @@ fn inside(uv: &[Vector2<f64>; 3]) -> f64 {
     if (0..2).any(|axis| uv.iter().all(|p| p[axis] <= 0.0) || uv.iter().all(|p| p[axis] >= 1.0)) {
         return 0.0;
     }
+    // The square as two triangles, which is what the clipping knows.
     let [a, b, c, d] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(Vector2::from);
     let shared = shared_area(uv, &[a, b, c]) + shared_area(uv, &[a, c, d]);
+    // Rounding of the two parts may exceed the whole.
     (shared / area(uv).abs()).min(1.0)
 }
 
@@ -103,6 +105,7 @@ impl Islands {
 
     fn join(&mut self, a: usize, b: usize) {
         let [a, b] = [a, b].map(|face| self.first(face));
+        // The earlier face stays the root, where the island's box is.
         let [kept, gone] = [a.min(b), a.max(b)];
         self.earlier[gone] = kept;
         let [low, high] = self.boxes[gone];
@@ -126,6 +129,7 @@ impl Islands {
             face = self.earlier[face];
         }
         let [low, high] = self.boxes[face];
+        // Astride: a border of the tiles lies between low and high, margins apart.
         (0..2).any(|axis| (low[axis] + MARGIN).floor() + 1.0 < high[axis] - MARGIN)
     }
 }

@@ -1,9 +1,9 @@
-//! The result of a bake.
+//! Result of a bake.
 
 use crate::BakeError;
 use crate::error::same_length;
 
-/// What a texel's value is based on, the weakest first.
+/// Source of a texel's value, the weakest first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Coverage {
     /// Nothing near: neutral normal, height zero.
@@ -25,7 +25,7 @@ pub struct WrinkleMap {
     pub normals: Vec<[f32; 3]>,
     /// Height of the layer above its rest distance from the driver, m.
     pub heights: Vec<f32>,
-    /// Where each texel comes from.
+    /// Source of each texel's value.
     pub coverage: Vec<Coverage>,
     /// Faces that left no mark because their UV triangle is degenerate, or spans more than eight
     /// tiles.
@@ -45,6 +45,7 @@ impl WrinkleMap {
     pub fn cover_with(&mut self, upper: &Self) -> Result<(), BakeError> {
         self.same_size(upper)?;
         for texel in 0..self.coverage.len() {
+            // A neutral texel of the upper map says nothing: the lower layer's relief shows there.
             if upper.coverage[texel] == Coverage::Covered {
                 self.normals[texel] = upper.normals[texel];
                 self.heights[texel] = upper.heights[texel];

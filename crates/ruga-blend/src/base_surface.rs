@@ -78,6 +78,8 @@ impl BaseSurface {
         smoothing: Smoothing,
         goes_on: &mut dyn FnMut() -> bool,
     ) -> Option<Self> {
+        // A place of the limit surface depends on one ring of each level, half as wide as that of
+        // the level before: on less than two rings of the driver in all.
         let part = driver
             .topology()
             .submesh(&with_rings(driver.topology(), faces, 2));
@@ -98,7 +100,11 @@ impl BaseSurface {
                 .faces()
                 .ids()
                 .map(|f| {
+                    // Numbered as if all of the driver were subdivided, so that surfaces made for
+                    // different faces agree on a face that both have.
                     let coarse = part.faces[fine.origins[f].face].0 as u64;
+                    // A face's four children follow each other, so the low bits of its number are
+                    // the way down from the face of the part.
                     let child = f.0 as u64 & ((1 << (2 * levels)) - 1);
                     (coarse << (2 * levels)) | child
                 })
@@ -117,6 +123,7 @@ impl BaseSurface {
             position: base.0,
             tangents: base.1,
         };
+        // The rings have shaped the border by now, and go.
         let mut wanted = PerFace::filled(driver.topology().face_count(), false);
         faces.iter().for_each(|&f| wanted[f] = true);
         let own: Vec<FaceId> = whole
@@ -128,7 +135,7 @@ impl BaseSurface {
         goes_on().then(|| whole.restrict(&own))
     }
 
-    /// How many of the driver's faces [`Self::new`] splits for `faces`: them and two rings around.
+    /// Number of the driver's faces that [`Self::new`] splits: `faces` and two rings around.
     ///
     /// # Panics
     /// When a face is none of the driver's.
@@ -169,7 +176,7 @@ impl BaseSurface {
         &self.mesh
     }
 
-    /// Where each base face lies in the driver's faces.
+    /// Place of each base face in the driver's faces.
     pub fn origins(&self) -> &PerFace<FaceOrigin> {
         &self.origins
     }
@@ -183,12 +190,13 @@ impl BaseSurface {
     pub fn vertex_points(&self) -> Vec<MaterialPoint> {
         let vertices = (0..self.mesh.vertex_count()).map(VertexId::from_index);
         vertices
+            // No vertex is lost: in a submesh each has a face.
             .filter_map(|vertex| MaterialPoint::of_vertex(&self.mesh, vertex))
             .map(|point| self.origins[point.face].place(point.barycentric))
             .collect()
     }
 
-    /// How often the driver's faces were split in four.
+    /// Number of times that the driver's faces were split in four.
     pub fn levels(&self) -> u32 {
         self.levels
     }
@@ -243,6 +251,7 @@ impl BaseSurface {
 }
 
 pub(crate) fn material_tangent(direction: &Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
+    // What is left of a direction along the normal is rounding, and would turn at random.
     let tangent = direction - normal * normal.dot(direction);
     tangent
         .try_normalize(1e-9 * direction.norm())
@@ -254,6 +263,7 @@ fn with_rings(mesh: &TriMesh, faces: &[FaceId], rings: u32) -> Vec<FaceId> {
     let mut chosen = PerFace::filled(mesh.face_count(), false);
     faces.iter().for_each(|&f| chosen[f] = true);
     for _ in 0..rings {
+        // From a copy, or the ring would run on through the faces that it has just added.
         let before = chosen.clone();
         for (face, _) in before.iter().filter(|(_, c)| **c) {
             for vertex in mesh.faces()[face] {
@@ -275,6 +285,8 @@ fn loop_rows(
     goes_on: &mut dyn FnMut() -> bool,
 ) -> Option<BaseRows> {
     let limit = limit_rows(&fine.mesh, &fine.corners);
+    // Subdivision and limit as one product: a pose is then one sparse product with the control
+    // points, whatever the levels.
     let from_driver = fine.fine_from_coarse.with_columns_at(vertices.as_slice());
     let mut compose = |rows: &SparseRows| goes_on().then(|| rows.after(&from_driver));
     Some((
@@ -316,6 +328,8 @@ fn fine_uvs(
         .as_slice()
         .iter()
         .map(|origin| {
+            // Linear although positions are smooth: renderers interpolate UVs so, and an address in
+            // UV has to mean the same on the artist's mesh and on this one.
             let [a, b, c] = driver.uvs()[part.faces[origin.face]];
             origin.corners.map(|[u, v, w]| a * u + b * v + c * w)
         })

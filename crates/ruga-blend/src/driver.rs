@@ -67,6 +67,8 @@ impl Driver {
                 mesh: artist.name.clone(),
             });
         };
+        // Rest and deltas together: lips that touch at rest part in some shape, and must not be
+        // sewn up.
         let deltas = artist.shapes.iter().map(|shape| &shape.position_deltas[..]);
         let columns: Vec<_> = iter::once(&artist.positions[..]).chain(deltas).collect();
         let Weld {
@@ -77,6 +79,8 @@ impl Driver {
             points.iter().map(|&v| values[v]).collect()
         };
         let rest = gather(&artist.positions);
+        // Before the topology is built: a triangle that welding has closed would be a face with a
+        // vertex twice.
         let (kept, degenerate) = split_degenerate(artist, &welded);
         if kept.is_empty() {
             return Err(BlendError::NoTriangles {
@@ -102,6 +106,8 @@ impl Driver {
             .collect();
         Ok(Self {
             name: artist.name.clone(),
+            // Judged at rest, once: corners that came and went with the pose would make the surface
+            // jump.
             corners: sharp_border_corners(&topology, &rest),
             uvs: kept
                 .iter()
@@ -233,6 +239,7 @@ fn check_arrays(artist: &ArtistMesh) -> Result<(), BlendError> {
     if let Some(uvs) = &artist.uvs {
         check_array(artist, "texture coordinate", uvs)?;
     }
+    // Checked in the file's numbers, by which welding and gathering index.
     for (face, triangle) in artist.triangles.iter().enumerate() {
         if let Some(&vertex) = triangle.iter().find(|&&v| v as usize >= expected) {
             return Err(BlendError::Topology {
@@ -286,12 +293,15 @@ fn split_degenerate(artist: &ArtistMesh, welded: &[VertexId]) -> (Vec<u32>, Vec<
             .max((c - b).norm_squared())
             .max((a - c).norm_squared());
         let area = 0.5 * (b - a).cross(&(c - a)).norm();
+        // Corners may be one vertex after welding although the file keeps them apart. The area is
+        // relative to a side, so that the unit of the file does not matter.
         i != j && j != k && k != i && area > MIN_RELATIVE_AREA * longest
     })
 }
 
-/// The error in the file's triangle numbers.
+/// The error, in the file's triangle numbers.
 fn with_file_numbers(error: MeshError, kept: &[u32]) -> MeshError {
+    // Triangles without area were left out, so faces are counted differently from the file.
     let renumber = |face: FaceId| FaceId(kept[face.index()]);
     match error {
         MeshError::DuplicateFaces { first, second } => MeshError::DuplicateFaces {

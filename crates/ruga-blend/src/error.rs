@@ -1,10 +1,10 @@
-//! What can be wrong with a driver.
+//! Errors of a driver and its poses.
 
 use ruga_mesh::MeshError;
 
 use crate::did_you_mean;
 
-/// Why a mesh with blend shapes cannot drive a simulation.
+/// Reason why a mesh with blend shapes cannot drive a simulation.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BlendError {
     /// The mesh has no triangle with an area.
@@ -18,7 +18,7 @@ pub enum BlendError {
     Topology {
         /// Name of the mesh.
         mesh: String,
-        /// What is wrong, with the file's triangle numbers and welded vertex numbers.
+        /// Fault of the topology, with the file's triangle numbers and welded vertex numbers.
         source: MeshError,
     },
     /// A pose names a blend shape that the mesh does not have.
@@ -28,7 +28,7 @@ pub enum BlendError {
         name: String,
         /// The most similar name there is.
         nearest: Option<String>,
-        /// How many shapes the mesh has.
+        /// Number of shapes that the mesh has.
         available: usize,
     },
     /// A weight of a pose is NaN or infinite.
@@ -44,7 +44,7 @@ pub enum BlendError {
     NotFinite {
         /// Name of the mesh.
         mesh: String,
-        /// Which array: `position`, `normal`, `texture coordinate` or the name of the shape.
+        /// Name of the array: `position`, `normal`, `texture coordinate` or the name of the shape.
         what: String,
         /// Vertex number in the file.
         vertex: usize,
@@ -54,7 +54,7 @@ pub enum BlendError {
     Length {
         /// Name of the mesh.
         mesh: String,
-        /// Which array.
+        /// Name of the array.
         what: String,
         /// Entries it has.
         found: usize,

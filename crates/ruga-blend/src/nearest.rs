@@ -1,9 +1,10 @@
-//! What was probably meant by a name that is unknown.
+//! Guess at what was meant by an unknown name.
 
 /// The accepted name nearest to `name`, if one is near enough to be a slip of the hand.
 pub fn nearest<'a>(name: &str, accepted: impl IntoIterator<Item = &'a str>) -> Option<String> {
     // Jaro-Winkler likes common beginnings, as typing errors do; below 0.75 the guesses annoy.
     const LEAST_SIMILARITY: f64 = 0.75;
+    // Tools differ in how they capitalise the same names.
     let lower = name.to_lowercase();
     accepted
         .into_iter()

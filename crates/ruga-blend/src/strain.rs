@@ -1,4 +1,4 @@
-//! What a pose asks of the skin: principal strains per face.
+//! Strains that a pose asks of the skin: principal values per face.
 
 use nalgebra::{Matrix2, SymmetricEigen, Vector2, Vector3};
 use ruga_mesh::{PerFace, TriMesh, triangle_frame};
@@ -20,6 +20,7 @@ impl FaceStrain {
     /// Principal values of a right Cauchy-Green tensor; not numbers where it holds any that is not.
     pub fn from_cauchy_green(cauchy_green: Matrix2<f64>) -> Self {
         let eigen = SymmetricEigen::new(cauchy_green);
+        // Eigenvalues of nalgebra come in no order. The smaller stretch is the larger compression.
         let (low, high) = if eigen.eigenvalues[0] <= eigen.eigenvalues[1] {
             (0, 1)
         } else {
@@ -76,9 +77,12 @@ pub fn face_strains(
 fn cauchy_green(rest: [Vector3<f64>; 3], posed: [Vector3<f64>; 3]) -> Matrix2<f64> {
     let frame = triangle_frame(&rest);
     let local = |edge: Vector3<f64>| Vector2::new(edge.dot(&frame[0]), edge.dot(&frame[1]));
+    // Columns are the rest edges in the rest frame; C = shape⁻ᵀ (posed edge products) shape⁻¹.
     let shape = Matrix2::from_columns(&[local(rest[1] - rest[0]), local(rest[2] - rest[0])]);
     let inverse = shape.try_inverse().unwrap_or_else(Matrix2::zeros);
     let (u, v) = (posed[1] - posed[0], posed[2] - posed[0]);
+    // Edge products of the posed triangle need no frame of it, which a triangle crushed to a line
+    // would not have.
     let metric = Matrix2::new(u.dot(&u), u.dot(&v), u.dot(&v), v.dot(&v));
     inverse.transpose() * metric * inverse
 }

@@ -69,7 +69,7 @@ impl SurfacePoints {
         })
     }
 
-    /// Where the points lie on the driver's faces.
+    /// Places of the points on the driver's faces.
     pub fn points(&self) -> &[MaterialPoint] {
         &self.points
     }
@@ -117,6 +117,7 @@ impl SurfacePoints {
         let mut posed = PosedSurface::default();
         for (jet, point) in rows.apply(control).iter().zip(&self.points) {
             let facet = || facets[point.face].try_normalize(0.0);
+            // A collapsed facet has no normal either; any unit vector keeps what follows finite.
             let normal = jet.normal().or_else(facet).unwrap_or_else(Vector3::z);
             posed.positions.push(jet.position);
             posed.normals.push(normal);
@@ -139,6 +140,8 @@ impl SurfacePoints {
             posed.normals.push(normal);
             posed
                 .tangents
+                // Facets have no derivatives that are the same on both sides: zero asks for the
+                // first edge.
                 .push(self.tangent(&Vector3::zeros(), &normal, point, control));
         }
         posed

@@ -11,7 +11,7 @@ use ruga_scene::{SceneError, file};
 use crate::error::CliError;
 use crate::pose_record::Records;
 
-/// How the GLB's JSON names its list of maps.
+/// Name of the list of maps in the GLB's JSON.
 const MAPS_IN_GLB: &str = "\"wrinkleMaps\"";
 
 /// Cosine of the angle by which a corner's tangent may differ from its vertex's: 10 degrees, about
@@ -123,7 +123,7 @@ pub(crate) fn write_artist_mesh(
     Ok(written)
 }
 
-/// Where the triangles around a vertex want tangents that the vertex's own does not fit.
+/// Warning about vertices whose tangent does not fit what the triangles around them want.
 fn conflicts(
     mesh: &MeshFile,
     rest: &[[TangentFrame; 3]],

@@ -8,7 +8,7 @@ use ruga_scene::{SceneError, counted};
 use ruga_stepper::StepperError;
 use thiserror::Error;
 
-/// What the user can mend; each message names the file, and the key or element in it.
+/// Errors that the user can mend; each message names the file, and the key or element in it.
 #[derive(Debug, Error, Diagnostic)]
 pub(crate) enum CliError {
     /// A file cannot be read, means something impossible, or cannot be written.

@@ -9,18 +9,18 @@ use ruga_blend::ArtistMesh;
 pub(crate) struct Fingerprint(u64);
 
 impl Fingerprint {
-    /// Of nothing.
+    /// Fingerprint of nothing.
     pub(crate) fn new() -> Self {
         Self(0xcbf2_9ce4_8422_2325)
     }
 
-    /// Of what came before and one more piece; where a piece ends counts.
+    /// Fingerprint of what came before and one more piece; where a piece ends counts.
     pub(crate) fn with(self, bytes: &[u8]) -> Self {
         self.with_each(&(bytes.len() as u64).to_le_bytes())
             .with_each(bytes)
     }
 
-    /// Of what came before and numbers, bit by bit.
+    /// Fingerprint of what came before and numbers, bit by bit.
     pub(crate) fn with_numbers(self, numbers: impl IntoIterator<Item = f64>) -> Self {
         let start = self.with(b"numbers");
         numbers
@@ -28,7 +28,7 @@ impl Fingerprint {
             .fold(start, |hash, n| hash.with_each(&n.to_bits().to_le_bytes()))
     }
 
-    /// Of what came before and a mesh: whatever files it was read from, all that was read.
+    /// Fingerprint of what came before and a mesh: all that was read, from whatever files.
     pub(crate) fn with_mesh(self, mesh: &ArtistMesh) -> Self {
         let corners = mesh.triangles.iter().flatten();
         let mut hash = self
@@ -46,7 +46,7 @@ impl Fingerprint {
         hash
     }
 
-    /// As 16 hexadecimal digits.
+    /// The fingerprint as 16 hexadecimal digits.
     pub(crate) fn text(self) -> String {
         format!("{:016x}", self.0)
     }

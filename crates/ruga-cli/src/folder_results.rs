@@ -16,7 +16,7 @@ pub(crate) struct FolderResults {
     records: Records,
     /// Those that fit this version of the scene, in its order: what report and manifest list.
     pub(crate) current: Vec<PoseRecord>,
-    /// What the user should know of the others.
+    /// Notes for the user about the others.
     pub(crate) notes: Vec<String>,
 }
 

@@ -7,7 +7,7 @@ use crate::messages;
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 
-/// From now on Ctrl-C (and a request to terminate) asks instead of killing.
+/// Lets Ctrl-C (and a request to terminate) ask instead of kill, from now on.
 pub(crate) fn listen() {
     static LISTENING: Once = Once::new();
     LISTENING.call_once(|| {

@@ -31,7 +31,7 @@ pub(crate) fn warnings<'a>(texts: impl IntoIterator<Item = &'a String>, whole: &
     }
 }
 
-/// Why the command could not run, or one of several reasons, on stderr.
+/// Prints on stderr why the command could not run, or one of several reasons.
 pub(crate) fn error(error: CliError) {
     let error: &dyn Diagnostic = &error;
     let mut text = String::new();

@@ -1,6 +1,6 @@
 //! How a command ends.
 
-/// How a command that could run ended.
+/// End of a command that could run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
     /// All is well.

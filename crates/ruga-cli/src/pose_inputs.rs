@@ -39,7 +39,7 @@ pub(crate) fn scene_poses(scene: &Scene) -> Result<Vec<ScenePose>, CliError> {
     Ok(poses.iter().map(pose).collect())
 }
 
-/// What all poses depend on: release, scene, mesh, masks and painted maps.
+/// Fingerprint of all that every pose depends on: release, scene, mesh, masks and painted maps.
 fn shared_inputs(scene: &Scene) -> Result<Fingerprint, CliError> {
     let text = String::from_utf8_lossy(&read_bytes(&scene.path)?).into_owned();
     // Parsed anew, because the scene's own copy has paths that depend on where the command was run.

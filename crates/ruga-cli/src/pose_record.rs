@@ -31,7 +31,7 @@ pub(crate) struct PoseRecord {
     /// Files of earlier runs that this one has not written again, such as the maps of keys that are
     /// gone. They go when the pose is finished and nothing lists them any more.
     pub(crate) leftovers: Vec<String>,
-    /// What the user should know.
+    /// Warnings for the user.
     pub(crate) warnings: Vec<String>,
 }
 
@@ -54,12 +54,12 @@ impl PoseRecord {
 pub(crate) struct Records {
     /// The output folder.
     pub(crate) output: PathBuf,
-    /// Where the records lie.
+    /// Folder of the records.
     folder: PathBuf,
 }
 
 impl Records {
-    /// Of `ruga bake`.
+    /// Records of `ruga bake`.
     pub(crate) fn of_bake(output: &Path) -> Self {
         Self {
             output: output.to_owned(),
@@ -67,7 +67,7 @@ impl Records {
         }
     }
 
-    /// Of `ruga simulate`.
+    /// Records of `ruga simulate`.
     pub(crate) fn of_simulate(output: &Path) -> Self {
         Self {
             output: output.to_owned(),

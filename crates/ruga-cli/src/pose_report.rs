@@ -7,8 +7,8 @@ use ruga_stepper::{PoseResult, StopRule};
 
 use crate::table::duration;
 
-/// How the pose went; `seconds` are those of its layers, `points` the vertices per wavelength that were
-/// asked for.
+/// Report of a pose; `seconds` are those of its layers, `points` the vertices per wavelength that
+/// were asked for.
 pub(crate) fn pose_report(
     name: &str,
     result: &PoseResult,
@@ -32,7 +32,7 @@ pub(crate) fn pose_report(
     }
 }
 
-/// How a pose ended, for people.
+/// End of a pose in words, for people.
 pub(crate) fn ending(report: &PoseReport) -> String {
     if report.frames == 0 && report.converged {
         return "nothing to wrinkle".to_owned();

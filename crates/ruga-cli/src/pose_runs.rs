@@ -26,17 +26,17 @@ pub(crate) struct PoseFiles {
     pub(crate) maps: Vec<WrinkleMap>,
     /// Every file, relative to the output folder.
     pub(crate) files: Vec<String>,
-    /// What the user should know, without the pose's name.
+    /// Warnings for the user, without the pose's name.
     pub(crate) warnings: Vec<String>,
 }
 
-/// What a command makes of a pose.
+/// Product that a command makes of a pose.
 pub(crate) trait Product: Sync {
     /// Whether it writes load steps as they come; else nothing is written before the pose is done,
     /// and an earlier run's files stay good until then.
     const WANTS_FRAMES: bool;
 
-    /// What has been made of poses so far.
+    /// Records of what has been made of poses so far.
     fn records(&self) -> &Records;
 
     /// Removes of earlier runs' files those among which new ones are about to appear: an
@@ -82,7 +82,7 @@ pub(crate) fn run_poses<P: Product>(
     })
 }
 
-/// What all poses share.
+/// Data that all poses share.
 struct PoseRun<'a, P> {
     scene: &'a Scene,
     plan: &'a ScenePlan,

@@ -6,8 +6,10 @@ use std::path::{Component, Path, PathBuf};
 use ruga_scene::Scene;
 use serde::{Deserialize, Serialize};
 
-/// Where the scene file lies, seen from the folder, and the mesh that is driven. Whatever is edited in
-/// the scene, it stays the same one; so it does where scene and folder are moved together.
+/// Place of the scene file, seen from the folder, and the mesh that is driven.
+///
+/// Whatever is edited in the scene, it stays the same one; so it does where scene and folder are
+/// moved together.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct SceneOrigin {
     /// The scene file relative to the folder, with `/` between folders.
@@ -17,7 +19,7 @@ pub(crate) struct SceneOrigin {
 }
 
 impl SceneOrigin {
-    /// Of a scene whose results go to `folder`, which exists.
+    /// Origin of a scene whose results go to `folder`, which exists.
     pub(crate) fn of(scene: &Scene, folder: &Path) -> Self {
         let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
         Self {

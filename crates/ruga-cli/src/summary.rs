@@ -11,7 +11,7 @@ use crate::outcome::Outcome;
 use crate::pose_record::PoseRecord;
 use crate::table::{ABSENT, duration, number, table};
 
-/// Where each warning can be read when several were said as one.
+/// Words that tell where each warning can be read when several were said as one.
 pub(crate) const ALL_IN_REPORT: &str = "all are in report.json";
 
 /// The poses of a run, or the error that ended it.
@@ -34,7 +34,8 @@ pub(crate) fn unless_nothing_is_there(
     }
 }
 
-/// What ended the run where it could not be concluded either: `then` is said, if it is not that.
+/// The error that ended the run, where it could not be concluded either: `then` is said, if it is
+/// not that.
 pub(crate) fn first_error(poses: RunPoses, then: CliError) -> CliError {
     match poses {
         Ok(_) => then,

@@ -7,19 +7,19 @@
 use std::cmp::Ordering;
 use std::ops::Range;
 
-/// What a place on the model begins with; its square of the texture ends with [`PLACE_SQUARE`].
+/// Words that begin a place on the model; its square of the texture ends with [`PLACE_SQUARE`].
 const PLACE: &str = "at u ";
 
 /// The end of a place's square of the texture.
 const PLACE_SQUARE: &str = " from the map's upper left";
 
-/// What may follow it: the blend shape nearest to the place, up to [`PLACE_SHAPE_END`].
+/// Words that may follow it: the blend shape nearest to the place, up to [`PLACE_SHAPE_END`].
 const PLACE_SHAPE: &str = " (nearest blend shape '";
 
 /// The end of the blend shape's name.
 const PLACE_SHAPE_END: &str = "')";
 
-/// What follows a place that does not stand for all.
+/// Words that follow a place that does not stand for all.
 const PLACE_MORE: &str = ", and elsewhere";
 
 /// Names that stand in a group's message.
@@ -56,7 +56,7 @@ pub(crate) fn grouped<'a>(warnings: impl IntoIterator<Item = &'a str>, whole: &s
         .collect()
 }
 
-/// What a group of one kind comes to.
+/// Message of a group of one kind.
 fn message(mut same: Vec<Warning<'_>>, whole: &str) -> String {
     if let [only] = same.as_slice() {
         return only.whole.to_owned();
@@ -177,7 +177,7 @@ impl<'a> Warning<'a> {
         kind + &self.text[end..]
     }
 
-    /// Where its numbers are, those of a place left out.
+    /// Ranges of its numbers, those of a place left out.
     fn number_ranges(&self) -> Vec<Range<usize>> {
         let place = place_range(self.text).unwrap_or_default();
         let mut ranges = number_ranges(self.text);
@@ -214,8 +214,8 @@ impl<'a> Warning<'a> {
 /// Words that are shown with their number.
 const UNITS: [&str; 7] = ["cm2", "mm", "%", "texels", "points", "vertices", "m"];
 
-/// Where a text names a place on the model, if it does: its square of the texture, with the blend
-/// shape nearest to it and with what says that there are others.
+/// Range in which a text names a place on the model, if it does: its square of the texture, with
+/// the blend shape nearest to it and with what says that there are others.
 fn place_range(text: &str) -> Option<Range<usize>> {
     let start = text.find(PLACE)?;
     let square = text[start..].find(PLACE_SQUARE)?;
@@ -231,7 +231,7 @@ fn place_range(text: &str) -> Option<Range<usize>> {
     Some(start..end)
 }
 
-/// Where the numbers in a text are: digits with at most one dot among them.
+/// Ranges of the numbers in a text: digits with at most one dot among them.
 fn number_ranges(text: &str) -> Vec<Range<usize>> {
     let mut ranges: Vec<Range<usize>> = Vec::new();
     for (at, character) in text.char_indices() {

@@ -10,10 +10,10 @@ use ruga_stepper::{Frame, Observer, Phase, Preparation, Progress};
 use crate::error::CliError;
 use crate::interrupt;
 
-/// What to do with every load step.
+/// Function that takes every load step.
 pub(crate) type FrameSink<'a> = dyn FnMut(&Frame<'_>) -> Result<(), CliError> + 'a;
 
-/// What a layer's time went into.
+/// Time spent on a layer, by kind of work.
 #[derive(Clone, Copy, Debug, Default)]
 struct Spent {
     constraints: Duration,

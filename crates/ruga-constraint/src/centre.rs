@@ -1,4 +1,4 @@
-//! Where a constraint function is centred on the mesh at hand.
+//! Centre of a constraint function on the mesh at hand.
 
 use nalgebra::Vector3;
 use ruga_mesh::{Id, MaterialPoint, TriMesh, VertexId};
@@ -43,6 +43,8 @@ impl Centre {
         let mut carriers: Vec<_> = corners.filter(|corner| corner.1 > ZERO).collect();
         carriers.sort_by_key(|carrier| carrier.0);
         let sum: f64 = carriers.iter().map(|carrier| carrier.1).sum();
+        // Snapping has dropped up to a few 1e-9. A place whose weights do not sum to one would move
+        // with the origin.
         carriers.iter_mut().for_each(|carrier| carrier.1 /= sum);
         Ok(Self { carriers })
     }
@@ -80,6 +82,8 @@ impl Centre {
         &'a self,
         mesh: &'a TriMesh,
     ) -> impl Iterator<Item = VertexId> + 'a {
+        // Faces around one carrier that hold all others: those at a vertex, the two of an edge, or
+        // one.
         let (first, others) = (self.carriers[0].0, &self.carriers[1..]);
         let faces = mesh
             .vertex_faces(first)
@@ -91,7 +95,7 @@ impl Centre {
             .filter(move |&v| !others.is_empty() || v != first)
     }
 
-    /// Towards the neighbour with the lowest id: turns and mirrors with the mesh.
+    /// Direction towards the neighbour with the lowest id: turns and mirrors with the mesh.
     pub(crate) fn axis(&self, mesh: &TriMesh, positions: &[Vector3<f64>]) -> Vector3<f64> {
         let lowest = self.neighbours(mesh).min();
         lowest.map_or_else(Vector3::x, |v| {

@@ -32,7 +32,7 @@ pub(crate) struct Chart {
     pub(crate) places: Vec<Vector2<f64>>,
     /// The faces that the centre sees, as indices into `vertices`.
     pub(crate) faces: Vec<[u32; 3]>,
-    /// Whether a border of the surface comes nearer than the radius asked for.
+    /// True where a border of the surface comes nearer than the radius asked for.
     pub(crate) is_clipped: bool,
 }
 
@@ -72,9 +72,12 @@ impl<'a> Charts<'a> {
         };
         let borders = self.collect_faces(&mut chart, radius);
         chart.is_clipped = !borders.is_empty();
+        // Without a border near by all of the disc is seen, which spares most centres the test of
+        // every face against every border.
         if chart.is_clipped {
             chart.hide(centre, &borders);
         }
+        // Only what was set is cleared: all slots would cost the whole mesh for each centre.
         for vertex in &chart.vertices {
             self.slots[vertex.index()] = ABSENT;
         }
@@ -98,6 +101,7 @@ impl<'a> Charts<'a> {
         let own_reach = centre
             .carriers()
             .fold(0.0_f64, |m, v| m.max(self.reach[v.index()]));
+        // A guess that holds where edges are alike; longer ones further out make the loop go on.
         let mut laid_out = radius + 2.0 * own_reach;
         loop {
             let found =
@@ -111,6 +115,7 @@ impl<'a> Charts<'a> {
             if radius + longest <= laid_out {
                 return found.into_iter().map(|f| (f.vertex, f.place)).unzip();
             }
+            // A little more than needed, or rounding could ask for another round.
             laid_out = radius + 1.001 * longest;
         }
     }
@@ -123,6 +128,7 @@ impl<'a> Charts<'a> {
             for &face in self.mesh.vertex_faces(vertex) {
                 let corners = self.mesh.faces()[face];
                 let slots = corners.map(|v| self.slots[v.index()]);
+                // A face is met at each of its corners; it is taken at the lowest.
                 let is_first = corners.iter().all(|&v| v >= vertex);
                 if !is_first || slots.contains(&ABSENT) {
                     continue;
@@ -154,6 +160,7 @@ impl<'a> Charts<'a> {
             );
             flat <= LARGEST_STRETCH * true_length && true_length <= LARGEST_STRETCH * flat
         });
+        // Clockwise faces lie where the chart has folded over: no stretch of edges shows that.
         is_kept && cross(places[1] - places[0], places[2] - places[0]) > 0.0
     }
 }
@@ -163,6 +170,8 @@ impl Chart {
     ///
     /// A face counts by its middle, so that the two lips of a closed slit stay apart.
     fn hide(&mut self, centre: &Centre, borders: &[[Vector2<f64>; 2]]) {
+        // A border that the centre lies on hides nothing, being at no distance; only the centre's
+        // own faces tell inwards from outwards there.
         let own_sectors = self.own_sectors(centre);
         let places = &self.places;
         self.faces.retain(|face| {
@@ -193,7 +202,7 @@ impl Chart {
             .collect()
     }
 
-    /// Whether each vertex belongs to a face that the centre sees.
+    /// One flag per vertex: whether it belongs to a face that the centre sees.
     pub(crate) fn seen_vertices(&self) -> Vec<bool> {
         let mut seen = vec![false; self.vertices.len()];
         for &slot in self.faces.iter().flatten() {
@@ -203,10 +212,11 @@ impl Chart {
     }
 }
 
-/// Whether the straight way from the origin to `point` leaves the surface through `border`.
+/// Says whether the straight way from the origin to `point` leaves the surface through `border`.
 fn is_behind(point: Vector2<f64>, [tail, head]: [Vector2<f64>; 2]) -> bool {
     let along = head - tail;
     let zero = PARALLEL * along.norm_squared();
+    // The surface lies to the left of a border: negative is outside.
     let ends_outside = cross(along, point - tail) < -zero;
     let starts_inside = cross(along, -tail) > zero;
     // Closed at both ends: nothing slips through between two edges of a border.

@@ -1,4 +1,4 @@
-//! Where constraint functions are centred.
+//! Centres of constraint functions, spread over a region.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -10,7 +10,7 @@ use crate::ConstraintError;
 use crate::region_graph::{RegionGraph, Voronoi, ticks};
 use crate::rows::{check_length, check_mesh, check_vertex};
 
-/// How centres are spread over a region.
+/// Settings of how centres are spread over a region.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClusterSettings {
     /// Most rounds of moving every centre to the middle of its cell; 0 keeps the greedy choice.
@@ -105,6 +105,7 @@ pub fn cluster_centres(
         graph: RegionGraph::new(mesh, positions, spacing, &is_candidate),
     };
     let mut voronoi = Voronoi::new(mesh.vertex_count());
+    // The border counts as a centre that is there already, so that greedy choice begins inside.
     let border = border_of(mesh, &is_candidate);
     region
         .graph
@@ -121,7 +122,7 @@ pub fn cluster_centres(
     Ok(centres)
 }
 
-/// How much farther than it is the border counts, in spacings.
+/// Distance by which the border counts as farther than it is, in spacings.
 ///
 /// Points of a hex lattice are at most .577 spacings from the nearest centre; half a spacing from
 /// the border is as good a place as that. Greedy centres would else line the border, too close.
@@ -244,11 +245,13 @@ impl Region<'_> {
         voronoi: &mut Voronoi,
         centres: &mut [VertexId],
     ) -> bool {
+        // Without the border: the middle of a cell keeps its distance from it by itself.
         *voronoi = Voronoi::new(is_candidate.len());
         let sources = centres.iter().copied().zip(0..);
         self.graph.add_sources(voronoi, sources, 0);
         let mut cells = vec![Vec::new(); centres.len()];
         for (vertex, _) in is_candidate.iter().filter(|pair| *pair.1) {
+            // Pieces too small for a centre have no owner, and no cell.
             if let Some(cell) = cells.get_mut(voronoi.owner[vertex.index()] as usize) {
                 cell.push(vertex);
             }
@@ -258,6 +261,7 @@ impl Region<'_> {
             let own_spacing = self.spacing[*centre];
             let weight =
                 |v: VertexId| self.areas[v.index()] * (own_spacing / self.spacing[v]).powi(4);
+            // A mean in space lies off a curved surface, and centres are vertices.
             let moved = self.nearest(cell, self.middle(cell, weight));
             has_moved |= moved != *centre;
             *centre = moved;
@@ -267,6 +271,7 @@ impl Region<'_> {
 
     /// Weighted mean of positions; of their plain mean where nothing weighs.
     fn middle(&self, vertices: &[VertexId], weight: impl Fn(VertexId) -> f64) -> Vector3<f64> {
+        // Relative to the cell, so that a mesh far from the origin keeps its digits.
         let origin = self.positions[vertices[0].index()];
         let mut total = 0.0;
         let mut sum = Vector3::zeros();
@@ -284,6 +289,7 @@ impl Region<'_> {
 
     fn nearest(&self, vertices: &[VertexId], place: Vector3<f64>) -> VertexId {
         let distance = |v: VertexId| (self.positions[v.index()] - place).norm() / self.spacing[v];
+        // In ticks: vertices that only rounding tells apart are equal, and the lowest is taken.
         let best = vertices.iter().min_by_key(|&&v| (ticks(distance(v)), v));
         *best.expect("a piece or cell holds at least one vertex")
     }

@@ -1,8 +1,8 @@
-//! What can be wrong with a request for centres or rows.
+//! Errors of a request for centres or rows.
 
 use ruga_mesh::{FaceId, VertexId};
 
-/// Why no centres or rows can be made.
+/// Reason why no centres or rows can be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ConstraintError {
     /// The mesh has no faces, or no vertex is a candidate.
@@ -11,7 +11,7 @@ pub enum ConstraintError {
     /// An array doesn't fit the mesh or the list of centres.
     #[error("{found} {what} were given; {expected} are needed")]
     WrongLength {
-        /// What the array holds.
+        /// Name of what the array holds.
         what: &'static str,
         /// Elements needed.
         expected: usize,

@@ -73,6 +73,8 @@ impl Kernel {
         }
         // Terms over the first one, Sʲ 2/j! for j from 2 and without the common factor S².
         let (mut term, mut tail, mut index) = (1.0, 0.0, 2.0);
+        // Terms grow until their index passes S; before that a small one says nothing of what
+        // follows.
         while term > f64::EPSILON * tail || index < half_square {
             index += 1.0;
             term *= half_square / index;

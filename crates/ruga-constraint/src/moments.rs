@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, SVector, Vector2};
 
-/// Why a row reproduces constants only.
+/// Reason why a row reproduces constants only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Degradation {
     /// Fewer than six vertices carry weight.
@@ -34,7 +34,7 @@ pub(crate) struct Moments {
 }
 
 impl Moments {
-    /// Those of weighted points; `None` without weight.
+    /// Moments of weighted points; `None` without weight.
     pub(crate) fn of(points: impl Iterator<Item = (Vector2<f64>, f64)>) -> Option<Self> {
         let (mut mass, mut first, mut second) = (0.0, Vector2::zeros(), [0.0; 3]);
         for (u, weight) in points {
@@ -50,7 +50,7 @@ impl Moments {
         })
     }
 
-    /// Those of a round kernel with the given mean of `x²`.
+    /// Moments of a round kernel with the given mean of `x²`.
     pub(crate) fn round(second: f64) -> Self {
         Self {
             first: Vector2::zeros(),
@@ -72,6 +72,7 @@ pub(crate) fn match_centroid(
     target: &Moments,
 ) -> Result<(), Degradation> {
     let radius = extent(points, weights);
+    // Lengths over the extent: the condition is then that of the arrangement, in any unit.
     let basis = |u: &Vector2<f64>| SVector::<f64, 3>::new(1.0, u.x / radius, u.y / radius);
     let goal = basis(&target.first);
     let limits = (LEAST_FOR_AFFINE, LARGEST_CONDITION);
@@ -113,6 +114,7 @@ fn match_basis<const N: usize>(
     goal: &SVector<f64, N>,
     (least, largest_condition): (usize, f64),
 ) -> Result<(), Degradation> {
+    // On any failure below the row is left with a unit sum, which is the one thing all rows need.
     normalise(weights);
     if weights.iter().filter(|&&w| w > 0.0).count() < least {
         return Err(Degradation::FewVertices);

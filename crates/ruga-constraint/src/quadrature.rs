@@ -54,9 +54,13 @@ fn small_pieces(triangle: [Vector2<f64>; 3], radius: f64) -> Vec<Piece> {
         let spots = piece.corners.map(|b| at(triangle, b));
         let middle = (spots[0] + spots[1] + spots[2]) / 3.0;
         let distances = spots.iter().map(|spot| (spot - middle).norm());
+        // By the piece's own disc, which is cheaper than its distance; what is kept in vain gets no
+        // weight.
         if middle.norm() - distances.fold(0.0, f64::max) >= radius {
             continue;
         }
+        // Cut across the longest edge: slivers become rounder, and every length ends below the
+        // bound.
         let (side, length) = longest_edge(spots);
         if length > LONGEST_EDGE * radius && piece.cuts < MAX_CUTS {
             pieces.extend(piece.halves(side));
@@ -117,6 +121,8 @@ impl Piece {
         let middle = [0, 1, 2].map(|i| 0.5 * (a[i] + b[i]));
         [[a, middle, c], [middle, b, c]].map(|corners| Self {
             corners,
+            // A half is exact, where areas computed of tiny pieces would not sum to that of the
+            // face.
             share: 0.5 * self.share,
             cuts: self.cuts + 1,
         })

@@ -53,6 +53,7 @@ impl RegionGraph {
         spacing: &PerVertex<f64>,
         is_candidate: &PerVertex<bool>,
     ) -> Self {
+        // An edge and a diagonal, each in both directions.
         let mut links: Vec<(u32, u32, u64)> = Vec::with_capacity(4 * mesh.edges().len());
         let mut pieces = UnionFind::new(mesh.vertex_count());
         let mut link = |[a, b]: [VertexId; 2], length: f64| {
@@ -81,6 +82,7 @@ impl RegionGraph {
         links.sort_unstable();
         links.dedup_by_key(|l| (l.0, l.1));
         let mut graph = Csr::from_sorted_edges(&links).expect("the links were sorted just above");
+        // Made of links alone, the graph ends at the last vertex that has one.
         while graph.node_count() < mesh.vertex_count() {
             graph.add_node(());
         }
@@ -109,6 +111,8 @@ impl RegionGraph {
         for (source, number) in sources {
             distance[source.index()] = head_start;
             owner[source.index()] = number;
+            // With the vertex in the key the queue has no ties, and an owner does not depend on its
+            // order.
             queue.push(Reverse((head_start, source.0)));
         }
         while let Some(Reverse((reached, from))) = queue.pop() {
@@ -144,5 +148,6 @@ fn unfolded_diagonal(edge: &Edge, positions: &[Vector3<f64>]) -> Option<f64> {
     let (left, right) = (unfold(edge.apexes[0]?), unfold(edge.apexes[1]?));
     let height = left.1 + right.1;
     let crossing = left.0 + (right.0 - left.0) * left.1 / height;
+    // Past an end the straight line leaves the two faces, and is no way over the surface.
     (crossing >= 0.0 && crossing <= length).then(|| (right.0 - left.0).hypot(height))
 }

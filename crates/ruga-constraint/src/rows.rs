@@ -67,7 +67,7 @@ pub struct ConstraintRow {
     /// Vertices with weights other than zero, ascending; the weights sum to one
     /// (with [`Sampling::AdjustedAsPrinted`], not).
     pub weights: Vec<(VertexId, f64)>,
-    /// What the row reproduces.
+    /// Functions that the row reproduces.
     pub order: Order,
 }
 
@@ -140,6 +140,8 @@ pub fn constraint_rows(
     let mut taken = BTreeSet::new();
     let mut set = ConstraintSet::default();
     for (number, (centre, kernel)) in checked.iter().zip(kernels).enumerate() {
+        // A row that stands twice would make the constraint matrix rank-deficient and the system of
+        // the solver singular.
         if taken.insert(centre.key()) {
             let chart = charts.around(centre, kernel.radius());
             let (weights, outcome) = sample(&chart, kernel, &areas, centre, sampling);
@@ -213,6 +215,7 @@ fn integrate(
     mut areas: Vec<f64>,
 ) -> (Vec<f64>, Result<Order, Degradation>) {
     let target = kernel_moments(chart, kernel, || quadrature_points(chart, kernel));
+    // The vertices alone, where they are many: a rule whose error has no preferred sign.
     if match_second_moments(&chart.places, &mut areas, &target).is_ok() {
         return (areas, Ok(Order::Quadratic));
     }
@@ -223,6 +226,8 @@ fn integrate(
     }
     let (places, mut shares): (Vec<_>, Vec<_>) = points.iter().map(|p| (p.place, p.weight)).unzip();
     let outcome = match_centroid(&places, &mut shares, &target);
+    // Hat functions reach over whole faces, so vertices just outside the support take part: that
+    // may be enough for a match that those inside could not give.
     let mut weights = gather(chart, &points, &shares);
     if match_second_moments(&chart.places, &mut weights, &target).is_ok() {
         return (weights, Ok(Order::Quadratic));
@@ -264,6 +269,8 @@ fn adjust_as_printed(chart: &Chart, weights: &mut [f64]) -> Result<Order, Degrad
         squares += u * u.transpose();
         centroid += u * w;
     }
+    // The printed correction adds `α·u` to each weight. Their sum then changes by `α·Σ u`, which is
+    // not zero: nothing is done about it here.
     let inverse = squares.try_inverse().ok_or(Degradation::Collinear)?;
     let alpha = -inverse * centroid;
     for (u, w) in chart.places.iter().zip(weights).filter(|p| *p.1 > 0.0) {

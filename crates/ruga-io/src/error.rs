@@ -16,7 +16,7 @@ pub enum IoError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: io::Error,
     },
     /// A file was expected, a folder was named.
@@ -30,7 +30,7 @@ pub enum IoError {
     UnknownFormat {
         /// The file.
         path: PathBuf,
-        /// What it appears to be.
+        /// Description of what it appears to be.
         found: String,
         /// The formats that would do.
         accepted: &'static str,
@@ -42,7 +42,7 @@ pub enum IoError {
         path: PathBuf,
         /// The element in it, such as `accessor 4` or `line 12`.
         element: String,
-        /// What is wrong with the element.
+        /// Fault of the element.
         reason: String,
     },
     /// The file holds several meshes and none was chosen.
@@ -80,15 +80,15 @@ pub enum IoError {
         path: PathBuf,
         /// The blend shape.
         target: String,
-        /// Where the two differ.
+        /// Difference between the two.
         reason: String,
     },
-    /// What was to be written contradicts itself; the caller's mistake.
+    /// The data to be written contradict themselves; the caller's mistake.
     #[error("{path}: not written: {reason}")]
     Unwritten {
         /// The file.
         path: PathBuf,
-        /// Which array does not fit which.
+        /// Names of the arrays that do not fit each other.
         reason: String,
     },
     /// The system does not let us write the file.
@@ -96,7 +96,7 @@ pub enum IoError {
     Unwritable {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: io::Error,
     },
 }

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::{MapCoordinates, WrinkleMap};
 
-/// What `ruga` adds to the artist's mesh.
+/// Data that `ruga` adds to the artist's mesh.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct GlbAdditions<'a> {
     /// Tangent of each vertex and, as `w`, the sign of the bitangent for V pointing down: for the

@@ -17,12 +17,12 @@ use crate::{
     write_atomically,
 };
 
-/// What was written.
+/// Report of what was written.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WrittenGlb {
     /// The file's name and where in it the maps are referenced, for `wrinkles.json`.
     pub reference: GlbReference,
-    /// What could not be carried or does not fit the maps, in words for the user.
+    /// Warnings in words for the user: what could not be carried or does not fit the maps.
     pub warnings: Vec<String>,
 }
 

@@ -14,7 +14,7 @@ use crate::gltf_container::Container;
 /// Elements that an accessor without bytes of its own may claim; more is a damaged count.
 const MOST_UNBACKED: usize = 1 << 24;
 
-/// What the bytes of an accessor are.
+/// Layout of the bytes of an accessor.
 #[derive(Clone, Copy)]
 struct Layout {
     component: ComponentType,

@@ -63,7 +63,7 @@ impl Container {
     }
 }
 
-/// What a file is made of.
+/// Parts that a file is made of.
 struct Chunks {
     json: Vec<u8>,
     binary: Option<Vec<u8>>,

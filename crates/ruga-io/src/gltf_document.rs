@@ -28,7 +28,7 @@ pub struct GltfDocument {
     pub(crate) missing_images: Vec<usize>,
 }
 
-/// Where a part of a mesh stands in its document.
+/// Place of a part of a mesh in its document.
 #[derive(Clone, Debug)]
 pub(crate) struct PartSource {
     /// Number of the primitive.

@@ -87,7 +87,7 @@ fn left_outside(number: usize, uri: &str, reason: &str) -> String {
     )
 }
 
-/// By the first bytes, else by the name.
+/// MIME type by the first bytes, else by the name.
 fn mime_type(bytes: &[u8], file: &Path) -> Option<&'static str> {
     if bytes.starts_with(b"\x89PNG") {
         return Some("image/png");

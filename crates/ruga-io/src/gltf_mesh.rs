@@ -325,7 +325,7 @@ impl<'a> PrimitiveReader<'a> {
         Ok(values.into_iter().map(Vector3::from).collect())
     }
 
-    /// As many vectors as vertices; zeros where there is no accessor.
+    /// Reads as many vectors as there are vertices; zeros where there is no accessor.
     fn sized_vectors(
         &self,
         accessor: Option<Index<Accessor>>,
@@ -365,7 +365,7 @@ impl<'a> PrimitiveReader<'a> {
     }
 }
 
-/// What the primitives of a mesh come to.
+/// Primitives of a mesh, read into one.
 struct ReadPrimitives {
     mesh: ArtistMesh,
     parts: Vec<MeshPart>,

@@ -123,7 +123,7 @@ struct Writer<'a> {
 #[derive(Clone, Copy)]
 struct Added {
     tangent: usize,
-    /// Where the file has no normals.
+    /// Accessor of the normals, where the file has none.
     normal: Option<usize>,
 }
 

@@ -22,8 +22,8 @@ pub struct MeshFile {
     pub parts: Vec<MeshPart>,
     /// Weights of the blend shapes in the file's rest state, one per shape; usually zeros.
     pub default_weights: Vec<f64>,
-    /// What the file's coordinates were multiplied by to become metres: the symmetric part `S` of
-    /// the node's world transform `R S`. The rotation `R` and the translation are *not* applied,
+    /// Factor that turned the file's coordinates into metres: the symmetric part `S` of the node's
+    /// world transform `R S`. The rotation `R` and the translation are *not* applied,
     /// so the axes of [`MeshFile::mesh`] are those of the file.
     pub stretch: Matrix3<f64>,
     /// World transform of the node that carries the mesh, in metres; identity for OBJ. Of a mesh with
@@ -33,7 +33,7 @@ pub struct MeshFile {
     pub metres_per_unit: f64,
     /// The document that the mesh was read from; `None` for OBJ, and for meshes made by code.
     pub document: Option<GltfDocument>,
-    /// What was assumed or left out, in words for the user.
+    /// Warnings in words for the user: what was assumed or left out.
     pub warnings: Vec<String>,
 }
 
@@ -65,7 +65,7 @@ pub struct MeshPart {
     pub material: Option<Material>,
 }
 
-/// What of a material does not need its images.
+/// Properties of a material that need no images.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Its name.
@@ -80,7 +80,7 @@ pub struct Material {
     pub double_sided: bool,
 }
 
-/// What an OBJ file does not say about itself.
+/// Facts that an OBJ file does not state about itself.
 #[derive(Clone, Debug, Default)]
 pub struct ObjOptions {
     /// Blend shapes: name and OBJ file of each.

@@ -53,7 +53,9 @@ fn count(word: Option<&[u8]>, counts: &mut [usize; 3]) {
     }
 }
 
-/// What is wrong with a corner such as `3/-1/2`; negative indices count back from the last so far.
+/// Fault of a corner such as `3/-1/2`, if it has one.
+///
+/// Negative indices count back from the last so far.
 fn corner_fault(corner: &[u8], so_far: [usize; 3], total: [usize; 3]) -> Option<String> {
     let parts = corner.split(|byte| *byte == b'/');
     for (kind, part) in parts.enumerate().take(3) {

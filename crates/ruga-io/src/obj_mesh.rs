@@ -146,7 +146,7 @@ impl Corners {
         (mesh, position_of_vertex)
     }
 
-    /// What the target adds to each position, m.
+    /// Displacement (m) that the target adds to each position.
     fn deltas(
         &self,
         path: &Path,

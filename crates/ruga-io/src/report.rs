@@ -16,7 +16,7 @@ pub struct Report {
     pub ruga: String,
     /// The scene file, as it was given.
     pub scene: String,
-    /// What the user should know: every warning whole, also where the command has said several of one
+    /// Warnings for the user: each one whole, also where the command has said several of one
     /// kind in one message.
     pub warnings: Vec<String>,
     /// One entry per pose in the folder that was made from this version of the scene, whichever run
@@ -24,7 +24,7 @@ pub struct Report {
     pub poses: Vec<PoseReport>,
 }
 
-/// How one pose went.
+/// Report of one pose.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PoseReport {
     /// Name of the pose.
@@ -50,7 +50,7 @@ fn is_false(value: &bool) -> bool {
     !value
 }
 
-/// How one layer went in one pose. What was not measured is `null`.
+/// Report of one layer in one pose. What was not measured is `null`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LayerReport {
     /// Name of the layer.
@@ -82,7 +82,7 @@ pub struct LayerReport {
     pub newton_iterations: Option<u64>,
     /// Relative residual of the last frame.
     pub residual: Option<f64>,
-    /// Which rule ended the last solve: `decrement`, `residual`, or what kept it from converging.
+    /// Rule that ended the last solve: `decrement`, `residual`, or what kept it from converging.
     pub stop_rule: Option<String>,
     /// Response bending modulus of the layer's own mesh over that of its material.
     pub bending_ratio: Option<f64>,

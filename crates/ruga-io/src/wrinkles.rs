@@ -19,9 +19,9 @@ pub struct Wrinkles {
     pub frame: Frame,
     /// Width and height of every map, texels.
     pub size: u32,
-    /// How the maps of several poses combine.
+    /// Rule by which the maps of several poses combine.
     pub blend: Blend,
-    /// Where the GLB beside this file speaks of the maps; absent when none was written.
+    /// Place where the GLB beside this file lists the maps; absent when none was written.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub glb: Option<GlbReference>,
     /// Weights of the blend shapes that make each pose.
@@ -40,7 +40,7 @@ pub struct Wrinkles {
 pub struct GlbReference {
     /// The GLB, relative to `wrinkles.json`.
     pub file: String,
-    /// Where its JSON lists the maps by pose and key, as a JSON pointer such as
+    /// Place of the list of maps by pose and key in its JSON, as a JSON pointer such as
     /// `/meshes/0/extras/wrinkleMaps`; absent when it lists none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub maps: Option<String>,
@@ -84,12 +84,12 @@ impl MapCoordinates {
     }
 }
 
-/// How maps combine at run time.
+/// Rules by which maps combine at run time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Blend {
-    /// For normal maps: `reoriented-normal-mapping`.
+    /// Rule for normal maps: `reoriented-normal-mapping`.
     pub normal: String,
-    /// For heights: `add`.
+    /// Rule for heights: `add`.
     pub height: String,
     /// Between the keys of a pose, and from neutral at key 0 to its first key: `linear`.
     pub keys: String,
@@ -112,7 +112,7 @@ pub struct WrinkleMap {
     pub pose: String,
     /// The fraction of the pose, in (0, 1].
     pub key: f64,
-    /// What the texels mean.
+    /// Meaning of the texels.
     pub kind: MapKind,
     /// The file, relative to `wrinkles.json`, with `/` between folders.
     pub file: String,
@@ -222,7 +222,7 @@ pub fn key_percent(key: f64) -> String {
     format!("{tenths}").replace('.', "p")
 }
 
-/// Where a map lies, relative to the output folder: `maps/<pose>_<key%>_<kind>.<ext>`, with the
+/// Path of a map, relative to the output folder: `maps/<pose>_<key%>_<kind>.<ext>`, with the
 /// [`key_percent`] of its key.
 pub fn map_file(pose: &str, key: f64, kind: MapKind, format: MapFormat) -> String {
     format!(

@@ -36,16 +36,20 @@ pub fn design_layer(
     require_positive("layer density (kg/m³)", density)?;
     substrate.validate()?;
 
+    // The stiffness of the substrate and its exponent depend on the wave alone, so both are known
+    // before the layer is.
     let wave_number = TAU / wavelength;
     let point = Foundation::new(substrate.poisson).at(wave_number * substrate.thickness);
     let stiffness = stiffness_unit(substrate) * point.stiffness;
     // N_c / (D k²), from 1.5 to 3, and D k² from the vanishing derivative of N.
     let force_ratio = 1.0 + 2.0 / (2.0 - point.exponent);
     let bending_force = stiffness * (1.0 - 0.5 * point.exponent) / wave_number / wave_number;
+    // From N_c = C ε_c and D/C = h²/12: only a ratio of forces enters, no modulus.
     let thickness = (12.0 * critical_strain / force_ratio).sqrt() / wave_number;
     let membrane_stiffness = bending_force * force_ratio / critical_strain;
     let young = membrane_stiffness * plane_strain_factor(poisson) / thickness;
 
+    // Targets that are each in range may ask for a layer that is not.
     require_representable("the layer thickness (m)", thickness)?;
     require_representable("the layer's Young's modulus (Pa)", young)?;
     Ok(LayerMaterial {

@@ -1,15 +1,15 @@
-//! What can be wrong with a material.
+//! Errors of materials, property maps and stacks.
 
 /// Largest relative spread of a variation.
 pub(crate) const MAX_SPREAD: f64 = 0.5;
 
-/// Why a layer on a substrate has no wavelength.
+/// Reason why a layer on a substrate has no wavelength.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MaterialError {
     /// A modulus, length or density is negative, zero, infinite or NaN.
     #[error("{parameter} is {value}, but must be a finite number above 0")]
     NotPositive {
-        /// Which parameter, with its unit, for instance `layer thickness (m)`.
+        /// Name of the parameter with its unit, for instance `layer thickness (m)`.
         parameter: &'static str,
         /// The value found.
         value: f64,
@@ -17,7 +17,7 @@ pub enum MaterialError {
     /// A Poisson ratio for which no stable, compressible solid exists.
     #[error("{parameter} is {value}, but must lie strictly between -1 and 0.5")]
     PoissonOutOfRange {
-        /// Which parameter.
+        /// Name of the parameter.
         parameter: &'static str,
         /// The value found.
         value: f64,
@@ -45,13 +45,13 @@ pub enum MaterialError {
     Overflow {
         /// The first quantity that has no such value.
         quantity: &'static str,
-        /// What was computed for it.
+        /// Value that was computed for it.
         value: f64,
     },
     /// A painted image has no texels.
     #[error("the {property} image is {width} x {height}, but must have at least one texel")]
     EmptyImage {
-        /// What is painted.
+        /// Name of the painted property.
         property: &'static str,
         /// Texels per row.
         width: usize,
@@ -61,7 +61,7 @@ pub enum MaterialError {
     /// The values of a painted image do not fill its sides.
     #[error("the {property} image holds {found} values, but its sides ask for {expected}")]
     ImageLength {
-        /// What is painted.
+        /// Name of the painted property.
         property: &'static str,
         /// Values given.
         found: usize,
@@ -74,7 +74,7 @@ pub enum MaterialError {
          but must hold numbers from 0 to 1"
     )]
     TexelOutOfRange {
-        /// What is painted.
+        /// Name of the painted property.
         property: &'static str,
         /// Column from the left, from 0.
         column: usize,
@@ -86,11 +86,11 @@ pub enum MaterialError {
     /// Black or white would make a property zero or negative.
     #[error("the {property} range is [{low}, {high}], but both ends must be finite and above 0")]
     RangeNotPositive {
-        /// What is painted.
+        /// Name of the painted property.
         property: &'static str,
-        /// What black means.
+        /// Value that black stands for.
         low: f64,
-        /// What white means.
+        /// Value that white stands for.
         high: f64,
     },
     /// A jump that would be everywhere or nowhere.

@@ -1,4 +1,4 @@
-//! How stiffly a bonded elastic layer of finite thickness resists a normal wave.
+//! Stiffness of a bonded elastic layer of finite thickness against a normal wave.
 //!
 //! Everything here depends on two numbers: `x = k H` and the Poisson ratio through `q = 3 - 4ν`.
 //! With the unit `U = 4 μ (1 - ν) / H` the stiffness is `K = U g(x)`,
@@ -61,6 +61,7 @@ pub(crate) struct FoundationPoint {
 
 impl Foundation {
     pub(crate) fn new(poisson: f64) -> Self {
+        // First δ, then q = 1 + δ: the other way round δ would lose its digits near ν = 0.5.
         let delta = 2.0 * (1.0 - 2.0 * poisson);
         Self {
             q: 1.0 + delta,
@@ -74,6 +75,7 @@ impl Foundation {
     /// positive terms, so nothing cancels however small `x` and `δ` are.
     pub(crate) fn at(&self, x: f64) -> FoundationPoint {
         let Self { q, delta } = *self;
+        // Also keeps the hyperbolic functions from overflowing.
         if x > HALF_SPACE_FROM {
             return FoundationPoint {
                 stiffness: x / q,
@@ -83,10 +85,13 @@ impl Foundation {
         let (sinh, cosh) = (x.sinh(), x.cosh());
         let (excess, slope) = sinh_over_x_terms(x);
         let ratio = 1.0 + excess;
+        // The lower factor is q S - 1, written as a sum because q S is close to 1 in thin layers.
         let top = q * ratio * cosh + 1.0;
         let (lower, upper) = (excess + delta * ratio, q * ratio + 1.0);
         FoundationPoint {
             stiffness: top / (lower * upper),
+            // Logarithmic derivatives of the three factors by ln x; both lower ones change by q x
+            // S'.
             exponent: q * (slope * cosh + ratio * x * sinh) / top
                 - q * slope / lower
                 - q * slope / upper,
@@ -149,7 +154,7 @@ mod tests {
         }
     }
 
-    /// What the bracket of the critical wave and its uniqueness rest on.
+    /// Bounds that the bracket of the critical wave and its uniqueness rest on.
     #[test]
     fn exponent_and_stiffness_stay_in_their_bounds() {
         let rounding = 1e-13;

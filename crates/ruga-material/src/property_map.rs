@@ -53,7 +53,7 @@ pub struct PropertyImage {
     pub range: [f64; 2],
 }
 
-/// How far outside `[0, 1]` a texel may lie and is cut off in silence: several times the rounding of
+/// Distance outside `[0, 1]` at which a texel is cut off in silence: several times the rounding of
 /// half floats. Beyond it the painter meant something that a range from 0 to 1 cannot say.
 const TEXEL_SLACK: f32 = 1e-3;
 
@@ -61,6 +61,7 @@ impl PropertyImage {
     /// Checks the image of `property` and cuts off the slack.
     fn checked(mut self, property: &'static str) -> Result<Self, MaterialError> {
         let Self { width, height, .. } = self;
+        // Saturated, so that absurd sides fail the comparison below and not the product.
         let expected = width.saturating_mul(height);
         if expected == 0 {
             return Err(MaterialError::EmptyImage {
@@ -78,6 +79,7 @@ impl PropertyImage {
             });
         }
         let [low, high] = self.range;
+        // Asked this way round, so that a NaN is refused, too.
         if ![low, high].iter().all(|end| *end > 0.0 && end.is_finite()) {
             return Err(MaterialError::RangeNotPositive {
                 property,
@@ -102,6 +104,7 @@ impl PropertyImage {
     }
 
     pub(crate) fn cell(&self, uv: &Vector2<f64>) -> Cell {
+        // The centre of the first texel is half a texel inside the border.
         let [x, y] = [
             uv.x * self.width as f64 - 0.5,
             uv.y * self.height as f64 - 0.5,
@@ -128,6 +131,7 @@ impl PropertyImage {
     /// Bilinear between texel centres.
     pub(crate) fn sample(&self, uv: &Vector2<f64>, wrap: Wrap) -> f64 {
         let cell = self.cell(uv);
+        // A huge UV has saturated its cell, and the neighbour must not wrap around.
         let texel = |right: i64, below: i64| {
             self.texel(
                 cell.column.saturating_add(right),
@@ -135,6 +139,7 @@ impl PropertyImage {
                 wrap,
             )
         };
+        // In this form texels of one value give that value exactly: a flat image has no rounding.
         let mix = |a: f64, b: f64, share: f64| a + (b - a) * share;
         let top = mix(texel(0, 0), texel(1, 0), cell.across);
         let bottom = mix(texel(0, 1), texel(1, 1), cell.across);
@@ -142,7 +147,7 @@ impl PropertyImage {
     }
 }
 
-/// Where a UV lies among texel centres: right of and below the centre of texel `(column, row)`.
+/// Place of a UV among texel centres: right of and below the centre of texel `(column, row)`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cell {
     pub(crate) column: i64,
@@ -153,7 +158,7 @@ pub(crate) struct Cell {
     pub(crate) down: f64,
 }
 
-/// What black and white mean in each channel of a packed image; `None` leaves the property alone.
+/// Meaning of black and white in each channel of a packed image; `None` leaves the property alone.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PropertyRanges {
     /// Relative wavelengths that black and white mean in the red channel.

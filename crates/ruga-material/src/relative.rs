@@ -1,4 +1,4 @@
-//! What a painted map does to a layer at one place.
+//! Effect of a painted map on a layer at one place.
 
 use crate::error::require_positive;
 use crate::{LayerMaterial, MaterialError, Substrate, WavelengthModel, Wrinkling, wrinkling};
@@ -30,12 +30,13 @@ impl RelativeProperties {
     pub fn scaled(&self, layer: &LayerMaterial) -> LayerMaterial {
         LayerMaterial {
             young: self.young * layer.young,
+            // Scaling lengths and no modulus leaves the critical strain as it is.
             thickness: self.wavelength * self.thickness * layer.thickness,
             ..*layer
         }
     }
 
-    /// What carries the layer as painted: as many times as thick as the wavelength is long.
+    /// Substrate of the layer as painted: as many times as thick as the wavelength is long.
     pub fn scaled_substrate(&self, substrate: &Substrate) -> Substrate {
         Substrate {
             thickness: self.wavelength * substrate.thickness,
@@ -45,6 +46,8 @@ impl RelativeProperties {
 
     /// The largest factor, from 1 up, by which one of the three properties differs from `other`'s.
     pub fn jump_to(&self, other: &Self) -> f64 {
+        // Ratios, because wavelength and strain go with powers of the properties; the same in both
+        // directions.
         let factor = |a: f64, b: f64| (a / b).max(b / a);
         factor(self.wavelength, other.wavelength)
             .max(factor(self.young, other.young))

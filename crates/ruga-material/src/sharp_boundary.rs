@@ -18,7 +18,7 @@ use nalgebra::Vector2;
 use crate::property_map::PropertyImage;
 use crate::{MaterialError, PropertyMap, RelativeProperties};
 
-/// Where a straight line in UV passes a sharp boundary.
+/// Crossing of a straight line in UV with a sharp boundary.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundaryCrossing {
     /// Share of the way along the line, from 0 to 1. Near 0 or 1 the end itself lies on the
@@ -36,8 +36,8 @@ pub const SHARP_RATIO: f64 = 1.2;
 const MOST_STEPS: f64 = 65_536.0;
 
 impl PropertyMap {
-    /// Where the line from `from` to `to` in UV passes a boundary at which a property changes by
-    /// `jump_ratio` or more, in order along the line.
+    /// Crossings of the line from `from` to `to` in UV with boundaries at which a property changes
+    /// by `jump_ratio` or more, in order along the line.
     ///
     /// On a UV seam the two sides of an edge are two lines, and may disagree; then the one with the
     /// larger ratio counts. Steps of half a texel; positions to about 1e-9 of the line. Crossings of
@@ -58,6 +58,8 @@ impl PropertyMap {
         for image in self.images() {
             let length = length_in_texels(image, from, to);
             texels = texels.max(length);
+            // Half a texel at most along either side, so that no step jumps over a column or row of
+            // texels.
             let steps = (2.0 * length).ceil().clamp(1.0, MOST_STEPS) as u32;
             self.walk(image, &line, steps, jump_ratio, &mut found);
         }
@@ -65,6 +67,7 @@ impl PropertyMap {
         let mut merged: Vec<BoundaryCrossing> = Vec::new();
         for crossing in found {
             match merged.last_mut() {
+                // One boundary painted into several properties is to be cut once.
                 Some(last) if (crossing.parameter - last.parameter) * texels < 0.5 => {
                     if crossing.ratio > last.ratio {
                         *last = crossing;
@@ -92,6 +95,8 @@ impl PropertyMap {
             let after = value(end);
             let middle = line(0.5 * (start + end));
             let [low, high] = self.extremes(image, &middle, 1);
+            // The level comes from the square, not from the ends of the step, so that all steps
+            // across one boundary look for the same place.
             let level = 0.5 * (low + high);
             let passes = (before < level) != (after < level);
             if passes && high >= jump_ratio * low && self.is_step(image, &middle, high - low) {
@@ -105,7 +110,8 @@ impl PropertyMap {
         }
     }
 
-    /// Whether the paint changes within 8 x 8 texels by little more than its `change` within 4 x 4.
+    /// Says whether the paint changes within 8 x 8 texels by little more than its `change` within
+    /// 4 x 4.
     fn is_step(&self, image: &PropertyImage, uv: &Vector2<f64>, change: f64) -> bool {
         // A ramp over 3 texels has all of its change in the smaller square, one over 4 three quarters.
         const SHARE: f64 = 0.8;

@@ -70,7 +70,7 @@ impl From<Minimum> for JointMode {
     }
 }
 
-/// Which wrinkles a growing compression shows first when two layers move together.
+/// Scale of the wrinkles that a growing compression shows first when two layers move together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FirstScale {
     /// The upper layer's fine ones, the large ones later.
@@ -129,11 +129,12 @@ impl StackPair {
         lower.validate()?;
         upper.validate()?;
         let upper_shell = Shell::new(&upper.wrinkling);
+        // Shells are mid-surfaces, so half of either thickness lies between them.
         let lever = 0.5 * (lower.material.thickness + upper.material.thickness);
         Self::with_upper_shell(lower, upper, upper_shell, lever)
     }
 
-    /// The same with an upper shell that may be a composite, its neutral surface `lever` above the
+    /// Analyses a pair whose upper shell may be a composite, its neutral surface `lever` above the
     /// lower layer's middle.
     fn with_upper_shell(
         lower: &StackLayer,
@@ -148,6 +149,7 @@ impl StackPair {
             lever,
         };
         let waves = [lower.wrinkling.wave_number, upper.wrinkling.wave_number];
+        // The search for minima walks over logarithms between these two.
         for wave_number in waves {
             require_representable("the wave number (1/m)", wave_number)?;
         }
@@ -156,6 +158,8 @@ impl StackPair {
             require_representable("the critical strain of the stack", minimum.strain)?;
         }
         let large = |minimum: &&Minimum| LARGE * minimum.wave_number < waves[0];
+        // Minima come longest wave first: the large wave is the first of its kind, the fine one the
+        // last.
         let joint = minima.iter().find(large);
         let fine = minima.iter().rev().find(|minimum| !large(minimum));
         let (below, above) = (shells.lower.membrane, shells.upper.membrane);
@@ -176,7 +180,8 @@ impl StackPair {
         self.shells.strain(wave_number)
     }
 
-    /// Which scale comes first: the fine one if the upper layer alone wrinkles below the joint strain.
+    /// Scale that comes first: the fine one if the upper layer alone wrinkles below the joint
+    /// strain.
     pub fn first_scale(&self) -> FirstScale {
         let fine = self.upper.wrinkling.critical_strain;
         match self.joint {
@@ -233,11 +238,14 @@ impl StackPair {
             lever,
             ..
         } = self.shells;
+        // A shear spring over a lever resists a wave as a bending stiffness would, but one that
+        // depends on the wave: this is right at the joint wave, the one that is seen.
         let sandwich = self.shells.shear(wave_number) * lever * lever / squared;
         let shell = ShellStiffness {
             bending: lower.bending + upper.bending + sandwich,
             membrane: lower.membrane + upper.membrane,
         };
+        // Both layers are compressed alike, so their forces add up.
         let critical_force = shell.membrane * joint.critical_strain;
         let bound = 2.0 * shell.bending * squared;
         let gradient_stiffness = critical_force - bound;
@@ -292,8 +300,8 @@ impl CompositeLayer {
     }
 }
 
-/// For every layer of a stack, bottom first, the layer that stands for it and all above it; the top
-/// layer stands for itself.
+/// Composite of each layer of a stack and all above it, bottom first; the top layer stands for
+/// itself.
 ///
 /// Worked from the top down, pair by pair: a layer carries the composite of what lies above, with that
 /// composite's bending and membrane stiffness and its distance to the composite's neutral surface,
@@ -324,6 +332,8 @@ pub fn composite_layers(layers: &[StackLayer]) -> Result<Vec<CompositeLayer>, Ma
             Some((carried, stack)) => {
                 let lever = 0.5 * thickness + neutral;
                 let carried_force = stack.wrinkling.membrane_stiffness;
+                // Weighted by membrane stiffness: about that height bending adds no force along the
+                // stack.
                 neutral = (0.5 * own * thickness + carried_force * (thickness + neutral))
                     / (own + carried_force);
                 pair_with_stack(layer, carried, stack, lever)?.composite()?
@@ -344,6 +354,8 @@ fn pair_with_stack(
     lever: f64,
 ) -> Result<StackPair, MaterialError> {
     let shell = Shell {
+        // Springs of the layer directly above: they are what the lower layer gives way across its
+        // thickness, not a property of the stack that it carries.
         normal: carried.wrinkling.normal_stiffness,
         gradient: carried.wrinkling.gradient_stiffness,
         ..Shell::new(&stack.wrinkling)

@@ -1,11 +1,11 @@
-//! How much of a driver's compression a layer feels.
+//! Part of a driver's compression that a layer feels.
 //!
 //! Compressive principal strains, `first ≥ second`: `1 - stretch`, so that tension is negative.
 
 /// Strain up to which a driver is followed as it is: beyond, slopes leave film theory.
 pub const CAP_START: f64 = 0.15;
 
-/// How much the cap adds to [`CAP_START`] at most: 0.25 in all.
+/// Most that the cap adds to [`CAP_START`]: 0.25 in all.
 const CAP_RANGE: f64 = 0.10;
 
 /// Compression that a layer is asked to take where the driver asks for `strain`.
@@ -17,6 +17,7 @@ pub fn capped_strain(strain: f64) -> f64 {
     if strain <= CAP_START {
         return strain;
     }
+    // `exp_m1` keeps the digits just above the start, where the two pieces have to meet.
     CAP_START - CAP_RANGE * (-(strain - CAP_START) / CAP_RANGE).exp_m1()
 }
 

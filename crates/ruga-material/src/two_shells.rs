@@ -112,6 +112,7 @@ impl TwoShells {
         const SHORTEST: f64 = 3.0;
         // Minima are as wide as their wave number; those closer than this are one.
         const STEPS_PER_E_FOLD: f64 = 24.0;
+        // Between these ends there is a minimum: springs make long waves dear, bending short ones.
         let start = (waves[0].min(waves[1]) / LONGEST).ln();
         let end = (waves[0].max(waves[1]) * SHORTEST).ln();
         let steps = ((end - start) * STEPS_PER_E_FOLD).ceil() as usize;
@@ -120,6 +121,7 @@ impl TwoShells {
         let sampled: Vec<f64> = (0..=steps).map(|step| strain(place(step))).collect();
         let mut found = Vec::new();
         for (step, window) in sampled.windows(3).enumerate() {
+            // Strict on one side only, so that a minimum between two equal samples is found once.
             if window[1] < window[0] && window[1] <= window[2] {
                 let wave_number = golden_section(place(step), place(step + 2), strain).exp();
                 found.push(Minimum {
@@ -132,7 +134,7 @@ impl TwoShells {
     }
 }
 
-/// Where `value` is smallest in `[start, end]`, to about the root of the rounding.
+/// Place in `[start, end]` where `value` is smallest, to about the root of the rounding.
 fn golden_section(start: f64, end: f64, value: impl Fn(f64) -> f64) -> f64 {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     // Closer, values differ by rounding alone.

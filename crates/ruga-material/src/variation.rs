@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use crate::MaterialError;
 use crate::error::{MAX_SPREAD, require_positive, require_representable};
 
-/// How uneven the thickness of a layer is by nature.
+/// Natural unevenness of a layer's thickness.
 ///
 /// An even layer wrinkles in even, parallel corrugations. Skin does not: its furrows bend, join and
 /// fade, because its thickness varies from place to place.
@@ -100,6 +100,7 @@ impl VariationField {
         let wave_number = (8.0 * LN_2).sqrt() / size;
         require_representable("wave number of the variation (1/m)", 3.0 * wave_number)?;
 
+        // The order of the draws is part of what a seed means: wave, then phase, mode by mode.
         let mut random = Random(seed);
         let modes = OCTAVES
             .iter()
@@ -114,6 +115,7 @@ impl VariationField {
             })
             .collect();
         Ok(Self {
+            // The spread of a log-normal factor, turned into that of its logarithm.
             log_spread: variation.spread.powi(2).ln_1p().sqrt(),
             modes,
         })
@@ -171,6 +173,8 @@ impl Random {
     /// Three independent standard normal numbers, by Box and Muller.
     fn normal(&mut self) -> Vector3<f64> {
         Vector3::from_fn(|_, _| {
+            // Each pair's second number is left unused: the few hundred draws of a field cost
+            // nothing.
             let radius = (-2.0 * self.uniform().ln()).sqrt();
             radius * (TAU * self.uniform()).cos()
         })

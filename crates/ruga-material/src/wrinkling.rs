@@ -1,4 +1,4 @@
-//! Which wave appears first, and the springs that reproduce it.
+//! Wave that appears first, and the springs that reproduce it.
 
 use std::f64::consts::TAU;
 
@@ -82,7 +82,7 @@ pub struct Wrinkling {
 }
 
 impl Wrinkling {
-    /// How much a radius of curvature (m) of the base surface disturbs the elastic coupling:
+    /// Disturbance of the elastic coupling by a radius of curvature (m) of the base surface:
     /// `χ = C/(R² K0)`.
     ///
     /// Without constraint rows the critical strain rises to `ε_c (1 + χ)`, because the layer can
@@ -101,7 +101,7 @@ impl Wrinkling {
         2.0 / self.wave_number * (strain - self.critical_strain).max(0.0).sqrt()
     }
 
-    /// From the critical wave number and the local exponent `p` of `K ~ k^p` there:
+    /// Wrinkling from the critical wave number and the local exponent `p` of `K ~ k^p` there:
     /// `N_c = D k_c² (1 + 2/(2 - p))`.
     fn new(layer: &LayerMaterial, wave: CriticalWave) -> Self {
         let CriticalWave {
@@ -127,7 +127,11 @@ impl Wrinkling {
         gradient_stiffness: f64,
     ) -> Self {
         let squared = wave_number * wave_number;
+        // With K = K0 + K1 k² the force is least at k_c just where K0 = D k_c⁴. K1 then sets the
+        // least force and does not move the wave: a wrong K1 shows in the onset, never in the
+        // wavelength.
         let normal_stiffness = shell.bending * squared * squared;
+        // Twice the normal spring is what a half-space has against a tangential wave, Ē_s k_c/2.
         let tie_bound = MAX_TIE * shell.membrane * squared;
         Self {
             wavelength: TAU / wave_number,
@@ -150,6 +154,7 @@ impl Wrinkling {
         require_representable("the critical force (N/m)", self.critical_force)?;
         require_representable("the critical strain", self.critical_strain)?;
         require_representable("the normal stiffness (Pa/m)", self.normal_stiffness)?;
+        // Zero and negative values are good ones for K1 alone.
         if !self.gradient_stiffness.is_finite() {
             return Err(MaterialError::Overflow {
                 quantity: "the gradient stiffness (N/m)",
@@ -178,14 +183,14 @@ pub fn wrinkling(
     Wrinkling::new(layer, wave).representable()
 }
 
-/// What a shell brings along: `D` (N m) and `C` (N/m).
+/// Stiffness of a shell: `D` (N m) and `C` (N/m).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShellStiffness {
     pub(crate) bending: f64,
     pub(crate) membrane: f64,
 }
 
-/// Where `N(k)` is smallest, and `p = d ln K / d ln k` there.
+/// Wave number at which `N(k)` is smallest, and `p = d ln K / d ln k` there.
 struct CriticalWave {
     wave_number: f64,
     exponent: f64,
@@ -218,6 +223,7 @@ fn half_space_wave(layer: &LayerMaterial, substrate: &Substrate) -> CriticalWave
 /// `k⁶ = 96 (1 - ν²) E_s / (E h³ H³)`.
 fn cerda_mahadevan_wave(layer: &LayerMaterial, substrate: &Substrate) -> CriticalWave {
     let modulus_ratio = 96.0 * plane_strain_factor(layer.poisson) * substrate.young / layer.young;
+    // Roots before products: h³ H³ may leave the range of floats where its sixth root is a length.
     let length = layer.thickness.sqrt() * substrate.thickness.sqrt();
     CriticalWave {
         wave_number: modulus_ratio.cbrt().sqrt() / length,
@@ -231,6 +237,8 @@ fn bonded_layer_wave(
     substrate: &Substrate,
 ) -> Result<CriticalWave, MaterialError> {
     let height = substrate.thickness;
+    // Divided one by one, since the fourth power of a height may leave the range where the ratio
+    // does not.
     let bending =
         layer.bending_stiffness() / height / height / (stiffness_unit(substrate) * height) / height;
     require_representable("the ratio of bending to foundation stiffness", bending)?;
@@ -257,6 +265,7 @@ fn critical_x(bending: f64, foundation: &Foundation) -> f64 {
     let mut high = (4.0 / (bending * (delta * (1.0 + q)).sqrt()))
         .cbrt()
         .max((4.0 / (bending * delta)).sqrt().sqrt());
+    // The half-space's root, which is that of every thick substrate.
     let mut x = low;
     for _ in 0..MAX_ITERATIONS {
         let point = foundation.at(x);
@@ -276,6 +285,7 @@ fn critical_x(bending: f64, foundation: &Foundation) -> f64 {
         x = if inside {
             proposed
         } else {
+            // The bracket may span decades, so it is halved in the logarithm.
             low.sqrt() * high.sqrt()
         };
     }

@@ -19,6 +19,8 @@ const WORST_SHAPE: f64 = 0.5;
 pub(crate) fn collapse_short_edges(patch: &mut Patch, corner: f64, counts: &mut Counts) -> bool {
     let mut candidates: Vec<u32> = patch.topology.edges().collect();
     for _ in 0..MAX_PASSES {
+        // A collapse lengthens the edges around it, so the shortest come first: it spares those
+        // beside it that are hardly too short.
         let mut touched = Touched::new();
         for h in short_edges(patch, &candidates) {
             collapse_edge(patch, h, corner, &mut touched, counts);
@@ -57,6 +59,8 @@ fn collapse_edge(
         return;
     }
     let ends = [patch.topology.tail(h), patch.topology.head(h)];
+    // Either end may go. The one that leaves the better faces does, since later passes work with
+    // them.
     let best = ends
         .into_iter()
         .filter_map(|gone| collapse_shape(patch, h, gone, corner).map(|shape| (shape, gone)))
@@ -68,13 +72,14 @@ fn collapse_edge(
     };
     let kept = patch.topology.other_end(h, gone);
     patch.topology.collapse(h, gone);
+    // Its neighbours have changed, so relaxing may even out what the collapse has left.
     patch.set_free(kept);
     counts.collapses += 1;
     touched.add_around(&patch.topology, kept);
 }
 
-/// Moves the head of an edge to its middle where its tail may then collapse onto it; whether it
-/// may.
+/// Moves the head of an edge to its middle where its tail may then collapse onto it; says whether
+/// it did.
 ///
 /// Between vertices of the old mesh either end may be too far from the other's neighbours, and the
 /// middle seldom is: of an uneven grid coarsened by a third one edge in forty stayed under half
@@ -91,6 +96,8 @@ fn move_head_to_middle(patch: &mut Patch, h: u32) -> bool {
     let faces: Vec<[u32; 3]> = faces_around(gone, kept)
         .chain(faces_around(kept, gone))
         .collect();
+    // The two faces at the edge count before, though they vanish: for a needle less a face as bad
+    // may stay.
     let mut before = [1.0f64; 2];
     let both = [gone, kept].map(|v| patch.topology.outgoing(v));
     for out in both.into_iter().flatten() {
@@ -103,6 +110,7 @@ fn move_head_to_middle(patch: &mut Patch, h: u32) -> bool {
             include(&mut after, moved, [kept, first, second]);
         }
         let mut rim = faces.iter().flat_map(|face| &face[1..]);
+        // All spokes of the merged vertex are new edges, and none may be one that would be split.
         rim.all(|&v| moved.may_join(kept, v))
             && after[0] >= least
             && Patch::stays_upright(before[1], after[1])
@@ -117,6 +125,7 @@ fn collapse_shape(patch: &Patch, h: u32, gone: u32, corner: f64) -> Option<f64> 
     if !may_leave(patch, gone, kept, topology.is_feature(h), corner) || !topology.can_collapse(h) {
         return None;
     }
+    // Faces at the edge count before and not after, as they vanish.
     let (mut before, mut after) = ([1.0f64; 2], [1.0f64; 2]);
     for out in topology.outgoing(gone) {
         let [_, first, second] = patch.corners(out);
@@ -150,8 +159,8 @@ fn include(worst: &mut [f64; 2], patch: &Patch, face: [u32; 3]) {
     worst[1] = worst[1].min(patch.uprightness(face));
 }
 
-/// Whether a vertex may be removed towards `kept`: free, and on a feature only along it where it
-/// runs straight on to within the cosine `corner`, before and after.
+/// Says whether a vertex may be removed towards `kept`: free, and on a feature only along it where
+/// it runs straight on to within the cosine `corner`, before and after.
 fn may_leave(patch: &Patch, gone: u32, kept: u32, is_feature: bool, corner: f64) -> bool {
     if patch.is_fixed(gone) {
         return false;
@@ -164,6 +173,7 @@ fn may_leave(patch: &Patch, gone: u32, kept: u32, is_feature: bool, corner: f64)
                 && stays_straight(patch, kept, gone, other, corner)
                 && stays_straight(patch, other, gone, kept, corner)
         }
+        // Where features end or meet they have their shape from the vertex.
         _ => false,
     }
 }
@@ -187,7 +197,7 @@ fn turn_cosine(patch: &Patch, from: u32, at: u32, to: u32) -> f64 {
     back.dot(&on) / (back.norm() * on.norm()).max(f64::MIN_POSITIVE)
 }
 
-/// How features meet at a vertex.
+/// Features that meet at a vertex.
 enum Features {
     /// There is none.
     None,

@@ -28,6 +28,7 @@ impl Transfer {
         let faces = new.mesh.faces().as_slice().iter();
         faces
             .map(|corners| {
+                // Corners may lie on a seam; the middle says on which side the face is.
                 let middle = corners
                     .map(|v| new.positions[v])
                     .iter()
@@ -38,7 +39,7 @@ impl Transfer {
             .collect()
     }
 
-    /// Where a new vertex lies on the old mesh; one on a seam lies on the old seam, not beside it.
+    /// Place of a new vertex on the old mesh; one on a seam lies on the old seam, not beside it.
     fn place_on_old(
         &self,
         vertex: VertexId,
@@ -53,6 +54,9 @@ impl Transfer {
         if self.survivors[vertex].is_some() || !is_on_seam {
             return origin;
         }
+        // A vertex born on a seam was moved onto the surface's curve, off the chord between the old
+        // vertices. The closest place on the old faces may then lie beside the seam, where it would
+        // take the values of one side for both.
         let corners = old.mesh.faces()[origin.face];
         let near = corners.iter().flat_map(|&v| old.mesh.vertex_faces(v));
         let seams = near.flat_map(|&face| {
@@ -69,7 +73,7 @@ impl Transfer {
     }
 }
 
-/// Whether an edge is a feature with a face on both sides.
+/// Says whether an edge is a feature with a face on both sides.
 fn is_seam(mesh: &SurfaceMesh, edge: EdgeId) -> bool {
     mesh.features[edge] && !mesh.mesh.edges()[edge].is_border()
 }
@@ -83,6 +87,7 @@ fn value_beside(
 ) -> Vector2<f64> {
     let corners = old.mesh.faces()[place.face];
     let weights = corners.into_iter().zip(place.barycentric);
+    // A place at a vertex or on an edge is in several faces, and across a seam these disagree.
     let weights: Vec<(VertexId, f64)> = weights.filter(|(_, weight)| *weight > 0.0).collect();
     let shares = |face: &FaceId| {
         let corners = old.mesh.faces()[*face];
@@ -90,6 +95,7 @@ fn value_beside(
     };
     let distance =
         |face: FaceId| closest_on_face(&old.mesh, old.positions.as_slice(), face, middle).0;
+    // Every face at the place has the first of its vertices, so those around that are enough.
     let around = old.mesh.vertex_faces(weights[0].0).iter().copied();
     let face = around
         .filter(shares)

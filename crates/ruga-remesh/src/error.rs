@@ -1,8 +1,8 @@
-//! What can be wrong with the input of a remesh.
+//! Errors in the input of a remesh.
 
 use ruga_mesh::{FaceId, MaterialPoint, VertexId};
 
-/// Why a mesh, a sizing or a setting is refused.
+/// Reason why a mesh, a sizing or a setting is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RemeshError {
     /// An array does not fit the mesh.
@@ -67,7 +67,7 @@ pub enum RemeshError {
         /// The vertex.
         vertex: VertexId,
     },
-    /// What drives the sizing at a face is not finite or out of range.
+    /// A number that drives the sizing at a face is not finite or out of range.
     #[error("face {face}: {what} = {value}; accepted: {accepted}", face = face.0)]
     Face {
         /// The face.

@@ -40,13 +40,14 @@ pub(crate) fn flip_around(
         counts.flips += 1;
         for side in [h, twin] {
             touched.add(side / 3);
+            // A flip can spoil the four edges around it, and no others.
             queue.extend([next(side), prev(side)]);
         }
     }
     0
 }
 
-/// Whether an edge is no Delaunay edge and its flip is allowed.
+/// Says whether an edge is no Delaunay edge and may be flipped.
 fn should_flip(patch: &Patch, h: u32) -> bool {
     let topology = &patch.topology;
     let Some(twin) = topology.twin(h).filter(|_| !topology.is_feature(h)) else {
@@ -95,6 +96,7 @@ fn delaunay_sine(patch: &Patch, quad: [u32; 4]) -> f64 {
         (along, height, up / height.max(f64::MIN_POSITIVE))
     };
     let ((cx, cy, up), (dx, dy, down)) = (unfold(c), unfold(d));
+    // The sum will do for the mean: a sine does not depend on the metric's scale.
     let sum = quad.iter().map(|&v| patch.tensor(v)).reduce(|l, r| l + r);
     let metric = sum.map_or(
         Tensor2 {
@@ -103,6 +105,8 @@ fn delaunay_sine(patch: &Patch, quad: [u32; 4]) -> f64 {
             yy: 1.0,
         },
         |sum| {
+            // Each face has its own plane, unfolded about the edge. `down` leads to `d`, so it is
+            // turned around to give both planes the same axes.
             let (above, below) = (Tensor2::of(&sum, &[x, up]), Tensor2::of(&sum, &[x, -down]));
             Tensor2 {
                 xx: above.xx,
@@ -121,6 +125,7 @@ fn angle(m: Tensor2, u: [f64; 2], v: [f64; 2]) -> (f64, f64, f64) {
     let dot = |p: [f64; 2], q: [f64; 2]| {
         m.xx * p[0] * q[0] + m.xy * (p[0] * q[1] + p[1] * q[0]) + m.yy * p[1] * q[1]
     };
+    // Areas go with the root of the metric's determinant.
     let cross = (u[0] * v[1] - u[1] * v[0]) * m.determinant().max(0.0).sqrt();
     (cross, dot(u, v), (dot(u, u) * dot(v, v)).max(0.0).sqrt())
 }

@@ -73,7 +73,7 @@ fn neighbours(mesh: &SurfaceMesh) -> (Vec<u32>, Vec<usize>) {
     (list, starts)
 }
 
-/// Whether the tensor of the second vertex had to be refined for the first.
+/// Refines the tensor of the second vertex where the first asks for it; says whether it did.
 fn refine_neighbour(
     mesh: &SurfaceMesh,
     frames: &[[Vector3<f64>; 2]],
@@ -82,6 +82,7 @@ fn refine_neighbour(
     [v, w]: [u32; 2],
 ) -> bool {
     let positions = mesh.positions.as_slice();
+    // The chord, which is shorter than the way over the surface: grading errs on the fine side.
     let edge = positions[w as usize] - positions[v as usize];
     let (own, frame) = (tensors[v as usize], &frames[v as usize]);
     let (x, y) = (frame[0].dot(&edge), frame[1].dot(&edge));
@@ -89,8 +90,11 @@ fn refine_neighbour(
         .max(0.0)
         .sqrt();
     let own = in_other_frame(own, frame, &frames[w as usize]);
+    // Lengths go with the inverse root of a tensor, hence the square.
     let bound = |rate: f64| own.scaled((1.0 + rate * length).powi(-2));
     let other = tensors[w as usize];
+    // In the order of tensors, by all directions at once: an anisotropic neighbour may be fine
+    // enough across wrinkles and too coarse along them.
     if other.minus(bound(RATE_SLACK * rate)).is_nonnegative() {
         return false;
     }
@@ -100,6 +104,7 @@ fn refine_neighbour(
 
 /// The tensor seen in a neighbour's tangent plane.
 fn in_other_frame(tensor: Tensor2, from: &[Vector3<f64>; 2], to: &[Vector3<f64>; 2]) -> Tensor2 {
+    // Projected, not turned: over one edge normals differ little, and the loss is of second order.
     let part = |direction: &Vector3<f64>| (from[0].dot(direction), from[1].dot(direction));
     let ((a, b), (c, d)) = (part(&to[0]), part(&to[1]));
     Tensor2 {

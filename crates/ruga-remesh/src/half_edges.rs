@@ -44,6 +44,7 @@ impl HalfEdges {
             for (corner, edge) in mesh.face_edges(face).into_iter().enumerate() {
                 let h = 3 * face.0 + corner as u32;
                 tails.push(vertices[corner].0);
+                // The border counts whether it is marked or not: nothing may move off it.
                 marks.push(features[edge] || mesh.edges()[edge].is_border());
                 match std::mem::replace(&mut first[edge.index()], h) {
                     NONE => {}
@@ -73,6 +74,8 @@ impl HalfEdges {
         }
         for (v, &start) in self.starts.iter().enumerate() {
             let faces = mesh.vertex_faces(Id::from_index(v)).len();
+            // Turning around a vertex stays in one fan, so a second one shows as faces that were
+            // not met.
             if start == NONE || self.outgoing(v as u32).count() != faces {
                 return Err(v as u32);
             }
@@ -166,7 +169,7 @@ impl HalfEdges {
         inner.chain(extra)
     }
 
-    /// Whether an edge joins two vertices.
+    /// Says whether an edge joins two vertices.
     pub(crate) fn are_joined(&self, a: u32, b: u32) -> bool {
         self.neighbours(a).any(|(v, _)| v == b)
     }
@@ -226,6 +229,7 @@ impl HalfEdges {
                 half_edge[(3 * old + corner) as usize] = 3 * new as u32 + corner;
             }
         }
+        // A permutation in place would read what it has already written.
         let before = self.clone();
         for (h, &new) in half_edge.iter().enumerate() {
             let twin = before.twins[h];
@@ -260,15 +264,19 @@ impl HalfEdges {
         let (b, c) = (self.head(h), self.apex(h));
         let (twin, feature) = self.link(h);
         let m = self.starts.len() as u32;
+        // The old face keeps its slot and `h` its tail, so half-edges in callers' lists stay what
+        // they were; only the far half is new.
         let m_to_b = self.add_face([m, b, c]);
         let outer = self.link(n);
         self.tails[n as usize] = m;
         self.hand_over(outer, m_to_b + 1);
         self.join(n, m_to_b + 2, false);
+        // The half-edge that left `b` here now leaves `m`.
         if self.starts[b as usize] == n {
             self.starts[b as usize] = m_to_b + 1;
         }
         self.features[m_to_b as usize] = feature;
+        // On a border the start is the half-edge without a twin.
         self.starts.push(if twin == NONE { m_to_b } else { n });
         if twin != NONE {
             self.split_other_side(twin, m, m_to_b);
@@ -306,7 +314,9 @@ impl HalfEdges {
         debug_assert!(t != NONE, "only edges with two faces are flipped");
         let (n, p, tn, tp) = (next(h), prev(h), next(t), prev(t));
         let (a, b, c, d) = (self.tail(h), self.tail(t), self.apex(h), self.apex(t));
+        // All links are read before the first is written.
         let [at_n, at_p, at_tn, at_tp] = [n, p, tn, tp].map(|e| self.link(e));
+        // `h` and `t` stay the flipped edge: queues of callers hold on to them.
         for (edge, tail) in [(h, d), (n, c), (p, a), (t, c), (tn, d), (tp, b)] {
             self.tails[edge as usize] = tail;
         }
@@ -342,6 +352,7 @@ impl HalfEdges {
             let apex = self.apex(side);
             let (n, p) = (next(side), prev(side));
             let (after, before) = (self.link(n), self.link(p));
+            // Two edges become one. That not both are features has been checked by `can_collapse`.
             self.join(after.0, before.0, after.1 || before.1);
             for edge in [side, n, p] {
                 self.tails[edge as usize] = NONE;
@@ -354,19 +365,24 @@ impl HalfEdges {
             } else {
                 (next(survivor), survivor)
             };
+            // The start may have been in the vanished face. At a border it must be the half-edge
+            // without a twin, hence the turn.
             self.starts[apex as usize] = self.clockwise_most(out);
             at_kept = other;
         }
         self.starts[kept as usize] = self.clockwise_most(at_kept);
     }
 
-    /// Whether merging the ends of `h` leaves a manifold mesh with the same features.
+    /// Says whether merging the ends of `h` leaves a manifold mesh with the same features.
     pub(crate) fn can_collapse(&self, h: u32) -> bool {
         let (a, b) = (self.tail(h), self.head(h));
         let twin = self.twin(h);
+        // An inner edge from border to border: the surface would be pinched to a point.
         if twin.is_some() && self.is_border_vertex(a) && self.is_border_vertex(b) {
             return false;
         }
+        // The link condition: another common neighbour than the apexes would leave two faces on the
+        // same three vertices.
         let common = self
             .neighbours(a)
             .filter(|&(v, _)| self.are_joined(b, v))
@@ -379,11 +395,12 @@ impl HalfEdges {
                 .all(|s| self.side_can_vanish(s))
     }
 
-    /// Whether the apex of a vanishing face keeps enough faces and two features don't become one.
+    /// Says whether the apex of a vanishing face keeps enough faces and no two features become one.
     fn side_can_vanish(&self, side: u32) -> bool {
         let (n, p, apex) = (next(side), prev(side), self.apex(side));
         let two_features = self.is_feature(n) && self.is_feature(p);
         let faces = self.outgoing(apex).count();
+        // One of them vanishes. Three must stay around an inner vertex, one at a border.
         let least = if self.is_border_vertex(apex) { 2 } else { 4 };
         !two_features && faces >= least
     }
@@ -404,6 +421,8 @@ impl Iterator for Outgoing<'_> {
         if h == NONE {
             return None;
         }
+        // The twin of the half-edge before leaves the same vertex in the next face
+        // counter-clockwise. At a border there is none, and the turn ends.
         let turned = self.mesh.twins[prev(h) as usize];
         self.current = if turned == self.start { NONE } else { turned };
         Some(h)

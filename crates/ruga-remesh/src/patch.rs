@@ -25,7 +25,7 @@ const COLLAPSE_OLD_BELOW: f64 = 0.63;
 /// only improve matters: 60 degrees, well before a face folds over.
 const UPRIGHT: f64 = 0.5;
 
-/// What every measure reads at a vertex, together so that it comes from memory together.
+/// Data that every measure reads at a vertex, together so that it comes from memory together.
 #[derive(Clone, Copy, Debug, Default)]
 struct Site {
     position: Vector3<f64>,
@@ -39,12 +39,12 @@ pub(crate) struct Patch<'a> {
     pub(crate) points: Vec<MaterialPoint>,
     /// The old vertex that each vertex is or was; `NONE` for born ones.
     old_vertices: Vec<u32>,
-    /// Where each new vertex lies on the old mesh; `None` for an old vertex at its old place.
+    /// Place of each new vertex on the old mesh; `None` for an old vertex at its old place.
     origins: Vec<Option<MaterialPoint>>,
     pub(crate) old: &'a SurfaceMesh,
     sizing: &'a Sizing,
     surface: &'a dyn Surface,
-    /// What is asked at new vertices instead of `sizing`, and the limits that its answers are held to.
+    /// Metric asked at new vertices instead of `sizing`, and limits that its answers are held to.
     metric: Option<(&'a Metric<'a>, SizeLimits)>,
     /// Whether an edge may collapse onto its middle where neither end will do.
     pub(crate) may_ends_meet: bool,
@@ -109,7 +109,7 @@ impl<'a> Patch<'a> {
         !self.is_fixed(v) && self.topology.neighbours(v).all(|(_, feature)| !feature)
     }
 
-    /// Where a vertex lies on the old mesh.
+    /// Place of a vertex on the old mesh.
     pub(crate) fn origin(&self, v: u32) -> MaterialPoint {
         self.origins[v as usize].unwrap_or_else(|| {
             self.old_vertex(v)
@@ -143,6 +143,7 @@ impl<'a> Patch<'a> {
 
     /// The old vertex that a vertex is, at its old place.
     pub(crate) fn survivor(&self, v: u32) -> Option<VertexId> {
+        // One that was moved has to be interpolated like a new one, however little it moved.
         self.old_vertex(v)
             .filter(|&old| self.position(v) == self.old.positions[old])
     }
@@ -155,6 +156,7 @@ impl<'a> Patch<'a> {
     /// Lets an old vertex be moved like a new one.
     pub(crate) fn set_free(&mut self, v: u32) {
         if !self.is_fixed(v) {
+            // An origin of its own is what marks a vertex as new.
             self.origins[v as usize] = Some(self.origin(v));
         }
     }
@@ -162,6 +164,8 @@ impl<'a> Patch<'a> {
     /// Metric length between two vertices, with the mean of their tensors.
     pub(crate) fn length(&self, a: u32, b: u32) -> f64 {
         let (a, b) = (&self.sites[a as usize], &self.sites[b as usize]);
+        // Of the tensors, not of two lengths: between vertices the field is their interpolation
+        // (Narain et al. 2012), and one root does.
         let mean = (a.tensor + b.tensor) * 0.5;
         metric_length(&(b.position - a.position), &mean)
     }
@@ -172,6 +176,8 @@ impl<'a> Patch<'a> {
 
     /// Whether an edge is longer than its metric allows.
     pub(crate) fn is_long(&self, h: u32, length: f64) -> bool {
+        // Hysteresis is for edges that were there before. What is made here is brought into the
+        // narrower range, or the next remesh would find it at the bound.
         let is_old = !self.is_new(self.topology.tail(h)) && !self.is_new(self.topology.head(h));
         length > if is_old { SPLIT_OLD_ABOVE } else { SPLIT_ABOVE }
     }
@@ -189,11 +195,13 @@ impl<'a> Patch<'a> {
 
     /// Whether an operation may make an edge between two vertices.
     pub(crate) fn may_join(&self, a: u32, b: u32) -> bool {
+        // The narrower bound for all: no operation makes what a split would undo.
         self.length(a, b) <= SPLIT_ABOVE
     }
 
     /// Shape of a triangle in the mean metric of its corners: 1 for equilateral, 0 for degenerate.
     pub(crate) fn quality(&self, [a, b, c]: [u32; 3]) -> f64 {
+        // The sum will do: a shape is a ratio.
         let mean = self.tensor(a) + self.tensor(b) + self.tensor(c);
         let [p, q, r] = [a, b, c].map(|v| self.position(v));
         let [x, y, z] = [q - p, r - q, p - r].map(|e| mean.square(&e));
@@ -211,6 +219,7 @@ impl<'a> Patch<'a> {
         let [p, q, r] = corners.map(|v| self.position(v));
         let normal = (q - p).cross(&(r - p));
         let length = normal.norm();
+        // A face without area is as bad as one that is turned over.
         if length == 0.0 {
             return -1.0;
         }
@@ -220,6 +229,7 @@ impl<'a> Patch<'a> {
 
     /// Whether faces with uprightness `after` may replace faces with `before`.
     pub(crate) fn stays_upright(before: f64, after: f64) -> bool {
+        // However bad it was before, what is made may not be upside down.
         after >= UPRIGHT.min(before) && after > 0.0
     }
 
@@ -232,18 +242,20 @@ impl<'a> Patch<'a> {
         ]
     }
 
-    /// Splits an edge at the place of the surface closest to its middle; whether that place is
-    /// closer to both ends than they are to each other and folds no face over.
+    /// Splits an edge at the place of the surface closest to its middle; says whether it did: the
+    /// place must be closer to both ends than they are to each other and fold no face over.
     pub(crate) fn try_split(&mut self, h: u32) -> bool {
         let (a, b) = (self.topology.tail(h), self.topology.head(h));
         let middle = (self.position(a) + self.position(b)) * 0.5;
         let ends = [self.points[a as usize], self.points[b as usize]];
+        // A feature's middle belongs on its curve; the closest place of the surface lies beside it.
         let point = if self.topology.is_feature(h) {
             self.surface.closest_on_feature(ends, middle)
         } else {
             self.surface.closest(ends[0], middle)
         };
         let m = self.sites.len() as u32;
+        // The vertex is put in before it is judged, since measures read vertices by number.
         self.sites.push(Site::default());
         self.points.push(point);
         self.origins.push(Some(self.origin(a)));
@@ -260,8 +272,10 @@ impl<'a> Patch<'a> {
         is_sound
     }
 
-    /// Whether a surface put the middle `m` of an edge where it is of use. Refining a coarse mesh
-    /// may tilt faces, and mends that as it goes on; only a face that turns over is refused.
+    /// Says whether a surface put the middle `m` of an edge where it is of use.
+    ///
+    /// Refining a coarse mesh may tilt faces, and mends that as it goes on; only a face that turns
+    /// over is refused.
     fn is_sound_split(&self, h: u32, m: u32) -> bool {
         let (a, b) = (self.topology.tail(h), self.topology.head(h));
         let distance = |v: u32, w: u32| (self.position(v) - self.position(w)).norm_squared();
@@ -281,6 +295,8 @@ impl<'a> Patch<'a> {
         let start = self.origin(v as u32).face;
         let (position, normal) = (self.surface.position(point), self.surface.normal(point));
         let old = self.old;
+        // From where the vertex was or its edge began: a search over the whole mesh could land on a
+        // part that only comes near in space.
         let origin = descend(&old.mesh, old.positions.as_slice(), start, position);
         let asked = self
             .metric
@@ -334,6 +350,7 @@ impl<'a> Patch<'a> {
     ) -> bool {
         let i = v as usize;
         let (site, point, origin) = (self.sites[i], self.points[i], self.origins[i]);
+        // Moved first and judged then, as `accept` measures the mesh as it would be.
         self.place(i, wanted);
         if let Some(tensor) = tensor {
             self.sites[i].tensor = tangent_part(tensor.matrix(), self.sites[i].normal);
@@ -346,8 +363,8 @@ impl<'a> Patch<'a> {
     }
 }
 
-/// For each site the place of its position on Morton's curve through the bounding box, in cells
-/// of a thousandth of its longest side.
+/// Place of each site on Morton's curve through the bounding box, in cells of a thousandth of its
+/// longest side.
 fn places_on_curve(sites: &[Site]) -> Vec<u32> {
     let first = sites
         .first()
@@ -358,6 +375,7 @@ fn places_on_curve(sites: &[Site]) -> Vec<u32> {
     let high = sites
         .iter()
         .fold(first, |high, site| high.sup(&site.position));
+    // Ten bits for each axis: three times ten is what a u32 holds.
     let scale = 1023.0 / (high - low).max().max(f64::MIN_POSITIVE);
     let spread = |x: f64| {
         (0..10).fold(0u32, |sum, bit| {
@@ -456,6 +474,7 @@ impl Touched {
             for h in 3 * face..3 * face + 3 {
                 if topology
                     .twin(h)
+                    // Edges between two listed faces come from their lower half-edge only.
                     .is_none_or(|t| h < t || !self.contains(t / 3))
                 {
                     edges.push(h);

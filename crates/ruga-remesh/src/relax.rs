@@ -7,9 +7,10 @@ use crate::flip::flip_around;
 use crate::patch::{Patch, Touched};
 use crate::sizing::{metric_area, metric_length};
 
-/// How far beyond the centroid a vertex is moved. Bisection leaves grids of right triangles, in
-/// which the centroid is an unstable rest: 1.5 leaves it in four sweeps where 1 takes twelve; at
-/// 2 shapes get worse again.
+/// Step of a vertex over the distance to the centroid of its faces.
+///
+/// Bisection leaves grids of right triangles, in which the centroid is an unstable rest: 1.5 leaves
+/// it in four sweeps where 1 takes twelve; at 2 shapes get worse again.
 const OVERSHOOT: f64 = 1.5;
 
 /// Shape (1 equilateral, 0 degenerate) down to which the worst face at a vertex may fall when it
@@ -29,6 +30,8 @@ const LEAST_STEP: f64 = 0.02;
 /// happens.
 pub(crate) fn relax_new_vertices(patch: &mut Patch, counts: &mut Counts) {
     let mut touched = Touched::new();
+    // One after the other, each seeing the moves before it: two neighbours that moved at once could
+    // turn a face over that neither alone would.
     for v in 0..patch.topology.vertex_slots() as u32 {
         if is_movable(patch, v) && move_to_centroid(patch, v) {
             counts.moves += 1;
@@ -39,7 +42,7 @@ pub(crate) fn relax_new_vertices(patch: &mut Patch, counts: &mut Counts) {
     flip_around(patch, edges, &mut touched, counts);
 }
 
-/// Whether a vertex exists, is new and lies on no feature.
+/// Says whether a vertex exists, is new and lies on no feature.
 fn is_movable(patch: &Patch, v: u32) -> bool {
     patch.is_new(v) && patch.topology.is_alive_vertex(v) && patch.is_free(v)
 }
@@ -63,6 +66,7 @@ fn move_to_centroid(patch: &mut Patch, v: u32) -> bool {
         let after = worst(moved, &faces);
         after.0 > shape.min(GOOD_SHAPE)
             && Patch::stays_upright(upright, after.1)
+            // Spokes stay short enough, or the next split would cut what was just moved.
             && faces
                 .iter()
                 .all(|&[v, neighbour, _]| moved.may_join(v, neighbour))

@@ -30,10 +30,10 @@ const MOST_SHORT: f64 = 0.02;
 /// Short edges that are allowed in any case; the share of a small mesh is one or two edges.
 const FEW_SHORT: f64 = 2.0;
 
-/// How a mesh is made to follow a sizing.
+/// Settings of a remesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RemeshSettings {
-    /// What the sizing is held to first.
+    /// Limits that the sizing is held to first.
     pub limits: SizeLimits,
     /// Largest turn of a border or feature at a vertex that may still be removed, radians, in
     /// 0..π/2; default 0.35 (20 degrees). A sharper vertex is a corner and survives. A smaller
@@ -64,11 +64,11 @@ pub struct Remeshed {
     pub transfer: Transfer,
     /// The limited sizing at the new vertices.
     pub sizing: Sizing,
-    /// What was done and how well the metric is met.
+    /// Report of what was done and how well the metric is met.
     pub report: RemeshReport,
 }
 
-/// What a remesh did and what it left.
+/// Report of what a remesh did and what it left.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RemeshReport {
     /// Edges split.
@@ -79,7 +79,7 @@ pub struct RemeshReport {
     pub collapses: usize,
     /// Moves of new vertices.
     pub moves: usize,
-    /// Whether no pass ran into its bound, no edge is too long, and of the edges that
+    /// True when no pass ran into its bound, no edge is too long, and of the edges that
     /// [`Self::short_unforced`] counts there are at most two and one in fifty. If not, the mesh is
     /// sound, but less well shaped, coarser where the surface had no place for a new vertex, or
     /// finer where vertices could not be removed.
@@ -90,7 +90,7 @@ pub struct RemeshReport {
     pub too_long: usize,
     /// Edges with a metric length under 0.5; borders, features and fixed vertices force some.
     pub too_short: usize,
-    /// Those of them that no border, feature or fixed vertex forces: one end at least is free.
+    /// Too short edges that no border, feature or fixed vertex forces: one end at least is free.
     pub short_unforced: usize,
     /// Shortest and longest metric length.
     pub metric_lengths: [f64; 2],
@@ -121,6 +121,7 @@ pub fn remesh(
     settings: &RemeshSettings,
 ) -> Result<Remeshed, RemeshError> {
     let limited = sizing.limited(mesh, surface, &settings.limits)?;
+    // Before anything is built: a sizing in the wrong unit asks for billions.
     let estimate = limited.vertex_estimate(mesh)?;
     if estimate > settings.max_vertices {
         return Err(RemeshError::TooManyVertices {
@@ -153,6 +154,7 @@ pub fn remesh_to_metric(
     };
     let limited = Sizing::from_metric(mesh, metric).limited(mesh, surface, &limits)?;
     let mut patch = Patch::new(mesh, &limited, surface)?;
+    // Answers at new vertices are held to what those at the old ones were.
     patch.ask(metric, limits.within(mesh));
     follow(patch, settings)
 }
@@ -164,13 +166,18 @@ fn follow(mut patch: Patch<'_>, settings: &RemeshSettings) -> Result<Remeshed, R
     })?;
     let mut counts = Counts::default();
     let corner = settings.corner_angle.cos();
+    // A long edge may be no more than the wrong diagonal, and a flip leaves one vertex fewer than a
+    // split.
     flip_everywhere(&mut patch, &mut counts);
+    // Twice the limit and beyond the old mesh, which may be finer than what is asked for now.
     let most = settings.max_vertices.saturating_mul(2);
     let most = most.saturating_add(patch.old.mesh.vertex_count());
     let mut converged = crate::split::split_long_edges(&mut patch, &mut counts, most);
     if counts.splits > 0 {
         patch.renumber();
     }
+    // Moves shorten some edges and lengthen others, so each sweep goes with collapses before it and
+    // splits after.
     for _ in 0..RELAXATIONS {
         converged &= collapse_short_edges(&mut patch, corner, &mut counts);
         relax_new_vertices(&mut patch, &mut counts);
@@ -215,6 +222,8 @@ fn finish(patch: &Patch, counts: Counts, converged: bool) -> Remeshed {
     let mut kept: Vec<u32> = (0..patch.topology.vertex_slots() as u32)
         .filter(|&v| patch.topology.is_alive_vertex(v))
         .collect();
+    // A stable sort: new vertices come after the survivors, and keep the order along the curve that
+    // makes neighbours near in memory.
     kept.sort_by_key(|&v| patch.old_vertex(v).map_or(u32::MAX, |old| old.0));
     let (mesh, features) = compact_mesh(&patch.topology, &kept);
     let mesh = SurfaceMesh {
@@ -288,6 +297,7 @@ fn push_origin(rows: &mut SparseRows, old: &SurfaceMesh, origin: MaterialPoint) 
         .filter(|&(_, weight)| weight > LEAST_WEIGHT)
         .map(|(v, weight)| (v.0, weight))
         .collect();
+    // Constants have to come over exactly: a rigid translation is one.
     let sum: f64 = terms.iter().map(|term| term.1).sum();
     terms.iter_mut().for_each(|term| term.1 /= sum);
     rows.push_row(&mut terms);
@@ -309,6 +319,8 @@ fn report(patch: &Patch, counts: Counts, converged: bool) -> RemeshReport {
     for h in patch.topology.edges() {
         let length = patch.half_edge_length(h);
         result.edges += 1;
+        // Wider than the hysteresis on both sides, so that what was left alone on purpose is not
+        // counted.
         result.too_long += usize::from(length > 1.5);
         if length < 0.5 {
             result.too_short += 1;

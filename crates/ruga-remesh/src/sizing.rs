@@ -35,7 +35,7 @@ pub struct Sizing {
     pub tensors: PerVertex<Matrix3<f64>>,
 }
 
-/// What every sizing is held to before a mesh follows it.
+/// Limits that every sizing is held to before a mesh follows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SizeLimits {
     /// Shortest wanted edge, m; not negative. Default 0. It bounds cost.
@@ -109,6 +109,7 @@ impl SizeLimits {
     /// The tensor with eigenvalues raised or lowered into the limits.
     fn clamp(&self, tensor: Tensor2) -> Tensor2 {
         let least = self.max_edge.powi(-2);
+        // Infinite without a shortest edge, which then clamps nothing.
         let most = self.min_edge.powi(-2);
         let (values, _) = tensor.eigen();
         // What the aspect bound raises is the coarse direction: it adds vertices, never takes any.
@@ -210,6 +211,8 @@ impl Sizing {
         let tensors = flat
             .iter()
             .zip(&frames)
+            // Grading refines each direction by itself, which may stretch the aspect past its
+            // limit.
             .map(|(&tensor, frame)| limits.clamp(tensor).in_space(frame))
             .collect();
         Ok(Self { tensors })
@@ -249,11 +252,12 @@ impl Sizing {
     }
 }
 
-/// Whether a tensor is finite, symmetric and not negative.
+/// Says whether a tensor is finite, symmetric and not negative.
 fn is_metric(tensor: &Matrix3<f64>) -> bool {
     let scale = tensor.norm();
     scale.is_finite()
         && (tensor - tensor.transpose()).norm() <= 1e-9 * scale
+        // A tangent tensor has an eigenvalue of zero, which rounding may make negative.
         && tensor.symmetric_eigenvalues().min() >= -1e-9 * scale
 }
 
@@ -313,6 +317,7 @@ pub(crate) fn metric_area(edges: &[Vector3<f64>; 3], tensor: &Tensor3) -> f64 {
 
 /// Area of the triangle whose squared side lengths are given; zero where there is none.
 pub(crate) fn area_of_squares(a: f64, b: f64, c: f64) -> f64 {
+    // From squares alone, so a metric area costs one root; needles may round below zero.
     let sixteen = 2.0 * (a * b + b * c + c * a) - (a * a + b * b + c * c);
     sixteen.max(0.0).sqrt() / 4.0
 }

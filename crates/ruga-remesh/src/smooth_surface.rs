@@ -135,6 +135,8 @@ impl Surface for SmoothSurface {
     fn closest(&self, near: MaterialPoint, target: Vector3<f64>) -> MaterialPoint {
         let descend =
             |face, target| crate::closest::descend(&self.mesh, &self.facets, face, target);
+        // Facets know their neighbours, so the search for the face is done on them; Newton's method
+        // then starts close by.
         let mut place = descend(near.face, target);
         let mut jet = self.jet(place);
         for _ in 0..STEPS {
@@ -151,7 +153,11 @@ impl Surface for SmoothSurface {
             let step = factor.solve(&Vector2::new(u.dot(&off), v.dot(&off)));
             // In space, because beside irregular vertices the parameters run ever slower or faster.
             let along = u * step.x + v * step.y;
+            // Halved until closer, since distance is all that counts: a full step may pass the
+            // place where the surface bends away.
             let closer = [1.0, 0.5, 0.25, 0.125].into_iter().find_map(|part| {
+                // From the facet's place, not the surface's: the search goes over facets, and the
+                // offset between the two would be added with each step.
                 let there = descend(place.face, self.facet(place) + along * part);
                 let jet = self.jet(there);
                 let is_closer = (target - jet.position).norm_squared() < off.norm_squared();

@@ -36,6 +36,7 @@ pub(crate) fn split_long_edges(
         let Some(&(Reverse(class), _)) = long.first() else {
             return true;
         };
+        // Classes, not lengths, so that a shrinking by rounding does not count as progress.
         longest.push(class);
         if pass >= PATIENCE && class >= longest[pass - PATIENCE] {
             long = by_plain_length(patch, &long);
@@ -58,6 +59,7 @@ pub(crate) fn split_long_edges(
 /// Splits an edge unless an earlier split touched its faces.
 fn split_if_untouched(patch: &mut Patch, h: u32, touched: &mut Touched, counts: &mut Counts) {
     let twin = patch.topology.twin(h);
+    // The two faces are cut, so an independent set is one of edges that share none.
     let faces = [Some(h), twin].into_iter().flatten().map(|e| e / 3);
     let first_new = patch.topology.face_slots() as u32;
     if faces.clone().any(|face| touched.contains(face)) || !patch.try_split(h) {

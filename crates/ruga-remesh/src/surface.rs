@@ -17,7 +17,7 @@ const SUM_TOLERANCE: f64 = 1e-4;
 /// Every place that is asked about is one that [`Surface::contains`] has accepted, or one that the
 /// surface itself has named.
 pub trait Surface {
-    /// Whether a material point is a place of this surface.
+    /// Says whether a material point is a place of this surface.
     ///
     /// The provided method knows no faces: it looks at the coordinates only.
     fn contains(&self, at: MaterialPoint) -> bool {
@@ -49,7 +49,7 @@ pub trait Surface {
     }
 }
 
-/// Whether barycentric coordinates are numbers of sum one.
+/// Says whether barycentric coordinates are numbers of sum one.
 pub(crate) fn sums_to_one(at: MaterialPoint) -> bool {
     (at.barycentric.iter().sum::<f64>() - 1.0).abs() <= SUM_TOLERANCE
 }
@@ -59,7 +59,7 @@ pub(crate) fn sums_to_one(at: MaterialPoint) -> bool {
 pub struct SurfaceMesh {
     /// Connectivity; every vertex has one fan of faces.
     pub mesh: TriMesh,
-    /// Where each vertex lies on the surface.
+    /// Place of each vertex on the surface.
     pub points: PerVertex<MaterialPoint>,
     /// Rest positions, m: the surface's positions of `points`.
     pub positions: PerVertex<Vector3<f64>>,
@@ -216,10 +216,12 @@ impl Surface for PolyhedralSurface<'_> {
 
     fn normal(&self, at: MaterialPoint) -> Vector3<f64> {
         let normal = at.interpolate(self.mesh, &self.normals);
+        // Without a normal no face counts as upright there: it is not flipped, moved or collapsed.
         normal.try_normalize(0.0).unwrap_or_else(Vector3::zeros)
     }
 
     fn closest(&self, near: MaterialPoint, target: Vector3<f64>) -> MaterialPoint {
+        // Along the surface: the closest facet in space may belong to the other lip.
         crate::closest::descend(self.mesh, self.positions, near.face, target)
     }
 
@@ -229,6 +231,8 @@ impl Surface for PolyhedralSurface<'_> {
         target: Vector3<f64>,
     ) -> MaterialPoint {
         crate::closest::on_feature(self.mesh, self.positions, self.features, between, target)
+            // A feature of the remeshed mesh alone, such as the ring around a region, is no curve
+            // of this surface.
             .unwrap_or_else(|| self.closest(between[0], target))
     }
 }

@@ -41,6 +41,7 @@ impl Tensor2 {
     pub(crate) fn eigen(self) -> ([f64; 2], [f64; 2]) {
         let (mean, half) = ((self.xx + self.yy) / 2.0, (self.xx - self.yy) / 2.0);
         let radius = half.hypot(self.xy);
+        // A round tensor gets the first axis instead of a division of zero by zero.
         let angle = self.xy.atan2(half) / 2.0;
         ([mean + radius, mean - radius], [angle.cos(), angle.sin()])
     }
@@ -76,7 +77,7 @@ impl Tensor2 {
         self.xx * self.yy - self.xy * self.xy
     }
 
-    /// Whether no eigenvalue is negative.
+    /// Says whether no eigenvalue is negative.
     pub(crate) fn is_nonnegative(self) -> bool {
         self.xx >= 0.0 && self.yy >= 0.0 && self.determinant() >= 0.0
     }
@@ -88,6 +89,7 @@ impl Tensor2 {
         // compare with one.
         let l0 = self.xx.sqrt();
         let l1 = self.xy / l0;
+        // Rounding may take what is nearly singular to zero or below.
         let l2 = (self.yy - l1 * l1).max(f64::MIN_POSITIVE).sqrt();
         let a = other.xx / l0;
         let b = (other.xy - l1 * a) / l2;

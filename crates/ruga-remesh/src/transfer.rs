@@ -1,8 +1,8 @@
-//! What a remesh hands over: new values from old.
+//! Transfer of values from the old mesh to the new one.
 
 use ruga_mesh::{Id, MaterialPoint, PerVertex, SparseRows, VertexId};
 
-/// How per-vertex values of the old mesh become values of the new one.
+/// Map from per-vertex values of the old mesh to values of the new one.
 ///
 /// A vertex that survives takes its value as it is; a new one the linear interpolation at the
 /// place of the old mesh closest to it: three weights, not negative, of sum one.
@@ -11,11 +11,11 @@ use ruga_mesh::{Id, MaterialPoint, PerVertex, SparseRows, VertexId};
 /// lies on the smooth surface, off the old facets, and zero displacement must stay zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transfer {
-    /// Where each new vertex lies on the old mesh.
+    /// Place of each new vertex on the old mesh.
     pub origins: PerVertex<MaterialPoint>,
     /// Row per new vertex, column per old vertex: what carries numbers and vectors over.
     pub rows: SparseRows,
-    /// For each new vertex the old vertex that it is, if it is one.
+    /// Old vertex that each new vertex is, if it is one.
     pub survivors: PerVertex<Option<VertexId>>,
 }
 
@@ -25,6 +25,7 @@ impl Transfer {
     /// # Panics
     /// Where `old` has fewer values than the old mesh has vertices.
     pub fn flags<T: Clone>(&self, old: &PerVertex<T>, born: T) -> PerVertex<T> {
+        // A pin belongs to a vertex, not to a place: between two pinned ones nothing is pinned.
         self.survivors
             .iter()
             .map(|(_, survivor)| survivor.map_or_else(|| born.clone(), |v| old[v].clone()))
@@ -45,7 +46,7 @@ impl Transfer {
         result
     }
 
-    /// Whether new and old vertices are the same in the same order, as after a remesh that had
+    /// Says whether new and old vertices are the same in the same order, as after a remesh that had
     /// nothing to do.
     pub fn is_identity(&self, old_count: usize) -> bool {
         self.survivors.len() == old_count

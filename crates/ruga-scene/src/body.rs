@@ -56,8 +56,8 @@ fn obstacle_shape(obstacle: &file::Obstacle, placement: &Placement) -> Option<Ob
     plane.or(sphere).or(cylinder)
 }
 
-/// How handles and obstacles move in the pose named `pose`; one that the scene does not list has no
-/// motions.
+/// Motions of handles and obstacles in the pose named `pose`; one that the scene does not list has
+/// none.
 pub(crate) fn motions(scene: &SceneFile, pose: &str, placement: &Placement) -> Vec<Motion> {
     let mut motions: Vec<Motion> = Vec::new();
     let listed = scene.poses.iter().find(|listed| listed.name == pose);

@@ -10,7 +10,7 @@ use ruga_material::MaterialError;
 use ruga_stepper::{LatticeError, StepperError};
 use thiserror::Error;
 
-/// What the user can mend; each message names the file, and the key or element in it.
+/// Errors that the user can mend; each message names the file, and the key or element in it.
 #[derive(Debug, Error, Diagnostic)]
 pub enum SceneError {
     /// A file cannot be read or means something impossible.
@@ -37,7 +37,7 @@ pub enum SceneError {
         scene: PathBuf,
         /// The key that names the image, as `layers[0].map.image`.
         key: String,
-        /// What is wrong with the image, its file named.
+        /// Error of the image, its file named.
         source: Box<IoError>,
     },
     /// A share of the bending of a layer that is not there.
@@ -73,7 +73,7 @@ pub enum SceneError {
         scene: PathBuf,
         /// The key in the scene.
         key: String,
-        /// What is wrong with it.
+        /// Error of the crate that refused it.
         source: MaterialError,
     },
     /// A pose was asked for that the scene does not have.
@@ -94,7 +94,7 @@ pub enum SceneError {
     Mesh {
         /// The mesh file.
         mesh: PathBuf,
-        /// What is wrong with it.
+        /// Error of the crate that refused it.
         source: BlendError,
     },
     /// A size that no skin has: the file is in another unit than it was taken to be in.
@@ -105,9 +105,9 @@ pub enum SceneError {
         mesh: PathBuf,
         /// With its unit, as `21 m`.
         width: String,
-        /// Which unit it might be in.
+        /// Question which unit it might be in.
         question: String,
-        /// What to write into the scene.
+        /// Advice what to write into the scene.
         remedy: String,
     },
     /// Two triangles would write the same texels.
@@ -125,7 +125,7 @@ pub enum SceneError {
         first: u32,
         /// Number in the file of the other triangle.
         second: u32,
-        /// How many triangles lie on others.
+        /// Number of triangles that lie on others.
         triangles: usize,
     },
     /// Texture coordinates that are no numbers.
@@ -133,7 +133,7 @@ pub enum SceneError {
     MissingUvs {
         /// The mesh file.
         mesh: PathBuf,
-        /// How many there are.
+        /// Number of such triangles.
         count: usize,
         /// Number in the file of the first triangle.
         first: u32,
@@ -144,9 +144,9 @@ pub enum SceneError {
     UvLayout {
         /// The mesh file.
         mesh: PathBuf,
-        /// What is wrong with them.
+        /// Fault of the texture coordinates.
         problem: String,
-        /// What to do.
+        /// Advice to the user.
         advice: &'static str,
     },
     /// Two zones that both claim a place.
@@ -173,7 +173,7 @@ pub enum SceneError {
     Model {
         /// The scene file.
         scene: PathBuf,
-        /// What cannot be.
+        /// Error of the crate that refused it.
         source: Box<StepperError>,
     },
     /// The mesh does not enclose a body.
@@ -181,7 +181,7 @@ pub enum SceneError {
     Surface {
         /// The mesh file.
         mesh: PathBuf,
-        /// What is wrong with it.
+        /// Error of the crate that refused it.
         source: LatticeError,
     },
     /// A map cannot be baked.
@@ -191,7 +191,7 @@ pub enum SceneError {
         mesh: PathBuf,
         /// The pose.
         pose: String,
-        /// What cannot be.
+        /// Error of the crate that refused it.
         source: BakeError,
     },
 }

@@ -14,7 +14,7 @@ const WIDEST: f64 = 5.0;
 /// Nothing that somebody bakes is smaller (m): half the tip of a finger.
 const NARROWEST: f64 = 5e-3;
 
-/// From this many wavelengths on a mesh that is too wide is in a wrong unit: as many furrows of a
+/// Width in wavelengths from which on a mesh is in a wrong unit: as many furrows of a
 /// forehead as fit into the height of a person. A giant whose waves are in proportion has no more.
 const MANY_WAVES: f64 = 200.0;
 
@@ -95,7 +95,7 @@ fn shortest_wavelength(layers: &[LayerSpec]) -> Option<f64> {
     wavelengths.min_by(f64::total_cmp)
 }
 
-/// What the unit might be, and what to write for each guess.
+/// Question what the unit might be, and advice what to write for each guess.
 fn words(mesh: &MeshFile, width: f64) -> (String, String) {
     let is_obj = (mesh.path.extension()).is_some_and(|e| e.eq_ignore_ascii_case("obj"));
     let key = |name: &str, scale: f64| match name {

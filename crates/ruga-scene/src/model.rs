@@ -18,7 +18,7 @@ use crate::property_images::read_property_images;
 /// Weights beyond this look like a slip: shapes are whole at 1, and now and then overdriven a little.
 const LARGE_WEIGHT: f64 = 2.0;
 
-/// What is wrong with a share of bending for the lowest layer of a zone, which has none below.
+/// Error of a share of bending for the lowest layer of a zone, which has none below.
 pub(crate) fn bending_without_layer(scene: &SceneFile, path: &Path) -> Option<SceneError> {
     let zones = scene.zones();
     let mut lowest = zones.iter().map(|zone| zone.layers[0]);
@@ -118,7 +118,7 @@ fn layer(
     .map_err(wrong)
 }
 
-/// How uneven layer number `index` is: as the scene says, or else as its preset is.
+/// Unevenness of layer number `index`: as the scene says, or else as its preset is.
 ///
 /// Layers that are solved as one composite or joint pair are even: their stiffness together is known
 /// for even layers alone.
@@ -141,7 +141,8 @@ fn variation(scene: &SceneFile, index: usize, preset: Option<&Preset>) -> Option
     found.filter(|variation| variation.spread > 0.0)
 }
 
-/// Where layer number `index` is: on its own mask, and in a zone on that of the zone's lowest layer.
+/// Presence of layer number `index`: on its own mask, and in a zone on that of the zone's lowest
+/// layer.
 fn presence(scene: &SceneFile, index: usize, path: &Path) -> Result<Presence, SceneError> {
     let layer = &scene.layers[index];
     let mask_of = |number: usize| Some((number, scene.layers[number].mask.as_deref()?));
@@ -249,8 +250,8 @@ fn pose_spec(pose: &file::Pose, driver: &Driver, path: &Path) -> Result<PoseSpec
     })
 }
 
-/// What is to be said of weights so far beyond the whole blend shape that they look mistyped, in the
-/// poses of the scene that are worked on.
+/// Warnings about weights so far beyond the whole blend shape that they look mistyped, in the poses
+/// of the scene that are worked on.
 pub(crate) fn weight_warnings(scene: &SceneFile, poses: &[PoseSpec]) -> Vec<String> {
     let mut warnings = Vec::new();
     for (number, pose) in scene.poses.iter().enumerate() {

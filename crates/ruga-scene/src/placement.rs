@@ -5,13 +5,13 @@ use std::path::Path;
 use nalgebra::{Matrix3, Vector3};
 use ruga_io::{IoError, MeshFile, ObjFrame, write_obj_frame};
 
-/// From the axes of the file, in which everything is computed, to those of the world: a turn, or a
-/// reflection, and a shift.
+/// Way from the axes of the file, in which everything is computed, to those of the world: a turn,
+/// or a reflection, and a shift.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement {
     /// A rotation or a reflection.
     pub turn: Matrix3<f64>,
-    /// Where the origin of the file is in the world, m.
+    /// Place of the file's origin in the world (m).
     pub shift: Vector3<f64>,
 }
 

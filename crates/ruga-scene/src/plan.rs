@@ -15,7 +15,7 @@ pub struct ScenePlan {
 pub struct ZonePlan {
     /// Its layers as numbers into the scene's, bottom first.
     pub layers: Vec<usize>,
-    /// What will be modelled of it.
+    /// Plan of what will be modelled of it.
     pub plan: Plan,
 }
 
@@ -40,7 +40,7 @@ impl ScenePlan {
             .find_map(|zone| zone.plan.interior.as_ref())
     }
 
-    /// What the user should know before anything is simulated.
+    /// Warnings for the user before anything is simulated.
     pub fn warnings(&self) -> impl Iterator<Item = &String> {
         self.zones.iter().flat_map(|zone| &zone.plan.warnings)
     }

@@ -34,7 +34,8 @@ pub(crate) fn moved_frames(
     frames(artist, driver, control, None)
 }
 
-/// Where no normals are given they are computed, smooth but where the file's rest normals are not.
+/// Tangent frames of a pose; normals that are not given are computed, smooth but where the file's
+/// rest normals are not.
 fn frames(
     artist: &ArtistMesh,
     driver: &Driver,
@@ -83,8 +84,8 @@ fn computed_normals(
     group_of.iter().map(normal).collect()
 }
 
-/// For every vertex of the file the number of those that share its normal, and how many there are:
-/// those at one place whose rest normals are the same, or all at one place where the file has none.
+/// Number of the smooth group of every vertex of the file, and how many groups there are: vertices
+/// at one place whose rest normals are the same, or all at one place where the file has none.
 fn smooth_groups(artist: &ArtistMesh, driver: &Driver) -> (Vec<usize>, usize) {
     let mut at_place: Vec<Vec<(Vector3<f64>, usize)>> = vec![Vec::new(); driver.rest().len()];
     let mut count = 0;

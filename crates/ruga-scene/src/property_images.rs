@@ -8,11 +8,11 @@ use ruga_material::PropertyImage;
 use crate::SceneError;
 use crate::file::PropertyMap;
 
-/// How far outside `[0, 1]` a number of an EXR may lie and is cut off in silence: several times the
+/// Distance outside `[0, 1]` at which a number of an EXR is cut off in silence: several times the
 /// rounding of half floats, and what filters of paint programs leave behind.
 const SLACK: f32 = 1e-3;
 
-/// What is painted over a layer; a property that is `None` keeps the layer's own value.
+/// Images painted over a layer; a property that is `None` keeps the layer's own value.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PropertyImages {
     /// Relative wavelength; the red channel of a packed image.

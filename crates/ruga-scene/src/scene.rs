@@ -17,7 +17,7 @@ use crate::placement::Placement;
 use crate::plan::{ScenePlan, ZonePlan};
 use crate::{SceneError, body, counted, mesh_size, model, texture_space};
 
-/// What is asked of a scene beside what stands in its file.
+/// Requests to a scene beside what stands in its file.
 #[derive(Clone, Debug, Default)]
 pub struct SceneOptions {
     /// Names of the poses that are wanted; empty: all of them.
@@ -31,7 +31,7 @@ pub struct SceneOptions {
 pub struct Scene {
     /// The scene file, as it was given.
     pub path: PathBuf,
-    /// What stands in it, defaults filled in and paths resolved.
+    /// Content of the file, defaults filled in and paths resolved.
     pub file: SceneFile,
     /// The artist's mesh file.
     pub mesh: MeshFile,
@@ -45,7 +45,7 @@ pub struct Scene {
     pub body: Option<Body>,
     /// The choices that are not physics.
     pub modelling: Modelling,
-    /// What was assumed or left out while reading.
+    /// Warnings: what was assumed or left out while reading.
     pub warnings: Vec<String>,
 }
 
@@ -124,19 +124,19 @@ impl Scene {
 pub struct Inspection {
     /// The scene file, as it was given.
     pub path: PathBuf,
-    /// What stands in it.
+    /// Content of the file.
     pub file: SceneFile,
     /// The artist's mesh file and the welded mesh.
     pub mesh: Option<(MeshFile, Arc<Driver>)>,
     /// The layers.
     pub layers: Option<Vec<LayerSpec>>,
-    /// Where skin is simulated.
+    /// Region where skin is simulated.
     pub region: Option<Region>,
     /// The poses that are wanted.
     pub poses: Option<Vec<PoseSpec>>,
-    /// What was assumed or left out.
+    /// Warnings: what was assumed or left out.
     pub warnings: Vec<String>,
-    /// What keeps the scene from being planned.
+    /// Errors that keep the scene from being planned.
     pub problems: Vec<SceneError>,
     points_per_wavelength: Option<f64>,
 }
@@ -274,7 +274,7 @@ pub fn driver_of(mesh: &MeshFile) -> Result<Driver, SceneError> {
     })
 }
 
-/// What the reader and the welding left out.
+/// Warnings about what the reader and the welding left out.
 fn mesh_warnings(mesh: &MeshFile, driver: &Driver) -> Vec<String> {
     let mut warnings = mesh.warnings.clone();
     let degenerate = driver.degenerate_triangles();
@@ -289,7 +289,7 @@ fn mesh_warnings(mesh: &MeshFile, driver: &Driver) -> Vec<String> {
     warnings
 }
 
-/// Where skin is simulated, the mask read.
+/// Region where skin is simulated, its mask read.
 fn region(scene: &SceneFile, path: &Path) -> Result<Region, SceneError> {
     Ok(match &scene.driver.region {
         file::Region::Auto => Region::Auto,
@@ -298,7 +298,7 @@ fn region(scene: &SceneFile, path: &Path) -> Result<Region, SceneError> {
     })
 }
 
-/// What is unusual about the masks of the region and of the layers that can be read.
+/// Warnings about unusual masks of the region and of the layers that can be read.
 fn mask_warnings(scene: &SceneFile) -> Vec<String> {
     let region = match &scene.driver.region {
         file::Region::Mask(mask) => Some(("driver.region".to_owned(), mask)),

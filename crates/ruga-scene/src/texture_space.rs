@@ -18,7 +18,7 @@ const REPEATED: f64 = 0.5;
 /// mirrored on purpose.
 const FLIPPED: f64 = 0.95;
 
-/// How far 32-bit texture coordinates miss the border of a tile.
+/// Distance by which 32-bit texture coordinates miss the border of a tile.
 const ROUNDING: f64 = 1e-5;
 
 /// UVs of every triangle of the file, V down; `None` where the file has none.
@@ -216,7 +216,7 @@ fn too_large(mesh: &MeshFile, whose: &str, layout: &UvLayout) -> SceneError {
     }
 }
 
-/// Where a layout lies that is outside the square.
+/// Words for the place of a layout that is outside the square.
 fn place(layout: &UvLayout) -> String {
     let [low, high] = tiles(layout);
     let range = format!("from {} to {}", point(low), point(high));

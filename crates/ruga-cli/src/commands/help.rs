@@ -24,7 +24,7 @@ pub(crate) fn run(arguments: &HelpArguments) -> Outcome {
     Outcome::Done
 }
 
-/// What `ruga --help` prints, or the same of one of its commands.
+/// Text that `ruga --help`, or `--help` of one of its commands, prints.
 fn of_command(topic: Option<Topic>) -> String {
     let topic = topic.and_then(|topic| topic.to_possible_value());
     let mut words = vec!["ruga"];

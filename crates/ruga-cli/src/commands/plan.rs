@@ -127,7 +127,8 @@ fn pairs_table(scene: &Scene, plan: &ScenePlan) -> String {
     table(&headings, &rows)
 }
 
-/// What paint and natural unevenness make of the layers in every pose; empty where nothing is uneven.
+/// Table of what paint and natural unevenness make of the layers in every pose; empty where
+/// nothing is uneven.
 fn painted_table(plan: &ScenePlan) -> String {
     let mut rows = Vec::new();
     for (index, pose) in plan.zones[0].plan.poses.iter().enumerate() {

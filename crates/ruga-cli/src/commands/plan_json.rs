@@ -79,7 +79,7 @@ pub(super) struct PairJson<'a> {
     pub(super) force_ratio: f64,
     pub(super) joint_wavelength_m: Option<f64>,
     pub(super) joint_critical_strain: Option<f64>,
-    /// What a growing compression would show first of both together: `fine` or `large`.
+    /// Scale that a growing compression would show first of both together: `fine` or `large`.
     pub(super) first_scale: &'static str,
     /// The share that is used: the scene's, or what its kind of stack has.
     pub(super) bending_transfer: f64,
@@ -88,7 +88,7 @@ pub(super) struct PairJson<'a> {
 #[derive(Serialize)]
 struct PoseJson<'a> {
     name: &'a str,
-    /// What grows from load step to load step: `weight` or `strain`.
+    /// Quantity that grows from load step to load step: `weight` or `strain`.
     path: &'static str,
     steps: u32,
     seconds: f64,
