@@ -55,7 +55,6 @@ pub(crate) fn page(page: &Page<'_>, points: &[Point], command: &str) -> Drawn {
         Measure::Wavelength,
         Measure::Amplitude,
         Measure::Onset,
-        Measure::Gap,
     ];
     let patch = [
         Measure::PatchNormals,
