@@ -61,8 +61,16 @@ pub fn check_film(anchor: Anchor, mesh_seed: Option<u64>) {
     for ((load, anchor), state) in LOADS.iter().zip(amplitudes).zip(&states) {
         let wavelength = state.relative_wavelength / (1.0 + strain / 3.0) - 1.0;
         let amplitude = state.relative_amplitude / anchor - 1.0;
-        println!("{name}: load {load}, errors of wavelength {wavelength:+.4}, amplitude {amplitude:+.4}");
-        assert!(wavelength.abs() < 0.025, "wavelength at {load}: {wavelength:+.4}");
-        assert!(amplitude.abs() < 0.03, "amplitude at {load}: {amplitude:+.4}");
+        println!(
+            "{name}: load {load}, errors of wavelength {wavelength:+.4}, amplitude {amplitude:+.4}"
+        );
+        assert!(
+            wavelength.abs() < 0.025,
+            "wavelength at {load}: {wavelength:+.4}"
+        );
+        assert!(
+            amplitude.abs() < 0.03,
+            "amplitude at {load}: {amplitude:+.4}"
+        );
     }
 }

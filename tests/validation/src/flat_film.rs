@@ -5,8 +5,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{Vector2, Vector3};
 use ruga_material::{LayerMaterial, Substrate, WavelengthModel, Wrinkling, wrinkling};
 use ruga_stepper::{
-    LayerSpec, LayerSurface, Modelling, Observer, PoseResult, Progress, Silent,
-    StepperError, plan,
+    LayerSpec, LayerSurface, Modelling, Observer, PoseResult, Progress, Silent, StepperError, plan,
 };
 
 use crate::{FlatSurface, Lines, patch_driver, patch_pose};

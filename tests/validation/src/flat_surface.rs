@@ -67,7 +67,9 @@ impl<'a> FlatSurface<'a> {
         let layer = self.layer;
         let lifted = layer.positions.iter().zip(&layer.driver_positions);
         let lifted = lifted.zip(&layer.driver_normals);
-        lifted.map(|((x, p), n)| (x - p).dot(n) - layer.offset).collect()
+        lifted
+            .map(|((x, p), n)| (x - p).dot(n) - layer.offset)
+            .collect()
     }
 
     /// Heights along `count` lines in a rectangle of this extent about the middle (m).
@@ -203,5 +205,7 @@ pub fn baked_lines(
         (along, Vector3::new(x, y, z))
     };
     let line = |row: usize| texels(shares[0], strides[0]).map(move |column| normal(row, column));
-    texels(shares[1], strides[1]).map(|row| line(row).collect()).collect()
+    texels(shares[1], strides[1])
+        .map(|row| line(row).collect())
+        .collect()
 }

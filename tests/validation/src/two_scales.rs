@@ -74,7 +74,8 @@ impl TwoScales {
     /// # Panics
     /// When the window leaves the layers.
     pub fn new(patch: &Patch, lower: &LayerSurface, upper: &LayerSurface, window: &Window) -> Self {
-        let surfaces = [lower, upper].map(|layer| FlatSurface::new(layer, [patch.length, patch.width]));
+        let surfaces =
+            [lower, upper].map(|layer| FlatSurface::new(layer, [patch.length, patch.width]));
         let count = (SAMPLES * window.length / window.fine) as usize;
         let step = window.length / count as f64;
         let line = |j: usize| {

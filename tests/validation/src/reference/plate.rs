@@ -226,7 +226,8 @@ mod tests {
         let plate = Plate::new(grid, film, 0.3, Carrier::HalfSpace);
         let strain = [0.02, 0.01];
         let field = |seed: f64| -> Vec<Complex64> {
-            let value = |i: usize| spec.layer.material.thickness * (seed * (i * i + 1) as f64).sin();
+            let value =
+                |i: usize| spec.layer.material.thickness * (seed * (i * i + 1) as f64).sin();
             let values: Vec<f64> = (0..120).map(value).collect();
             let [coefficients, _] = plate.grid.coefficients([&values, &values]);
             coefficients

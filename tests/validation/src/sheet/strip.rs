@@ -33,9 +33,8 @@ impl Strip {
 
     /// Where the points are, about the middle of the length, when that is compressed by `strain`, m.
     pub fn compressed(&self, strain: f64) -> Vec<Vector3<f64>> {
-        let place = |p: &Vector2<f64>| {
-            Vector3::new((p.x - 0.5 * self.length) * (1.0 - strain), p.y, 0.0)
-        };
+        let place =
+            |p: &Vector2<f64>| Vector3::new((p.x - 0.5 * self.length) * (1.0 - strain), p.y, 0.0);
         self.points.iter().map(place).collect()
     }
 
@@ -43,10 +42,7 @@ impl Strip {
     pub fn ends(&self) -> Vec<bool> {
         let tolerance = 1e-9 * self.length;
         let is_end = |x: f64| x < tolerance || x > self.length - tolerance;
-        self.points
-            .iter()
-            .map(|p| is_end(p.x))
-            .collect()
+        self.points.iter().map(|p| is_end(p.x)).collect()
     }
 }
 

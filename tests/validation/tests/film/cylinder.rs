@@ -23,7 +23,10 @@ fn measured(coupling: Coupling) -> ([[f64; 2]; 2], f64) {
         let (result, states) = film.states(&modelling, &[0.9, 2.0, 4.0]);
         let onset = film.onset(&modelling, &result).expect("a film");
         lift = states[0].lift / thickness;
-        println!("{coupling:?}, {:?}: onset {onset:?}, lift {lift:.4}, {:?}", film.radius, states[1]);
+        println!(
+            "{coupling:?}, {:?}: onset {onset:?}, lift {lift:.4}, {:?}",
+            film.radius, states[1]
+        );
         [onset.expect("wrinkles"), states[1].relative_amplitude]
     });
     (both, lift)

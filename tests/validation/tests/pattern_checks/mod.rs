@@ -227,7 +227,12 @@ pub(crate) fn given_labyrinth(rows: PatchRows, size: Size, seed: u64) -> [Findin
     let load = 2.0 / (1.0 + spec.layer.material.poisson);
     let mut shell = shell(&spec, rows, size);
     let grid = shell.heights().grid;
-    let plate = Plate::new(grid.clone(), film, spec.layer.material.poisson, Carrier::Pasternak);
+    let plate = Plate::new(
+        grid.clone(),
+        film,
+        spec.layer.material.poisson,
+        Carrier::Pasternak,
+    );
     let mut heights = noise(&grid, 1e-3 * spec.layer.material.thickness, seed);
     let settings = RelaxSettings::new(spec.layer.material.thickness);
     let relaxed = plate.relax(&mut heights, [load * film.critical_strain; 2], &settings);

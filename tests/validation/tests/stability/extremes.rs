@@ -45,8 +45,7 @@ fn t11_extreme_materials() {
             );
         }
     }
-    let numbers =
-        "ratio 1e2 to 1e7 (h/lam 1e-3), nu 0 and 0.4999: lam within 4 %, A within 10 %";
+    let numbers = "ratio 1e2 to 1e7 (h/lam 1e-3), nu 0 and 0.4999: lam within 4 %, A within 10 %";
     table_line(TEST, "ruga: stiff film", Finding::Holds, numbers);
 
     let Substrate { young, .. } = dermis.substrate;

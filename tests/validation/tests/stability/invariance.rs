@@ -172,7 +172,9 @@ fn remeshed(coupling: Coupling, bending: BendingModel) -> [f64; 2] {
         [states[0].amplitude, states[0].relative_wavelength]
     });
     [0, 1].map(|i| {
-        let changes = states.windows(2).map(|pair| (pair[1][i] / pair[0][i] - 1.0).abs());
+        let changes = states
+            .windows(2)
+            .map(|pair| (pair[1][i] / pair[0][i] - 1.0).abs());
         changes.fold(0.0, f64::max)
     })
 }
@@ -185,7 +187,12 @@ fn t5_remeshes() {
         format!("amplitude differs by {amplitude:.1} %, wavelength by {wavelength:.1} %")
     };
     let change = remeshed(Coupling::Constraint, BendingModel::Hinge);
-    table_line(test, "papers: rows alone, hinges", Finding::Fails, &told(change));
+    table_line(
+        test,
+        "papers: rows alone, hinges",
+        Finding::Fails,
+        &told(change),
+    );
     assert!(change[0] > 0.02, "{change:?}");
     let change = remeshed(Coupling::Hybrid, BendingModel::VertexCurvature);
     table_line(test, "ruga", Finding::Holds, &told(change));

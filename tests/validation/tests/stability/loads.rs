@@ -210,8 +210,10 @@ fn held(steps: usize, method: Minimise) -> [f64; 2] {
 
 #[test]
 fn t15_hold() {
-    let methods: [(&str, usize, Minimise); 2] =
-        [("papers: MINRES", 20, by_minres), ("ruga", 10_000, minimise)];
+    let methods: [(&str, usize, Minimise); 2] = [
+        ("papers: MINRES", 20, by_minres),
+        ("ruga", 10_000, minimise),
+    ];
     for (method, steps, by) in methods {
         let [creep, speed] = held(steps, by);
         let numbers =

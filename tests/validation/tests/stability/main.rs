@@ -45,7 +45,10 @@ fn rows_alone() -> FilmSpec {
 /// Moves the base under a flat film to `load` critical strains.
 fn compress(sheet: &mut Sheet, spec: &FilmSpec, strip: &Strip, load: f64) {
     let strain = load * spec.theory().critical_strain;
-    sheet.lay_on(strip.compressed(strain), &vec![Vector3::z(); strip.points.len()]);
+    sheet.lay_on(
+        strip.compressed(strain),
+        &vec![Vector3::z(); strip.points.len()],
+    );
 }
 
 /// Takes a film that lies on its base from noise of so many thicknesses, just past the onset, to twice the

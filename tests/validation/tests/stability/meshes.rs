@@ -42,14 +42,16 @@ fn t7_coarse_meshes() {
         let words = words.map(|(points, [lam, a])| format!("{points}: lam {lam:.2} A {a:.2}"));
         words.collect::<Vec<_>>().join("; ")
     };
-    let found = points.map(|points| on_coarse_mesh(Coupling::Constraint, BendingModel::Hinge, points));
+    let found =
+        points.map(|points| on_coarse_mesh(Coupling::Constraint, BendingModel::Hinge, points));
     // Far too high, and waves too short, with four points; with six still.
     for coarse in &found[1..3] {
         assert!(coarse[1] > 1.3 && coarse[0] < 0.9, "{found:?}");
     }
     table_line(test, "papers: rows alone", Finding::Fails, &told(&found));
 
-    let found = points.map(|points| on_coarse_mesh(Coupling::Hybrid, BendingModel::VertexCurvature, points));
+    let found = points
+        .map(|points| on_coarse_mesh(Coupling::Hybrid, BendingModel::VertexCurvature, points));
     // Half-waves of sixteen, and amplitude; what a mesh responds with is not made up for here. Three
     // is the smallest number of points a scene may ask for.
     let bounds = [

@@ -63,7 +63,7 @@ pub(crate) fn page(page: &Page<'_>, points: &[Point], command: &str) -> Drawn {
     ];
     panels(page, PAGE, points, (&film, 0))?;
     panels(page, PAGE, points, (&patch, 6))?;
-    key(page, PAGE.corner(5), points)?;
+    key(page, PAGE.corner(4), points)?;
     caption(page, points, command)
 }
 

@@ -55,7 +55,10 @@ fn title(measure: Measure) -> Title<'static> {
         Measure::Normals => ["Normals", "RMS angle to the exact ones, degrees"],
         Measure::Wavelength => ["Wavelength", "at 2 critical strains, error in %"],
         Measure::Amplitude => ["Amplitude", "at 2 and 4 critical strains, error in %"],
-        Measure::Onset => ["Onset of wrinkling", "strain at which it begins, error in %"],
+        Measure::Onset => [
+            "Onset of wrinkling",
+            "strain at which it begins, error in %",
+        ],
         Measure::PatchNormals => [
             "Normals of the patch",
             "RMS angle to a finer mesh’s, degrees",

@@ -99,9 +99,14 @@ fn lines(surface: &LayerSurface) -> Vec<Vec<f64>> {
     let round = |value: f64| (1e4 * value).round() * 1e-4;
     let line = |line: &Vec<(f64, Vector3<f64>)>| {
         let normals = line.iter();
-        normals.flat_map(|(_, n)| [round(n.x), round(n.y)]).collect()
+        normals
+            .flat_map(|(_, n)| [round(n.x), round(n.y)])
+            .collect()
     };
-    baked_lines(surface, shares, STRIDES).iter().map(line).collect()
+    baked_lines(surface, shares, STRIDES)
+        .iter()
+        .map(line)
+        .collect()
 }
 
 fn compare(shape: &PatchShape, reference: &PatchShape, outcome: &mut Outcome) {

@@ -266,8 +266,14 @@ mod tests {
             .map(|p| p.0.cost())
             .collect();
         assert_eq!(costs, [0.1, 0.2, 1.6]);
-        assert_eq!(distance_from_pareto(&points, Measure::Amplitude, 6), Some(1.0));
-        assert_eq!(distance_from_pareto(&points, Measure::Amplitude, 12), Some(2.0));
+        assert_eq!(
+            distance_from_pareto(&points, Measure::Amplitude, 6),
+            Some(1.0)
+        );
+        assert_eq!(
+            distance_from_pareto(&points, Measure::Amplitude, 12),
+            Some(2.0)
+        );
     }
 
     #[test]
