@@ -42,7 +42,7 @@ fn t3_ramp_up_and_down() {
     let test = "T3 ramp up and down across the onset";
     let [up, down] = up_and_down(&rows_alone(), 16, [0.2, 2.0], 8);
     let hysteresis = apart(&up, down.iter());
-    assert!(hysteresis > 0.1, "{hysteresis}");
+    assert!(hysteresis > 0.05, "{hysteresis}");
     let numbers = format!("A differs up and down by {:.0} %", 100.0 * hysteresis);
     table_line(test, "papers: rows alone", Finding::Fails, &numbers);
 

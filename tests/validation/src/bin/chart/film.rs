@@ -2,8 +2,10 @@
 //! frames, against the exact model with finite strains.
 //!
 //! The anchors are a continuum computed with 48 points per wavelength. The product lays the film on a
-//! patch of eight by six wavelengths, whose border it holds; what is compared lies two wavelengths
-//! inside. There the border still raises the onset by half a per cent and amplitudes by about one.
+//! patch, of which eight by six wavelengths are compressed evenly, and holds it at the border; what is
+//! compared lies a wavelength inside the even part and two from the sides. The border still raises the
+//! onset by half a per cent; on wider and longer patches amplitudes differ by a third of a per cent,
+//! wavelengths by a half.
 
 use std::f64::consts::{SQRT_2, TAU};
 

@@ -153,8 +153,8 @@ fn main_settings() -> Vec<Setting> {
     let mut all = Vec::new();
     all.extend(settings(Film, DEFAULT, &POINTS));
     all.extend(settings(Patch, DEFAULT, &POINTS));
-    all.extend(settings(Film, PAPERS.factorised(), &POINTS[..3]));
-    all.extend(settings(Patch, PAPERS, &POINTS[..3]));
+    all.extend(settings(Film, PAPERS.factorised(), &POINTS[..2]));
+    all.extend(settings(Patch, PAPERS, &POINTS[..2]));
     all
 }
 
@@ -173,7 +173,8 @@ fn one_factor_settings() -> Vec<Setting> {
 fn other_settings() -> Vec<Setting> {
     use Problem::{Film, Patch};
     let mut all: Vec<Setting> = settings(Film, PAPERS, &POINTS[..2]).collect();
-    all.extend(settings(Film, PAPERS.factorised(), &FEW_POINTS[1..]));
+    all.extend(settings(Patch, PAPERS, &POINTS[2..3]));
+    all.extend(settings(Film, PAPERS.factorised(), &POINTS[2..4]));
     for method in OTHER_FACTOR {
         all.extend(settings(Film, method, &FEW_POINTS));
     }
