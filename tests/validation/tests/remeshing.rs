@@ -90,7 +90,7 @@ impl Unloaded {
         for step in 0..100 {
             let edge = wavelength / 12.0 * random.random_range(0.8..1.25);
             let made = sheet.remeshed(&mesh, edge, 0.2, step);
-            carried = made.transfer.vectors(&carried);
+            carried = made.transfer.rows.apply(&carried);
             mesh = made.mesh;
             let positions = mesh.positions.as_slice();
             for (p, (there, meant)) in positions

@@ -1,6 +1,7 @@
 //! Rectangular meshes in the plane.
 
 use nalgebra::{Vector2, Vector3};
+use ruga_mesh::TriMesh;
 use ruga_remesh::SurfaceMesh;
 
 use crate::Rectangle;
@@ -19,6 +20,14 @@ pub struct Strip {
 }
 
 impl Strip {
+    /// Vertices, edges and faces without places.
+    ///
+    /// # Panics
+    /// When the triangles are no manifold.
+    pub fn topology(&self) -> TriMesh {
+        TriMesh::new(self.points.len(), self.faces.clone()).expect("a strip is a mesh")
+    }
+
     /// A mesh of a flat rectangle as a strip.
     pub fn of(mesh: &SurfaceMesh, rectangle: &Rectangle) -> Self {
         let positions = mesh.positions.as_slice().iter();
