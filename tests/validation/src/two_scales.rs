@@ -1,13 +1,12 @@
 //! Small wrinkles on large ones, told apart: what a pair of layers does along lines across the
 //! wrinkles.
 
-use std::f64::consts::{FRAC_PI_4, PI, TAU};
+use std::f64::consts::{FRAC_PI_4, PI};
 
 use nalgebra::{Vector2, Vector3};
-use ruga_mesh::{Id, PerFace, PlanarLookup, VertexId};
 use ruga_stepper::LayerSurface;
 
-use crate::Patch;
+use crate::{FlatSurface, Lines, Patch};
 
 /// Width of the Gaussian mean that is taken off the fine height, in fine wavelengths: what stays is
 /// 0.96 of a fine wave and a seventh of one that is 4.6 times as long.
@@ -15,9 +14,6 @@ const MEAN_WIDTH: f64 = 0.4;
 
 /// Samples per fine wavelength along a line.
 const SAMPLES: f64 = 16.0;
-
-/// Wavelengths at which a peak is looked for: half a per cent apart.
-const WAVELENGTHS: usize = 200;
 
 /// A wave counts as developed where its amplitude is this share of its largest.
 const DEVELOPED: f64 = 0.6;
@@ -40,8 +36,6 @@ pub struct Window {
 /// One line along x.
 #[derive(Clone, Debug)]
 pub struct Profile {
-    /// Height of the upper layer over the driver, m.
-    pub total: Vec<f64>,
     /// Height of the lower layer over the driver, m.
     pub lower: Vec<f64>,
     /// Distance of the upper layer from the lower one along that one's normal, less its mean over
@@ -66,8 +60,8 @@ pub struct FineHeights {
 /// Lines across the wrinkles of two layers on a patch.
 #[derive(Clone, Debug)]
 pub struct TwoScales {
-    /// Distance between samples, m.
-    pub step: f64,
+    /// Height of the upper layer over the driver.
+    pub total: Lines,
     /// The lines.
     pub profiles: Vec<Profile>,
     /// Largest amplitude of the lower layer's wave, m.
@@ -80,7 +74,8 @@ impl TwoScales {
     /// # Panics
     /// When the window leaves the layers.
     pub fn new(patch: &Patch, lower: &LayerSurface, upper: &LayerSurface, window: &Window) -> Self {
-        let surfaces = [lower, upper].map(|layer| Sampled::new(patch, layer));
+        let surfaces =
+            [lower, upper].map(|layer| FlatSurface::new(layer, [patch.length, patch.width]));
         let count = (SAMPLES * window.length / window.fine) as usize;
         let step = window.length / count as f64;
         let line = |j: usize| {
@@ -90,7 +85,7 @@ impl TwoScales {
             let places: Vec<_> = places.collect();
             profile(&surfaces, &places, step, window)
         };
-        let mut profiles: Vec<Profile> = (0..window.lines).map(line).collect();
+        let (totals, mut profiles): (Vec<_>, Vec<Profile>) = (0..window.lines).map(line).unzip();
         let amplitudes = profiles
             .iter()
             .flat_map(|p| large_amplitudes(p, step, window));
@@ -102,7 +97,10 @@ impl TwoScales {
             }
         }
         Self {
-            step,
+            total: Lines {
+                step,
+                heights: totals,
+            },
             profiles,
             largest,
         }
@@ -127,71 +125,14 @@ impl TwoScales {
             valley: rms(&|phase| phase.abs() > PI - FRAC_PI_4),
         }
     }
-
-    /// The wavelength inside `range` (m) at which the total height has most power; `None` when that
-    /// is an end of the range, and no peak.
-    pub fn peak(&self, range: [f64; 2]) -> Option<f64> {
-        let ratio = (range[1] / range[0]).ln() / WAVELENGTHS as f64;
-        let wavelength = |i: usize| range[0] * (ratio * i as f64).exp();
-        let powers: Vec<f64> = (0..=WAVELENGTHS)
-            .map(|i| self.power(wavelength(i)))
-            .collect();
-        let best = (0..=WAVELENGTHS).max_by(|&a, &b| powers[a].total_cmp(&powers[b]))?;
-        (1..WAVELENGTHS).contains(&best).then(|| wavelength(best))
-    }
-
-    /// Mean over the lines of the squared amplitude of the total height's wave of length
-    /// `wavelength` (m), under a Hann window, m².
-    pub fn power(&self, wavelength: f64) -> f64 {
-        let of_line = |profile: &Profile| {
-            let count = profile.total.len();
-            let mean = profile.total.iter().sum::<f64>() / count as f64;
-            let (mut real, mut imaginary, mut weights) = (0.0, 0.0, 0.0);
-            for (i, height) in profile.total.iter().enumerate() {
-                let weight = (PI * i as f64 / (count - 1) as f64).sin().powi(2);
-                let (sin, cos) = (TAU * i as f64 * self.step / wavelength).sin_cos();
-                real += weight * (height - mean) * cos;
-                imaginary += weight * (height - mean) * sin;
-                weights += weight;
-            }
-            4.0 * (real * real + imaginary * imaginary) / (weights * weights)
-        };
-        self.profiles.iter().map(of_line).sum::<f64>() / self.profiles.len() as f64
-    }
-}
-
-/// A layer that can be asked for by its places at rest.
-struct Sampled<'a> {
-    layer: &'a LayerSurface,
-    lookup: PlanarLookup,
-}
-
-impl<'a> Sampled<'a> {
-    fn new(patch: &Patch, layer: &'a LayerSurface) -> Self {
-        let material = |v: u32| patch.material(&layer.driver_positions[v as usize]);
-        let triangles = layer.faces.iter().map(|face| face.map(material));
-        Self {
-            layer,
-            lookup: PlanarLookup::new(triangles.collect::<PerFace<_>>()),
-        }
-    }
-
-    /// Position in space of the layer's material at a place of the patch, m.
-    fn position(&self, place: Vector2<f64>) -> Vector3<f64> {
-        let point = self.lookup.locate(place).expect("a place of the layer");
-        let face = self.layer.faces[point.face.index()];
-        let corners = face.map(|v| self.layer.positions[VertexId(v).index()]);
-        let weighted = corners.iter().zip(point.barycentric);
-        weighted.map(|(x, weight)| x * weight).sum()
-    }
 }
 
 fn profile(
-    [lower, upper]: &[Sampled<'_>; 2],
+    [lower, upper]: &[FlatSurface<'_>; 2],
     places: &[Vector2<f64>],
     step: f64,
     window: &Window,
-) -> Profile {
+) -> (Vec<f64>, Profile) {
     let below: Vec<_> = places.iter().map(|&place| lower.position(place)).collect();
     let above: Vec<_> = places.iter().map(|&place| upper.position(place)).collect();
     let normals = normals(&below, (0.1 * window.large / step) as usize);
@@ -199,22 +140,20 @@ fn profile(
         .map(|i| normals[i].dot(&(above[i] - below[i])))
         .collect();
     let mean = gaussian_mean(&distance, MEAN_WIDTH * window.fine / step);
-    let lower: Vec<f64> = below.iter().map(|x| x.z - lower.layer.offset).collect();
+    let heights: Vec<f64> = below.iter().map(|x| x.z - lower.offset()).collect();
     let quarter = quarter(step, window);
     let phase = |i: usize| {
-        let [height, slope] = quadrature(&lower, quarter, i)?;
+        let [height, slope] = quadrature(&heights, quarter, i)?;
         Some(slope.atan2(height))
     };
-    Profile {
-        total: above.iter().map(|x| x.z - upper.layer.offset).collect(),
-        fine: distance
-            .iter()
-            .zip(mean)
-            .map(|(d, mean)| d - mean)
-            .collect(),
+    let total = above.iter().map(|x| x.z - upper.offset()).collect();
+    let fine = distance.iter().zip(mean).map(|(d, mean)| d - mean);
+    let profile = Profile {
+        fine: fine.collect(),
         phase: (0..places.len()).map(phase).collect(),
-        lower,
-    }
+        lower: heights,
+    };
+    (total, profile)
 }
 
 /// Upward normals of a curve in planes of constant y, from chords of `reach` samples either way.

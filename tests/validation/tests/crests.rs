@@ -70,7 +70,7 @@ impl Pair {
     fn peaks(&self) -> [Option<f64>; 2] {
         [0, 1].map(|k: usize| {
             let predicted = self.reports[k].wavelength_predicted;
-            let found = self.scales.peak([0.6 * predicted, 1.7 * predicted]);
+            let found = self.scales.total.peak([0.6 * predicted, 1.7 * predicted]);
             found.map(|wavelength| wavelength / predicted)
         })
     }
@@ -78,8 +78,8 @@ impl Pair {
     /// Power at the fine peak over that half way, in octaves, between both wavelengths.
     fn prominence(&self) -> f64 {
         let [large, fine] = [0, 1].map(|k: usize| self.reports[k].wavelength_predicted);
-        let peak = self.peaks()[1].map_or(0.0, |ratio| self.scales.power(ratio * fine));
-        peak / self.scales.power((large * fine).sqrt())
+        let peak = self.peaks()[1].map_or(0.0, |ratio| self.scales.total.power(ratio * fine));
+        peak / self.scales.total.power((large * fine).sqrt())
     }
 
     fn print(&self, name: &str) {

@@ -15,7 +15,7 @@ use pattern_checks::*;
 use ruga_material::WavelengthModel;
 use ruga_stepper::{LayerSpec, Modelling, PoseSpec, Region, Silent, plan};
 use ruga_validation::reference::{Carrier, PatchRows, shrinking_square};
-use ruga_validation::{FilmSpec, findings, skin_layer};
+use ruga_validation::{FlatFilm, findings, skin_layer};
 
 /// With the hybrid coupling wave number, amplitude and energy are the plate's, but two directions
 /// prevail (a crossing of 0.4 to 0.8, against 0.05 to 0.3): rows on the slides hold the film where
@@ -43,14 +43,14 @@ fn a_labyrinth_of_the_plate_is_one_of_the_shell() {
 /// pinned: what an artist gets.
 #[test]
 fn a_blend_shape_that_shrinks_a_square_makes_a_labyrinth() {
-    let spec = FilmSpec::flat(MODULUS_RATIO);
+    let spec = FlatFilm::new(MODULUS_RATIO);
     let film = spec.theory();
     let side = 6.0 * film.wavelength;
-    let strain = 2.0 * film.critical_strain / (1.0 + spec.film.poisson);
+    let strain = 2.0 * film.critical_strain / (1.0 + spec.layer.material.poisson);
     let driver = shrinking_square(side, strain);
     let layers = [LayerSpec {
-        material: spec.film,
-        substrate: spec.substrate,
+        material: spec.layer.material,
+        substrate: spec.layer.substrate,
         model: WavelengthModel::HalfSpace,
         ..skin_layer("film", "forehead-furrow")
     }];
@@ -92,7 +92,7 @@ fn a_blend_shape_that_shrinks_a_square_makes_a_labyrinth() {
 
 #[test]
 fn compression_across_straight_wrinkles_makes_a_herringbone() {
-    let spec = FilmSpec::flat(MODULUS_RATIO);
+    let spec = FlatFilm::new(MODULUS_RATIO);
     let size = Size {
         waves: 6,
         points: 8,

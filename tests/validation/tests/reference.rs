@@ -6,7 +6,7 @@
 )]
 
 use ruga_material::{LayerMaterial, Substrate, WavelengthModel, Wrinkling, wrinkling};
-use ruga_validation::FilmSpec;
+use ruga_validation::FlatFilm;
 use ruga_validation::reference::{
     Anchor, BendingLaw, Carrier, Chain, DenseBlock, FilmTheory, Grid, HeightField, Plate,
     RelaxSettings, noise, wave,
@@ -22,7 +22,7 @@ const THICKNESS: f64 = 1e-4;
 fn film(modulus_ratio: f64) -> Wrinkling {
     Wrinkling {
         tangential_stiffness: 0.0,
-        ..FilmSpec::flat(modulus_ratio).theory()
+        ..FlatFilm::new(modulus_ratio).theory()
     }
 }
 
@@ -174,7 +174,7 @@ fn plate_with_one_wave_is_linear_theory() {
         poisson: 0.48,
         thickness: 0.5 * stiff.wavelength,
     };
-    let thin = FilmSpec::flat(1000.0).film;
+    let thin = FlatFilm::new(1000.0).layer.material;
     let on_layer = wrinkling(&thin, &substrate, WavelengthModel::Layer).expect("valid materials");
     let on_layer = Wrinkling {
         tangential_stiffness: 0.0,
@@ -203,7 +203,7 @@ fn plate_with_one_wave_is_linear_theory() {
 /// shell has.
 #[test]
 fn plate_agrees_with_the_chain_at_small_strain() {
-    let tied = FilmSpec::flat(3e5).theory();
+    let tied = FlatFilm::new(3e5).theory();
     for film in [film(3e5), tied] {
         let chain = Chain {
             film,

@@ -10,7 +10,7 @@
 mod pattern_checks;
 
 use pattern_checks::*;
-use ruga_validation::FilmSpec;
+use ruga_validation::FlatFilm;
 use ruga_validation::reference::{Carrier, PatchRows};
 
 fn main() {
@@ -58,7 +58,7 @@ fn a_hybrid_film_does_not_keep_the_labyrinth_of_the_plate() {
 /// Eight waves at 12 points, against the plate on springs; the plate on the half-space itself is
 /// printed beside it.
 fn herringbone_of_eight_waves_is_the_plates() {
-    let spec = FilmSpec::flat(MODULUS_RATIO);
+    let spec = FlatFilm::new(MODULUS_RATIO);
     let size = Size {
         waves: 8,
         points: 12,

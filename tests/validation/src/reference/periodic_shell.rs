@@ -217,16 +217,16 @@ fn folded(energy: &LayerEnergy, mesh: &PeriodicMesh) -> (LowerPattern, Vec<Slot>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::FilmSpec;
+    use crate::FlatFilm;
 
     const SIZE: [usize; 2] = [6, 4];
 
     /// A shell under strain, and a state of it that is bent and sheared everywhere.
     fn shaken(move_by: usize) -> (PeriodicShell, Vec<f64>) {
-        let spec = FilmSpec::flat(150.0);
+        let spec = FlatFilm::new(150.0);
         let film = spec.theory();
         let mesh = PeriodicMesh::new(SIZE[0], SIZE[1], film.wavelength / 8.0, 1);
-        let mut shell = PeriodicShell::new(mesh, &spec.film, film);
+        let mut shell = PeriodicShell::new(mesh, &spec.layer.material, film);
         shell.set_strain([0.04, 0.03]);
         let mut x = shell.base();
         for (index, x) in x.iter_mut().enumerate() {
@@ -234,7 +234,7 @@ mod tests {
             let column = (vertex % SIZE[0] + move_by) % SIZE[0];
             let number = (vertex / SIZE[0] * SIZE[0] + column) * 3 + axis;
             let size = if axis == 2 { 0.3 } else { 0.05 };
-            *x += size * spec.film.thickness * (1.7 * (number * number) as f64).sin();
+            *x += size * spec.layer.material.thickness * (1.7 * (number * number) as f64).sin();
         }
         (shell, x)
     }

@@ -215,18 +215,19 @@ impl Plate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::FilmSpec;
+    use crate::FlatFilm;
 
     #[test]
     fn gradient_is_the_derivative_of_the_energy() {
-        let spec = FilmSpec::flat(1000.0);
+        let spec = FlatFilm::new(1000.0);
         let film = spec.theory();
         let side = 2.0 * film.wavelength;
         let grid = Grid::new([12, 10], [side, 0.9 * side]);
         let plate = Plate::new(grid, film, 0.3, Carrier::HalfSpace);
         let strain = [0.02, 0.01];
         let field = |seed: f64| -> Vec<Complex64> {
-            let value = |i: usize| spec.film.thickness * (seed * (i * i + 1) as f64).sin();
+            let value =
+                |i: usize| spec.layer.material.thickness * (seed * (i * i + 1) as f64).sin();
             let values: Vec<f64> = (0..120).map(value).collect();
             let [coefficients, _] = plate.grid.coefficients([&values, &values]);
             coefficients

@@ -10,7 +10,7 @@ use super::fourier::Grid;
 use super::height_field::HeightField;
 use super::periodic_mesh::PeriodicMesh;
 use super::periodic_shell::PeriodicShell;
-use crate::film_rows::{Row, to_constraint_rows};
+use crate::sheet::{Row, to_constraint_rows};
 
 /// Low-pass rows that hold a patch beside its springs, 1.5 wavelengths apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

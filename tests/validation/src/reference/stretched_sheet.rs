@@ -15,7 +15,7 @@ use ruga_solver::{
     ConstraintRows, Kkt, LowerPattern, NewtonSettings, Objective, SolveReport, minimise,
 };
 
-use crate::film_objective::{gather, scatter};
+use crate::sheet::{gather, scatter};
 use crate::{Strip, equilateral};
 
 /// A sheet, twice as finely meshed across as along: wrinkles run along.

@@ -11,7 +11,7 @@ use nalgebra::Vector2;
 use ruga_material::LayerMaterial;
 use ruga_solver::NewtonSettings;
 use ruga_stepper::LayerSurface;
-use ruga_validation::FilmSpec;
+use ruga_validation::FlatFilm;
 use ruga_validation::reference::{
     Carrier, Grid, HeightField, Orientation, PatchRows, Plate, RelaxSettings, ShellPatch,
     StretchedSheet, noise, square,
@@ -44,7 +44,7 @@ pub(crate) struct Findings {
 }
 
 impl Findings {
-    fn new(spec: &FilmSpec, field: &HeightField, energy_gap: f64) -> Self {
+    fn new(spec: &FlatFilm, field: &HeightField, energy_gap: f64) -> Self {
         let film = spec.theory();
         let k = film.wave_number;
         Self {
@@ -92,7 +92,7 @@ pub(crate) fn assert_near(what: &str, found: f64, wanted: f64, tolerance: f64) {
 
 /// The plate through a path of strains (critical ones) along x and y; findings at every step.
 pub(crate) fn plate_path(
-    spec: &FilmSpec,
+    spec: &FlatFilm,
     carrier: Carrier,
     size: Size,
     path: &[[f64; 2]],
@@ -102,11 +102,11 @@ pub(crate) fn plate_path(
     let side = size.waves as f64 * film.wavelength;
     let count = size.waves * 8;
     let grid = Grid::new([count; 2], [side; 2]);
-    let plate = Plate::new(grid.clone(), film, spec.film.poisson, carrier);
-    let mut heights = noise(&grid, 1e-3 * spec.film.thickness, seed);
+    let plate = Plate::new(grid.clone(), film, spec.layer.material.poisson, carrier);
+    let mut heights = noise(&grid, 1e-3 * spec.layer.material.thickness, seed);
     let settings = RelaxSettings {
         seed: 100 * seed,
-        ..RelaxSettings::new(spec.film.thickness)
+        ..RelaxSettings::new(spec.layer.material.thickness)
     };
     let step = |loads: &[f64; 2]| {
         let strain = loads.map(|load| load * film.critical_strain);
@@ -124,17 +124,17 @@ pub(crate) fn plate_path(
 }
 
 /// The flat shell.
-pub(crate) fn shell(spec: &FilmSpec, rows: PatchRows, size: Size) -> ShellPatch {
+pub(crate) fn shell(spec: &FlatFilm, rows: PatchRows, size: Size) -> ShellPatch {
     let film = spec.theory();
     let columns = size.waves * size.points;
     let edge = film.wavelength / size.points as f64;
     let lines = 2 * (columns as f64 / 3.0_f64.sqrt()).round() as usize;
-    ShellPatch::new(&spec.film, film, rows, [columns, lines], edge)
+    ShellPatch::new(&spec.layer.material, film, rows, [columns, lines], edge)
 }
 
 /// Solves a shell under critical strains along x and y.
 pub(crate) fn solve(
-    spec: &FilmSpec,
+    spec: &FlatFilm,
     shell: &mut ShellPatch,
     loads: &[f64; 2],
     seed: u64,
@@ -160,7 +160,7 @@ pub(crate) fn solve(
 
 /// The shell through a path.
 pub(crate) fn shell_path(
-    spec: &FilmSpec,
+    spec: &FlatFilm,
     rows: PatchRows,
     size: Size,
     path: &[[f64; 2]],
@@ -171,7 +171,7 @@ pub(crate) fn shell_path(
     let step = |(index, loads): (usize, &[f64; 2])| {
         // A pattern that is exactly straight stays so.
         let seed = 100 * seed + index as u64;
-        shell.raise(&noise(&grid, 1e-3 * spec.film.thickness, seed));
+        shell.raise(&noise(&grid, 1e-3 * spec.layer.material.thickness, seed));
         solve(spec, &mut shell, loads, seed)
     };
     path.iter().enumerate().map(step).collect()
@@ -184,9 +184,9 @@ pub(crate) fn labyrinths(
     shells: u64,
     plates: u64,
 ) -> [Vec<Findings>; 2] {
-    let spec = FilmSpec::flat(MODULUS_RATIO);
+    let spec = FlatFilm::new(MODULUS_RATIO);
     // Both directions press: the critical strain is that much smaller.
-    let path = [[2.0 / (1.0 + spec.film.poisson); 2]];
+    let path = [[2.0 / (1.0 + spec.layer.material.poisson); 2]];
     let last = |mut steps: Vec<Findings>| steps.remove(steps.len() - 1);
     let shells = (1..=shells).map(|seed| last(shell_path(&spec, rows, size, &path, seed)));
     let shells = shells.collect();
@@ -222,14 +222,19 @@ pub(crate) fn check_labyrinths(shells: &[Findings], plates: &[Findings]) -> f64 
 
 /// What becomes of the plate's labyrinth in a shell that starts from it; the plate's first.
 pub(crate) fn given_labyrinth(rows: PatchRows, size: Size, seed: u64) -> [Findings; 2] {
-    let spec = FilmSpec::flat(MODULUS_RATIO);
+    let spec = FlatFilm::new(MODULUS_RATIO);
     let film = spec.theory();
-    let load = 2.0 / (1.0 + spec.film.poisson);
+    let load = 2.0 / (1.0 + spec.layer.material.poisson);
     let mut shell = shell(&spec, rows, size);
     let grid = shell.heights().grid;
-    let plate = Plate::new(grid.clone(), film, spec.film.poisson, Carrier::Pasternak);
-    let mut heights = noise(&grid, 1e-3 * spec.film.thickness, seed);
-    let settings = RelaxSettings::new(spec.film.thickness);
+    let plate = Plate::new(
+        grid.clone(),
+        film,
+        spec.layer.material.poisson,
+        Carrier::Pasternak,
+    );
+    let mut heights = noise(&grid, 1e-3 * spec.layer.material.thickness, seed);
+    let settings = RelaxSettings::new(spec.layer.material.thickness);
     let relaxed = plate.relax(&mut heights, [load * film.critical_strain; 2], &settings);
     assert!(relaxed.converged);
     let field = HeightField { grid, heights };

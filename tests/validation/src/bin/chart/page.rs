@@ -55,7 +55,6 @@ pub(crate) fn page(page: &Page<'_>, points: &[Point], command: &str) -> Drawn {
         Measure::Wavelength,
         Measure::Amplitude,
         Measure::Onset,
-        Measure::Gap,
     ];
     let patch = [
         Measure::PatchNormals,
@@ -64,7 +63,7 @@ pub(crate) fn page(page: &Page<'_>, points: &[Point], command: &str) -> Drawn {
     ];
     panels(page, PAGE, points, (&film, 0))?;
     panels(page, PAGE, points, (&patch, 6))?;
-    key(page, PAGE.corner(5), points)?;
+    key(page, PAGE.corner(4), points)?;
     caption(page, points, command)
 }
 
@@ -158,11 +157,11 @@ fn caption(page: &Page<'_>, points: &[Point], command: &str) -> Drawn {
     let lines = [
         "Along each line 4, 6, 8, 12, 16, 24 mesh edges per wavelength. Pale marks: other samplings of the rows (area, \
          adjusted, quadrature), meshes and solvers. Errors under 0.05 % are drawn at the lower edge.",
-        "Film: against the continuum with finite strains. Its wavelength and onset are those of the first mode over several \
-         box lengths, so that no box sets them; they belong to the mesh, and MINRES shares them with LDLᵀ.",
+        "Film: against the continuum with finite strains. Its compression fades out towards both ends, so that these do \
+         not set its wavelength; the border takes half a per cent of the onset.",
         "Normals: along lines across the wrinkles, each shifted to its best. Patch: three critical strains in its middle, \
-         none at its ends, in six frames through the product’s own planner and stepper, against an",
-        "even hybrid mesh of 32 edges per wavelength. Times: one thread, everything but measuring.",
+         none at its ends, in six frames, against an even hybrid mesh of 32 edges per wavelength.",
+        "Times: one thread, everything but measuring.",
         &last,
     ];
     notes(page, PAGE.size[1] - 100.0, &lines)

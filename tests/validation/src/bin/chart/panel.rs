@@ -53,10 +53,12 @@ fn scale(measure: Measure) -> f64 {
 fn title(measure: Measure) -> Title<'static> {
     let [name, note] = match measure {
         Measure::Normals => ["Normals", "RMS angle to the exact ones, degrees"],
-        Measure::Wavelength => ["Wavelength", "of the first mode, error in %"],
+        Measure::Wavelength => ["Wavelength", "at 2 critical strains, error in %"],
         Measure::Amplitude => ["Amplitude", "at 2 and 4 critical strains, error in %"],
-        Measure::Onset => ["Onset of wrinkling", "strain of the first mode, error in %"],
-        Measure::Gap => ["Energy gap", "flat to wrinkled, error in %"],
+        Measure::Onset => [
+            "Onset of wrinkling",
+            "strain at which it begins, error in %",
+        ],
         Measure::PatchNormals => [
             "Normals of the patch",
             "RMS angle to a finer mesh’s, degrees",

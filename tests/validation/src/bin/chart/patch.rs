@@ -3,24 +3,18 @@
 //!
 //! Nobody knows its wrinkles exactly; they are compared with those of a finer mesh.
 
-use std::f64::consts::PI;
-use std::sync::Arc;
+use std::f64::consts::TAU;
 
 use nalgebra::{Vector2, Vector3};
-use ruga_blend::{ArtistMesh, BlendShape, Driver};
-use ruga_material::WavelengthModel;
-use ruga_mesh::{Id, PerFace, PlanarLookup};
-use ruga_stepper::{
-    Coupling as Held, EdgeLimits, LayerSpec, LayerSurface, Modelling, Observer, PoseSpec, Presence,
-    Progress, plan,
-};
-use ruga_validation::FilmSpec;
+use ruga_stepper::{LayerSpec, LayerSurface, plan};
+use ruga_validation::{FlatFilm, baked_lines, patch_driver, patch_pose};
 
 use crate::cpu_time::cpu_seconds;
+use crate::film::RATIO;
+use crate::product::{Watch, modelling};
 use crate::results::Measure;
-use crate::setting::{Coupling, Outcome, PatchShape, Run};
+use crate::setting::{Outcome, PatchShape, Run};
 
-const RATIO: f64 = 150.0;
 /// Extent in wavelengths.
 const WAVES: [f64; 2] = [8.0, 3.0];
 /// Compression in the middle, in critical strains.
@@ -32,30 +26,33 @@ const SQUARES: [usize; 2] = [32, 12];
 /// Texels of the map that the plan is for.
 const TEXELS: u32 = 1024;
 
-/// Extent in wavelengths, about the middle, of what is compared, and samples along it and across.
+/// Extent in wavelengths, about the middle, of what is compared, and strides in texels along it and
+/// across.
 const COMPARED: [f64; 2] = [4.0, 1.0];
-const SAMPLES: [usize; 2] = [128, 8];
+const STRIDES: [usize; 2] = [2, 21];
 
 /// Runs it and measures; without a reference it becomes one.
 pub(crate) fn measure(request: &Run, reference: Option<&PatchShape>) -> Outcome {
-    let spec = FilmSpec::flat(RATIO);
-    let wavelength = spec.theory().wavelength;
-    let driver = driver(
-        WAVES.map(|waves| waves * wavelength),
-        PEAK * spec.theory().critical_strain,
-    );
-    let pose = PoseSpec {
-        name: "compress".to_owned(),
-        weights: driver.weights([("compress", 1.0)]).expect("its only shape"),
-        keys: vec![1.0],
-        steps: STEPS,
-        motions: Vec::new(),
+    let film = FlatFilm::new(RATIO);
+    let theory = film.theory();
+    let extent = WAVES.map(|waves| waves * theory.wavelength);
+    // The integral of -peak (1 + cos(2 pi x / length)) / 2.
+    let shape = |p: Vector2<f64>| {
+        let wave = extent[0] / TAU * (TAU * p.x / extent[0]).sin();
+        let moved = -0.5 * PEAK * theory.critical_strain * (p.x + wave);
+        [p.push(0.0), Vector3::new(p.x + moved, p.y, 0.0)]
     };
-    let (layers, modelling) = ([layer(&spec, request)], modelling(request));
+    let driver = patch_driver(extent, SQUARES, None, shape);
+    let pose = patch_pose(&driver, vec![1.0], STEPS);
+    let method = request.setting.method;
+    let layers = [LayerSpec {
+        coupling: method.coupling.held(),
+        sampling: method.sampling.kind(),
+        ..film.layer
+    }];
+    let modelling = modelling(request);
     let start = cpu_seconds();
-    let mut watch = Watch {
-        end: start + request.limit_s,
-    };
+    let mut watch = Watch::new(request);
     let poses = std::slice::from_ref(&pose);
     let result = plan(&driver, &layers, poses, &modelling, TEXELS)
         .and_then(|plan| plan.simulate(0, &mut watch));
@@ -86,7 +83,7 @@ pub(crate) fn measure(request: &Run, reference: Option<&PatchShape>) -> Outcome 
     let shape = PatchShape {
         wavelength: found,
         amplitude: report.amplitude,
-        lines: lines(surface, wavelength),
+        lines: lines(surface),
     };
     match reference {
         Some(reference) => compare(&shape, reference, &mut outcome),
@@ -95,134 +92,21 @@ pub(crate) fn measure(request: &Run, reference: Option<&PatchShape>) -> Outcome 
     outcome
 }
 
-/// Stops a run that takes too long.
-struct Watch {
-    end: f64,
-}
-
-impl Observer for Watch {
-    fn progress(&mut self, _: Progress) -> bool {
-        cpu_seconds() < self.end
-    }
-
-    fn wants_frames(&self) -> bool {
-        false
-    }
-}
-
-fn layer(spec: &FilmSpec, request: &Run) -> LayerSpec {
-    LayerSpec {
-        name: "film".to_owned(),
-        material: spec.film,
-        substrate: spec.substrate,
-        model: WavelengthModel::HalfSpace,
-        coupling: match request.setting.method.coupling {
-            Coupling::Constraint => Held::Constraint,
-            Coupling::Elastic => Held::Elastic,
-            Coupling::Hybrid => Held::Hybrid,
-        },
-        sampling: request.setting.method.sampling.kind(),
-        map: None,
-        sharp: false,
-        bending_transfer: None,
-        variation: None,
-        presence: Presence::default(),
-    }
-}
-
-fn modelling(request: &Run) -> Modelling {
-    let method = request.setting.method;
-    Modelling {
-        points_per_wavelength: f64::from(request.setting.points),
-        remesh: method.aspect().map(|aspect| EdgeLimits {
-            aspect,
-            ..EdgeLimits::default()
-        }),
-        bending: method.bending.model(),
-        minimise: method.solver.minimise(),
-        seed: request.seed,
-        ..Modelling::default()
-    }
-}
-
-/// A rectangle about the origin, shrunk along x by `peak` in the middle and not at all at the ends.
-fn driver([length, width]: [f64; 2], peak: f64) -> Arc<Driver> {
-    let [columns, rows] = SQUARES;
-    let uv = |i: usize, j: usize| Vector2::new(i as f64 / columns as f64, j as f64 / rows as f64);
-    let uvs: Vec<_> = (0..=rows)
-        .flat_map(|j| (0..=columns).map(move |i| uv(i, j)))
-        .collect();
-    let place = |uv: &Vector2<f64>| Vector3::new((uv.x - 0.5) * length, (uv.y - 0.5) * width, 0.0);
-    let positions: Vec<_> = uvs.iter().map(place).collect();
-    // The integral of -peak (1 + cos(2 pi x / length)) / 2.
-    let moved = |p: &Vector3<f64>| {
-        let wave = length / (2.0 * PI) * (2.0 * PI * p.x / length).sin();
-        Vector3::new(-0.5 * peak * (p.x + wave), 0.0, 0.0)
-    };
-    let vertex = |i: usize, j: usize| (j * (columns + 1) + i) as u32;
-    let square = |i: usize, j: usize| {
-        let [a, b, c, d] = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(k, l)| vertex(i + k, j + l));
-        match (i + j) % 2 {
-            0 => [[a, b, c], [a, c, d]],
-            _ => [[a, b, d], [b, c, d]],
-        }
-    };
-    let triangles = (0..rows).flat_map(|j| (0..columns).flat_map(move |i| square(i, j)));
-    let artist = ArtistMesh {
-        name: "patch".to_owned(),
-        shapes: vec![BlendShape {
-            name: "compress".to_owned(),
-            position_deltas: positions.iter().map(moved).collect(),
-            normal_deltas: None,
-        }],
-        triangles: triangles.collect(),
-        positions,
-        normals: None,
-        uvs: Some(uvs),
-    };
-    Arc::new(Driver::new(&artist).expect("a rectangle"))
-}
-
-/// Smooth normals along lines across the wrinkles, as a normal map has them, in the plane of the
-/// posed driver.
-fn lines(surface: &LayerSurface, wavelength: f64) -> Vec<Vec<f64>> {
-    let posed = &surface.driver_positions;
-    let triangles = surface
-        .faces
-        .iter()
-        .map(|face| face.map(|v| posed[v as usize].xy()));
-    let lookup = PlanarLookup::new(triangles.collect::<PerFace<_>>());
-    let mut normals = vec![Vector3::zeros(); posed.len()];
-    for face in &surface.faces {
-        let [a, b, c] = face.map(|v| surface.positions[v as usize]);
-        for v in face {
-            normals[*v as usize] += (b - a).cross(&(c - a));
-        }
-    }
-    let normal = |place: Vector2<f64>| {
-        let point = lookup.locate(place).expect("a place of the patch");
-        let face = surface.faces[point.face.index()];
-        let terms = face.iter().zip(point.barycentric);
-        let sum: Vector3<f64> = terms
-            .map(|(v, b)| normals[*v as usize].normalize() * b)
-            .sum();
-        sum.normalize()
-    };
-    let [columns, rows] = SAMPLES;
-    let at = |i: usize, count: usize, extent: f64| {
-        ((i as f64 + 0.5) / count as f64 - 0.5) * extent * wavelength
-    };
-    let line = |j: usize| {
-        let places = (0..columns)
-            .map(|i| Vector2::new(at(i, columns, COMPARED[0]), at(j, rows, COMPARED[1])));
-        // Four digits are a hundredth of a degree.
-        let round = |value: f64| (1e4 * value).round() * 1e-4;
-        places
-            .map(normal)
-            .flat_map(|n| [round(n.x), round(n.y)])
+/// Normals of the map along lines across the wrinkles.
+fn lines(surface: &LayerSurface) -> Vec<Vec<f64>> {
+    let shares = [0, 1].map(|i| COMPARED[i] / WAVES[i]);
+    // Four digits are a hundredth of a degree.
+    let round = |value: f64| (1e4 * value).round() * 1e-4;
+    let line = |line: &Vec<(f64, Vector3<f64>)>| {
+        let normals = line.iter();
+        normals
+            .flat_map(|(_, n)| [round(n.x), round(n.y)])
             .collect()
     };
-    (0..rows).map(line).collect()
+    baked_lines(surface, shares, STRIDES)
+        .iter()
+        .map(line)
+        .collect()
 }
 
 fn compare(shape: &PatchShape, reference: &PatchShape, outcome: &mut Outcome) {

@@ -12,23 +12,22 @@ use crate::setting::{Line, Problem, Run, Setting, word};
 pub(crate) enum Measure {
     /// RMS angle between normals, degrees.
     Normals,
+    /// At two critical strains.
     Wavelength,
     /// The worse of the amplitudes at two and at four critical strains.
     Amplitude,
     Onset,
-    Gap,
     PatchNormals,
     PatchWavelength,
     PatchAmplitude,
 }
 
 impl Measure {
-    pub(crate) const ALL: [Self; 8] = [
+    pub(crate) const ALL: [Self; 7] = [
         Self::Normals,
         Self::Wavelength,
         Self::Amplitude,
         Self::Onset,
-        Self::Gap,
         Self::PatchNormals,
         Self::PatchWavelength,
         Self::PatchAmplitude,
@@ -53,7 +52,7 @@ impl Measure {
 
     /// Whether it belongs to the discretisation alone, whatever solves the linear systems.
     fn is_of_discretisation(self) -> bool {
-        matches!(self, Self::Wavelength | Self::Onset)
+        self == Self::Onset
     }
 
     /// An error for people: degrees, or per cent.
@@ -265,11 +264,11 @@ pub(crate) mod tests {
             line(&runs[0], None, 80.0, 0.3),
             line(&runs[1], None, 8.0, 0.1),
         ];
-        lines[0].outcome.errors = [(Measure::Normals, 3.0), (Measure::Gap, 0.3)].into();
+        lines[0].outcome.errors = [(Measure::Normals, 3.0), (Measure::Amplitude, 0.3)].into();
         let points = points(&runs, &lines);
         assert_eq!(points[0].error(Measure::Onset), Some(0.1));
-        assert_eq!(points[0].error(Measure::Gap), Some(0.3));
-        assert_eq!(points[0].error(Measure::Amplitude), None);
+        assert_eq!(points[0].error(Measure::Amplitude), Some(0.3));
+        assert_eq!(points[0].error(Measure::PatchAmplitude), None);
     }
 
     #[test]

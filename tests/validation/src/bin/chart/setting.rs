@@ -4,22 +4,18 @@ use std::collections::BTreeMap;
 
 use ruga_constraint::Sampling;
 use ruga_solver::{Minimise, minimise};
-use ruga_stepper::{BendingModel, EdgeLimits};
-use ruga_validation::FilmCoupling;
-use ruga_validation::baselines::{LinearSolver, by_minres};
+use ruga_stepper::{BendingModel, Coupling as Held, EdgeLimits};
 use serde::{Deserialize, Serialize};
 
+use crate::product::pushed_minres;
 use crate::results::Measure;
-
-/// Spacing of hard rows in wavelengths: a hex lattice then lets the wavelength itself through.
-const HARD_SPACING: f64 = 0.577;
 
 /// One run.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub(crate) struct Run {
     #[serde(flatten)]
     pub(crate) setting: Setting,
-    /// Of the mesh's irregularity and of the initial noise.
+    /// Of the artist's mesh and of the initial noise.
     pub(crate) seed: u64,
     /// Seconds of the processor after which the run counts as failed.
     pub(crate) limit_s: f64,
@@ -127,11 +123,12 @@ impl Bending {
 }
 
 impl Coupling {
-    pub(crate) fn of_film(self) -> FilmCoupling {
+    /// The product's name for it.
+    pub(crate) fn held(self) -> Held {
         match self {
-            Self::Constraint => FilmCoupling::Constraint(HARD_SPACING),
-            Self::Elastic => FilmCoupling::Elastic,
-            Self::Hybrid => FilmCoupling::Hybrid,
+            Self::Constraint => Held::Constraint,
+            Self::Elastic => Held::Elastic,
+            Self::Hybrid => Held::Hybrid,
         }
     }
 }
@@ -147,18 +144,11 @@ impl RowSampling {
 }
 
 impl Solver {
-    pub(crate) fn kind(self) -> LinearSolver {
-        match self {
-            Self::Ldlt => LinearSolver::Ldlt,
-            Self::Minres => LinearSolver::minres(),
-        }
-    }
-
     /// The method of a simulation with it.
     pub(crate) fn minimise(self) -> Minimise {
         match self {
             Self::Ldlt => minimise,
-            Self::Minres => by_minres,
+            Self::Minres => pushed_minres,
         }
     }
 }
@@ -228,9 +218,6 @@ pub(crate) struct Outcome {
     pub(crate) newton_iterations: usize,
     /// Signed relative errors, and angles in degrees; without those that could not be measured.
     pub(crate) errors: BTreeMap<Measure, f64>,
-    /// Wavelength at four critical strains over the exact one: as many whole half-waves as the box
-    /// holds.
-    pub(crate) wavelength: Option<f64>,
     /// What patches are compared with, if this run is what they are compared with.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) shape: Option<PatchShape>,

@@ -1,4 +1,4 @@
-//! Linear constraints on a film: averages over clusters, and sides that slide.
+//! Linear constraints on a sheet: averages over clusters, and sides that slide.
 
 use nalgebra::Vector3;
 use ruga_constraint::{ClusterSettings, Kernel, Sampling, cluster_centres, constraint_rows};
@@ -6,19 +6,17 @@ use ruga_material::Wrinkling;
 use ruga_mesh::{Id, MaterialPoint, PerVertex, TriMesh, VertexId, vertex_normals};
 use ruga_solver::ConstraintRows;
 
-use crate::{FilmCoupling, Strip};
+use super::{FilmCoupling, Strip};
 
 /// Entries of one row: unknown and weight.
 pub(crate) type Row = Vec<(usize, f64)>;
 
 /// One row per coordinate of each cluster.
-pub(crate) fn averages(
+pub(super) fn averages(
     strip: &Strip,
-    rest: &[Vector3<f64>],
-    pinned: &[bool],
-    free: &[u32],
+    (rest, pinned, free): (&[Vector3<f64>], &[bool], &[u32]),
     theory: &Wrinkling,
-    (coupling, sampling): (FilmCoupling, Sampling),
+    coupling: FilmCoupling,
 ) -> Vec<Row> {
     let (spacing, kernel) = match coupling {
         FilmCoupling::Elastic => return Vec::new(),
@@ -41,6 +39,7 @@ pub(crate) fn averages(
     let centres: Vec<_> = centres.iter().filter_map(place).collect();
     let normals = vertex_normals(&mesh, rest);
     let kernels = vec![kernel; centres.len()];
+    let sampling = Sampling::Quadrature;
     let set =
         constraint_rows(&mesh, rest, &normals, &centres, &kernels, sampling).expect("valid rows");
     let weights = set.rows.iter().map(|row| {
@@ -56,7 +55,7 @@ pub(crate) fn averages(
 }
 
 /// Fixes y along both sides.
-pub(crate) fn side_rollers(strip: &Strip, free: &[u32]) -> Vec<Row> {
+pub(super) fn side_rollers(strip: &Strip, free: &[u32]) -> Vec<Row> {
     let tolerance = 1e-9 * strip.length;
     free.iter()
         .enumerate()

@@ -1,4 +1,4 @@
-//! A film's energy as the solver sees it.
+//! A sheet's energy as the solver sees it.
 
 use nalgebra::Vector3;
 use ruga_material::Wrinkling;
@@ -6,22 +6,22 @@ use ruga_shell::LayerEnergy;
 use ruga_solver::{LowerPattern, Objective};
 
 /// Energy of the coordinates that move, less the work of a dead load.
-pub(crate) struct FilmObjective<'a> {
-    pub(crate) energy: &'a LayerEnergy,
-    pub(crate) free: &'a [u32],
+pub(super) struct SheetObjective<'a> {
+    pub(super) energy: &'a LayerEnergy,
+    pub(super) free: &'a [u32],
     /// Where pinned vertices are.
-    pub(crate) positions: &'a [Vector3<f64>],
-    pub(crate) pattern: LowerPattern,
-    pub(crate) floor: &'a [f64],
+    pub(super) positions: &'a [Vector3<f64>],
+    pub(super) pattern: LowerPattern,
+    pub(super) floor: &'a [f64],
     /// Dead load, N, and where it does no work, m.
-    pub(crate) reaction: &'a [f64],
-    pub(crate) base: &'a [f64],
-    pub(crate) theory: &'a Wrinkling,
-    pub(crate) thickness: f64,
-    pub(crate) area: f64,
+    pub(super) reaction: &'a [f64],
+    pub(super) base: &'a [f64],
+    pub(super) theory: &'a Wrinkling,
+    pub(super) thickness: f64,
+    pub(super) area: f64,
 }
 
-impl FilmObjective<'_> {
+impl SheetObjective<'_> {
     fn all(&self, x: &[f64]) -> Vec<Vector3<f64>> {
         let mut positions = self.positions.to_vec();
         scatter(self.free, x, &mut positions);
@@ -38,7 +38,7 @@ impl FilmObjective<'_> {
     }
 }
 
-impl Objective for FilmObjective<'_> {
+impl Objective for SheetObjective<'_> {
     fn pattern(&self) -> &LowerPattern {
         &self.pattern
     }

@@ -1,10 +1,16 @@
-//! What the stability suite is made of: lines of its table, and a sheet of film that may be solved
-//! by the papers' methods as well as by ours.
+//! A sheet of film under odd loads, solved by the papers' methods as well as by the product's solver.
+//!
+//! What the product can express is asked of the product. A sheet is for the rest: loads that fall again,
+//! bases of any shape, rows that no product would make, and a solve by itself.
+
+mod film_spec;
+mod objective;
+mod rows;
+mod strip;
 
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use ruga_constraint::Sampling;
 use ruga_material::Wrinkling;
 use ruga_mesh::TriMesh;
 use ruga_shell::{BendingModel, LayerEnergy, LayerParameters};
@@ -13,51 +19,15 @@ use ruga_solver::{
 };
 
 use crate::baselines::by_residual;
-use crate::film_objective::{FilmObjective, gather, scatter};
-use crate::film_rows::{Row, averages, side_rollers, to_constraint_rows};
-use crate::{FilmSpec, Strip};
 
-/// What a line of the table starts with.
-const MARK: &str = "stability|";
+pub use film_spec::{FilmCoupling, FilmSpec};
+pub use strip::{Strip, equilateral};
 
-/// How a method comes out of a test.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Finding {
-    /// It does what it ought to.
-    Holds,
-    /// It does not, within limits that are stated and tested.
-    Bounded,
-    /// It does not, and says so, or refuses.
-    Warns,
-    /// It does not, and says nothing.
-    Fails,
-    /// It has no part that the test could be about.
-    NotApplicable,
-}
+pub(crate) use objective::{gather, scatter};
+pub(crate) use rows::{Row, to_constraint_rows};
 
-impl Finding {
-    fn word(self) -> &'static str {
-        match self {
-            Self::Holds => "holds",
-            Self::Bounded => "bounded",
-            Self::Warns => "warns",
-            Self::Fails => "fails",
-            Self::NotApplicable => "n/a",
-        }
-    }
-}
-
-/// Writes one line of the table: number and name of the test, method, finding, numbers.
-///
-/// The line starts with a mark, by which `cargo xtask validate stability` knows it.
-#[expect(
-    clippy::print_stdout,
-    reason = "the table of the stability suite is made of these lines"
-)]
-pub fn table_line(test: &str, method: &str, finding: Finding, numbers: &str) {
-    let word = finding.word();
-    println!("{MARK}{test}|{method}|{word}|{numbers}");
-}
+use objective::SheetObjective;
+use rows::{averages, side_rollers};
 
 /// What a sheet is made of and how it is held.
 #[derive(Clone, Debug)]
@@ -87,7 +57,7 @@ pub struct SheetSpec {
 impl SheetSpec {
     /// A strip of film with pinned ends and sliding sides.
     pub fn film(spec: &FilmSpec, strip: &Strip) -> Self {
-        let (rest, pinned, theory) = (spec.base.points(strip, 0.0), strip.ends(), spec.theory());
+        let (rest, pinned, theory) = (strip.compressed(0.0), strip.ends(), spec.theory());
         let free: Vec<u32> = (0..).zip(&pinned).filter(|p| !p.1).map(|p| p.0).collect();
         Self {
             theory,
@@ -95,14 +65,7 @@ impl SheetSpec {
             faces: strip.faces.clone(),
             parameters: spec.parameters(strip),
             averages: Vec::new(),
-            coupling: averages(
-                strip,
-                &rest,
-                &pinned,
-                &free,
-                &theory,
-                (spec.coupling, Sampling::Quadrature),
-            ),
+            coupling: averages(strip, (&rest, &pinned, &free), &theory, spec.coupling),
             bending: spec.bending,
             rollers: side_rollers(strip, &free),
             rest,
@@ -248,7 +211,11 @@ impl Sheet {
         self.solve_by(by_residual, &NewtonSettings::default())
     }
 
-    fn solve_by(&mut self, minimise: Minimise, settings: &NewtonSettings) -> SolveReport {
+    /// Solves by a method.
+    ///
+    /// # Panics
+    /// When it refuses its input.
+    pub fn solve_by(&mut self, minimise: Minimise, settings: &NewtonSettings) -> SolveReport {
         let (mut x, targets) = (gather(&self.free, &self.positions), self.targets());
         let base = gather(&self.free, &self.base);
         let (objective, kkt) = self.objective(&base);
@@ -277,8 +244,8 @@ impl Sheet {
         targets
     }
 
-    fn objective<'a>(&'a mut self, base: &'a [f64]) -> (FilmObjective<'a>, &'a mut Kkt) {
-        let objective = FilmObjective {
+    fn objective<'a>(&'a mut self, base: &'a [f64]) -> (SheetObjective<'a>, &'a mut Kkt) {
+        let objective = SheetObjective {
             energy: &self.energy,
             free: &self.free,
             positions: &self.positions,

@@ -2,8 +2,10 @@
 
 use ruga_material::{LayerMaterial, Substrate, WavelengthModel, Wrinkling, wrinkling};
 use ruga_shell::{BendingModel, FaceParameters, LayerParameters};
+use ruga_stepper::LayerSpec;
 
-use crate::{Base, Strip, equilateral};
+use super::{Strip, equilateral};
+use crate::FlatFilm;
 
 /// Which terms hold the film.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,16 +18,6 @@ pub enum FilmCoupling {
     Hybrid,
 }
 
-/// The dead load with which the base holds a film that lies on it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BaseReaction {
-    /// None: the film may leave a curved base to shed its compression.
-    None,
-    /// What balances membrane and bending on the base itself, compression counted up to the
-    /// critical strain.
-    UpToCritical,
-}
-
 /// A film, what carries it, and how.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmSpec {
@@ -33,42 +25,28 @@ pub struct FilmSpec {
     pub film: LayerMaterial,
     /// A half-space; its thickness plays no part.
     pub substrate: Substrate,
-    /// Shape of the base.
-    pub base: Base,
     /// What holds the film.
     pub coupling: FilmCoupling,
-    /// Dead load.
-    pub reaction: BaseReaction,
     /// How its bending is measured.
     pub bending: BendingModel,
-    /// Factor on the foundation's `K1`; 1 for what theory asks.
-    pub gradient_factor: f64,
 }
 
 impl FilmSpec {
     /// Points per wavelength of [`strip`](Self::strip).
     pub const POINTS: f64 = 12.0;
 
-    /// A film of 0.1 mm, `ratio` times as stiff as its flat base, hybrid coupling.
+    /// A film of 0.1 mm, `ratio` times as stiff as its base, hybrid coupling.
     pub fn flat(ratio: f64) -> Self {
-        let substrate = Substrate {
-            young: 1e5,
-            poisson: 0.3,
-            thickness: 1.0,
-        };
-        Self {
-            film: LayerMaterial {
-                young: ratio * substrate.young,
-                poisson: substrate.poisson,
-                thickness: 1e-4,
-                density: 1100.0,
-            },
+        let LayerSpec {
+            material,
             substrate,
-            base: Base::Flat,
+            ..
+        } = FlatFilm::new(ratio).layer;
+        Self {
+            film: material,
+            substrate,
             coupling: FilmCoupling::Hybrid,
-            reaction: BaseReaction::None,
             bending: BendingModel::VertexCurvature,
-            gradient_factor: 1.0,
         }
     }
 
@@ -83,7 +61,7 @@ impl FilmSpec {
         equilateral(waves * self.theory().wavelength, columns, rows)
     }
 
-    pub(crate) fn parameters(&self, strip: &Strip) -> LayerParameters {
+    pub(super) fn parameters(&self, strip: &Strip) -> LayerParameters {
         let theory = self.theory();
         let held = !matches!(self.coupling, FilmCoupling::Constraint(_));
         let spring = |stiffness: f64| if held { stiffness } else { 0.0 };
@@ -92,7 +70,7 @@ impl FilmSpec {
             poisson: self.film.poisson,
             thickness: self.film.thickness,
             normal_stiffness: spring(theory.normal_stiffness),
-            gradient_stiffness: spring(self.gradient_factor * theory.gradient_stiffness),
+            gradient_stiffness: spring(theory.gradient_stiffness),
         };
         let tie = spring(theory.tangential_stiffness);
         LayerParameters::uniform(face, strip.faces.len(), tie, strip.points.len())
