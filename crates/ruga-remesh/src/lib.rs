@@ -40,7 +40,7 @@ mod transfer;
 
 pub use remesh::{RemeshReport, RemeshSettings, Remeshed, remesh, remesh_to_metric};
 pub use sizing::{Metric, SizeLimits, Sizing, size_tensor};
-pub use sizing_field::{FaceDriver, Refinement, SizingInput, face_compression, sizing_field};
+pub use sizing_field::{FaceDriver, Refinement, SizingInput, sizing_field};
 pub use smooth_surface::SmoothSurface;
 pub use surface::{PolyhedralSurface, Surface, SurfaceMesh};
 pub use transfer::Transfer;

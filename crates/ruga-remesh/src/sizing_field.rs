@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 use ruga_mesh::{FaceId, Id, PerFace, PerVertex, face_areas, tangent_frame, vertex_normals};
 
 use crate::sizing::setting;
-use crate::surface::check_length;
+use crate::surface::{check_finite, check_length};
 use crate::tensor2::Tensor2;
 use crate::{RemeshError, Sizing, SurfaceMesh};
 
@@ -15,8 +15,6 @@ pub struct SizingInput<'a> {
     pub mesh: &'a SurfaceMesh,
     /// Present position of every vertex, m.
     pub shape: &'a [Vector3<f64>],
-    /// Velocity of every vertex, m/s.
-    pub velocity: Option<&'a [Vector3<f64>]>,
     /// What drives wrinkles at every face.
     pub driver: Option<&'a PerFace<FaceDriver>>,
     /// How strongly each of these refines.
@@ -27,7 +25,7 @@ pub struct SizingInput<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceDriver {
     /// Shortening `I - U`, with `U` the right stretch tensor in the tangent plane of the rest
-    /// surface; positive where compressed, dimensionless. See [`face_compression`].
+    /// surface; positive where compressed, dimensionless.
     pub compression: Matrix3<f64>,
     /// Critical wavelength, m; positive.
     pub wavelength: f64,
@@ -43,16 +41,9 @@ pub struct Refinement {
     /// Turn of the normal along an edge of metric length one, radians, positive. Default 0.3, as
     /// Narain et al.; a smaller value draws wrinkles smoother at more vertices.
     pub angle: f64,
-    /// Difference of velocity along such an edge, m/s, positive. Default infinite: a static solve
-    /// has no velocities that mean anything. Cloth takes 0.5.
-    pub velocity: f64,
-    /// Length of an edge that is compressed to nothing, m, positive; at compression `e` edges are
-    /// `1 / sqrt(e)` times as long. It refines what is about to buckle without knowing its
-    /// wavelength. Default infinite, because the driver term knows it; cloth takes 5 mm.
-    pub compression: f64,
     /// Mesh points per critical wavelength across wrinkles, positive; default 12. At 8 wavelengths
-    /// come out 3 % short, at 12 1 %, and cost grows with the square. It also bounds the three
-    /// terms above: finer than this a layer has no shape to show.
+    /// come out 3 % short, at 12 1 %, and cost grows with the square. It also bounds what
+    /// curvature asks for: finer than this a layer has no shape to show.
     pub points_per_wavelength: f64,
     /// Ratios of effective compression to critical strain at which the driver's term sets in and
     /// is complete; increasing, not negative. Default 0.6 and 0.8: complete where the active region
@@ -64,27 +55,23 @@ impl Default for Refinement {
     fn default() -> Self {
         Self {
             angle: 0.3,
-            velocity: f64::INFINITY,
-            compression: f64::INFINITY,
             points_per_wavelength: 12.0,
             onset: [0.6, 0.8],
         }
     }
 }
 
-/// The sizing of a shape: `M = finest(min(C + V + B, s), W)`, per vertex in the rest tangent plane.
+/// The sizing of a shape: `M = finest(min(C, s), W)`, per vertex in the rest tangent plane.
 ///
 /// ```text
 /// C = (∇n)ᵀ ∇n / angle²           n: vertex normals of the shape
-/// V = (∇v)ᵀ ∇v / velocity²
-/// B = max(I - U, 0) / compression²  U: stretch of the shape
 /// W = Σ s aᵢ dᵢ dᵢᵀ                 dᵢ: principal directions of the driver's compression eᵢ
 /// s = (points_per_wavelength / wavelength)²
 /// aᵢ = smooth step of (eᵢ + nu eⱼ) / critical_strain over onset; where the larger of the two
 ///      wrinkles, the smaller one's is ((1 - nu²) eᵢ / critical_strain + nu)
 /// ```
-/// Gradients are those of linear fields on the rest faces. C, V and B are Narain et al. (2012),
-/// section 4.1, B without its correction for curvature. Where drivers' directions disagree around
+/// The gradient is that of a linear field on the rest faces. C is that of Narain et al. (2012),
+/// section 4.1, without what motion and compression add there: the driver knows the waves. Where drivers' directions disagree around
 /// a vertex the mean of `W` is scaled up, so that no direction on its own is under-resolved.
 ///
 /// The result knows no limits (edge lengths, aspect, grading): [`remesh`](crate::remesh) holds it
@@ -107,14 +94,8 @@ pub fn sizing_field(input: &SizingInput) -> Result<Sizing, RemeshError> {
     for (face, corners) in mesh.mesh.faces().iter() {
         let at = |field: &[Vector3<f64>]| corners.map(|v| field[v.index()]);
         let hats = hat_gradients(at(rest));
-        let mut own = squared(gradient(hats, at(&normals)), refinement.angle);
-        if let Some(velocity) = input.velocity {
-            own += squared(gradient(hats, at(velocity)), refinement.velocity);
-        }
-        if refinement.compression.is_finite() {
-            let shortening = face_compression(at(rest), at(shape));
-            own += principal(&shortening, hats, |e| e.max(0.0)) / refinement.compression.powi(2);
-        }
+        let turn = gradient(hats, at(&normals));
+        let own = turn.transpose() * turn / (refinement.angle * refinement.angle);
         let wrinkles = input
             .driver
             .map(|drivers| wrinkle_term(&drivers[face], hats, &refinement));
@@ -131,36 +112,16 @@ pub fn sizing_field(input: &SizingInput) -> Result<Sizing, RemeshError> {
     Ok(Sizing { tensors })
 }
 
-/// The shortening `I - U` of a face, in the plane of its rest shape; zero for a degenerate one.
-///
-/// `rest` and `posed` are its corners, m. Eigenvalues are `1 - stretch` of the principal
-/// directions; the direction normal to the face has zero.
-pub fn face_compression(rest: [Vector3<f64>; 3], posed: [Vector3<f64>; 3]) -> Matrix3<f64> {
-    let hats = hat_gradients(rest);
-    let deformation = gradient(hats, posed);
-    principal(&(deformation.transpose() * deformation), hats, |c| {
-        1.0 - c.max(0.0).sqrt()
-    })
-}
-
 fn check(input: &SizingInput) -> Result<(), RemeshError> {
     input.mesh.check()?;
     let vertices = input.mesh.mesh.vertex_count();
     check_length("shape", input.shape.len(), vertices)?;
     let Refinement {
         angle,
-        velocity,
-        compression,
         points_per_wavelength,
         onset,
     } = input.refinement;
-    for (name, value) in [
-        ("angle", angle),
-        ("velocity", velocity),
-        ("compression", compression),
-    ] {
-        setting(name, value, "positive", |v| v > 0.0)?;
-    }
+    setting("angle", angle, "positive", |v| v > 0.0)?;
     setting(
         "points_per_wavelength",
         points_per_wavelength,
@@ -171,17 +132,7 @@ fn check(input: &SizingInput) -> Result<(), RemeshError> {
     setting("onset[1]", onset[1], "above onset[0], finite", |v| {
         v > onset[0] && v.is_finite()
     })?;
-    let fields = [Some(input.shape), input.velocity];
-    if let Some(velocity) = input.velocity {
-        check_length("velocity", velocity.len(), vertices)?;
-    }
-    for field in fields.into_iter().flatten() {
-        if let Some(i) = field.iter().position(|p| !p.iter().all(|c| c.is_finite())) {
-            return Err(RemeshError::Position {
-                vertex: Id::from_index(i),
-            });
-        }
-    }
+    check_finite(input.shape)?;
     if let Some(drivers) = input.driver {
         check_length("driver", drivers.len(), input.mesh.mesh.face_count())?;
         drivers
@@ -251,10 +202,6 @@ fn gradient(hats: [Vector3<f64>; 3], values: [Vector3<f64>; 3]) -> Matrix3<f64> 
     (0..3).fold(Matrix3::zeros(), |sum, i| {
         sum + values[i] * hats[i].transpose()
     })
-}
-
-fn squared(gradient: Matrix3<f64>, per: f64) -> Matrix3<f64> {
-    gradient.transpose() * gradient / (per * per)
 }
 
 /// A tensor of the face's plane with its eigenvalues mapped; zero for a degenerate face.

@@ -323,7 +323,6 @@ fn bad_drivers_and_refinements_are_named() {
         let input = SizingInput {
             mesh: &mesh,
             shape: mesh.positions.as_slice(),
-            velocity: None,
             driver: Some(&driver),
             refinement,
         };

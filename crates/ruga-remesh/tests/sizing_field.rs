@@ -5,8 +5,8 @@ mod shapes;
 use nalgebra::{Matrix3, Vector3};
 use ruga_mesh::{Id, PerFace, PerVertex, VertexId};
 use ruga_remesh::{
-    FaceDriver, Refinement, RemeshSettings, SizeLimits, Sizing, SizingInput, SurfaceMesh,
-    face_compression, remesh, size_tensor, sizing_field,
+    FaceDriver, Refinement, RemeshSettings, SizeLimits, Sizing, SizingInput, SurfaceMesh, remesh,
+    size_tensor, sizing_field,
 };
 use shapes::{Shape, Sheet, grid, square_from_address};
 
@@ -14,7 +14,6 @@ fn input<'a>(mesh: &'a SurfaceMesh, shape: &'a [Vector3<f64>]) -> SizingInput<'a
     SizingInput {
         mesh,
         shape,
-        velocity: None,
         driver: None,
         refinement: Refinement::default(),
     }
@@ -60,15 +59,7 @@ fn a_bent_sheet_asks_for_edges_by_its_radius() {
 #[test]
 fn an_unchanged_flat_sheet_asks_for_nothing() {
     let mesh = grid(Shape::Flat, 10, 0.2, 4);
-    let refinement = Refinement {
-        compression: 0.1,
-        velocity: 0.1,
-        ..Refinement::default()
-    };
-    let still = vec![Vector3::new(3.0, 2.0, 1.0); mesh.positions.len()];
-    let mut input = input(&mesh, mesh.positions.as_slice());
-    input.velocity = Some(&still);
-    input.refinement = refinement;
+    let input = input(&mesh, mesh.positions.as_slice());
     let sizing = sizing_field(&input).expect("valid input");
     // What rounding makes of gradients, edges of 10 m and more on a sheet of 1 m.
     assert!(
@@ -78,43 +69,6 @@ fn an_unchanged_flat_sheet_asks_for_nothing() {
             .iter()
             .all(|tensor| tensor.norm() < 1e-2)
     );
-}
-
-#[test]
-fn velocity_and_compression_act_along_their_gradients() {
-    let mesh = grid(Shape::Flat, 10, 0.2, 4);
-    let squeezed: Vec<Vector3<f64>> = mesh
-        .positions
-        .iter()
-        .map(|(_, p)| Vector3::new(p.x, 0.91 * p.y, 0.0))
-        .collect();
-    let shear: Vec<Vector3<f64>> = mesh
-        .positions
-        .iter()
-        .map(|(_, p)| Vector3::z() * (5.0 * p.x))
-        .collect();
-    let mut input = input(&mesh, &squeezed);
-    input.velocity = Some(&shear);
-    input.refinement = Refinement {
-        velocity: 0.5,
-        compression: 0.03,
-        ..Refinement::default()
-    };
-    let sizing = sizing_field(&input).expect("valid input");
-    let [x, y] = lengths_in_the_middle(&mesh, &sizing);
-    close(x, 0.1, 1e-9);
-    close(y, 0.1, 1e-9);
-}
-
-#[test]
-fn shortening_is_that_of_the_right_stretch() {
-    let rest = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vector3::from);
-    let turn = nalgebra::Rotation3::from_euler_angles(0.3, -1.0, 2.0);
-    let posed = rest.map(|p| turn * Vector3::new(0.8 * p.x, 1.1 * p.y, 0.0));
-    let expected = Matrix3::from_diagonal(&Vector3::new(0.2, -0.1, 0.0));
-    assert!((face_compression(rest, posed) - expected).norm() < 1e-12);
-    let flat = [rest[0], rest[1], rest[1]];
-    assert_eq!(face_compression(flat, posed), Matrix3::zeros());
 }
 
 /// Wanted lengths under a uniform driver with the given principal compressions along x and y.

@@ -142,11 +142,9 @@ fn field(mesh: &SurfaceMesh, chance: &mut Chance) -> Option<Sizing> {
     let input = SizingInput {
         mesh,
         shape: &shape,
-        velocity: Some(&shape),
         driver: Some(&drivers),
         refinement: Refinement {
-            velocity: number(-1.0, 2.0),
-            compression: number(-3.0, 0.0),
+            angle: number(-2.0, 1.0),
             ..Refinement::default()
         },
     };

@@ -362,7 +362,6 @@ impl RegionMesh {
         let mut sizing = sizing_field(&SizingInput {
             mesh: &start,
             shape: &self.skin.rest.positions,
-            velocity: None,
             driver: Some(strains.drivers),
             refinement: strains.refinement,
         })?;
