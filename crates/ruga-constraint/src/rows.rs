@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::iter::Sum;
 use std::ops::Mul;
 
-use nalgebra::{Matrix2, Vector2, Vector3};
+use nalgebra::Vector3;
 use ruga_mesh::{Id, MaterialPoint, TriMesh, VertexId, vertex_areas};
 
 use crate::centre::Centre;
@@ -30,11 +30,6 @@ pub enum Sampling {
     /// Kernel times vertex area, rescaled to reproduce affine functions: Li 2014, section 4.3, made
     /// multiplicative so that support, sign and unit sum survive.
     Adjusted,
-    /// Li 2014, eqs. 4.4-4.8, to the letter: a correction is added to every weight of the support,
-    /// with the centre as target. Breaks the unit sum (.3 to .8 at borders), and is noisier than
-    /// no adjustment there; kept to show that.
-    #[cfg_attr(feature = "serde", serde(skip))]
-    AdjustedAsPrinted,
     /// A quadrature over the surface that is exact for quadratic functions.
     ///
     /// Its points are the vertices: kernel times vertex area, rescaled. Where vertices are too few for
@@ -64,8 +59,7 @@ pub enum Order {
 pub struct ConstraintRow {
     /// Around which of the given centres the average is taken, counted from 0.
     pub centre: usize,
-    /// Vertices with weights other than zero, ascending; the weights sum to one
-    /// (with [`Sampling::AdjustedAsPrinted`], not).
+    /// Vertices with weights other than zero, ascending; the weights sum to one.
     pub weights: Vec<(VertexId, f64)>,
     /// Functions that the row reproduces.
     pub order: Order,
@@ -197,7 +191,6 @@ fn sample(
             normalise(&mut weights);
             Ok(Order::Constant)
         }
-        Sampling::AdjustedAsPrinted => adjust_as_printed(chart, &mut weights),
         Sampling::Adjusted => {
             let target = kernel_moments(chart, kernel, || quadrature_points(chart, kernel));
             match_centroid(&chart.places, &mut weights, &target).map(|()| Order::Affine)
@@ -259,24 +252,6 @@ fn area_weights(chart: &Chart, kernel: &Kernel, areas: &[f64], centre: &Centre) 
         }
     }
     weights
-}
-
-/// `w* = w + α·u` with `Σ w* u = 0` over the support.
-fn adjust_as_printed(chart: &Chart, weights: &mut [f64]) -> Result<Order, Degradation> {
-    normalise(weights);
-    let (mut squares, mut centroid) = (Matrix2::zeros(), Vector2::zeros());
-    for (u, &w) in chart.places.iter().zip(&*weights).filter(|p| *p.1 > 0.0) {
-        squares += u * u.transpose();
-        centroid += u * w;
-    }
-    // The printed correction adds `α·u` to each weight. Their sum then changes by `α·Σ u`, which is
-    // not zero: nothing is done about it here.
-    let inverse = squares.try_inverse().ok_or(Degradation::Collinear)?;
-    let alpha = -inverse * centroid;
-    for (u, w) in chart.places.iter().zip(weights).filter(|p| *p.1 > 0.0) {
-        *w += alpha.dot(u);
-    }
-    Ok(Order::Constant)
 }
 
 pub(crate) fn check_mesh(

@@ -11,12 +11,7 @@ const KERNEL: Kernel = Kernel {
     sigma: 0.15,
     cut: 2.5,
 };
-const SAMPLINGS: [Sampling; 4] = [
-    Sampling::Area,
-    Sampling::Adjusted,
-    Sampling::AdjustedAsPrinted,
-    Sampling::Quadrature,
-];
+const SAMPLINGS: [Sampling; 3] = [Sampling::Area, Sampling::Adjusted, Sampling::Quadrature];
 
 /// Centres at vertices, on edges and in faces, inside, on and near the border of a surface of
 /// `irregular_hills`.

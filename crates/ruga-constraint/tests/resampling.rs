@@ -105,18 +105,14 @@ fn averages_of_an_affine_field_on_a_plane_are_the_same_on_every_mesh() {
             let worst = worst(sampling);
             assert!(worst < bound, "{sampling:?} {region}: {worst:.1e}");
         }
-        let [area, printed] = [Sampling::Area, Sampling::AdjustedAsPrinted].map(worst);
+        let area = worst(Sampling::Area);
         assert!(area > 1e-3, "{region}: {area:.1e}");
-        assert!(
-            printed > area || region == "inside",
-            "{region}: {printed:.1e}"
-        );
     }
 }
 
 #[test]
 fn averages_of_a_smooth_field_are_nearly_the_same_on_flat_and_curved_meshes() {
-    println!("support of 4.6 and 10 edges:          area  as printed  adjusted  quadrature");
+    println!("support of 4.6 and 10 edges:          area  adjusted  quadrature");
     for (name, surface) in SURFACES {
         let meshes = two_meshes(surface);
         for (region, places) in regions() {
@@ -124,24 +120,14 @@ fn averages_of_a_smooth_field_are_nearly_the_same_on_flat_and_curved_meshes() {
                 .iter()
                 .map(|&[x, y]| surface(Vector3::new(x, y, 0.0)))
                 .collect();
-            let [area, printed, adjusted, quadrature] = [
-                Sampling::Area,
-                Sampling::AdjustedAsPrinted,
-                Sampling::Adjusted,
-                Sampling::Quadrature,
-            ]
-            .map(|sampling| difference(&meshes, &centres, sampling, smooth));
-            println!(
-                "{name:5} {region:16} {area:18.1e} {printed:11.1e} {adjusted:9.1e} {quadrature:11.1e}"
-            );
+            let [area, adjusted, quadrature] =
+                [Sampling::Area, Sampling::Adjusted, Sampling::Quadrature]
+                    .map(|sampling| difference(&meshes, &centres, sampling, smooth));
+            println!("{name:5} {region:16} {area:18.1e} {adjusted:9.1e} {quadrature:11.1e}");
             assert!(adjusted < 3e-3 && adjusted < area, "{name} {region}");
             // The average of what is linear on each triangle misses the field's curvature by the
             // same amount everywhere: f'' h²/12 and twice that, 3e-3 for the coarse mesh.
             assert!(quadrature < 4e-3, "{name} {region}");
-            assert!(
-                printed > 2.0 * area || region == "inside",
-                "{name} {region}"
-            );
         }
     }
 }

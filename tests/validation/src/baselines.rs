@@ -1,6 +1,7 @@
 //! Methods of the papers that ruga is compared with: MINRES in place of a factorisation, Newton's
-//! method on the norm of the forces in place of the energy, and eigenfunctions of the surface in
-//! place of averages ([`global_rows`]).
+//! method on the norm of the forces in place of the energy, and rows from
+//! eigenfunctions of the surface ([`global_rows`]) or adjusted as printed ([`adjusted_as_printed`]) in
+//! place of the product's averages.
 //!
 //! The first two solve what [`ruga_solver::minimise`] solves. The functions of its signature,
 //! [`by_minres`], [`by_residual`] and [`by_residual_and_minres`], take its place in
@@ -10,10 +11,12 @@ mod backtracking;
 mod global_rows;
 mod iterated_newton;
 mod minres;
+mod printed_adjustment;
 mod residual_descent;
 
 pub use global_rows::{global_rows, lowest_eigenfunctions};
 pub use iterated_newton::minimise_iterated;
+pub use printed_adjustment::adjusted_as_printed;
 pub use residual_descent::descend_residual;
 
 use ruga_solver::{

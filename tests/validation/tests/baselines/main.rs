@@ -4,4 +4,5 @@
 
 mod global_rows;
 mod minres;
+mod printed_adjustment;
 mod residual;
