@@ -44,7 +44,8 @@ impl WrinkleMap {
 /// texels the one in the nearer column is taken, left before right and above before below.
 fn extend(map: &mut WrinkleMap, padding: u32) {
     let size = map.size as usize;
-    let reach = padding.min(map.size) as i32;
+    // No two texels are farther apart than the diagonal, less than two sides.
+    let reach = padding.min(2 * map.size) as i32;
     if reach == 0 {
         return;
     }

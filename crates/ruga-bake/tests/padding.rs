@@ -240,3 +240,21 @@ fn padding_is_the_same_on_any_number_of_threads() {
     });
     assert_eq!(maps[0], maps[1]);
 }
+
+/// An island in a corner, and a padding that is wider than the map.
+#[test]
+fn a_wide_padding_reaches_the_opposite_corner() {
+    let side = 32_usize;
+    let mut map = WrinkleMap {
+        size: side as u32,
+        normals: vec![[0.0, 0.0, 1.0]; side * side],
+        heights: vec![0.0; side * side],
+        coverage: vec![Coverage::Neutral; side * side],
+        skipped_faces: 0,
+        folded_samples: 0,
+    };
+    map.coverage[0] = Coverage::Covered;
+    map.heights[0] = 1e-3;
+    map.pad(&[], 100).unwrap();
+    assert!(map.heights.iter().all(|&height| height == 1e-3));
+}
