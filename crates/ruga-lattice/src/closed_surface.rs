@@ -1,4 +1,4 @@
-//! Whether a surface encloses a body: closed, not crossing itself, normals outwards.
+//! Checks that a surface encloses a body: closed, not crossing itself, normals outwards.
 
 use std::f64::consts::TAU;
 
@@ -19,6 +19,8 @@ pub(crate) fn check_closed(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Result
     if mesh.face_count() == 0 {
         return Err(LatticeError::NoFaces);
     }
+    // In this order: the volume of an open surface depends on the origin, and winding numbers are
+    // whole only where no faces cross.
     check_border(mesh)?;
     let pairs = intersecting_pairs(mesh, positions);
     if let Some(&faces) = pairs.first() {
@@ -54,11 +56,13 @@ fn check_sides(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Result<(), Lattice
         let volume: f64 = volume.sum();
         let face = part[0];
         // The winding number of all other parts around a point of this one: a sum of solid angles.
+        // Parts do not cross, so that one point tells for all of this part.
         let point = positions[mesh.faces()[face][0].index()];
         let others = parts.iter().enumerate().filter(|(other, _)| *other != own);
         let faces = others.flat_map(|(_, faces)| faces);
         let angle: f64 = faces.map(|&face| solid_angle(&corners(face, point))).sum();
         let depth = (angle / (2.0 * TAU)).round() as i64;
+        // A hollow's wall counts negatively: a body that floats in a hollow has depth zero again.
         let expected = i64::from(volume < 0.0);
         // Coordinates whose cubes overflow or vanish have no volume that could be told.
         if volume == 0.0 || !volume.is_finite() || depth != expected {
@@ -72,10 +76,12 @@ fn check_sides(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Result<(), Lattice
     Ok(())
 }
 
-/// Van Oosterom and Strackee 1983, eq. (8).
+/// Solid angle of a triangle seen from the origin (Van Oosterom and Strackee 1983, eq. 8).
 fn solid_angle([a, b, c]: &[Vector3<f64>; 3]) -> f64 {
     let [la, lb, lc] = [a.norm(), b.norm(), c.norm()];
     let sine = a.dot(&b.cross(c));
     let cosine = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+    // With two arguments, since the half angle passes a right angle where the triangle covers more
+    // than half of the view.
     2.0 * sine.atan2(cosine)
 }

@@ -123,6 +123,7 @@ impl Embedding {
         };
         let mut values: Vec<(u32, f64)> = nodes().zip(shape.values).collect();
         self.positions.push_row(&mut values);
+        // Any right-handed pair does: another one has the same cross product.
         let frame = tangent_frame(*normal, Vector3::x());
         for (rows, tangent) in self.tangents.iter_mut().zip(frame) {
             let slopes = shape.gradients.iter().map(|g| g.dot(&tangent));
@@ -162,6 +163,8 @@ impl Embedding {
     pub fn normals(&self, q: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         self.check(q);
         let [first, second] = [0, 1].map(|k| self.tangents[k].apply(q));
+        // Two tangents are carried along, and not the normal itself, because after a shear F n is
+        // no longer normal to the surface.
         let normals = first.iter().zip(&second).map(|(a, b)| a.cross(b));
         normals
             .map(|n| n.try_normalize(0.0).unwrap_or_else(Vector3::zeros))

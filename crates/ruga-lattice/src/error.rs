@@ -1,10 +1,10 @@
-//! What a caller can get wrong.
+//! Mistakes that a caller can make.
 
 use ruga_mesh::{FaceId, VertexId};
 
 use crate::ElementId;
 
-/// Why a lattice, an energy or an embedding is refused.
+/// Reasons to refuse a lattice, an energy or an embedding.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LatticeError {
     /// The surface has a border, so that no inside is defined.

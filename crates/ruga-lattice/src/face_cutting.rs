@@ -5,7 +5,7 @@ use ruga_mesh::{EdgeId, FaceId, Id, TriMesh, VertexId};
 
 use crate::grid::{Grid, Index, Plane};
 
-/// How near, as a share of a cell, a corner may come to a plane that it does not lie on.
+/// Least distance of a corner from a plane that it does not lie on, as a share of a cell.
 ///
 /// Far above rounding, so that no decision hangs on it; far below [`Grid`]'s room for moving.
 pub(crate) const CLEARANCE: f64 = 1e-9;
@@ -14,7 +14,7 @@ pub(crate) const CLEARANCE: f64 = 1e-9;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Coincidence(pub(crate) Vector3<f64>);
 
-/// What a corner of a fragment is. The names are the same in every fragment that has the corner.
+/// Identity of a fragment's corner. The names are the same in every fragment that has the corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Corner {
     Vertex(VertexId),
@@ -24,7 +24,7 @@ pub(crate) enum Corner {
     OnLine([Plane; 2]),
 }
 
-/// What the side from one corner to the next lies on.
+/// Line that the side from one corner to the next lies on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Side {
     Edge(EdgeId),
@@ -111,6 +111,8 @@ impl Knife<'_> {
         let low = along().fold(f64::INFINITY, f64::min);
         let high = along().fold(f64::NEG_INFINITY, f64::max);
         let guess = ((low - self.grid.origin[axis]) / self.grid.size[axis]) as u32;
+        // The quotient may round up past a plane. One cell too low costs a comparison, one too high
+        // a cut.
         rest.cell[axis] = guess.saturating_sub(1);
         for index in guess.saturating_sub(1) + 1..self.grid.counts[axis] {
             let plane = Plane { axis, index };
@@ -133,6 +135,8 @@ impl Knife<'_> {
         let coordinate = self.grid.coordinate(plane);
         let clearance = CLEARANCE * self.grid.size[plane.axis];
         let distance = |p: &Vector3<f64>| p[plane.axis] - coordinate;
+        // A corner on the plane would fall to one side or the other by rounding, differently for
+        // the faces around it. The grid moves instead.
         if let Some(&close) = (whole.positions.iter()).find(|p| distance(p).abs() <= clearance) {
             return Err(Coincidence(close));
         }
@@ -151,6 +155,7 @@ impl Knife<'_> {
             }
         }
         let [lower, upper] = halves;
+        // A convex polygon crosses a plane twice. Whatever does otherwise is thinner than rounding.
         if crossings == 2 {
             Ok((lower, upper))
         } else {
@@ -163,6 +168,7 @@ impl Knife<'_> {
         match whole.sides[side] {
             Side::Edge(edge) => (Corner::OnEdge(edge, plane), self.on_edge(edge, plane)),
             Side::Cut(first) => {
+                // Axes are cut in order, so that the earlier plane has the lower axis.
                 let line = [first, plane];
                 (Corner::OnLine(line), self.on_line(whole.face, line))
             }
@@ -170,6 +176,8 @@ impl Knife<'_> {
     }
 
     fn on_edge(&self, edge: EdgeId, plane: Plane) -> Vector3<f64> {
+        // From the edge's own ends and not from the fragment's corners: the faces on both sides get
+        // the same bits.
         let ends = self.mesh.edges()[edge].vertices;
         let ends = ends.map(|v| self.positions[v.index()]);
         between(ends, plane.axis, self.grid.coordinate(plane))
@@ -182,6 +190,7 @@ impl Knife<'_> {
         let mut found = 0;
         for edge in self.mesh.face_edges(face) {
             let [a, b] = self.mesh.edges()[edge].vertices;
+            // Around a triangle the side changes twice or never, so that no third end is found.
             let is_below = |v: VertexId| self.positions[v.index()][first.axis] < coordinate;
             if is_below(a) != is_below(b) {
                 ends[found % 2] = self.on_edge(edge, first);
@@ -215,6 +224,7 @@ fn between(ends: [Vector3<f64>; 2], axis: usize, coordinate: f64) -> Vector3<f64
     let [a, b] = ends;
     let share = (coordinate - a[axis]) / (b[axis] - a[axis]);
     let mut point = a + (b - a) * share;
+    // Exactly on the plane: comparisons with the same plane meet no rounding any more.
     point[axis] = coordinate;
     point
 }

@@ -49,6 +49,8 @@ pub(crate) fn face_regions(
         let failed = || Coincidence(grid.corner(square.at));
         let corner = grid.corner(square.at);
         let [u, v] = across(square.axis);
+        // From the square's own corner, for the sake of digits and because moments count from
+        // there.
         let origin = Vector2::new(corner[u], corner[v]);
         let loops = closed_loops(parts, &origin).ok_or_else(failed)?;
         let first = regions.len();
@@ -184,6 +186,8 @@ impl Part {
 /// Whether a ray from `point` along the first axis passes an odd number of segments.
 fn passed<'a>(segments: impl Iterator<Item = &'a [Vector2<f64>; 2]>, point: &Vector2<f64>) -> bool {
     let is_passed = |[a, b]: &&[Vector2<f64>; 2]| {
+        // Of a segment one end belongs to it and the other does not: a corner at the height of the
+        // ray is passed once.
         (a.y > point.y) != (b.y > point.y) && {
             let share = (point.y - a.y) / (b.y - a.y);
             a.x + (b.x - a.x) * share > point.x
@@ -207,6 +211,8 @@ fn closed_loops(parts: &[Part], origin: &Vector2<f64>) -> Option<Vec<Loop>> {
     let mut groups = UnionFind::new(parts.len());
     for (i, (start, stop)) in starts.iter().zip(&stops).enumerate() {
         let repeats = i > 0 && starts[i - 1].0 == start.0;
+        // Every end is the start of one part and the stop of one other. Sorted, the two lists then
+        // agree, and outlines need not be walked along.
         if start.0 != stop.0 || repeats {
             return None;
         }
@@ -251,6 +257,7 @@ fn region(square: CellFace, outline: &Loop, parts: &[Part]) -> Region {
 
 /// The smallest outline around a hole.
 fn owner(hole: &Loop, outer: &[&Loop], parts: &[Part]) -> Option<usize> {
+    // Outlines do not cross: one point of a hole tells for all of it.
     let point = parts[*hole.parts.first()?].points[0];
     let is_around =
         |outline: &Loop| passed(outline.parts.iter().map(|&p| &parts[p].points), &point);

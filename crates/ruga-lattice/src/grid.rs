@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 /// Integer coordinates of a grid corner, or of the cell, face or edge that begins there.
 pub(crate) type Index = [u32; 3];
 
-/// By how much of a cell the grid is longer than the surface's box.
+/// Length by which the grid exceeds the surface's box, as a share of a cell.
 ///
 /// It leaves room for moving the grid until no mesh vertex lies on a plane, and is small enough
 /// that a box of whole cells still has their size to four digits.
@@ -68,6 +68,8 @@ impl Grid {
         let slack = side.component_div(&count) * SLACK;
         // Multiples of irrational numbers, different ones per axis, never repeat a coincidence.
         let turns = Vector3::new(0.618_034, 0.414_214, 0.732_051) * f64::from(attempt + 1);
+        // Between a quarter and three quarters of the slack, so that both ends of the box stay
+        // clear of the outermost planes.
         let share = turns.map(|t| 0.25 + 0.5 * t.fract());
         Self {
             origin: low - slack.component_mul(&share),

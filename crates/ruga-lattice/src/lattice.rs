@@ -22,7 +22,7 @@ pub struct LatticeSpec {
     pub cells: u32,
     /// Shape functions; default quadratic.
     pub shape: Shape,
-    /// What of a cell that the body fills in part counts; default its piece of the body.
+    /// Material of a cell that the body fills in part; default its piece of the body.
     pub filling: Filling,
 }
 
@@ -40,17 +40,18 @@ impl Default for LatticeSpec {
     }
 }
 
-/// Where an element has its material, if the body fills its cell only in part.
+/// Place of an element's material, if the body fills its cell only in part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Filling {
-    /// Where the body is. Quadrature points are those of the box with the piece's volume, centre
-    /// and second moments: mass, its centre and its inertia are exact, and so is the energy of small
-    /// strains that vary linearly, as in stretching and bending. The void has [`VOID_STIFFNESS`].
+    /// Material where the body is. Quadrature points are those of the box with the piece's volume,
+    /// centre and second moments: mass, its centre and its inertia are exact, and so is the energy
+    /// of small strains that vary linearly, as in stretching and bending. The void has
+    /// [`VOID_STIFFNESS`].
     #[default]
     Piece,
-    /// In the whole cell, as in RK 5: at its 27 or 8 quadrature points. Superimposed elements count
-    /// their cell twice, and a thin limb that lies askew in the grid is several times too stiff
-    /// where cells are as thick as it is.
+    /// Material in the whole cell, as in RK 5: at its 27 or 8 quadrature points. Superimposed
+    /// elements count their cell twice, and a thin limb that lies askew in the grid is several
+    /// times too stiff where cells are as thick as it is.
     Whole,
 }
 
@@ -83,7 +84,7 @@ pub struct Lattice {
 #[derive(Clone, Copy, Debug)]
 struct Element {
     cell: Index,
-    /// Of its piece of the body.
+    /// Moments of its piece of the body.
     moments: Moments,
 }
 
@@ -133,6 +134,8 @@ impl Lattice {
         let mut rest = vec![Vector3::zeros(); count];
         for (piece, nodes) in pieces.iter().zip(numbers.chunks(shape.nodes_per_element())) {
             for (local, &node) in nodes.iter().enumerate() {
+                // Elements that share a node agree on its place but for rounding, and the last one
+                // is kept.
                 rest[node as usize] = node_rest(shape, &grid, piece.cell, local);
             }
         }
@@ -283,6 +286,7 @@ fn dissect_somewhere(
     positions: &[Vector3<f64>],
     cells: u32,
 ) -> Result<(Grid, Dissection), LatticeError> {
+    // Vertices without faces must not make the grid longer.
     let used = || mesh.faces().as_slice().iter().flatten();
     let (mut low, mut high) = (
         Vector3::repeat(f64::INFINITY),

@@ -23,8 +23,8 @@ use crate::{Lattice, LatticeError, RotatedLinear, SolidMaterial};
 pub struct LatticeEnergy {
     law: RotatedLinear,
     quadrature: Quadrature,
-    /// For each of its tables `sum_p V_p grad N_i . grad N_j` over the lower blocks of an element
-    /// (m): what `|F|^2 / 2` contributes to the Hessian, the same at every state.
+    /// Integrals for each of its tables, `sum_p V_p grad N_i . grad N_j` over the lower blocks of
+    /// an element (m): what `|F|^2 / 2` contributes to the Hessian, the same at every state.
     laplacians: Vec<Vec<f64>>,
     nodes_per_element: usize,
     /// Nodes of all elements, one after the other.
@@ -116,6 +116,8 @@ impl LatticeEnergy {
         assert_eq!(gradient.len(), self.dof_count(), "one entry per dof");
         gradient.fill(0.0);
         let elements = 0..self.element_count();
+        // Only the elements are evaluated in parallel. A parallel sum would depend in its last
+        // digits on the number of threads.
         let forces: Vec<Vec<Vector3<f64>>> = elements
             .into_par_iter()
             .map(|element| self.element_gradient(element, q))
@@ -181,6 +183,8 @@ impl LatticeEnergy {
         let mut exact: Vec<Matrix3<f64>> = laplacian.iter().map(linear).collect();
         // By how much the relaxed Hessian is above the exact one.
         let mut raise = vec![Matrix3::zeros(); if with_relaxed { exact.len() } else { 0 }];
+        // What is left of the tangent after 2 mu I is four outer products: no matrix of nine by
+        // nine is formed.
         for point in self.points(element) {
             let tangent = self.law.tangent(&deformation(point, &x));
             let gradients = &point.shape.gradients;
@@ -195,6 +199,7 @@ impl LatticeEnergy {
             let factors = twists.iter().zip(tangent.exact.iter().zip(tangent.relaxed));
             for (twist, (&factor, relaxed)) in factors {
                 add_outer(&mut exact, twist, gradients, weight * factor);
+                // Where the tangent has no negative eigenvalue the two factors are one number.
                 if with_relaxed && relaxed != factor {
                     add_outer(&mut raise, twist, gradients, weight * (relaxed - factor));
                 }

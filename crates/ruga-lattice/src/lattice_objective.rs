@@ -51,6 +51,7 @@ impl<'a> LatticeObjective<'a> {
             pattern: pattern.expect("a lattice with free nodes"),
             nodes: nodes.to_vec(),
             load: energy.unknowns(load),
+            // Without a load there is no force to compare with, and a scale must not be zero.
             force: if mean > 0.0 { mean } else { 1.0 },
             length,
         })

@@ -29,6 +29,8 @@ impl Lattice {
             for point in quadrature.points(element) {
                 let nodes = self.element_nodes(element).iter();
                 for (node, value) in nodes.zip(&point.shape.values) {
+                    // Shape functions sum to one: the integral of one of them is the sum of its
+                    // row.
                     masses[node.index()] += density * point.volume * value;
                 }
             }
@@ -62,6 +64,7 @@ impl LatticeEnergy {
     /// [`LatticeError::Setting`]; [`LatticeError::Length`] for another lattice than the energy's.
     pub fn mass(&self, lattice: &Lattice, density: f64) -> Result<Vec<f64>, LatticeError> {
         crate::error::check_length("nodes", self.blocks().point_count(), lattice.node_count())?;
+        // Only for its check of the density.
         lattice.node_masses(density)?;
         let quadrature = Quadrature::new(lattice, Integrand::Mass);
         let mut values = vec![0.0; self.blocks().rows().len()];

@@ -30,6 +30,7 @@ impl Moments {
     /// of the integral of each integrand over x.
     pub(crate) fn add_triangle(&mut self, [a, b, c]: &[Vector3<f64>; 3]) {
         let across = (b - a).cross(&(c - a)).x / 2.0;
+        // Second moments need the third degree, x^3/3 and x y^2.
         for [share, weight] in TRIANGLE_RULE {
             for [p, q, r] in [[a, b, c], [b, c, a], [c, a, b]] {
                 let point = p * (1.0 - 2.0 * share) + (q + r) * share;
@@ -52,6 +53,8 @@ impl Moments {
 
     /// Adds what the section with the cell's upper end along x contributes, `width` from the lower.
     pub(crate) fn add_upper_end(&mut self, width: f64, section: &Section) {
+        // Along x this end alone counts: the cell's sides have no flux along x, and at its lower
+        // end x is zero.
         let Section {
             area,
             first,
@@ -87,6 +90,8 @@ impl Moments {
 impl Section {
     /// Adds the triangle between the square's corner and a piece of the outline.
     pub(crate) fn add_segment(&mut self, [a, b]: &[Vector2<f64>; 2]) {
+        // Areas have a sign: what lies outside the region is added once and taken off once, so that
+        // the corner may be anywhere.
         let area = 0.5 * (a.x * b.y - a.y * b.x);
         self.area += area;
         self.first += (a + b) * (area / 3.0);

@@ -1,4 +1,4 @@
-//! Which nodes neighbouring elements share.
+//! Merging of the nodes that neighbouring elements share.
 
 use petgraph::unionfind::UnionFind;
 
@@ -12,6 +12,8 @@ use crate::pieces::Link;
 /// are. Nodes are numbered in the order in which elements name them.
 pub(crate) fn merge_nodes(elements: usize, links: &[Link], shape: Shape) -> (Vec<u32>, usize) {
     let per_element = shape.nodes_per_element();
+    // Elements around an edge of the grid share nodes through chains of neighbours. Superimposed
+    // ones that no chain joins keep theirs apart: that is how lips do not stick.
     let mut groups: UnionFind<usize> = UnionFind::new(elements * per_element);
     for link in links {
         let [lower, upper] = link.pieces.map(|element| element * per_element);
@@ -19,6 +21,7 @@ pub(crate) fn merge_nodes(elements: usize, links: &[Link], shape: Shape) -> (Vec
             groups.union(lower + low, upper + high);
         }
     }
+    // Numbers do not come from the groups' names, which depend on the order of the links.
     let mut number = vec![u32::MAX; elements * per_element];
     let mut count = 0;
     let nodes = (0..elements * per_element)
@@ -38,6 +41,8 @@ pub(crate) fn merge_nodes(elements: usize, links: &[Link], shape: Shape) -> (Vec
 fn shared_nodes(shape: Shape, axis: usize) -> impl Iterator<Item = (usize, usize)> {
     let n = shape.nodes_per_axis();
     let step = n.pow(2 - axis as u32);
+    // The upper element begins one step further along the axis: the lower one's first nodes have no
+    // counterpart in it.
     let is_shared = move |local: usize| !(local / step).is_multiple_of(n);
     (0..n * n * n)
         .filter(move |&local| is_shared(local))

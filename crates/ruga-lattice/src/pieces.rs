@@ -150,6 +150,9 @@ impl<'a> Borders<'a> {
         let open: BTreeSet<usize> = sides.map(|side| self.groups.find(side)).collect();
         let is_hollow = |group: usize| {
             let is_negative = moments.get(&group).is_some_and(|m| m.volume < 0.0);
+            // A closed wall within a cell goes around a hollow if its volume is negative, and
+            // around a small body otherwise. Groups with a side of a region are bounded by the cell
+            // too.
             is_negative && !open.contains(&group)
         };
         let mut tips: BTreeMap<usize, (usize, Vector3<f64>)> = BTreeMap::new();
@@ -158,6 +161,7 @@ impl<'a> Borders<'a> {
             if is_hollow(group) {
                 for &position in &fragment.positions {
                     let tip = tips.entry(group).or_insert((i, position));
+                    // From its furthest vertex along x a wall is never met again by the ray.
                     if position.x > tip.1.x {
                         *tip = (i, position);
                     }
@@ -177,7 +181,7 @@ impl<'a> Borders<'a> {
         Ok(())
     }
 
-    /// What a ray along x from the tip of a hollow meets first: another border of the same piece.
+    /// First border that a ray along x from the tip of a hollow meets: one of the same piece.
     fn beyond(
         &self,
         group: usize,
@@ -190,6 +194,7 @@ impl<'a> Borders<'a> {
             .iter()
             .enumerate()
             .filter(|(_, f)| f.cell == cell);
+        // The hollow's own wall is left out, which the ray touches at its start.
         let others = in_cell.filter(|&(i, _)| self.groups.find(i) != group);
         let hits = others.filter_map(|(i, fragment)| {
             let normal = normals[fragment.face];
@@ -224,6 +229,8 @@ impl<'a> Borders<'a> {
             for facing in [Facing::Below, Facing::Above] {
                 let group = self.groups.find(self.side(r, facing));
                 let group = moments.entry(group).or_default();
+                // Moments are fluxes along x from the cell's lower end. Squares at that end and
+                // across the other axes have none.
                 if region.square.axis == 0 && matches!(facing, Facing::Below) {
                     group.add_upper_end(self.grid.size.x, &region.section);
                 }

@@ -226,5 +226,6 @@ impl Lattice {
 fn distance_to_cell(grid: &Grid, cell: Index, point: &Vector3<f64>) -> f64 {
     let local = grid.local(cell, point);
     let outside = local.map(|t| t - t.clamp(0.0, 1.0));
+    // In metres, as cells are not quite cubes.
     outside.component_mul(&grid.size).norm()
 }

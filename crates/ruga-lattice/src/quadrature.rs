@@ -1,4 +1,4 @@
-//! Where an element's integrals are evaluated, and with what weight.
+//! Points at which an element's integrals are evaluated, and their weights.
 
 use nalgebra::Vector3;
 
@@ -14,11 +14,11 @@ pub(crate) struct QuadraturePoint {
     pub(crate) shape: ShapeValues,
 }
 
-/// What is integrated.
+/// Quantity that is integrated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Integrand {
     Mass,
-    /// The void takes part too.
+    /// Elastic energy, in which the void takes part too.
     Stiffness,
 }
 
@@ -39,6 +39,8 @@ impl Quadrature {
     pub(crate) fn new(lattice: &Lattice, integrand: Integrand) -> Self {
         let cell_volume = lattice.cell_size().product();
         let mut this = Self {
+            // Full elements all have the same points, so that one table serves them, and whatever
+            // is integrated over it.
             tables: vec![cell_points(lattice, cell_volume)],
             table_of: Vec::with_capacity(lattice.element_count()),
         };
@@ -54,6 +56,8 @@ impl Quadrature {
                 points = piece_points(lattice, moments);
             }
             if integrand == Integrand::Stiffness {
+                // Spread over the whole cell: where exactly the void is does not matter to a
+                // stiffness that is there to reach every node.
                 let void = (cell_volume - moments.volume) * VOID_STIFFNESS;
                 points.extend(cell_points(lattice, void));
             }
@@ -100,8 +104,12 @@ fn piece_points(lattice: &Lattice, moments: &Moments) -> Vec<QuadraturePoint> {
     // The variance of a box of side a is a^2 / 12. Rounding may make that of a thin piece negative.
     let sides = spread.eigenvalues.map(|v| (12.0 * v.max(0.0)).sqrt());
     let points = lattice.shape().gauss_points().map(|(unit, share)| {
+        // The eigenvectors may be mirrored and in any order: the points are symmetric, and sides go
+        // with their axes.
         let offset = (unit - Vector3::repeat(0.5)).component_mul(&sides);
         let point = moments.centre() + spread.eigenvectors * offset;
+        // A piece with its volume at two ends has a box longer than the cell. The polynomials
+        // simply go on there.
         let local = point.component_div(&size);
         QuadraturePoint {
             volume: moments.volume * share,

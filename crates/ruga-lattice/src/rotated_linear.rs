@@ -71,8 +71,8 @@ pub(crate) struct Tangent {
     pub(crate) twists: [Matrix3<f64>; 3],
     /// `c_k`, Pa.
     pub(crate) exact: [f64; 3],
-    /// The same, raised until `2 mu + c_k` is not negative: the projection of `dP/dF` on positive
-    /// semidefinite matrices, as all its eigenvalues but these are positive (Pa).
+    /// Factors `c_k` raised until `2 mu + c_k` is not negative: the projection of `dP/dF` on
+    /// positive semidefinite matrices, as all its eigenvalues but these are positive (Pa).
     pub(crate) relaxed: [f64; 3],
 }
 
@@ -117,12 +117,15 @@ impl RotatedLinear {
     pub(crate) fn tangent(&self, f: &Matrix3<f64>) -> Tangent {
         let svd = SignedSvd::new(f);
         let dilation = svd.stretches.sum() - 3.0;
+        // The rotation is in the stress twice, with -2 mu and with lambda times the dilation, and
+        // its derivative has the sum of both.
         let excess = self.lame * dilation - 2.0 * self.shear;
         let mut exact = [0.0; 3];
         let mut twists = [Matrix3::zeros(); 3];
         for (k, [i, j]) in [[0, 1], [0, 2], [1, 2]].into_iter().enumerate() {
             // dR/dF turns about the axis across i and j by a share of 2 / (s_i + s_j).
             let sum = svd.stretches[i] + svd.stretches[j];
+            // No sum is negative: only the smallest stretch can be, and it is the smallest in size.
             exact[k] = 2.0 * excess / sum.max(LEAST_SUM);
             let column = |m: &Matrix3<f64>, c: usize| -> Vector3<f64> { m.column(c).into_owned() };
             let [ui, uj] = [i, j].map(|c| column(&svd.left, c));

@@ -73,6 +73,7 @@ fn intersect(mesh: &TriMesh, positions: &[Vector3<f64>], faces: [FaceId; 2]) -> 
                 || one_way(second, first)
                 || overlap_in_plane(corners(first), corners(second))
         }
+        // Two triangles at a common edge meet elsewhere only if they lie on each other.
         _ => folded_flat(first, second, positions),
     }
 }
@@ -80,6 +81,7 @@ fn intersect(mesh: &TriMesh, positions: &[Vector3<f64>], faces: [FaceId; 2]) -> 
 /// Six times the volume of a tetrahedron; zero when it is flat up to rounding.
 fn volume(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>, d: &Vector3<f64>) -> f64 {
     let [u, v, w] = [b - a, c - a, d - a];
+    // Compared with lengths, so that it does not depend on the unit or the size of the faces.
     let value = u.dot(&v.cross(&w));
     if value.abs() <= FLAT * u.norm() * v.norm() * w.norm() {
         0.0
@@ -98,6 +100,8 @@ fn pierces([p, q]: [Vector3<f64>; 2], [a, b, c]: [Vector3<f64>; 3]) -> bool {
         volume(&p, &q, &b, &c),
         volume(&p, &q, &c, &a),
     ];
+    // A segment through an edge has one zero and counts, or two faces that meet there would both
+    // let it pass. Through a corner it has two, and merely touches.
     let touched = turns.iter().filter(|&&t| t == 0.0).count();
     touched < 2 && (turns.iter().all(|&t| t >= 0.0) || turns.iter().all(|&t| t <= 0.0))
 }
@@ -115,6 +119,7 @@ fn overlap_in_plane(first: [Vector3<f64>; 3], second: [Vector3<f64>; 3]) -> bool
         (0..3).any(|i| {
             let across = normal.cross(&(of[(i + 1) % 3] - of[i]));
             let side = across.dot(&(third(i) - of[i]));
+            // Faces with a common vertex or edge line reach each other by rounding.
             let reach = 1e-12 * side.abs();
             (other.iter()).all(|p| across.dot(&(p - of[i])) * side.signum() <= reach)
         })
@@ -127,6 +132,7 @@ fn folded_flat(first: [VertexId; 3], second: [VertexId; 3], positions: &[Vector3
     let apex =
         |of: [VertexId; 3], other: [VertexId; 3]| of.into_iter().find(|v| !other.contains(v));
     let (Some(left), Some(right)) = (apex(first, second), apex(second, first)) else {
+        // All three vertices in common: one face lies on the other.
         return true;
     };
     let mut ends = first.into_iter().filter(|&v| v != left);

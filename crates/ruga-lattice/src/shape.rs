@@ -54,6 +54,7 @@ impl Shape {
                 [0.5 * (1.0 - t) * (1.0 - t), 0.5 + t - t * t, 0.5 * t * t],
                 [t - 1.0, 1.0 - 2.0 * t, t],
             ],
+            // Filled up with a zero that nobody reads, so that both shapes have one type.
             Self::Linear => [[1.0 - t, t, 0.0], [-1.0, 1.0, 0.0]],
         }
     }

@@ -43,6 +43,7 @@ impl SignedSvd {
         }
         sort_columns(&mut columns, &mut right);
         let left = left_rotation(&columns, &right);
+        // Projections and not lengths, which would lose the sign.
         let stretches = Vector3::from_fn(|k, _| left.column(k).dot(&columns.column(k)));
         Self {
             left,
@@ -60,6 +61,9 @@ fn orthogonalise(a: &mut Matrix3<f64>, v: &mut Matrix3<f64>, [p, q]: [usize; 2])
         return false;
     }
     let zeta = (qq - pp) / (2.0 * pq);
+    // The smaller of the two angles that make the columns orthogonal: the larger one swaps them as
+    // well, and the rounds need not converge. Columns of equal length give zero, whose sign is one,
+    // and turn by 45 degrees.
     let tangent = zeta.signum() / (zeta.abs() + zeta.hypot(1.0));
     let cosine = 1.0 / tangent.hypot(1.0);
     let sine = cosine * tangent;
@@ -89,9 +93,11 @@ fn sort_columns(a: &mut Matrix3<f64>, v: &mut Matrix3<f64>) {
 fn left_rotation(columns: &Matrix3<f64>, right: &Matrix3<f64>) -> Matrix3<f64> {
     let [a, b]: [Vector3<f64>; 2] = [0, 1].map(|k| columns.column(k).into_owned());
     let Some(first) = a.try_normalize(f64::MIN_POSITIVE) else {
+        // Of a zero matrix R is then the identity.
         return *right;
     };
     let reject = |x: Vector3<f64>| x - first * first.dot(&x);
+    // A second column below the rounding of the first has no direction of its own.
     let second = if b.norm() > f64::EPSILON * a.norm() {
         reject(b).normalize()
     } else {
@@ -100,6 +106,8 @@ fn left_rotation(columns: &Matrix3<f64>, right: &Matrix3<f64>) -> Matrix3<f64> {
         axis[first.iamin()] = 1.0;
         reject(axis).normalize()
     };
+    // The third is not taken from its column: so this is a proper rotation, and where space is
+    // inside out the sign goes to the last stretch, the smallest.
     Matrix3::from_columns(&[first, second, first.cross(&second)])
 }
 

@@ -1,4 +1,4 @@
-//! Which parts of the grid's edges lie inside the body.
+//! The parts of the grid's edges that lie inside the body.
 
 use std::collections::BTreeMap;
 
@@ -100,11 +100,15 @@ fn walk(
         let mut edge = line;
         edge.at[axis] = index;
         let coordinate = |index| grid.coordinate(Plane { axis, index });
+        // Intervals end at corners of the grid even inside the body, because a square knows only
+        // its own four edges.
         if entered.is_some() {
             entered = Some((End::Grid(edge.at), coordinate(index)));
         }
         for &(place, face) in piercings.get(&edge).map_or(&[][..], |list| list) {
             let goes_in = normals[face][axis] < 0.0;
+            // Two faces that near have no certain order, and a normal that contradicts the count
+            // means that a face was missed or met twice.
             if place - last <= clearance || goes_in == entered.is_some() {
                 let mut point = grid.corner(edge.at);
                 point[axis] = place;
@@ -127,6 +131,7 @@ fn walk(
             intervals.push(interval(edge, start, end));
         }
     }
+    // A line ends outside the surface's box, and so outside the body.
     match entered {
         None => Ok(()),
         Some(_) => Err(Coincidence(grid.corner(line.at))),

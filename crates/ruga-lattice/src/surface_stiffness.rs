@@ -84,6 +84,8 @@ impl LatticeEnergy {
                 sum.add(product.drain(), &weights);
             }
             sum.flush(&nodes(&group[0]), |row, column, block| {
+                // A pair of nodes comes in both orders, and the slot transposes one of the two. On
+                // the diagonal there is one order only.
                 let slot = self.blocks().slot(row, column);
                 slot.add(hessian, block);
                 if row == column {
@@ -99,7 +101,7 @@ struct ElementSum {
     /// Where each node's row is among the rows.
     row_of: Vec<Option<u32>>,
     nodes: Vec<u32>,
-    /// Row by row.
+    /// Blocks, row by row.
     blocks: Vec<Matrix3<f64>>,
 }
 
@@ -117,6 +119,8 @@ impl ElementSum {
         for (node, block) in column {
             let row = *self.row_of[node as usize].get_or_insert_with(|| {
                 self.nodes.push(node);
+                // Rows are made when they are first touched: an element's points couple few of the
+                // nodes.
                 let filled = self.blocks.len() + weights.len();
                 self.blocks.resize(filled, Matrix3::zeros());
                 self.nodes.len() as u32 - 1
@@ -174,6 +178,8 @@ impl NodeRows {
         let touched = std::mem::take(&mut self.touched);
         let take = |node: u32| {
             let index = node as usize;
+            // Only what was touched is cleared. Clearing all nodes for every point would cost their
+            // product.
             self.is_touched[index] = false;
             (
                 node,

@@ -1,4 +1,4 @@
-//! What a caller can get wrong.
+//! Mistakes that a caller can make.
 
 use thiserror::Error;
 

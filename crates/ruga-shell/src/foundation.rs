@@ -1,4 +1,4 @@
-//! What holds a layer to the surface below.
+//! Springs that hold a layer to the surface below.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -41,7 +41,8 @@ impl NormalFoundation {
         let squares = w.iter().map(|w| w * w).sum::<f64>();
         let sum = w.iter().sum::<f64>();
         let normal = 0.5 * self.mass * (0.5 * squares / 3.0 + 0.5 * (sum * sum + squares) / 12.0);
-        // Rows of the gradient matrix sum to zero, so that only differences count.
+        // Rows of the gradient matrix sum to zero, so that only differences count. Off the diagonal
+        // its entries are negative on acute triangles, hence the sign below.
         let differences = [w[1] - w[2], w[2] - w[0], w[0] - w[1]];
         let gradient = -0.5
             * (0..3)
@@ -56,6 +57,7 @@ impl NormalFoundation {
         let sum = w[0] + w[1] + w[2];
         let [c0, c1, c2] = self.couplings;
         let (d0, d1, d2) = (w[1] - w[2], w[2] - w[0], w[0] - w[1]);
+        // Half of w/3 from the lumped mass, half of (sum + w)/12 from the consistent one.
         let mass = |a: usize| self.mass * (5.0 * w[a] + sum) / 24.0;
         [
             mass(0) + c1 * d1 - c2 * d2,
@@ -67,6 +69,7 @@ impl NormalFoundation {
     /// The constant second derivative (N/m).
     pub fn matrix(&self) -> Matrix3<f64> {
         let [c0, c1, c2] = self.couplings;
+        // Twenty-fourths of both halves: 4 + 2 on the diagonal, 0 + 1 beside it.
         let off = self.mass / 24.0;
         let diagonal = self.mass / 4.0;
         Matrix3::new(
@@ -96,6 +99,8 @@ impl Anchor {
     /// Normal deviation `w = n.(x - p - offset n)` (m).
     #[inline]
     pub fn deviation(&self, x: &Vector3<f64>) -> f64 {
+        // Measured from the vertex's own material point. From the closest point of the base the
+        // stiffness would depend on the slope, and couple to sliding.
         self.normal.dot(&(x - self.point))
     }
 

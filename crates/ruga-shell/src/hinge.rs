@@ -42,7 +42,7 @@ struct Side {
     gradient: Vector3<f64>,
 }
 
-/// What value, gradient and Hessian of one hinge share.
+/// Geometry that value, gradient and Hessian of one hinge share.
 #[derive(Clone, Copy, Debug)]
 pub struct HingeState {
     angle: f64,
@@ -79,6 +79,8 @@ impl HingeState {
         let sides = [side(x[2], TURN[0]), side(x[3], TURN[1])];
         // The right triangle's normal is minus its side's, which is measured towards its apex.
         let (left, right) = (sides[0].normal, -sides[1].normal);
+        // The arc cosine of the normals' product would lose half of the digits near flat, where
+        // wrinkles begin, and the side on which the hinge is folded.
         let angle = left.cross(&right).dot(&direction).atan2(left.dot(&right));
         Self {
             angle,
@@ -98,6 +100,8 @@ impl HingeState {
     pub fn angle_gradient(&self) -> [Vector3<f64>; 4] {
         let [left, right] = &self.sides;
         let (at_2, at_3) = (left.gradient, right.gradient);
+        // A rigid motion changes no angle: the moments about the tail give the head's row, and the
+        // sum of all rows the tail's.
         let at_1 = -(left.foot * at_2 + right.foot * at_3);
         [-(at_1 + at_2 + at_3), at_1, at_2, at_3]
     }
@@ -168,6 +172,7 @@ impl Hinge {
     /// `k g g^T`: positive semidefinite.
     #[inline]
     pub fn gauss_newton(&self, state: &HingeState) -> [Matrix3<f64>; 10] {
+        // The square of one row: semidefinite at any bend, without an eigenproblem per hinge.
         let g = state.angle_gradient();
         let block = |i: usize, j: usize| (g[i] * self.stiffness) * g[j].transpose();
         [
@@ -194,6 +199,7 @@ impl Hinge {
 #[inline]
 fn reciprocal(length: f64) -> f64 {
     // A collapsed hinge has no direction; zero keeps every derivative finite.
+    // The bound is a root because second derivatives square the reciprocal.
     if length > f64::MIN_POSITIVE.sqrt() {
         1.0 / length
     } else {

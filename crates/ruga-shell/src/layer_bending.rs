@@ -41,9 +41,9 @@ struct HingeElement {
 #[derive(Clone, Debug)]
 struct StarElement {
     star: Star,
-    /// Per inner edge, see [`crate::StarShape`].
+    /// A row per inner edge, see [`crate::StarShape`].
     rows: Vec<Vector3<f64>>,
-    /// Per inner edge, the hinge on it.
+    /// The hinge on each inner edge.
     hinges: Vec<u32>,
     slots: Vec<BlockSlot>,
 }
@@ -63,6 +63,7 @@ pub(crate) fn inner_edges(mesh: &TriMesh) -> Vec<InnerEdge> {
         })
     });
     let mut inner: Vec<_> = inner.collect();
+    // Sums run in this order: it depends on the vertices alone, not on how the mesh lists edges.
     inner.sort_by_key(|inner| {
         let [tail, head, ..] = inner.vertices;
         (tail.min(head), tail.max(head))
@@ -80,6 +81,7 @@ impl LayerBending {
         rest: &[Vector3<f64>],
         pattern: &BlockPattern,
     ) -> Self {
+        // Stars name mesh edges; a hinge's number is its rank among the inner ones.
         let mut hinge_of = PerEdge::filled(mesh.edges().len(), 0);
         for (hinge, inner) in (0..).zip(inner) {
             hinge_of[inner.edge] = hinge;
@@ -88,6 +90,7 @@ impl LayerBending {
                          sides, vertices, ..
                      }: &InnerEdge| HingeElement {
             hinge: Hinge {
+                // With stars a hinge only measures its angle, and this stays zero.
                 stiffness: 0.0,
                 rest_angle: HingeState::new(&gather(rest, &vertices)).angle(),
             },
@@ -113,6 +116,8 @@ impl LayerBending {
     pub(crate) fn set_rest(&mut self, rest: &[RestTriangle], parameters: &[FaceParameters]) {
         let modulus = |face: usize| parameters[face].bending_modulus();
         let factor = self.factor;
+        // Under the other model a mesh without stars has no inner edge either, so that emptiness
+        // tells the two models apart.
         if self.stars.is_empty() {
             for element in &mut self.hinges {
                 let shape = HingeShape::between(element.sides, rest);
@@ -123,6 +128,8 @@ impl LayerBending {
         }
         for element in &mut self.stars {
             let shape = element.star.shape(rest);
+            // Modulus and Poisson ratio are means over the star, because one curvature serves all
+            // of its faces.
             let stiffness = factor * shape.area() * element.star.mean(rest, modulus);
             let poisson = |face: usize| parameters[face].poisson;
             element.rows = shape.rows(stiffness, element.star.mean(rest, poisson));
@@ -161,6 +168,8 @@ impl LayerBending {
             return;
         }
         let states = self.states(x);
+        // An edge belongs to the stars of both its ends. Summed into one moment, they need its
+        // derivatives only once.
         let moments = self.moments(&states);
         for ((element, state), moment) in self.hinges.iter().zip(&states).zip(moments) {
             let forces = state.angle_gradient().map(|g| g * moment);
@@ -174,6 +183,8 @@ impl LayerBending {
         if self.stars.is_empty() {
             for element in &self.hinges {
                 let state = element.state(x);
+                // The square alone serves as the relaxed Hessian: the rest goes with the bending
+                // moment and may be indefinite.
                 let mut blocks = element.hinge.gauss_newton(&state);
                 if !relaxed.is_empty() {
                     add_blocks(relaxed, &element.slots, &blocks);
@@ -184,6 +195,9 @@ impl LayerBending {
             return;
         }
         let states = self.states(x);
+        // The second derivative has two parts of different reach: curvature of an angle couples the
+        // four vertices of its hinge, squares couple all vertices of a star. Only the squares are
+        // semidefinite, and the relaxed Hessian takes no other part.
         let moments = self.moments(&states);
         for ((element, state), moment) in self.hinges.iter().zip(&states).zip(moments) {
             let mut blocks = [Matrix3::zeros(); 10];
@@ -239,7 +253,7 @@ impl StarElement {
         }
     }
 
-    /// Half its square is the energy.
+    /// Weighted bends of the star: half the square of this vector is its energy.
     #[inline]
     fn bend(&self, bends: &[f64]) -> Vector3<f64> {
         let folds = self.hinges.iter().map(|&hinge| bends[hinge as usize]);

@@ -27,7 +27,7 @@ use crate::{BendingModel, LayerParameters, ShellError, TieParameters};
 /// Methods that take positions or a target slice panic when its length is not the layer's.
 #[derive(Clone, Debug)]
 pub struct LayerEnergy {
-    /// The lower one first; they have the same faces.
+    /// Sheets, the lower one first; they have the same faces.
     sheets: Vec<Sheet>,
     ties: Option<SheetTies>,
     bending_model: BendingModel,
@@ -51,15 +51,15 @@ pub struct UpperSheet {
 /// Where the energy of a layer sits (J).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EnergyParts {
-    /// In-plane stretch.
+    /// Energy of in-plane stretch.
     pub membrane: f64,
-    /// Out of the plane.
+    /// Energy of bending out of the plane.
     pub bending: f64,
-    /// Foundation, `K0` term.
+    /// Energy of the foundation, `K0` term.
     pub normal: f64,
-    /// Foundation, `K1` term; negative where `K1` is.
+    /// Energy of the foundation, `K1` term; negative where `K1` is.
     pub gradient: f64,
-    /// Tangential tie.
+    /// Energy of the tangential tie.
     pub tangential: f64,
 }
 
@@ -131,6 +131,8 @@ impl LayerEnergy {
         parameters.check(face_count, count)?;
         check_held(mesh, pinned)?;
         let normals = vertex_normals(mesh, rest);
+        // Both sheets stand in one pattern, since ties couple their vertices and the solver sees
+        // one matrix.
         let (mut rest, mut pinned) = (rest.to_vec(), pinned.to_vec());
         let first = SheetTopology::new(mesh, 0, bending_model);
         let mut sheets = vec![(first, parameters.faces)];
@@ -188,6 +190,8 @@ impl LayerEnergy {
     ) -> Result<(), ShellError> {
         let anchors = anchors(points, normals, offsets, self.mesh_vertices())?;
         self.foundation.set_anchors(anchors);
+        // Deviations are linear in the positions as long as the base stands still. So this part of
+        // the Hessian is formed once per base, and not in every Newton step.
         self.foundation_hessian = self.foundation.hessian(&self.pattern);
         Ok(())
     }
@@ -207,6 +211,8 @@ impl LayerEnergy {
             self.lower().faces().len(),
             stretches.len(),
         )?;
+        // All rest triangles are made before any is put in place: after an error nothing has
+        // changed.
         let stretched = self.sheets.iter().map(|sheet| sheet.stretched(stretches));
         let stretched = stretched.collect::<Result<Vec<_>, _>>()?;
         for (sheet, rest) in self.sheets.iter_mut().zip(stretched) {
@@ -418,6 +424,8 @@ impl LayerEnergy {
         let relaxed = match relaxed {
             None => &mut [],
             Some(relaxed) => {
+                // A negative K1 stays in: K0 and bending outweigh it, so that the sum is still
+                // definite.
                 relaxed.copy_from_slice(&self.foundation_hessian);
                 relaxed
             }
@@ -480,6 +488,8 @@ impl UpperSheet {
         let tie = |(corners, face): (&[u32; 3], &crate::FaceParameters)| TieParameters {
             normal_stiffness: face.normal_stiffness,
             gradient_stiffness: face.gradient_stiffness,
+            // A layer's tie belongs to vertices, that of two sheets to faces, whose normal it turns
+            // with.
             tangential_stiffness: corners.iter().map(|&v| tangential[v as usize]).sum::<f64>()
                 / 3.0,
         };
@@ -489,6 +499,7 @@ impl UpperSheet {
 
 /// Refuses vertices that would move without being held by any face.
 fn check_held(mesh: &TriMesh, pinned: &[bool]) -> Result<(), ShellError> {
+    // Without a face all rows of the vertex are zero, and the Hessian is singular.
     let faces = PerVertex::filled(mesh.vertex_count(), ())
         .ids()
         .map(|v| mesh.vertex_faces(v));

@@ -22,7 +22,7 @@ pub(crate) struct LayerFoundation {
     edges: Vec<EdgeSprings>,
     /// Where the surface below was last set.
     anchors: Vec<Anchor>,
-    /// N/m³, per vertex.
+    /// Tangential stiffness of each vertex (N/m³).
     tangential: Vec<f64>,
 }
 
@@ -51,7 +51,8 @@ pub struct FoundationStiffness {
 }
 
 impl LayerFoundation {
-    /// Under the lower `sheet`, on `mesh`, with this tangential stiffness (N/m³) per vertex.
+    /// A foundation under the lower `sheet`, on `mesh`, with this tangential stiffness (N/m³) per
+    /// vertex.
     pub(crate) fn new(
         (mesh, sheet): (&TriMesh, &Sheet),
         tangential: Vec<f64>,
@@ -104,6 +105,8 @@ impl LayerFoundation {
                 stiffness: area * k,
             })
             .collect();
+        // Off-diagonal entries are kept per edge as scalars: a pair's block is the scalar times an
+        // outer product of normals, and only the normals change from frame to frame.
         let entry = |side: Option<(FaceId, usize)>| {
             side.map(|(face, corner)| matrices[face.index()][(corner, (corner + 1) % 3)])
         };
@@ -158,6 +161,9 @@ impl LayerFoundation {
         anchors: &[Anchor],
         x: &[Vector3<f64>],
     ) -> [f64; 3] {
+        // Each vertex has its own normal, and scalars are what is differentiated. On a curved base
+        // the gradient of the vector from the base would bring in the turning of the normal times
+        // the drift.
         let w = deviations(anchors, x);
         let (mut normal, mut gradient) = (0.0, 0.0);
         for (face, stencil) in faces.iter().zip(&self.normal) {
@@ -183,6 +189,7 @@ impl LayerFoundation {
         x: &[Vector3<f64>],
     ) -> Vec<Vector3<f64>> {
         let w = deviations(anchors, x);
+        // Faces add scalars, and a vertex makes one force of their sum: the normal is the vertex's.
         let mut by_deviation = vec![0.0; w.len()];
         for (face, stencil) in faces.iter().zip(&self.normal) {
             let force = stencil.gradient(face.map(|v| w[v as usize]));
@@ -207,6 +214,8 @@ impl LayerFoundation {
         }
         for edge in &self.edges {
             let [tail, head] = edge.ends.map(|v| self.anchors[v as usize].normal);
+            // Rows are the head's and columns the tail's, as the slot was asked for; with two
+            // normals the block is not symmetric.
             let block = head * tail.transpose() * edge.stiffness;
             edge.slot.add(&mut values, &block);
         }
@@ -244,11 +253,13 @@ pub(crate) fn anchors(
                 return Err(ShellError::NotFinite { what, vertex });
             }
             let length = normal.norm();
+            // Single precision rounds to 1e-7; what is off by more was never normalised.
             if (length - 1.0).abs() > UNIT_TOLERANCE {
                 return Err(ShellError::NormalNotUnit { vertex, length });
             }
             Ok(Anchor {
                 point,
+                // Within the tolerance, too, a length other than one would scale the stiffness.
                 normal: normal / length,
             })
         })

@@ -1,4 +1,4 @@
-//! What holds a face of an upper layer to the face of the layer below.
+//! Springs that hold a face of an upper layer to the face of the layer below.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -69,14 +69,14 @@ pub struct LayerTie {
     levers: [f64; 3],
 }
 
-/// What value, gradient and Hessian of one tie share.
+/// Geometry that value, gradient and Hessian of one tie share.
 #[derive(Clone, Copy, Debug)]
 pub struct TieState {
     /// Unit normal of the lower face.
     normal: Vector3<f64>,
     /// Gradients of the lower face's linear shape functions, in space and as it lies now (1/m).
     gradients: [Vector3<f64>; 3],
-    /// `n.r`.
+    /// Heights `n.r` of the upper corners (m).
     heights: [f64; 3],
     drifts: [Vector3<f64>; 3],
 }
@@ -94,6 +94,8 @@ impl TieState {
             0.0
         };
         let normal = product * inverse;
+        // The normal turns with the face as it lies now. These are not the gradients at rest, which
+        // weigh K1.
         let gradient = |i: usize| normal.cross(&(x[(i + 2) % 3] - x[(i + 1) % 3])) * inverse;
         let arms = [x[3] - x[0], x[4] - x[1], x[5] - x[2]];
         let heights = arms.map(|r| normal.dot(&r));
@@ -146,6 +148,7 @@ impl LayerTie {
         let n = state.normal;
         let forces: [_; 3] =
             std::array::from_fn(|i| state.drifts[i] * self.shear + n * pressures[i]);
+        // A lower corner takes the counterforce of the one above it, and turns the normal besides.
         let below = |i: usize| -forces[i] - n * state.gradients[i].dot(&by_normal);
         [
             below(0),
@@ -160,6 +163,7 @@ impl LayerTie {
     /// Derivative of the energy by the normal, in the plane of the face (J).
     #[inline]
     fn by_normal(&self, state: &TieState, pressures: &[f64; 3]) -> Vector3<f64> {
+        // A unit normal cannot change along itself, so that of each arm only the drift does work.
         (0..3)
             .map(|i| state.drifts[i] * (pressures[i] - self.shear * state.heights[i]))
             .sum()
@@ -185,6 +189,8 @@ impl LayerTie {
         let squares: f64 = state.heights.iter().map(|p| p * p).sum();
         let nodal = slopes.transpose() * (turned + slopes * s);
         let across = (Matrix3::identity() - n * n.transpose()) * s;
+        // In arms and rises the matrix is short. The change to points is linear and stands once,
+        // for this part and for the curvature.
         let parts = Parts {
             arms: |i, j| {
                 let normal = n * (n * matrix[(i, j)]).transpose();
@@ -215,6 +221,7 @@ impl LayerTie {
         let nodal = slopes.transpose() * slopes * (2.0 * s);
         let work: f64 = (0..3).map(|i| pressures[i] * state.heights[i]).sum();
         let parts = Parts {
+            // Deviations and drifts are linear in the arms while the normal stands still.
             arms: |_, _| Matrix3::zeros(),
             arm_rise: |i, k| n * (s * slopes[(i, k)]) - state.gradients[k] * pressures[i],
             rises: |k: usize, l: usize| {
@@ -226,6 +233,8 @@ impl LayerTie {
         }
         let by_normal = self.by_normal(state, &pressures);
         let turns = state.gradients.map(|gradient| gradient.dot(&by_normal));
+        // Upper corners do not turn the normal: its second derivative has the lower face's blocks
+        // only.
         for (block, [i, k]) in LOWER_PAIRS.into_iter().enumerate() {
             blocks[block] += (state.gradients[k] * turns[i]) * n.transpose()
                 + (n * turns[k]) * state.gradients[i].transpose();

@@ -1,7 +1,7 @@
 //! Energies of a thin layer on a surface: positions in; value, gradient and Hessian out.
 //!
 //! A [`LayerEnergy`] sums three kinds of stencil over a [`TriMesh`](ruga_mesh::TriMesh): a [`Membrane`] per
-//! face, bending by the [`BendingModel`] asked for (a [`Hinge`] per interior edge, or a
+//! face, bending by the [`BendingModel`] asked for (a [`Hinge`] per interior edge, or
 //! the curvature of a [`StarShape`] per vertex that has an inner edge), and a foundation ([`NormalFoundation`] per face,
 //! [`TangentialTie`] per vertex) towards a base that each frame replaces. Each stencil can be used
 //! alone. [`response_modulus`] says how stiffly a given mesh really bends. An [`UpperSheet`] may move

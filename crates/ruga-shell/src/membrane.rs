@@ -34,7 +34,7 @@ pub enum Stress {
     Tensile,
 }
 
-/// What value, gradient and Hessian of one face share.
+/// Deformation and stress that value, gradient and Hessian of one face share.
 #[derive(Clone, Copy, Debug)]
 pub struct MembraneState {
     deformation: Matrix3x2<f64>,
@@ -55,7 +55,7 @@ impl Membrane {
         }
     }
 
-    /// The same with the stress-free Green strain `natural`, in the rest frame.
+    /// This membrane with the stress-free Green strain `natural`, in the rest frame.
     ///
     /// Unlike another rest metric it leaves lengths, areas and what bends per area as they are.
     pub fn with_natural_strain(self, natural: Matrix2<f64>) -> Self {
@@ -90,6 +90,7 @@ impl Membrane {
     pub fn gradient(&self, x: &[Vector3<f64>; 3]) -> [Vector3<f64>; 3] {
         let state = self.state(x);
         let forces = state.deformation * state.stress;
+        // A translation does no work, which gives corner 0 its force.
         let at_1 = forces * self.gradients[0];
         let at_2 = forces * self.gradients[1];
         [-(at_1 + at_2), at_1, at_2]
@@ -127,11 +128,14 @@ impl Membrane {
         stress: Stress,
     ) -> [Matrix3<f64>; 6] {
         let [g1, g2] = self.gradients;
+        // Of the two parts the material one is semidefinite at any state. Dropping compression here
+        // is enough, and needs a 2x2 eigenproblem instead of a 9x9 one.
         let stress = match stress {
             Stress::Full => state.stress,
             Stress::Tensile => positive_part(&state.stress),
         };
         let geometric = |a: &Vector2<f64>, b: &Vector2<f64>| {
+            // By two points the strain's second derivative is a multiple of the identity in space.
             Matrix3::from_diagonal_element(a.dot(&(stress * b)))
         };
         let h11 = material[0] + geometric(&g1, &g1);

@@ -1,4 +1,4 @@
-//! What a layer is made of, face by face.
+//! Material and springs of a layer, face by face.
 
 use crate::ShellError;
 
@@ -37,6 +37,7 @@ impl FaceParameters {
             (
                 "poisson",
                 self.poisson,
+                // Plane stress stays finite for an incompressible material: one half is allowed.
                 self.poisson > -1.0 && self.poisson <= 0.5,
                 "-1 < nu <= 0.5",
             ),
@@ -48,6 +49,8 @@ impl FaceParameters {
                 ">= 0",
             ),
             (
+                // On a thin incompressible foundation a layer wrinkles at 1.5 D k_c^2, which makes
+                // K1 negative.
                 "gradient_stiffness",
                 self.gradient_stiffness,
                 self.gradient_stiffness.is_finite(),
@@ -85,7 +88,7 @@ pub struct LayerParameters {
 }
 
 impl LayerParameters {
-    /// The same material and coupling everywhere.
+    /// Parameters with one material and coupling everywhere.
     pub fn uniform(
         face: FaceParameters,
         faces: usize,

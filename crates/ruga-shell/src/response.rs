@@ -1,4 +1,4 @@
-//! How stiffly an actual mesh bends when it wrinkles.
+//! The bending stiffness of an actual mesh when it wrinkles.
 
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::Llt;
@@ -19,8 +19,8 @@ pub struct ResponseModulus {
     pub critical_force: f64,
     /// `D_eff` (N m), from `N_min = 2 sqrt(D_eff K0) + K1`.
     pub bending_modulus: f64,
-    /// What the half-consistent foundation has of its stiffness in this mode, `w^T M w` over that
-    /// of the lumped mass. `bending_modulus` over this is what the bending alone responds with.
+    /// Stiffness of the half-consistent foundation in this mode, `w^T M w`, over that of the
+    /// lumped mass. `bending_modulus` over this is what the bending alone responds with.
     pub mass_share: f64,
     /// Normal deviation of each vertex in the mode; the largest is 1.
     pub mode: Vec<f64>,
@@ -37,6 +37,7 @@ const EXHAUSTED: f64 = 1e-12;
 /// Relative change of the critical force, over [`CHECK_EVERY`] Lanczos steps, at which it is
 /// accepted.
 const FORCE_TOLERANCE: f64 = 1e-6;
+// Each check solves a dense eigenproblem, whose cost grows with the cube of the steps.
 const CHECK_EVERY: usize = 5;
 /// Ten wavelengths square need 75 steps, and the number grows with the side.
 const MAX_STEPS: usize = 300;
@@ -91,12 +92,15 @@ pub fn response_modulus(query: &ResponseQuery) -> Result<ResponseModulus, ShellE
             .map_err(|_| unstable.clone())
     };
     let load = assemble(&load)?;
+    // The load is only semidefinite, the stiffness is definite: so the stiffness is factorised, and
+    // the least force is sought as the largest of the inverse forces, which Lanczos finds first.
     let factor = assemble(&stiffness)?
         .sp_cholesky(Side::Lower)
         .map_err(|_| unstable.clone())?;
     let lanczos = largest_eigenvalue(&factor, &load).ok_or(unstable)?;
 
     let critical_force = 1.0 / lanczos.eigenvalue;
+    // Over all wavenumbers D k^2 + K0/k^2 + K1 is at least 2 sqrt(D K0) + K1.
     let bending_force = 0.5 * (critical_force - query.gradient_stiffness);
     let mode = free.spread(&lanczos.vector);
     Ok(ResponseModulus {
@@ -134,6 +138,7 @@ impl FreeIndex {
 
     fn add(&self, entries: &mut Entries, row: VertexId, column: VertexId, value: f64) {
         if let (Some(row), Some(column)) = (self.of[row.index()], self.of[column.index()]) {
+            // Both triangles are kept: the load is multiplied as a whole matrix.
             entries.push(Triplet::new(row, column, value));
         }
     }
@@ -156,6 +161,7 @@ impl FreeIndex {
     }
 
     fn spread(&self, free: &[f64]) -> Vec<f64> {
+        // The sign of an eigenvector is arbitrary; dividing by the largest entry fixes it.
         let signed = free.iter().fold(
             0.0,
             |top: f64, &v| if v.abs() > top.abs() { v } else { top },
@@ -213,7 +219,7 @@ fn add_stars(
     }
 }
 
-/// Per edge, zero at borders.
+/// Fold row of every edge; zero at borders.
 fn folds(query: &ResponseQuery, inner: &[InnerEdge]) -> PerEdge<FoldRow> {
     let normals = corner_normals(query);
     let corner = |face: FaceId, k: usize| query.corners[face.index()][k % 3];
@@ -224,6 +230,8 @@ fn folds(query: &ResponseQuery, inner: &[InnerEdge]) -> PerEdge<FoldRow> {
         let end = corner(left, tail + 1);
         let apex = end + corner(right, head + 2) - corner(right, head);
         let points = [corner(left, tail), end, corner(left, tail + 2), apex];
+        // In a plane angles do not depend on in-plane motion to first order, so that a deviation
+        // along the normals is all that bends.
         let gradient = HingeState::new(&points).angle_gradient();
         folds[edge.edge] = std::array::from_fn(|i| {
             let vertex = VertexId(edge.vertices[i]);
@@ -239,6 +247,7 @@ fn mass_share(query: &ResponseQuery, rest: &[RestTriangle], mode: &[f64]) -> f64
     for (face, rest) in query.mesh.faces().as_slice().iter().zip(rest) {
         let w = face.map(|v| mode[v.index()]);
         let [normal, _] = NormalFoundation::new(rest, 1.0, 0.0).values(w);
+        // An energy with unit stiffness is half of the square asked for.
         mixed += 2.0 * normal;
         lumped += rest.area() / 3.0 * dot(&w, &w);
     }
@@ -255,6 +264,7 @@ fn corner_normals(query: &ResponseQuery) -> Vec<Vector3<f64>> {
     }
     normals
         .into_iter()
+        // A vertex without faces is in no stencil: its direction does not matter.
         .map(|n| n.try_normalize(0.0).unwrap_or_else(Vector3::z))
         .collect()
 }
@@ -280,6 +290,7 @@ fn add_load(
 ) -> Result<(), ShellError> {
     for (face, triangle) in rest.iter().enumerate() {
         let [a, b, c] = query.corners[face];
+        // The axes of the rest triangle's local frame, in which its shape gradients are given.
         let first = (b - a).normalize();
         let second = (b - a).cross(&(c - a)).cross(&first).normalize();
         let along = [first, second].map(|axis| axis.dot(&query.directions[face]));
@@ -364,6 +375,7 @@ impl Lanczos {
         let mut vector = image.clone();
         let size = vector.len();
         factor.solve_in_place(MatMut::from_column_major_slice_mut(&mut vector, size, 1));
+        // The norm is that of the stiffness; the image saves multiplying by the matrix.
         let norm = dot(&vector, &image).sqrt();
         if norm.is_nan() || norm == 0.0 {
             return false;

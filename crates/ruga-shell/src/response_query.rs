@@ -1,4 +1,4 @@
-//! What a response modulus is asked of.
+//! The sheet that a response modulus is asked of.
 
 use nalgebra::Vector3;
 use ruga_mesh::{Id, TriMesh};
@@ -24,7 +24,7 @@ pub struct ResponseQuery<'a> {
     pub bending_modulus: f64,
     /// Poisson ratio, in (-1, 1]; hinges do not know it.
     pub poisson: f64,
-    /// What bends.
+    /// Model of the bending energy.
     pub bending_model: BendingModel,
     /// Exponent of the per-hinge factor; [`crate::HINGE_EXPONENT`] is what a layer uses.
     pub hinge_exponent: f64,
@@ -52,6 +52,8 @@ impl ResponseQuery<'_> {
         let above = |value: f64, least: f64| value > least && value.is_finite();
         let (modulus, normal) = (self.bending_modulus, self.normal_stiffness);
         let (exponent, gradient) = (self.hinge_exponent, self.gradient_stiffness);
+        // Wider than for a material: the plate's stiffnesses go with 1 + nu and 1 - nu, and neither
+        // is negative in this range.
         let poisson = above(self.poisson, -1.0) && self.poisson <= 1.0;
         let checks = [
             ("bending_modulus", modulus, above(modulus, 0.0), "> 0"),

@@ -30,11 +30,13 @@ impl RestTriangle {
         let along = corners[1] - corners[0];
         let aside = corners[2] - corners[0];
         let length = along.norm();
+        // Two corners at one place have no direction; the zero area is refused below.
         let foot = if length > 0.0 {
             along.dot(&aside) / length
         } else {
             0.0
         };
+        // The root of |aside|^2 - foot^2 would lose half of a thin triangle's digits.
         let height = along.cross(&aside).norm() / length.max(f64::MIN_POSITIVE);
         Self::from_edges(
             [Vector2::new(length, 0.0), Vector2::new(foot, height)],
@@ -42,7 +44,7 @@ impl RestTriangle {
         )
     }
 
-    /// The same triangle with its plane stretched by `stretch` (2×2, local frame): the rest metric
+    /// This triangle with its plane stretched by `stretch` (2×2, local frame): the rest metric
     /// becomes `S^T S`.
     ///
     /// # Errors

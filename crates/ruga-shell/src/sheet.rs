@@ -70,6 +70,8 @@ impl Sheet {
         parameters: Vec<FaceParameters>,
         pattern: &BlockPattern,
     ) -> Result<Self, ShellError> {
+        // Slots are looked up in a pattern that needs the stencils of all sheets first. That is why
+        // a sheet is built in two steps.
         let SheetTopology {
             mesh,
             faces,
@@ -112,6 +114,7 @@ impl Sheet {
         &self,
         stretches: &[Matrix2<f64>],
     ) -> Result<Vec<RestTriangle>, ShellError> {
+        // Always from the triangles as built: stretches of one frame after the other would pile up.
         let faces = self.unstretched.iter().zip(stretches).enumerate();
         faces
             .map(|(face, (rest, stretch))| rest.stretched(stretch, face))
@@ -119,6 +122,8 @@ impl Sheet {
     }
 
     pub(crate) fn set_rest(&mut self, rest: Vec<RestTriangle>) {
+        // New membranes have no natural strain: the former one was written in the frame of the
+        // former rest triangles.
         self.membranes = membranes(&rest, &self.parameters);
         self.rest = rest;
         self.set_bending_stiffness();
@@ -164,11 +169,13 @@ impl Sheet {
         self.bending.add_gradient(x, pattern, gradient);
     }
 
-    /// An empty `relaxed` is not wanted.
+    /// Adds the second derivative to both matrices; an empty `relaxed` is not wanted.
     pub(crate) fn add_hessian(&self, x: &[Vector3<f64>], exact: &mut [f64], relaxed: &mut [f64]) {
         let elements = self.faces.iter().zip(&self.membranes);
         for ((face, membrane), slots) in elements.zip(&self.membrane_slots) {
             let state = membrane.state(&gather(x, face));
+            // The two matrices differ in the stress alone; the costlier part is formed once for
+            // both.
             let material = membrane.material_blocks(&state);
             let add = |values: &mut [f64], stress: Stress| {
                 let blocks = membrane.with_stress(&material, &state, stress);

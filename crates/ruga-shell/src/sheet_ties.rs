@@ -19,7 +19,7 @@ pub(crate) struct SheetTies {
 #[derive(Clone, Copy, Debug)]
 struct TieElement {
     tie: LayerTie,
-    /// Lower corners, then upper ones.
+    /// Vertices of the lower corners, then of the upper ones.
     vertices: [u32; 6],
     slots: [BlockSlot; 21],
 }
@@ -55,6 +55,7 @@ impl SheetTies {
         let elements = self.elements.iter_mut().zip(rest).zip(&self.parameters);
         for ((element, rest), parameters) in elements {
             let [a, b, c, ..] = element.vertices;
+            // A rest metric is one in the plane: distances across the sheets do not follow it.
             let levers = [a, b, c].map(|v| self.levers[v as usize]);
             element.tie = LayerTie::new(rest, parameters, levers);
         }
@@ -83,7 +84,7 @@ impl SheetTies {
         }
     }
 
-    /// An empty `relaxed` is not wanted; it takes the Gauss-Newton part.
+    /// Adds the second derivative to `exact` and its Gauss-Newton part to `relaxed`, unless empty.
     pub(crate) fn add_hessian(&self, x: &[Vector3<f64>], exact: &mut [f64], relaxed: &mut [f64]) {
         for TieElement {
             tie,

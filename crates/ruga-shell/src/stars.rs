@@ -36,7 +36,10 @@ impl Star {
         let count = fan.spokes.len() as u32;
         let fold = |(k, &(face, corner)): (u32, &(FaceId, usize))| {
             let edge = mesh.face_edges(face)[corner];
+            // The centre is vertex 0 of the star, so that its neighbours count from one.
             let [end, next, last] = [k, (k + 1) % count, (k + count - 1) % count].map(|k| k + 1);
+            // The angle's derivatives come in the order of the hinge, which has the edge's own
+            // direction: out of this star or into it.
             let is_outward = mesh.edges()[edge].faces[0] == Some(face);
             Fold {
                 edge,
@@ -47,6 +50,7 @@ impl Star {
                 },
             }
         };
+        // An open fan's first face begins at a border edge, which has no angle.
         let border = usize::from(!fan.closed);
         let spokes = fan.spokes.iter().map(|v| v.0);
         Self {

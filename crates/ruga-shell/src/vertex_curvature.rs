@@ -76,9 +76,9 @@ pub struct StarShape {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum StarKind {
-    /// With `C`.
+    /// Closed star, with its correction `C`.
     Closed(Matrix3<f64>),
-    /// With the direction of the border, unit.
+    /// Open star, with the unit direction of the border.
     Open(Vector2<f64>),
 }
 
@@ -93,6 +93,8 @@ impl StarShape {
             *first *= 0.5 * (1.0 + again.norm() / first.norm());
         }
         let weights = weights(&points, area);
+        // A star with a flat or overturned triangle keeps its curvature as it is: the correction
+        // would divide by a height that is next to nothing.
         let correction = quadratic_response(&points, &weights)
             .map_or_else(Matrix3::identity, |response| {
                 inverse(0.5 * (response + Matrix3::identity()))
@@ -114,9 +116,12 @@ impl StarShape {
         let area = third(fan);
         let points = unfolded(fan, |_| 1.0);
         let (first, last) = (points[0], points[points.len() - 1]);
+        // At its vertex the border may turn a corner. The chord between the neighbours is its mean
+        // direction there.
         let along = (first - last).try_normalize(0.0).unwrap_or_else(Vector2::x);
         Self {
             area,
+            // The two border edges have no angle.
             weights: weights(&points[1..points.len() - 1], area),
             kind: StarKind::Open(along),
         }
@@ -153,6 +158,9 @@ impl StarShape {
 
 /// `A D/2 ((1 + nu) t_0^2 + (1 - nu) (d_1^2 + d_2^2))`, `t` of `kappa` and `d` of `C kappa`.
 fn plate_root(stiffness: f64, poisson: f64, correction: Matrix3<f64>) -> Matrix3<f64> {
+    // A root of the form, not the form itself: with the energy a sum of squares, its Gauss-Newton
+    // matrix is semidefinite by construction. The trace is left as it is, because the cotangent
+    // Laplacian is conforming.
     let mut map = correction;
     map.set_row(0, &Vector3::x().transpose());
     let traceless = (stiffness * (1.0 - poisson)).sqrt();
@@ -162,6 +170,8 @@ fn plate_root(stiffness: f64, poisson: f64, correction: Matrix3<f64>) -> Matrix3
 
 /// `A D/2 ((1 - nu^2) k_tt^2 + 2 (1 - nu) k_nt^2)`, t along the border: the least over `k_nn`.
 fn border_root(stiffness: f64, poisson: f64, along: Vector2<f64>) -> Matrix3<f64> {
+    // Components turn by twice the border's angle. Their sqrt(1/2) makes the one half in the
+    // bending, and cancels the 2 of the torsion.
     let cosine = along.x * along.x - along.y * along.y;
     let sine = 2.0 * along.x * along.y;
     let bending = (0.5 * stiffness * (1.0 - poisson * poisson)).sqrt();
@@ -211,6 +221,8 @@ fn weights(points: &[Vector2<f64>], area: f64) -> Vec<Vector3<f64>> {
     points
         .iter()
         .map(|p| {
+            // Components of n n^T have the length's square below; one length of the edge weight
+            // cancels.
             let scale = std::f64::consts::FRAC_1_SQRT_2 / (2.0 * area * p.norm());
             Vector3::new(p.norm_squared(), p.y * p.y - p.x * p.x, -2.0 * p.x * p.y) * scale
         })
@@ -237,6 +249,8 @@ fn quadratic_response(points: &[Vector2<f64>], weights: &[Vector3<f64>]) -> Opti
                 return None;
             }
             let foot = spoke.dot(apex) / (length * length);
+            // The centre stays at depth zero: under the apex's foot the spoke is at that share of
+            // its own depth.
             angles += (depths(apex) - depths(spoke) * foot) / height;
         }
         response += weight * angles.transpose();
@@ -246,6 +260,7 @@ fn quadratic_response(points: &[Vector2<f64>], weights: &[Vector3<f64>]) -> Opti
 
 /// Inverse with the singular values bounded below, so that no star becomes rigid.
 fn inverse(matrix: Matrix3<f64>) -> Matrix3<f64> {
+    // A mean map that is nearly singular would make a mode of its star many times too stiff.
     let mut parts = matrix.svd(true, true);
     for value in &mut parts.singular_values {
         *value = 1.0 / value.max(MIN_SINGULAR_VALUE);
