@@ -41,17 +41,20 @@ impl<'a> LatticeObjective<'a> {
         load: &[Vector3<f64>],
         length: f64,
     ) -> Result<Self, LatticeError> {
-        check_length("load", nodes.len(), load.len())?;
+        let count = energy.blocks().point_count();
+        check_length("nodes", count, nodes.len())?;
+        check_length("load", count, load.len())?;
         let (starts, rows) = energy.pattern();
         let pattern = LowerPattern::new(starts.to_vec(), rows.to_vec());
-        let total: f64 = load.iter().map(Vector3::norm).sum();
-        let mean = total / load.len().max(1) as f64;
+        let forces = load.iter().map(Vector3::norm).filter(|force| *force > 0.0);
+        let mean = forces.clone().sum::<f64>() / forces.count() as f64;
         Ok(Self {
             energy,
             pattern: pattern.expect("a lattice with free nodes"),
             nodes: nodes.to_vec(),
             load: energy.unknowns(load),
             // Without a load there is no force to compare with, and a scale must not be zero.
+            // Without a load, which makes it not a number, any scale is as good.
             force: if mean > 0.0 { mean } else { 1.0 },
             length,
         })

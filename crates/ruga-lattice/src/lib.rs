@@ -54,6 +54,7 @@ mod rotated_linear;
 mod signed_svd;
 
 mod embedding;
+mod lattice_places;
 mod places;
 mod surface_stiffness;
 

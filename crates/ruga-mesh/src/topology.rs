@@ -1,6 +1,6 @@
 //! Connectivity of an oriented manifold triangle mesh with border.
 
-use crate::{EdgeId, FaceId, Id, MeshError, PerEdge, PerFace, PerVertex, VertexFan, VertexId};
+use crate::{EdgeId, FaceId, Id, MeshError, PerEdge, PerFace, PerVertex, VertexId};
 
 /// An undirected edge and what lies on both sides of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,18 +132,6 @@ impl TriMesh {
             let corner = self.face_edges[face?].iter().position(|&e| e == edge);
             face.zip(corner)
         })
-    }
-
-    /// The fan of faces around a vertex; `None` where no face or more than one fan meets it.
-    ///
-    /// # Panics
-    /// When `vertex` is none of this mesh's.
-    pub fn ring(&self, vertex: VertexId) -> Option<VertexFan> {
-        let faces = self.vertex_faces(vertex);
-        let &face = faces.first()?;
-        let corner = self.faces[face].iter().position(|&v| v == vertex)?;
-        let fan = VertexFan::around(self, face, corner);
-        (fan.faces.len() == faces.len()).then_some(fan)
     }
 
     /// The faces for which `is_in` holds, in parts that hang together by edges; each begins with its

@@ -214,3 +214,17 @@ pub(crate) fn fan_mesh(kind: VertexKind) -> TriMesh {
     let faces = (0..kind.faces).map(|i| [0, vertex(i), vertex(i + 1)]);
     TriMesh::new(1 + rim, faces.collect()).expect("a fan copied from a mesh is a mesh")
 }
+
+impl TriMesh {
+    /// The fan of faces around a vertex; `None` where no face or more than one fan meets it.
+    ///
+    /// # Panics
+    /// When `vertex` is none of this mesh's.
+    pub fn ring(&self, vertex: VertexId) -> Option<VertexFan> {
+        let faces = self.vertex_faces(vertex);
+        let &face = faces.first()?;
+        let corner = self.faces()[face].iter().position(|&v| v == vertex)?;
+        let fan = VertexFan::around(self, face, corner);
+        (fan.faces.len() == faces.len()).then_some(fan)
+    }
+}

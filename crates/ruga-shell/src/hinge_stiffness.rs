@@ -54,7 +54,8 @@ impl HingeShape {
         Self::new(&rest[left.index()], tail, &rest[right.index()], head)
     }
 
-    /// Derivative of the angle by the height of tail, head, left and right apex above the plane.
+    /// Derivative of the angle by the height of tail, head, left and right apex above the plane, for
+    /// angles that are positive in a valley: opposite to those of [`HingeState`](crate::HingeState).
     pub fn angle_by_height(&self) -> [f64; 4] {
         let [left, right] = self.heights.map(|height| 1.0 / height);
         let head = -(self.feet[0] * left + self.feet[1] * right);

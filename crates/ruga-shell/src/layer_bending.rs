@@ -6,9 +6,8 @@ use ruga_mesh::{BlockPattern, BlockSlot, EdgeId, FaceId, Id, PerEdge, TriMesh};
 
 use crate::hinge::{Hinge, HingeState};
 use crate::hinge_stiffness::{HINGE_EXPONENT, HingeShape};
-use crate::layer_energy::gather;
-use crate::sheet::{add_blocks, slots};
 use crate::stars::Star;
+use crate::stencil::{add_blocks, gather, slots};
 use crate::vertex_curvature::weighted;
 use crate::{FaceParameters, RestTriangle};
 

@@ -9,7 +9,7 @@ use crate::layer_foundation::{FoundationStiffness, LayerFoundation, anchors, dev
 use crate::parameters::{check_finite, check_length};
 use crate::sheet::{Sheet, SheetTopology};
 use crate::sheet_ties::{SheetTies, both};
-use crate::{BendingModel, LayerParameters, ShellError, TieParameters};
+use crate::{BendingModel, EnergyParts, LayerParameters, ShellError, UpperSheet};
 
 /// Membrane, bending and foundation of a layer, or of a pair of sheets one on the other that move
 /// together.
@@ -34,40 +34,6 @@ pub struct LayerEnergy {
     foundation: LayerFoundation,
     foundation_hessian: Vec<f64>,
     pattern: BlockPattern,
-}
-
-/// A sheet above another one, vertex `i` above vertex `i`.
-#[derive(Clone, Debug)]
-pub struct UpperSheet {
-    /// Positions at rest, m.
-    pub rest_positions: Vec<Vector3<f64>>,
-    /// Material per face; the springs in it are those that hold this sheet to the lower one, on a face
-    /// with the mean tangential stiffness of its corners.
-    pub parameters: LayerParameters,
-    /// Distance of the mid-surfaces along the lower one's normal, per vertex, m.
-    pub levers: Vec<f64>,
-}
-
-/// Where the energy of a layer sits (J).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct EnergyParts {
-    /// Energy of in-plane stretch.
-    pub membrane: f64,
-    /// Energy of bending out of the plane.
-    pub bending: f64,
-    /// Energy of the foundation, `K0` term.
-    pub normal: f64,
-    /// Energy of the foundation, `K1` term; negative where `K1` is.
-    pub gradient: f64,
-    /// Energy of the tangential tie.
-    pub tangential: f64,
-}
-
-impl EnergyParts {
-    /// Sum of the parts (J).
-    pub fn total(&self) -> f64 {
-        self.membrane + self.bending + self.normal + self.gradient + self.tangential
-    }
 }
 
 impl LayerEnergy {
@@ -464,39 +430,6 @@ impl LayerEnergy {
     }
 }
 
-impl UpperSheet {
-    fn check(&self, faces: usize, vertices: usize) -> Result<(), ShellError> {
-        check_length("upper rest positions", vertices, self.rest_positions.len())?;
-        check_length("levers", vertices, self.levers.len())?;
-        self.parameters.check(faces, vertices)?;
-        let valid = |lever: &f64| *lever >= 0.0 && lever.is_finite();
-        match self.levers.iter().position(|lever| !valid(lever)) {
-            None => Ok(()),
-            Some(index) => Err(ShellError::ParameterOutOfRange {
-                element: "vertex",
-                index,
-                name: "lever",
-                value: self.levers[index],
-                range: ">= 0",
-            }),
-        }
-    }
-
-    fn ties(&self, faces: &[[u32; 3]]) -> Vec<TieParameters> {
-        let tangential = &self.parameters.tangential_stiffness;
-        let pairs = faces.iter().zip(&self.parameters.faces);
-        let tie = |(corners, face): (&[u32; 3], &crate::FaceParameters)| TieParameters {
-            normal_stiffness: face.normal_stiffness,
-            gradient_stiffness: face.gradient_stiffness,
-            // A layer's tie belongs to vertices, that of two sheets to faces, whose normal it turns
-            // with.
-            tangential_stiffness: corners.iter().map(|&v| tangential[v as usize]).sum::<f64>()
-                / 3.0,
-        };
-        pairs.map(tie).collect()
-    }
-}
-
 /// Refuses vertices that would move without being held by any face.
 fn check_held(mesh: &TriMesh, pinned: &[bool]) -> Result<(), ShellError> {
     // Without a face all rows of the vertex are zero, and the Hessian is singular.
@@ -510,9 +443,4 @@ fn check_held(mesh: &TriMesh, pinned: &[bool]) -> Result<(), ShellError> {
         None => Ok(()),
         Some(vertex) => Err(ShellError::IsolatedVertex { vertex }),
     }
-}
-
-#[inline]
-pub(crate) fn gather<const N: usize>(x: &[Vector3<f64>], vertices: &[u32; N]) -> [Vector3<f64>; N] {
-    vertices.map(|v| x[v as usize])
 }

@@ -50,12 +50,15 @@
 //! ```
 
 mod bending_model;
+mod energy_parts;
 mod layer_bending;
 mod layer_energy;
 mod layer_foundation;
 mod parameters;
 mod sheet;
 mod sheet_ties;
+mod stencil;
+mod upper_sheet;
 
 mod foundation;
 mod hinge;
@@ -71,9 +74,11 @@ mod rest_triangle;
 mod stars;
 
 pub use bending_model::BendingModel;
-pub use layer_energy::{EnergyParts, LayerEnergy, UpperSheet};
+pub use energy_parts::EnergyParts;
+pub use layer_energy::LayerEnergy;
 pub use layer_foundation::FoundationStiffness;
 pub use parameters::{FaceParameters, LayerParameters};
+pub use upper_sheet::UpperSheet;
 
 pub use foundation::{Anchor, NormalFoundation, TangentialTie};
 pub use hinge::{Hinge, HingeState};

@@ -1,13 +1,13 @@
 //! Membrane and bending of one sheet among the vertices of a layer.
 
-use nalgebra::{Matrix2, Matrix3, Vector3};
+use nalgebra::{Matrix2, Vector3};
 
 use ruga_mesh::{BlockPattern, BlockSlot, TriMesh};
 
 use crate::layer_bending::{InnerEdge, LayerBending, inner_edges};
-use crate::layer_energy::gather;
 use crate::membrane::{Membrane, Stress};
 use crate::stars::{Star, stars};
+use crate::stencil::{add_blocks, gather, slots};
 use crate::{BendingModel, FaceParameters, RestTriangle, ShellError};
 
 /// The stencils of a sheet, numbered by the vertices of the whole layer.
@@ -195,25 +195,4 @@ fn membranes(rest: &[RestTriangle], parameters: &[FaceParameters]) -> Vec<Membra
     faces
         .map(|(rest, p)| Membrane::new(rest, p.tension_modulus(), p.poisson))
         .collect()
-}
-
-/// Slots of the lower blocks of a stencil of `N` vertices, row by row.
-pub(crate) fn slots<const N: usize, const M: usize>(
-    pattern: &BlockPattern,
-    vertices: &[u32; N],
-) -> [BlockSlot; M] {
-    let mut slots = pattern.stencil_slots(vertices);
-    std::array::from_fn(|_| slots.next().expect("M is N (N + 1)/2"))
-}
-
-/// Adds a stencil's lower blocks to a Hessian.
-#[inline]
-pub(crate) fn add_blocks<const M: usize>(
-    values: &mut [f64],
-    slots: &[BlockSlot; M],
-    blocks: &[Matrix3<f64>; M],
-) {
-    for (slot, block) in slots.iter().zip(blocks) {
-        slot.add(values, block);
-    }
 }

@@ -4,8 +4,7 @@ use nalgebra::Vector3;
 
 use ruga_mesh::{BlockPattern, BlockSlot};
 
-use crate::layer_energy::gather;
-use crate::sheet::{add_blocks, slots};
+use crate::stencil::{add_blocks, gather, slots};
 use crate::{EnergyParts, LayerTie, RestTriangle, TieParameters, TieState};
 
 /// A tie per face, from the lower sheet to the upper one.

@@ -1,0 +1,31 @@
+//! Stencils: their points and their blocks of the Hessian.
+
+use nalgebra::{Matrix3, Vector3};
+use ruga_mesh::{BlockPattern, BlockSlot};
+
+/// Points of a stencil, in the order of its vertices.
+#[inline]
+pub(crate) fn gather<const N: usize>(x: &[Vector3<f64>], vertices: &[u32; N]) -> [Vector3<f64>; N] {
+    vertices.map(|v| x[v as usize])
+}
+
+/// Slots of the lower blocks of a stencil of `N` vertices, row by row.
+pub(crate) fn slots<const N: usize, const M: usize>(
+    pattern: &BlockPattern,
+    vertices: &[u32; N],
+) -> [BlockSlot; M] {
+    let mut slots = pattern.stencil_slots(vertices);
+    std::array::from_fn(|_| slots.next().expect("M is N (N + 1)/2"))
+}
+
+/// Adds a stencil's lower blocks to a Hessian.
+#[inline]
+pub(crate) fn add_blocks<const M: usize>(
+    values: &mut [f64],
+    slots: &[BlockSlot; M],
+    blocks: &[Matrix3<f64>; M],
+) {
+    for (slot, block) in slots.iter().zip(blocks) {
+        slot.add(values, block);
+    }
+}
