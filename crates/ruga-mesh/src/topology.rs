@@ -143,6 +143,7 @@ impl TriMesh {
         let &face = faces.first()?;
         let corner = self.faces[face].iter().position(|&v| v == vertex)?;
         let fan = VertexFan::around(self, face, corner);
+        // Where several fans touch, one of them misses faces of the others.
         (fan.faces.len() == faces.len()).then_some(fan)
     }
 
@@ -232,6 +233,7 @@ fn check_faces(vertex_count: usize, faces: &PerFace<[VertexId; 3]>) -> Result<()
                     count: vertex_count,
                 });
             }
+            // Each corner against the next one makes all three pairs.
             if vertices[(corner + 1) % 3] == vertex {
                 return Err(MeshError::RepeatedVertex { face, vertex });
             }
@@ -269,6 +271,7 @@ fn build_edges(faces: &PerFace<[VertexId; 3]>) -> Result<EdgeTables, MeshError> 
     half_edges.sort_unstable();
     let mut groups: Vec<&[([VertexId; 2], FaceId, usize)]> =
         half_edges.chunk_by(|l, r| l.0 == r.0).collect();
+    // Back into the order of first appearance, which numbers the edges and picks the first error.
     groups.sort_unstable_by_key(|group| (group[0].1, group[0].2));
 
     let mut edges = Vec::with_capacity(groups.len());
@@ -284,6 +287,7 @@ fn build_edges(faces: &PerFace<[VertexId; 3]>) -> Result<EdgeTables, MeshError> 
                 count: group.len(),
             });
         }
+        // Neighbours that wind alike run their common edge in opposite directions.
         if group.len() == 2 && directed(group[0]) == directed(group[1]) {
             return Err(MeshError::InconsistentWinding {
                 first: group[0].1,
@@ -319,6 +323,7 @@ fn build_vertex_faces(
     }
     let mut cursor = starts.clone();
     let mut vertex_faces = vec![FaceId(0); 3 * faces.len()];
+    // In the order of the faces, so that the list of each vertex is ascending.
     for (face, vertices) in faces.iter() {
         for vertex in vertices {
             let slot = &mut cursor[vertex.index()];
