@@ -24,6 +24,7 @@ const PINNED: u32 = u32::MAX;
 /// Methods that take a point panic when there is none of that number.
 #[derive(Clone, Debug)]
 pub struct BlockPattern {
+    // A mark instead of an option, which would double the table.
     free_of: Vec<u32>,
     free_points: Vec<u32>,
     column_starts: Vec<usize>,
@@ -46,7 +47,7 @@ pub struct BlockSlot {
 enum Placement {
     Diagonal,
     BelowDiagonal,
-    /// Stored as its mirror image.
+    /// The block is stored as its mirror image.
     AboveDiagonal,
     /// One of the points is pinned, or no stencil couples them.
     Absent,
@@ -111,6 +112,7 @@ impl BlockPattern {
             numbers.iter().map(shift).collect()
         };
         let own = self.neighbours.iter().zip(coupled);
+        // Numbers of `other` come after all of `self`, so a joined list is ascending again.
         let own = own.map(|(near, far)| [near.as_slice(), &shifted(far, free)].concat());
         let others = other.neighbours.iter().map(|list| shifted(list, free));
         let mut this = Self {
@@ -157,7 +159,7 @@ impl BlockPattern {
         3 * self.free_points.len()
     }
 
-    /// Where each column starts in [`rows`](Self::rows); one more than there are unknowns.
+    /// Start of each column in [`rows`](Self::rows); one more than there are unknowns.
     pub fn column_starts(&self) -> &[usize] {
         &self.column_starts
     }
@@ -184,9 +186,11 @@ impl BlockPattern {
         let (Some(row), Some(column)) = (self.free(row), self.free(column)) else {
             return absent;
         };
+        // The lower triangle keeps a block in the column of its lower point.
         let (low, high) = (row.min(column), row.max(column));
         let first = self.column_starts[3 * low];
         let slot = |start: usize, placement| BlockSlot {
+            // Assembly reads a slot for every block of every stencil, so slots are kept small.
             start: start as u32,
             stride: (self.column_starts[3 * low + 1] - first) as u32,
             placement,
@@ -218,6 +222,7 @@ impl BlockPattern {
             for k in range[0]..range[1] {
                 let (i, r) = (self.rows[k] / 3, self.rows[k] % 3);
                 product[i][r] += values[k] * v[j][c];
+                // An entry below the diagonal stands for its mirror image as well.
                 if self.rows[k] != column {
                     product[j][c] += values[k] * v[i][r];
                 }
@@ -261,6 +266,8 @@ impl BlockSlot {
                 return;
             }
         };
+        // Each column holds one entry less of the diagonal block than the one before, so this block
+        // lies one, then two entries nearer to the start of its column.
         let columns = [first, first + stride - 1, first + 2 * stride - 3];
         for (column, start) in columns.into_iter().enumerate() {
             let target = &mut values[start..start + 3];

@@ -60,6 +60,7 @@ const OUTER: [(f64, [usize; 3]); 2] = [(1.0, [4, 0, 0]), (2.0, [3, 1, 0])];
 
 /// The basis at the barycentric coordinates `(1 - u - v, u, v)`.
 pub(crate) fn basis(u: f64, v: f64) -> Basis {
+    // All twelve functions are combined from the same fifteen monomials.
     let monomials = monomials(u, v);
     let combine = |quartic: &Quartic, axes: [usize; 3]| {
         let mut sum = Derivatives::zeros();

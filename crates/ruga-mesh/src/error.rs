@@ -1,4 +1,4 @@
-//! What can be wrong with a face list.
+//! Errors of a face list.
 
 use crate::{FaceId, VertexId};
 

@@ -21,10 +21,12 @@ impl FacePlace {
 
     /// The quarter of the face that holds the place, numbered as subdivision does.
     pub(crate) fn child(&self) -> usize {
+        // At most one coordinate exceeds a half. Places on the middle quarter's rim count as its
+        // own.
         self.at.iter().position(|&b| b > 0.5).unwrap_or(3)
     }
 
-    /// The same place in a quarter of the face.
+    /// Coordinates of the place in a quarter of the face.
     pub(crate) fn in_child(&self, child: usize) -> Self {
         self.map(|b, sum| match child {
             3 => [sum - 2.0 * b[2], sum - 2.0 * b[0], sum - 2.0 * b[1]],
@@ -32,7 +34,7 @@ impl FacePlace {
         })
     }
 
-    /// The same place with the corners renamed so that `corner` is the first.
+    /// Renames the corners so that `corner` is the first.
     pub(crate) fn starting_at(&self, corner: usize) -> Self {
         self.map(|b, _| std::array::from_fn(|i| b[(corner + i) % 3]))
     }
@@ -40,12 +42,13 @@ impl FacePlace {
     /// Applies a linear map of barycentric coordinates, given them and their sum.
     fn map(&self, map: impl Fn([f64; 3], f64) -> [f64; 3]) -> Self {
         Self {
+            // Coordinates of a place sum to one, those of a direction to zero: one map serves both.
             at: map(self.at, 1.0),
             along: self.along.map(|b| map(b, 0.0)),
         }
     }
 
-    /// Zero at the first corner, one on the opposite edge.
+    /// Distance from the first corner: zero there, one on the opposite edge.
     ///
     /// From the two other coordinates, which keep their digits near the corner.
     pub(crate) fn distance_from_first(&self) -> f64 {
@@ -57,6 +60,7 @@ impl FacePlace {
     pub(crate) fn push_out_of_first(&mut self) -> f64 {
         let distance = self.distance_from_first();
         if distance >= 0.5 {
+            // Doubling has cost this coordinate digits that the others still have.
             self.at[0] = 1.0 - distance;
             return 1.0;
         }
@@ -64,6 +68,7 @@ impl FacePlace {
         self.at = if distance > 0.0 {
             [0.5, 0.5 * u / distance, 0.5 * v / distance]
         } else {
+            // No ray leads to the corner itself: the middle one stands for all.
             [0.5, 0.25, 0.25]
         };
         (2.0 * distance).max(0.0)
@@ -75,6 +80,7 @@ impl FacePlace {
         let [[_, a, b], [_, c, d]] = self.along;
         let mut result = Basis::zeros();
         for (from, mut to) in local.column_iter().zip(result.column_iter_mut()) {
+            // The map between the coordinates is affine: no second derivatives of its own come in.
             let (u, v) = (from[1], from[2]);
             let (uu, uv, vv) = (from[3], from[4], from[5]);
             to.copy_from(&Derivatives::from([

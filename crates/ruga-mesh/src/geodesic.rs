@@ -33,13 +33,18 @@ pub fn edge_distances(
         queue.push(Reverse((Metres(0.0), source)));
     }
     while let Some(Reverse((Metres(distance), vertex))) = queue.pop() {
+        // A shorter way has been found since; the heap cannot lower an entry that it holds.
         if distance > distances[vertex] {
             continue;
         }
+        // A mesh keeps the faces around a vertex, not the edges: that most neighbours come up twice
+        // does no harm.
         for &face in mesh.vertex_faces(vertex) {
             for next in mesh.faces()[face] {
                 let step = (positions[next.index()] - positions[vertex.index()]).norm();
                 let reached = distance + step;
+                // Both are false for NaN, so that nothing is reached through a place that is not
+                // finite.
                 if reached < distances[next] && reached <= limit {
                     distances[next] = reached;
                     queue.push(Reverse((Metres(reached), next)));

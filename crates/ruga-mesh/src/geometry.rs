@@ -50,6 +50,7 @@ pub fn vertex_normals(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Vec<Vector3
     let mut normals = vec![Vector3::zeros(); mesh.vertex_count()];
     for (face, normal) in face_normals(mesh, positions).iter() {
         for vertex in mesh.faces()[face] {
+            // A face normal is as long as twice the area, so the sum is weighted as it stands.
             normals[vertex.0 as usize] += normal;
         }
     }
@@ -73,6 +74,7 @@ pub fn vertex_areas(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Vec<f64> {
     let mut areas = vec![0.0; mesh.vertex_count()];
     for (face, normal) in face_normals(mesh, positions).iter() {
         for vertex in mesh.faces()[face] {
+            // A third of half of the normal's length.
             areas[vertex.0 as usize] += normal.norm() / 6.0;
         }
     }
@@ -97,6 +99,8 @@ pub fn sharp_border_corners(mesh: &TriMesh, positions: &[Vector3<f64>]) -> PerVe
             continue;
         };
         let normal: Vector3<f64> = mesh.vertex_faces(vertex).iter().map(|&f| normals[f]).sum();
+        // Only the turn within the surface counts: a border may run over a bend of the surface.
+        // Without a normal this is NaN, for which no turn is sharp.
         let flat = |v: Vector3<f64>| v - normal * (normal.dot(&v) / normal.norm_squared());
         let here = positions[vertex.index()];
         let (start, end) = (ring.spokes[0], ring.spokes[ring.spokes.len() - 1]);

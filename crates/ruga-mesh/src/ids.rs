@@ -20,6 +20,7 @@ macro_rules! id {
 
         impl Id for $name {
             fn from_index(index: usize) -> Self {
+                // Checked in release by the mesh, once for all of its elements.
                 debug_assert!(index < u32::MAX as usize, "element count fits 32 bits");
                 Self(index as u32)
             }

@@ -19,7 +19,7 @@ use crate::{FaceId, Id, PerVertex, SparseRows, Subdivision, VertexId, limit_rows
 /// the vertex.
 pub(crate) const MAX_DEPTH: usize = 32;
 
-/// What rounding may do to the curvature at the last depth, in units of the inverse of an edge.
+/// Error of the curvature by rounding at the last depth, in units of the inverse of an edge.
 const CURVATURE_NOISE: f64 = 1e-4;
 
 /// One sector of the fan around a vertex of a given kind.
@@ -43,6 +43,7 @@ impl IrregularSector {
     pub(crate) fn all_of(kind: VertexKind) -> Vec<Self> {
         let fan = fan_mesh(kind);
         let mut corners = PerVertex::filled(fan.vertex_count(), false);
+        // A vertex of several fans follows the rule of a corner, so one mark does for both.
         corners[VertexId(0)] = kind.fixed;
         // Two levels: the first makes the neighbours new vertices, as they are in every deeper one.
         let coarse = subdivide(&fan, 1, &corners);
@@ -66,6 +67,8 @@ impl IrregularSector {
 
         let count = controls.len();
         let constant = DMatrix::from_fn(count, count, |_, column| limit[column]);
+        // The limit mask is the left eigenvector of eigenvalue one, and ones are the right one: the
+        // powers of this difference are those of the whole less the same constant.
         let shrink = subdivision - &constant;
         let mut powers = vec![DMatrix::identity(count, count) - constant];
         for last in 0..depth {
@@ -95,6 +98,7 @@ impl IrregularSector {
         let basis = place.in_child(child).basis();
         let mut weights = basis * &self.children[child - 1] * &self.powers[depth];
         let mut position = weights.row_mut(0);
+        // Only values: a constant such as the limit position has no derivatives.
         position *= straight;
         position += &self.limit;
         weights
@@ -107,6 +111,8 @@ impl IrregularSector {
 /// curvature as `1e-16 (a / b^2)^depth`: across it the surface has shrunk by `b` twice.
 fn depth_of(kind: VertexKind) -> usize {
     let count = kind.faces as f64;
+    // Around a closed fan the eigenvectors are Fourier modes. Along a border they are those of the
+    // cubic B-spline, with 1/2 and 1/4, and across it a sine over the fan.
     let around = |angle: f64| 0.375 + 0.25 * angle.cos();
     let [a, b] = match (kind.fixed, kind.closed, kind.faces) {
         (false, true, _) => [around(TAU / count); 2],

@@ -10,7 +10,7 @@ use crate::{
     FaceId, Id, MaterialPoint, PerFace, PerVertex, SparseRows, TriMesh, VertexFan, VertexId,
 };
 
-/// Where a subdivided face came from.
+/// Place of a subdivided face in the coarse mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceOrigin {
     /// The face of the coarse mesh.
@@ -48,7 +48,7 @@ pub struct Subdivision {
     pub mesh: TriMesh,
     /// Fine control points from coarse ones.
     pub fine_from_coarse: SparseRows,
-    /// Where each fine face lies in the coarse mesh.
+    /// Place of each fine face in the coarse mesh.
     pub origins: PerFace<FaceOrigin>,
     /// Sharp corners carried to the fine mesh.
     pub corners: PerVertex<bool>,
@@ -151,6 +151,7 @@ fn subdivide_once(coarse: &Subdivision) -> Subdivision {
                 (left.0, 0.125),
                 (right.0, 0.125),
             ]),
+            // Nothing from inside: the border's curve then depends on the border alone.
             _ => terms.extend([(tail, 0.5), (head, 0.5)]),
         }
         rows.push_row(&mut terms);
@@ -213,6 +214,7 @@ fn vertex_rule(mesh: &TriMesh, vertex: VertexId, is_corner: bool, terms: &mut Ve
     match ring {
         Some(ring) if ring.closed => {
             let valence = ring.spokes.len();
+            // The weights of Loop 1987: `limit_rows` and the sectors' eigenvalues belong to them.
             let weight = neighbour_weight(valence);
             terms.push((vertex.0, 1.0 - weight * valence as f64));
             terms.extend(ring.spokes.iter().map(|v| (v.0, weight)));
@@ -278,6 +280,9 @@ fn interior_limit(
     second: &mut Terms,
 ) {
     let n = ring.spokes.len() as f64;
+    // Left eigenvectors of the rules around the vertex: for eigenvalue one this weight, for the two
+    // equal ones of the tangents a cosine and a sine. Spokes run counter-clockwise, so that cosine
+    // cross sine points outwards.
     let weight = 1.0 / (n + 0.375 / neighbour_weight(ring.spokes.len()));
     position.push((vertex.0, 1.0 - n * weight));
     for (i, v) in ring.spokes.iter().enumerate() {
@@ -300,6 +305,8 @@ fn border_limit(
     first: &mut Terms,
     second: &mut Terms,
 ) {
+    // The spokes turn from `start` over the inside to `end`: so `start - end` cross the inward
+    // direction points outwards.
     let (start, end) = border_neighbours(ring);
     position.extend([
         (vertex.0, 4.0 / 6.0),
@@ -308,6 +315,7 @@ fn border_limit(
     ]);
     first.extend([(start.0, 1.0), (end.0, -1.0)]);
     let count = ring.spokes.len();
+    // A single face has no inner neighbour: inwards is where the border curve bends to.
     if count == 2 {
         second.extend([(vertex.0, -2.0), (start.0, 1.0), (end.0, 1.0)]);
         return;
@@ -315,6 +323,7 @@ fn border_limit(
     let angle = std::f64::consts::PI / (count - 1) as f64;
     // The sum of sin(i angle) over the inner neighbours.
     let inner = 1.0 / (0.5 * angle).tan();
+    // From the eigenvalue equation in the column of `start`; the vertex makes the sum zero.
     let rim = (angle.sin() - inner) / (1.0 + 2.0 * angle.cos());
     second.extend([(start.0, rim), (end.0, rim), (vertex.0, -2.0 * rim - inner)]);
     for (i, v) in ring.spokes.iter().enumerate().take(count - 1).skip(1) {

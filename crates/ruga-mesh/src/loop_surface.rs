@@ -125,6 +125,7 @@ impl LoopSurface {
     pub fn new(mesh: &TriMesh, corners: &PerVertex<bool>) -> Self {
         // First, because it checks the length of `corners`.
         let split = subdivide(mesh, 1, corners);
+        // Matrices are made per kind of vertex, of which a mesh has few, and found by bisection.
         let mut kinds: Vec<VertexKind> = mesh
             .faces()
             .ids()
@@ -253,7 +254,7 @@ struct Quarter {
 /// The controls of a patch from vertices of the coarse mesh.
 #[derive(Clone, Debug)]
 struct Controls {
-    /// Ascending.
+    /// Vertices of the coarse mesh, ascending.
     vertices: Vec<u32>,
     /// Columns are positions in `vertices`.
     rows: SparseRows,
@@ -265,6 +266,7 @@ impl Controls {
         let mut vertices: Vec<u32> = all().flatten().map(|term| term.0).collect();
         vertices.sort_unstable();
         vertices.dedup();
+        // Slots in place of vertices let `pull` add up in a small dense matrix.
         let slot = |column: u32| vertices.partition_point(|&v| v < column) as u32;
         let mut local = SparseRows::default();
         let mut terms = Vec::new();

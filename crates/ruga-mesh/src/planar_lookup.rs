@@ -1,4 +1,4 @@
-//! From a texture coordinate to the material point that carries it.
+//! Lookup of the material point that carries a texture coordinate.
 
 use nalgebra::Vector2;
 
@@ -31,9 +31,12 @@ impl PlanarLookup {
         let corners = || triangles.as_slice().iter().filter(|t| finite(t)).flatten();
         let low = corners().fold(Vector2::repeat(f64::INFINITY), |a, b| a.inf(b));
         let high = corners().fold(Vector2::repeat(f64::NEG_INFINITY), |a, b| a.sup(b));
+        // A chart that is a line or a point needs a size to divide by.
         let extent = (high - low).map(|c| c.max(f64::MIN_POSITIVE));
         let count = triangles.len().max(1) as f64;
         let longest = extent.x.max(extent.y);
+        // Square cells of the faces' mean area. On a narrow chart these would be many thousands in
+        // a row, hence the bound.
         let cell = (extent.x / count * extent.y).sqrt().max(longest / 4096.0);
         let is_empty = corners().next().is_none();
         let mut lookup = Self {
@@ -61,6 +64,7 @@ impl PlanarLookup {
             let covered = |[first, last]: [(usize, usize); 2]| {
                 (last.0 - first.0 + 1) * (last.1 - first.1 + 1)
             };
+            // Counted before the lists are made, for it is their memory that must not grow.
             let entries: usize = self.boxes().map(|(_, corners)| covered(corners)).sum();
             if entries <= most || self.columns * self.rows == 1 {
                 return;
@@ -90,6 +94,7 @@ impl PlanarLookup {
                 }
             }
         }
+        // By cell and then by face: so the first face that `locate` meets has the lowest id.
         pairs.sort_unstable();
         for (cell, _) in &pairs {
             self.starts[*cell as usize + 1] += 1;
@@ -101,6 +106,8 @@ impl PlanarLookup {
     }
 
     fn cell_of(&self, point: Vector2<f64>) -> (usize, usize) {
+        // The cast saturates and takes NaN to zero: places outside fall into a cell of the rim,
+        // none of whose faces holds them.
         let index = |offset: f64, count: usize| ((offset / self.cell) as usize).min(count - 1);
         let offset = point - self.low;
         (index(offset.x, self.columns), index(offset.y, self.rows))
@@ -114,6 +121,7 @@ impl PlanarLookup {
         let range = self.starts[cell] as usize..self.starts[cell + 1] as usize;
         self.entries[range].iter().find_map(|&face| {
             let barycentric = barycentric(self.triangles[face], point)?;
+            // Rounding must not leave a gap along the common edge of two faces.
             let inside = barycentric.iter().all(|&b| b >= -1e-12);
             inside.then_some(MaterialPoint { face, barycentric })
         })
@@ -124,9 +132,11 @@ impl PlanarLookup {
 pub fn barycentric(triangle: [Vector2<f64>; 3], point: Vector2<f64>) -> Option<[f64; 3]> {
     let [a, b, c] = triangle;
     let cross = |u: Vector2<f64>, v: Vector2<f64>| u.x * v.y - u.y * v.x;
+    // Signed: in a mirrored chart all three areas are negative, and the ratios are the same.
     let area = cross(b - a, c - a);
     let v = cross(point - a, c - a) / area;
     let w = cross(b - a, point - a) / area;
+    // Tested after the division, which also finds an area so small that this overflows.
     (v.is_finite() && w.is_finite()).then_some([1.0 - v - w, v, w])
 }
 

@@ -98,7 +98,7 @@ impl SparseRows {
         selected
     }
 
-    /// The same rows for an input in another order: what column `i` names is found at `places[i]`.
+    /// Rows for an input in another order: what column `i` names is found at `places[i]`.
     ///
     /// # Panics
     /// When a row has a column beyond the end of `places`.
@@ -107,6 +107,7 @@ impl SparseRows {
         let mut terms = Vec::new();
         for row in 0..self.row_count() {
             terms.clear();
+            // Other names sort differently, and two columns may become one: each row is built anew.
             terms.extend(
                 self.row(row)
                     .map(|(column, w)| (places[column as usize].0, w)),
@@ -134,6 +135,7 @@ impl SparseRows {
         let width = inner.columns.iter().max().map_or(0, |&c| c as usize + 1);
         // Terms are added into a dense row in the order in which they come, and only the columns
         // are sorted: each occurs several times.
+        // A sum may be zero and its column present all the same, hence the marks.
         let (mut sums, mut is_open) = (vec![0.0; width], vec![false; width]);
         let mut columns: Vec<u32> = Vec::new();
         let mut product = Self::default();

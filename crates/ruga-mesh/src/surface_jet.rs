@@ -1,11 +1,11 @@
-//! What a surface does at one point: position, derivatives, and the normal and curvature in them.
+//! Position and derivatives of a surface at one point, with the normal and curvature in them.
 
 use nalgebra::{Matrix2, Matrix3, Vector3};
 
 /// Position and derivatives of a surface at one point, by two parameters `u, v`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceJet {
-    /// Position, m.
+    /// Position (m).
     pub position: Vector3<f64>,
     /// Derivatives by `u` and `v`; their cross product points outwards.
     pub first: [Vector3<f64>; 2],
@@ -22,6 +22,8 @@ impl SurfaceJet {
         let [u, v] = self.first;
         let size = u.norm() * v.norm();
         let normal = u.cross(&v);
+        // A sine, not a length: next to irregular vertices the derivatives tend to zero or infinity
+        // and still span the tangent plane.
         (size > 0.0 && normal.norm() > LEAST_SINE * size).then(|| normal.normalize())
     }
 
@@ -35,6 +37,7 @@ impl SurfaceJet {
         let normal = self.normal()?;
         let [u, v] = self.first;
         let area = u.cross(&v).norm();
+        // The dual basis, since the parameters need not be orthogonal or of unit speed.
         let duals = [v.cross(&normal) / area, normal.cross(&u) / area];
         let [uu, uv, vv] = self.second.map(|s| -normal.dot(&s));
         let product = |i: usize, j: usize| duals[i] * duals[j].transpose();

@@ -1,4 +1,4 @@
-//! From a point in space to the closest material point of a surface.
+//! Lookup of the material point of a surface that is closest to a point in space.
 
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
@@ -12,7 +12,7 @@ use crate::{FaceId, Id, MaterialPoint, TriMesh};
 pub struct ClosestPlace {
     /// The place.
     pub point: MaterialPoint,
-    /// Its distance from the target, m.
+    /// Its distance from the target (m).
     pub distance: f64,
 }
 
@@ -72,6 +72,7 @@ impl<'a> SurfaceLookup<'a> {
     ) -> Option<ClosestPlace> {
         let mut best = None;
         let mut seen = BTreeSet::from([start]);
+        // The order of the search is free: `precedes` decides between equal distances by face.
         let mut front = vec![start];
         while let Some(face) = front.pop() {
             let place = self.closest_on(face, target);
@@ -156,6 +157,7 @@ impl<'a> SurfaceLookup<'a> {
             // Known once the halves are added.
             let content = Content::Halves([0; 2]);
             tree.push(Node { low, high, content });
+            // Halves of equal number, not of equal space: the tree stays shallow where faces crowd.
             let axis = (high - low).imax();
             let middle = |f: FaceId| self.corners(f).iter().map(|c| c[axis] / 3.0).sum::<f64>();
             faces.sort_by(|&a, &b| middle(a).total_cmp(&middle(b)).then(a.cmp(&b)));
@@ -196,6 +198,7 @@ impl Node {
 /// The foot of the perpendicular competes with the closest points of the edges by its actual
 /// distance, so that rounding in a sliver's plane does no harm.
 pub fn closest_on_triangle(corners: &[Vector3<f64>; 3], target: &Vector3<f64>) -> ([f64; 3], f64) {
+    // A corner has a distance even where the triangle has no area and its edges no length.
     let mut best = measured(corners, [1.0, 0.0, 0.0], target);
     let foot = foot(corners, target).map(|weights| measured(corners, weights, target));
     let edges = (0..3).map(|corner| closest_on_edge(corners, corner, target));

@@ -7,7 +7,7 @@ use nalgebra::{Vector2, Vector3};
 
 use crate::{Id, TriMesh, VertexId};
 
-/// A vertex with its coordinates in the tangent plane of a centre, m.
+/// A vertex with its coordinates in the tangent plane of a centre (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TangentCoordinates {
     /// The vertex.
@@ -19,7 +19,7 @@ pub struct TangentCoordinates {
 /// A place of a surface around which to unroll it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TangentCentre {
-    /// The place, m.
+    /// The place (m).
     pub origin: Vector3<f64>,
     /// Unit normal there.
     pub normal: Vector3<f64>,
@@ -66,6 +66,7 @@ pub fn tangent_coordinates(
         Front::new(vertex, plane.lay(way, plane.normal))
     };
     let mut queue: BinaryHeap<Front> = centre.around.iter().map(start).collect();
+    // An ordered map, so that the result comes out sorted and is the same in every run.
     let mut settled: BTreeMap<VertexId, Vector2<f64>> = BTreeMap::new();
     while let Some(front) = queue.pop() {
         // Not `>`: a distance or a radius that is not a number reaches nothing.
@@ -108,7 +109,9 @@ impl TangentPlane {
 /// `axis`, or anywhere where that has no part in the plane.
 pub fn tangent_frame(normal: Vector3<f64>, axis: Vector3<f64>) -> [Vector3<f64>; 2] {
     let along = axis - normal * normal.dot(&axis);
+    // Of a shorter projection rounding would choose the direction.
     let first = along.try_normalize(1e-9 * axis.norm()).unwrap_or_else(|| {
+        // The coordinate axis farthest from the normal has the longest part in the plane.
         let least = normal.iamin();
         let mut unit = Vector3::zeros();
         unit[least] = 1.0;
@@ -125,6 +128,7 @@ fn flatten(edge: Vector3<f64>, normal: Vector3<f64>) -> Vector3<f64> {
     if length == 0.0 {
         Vector3::zeros()
     } else {
+        // Lengths along the way add up to the distance; a projection would shorten every one.
         tangential * (edge.norm() / length)
     }
 }
@@ -140,6 +144,7 @@ fn turn(vector: Vector3<f64>, from: Vector3<f64>, to: Vector3<f64>) -> Vector3<f
         return vector;
     }
     let across = axis.cross(&vector);
+    // Rodrigues' formula: `(1 - cos) / sin^2 = 1 / (1 + cos)`, which is tame for equal normals.
     vector + across + axis.cross(&across) / one_plus_cosine
 }
 

@@ -220,6 +220,7 @@ fn check_faces(vertex_count: usize, faces: &PerFace<[VertexId; 3]>) -> Result<()
                     count: vertex_count,
                 });
             }
+            // Each corner against the next one makes all three pairs.
             if vertices[(corner + 1) % 3] == vertex {
                 return Err(MeshError::RepeatedVertex { face, vertex });
             }
@@ -257,6 +258,7 @@ fn build_edges(faces: &PerFace<[VertexId; 3]>) -> Result<EdgeTables, MeshError> 
     half_edges.sort_unstable();
     let mut groups: Vec<&[([VertexId; 2], FaceId, usize)]> =
         half_edges.chunk_by(|l, r| l.0 == r.0).collect();
+    // Back into the order of first appearance, which numbers the edges and picks the first error.
     groups.sort_unstable_by_key(|group| (group[0].1, group[0].2));
 
     let mut edges = Vec::with_capacity(groups.len());
@@ -272,6 +274,7 @@ fn build_edges(faces: &PerFace<[VertexId; 3]>) -> Result<EdgeTables, MeshError> 
                 count: group.len(),
             });
         }
+        // Neighbours that wind alike run their common edge in opposite directions.
         if group.len() == 2 && directed(group[0]) == directed(group[1]) {
             return Err(MeshError::InconsistentWinding {
                 first: group[0].1,
@@ -307,6 +310,7 @@ fn build_vertex_faces(
     }
     let mut cursor = starts.clone();
     let mut vertex_faces = vec![FaceId(0); 3 * faces.len()];
+    // In the order of the faces, so that the list of each vertex is ascending.
     for (face, vertices) in faces.iter() {
         for vertex in vertices {
             let slot = &mut cursor[vertex.index()];

@@ -47,6 +47,8 @@ impl VertexFan {
         let mut first = (face, corner);
         let mut sector = 0;
         let mut closed = false;
+        // Clockwise first, since an open fan begins at its border. An edge has at most two faces,
+        // so the way cannot run into a loop that misses the face where it began.
         while let Some(before) = turn(mesh, first, vertex, 0) {
             if before.0 == face {
                 closed = true;
@@ -136,6 +138,9 @@ pub(crate) fn regular_controls(
         }
         rings.push(ring_of_six(mesh.faces()[face][corner], &fan));
     }
+    // Of a corner's six neighbours 0 and 1 are the two other corners of the face, and those three
+    // places further lie opposite them; 5 is the apex across edge `i`, and 2 is the 5 of another
+    // corner.
     let mut rows = SparseRows::default();
     for vertex in mesh.faces()[face] {
         rows.push_row(&mut [(vertex.0, 1.0)]);
@@ -160,6 +165,8 @@ fn ring_of_six(vertex: VertexId, fan: &VertexFan) -> Vec<Terms> {
             let [border, apex] = [border, apex].map(|i| fan.spokes[i].0);
             vec![(vertex.0, 1.0), (border, 1.0), (apex, -1.0)]
         };
+        // Three faces have four spokes: the two neighbours that six faces would have besides lie
+        // beyond the two border edges.
         ring.extend([mirror(3, 2), mirror(0, 1)]);
     }
     ring.rotate_left(fan.sector);
@@ -225,6 +232,7 @@ impl TriMesh {
         let &face = faces.first()?;
         let corner = self.faces()[face].iter().position(|&v| v == vertex)?;
         let fan = VertexFan::around(self, face, corner);
+        // Where several fans touch, one of them misses faces of the others.
         (fan.faces.len() == faces.len()).then_some(fan)
     }
 }

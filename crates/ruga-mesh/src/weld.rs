@@ -42,6 +42,7 @@ pub fn weld(columns: &[&[Vector3<f64>]]) -> Weld {
     let bits = |p: &Vector3<f64>| [p.x, p.y, p.z].map(|c| (c + 0.0).to_bits());
     let key = |point: usize| columns.iter().map(move |column| bits(&column[point]));
     let mut order: Vec<usize> = (0..count).collect();
+    // Ties in the order of the points: each group then begins with its first point.
     order.sort_by(|&a, &b| key(a).cmp(key(b)).then(a.cmp(&b)));
     let mut first_alike = vec![0; count];
     for group in order.chunk_by(|&a, &b| key(a).eq(key(b))) {
@@ -56,6 +57,7 @@ pub fn weld(columns: &[&[Vector3<f64>]]) -> Weld {
             vertices.push(VertexId::from_index(points.len()));
             points.push(point);
         } else {
+            // The first of a group is never later than this point, so its vertex is known.
             vertices.push(vertices[first]);
         }
     }

@@ -14,7 +14,7 @@ use crate::{Inertia, Kkt, SolverError};
 /// long.
 const SMALL_RELAXATIONS: [f64; 4] = [1e-3, 4e-3, 1.6e-2, 6.4e-2];
 
-/// What is left of the load after a larger relaxation that was not enough.
+/// Factor on the load from one large relaxation that was not enough to the next.
 const LOAD_DECREASE: f64 = 0.7;
 /// A load below this share is as good as none.
 const LEAST_LOAD: f64 = 0.02;
@@ -25,12 +25,14 @@ const LEAST_LOAD: f64 = 0.02;
 /// load ended in a stable mode, and with 0.85 a start at 5 takes twice as many iterations.
 const CLOSE_TO_CRITICAL: f64 = 0.9;
 
-/// Diagonal shifts relative to the typical diagonal, once full relaxation was not enough.
+/// First diagonal shift, relative to the typical diagonal, once full relaxation was not enough.
 const SMALLEST_SHIFT: f64 = 1e-6;
+/// Factor from one diagonal shift to the next.
 const SHIFT_GROWTH: f64 = 10.0;
+/// Diagonal shift, relative to the typical diagonal, beyond which a Hessian counts as broken.
 const LARGEST_SHIFT: f64 = 1e6;
 
-/// What [`Convexifier::factorize`] left in the factor.
+/// Inertia of a Hessian and the change of it that [`Convexifier::factorize`] left in the factor.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Convexified {
     /// Inertia of the exact Hessian.
@@ -39,7 +41,7 @@ pub(crate) struct Convexified {
     pub(crate) shift: f64,
 }
 
-/// Work space, a count, and what the last saddle took.
+/// Search for the smallest change that mends a Hessian; remembers what the last saddle took.
 pub(crate) struct Convexifier {
     mixed: Vec<f64>,
     shifted_damping: Vec<f64>,
@@ -69,6 +71,8 @@ impl Convexifier {
         damping: &[f64],
         hint: Option<f64>,
     ) -> Result<Convexified, SolverError> {
+        // The exact Hessian is tried even where a relaxation is expected: only its inertia proves a
+        // minimum, and only its steps converge quadratically.
         let inertia = self.inertia(kkt, exact, damping)?;
         let mut outcome = Convexified {
             exact: inertia,
@@ -78,6 +82,8 @@ impl Convexifier {
         if inertia.is_minimum() {
             return Ok(outcome);
         }
+        // Less than the hint is not tried: it is given for a pattern that is there already, where
+        // no mode has to be singled out.
         if let Some(hint) = hint
             && self.try_relaxation(kkt, exact, relaxed, damping, hint)?
         {
@@ -90,6 +96,8 @@ impl Convexifier {
         };
         self.last = found;
         outcome.relaxation = found.unwrap_or(1.0);
+        // What is indefinite without any compression is not the load's doing: only a diagonal
+        // helps.
         if found.is_none() {
             outcome.shift = self.shift(kkt, relaxed, damping)?;
         }
@@ -106,6 +114,7 @@ impl Convexifier {
         relaxed: &[f64],
         damping: &[f64],
     ) -> Result<Option<f64>, SolverError> {
+        // From below, so that the first success is the least on the ladder and stays in the factor.
         let mut relaxation = step_down(last);
         loop {
             if self.try_relaxation(kkt, exact, relaxed, damping, relaxation)? {
@@ -127,10 +136,13 @@ impl Convexifier {
         damping: &[f64],
     ) -> Result<Option<f64>, SolverError> {
         let largest_small = 1.0 - CLOSE_TO_CRITICAL;
+        // The largest of the small ones comes first: it tells in one factorisation which search to
+        // do.
         if self.try_relaxation(kkt, exact, relaxed, damping, largest_small)? {
             return self.relax_little(kkt, exact, relaxed, damping).map(Some);
         }
         let mut too_little = largest_small;
+        // The load shrinks by a constant factor, because `CLOSE_TO_CRITICAL` is a ratio of loads.
         let mut enough = 1.0 - (1.0 - too_little) * LOAD_DECREASE;
         while !self.try_relaxation(kkt, exact, relaxed, damping, enough)? {
             if enough == 1.0 {
@@ -145,6 +157,7 @@ impl Convexifier {
         while 1.0 - enough < CLOSE_TO_CRITICAL * (1.0 - too_little)
             && 1.0 - too_little >= LEAST_LOAD
         {
+            // A geometric mean of loads would stay at zero when full relaxation is the upper end.
             in_factor = 0.5 * (enough + too_little);
             if self.try_relaxation(kkt, exact, relaxed, damping, in_factor)? {
                 enough = in_factor;
@@ -152,6 +165,7 @@ impl Convexifier {
                 too_little = in_factor;
             }
         }
+        // The last trial may have been one that failed, and the caller solves with the factor.
         if in_factor != enough {
             self.try_relaxation(kkt, exact, relaxed, damping, enough)?;
         }
@@ -172,6 +186,7 @@ impl Convexifier {
             }
         }
         let largest_small = 1.0 - CLOSE_TO_CRITICAL;
+        // It is known to be enough: this only brings its factor back.
         self.try_relaxation(kkt, exact, relaxed, damping, largest_small)?;
         Ok(largest_small)
     }
@@ -219,6 +234,7 @@ impl Convexifier {
             }
             shift *= SHIFT_GROWTH;
         }
+        // No single pivot is to blame.
         Err(SolverError::Breakdown { pivot: 0 })
     }
 
@@ -246,6 +262,7 @@ impl Convexifier {
 fn step_down(relaxation: f64) -> f64 {
     let largest_small = 1.0 - CLOSE_TO_CRITICAL;
     if relaxation > largest_small {
+        // One step is the accuracy to which `relax` would search.
         return (1.0 - (1.0 - relaxation) / CLOSE_TO_CRITICAL).max(largest_small);
     }
     let smaller = SMALL_RELAXATIONS.iter().rev().find(|&&it| it < relaxation);

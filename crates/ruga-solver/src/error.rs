@@ -1,4 +1,4 @@
-//! What can be wrong with a system or a start point.
+//! Errors of a system or a start point.
 
 /// A mistake in the input of this crate, or a matrix that cannot be factorised.
 ///
@@ -118,7 +118,7 @@ pub(crate) fn check_finite(what: &'static str, values: &[f64]) -> Result<(), Sol
     }
 }
 
-/// Starts of compressed lines: from 0, never decreasing, to the number of entries.
+/// Refuses starts of compressed lines that do not rise from 0 to the number of entries.
 pub(crate) fn check_starts(starts: &[usize], entries: usize) -> Result<(), SolverError> {
     let malformed = |position| Err(SolverError::MalformedStarts { position });
     if starts.first() != Some(&0) {
@@ -133,7 +133,7 @@ pub(crate) fn check_starts(starts: &[usize], entries: usize) -> Result<(), Solve
     Ok(())
 }
 
-/// Indices of one compressed line: strictly increasing and below `limit`.
+/// Refuses indices of one compressed line that do not strictly increase or reach `limit`.
 pub(crate) fn check_line(line: usize, indices: &[usize], limit: usize) -> Result<(), SolverError> {
     if indices.windows(2).any(|pair| pair[1] <= pair[0]) {
         return Err(SolverError::Unsorted { line });

@@ -29,7 +29,7 @@ const MAX_REFINEMENTS: usize = 8;
 /// and every round reads the factor twice.
 const REFINED: f64 = 1e-13;
 
-/// The same for a Newton step, whose length is only as good as its linearisation.
+/// Relative residual that will do for a Newton step, which is only as good as its linearisation.
 const REFINED_STEP: f64 = 1e-10;
 
 /// Signs of the pivots of a KKT factor.
@@ -83,7 +83,7 @@ pub struct Kkt {
     placement: Vec<usize>,
     lower: SymbolicSparseColMat<usize>,
     symbolic: SymbolicSupernodalCholesky<usize>,
-    /// Where each entry of `K` lies in `system`.
+    /// Position in `system` of each entry of `K`.
     slots: Vec<usize>,
     /// Lower triangle of the permuted system; the entries of `H` in it never change.
     system: Vec<f64>,
@@ -91,7 +91,7 @@ pub struct Kkt {
     /// `K` plus damping, in pattern order, for refinement.
     values: Vec<f64>,
     typical_diagonal: f64,
-    /// Scratch for its median.
+    /// Scratch for the median of the diagonal.
     diagonal: Vec<f64>,
     factorized: bool,
     factor_memory: MemBuffer,
@@ -130,12 +130,15 @@ impl Kkt {
             return Err(SolverError::BlockSize { unknowns, block });
         }
         check_length("constraint columns", unknowns, rows.unknowns())?;
+        // Rows are ordered among the unknowns. Eliminating `K` first needs it positive definite and
+        // leaves a dense matrix of the rows: forty times the cost at 67,500 unknowns.
         let order = elimination_order(pattern, rows, block)?;
         let mut placement = vec![0; order.len()];
         for (new, &old) in order.iter().enumerate() {
             placement[old] = new;
         }
         let row_scales = row_scales(rows);
+        // With that corner there is an `L D L'` in every order (Vanderbei 1995), without pivoting.
         let assembled =
             PermutedSystem::assemble(pattern, rows, &row_scales, &placement, -REGULARIZATION);
         let symbolic = analyse(&assembled.lower)?;
@@ -196,6 +199,8 @@ impl Kkt {
         check_finite("damping", damping)?;
         self.factorized = false;
         self.scatter(values, damping);
+        // No dynamic regularisation: it failed on indefinite matrices that factorise well without,
+        // and a pivot that it corrects tells no inertia. One thread: two were slower.
         factorize_supernodal_numeric_ldlt(
             &mut self.factor,
             SparseColMatRef::new(self.lower.as_ref(), &self.system),
@@ -234,8 +239,7 @@ impl Kkt {
         self.refine(force, offset, step, multipliers, REFINED)
     }
 
-    /// Solves as [`solve`](Self::solve) does, to the accuracy that a Newton step can use: a residual of
-    /// 1e-10.
+    /// Solves as [`solve`](Self::solve) to a residual of 1e-10, all that a Newton step can use.
     ///
     /// # Errors
     /// As [`solve`](Self::solve).
@@ -296,6 +300,7 @@ impl Kkt {
             self.add_correction();
             self.update_residual(force, offset);
             let relative = norm(&self.residual) / size;
+            // Where rows disagree or a mode is singular a round can make things worse.
             if relative.is_nan() || relative >= best {
                 break;
             }
@@ -374,6 +379,7 @@ impl Kkt {
         for (&slot, value) in self.slots.iter().zip(&self.values) {
             self.system[slot] = value * scale;
         }
+        // Only the copy that is factorised: refinement measures by `values`, which stay exact.
         for column in 0..size {
             self.system[self.slots[self.pattern.diagonal(column)]] += REGULARIZATION;
         }
@@ -435,6 +441,7 @@ impl Kkt {
         self.rows.add_transposed_product(multipliers, first);
         self.rows.add_product(step, second);
         for (entry, force) in first.iter_mut().zip(force) {
+            // In the scales of the factorised system forces and offsets are comparable in one norm.
             *entry = (force - *entry) / self.typical_diagonal;
         }
         for ((entry, offset), scale) in second.iter_mut().zip(offset).zip(&self.row_scales) {
@@ -459,6 +466,7 @@ impl Kkt {
         for (entry, &place) in step.iter_mut().zip(step_places) {
             *entry += self.permuted[place];
         }
+        // The factor has `K / k` and `N H`: the multipliers of `K` and `H` are `k N` times its own.
         for ((entry, &place), scale) in multipliers.iter_mut().zip(row_places).zip(&self.row_scales)
         {
             *entry += self.permuted[place] * scale * self.typical_diagonal;
@@ -484,6 +492,7 @@ fn norm(vector: &[f64]) -> f64 {
 fn row_scales(rows: &ConstraintRows) -> Vec<f64> {
     let scale = |row| {
         let length = norm(rows.row(row).1);
+        // A row of zeros keeps its corner, so that it makes one pivot negative like every other.
         if length > 0.0 { 1.0 / length } else { 1.0 }
     };
     (0..rows.count()).map(scale).collect()

@@ -64,9 +64,9 @@ impl LoadSettings {
     }
 }
 
-/// Bounds that keep the number of trials finite: a load that grows by less, or by steps that
-/// rounding swallows, never reaches its key.
+/// Least [`LoadSettings::growth`]: a load that grows by less hardly reaches its key.
 const LEAST_GROWTH: f64 = 1.001;
+/// Least [`LoadSettings::smallest_step`]: rounding swallows smaller ones, and trials never end.
 const LEAST_STEP: f64 = 1e-9;
 
 /// A load to solve at, from the last state that was kept.
@@ -135,6 +135,7 @@ impl LoadStepper {
     pub fn new(keys: &[f64], settings: LoadSettings) -> Result<Self, SolverError> {
         let mut previous = 0.0;
         for &value in keys {
+            // Negated, so that a load which is not a number is refused.
             if !(value > previous && value <= 1.0) {
                 let setting = "key load";
                 return Err(SolverError::Setting { setting, value });
@@ -164,15 +165,19 @@ impl LoadStepper {
         let key = *self.keys.iter().find(|&&key| key > self.kept)?;
         let reach = (self.kept + self.longest_step).min(key);
         self.trial = match self.phase {
+            // Before the onset the state does not depend on the way to it: steps may be long.
             Phase::Unbuckled => Some(Trial {
                 load: reach.min(self.settings.first.max(self.kept * self.settings.growth)),
                 probe: true,
             }),
+            // Just past the onset the critical mode is the only unstable one, so it sets the
+            // wavelength.
             Phase::Bracketed(buckled) if self.is_narrow(buckled) => Some(Trial {
                 load: (buckled * self.settings.landing).min(key),
                 probe: false,
             }),
             Phase::Bracketed(buckled) => Some(Trial {
+                // The kept load may be zero, where a geometric mean would stay.
                 load: 0.5 * (self.kept + buckled),
                 probe: true,
             }),
@@ -199,10 +204,13 @@ impl LoadStepper {
                 Verdict::Discard
             }
             Outcome::Buckled | Outcome::Stable => {
+                // A landing that turns out stable ends the bracket as well: it is as narrow as it
+                // gets.
                 if !trial.probe {
                     self.phase = Phase::Buckled;
                 }
                 self.kept = trial.load;
+                // What failed may lie behind: the step recovers as fast as it shrank.
                 self.longest_step = (2.0 * self.longest_step).min(1.0);
                 Verdict::Keep
             }
@@ -211,6 +219,7 @@ impl LoadStepper {
 
     /// Narrow enough to land: relative to the load, or down to the smallest step.
     fn is_narrow(&self, buckled: f64) -> bool {
+        // While the kept load is zero no bracket is narrow as a ratio, hence the absolute width.
         buckled <= self.kept * self.settings.bracket
             || buckled - self.kept <= self.settings.smallest_step
     }
@@ -220,6 +229,7 @@ impl LoadStepper {
         self.longest_step = 0.5 * (trial.load - self.kept);
         // In a bracket the next trial is fixed, so only a step can be shortened.
         let bracketed = matches!(self.phase, Phase::Bracketed(_));
+        // A probe that failed counts as buckled: the bracket narrows, and the sequence ends.
         if bracketed && trial.probe {
             self.phase = Phase::Bracketed(trial.load);
             return Verdict::Discard;

@@ -81,7 +81,7 @@ impl LowerPattern {
         self.rows.len()
     }
 
-    /// Where each column starts in [`rows`](Self::rows); one more than there are columns.
+    /// Start of each column in [`rows`](Self::rows); one more than there are columns.
     pub fn column_starts(&self) -> &[usize] {
         &self.column_starts
     }

@@ -31,13 +31,14 @@ const MAX_RESTORATIONS: usize = 3;
 /// a tenth of this; half of a wrinkled frame's factorisations would go into it.
 const NEARLY_FEASIBLE: f64 = 1e-3;
 
-/// Share of a Newton step below which it is worth bending, and below which something else is wrong.
+/// Lengths below this share of a Newton step are tried along a parabola.
 const SHORT: f64 = 0.6;
+/// Lengths below this share of a Newton step are not bent: something else than a bend stops them.
 const LEAST: f64 = 1e-3;
 
-/// At a saddle that only has to be recognised: stop once the relaxed decrement is this small,
-/// or after so many indefinite iterations.
+/// Relaxed decrement at which [`AtSaddle::Stop`] has recognised a saddle.
 const SADDLE_DECREMENT: f64 = 1e-3;
+/// Indefinite iterations after which [`AtSaddle::Stop`] waits for no small decrement any more.
 const SADDLE_ITERATIONS: usize = 5;
 
 /// Signature of [`minimise`], for callers that let another method take its place.
@@ -82,10 +83,12 @@ pub fn minimise(
     check_finite("constraint right-hand side", rhs)?;
     let mut newton = Newton::new(objective, rhs, kkt, settings)?;
     let ending = newton.run(x, keep_going);
+    // The solve ended on a whole step before the next one could make up for it.
     if let Some(overshot) = newton.overshot.take() {
         newton.go_back(x, &overshot);
     }
     let stop = match ending {
+        // A Hessian that nothing mends is no mistake in the input, so it is reported as data.
         Err(SolverError::Breakdown { .. }) => StopRule::Breakdown,
         other => other?,
     };
@@ -117,14 +120,14 @@ struct Newton<'a> {
     indefinite_iterations: usize,
     /// A relaxation that may do for the first step.
     hint: Option<f64>,
-    /// What is known of a factor that a small restoration left usable.
+    /// Inertia and relaxation of a factor that a small restoration left usable.
     at_hand: Option<Factored>,
-    /// Where to go back to from a step that was taken whole.
+    /// The shortened step to go back to from one that was taken whole.
     overshot: Option<Overshot>,
     report: SolveReport,
 }
 
-/// What a factorisation tells.
+/// Inertia that a factorisation found, and the relaxation that it took.
 #[derive(Clone, Copy)]
 struct Factored {
     /// Signs of the exact Hessian's pivots.
@@ -169,10 +172,13 @@ impl<'a> Newton<'a> {
         keep_going: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Result<StopRule, SolverError> {
         for index in 0..self.settings.max_iterations {
+            // In every iteration: a step keeps the rows only to the residual of its solve, and many
+            // steps add up.
             if !self.restore(x)? {
                 return Ok(StopRule::Infeasible);
             }
             let energy = self.objective.gradient(x, &mut self.gradient);
+            // Infinity compares as worse than every energy, NaN as nothing.
             self.report.energy = if energy.is_nan() {
                 f64::INFINITY
             } else {
@@ -184,6 +190,8 @@ impl<'a> Newton<'a> {
             check_finite("gradient", &self.gradient)?;
             let (iteration, inertia) = self.linearise(index, x, energy)?;
             if let Some(overshot) = self.overshot.take() {
+                // No stop rule is asked: this state is kept only as the start of a step that makes
+                // up for it.
                 self.report.iterations = index + 1;
                 self.redeem(x, energy, &overshot);
                 if !keep_going(&iteration) {
@@ -221,9 +229,13 @@ impl<'a> Newton<'a> {
                 self.at_hand = None;
                 self.factorize_relaxed(x)?;
             }
+            // No force on the right: the way onto the rows is the one of least energy, not a
+            // descent.
             self.force.fill(0.0);
             self.solve()?;
             for (x, step) in x.iter_mut().zip(&self.step) {
+                // At full length whatever the energy: any shorter step would still violate the
+                // rows.
                 *x += step;
             }
         }
@@ -245,6 +257,7 @@ impl<'a> Newton<'a> {
             }
             // What rounding leaves of a row far from the origin is no violation.
             let excess = (offset.abs() - 16.0 * f64::EPSILON * magnitude).max(0.0);
+            // No `x` changes a row of zeros; its right-hand side is then compared with a length.
             let unit = if sum > 0.0 { sum } else { 1.0 };
             worst = worst.max(excess / (unit * self.objective.length_scale()));
         }
@@ -312,6 +325,8 @@ impl<'a> Newton<'a> {
             *force = -gradient;
         }
         self.solve()?;
+        // What this step's multipliers do not balance, which vanishes with the step: with the
+        // matrix as factorised it is `-K p`.
         self.force.copy_from_slice(&self.gradient);
         self.kkt
             .rows()
@@ -320,6 +335,7 @@ impl<'a> Newton<'a> {
         let iteration = Iteration {
             index,
             energy,
+            // Rounding may turn the sign of a slope that should be zero.
             decrement: 0.5 * slope.abs() / self.objective.energy_scale(),
             residual: largest(&self.force) / self.objective.force_scale(),
             relaxation,
@@ -343,6 +359,7 @@ impl<'a> Newton<'a> {
     }
 
     fn stop(&self, iteration: &Iteration, inertia: Inertia) -> Option<StopRule> {
+        // No tolerance counts at a saddle: a flat film under compression has no residual at all.
         if !inertia.is_minimum() {
             let recognised = iteration.decrement <= SADDLE_DECREMENT
                 || self.indefinite_iterations >= SADDLE_ITERATIONS;
@@ -352,6 +369,8 @@ impl<'a> Newton<'a> {
         if iteration.residual <= self.settings.residual_tolerance {
             return Some(StopRule::Residual);
         }
+        // A pattern that can slide along a curved valley keeps a residual of 1e-4 long after its
+        // energy has stopped changing; the decrement sees that.
         (iteration.decrement <= self.settings.energy_tolerance).then_some(StopRule::Decrement)
     }
 
@@ -385,7 +404,10 @@ impl<'a> Newton<'a> {
             &mut self.trial,
         );
         let at_saddle = !inertia.is_minimum();
+        // A whole step needs another iteration to make up for it.
         let is_last = iteration.index + 1 == self.settings.max_iterations;
+        // Bending solves with the factor for the second derivative of the path, which needs the
+        // exact Hessian in it: not at a saddle.
         let newton = match newton {
             Some(accepted) if !at_saddle && (LEAST..SHORT).contains(&accepted.length) => {
                 if self.settings.overshoot && !is_last && self.overshoot(x, accepted) {
@@ -405,6 +427,8 @@ impl<'a> Newton<'a> {
                 energy,
                 &self.gradient,
             )?;
+            // The better of the two, not one after the other: that saved a tenth of the iterations,
+            // but made an unstructured film choose another number of waves.
             if let Some(curvature) = curvature
                 && newton.is_none_or(|reached| curvature.energy < reached)
             {

@@ -1,4 +1,4 @@
-//! What the solver asks of an energy.
+//! The interface of an energy to the solver.
 
 use crate::kkt::check_damping;
 use crate::{Kkt, LowerPattern, SolverError};
@@ -51,8 +51,8 @@ pub trait Objective {
     }
 }
 
-/// Whether `objective` speaks of the system that `kkt` analysed, with arrays of its size and
-/// scales that are positive.
+/// Refuses an objective of another system than `kkt` analysed, with arrays of another size or
+/// scales that are not positive.
 pub(crate) fn check_pattern(objective: &dyn Objective, kkt: &Kkt) -> Result<(), SolverError> {
     if objective.pattern() != kkt.pattern() {
         return Err(SolverError::PatternMismatch);

@@ -72,6 +72,7 @@ impl PermutedSystem {
 
 /// Compressed columns of distinct entries, and the position of each entry in them.
 fn compress(places: &[(usize, usize)], size: usize) -> (SymbolicSparseColMat<usize>, Vec<usize>) {
+    // Two stable counting sorts, by row and then by column, order everything in linear time.
     let entries: Vec<usize> = (0..places.len()).collect();
     let (by_row, _) = counting_sort(&entries, size, |entry| places[entry].0);
     let (sorted, starts) = counting_sort(&by_row, size, |entry| places[entry].1);
@@ -127,6 +128,8 @@ pub(crate) fn analyse(
         upper.as_ref(),
         MemStack::new(&mut memory),
     );
+    // Supernodal without asking faer to choose: it chose so on every mesh tried, and the simplicial
+    // method took eleven times as long.
     factorize_supernodal_symbolic_cholesky(
         upper.as_ref(),
         tree,

@@ -64,7 +64,7 @@ impl<'a> Pinned<'a> {
         })
     }
 
-    /// The free ones of all unknowns.
+    /// Values of the free unknowns, out of those of all.
     ///
     /// # Panics
     /// When `all` has fewer values than there are unknowns.

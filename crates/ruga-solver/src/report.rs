@@ -59,6 +59,7 @@ impl NewtonSettings {
         if self.max_iterations == 0 {
             return refuse("max_iterations", 0.0);
         }
+        // Zero is legal and leaves the decision to the other rule.
         if self.energy_tolerance.is_nan() || self.energy_tolerance < 0.0 {
             return refuse("energy_tolerance", self.energy_tolerance);
         }
@@ -135,7 +136,7 @@ pub struct SolveReport {
     pub inertia: Option<Inertia>,
     /// Largest share of the compressive stress stiffness that had to be left out, 0 to 1.
     pub relaxation_used: f64,
-    /// What was left out of the first step, 0 to 1.
+    /// Share of the compressive stress stiffness left out of the first step, 0 to 1.
     pub first_relaxation: f64,
     /// Largest diagonal shift, relative to the median diagonal, that was needed on top of full
     /// relaxation; 0 nearly always.
@@ -147,7 +148,7 @@ pub struct SolveReport {
 }
 
 impl SolveReport {
-    /// Of a solve that has not begun.
+    /// The report of a solve that has not begun.
     pub(crate) fn empty() -> Self {
         Self {
             converged: false,

@@ -8,9 +8,9 @@ use crate::error::{check_finite, check_length};
 use crate::objective::check_pattern;
 use crate::{Inertia, Kkt, Objective, SolverError};
 
-/// Inverse iterations from a random vector before a curvature search, and how many are spent
-/// at most on a mode that the exact Hessian still resists.
+/// Inverse iterations from a random vector before a curvature search.
 const INVERSE_ITERATIONS: usize = 3;
+/// Inverse iterations spent at most on a mode that the exact Hessian still resists.
 const MAX_INVERSE_ITERATIONS: usize = 60;
 
 /// First length of the curvature search over the objective's length scale; it doubles.
@@ -62,6 +62,7 @@ pub fn softest_mode(
     let (exact, _) = factorize_at(objective, x, kkt)?;
     let mut generator = Pcg64Mcg::seed_from_u64(seed);
     let mut mode = random_vector(&mut generator, x.len());
+    // None at all would return the random vector, off the rows.
     inverse_iterations(kkt, None, &mut mode, iterations.max(1))?;
     let rayleigh_quotient = rayleigh_quotient(kkt, &exact, &mode);
     Ok(SoftMode {
@@ -81,11 +82,13 @@ fn factorize_at(
     let mut exact = vec![0.0; kkt.pattern().entries()];
     let mut relaxed = exact.clone();
     objective.hessian(x, &mut exact, &mut relaxed);
+    // Neither relaxed nor shifted: a caller asks whether this very state has buckled.
     let inertia = kkt.factorize(&exact, objective.damping())?;
     Ok((exact, inertia))
 }
 
 fn random_vector(generator: &mut Pcg64Mcg, size: usize) -> Vec<f64> {
+    // Around zero: a vector of one sign would be mostly a translation, which is no wrinkle.
     (0..size).map(|_| generator.random::<f64>() - 0.5).collect()
 }
 
@@ -165,11 +168,13 @@ pub(crate) fn search_curvature(
         inverse_iterations(kkt, Some(relaxed), &mut mode, INVERSE_ITERATIONS - 1)?;
         inverse_iterations(kkt, None, &mut mode, 1)?;
     }
+    // Both senses of a mode have the same curvature; this one descends at once.
     if dot(gradient, &mode) > 0.0 {
         for entry in &mut mode {
             *entry = -*entry;
         }
     }
+    // Lengths are tried by doubling: a quadratic model of negative curvature has no minimum.
     let mut length = FIRST_LENGTH * objective.length_scale();
     let mut best = (0.0, energy);
     let mut trial = vec![0.0; x.len()];

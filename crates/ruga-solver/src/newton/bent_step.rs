@@ -19,6 +19,7 @@ impl Newton<'_> {
         let reach = DIFFERENCE * straight.length;
         let mut sum = vec![0.0; x.len()];
         let mut side = vec![0.0; x.len()];
+        // From both sides: the Hessian cancels and no third derivatives have to be coded.
         for reach in [reach, -reach] {
             let beside: Vec<f64> = x.iter().zip(&step).map(|(x, p)| x + reach * p).collect();
             self.objective.gradient(&beside, &mut side);
@@ -27,6 +28,7 @@ impl Newton<'_> {
             }
         }
         for ((force, sum), gradient) in self.force.iter_mut().zip(&sum).zip(&self.gradient) {
+            // Half of `a`, as it stands in the parabola.
             *force = -0.5 * (sum - 2.0 * gradient) / (reach * reach);
         }
         // Behind `x` the energy may end.
@@ -34,8 +36,10 @@ impl Newton<'_> {
             self.step = step;
             return Ok(straight.energy);
         }
+        // With `H a = 0` the whole parabola stays on the rows.
         self.offset.fill(0.0);
         self.step = vec![0.0; x.len()];
+        // The bend's multipliers are no reactions: those of the straight step are reported.
         let multipliers = self.multipliers.clone();
         self.solve()?;
         self.multipliers = multipliers;

@@ -4,7 +4,7 @@ use super::Newton;
 use crate::line_search::{Accepted, line_search};
 use crate::soft_modes::dot;
 
-/// Where a whole step has led from, for the case that it was a mistake.
+/// The shortened step that a whole one replaced, for the case that this was a mistake.
 pub(super) struct Overshot {
     /// The end of the shortened step, and its energy.
     shortened: Vec<f64>,
@@ -37,6 +37,8 @@ impl Newton<'_> {
         let slope = dot(&self.gradient, &self.step);
         let (step, trial) = (&self.step, &mut self.trial);
         match line_search(self.objective, x, energy, step, slope, trial) {
+            // Compared with the shortened step and not with its start: falling at all is not
+            // enough.
             Some(accepted) if accepted.energy < overshot.energy => {
                 x.copy_from_slice(&self.trial);
                 self.report.energy = accepted.energy;
