@@ -219,12 +219,13 @@ impl BlockPattern {
         let mut product = vec![Vector3::zeros(); v.len()];
         for (column, range) in self.column_starts.windows(2).enumerate() {
             let (j, c) = (column / 3, column % 3);
-            for k in range[0]..range[1] {
-                let (i, r) = (self.rows[k] / 3, self.rows[k] % 3);
-                product[i][r] += values[k] * v[j][c];
+            let entries = range[0]..range[1];
+            for (&row, value) in self.rows[entries.clone()].iter().zip(&values[entries]) {
+                let (i, r) = (row / 3, row % 3);
+                product[i][r] += value * v[j][c];
                 // An entry below the diagonal stands for its mirror image as well.
-                if self.rows[k] != column {
-                    product[j][c] += values[k] * v[i][r];
+                if row != column {
+                    product[j][c] += value * v[i][r];
                 }
             }
         }
