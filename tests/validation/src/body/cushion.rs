@@ -51,9 +51,11 @@ pub struct Cushion {
     pub cells: u32,
     /// Edges of the cover's mesh per wavelength.
     pub points: f64,
+    /// Whether the cover's mesh is fitted to what a first run finds, or fine everywhere.
+    pub is_fitted: bool,
     /// How the cover is held.
     pub coupling: Coupling,
-    /// s.
+    /// Length of a step in time, s.
     pub time_step: f64,
     /// Steps in time.
     pub steps: u32,
@@ -244,7 +246,7 @@ impl Cushion {
             points_per_wavelength: self.points,
             smoothing: Smoothing::None,
             region: Region::All,
-            remesh: Some(EdgeLimits::default()),
+            remesh: self.is_fitted.then(EdgeLimits::default),
             minimise: self.minimise,
             dynamics: Some(Dynamics {
                 time_step: self.time_step,

@@ -281,6 +281,7 @@ impl SizedBody {
             ratio: self.ratio,
             cells: 6,
             points: self.points,
+            is_fitted: true,
             coupling: Coupling::Hybrid,
             time_step: TIME_STEP,
             steps: STEPS,

@@ -126,6 +126,7 @@ fn throw(time_step: f64, steps: u32) -> Result<Throw, Box<dyn Error>> {
         ratio: 1000.0,
         cells: 3,
         points: 5.0,
+        is_fitted: true,
         coupling: Coupling::Hybrid,
         time_step,
         steps,
