@@ -126,7 +126,8 @@ fn t19_pushed() {
 
     let ours = arrived(minimise);
     let [jump, slow] = ours.each_ref().map(|(_, amplitude)| *amplitude);
-    assert!((jump / slow - 1.0).abs() < 2e-3, "{jump} {slow}");
+    // A result may be off by the root of its Newton decrement: 3e-5 of the energy, .3 % in amplitude.
+    assert!((jump / slow - 1.0).abs() < 6e-3, "{jump} {slow}");
     assert!(ours.iter().all(|(run, _)| run.warnings.is_empty()));
 
     let methods: [(Minimise, _, _); 2] = [
