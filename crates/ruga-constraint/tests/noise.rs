@@ -1,7 +1,6 @@
 //! How much a row's value of a smooth field changes when the surface is triangulated anew.
 //!
-//! The printed adjustment is harmless on full supports, whose centroid is nearly right before it,
-//! and the worst of all on clipped ones.
+//! The more moments a sampling reproduces, the quieter it is, inside and at borders.
 
 mod meshes;
 

@@ -54,7 +54,6 @@ impl<'a> LatticeObjective<'a> {
             nodes: nodes.to_vec(),
             load: energy.unknowns(load),
             // Without a load there is no force to compare with, and a scale must not be zero.
-            // Without a load, which makes it not a number, any scale is as good.
             force: if mean > 0.0 { mean } else { 1.0 },
             length,
         })

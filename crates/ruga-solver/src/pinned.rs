@@ -1,6 +1,7 @@
 //! Unknowns that are held, by leaving them out of the system.
 
-use crate::error::check_length;
+use crate::error::{check_finite, check_length};
+use crate::kkt::check_damping;
 use crate::{LowerPattern, Objective, SolverError};
 
 /// An objective of which some unknowns stay where they are.
@@ -23,7 +24,8 @@ impl<'a> Pinned<'a> {
     /// Holds the unknowns of `objective` that are `pinned` at their values in `x`.
     ///
     /// # Errors
-    /// [`SolverError::SizeMismatch`] when there is not one flag and one value per unknown,
+    /// [`SolverError::SizeMismatch`] when there is not one flag and one value per unknown or the
+    /// objective's damping does not fit, [`SolverError::NotFinite`] for `x`,
     /// [`SolverError::Empty`] when all are pinned.
     pub fn new(
         objective: &'a dyn Objective,
@@ -33,6 +35,8 @@ impl<'a> Pinned<'a> {
         let whole = objective.pattern();
         check_length("pinned", whole.size(), pinned.len())?;
         check_length("x", whole.size(), x.len())?;
+        check_finite("x", x)?;
+        check_damping(whole, objective.damping())?;
         let free: Vec<usize> = (0..whole.size()).filter(|&i| !pinned[i]).collect();
         let mut number = vec![0; whole.size()];
         for (new, &old) in free.iter().enumerate() {

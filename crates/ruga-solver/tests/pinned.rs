@@ -89,5 +89,6 @@ fn wrong_sizes_and_no_freedom_are_refused() {
     let all = [true; COUNT];
     assert!(refused(&all[1..], &[0.0; COUNT]).is_some());
     assert!(refused(&[false; COUNT], &[0.0; 3]).is_some());
+    assert!(refused(&[false; COUNT], &[f64::NAN; COUNT]).is_some());
     assert_eq!(refused(&all, &[0.0; COUNT]), Some(SolverError::Empty));
 }

@@ -21,7 +21,6 @@ pub use residual_descent::descend_residual;
 
 use ruga_solver::{
     ConstraintRows, Iteration, Kkt, NewtonSettings, Objective, SolveReport, SolverError, StopRule,
-    minimise,
 };
 
 /// Solver of the linear system of a Newton step.
@@ -83,32 +82,6 @@ pub struct Problem<'a> {
     pub rhs: &'a [f64],
     /// Pattern and rows, with a factorisation of them.
     pub kkt: &'a mut Kkt,
-}
-
-/// Minimises the energy: with a factorisation as the product does, or else by
-/// [`minimise_iterated`].
-///
-/// # Errors
-/// As [`ruga_solver::minimise`].
-pub fn minimise_with(
-    linear: LinearSolver,
-    problem: Problem<'_>,
-    x: &mut [f64],
-    settings: &NewtonSettings,
-    keep_going: &mut dyn FnMut(&Iteration) -> bool,
-) -> Result<(SolveReport, LinearWork), SolverError> {
-    match linear {
-        LinearSolver::Minres(limits) => minimise_iterated(problem, x, settings, limits, keep_going),
-        LinearSolver::Ldlt => {
-            let Problem {
-                objective,
-                rhs,
-                kkt,
-            } = problem;
-            let report = minimise(objective, rhs, x, kkt, settings, keep_going)?;
-            Ok((report, LinearWork::default()))
-        }
-    }
 }
 
 /// [`minimise_iterated`] in the place of [`ruga_solver::minimise`].

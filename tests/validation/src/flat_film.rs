@@ -62,7 +62,8 @@ const MARGINS: [f64; 2] = [1.0, 2.0];
 pub struct FilmState {
     /// `sqrt(2)` RMS height about the mean, in the middle of the patch, m.
     pub amplitude: f64,
-    /// The amplitude over `(2/k) sqrt(eps - eps_c)`, of the wave number found.
+    /// The amplitude over `(2/k) sqrt(eps - eps_c)`, of the wave number found; NaN below the critical
+    /// strain and infinite at it.
     pub relative_amplitude: f64,
     /// Wavelength in material coordinates over the critical one.
     pub relative_wavelength: f64,
@@ -212,7 +213,9 @@ impl FlatFilm {
         let load = |i: i32| bound * self.load * (1.0 + ONSET_STEP).powi(i);
         let mut loads: Vec<f64> = (-ONSET_LOADS..=0).map(load).collect();
         // The mesh is fitted to the last key, and ought to be the same.
-        loads.push(self.load);
+        if bound < 1.0 - 1e-9 {
+            loads.push(self.load);
+        }
         let mut watch = UpTo(bound);
         let result = self.simulate(modelling, (&loads, 1), &mut watch)?;
         let buckled = result.layers[0].onset_load;

@@ -110,7 +110,7 @@ pub struct Sheet {
     energy: LayerEnergy,
     free: Vec<u32>,
     kkt: Kkt,
-    floor: Vec<f64>,
+    damping: Vec<f64>,
     positions: Vec<Vector3<f64>>,
     base: Vec<Vector3<f64>>,
     /// Dead load on the coordinates that move, N.
@@ -138,7 +138,7 @@ impl Sheet {
             LowerPattern::new(starts.to_vec(), entries.to_vec()).expect("a valid pattern");
         let rows = to_constraint_rows(&spec.rows(&free), 3 * free.len());
         let areas = energy.vertex_areas();
-        let floor = free
+        let damping = free
             .iter()
             .flat_map(|&v| [1e-6 * spec.theory.normal_stiffness * areas[v as usize]; 3])
             .collect();
@@ -150,7 +150,7 @@ impl Sheet {
             spec,
             energy,
             free,
-            floor,
+            damping,
         }
     }
 
@@ -250,7 +250,7 @@ impl Sheet {
             free: &self.free,
             positions: &self.positions,
             pattern: self.kkt.pattern().clone(),
-            floor: &self.floor,
+            damping: &self.damping,
             reaction: &self.load,
             base,
             theory: &self.spec.theory,

@@ -26,7 +26,7 @@ use crate::{
 
 /// Base edges stay below this fraction of the wavelength, or the artist's facets imprint.
 const FACET_FRACTION: f64 = 1.0 / 3.0;
-/// Loads, as shares of the last key, at which the way to the keys is looked at.
+/// Loads, as fractions of the last key, at which the way to the keys is looked at.
 const PASSING: [f64; 3] = [0.25, 0.5, 0.75];
 /// Edges beside the wrinkles over those across them, where a fitted mesh grows coarser.
 const GRADED: f64 = 3.0;
@@ -285,7 +285,7 @@ impl<'a> PlanningSurface<'a> {
             Stack::Joint => 2 * vertices,
             Stack::Nominal | Stack::Composite => vertices,
         };
-        let handed_out = vertices_of(faces_at(levels));
+        let output_vertices = vertices_of(faces_at(levels));
         let curvature = quantile(&self.curvatures, 0.95);
         let lowest = (*is_lowest && !active.is_empty()).then(|| Load {
             // The least of all does not count: one extreme triangle begins to wrinkle at next to no
@@ -295,7 +295,7 @@ impl<'a> PlanningSurface<'a> {
             spread: (quantile(&wavelengths, 0.95) / shortest).max(1.0),
         });
         let work = factorisations(lowest, pose, path);
-        let (seconds, memory) = cost(unknowns, handed_out, map_size, work);
+        let (seconds, memory) = cost(unknowns, output_vertices, map_size, work);
         LayerPlan {
             name: spec.name.clone(),
             wavelength: wrinkling.wavelength,
@@ -376,7 +376,7 @@ fn fitted_faces(
         let wavelength = wavelengths[face];
         let longest = (COARSEST * wavelength).min(limits.max_edge);
         let across = (wavelength / points).max(limits.min_edge);
-        let (across, along) = match pose_strains.pose_strains(face) > ACTIVE_FRACTION {
+        let (across, along) = match pose_strains.strain_ratio(face) > ACTIVE_FRACTION {
             true => {
                 let driver = FaceDriver {
                     compression: Matrix3::zeros(),

@@ -138,12 +138,12 @@ impl PoseStrains {
             LoadPath::Strain => {
                 // Here the load is the fraction of the strain itself, so that the onset is the
                 // ratio of the two.
-                let shares = self
+                let fractions = self
                     .critical
                     .iter()
                     .map(|(face, critical)| critical / self.raw[face]);
                 let wrinkles = |fraction: f64| fraction > 0.0 && fraction < 1.0;
-                shares
+                fractions
                     .map(|fraction| if wrinkles(fraction) { fraction } else { 1.0 })
                     .collect()
             }
@@ -185,14 +185,14 @@ impl PoseStrains {
     }
 
     /// Largest effective strain over the keys, in critical strains.
-    pub(crate) fn pose_strains(&self, face: FaceId) -> f64 {
+    pub(crate) fn strain_ratio(&self, face: FaceId) -> f64 {
         self.effective[face] / self.critical[face]
     }
 
     /// Whether a face is compressed beyond its critical strain equally in all directions.
     pub(crate) fn is_compressed_equally(&self, face: FaceId) -> bool {
         let [first, second] = self.principal[face];
-        self.pose_strains(face) > 1.0 && second > EQUALLY * first
+        self.strain_ratio(face) > 1.0 && second > EQUALLY * first
     }
 
     /// Leaves out, too, what collapses on the way: it cannot be followed there.
@@ -222,7 +222,7 @@ impl PoseStrains {
             .map(|face| {
                 // Half of the critical strain, tried first, took in 1.7 to 2.5 times this area on
                 // six shapes of a face.
-                let wrinkles = self.pose_strains(face) > ACTIVE_FRACTION;
+                let wrinkles = self.strain_ratio(face) > ACTIVE_FRACTION;
                 (matches!(region, Region::All) || wrinkles) && allowed(face)
             })
             .collect();
@@ -242,7 +242,7 @@ impl PoseStrains {
     }
 }
 
-/// Notes on which faces the effective strain first becomes critical between two shares of the last
+/// Notes on which faces the effective strain first becomes critical between two fractions of the last
 /// key.
 fn note_onset(
     onset: &mut PerFace<f64>,

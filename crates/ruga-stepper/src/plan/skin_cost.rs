@@ -24,11 +24,11 @@ pub(crate) struct Load {
 ///
 /// A numeric factorisation, with all that goes with it, grows with the 3/2 power of the vertices
 /// (nested dissection of a surface), its memory with `n log n`; the mesh that results are handed
-/// out on has eight kilobytes for every one of its vertices, `handed_out`; maps are `map_size`
+/// out on has eight kilobytes for every one of its vertices, `output_vertices`; maps are `map_size`
 /// texels wide.
 pub(crate) fn cost(
     vertices: usize,
-    handed_out: f64,
+    output_vertices: f64,
     map_size: u32,
     factorisations: f64,
 ) -> (f64, f64) {
@@ -36,7 +36,8 @@ pub(crate) fn cost(
     let factorisation = 1.2e-7 * n.powf(1.5) + 7e-6 * n;
     let texels = f64::from(map_size).powi(2);
     // The logarithm of no vertex is infinite, and none times that is not a number.
-    let memory = n * (900.0 + 260.0 * n.max(2.0).log2()) + 8e3 * handed_out + PER_TEXEL * texels;
+    let memory =
+        n * (900.0 + 260.0 * n.max(2.0).log2()) + 8e3 * output_vertices + PER_TEXEL * texels;
     (factorisations * factorisation, memory)
 }
 

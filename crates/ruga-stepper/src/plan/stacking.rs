@@ -47,7 +47,7 @@ impl Stacking {
             Stack::Composite => stacking.replace_by_composites(&alone)?,
             Stack::Joint => stacking.require_pair()?,
         }
-        stacking.attachment(layers, stack);
+        stacking.attach(layers, stack);
         // This is before layers are joined: for a pair the mode that is reported and the one that
         // meshes are made for are not the same.
         stacking.simulated.clone_from(&stacking.wrinkling);
@@ -132,7 +132,7 @@ impl Stacking {
     }
 
     /// Puts the upper layers on those below; `layers` have their real thicknesses.
-    fn attachment(&mut self, layers: &[LayerSpec], stack: Stack) {
+    fn attach(&mut self, layers: &[LayerSpec], stack: Stack) {
         for (k, pair) in self.pairs.iter().enumerate() {
             let upper = k + 1;
             // Both shells are mid-surfaces. Li 2014, eq. 4.1, adds all of the upper layer's

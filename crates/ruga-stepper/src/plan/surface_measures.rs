@@ -12,7 +12,7 @@ pub(crate) const MAX_PLANNING_FACES: usize = 400_000;
 /// Splits of one face in four; ten make a metre a millimetre.
 pub(crate) const MAX_LEVELS: u32 = 10;
 /// Vertices that the uniform output mesh of a fitted one may have, in vertex budgets.
-pub(crate) const HANDED_OUT: f64 = 4.0;
+pub(crate) const OUTPUT_VERTICES: f64 = 4.0;
 
 /// Splits until the median edge meets the target (m) and few edges are far off or longer than facets
 /// may be (m), or the budget is spent.
@@ -32,7 +32,7 @@ pub(crate) fn needed_levels(
     };
     // The uniform output mesh of a fitted one costs little.
     let vertices = match modelling.remesh {
-        Some(_) => HANDED_OUT * modelling.vertex_budget as f64,
+        Some(_) => OUTPUT_VERTICES * modelling.vertex_budget as f64,
         None => modelling.vertex_budget as f64,
     };
     // There are two triangles to a vertex.

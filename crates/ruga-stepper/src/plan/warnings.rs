@@ -7,7 +7,7 @@ use ruga_material::CAP_START;
 use ruga_mesh::FaceId;
 
 use crate::plan::region::PoseStrains;
-use crate::plan::surface_measures::{HANDED_OUT, weighted_quantile};
+use crate::plan::surface_measures::{OUTPUT_VERTICES, weighted_quantile};
 use crate::skin::place::{ShapeCentres, place_of_faces};
 use crate::{AppliedStrain, LayerPlan, Modelling, PoseSpec};
 
@@ -225,7 +225,7 @@ fn budget_warning(
         // The output mesh bounds the fitted one.
         return Some(format!(
             "the layer gets {reached:.1} of {asked} points per wavelength: the artist's mesh is not split further, because results would need more than {} vertices: {effect}. Raise `driver.vertex_budget`, or simulate less skin with a mask",
-            HANDED_OUT * modelling.vertex_budget as f64
+            OUTPUT_VERTICES * modelling.vertex_budget as f64
         ));
     }
     Some(format!(

@@ -15,7 +15,7 @@ use crate::{Observer, Phase};
 const WORTH_TELLING: f64 = 1.1;
 
 impl<'a> StackRun<'a> {
-    /// Builds layer number `index`, its mesh fitted to each of what may lie `below`, its
+    /// Builds layer number `index`, its mesh fitted to each surface of `support`, its
     /// bending corrected on the last; where nothing is known, fine everywhere and not corrected.
     pub(crate) fn build(
         &self,
@@ -90,7 +90,7 @@ impl<'a> StackRun<'a> {
     }
 
     /// Builds layer number `index` on a mesh of `region` that is fitted to `sizing`, its averaging
-    /// constraints around given `centres`, its bending corrected for what lies `below`.
+    /// constraints around given `centres`, its bending corrected for `support`.
     fn build_on(
         &self,
         index: usize,
@@ -156,7 +156,7 @@ impl<'a> StackRun<'a> {
         Ok(run)
     }
 
-    /// The layer on a mesh that resolves what now lies `below` it: its own, or where too much has
+    /// The layer on a mesh that resolves what `support` now asks for: its own, or where too much has
     /// changed a new one to which its shape is carried over.
     pub(crate) fn refitted(
         &self,

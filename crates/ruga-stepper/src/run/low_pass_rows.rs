@@ -128,8 +128,11 @@ pub(crate) fn low_pass_rows(
             .filter(|(v, _)| !pinned[*v])
             .filter_map(|&(v, w)| unknown[v].map(|u| (u, w)))
             .collect();
+        // Without pinned vertices a row is kept whatever its weights sum to: those of other methods
+        // than averages may sum to zero. A row of nothing would make the system singular.
         let has_pinned = moving.len() < row.weights.len();
-        if has_pinned && moving.iter().map(|m| m.1).sum::<f64>() < MIN_FREE_WEIGHT {
+        let weight: f64 = moving.iter().map(|m| m.1).sum();
+        if moving.is_empty() || has_pinned && weight < MIN_FREE_WEIGHT {
             continue;
         }
         if set.degraded.iter().any(|(centre, _)| *centre == row.centre) {

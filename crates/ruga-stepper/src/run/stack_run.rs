@@ -9,8 +9,7 @@ use crate::run::layer::Layer;
 use crate::run::layer_run::{Ending, LayerRun, Loading};
 use crate::skin::cover::Covers;
 use crate::support::motion::Inertia;
-use crate::support::support_surface::SupportOf;
-use crate::support::support_surface::support_surface;
+use crate::support::support_surface::{SupportOf, support_surface};
 use crate::support::{Embeddings, Interior, Moves, PosedBody, PosedDriver, Solid, Support};
 use crate::{
     Frame, KeyResult, LayerReport, LoadPath, Observer, Phase, Plan, PoseResult, PoseSpec,
@@ -186,18 +185,18 @@ impl<'a> StackRun<'a> {
             }
         };
         let (driver, attachment) = (&self.plan.driver, self.plan.stacking.attachments[lowest]);
-        let mut surface: Vec<SupportOf<'_>> = Vec::new();
+        let mut surfaces: Vec<SupportOf<'_>> = Vec::new();
         for support in &supports {
             let on = (driver.as_ref(), support.as_ref());
-            surface.push(Box::new(move |skin| {
+            surfaces.push(Box::new(move |skin| {
                 support_surface(on, skin, attachment, &[])
             }));
         }
-        let mut run = self.build(lowest, &surface, observer)?;
+        let mut run = self.build(lowest, &surfaces, observer)?;
         if let Some(before) = before {
             run.report.newton_iterations += before.newton_iterations;
             run.report.factorizations += before.factorizations;
-            if surface.is_empty() {
+            if surfaces.is_empty() {
                 run.warn(
                     "a first run on a coarse mesh, which finds where wrinkles come, did not reach the last key: the mesh is as fine everywhere as wrinkles need, slower but no less exact, and its bending is not corrected; take more `steps` if that is too slow".to_owned(),
                 );

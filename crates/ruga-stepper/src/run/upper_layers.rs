@@ -11,8 +11,9 @@ use crate::run::stack_run::{LoadPoint, StackRun};
 use crate::skin::cover::Covers;
 use crate::support::Support;
 use crate::support::motion::Inertia;
-use crate::support::support_surface::SupportOf;
-use crate::support::support_surface::{LowerLayer, SupportSurface, as_shown, support_surface};
+use crate::support::support_surface::{
+    LowerLayer, SupportOf, SupportSurface, as_shown, support_surface,
+};
 use crate::{LayerSurface, Observer, Phase, StepperError};
 
 impl<'a> StackRun<'a> {
@@ -90,25 +91,25 @@ impl<'a> StackRun<'a> {
         let attachment = self.plan.stacking.attachments[index];
         let last = self.upper[index].take();
         let driver = &self.plan.driver;
-        let surface: SupportOf<'_> =
+        let support_of: SupportOf<'_> =
             Box::new(move |skin| support_surface((driver, support), skin, attachment, lower));
         let mut history = None;
         // From its last shape a layer takes some thirty factorisations, from none two hundred.
         if let Some(last) = last {
             let before = last.layer.strain_ratio();
-            let mut run = self.refitted(last, &surface, observer)?;
-            let surface = surface(run.layer.skin());
+            let mut run = self.refitted(last, &support_of, observer)?;
+            let surface = support_of(run.layer.skin());
             match run.move_on(surface, (before, point.weight_fraction), observer)? {
                 Ending::GaveUp => history = Some(run),
                 ending => return Ok((run, ending)),
             }
         }
-        let mut run = self.build(index, std::slice::from_ref(&surface), observer)?;
+        let mut run = self.build(index, std::slice::from_ref(&support_of), observer)?;
         if let Some(history) = history {
             run.take_history(history);
         }
         let mut loading = CarriedLoading {
-            support: surface(run.layer.skin()),
+            support: support_of(run.layer.skin()),
             weight: point.weight_fraction,
         };
         let ending = run.follow_from_onset(&mut loading, observer)?;
@@ -149,7 +150,7 @@ impl<'a> StackRun<'a> {
     }
 }
 
-/// An upper layer's way: its strain grows on a surface that stays.
+/// Loading of an upper layer: its strain grows on a surface that stays.
 struct CarriedLoading {
     support: SupportSurface,
     weight: f64,

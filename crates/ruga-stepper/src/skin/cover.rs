@@ -24,7 +24,7 @@ pub(crate) struct Cover {
     /// The vertices above that lie on it.
     vertices: Vec<u32>,
     /// Weight of each of these vertices, rising from 0 beside the layer below to 1.
-    shares: Vec<f64>,
+    weights: Vec<f64>,
     /// Limit surface of the lower layer at these vertices.
     rows: LimitPointRows,
     /// Limit surface of the lower layer at its own vertices.
@@ -37,7 +37,7 @@ impl Cover {
     fn new(driver: &Driver, skin: &SkinMesh, lower: &SkinMesh, rim: f64) -> Self {
         let places = places_above(skin, lower);
         let beside: Vec<bool> = places.iter().map(Option::is_none).collect();
-        let shares = faded_from(&skin.mesh, &skin.rest.positions, &beside, |_| rim);
+        let weights = faded_from(&skin.mesh, &skin.rest.positions, &beside, |_| rim);
         let (vertices, inside): (Vec<u32>, Vec<MaterialPoint>) = (0..)
             .zip(places)
             .filter_map(|(vertex, place)| Some((vertex, place?)))
@@ -58,7 +58,7 @@ impl Cover {
             tangents: tangents.collect(),
             at_vertices: limit_rows(&lower.mesh, &corners).position,
             rows,
-            shares: vertices.iter().map(|&v| shares[v as usize]).collect(),
+            weights: vertices.iter().map(|&v| weights[v as usize]).collect(),
             vertices,
         }
     }
@@ -70,8 +70,8 @@ impl Cover {
 
     /// Per covered vertex 0 to 1: 1 where every vertex within the rim is covered too, 0 beside those
     /// that are not.
-    pub(crate) fn shares(&self) -> &[f64] {
-        &self.shares
+    pub(crate) fn weights(&self) -> &[f64] {
+        &self.weights
     }
 
     /// Interpolates values at the lower layer's vertices to every covered vertex, with their

@@ -12,8 +12,7 @@ use ruga_blend::Driver;
 use ruga_mesh::{FaceId, FaceOrigin, Id, MaterialPoint, PerFace, TriMesh};
 
 use crate::skin::fading::faded_from;
-use crate::skin::material_places::is_on_border;
-use crate::skin::material_places::uv;
+use crate::skin::material_places::{is_on_border, uv};
 
 /// Distance from seams and borders, in largest ways sideways, over which addresses are faded back
 /// to those of the material points, so that islands stay as large as they are.

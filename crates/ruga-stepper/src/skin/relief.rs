@@ -6,8 +6,7 @@ use ruga_material::Wrinkling;
 
 use crate::skin::fading::faded_from;
 use crate::skin::local_skin::wavelengths_at_vertices;
-use crate::skin::material_places::is_on_border;
-use crate::skin::material_places::uv;
+use crate::skin::material_places::{is_on_border, uv};
 use crate::skin::skin_mesh::SkinMesh;
 use crate::{LayerSpec, StepperError};
 
@@ -69,12 +68,12 @@ pub(crate) fn relief_weights(
         let wavelengths = wavelengths_at_vertices(spec, nominal, driver, skin)?;
         let reach = |i: usize| FADE * wavelengths[i];
         let faded = faded_from(&skin.mesh, &skin.rest.positions, &is_cut, reach);
-        for (fraction, faded) in weights.iter_mut().zip(faded) {
-            *fraction *= faded;
+        for (weight, faded) in weights.iter_mut().zip(faded) {
+            *weight *= faded;
         }
     }
-    for (fraction, place) in weights.iter_mut().zip(points) {
-        *fraction *= spec.presence.grey(uv(driver, place));
+    for (weight, place) in weights.iter_mut().zip(points) {
+        *weight *= spec.presence.grey(uv(driver, place));
     }
     Ok(weights)
 }
@@ -120,7 +119,7 @@ mod tests {
     use crate::test_drivers::{SIDE, knuckle, region_of, square_mesh};
     use crate::{Mask, Presence};
 
-    /// Shares on the inner half of a square, under one grey everywhere: the least and the greatest at
+    /// Weights on the inner half of a square, under one grey everywhere: the least and the greatest at
     /// its border, and the least well inside.
     fn weights(grey: f32, strength: f64) -> [f64; 3] {
         let flat = |p: Vector2<f64>| Vector3::new(p.x, p.y, 0.0);
@@ -151,13 +150,9 @@ mod tests {
         let of_middle = found.iter().zip(&skin.rest.positions);
         let of_middle = of_middle.filter(|(_, x)| inside(x, 0.25 * SIDE - nominal.wavelength));
         [
-            of_border()
-                .map(|(fraction, _)| *fraction)
-                .fold(1.0, f64::min),
-            of_border()
-                .map(|(fraction, _)| *fraction)
-                .fold(0.0, f64::max),
-            of_middle.map(|(fraction, _)| *fraction).fold(1.0, f64::min),
+            of_border().map(|(weight, _)| *weight).fold(1.0, f64::min),
+            of_border().map(|(weight, _)| *weight).fold(0.0, f64::max),
+            of_middle.map(|(weight, _)| *weight).fold(1.0, f64::min),
         ]
     }
 

@@ -41,7 +41,7 @@ impl Inertia {
         mass * (1.0 + damping * time_step) / (time_step * time_step)
     }
 
-    /// Ways to `x` from where everything would go without forces, m.
+    /// Displacements to `x` from where everything would go without forces, m.
     pub(crate) fn displacements(&self, x: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         x.iter().zip(&self.centres).map(|(x, c)| x - c).collect()
     }

@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 use ruga_lattice::LatticeEnergy;
 use ruga_solver::{ConstraintRows, Kkt, LowerPattern, SolverError};
 
-/// Floor in units of the lattice's mean stiffness.
-const FLOOR: f64 = 1e-9;
+/// Levenberg damping in units of the lattice's mean stiffness.
+const DAMPING: f64 = 1e-9;
 
 /// Moves free nodes with the held ones so that the lattice, as stiff as it is now, is strained least.
 ///
@@ -48,7 +48,7 @@ impl Prediction {
         let hessian = relaxed_hessian(free);
         let diagonal = free.pattern().0.iter().take(free.dof_count());
         let mean = diagonal.map(|&k| hessian[k]).sum::<f64>() / free.dof_count().max(1) as f64;
-        let damping = vec![FLOOR * mean; free.dof_count()];
+        let damping = vec![DAMPING * mean; free.dof_count()];
         self.kkt.factorize(&hessian, &damping)?;
         let mut step = vec![0.0; force.len()];
         self.kkt.solve(&force, &[], &mut step, &mut [])?;

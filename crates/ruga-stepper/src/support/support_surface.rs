@@ -155,7 +155,7 @@ fn lay_on<'c>(
     let [change, along_u, along_v] = cover.interpolate(&deviations);
     let posed = support.derivatives(skin);
     let changes = change.iter().zip(along_u.iter().zip(&along_v));
-    let vertices = cover.vertices().iter().zip(cover.shares());
+    let vertices = cover.vertices().iter().zip(cover.weights());
     for ((&vertex, fraction), (change, (along_u, along_v))) in vertices.zip(changes) {
         let i = vertex as usize;
         // It is added to the driver's or body's own place, because the deviation of a layer counts

@@ -21,6 +21,8 @@ const CUT: f64 = 1.25;
 /// Takes the place of [`ruga_constraint::constraint_rows`] in
 /// [`Modelling::sample`](ruga_stepper::Modelling::sample) beside `Coupling::Constraint`.
 ///
+/// For layers on bodies: one on a driver, whose border is pinned, drops all rows but the first.
+///
 /// # Errors
 /// [`ConstraintError::EmptyRegion`] without kernels.
 ///

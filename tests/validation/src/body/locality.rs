@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 
 use super::Slab;
 use super::artefact::turn;
-use super::slab::coupling_name;
 use crate::baselines::global_rows;
 
 /// Compression of the top where the bar is bent, in critical strains.
@@ -25,16 +24,13 @@ const BENT: [f64; 2] = [1.0, 5.0];
 /// Wavelengths beside the bent part that belong to it: a wave does not end at once.
 const MARGIN: f64 = 0.5;
 
-/// How a skin is held: every coupling that there is, and by global functions.
-const HOLDINGS: [(Coupling, SampleConstraints); 4] = [
-    (Coupling::Hybrid, constraint_rows),
-    (Coupling::Elastic, constraint_rows),
-    (Coupling::Constraint, constraint_rows),
-    (Coupling::Constraint, global_rows),
+/// Name and way in which a skin is held: every coupling that there is, and by global functions.
+const HOLDINGS: [(&str, Coupling, SampleConstraints); 4] = [
+    ("hybrid", Coupling::Hybrid, constraint_rows),
+    ("elastic", Coupling::Elastic, constraint_rows),
+    ("hard rows", Coupling::Constraint, constraint_rows),
+    ("spectral", Coupling::Constraint, global_rows),
 ];
-
-/// What holding by global functions is called in tables.
-const GLOBAL: &str = "spectral";
 
 /// Where the wrinkles of a bent bar are.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -58,17 +54,12 @@ pub struct Locality {
 /// # Errors
 /// What the simulator refuses.
 pub fn locality() -> Result<Vec<Locality>, Box<dyn Error>> {
-    let mut all = HOLDINGS
-        .into_iter()
-        .map(measure)
-        .collect::<Result<Vec<_>, _>>()?;
-    if let Some(global) = all.last_mut() {
-        global.coupling = GLOBAL.to_owned();
-    }
-    Ok(all)
+    HOLDINGS.into_iter().map(measure).collect()
 }
 
-fn measure((coupling, sample): (Coupling, SampleConstraints)) -> Result<Locality, Box<dyn Error>> {
+fn measure(
+    (name, coupling, sample): (&str, Coupling, SampleConstraints),
+) -> Result<Locality, Box<dyn Error>> {
     let mut slab = Slab {
         size: Vector3::repeat(1.0),
         cells: CELLS[0],
@@ -103,7 +94,7 @@ fn measure((coupling, sample): (Coupling, SampleConstraints)) -> Result<Locality
         .iter()
         .map(|[x, square]| [x / theory.wavelength, square.sqrt() / slab.thickness]);
     Ok(Locality {
-        coupling: coupling_name(coupling).to_owned(),
+        coupling: name.to_owned(),
         outside: outside.map(|column| column[1]).sum::<f64>() / total,
         amplitude: run.sheets[0].amplitude(bent) / slab.thickness,
         profile: profile.collect(),

@@ -12,7 +12,7 @@ pub(super) struct SheetObjective<'a> {
     /// Where pinned vertices are.
     pub(super) positions: &'a [Vector3<f64>],
     pub(super) pattern: LowerPattern,
-    pub(super) floor: &'a [f64],
+    pub(super) damping: &'a [f64],
     /// Dead load, N, and where it does no work, m.
     pub(super) reaction: &'a [f64],
     pub(super) base: &'a [f64],
@@ -61,7 +61,7 @@ impl Objective for SheetObjective<'_> {
     }
 
     fn damping(&self) -> &[f64] {
-        self.floor
+        self.damping
     }
 
     fn energy_scale(&self) -> f64 {

@@ -41,7 +41,8 @@ fn t19_thrown() {
     let iterations =
         |runs: &[&Thrown]| -> usize { runs.iter().map(|run| run.report.newton_iterations).sum() };
     let same = |ours: &Thrown, theirs: &Thrown| {
-        assert!(ours.converged && theirs.converged);
+        let warnings = [&ours.warnings, &theirs.warnings];
+        assert!(ours.converged && theirs.converged, "{warnings:?}");
         for run in [ours, theirs] {
             let mut warnings = run.warnings.iter();
             // No step had to be divided.

@@ -71,10 +71,6 @@ fn t11_extreme_materials() {
 /// force above that, `0.19 C`; and the stepper caps strain at 0.25.
 #[test]
 fn t11_films_as_soft_as_their_base() {
-    let mut film = FlatFilm::new(3.0);
-    film.layer.material.poisson = 0.0;
-    assert!(film.theory().critical_strain > 0.19);
-
     let mut soft = LayerSpec { ..skin() };
     soft.material.young = 5.0 * soft.substrate.young;
     let numbers = wrinkling(&soft.material, &soft.substrate, soft.model);

@@ -195,12 +195,7 @@ fn t5_remeshes() {
         format!("amplitude differs by {amplitude:.1} %, wavelength by {wavelength:.1} %")
     };
     let change = remeshed(Coupling::Constraint, BendingModel::Hinge);
-    table_line(
-        test,
-        "papers: rows alone, hinges",
-        Finding::Fails,
-        &told(change),
-    );
+    table_line(test, "rows alone, hinges", Finding::Fails, &told(change));
     assert!(change[0] > 0.02, "{change:?}");
     let change = remeshed(Coupling::Hybrid, BendingModel::VertexCurvature);
     table_line(test, "ruga", Finding::Holds, &told(change));

@@ -13,7 +13,7 @@ use crate::support::support_surface::SupportSurface;
 const BENDING_RATIOS: [f64; 2] = [0.5, 2.0];
 
 impl Layer {
-    /// Measures how the mesh bends where, and in the direction that, `below` compresses the layer,
+    /// Measures how the mesh bends where, and in the direction that, `support` compresses the layer,
     /// and makes up for what is missing to the material, for hinges also for what is too much; the
     /// layer stays where it is.
     /// False when the layer is compressed enough to wrinkle and could not be measured.
