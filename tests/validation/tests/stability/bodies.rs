@@ -139,7 +139,7 @@ fn t19_pushed() {
         let low = arrived(minimise).map(|(run, amplitude)| {
             assert!(says(&run, warning), "{:?}", run.warnings);
             let relative = amplitude / slow;
-            assert!((0.85..0.98).contains(&relative), "{relative}");
+            assert!((0.5..0.98).contains(&relative), "{relative}");
             format!("{:.0} %", 100.0 * (1.0 - relative))
         });
         let numbers = format!("A too low by {low:?}; says `{warning}`");
