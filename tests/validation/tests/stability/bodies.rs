@@ -32,7 +32,7 @@ fn thrown(minimise: Minimise, time_step: f64) -> Thrown {
 }
 
 /// Where nothing stands still, inertia leaves no saddle to end on: the papers' methods find the same
-/// motion, by the residual in more than twice as many Newton steps.
+/// motion, by the residual in twice as many Newton steps, or give up and say so.
 #[test]
 fn t19_thrown() {
     let test = "T19 cushion dropped and pressed, dt .005 to .05 s";
@@ -68,6 +68,13 @@ fn t19_thrown() {
     ];
     for (minimise, method, least) in methods {
         let iterated = thrown(minimise, time_steps[2]);
+        if !iterated.converged {
+            let is_said = |w: &String| w.contains("no step in time found");
+            assert!(iterated.warnings.iter().any(is_said));
+            let numbers = "dt .05 alone: gives up on a step however short, and says so";
+            table_line(test, method, Finding::Warns, numbers);
+            continue;
+        }
         same(&ours[2], &iterated);
         let times = iterations(&[&iterated]) as f64 / iterations(&[&ours[2]]) as f64;
         assert!(times > least, "{times}");
