@@ -91,7 +91,10 @@ fn t19_thrown() {
 }
 
 /// A slab pushed together to about two critical strains, and its amplitude in skin thicknesses.
-fn pushed(minimise: Minimise, steps: u32) -> (SlabRun, f64) {
+///
+/// # Errors
+/// What the simulator says when it gives up.
+fn pushed(minimise: Minimise, steps: u32) -> Result<(SlabRun, f64), String> {
     let mut slab = Slab {
         size: Vector3::repeat(1.0),
         cells: 5,
@@ -116,14 +119,14 @@ fn pushed(minimise: Minimise, steps: u32) -> (SlabRun, f64) {
     let displacement = 0.5 * 2.0 * 3.0 * theory.critical_strain * cell;
     let motions = vec![push("left", displacement), push("right", -displacement)];
     let run = slab.simulate_by(minimise, motions, (&[1.0], steps));
-    let run = run.expect("an equilibrium");
+    let run = run.map_err(|error| error.to_string())?;
     assert!(run.converged, "{:?}", run.warnings);
     let amplitude = run.report.amplitude / slab.thickness;
-    (run, amplitude)
+    Ok((run, amplitude))
 }
 
-/// At rest the papers' search ends at states that are unstable and low, however small the steps, by
-/// either linear solver; by the energy MINRES arrives, and cannot tell.
+/// At rest the papers' search ends at other, unstable states, however small the steps, by either
+/// linear solver, or gives up; by the energy MINRES may stay on a saddle, for it cannot tell.
 #[test]
 fn t19_pushed() {
     let test = "T19 slab pushed past the onset in 1 step and in 8";
@@ -132,7 +135,7 @@ fn t19_pushed() {
     let iterations =
         |runs: &[(SlabRun, f64); 2]| runs.each_ref().map(|(run, _)| run.report.newton_iterations);
 
-    let ours = arrived(minimise);
+    let ours = arrived(minimise).map(|run| run.expect("an equilibrium"));
     let [jump, slow] = ours.each_ref().map(|(_, amplitude)| *amplitude);
     // A result may be off by the root of its Newton decrement: 3e-5 of the energy, .3 % in amplitude.
     assert!((jump / slow - 1.0).abs() < 6e-3, "{jump} {slow}");
@@ -143,23 +146,30 @@ fn t19_pushed() {
         (by_residual_and_minres, "papers: both", "cannot tell"),
     ];
     for (minimise, name, warning) in methods {
-        let low = arrived(minimise).map(|(run, amplitude)| {
+        let off = arrived(minimise).map(|run| {
+            let (run, amplitude) = match run {
+                Ok(run) => run,
+                Err(said) => {
+                    assert!(said.contains("no equilibrium found"), "{said}");
+                    return "gives up".to_owned();
+                }
+            };
             assert!(says(&run, warning), "{:?}", run.warnings);
-            let relative = amplitude / slow;
-            assert!((0.5..0.98).contains(&relative), "{relative}");
-            format!("{:.0} %", 100.0 * (1.0 - relative))
+            let off = amplitude / slow - 1.0;
+            assert!((0.02..0.5).contains(&off.abs()), "{off}");
+            format!("{:+.0} %", 100.0 * off)
         });
-        let numbers = format!("A too low by {low:?}; says `{warning}`");
+        let numbers = format!("A off by {off:?}; says `{warning}`");
         table_line(test, name, Finding::Warns, &numbers);
     }
 
-    let iterated = arrived(by_minres);
-    for (run, amplitude) in &iterated {
+    let iterated = arrived(by_minres).map(|run| run.expect("an equilibrium"));
+    let off = iterated.each_ref().map(|(run, amplitude)| {
         assert!(says(run, "cannot tell"), "{:?}", run.warnings);
-        assert!((amplitude / slow - 1.0).abs() < 0.02, "{amplitude} {slow}");
-    }
+        format!("{:+.0} %", 100.0 * (amplitude / slow - 1.0))
+    });
     let numbers = format!(
-        "arrives after {:?} Newton steps and cannot tell, which it says",
+        "A off by {off:?} after {:?} Newton steps; cannot tell, which it says",
         iterations(&iterated)
     );
     table_line(test, "papers: MINRES", Finding::Warns, &numbers);
