@@ -21,8 +21,7 @@ pub(crate) enum Study {
     /// What skins on soft bodies must show, measured and drawn: half an hour of processor time, two
     /// minutes if quick
     Bodies,
-    /// Error against cost, measured and drawn: half an hour of processor time, ten minutes if
-    /// quick
+    /// Error against cost, measured and drawn; many minutes
     Chart,
     /// The papers' figures and their table of times, from the scenes under assets/
     Figures,

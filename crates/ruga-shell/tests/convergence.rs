@@ -30,16 +30,7 @@ fn bending(
     let (columns, rows, edge, curvature) = (80, 92, 1e-3, 0.05);
     let mesh = lattice(columns, rows, edge);
     let skin = FaceParameters { poisson, ..SKIN };
-    let parameters = LayerParameters::uniform(skin, mesh.faces.len(), 0.0, mesh.positions.len());
-    let pinned = vec![false; mesh.positions.len()];
-    let layer = LayerEnergy::with_bending(
-        &mesh.topology(),
-        &mesh.positions,
-        parameters,
-        &pinned,
-        model,
-    )
-    .expect("a valid lattice");
+    let layer = mesh.layer(skin, model);
     let (sin, cos) = rotation.sin_cos();
     let x: Vec<_> = mesh
         .positions
@@ -161,17 +152,7 @@ fn a_developable_bend_costs_little_membrane_energy() {
     for model in [BendingModel::Hinge, BendingModel::VertexCurvature] {
         let (columns, rows, edge, radius) = (40, 12, 1e-4, 5e-3);
         let mesh = jittered(columns, rows, edge, 0.2, 8);
-        let count = mesh.positions.len();
-        let parameters = LayerParameters::uniform(SKIN, mesh.faces.len(), 0.0, count);
-        let pinned = vec![false; count];
-        let layer = LayerEnergy::with_bending(
-            &mesh.topology(),
-            &mesh.positions,
-            parameters,
-            &pinned,
-            model,
-        )
-        .expect("a valid lattice");
+        let layer = mesh.layer(SKIN, model);
         let bend = |p: &Vector3<f64>| {
             let angle = p.x / radius;
             Vector3::new(radius * angle.sin(), p.y, radius * (1.0 - angle.cos()))

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use meshes::lattice;
 use nalgebra::Vector3;
-use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters};
+use ruga_shell::{BendingModel, FaceParameters, LayerEnergy};
 
 const COLUMNS: usize = 9;
 const ROWS: usize = 9;
@@ -33,16 +33,7 @@ fn film(model: BendingModel, strain: f64, edge: f64) -> (LayerEnergy, Vec<Vector
         ..bare
     };
     let mesh = lattice(COLUMNS, ROWS, edge);
-    let parameters = LayerParameters::uniform(face, mesh.faces.len(), 0.0, mesh.positions.len());
-    let pinned = vec![false; mesh.positions.len()];
-    let layer = LayerEnergy::with_bending(
-        &mesh.topology(),
-        &mesh.positions,
-        parameters,
-        &pinned,
-        model,
-    )
-    .expect("a valid lattice");
+    let layer = mesh.layer(face, model);
     (layer, mesh.positions)
 }
 

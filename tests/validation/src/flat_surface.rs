@@ -3,9 +3,11 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Vector2, Vector3};
-use ruga_bake::{BakeSettings, Relief, TangentFrame, bake};
+use ruga_bake::{BakeSettings, TangentFrame, bake};
 use ruga_mesh::{Id, PerFace, PlanarLookup};
 use ruga_stepper::LayerSurface;
+
+use crate::skin::relief;
 
 /// Wavelengths at which a peak is looked for: half a per cent apart over a factor of three.
 const WAVELENGTHS: usize = 200;
@@ -174,15 +176,6 @@ pub fn baked_lines(
     shares: [f64; 2],
     strides: [usize; 2],
 ) -> Vec<Vec<(f64, Vector3<f64>)>> {
-    let relief = Relief {
-        positions: &layer.positions,
-        driver_positions: &layer.driver_positions,
-        driver_normals: &layer.driver_normals,
-        offset: layer.offset,
-        faces: &layer.faces,
-        uvs: &layer.uvs,
-        artist: &layer.artist,
-    };
     let flat = TangentFrame {
         normal: Vector3::z(),
         tangent: Vector3::x(),
@@ -193,7 +186,11 @@ pub fn baked_lines(
         size: TEXELS as u32,
         ..BakeSettings::default()
     };
-    let map = bake(&relief, &vec![[flat; 3]; triangles.unwrap_or(0)], &settings);
+    let map = bake(
+        &relief(layer),
+        &vec![[flat; 3]; triangles.unwrap_or(0)],
+        &settings,
+    );
     let map = map.expect("a layer that can be baked");
     let texels = |share: f64, stride: usize| {
         let reach = (0.5 * share * TEXELS as f64) as usize;

@@ -10,8 +10,8 @@ use ruga_io::{MeshFile, ObjOptions, read_mesh};
 use ruga_material::{WavelengthModel, preset};
 use ruga_mesh::Id;
 use ruga_stepper::{
-    Coupling, KeyResult, LayerReport, LayerSpec, Modelling, Plan, PoseResult, PoseSpec, Presence,
-    Sampling, Silent, plan,
+    Coupling, KeyResult, LayerReport, LayerSpec, LayerSurface, Modelling, Plan, PoseResult,
+    PoseSpec, Presence, Sampling, Silent, plan,
 };
 
 /// A mesh under one layer.
@@ -192,16 +192,7 @@ impl Skin {
         let Some(layer) = key.layers.last() else {
             return bake(&EMPTY, &frames, &settings).expect("nothing can be baked");
         };
-        let relief = Relief {
-            positions: &layer.positions,
-            driver_positions: &layer.driver_positions,
-            driver_normals: &layer.driver_normals,
-            offset: layer.offset,
-            faces: &layer.faces,
-            uvs: &layer.uvs,
-            artist: &layer.artist,
-        };
-        bake(&relief, &frames, &settings).expect("a layer that can be baked")
+        bake(&relief(layer), &frames, &settings).expect("a layer that can be baked")
     }
 
     /// Tangent frames of the posed artist's mesh, with smooth normals.
@@ -227,6 +218,19 @@ impl Skin {
         let uvs = self.file.mesh.uvs.as_deref().unwrap_or_default();
         tangent_frames(&positions, &normals, uvs, &self.file.mesh.triangles)
             .expect("a mesh with tangents")
+    }
+}
+
+/// The relief of a layer at full height, whatever maps show of it.
+pub(crate) fn relief(layer: &LayerSurface) -> Relief<'_> {
+    Relief {
+        positions: &layer.positions,
+        driver_positions: &layer.driver_positions,
+        driver_normals: &layer.driver_normals,
+        offset: layer.offset,
+        faces: &layer.faces,
+        uvs: &layer.uvs,
+        artist: &layer.artist,
     }
 }
 

@@ -5,6 +5,7 @@ use nalgebra::{Matrix3, Rotation3, Unit, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use ruga_mesh::TriMesh;
+use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters};
 
 pub(crate) struct Mesh {
     pub(crate) positions: Vec<Vector3<f64>>,
@@ -14,6 +15,21 @@ pub(crate) struct Mesh {
 impl Mesh {
     pub(crate) fn topology(&self) -> TriMesh {
         TriMesh::new(self.positions.len(), self.faces.clone()).expect("a valid mesh")
+    }
+
+    /// A layer of one material on the mesh, nothing pinned.
+    pub(crate) fn layer(&self, face: FaceParameters, model: BendingModel) -> LayerEnergy {
+        let count = self.positions.len();
+        let parameters = LayerParameters::uniform(face, self.faces.len(), 0.0, count);
+        let pinned = vec![false; count];
+        LayerEnergy::with_bending(
+            &self.topology(),
+            &self.positions,
+            parameters,
+            &pinned,
+            model,
+        )
+        .expect("a valid lattice")
     }
 }
 
