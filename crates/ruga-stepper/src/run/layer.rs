@@ -76,8 +76,8 @@ pub(crate) struct Layer {
     support: SupportSurface,
     /// Strains of the support surface, relative to the rest metric with its transfer.
     strains: PerFace<FaceStrain>,
-    /// Fraction of the strain that is loaded, in (0, 1].
-    fraction: f64,
+    /// Fraction of its strain that every face feels, in (0, 1].
+    fractions: PerFace<f64>,
     /// Positions of the layer's vertices, then of those of a layer that moves together with it, m.
     positions: Vec<Vector3<f64>>,
     /// Positions of the vertices without wrinkles, on the support surface, m.
@@ -247,7 +247,7 @@ impl Layer {
                 posed: rest.clone(),
                 transfer: None,
             },
-            fraction: 1.0,
+            fractions: PerFace::filled(skin.mesh.face_count(), 1.0),
             held_normals: rest.normals.clone(),
             held_ratios: match &solid {
                 Some(_) => vec![1.0; skin.mesh.face_count()],
@@ -329,7 +329,7 @@ impl Layer {
             properties: &self.properties,
             poisson: self.spec.material.poisson,
             strains: &self.strains,
-            fraction: self.fraction,
+            fractions: &self.fractions,
         }
     }
 

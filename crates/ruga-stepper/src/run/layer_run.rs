@@ -2,6 +2,7 @@
 
 mod in_time;
 mod loading;
+mod reach;
 mod warnings;
 
 use ruga_solver::{
@@ -13,21 +14,12 @@ use crate::preparing::Preparing;
 use crate::run::layer::{Layer, LayerState};
 use crate::skin::upper_shell::UpperShell;
 use crate::support::motion::Inertia;
-use crate::support::support_surface::SupportSurface;
 use crate::{LayerPlan, LayerReport, Modelling, Observer, Phase, Progress, StepperError};
 
 pub(crate) use loading::{Ending, Loading};
 
 /// Fraction of the critical strain below which nothing can wrinkle.
 pub(crate) const LEAST_RATIO: f64 = 0.9;
-
-/// First strain of the load path of a layer that lies on another, in critical strains: as high as
-/// nothing buckles. Far above the onset a trial costs ten times as much.
-const FIRST_RATIO: f64 = 0.9;
-
-/// Largest factor between two steps' strains on a surface that has moved: up to 2 the wavelength
-/// is kept.
-const GROWTH: f64 = 1.5;
 
 /// Newton decrement, in energy scales, at which a state is a result. Where a pattern is held fast
 /// the last step, which is taken, leaves a square of it; on a whole forehead some defect always
@@ -141,84 +133,38 @@ impl<'a> LayerRun<'a> {
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
         match self.modelling.dynamics {
-            None => self.climb(loading, loads, LoadSettings::default(), observer),
+            None => self.climb(loading, loads, observer),
             Some(dynamics) => self.move_in_time(loading, (loads, steps), dynamics, observer),
         }
     }
 
-    /// Solves at load 1, with no more steps on the way than it takes to find the onset.
-    pub(crate) fn follow_from_onset(
+    /// Takes the layer to every one of `loads`, which are results, with nothing on the way but what it
+    /// takes to let every place begin to wrinkle at its own onset.
+    ///
+    /// This holds in motion, too: layers on others are thin and light, and follow at once.
+    pub(crate) fn reach_all(
         &mut self,
         loading: &mut dyn Loading,
+        loads: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
-        // The surface has to be in its place before the onset can be estimated from its strain.
-        loading.place(&mut self.layer, 1.0, None)?;
-        let settings = LoadSettings {
-            first: self.layer.strain_ratios().fraction_for(FIRST_RATIO),
-            ..LoadSettings::default()
-        };
-        // This holds in motion, too: layers on others are thin and light, and follow at once.
-        self.climb(loading, &[1.0], settings, observer)
-    }
-
-    /// Goes on from the present shape on a surface that has moved.
-    ///
-    /// The strain grows from the strain ratio `before`, in which the layer is in equilibrium. Gives up where it was
-    /// not wrinkled and now may be: then the onset has to be found.
-    pub(crate) fn move_on(
-        &mut self,
-        support: SupportSurface,
-        (before, pose_fraction): (f64, f64),
-        observer: &mut dyn Observer,
-    ) -> Result<Ending, StepperError> {
-        observer.phase(self.index, Phase::Sampling);
-        self.layer.set_support(support.clone(), 1.0)?;
-        let strain_ratio = self.layer.strain_ratio();
-        // Going on in large steps would choose the wavelength far above the onset, where the
-        // softest wave is shorter.
-        if before < 1.0 && strain_ratio > LEAST_RATIO {
-            return Ok(Ending::GaveUp);
-        }
-        // A pattern keeps its wavelength while its strain grows by no more than a factor of two at
-        // a time. One that hardly anything compresses has no wavelength to keep.
-        let mut fraction = if strain_ratio > LEAST_RATIO {
-            self.layer.strain_ratios().fraction_for(before)
-        } else {
-            1.0
-        };
-        observer.phase(self.index, Phase::Integration);
-        loop {
-            fraction = (fraction * GROWTH).min(1.0);
-            self.layer.set_support(support.clone(), fraction)?;
-            let accuracy = if fraction < 1.0 {
-                Accuracy::Passing
-            } else {
-                Accuracy::Result
-            };
-            let solve = self.solve(None, (AtSaddle::Leave, accuracy), pose_fraction, observer)?;
-            if solve.stop == StopRule::Interrupted {
-                return Ok(Ending::Interrupted);
-            }
-            if !solve.converged {
-                return Ok(Ending::GaveUp);
-            }
-            if fraction == 1.0 {
-                self.warn_unverified(&solve);
-                return Ok(Ending::Reached);
+        for load in loads {
+            let ending = self.reach(loading, *load, observer)?;
+            if ending != Ending::Reached {
+                return Ok(ending);
             }
         }
+        Ok(Ending::Reached)
     }
 
     fn climb(
         &mut self,
         loading: &mut dyn Loading,
         loads: &[f64],
-        settings: LoadSettings,
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
         let mut stepper =
-            LoadStepper::new(loads, settings).map_err(|source| self.solver_error(source))?;
+            LoadStepper::new(loads, LoadSettings::default()).map_err(|source| self.solver_error(source))?;
         // The first pattern is chosen with care.
         self.relaxation = 0.0;
         // Every trial begins from the last state that was kept. A pattern that was made above the
@@ -274,12 +220,9 @@ impl<'a> LayerRun<'a> {
         trial: Trial,
         observer: &mut dyn Observer,
     ) -> Result<Option<SolveReport>, StepperError> {
-        let mut preparing = Preparing::new(observer, self.index, Phase::Sampling);
-        loading.place(&mut self.layer, trial.load, None)?;
-        if !preparing.goes_on() {
+        if !self.place(loading, trial.load, observer)? {
             return Ok(None);
         }
-        observer.phase(self.index, Phase::Integration);
         let pose_fraction = loading.pose_fraction(trial.load);
         // On a body that moves a result is polished later, once it is known where the body is.
         let is_exact = loading.is_result(trial.load) && self.layer.solid().is_none();
@@ -299,6 +242,22 @@ impl<'a> LayerRun<'a> {
             return self.solve(None, how, pose_fraction, observer).map(Some);
         }
         Ok(Some(solve))
+    }
+
+    /// Moves the surface below to where it is at `load`; false when the observer ends the work.
+    fn place(
+        &mut self,
+        loading: &dyn Loading,
+        load: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<bool, StepperError> {
+        let mut preparing = Preparing::new(observer, self.index, Phase::Sampling);
+        loading.place(&mut self.layer, load, None)?;
+        if !preparing.goes_on() {
+            return Ok(false);
+        }
+        observer.phase(self.index, Phase::Integration);
+        Ok(true)
     }
 
     /// Makes a result of a state on a body: on the way there the surface below has turned and shrunk, and

@@ -1,5 +1,7 @@
 //! Layers as a pose needs them: their region, their mesh, their bending.
 
+use ruga_mesh::PerFace;
+
 use crate::error::Halt;
 use crate::preparing::Preparing;
 use crate::run::adaptivity::{Fitting, SizingRequest};
@@ -177,6 +179,7 @@ impl<'a> StackRun<'a> {
         {
             return Ok(run);
         }
+        let before = run.layer.strain_ratio();
         // Deviations can be carried over only between meshes that lie on the same surface.
         run.layer.set_support(support(run.layer.skin()), 1.0)?;
         let region = run.layer.region().clone();
@@ -193,6 +196,9 @@ impl<'a> StackRun<'a> {
             let is_taken = fitted.layer.take_shape(&run.layer, goes_on);
             is_taken.then_some(())
         })?;
+        // Its shape is that of the last strains, of which other faces know only the largest.
+        let faces = fitted.layer.face_count();
+        fitted.layer.limit_strains(&PerFace::filled(faces, before))?;
         fitted.take_history(run);
         Ok(fitted)
     }

@@ -271,12 +271,21 @@ impl<'a> StackRun<'a> {
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
         let (loads, steps) = (self.loads(key), self.spec().steps);
+        let is_plain = self.moves.is_none() && self.plan.modelling.dynamics.is_none();
+        let keys = match key {
+            Some(_) => vec![1.0],
+            None => self.spec().keys.clone(),
+        };
         let mut loading = PoseLoading {
             stack: self,
             lowest,
             key,
             wants_frames: observer.wants_frames(),
         };
+        // Nothing that moves has to be where it is between keys.
+        if is_plain && !loading.wants_frames {
+            return run.reach_all(&mut loading, &keys, observer);
+        }
         run.follow(&mut loading, (&loads, steps), observer)
     }
 

@@ -9,6 +9,9 @@ use crate::skin::local_skin::SkinProperties;
 use crate::skin::skin_mesh::SkinMesh;
 use crate::support::support_surface::SupportSurface;
 
+/// Iterations for the fraction of a strain that gives a ratio; each gains a digit or two.
+const FRACTION_ITERATIONS: usize = 5;
+
 /// The effective strain that is loaded on every face of a layer, over the face's critical strain.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StrainRatios<'a> {
@@ -17,14 +20,19 @@ pub(crate) struct StrainRatios<'a> {
     pub(crate) poisson: f64,
     /// Applied strains: those of the surface below, relative to the layer's rest metric.
     pub(crate) strains: &'a PerFace<FaceStrain>,
-    /// Fraction of the applied Green strain that is loaded, in (0, 1].
-    pub(crate) fraction: f64,
+    /// Fraction of the applied Green strain that every face feels, in (0, 1].
+    pub(crate) fractions: &'a PerFace<f64>,
 }
 
 impl StrainRatios<'_> {
     /// The ratio of one face.
     pub(crate) fn of_face(&self, face: FaceId) -> f64 {
-        self.of_face_at(self.fraction, face)
+        self.of_face_at(self.fractions[face], face)
+    }
+
+    /// The ratios of all faces.
+    pub(crate) fn all(&self) -> PerFace<f64> {
+        self.strains.ids().map(|face| self.of_face(face)).collect()
     }
 
     fn of_face_at(&self, fraction: f64, face: FaceId) -> f64 {
@@ -35,33 +43,31 @@ impl StrainRatios<'_> {
 
     /// The largest ratio of all faces.
     pub(crate) fn largest(&self) -> f64 {
-        self.largest_at(self.fraction)
-    }
-
-    fn largest_at(&self, fraction: f64) -> f64 {
-        let faces = self.strains.ids();
-        let ratios = faces.map(|face| self.of_face_at(fraction, face));
+        let ratios = self.strains.ids().map(|face| self.of_face(face));
         // Tension, whose ratio is negative, asks for nothing.
         ratios.fold(0.0, f64::max)
     }
 
-    /// The fraction of the applied strain at which the largest ratio is `wanted`; all of it where that
-    /// is not enough.
-    pub(crate) fn fraction_for(&self, wanted: f64) -> f64 {
-        if self.largest_at(1.0) <= wanted {
-            return 1.0;
-        }
-        let (mut low, mut high) = (0.0, 1.0);
-        // To a per cent of the fraction: the onset is not known better.
-        while high - low > 0.01 * high {
-            let middle = 0.5 * (low + high);
-            if self.largest_at(middle) < wanted {
-                low = middle;
-            } else {
-                high = middle;
+    /// The fraction of a face's applied strain at which its ratio is `wanted`; all of it where that is
+    /// not enough.
+    pub(crate) fn fraction_of(&self, face: FaceId, wanted: f64) -> f64 {
+        let mut fraction = 1.0;
+        for _ in 0..FRACTION_ITERATIONS {
+            let ratio = self.of_face_at(fraction, face);
+            if ratio <= 0.0 {
+                return 1.0;
             }
+            // The ratio is nearly proportional to the fraction.
+            fraction = (fraction * wanted / ratio).min(1.0);
         }
-        high
+        fraction
+    }
+
+    /// The fraction of the applied strain at which the first face reaches its critical strain; 1 where
+    /// none does.
+    pub(crate) fn onset(&self) -> f64 {
+        let fractions = self.strains.ids().map(|face| self.fraction_of(face, 1.0));
+        fractions.fold(1.0, f64::min)
     }
 
     /// Corners of the faces that are loaded beyond their critical strain.

@@ -96,10 +96,8 @@ impl<'a> StackRun<'a> {
         let mut history = None;
         // From its last shape a layer takes some thirty factorisations, from none two hundred.
         if let Some(last) = last {
-            let before = last.layer.strain_ratio();
             let mut run = self.refitted(last, &support_of, observer)?;
-            let surface = support_of(run.layer.skin());
-            match run.move_on(surface, (before, point.weight_fraction), observer)? {
+            match self.reach(&mut run, &support_of, point, observer)? {
                 Ending::GaveUp => history = Some(run),
                 ending => return Ok((run, ending)),
             }
@@ -108,12 +106,23 @@ impl<'a> StackRun<'a> {
         if let Some(history) = history {
             run.take_history(history);
         }
+        let ending = self.reach(&mut run, &support_of, point, observer)?;
+        Ok((run, ending))
+    }
+
+    /// Takes an upper layer to where `support_of` it is, from its present shape.
+    fn reach(
+        &self,
+        run: &mut LayerRun<'a>,
+        support_of: &SupportOf<'_>,
+        point: LoadPoint,
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
         let mut loading = CarriedLoading {
             support: support_of(run.layer.skin()),
             weight: point.weight_fraction,
         };
-        let ending = run.follow_from_onset(&mut loading, observer)?;
-        Ok((run, ending))
+        run.reach_all(&mut loading, &[1.0], observer)
     }
 
     fn lower<'r>(
@@ -150,7 +159,7 @@ impl<'a> StackRun<'a> {
     }
 }
 
-/// Loading of an upper layer: its strain grows on a surface that stays.
+/// Loading of an upper layer, whose one load is what it lies on.
 struct CarriedLoading {
     support: SupportSurface,
     weight: f64,

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Vector3};
 use ruga_blend::{FaceStrain, Weights};
 use ruga_material::{CAP_START, capped_strain};
-use ruga_mesh::{FaceId, Id};
+use ruga_mesh::{FaceId, Id, PerFace};
 use ruga_shell::ShellError;
 
 use super::{Layer, laid_on};
@@ -24,7 +24,7 @@ pub(crate) struct LayerState {
     positions: Vec<Vector3<f64>>,
     velocities: Vec<Vector3<f64>>,
     support: SupportSurface,
-    fraction: f64,
+    fractions: PerFace<f64>,
     solid: Option<SolidState>,
 }
 
@@ -51,8 +51,16 @@ impl Layer {
         self.base = base;
         self.strains = applied_strains(&self.skin, &support);
         self.support = support;
-        self.fraction = fraction;
+        self.fractions = PerFace::filled(self.skin.mesh.face_count(), fraction);
         self.hold()
+    }
+
+    /// Lets every face feel no more of its strain than `most` critical strains of its own.
+    pub(crate) fn limit_strains(&mut self, most: &PerFace<f64>) -> Result<(), StepperError> {
+        let ratios = self.strain_ratios();
+        let faces = self.strains.ids();
+        self.fractions = faces.map(|face| ratios.fraction_of(face, most[face])).collect();
+        self.set_effective_strains(|_, applied| applied)
     }
 
     /// Sets up the energy for the surface below as it is now.
@@ -158,7 +166,7 @@ impl Layer {
         let natural: Vec<_> = strains
             .map(|(face, strain)| {
                 let critical = self.properties.faces[face].wrinkling.critical_strain;
-                let effective = wanted(critical, applied(strain, self.fraction));
+                let effective = wanted(critical, applied(strain, self.fractions[face]));
                 // What the layer is not to feel is strain without stress.
                 green_strain(strain, applied(strain, 1.0)) - green_strain(strain, effective)
             })
@@ -224,7 +232,7 @@ impl Layer {
             positions: self.positions.clone(),
             velocities: self.velocities.clone(),
             support: self.support.clone(),
-            fraction: self.fraction,
+            fractions: self.fractions.clone(),
             solid: self.solid.as_ref().map(|solid| solid.state.clone()),
         }
     }
@@ -235,7 +243,9 @@ impl Layer {
             solid.state.clone_from(state);
         }
         // It carries the positions along with the surface, so that they are put back after it.
-        self.set_support(state.support.clone(), state.fraction)?;
+        self.set_support(state.support.clone(), 1.0)?;
+        self.fractions.clone_from(&state.fractions);
+        self.set_effective_strains(|_, applied| applied)?;
         self.positions.clone_from(&state.positions);
         self.velocities.clone_from(&state.velocities);
         Ok(())
