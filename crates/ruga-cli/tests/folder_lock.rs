@@ -7,7 +7,7 @@ use fixture::{Folder, wait_for};
 #[test]
 fn a_second_run_is_refused_while_the_first_works_and_welcome_when_it_was_killed() {
     let folder = Folder::with("steps = 2", "steps = 4000");
-    let (mut first, mut stderr) = folder.start("bake scene.toml -o out --threads 1");
+    let (mut first, mut stderr) = folder.start("simulate scene.toml -o out --threads 1");
     wait_for(&mut stderr, "started");
     folder.change("scene.toml", "steps = 4000", "steps = 2");
     for command in ["bake", "simulate"] {
@@ -17,7 +17,7 @@ fn a_second_run_is_refused_while_the_first_works_and_welcome_when_it_was_killed(
             .says(&[
                 "out: another run is working in this folder",
                 &format!("process {} on `", first.id()),
-                "`ruga bake scene.toml`, started ",
+                "`ruga simulate scene.toml`, started ",
                 "--output",
             ]);
     }

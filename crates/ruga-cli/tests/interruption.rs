@@ -13,8 +13,8 @@ use std::time::Duration;
 use fixture::{Folder, wait_for};
 use serde_json::Value;
 
-/// A second pose that takes some seconds.
-const LONG: &str = "[[poses]]\nname = \"long\"\nweights = { squeeze = 1.0 }\nsteps = 400\n[remesh]";
+/// A second pose, which takes some seconds at fine quality.
+const LONG: &str = "[[poses]]\nname = \"long\"\nweights = { squeeze = 1.0 }\nsteps = 2\n[remesh]";
 
 fn interrupt(child: &Child) {
     signal(child, "-INT");
@@ -163,7 +163,8 @@ fn resume_says_what_becomes_of_poses_of_another_quality() {
 /// Interrupts a bake of the pose `long` once its first key is there, however fast the machine is.
 fn interrupted_after_first_key(folder: &Folder) {
     for tenths in [5, 10, 20, 40, 80, 160] {
-        let (mut child, mut stderr) = folder.start("bake scene.toml -o out --pose long");
+        let (mut child, mut stderr) =
+            folder.start("bake scene.toml -o out --pose long --quality fine");
         wait_for(&mut stderr, "pose `long` (1 of 1) started");
         sleep(Duration::from_millis(100 * tenths));
         interrupt(&child);
@@ -183,8 +184,9 @@ fn interrupted_after_first_key(folder: &Folder) {
 
 #[test]
 fn finished_keys_of_an_interrupted_pose_are_kept() {
-    let endless = LONG.replace("steps = 400", "steps = 4000\nkeys = [0.015, 1.0]");
-    let folder = Folder::with("[remesh]", &endless);
+    let two_keys = LONG.replace("steps = 2", "keys = [0.015, 1.0]");
+    let folder = Folder::with("[remesh]", &two_keys);
+    folder.change("scene.toml", "wavelength = 0.03", "wavelength = 0.012");
     interrupted_after_first_key(&folder);
     let map = "maps/long_1p5_normal.png";
     let is_kept = || {
@@ -205,14 +207,14 @@ fn finished_keys_of_an_interrupted_pose_are_kept() {
     is_kept();
 
     // A second run that gets less far takes nothing away.
-    let (mut child, mut stderr) = folder.start("bake scene.toml -o out --pose long --resume");
+    let (mut child, mut stderr) =
+        folder.start("bake scene.toml -o out --pose long --quality fine --resume");
     wait_for(&mut stderr, "was interrupted: it is made again");
     interrupt(&child);
     assert_eq!(child.wait().unwrap().code(), Some(1));
     is_kept();
 
     // The finished pose takes their place.
-    folder.change("scene.toml", "steps = 4000", "steps = 2");
     folder
         .ruga("bake scene.toml -o out --pose long --resume")
         .exits(0);
@@ -227,7 +229,7 @@ fn finished_keys_of_an_interrupted_pose_are_kept() {
 
 #[test]
 fn an_interrupted_run_leaves_the_finished_pose_of_an_earlier_one() {
-    let folder = Folder::with("steps = 2", "steps = 100");
+    let folder = Folder::new();
     folder.ruga("bake scene.toml -o out").exits(0);
     let before = folder.files("out");
     let (mut child, mut stderr) = folder.start("bake scene.toml -o out");

@@ -25,6 +25,12 @@ const LEAST_LOAD: f64 = 0.02;
 /// load ended in a stable mode, and with 0.85 a start at 5 takes twice as many iterations.
 const CLOSE_TO_CRITICAL: f64 = 0.9;
 
+/// Modes of negative curvature, and a relaxation with which to begin where there are no more: it is
+/// rarely less, and a larger one would slow down their growth.
+const FEW_MODES: [(usize, f64); 2] = [(2, 1.6e-2), (8, 0.1)];
+/// Modes of negative curvature that one step does not take all.
+const MANY_MODES: usize = 10;
+
 /// First diagonal shift, relative to the typical diagonal, once full relaxation was not enough.
 const SMALLEST_SHIFT: f64 = 1e-6;
 /// Factor from one diagonal shift to the next.
@@ -41,12 +47,26 @@ pub(crate) struct Convexified {
     pub(crate) shift: f64,
 }
 
+/// A Hessian with what it can be mixed with.
+#[derive(Clone, Copy)]
+pub(crate) struct Hessian<'a> {
+    pub(crate) exact: &'a [f64],
+    /// Without compressive stress.
+    pub(crate) relaxed: &'a [f64],
+    /// Added to the diagonal of either; may be empty.
+    pub(crate) damping: &'a [f64],
+}
+
 /// Search for the smallest change that mends a Hessian; remembers what the last saddle took.
 pub(crate) struct Convexifier {
     mixed: Vec<f64>,
     shifted_damping: Vec<f64>,
-    /// The last relaxation that was searched for and enough.
+    /// The last relaxation that was enough.
     last: Option<f64>,
+    /// Inertia of the last exact Hessian that was factorised.
+    exact: Option<Inertia>,
+    /// Whether the last saddle was taken for one without a look at its exact Hessian.
+    is_guessed: bool,
     pub(crate) factorizations: usize,
 }
 
@@ -56,95 +76,111 @@ impl Convexifier {
             mixed: vec![0.0; kkt.pattern().entries()],
             shifted_damping: vec![0.0; kkt.pattern().size()],
             last: None,
+            exact: None,
+            is_guessed: false,
             factorizations: 0,
         }
     }
 
-    /// Factorises the Hessian, relaxed as little as its inertia allows, or by `hint` where that is
-    /// enough. After the first saddle the search begins at what the last one took, which saves
-    /// three of five factorisations on the way from a saddle with many modes.
+    /// Factorises the Hessian, relaxed about as little as its inertia allows.
+    ///
+    /// The first search singles out the mode that buckles first, unless there is a `hint`: that is given
+    /// for a pattern which is there already. Later ones begin at what the last saddle took.
     pub(crate) fn factorize(
         &mut self,
         kkt: &mut Kkt,
-        exact: &[f64],
-        relaxed: &[f64],
-        damping: &[f64],
+        hessian: Hessian<'_>,
         hint: Option<f64>,
     ) -> Result<Convexified, SolverError> {
+        let last = self.last.or(hint);
+        if let Some((exact, last)) = self.exact.zip(last).filter(|_| self.can_guess()) {
+            self.is_guessed = true;
+            return self.mend(kkt, hessian, exact, Some(step_down(last)));
+        }
+        self.is_guessed = false;
         // The exact Hessian is tried even where a relaxation is expected: only its inertia proves a
         // minimum, and only its steps converge quadratically.
-        let inertia = self.inertia(kkt, exact, damping)?;
-        let mut outcome = Convexified {
-            exact: inertia,
-            relaxation: 0.0,
-            shift: 0.0,
-        };
-        if inertia.is_minimum() {
-            return Ok(outcome);
+        let exact = self.inertia(kkt, hessian.exact, hessian.damping)?;
+        self.exact = Some(exact);
+        if exact.is_minimum() {
+            return Ok(Convexified {
+                exact,
+                relaxation: 0.0,
+                shift: 0.0,
+            });
         }
-        // Less than the hint is not tried: it is given for a pattern that is there already, where
-        // no mode has to be singled out.
-        if let Some(hint) = hint
-            && self.try_relaxation(kkt, exact, relaxed, damping, hint)?
-        {
-            outcome.relaxation = hint;
-            return Ok(outcome);
-        }
-        let found = match self.last {
-            None => self.relax(kkt, exact, relaxed, damping)?,
-            Some(last) => self.relax_near(last, kkt, exact, relaxed, damping)?,
-        };
-        self.last = found;
-        outcome.relaxation = found.unwrap_or(1.0);
-        // What is indefinite without any compression is not the load's doing: only a diagonal
-        // helps.
-        if found.is_none() {
-            outcome.shift = self.shift(kkt, relaxed, damping)?;
-        }
-        Ok(outcome)
+        // A hint is tried as it is: it may be less than what is needed already.
+        let first = self.last.map(step_down).or(hint);
+        let enough = FEW_MODES.iter().find(|few| excess(exact) <= few.0);
+        let first = first.map(|first| enough.map_or(first, |few| few.1.min(first)));
+        self.mend(kkt, hessian, exact, first)
     }
 
-    /// Finds a relaxation that is enough, from one step below `last` on upwards, and leaves its
-    /// factor; `None` when even 1 is not enough.
-    fn relax_near(
+    /// Whether what follows the last saddle is one, too: it had so many modes that one step does not
+    /// take them all. Every other time, so that the step that does is not missed for long.
+    fn can_guess(&self) -> bool {
+        !self.is_guessed && self.exact.is_some_and(|exact| excess(exact) > MANY_MODES)
+    }
+
+    /// Relaxes a Hessian of that `exact` inertia, from a `first` relaxation on upwards if there is one.
+    fn mend(
         &mut self,
-        last: f64,
         kkt: &mut Kkt,
-        exact: &[f64],
-        relaxed: &[f64],
-        damping: &[f64],
+        hessian: Hessian<'_>,
+        exact: Inertia,
+        first: Option<f64>,
+    ) -> Result<Convexified, SolverError> {
+        let found = match first {
+            None => self.relax(kkt, hessian)?,
+            Some(first) => self.relax_from(kkt, hessian, first)?,
+        };
+        let relaxation = found.unwrap_or(1.0);
+        self.last = Some(relaxation);
+        // What is indefinite without any compression is not the load's doing: only a diagonal
+        // helps.
+        let shift = match found {
+            Some(_) => 0.0,
+            None => self.shift(kkt, hessian)?,
+        };
+        Ok(Convexified {
+            exact,
+            relaxation,
+            shift,
+        })
+    }
+
+    /// Finds a relaxation that is enough, from `first` on upwards, and leaves its factor; `None` when
+    /// even 1 is not enough.
+    fn relax_from(
+        &mut self,
+        kkt: &mut Kkt,
+        hessian: Hessian<'_>,
+        first: f64,
     ) -> Result<Option<f64>, SolverError> {
-        // From below, so that the first success is the least on the ladder and stays in the factor.
-        let mut relaxation = step_down(last);
-        loop {
-            if self.try_relaxation(kkt, exact, relaxed, damping, relaxation)? {
-                return Ok(Some(relaxation));
-            }
+        // From below, so that the first success is the least on the ladder and stays in the factor: more
+        // would slow down the growth of the modes and their search.
+        let mut relaxation = first;
+        while !self.try_relaxation(kkt, hessian, relaxation)? {
             if relaxation == 1.0 {
                 return Ok(None);
             }
             relaxation = step_up(relaxation);
         }
+        Ok(Some(relaxation))
     }
 
     /// Finds the relaxation and leaves its factor; `None` when even 1 is not enough.
-    fn relax(
-        &mut self,
-        kkt: &mut Kkt,
-        exact: &[f64],
-        relaxed: &[f64],
-        damping: &[f64],
-    ) -> Result<Option<f64>, SolverError> {
+    fn relax(&mut self, kkt: &mut Kkt, hessian: Hessian<'_>) -> Result<Option<f64>, SolverError> {
         let largest_small = 1.0 - CLOSE_TO_CRITICAL;
         // The largest of the small ones comes first: it tells in one factorisation which search to
         // do.
-        if self.try_relaxation(kkt, exact, relaxed, damping, largest_small)? {
-            return self.relax_little(kkt, exact, relaxed, damping).map(Some);
+        if self.try_relaxation(kkt, hessian, largest_small)? {
+            return self.relax_little(kkt, hessian).map(Some);
         }
         let mut too_little = largest_small;
         // The load shrinks by a constant factor, because `CLOSE_TO_CRITICAL` is a ratio of loads.
         let mut enough = 1.0 - (1.0 - too_little) * LOAD_DECREASE;
-        while !self.try_relaxation(kkt, exact, relaxed, damping, enough)? {
+        while !self.try_relaxation(kkt, hessian, enough)? {
             if enough == 1.0 {
                 return Ok(None);
             }
@@ -159,7 +195,7 @@ impl Convexifier {
         {
             // A geometric mean of loads would stay at zero when full relaxation is the upper end.
             in_factor = 0.5 * (enough + too_little);
-            if self.try_relaxation(kkt, exact, relaxed, damping, in_factor)? {
+            if self.try_relaxation(kkt, hessian, in_factor)? {
                 enough = in_factor;
             } else {
                 too_little = in_factor;
@@ -167,43 +203,36 @@ impl Convexifier {
         }
         // The last trial may have been one that failed, and the caller solves with the factor.
         if in_factor != enough {
-            self.try_relaxation(kkt, exact, relaxed, damping, enough)?;
+            self.try_relaxation(kkt, hessian, enough)?;
         }
         Ok(Some(enough))
     }
 
     /// The least of the small relaxations that is enough; its factor is left.
-    fn relax_little(
-        &mut self,
-        kkt: &mut Kkt,
-        exact: &[f64],
-        relaxed: &[f64],
-        damping: &[f64],
-    ) -> Result<f64, SolverError> {
+    fn relax_little(&mut self, kkt: &mut Kkt, hessian: Hessian<'_>) -> Result<f64, SolverError> {
         for relaxation in SMALL_RELAXATIONS {
-            if self.try_relaxation(kkt, exact, relaxed, damping, relaxation)? {
+            if self.try_relaxation(kkt, hessian, relaxation)? {
                 return Ok(relaxation);
             }
         }
         let largest_small = 1.0 - CLOSE_TO_CRITICAL;
         // It is known to be enough: this only brings its factor back.
-        self.try_relaxation(kkt, exact, relaxed, damping, largest_small)?;
+        self.try_relaxation(kkt, hessian, largest_small)?;
         Ok(largest_small)
     }
 
     fn try_relaxation(
         &mut self,
         kkt: &mut Kkt,
-        exact: &[f64],
-        relaxed: &[f64],
-        damping: &[f64],
+        hessian: Hessian<'_>,
         relaxation: f64,
     ) -> Result<bool, SolverError> {
         let mut mixed = std::mem::take(&mut self.mixed);
-        for ((mixed, exact), relaxed) in mixed.iter_mut().zip(exact).zip(relaxed) {
+        let entries = mixed.iter_mut().zip(hessian.exact).zip(hessian.relaxed);
+        for ((mixed, exact), relaxed) in entries {
             *mixed = (1.0 - relaxation) * exact + relaxation * relaxed;
         }
-        let inertia = self.inertia(kkt, &mixed, damping);
+        let inertia = self.inertia(kkt, &mixed, hessian.damping);
         self.mixed = mixed;
         Ok(inertia?.is_minimum())
     }
@@ -213,9 +242,11 @@ impl Convexifier {
     pub(crate) fn shift(
         &mut self,
         kkt: &mut Kkt,
-        relaxed: &[f64],
-        damping: &[f64],
+        hessian: Hessian<'_>,
     ) -> Result<f64, SolverError> {
+        let Hessian {
+            relaxed, damping, ..
+        } = hessian;
         if self.inertia(kkt, relaxed, damping)?.is_minimum() {
             return Ok(0.0);
         }
@@ -258,9 +289,17 @@ impl Convexifier {
     }
 }
 
+/// Modes of negative curvature of a Hessian that is no minimum's.
+fn excess(inertia: Inertia) -> usize {
+    inertia.negative.saturating_sub(inertia.rows)
+}
+
 /// The next smaller relaxation worth trying.
 fn step_down(relaxation: f64) -> f64 {
     let largest_small = 1.0 - CLOSE_TO_CRITICAL;
+    if 1.0 - relaxation < LEAST_LOAD {
+        return 1.0 - LEAST_LOAD;
+    }
     if relaxation > largest_small {
         // One step is the accuracy to which `relax` would search.
         return (1.0 - (1.0 - relaxation) / CLOSE_TO_CRITICAL).max(largest_small);

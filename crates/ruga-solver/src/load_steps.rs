@@ -21,10 +21,6 @@ pub struct LoadSettings {
     /// Steps below this share of the full load are given up. At least 1e-9, well above rounding, and
     /// below 1; default 1e-3.
     pub smallest_step: f64,
-    /// Load of the first trial, in (0, 1]; 1, the default, starts with the first key. A load
-    /// that is known to lie just below the onset saves the trials far above it, which are dear.
-    /// From there on trials grow by `growth` at most.
-    pub first: f64,
 }
 
 impl Default for LoadSettings {
@@ -34,7 +30,6 @@ impl Default for LoadSettings {
             landing: 1.05,
             bracket: 1.1 / 1.05,
             smallest_step: 1e-3,
-            first: 1.0,
         }
     }
 }
@@ -55,7 +50,6 @@ impl LoadSettings {
                 self.smallest_step,
                 (LEAST_STEP..1.0).contains(&self.smallest_step),
             ),
-            ("first", self.first, self.first > 0.0 && self.first <= 1.0),
         ];
         match settings.into_iter().find(|(_, _, is_sound)| !is_sound) {
             None => Ok(()),
@@ -167,7 +161,7 @@ impl LoadStepper {
         self.trial = match self.phase {
             // Before the onset the state does not depend on the way to it: steps may be long.
             Phase::Unbuckled => Some(Trial {
-                load: reach.min(self.settings.first.max(self.kept * self.settings.growth)),
+                load: reach,
                 probe: true,
             }),
             // Just past the onset the critical mode is the only unstable one, so it sets the

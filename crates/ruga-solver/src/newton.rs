@@ -8,11 +8,11 @@ use rand_pcg::Pcg64Mcg;
 
 use overshot::Overshot;
 
-use crate::convexify::Convexifier;
+use crate::convexify::{Convexifier, Hessian};
 use crate::error::{check_finite, check_length};
 use crate::line_search::line_search;
 use crate::objective::check_pattern;
-use crate::soft_modes::{dot, largest, search_curvature};
+use crate::soft_modes::{FEW_ROUNDS, MANY_ROUNDS, Point, dot, largest, search_curvature};
 use crate::{
     AtSaddle, Inertia, Iteration, Kkt, NewtonSettings, Objective, SolveReport, SolverError,
     StopRule,
@@ -272,13 +272,13 @@ impl<'a> Newton<'a> {
         }
         self.objective
             .hessian(x, &mut self.exact, &mut self.relaxed);
-        let outcome = self.convexifier.factorize(
-            self.kkt,
-            &self.exact,
-            &self.relaxed,
-            self.objective.damping(),
-            self.hint.take(),
-        )?;
+        let hint = self.hint.take();
+        let hessian = Hessian {
+            exact: &self.exact,
+            relaxed: &self.relaxed,
+            damping: self.objective.damping(),
+        };
+        let outcome = self.convexifier.factorize(self.kkt, hessian, hint)?;
         self.report.shift_used = self.report.shift_used.max(outcome.shift);
         Ok(Factored {
             inertia: outcome.exact,
@@ -292,8 +292,12 @@ impl<'a> Newton<'a> {
     fn factorize_relaxed(&mut self, x: &[f64]) -> Result<(), SolverError> {
         self.objective
             .hessian(x, &mut self.exact, &mut self.relaxed);
-        let damping = self.objective.damping();
-        let shift = self.convexifier.shift(self.kkt, &self.relaxed, damping)?;
+        let hessian = Hessian {
+            exact: &self.exact,
+            relaxed: &self.relaxed,
+            damping: self.objective.damping(),
+        };
+        let shift = self.convexifier.shift(self.kkt, hessian)?;
         self.report.shift_used = self.report.shift_used.max(shift);
         Ok(())
     }
@@ -418,14 +422,28 @@ impl<'a> Newton<'a> {
             other => other.map(|accepted| accepted.energy),
         };
         if at_saddle && self.settings.at_saddle == AtSaddle::Leave {
+            let point = Point {
+                x,
+                energy,
+                gradient: &self.gradient,
+                hessian: Hessian {
+                    exact: &self.exact,
+                    relaxed: &self.relaxed,
+                    damping: &[],
+                },
+            };
+            // Where nothing else descends the mode has to be found.
+            let rounds =
+                match newton.is_some() && iteration.decrement > self.settings.energy_tolerance {
+                    true => FEW_ROUNDS,
+                    false => MANY_ROUNDS,
+                };
             let curvature = search_curvature(
                 self.objective,
                 self.kkt,
                 &mut self.generator,
-                [&self.exact, &self.relaxed],
-                x,
-                energy,
-                &self.gradient,
+                &point,
+                rounds,
             )?;
             // The better of the two, not one after the other: that saved a tenth of the iterations,
             // but made an unstructured film choose another number of waves.

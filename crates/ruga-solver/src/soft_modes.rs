@@ -4,14 +4,18 @@
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
+use crate::convexify::Hessian;
 use crate::error::{check_finite, check_length};
 use crate::objective::check_pattern;
 use crate::{Inertia, Kkt, Objective, SolverError};
 
 /// Inverse iterations from a random vector before a curvature search.
 const INVERSE_ITERATIONS: usize = 3;
-/// Inverse iterations spent at most on a mode that the exact Hessian still resists.
-const MAX_INVERSE_ITERATIONS: usize = 60;
+/// Rounds of inverse iterations spent at most on a mode that the exact Hessian still resists, where the
+/// Newton step descends, too.
+pub(crate) const FEW_ROUNDS: usize = 4;
+/// Rounds spent at most where nothing else descends.
+pub(crate) const MANY_ROUNDS: usize = 20;
 
 /// First length of the curvature search over the objective's length scale; it doubles.
 const FIRST_LENGTH: f64 = 1e-3;
@@ -135,6 +139,14 @@ fn rayleigh_quotient(kkt: &Kkt, values: &[f64], mode: &[f64]) -> f64 {
     }
 }
 
+/// A saddle.
+pub(crate) struct Point<'a> {
+    pub(crate) x: &'a [f64],
+    pub(crate) energy: f64,
+    pub(crate) gradient: &'a [f64],
+    pub(crate) hessian: Hessian<'a>,
+}
+
 /// A step along negative curvature: `x + step` has the energy `energy`.
 pub(crate) struct CurvatureStep {
     pub(crate) step: Vec<f64>,
@@ -143,7 +155,7 @@ pub(crate) struct CurvatureStep {
 
 /// Follows the buckling mode of the factorised matrix downhill as long as the energy falls.
 ///
-/// `exact` is the Hessian whose negative curvature is looked for; what is factorised is a
+/// `hessian.exact` is what negative curvature is looked for; what is factorised is a
 /// relaxation of it, so the first few inverse iterations may end in a mode that is soft, but
 /// stable. The next ones weigh with the `relaxed` Hessian, which makes them the power iteration for
 /// the buckling load: a layer that hardly resists sliding has modes softer than any wrinkle, but in
@@ -154,14 +166,18 @@ pub(crate) fn search_curvature(
     objective: &dyn Objective,
     kkt: &mut Kkt,
     generator: &mut Pcg64Mcg,
-    [exact, relaxed]: [&[f64]; 2],
-    x: &[f64],
-    energy: f64,
-    gradient: &[f64],
+    point: &Point<'_>,
+    rounds: usize,
 ) -> Result<Option<CurvatureStep>, SolverError> {
+    let Point {
+        x,
+        energy,
+        gradient,
+        hessian: Hessian { exact, relaxed, .. },
+    } = *point;
     let mut mode = random_vector(generator, x.len());
     inverse_iterations(kkt, None, &mut mode, INVERSE_ITERATIONS)?;
-    for _ in 1..MAX_INVERSE_ITERATIONS / INVERSE_ITERATIONS {
+    for _ in 1..rounds {
         if rayleigh_quotient(kkt, exact, &mode) < 0.0 {
             break;
         }

@@ -133,7 +133,6 @@ fn loads_come_to_an_end() {
                 bracket: 1.0 + f64::EPSILON,
                 landing: 1.0 + f64::EPSILON,
                 smallest_step: 1e-9,
-                first: 1e-3,
             };
             let mut loads = LoadStepper::new(&[1.0], settings).unwrap();
             let mut trials = 0;

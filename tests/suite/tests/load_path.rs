@@ -38,21 +38,28 @@ fn turning_forearm() -> Skin {
     skin
 }
 
-fn run(skin: &Skin, shape: &str, path: LoadPath, keys: &[f64]) -> PoseResult {
+/// Simulates a pose at its keys alone, then from load to load.
+fn run(skin: &Skin, shape: &str, path: LoadPath, keys: &[f64]) -> [PoseResult; 2] {
     let mut pose = skin.pose(&[(shape, 1.0)], 4);
     pose.keys = keys.to_vec();
     assert_eq!(skin.plan(&pose, &draft()).poses[0].path, path, "{shape}");
-    let result = skin.simulate(&pose, &draft());
-    assert!(result.converged, "{shape}: {:?}", result.warnings);
-    let report = &result.layers[0];
-    println!(
-        "{shape}: onset {:?}, amplitude {:.4} mm, wavelength {:.3} mm, {} iterations",
-        report.onset_load,
-        1e3 * report.amplitude,
-        1e3 * report.wavelength.unwrap_or(0.0),
-        report.newton_iterations
-    );
-    result
+    let layers = std::slice::from_ref(&skin.layer);
+    let results = [
+        skin.simulate(&pose, &draft()),
+        skin.follow(layers, &pose, &draft()),
+    ];
+    for result in &results {
+        assert!(result.converged, "{shape}: {:?}", result.warnings);
+        let report = &result.layers[0];
+        println!(
+            "{shape}: onset {:?}, amplitude {:.4} mm, wavelength {:.3} mm, {} iterations",
+            report.onset_load,
+            1e3 * report.amplitude,
+            1e3 * report.wavelength.unwrap_or(0.0),
+            report.newton_iterations
+        );
+    }
+    results
 }
 
 /// Half way the turning shape is half as wide as at its ends, and would wrinkle all over.
@@ -62,16 +69,23 @@ fn a_turning_shape_wrinkles_as_one_that_does_not_turn() {
     let plain = run(&skin, "compress", LoadPath::Weight, &[1.0]);
     let keys = [0.02, 1.0];
     let turned = run(&skin, "turn", LoadPath::Strain, &keys);
-    // Each key has a sequence of its own.
-    let reached: Vec<f64> = turned.keys.iter().map(|key| key.load).collect();
-    assert_eq!(reached, keys);
-    assert!(turned.frames >= 8, "{} frames", turned.frames);
-    let [plain, turned] = [&plain, &turned].map(|result| &result.layers[0]);
-    let amplitude = turned.amplitude / plain.amplitude - 1.0;
-    assert!(amplitude.abs() < 0.02, "amplitude {amplitude}");
-    let energy = turned.energy / plain.energy - 1.0;
-    assert!(energy.abs() < 0.01, "energy {energy}");
-    let wavelengths = [plain, turned].map(|layer| layer.wavelength.expect("wrinkles"));
-    let wavelength = wavelengths[1] / wavelengths[0] - 1.0;
-    assert!(wavelength.abs() < 0.03, "wavelength {wavelength}");
+    // From load to load each key has a sequence of its own.
+    let frames = [0, 1].map(|i| turned[i].frames);
+    assert!(frames[0] == 2 && frames[1] >= 8, "{frames:?} frames");
+    for result in &turned {
+        let reached: Vec<f64> = result.keys.iter().map(|key| key.load).collect();
+        assert_eq!(reached, keys);
+    }
+    // One skin, whatever the way to it.
+    let [reference, others @ ..] = [&plain[0], &plain[1], &turned[0], &turned[1]];
+    let reference = &reference.layers[0];
+    for other in others.map(|result| &result.layers[0]) {
+        let amplitude = other.amplitude / reference.amplitude - 1.0;
+        assert!(amplitude.abs() < 0.02, "amplitude {amplitude}");
+        let energy = other.energy / reference.energy - 1.0;
+        assert!(energy.abs() < 0.01, "energy {energy}");
+        let wavelengths = [reference, other].map(|layer| layer.wavelength.expect("wrinkles"));
+        let wavelength = wavelengths[1] / wavelengths[0] - 1.0;
+        assert!(wavelength.abs() < 0.03, "wavelength {wavelength}");
+    }
 }

@@ -26,6 +26,8 @@ const RANGE: [f64; 2] = [0.6, 1.6];
 /// in the bracket of 1.1/1.05 that a run leaves.
 const ONSET_STEP: f64 = 0.004;
 const ONSET_LOADS: i32 = 13;
+/// Load far above any onset, in critical strains.
+const BRACKETED: f64 = 1.5;
 
 /// A film 0.1 mm thick on a half-space, on a rectangular patch that a blend shape compresses along x:
 /// evenly, but for both ends, towards which the compression fades out.
@@ -80,7 +82,8 @@ impl Observer for UpTo {
     }
 
     fn wants_frames(&self) -> bool {
-        false
+        // Only what goes on from load to load finds an onset.
+        true
     }
 }
 
@@ -197,22 +200,20 @@ impl FlatFilm {
 
     /// Load at which the film first buckles, in critical strains, to 0.2 %; `None` where it does not.
     ///
-    /// `bracketed` is a run of it to the full load: the onset lies in the bracket that it has left, and
-    /// another run goes through that in small steps.
+    /// One run finds a bracket of it, another goes through that in small steps.
     ///
     /// # Errors
     /// What planner and stepper refuse.
-    pub fn onset(
-        &self,
-        modelling: &Modelling,
-        bracketed: &PoseResult,
-    ) -> Result<Option<f64>, StepperError> {
+    pub fn onset(&self, modelling: &Modelling) -> Result<Option<f64>, StepperError> {
+        // The mesh is fitted to the last key, and ought to be the same in all runs.
+        let last = BRACKETED / self.load;
+        let loads = [BRACKETED, self.load];
+        let bracketed = self.simulate(modelling, (&loads, 1), &mut UpTo(last))?;
         let Some(bound) = bracketed.layers[0].onset_load else {
             return Ok(None);
         };
         let load = |i: i32| bound * self.load * (1.0 + ONSET_STEP).powi(i);
         let mut loads: Vec<f64> = (-ONSET_LOADS..=0).map(load).collect();
-        // The mesh is fitted to the last key, and ought to be the same.
         if bound < 1.0 - 1e-9 {
             loads.push(self.load);
         }

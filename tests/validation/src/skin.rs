@@ -10,8 +10,8 @@ use ruga_io::{MeshFile, ObjOptions, read_mesh};
 use ruga_material::{WavelengthModel, preset};
 use ruga_mesh::Id;
 use ruga_stepper::{
-    Coupling, KeyResult, LayerReport, LayerSpec, LayerSurface, Modelling, Plan, PoseResult,
-    PoseSpec, Presence, Sampling, Silent, plan,
+    Coupling, KeyResult, LayerReport, LayerSpec, LayerSurface, Modelling, Observer, Plan,
+    PoseResult, PoseSpec, Presence, Sampling, Silent, plan,
 };
 
 /// A mesh under one layer.
@@ -82,6 +82,11 @@ pub fn findings(layer: &LayerReport) -> String {
         layer.factorizations
     )
 }
+
+/// Wants every frame and looks at none.
+struct EveryFrame;
+
+impl Observer for EveryFrame {}
 
 impl Skin {
     /// Reads the only mesh of a file and covers it with a preset, held the default way.
@@ -172,10 +177,33 @@ impl Skin {
         pose: &PoseSpec,
         modelling: &Modelling,
     ) -> PoseResult {
+        self.watch(layers, pose, modelling, &mut Silent)
+    }
+
+    /// The same from load to load, as for an observer who wants every frame: that finds the onset.
+    ///
+    /// # Panics
+    /// When planner or stepper refuse.
+    pub fn follow(
+        &self,
+        layers: &[LayerSpec],
+        pose: &PoseSpec,
+        modelling: &Modelling,
+    ) -> PoseResult {
+        self.watch(layers, pose, modelling, &mut EveryFrame)
+    }
+
+    fn watch(
+        &self,
+        layers: &[LayerSpec],
+        pose: &PoseSpec,
+        modelling: &Modelling,
+        observer: &mut dyn Observer,
+    ) -> PoseResult {
         let poses = std::slice::from_ref(pose);
         let plan =
             plan(&self.driver, layers, poses, modelling, 1024).expect("a pose that can be planned");
-        plan.simulate(0, &mut Silent)
+        plan.simulate(0, observer)
             .expect("a pose that can be simulated")
     }
 

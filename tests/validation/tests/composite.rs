@@ -41,7 +41,7 @@ fn run(skin: &Skin, stack: Stack, weight: f64) -> PoseResult {
         ..Modelling::default()
     };
     let pose = skin.pose(&[("compress", weight)], 4);
-    let result = skin.simulate_stack(&pair(skin), &pose, &modelling);
+    let result = skin.follow(&pair(skin), &pose, &modelling);
     for layer in &result.layers {
         println!("{stack:?}, {}", findings(layer));
     }

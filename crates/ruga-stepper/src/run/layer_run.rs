@@ -163,8 +163,8 @@ impl<'a> LayerRun<'a> {
         loads: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
-        let mut stepper =
-            LoadStepper::new(loads, LoadSettings::default()).map_err(|source| self.solver_error(source))?;
+        let mut stepper = LoadStepper::new(loads, LoadSettings::default())
+            .map_err(|source| self.solver_error(source))?;
         // The first pattern is chosen with care.
         self.relaxation = 0.0;
         // Every trial begins from the last state that was kept. A pattern that was made above the

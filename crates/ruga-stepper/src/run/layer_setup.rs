@@ -198,7 +198,9 @@ impl<'a> StackRun<'a> {
         })?;
         // Its shape is that of the last strains, of which other faces know only the largest.
         let faces = fitted.layer.face_count();
-        fitted.layer.limit_strains(&PerFace::filled(faces, before))?;
+        fitted
+            .layer
+            .limit_strains(&PerFace::filled(faces, before))?;
         fitted.take_history(run);
         Ok(fitted)
     }

@@ -20,8 +20,8 @@ fn measured(coupling: Coupling) -> ([[f64; 2]; 2], f64) {
     let thickness = flat.layer.material.thickness;
     let mut lift = 0.0;
     let both = [flat, bent].map(|film| {
-        let (result, states) = film.states(&modelling, &[0.9, 2.0, 4.0]);
-        let onset = film.onset(&modelling, &result).expect("a film");
+        let (_, states) = film.states(&modelling, &[0.9, 2.0, 4.0]);
+        let onset = film.onset(&modelling).expect("a film");
         lift = states[0].lift / thickness;
         println!(
             "{coupling:?}, {:?}: onset {onset:?}, lift {lift:.4}, {:?}",

@@ -59,7 +59,9 @@ impl Layer {
     pub(crate) fn limit_strains(&mut self, most: &PerFace<f64>) -> Result<(), StepperError> {
         let ratios = self.strain_ratios();
         let faces = self.strains.ids();
-        self.fractions = faces.map(|face| ratios.fraction_of(face, most[face])).collect();
+        self.fractions = faces
+            .map(|face| ratios.fraction_of(face, most[face]))
+            .collect();
         self.set_effective_strains(|_, applied| applied)
     }
 

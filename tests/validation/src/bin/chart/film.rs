@@ -69,7 +69,7 @@ pub(crate) fn measure(request: &Run) -> Outcome {
     // The onset belongs to the discretisation, whatever solves the linear systems. Averages alone buckle
     // where the product does not look for an onset yet.
     let is_sought = method.solver == Solver::Ldlt && method.coupling != Coupling::Constraint;
-    if is_sought && let Ok(Some(onset)) = film.onset(&modelling, &result) {
+    if is_sought && let Ok(Some(onset)) = film.onset(&modelling) {
         outcome.errors.insert(Measure::Onset, onset / ONSET - 1.0);
     }
     outcome
