@@ -151,7 +151,7 @@ fn convergence<'a>(poses: impl Iterator<Item = &'a PoseReport>) -> Outcome {
     }
     messages::warning(&format!(
         "{} did not converge: {}; there wrinkles may be too shallow, too deep or in the wrong place. \
-         The results are written and marked in report.json; more `steps` for the pose may help",
+         The results are written and marked in report.json; `keys` closer together may help, or on a soft body more `steps`",
         counted(failed.len(), "pose"),
         failed.join(", ")
     ));

@@ -153,7 +153,8 @@ pub struct Pose {
     /// Fractions of the weights at which maps are baked, in (0, 1].
     #[serde(default = "default_keys")]
     pub keys: Vec<f64>,
-    /// Load steps from rest to the full pose.
+    /// Load steps from rest to the full pose, for `ruga simulate` and for soft bodies; `ruga bake` goes
+    /// from key to key on a posed mesh that does not move in time.
     #[serde(default = "default_steps")]
     pub steps: u32,
     /// Where handles and obstacles of `[interior]` go; what is not named stands still.

@@ -7,7 +7,7 @@
 //! how finely, at what cost. [`Plan::simulate`] takes one pose of it from rest to full weight, shows an
 //! [`Observer`] each step, and returns a [`PoseResult`].
 //!
-//! In each load step the layer takes the positions `x` of least energy over the posed surface:
+//! At each key of a pose the layer takes the positions `x` of least energy over the posed surface:
 //!
 //! ```text
 //! min  shell(x) + 1/2 int K0 w^2 + K1 |grad w|^2 + Kt |x_t - p_t|^2     subject to  H x = b
@@ -16,8 +16,8 @@
 //! `w` is the height over the posed surface and `x_t - p_t` the way along it; `H x = b` holds
 //! averages of the layer, taken over more than a wavelength, at the same averages of that surface
 //! (Li 2014, ch. 4). The base also pushes back with what a layer lying flat on it exerts, so that
-//! the artist's own shape is in equilibrium. A load at which the layer buckles is approached by
-//! bisection, because wrinkles choose their length at the onset. A layer's mesh is fitted to what
+//! the artist's own shape is in equilibrium. On the way to a key every face passes its own critical strain
+//! slowly, because wrinkles choose their length there. A layer's mesh is fitted to what
 //! the pose asks for; the next layer is then solved on what this one has become, going on from its own
 //! last shape, or two are solved at once ([`Stack`]). With [`Dynamics`] load steps are steps in time.
 //!

@@ -71,8 +71,8 @@ pub trait Observer {
         true
     }
 
-    /// Whether results are wanted in every load step, not at the keys alone; what lies between is
-    /// then only passed, less exactly and without the layers on top.
+    /// Whether results are wanted in every load step, not at the keys alone. Between keys a soft body is
+    /// then only passed, less exactly and without the layers on top, and a posed driver not at all.
     fn wants_frames(&self) -> bool {
         true
     }

@@ -114,7 +114,9 @@ pub struct LayerReport {
     pub stop: Option<StopRule>,
     /// Response bending modulus of this very mesh over that of the material.
     pub bending_ratio: Option<f64>,
-    /// Load at which the layer first buckled; `None` for motion in time, which looks for none.
+    /// Fraction of the pose at which the layer begins to wrinkle: found by bisection where every frame was
+    /// wanted, or else where the strain of a key first reaches the critical one, which is at most what
+    /// bisection finds; `None` for motion in time, which looks for none.
     pub onset_load: Option<f64>,
 }
 

@@ -41,30 +41,26 @@ pub(crate) fn cost(
     (factorisations * factorisation, memory)
 }
 
-/// Factorisations of a layer in one pose.
+/// Factorisations of a layer in one pose whose keys alone are wanted.
 ///
-/// The lowest layer takes about thirty to find its onset and as many again for every doubling of
-/// the load beyond it, in at least four for each load step; up to twice as many on a base that
+/// The lowest layer takes about ten at every key and eleven more for every doubling of the strain beyond
+/// the onset; up to twice as many on a base that
 /// bends within a wavelength, where even a smooth layer is not at rest in one iteration, and more by
 /// six tenths where the wavelength doubles from place to place, as waves end in between. One on
-/// another layer takes two hundred to wrinkle on what that has become at the first key, and goes on
+/// another layer takes sixty to wrinkle on what that has become at the first key, and goes on
 /// from there in thirty.
 pub(crate) fn factorisations(lowest: Option<Load>, pose: &PoseSpec, path: LoadPath) -> f64 {
     let keys = pose.keys.len() as f64;
     let Some(lowest) = lowest else {
-        return 170.0 + 30.0 * keys;
+        return 30.0 + 30.0 * keys;
     };
     let doublings = lowest.onset.recip().log2();
     let uneven = (1.0 + lowest.bend.min(1.0).powi(2)) * (1.0 + 0.6 * lowest.spread.log2());
-    let once = (28.0 + 36.0 * doublings) * uneven;
-    let steps = f64::from(pose.steps);
-    match path {
-        LoadPath::Weight => {
-            let last = pose.keys.iter().copied().fold(0.0, f64::max);
-            once.max(4.0 * steps * last)
-        }
-        LoadPath::Strain => keys * once.max(4.0 * steps),
-    }
+    let onsets = match path {
+        LoadPath::Weight => 1.0,
+        LoadPath::Strain => keys,
+    };
+    (10.0 * keys + 11.0 * doublings * onsets) * uneven
 }
 
 #[cfg(test)]
@@ -74,12 +70,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn work_grows_with_load_bends_waves_and_steps() {
-        let pose = |keys: Vec<f64>, steps| PoseSpec {
+    fn work_grows_with_load_bends_waves_and_keys() {
+        let pose = |keys: Vec<f64>| PoseSpec {
             name: "pose".into(),
             weights: Weights::default(),
             keys,
-            steps,
+            steps: 6,
             motions: Vec::new(),
         };
         let of = |onset, bend, spread, pose: &PoseSpec, path| {
@@ -93,15 +89,15 @@ mod tests {
                 path,
             )
         };
-        let plain = pose(vec![1.0], 6);
+        let plain = pose(vec![1.0]);
         let (weight, strain) = (LoadPath::Weight, LoadPath::Strain);
-        assert_eq!(of(1.0, 0.0, 1.0, &plain, weight), 28.0);
-        assert_eq!(of(0.5, 0.0, 1.0, &plain, weight), 64.0);
-        assert_eq!(of(0.5, 5.0, 1.0, &plain, weight), 128.0);
-        assert_eq!(of(0.5, 0.0, 2.0, &plain, weight), 1.6 * 64.0);
-        // Half of the steps lie beyond the only key.
-        assert_eq!(of(1.0, 0.0, 1.0, &pose(vec![0.5], 200), weight), 400.0);
-        assert_eq!(of(0.5, 0.0, 1.0, &pose(vec![0.5, 1.0], 6), strain), 128.0);
-        assert_eq!(factorisations(None, &plain, weight), 200.0);
+        assert_eq!(of(1.0, 0.0, 1.0, &plain, weight), 10.0);
+        assert_eq!(of(0.5, 0.0, 1.0, &plain, weight), 21.0);
+        assert_eq!(of(0.5, 5.0, 1.0, &plain, weight), 42.0);
+        assert_eq!(of(0.5, 0.0, 2.0, &plain, weight), 1.6 * 21.0);
+        let two_keys = pose(vec![0.5, 1.0]);
+        assert_eq!(of(0.5, 0.0, 1.0, &two_keys, weight), 31.0);
+        assert_eq!(of(0.5, 0.0, 1.0, &two_keys, strain), 42.0);
+        assert_eq!(factorisations(None, &plain, weight), 60.0);
     }
 }

@@ -19,10 +19,12 @@ use crate::{
 impl Plan {
     /// Simulates pose number `pose`, from rest to its keys.
     ///
-    /// On a driver, the lowest layer that can wrinkle follows it from rest to full weight, or at each
-    /// key the growth of its strain ([`LoadPath`]); a load at which it first buckles is approached by
-    /// bisection, so that the wavelength is chosen at the onset. On its equilibrium the next layer is
-    /// solved, its strain growing from none, and so on up (Li 2014); from one result to the next it
+    /// On a driver, the lowest layer that can wrinkle goes from key to key; the strain that every face
+    /// feels grows through its own critical strain, so that wavelengths are chosen at the onset. For an
+    /// observer who wants frames it follows the driver from rest to full weight instead, or at each key
+    /// the growth of its strain ([`LoadPath`]), and a load at which it first buckles is approached by
+    /// bisection. On its equilibrium the next layer is
+    /// solved, from key to key as well, and so on up (Li 2014): from one result to the next it
     /// goes on from its last shape, on a mesh that is fitted anew when the old one no longer serves.
     ///
     /// On a soft body, layer and body are one minimum of all energies. A first run on a coarse mesh, part of

@@ -154,7 +154,7 @@ impl Layer {
         if 0.5 * wavelength > patch.area / self.outline(patch) {
             return "the place is narrower than its wrinkles are long, and the smooth skin beside it holds it. Paint a shorter wavelength, or a wider place".to_owned();
         }
-        "no wrinkled state was found from the smooth one. A map of it can be used as it is; `keys` closer together or more `steps` may find one".to_owned()
+        "no wrinkled state was found from the smooth one. A map of it can be used as it is; `keys` closer together may find one, or on a soft body more `steps`".to_owned()
     }
 
     /// Half of the length of the edges around a place, m.
