@@ -13,8 +13,11 @@ use std::time::Duration;
 use fixture::{Folder, wait_for};
 use serde_json::Value;
 
-/// A second pose, which takes some seconds at fine quality.
+/// A second pose, which takes some seconds where waves are [`SHORT`].
 const LONG: &str = "[[poses]]\nname = \"long\"\nweights = { squeeze = 1.0 }\nsteps = 2\n[remesh]";
+
+/// A wavelength for which the mesh of the fixture takes seconds.
+const SHORT: [&str; 2] = ["wavelength = 0.03", "wavelength = 0.012"];
 
 fn interrupt(child: &Child) {
     signal(child, "-INT");
@@ -30,6 +33,7 @@ fn signal(child: &Child, name: &str) {
 #[test]
 fn finished_poses_stay_whole_and_a_second_run_resumes() {
     let folder = Folder::with("[remesh]", LONG);
+    folder.change("scene.toml", SHORT[0], SHORT[1]);
     let (mut child, mut stderr) = folder.start("bake scene.toml -o out --threads 1");
     wait_for(&mut stderr, "pose `long` (2 of 2) started");
     interrupt(&child);
@@ -186,7 +190,7 @@ fn interrupted_after_first_key(folder: &Folder) {
 fn finished_keys_of_an_interrupted_pose_are_kept() {
     let two_keys = LONG.replace("steps = 2", "keys = [0.015, 1.0]");
     let folder = Folder::with("[remesh]", &two_keys);
-    folder.change("scene.toml", "wavelength = 0.03", "wavelength = 0.012");
+    folder.change("scene.toml", SHORT[0], SHORT[1]);
     interrupted_after_first_key(&folder);
     let map = "maps/long_1p5_normal.png";
     let is_kept = || {
@@ -230,12 +234,13 @@ fn finished_keys_of_an_interrupted_pose_are_kept() {
 #[test]
 fn an_interrupted_run_leaves_the_finished_pose_of_an_earlier_one() {
     let folder = Folder::new();
+    folder.change("scene.toml", SHORT[0], SHORT[1]);
     folder.ruga("bake scene.toml -o out").exits(0);
     let before = folder.files("out");
     let (mut child, mut stderr) = folder.start("bake scene.toml -o out");
     wait_for(&mut stderr, "pose `squeezed` (1 of 1) started");
     interrupt(&child);
-    child.wait().unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(1));
     assert_eq!(folder.files("out"), before);
     let maps = folder.json("out/wrinkles.json")["maps"].clone();
     assert_eq!(maps.as_array().unwrap().len(), 4);

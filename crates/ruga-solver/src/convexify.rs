@@ -31,6 +31,9 @@ const FEW_MODES: [(usize, f64); 2] = [(2, 1.6e-2), (8, 0.1)];
 /// Modes of negative curvature that one step does not take all.
 const MANY_MODES: usize = 10;
 
+/// Small steps from a relaxation that was expected to be enough, before large ones.
+const SMALL_STEPS: usize = 3;
+
 /// First diagonal shift, relative to the typical diagonal, once full relaxation was not enough.
 const SMALLEST_SHIFT: f64 = 1e-6;
 /// Factor from one diagonal shift to the next.
@@ -71,6 +74,11 @@ pub(crate) struct Convexifier {
 }
 
 impl Convexifier {
+    /// Whether the last saddle was taken for one without a look at its exact Hessian.
+    pub(crate) fn has_guessed(&self) -> bool {
+        self.is_guessed
+    }
+
     pub(crate) fn new(kkt: &Kkt) -> Self {
         Self {
             mixed: vec![0.0; kkt.pattern().entries()],
@@ -92,8 +100,7 @@ impl Convexifier {
         hessian: Hessian<'_>,
         hint: Option<f64>,
     ) -> Result<Convexified, SolverError> {
-        let last = self.last.or(hint);
-        if let Some((exact, last)) = self.exact.zip(last).filter(|_| self.can_guess()) {
+        if let Some((exact, last)) = self.exact.zip(self.last).filter(|_| self.can_guess()) {
             self.is_guessed = true;
             return self.mend(kkt, hessian, exact, Some(step_down(last)));
         }
@@ -109,10 +116,20 @@ impl Convexifier {
                 shift: 0.0,
             });
         }
-        // A hint is tried as it is: it may be less than what is needed already.
+        // A hint is tried as it is, because it may already be less than what is needed.
         let first = self.last.map(step_down).or(hint);
-        let enough = FEW_MODES.iter().find(|few| excess(exact) <= few.0);
-        let first = first.map(|first| enough.map_or(first, |few| few.1.min(first)));
+        let few = FEW_MODES.iter().find(|few| excess(exact) <= few.0);
+        if let Some((&(_, little), first)) = few.zip(first)
+            && little < first
+            && self.try_relaxation(kkt, hessian, little)?
+        {
+            self.last = Some(little);
+            return Ok(Convexified {
+                exact,
+                relaxation: little,
+                shift: 0.0,
+            });
+        }
         self.mend(kkt, hessian, exact, first)
     }
 
@@ -160,11 +177,17 @@ impl Convexifier {
         // From below, so that the first success is the least on the ladder and stays in the factor: more
         // would slow down the growth of the modes and their search.
         let mut relaxation = first;
+        let mut steps = 0;
         while !self.try_relaxation(kkt, hessian, relaxation)? {
             if relaxation == 1.0 {
                 return Ok(None);
             }
-            relaxation = step_up(relaxation);
+            let decrease = match steps {
+                ..SMALL_STEPS => CLOSE_TO_CRITICAL,
+                _ => LOAD_DECREASE,
+            };
+            relaxation = step_up(relaxation, decrease);
+            steps += 1;
         }
         Ok(Some(relaxation))
     }
@@ -308,11 +331,11 @@ fn step_down(relaxation: f64) -> f64 {
     smaller.copied().unwrap_or(relaxation)
 }
 
-/// The next larger relaxation worth trying, at most 1.
-fn step_up(relaxation: f64) -> f64 {
+/// The next larger relaxation worth trying, at most 1; of a large one, with `decrease` times the load.
+fn step_up(relaxation: f64, decrease: f64) -> f64 {
     let largest_small = 1.0 - CLOSE_TO_CRITICAL;
     if relaxation >= largest_small {
-        let load = (1.0 - relaxation) * CLOSE_TO_CRITICAL;
+        let load = (1.0 - relaxation) * decrease;
         return if load < LEAST_LOAD { 1.0 } else { 1.0 - load };
     }
     let larger = SMALL_RELAXATIONS.iter().find(|&&it| it > relaxation);

@@ -426,11 +426,8 @@ impl<'a> Newton<'a> {
                 x,
                 energy,
                 gradient: &self.gradient,
-                hessian: Hessian {
-                    exact: &self.exact,
-                    relaxed: &self.relaxed,
-                    damping: &[],
-                },
+                exact: &self.exact,
+                relaxed: &self.relaxed,
             };
             // Where nothing else descends the mode has to be found.
             let rounds =
@@ -459,6 +456,7 @@ impl<'a> Newton<'a> {
         if newton.is_some() {
             x.copy_from_slice(&self.trial);
         }
-        Ok(newton.is_some())
+        // Where nothing descends at a saddle that was only guessed, the next iteration looks.
+        Ok(newton.is_some() || self.convexifier.has_guessed())
     }
 }

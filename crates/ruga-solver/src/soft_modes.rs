@@ -4,7 +4,6 @@
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::convexify::Hessian;
 use crate::error::{check_finite, check_length};
 use crate::objective::check_pattern;
 use crate::{Inertia, Kkt, Objective, SolverError};
@@ -139,12 +138,14 @@ fn rayleigh_quotient(kkt: &Kkt, values: &[f64], mode: &[f64]) -> f64 {
     }
 }
 
-/// A saddle.
+/// A state with its energy and derivatives.
 pub(crate) struct Point<'a> {
     pub(crate) x: &'a [f64],
     pub(crate) energy: f64,
     pub(crate) gradient: &'a [f64],
-    pub(crate) hessian: Hessian<'a>,
+    pub(crate) exact: &'a [f64],
+    /// Hessian without compressive stress.
+    pub(crate) relaxed: &'a [f64],
 }
 
 /// A step along negative curvature: `x + step` has the energy `energy`.
@@ -155,13 +156,13 @@ pub(crate) struct CurvatureStep {
 
 /// Follows the buckling mode of the factorised matrix downhill as long as the energy falls.
 ///
-/// `hessian.exact` is what negative curvature is looked for; what is factorised is a
+/// `point.exact` is what negative curvature is looked for; what is factorised is a
 /// relaxation of it, so the first few inverse iterations may end in a mode that is soft, but
 /// stable. The next ones weigh with the `relaxed` Hessian, which makes them the power iteration for
 /// the buckling load: a layer that hardly resists sliding has modes softer than any wrinkle, but in
 /// relation to what they cost without compression none is softer than the one that buckles. From
 /// the beginning they would keep too much of the random vector's shortest waves, and the last of a
-/// round takes those away.
+/// round takes those away. After `rounds` of them it takes what it has.
 pub(crate) fn search_curvature(
     objective: &dyn Objective,
     kkt: &mut Kkt,
@@ -173,7 +174,8 @@ pub(crate) fn search_curvature(
         x,
         energy,
         gradient,
-        hessian: Hessian { exact, relaxed, .. },
+        exact,
+        relaxed,
     } = *point;
     let mut mode = random_vector(generator, x.len());
     inverse_iterations(kkt, None, &mut mode, INVERSE_ITERATIONS)?;

@@ -115,8 +115,8 @@ pub struct LayerReport {
     /// Response bending modulus of this very mesh over that of the material.
     pub bending_ratio: Option<f64>,
     /// Fraction of the pose at which the layer begins to wrinkle: found by bisection where every frame was
-    /// wanted, or else where the strain of a key first reaches the critical one, which is at most what
-    /// bisection finds; `None` for motion in time, which looks for none.
+    /// wanted, or else an estimate, where a part of a key's strain first reaches the critical one on some
+    /// face; `None` for motion in time, which looks for none.
     pub onset_load: Option<f64>,
 }
 

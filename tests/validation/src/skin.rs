@@ -84,7 +84,7 @@ pub fn findings(layer: &LayerReport) -> String {
 }
 
 /// Wants every frame and looks at none.
-struct EveryFrame;
+pub struct EveryFrame;
 
 impl Observer for EveryFrame {}
 
@@ -180,7 +180,7 @@ impl Skin {
         self.watch(layers, pose, modelling, &mut Silent)
     }
 
-    /// The same from load to load, as for an observer who wants every frame: that finds the onset.
+    /// Simulates layers from load to load, as for an observer who wants every frame, which finds the onset.
     ///
     /// # Panics
     /// When planner or stepper refuse.

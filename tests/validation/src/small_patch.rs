@@ -6,7 +6,7 @@ use std::sync::Arc;
 use ruga_blend::Driver;
 use ruga_stepper::{LayerSpec, Modelling, Plan, PoseResult, Silent, StepperError, plan};
 
-use crate::{Patch, skin_layer};
+use crate::{EveryFrame, Patch, skin_layer};
 
 /// A flat patch of skin of four by two wavelengths, as the product takes it.
 pub fn patch(compression: f64) -> Patch {
@@ -41,7 +41,19 @@ pub fn planned(patch: &Patch, layer: &LayerSpec, modelling: &Modelling) -> Plan 
     plan(&driver, layers, &poses, modelling, 1024).expect("a patch that can be planned")
 }
 
-/// What the stepper makes of a patch in `steps` load steps.
+/// Equilibrium of a patch that is followed from load to load.
+///
+/// # Panics
+/// When the stepper refuses the patch.
+pub fn followed(patch: &Patch, layer: &LayerSpec, steps: u32) -> PoseResult {
+    let driver = patch.driver();
+    let pose = patch.pose(&driver, steps);
+    let (layers, poses) = (std::slice::from_ref(layer), std::slice::from_ref(&pose));
+    let plan = plan(&driver, layers, poses, &draft(), 1024).expect("a patch that can be planned");
+    plan.simulate(0, &mut EveryFrame).expect("a patch")
+}
+
+/// What the stepper makes of a patch at its key, in `steps` steps in time if it moves.
 ///
 /// # Panics
 /// When it refuses the patch.
@@ -54,7 +66,8 @@ pub fn simulated(
     simulated_on(&patch.driver(), layer, modelling, steps).expect("a patch")
 }
 
-/// What the stepper makes of a driver with the blend shape of every patch, in `steps` load steps.
+/// What the stepper makes of a driver with the blend shape of every patch, in `steps` steps in time if it
+/// moves.
 ///
 /// # Errors
 /// What planner and stepper refuse.

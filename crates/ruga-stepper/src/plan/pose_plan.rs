@@ -10,20 +10,20 @@ use crate::LayerSpec;
 pub struct PosePlan {
     /// Name of the pose.
     pub name: String,
-    /// Path of its load steps to its keys.
+    /// Path to its keys.
     pub path: LoadPath,
     /// Layers of the pose, bottom first.
     pub layers: Vec<LayerPlan>,
 }
 
-/// Path of load steps from rest to a pose's keys.
+/// Path from rest to a pose's keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LoadPath {
-    /// The weights grow; one sequence passes all keys.
+    /// The weights grow; one sequence passes all keys, each from the shape of the one before.
     #[default]
     Weight,
     /// The driver stands at a key while the strain grows from none to the key's; each key has a
-    /// sequence of its own.
+    /// sequence of its own, and begins without wrinkles.
     ///
     /// For poses that on straight lines pass through strains that none of their keys has.
     Strain,

@@ -148,11 +148,13 @@ impl<'a> LayerRun<'a> {
         loads: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
+        let mut from = 0.0;
         for load in loads {
-            let ending = self.reach(loading, *load, observer)?;
+            let ending = self.reach(loading, (from, *load), observer)?;
             if ending != Ending::Reached {
                 return Ok(ending);
             }
+            from = loading.pose_fraction(*load);
         }
         Ok(Ending::Reached)
     }

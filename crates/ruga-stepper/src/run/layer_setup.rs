@@ -1,7 +1,5 @@
 //! Layers as a pose needs them: their region, their mesh, their bending.
 
-use ruga_mesh::PerFace;
-
 use crate::error::Halt;
 use crate::preparing::Preparing;
 use crate::run::adaptivity::{Fitting, SizingRequest};
@@ -179,7 +177,7 @@ impl<'a> StackRun<'a> {
         {
             return Ok(run);
         }
-        let before = run.layer.strain_ratio();
+        let ratios = run.layer.strain_ratios().all();
         // Deviations can be carried over only between meshes that lie on the same surface.
         run.layer.set_support(support(run.layer.skin()), 1.0)?;
         let region = run.layer.region().clone();
@@ -192,15 +190,12 @@ impl<'a> StackRun<'a> {
         fitted
             .layer
             .set_support(support(fitted.layer.skin()), 1.0)?;
-        preparing.while_wanted(|goes_on| {
-            let is_taken = fitted.layer.take_shape(&run.layer, goes_on);
-            is_taken.then_some(())
-        })?;
-        // Its shape is that of the last strains, of which other faces know only the largest.
-        let faces = fitted.layer.face_count();
-        fitted
+        let is_taken = fitted
             .layer
-            .limit_strains(&PerFace::filled(faces, before))?;
+            .take_shape(&run.layer, &ratios, &mut || preparing.goes_on())?;
+        if !is_taken {
+            return Err(Halt::Interrupted);
+        }
         fitted.take_history(run);
         Ok(fitted)
     }

@@ -9,8 +9,8 @@ use crate::skin::local_skin::SkinProperties;
 use crate::skin::skin_mesh::SkinMesh;
 use crate::support::support_surface::SupportSurface;
 
-/// Iterations for the fraction of a strain that gives a ratio; each gains a digit or two.
-const FRACTION_ITERATIONS: usize = 5;
+/// Halvings of the bracket of a fraction: to nine digits.
+const BISECTIONS: usize = 30;
 
 /// The effective strain that is loaded on every face of a layer, over the face's critical strain.
 #[derive(Clone, Copy, Debug)]
@@ -48,19 +48,24 @@ impl StrainRatios<'_> {
         ratios.fold(0.0, f64::max)
     }
 
-    /// The fraction of a face's applied strain at which its ratio is `wanted`; all of it where that is
-    /// not enough.
+    /// The fraction of a face's applied strain at which its ratio is `wanted`, above 0; all of it where that
+    /// is not enough.
     pub(crate) fn fraction_of(&self, face: FaceId, wanted: f64) -> f64 {
-        let mut fraction = 1.0;
-        for _ in 0..FRACTION_ITERATIONS {
-            let ratio = self.of_face_at(fraction, face);
-            if ratio <= 0.0 {
-                return 1.0;
-            }
-            // The ratio is nearly proportional to the fraction.
-            fraction = (fraction * wanted / ratio).min(1.0);
+        if self.of_face_at(1.0, face) <= wanted {
+            return 1.0;
         }
-        fraction
+        // The ratio is convex and 0 at 0, so that it is `wanted` once; where the face is stretched across
+        // its compression it is far from proportional, and below 0 at first.
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            if self.of_face_at(middle, face) < wanted {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        high
     }
 
     /// The fraction of the applied strain at which the first face reaches its critical strain; 1 where

@@ -94,7 +94,7 @@ impl<'a> StackRun<'a> {
         let support_of: SupportOf<'_> =
             Box::new(move |skin| support_surface((driver, support), skin, attachment, lower));
         let mut history = None;
-        // From its last shape a layer takes some thirty factorisations, from none two hundred.
+        // From its last shape a layer takes some thirty factorisations, from none sixty.
         if let Some(last) = last {
             let mut run = self.refitted(last, &support_of, observer)?;
             match self.reach(&mut run, &support_of, point, observer)? {

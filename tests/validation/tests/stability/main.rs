@@ -22,7 +22,9 @@ use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, BlendShape, Driver};
 use ruga_shell::BendingModel;
 use ruga_solver::NewtonSettings;
-use ruga_validation::small_patch::{draft, patch, planned, simulated, simulated_on, skin};
+use ruga_validation::small_patch::{
+    draft, followed, patch, planned, simulated, simulated_on, skin,
+};
 use ruga_validation::{FilmCoupling, FilmSpec, Sheet, SheetSpec, Strip, equilateral};
 
 /// Energies to a ten-thousandth of the gap.

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Vector3};
 use ruga_blend::{FaceStrain, Weights};
 use ruga_material::{CAP_START, capped_strain};
-use ruga_mesh::{FaceId, Id, PerFace};
+use ruga_mesh::{FaceId, Id, PerFace, VertexId};
 use ruga_shell::ShellError;
 
 use super::{Layer, laid_on};
@@ -40,6 +40,15 @@ impl Layer {
         support: SupportSurface,
         fraction: f64,
     ) -> Result<(), StepperError> {
+        let fractions = PerFace::filled(self.skin.mesh.face_count(), fraction);
+        self.stand_on(support, fractions)
+    }
+
+    fn stand_on(
+        &mut self,
+        support: SupportSurface,
+        fractions: PerFace<f64>,
+    ) -> Result<(), StepperError> {
         let (old, new) = (&self.support.posed, &support.posed);
         let base = laid_on(new, self.upper.as_ref());
         let vertices = self.vertex_count();
@@ -51,17 +60,26 @@ impl Layer {
         self.base = base;
         self.strains = applied_strains(&self.skin, &support);
         self.support = support;
-        self.fractions = PerFace::filled(self.skin.mesh.face_count(), fraction);
+        self.fractions = fractions;
         self.hold()
     }
 
-    /// Lets every face feel no more of its strain than `most` critical strains of its own.
+    /// Loads every face with no more of its strain than gives it the strain ratio `most`.
     pub(crate) fn limit_strains(&mut self, most: &PerFace<f64>) -> Result<(), StepperError> {
         let ratios = self.strain_ratios();
         let faces = self.strains.ids();
         self.fractions = faces
             .map(|face| ratios.fraction_of(face, most[face]))
             .collect();
+        self.set_loaded_strains()
+    }
+
+    /// Sets the forces of the base and the effective strains for what is loaded of the applied ones.
+    fn set_loaded_strains(&mut self) -> Result<(), StepperError> {
+        if self.solid.is_none() && self.spec.coupling.has_foundation() {
+            self.balance()?;
+        }
+        // Balancing has left the strains of a layer that does not wrinkle.
         self.set_effective_strains(|_, applied| applied)
     }
 
@@ -83,11 +101,7 @@ impl Layer {
         self.held_normals.clone_from(&self.support.posed.normals);
         // This comes before any natural strain, because a new rest metric clears them.
         self.set_rest_metric()?;
-        if self.solid.is_none() && self.spec.coupling.has_foundation() {
-            self.balance()?;
-        }
-        // Balancing has left the strains of a layer that does not wrinkle.
-        self.set_effective_strains(|_, applied| applied)
+        self.set_loaded_strains()
     }
 
     /// Sets the forces with which the posed driver holds the layer in its own shape.
@@ -213,19 +227,42 @@ impl Layer {
         self.set_support(SupportSurface { posed, transfer }, 1.0)
     }
 
-    /// Takes over how `other`, the same layer on another mesh, deviates from the surface below;
-    /// both are on the same one, and no layer moves together with them. False as soon as `goes_on`
-    /// says no.
-    pub(crate) fn take_shape(&mut self, other: &Layer, goes_on: &mut dyn FnMut() -> bool) -> bool {
+    /// Takes over how `other`, the same layer on another mesh, deviates from the surface below, and of the
+    /// strains what gives the strain ratios that `other` had on its faces; both are on the same surface,
+    /// and no layer moves together with them. False as soon as `goes_on` says no.
+    pub(crate) fn take_shape(
+        &mut self,
+        other: &Layer,
+        ratios: &PerFace<f64>,
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> Result<bool, StepperError> {
         let Some(interpolation) = Interpolation::new(&other.skin, &self.skin, goes_on) else {
-            return false;
+            return Ok(false);
         };
         let deviations = interpolation.apply(&other.deviations());
         for v in &self.free {
             let i = v.index();
             self.positions[i] = self.base[i] + deviations[i];
         }
-        true
+        let mut sums = vec![Vector3::zeros(); other.vertex_count()];
+        for (face, ratio) in ratios.iter() {
+            for v in other.skin.mesh.faces()[face] {
+                sums[v.index()] += Vector3::new(ratio.max(0.0), 1.0, 0.0);
+            }
+        }
+        let at_vertices: Vec<_> = sums.iter().map(|sum| sum / sum.y.max(1.0)).collect();
+        let at_vertices = interpolation.apply(&at_vertices);
+        let faces = self.skin.mesh.faces();
+        let mean = |corners: &[VertexId; 3]| {
+            corners
+                .iter()
+                .map(|v| at_vertices[v.index()].x)
+                .sum::<f64>()
+                / 3.0
+        };
+        let most = faces.iter().map(|(_, corners)| mean(corners)).collect();
+        self.limit_strains(&most)?;
+        Ok(true)
     }
 
     /// Shape of the layer and of what is below it, to return to.
@@ -245,9 +282,7 @@ impl Layer {
             solid.state.clone_from(state);
         }
         // It carries the positions along with the surface, so that they are put back after it.
-        self.set_support(state.support.clone(), 1.0)?;
-        self.fractions.clone_from(&state.fractions);
-        self.set_effective_strains(|_, applied| applied)?;
+        self.stand_on(state.support.clone(), state.fractions.clone())?;
         self.positions.clone_from(&state.positions);
         self.velocities.clone_from(&state.velocities);
         Ok(())

@@ -1,9 +1,9 @@
-//! The way of a layer to a key at which the surface below stands from the beginning.
+//! The load path of a layer to a key at which the surface below stands from the beginning.
 //!
 //! Wrinkles keep the wavelength with which they begin, so that every place has to begin near its own
 //! critical strain. Where one place is compressed many times as much as another, a sequence of weights
-//! passes both onsets only in many steps. Here the surface goes to its place at once, and the strain that
-//! every face feels grows from solve to solve, in numbers of its own critical strain: all places begin
+//! passes both onsets only in many steps. Here the surface goes to its place at once, and the strain
+//! ratio that is loaded on every face grows from solve to solve: all places begin
 //! to wrinkle in the first solve, and none of them far above its onset.
 
 use ruga_mesh::PerFace;
@@ -12,32 +12,37 @@ use ruga_solver::{AtSaddle, StopRule};
 use super::{Accuracy, Ending, LayerRun, Loading};
 use crate::{Observer, StepperError};
 
-/// Critical strains that a face without wrinkles feels at most: as far above the onset as the critical
-/// wave is still the one that grows fastest.
+/// Largest strain ratio of a face that has been below 1: as far above the onset as the critical wave is
+/// still the one that grows fastest.
 const FIRST: f64 = 1.15;
-/// Largest factor on the strain that a wrinkled face feels; up to 2 a pattern keeps its wavelength.
+/// Largest factor from one strain ratio of a wrinkled face to the next; up to 2 a pattern keeps its
+/// wavelength.
 const GROWTH: f64 = 1.43;
-/// Critical strains beyond which a pattern is fixed, and a face goes on to whatever it is asked for.
+/// Strain ratio beyond which a pattern is fixed, and a face is loaded with all that the key asks for.
 const LAST: f64 = 7.0;
-/// Factor by which a limit is exceeded rather than solved at once more.
+/// Factor by which a face may exceed its limit where that saves a solve.
 const EXCESS: f64 = 1.1;
 /// Power of the two factors below which smaller steps will not help either.
 const LEAST_POWER: f64 = 0.1;
 
 impl LayerRun<'_> {
-    /// Takes the layer to `load` from its present shape, which is in equilibrium.
+    /// Takes the layer to `load` from its present shape, which is in equilibrium, the last key at the
+    /// fraction `from` of the pose.
     pub(super) fn reach(
         &mut self,
         loading: &mut dyn Loading,
-        load: f64,
+        (from, load): (f64, f64),
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
         let pose_fraction = loading.pose_fraction(load);
         let mut kept = self.layer.state();
         let mut power = 1.0;
+        if self.layer.strain_ratio() < 1.0 {
+            // The first pattern is chosen with care.
+            self.relaxation = 0.0;
+        }
         loop {
             let felt = self.layer.strain_ratios().all();
-            // Also where it stands already, after a solve that failed.
             if !self.place(loading, load, observer)? {
                 return Ok(Ending::Interrupted);
             }
@@ -45,6 +50,7 @@ impl LayerRun<'_> {
             let onset = pose_fraction * ratios.onset();
             let limits: PerFace<f64> = felt.iter().map(|(_, felt)| limit(*felt, power)).collect();
             let wanted = ratios.all();
+            let largest = ratios.largest();
             let is_last = wanted
                 .iter()
                 .all(|(face, wanted)| *wanted <= EXCESS * limits[face]);
@@ -56,15 +62,26 @@ impl LayerRun<'_> {
                 false => Accuracy::Passing,
             };
             let how = (AtSaddle::Leave, accuracy);
-            let solve = self.solve(None, how, pose_fraction, observer)?;
+            let loaded = self.layer.strain_ratio();
+            let share = (1.0 + loaded).ln() / (1.0 + largest).ln();
+            let shown = from.min(pose_fraction) + (pose_fraction - from).max(0.0) * share;
+            let solve = self.solve(None, how, shown, observer)?;
             if solve.stop == StopRule::Interrupted {
                 return Ok(Ending::Interrupted);
             }
             if !solve.converged {
                 self.layer.restore(&kept)?;
                 power *= 0.5;
-                if power < LEAST_POWER {
-                    self.warn_of_failure("no equilibrium found", pose_fraction, &solve);
+                let is_same = is_last
+                    && wanted
+                        .iter()
+                        .all(|(face, wanted)| *wanted <= EXCESS * limit(felt[face], power));
+                if is_same || power < LEAST_POWER {
+                    let what = format!(
+                        "no equilibrium found beyond {:.1} times the strain at which the layer wrinkles, of {largest:.1} times that are asked for,",
+                        self.layer.strain_ratio()
+                    );
+                    self.warn_of_failure(&what, pose_fraction, &solve);
                     return Ok(Ending::GaveUp);
                 }
                 continue;
@@ -86,11 +103,15 @@ impl LayerRun<'_> {
     }
 }
 
-/// Critical strains that a face may feel next that has felt `felt` of them.
+/// Largest strain ratio that may be loaded next on a face where it is `felt`.
 fn limit(felt: f64, power: f64) -> f64 {
     if felt < 1.0 {
         return FIRST.powf(power);
     }
     let next = felt * GROWTH.powf(power);
-    if next > LAST { f64::INFINITY } else { next }
+    // Where a solve has failed the way is gone in small steps to its end.
+    match power == 1.0 && next > LAST {
+        true => f64::INFINITY,
+        false => next,
+    }
 }

@@ -122,7 +122,7 @@ fn in_words(cost: Option<&Spread>) -> String {
 
 /// What the film costs.
 const COSTS: [Cost; 3] = [
-    ("seconds a frame", |p| in_words(p.seconds.as_ref())),
+    ("seconds a key", |p| in_words(p.seconds.as_ref())),
     ("a 1000 vertices", |p| {
         in_words(p.seconds_per_thousand.as_ref())
     }),

@@ -45,7 +45,7 @@ const MARGIN: f64 = 32.0;
 /// Draws all of it.
 pub(crate) fn page(page: &Page<'_>, points: &[Point], command: &str) -> Drawn {
     let lines = [
-        "Above: a stiff film on a soft base (150 : 1), compressed to four critical strains in eight frames. Below: a patch, \
+        "Above: a stiff film on a soft base (150 : 1), compressed to two and to four critical strains. Below: a patch, \
          as a user has it. Down and to the left is better. Medians over seeds, whiskers to the best and the worst.",
         PAPERS_WAY,
     ];
@@ -70,7 +70,7 @@ pub(crate) fn page(page: &Page<'_>, points: &[Point], command: &str) -> Drawn {
 /// Draws what matters most, for those who will not read more.
 pub(crate) fn summary(page: &Page<'_>, points: &[Point], command: &str) -> Drawn {
     let lines = [
-        "A stiff film on a soft base (150 : 1), compressed to four critical strains in eight frames, against the exact wrinkles. \
+        "A stiff film on a soft base (150 : 1), compressed to two and to four critical strains, against the exact wrinkles. \
          Down and to the",
         "left is better. Medians over seeds, whiskers to the best and the worst. Along each line 4, 6, 8, 12, 16, 24 mesh edges \
          per wavelength.",
@@ -160,7 +160,7 @@ fn caption(page: &Page<'_>, points: &[Point], command: &str) -> Drawn {
         "Film: against the continuum with finite strains. Its compression fades out towards both ends, so that these do \
          not set its wavelength; the border takes half a per cent of the onset.",
         "Normals: along lines across the wrinkles, each shifted to its best. Patch: three critical strains in its middle, \
-         none at its ends, in six frames, against an even hybrid mesh of 32 edges per wavelength.",
+         none at its ends, against an even hybrid mesh of 32 edges per wavelength.",
         "Times: one thread, everything but measuring.",
         &last,
     ];

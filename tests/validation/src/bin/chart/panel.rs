@@ -69,7 +69,7 @@ fn title(measure: Measure) -> Title<'static> {
     Title {
         name,
         note,
-        across: "processor seconds per frame",
+        across: "processor seconds per key",
     }
 }
 

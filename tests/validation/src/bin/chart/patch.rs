@@ -19,8 +19,6 @@ use crate::setting::{Outcome, PatchShape, Run};
 const WAVES: [f64; 2] = [8.0, 3.0];
 /// Compression in the middle, in critical strains.
 const PEAK: f64 = 3.0;
-/// Load steps to full weight.
-const STEPS: u32 = 6;
 /// Squares of the artist's mesh.
 const SQUARES: [usize; 2] = [32, 12];
 /// Texels of the map that the plan is for.
@@ -43,7 +41,7 @@ pub(crate) fn measure(request: &Run, reference: Option<&PatchShape>) -> Outcome 
         [p.push(0.0), Vector3::new(p.x + moved, p.y, 0.0)]
     };
     let driver = patch_driver(extent, SQUARES, None, shape);
-    let pose = patch_pose(&driver, vec![1.0], STEPS);
+    let pose = patch_pose(&driver, vec![1.0], 1);
     let method = request.setting.method;
     let layers = [LayerSpec {
         coupling: method.coupling.held(),
@@ -69,7 +67,7 @@ pub(crate) fn measure(request: &Run, reference: Option<&PatchShape>) -> Outcome 
             _ => None,
         },
         cpu_s,
-        frames: STEPS as usize,
+        frames: result.frames,
         vertices: report.vertices,
         rows: report.constraints,
         newton_iterations: report.newton_iterations,

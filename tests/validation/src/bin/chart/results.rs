@@ -98,7 +98,7 @@ pub(crate) struct Point {
     /// Runs that did not get through the load, or ended on a saddle; no error counts of these.
     pub(crate) failed: usize,
     pub(crate) failures: Vec<String>,
-    /// Seconds of the processor per frame, of the runs that succeeded, or else of all; `None` where
+    /// Seconds of the processor per key, of the runs that succeeded, or else of all; `None` where
     /// every run crashed.
     pub(crate) seconds: Option<Spread>,
     /// The same per thousand vertices.

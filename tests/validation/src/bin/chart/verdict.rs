@@ -52,7 +52,7 @@ pub(crate) struct Ratio {
     pub(crate) points: u32,
     /// The papers' error there.
     pub(crate) error: f64,
-    /// Seconds per frame, the papers' and the default's.
+    /// Seconds per key, the papers' and the default's.
     pub(crate) seconds: [f64; 2],
     /// Whether the default is more accurate even where it is coarsest, so that the true ratio is
     /// greater.

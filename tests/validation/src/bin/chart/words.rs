@@ -68,7 +68,7 @@ fn cost(ratio: &Ratio) -> String {
         count => format!("; at {count} of its resolutions no default is as accurate"),
     };
     format!(
-        "  {:<16} {}{:.1} x: {} at {} points in {:.3} s per frame, the default in {:.4} s{unreached}",
+        "  {:<16} {}{:.1} x: {} at {} points in {:.3} s per key, the default in {:.4} s{unreached}",
         ratio.measure.name(),
         if ratio.is_bound { "more than " } else { "" },
         ratio.value(),
