@@ -9,7 +9,8 @@ use ruga_validation::baselines::by_minres;
 use ruga_validation::{FilmCoupling, FilmSpec, Finding, Sheet, SheetSpec, table_line};
 
 use crate::{
-    compress, compressed, draft, exact, landed, patch, planned, rows_alone, simulated, skin,
+    compress, compressed, draft, exact, followed, landed, patch, planned, rows_alone, simulated,
+    skin,
 };
 
 /// Heights, over the thickness, of a film whose load goes up and down again between `range` in
