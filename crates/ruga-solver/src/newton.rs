@@ -41,6 +41,10 @@ const SADDLE_DECREMENT: f64 = 1e-3;
 /// Indefinite iterations after which [`AtSaddle::Stop`] waits for no small decrement any more.
 const SADDLE_ITERATIONS: usize = 5;
 
+/// Iterations in a row in which nothing but a diagonal mends the Hessian and hardly any energy is to be
+/// gained, after which a solve is stuck.
+const STUCK_ITERATIONS: usize = 5;
+
 /// Signature of [`minimise`], for callers that let another method take its place.
 pub type Minimise = fn(
     &dyn Objective,
@@ -118,6 +122,8 @@ struct Newton<'a> {
     trial: Vec<f64>,
     multipliers: Vec<f64>,
     indefinite_iterations: usize,
+    /// Iterations in a row whose Hessian only a diagonal mended.
+    shifted_iterations: usize,
     /// A relaxation that may do for the first step.
     hint: Option<f64>,
     /// Inertia and relaxation of a factor that a small restoration left usable.
@@ -159,6 +165,7 @@ impl<'a> Newton<'a> {
             multipliers: vec![0.0; rows],
             kkt,
             indefinite_iterations: 0,
+            shifted_iterations: 0,
             hint: Some(settings.first_relaxation).filter(|&hint| hint > 0.0),
             at_hand: None,
             overshot: None,
@@ -280,6 +287,10 @@ impl<'a> Newton<'a> {
         };
         let outcome = self.convexifier.factorize(self.kkt, hessian, hint)?;
         self.report.shift_used = self.report.shift_used.max(outcome.shift);
+        self.shifted_iterations = match outcome.shift > 0.0 {
+            true => self.shifted_iterations + 1,
+            false => 0,
+        };
         Ok(Factored {
             inertia: outcome.exact,
             relaxation: outcome.relaxation,
@@ -365,6 +376,13 @@ impl<'a> Newton<'a> {
     fn stop(&self, iteration: &Iteration, inertia: Inertia) -> Option<StopRule> {
         // No tolerance counts at a saddle: a flat film under compression has no residual at all.
         if !inertia.is_minimum() {
+            // A triangle that has all but collapsed: the state hardly moves, and would for hundreds of
+            // iterations.
+            if self.shifted_iterations >= STUCK_ITERATIONS
+                && iteration.decrement <= self.settings.energy_tolerance
+            {
+                return Some(StopRule::Breakdown);
+            }
             let recognised = iteration.decrement <= SADDLE_DECREMENT
                 || self.indefinite_iterations >= SADDLE_ITERATIONS;
             let stop = self.settings.at_saddle == AtSaddle::Stop && recognised;

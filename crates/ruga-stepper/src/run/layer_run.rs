@@ -139,7 +139,7 @@ impl<'a> LayerRun<'a> {
     }
 
     /// Takes the layer to every one of `loads`, which are results, with nothing on the way but what it
-    /// takes to let every place begin to wrinkle at its own onset.
+    /// takes to let every place begin to wrinkle at its own onset; where that fails, from load to load.
     ///
     /// This holds in motion, too: layers on others are thin and light, and follow at once.
     pub(crate) fn reach_all(
@@ -148,9 +148,17 @@ impl<'a> LayerRun<'a> {
         loads: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
+        let (start, was_flat) = (self.layer.state(), self.layer.strain_ratio() < 1.0);
+        let warned = self.warnings.len();
         let mut from = 0.0;
         for load in loads {
             let ending = self.reach(loading, (from, *load), observer)?;
+            if ending == Ending::GaveUp && was_flat {
+                // Another way may lead past the triangles that collapse on this one.
+                self.layer.restore(&start)?;
+                self.warnings.truncate(warned);
+                return self.climb(loading, loads, observer);
+            }
             if ending != Ending::Reached {
                 return Ok(ending);
             }

@@ -358,6 +358,9 @@ impl<'a> StackRun<'a> {
         });
         self.result.frames += 1;
         if is_key {
+            // A key that was reached on a way that failed later stands here already.
+            let load = point.weight_fraction;
+            self.result.keys.retain(|key| key.load != load);
             self.result.keys.push(KeyResult {
                 load: point.weight_fraction,
                 layers,

@@ -22,8 +22,6 @@ const GROWTH: f64 = 1.43;
 const LAST: f64 = 7.0;
 /// Factor by which a face may exceed its limit where that saves a solve.
 const EXCESS: f64 = 1.1;
-/// Power of the two factors below which smaller steps will not help either.
-const LEAST_POWER: f64 = 0.1;
 
 impl LayerRun<'_> {
     /// Takes the layer to `load` from its present shape, which is in equilibrium, the last key at the
@@ -36,7 +34,6 @@ impl LayerRun<'_> {
     ) -> Result<Ending, StepperError> {
         let pose_fraction = loading.pose_fraction(load);
         let mut kept = self.layer.state();
-        let mut power = 1.0;
         if self.layer.strain_ratio() < 1.0 {
             // The first pattern is chosen with care.
             self.relaxation = 0.0;
@@ -48,7 +45,7 @@ impl LayerRun<'_> {
             }
             let ratios = self.layer.strain_ratios();
             let onset = pose_fraction * ratios.onset();
-            let limits: PerFace<f64> = felt.iter().map(|(_, felt)| limit(*felt, power)).collect();
+            let limits: PerFace<f64> = felt.iter().map(|(_, felt)| limit(*felt)).collect();
             let wanted = ratios.all();
             let largest = ratios.largest();
             let is_last = wanted
@@ -63,28 +60,23 @@ impl LayerRun<'_> {
             };
             let how = (AtSaddle::Leave, accuracy);
             let loaded = self.layer.strain_ratio();
-            let share = (1.0 + loaded).ln() / (1.0 + largest).ln();
+            let share = match is_last {
+                true => 1.0,
+                false => (1.0 + loaded).ln() / (1.0 + largest).ln(),
+            };
             let shown = from.min(pose_fraction) + (pose_fraction - from).max(0.0) * share;
             let solve = self.solve(None, how, shown, observer)?;
             if solve.stop == StopRule::Interrupted {
                 return Ok(Ending::Interrupted);
             }
             if !solve.converged {
+                let what = format!(
+                    "no equilibrium found beyond {:.1} times the strain at which the layer wrinkles, of {largest:.1} times that are asked for,",
+                    felt.as_slice().iter().copied().fold(0.0, f64::max)
+                );
+                self.warn_of_failure(&what, pose_fraction, &solve);
                 self.layer.restore(&kept)?;
-                power *= 0.5;
-                let is_same = is_last
-                    && wanted
-                        .iter()
-                        .all(|(face, wanted)| *wanted <= EXCESS * limit(felt[face], power));
-                if is_same || power < LEAST_POWER {
-                    let what = format!(
-                        "no equilibrium found beyond {:.1} times the strain at which the layer wrinkles, of {largest:.1} times that are asked for,",
-                        self.layer.strain_ratio()
-                    );
-                    self.warn_of_failure(&what, pose_fraction, &solve);
-                    return Ok(Ending::GaveUp);
-                }
-                continue;
+                return Ok(Ending::GaveUp);
             }
             if solve.left_saddle && self.layer.strain_ratio() > 1.0 {
                 self.report.onset_load = self.report.onset_load.or(Some(onset));
@@ -97,21 +89,15 @@ impl LayerRun<'_> {
                 });
             }
             kept = self.layer.state();
-            // What failed may lie behind: steps recover as fast as they shrank.
-            power = (2.0 * power).min(1.0);
         }
     }
 }
 
 /// Largest strain ratio that may be loaded next on a face where it is `felt`.
-fn limit(felt: f64, power: f64) -> f64 {
-    if felt < 1.0 {
-        return FIRST.powf(power);
-    }
-    let next = felt * GROWTH.powf(power);
-    // Where a solve has failed the way is gone in small steps to its end.
-    match power == 1.0 && next > LAST {
-        true => f64::INFINITY,
-        false => next,
-    }
+fn limit(felt: f64) -> f64 {
+    let next = match felt < 1.0 {
+        true => FIRST,
+        false => felt * GROWTH,
+    };
+    if next > LAST { f64::INFINITY } else { next }
 }
