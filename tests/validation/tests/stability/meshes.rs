@@ -46,7 +46,7 @@ fn t7_coarse_meshes() {
         points.map(|points| on_coarse_mesh(Coupling::Constraint, BendingModel::Hinge, points));
     // Too high, and waves too short, on all of them.
     for coarse in &found {
-        assert!(coarse[1] > 1.15 && coarse[0] < 0.92, "{found:?}");
+        assert!(coarse[1] > 1.1 && coarse[0] < 0.92, "{found:?}");
     }
     table_line(test, "papers: rows alone", Finding::Fails, &told(&found));
 
