@@ -25,13 +25,14 @@ const LEAST_LOAD: f64 = 0.02;
 /// load ended in a stable mode, and with 0.85 a start at 5 takes twice as many iterations.
 const CLOSE_TO_CRITICAL: f64 = 0.9;
 
-/// Modes of negative curvature, and a relaxation with which to begin where there are no more: it is
-/// rarely less, and a larger one would slow down their growth.
+/// Where a Hessian has at most so many modes of negative curvature, the relaxation beside that number
+/// is tried first: it is rarely less than needed, and a larger one would slow down the modes' growth.
 const FEW_MODES: [(usize, f64); 2] = [(2, 1.6e-2), (8, 0.1)];
-/// Modes of negative curvature that one step does not take all.
+/// A Hessian with more modes of negative curvature than this keeps some of them through the next step.
 const MANY_MODES: usize = 10;
 
-/// Small steps from a relaxation that was expected to be enough, before large ones.
+/// Steps of [`CLOSE_TO_CRITICAL`] from a relaxation that was expected to be enough; those that follow
+/// are steps of [`LOAD_DECREASE`], because the expectation was far off.
 const SMALL_STEPS: usize = 3;
 
 /// First diagonal shift, relative to the typical diagonal, once full relaxation was not enough.
