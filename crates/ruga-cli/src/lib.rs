@@ -29,6 +29,7 @@ mod watch;
 
 mod folder_lock;
 mod folder_results;
+mod kept_pose;
 mod output_folder;
 mod pose_inputs;
 mod pose_record;

@@ -48,6 +48,17 @@ impl OutputFolder {
             _lock: lock,
         })
     }
+
+    /// A pose of the scene.
+    ///
+    /// # Panics
+    /// If the scene has none of this name.
+    pub(crate) fn pose(&self, name: &str) -> &ScenePose {
+        let mut poses = self.poses.iter();
+        poses
+            .find(|pose| pose.name == name)
+            .expect("the poses of a run are poses of its scene")
+    }
 }
 
 /// Makes the folder if it can be one that files can be written to.

@@ -10,8 +10,8 @@ use ruga_stepper::{Frame, PoseResult, PoseSpec};
 
 use crate::arguments::{RunArguments, quality_words};
 use crate::error::CliError;
+use crate::kept_pose::{Unusable, kept_pose};
 use crate::output_folder::OutputFolder;
-use crate::pose_inputs::ScenePose;
 use crate::pose_queue::run_all;
 use crate::pose_record::{PoseRecord, Records};
 use crate::pose_report::{ending, pose_report};
@@ -130,31 +130,33 @@ impl<P: Product> PoseRun<'_, P> {
     /// The pose as an earlier run left it, if it serves; a finer one does, so that going on at a lower
     /// quality by mistake costs nothing.
     fn resumed(&self, name: &str) -> Option<PoseRecord> {
-        let record = self.product.records().read(name)?;
         let asked = self.points();
-        let found = quality_words(record.points_per_wavelength);
         let note = |text: &str| self.progress.note(&format!("pose `{name}` {text}"));
-        if !record.is_current(&self.product.records().output, self.scene_pose(name).inputs) {
-            note("is there from an older version of the scene, or not whole: it is made again");
-            return None;
+        match kept_pose(self.product.records(), self.folder.pose(name), asked) {
+            Ok(record) => {
+                match record.points_per_wavelength > asked {
+                    true => note(&format!(
+                        "is there from an earlier run at {}, finer than asked for: it is kept; without \
+                         `--resume` it is made again",
+                        quality_words(record.points_per_wavelength)
+                    )),
+                    false => note("is there from an earlier run"),
+                }
+                return Some(record);
+            }
+            Err(Unusable::Absent) => {}
+            Err(Unusable::Older | Unusable::NotWhole) => {
+                note("is there from an older version of the scene, or not whole: it is made again");
+            }
+            Err(Unusable::Interrupted) => {
+                note("was interrupted: it is made again; until then its finished keys are kept");
+            }
+            Err(Unusable::Coarser { points }) => {
+                let (found, asked) = (quality_words(points), quality_words(asked));
+                note(&format!("is there at {found}: it is made again at {asked}"));
+            }
         }
-        if record.report.interrupted {
-            note("was interrupted: it is made again; until then its finished keys are kept");
-            return None;
-        }
-        if record.points_per_wavelength < asked {
-            let asked = quality_words(asked);
-            note(&format!("is there at {found}: it is made again at {asked}"));
-            return None;
-        }
-        match record.points_per_wavelength > asked {
-            true => note(&format!(
-                "is there from an earlier run at {found}, finer than asked for: it is kept; without \
-                 `--resume` it is made again"
-            )),
-            false => note("is there from an earlier run"),
-        }
-        Some(record)
+        None
     }
 
     fn simulate(
@@ -196,7 +198,7 @@ impl<P: Product> PoseRun<'_, P> {
     /// Whether the finished keys of an interrupted pose are more than what is there already.
     fn is_worth_keeping(&self, spec: &PoseSpec, result: &PoseResult) -> bool {
         let records = self.product.records();
-        let inputs = self.scene_pose(&spec.name).inputs;
+        let inputs = self.folder.pose(&spec.name).inputs;
         let earlier = records.read(&spec.name);
         let earlier = earlier.filter(|record| record.is_current(&records.output, inputs));
         result.keys.len() > earlier.map_or(0, |record| record.keys.len())
@@ -227,7 +229,7 @@ impl<P: Product> PoseRun<'_, P> {
         }
         PoseRecord {
             origin: self.folder.origin.clone(),
-            inputs: self.scene_pose(name).inputs.text(),
+            inputs: self.folder.pose(name).inputs.text(),
             points_per_wavelength: self.points(),
             keys,
             report: pose_report(name, result, seconds, self.points(), &made.maps),
@@ -240,12 +242,5 @@ impl<P: Product> PoseRun<'_, P> {
 
     fn points(&self) -> f64 {
         self.scene.modelling.points_per_wavelength
-    }
-
-    fn scene_pose(&self, name: &str) -> &ScenePose {
-        let mut poses = self.folder.poses.iter();
-        poses
-            .find(|pose| pose.name == name)
-            .expect("the poses of a run are poses of its scene")
     }
 }
