@@ -115,9 +115,9 @@ pub(crate) struct RunArguments {
     /// file of yours where `bake` writes its GLB, which is replaced.
     #[arg(long, help_heading = "Output")]
     pub(crate) force: bool,
-    /// Mesh points per wavelength: draft 6, standard 12, fine 24 [default: the scene's].
-    #[arg(long, value_enum, help_heading = "Simulation")]
-    pub(crate) quality: Option<Quality>,
+    /// Mesh points per wavelength: draft 6, standard 12, fine 24, or the scene's.
+    #[arg(long, value_enum, default_value_t, help_heading = "Simulation")]
+    pub(crate) quality: Quality,
     /// Poses worked on at a time; the results do not depend on it [default: one per core].
     #[arg(long, value_name = "N", help_heading = "Simulation")]
     pub(crate) threads: Option<NonZeroUsize>,
@@ -128,7 +128,7 @@ impl RunArguments {
     pub(crate) fn scene_options(&self) -> SceneOptions {
         SceneOptions {
             poses: self.poses.clone(),
-            points_per_wavelength: self.quality.map(Quality::points_per_wavelength),
+            points_per_wavelength: self.quality.points_per_wavelength(),
         }
     }
 }
@@ -152,9 +152,9 @@ pub(crate) struct PlanArguments {
     /// Print the plan as JSON.
     #[arg(long, help_heading = "Output")]
     pub(crate) json: bool,
-    /// Mesh points per wavelength: draft 6, standard 12, fine 24 [default: the scene's].
-    #[arg(long, value_enum, help_heading = "Simulation")]
-    pub(crate) quality: Option<Quality>,
+    /// Mesh points per wavelength: draft 6, standard 12, fine 24, or the scene's.
+    #[arg(long, value_enum, default_value_t, help_heading = "Simulation")]
+    pub(crate) quality: Quality,
 }
 
 /// Options of `ruga check`.
@@ -218,8 +218,11 @@ pub(crate) enum Topic {
 }
 
 /// How fine the meshes are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Quality {
+    /// What the scene says: `points_per_wavelength` under `[remesh]`.
+    #[default]
+    Scene,
     /// 6 points per wavelength: for a first look.
     Draft,
     /// 12 points per wavelength.
@@ -229,14 +232,15 @@ pub(crate) enum Quality {
 }
 
 impl Quality {
-    /// Mesh edges per critical wavelength.
-    pub(crate) fn points_per_wavelength(self) -> f64 {
+    /// Mesh edges per critical wavelength; `None` leaves them to the scene.
+    pub(crate) fn points_per_wavelength(self) -> Option<f64> {
         let modelling = match self {
+            Quality::Scene => return None,
             Quality::Draft => Modelling::draft(),
             Quality::Standard => Modelling::standard(),
             Quality::Fine => Modelling::fine(),
         };
-        modelling.points_per_wavelength
+        Some(modelling.points_per_wavelength)
     }
 }
 
@@ -244,7 +248,7 @@ impl Quality {
 pub(crate) fn quality_words(points: f64) -> String {
     let named = [Quality::Draft, Quality::Standard, Quality::Fine]
         .into_iter()
-        .find(|quality| quality.points_per_wavelength() == points);
+        .find(|quality| quality.points_per_wavelength() == Some(points));
     let name = named.and_then(|quality| quality.to_possible_value());
     match name {
         Some(name) => format!("{} quality", name.get_name()),

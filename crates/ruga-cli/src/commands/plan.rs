@@ -5,7 +5,7 @@ use ruga_scene::{Scene, SceneOptions, ScenePlan, counted};
 use ruga_stepper::InteriorPlan;
 
 use super::plan_json::{Totals, json, pairs};
-use crate::arguments::{PlanArguments, Quality};
+use crate::arguments::PlanArguments;
 use crate::error::CliError;
 use crate::messages;
 use crate::outcome::Outcome;
@@ -17,7 +17,7 @@ use crate::table::{ABSENT, duration, memory, number, table};
 /// Whatever keeps the scene from being read or planned.
 pub(crate) fn run(arguments: &PlanArguments) -> Result<Outcome, CliError> {
     let options = SceneOptions {
-        points_per_wavelength: arguments.quality.map(Quality::points_per_wavelength),
+        points_per_wavelength: arguments.quality.points_per_wavelength(),
         ..SceneOptions::default()
     };
     let scene = Scene::read_with(&arguments.scene, &options)?;
