@@ -33,6 +33,12 @@ The output folder:
   changed since; changing other poses or the quality does not count. What is not listed any more is
   named, and its files stay. While one run works in a folder a second one is refused.";
 
+const FARM: &str = "\
+Several machines:
+  Runs with `--task` may bake different poses into one folder at a time; `--merge` then writes what all
+  poses share. A task that baked its poses ends with 0 even where one did not converge: the merge says
+  so.";
+
 const PLAN_COLUMNS: &str = "\
 Columns of the layers:
   wavelength           from crest to crest, on flat skin that is compressed evenly
@@ -74,7 +80,7 @@ pub(crate) struct Arguments {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Simulate every pose and bake its wrinkle maps.
-    #[command(after_help = format!("{MAPS}\n\n{FOLDER}\n\n{EXIT_CODES}"))]
+    #[command(after_help = format!("{MAPS}\n\n{FOLDER}\n\n{FARM}\n\n{EXIT_CODES}"))]
     Bake(BakeArguments),
     /// Simulate every pose and write its meshes per load step, no maps.
     #[command(after_help = format!("{FOLDER}\n\n{EXIT_CODES}"))]
@@ -141,6 +147,13 @@ pub(crate) struct BakeArguments {
     /// Write no GLB: maps, wrinkles.json and report.json alone.
     #[arg(long, help_heading = "Output")]
     pub(crate) maps_only: bool,
+    /// Work in DIR beside other runs with `--task`, which bake other poses: write maps and records,
+    /// and leave GLB, wrinkles.json and report.json to `--merge`.
+    #[arg(long, conflicts_with_all = ["json", "merge"], help_heading = "Output")]
+    pub(crate) task: bool,
+    /// Simulate nothing: write GLB, wrinkles.json and report.json of poses that are in DIR.
+    #[arg(long, conflicts_with = "resume", help_heading = "Output")]
+    pub(crate) merge: bool,
 }
 
 /// Options of `ruga plan`.

@@ -35,13 +35,17 @@ pub(crate) enum CliError {
     /// The output folder cannot be used.
     #[error("{}: cannot be the output folder: {reason}", path.display())]
     Output { path: PathBuf, reason: String },
-    /// Another run is writing to the output folder.
-    #[error("{}: another run is working in this folder: {holder}", path.display())]
+    /// Another run is writing to the output folder; `work` says where in it.
+    #[error("{}: another run is working {work}: {holder}", path.display())]
     #[diagnostic(help(
         "wait until it is done, stop it, or give another folder with `--output`; a run that was killed \
          holds no folder"
     ))]
-    Busy { path: PathBuf, holder: String },
+    Busy {
+        path: PathBuf,
+        work: String,
+        holder: String,
+    },
     /// The output folder has results of another scene.
     #[error("{}: holds {} of another scene: {other}; this scene is {own}", path.display(), counted(*count, "pose"))]
     #[diagnostic(help(
@@ -53,6 +57,17 @@ pub(crate) enum CliError {
         count: usize,
         other: String,
         own: String,
+    },
+    /// `ruga bake --merge` in a folder without all that is to be merged.
+    #[error("{}: {} to be merged {} not there as asked for: {poses}", path.display(), counted(*count, "pose"), if *count == 1 { "is" } else { "are" })]
+    #[diagnostic(help(
+        "run the tasks of these poses again, or bake them here: the same command with `--resume` in place of \
+         `--merge` makes what is missing and merges; nothing was changed"
+    ))]
+    NotBaked {
+        path: PathBuf,
+        count: usize,
+        poses: String,
     },
     /// `ruga new` would overwrite something.
     #[error("{}: exists already; nothing was written", path.display())]

@@ -12,8 +12,8 @@ pub(crate) enum Unusable {
     Older,
     /// Some of its files are gone.
     NotWhole,
-    /// The run was interrupted.
-    Interrupted,
+    /// The run ended when these keys were finished.
+    Interrupted { keys: Vec<f64> },
     /// It has fewer vertices per wavelength than asked for.
     Coarser { points: f64 },
 }
@@ -36,7 +36,7 @@ pub(crate) fn kept_pose(
         return Err(Unusable::NotWhole);
     }
     if record.report.interrupted {
-        return Err(Unusable::Interrupted);
+        return Err(Unusable::Interrupted { keys: record.keys });
     }
     if record.points_per_wavelength < points {
         return Err(Unusable::Coarser {

@@ -35,17 +35,21 @@ impl OutputFolder {
         arguments: &RunArguments,
         command: &str,
     ) -> Result<Self, CliError> {
-        let path = arguments.output.as_path();
-        prepare(path)?;
-        let line = format!("ruga {command} {}", arguments.scene.display());
-        let lock = FolderLock::take(path, &line)?;
-        let origin = SceneOrigin::of(scene, path);
-        let poses = scene_poses(scene)?;
-        claim(path, &origin, &poses, arguments.force)?;
-        Ok(Self {
-            origin,
-            poses,
-            _lock: lock,
+        Self::open_with(scene, arguments, |path| {
+            let line = format!("ruga {command} {}", arguments.scene.display());
+            FolderLock::take(path, &line)
+        })
+    }
+
+    /// The folder for a task, which has the scene's wanted poses for itself and not the whole folder.
+    ///
+    /// # Errors
+    /// Those of [`OutputFolder::open`].
+    pub(crate) fn open_for_task(scene: &Scene, arguments: &RunArguments) -> Result<Self, CliError> {
+        Self::open_with(scene, arguments, |path| {
+            let line = format!("ruga bake --task {}", arguments.scene.display());
+            let poses = scene.poses.iter().map(|pose| pose.name.clone());
+            FolderLock::share(path, &poses.collect::<Vec<_>>(), &line)
         })
     }
 
@@ -58,6 +62,24 @@ impl OutputFolder {
         poses
             .find(|pose| pose.name == name)
             .expect("the poses of a run are poses of its scene")
+    }
+
+    fn open_with(
+        scene: &Scene,
+        arguments: &RunArguments,
+        lock: impl Fn(&Path) -> Result<FolderLock, CliError>,
+    ) -> Result<Self, CliError> {
+        let path = arguments.output.as_path();
+        prepare(path)?;
+        let lock = lock(path)?;
+        let origin = SceneOrigin::of(scene, path);
+        let poses = scene_poses(scene)?;
+        claim(path, &origin, &poses, arguments.force)?;
+        Ok(Self {
+            origin,
+            poses,
+            _lock: lock,
+        })
     }
 }
 

@@ -148,7 +148,7 @@ impl<P: Product> PoseRun<'_, P> {
             Err(Unusable::Older | Unusable::NotWhole) => {
                 note("is there from an older version of the scene, or not whole: it is made again");
             }
-            Err(Unusable::Interrupted) => {
+            Err(Unusable::Interrupted { .. }) => {
                 note("was interrupted: it is made again; until then its finished keys are kept");
             }
             Err(Unusable::Coarser { points }) => {

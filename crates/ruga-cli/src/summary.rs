@@ -83,7 +83,7 @@ pub(crate) fn conclude(
     let report = report(scene, plan, results, ending);
     report.write(&path)?;
     results.remove_leftovers()?;
-    say_warnings(scene, plan, &own, results);
+    say_warnings(scene, plan, &own, &results.notes);
     if arguments.json {
         messages::result(&report.to_json());
     } else {
@@ -99,14 +99,40 @@ pub(crate) fn conclude(
         messages::result(&format!("Results are in {folder}; see report.json there."));
     }
     if missing > 0 {
-        messages::note(&format!(
-            "interrupted: {} left; finished poses are whole and finished keys are kept, `--resume` \
-             continues",
-            counted(missing, "pose")
-        ));
-        return Ok(Outcome::Incomplete);
+        return Ok(interrupted(missing));
     }
     Ok(convergence(own.iter().map(|pose| &pose.report)))
+}
+
+/// Prints what a task has made and says how it ended.
+///
+/// A task that has baked its poses is done also where one did not converge: a farm would take it for
+/// failed, and never come to the merge, which says so and lists the pose.
+pub(crate) fn conclude_task(
+    scene: &Scene,
+    plan: &ScenePlan,
+    poses: &[Option<PoseRecord>],
+) -> Outcome {
+    let own: Vec<&PoseRecord> = poses.iter().flatten().collect();
+    say_warnings(scene, plan, &own, &[]);
+    if !own.is_empty() {
+        messages::result(&results_table(&own));
+    }
+    let finished = own.iter().filter(|pose| !pose.report.interrupted);
+    let missing = poses.len() - finished.count();
+    if missing > 0 {
+        return interrupted(missing);
+    }
+    convergence(own.iter().map(|pose| &pose.report));
+    Outcome::Done
+}
+
+fn interrupted(missing: usize) -> Outcome {
+    messages::note(&format!(
+        "interrupted: {} left; finished poses are whole and finished keys are kept, `--resume` continues",
+        counted(missing, "pose")
+    ));
+    Outcome::Incomplete
 }
 
 /// The report of all poses in the folder, with every warning once; `ending` says what kept the run
@@ -134,10 +160,10 @@ fn report(
 }
 
 /// Says what has not been said before the poses were simulated.
-fn say_warnings(scene: &Scene, plan: &ScenePlan, own: &[&PoseRecord], results: &FolderResults) {
+fn say_warnings(scene: &Scene, plan: &ScenePlan, own: &[&PoseRecord], notes: &[String]) {
     let said: Vec<&String> = scene.warnings.iter().chain(plan.warnings()).collect();
     let of_poses = own.iter().flat_map(|pose| &pose.warnings);
-    let new = of_poses.chain(&results.notes);
+    let new = of_poses.chain(notes);
     messages::warnings(new.filter(|warning| !said.contains(warning)), ALL_IN_REPORT);
 }
 

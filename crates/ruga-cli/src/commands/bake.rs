@@ -7,6 +7,7 @@ use ruga_stepper::{Frame, KeyResult, PoseResult, PoseSpec};
 
 use crate::arguments::{BakeArguments, RunArguments};
 use crate::artist_file::{file_name, refuse_own_folder, write_artist_mesh};
+use crate::baked_poses::baked_poses;
 use crate::error::CliError;
 use crate::folder_results::FolderResults;
 use crate::map_files::write_maps;
@@ -34,7 +35,10 @@ pub(crate) fn run(bake: &BakeArguments) -> Result<Outcome, CliError> {
     if !bake.maps_only {
         refuse_own_folder(&arguments.output, &scene.mesh, arguments.force)?;
     }
-    let folder = OutputFolder::open(&scene, arguments, "bake")?;
+    let folder = match bake.task {
+        true => OutputFolder::open_for_task(&scene, arguments)?,
+        false => OutputFolder::open(&scene, arguments, "bake")?,
+    };
     let warnings = scene.warnings.iter().chain(plan.warnings());
     messages::warnings(warnings, ALL_IN_REPORT);
     let maps = WrinkleMaps {
@@ -44,7 +48,14 @@ pub(crate) fn run(bake: &BakeArguments) -> Result<Outcome, CliError> {
         pool: &pool,
         records: Records::of_bake(&arguments.output),
     };
-    let poses = run_poses(&scene, &plan, arguments, &folder, &maps);
+    if bake.task {
+        let poses = run_poses(&scene, &plan, arguments, &folder, &maps)?;
+        return Ok(summary::conclude_task(&scene, &plan, &poses));
+    }
+    let poses = match bake.merge {
+        true => Ok(baked_poses(&scene, &folder, &maps.records)?),
+        false => run_poses(&scene, &plan, arguments, &folder, &maps),
+    };
     let results = FolderResults::read(&maps.records, &folder.poses);
     let poses = summary::unless_nothing_is_there(poses, arguments, &results)?;
     let about_mesh = match maps.write_common(&folder, &results.current) {
