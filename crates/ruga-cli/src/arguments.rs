@@ -37,7 +37,17 @@ const FARM: &str = "\
 Several machines:
   Runs with `--task` may bake different poses into one folder at a time; `--merge` then writes what all
   poses share. A task that baked its poses ends with 0 even where one did not converge: the merge says
-  so.";
+  so. `ruga job` writes both as a job that render farms read.";
+
+const JOB: &str = "\
+The job:
+  DIR/template.json is a template of the Open Job Description, version 2023-09: a step `Bake` with a task
+  per pose, and a step `Merge`. DIR/parameters.json has the values of its parameters Scene, Output (DIR/out),
+  Quality and Threads; change them there, or when the job is submitted. Try it here:
+    openjd run DIR/template.json --job-param file://DIR/parameters.json
+
+  Every machine needs the command `ruga` of one release, and sees the scene, the files that it names and
+  Output by the same paths, or by paths that the farm maps. The folder is then what `ruga bake` fills.";
 
 const PLAN_COLUMNS: &str = "\
 Columns of the layers:
@@ -85,6 +95,9 @@ pub(crate) enum Command {
     /// Simulate every pose and write its meshes per load step, no maps.
     #[command(after_help = format!("{FOLDER}\n\n{EXIT_CODES}"))]
     Simulate(RunArguments),
+    /// Write a bake as a job for a render farm, with one task per pose.
+    #[command(after_help = format!("{JOB}\n\n{EXIT_CODES}"))]
+    Job(JobArguments),
     /// Say what will be modelled, where, how fine and at what cost; nothing is simulated.
     #[command(after_help = format!("{PLAN_COLUMNS}\n\n{EXIT_CODES}"))]
     Plan(PlanArguments),
@@ -156,6 +169,37 @@ pub(crate) struct BakeArguments {
     pub(crate) merge: bool,
 }
 
+/// Options of `ruga job`.
+#[derive(Debug, Args)]
+pub(crate) struct JobArguments {
+    /// The scene, a TOML file.
+    #[arg(value_name = "SCENE", help_heading = "Input")]
+    pub(crate) scene: PathBuf,
+    /// Only this pose; may be given several times [default: every pose of the scene].
+    #[arg(long = "pose", value_name = "NAME", help_heading = "Input")]
+    pub(crate) poses: Vec<String>,
+    /// Folder for the job; made if it does not exist. Results go to `out` in it.
+    #[arg(short, long, value_name = "DIR", help_heading = "Output")]
+    pub(crate) output: PathBuf,
+    /// Write over another job in DIR; results stay.
+    #[arg(long, help_heading = "Output")]
+    pub(crate) force: bool,
+    /// Write no GLB: maps, wrinkles.json and report.json alone.
+    #[arg(long, help_heading = "Output")]
+    pub(crate) maps_only: bool,
+    /// Mesh points per wavelength: draft 6, standard 12, fine 24, or the scene's.
+    #[arg(long, value_enum, default_value_t, help_heading = "Simulation")]
+    pub(crate) quality: Quality,
+    /// Threads of a task: its maps are baked on all of them, its pose is simulated on one.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "1",
+        help_heading = "Simulation"
+    )]
+    pub(crate) threads: NonZeroUsize,
+}
+
 /// Options of `ruga plan`.
 #[derive(Debug, Args)]
 pub(crate) struct PlanArguments {
@@ -222,6 +266,8 @@ pub(crate) enum Topic {
     Bake,
     /// The options of `ruga simulate`.
     Simulate,
+    /// The options of `ruga job`.
+    Job,
     /// The options of `ruga plan`.
     Plan,
     /// The options of `ruga check`.

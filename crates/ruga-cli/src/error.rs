@@ -69,6 +69,20 @@ pub(crate) enum CliError {
         count: usize,
         poses: String,
     },
+    /// `ruga job` would overwrite another job.
+    #[error("{}: is there already and is another job: {difference}; nothing was written", path.display())]
+    #[diagnostic(help(
+        "give another folder with `--output`, or write over the job with `--force`; results stay"
+    ))]
+    OtherJob { path: PathBuf, difference: String },
+    /// A text of a job that farms would read as something else, or not at all.
+    #[error("{}: {what} `{text}` cannot stand in a job: {reason}", scene.display())]
+    JobText {
+        scene: PathBuf,
+        what: &'static str,
+        text: String,
+        reason: &'static str,
+    },
     /// `ruga new` would overwrite something.
     #[error("{}: exists already; nothing was written", path.display())]
     #[diagnostic(help("choose another folder, or move the file away"))]

@@ -10,6 +10,7 @@ fn help_lists_commands_and_exit_codes_on_stdout() {
     for word in [
         "bake",
         "simulate",
+        "job",
         "plan",
         "check",
         "new",

@@ -1,11 +1,13 @@
 //! The commands, one per module; each returns how it ended.
 
+mod job_template;
 mod plan_json;
 mod scene_for_mesh;
 
 pub(crate) mod bake;
 pub(crate) mod check;
 pub(crate) mod help;
+pub(crate) mod job;
 pub(crate) mod new;
 pub(crate) mod plan;
 pub(crate) mod simulate;
