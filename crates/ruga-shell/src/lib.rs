@@ -9,6 +9,7 @@
 //!
 //! ```text
 //! E = sum_faces  A C/2 ((1 - nu) E:E + nu tr(E)^2)             St. Venant-Kirchhoff, plane stress
+//!   + sum_faces  A C (J_0 - J)^3 / J_0^2                        below J_0 = 0.4 of a face's area
 //!   + sum_edges  k/2 (theta - theta_rest)^2                    Grinspun 2003, calibrated to D
 //!  or sum_stars  A D/2 ((tr kappa)^2 - 2 (1 - nu) det kappa)   kappa linear in theta - theta_rest
 //!   + 1/2 int    K0 w^2 + K1 |grad w|^2 + Kt |x_t - p_t|^2     Pasternak, w = n.(x - p) - offset
@@ -50,6 +51,7 @@
 //! ```
 
 mod bending_model;
+mod collapse;
 mod energy_parts;
 mod layer_bending;
 mod layer_energy;

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix2, Matrix3, Matrix3x2, Vector2, Vector3};
 
 use crate::RestTriangle;
+use crate::collapse::Collapse;
 
 /// St. Venant-Kirchhoff plane stress on a linear triangle.
 ///
@@ -14,7 +15,9 @@ use crate::RestTriangle;
 /// lower triangle in the order (0,0) (1,0) (1,1) (2,0) (2,1) (2,2).
 ///
 /// # Validity
-/// Softens under compression (`N = C (e - e^2/2)`), and has no barrier against collapse.
+/// Softens under compression (`N = C (e - e^2/2)`), and gives way altogether beyond 42 %. Where a face has
+/// less than `J_0 = 0.4` of its stress-free area `J = 1`, `A C (J_0 - J)^3 / J_0^2` is added, which keeps it
+/// from vanishing.
 #[derive(Clone, Copy, Debug)]
 pub struct Membrane {
     gradients: [Vector2<f64>; 2],
@@ -23,6 +26,8 @@ pub struct Membrane {
     poisson: f64,
     /// `E_0`: Green strain at which there is no stress, zero when built.
     natural: Matrix2<f64>,
+    /// Area at that strain over rest area.
+    natural_area: f64,
 }
 
 /// Which stress enters the geometric part of a Hessian.
@@ -41,6 +46,7 @@ pub struct MembraneState {
     strain: Matrix2<f64>,
     /// Second Piola-Kirchhoff stress times rest area (J).
     stress: Matrix2<f64>,
+    collapse: Option<Collapse>,
 }
 
 impl Membrane {
@@ -52,6 +58,7 @@ impl Membrane {
             stiffness: rest.area() * tension,
             poisson,
             natural: Matrix2::zeros(),
+            natural_area: 1.0,
         }
     }
 
@@ -59,7 +66,12 @@ impl Membrane {
     ///
     /// Unlike another rest metric it leaves lengths, areas and what bends per area as they are.
     pub fn with_natural_strain(self, natural: Matrix2<f64>) -> Self {
-        Self { natural, ..self }
+        let metric = Matrix2::identity() + 2.0 * natural;
+        Self {
+            natural,
+            natural_area: metric.determinant().max(0.0).sqrt(),
+            ..self
+        }
     }
 
     /// Deformation gradient, strain and stress at `x`.
@@ -76,20 +88,25 @@ impl Membrane {
             deformation,
             strain,
             stress,
+            collapse: Collapse::new(&deformation, self.stiffness, self.natural_area),
         }
     }
 
     /// Energy (J).
     pub fn value(&self, x: &[Vector3<f64>; 3]) -> f64 {
         let state = self.state(x);
-        0.5 * state.stress.dot(&state.strain)
+        let collapse = state.collapse.map_or(0.0, |collapse| collapse.value());
+        0.5 * state.stress.dot(&state.strain) + collapse
     }
 
     /// Derivative of the energy by the three corners (N).
     #[inline]
     pub fn gradient(&self, x: &[Vector3<f64>; 3]) -> [Vector3<f64>; 3] {
         let state = self.state(x);
-        let forces = state.deformation * state.stress;
+        let mut forces = state.deformation * state.stress;
+        if let Some(collapse) = &state.collapse {
+            forces += collapse.stress();
+        }
         // A translation does no work, which gives corner 0 its force.
         let at_1 = forces * self.gradients[0];
         let at_2 = forces * self.gradients[1];
@@ -130,13 +147,18 @@ impl Membrane {
         let [g1, g2] = self.gradients;
         // Of the two parts the material one is semidefinite at any state. Dropping compression here
         // is enough, and needs a 2x2 eigenproblem instead of a 9x9 one.
-        let stress = match stress {
-            Stress::Full => state.stress,
-            Stress::Tensile => positive_part(&state.stress),
+        let (is_full, stress) = match stress {
+            Stress::Full => (true, state.stress),
+            Stress::Tensile => (false, positive_part(&state.stress)),
         };
         let geometric = |a: &Vector2<f64>, b: &Vector2<f64>| {
             // By two points the strain's second derivative is a multiple of the identity in space.
-            Matrix3::from_diagonal_element(a.dot(&(stress * b)))
+            let block = Matrix3::from_diagonal_element(a.dot(&(stress * b)));
+            match &state.collapse {
+                None => block,
+                // It always presses, so that only its square counts as tensile.
+                Some(collapse) => block + collapse.block(a, b, is_full),
+            }
         };
         let h11 = material[0] + geometric(&g1, &g1);
         let h21 = material[1] + geometric(&g2, &g1);

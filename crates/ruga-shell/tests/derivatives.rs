@@ -30,6 +30,52 @@ fn membrane() {
 }
 
 #[test]
+fn membrane_that_is_about_to_collapse() {
+    for seed in 0..40 {
+        let mut rng = rng(5000 + seed);
+        let corners = [[0.0, 0.0], [1.1, 0.0], [0.4, 0.9]].map(|[x, y]| Vector3::new(x, y, 0.0));
+        let rest = RestTriangle::new(&corners, 0).unwrap();
+        let natural = Matrix2::new(0.1, 0.02, 0.02, -0.2);
+        let membrane = Membrane::new(&rest, 2.5, 0.48).with_natural_strain(natural);
+        let turn = random_rotation(&mut rng);
+        // From a third of the area down to a thousandth.
+        let share = 0.25 * 0.87_f64.powi(seed as i32);
+        let x = corners.map(|p| turn * Vector3::new(p.x + 0.1 * p.y, share * p.y, 0.0));
+        let hessian = membrane.hessian(&x, Stress::Full);
+        let (value, gradient) = (|y: &_| membrane.value(y), |y: &_| membrane.gradient(y));
+        let step = 2e-3 * share;
+        check_stencil(
+            &x,
+            step,
+            value,
+            gradient,
+            &hessian,
+            &format!("membrane {seed}"),
+        );
+        let relaxed = full::<3, 6>(&membrane.hessian(&x, Stress::Tensile));
+        let values = relaxed.clone().symmetric_eigenvalues();
+        assert!(values.min() > -1e-12 * values.max(), "{values}");
+    }
+}
+
+#[test]
+fn membrane_resists_more_and_more_until_it_has_no_area() {
+    let corners = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.8]].map(|[x, y]| Vector3::new(x, y, 0.0));
+    let rest = RestTriangle::new(&corners, 0).unwrap();
+    let membrane = Membrane::new(&rest, 1.0, 0.3);
+    let value = |share: f64| membrane.value(&corners.map(|p| Vector3::new(p.x, share * p.y, p.z)));
+    let slopes = (0..4).map(|k| 0.1 * f64::from(k));
+    let slopes: Vec<f64> = slopes
+        .map(|s| (value(s + 0.01) - value(s)) / 0.01)
+        .collect();
+    assert!(
+        slopes.windows(2).all(|pair| pair[0] < pair[1]),
+        "{slopes:?}"
+    );
+    assert!(slopes[3] < 0.0, "{slopes:?}");
+}
+
+#[test]
 fn relaxed_membrane_is_positive_and_equals_the_exact_one_in_tension() {
     for seed in 0..40 {
         let mut rng = rng(2000 + seed);
