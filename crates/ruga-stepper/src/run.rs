@@ -1,6 +1,7 @@
 //! One pose from rest to its keys: layers, their load path, and the stack of them.
 
 pub(crate) mod adaptivity;
+mod coarser;
 mod layer;
 mod layer_objective;
 mod layer_run;

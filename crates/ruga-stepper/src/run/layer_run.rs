@@ -65,6 +65,8 @@ pub(crate) struct LayerRun<'a> {
     pub(crate) is_rough: bool,
     /// Steps in time that had to be halved.
     halved: usize,
+    /// Whether a run on a finer mesh goes on from what this one finds, so that nothing of it is a result.
+    pub(crate) is_coarse: bool,
 }
 
 impl<'a> LayerRun<'a> {
@@ -98,6 +100,7 @@ impl<'a> LayerRun<'a> {
             layer,
             is_rough: false,
             halved: 0,
+            is_coarse: false,
         })
     }
 
@@ -136,35 +139,6 @@ impl<'a> LayerRun<'a> {
             None => self.climb(loading, loads, observer),
             Some(dynamics) => self.move_in_time(loading, (loads, steps), dynamics, observer),
         }
-    }
-
-    /// Takes the layer to every one of `loads`, which are results, with nothing on the way but what it
-    /// takes to let every place begin to wrinkle at its own onset; where that fails, from load to load.
-    ///
-    /// This holds in motion, too: layers on others are thin and light, and follow at once.
-    pub(crate) fn reach_all(
-        &mut self,
-        loading: &mut dyn Loading,
-        loads: &[f64],
-        observer: &mut dyn Observer,
-    ) -> Result<Ending, StepperError> {
-        let (start, was_flat) = (self.layer.state(), self.layer.strain_ratio() < 1.0);
-        let warned = self.warnings.len();
-        let mut from = 0.0;
-        for load in loads {
-            let ending = self.reach(loading, (from, *load), observer)?;
-            if ending == Ending::GaveUp && was_flat {
-                // Another way may lead past the triangles that collapse on this one.
-                self.layer.restore(&start)?;
-                self.warnings.truncate(warned);
-                return self.climb(loading, loads, observer);
-            }
-            if ending != Ending::Reached {
-                return Ok(ending);
-            }
-            from = loading.pose_fraction(*load);
-        }
-        Ok(Ending::Reached)
     }
 
     fn climb(

@@ -91,7 +91,7 @@ impl<'a> StackRun<'a> {
 
     /// Builds layer number `index` on a mesh of `region` that is fitted to `sizing`, its averaging
     /// constraints around given `centres`, its bending corrected for `support`.
-    fn build_on(
+    pub(crate) fn build_on(
         &self,
         index: usize,
         (region, sizing): (RegionMesh, Option<SizingRequest>),

@@ -186,14 +186,7 @@ impl<'a> StackRun<'a> {
                 (posed.collect::<Vec<_>>(), before)
             }
         };
-        let (driver, attachment) = (&self.plan.driver, self.plan.stacking.attachments[lowest]);
-        let mut surfaces: Vec<SupportOf<'_>> = Vec::new();
-        for support in &supports {
-            let on = (driver.as_ref(), support.as_ref());
-            surfaces.push(Box::new(move |skin| {
-                support_surface(on, skin, attachment, &[])
-            }));
-        }
+        let surfaces = self.surfaces(lowest, &supports);
         let mut run = self.build(lowest, &surfaces, observer)?;
         if let Some(before) = before {
             run.report.newton_iterations += before.newton_iterations;
@@ -205,6 +198,20 @@ impl<'a> StackRun<'a> {
             }
         }
         Ok(run)
+    }
+
+    /// The surfaces of `supports` below the lowest layer.
+    fn surfaces<'s>(
+        &'s self,
+        lowest: usize,
+        supports: &'s [Box<dyn Support + 'a>],
+    ) -> Vec<SupportOf<'s>> {
+        let (driver, attachment) = (&self.plan.driver, self.plan.stacking.attachments[lowest]);
+        let surface = |support: &'s Box<dyn Support + 'a>| -> SupportOf<'s> {
+            let on = (driver.as_ref(), support.as_ref());
+            Box::new(move |skin| support_surface(on, skin, attachment, &[]))
+        };
+        supports.iter().map(surface).collect()
     }
 
     fn posed_driver(&self, weight: f64) -> Box<dyn Support + 'a> {
@@ -247,7 +254,7 @@ impl<'a> StackRun<'a> {
     fn follow_strain(
         &mut self,
         lowest: usize,
-        run: &mut LayerRun<'_>,
+        run: &mut LayerRun<'a>,
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
         let at_rest = run.layer.state();
@@ -268,7 +275,7 @@ impl<'a> StackRun<'a> {
     fn follow_loading(
         &mut self,
         lowest: usize,
-        run: &mut LayerRun<'_>,
+        run: &mut LayerRun<'a>,
         key: Option<f64>,
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
@@ -278,15 +285,30 @@ impl<'a> StackRun<'a> {
             Some(_) => vec![1.0],
             None => self.spec().keys.clone(),
         };
+        let wants_frames = observer.wants_frames();
+        // Nothing that moves has to be where it is between keys.
+        let is_direct = is_plain && !wants_frames;
+        let coarse = match is_direct {
+            true => {
+                let posed = self.spec().keys.iter().map(|&key| self.posed_driver(key));
+                let supports: Vec<_> = posed.collect();
+                let surfaces = self.surfaces(lowest, &supports);
+                let made = self.coarser(run, &surfaces, observer);
+                match Halt::unless_interrupted(made)? {
+                    Some(coarse) => coarse,
+                    None => return Ok(Ending::Interrupted),
+                }
+            }
+            false => None,
+        };
         let mut loading = PoseLoading {
             stack: self,
             lowest,
             key,
-            wants_frames: observer.wants_frames(),
+            wants_frames,
         };
-        // Nothing that moves has to be where it is between keys.
-        if is_plain && !loading.wants_frames {
-            return run.reach_all(&mut loading, &keys, observer);
+        if is_direct {
+            return run.reach_all(coarse, &mut loading, &keys, observer);
         }
         run.follow(&mut loading, (&loads, steps), observer)
     }

@@ -122,7 +122,7 @@ impl<'a> StackRun<'a> {
             support: support_of(run.layer.skin()),
             weight: point.weight_fraction,
         };
-        run.reach_all(&mut loading, &[1.0], observer)
+        run.reach_all(None, &mut loading, &[1.0], observer)
     }
 
     fn lower<'r>(

@@ -10,7 +10,8 @@ use ruga_mesh::PerFace;
 use ruga_solver::{AtSaddle, StopRule};
 
 use super::{Accuracy, Ending, LayerRun, Loading};
-use crate::{Observer, StepperError};
+use crate::preparing::Preparing;
+use crate::{Observer, Phase, StepperError};
 
 /// Largest strain ratio of a face that has been below 1: as far above the onset as the critical wave is
 /// still the one that grows fastest.
@@ -23,10 +24,92 @@ const LAST: f64 = 7.0;
 /// Factor by which a face may exceed its limit where that saves a solve.
 const EXCESS: f64 = 1.1;
 
-impl LayerRun<'_> {
+impl<'a> LayerRun<'a> {
+    /// Takes the layer to every one of `loads`, which are results, with nothing on the way but what it
+    /// takes to let every place begin to wrinkle at its own onset; where that fails, from load to load.
+    ///
+    /// With a run of the same layer on a `coarse` mesh, the pattern is found on that, and carried over at
+    /// every load. This holds in motion, too: layers on others are thin and light, and follow at once.
+    pub(crate) fn reach_all(
+        &mut self,
+        coarse: Option<LayerRun<'a>>,
+        loading: &mut dyn Loading,
+        loads: &[f64],
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        let (start, was_flat) = (self.layer.state(), self.layer.strain_ratio() < 1.0);
+        let warned = self.warnings.len();
+        if let Some(mut coarse) = coarse {
+            let ending = self.reach_each(Some(&mut coarse), loading, loads, observer)?;
+            // What is wrong with the coarse mesh is not wrong with the result.
+            coarse.warnings.clear();
+            self.take_history(coarse);
+            if ending != Ending::GaveUp {
+                return Ok(ending);
+            }
+            self.layer.restore(&start)?;
+            self.warnings.truncate(warned);
+        }
+        let ending = self.reach_each(None, loading, loads, observer)?;
+        if ending == Ending::GaveUp && was_flat {
+            // Another way may lead past the triangles that collapse on this one.
+            self.layer.restore(&start)?;
+            self.warnings.truncate(warned);
+            return self.climb(loading, loads, observer);
+        }
+        Ok(ending)
+    }
+
+    fn reach_each(
+        &mut self,
+        mut coarse: Option<&mut LayerRun<'a>>,
+        loading: &mut dyn Loading,
+        loads: &[f64],
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        let mut from = 0.0;
+        for load in loads {
+            if let Some(coarse) = &mut coarse {
+                let ending = coarse.reach(loading, (from, *load), observer)?;
+                if ending != Ending::Reached {
+                    return Ok(ending);
+                }
+                if !self.take_pattern(coarse, (loading, *load), observer)? {
+                    return Ok(Ending::Interrupted);
+                }
+            }
+            let ending = self.reach(loading, (from, *load), observer)?;
+            if ending != Ending::Reached {
+                return Ok(ending);
+            }
+            if !loading.kept(self, *load, observer)? {
+                return Ok(Ending::Interrupted);
+            }
+            from = loading.pose_fraction(*load);
+        }
+        Ok(Ending::Reached)
+    }
+
+    /// Takes over what `coarse` has become at `load`; false when the observer ends the work.
+    fn take_pattern(
+        &mut self,
+        coarse: &LayerRun<'_>,
+        (loading, load): (&dyn Loading, f64),
+        observer: &mut dyn Observer,
+    ) -> Result<bool, StepperError> {
+        if !self.place(loading, load, observer)? {
+            return Ok(false);
+        }
+        let ratios = coarse.layer.strain_ratios().all();
+        let mut preparing = Preparing::new(observer, self.index, Phase::Sampling);
+        self.relaxation = coarse.relaxation;
+        self.layer
+            .take_shape(&coarse.layer, &ratios, &mut || preparing.goes_on())
+    }
+
     /// Takes the layer to `load` from its present shape, which is in equilibrium, the last key at the
     /// fraction `from` of the pose.
-    pub(super) fn reach(
+    fn reach(
         &mut self,
         loading: &mut dyn Loading,
         (from, load): (f64, f64),
@@ -54,7 +137,7 @@ impl LayerRun<'_> {
             if !is_last {
                 self.layer.limit_strains(&limits)?;
             }
-            let accuracy = match is_last {
+            let accuracy = match is_last && !self.is_coarse {
                 true => Accuracy::Result,
                 false => Accuracy::Passing,
             };
@@ -83,10 +166,7 @@ impl LayerRun<'_> {
             }
             if is_last {
                 self.warn_unverified(&solve);
-                return Ok(match loading.kept(self, load, observer)? {
-                    true => Ending::Reached,
-                    false => Ending::Interrupted,
-                });
+                return Ok(Ending::Reached);
             }
             kept = self.layer.state();
         }
