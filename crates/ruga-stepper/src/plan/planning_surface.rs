@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 use ruga_blend::{BaseSurface, Driver, PosedSurface};
 use ruga_material::{CAP_START, Wrinkling};
 use ruga_mesh::{FaceId, Id, PerFace};
-use ruga_remesh::{FaceDriver, Refinement};
+use ruga_remesh::{FaceDriver, Refinement, SizeLimits};
 
 use crate::plan::pose_plan::PlannedLayer;
 use crate::plan::region::{ACTIVE_FRACTION, PoseStrains};
@@ -198,6 +198,24 @@ impl<'a> PlanningSurface<'a> {
         }
     }
 
+    /// Number and mean length (m) of the edges around the `active` faces.
+    fn border(&self, active: &[FaceId]) -> (f64, f64) {
+        let mesh = self.surface.mesh();
+        let mut is_active = PerFace::filled(mesh.face_count(), false);
+        for &face in active {
+            is_active[face] = true;
+        }
+        let (mut edges, mut length) = (0.0, 0.0);
+        for &face in active {
+            let beyond = (0..3).map(|corner| mesh.neighbour(face, corner));
+            let outer = beyond.filter(|next| next.is_none_or(|next| !is_active[next]));
+            let outer = outer.count() as f64;
+            edges += outer;
+            length += outer * self.edges[face];
+        }
+        (edges, length / edges.max(1.0))
+    }
+
     fn layer_plan(
         &self,
         layer: &PlannedLayer<'_>,
@@ -262,9 +280,12 @@ impl<'a> PlanningSurface<'a> {
             Some(limits) => {
                 let faces = {
                     let skin = (&wavelengths, spec.material.poisson);
-                    fitted_faces(&active, pose_strains, skin, &limits, *asked)
+                    let shape = (pose_strains, &self.curvatures);
+                    fitted_faces(&active, shape, skin, &limits, *asked)
                 };
-                let needed = GRADING * vertices_of(faces);
+                let coarsest = (GRADED / asked).min(COARSEST) * wrinkling.wavelength;
+                let needed = GRADING * vertices_of(faces)
+                    + graded_vertices(self.border(&active), coarsest.min(limits.max_edge));
                 // Vertices go with the square of the points per wavelength.
                 let short = (modelling.vertex_budget as f64 / needed).min(1.0).sqrt();
                 let points = asked * short;
@@ -360,10 +381,10 @@ fn painted_ranges(
 ///
 /// Where the layer wrinkles, edges across the wrinkles have the asked fraction of a wavelength, along
 /// them they are longer by the aspect, unless it wrinkles that way too; elsewhere they grow towards
-/// half a wavelength.
+/// half a wavelength. Where the surface bends they are shorter, whichever way it does.
 fn fitted_faces(
     active: &[FaceId],
-    pose_strains: &PoseStrains,
+    (pose_strains, curvatures): (&PoseStrains, &PerFace<f64>),
     (wavelengths, poisson): (&PerFace<f64>, f64),
     limits: &EdgeLimits,
     points: f64,
@@ -375,7 +396,9 @@ fn fitted_faces(
     let per_area = |face: FaceId| {
         let wavelength = wavelengths[face];
         let longest = (COARSEST * wavelength).min(limits.max_edge);
-        let across = (wavelength / points).max(limits.min_edge);
+        let finest = (wavelength / points).max(limits.min_edge);
+        let bent = (refinement.angle / curvatures[face]).max(finest);
+        let across = finest;
         let (across, along) = match pose_strains.strain_ratio(face) > ACTIVE_FRACTION {
             true => {
                 let driver = FaceDriver {
@@ -390,9 +413,13 @@ fn fitted_faces(
                 // strain, too.
                 let size = driver.wrinkle_size(second, first, &refinement);
                 let along = (aspect(limits, points) * across).min(longest);
-                (across, along.min(size.sqrt().recip()).max(across))
+                let along = along.min(size.sqrt().recip()).max(across);
+                (across, along.min(bent))
             }
-            false => (GRADED * across, GRADED * across),
+            false => {
+                let across = (GRADED * finest).min(bent);
+                (across, (GRADED * finest).min(aspect(limits, points) * across))
+            }
         };
         // Triangles are counted as equilateral ones, stretched in one direction.
         4.0 / (3f64.sqrt() * across.min(longest) * along.min(longest))
@@ -401,6 +428,15 @@ fn fitted_faces(
         .iter()
         .map(|&face| pose_strains.areas[face] * per_area(face))
         .sum()
+}
+
+/// Vertices between a border of `edges` of a mean length (m), which meshes keep as it is, and edges of
+/// the length `coarsest` (m) inside: where edges grow by `g` per length, `2 / (sqrt(3) g)` for each of the
+/// border's edges if those inside were endless, less what coarse triangles would have had there.
+fn graded_vertices((edges, length): (f64, f64), coarsest: f64) -> f64 {
+    let growth = SizeLimits::default().grading;
+    let share = (1.0 - length / coarsest).max(0.0);
+    edges * 2.0 / (3f64.sqrt() * growth) * share * share
 }
 
 /// Chooses the path of a pose, and says so where it is not the plain one.

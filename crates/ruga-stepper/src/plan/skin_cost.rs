@@ -6,8 +6,8 @@ use crate::plan::pose_plan::LoadPath;
 /// Bytes for every texel of a map while it is baked and written.
 const PER_TEXEL: f64 = 30.0;
 
-/// Vertices made for every one planned: triangles at borders and between sizes are smaller.
-pub(crate) const GRADING: f64 = 1.08;
+/// Vertices made for every one planned: triangles between sizes are smaller.
+pub(crate) const GRADING: f64 = 1.12;
 
 /// Measures of the work that the lowest layer will be.
 #[derive(Clone, Copy, Debug)]
