@@ -9,7 +9,7 @@ use crate::irregular_sector::IrregularSector;
 use crate::vertex_fan::{VertexFan, VertexKind, regular_controls, sector_controls};
 use crate::{
     FaceId, Id, MaterialPoint, PerFace, PerVertex, SparseRows, Subdivision, SurfaceJet, TriMesh,
-    subdivide,
+    VertexId, subdivide,
 };
 
 /// The limit surface of Loop subdivision over a control mesh, ready to be evaluated anywhere.
@@ -126,13 +126,9 @@ impl LoopSurface {
         // First, because it checks the length of `corners`.
         let split = subdivide(mesh, 1, corners);
         // Matrices are made per kind of vertex, of which a mesh has few, and found by bisection.
-        let mut kinds: Vec<VertexKind> = mesh
-            .faces()
-            .ids()
-            .flat_map(|face| (0..3).map(move |corner| (face, corner)))
-            .map(|(face, corner)| {
-                VertexKind::of(mesh, corners, &VertexFan::around(mesh, face, corner))
-            })
+        let mut kinds: Vec<VertexKind> = VertexFan::all(mesh)
+            .iter()
+            .map(|fan| VertexKind::of(mesh, corners, fan))
             .filter(|kind| !kind.is_regular())
             .collect();
         kinds.sort_unstable();
@@ -221,7 +217,7 @@ impl LoopSurface {
         let face = FaceId::from_index(4 * face.index() + child);
         if let Some(rows) = regular_controls(mesh, corners, face) {
             return Quarter {
-                controls: Controls::new(&rows.after(fine_from_coarse)),
+                controls: Controls::new(&rows).after(fine_from_coarse),
                 sector: None,
             };
         }
@@ -278,6 +274,17 @@ impl Controls {
         Self {
             vertices,
             rows: local,
+        }
+    }
+
+    /// The same controls from the vertices that those of their mesh are made of by `inner`.
+    fn after(&self, inner: &SparseRows) -> Self {
+        let vertices: Vec<VertexId> = self.vertices.iter().copied().map(VertexId).collect();
+        // The product of whole maps would look at all of the mesh for a dozen rows.
+        let inner = Self::new(&inner.select(&vertices));
+        Self {
+            rows: self.rows.after(&inner.rows),
+            vertices: inner.vertices,
         }
     }
 

@@ -226,15 +226,12 @@ fn check_faces(vertex_count: usize, faces: &PerFace<[VertexId; 3]>) -> Result<()
             }
         }
     }
-    let mut sorted: Vec<([VertexId; 3], FaceId)> = faces
-        .iter()
-        .map(|(face, vertices)| {
-            let mut key = *vertices;
-            key.sort_unstable();
-            (key, face)
-        })
-        .collect();
-    sorted.sort_unstable();
+    let keys = faces.iter().map(|(face, vertices)| {
+        let mut key = *vertices;
+        key.sort_unstable();
+        (key, face)
+    });
+    let sorted = sorted_by_vertices(keys.collect());
     match sorted.windows(2).find(|pair| pair[0].0 == pair[1].0) {
         Some(pair) => Err(MeshError::DuplicateFaces {
             first: pair[0].1,
@@ -244,41 +241,64 @@ fn check_faces(vertex_count: usize, faces: &PerFace<[VertexId; 3]>) -> Result<()
     }
 }
 
+/// Pairs in the order that sorting them gives, most of it by counting.
+///
+/// Few keys begin with the same vertex, so that little is left to compare.
+fn sorted_by_vertices<const N: usize, T: Copy + Ord>(
+    pairs: Vec<([VertexId; N], T)>,
+) -> Vec<([VertexId; N], T)> {
+    let firsts = || pairs.iter().map(|(key, _)| key[0]);
+    let starts = starts(firsts().max().map_or(0, |v| v.index() + 1), firsts());
+    let mut cursor = starts.clone();
+    let mut sorted = pairs.clone();
+    for pair in pairs {
+        let slot = &mut cursor[pair.0[0].index()];
+        sorted[*slot as usize] = pair;
+        *slot += 1;
+    }
+    for range in starts.windows(2) {
+        sorted[range[0] as usize..range[1] as usize].sort_unstable();
+    }
+    sorted
+}
+
 type EdgeTables = (PerEdge<Edge>, PerFace<[EdgeId; 3]>);
 
 fn build_edges(faces: &PerFace<[VertexId; 3]>) -> Result<EdgeTables, MeshError> {
     // Half-edges sorted by their undirected key meet their twins without a hash map.
-    let mut half_edges: Vec<([VertexId; 2], FaceId, usize)> = Vec::with_capacity(3 * faces.len());
+    let mut half_edges = Vec::with_capacity(3 * faces.len());
     for (face, vertices) in faces.iter() {
         for corner in 0..3 {
             let (a, b) = (vertices[corner], vertices[(corner + 1) % 3]);
-            half_edges.push(([a.min(b), a.max(b)], face, corner));
+            half_edges.push(([a.min(b), a.max(b)], (face, corner)));
         }
     }
-    half_edges.sort_unstable();
-    let mut groups: Vec<&[([VertexId; 2], FaceId, usize)]> =
-        half_edges.chunk_by(|l, r| l.0 == r.0).collect();
+    let half_edges = sorted_by_vertices(half_edges);
     // Back into the order of first appearance, which numbers the edges and picks the first error.
-    groups.sort_unstable_by_key(|group| (group[0].1, group[0].2));
+    let mut groups: Vec<&[([VertexId; 2], (FaceId, usize))]> = vec![&[]; half_edges.len()];
+    for group in half_edges.chunk_by(|l, r| l.0 == r.0) {
+        let (face, corner) = group[0].1;
+        groups[3 * face.index() + corner] = group;
+    }
 
-    let mut edges = Vec::with_capacity(groups.len());
+    let mut edges = Vec::with_capacity(half_edges.len() / 2);
     let mut face_edges = PerFace::filled(faces.len(), [EdgeId(0); 3]);
-    for group in groups {
-        let directed = |(_, face, corner): ([VertexId; 2], FaceId, usize)| {
+    for group in groups.into_iter().filter(|group| !group.is_empty()) {
+        let directed = |(_, (face, corner)): ([VertexId; 2], (FaceId, usize))| {
             [faces[face][corner], faces[face][(corner + 1) % 3]]
         };
         if group.len() > 2 {
             return Err(MeshError::NonManifoldEdge {
                 vertices: group[0].0,
-                face: group[0].1,
+                face: group[0].1.0,
                 count: group.len(),
             });
         }
         // Neighbours that wind alike run their common edge in opposite directions.
         if group.len() == 2 && directed(group[0]) == directed(group[1]) {
             return Err(MeshError::InconsistentWinding {
-                first: group[0].1,
-                second: group[1].1,
+                first: group[0].1.0,
+                second: group[1].1.0,
                 vertices: group[0].0,
             });
         }
@@ -287,7 +307,7 @@ fn build_edges(faces: &PerFace<[VertexId; 3]>) -> Result<EdgeTables, MeshError> 
             faces: [None; 2],
             apexes: [None; 2],
         };
-        for (side, &(_, face, corner)) in group.iter().enumerate() {
+        for (side, &(_, (face, corner))) in group.iter().enumerate() {
             edge.faces[side] = Some(face);
             edge.apexes[side] = Some(faces[face][(corner + 2) % 3]);
             face_edges[face][corner] = EdgeId::from_index(edges.len());
@@ -297,17 +317,24 @@ fn build_edges(faces: &PerFace<[VertexId; 3]>) -> Result<EdgeTables, MeshError> 
     Ok((edges.into(), face_edges))
 }
 
-fn build_vertex_faces(
-    vertex_count: usize,
-    faces: &PerFace<[VertexId; 3]>,
-) -> (Vec<u32>, Vec<FaceId>) {
+/// Where each vertex's part of a list begins that has an entry for every one of `vertices`, and its
+/// end.
+fn starts(vertex_count: usize, vertices: impl Iterator<Item = VertexId>) -> Vec<u32> {
     let mut starts = vec![0u32; vertex_count + 1];
-    for vertex in faces.as_slice().iter().flatten() {
+    for vertex in vertices {
         starts[vertex.index() + 1] += 1;
     }
     for i in 0..vertex_count {
         starts[i + 1] += starts[i];
     }
+    starts
+}
+
+fn build_vertex_faces(
+    vertex_count: usize,
+    faces: &PerFace<[VertexId; 3]>,
+) -> (Vec<u32>, Vec<FaceId>) {
+    let starts = starts(vertex_count, faces.as_slice().iter().flatten().copied());
     let mut cursor = starts.clone();
     let mut vertex_faces = vec![FaceId(0); 3 * faces.len()];
     // In the order of the faces, so that the list of each vertex is ascending.
