@@ -32,8 +32,8 @@ pub(crate) fn grade(
     }
     let neighbours = neighbours(mesh);
     let mut order: Vec<u32> = (0..tensors.len() as u32).collect();
-    let finest = |v: u32| tensors[v as usize].eigen().0[0];
-    order.sort_by(|&l, &r| finest(r).total_cmp(&finest(l)));
+    let finest: Vec<f64> = tensors.iter().map(|t| t.eigenvalues()[0]).collect();
+    order.sort_by(|&l, &r| finest[r as usize].total_cmp(&finest[l as usize]));
     let mut is_queued = vec![true; tensors.len()];
     let mut queue = VecDeque::from(order);
     let mut left = MAX_UPDATES * tensors.len();

@@ -111,7 +111,7 @@ impl SizeLimits {
         let least = self.max_edge.powi(-2);
         // Infinite without a shortest edge, which then clamps nothing.
         let most = self.min_edge.powi(-2);
-        let (values, _) = tensor.eigen();
+        let values = tensor.eigenvalues();
         // What the aspect bound raises is the coarse direction: it adds vertices, never takes any.
         let floor = least.max(values[0].clamp(least, most) / self.aspect.powi(2));
         let (low, high) = ((1.0 - LIMIT_SLACK) * floor, (1.0 + LIMIT_SLACK) * most);

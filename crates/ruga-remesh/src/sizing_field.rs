@@ -306,7 +306,7 @@ impl Sums {
             return own.in_space(frame);
         };
         let mean = Tensor2::in_frame(&(self.wrinkles / self.area), frame);
-        let largest = mean.eigen().0[0];
+        let largest = mean.eigenvalues()[0];
         let wrinkles = if largest > 0.0 {
             mean.scaled(self.finest / self.area / largest)
         } else {

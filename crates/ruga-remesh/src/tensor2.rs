@@ -37,19 +37,23 @@ impl Tensor2 {
             + y * y.transpose() * self.yy
     }
 
-    /// Eigenvalues, larger first, and the unit eigenvector of the larger.
-    pub(crate) fn eigen(self) -> ([f64; 2], [f64; 2]) {
+    /// Eigenvalues, larger first.
+    pub(crate) fn eigenvalues(self) -> [f64; 2] {
         let (mean, half) = ((self.xx + self.yy) / 2.0, (self.xx - self.yy) / 2.0);
         let radius = half.hypot(self.xy);
+        [mean + radius, mean - radius]
+    }
+
+    /// Unit eigenvector of the larger eigenvalue.
+    fn eigenvector(self) -> [f64; 2] {
         // A round tensor gets the first axis instead of a division of zero by zero.
-        let angle = self.xy.atan2(half) / 2.0;
-        ([mean + radius, mean - radius], [angle.cos(), angle.sin()])
+        let angle = self.xy.atan2((self.xx - self.yy) / 2.0) / 2.0;
+        [angle.cos(), angle.sin()]
     }
 
     /// The tensor with each eigenvalue replaced.
     pub(crate) fn map_eigenvalues(self, map: impl Fn(f64) -> f64) -> Self {
-        let ([first, second], [c, s]) = self.eigen();
-        let (first, second) = (map(first), map(second));
+        let ([first, second], [c, s]) = (self.eigenvalues().map(map), self.eigenvector());
         Self {
             xx: first * c * c + second * s * s,
             xy: (first - second) * c * s,
