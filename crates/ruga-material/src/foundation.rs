@@ -83,7 +83,7 @@ impl Foundation {
             };
         }
         let (sinh, cosh) = (x.sinh(), x.cosh());
-        let (excess, slope) = sinh_over_x_terms(x);
+        let (excess, slope) = sinh_over_x_terms(x, sinh, cosh);
         let ratio = 1.0 + excess;
         // The lower factor is q S - 1, written as a sum because q S is close to 1 in thin layers.
         let top = q * ratio * cosh + 1.0;
@@ -100,10 +100,10 @@ impl Foundation {
 }
 
 /// `S - 1` and `x S' = cosh x - S`, for `S = sinh x / x`.
-fn sinh_over_x_terms(x: f64) -> (f64, f64) {
+fn sinh_over_x_terms(x: f64, sinh: f64, cosh: f64) -> (f64, f64) {
     if x >= SERIES_BELOW {
-        let ratio = x.sinh() / x;
-        return (ratio - 1.0, x.cosh() - ratio);
+        let ratio = sinh / x;
+        return (ratio - 1.0, cosh - ratio);
     }
     // S = Σ x²ⁿ/(2n+1)!, so that x S' = Σ 2n x²ⁿ/(2n+1)!. Eight terms leave 1e-17 at x = 1.
     let (mut term, mut excess, mut slope) = (1.0, 0.0, 0.0);

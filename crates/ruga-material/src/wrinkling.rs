@@ -243,19 +243,19 @@ fn bonded_layer_wave(
         layer.bending_stiffness() / height / height / (stiffness_unit(substrate) * height) / height;
     require_representable("the ratio of bending to foundation stiffness", bending)?;
     let foundation = Foundation::new(substrate.poisson);
-    let x = critical_x(bending, &foundation);
+    let (x, exponent) = critical_x(bending, &foundation);
     Ok(CriticalWave {
         wave_number: x / height,
-        exponent: foundation.at(x).exponent,
+        exponent,
     })
 }
 
-/// The root of `2 d x⁴ = g(x) (2 - p(x))`.
+/// The root of `2 d x⁴ = g(x) (2 - p(x))`, and `p` there.
 ///
 /// The quotient of the two sides rises with `x`, from 0 to infinity, so there is one root. It lies
 /// above the half-space's, `2 d x³ = 1/q`, because `g ≥ x/q` and `p ≤ 1`; and below any `x` with
 /// `d x⁴ ≥ 4 a x` and `d x⁴ ≥ 4/δ`, because `g ≤ a x + 1/δ` and `p ≥ -2`. See [`crate::foundation`].
-fn critical_x(bending: f64, foundation: &Foundation) -> f64 {
+fn critical_x(bending: f64, foundation: &Foundation) -> (f64, f64) {
     // The step converges by a factor of 3 or better; bisection of the widest bracket needs 60.
     const MAX_ITERATIONS: usize = 100;
     // A few units in the last place.
@@ -279,7 +279,7 @@ fn critical_x(bending: f64, foundation: &Foundation) -> f64 {
         let proposed = x * (-excess.ln() / (4.0 - point.exponent)).exp();
         // The bracket closes first where the rounding of `excess` exceeds the tolerance.
         if (proposed - x).abs() <= TOLERANCE * x || high - low <= TOLERANCE * high {
-            return x;
+            return (x, point.exponent);
         }
         let inside = low < proposed && proposed < high;
         x = if inside {
@@ -289,5 +289,5 @@ fn critical_x(bending: f64, foundation: &Foundation) -> f64 {
             low.sqrt() * high.sqrt()
         };
     }
-    x
+    (x, foundation.at(x).exponent)
 }
