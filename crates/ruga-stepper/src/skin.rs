@@ -13,3 +13,4 @@ pub(crate) mod place;
 pub(crate) mod relief;
 pub(crate) mod skin_mesh;
 pub(crate) mod upper_shell;
+pub(crate) mod wavelength_field;

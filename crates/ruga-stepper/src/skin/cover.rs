@@ -37,7 +37,7 @@ impl Cover {
     fn new(driver: &Driver, skin: &SkinMesh, lower: &SkinMesh, rim: f64) -> Self {
         let places = places_above(skin, lower);
         let beside: Vec<bool> = places.iter().map(Option::is_none).collect();
-        let weights = faded_from(&skin.mesh, &skin.rest.positions, &beside, |_| rim);
+        let weights = faded_from(&skin.mesh, &skin.rest.positions, &beside, rim);
         let (vertices, inside): (Vec<u32>, Vec<MaterialPoint>) = (0..)
             .zip(places)
             .filter_map(|(vertex, place)| Some((vertex, place?)))

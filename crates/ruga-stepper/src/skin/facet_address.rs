@@ -187,7 +187,7 @@ fn faded(piece: &Piece<'_>, ways: &[Way]) -> Vec<f64> {
         return vec![0.0; ways.len()];
     }
     let held: Vec<bool> = ways.iter().map(Option::is_none).collect();
-    faded_from(piece.mesh, piece.positions, &held, |_| reach)
+    faded_from(piece.mesh, piece.positions, &held, reach)
 }
 
 fn shifted(piece: &Piece<'_>, ways: &[Way], weights: &[f64], face: usize) -> [Vector2<f64>; 3] {

@@ -84,39 +84,35 @@ impl SkinProperties {
     }
 }
 
-/// The layer's wavelength (m) at the vertices of a mesh.
-///
-/// # Errors
-/// [`StepperError::Material`].
-pub(crate) fn wavelengths_at_vertices(
-    spec: &LayerSpec,
-    nominal: &Wrinkling,
-    driver: &Driver,
-    skin: &SkinMesh,
-) -> Result<Vec<f64>, StepperError> {
-    if spec.map.is_none() && spec.variation.is_none() {
-        return Ok(vec![nominal.wavelength; skin.mesh.vertex_count()]);
-    }
-    let relative = relative_at_vertices(spec, driver, skin).into_iter();
-    relative
-        .map(|relative| Ok(local_skin(spec, &relative)?.wrinkling.wavelength))
-        .collect()
-}
-
 /// Properties by the layer's map and its variation at the vertices of a mesh.
 fn relative_at_vertices(
     spec: &LayerSpec,
     driver: &Driver,
     skin: &SkinMesh,
 ) -> Vec<RelativeProperties> {
-    let places = skin.points.points().iter().zip(&skin.rest.positions);
-    places
-        .map(|(place, x)| uneven(spec, painted(spec, &uv(driver, place)), x))
+    let vertices = 0..skin.mesh.vertex_count();
+    vertices
+        .map(|vertex| relative_at(spec, driver, skin, vertex))
         .collect()
 }
 
+/// Properties by the layer's map and its variation at a vertex of a mesh.
+pub(crate) fn relative_at(
+    spec: &LayerSpec,
+    driver: &Driver,
+    skin: &SkinMesh,
+    vertex: usize,
+) -> RelativeProperties {
+    let place = &skin.points.points()[vertex];
+    uneven(
+        spec,
+        painted(spec, &uv(driver, place)),
+        &skin.rest.positions[vertex],
+    )
+}
+
 /// Properties by the layer's map at a texture coordinate.
-fn painted(spec: &LayerSpec, uv: &Vector2<f64>) -> RelativeProperties {
+pub(crate) fn painted(spec: &LayerSpec, uv: &Vector2<f64>) -> RelativeProperties {
     let sample = spec.map.as_ref().map(|map| map.sample(uv));
     sample.unwrap_or_default()
 }

@@ -4,10 +4,10 @@ use nalgebra::{Rotation3, Vector3};
 use ruga_blend::{Driver, PosedSurface};
 use ruga_material::Wrinkling;
 
-use crate::skin::fading::faded_from;
-use crate::skin::local_skin::wavelengths_at_vertices;
+use crate::skin::fading::{distances_from, faded};
 use crate::skin::material_places::{is_on_border, uv};
 use crate::skin::skin_mesh::SkinMesh;
+use crate::skin::wavelength_field::WavelengthField;
 use crate::{LayerSpec, StepperError};
 
 /// Width of the fade inside a border, in wavelengths: the ring of pinned vertices ends a wrinkle at
@@ -65,11 +65,14 @@ pub(crate) fn relief_weights(
         .collect();
     let mut weights = vec![spec.presence.strength; points.len()];
     if is_cut.contains(&true) {
-        let wavelengths = wavelengths_at_vertices(spec, nominal, driver, skin)?;
-        let reach = |i: usize| FADE * wavelengths[i];
-        let faded = faded_from(&skin.mesh, &skin.rest.positions, &is_cut, reach);
-        for (weight, faded) in weights.iter_mut().zip(faded) {
-            *weight *= faded;
+        let wavelengths = WavelengthField::new(spec, nominal, driver, skin);
+        // The wavelength is a search for a minimum, and few vertices are near a border.
+        let furthest = FADE * wavelengths.longest();
+        let distances = distances_from(&skin.mesh, &skin.rest.positions, &is_cut, furthest);
+        for (vertex, distance) in distances.into_iter().enumerate() {
+            if distance.is_finite() {
+                weights[vertex] *= faded(distance, FADE * wavelengths.at(vertex)?);
+            }
         }
     }
     for (weight, place) in weights.iter_mut().zip(points) {
