@@ -53,7 +53,7 @@ impl SurfacePoints {
                 let surface = LoopSurface::new(driver.topology(), driver.corners());
                 let mut rows = LimitPointRows::default();
                 for chunk in points.chunks(POINTS_AT_A_TIME) {
-                    rows.append(&surface.rows(chunk));
+                    surface.add_rows(chunk, &mut rows);
                     if !goes_on() {
                         return None;
                     }

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use nalgebra::{Dim, Matrix, Matrix6xX, RawStorage, U6, Vector3};
+use nalgebra::{Dim, Matrix, RawStorage, U6, Vector3};
 
 use crate::face_place::FacePlace;
 use crate::irregular_sector::IrregularSector;
@@ -79,42 +79,6 @@ impl LimitPointRows {
             })
             .collect()
     }
-
-    /// Appends the rows of further points of the same surface.
-    pub fn append(&mut self, other: &Self) {
-        self.position.append(&other.position);
-        for (rows, further) in self.first.iter_mut().zip(&other.first) {
-            rows.append(further);
-        }
-        for (rows, further) in self.second.iter_mut().zip(&other.second) {
-            rows.append(further);
-        }
-    }
-
-    fn push(&mut self, vertices: &[u32], weights: &Matrix6xX<f64>, terms: &mut Vec<(u32, f64)>) {
-        let [u, v] = &mut self.first;
-        let [uu, uv, vv] = &mut self.second;
-        for (i, rows) in [&mut self.position, u, v, uu, uv, vv]
-            .into_iter()
-            .enumerate()
-        {
-            push_row_of(rows, vertices, weights, i, terms);
-        }
-    }
-}
-
-/// Appends row number `row` of `weights`.
-fn push_row_of(
-    rows: &mut SparseRows,
-    vertices: &[u32],
-    weights: &Matrix6xX<f64>,
-    row: usize,
-    terms: &mut Vec<(u32, f64)>,
-) {
-    terms.clear();
-    let weights = weights.row(row);
-    terms.extend(vertices.iter().zip(&weights).map(|(&c, &w)| (c, w)));
-    rows.push_row(terms);
 }
 
 impl LoopSurface {
@@ -154,12 +118,18 @@ impl LoopSurface {
     /// When a point lies on a face that the mesh does not have.
     pub fn rows(&self, points: &[MaterialPoint]) -> LimitPointRows {
         let mut rows = LimitPointRows::default();
-        let mut terms = Vec::new();
-        for point in points {
-            let (vertices, weights) = self.weights(point);
-            rows.push(vertices, &weights, &mut terms);
-        }
+        self.add_rows(points, &mut rows);
         rows
+    }
+
+    /// Appends the rows of further points to those of others.
+    ///
+    /// # Panics
+    /// When a point lies on a face that the mesh does not have.
+    pub fn add_rows(&self, points: &[MaterialPoint], rows: &mut LimitPointRows) {
+        let [u, v] = &mut rows.first;
+        let [uu, uv, vv] = &mut rows.second;
+        self.push_weights(points, [&mut rows.position, u, v, uu, uv, vv]);
     }
 
     /// The positions of [`rows`](Self::rows) alone, a sixth of the result.
@@ -168,33 +138,56 @@ impl LoopSurface {
     /// When a point lies on a face that the mesh does not have.
     pub fn position_rows(&self, points: &[MaterialPoint]) -> SparseRows {
         let mut rows = SparseRows::default();
-        let mut terms = Vec::new();
-        for point in points {
-            let (vertices, weights) = self.weights(point);
-            push_row_of(&mut rows, vertices, &weights, 0, &mut terms);
-        }
+        self.add_position_rows(points, &mut rows);
         rows
     }
 
-    fn weights(&self, point: &MaterialPoint) -> (&[u32], Matrix6xX<f64>) {
+    /// Appends the positions' rows of further points to those of others.
+    ///
+    /// # Panics
+    /// When a point lies on a face that the mesh does not have.
+    pub fn add_position_rows(&self, points: &[MaterialPoint], rows: &mut SparseRows) {
+        self.push_weights(points, [rows]);
+    }
+
+    /// Appends to each of `rows` its part of the weights at `points`: values come first, then
+    /// derivatives.
+    fn push_weights<const N: usize>(
+        &self,
+        points: &[MaterialPoint],
+        mut rows: [&mut SparseRows; N],
+    ) {
+        let mut weights = Vec::new();
+        for point in points {
+            let vertices = self.weights(point, &mut weights);
+            for (i, rows) in rows.iter_mut().enumerate() {
+                rows.push_ascending(vertices, weights.iter().map(|weight: &[f64; N]| weight[i]));
+            }
+        }
+    }
+
+    /// The vertices that a place depends on, and the first `N` of their weights.
+    fn weights<const N: usize>(
+        &self,
+        point: &MaterialPoint,
+        weights: &mut Vec<[f64; N]>,
+    ) -> &[u32] {
         let place = FacePlace::new(point.barycentric);
         let patch = self.patches[point.face].get_or_init(|| self.patch(point.face));
         match patch {
-            FacePatch::Regular(controls) => (&controls.vertices, controls.pull(&place.basis())),
+            FacePatch::Regular(controls) => controls.pull(&place.basis(), weights),
             FacePatch::Split(quarters) => {
                 let index = place.child();
                 let child = quarters[index].get_or_init(|| self.quarter(point.face, index));
                 let place = place.in_child(index);
-                let weights = match child.sector {
-                    None => child.controls.pull(&place.basis()),
+                match child.sector {
+                    None => child.controls.pull(&place.basis(), weights),
                     Some((kind, sector)) => {
                         let sector = &self.kinds[kind].1[sector];
-                        child
-                            .controls
-                            .pull(&sector.weights(place.starting_at(index)))
+                        let of_controls = sector.weights(place.starting_at(index));
+                        child.controls.pull(&of_controls, weights)
                     }
-                };
-                (&child.controls.vertices, weights)
+                }
             }
         }
     }
@@ -288,18 +281,21 @@ impl Controls {
         }
     }
 
-    /// Weights of the vertices from weights of the controls.
-    fn pull<C: Dim, S: RawStorage<f64, U6, C>>(
+    /// The vertices, and the first `N` of their weights from those of the controls.
+    fn pull<const N: usize, C: Dim, S: RawStorage<f64, U6, C>>(
         &self,
-        weights: &Matrix<f64, U6, C, S>,
-    ) -> Matrix6xX<f64> {
-        let mut result = Matrix6xX::zeros(self.vertices.len());
-        for (control, from) in weights.column_iter().enumerate() {
+        of_controls: &Matrix<f64, U6, C, S>,
+        weights: &mut Vec<[f64; N]>,
+    ) -> &[u32] {
+        weights.clear();
+        weights.resize(self.vertices.len(), [0.0; N]);
+        for (control, from) in of_controls.column_iter().enumerate() {
             for (slot, weight) in self.rows.row(control) {
-                let mut to = result.column_mut(slot as usize);
-                to.axpy(weight, &from, 1.0);
+                for (to, from) in weights[slot as usize].iter_mut().zip(&from) {
+                    *to += weight * from;
+                }
             }
         }
-        result
+        &self.vertices
     }
 }

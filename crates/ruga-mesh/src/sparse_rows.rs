@@ -51,13 +51,11 @@ impl SparseRows {
         self.starts.push(self.columns.len());
     }
 
-    /// Appends the rows of another map of the same input.
-    pub fn append(&mut self, other: &Self) {
-        let before = self.columns.len();
-        self.columns.extend_from_slice(&other.columns);
-        self.weights.extend_from_slice(&other.weights);
-        let starts = other.starts[1..].iter();
-        self.starts.extend(starts.map(|start| before + start));
+    /// Appends a row with a weight for each of `columns`, which ascend.
+    pub(crate) fn push_ascending(&mut self, columns: &[u32], weights: impl Iterator<Item = f64>) {
+        self.columns.extend_from_slice(columns);
+        self.weights.extend(weights);
+        self.starts.push(self.columns.len());
     }
 
     /// Number of rows.

@@ -51,7 +51,16 @@ impl TriMesh {
         check_count("faces", faces.len())?;
         let faces: PerFace<[VertexId; 3]> = faces.into_iter().map(|f| f.map(VertexId)).collect();
         check_faces(vertex_count, &faces)?;
-        let (edges, face_edges) = build_edges(&faces)?;
+        let tables = build_edges(vertex_count, &faces);
+        // Two faces on the same vertices share an edge, whose apexes then are the same.
+        let is_folded = |edge: &Edge| edge.apexes[0] == edge.apexes[1];
+        if !tables
+            .as_ref()
+            .is_ok_and(|tables| !tables.0.as_slice().iter().any(is_folded))
+        {
+            check_duplicates(&faces)?;
+        }
+        let (edges, face_edges) = tables?;
         let (vertex_face_starts, vertex_faces) = build_vertex_faces(vertex_count, &faces);
         Ok(Self {
             faces,
@@ -226,12 +235,20 @@ fn check_faces(vertex_count: usize, faces: &PerFace<[VertexId; 3]>) -> Result<()
             }
         }
     }
-    let keys = faces.iter().map(|(face, vertices)| {
-        let mut key = *vertices;
-        key.sort_unstable();
-        (key, face)
-    });
-    let sorted = sorted_by_vertices(keys.collect());
+    Ok(())
+}
+
+/// Refuses two faces on the same three vertices.
+fn check_duplicates(faces: &PerFace<[VertexId; 3]>) -> Result<(), MeshError> {
+    let mut sorted: Vec<([VertexId; 3], FaceId)> = faces
+        .iter()
+        .map(|(face, vertices)| {
+            let mut key = *vertices;
+            key.sort_unstable();
+            (key, face)
+        })
+        .collect();
+    sorted.sort_unstable();
     match sorted.windows(2).find(|pair| pair[0].0 == pair[1].0) {
         Some(pair) => Err(MeshError::DuplicateFaces {
             first: pair[0].1,
@@ -241,79 +258,72 @@ fn check_faces(vertex_count: usize, faces: &PerFace<[VertexId; 3]>) -> Result<()
     }
 }
 
-/// Pairs in the order that sorting them gives, most of it by counting.
-///
-/// Few keys begin with the same vertex, so that little is left to compare.
-fn sorted_by_vertices<const N: usize, T: Copy + Ord>(
-    pairs: Vec<([VertexId; N], T)>,
-) -> Vec<([VertexId; N], T)> {
-    let firsts = || pairs.iter().map(|(key, _)| key[0]);
-    let starts = starts(firsts().max().map_or(0, |v| v.index() + 1), firsts());
-    let mut cursor = starts.clone();
-    let mut sorted = pairs.clone();
-    for pair in pairs {
-        let slot = &mut cursor[pair.0[0].index()];
-        sorted[*slot as usize] = pair;
-        *slot += 1;
-    }
-    for range in starts.windows(2) {
-        sorted[range[0] as usize..range[1] as usize].sort_unstable();
-    }
-    sorted
-}
-
 type EdgeTables = (PerEdge<Edge>, PerFace<[EdgeId; 3]>);
 
-fn build_edges(faces: &PerFace<[VertexId; 3]>) -> Result<EdgeTables, MeshError> {
-    // Half-edges sorted by their undirected key meet their twins without a hash map.
-    let mut half_edges = Vec::with_capacity(3 * faces.len());
-    for (face, vertices) in faces.iter() {
-        for corner in 0..3 {
-            let (a, b) = (vertices[corner], vertices[(corner + 1) % 3]);
-            half_edges.push(([a.min(b), a.max(b)], (face, corner)));
-        }
-    }
-    let half_edges = sorted_by_vertices(half_edges);
-    // Back into the order of first appearance, which numbers the edges and picks the first error.
-    let mut groups: Vec<&[([VertexId; 2], (FaceId, usize))]> = vec![&[]; half_edges.len()];
-    for group in half_edges.chunk_by(|l, r| l.0 == r.0) {
-        let (face, corner) = group[0].1;
-        groups[3 * face.index() + corner] = group;
+fn build_edges(
+    vertex_count: usize,
+    faces: &PerFace<[VertexId; 3]>,
+) -> Result<EdgeTables, MeshError> {
+    let ends = |face: FaceId, corner: usize| [faces[face][corner], faces[face][(corner + 1) % 3]];
+    let half_edges = || faces.ids().flat_map(|face| (0..3).map(move |c| (face, c)));
+    // Half-edges meet their twins at the lower of their vertices, without a hash map.
+    let lower = |(face, corner)| {
+        ends(face, corner)
+            .into_iter()
+            .fold(VertexId(u32::MAX), Ord::min)
+    };
+    let starts = starts(vertex_count, half_edges().map(lower));
+    let mut cursor = starts.clone();
+    let mut at_lower = vec![(VertexId(0), FaceId(0), 0); 3 * faces.len()];
+    for (face, corner) in half_edges() {
+        let [a, b] = ends(face, corner);
+        let slot = &mut cursor[a.min(b).index()];
+        at_lower[*slot as usize] = (a.max(b), face, corner);
+        *slot += 1;
     }
 
-    let mut edges = Vec::with_capacity(half_edges.len() / 2);
-    let mut face_edges = PerFace::filled(faces.len(), [EdgeId(0); 3]);
-    for group in groups.into_iter().filter(|group| !group.is_empty()) {
-        let directed = |(_, (face, corner)): ([VertexId; 2], (FaceId, usize))| {
-            [faces[face][corner], faces[face][(corner + 1) % 3]]
-        };
-        if group.len() > 2 {
-            return Err(MeshError::NonManifoldEdge {
-                vertices: group[0].0,
-                face: group[0].1.0,
-                count: group.len(),
-            });
+    let mut edges = Vec::with_capacity(at_lower.len() / 2);
+    let mut face_edges = PerFace::filled(faces.len(), [None; 3]);
+    // In order of first appearance, which numbers the edges and picks the first error.
+    for (face, corner) in half_edges() {
+        if face_edges[face][corner].is_some() {
+            continue;
         }
-        // Neighbours that wind alike run their common edge in opposite directions.
-        if group.len() == 2 && directed(group[0]) == directed(group[1]) {
-            return Err(MeshError::InconsistentWinding {
-                first: group[0].1.0,
-                second: group[1].1.0,
-                vertices: group[0].0,
+        let [a, b] = ends(face, corner);
+        let (low, high) = (a.min(b), a.max(b));
+        let range = starts[low.index()] as usize..starts[low.index() + 1] as usize;
+        let group = || at_lower[range.clone()].iter().filter(|half| half.0 == high);
+        let count = group().count();
+        if count > 2 {
+            return Err(MeshError::NonManifoldEdge {
+                vertices: [low, high],
+                face,
+                count,
             });
         }
         let mut edge = Edge {
-            vertices: directed(group[0]),
+            vertices: [a, b],
             faces: [None; 2],
             apexes: [None; 2],
         };
-        for (side, &(_, (face, corner))) in group.iter().enumerate() {
-            edge.faces[side] = Some(face);
-            edge.apexes[side] = Some(faces[face][(corner + 2) % 3]);
-            face_edges[face][corner] = EdgeId::from_index(edges.len());
+        for (side, &(_, other, at)) in group().enumerate() {
+            // Neighbours that wind alike run their common edge in opposite directions.
+            if side == 1 && ends(other, at) == [a, b] {
+                return Err(MeshError::InconsistentWinding {
+                    first: face,
+                    second: other,
+                    vertices: [low, high],
+                });
+            }
+            edge.faces[side] = Some(other);
+            edge.apexes[side] = Some(faces[other][(at + 2) % 3]);
+            face_edges[other][at] = Some(EdgeId::from_index(edges.len()));
         }
         edges.push(edge);
     }
+    let all =
+        |edges: &[Option<EdgeId>; 3]| edges.map(|edge| edge.expect("every half-edge has an edge"));
+    let face_edges = face_edges.as_slice().iter().map(all).collect();
     Ok((edges.into(), face_edges))
 }
 

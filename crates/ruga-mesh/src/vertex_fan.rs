@@ -60,7 +60,8 @@ impl VertexFan {
         if closed {
             (first, sector) = ((face, corner), 0);
         }
-        let mut faces = vec![first];
+        let mut faces = Vec::with_capacity(mesh.vertex_faces(vertex).len());
+        faces.push(first);
         while let Some(next) = turn(mesh, faces[faces.len() - 1], vertex, 2) {
             if next.0 == first.0 {
                 break;
@@ -68,7 +69,8 @@ impl VertexFan {
             faces.push(next);
         }
         let spoke = |&(f, c): &(FaceId, usize)| mesh.faces()[f][(c + 1) % 3];
-        let mut spokes: Vec<VertexId> = faces.iter().map(spoke).collect();
+        let mut spokes = Vec::with_capacity(faces.len() + usize::from(!closed));
+        spokes.extend(faces.iter().map(spoke));
         if let (false, Some(&(f, c))) = (closed, faces.last()) {
             spokes.push(mesh.faces()[f][(c + 2) % 3]);
         }
@@ -130,45 +132,54 @@ pub(crate) fn regular_controls(
     corners: &PerVertex<bool>,
     face: FaceId,
 ) -> Option<SparseRows> {
-    let mut rings = Vec::with_capacity(3);
-    for corner in 0..3 {
+    let mut rings = [[Control::Vertex(0); 6]; 3];
+    for (corner, ring) in rings.iter_mut().enumerate() {
         let fan = VertexFan::around(mesh, face, corner);
         if !VertexKind::of(mesh, corners, &fan).is_regular() {
             return None;
         }
-        rings.push(ring_of_six(mesh.faces()[face][corner], &fan));
+        *ring = ring_of_six(&fan);
     }
     // Of a corner's six neighbours 0 and 1 are the two other corners of the face, and those three
     // places further lie opposite them; 5 is the apex across edge `i`, and 2 is the 5 of another
     // corner.
+    let own = mesh.faces()[face].map(|v| Control::Vertex(v.0));
+    let across = rings.iter().map(|ring| ring[5]);
+    let further = rings.iter().flat_map(|ring| [ring[4], ring[3]]);
     let mut rows = SparseRows::default();
-    for vertex in mesh.faces()[face] {
-        rows.push_row(&mut [(vertex.0, 1.0)]);
-    }
-    for ring in &mut rings {
-        rows.push_row(&mut ring[5]);
-    }
-    for ring in &mut rings {
-        rows.push_row(&mut ring[4]);
-        rows.push_row(&mut ring[3]);
+    for control in own.into_iter().chain(across).chain(further) {
+        match control {
+            Control::Vertex(vertex) => rows.push_row(&mut [(vertex, 1.0)]),
+            Control::Beyond([a, b, apex]) => {
+                rows.push_row(&mut [(a, 1.0), (b, 1.0), (apex, -1.0)]);
+            }
+        }
     }
     Some(rows)
 }
 
-type Terms = Vec<(u32, f64)>;
+/// A control of a regular face.
+#[derive(Clone, Copy)]
+enum Control {
+    /// A vertex of the mesh.
+    Vertex(u32),
+    /// Beyond a border edge: the sum of its ends less the apex.
+    Beyond([u32; 3]),
+}
 
 /// The neighbours of a regular vertex, starting in the fan's sector.
-fn ring_of_six(vertex: VertexId, fan: &VertexFan) -> Vec<Terms> {
-    let mut ring: Vec<Terms> = fan.spokes.iter().map(|v| vec![(v.0, 1.0)]).collect();
-    if !fan.closed {
-        let mirror = |border: usize, apex: usize| {
-            let [border, apex] = [border, apex].map(|i| fan.spokes[i].0);
-            vec![(vertex.0, 1.0), (border, 1.0), (apex, -1.0)]
-        };
+fn ring_of_six(fan: &VertexFan) -> [Control; 6] {
+    let beyond = |border: usize, apex: usize| {
+        let [border, apex] = [border, apex].map(|i| fan.spokes[i].0);
+        Control::Beyond([fan.vertex.0, border, apex])
+    };
+    let mut ring = std::array::from_fn(|i| match (fan.closed, i) {
         // Three faces have four spokes: the two neighbours that six faces would have besides lie
         // beyond the two border edges.
-        ring.extend([mirror(3, 2), mirror(0, 1)]);
-    }
+        (false, 4) => beyond(3, 2),
+        (false, 5) => beyond(0, 1),
+        _ => Control::Vertex(fan.spokes[i].0),
+    });
     ring.rotate_left(fan.sector);
     ring
 }

@@ -44,7 +44,7 @@ impl Interpolation {
         let mut at_places = SparseRows::default();
         // They are made in parts, so that a run on a whole face can be ended meanwhile.
         for chunk in places.chunks(PLACES_AT_A_TIME) {
-            at_places.append(&surface.position_rows(chunk));
+            surface.add_position_rows(chunk, &mut at_places);
             if !goes_on() {
                 return None;
             }
