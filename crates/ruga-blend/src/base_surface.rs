@@ -2,8 +2,8 @@
 
 use nalgebra::{Vector2, Vector3};
 use ruga_mesh::{
-    FaceId, FaceOrigin, Id, MaterialPoint, PerFace, PerVertex, SparseRows, Subdivision, Submesh,
-    TriMesh, VertexId, limit_rows, subdivide_while, vertex_normals,
+    FaceId, FaceOrigin, Id, MaterialPoint, PerFace, SparseRows, Subdivision, Submesh, TriMesh,
+    VertexId, limit_rows, subdivide_while, vertex_normals,
 };
 
 use crate::Driver;
@@ -89,50 +89,39 @@ impl BaseSurface {
             .iter()
             .map(|&v| driver.corners()[v]);
         let fine = subdivide_while(&part.mesh, levels, &corners.collect(), goes_on)?;
-        let base = match smoothing {
-            Smoothing::Loop => loop_rows(&fine, &part.vertices, goes_on)?,
-            Smoothing::None => facet_rows(&fine.mesh, &fine.origins, &part),
-        };
-        let whole = Self {
-            uvs: fine_uvs(driver, &part, &fine.origins),
-            path: fine
-                .mesh
-                .faces()
-                .ids()
-                .map(|f| {
-                    // Numbered as if all of the driver were subdivided, so that surfaces made for
-                    // different faces agree on a face that both have.
-                    let coarse = part.faces[fine.origins[f].face].0 as u64;
-                    // A face's four children follow each other, so the low bits of its number are
-                    // the way down from the face of the part.
-                    let child = f.0 as u64 & ((1 << (2 * levels)) - 1);
-                    (coarse << (2 * levels)) | child
-                })
-                .collect(),
-            origins: fine
-                .origins
-                .as_slice()
-                .iter()
-                .map(|o| FaceOrigin {
-                    face: part.faces[o.face],
-                    corners: o.corners,
-                })
-                .collect(),
-            mesh: fine.mesh,
-            levels,
-            position: base.0,
-            tangents: base.1,
-        };
         // The rings have shaped the border by now, and go.
         let mut wanted = PerFace::filled(driver.topology().face_count(), false);
         faces.iter().for_each(|&f| wanted[f] = true);
-        let own: Vec<FaceId> = whole
-            .origins
-            .iter()
-            .filter(|(_, o)| wanted[o.face])
-            .map(|(f, _)| f)
-            .collect();
-        goes_on().then(|| whole.restrict(&own))
+        let own = fine.origins.iter();
+        let own = own.filter(|(_, origin)| wanted[part.faces[origin.face]]);
+        let own = fine.mesh.submesh(&own.map(|(f, _)| f).collect::<Vec<_>>());
+        let (position, tangents) = match smoothing {
+            Smoothing::Loop => loop_rows(&fine, (&part, &own), goes_on)?,
+            Smoothing::None => facet_rows(&fine, (&part, &own)),
+        };
+        let origin_of = |f: &FaceId| FaceOrigin {
+            face: part.faces[fine.origins[*f].face],
+            corners: fine.origins[*f].corners,
+        };
+        let path_of = |f: &FaceId| {
+            // Numbered as if all of the driver were subdivided, so that surfaces made for different
+            // faces agree on a face that both have.
+            let coarse = part.faces[fine.origins[*f].face].0 as u64;
+            // A face's four children follow each other, so the low bits of its number are the way
+            // down from the face of the part.
+            let child = f.0 as u64 & ((1 << (2 * levels)) - 1);
+            (coarse << (2 * levels)) | child
+        };
+        let origins: PerFace<FaceOrigin> = own.faces.as_slice().iter().map(origin_of).collect();
+        goes_on().then(|| Self {
+            uvs: fine_uvs(driver, &origins),
+            path: own.faces.as_slice().iter().map(path_of).collect(),
+            origins,
+            mesh: own.mesh,
+            levels,
+            position,
+            tangents,
+        })
     }
 
     /// Number of the driver's faces that [`Self::new`] splits: `faces` and two rings around.
@@ -278,17 +267,22 @@ fn with_rings(mesh: &TriMesh, faces: &[FaceId], rings: u32) -> Vec<FaceId> {
 
 type BaseRows = (SparseRows, [SparseRows; 2]);
 
-/// Rows of the limit surface; `vertices` are those of the driver that were subdivided.
+/// Rows of the limit surface at the vertices of `own`, a part of `fine`; `part` is what was
+/// subdivided of the driver.
 fn loop_rows(
     fine: &Subdivision,
-    vertices: &PerVertex<VertexId>,
+    (part, own): (&Submesh, &Submesh),
     goes_on: &mut dyn FnMut() -> bool,
 ) -> Option<BaseRows> {
     let limit = limit_rows(&fine.mesh, &fine.corners);
     // Subdivision and limit as one product: a pose is then one sparse product with the control
     // points, whatever the levels.
-    let from_driver = fine.fine_from_coarse.with_columns_at(vertices.as_slice());
-    let mut compose = |rows: &SparseRows| goes_on().then(|| rows.after(&from_driver));
+    let from_driver = fine
+        .fine_from_coarse
+        .with_columns_at(part.vertices.as_slice());
+    let chosen = own.vertices.as_slice();
+    let mut compose =
+        |rows: &SparseRows| goes_on().then(|| rows.select(chosen).after(&from_driver));
     Some((
         compose(&limit.position)?,
         [
@@ -299,13 +293,13 @@ fn loop_rows(
 }
 
 /// Positions on the flat facets; no tangents, so that vertex normals of the faces are taken.
-fn facet_rows(mesh: &TriMesh, origins: &PerFace<FaceOrigin>, part: &Submesh) -> BaseRows {
+fn facet_rows(fine: &Subdivision, (part, own): (&Submesh, &Submesh)) -> BaseRows {
     let mut position = SparseRows::default();
     let mut empty = SparseRows::default();
-    for vertex in (0..mesh.vertex_count()).map(VertexId::from_index) {
+    for &vertex in own.vertices.as_slice() {
         let mut terms = Vec::new();
-        if let Some(point) = MaterialPoint::of_vertex(mesh, vertex) {
-            let origin = &origins[point.face];
+        if let Some(point) = MaterialPoint::of_vertex(&fine.mesh, vertex) {
+            let origin = &fine.origins[point.face];
             let weights = origin.lift(point.barycentric);
             for (corner, weight) in part.mesh.faces()[origin.face].iter().zip(weights) {
                 if weight != 0.0 {
@@ -319,18 +313,14 @@ fn facet_rows(mesh: &TriMesh, origins: &PerFace<FaceOrigin>, part: &Submesh) -> 
     (position, [empty.clone(), empty])
 }
 
-fn fine_uvs(
-    driver: &Driver,
-    part: &Submesh,
-    origins: &PerFace<FaceOrigin>,
-) -> PerFace<[Vector2<f64>; 3]> {
+fn fine_uvs(driver: &Driver, origins: &PerFace<FaceOrigin>) -> PerFace<[Vector2<f64>; 3]> {
     origins
         .as_slice()
         .iter()
         .map(|origin| {
             // Linear although positions are smooth: renderers interpolate UVs so, and an address in
             // UV has to mean the same on the artist's mesh and on this one.
-            let [a, b, c] = driver.uvs()[part.faces[origin.face]];
+            let [a, b, c] = driver.uvs()[origin.face];
             origin.corners.map(|[u, v, w]| a * u + b * v + c * w)
         })
         .collect()

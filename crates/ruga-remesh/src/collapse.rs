@@ -55,7 +55,11 @@ fn collapse_edge(
     counts: &mut Counts,
 ) {
     // An earlier collapse may have removed the face or changed what runs here.
-    if patch.topology.face(h / 3).is_none() || !patch.is_short(h, patch.half_edge_length(h)) {
+    let topology = &patch.topology;
+    if topology.face(h / 3).is_none()
+        || !patch.is_short(h, patch.half_edge_length(h))
+        || !topology.can_collapse(h)
+    {
         return;
     }
     let ends = [patch.topology.tail(h), patch.topology.head(h)];
@@ -86,7 +90,7 @@ fn collapse_edge(
 /// the wanted length. Ends come first, so that vertices stay where they are wherever that does.
 fn move_head_to_middle(patch: &mut Patch, h: u32) -> bool {
     let (gone, kept) = (patch.topology.tail(h), patch.topology.head(h));
-    if !patch.is_free(gone) || !patch.is_free(kept) || !patch.topology.can_collapse(h) {
+    if !patch.is_free(gone) || !patch.is_free(kept) {
         return false;
     }
     let faces_around = |v: u32, other: u32| {
@@ -118,11 +122,11 @@ fn move_head_to_middle(patch: &mut Patch, h: u32) -> bool {
 }
 
 /// The worst shape of the faces around after the end `gone` of `h` has moved onto the other end;
-/// `None` where that is not allowed.
+/// `None` where that is not allowed. The topology allows it.
 fn collapse_shape(patch: &Patch, h: u32, gone: u32, corner: f64) -> Option<f64> {
     let topology = &patch.topology;
     let kept = topology.other_end(h, gone);
-    if !may_leave(patch, gone, kept, topology.is_feature(h), corner) || !topology.can_collapse(h) {
+    if !may_leave(patch, gone, kept, topology.is_feature(h), corner) {
         return None;
     }
     // Faces at the edge count before and not after, as they vanish.

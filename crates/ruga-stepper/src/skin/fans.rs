@@ -6,11 +6,16 @@ use ruga_mesh::{Id, TriMesh, VertexFan, VertexId};
 ///
 /// Two parts of a region that touch at a vertex only have nothing to do with each other.
 pub(crate) fn one_fan_per_vertex(mesh: &TriMesh) -> (TriMesh, Vec<VertexId>) {
-    let faces = mesh.faces().as_slice().iter();
-    let mut faces: Vec<[u32; 3]> = faces.map(|face| face.map(|v| v.0)).collect();
     let mut copied: Vec<VertexId> = (0..mesh.vertex_count()).map(VertexId::from_index).collect();
     let mut fans = VertexFan::all(mesh);
+    // Most vertices have one fan, which has all of their faces.
+    fans.retain(|fan| fan.faces.len() < mesh.vertex_faces(fan.vertex).len());
+    if fans.is_empty() {
+        return (mesh.clone(), copied);
+    }
     fans.sort_by_key(|fan| fan.vertex);
+    let faces = mesh.faces().as_slice().iter();
+    let mut faces: Vec<[u32; 3]> = faces.map(|face| face.map(|v| v.0)).collect();
     for pair in fans.windows(2) {
         if pair[0].vertex == pair[1].vertex {
             for &(face, corner) in &pair[1].faces {
