@@ -3,7 +3,7 @@
 use nalgebra::{Vector2, Vector3};
 use ruga_mesh::{
     FaceId, FaceOrigin, Id, MaterialPoint, PerFace, SparseRows, Subdivision, Submesh, TriMesh,
-    VertexId, limit_rows, subdivide_while, vertex_normals,
+    VertexId, limit_rows_at, subdivide_while, vertex_normals,
 };
 
 use crate::Driver;
@@ -274,15 +274,13 @@ fn loop_rows(
     (part, own): (&Submesh, &Submesh),
     goes_on: &mut dyn FnMut() -> bool,
 ) -> Option<BaseRows> {
-    let limit = limit_rows(&fine.mesh, &fine.corners);
+    let limit = limit_rows_at(&fine.mesh, &fine.corners, own.vertices.as_slice());
     // Subdivision and limit as one product: a pose is then one sparse product with the control
     // points, whatever the levels.
     let from_driver = fine
         .fine_from_coarse
         .with_columns_at(part.vertices.as_slice());
-    let chosen = own.vertices.as_slice();
-    let mut compose =
-        |rows: &SparseRows| goes_on().then(|| rows.select(chosen).after(&from_driver));
+    let mut compose = |rows: &SparseRows| goes_on().then(|| rows.after(&from_driver));
     Some((
         compose(&limit.position)?,
         [

@@ -45,7 +45,7 @@ pub use geometry::{
 };
 pub use ids::{EdgeId, FaceId, Id, PerEdge, PerElement, PerFace, PerVertex, VertexId};
 pub use loop_subdivision::{
-    FaceOrigin, LimitRows, Subdivision, limit_rows, subdivide, subdivide_while,
+    FaceOrigin, LimitRows, Subdivision, limit_rows, limit_rows_at, subdivide, subdivide_while,
 };
 pub use loop_surface::{LimitPointRows, LoopSurface};
 pub use planar_lookup::{PlanarLookup, barycentric};

@@ -236,6 +236,14 @@ fn border_neighbours(ring: &VertexFan) -> (VertexId, VertexId) {
 /// # Panics
 /// When `corners` has not one entry per vertex.
 pub fn limit_rows(mesh: &TriMesh, corners: &PerVertex<bool>) -> LimitRows {
+    limit_rows_at(mesh, corners, &corners.ids().collect::<Vec<_>>())
+}
+
+/// Limit positions and tangents at the chosen vertices of `mesh`, in the order given.
+///
+/// # Panics
+/// When `corners` has not one entry per vertex, or a vertex is none of the mesh's.
+pub fn limit_rows_at(mesh: &TriMesh, corners: &PerVertex<bool>, chosen: &[VertexId]) -> LimitRows {
     assert_eq!(
         corners.len(),
         mesh.vertex_count(),
@@ -247,7 +255,7 @@ pub fn limit_rows(mesh: &TriMesh, corners: &PerVertex<bool>) -> LimitRows {
         second_tangent: SparseRows::default(),
     };
     let (mut position, mut first, mut second) = (Vec::new(), Vec::new(), Vec::new());
-    for vertex in corners.ids() {
+    for &vertex in chosen {
         position.clear();
         first.clear();
         second.clear();

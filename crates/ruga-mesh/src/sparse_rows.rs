@@ -58,6 +58,12 @@ impl SparseRows {
         self.starts.push(self.columns.len());
     }
 
+    fn reserve(&mut self, rows: usize, terms: usize) {
+        self.starts.reserve(rows);
+        self.columns.reserve(terms);
+        self.weights.reserve(terms);
+    }
+
     /// Number of rows.
     pub fn row_count(&self) -> usize {
         self.starts.len() - 1
@@ -85,6 +91,8 @@ impl SparseRows {
     /// When one of them has no row.
     pub fn select(&self, chosen: &[VertexId]) -> Self {
         let mut selected = Self::default();
+        let terms = chosen.iter().map(|v| self.range(v.index()).len()).sum();
+        selected.reserve(chosen.len(), terms);
         for vertex in chosen {
             let range = self.range(vertex.index());
             selected
@@ -102,6 +110,7 @@ impl SparseRows {
     /// When a row has a column beyond the end of `places`.
     pub fn with_columns_at(&self, places: &[VertexId]) -> Self {
         let mut renamed = Self::default();
+        renamed.reserve(self.row_count(), self.columns.len());
         let mut terms = Vec::new();
         for row in 0..self.row_count() {
             terms.clear();

@@ -282,7 +282,8 @@ fn build_edges(
         *slot += 1;
     }
 
-    let mut edges = Vec::with_capacity(at_lower.len() / 2);
+    // Euler's formula: no more on a disc.
+    let mut edges = Vec::with_capacity(vertex_count + faces.len());
     let mut face_edges = PerFace::filled(faces.len(), [None; 3]);
     // In order of first appearance, which numbers the edges and picks the first error.
     for (face, corner) in half_edges() {

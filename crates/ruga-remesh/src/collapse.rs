@@ -129,17 +129,20 @@ fn collapse_shape(patch: &Patch, h: u32, gone: u32, corner: f64) -> Option<f64> 
     if !may_leave(patch, gone, kept, topology.is_feature(h), corner) {
         return None;
     }
+    let faces = || topology.outgoing(gone).map(|out| patch.corners(out));
+    let is_left = |face: &[u32; 3]| !face.contains(&kept);
+    // Lengths first, because they refuse more than shapes and cost less.
+    let may_join =
+        |[_, first, second]: [u32; 3]| patch.may_join(kept, first) && patch.may_join(kept, second);
+    if !faces().filter(is_left).all(may_join) {
+        return None;
+    }
     // Faces at the edge count before and not after, as they vanish.
     let (mut before, mut after) = ([1.0f64; 2], [1.0f64; 2]);
-    for out in topology.outgoing(gone) {
-        let [_, first, second] = patch.corners(out);
-        include(&mut before, patch, [gone, first, second]);
-        if first == kept || second == kept {
-            continue;
-        }
-        include(&mut after, patch, [kept, first, second]);
-        if !patch.may_join(kept, first) || !patch.may_join(kept, second) {
-            return None;
+    for face in faces() {
+        include(&mut before, patch, face);
+        if is_left(&face) {
+            include(&mut after, patch, [kept, face[1], face[2]]);
         }
     }
     let least = least_shape(patch.half_edge_length(h)).min(before[0]);
