@@ -418,7 +418,10 @@ fn fitted_faces(
             }
             false => {
                 let across = (GRADED * finest).min(bent);
-                (across, (GRADED * finest).min(aspect(limits, points) * across))
+                (
+                    across,
+                    (GRADED * finest).min(aspect(limits, points) * across),
+                )
             }
         };
         // Triangles are counted as equilateral ones, stretched in one direction.

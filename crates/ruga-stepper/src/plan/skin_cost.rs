@@ -5,6 +5,13 @@ use crate::plan::pose_plan::LoadPath;
 
 /// Bytes for every texel of a map while it is baked and written.
 const PER_TEXEL: f64 = 30.0;
+/// Bytes for every vertex of the uniform mesh on which results are handed out.
+const PER_OUTPUT_VERTEX: f64 = 3.3e3;
+/// Bytes of the program with its scene: of the forearm 80 million, of a face with 55 shapes 140.
+const BASE: f64 = 1.1e8;
+
+/// Seconds of preparation for every vertex of the mesh, and of the one for results.
+const PREPARATION: [f64; 2] = [4e-4, 3.5e-5];
 
 /// Vertices made for every one planned: triangles between sizes are smaller.
 pub(crate) const GRADING: f64 = 1.12;
@@ -20,12 +27,12 @@ pub(crate) struct Load {
     pub(crate) spread: f64,
 }
 
-/// Seconds and bytes of a pose, from runs at 1 to 150 thousand vertices.
+/// Seconds and bytes of a pose, from runs of 22 shapes of a face and of the forearm, at 1500 to 18
+/// thousand vertices: the seconds of all within 1.5 times at draft.
 ///
 /// A numeric factorisation, with all that goes with it, grows with the 3/2 power of the vertices
 /// (nested dissection of a surface), its memory with `n log n`; the mesh that results are handed
-/// out on has eight kilobytes for every one of its vertices, `output_vertices`; maps are `map_size`
-/// texels wide.
+/// out on has `output_vertices`; maps are `map_size` texels wide.
 pub(crate) fn cost(
     vertices: usize,
     output_vertices: f64,
@@ -33,12 +40,15 @@ pub(crate) fn cost(
     factorisations: f64,
 ) -> (f64, f64) {
     let n = vertices as f64;
-    let factorisation = 1.2e-7 * n.powf(1.5) + 7e-6 * n;
+    let factorisation = 1e-7 * n.powf(1.5) + 5.5e-6 * n;
+    let preparation = PREPARATION[0] * n + PREPARATION[1] * output_vertices;
     let texels = f64::from(map_size).powi(2);
     // The logarithm of no vertex is infinite, and none times that is not a number.
-    let memory =
-        n * (900.0 + 260.0 * n.max(2.0).log2()) + 8e3 * output_vertices + PER_TEXEL * texels;
-    (factorisations * factorisation, memory)
+    let memory = BASE
+        + n * (900.0 + 260.0 * n.max(2.0).log2())
+        + PER_OUTPUT_VERTEX * output_vertices
+        + PER_TEXEL * texels;
+    (preparation + factorisations * factorisation, memory)
 }
 
 /// Factorisations of a layer in one pose whose keys alone are wanted.
