@@ -207,11 +207,11 @@ impl<'a> StackRun<'a> {
         supports: &'s [Box<dyn Support + 'a>],
     ) -> Vec<SupportOf<'s>> {
         let (driver, attachment) = (&self.plan.driver, self.plan.stacking.attachments[lowest]);
-        let surface = |support: &'s Box<dyn Support + 'a>| -> SupportOf<'s> {
-            let on = (driver.as_ref(), support.as_ref());
+        let surface = |support: &'s (dyn Support + 'a)| -> SupportOf<'s> {
+            let on = (driver.as_ref(), support);
             Box::new(move |skin| support_surface(on, skin, attachment, &[]))
         };
-        supports.iter().map(surface).collect()
+        supports.iter().map(|support| surface(&**support)).collect()
     }
 
     fn posed_driver(&self, weight: f64) -> Box<dyn Support + 'a> {
