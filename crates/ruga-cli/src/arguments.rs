@@ -162,10 +162,10 @@ pub(crate) struct BakeArguments {
     pub(crate) maps_only: bool,
     /// Work in DIR beside other runs with `--task`, which bake other poses: write maps and records,
     /// and leave GLB, wrinkles.json and report.json to `--merge`.
-    #[arg(long, conflicts_with_all = ["json", "merge"], help_heading = "Output")]
+    #[arg(long, conflicts_with_all = ["json", "merge", "force"], help_heading = "Output")]
     pub(crate) task: bool,
     /// Simulate nothing: write GLB, wrinkles.json and report.json of poses that are in DIR.
-    #[arg(long, conflicts_with = "resume", help_heading = "Output")]
+    #[arg(long, conflicts_with_all = ["resume", "force"], help_heading = "Output")]
     pub(crate) merge: bool,
 }
 

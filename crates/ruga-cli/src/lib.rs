@@ -26,7 +26,6 @@ mod moved_mesh;
 mod pose_queue;
 mod pose_report;
 mod pose_runs;
-
 mod summary;
 mod watch;
 

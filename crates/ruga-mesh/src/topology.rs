@@ -281,6 +281,10 @@ fn build_edges(
         at_lower[*slot as usize] = (a.max(b), face, corner);
         *slot += 1;
     }
+    // By their other ends, and stably: a hub of very many faces would else be searched for each of them.
+    for range in starts.windows(2) {
+        at_lower[range[0] as usize..range[1] as usize].sort_by_key(|half| half.0);
+    }
 
     // Euler's formula: no more on a disc.
     let mut edges = Vec::with_capacity(vertex_count + faces.len());
@@ -292,9 +296,10 @@ fn build_edges(
         }
         let [a, b] = ends(face, corner);
         let (low, high) = (a.min(b), a.max(b));
-        let range = starts[low.index()] as usize..starts[low.index() + 1] as usize;
-        let group = || at_lower[range.clone()].iter().filter(|half| half.0 == high);
-        let count = group().count();
+        let at_low = &at_lower[starts[low.index()] as usize..starts[low.index() + 1] as usize];
+        let group = &at_low[at_low.partition_point(|half| half.0 < high)
+            ..at_low.partition_point(|half| half.0 <= high)];
+        let count = group.len();
         if count > 2 {
             return Err(MeshError::NonManifoldEdge {
                 vertices: [low, high],
@@ -307,7 +312,7 @@ fn build_edges(
             faces: [None; 2],
             apexes: [None; 2],
         };
-        for (side, &(_, other, at)) in group().enumerate() {
+        for (side, &(_, other, at)) in group.iter().enumerate() {
             // Neighbours that wind alike run their common edge in opposite directions.
             if side == 1 && ends(other, at) == [a, b] {
                 return Err(MeshError::InconsistentWinding {

@@ -1,4 +1,4 @@
-//! What keeps a face from losing all of its area.
+//! The resistance of a face to losing its area.
 
 use nalgebra::{Matrix2, Matrix3, Matrix3x2, Vector2, Vector3};
 
@@ -10,20 +10,22 @@ const LEAST_AREA: f64 = 0.4;
 /// vertices a layer cannot move.
 const STRENGTH: f64 = 3.0;
 
-/// `W = s A C (J_0 - J)^3 / (3 J_0^2)` of a face whose area ratio `J` is below `J_0`, else 0, with
-/// `s` = [`STRENGTH`] and `J_0` = [`LEAST_AREA`].
+/// State of a face whose area `J`, over its rest area, is below `J_0`: `W = s A C (J_0 - J)^3 / (3 J_0^2)`, with
+/// `s` = [`STRENGTH`] and `J_0` = [`LEAST_AREA`] times the area ratio where it is free of stress.
 ///
 /// Green's strain gives way beyond 42 % of compression. Without this a triangle at the root of a fold
 /// collapses, its edges then bend to any angle at no cost, and no equilibrium is found.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Collapse {
-    /// Derivatives of the energy by the area ratio: `W'` and `W''` (J).
-    slope: f64,
-    curvature: f64,
+    /// `W` (J).
     value: f64,
-    /// Derivative of the area ratio by the deformation gradient.
+    /// First derivative of `W` by `J` (J).
+    slope: f64,
+    /// Second derivative of `W` by `J` (J).
+    curvature: f64,
+    /// Derivative of `J` by the deformation gradient.
     cofactor: Matrix3x2<f64>,
-    /// The same of half its square: `adj(F^T F)`.
+    /// Derivative of `J^2 / 2` by Green's strain, `adj(F^T F)`.
     adjugate: Matrix2<f64>,
     normal: Vector3<f64>,
     area_ratio: f64,
@@ -36,15 +38,16 @@ impl Collapse {
     pub(crate) fn new(deformation: &Matrix3x2<f64>, stiffness: f64, natural: f64) -> Option<Self> {
         let (along, aside) = (deformation.column(0), deformation.column(1));
         let least = LEAST_AREA * natural;
-        let metric = deformation.tr_mul(deformation);
-        if metric.determinant() >= least * least {
-            return None;
-        }
         let cross = along.cross(&aside);
         let area_ratio = cross.norm();
+        // Also where a natural strain leaves no area at all.
+        if area_ratio >= least || least == 0.0 {
+            return None;
+        }
+        let metric = deformation.tr_mul(deformation);
         // A face on a line has no normal, and nothing says to which side it should open.
         let normal = cross / area_ratio.max(f64::MIN_POSITIVE);
-        let missing = (least - area_ratio).max(0.0);
+        let missing = least - area_ratio;
         let unit = STRENGTH * stiffness / (least * least);
         Some(Self {
             slope: -unit * missing * missing,

@@ -16,8 +16,8 @@ use crate::collapse::Collapse;
 ///
 /// # Validity
 /// Softens under compression (`N = C (e - e^2/2)`), and gives way altogether beyond 42 %. Where a face has
-/// less than `J_0 = 0.4` of its stress-free area `J = 1`, `A C (J_0 - J)^3 / J_0^2` is added, which keeps it
-/// from vanishing.
+/// area `J`, over its rest area, below 0.4 times the stress-free one, `J_0`, `A C (J_0 - J)^3 / J_0^2` is added,
+/// which keeps it from vanishing.
 #[derive(Clone, Copy, Debug)]
 pub struct Membrane {
     gradients: [Vector2<f64>; 2],

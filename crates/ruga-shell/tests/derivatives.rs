@@ -191,8 +191,20 @@ fn collapsed_stencils_stay_finite() {
         assert!(hessian.iter().all(|b| b.iter().all(|c| c.is_finite())));
     }
     let membrane = Membrane::new(&RestTriangle::new(&rest_corners(0), 0).unwrap(), 1.0, 0.48);
-    let hessian = membrane.hessian(&[Vector3::zeros(); 3], Stress::Tensile);
-    assert!(hessian.iter().all(|b| b.iter().all(|c| c.is_finite())));
+    let no_area = membrane.with_natural_strain(Matrix2::new(0.1, 0.0, 0.0, -0.5));
+    let line = [on_a_line[0], on_a_line[1], on_a_line[2]];
+    for (membrane, x) in [membrane, no_area]
+        .into_iter()
+        .flat_map(|membrane| [[Vector3::zeros(); 3], line].map(|x| (membrane, x)))
+    {
+        assert!(membrane.value(&x).is_finite());
+        let gradient = membrane.gradient(&x);
+        assert!(gradient.iter().all(|g| g.iter().all(|c| c.is_finite())));
+        for stress in [Stress::Full, Stress::Tensile] {
+            let hessian = membrane.hessian(&x, stress);
+            assert!(hessian.iter().all(|b| b.iter().all(|c| c.is_finite())));
+        }
+    }
 }
 
 #[test]

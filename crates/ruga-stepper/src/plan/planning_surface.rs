@@ -198,7 +198,8 @@ impl<'a> PlanningSurface<'a> {
         }
     }
 
-    /// Number and mean length (m) of the edges around the `active` faces.
+    /// Number and mean length (m) of the edges around the `active` faces. However finely these are split, the
+    /// corners between such edges are what a fitted mesh keeps of its border.
     fn border(&self, active: &[FaceId]) -> (f64, f64) {
         let mesh = self.surface.mesh();
         let mut is_active = PerFace::filled(mesh.face_count(), false);

@@ -12,7 +12,8 @@ use crate::{Observer, Phase};
 /// one, too. A film of 24 points then has twice the error in its normals.
 const POINTS: f64 = 12.0;
 
-/// Share of the points asked for up to which a coarse mesh is worth being made.
+/// Share of the points asked for, and of the vertices that a budget leaves of them, up to which a coarse mesh
+/// is worth being used.
 const WORTH_IT: f64 = 0.6;
 
 impl<'a> StackRun<'a> {
@@ -48,6 +49,7 @@ impl<'a> StackRun<'a> {
         let wanted = (region.clone(), sizing);
         let mut coarse = self.build_on(index, wanted, centres, supports.last(), &mut preparing)?;
         coarse.is_coarse = true;
-        Ok(Some(coarse))
+        let most = WORTH_IT * run.layer.vertex_count() as f64;
+        Ok((coarse.layer.vertex_count() as f64 <= most).then_some(coarse))
     }
 }

@@ -290,13 +290,16 @@ impl<'a> StackRun<'a> {
         let is_direct = is_plain && !wants_frames;
         let coarse = match is_direct {
             true => {
-                let posed = self.spec().keys.iter().map(|&key| self.posed_driver(key));
+                // Only the one key where each has a sequence of its own.
+                let wanted = key.map_or_else(|| self.spec().keys.clone(), |key| vec![key]);
+                let posed = wanted.iter().map(|&key| self.posed_driver(key));
                 let supports: Vec<_> = posed.collect();
                 let surfaces = self.surfaces(lowest, &supports);
-                let made = self.coarser(run, &surfaces, observer);
-                match Halt::unless_interrupted(made)? {
-                    Some(coarse) => coarse,
-                    None => return Ok(Ending::Interrupted),
+                match self.coarser(run, &surfaces, observer) {
+                    Ok(coarse) => coarse,
+                    Err(Halt::Interrupted) => return Ok(Ending::Interrupted),
+                    // The fine mesh can do without.
+                    Err(Halt::Failed(_)) => None,
                 }
             }
             false => None,

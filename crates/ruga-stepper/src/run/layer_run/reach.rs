@@ -43,6 +43,10 @@ impl<'a> LayerRun<'a> {
             let ending = self.reach_each(Some(&mut coarse), loading, loads, observer)?;
             // What is wrong with the coarse mesh is not wrong with the result.
             coarse.warnings.clear();
+            if ending == Ending::GaveUp {
+                coarse.report.onset_load = None;
+                coarse.relaxation = 0.0;
+            }
             self.take_history(coarse);
             if ending != Ending::GaveUp {
                 return Ok(ending);
@@ -70,9 +74,11 @@ impl<'a> LayerRun<'a> {
         let mut from = 0.0;
         for load in loads {
             if let Some(coarse) = &mut coarse {
-                let ending = coarse.reach(loading, (from, *load), observer)?;
-                if ending != Ending::Reached {
-                    return Ok(ending);
+                match coarse.reach(loading, (from, *load), observer) {
+                    Ok(Ending::Reached) => {}
+                    Ok(ending) => return Ok(ending),
+                    // The fine mesh can do without.
+                    Err(_) => return Ok(Ending::GaveUp),
                 }
                 if !self.take_pattern(coarse, (loading, *load), observer)? {
                     return Ok(Ending::Interrupted);
