@@ -180,6 +180,7 @@ fn a_node_moves_the_mesh_alone() {
     let folder = folder();
     let scene = SCENE
         .replace("block.obj", "body.glb")
+        .replace("wavelength = 0.04", "wavelength = 0.06")
         .replace("cells = 6", &format!("cells = 6\n{GRAVITY}"))
         .replace(
             "[[poses]]",
