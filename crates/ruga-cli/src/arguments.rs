@@ -66,7 +66,8 @@ Columns of the pairs, each layer on the one below it:
 
 Columns of the poses:
   strain median, 99 %  how much the pose compresses the simulated skin: half, and all but the
-                       worst hundredth, of its area is compressed less than this
+                       worst hundredth, of its area is compressed less than this; of all skin
+                       that may wrinkle, where none does
   simulated            area that is compressed enough to wrinkle, with a margin
   beyond 15 %          its part that is compressed too much for the model, which then eases off
   points/wave          mesh points per wavelength
@@ -286,7 +287,7 @@ pub(crate) enum Quality {
     Draft,
     /// 12 points per wavelength.
     Standard,
-    /// 24 points per wavelength: sixteen times the vertices of a draft.
+    /// 24 points per wavelength: about eight times the vertices of a draft.
     Fine,
 }
 

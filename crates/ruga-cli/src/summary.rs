@@ -92,8 +92,11 @@ pub(crate) fn conclude(
         }
         let others = results.current.len().saturating_sub(own.len());
         if others > 0 {
+            let verb = if others == 1 { "is" } else { "are" };
             let others = counted(others, "pose");
-            messages::result(&format!("{others} of earlier runs are listed with these."));
+            messages::result(&format!(
+                "{others} of earlier runs {verb} listed with these."
+            ));
         }
         let folder = arguments.output.display();
         messages::result(&format!("Results are in {folder}; see report.json there."));

@@ -14,10 +14,10 @@ const PLACE: &str = "at u ";
 const PLACE_SQUARE: &str = " from the map's upper left";
 
 /// Words that may follow it: the blend shape nearest to the place, up to [`PLACE_SHAPE_END`].
-const PLACE_SHAPE: &str = " (nearest blend shape '";
+const PLACE_SHAPE: &str = " (near where blend shape '";
 
 /// The end of the blend shape's name.
-const PLACE_SHAPE_END: &str = "')";
+const PLACE_SHAPE_END: &str = "' moves the skin)";
 
 /// Words that follow a place that does not stand for all.
 const PLACE_MORE: &str = ", and elsewhere";
@@ -67,11 +67,19 @@ fn message(mut same: Vec<Warning<'_>>, whole: &str) -> String {
         _ => Ordering::Equal,
     });
     let shown = same.iter().take(NAMED).enumerate().map(|(rank, warning)| {
-        let amount = warning.number(differing).filter(|_| rank > 0);
-        let amount = amount.map_or_else(String::new, |amount| format!(" {}", amount.text));
-        format!("'{}'{amount}", warning.pose.unwrap_or_default())
+        let pose = warning.pose.unwrap_or_default();
+        match warning.number(differing) {
+            // The message itself has the numbers of the worst.
+            Some(_) if rank == 0 => format!("these are the numbers of the worst, '{pose}'"),
+            Some(amount) => format!("'{pose}' has {}", amount.text),
+            None => format!("'{pose}'"),
+        }
     });
     let shown: Vec<String> = shown.collect();
+    let shown = match (differing, shown.split_first()) {
+        (Some(_), Some((worst, others))) => format!("{worst}; {}", others.join(", ")),
+        _ => shown.join(", "),
+    };
     let more = match same.len().saturating_sub(NAMED) {
         0 => String::new(),
         more => format!(" and {more} more ({whole})"),
@@ -84,15 +92,11 @@ fn message(mut same: Vec<Warning<'_>>, whole: &str) -> String {
     let layer = same[0]
         .layer
         .map_or_else(String::new, |layer| format!(", layer '{layer}'"));
-    let order = match differing {
-        Some(_) => "the worst first: ",
-        None => "",
-    };
     format!(
-        "{} {what}{layer}: {} [{order}{}{more}]",
+        "{} {what}{layer}: {} [{}{more}]",
         same.len(),
         same[0].text,
-        shown.join(", "),
+        shown,
     )
 }
 
@@ -270,8 +274,8 @@ mod tests {
         assert_eq!(
             lines(&warnings),
             [
-                "5 poses, layer 'skin': 12.00 cm2 are compressed beyond 15 %; it is capped [the worst \
-                 first: 'p1', 'p3' 7.25 cm2, 'p4' 7.00 cm2 and 2 more (all in report.json)]"
+                "5 poses, layer 'skin': 12.00 cm2 are compressed beyond 15 %; it is capped [these are \
+                 the numbers of the worst, 'p1'; 'p3' has 7.25 cm2, 'p4' has 7.00 cm2 and 2 more (all in report.json)]"
             ]
         );
     }
@@ -284,8 +288,16 @@ mod tests {
             )
         };
         let warnings = [
-            capped("a", 3.0, " (nearest blend shape 'browInnerUp_L')"),
-            capped("b", 12.0, " (nearest blend shape 'd'oh 2'), and elsewhere"),
+            capped(
+                "a",
+                3.0,
+                " (near where blend shape 'browInnerUp_L' moves the skin)",
+            ),
+            capped(
+                "b",
+                12.0,
+                " (near where blend shape 'd'oh 2' moves the skin), and elsewhere",
+            ),
             capped("c", 7.0, ", and elsewhere"),
             capped("d", 5.0, ""),
         ];
@@ -293,9 +305,9 @@ mod tests {
             lines(&warnings),
             [
                 "4 poses, layer 'skin': 12.00 cm2 are compressed by more than 15 %, at u 0.12 to 0.65, v \
-                 0.09 to 0.18 from the map's upper left (nearest blend shape 'd'oh 2'), and elsewhere, \
-                 where real skin folds, doubles its wrinkles or creases [the worst first: 'b', 'c' 7.00 \
-                 cm2, 'd' 5.00 cm2 and 1 more (all in report.json)]"
+                 0.09 to 0.18 from the map's upper left (near where blend shape 'd'oh 2' moves the skin), \
+                 and elsewhere, where real skin folds, doubles its wrinkles or creases [these are the \
+                 numbers of the worst, 'b'; 'c' has 7.00 cm2, 'd' has 5.00 cm2 and 1 more (all in report.json)]"
             ]
         );
     }
@@ -344,7 +356,7 @@ mod tests {
         let line = &lines(&[budget("a", 8.0), budget("b", 3.5)])[0];
         assert!(
             line.starts_with("2 poses, layer 'skin': the budget of 300 leaves 3.5 points")
-                && line.ends_with("[the worst first: 'b', 'a' 8.0 points]"),
+                && line.ends_with("[these are the numbers of the worst, 'b'; 'a' has 8.0 points]"),
             "{line}"
         );
     }
@@ -368,7 +380,10 @@ mod tests {
         assert!(is_about("pose 'a': it turns", "a"));
         assert!(!is_about("layers 'a' and 'b'", "a"));
         let line = &lines(&[odd, capped("p1", 3.0)])[0];
-        assert!(line.contains("'p1', 'd'oh' 2.00 cm2"), "{line}");
+        assert!(
+            line.contains("the worst, 'p1'; 'd'oh' has 2.00 cm2"),
+            "{line}"
+        );
     }
 
     #[test]

@@ -22,6 +22,18 @@ fn pages_in_docs_are_what_the_command_says() {
 }
 
 #[test]
+fn the_example_is_a_scene() {
+    let page = Folder::new().ruga("help scene").exits(0).stdout;
+    let example = page
+        .split("```")
+        .nth(1)
+        .and_then(|it| it.strip_prefix("toml\n"));
+    let text = example.expect("an example");
+    let scene = ruga_scene::SceneFile::from_toml(text, Path::new("scene.toml"));
+    assert_eq!(scene.expect("a scene").poses[0].name, "frown");
+}
+
+#[test]
 fn keys_have_their_defaults_and_presets_their_numbers() {
     let scene = Folder::new().ruga("help scene").exits(0).stdout;
     for text in [

@@ -105,7 +105,29 @@ fn a_pose_that_does_not_exist() {
 #[test]
 fn a_mesh_that_is_not_there() {
     let folder = Folder::with("\"patch.obj\"", "\"path.obj\"");
-    refuses(&folder, &["path.obj", "there is no such file"]);
+    refuses(
+        &folder,
+        &[
+            "scene.toml: `driver.mesh`: path.obj",
+            "there is no such file",
+        ],
+    );
+    let folder = Folder::with("\"dent.obj\"", "\"bent.obj\"");
+    let key = "scene.toml: `driver.targets.dent`: bent.obj";
+    refuses(&folder, &[key, "there is no such file"]);
+}
+
+#[test]
+fn a_region_that_is_no_word_and_no_image() {
+    let folder = Folder::with("region = \"all\"", "region = \"al\"");
+    refuses(
+        &folder,
+        &[
+            "`driver.region`: al",
+            "accepted: \"auto\", \"all\", or the path of a grey image",
+            "did you mean `all`?",
+        ],
+    );
 }
 
 #[test]
@@ -140,7 +162,21 @@ fn a_black_mask_and_a_missing_one() {
         &["driver.region", "mask.png", "there is no such file"],
     );
     write_png(&folder.path("mask.png"), 4, 4, PngTexels::Grey8(&[0; 16])).unwrap();
-    refuses(&folder, &["scene.toml", "layer 'skin'", "black wherever"]);
+    refuses(
+        &folder,
+        &[
+            "scene.toml: layer `skin`: nothing is left to simulate by `driver.region` (mask.png)",
+            "paint whole faces white",
+        ],
+    );
+    // A white speck that lies in no face's middle.
+    let mut speck = vec![0; 256 * 256];
+    speck[0] = 255;
+    write_png(&folder.path("mask.png"), 256, 256, PngTexels::Grey8(&speck)).unwrap();
+    refuses(
+        &folder,
+        &["no face of the mesh is white there", "a speck inside one"],
+    );
 }
 
 #[test]
@@ -151,6 +187,35 @@ fn a_missing_mask_of_a_layer_is_named_with_its_key() {
         &folder,
         &["layers[0].mask", "spot.png", "there is no such file"],
     );
+}
+
+#[test]
+fn a_preset_on_another_substrate_is_told_apart_from_what_it_promises() {
+    let said = |layer: &str| {
+        let folder = Folder::with("wavelength = 0.03\ncritical_strain = 0.05", layer);
+        folder.change("scene.toml", "young = 20e3", "young = 2e3");
+        folder.ruga("check scene.toml").exits(0).stderr
+    };
+    let text = said("preset = \"forehead-furrow\"");
+    for words in [
+        "layer 'skin': preset `forehead-furrow` promises wrinkles of 10.2",
+        "on its own substrate; on yours they are",
+        "Leave `[substrate]` out to have its own",
+    ] {
+        assert!(text.contains(words), "{text}");
+    }
+    assert!(!said("young = 0.8e6\nthickness = 0.7e-3").contains("promises"));
+    let own = Folder::with(
+        "wavelength = 0.03\ncritical_strain = 0.05",
+        "preset = \"forehead-furrow\"",
+    );
+    own.change(
+        "scene.toml",
+        "[substrate]\nyoung = 20e3\npoisson = 0.48\nthickness = 0.02\n",
+        "",
+    );
+    let text = own.ruga("check scene.toml").exits(0).stderr;
+    assert!(!text.contains("promises"), "{text}");
 }
 
 #[test]

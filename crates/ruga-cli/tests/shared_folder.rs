@@ -60,7 +60,8 @@ fn baking_one_pose_leaves_the_others_listed() {
         .ruga("bake scene.toml -o out --pose squeezed --quality draft")
         .exits(0);
     assert!(
-        run.stdout.contains("1 pose of earlier runs"),
+        run.stdout
+            .contains("1 pose of earlier runs is listed with these."),
         "{}",
         run.stdout
     );

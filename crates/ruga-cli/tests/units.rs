@@ -82,3 +82,13 @@ fn a_small_patch_passes() {
     let run = folder.ruga("check scene.toml").exits(0);
     assert!(!run.stderr.contains("wide"), "{}", run.stderr);
 }
+
+#[test]
+fn a_layer_thicker_than_the_mesh_is_asked_about_too() {
+    let layer = "young = 0.8e6\nthickness = 0.7";
+    let folder = Folder::with("wavelength = 0.03\ncritical_strain = 0.05", layer);
+    folder.ruga("check scene.toml").exits(0).says(&[
+        "it has no room for two of them; check the unit of the file",
+        "or the layer's `thickness`, which is in metres",
+    ]);
+}

@@ -6,7 +6,7 @@ use ruga_mesh::{
 };
 
 use crate::error::check_length;
-use crate::{Lattice, LatticeError, Place};
+use crate::{Lattice, LatticeError, LatticePoint};
 
 /// The linear map `B` from node vectors to points of a surface (RK 3), and its gradient along two
 /// tangents of the surface.
@@ -56,13 +56,13 @@ impl Embedding {
     pub fn of_points(lattice: &Lattice, points: &[MaterialPoint]) -> Result<Self, LatticeError> {
         let (mesh, rest) = (lattice.surface().mesh(), lattice.surface().positions());
         let facets = face_normals(mesh, rest);
-        let mut places = Vec::with_capacity(points.len());
+        let mut located = Vec::with_capacity(points.len());
         let mut normals = Vec::with_capacity(points.len());
         for (index, point) in points.iter().enumerate() {
-            places.push(lattice.place_numbered(index, point)?);
+            located.push(lattice.locate_numbered(index, point)?);
             normals.push(facets[point.face]);
         }
-        Self::of_places(lattice, &places, &normals)
+        Self::of_lattice_points(lattice, &located, &normals)
     }
 
     /// Points of another surface close to the lattice's, such as its smooth limit or a layer above
@@ -80,44 +80,47 @@ impl Embedding {
         normals: &[Vector3<f64>],
     ) -> Result<Self, LatticeError> {
         check_length("rest positions", points.len(), positions.len())?;
-        let places: Vec<Place> = (points.iter().zip(positions).enumerate())
-            .map(|(index, (point, position))| lattice.place_moved(index, point, position))
+        let located: Vec<LatticePoint> = (points.iter().zip(positions).enumerate())
+            .map(|(index, (point, position))| lattice.locate_moved(index, point, position))
             .collect::<Result<_, _>>()?;
-        Self::of_places(lattice, &places, normals)
+        Self::of_lattice_points(lattice, &located, normals)
     }
 
-    /// Any places of the lattice, with a rest normal each (any length).
+    /// Any points of the lattice, with a rest normal each (any length).
     ///
     /// # Errors
     /// [`LatticeError::Length`], [`LatticeError::ElementOutOfRange`], [`LatticeError::NotFinite`],
     /// [`LatticeError::NoNormal`].
-    pub fn of_places(
+    pub fn of_lattice_points(
         lattice: &Lattice,
-        places: &[Place],
+        points: &[LatticePoint],
         normals: &[Vector3<f64>],
     ) -> Result<Self, LatticeError> {
-        check_length("rest normals", places.len(), normals.len())?;
+        check_length("rest normals", points.len(), normals.len())?;
         let mut this = Self {
             positions: SparseRows::default(),
             tangents: [SparseRows::default(), SparseRows::default()],
             node_count: lattice.node_count(),
         };
-        for (point, (place, normal)) in places.iter().zip(normals).enumerate() {
-            lattice.check_place(point, place)?;
+        for (index, (point, normal)) in points.iter().zip(normals).enumerate() {
+            lattice.check_point(index, point)?;
             let length = normal.norm();
             if !(length > LEAST_NORMAL && length.is_finite()) {
-                return Err(LatticeError::NoNormal { point, length });
+                return Err(LatticeError::NoNormal {
+                    point: index,
+                    length,
+                });
             }
-            this.push(lattice, place, &(normal / length));
+            this.push(lattice, point, &(normal / length));
         }
         Ok(this)
     }
 
-    fn push(&mut self, lattice: &Lattice, place: &Place, normal: &Vector3<f64>) {
-        let shape = lattice.shape().evaluate(&place.local, &lattice.cell_size());
+    fn push(&mut self, lattice: &Lattice, point: &LatticePoint, normal: &Vector3<f64>) {
+        let shape = lattice.shape().evaluate(&point.local, &lattice.cell_size());
         let nodes = || {
             lattice
-                .element_nodes(place.element)
+                .element_nodes(point.element)
                 .iter()
                 .map(|node| node.0)
         };

@@ -86,11 +86,11 @@ pub enum LatticeError {
         /// Number of faces.
         count: usize,
     },
-    /// A place names an element that the lattice does not have.
-    #[error("place {place} lies in element {element}, but the lattice has {count} elements", element = element.0)]
+    /// A point of the lattice names an element that the lattice does not have.
+    #[error("place {point} lies in element {element}, but the lattice has {count} elements", element = element.0)]
     ElementOutOfRange {
-        /// Index of the place.
-        place: usize,
+        /// Index of the point.
+        point: usize,
         /// The element it names.
         element: ElementId,
         /// Number of elements.

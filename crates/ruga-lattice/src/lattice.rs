@@ -6,10 +6,11 @@ use ruga_mesh::{Id, TriMesh};
 use crate::closed_surface::check_closed;
 use crate::face_cutting::Coincidence;
 use crate::grid::{Grid, Index};
+use crate::lattice_points::LatticePoint;
 use crate::moments::Moments;
 use crate::node_merging::merge_nodes;
 use crate::pieces::{Dissection, dissect};
-use crate::places::{Place, SurfacePlaces};
+use crate::surface_elements::SurfaceElements;
 use crate::{ElementId, LatticeError, NodeId, Shape};
 
 /// How a lattice is built.
@@ -78,7 +79,7 @@ pub struct Lattice {
     /// Nodes of all elements, one after the other.
     element_nodes: Vec<NodeId>,
     rest: Vec<Vector3<f64>>,
-    surface: SurfacePlaces,
+    surface: SurfaceElements,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -149,7 +150,7 @@ impl Lattice {
             elements: elements.collect(),
             element_nodes: numbers.into_iter().map(NodeId).collect(),
             rest,
-            surface: SurfacePlaces::new(mesh, positions, dissection),
+            surface: SurfaceElements::new(mesh, positions, dissection),
             grid,
         }
     }
@@ -249,30 +250,30 @@ impl Lattice {
         &self.grid
     }
 
-    pub(crate) fn surface(&self) -> &SurfacePlaces {
+    pub(crate) fn surface(&self) -> &SurfaceElements {
         &self.surface
     }
 
-    /// Where a place is when the nodes are at `q` (m).
+    /// Position (m) of a point of the lattice when the nodes are at `q` (m).
     ///
     /// # Panics
-    /// When the lattice does not have the place's element, or there is not one vector per node.
-    pub fn position(&self, place: &Place, q: &[Vector3<f64>]) -> Vector3<f64> {
+    /// When the lattice does not have the point's element, or there is not one vector per node.
+    pub fn position(&self, point: &LatticePoint, q: &[Vector3<f64>]) -> Vector3<f64> {
         assert_eq!(q.len(), self.node_count(), "one vector per node");
-        let shape = self.shape.evaluate(&place.local, &self.grid.size);
-        let terms = self.element_nodes(place.element).iter().zip(shape.values);
+        let shape = self.shape.evaluate(&point.local, &self.grid.size);
+        let terms = self.element_nodes(point.element).iter().zip(shape.values);
         terms.map(|(node, value)| q[node.index()] * value).sum()
     }
 
-    /// Deformation gradient `F = dx/dX` at a place when the nodes are at `q` (m).
+    /// Deformation gradient `F = dx/dX` at a point of the lattice when the nodes are at `q` (m).
     ///
     /// # Panics
-    /// When the lattice does not have the place's element, or there is not one vector per node.
-    pub fn deformation(&self, place: &Place, q: &[Vector3<f64>]) -> Matrix3<f64> {
+    /// When the lattice does not have the point's element, or there is not one vector per node.
+    pub fn deformation(&self, point: &LatticePoint, q: &[Vector3<f64>]) -> Matrix3<f64> {
         assert_eq!(q.len(), self.node_count(), "one vector per node");
-        let shape = self.shape.evaluate(&place.local, &self.grid.size);
+        let shape = self.shape.evaluate(&point.local, &self.grid.size);
         let terms = self
-            .element_nodes(place.element)
+            .element_nodes(point.element)
             .iter()
             .zip(shape.gradients);
         terms

@@ -54,8 +54,8 @@ mod rotated_linear;
 mod signed_svd;
 
 mod embedding;
-mod lattice_places;
-mod places;
+mod lattice_points;
+mod surface_elements;
 mod surface_stiffness;
 
 mod closed_surface;
@@ -80,7 +80,7 @@ pub use lattice_objective::LatticeObjective;
 pub use rotated_linear::{RotatedLinear, SolidMaterial};
 
 pub use embedding::Embedding;
-pub use places::Place;
+pub use lattice_points::LatticePoint;
 pub use surface_stiffness::SurfaceBlocks;
 
 pub use error::LatticeError;

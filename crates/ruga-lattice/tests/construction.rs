@@ -53,10 +53,15 @@ fn check(surface: &Surface, lattice: &Lattice) {
             face: FaceId(face),
             barycentric: [0.2, 0.5, 0.3],
         };
-        let place = lattice.place(&point).expect("a face of the surface");
-        assert!(place.local.iter().all(|t| (-1e-9..1.0 + 1e-9).contains(t)));
+        let located = lattice.locate(&point).expect("a face of the surface");
+        assert!(
+            located
+                .local
+                .iter()
+                .all(|t| (-1e-9..1.0 + 1e-9).contains(t))
+        );
         let expected = point.interpolate(&mesh, &surface.positions);
-        let found = lattice.position(&place, lattice.rest_positions());
+        let found = lattice.position(&located, lattice.rest_positions());
         assert!((found - expected).norm() < 1e-13 * (1.0 + expected.norm()));
     }
 }
@@ -184,7 +189,7 @@ fn lips_hang_together_only_at_the_back() {
         assert_eq!(bodies(&lattice), 1);
         let element = |x: f64, z: f64| {
             let points = [Vector3::new(x, 0.5, z)];
-            lattice.places_near(&points).expect("finite")[0].element
+            lattice.locate_near(&points).expect("finite")[0].element
         };
         let common = |x: f64| {
             let [a, b] = [0.99, 1.06].map(|z| element(x, z));
@@ -208,15 +213,15 @@ fn a_hollow_belongs_to_the_piece_around_it() {
     for cells in [1, 2, 3, 7] {
         let lattice = surface.lattice(spec(cells));
         check(&surface, &lattice);
-        let kernel = lattice.place(&MaterialPoint::at_corner(
+        let kernel = lattice.locate(&MaterialPoint::at_corner(
             FaceId(surface.faces.len() as u32 - 1),
             0,
         ));
         let [shell] = lattice
-            .places_near(&[Vector3::new(0.3, 0.3, 0.45)])
+            .locate_near(&[Vector3::new(0.3, 0.3, 0.45)])
             .expect("finite")[..]
         else {
-            panic!("one place");
+            panic!("one point");
         };
         assert_ne!(kernel.expect("a face").element, shell.element);
     }
@@ -239,8 +244,8 @@ fn a_hollow_is_not_given_to_a_bigger_piece_of_the_same_cell() {
     let lattice = surface.lattice(spec(2));
     check(&surface, &lattice);
     let points = [Vector3::new(0.2, 0.3, 0.095), Vector3::new(0.2, 0.3, 0.2)];
-    let places = lattice.places_near(&points).expect("finite");
-    let [below, above] = [0, 1].map(|k| lattice.element_volume(places[k].element));
+    let located = lattice.locate_near(&points).expect("finite");
+    let [below, above] = [0, 1].map(|k| lattice.element_volume(located[k].element));
     // A quarter of each slab, but for the grid's slack; the hollow is negative.
     assert!((below - (0.025 + hollow.volume())).abs() < 1e-5, "{below}");
     assert!((above - 0.075).abs() < 2e-5, "{above}");
@@ -334,9 +339,9 @@ fn check_cell(
             }
         }
         let points: Vec<Vector3<f64>> = group.iter().map(|&at| place(at)).collect();
-        let places = lattice.places_near(&points).expect("finite");
-        assert!(places.iter().all(|p| p.element == places[0].element));
-        let is_new = seen.insert(places[0].element);
+        let located = lattice.locate_near(&points).expect("finite");
+        assert!(located.iter().all(|p| p.element == located[0].element));
+        let is_new = seen.insert(located[0].element);
         assert!(
             is_new || group.len() < 4,
             "a group of {} shares an element",

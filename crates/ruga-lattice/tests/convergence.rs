@@ -24,10 +24,10 @@ fn beam_deflection() -> f64 {
 }
 
 fn held(lattice: &Lattice, points: &[Vector3<f64>]) -> Springs {
-    let places = lattice.places_near(points).expect("finite");
+    let located = lattice.locate_near(points).expect("finite");
     let normals = vec![Vector3::x(); points.len()];
     Springs {
-        points: Embedding::of_places(lattice, &places, &normals).expect("good normals"),
+        points: Embedding::of_lattice_points(lattice, &located, &normals).expect("good normals"),
         targets: points.to_vec(),
         stiffness: 1e4,
     }

@@ -3,7 +3,7 @@
 mod shapes;
 
 use nalgebra::{Matrix3, Vector3};
-use ruga_lattice::{Embedding, Lattice, LatticeSpec, Place, Shape};
+use ruga_lattice::{Embedding, Lattice, LatticePoint, LatticeSpec, Shape};
 use ruga_mesh::{FaceId, MaterialPoint, vertex_normals};
 use shapes::{Surface, block, random_vector, rng, spec, sphere, torus, two_slabs};
 
@@ -63,11 +63,12 @@ fn rows_weigh_the_nodes_of_one_element_and_sum_to_one() {
     }
 }
 
-/// At points of the surface on planes between cells: the places in the elements on both sides.
-fn border_places(surface: &Surface, lattice: &Lattice) -> Vec<[Place; 2]> {
+/// At points of the surface on planes between cells: the lattice's points there in the elements on
+/// both sides.
+fn border_points(surface: &Surface, lattice: &Lattice) -> Vec<[LatticePoint; 2]> {
     let mesh = surface.mesh();
     let corner = lattice.element_corner(lattice.elements().next().expect("an element"));
-    let mut places = Vec::new();
+    let mut points = Vec::new();
     for (face, vertices) in mesh.faces().iter() {
         let [a, b] = [vertices[0], vertices[1]].map(|v| surface.positions[v.0 as usize]);
         for axis in 0..3 {
@@ -81,28 +82,29 @@ fn border_places(surface: &Surface, lattice: &Lattice) -> Vec<[Place; 2]> {
             let at = |share: f64| {
                 let barycentric = [1.0 - share, share, 0.0];
                 let point = MaterialPoint { face, barycentric };
-                lattice.place(&point).expect("on the surface")
+                lattice.locate(&point).expect("on the surface")
             };
             let border = a + (b - a) * share;
             let [low, high] = [at(share - 1e-6), at(share + 1e-6)];
             if low.element != high.element {
-                places.push([low, high].map(|p| lattice.place_in(p.element, &border)));
+                points.push([low, high].map(|p| lattice.locate_in(p.element, &border)));
             }
         }
     }
-    places
+    points
 }
 
 /// Largest jump of position and of a unit normal across borders between elements.
 fn jumps(surface: &Surface, spec: LatticeSpec) -> [f64; 2] {
     let lattice = surface.lattice(spec);
-    let places = border_places(surface, &lattice);
-    assert!(places.len() > 50, "{}", places.len());
+    let points = border_points(surface, &lattice);
+    assert!(points.len() > 50, "{}", points.len());
     let q = shaken(&lattice, 0.1 * lattice.cell_size().min());
-    let normal = vec![Vector3::new(0.6, 0.0, 0.8); places.len()];
+    let normal = vec![Vector3::new(0.6, 0.0, 0.8); points.len()];
     let side = |k: usize| {
-        let places: Vec<Place> = places.iter().map(|pair| pair[k]).collect();
-        let embedding = Embedding::of_places(&lattice, &places, &normal).expect("good normals");
+        let points: Vec<LatticePoint> = points.iter().map(|pair| pair[k]).collect();
+        let embedding =
+            Embedding::of_lattice_points(&lattice, &points, &normal).expect("good normals");
         (embedding.positions(&q), embedding.normals(&q))
     };
     let [low, high] = [side(0), side(1)];
@@ -181,21 +183,21 @@ fn points_off_the_surface_belong_to_the_closest_piece() {
     let lattice = two_slabs(0.02).lattice(spec(2));
     let near = |z: f64| {
         let points = [Vector3::new(0.3, 0.6, z)];
-        lattice.places_near(&points).expect("finite")[0]
+        lattice.locate_near(&points).expect("finite")[0]
     };
     let [lower, upper] = [near(0.24), near(0.28)];
-    let nodes = |p: Place| lattice.element_nodes(p.element).to_vec();
+    let nodes = |p: LatticePoint| lattice.element_nodes(p.element).to_vec();
     assert!(nodes(lower).iter().all(|n| !nodes(upper).contains(n)));
     // In the gap, a little nearer to one side; and far outside.
     assert_eq!(near(0.258).element, lower.element);
     assert_eq!(near(0.262).element, upper.element);
     assert_eq!(near(-7.0).element, near(0.01).element);
     assert_eq!(near(7.0).element, near(0.5).element);
-    for place in [lower, near(-7.0), near(0.26)] {
-        let found = lattice.position(&place, lattice.rest_positions());
+    for point in [lower, near(-7.0), near(0.26)] {
+        let found = lattice.position(&point, lattice.rest_positions());
         assert!((found.xy() - nalgebra::Vector2::new(0.3, 0.6)).norm() < 1e-13);
         assert!(
-            (lattice.deformation(&place, lattice.rest_positions()) - Matrix3::identity()).norm()
+            (lattice.deformation(&point, lattice.rest_positions()) - Matrix3::identity()).norm()
                 < 1e-12
         );
     }

@@ -4,7 +4,8 @@ mod shapes;
 
 use nalgebra::Vector3;
 use ruga_lattice::{
-    ElementId, Embedding, Lattice, LatticeEnergy, LatticeError, LatticeSpec, Place, SolidMaterial,
+    ElementId, Embedding, Lattice, LatticeEnergy, LatticeError, LatticePoint, LatticeSpec,
+    SolidMaterial,
 };
 use ruga_mesh::{FaceId, MaterialPoint, VertexId};
 use shapes::{Surface, block, spec, sphere, torus};
@@ -212,9 +213,9 @@ fn bad_materials_and_points_are_named() {
         matches!(error, LatticeError::NotFinite { index: 0, .. }),
         "{error}"
     );
-    assert!(lattice.places_near(&[Vector3::repeat(f64::NAN)]).is_err());
-    let place: Place = lattice.places_near(&[Vector3::zeros()]).expect("finite")[0];
-    let error = Embedding::of_places(&lattice, &[place], &[Vector3::zeros()]);
+    assert!(lattice.locate_near(&[Vector3::repeat(f64::NAN)]).is_err());
+    let inside: LatticePoint = lattice.locate_near(&[Vector3::zeros()]).expect("finite")[0];
+    let error = Embedding::of_lattice_points(&lattice, &[inside], &[Vector3::zeros()]);
     assert!(matches!(
         error,
         Err(LatticeError::NoNormal { point: 0, .. })
@@ -222,23 +223,23 @@ fn bad_materials_and_points_are_named() {
 
     let strays = [
         (
-            Place {
+            LatticePoint {
                 element: ElementId(8),
-                ..place
+                ..inside
             },
             "element 8, but the lattice has 8 elements",
         ),
         (
-            Place {
+            LatticePoint {
                 local: Vector3::new(0.5, f64::NAN, 0.5),
-                ..place
+                ..inside
             },
             "place 1 is not finite",
         ),
     ];
     for (stray, said) in strays {
-        let error = Embedding::of_places(&lattice, &[place, stray], &[Vector3::z(); 2]);
-        let error = error.expect_err("no place of this lattice").to_string();
+        let error = Embedding::of_lattice_points(&lattice, &[inside, stray], &[Vector3::z(); 2]);
+        let error = error.expect_err("no point of this lattice").to_string();
         assert!(error.contains(said), "{error}");
     }
     for bad in [f64::NAN, f64::INFINITY] {

@@ -130,23 +130,23 @@ impl StackPair {
         upper.validate()?;
         let upper_shell = Shell::new(&upper.wrinkling);
         // Shells are mid-surfaces, so half of either thickness lies between them.
-        let lever = 0.5 * (lower.material.thickness + upper.material.thickness);
-        Self::with_upper_shell(lower, upper, upper_shell, lever)
+        let offset = 0.5 * (lower.material.thickness + upper.material.thickness);
+        Self::with_upper_shell(lower, upper, upper_shell, offset)
     }
 
-    /// Analyses a pair whose upper shell may be a composite, its neutral surface `lever` above the
+    /// Analyses a pair whose upper shell may be a composite, its neutral surface `offset` above the
     /// lower layer's middle.
     fn with_upper_shell(
         lower: &StackLayer,
         upper: &StackLayer,
         upper_shell: Shell,
-        lever: f64,
+        offset: f64,
     ) -> Result<Self, MaterialError> {
         let shells = TwoShells {
             lower: Shell::new(&lower.wrinkling),
             upper: upper_shell,
-            tie: shear_tie(&lower.material),
-            lever,
+            tangential: shear_stiffness(&lower.material),
+            offset,
         };
         let waves = [lower.wrinkling.wave_number, upper.wrinkling.wave_number];
         // The search for minima walks over logarithms between these two.
@@ -198,27 +198,28 @@ impl StackPair {
             .is_some_and(|joint| joint.critical_strain < alone / DISAGREEMENT)
     }
 
-    /// Tangential tie of an upper layer solved by its own wavelength, `K_t = Ē1 k_2/2` (Pa/m).
+    /// Tangential stiffness under an upper layer solved by its own wavelength, `K_t = Ē1 k_2/2`
+    /// (Pa/m).
     ///
-    /// As stiff as the lower layer against the fine wave. The shear tie of the whole thickness is some
-    /// 6 to 60 times softer and lets fine wrinkles run together into few folds.
-    pub fn nominal_tie(&self) -> f64 {
+    /// As stiff as the lower layer against the fine wave. The shear of the whole thickness is some 6
+    /// to 60 times softer and lets fine wrinkles run together into few folds.
+    pub fn nominal_tangential_stiffness(&self) -> f64 {
         let Self { lower, upper, .. } = self;
         let modulus = lower.material.young / plane_strain_factor(lower.material.poisson);
         0.5 * modulus * upper.wrinkling.wave_number
     }
 
-    /// Tangential tie of an upper layer on a composite lower layer, `K_t = μ1/h1` (Pa/m): the lower
-    /// layer's shear across its thickness. The only multiple of it that fits the exact stack.
-    pub fn shear_tie(&self) -> f64 {
-        self.shells.tie
+    /// Tangential stiffness under an upper layer on a composite lower layer, `K_t = μ1/h1` (Pa/m): the
+    /// lower layer's shear across its thickness. The only multiple of it that fits the exact stack.
+    pub fn shear_tangential_stiffness(&self) -> f64 {
+        self.shells.tangential
     }
 
     /// The lower layer that stands for both, with the pair's wave, onset and amplitude.
     ///
     /// `D' = D1 + D2 + Kq t²/k_j²`, `S' = S1 + S2`, `N' = S' e_j`, `K0' = D' k_j⁴`,
     /// `K1' = N' - 2 D' k_j²`. For the lower layer only; the upper one keeps its own springs, takes all
-    /// of the bending strain and [`StackPair::shear_tie`].
+    /// of the bending strain and [`StackPair::shear_tangential_stiffness`].
     ///
     /// # Errors
     /// [`MaterialError::NoJointWave`] when the pair has no large wave;
@@ -235,12 +236,13 @@ impl StackPair {
         let TwoShells {
             lower,
             upper,
-            lever,
+            offset,
             ..
         } = self.shells;
-        // A shear spring over a lever resists a wave as a bending stiffness would, but one that
-        // depends on the wave: this is right at the joint wave, the one that is seen.
-        let sandwich = self.shells.shear(wave_number) * lever * lever / squared;
+        // Tangential springs across the mid-surface offset resist a wave as a bending stiffness
+        // would, but one that depends on the wave: this is right at the joint wave, the one that is
+        // seen.
+        let sandwich = self.shells.shear(wave_number) * offset * offset / squared;
         let shell = ShellStiffness {
             bending: lower.bending + upper.bending + sandwich,
             membrane: lower.membrane + upper.membrane,
@@ -264,8 +266,8 @@ impl StackPair {
     }
 }
 
-/// `μ1/h1` (Pa/m).
-fn shear_tie(lower: &LayerMaterial) -> f64 {
+/// Shear stiffness of the lower layer across its thickness, `μ1/h1` (Pa/m).
+fn shear_stiffness(lower: &LayerMaterial) -> f64 {
     lower.young / (2.0 * (1.0 + lower.poisson)) / lower.thickness
 }
 
@@ -330,13 +332,13 @@ pub fn composite_layers(layers: &[StackLayer]) -> Result<Vec<CompositeLayer>, Ma
                 }
             }
             Some((carried, stack)) => {
-                let lever = 0.5 * thickness + neutral;
+                let offset = 0.5 * thickness + neutral;
                 let carried_force = stack.wrinkling.membrane_stiffness;
                 // Weighted by membrane stiffness: about that height bending adds no force along the
                 // stack.
                 neutral = (0.5 * own * thickness + carried_force * (thickness + neutral))
                     / (own + carried_force);
-                pair_with_stack(layer, carried, stack, lever)?.composite()?
+                pair_with_stack(layer, carried, stack, offset)?.composite()?
             }
         };
         found.push(composite);
@@ -351,7 +353,7 @@ fn pair_with_stack(
     lower: &StackLayer,
     carried: &StackLayer,
     stack: &CompositeLayer,
-    lever: f64,
+    offset: f64,
 ) -> Result<StackPair, MaterialError> {
     let shell = Shell {
         // Springs of the layer directly above: they are what the lower layer gives way across its
@@ -364,5 +366,5 @@ fn pair_with_stack(
         material: stack.material,
         ..*carried
     };
-    StackPair::with_upper_shell(lower, &upper, shell, lever)
+    StackPair::with_upper_shell(lower, &upper, shell, offset)
 }

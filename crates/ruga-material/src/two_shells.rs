@@ -1,15 +1,15 @@
 //! Two shells, one on springs above the other: which plane waves they share, and at what strain.
 //!
 //! Normal springs `Ks = K0_1 + K1_1 k²` hold the lower shell on the driver, `Kn = K0_2 + K1_2 k²` the
-//! upper shell on the lower one, a shear tie `K_t` keeps it from sliding. A wave of number `k` in both
-//! appears at the smallest eigenvalue `e` of `A v = e B v` with
+//! upper shell on the lower one, tangential springs `K_t` keep it from sliding. A wave of number `k`
+//! in both appears at the smallest eigenvalue `e` of `A v = e B v` with
 //!
 //! ```text
 //! A = [[D1 k⁴ + Ks + Kn + Kq t² k²,  -Kn], [-Kn,  D2 k⁴ + Kn]]      B = diag(S1 k², S2 k²)
 //! 1/Kq = 1/(S1 k²) + 1/K_t + 1/(S2 k²)
 //! ```
 //!
-//! where `D` is bending stiffness, `S` membrane stiffness and `t` the distance of the mid-surfaces.
+//! where `D` is bending stiffness, `S` membrane stiffness and `t` the mid-surface offset.
 //! No double counting: `Kn` is the lower layer's compliance across its thickness and acts on the
 //! *deviation* from the lower shell. This small matrix fits the exact elastic three-layer stack
 //! within 2 % in strain and 4 % in wavelength for membrane ratios from 0.1 to 14.
@@ -50,15 +50,15 @@ impl Shell {
     }
 }
 
-/// Both shells and what ties them together.
+/// Both shells and the springs between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TwoShells {
     pub(crate) lower: Shell,
     pub(crate) upper: Shell,
     /// `K_t` (Pa/m).
-    pub(crate) tie: f64,
+    pub(crate) tangential: f64,
     /// `t` (m).
-    pub(crate) lever: f64,
+    pub(crate) offset: f64,
 }
 
 /// A local minimum of the strain over the wave number.
@@ -69,11 +69,11 @@ pub(crate) struct Minimum {
 }
 
 impl TwoShells {
-    /// `Kq` (Pa/m): the tie in series with what the shells' membranes give way.
+    /// `Kq` (Pa/m): the tangential springs in series with what the shells' membranes give way.
     pub(crate) fn shear(&self, wave_number: f64) -> f64 {
         let squared = wave_number * wave_number;
         let softness = 1.0 / (self.lower.membrane * squared)
-            + 1.0 / self.tie
+            + 1.0 / self.tangential
             + 1.0 / (self.upper.membrane * squared);
         1.0 / softness
     }
@@ -84,7 +84,7 @@ impl TwoShells {
         let Self { lower, upper, .. } = self;
         let below = lower.springs(squared);
         let between = upper.springs(squared);
-        let sandwich = self.shear(wave_number) * self.lever * self.lever;
+        let sandwich = self.shear(wave_number) * self.offset * self.offset;
         // The rows of A over k², without the coupling.
         let first = lower.bending * squared + below + sandwich;
         let second = upper.bending * squared;

@@ -7,9 +7,9 @@ use crate::foundation::{Foundation, stiffness_unit};
 use crate::material::plane_strain_factor;
 use crate::{LayerMaterial, MaterialError, Substrate};
 
-/// Largest tangential tie in units of `C k_c²`. A stiffer tie keeps the layer from sliding along
-/// with the wave and costs amplitude: 0.8 % at this bound, up to 18 % beyond.
-const MAX_TIE: f64 = 0.12;
+/// Largest tangential stiffness in units of `C k_c²`. A stiffer one keeps the layer from sliding
+/// along with the wave and costs amplitude: 0.8 % at this bound, up to 18 % beyond.
+const MAX_TANGENTIAL: f64 = 0.12;
 
 /// How the stiffness of the foundation is modelled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -132,7 +132,7 @@ impl Wrinkling {
         // wavelength.
         let normal_stiffness = shell.bending * squared * squared;
         // Twice the normal spring is what a half-space has against a tangential wave, Ē_s k_c/2.
-        let tie_bound = MAX_TIE * shell.membrane * squared;
+        let tangential_bound = MAX_TANGENTIAL * shell.membrane * squared;
         Self {
             wavelength: TAU / wave_number,
             wave_number,
@@ -142,7 +142,7 @@ impl Wrinkling {
             membrane_stiffness: shell.membrane,
             normal_stiffness,
             gradient_stiffness,
-            tangential_stiffness: (2.0 * normal_stiffness).min(tie_bound),
+            tangential_stiffness: (2.0 * normal_stiffness).min(tangential_bound),
         }
     }
 

@@ -106,7 +106,7 @@ fn springs_reproduce_wave_and_force() {
 }
 
 #[test]
-fn tangential_tie_is_clamped() {
+fn tangential_stiffness_is_clamped() {
     // 2 K0 = C k² (k h)²/6, so that the clamp 0.12 C k² acts from k h = 0.849 on.
     let substrate = Substrate {
         young: 1e5,

@@ -115,6 +115,9 @@ fn two_shell_table() {
 /// Layers 2.1 and 2.2: fine minima, the strain of a fine wave, the force ratio, the shares.
 #[test]
 fn what_the_notes_say_of_the_pairs() {
+    let tangential_ratio = |found: &StackPair| {
+        found.nominal_tangential_stiffness() / found.shear_tangential_stiffness()
+    };
     let lk = pair(LK);
     assert_eq!(lk.fine, None);
     assert_eq!(lk.first_scale(), FirstScale::Large);
@@ -124,7 +127,7 @@ fn what_the_notes_say_of_the_pairs() {
     // The prototype prints 1.79 %; the springs' value is 1.781 %.
     let fine = lk.strain(std::f64::consts::TAU / 2.5e-3);
     assert_prints(100.0 * fine, 1.79, 0.02, "e(2.5 mm)");
-    assert_prints(lk.nominal_tie() / lk.shear_tie(), 6.4, 0.1, "tie");
+    assert_prints(tangential_ratio(&lk), 6.4, 0.1, "K_t");
 
     let film = pair(THIN_FILM);
     let fine = film.fine.expect("two minima");
@@ -132,7 +135,7 @@ fn what_the_notes_say_of_the_pairs() {
     assert_prints(1e3 * fine.wavelength, 0.64, 0.01, "λ");
     assert_eq!(film.first_scale(), FirstScale::Fine);
     assert_prints(film.bending_transfer, 0.39, 0.01, "β");
-    assert_prints(film.nominal_tie() / film.shear_tie(), 24.0, 1.0, "tie");
+    assert_prints(tangential_ratio(&film), 24.0, 1.0, "K_t");
 
     let face = pair(FACE2);
     let fine = face.fine.expect("two minima");
@@ -173,18 +176,18 @@ fn strain_is_the_smallest_eigenvalue() {
     for values in [LK, THIN_FILM, FACE2, MIDDLE, WEAK] {
         let found = pair(values);
         let (one, two) = (found.lower.wrinkling, found.upper.wrinkling);
-        let lever = 0.5 * (found.lower.material.thickness + found.upper.material.thickness);
+        let offset = 0.5 * (found.lower.material.thickness + found.upper.material.thickness);
         for step in 0..60 {
             let k = one.wave_number * (f64::from(step) / 10.0 - 1.0).exp();
             let (s1, s2) = (
                 one.membrane_stiffness * k * k,
                 two.membrane_stiffness * k * k,
             );
-            let shear = 1.0 / (1.0 / s1 + 1.0 / found.shear_tie() + 1.0 / s2);
+            let shear = 1.0 / (1.0 / s1 + 1.0 / found.shear_tangential_stiffness() + 1.0 / s2);
             let below = one.normal_stiffness + one.gradient_stiffness * k * k;
             let between = two.normal_stiffness + two.gradient_stiffness * k * k;
             let first =
-                one.bending_stiffness * k.powi(4) + below + between + shear * (lever * k).powi(2);
+                one.bending_stiffness * k.powi(4) + below + between + shear * (offset * k).powi(2);
             let second = two.bending_stiffness * k.powi(4) + between;
             let strain = found.strain(k);
             let residual = (first - strain * s1) * (second - strain * s2) - between * between;

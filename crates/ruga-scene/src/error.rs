@@ -30,14 +30,14 @@ pub enum SceneError {
         /// The nearest accepted name.
         suggestion: Option<String>,
     },
-    /// An image that the scene names cannot be used for what the scene wants of it.
+    /// A file that the scene names cannot be used for what the scene wants of it.
     #[error("{}: `{key}`: {source}", scene.display())]
-    Image {
+    NamedFile {
         /// The scene file.
         scene: PathBuf,
-        /// The key that names the image, as `layers[0].map.image`.
+        /// The key that names the file, as `layers[0].map.image`.
         key: String,
-        /// Error of the image, its file named.
+        /// Error of the file, which it names.
         source: Box<IoError>,
     },
     /// A share of the bending of a layer that is not there.
@@ -167,6 +167,19 @@ pub enum SceneError {
         v: f64,
         /// Sum of the masks there, %.
         percent: f64,
+    },
+    /// Masks that leave nothing of a layer.
+    #[error("{}: layer `{layer}`: nothing is left to simulate by {masks}: no face of the mesh is white there", scene.display())]
+    #[diagnostic(help(
+        "a face counts where the mask is lighter than a sixteenth in its middle: paint whole faces white, because a speck inside one is not enough; check, too, that black and white, and up and down, are not the wrong way round"
+    ))]
+    BlackMask {
+        /// The scene file.
+        scene: PathBuf,
+        /// Name of the layer.
+        layer: String,
+        /// The keys of its masks with their images.
+        masks: String,
     },
     /// The scene cannot be planned or simulated.
     #[error("{}: {source}", scene.display())]

@@ -11,6 +11,7 @@ mod reference;
 mod settings;
 mod skin;
 mod slips;
+mod toml_words;
 mod validate;
 mod validate_interior;
 mod validate_layers;
@@ -41,9 +42,9 @@ use ruga_stepper::Modelling;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
-    /// Version of the layout: 1.
+    /// Version of the scene format: 1.
     pub version: u32,
-    /// What a stack of layers means.
+    /// How several layers act together.
     #[serde(default)]
     pub stack: Stack,
     /// Unit of the coordinates of OBJ files; for glTF see `scale` under `[driver]`.
@@ -69,7 +70,7 @@ pub struct SceneFile {
     /// What is baked.
     #[serde(default)]
     pub bake: Bake,
-    /// Present: the layers lie on a soft body instead of on the posed mesh.
+    /// If given, the layers lie on a soft body instead of on the posed mesh.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub interior: Option<Interior>,
 }
@@ -150,7 +151,7 @@ pub struct Pose {
     /// out when there is an `[interior]`.
     #[serde(default)]
     pub weights: BTreeMap<String, f64>,
-    /// Fractions of the weights at which maps are baked, in (0, 1].
+    /// Fractions of the weights at which maps are baked, above 0 and up to 1: 0.5 is half way.
     #[serde(default = "default_keys")]
     pub keys: Vec<f64>,
     /// Load steps from rest to the full pose, for `ruga simulate` and for soft bodies; `ruga bake` goes

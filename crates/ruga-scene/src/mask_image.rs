@@ -9,7 +9,7 @@ use crate::SceneError;
 
 /// The grey image in a file that `key` of a scene names.
 pub(crate) fn mask(file: &Path, (scene, key): (&Path, &str)) -> Result<Mask, SceneError> {
-    let image = read_mask(file).map_err(|source| SceneError::Image {
+    let image = read_mask(file).map_err(|source| SceneError::NamedFile {
         scene: scene.to_owned(),
         key: key.to_owned(),
         source: Box::new(source),

@@ -66,7 +66,7 @@ pub(crate) fn check(
             remedy,
         });
     }
-    let size = |what: &str| {
+    let size = |what: &str, or: &str| {
         let key = if is_said {
             "check the unit given"
         } else {
@@ -74,15 +74,18 @@ pub(crate) fn check(
         };
         Some(format!(
             "{}: the mesh is {} wide and its shortest wrinkles are {} long: {what}; {key} (`scale` \
-             under [driver])",
+             under [driver]){or}",
             mesh.path.display(),
             length(width),
             length(wavelength)
         ))
     };
     Ok(match waves {
-        _ if is_strange && width > WIDEST => size("nothing with skin is that large"),
-        waves if waves < 2.0 => size("it has no room for two of them"),
+        _ if is_strange && width > WIDEST => size("nothing with skin is that large", ""),
+        waves if waves < 2.0 => size(
+            "it has no room for two of them",
+            ", or the layer's `thickness`, which is in metres",
+        ),
         _ => None,
     })
 }

@@ -49,6 +49,43 @@ pub(crate) fn layers(scene: &SceneFile, path: &Path) -> Result<Vec<LayerSpec>, S
     Ok(layers)
 }
 
+/// Difference of wavelengths, as a fraction, from which on a preset is not what it promises.
+const OTHER_WAVE: f64 = 0.1;
+
+/// Warnings of presets that lie on another substrate than their own, and so wrinkle otherwise than they
+/// promise.
+pub(crate) fn preset_warnings(scene: &SceneFile, layers: &[LayerSpec]) -> Vec<String> {
+    if scene.substrate.is_none() {
+        return Vec::new();
+    }
+    let lowest: Vec<usize> = scene.zones().iter().map(|zone| zone.layers[0]).collect();
+    let preset_of = |index: usize| preset(scene.layers[index].preset.as_deref()?);
+    let remedy = match lowest.iter().all(|&index| preset_of(index).is_some()) {
+        true => "Leave `[substrate]` out to have its own",
+        false => {
+            "For the wrinkles it promises, give their `wavelength` and `critical_strain` instead"
+        }
+    };
+    let warning = |&index: &usize| {
+        let (preset, spec) = (preset_of(index)?, &layers[index]);
+        let own = wrinkling(&preset.layer, &preset.substrate, spec.model).ok()?;
+        let here = wrinkling(&spec.material, &spec.substrate, spec.model).ok()?;
+        let ratio = here.wavelength / own.wavelength;
+        ((ratio - 1.0).abs() > OTHER_WAVE).then(|| {
+            format!(
+                "layer '{}': preset `{}` promises wrinkles of {:.2} mm from {:.1} % compression, on its own substrate; on yours they are {:.2} mm from {:.1} %. {remedy}",
+                spec.name,
+                preset.name,
+                1e3 * own.wavelength,
+                100.0 * own.critical_strain,
+                1e3 * here.wavelength,
+                100.0 * here.critical_strain
+            )
+        })
+    };
+    lowest.iter().filter_map(warning).collect()
+}
+
 /// Layer number `index` on what is `below`; only a preset brings its own substrate.
 fn layer(
     scene: &SceneFile,
@@ -259,14 +296,11 @@ pub(crate) fn weight_warnings(scene: &SceneFile, poses: &[PoseSpec]) -> Vec<Stri
             continue;
         }
         let large = pose.weights.iter().filter(|(_, w)| w.abs() > LARGE_WEIGHT);
+        // Which weight would do is the plan's to say, which knows how much the skin is strained.
         warnings.extend(large.map(|(shape, &weight)| {
-            let question = match weight > 0.0 {
-                // Tenths are not exact: 3.3 / 10 has sixteen digits.
-                true => format!("; did you mean {}?", (1e5 * weight).round() / 1e6),
-                false => String::new(),
-            };
             format!(
-                "`poses[{number}].weights.{shape}`: found {weight}; 1 is the whole blend shape{question}"
+                "`poses[{number}].weights.{shape}`: found {weight}; 1 is the whole blend shape, and this goes {} times as far as it was drawn",
+                weight.abs()
             )
         }));
     }

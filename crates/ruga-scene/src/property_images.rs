@@ -31,7 +31,7 @@ pub struct PropertyImages {
 /// must have three; alpha counts for nothing in either.
 ///
 /// # Errors
-/// [`SceneError::Image`] naming scene, key and image: when it is missing, damaged or of another
+/// [`SceneError::NamedFile`] naming scene, key and image: when it is missing, damaged or of another
 /// format, has the wrong channels, no texels, or numbers outside 0 to 1 (EXR).
 pub fn read_property_images(
     map: &PropertyMap,
@@ -40,7 +40,7 @@ pub fn read_property_images(
 ) -> Result<PropertyImages, SceneError> {
     let named = |name: &str| {
         let key = format!("{key}.{name}");
-        move |error: IoError| SceneError::Image {
+        move |error: IoError| SceneError::NamedFile {
             scene: scene_path.to_owned(),
             key,
             source: Box::new(error),

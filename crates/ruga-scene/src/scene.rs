@@ -5,8 +5,8 @@ mod zone_overlap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use ruga_blend::Driver;
-use ruga_io::{MeshFile, ObjOptions, read_mask, read_mesh};
+use ruga_blend::{Driver, nearest};
+use ruga_io::{IoError, MeshFile, ObjOptions, read_mask, read_mesh};
 use ruga_stepper::{
     Body, LatticeError, LayerSpec, Modelling, PoseSpec, Region, StepperError, plan, plan_body,
 };
@@ -82,6 +82,11 @@ impl Scene {
             ) => SceneError::Surface {
                 mesh: self.mesh.path.clone(),
                 source,
+            },
+            StepperError::BlackMask { layer } => SceneError::BlackMask {
+                scene: self.path.clone(),
+                masks: masks_of(&self.file, &layer),
+                layer,
             },
             other => SceneError::Model {
                 scene: self.path.clone(),
@@ -199,10 +204,14 @@ impl Inspection {
         self.problems.extend(refused);
         let layers = model::layers(&self.file, &self.path);
         self.layers = self.keep(layers);
+        if let Some(layers) = &self.layers {
+            let presets = model::preset_warnings(&self.file, layers);
+            self.warnings.extend(presets);
+        }
     }
 
     fn look_at_mesh(&mut self, wanted: &[String]) {
-        let mesh = artist_mesh(&self.file);
+        let mesh = artist_mesh(&self.file, &self.path);
         let Some(mesh) = self.keep(mesh) else { return };
         let uvs = texture_space::check(&mesh);
         let driver = driver_of(&mesh);
@@ -250,17 +259,40 @@ fn set_motions(scene: &SceneFile, mesh: &MeshFile, poses: &mut [PoseSpec]) {
 }
 
 /// The artist's mesh, read from the file that the scene names.
-fn artist_mesh(scene: &SceneFile) -> Result<MeshFile, SceneError> {
+fn artist_mesh(scene: &SceneFile, path: &Path) -> Result<MeshFile, SceneError> {
     let options = ObjOptions {
         targets: scene.driver.targets.clone(),
         length_unit: scene.length_unit,
     };
     let name = scene.driver.mesh_name.as_deref();
-    let mesh = read_mesh(&scene.driver.mesh, name, &options)?;
+    let mesh = read_mesh(&scene.driver.mesh, name, &options)
+        .map_err(|error| mesh_error(error, scene, path))?;
     Ok(match scene.driver.scale {
         Some(metres_per_unit) => mesh.scaled(metres_per_unit),
         None => mesh,
     })
+}
+
+/// The error of a mesh; of one that cannot be opened, with the key that names it.
+fn mesh_error(error: IoError, scene: &SceneFile, path: &Path) -> SceneError {
+    let file = match &error {
+        IoError::Unreadable { path, .. }
+        | IoError::Directory { path }
+        | IoError::UnknownFormat { path, .. } => path,
+        _ => return error.into(),
+    };
+    let mut targets = scene.driver.targets.iter();
+    let key = match targets.find(|(_, target)| *target == file) {
+        Some((shape, _)) => format!("driver.targets.{shape}"),
+        None if *file == scene.driver.mesh => "driver.mesh".to_owned(),
+        // A part of a mesh, such as the buffer of a glTF file, has no key.
+        None => return error.into(),
+    };
+    SceneError::NamedFile {
+        scene: path.to_owned(),
+        key,
+        source: Box::new(error),
+    }
 }
 
 /// The welded mesh with its blend shapes.
@@ -294,8 +326,62 @@ fn region(scene: &SceneFile, path: &Path) -> Result<Region, SceneError> {
     Ok(match &scene.driver.region {
         file::Region::Auto => Region::Auto,
         file::Region::All => Region::All,
-        file::Region::Mask(file) => Region::Mask(mask(file, (path, "driver.region"))?),
+        file::Region::Mask(file) => {
+            let read = mask(file, (path, "driver.region"));
+            Region::Mask(read.map_err(|error| region_error(error, file))?)
+        }
     })
+}
+
+/// The error of a region mask; of one that is not there, with the other words that a region takes.
+fn region_error(error: SceneError, file: &Path) -> SceneError {
+    match error {
+        SceneError::NamedFile { scene, key, source }
+            if matches!(
+                *source,
+                IoError::Unreadable { .. } | IoError::UnknownFormat { .. }
+            ) =>
+        {
+            let name = file.file_name().unwrap_or_default().to_string_lossy();
+            SceneError::Key {
+                path: scene,
+                key,
+                line: None,
+                reason: format!(
+                    "{source}; accepted: \"auto\", \"all\", or the path of a grey image"
+                ),
+                suggestion: nearest(&name, ["auto", "all"]),
+            }
+        }
+        other => other,
+    }
+}
+
+/// The masks that decide where a layer is, each with its key and image.
+fn masks_of(scene: &SceneFile, layer: &str) -> String {
+    let own = scene.layers.iter().position(|other| other.name == layer);
+    let zone = own.and_then(|own| {
+        scene
+            .zones()
+            .into_iter()
+            .find(|zone| zone.layers.contains(&own))
+    });
+    let lowest = zone.map(|zone| zone.layers[0]);
+    let mut numbers: Vec<usize> = lowest.into_iter().chain(own).collect();
+    numbers.dedup();
+    let of_layers = numbers.into_iter().filter_map(|i| {
+        let image = scene.layers[i].mask.as_ref()?;
+        Some(format!("`layers[{i}].mask` ({})", image.display()))
+    });
+    let of_region = match &scene.driver.region {
+        file::Region::Mask(image) => Some(format!("`driver.region` ({})", image.display())),
+        file::Region::Auto | file::Region::All => None,
+    };
+    let masks: Vec<String> = of_region.into_iter().chain(of_layers).collect();
+    match masks.as_slice() {
+        [] => "the masks".to_owned(),
+        masks => masks.join(" and "),
+    }
 }
 
 /// Warnings about unusual masks of the region and of the layers that can be read.

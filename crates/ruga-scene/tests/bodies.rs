@@ -184,10 +184,14 @@ fn slips_of_the_hand_get_a_suggestion() {
     refused(
         "name = \"left\"\n",
         "",
-        &["handles[0]", "missing field `name`"],
+        &["handles[0]", "the key `name` is missing"],
     );
-    refused("at = 0.25, ", "", &["motions[1]", "missing field `at`"]);
-    refused(", radius = 0.01", "", &["missing field `radius`"]);
+    refused(
+        "at = 0.25, ",
+        "",
+        &["motions[1]", "the key `at` is missing; write `at = 0.5`"],
+    );
+    refused(", radius = 0.01", "", &["the key `radius` is missing"]);
     refused(
         "gravity = [0.0, 0, -9.81]",
         "gravity = [0.0, -9.81]",
@@ -338,7 +342,11 @@ fn motions_of_what_there_is() {
 fn keyframes_ascend() {
     for bad in ["0", "-0.5", "1.5", "nan"] {
         let new = format!("at = {bad}");
-        refused("at = 0.25", &new, &["poses[0].motions[1].at", "(0, 1]"]);
+        refused(
+            "at = 0.25",
+            &new,
+            &["poses[0].motions[1].at", "above 0, up to 1"],
+        );
     }
     for bad in ["0.5", "0.4"] {
         refused(

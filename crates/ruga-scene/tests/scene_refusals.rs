@@ -156,20 +156,72 @@ fn wrong_types_and_no_toml() {
     refused(
         "young = 4e6",
         "young = \"4e6\"",
-        &["layers[0].young", "line 19", "string"],
+        &[
+            "layers[0].young",
+            "line 19",
+            "found \"4e6\"; accepted: a number without quotes and unit; write 4e6",
+        ],
     );
     refused(
         "keys = [0.5, 1.0]",
         "keys = 1.0",
-        &["poses[0].keys", "float"],
+        &[
+            "poses[0].keys",
+            "found 1.0; accepted: a list in brackets, such as `[0.5, 1.0]`",
+        ],
     );
-    refused("seed = 1", "seed = -1", &["solver.seed"]);
-    refused("[bake]", "[bake", &["line 46"]);
+    refused(
+        "seed = 1",
+        "seed = -1",
+        &["solver.seed", "found -1; accepted: a whole number"],
+    );
+    refused(
+        "[bake]",
+        "[bake",
+        &["line 46", "the closing bracket is missing after `[bake`"],
+    );
     refused(
         "mesh = \"forearm.glb\"\n",
         "",
-        &["driver", "missing field `mesh`"],
+        &[
+            "`driver`",
+            "the key `mesh` is missing; write `mesh = \"face.glb\"`",
+        ],
     );
+    for (old, new, words) in [
+        (
+            "{ compress = 1.0 }",
+            "[\"compress\"]",
+            "found a list; accepted: a table `{ name = number }`",
+        ),
+        (
+            "size = 2048",
+            "size = 20.5",
+            "found 20.5; accepted: a whole number, such as 2048",
+        ),
+        (
+            "young = [0.5, 2.0]",
+            "young = [0.5]",
+            "found a list of 1; accepted: a list of 2 numbers",
+        ),
+        (
+            "[\"normal\", \"height\"]",
+            "[1]",
+            "accepted: \"normal\", \"height\"",
+        ),
+        (
+            "enabled = true",
+            "enabled = 1",
+            "found 1; accepted: `true` or `false`",
+        ),
+        (
+            "name = \"dermis\"",
+            "name = 3",
+            "found 3; accepted: text in quotes",
+        ),
+    ] {
+        refused(old, new, &[words]);
+    }
     let folder = Folder::new();
     assert_says(
         SceneFile::read(&folder.path("no.toml")),
@@ -181,6 +233,99 @@ fn wrong_types_and_no_toml() {
         SceneFile::read(&binary),
         "binary.toml",
         &["line 2", "UTF-8"],
+    );
+}
+
+#[test]
+fn numbers_with_commas_and_units_are_answered_with_the_number() {
+    for (value, written) in [
+        ("0,7e-3", "0.7e-3"),
+        ("0.7 mm", "0.7e-3"),
+        ("\"0.7 mm\"", "0.7e-3"),
+        (".7", "0.7"),
+    ] {
+        let new = format!("thickness = {value}");
+        refused(
+            "thickness = 1.3e-3",
+            &new,
+            &["line 21", value, written, "in metres"],
+        );
+    }
+    refused(
+        "young = 4e6",
+        "young = 4 MPa",
+        &["`4 MPa` is not a number; write `young = 4e6`, which is in pascals"],
+    );
+    refused(
+        "compress = 1.0",
+        "compress = 0,5",
+        &["line 28", "a comma stands between two digits"],
+    );
+}
+
+#[test]
+fn slips_of_brackets_quotes_and_signs() {
+    refused(
+        "[[layers]]",
+        "[layers]",
+        &[
+            "line 17",
+            "found [layers]; write `[[layers]]`, with two brackets",
+        ],
+    );
+    refused(
+        "[driver]",
+        "[[driver]]",
+        &["line 6", "write `[driver]`, with one bracket"],
+    );
+    let again = "[poses]\nname = \"b\"\nweights = { a = 1 }\n\n[solver]";
+    let error = parse(
+        &SCENE
+            .replacen("[[poses]]", "[poses]", 1)
+            .replacen("[solver]", again, 1),
+    );
+    assert_says(
+        error,
+        "scene.toml",
+        &["write `[[poses]]`, with two brackets"],
+    );
+    for (mesh, words) in [
+        (
+            "\"C:\\Users\\a.glb\"",
+            "write `/` instead, or single quotes: `mesh = 'C:\\Users\\a.glb'`",
+        ),
+        (
+            "forearm.glb",
+            "in straight quotes, as in `mesh = \"forearm.glb\"`",
+        ),
+        (
+            "“forearm.glb”",
+            "in straight quotes, as in `mesh = \"forearm.glb\"`",
+        ),
+        ("\"forearm.glb", "the closing quote is missing"),
+        ("", "`mesh` has no value"),
+    ] {
+        refused(
+            "mesh = \"forearm.glb\"",
+            &format!("mesh = {mesh}"),
+            &["line 7", words],
+        );
+    }
+    refused(
+        "version = 1",
+        "version: 1",
+        &["line 2", "the `=` is missing; write `version = 1`"],
+    );
+    refused(
+        "version = 1\n",
+        "",
+        &["the key `version` is missing; write `version = 1` above the first table"],
+    );
+    let without = parse("version = 1\n[driver]\nmesh = \"a.glb\"\n");
+    assert_says(
+        without,
+        "scene.toml",
+        &["there is no layer; write `[[layers]]`"],
     );
 }
 
@@ -220,8 +365,30 @@ fn numbers_out_of_range() {
     }
     for bad in ["0.0", "1.5", "-0.5", "nan"] {
         let new = format!("keys = [{bad}]");
-        refused("keys = [0.5, 1.0]", &new, &["poses[0].keys[0]", "(0, 1]"]);
+        refused(
+            "keys = [0.5, 1.0]",
+            &new,
+            &[
+                "poses[0].keys[0]",
+                "a fraction above 0, up to 1; 0.5 is half way",
+            ],
+        );
     }
+    refused(
+        "keys = [0.5, 1.0]",
+        "keys = [50, 100]",
+        &["poses[0].keys[0]", "did you mean `0.5`"],
+    );
+    let design = "wavelength = 5e-3\ncritical_strain = 5.0";
+    let text = SCENE
+        .replacen("thickness = 1.3e-3\n", "", 1)
+        .replacen("young = 4e6", design, 1);
+    let words = [
+        "layers[0].critical_strain",
+        "above 0 and below 1",
+        "did you mean `0.05`",
+    ];
+    assert_says(parse(&text), "scene.toml", &words);
     refused(
         "keys = [0.5, 1.0]",
         "keys = [1.0, 1.0]",

@@ -368,7 +368,18 @@ fn poses_from_shapes() {
     assert_says(
         unknown,
         "scene.toml",
-        &["poses[0].weights.compress", "did you mean `compres`"],
+        &[
+            "poses[0].weights.compress",
+            "pose `compress`",
+            "it has `compres`",
+            "did you mean `compres`",
+        ],
+    );
+    let many: Vec<String> = (0..14).map(|i| format!("s{i}")).collect();
+    assert_says(
+        scene.poses_or_shapes(&many, path),
+        "scene.toml",
+        &["it has `s0`, `s1`, ", "`s11` and 2 more"],
     );
     assert_eq!(
         scene

@@ -11,7 +11,7 @@ pub struct EnergyParts {
     pub normal: f64,
     /// Energy of the foundation, `K1` term; negative where `K1` is.
     pub gradient: f64,
-    /// Energy of the tangential tie.
+    /// Energy of the tangential springs.
     pub tangential: f64,
 }
 

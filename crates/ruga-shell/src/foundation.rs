@@ -112,14 +112,16 @@ impl Anchor {
     }
 }
 
-/// `1/2 k |(I - n n^T)(x - p)|^2`, `k = Kt V`: holds a vertex at its material point, lumped.
+/// Spring that keeps a vertex from sliding off its material point, lumped.
+///
+/// `E = 1/2 k |(I - n n^T)(x - p)|^2` with `k = Kt V`, `V` the vertex's rest area.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TangentialTie {
+pub struct TangentialSpring {
     /// `Kt` times rest vertex area (N/m).
     pub stiffness: f64,
 }
 
-impl TangentialTie {
+impl TangentialSpring {
     /// Energy (J).
     pub fn value(&self, anchor: &Anchor, x: &Vector3<f64>) -> f64 {
         0.5 * self.stiffness * anchor.drift(x).norm_squared()

@@ -8,7 +8,7 @@ use crate::foundation::Anchor;
 use crate::layer_foundation::{FoundationStiffness, LayerFoundation, anchors, deviations};
 use crate::parameters::{check_finite, check_length};
 use crate::sheet::{Sheet, SheetTopology};
-use crate::sheet_ties::{SheetTies, both};
+use crate::sheet_springs::{SheetSprings, both};
 use crate::{BendingModel, EnergyParts, LayerParameters, ShellError, UpperSheet};
 
 /// Membrane, bending and foundation of a layer, or of a pair of sheets one on the other that move
@@ -18,10 +18,10 @@ use crate::{BendingModel, EnergyParts, LayerParameters, ShellError, UpperSheet};
 /// each (x, y, z) in the order of the vertices. A pinned vertex still strains its faces, bends
 /// and deviates from the base. Terms are summed in a fixed order: same input, same bytes.
 ///
-/// Of a pair the lower sheet lies on the foundation, and springs ([`crate::LayerTie`] per face) hold the
-/// upper one on it: the reference for methods that solve layers one after the other, for nothing is
-/// passed on and both are unknown. Positions are those of all lower vertices, then of all upper ones;
-/// small waves are those of the matrix that `two_shells` in the material crate states.
+/// Of a pair the lower sheet lies on the foundation, and springs ([`crate::LayerSprings`] per face)
+/// hold the upper one on it: the reference for methods that solve layers one after the other, for
+/// nothing is passed on and both are unknown. Positions are those of all lower vertices, then of all
+/// upper ones; small waves are those of the matrix that `two_shells` in the material crate states.
 ///
 /// # Panics
 /// Methods that take positions or a target slice panic when its length is not the layer's.
@@ -29,7 +29,8 @@ use crate::{BendingModel, EnergyParts, LayerParameters, ShellError, UpperSheet};
 pub struct LayerEnergy {
     /// Sheets, the lower one first; they have the same faces.
     sheets: Vec<Sheet>,
-    ties: Option<SheetTies>,
+    /// Springs between the two sheets of a pair.
+    springs: Option<SheetSprings>,
     bending_model: BendingModel,
     foundation: LayerFoundation,
     foundation_hessian: Vec<f64>,
@@ -75,7 +76,7 @@ impl LayerEnergy {
     ///
     /// # Errors
     /// Those of [`Self::with_bending`], for either sheet; [`ShellError::ParameterOutOfRange`] for a
-    /// lever.
+    /// mid-surface offset.
     pub fn pair(
         at_rest: (&TriMesh, &[Vector3<f64>], &[bool]),
         parameters: LayerParameters,
@@ -97,8 +98,8 @@ impl LayerEnergy {
         parameters.check(face_count, count)?;
         check_held(mesh, pinned)?;
         let normals = vertex_normals(mesh, rest);
-        // Both sheets stand in one pattern, since ties couple their vertices and the solver sees
-        // one matrix.
+        // Both sheets stand in one pattern, since the springs couple their vertices and the solver
+        // sees one matrix.
         let (mut rest, mut pinned) = (rest.to_vec(), pinned.to_vec());
         let first = SheetTopology::new(mesh, 0, bending_model);
         let mut sheets = vec![(first, parameters.faces)];
@@ -120,12 +121,12 @@ impl LayerEnergy {
             .into_iter()
             .map(|(topology, faces)| Sheet::new(topology, &rest, faces, &pattern))
             .collect::<Result<Vec<_>, _>>()?;
-        let ties = upper.map(|upper| {
-            let parameters = upper.ties(sheets[0].faces());
-            SheetTies::new(
+        let springs = upper.map(|upper| {
+            let parameters = upper.springs(sheets[0].faces());
+            SheetSprings::new(
                 (&between, sheets[0].rest()),
                 parameters,
-                upper.levers,
+                upper.offsets,
                 &pattern,
             )
         });
@@ -137,7 +138,7 @@ impl LayerEnergy {
         Ok(Self {
             foundation_hessian: foundation.hessian(&pattern),
             sheets,
-            ties,
+            springs,
             bending_model,
             foundation,
             pattern,
@@ -184,8 +185,8 @@ impl LayerEnergy {
         for (sheet, rest) in self.sheets.iter_mut().zip(stretched) {
             sheet.set_rest(rest);
         }
-        if let Some(ties) = &mut self.ties {
-            ties.set_rest(self.sheets[0].rest());
+        if let Some(springs) = &mut self.springs {
+            springs.set_rest(self.sheets[0].rest());
         }
         self.foundation.set_rest(&self.sheets[0]);
         self.foundation_hessian = self.foundation.hessian(&self.pattern);
@@ -290,22 +291,22 @@ impl LayerEnergy {
         self.total(x, &self.foundation.anchors_at(points))
     }
 
-    /// Energy by origin, without that of the springs between two sheets ([`Self::tie_parts`]).
+    /// Energy by origin, without that of the springs between two sheets ([`Self::spring_parts`]).
     pub fn energy_parts(&self, x: &[Vector3<f64>]) -> EnergyParts {
         self.parts(x, self.foundation.anchors())
     }
 
     /// Energy of the springs between two sheets by origin; membrane and bending are zero.
-    pub fn tie_parts(&self, x: &[Vector3<f64>]) -> EnergyParts {
+    pub fn spring_parts(&self, x: &[Vector3<f64>]) -> EnergyParts {
         self.check(x);
-        let ties = self.ties.as_ref();
-        ties.map_or_else(EnergyParts::default, |ties| ties.parts(x))
+        let springs = self.springs.as_ref();
+        springs.map_or_else(EnergyParts::default, |springs| springs.parts(x))
     }
 
     fn total(&self, x: &[Vector3<f64>], anchors: &[Anchor]) -> f64 {
         let total = self.parts(x, anchors).total();
-        match &self.ties {
-            Some(ties) => total + ties.parts(x).total(),
+        match &self.springs {
+            Some(springs) => total + springs.parts(x).total(),
             None => total,
         }
     }
@@ -367,8 +368,8 @@ impl LayerEnergy {
         for sheet in &self.sheets {
             sheet.add_gradient(x, &self.pattern, gradient);
         }
-        if let Some(ties) = &self.ties {
-            ties.add_gradient(x, &self.pattern, gradient);
+        if let Some(springs) = &self.springs {
+            springs.add_gradient(x, &self.pattern, gradient);
         }
         springs
     }
@@ -399,8 +400,8 @@ impl LayerEnergy {
         for sheet in &self.sheets {
             sheet.add_hessian(x, exact, relaxed);
         }
-        if let Some(ties) = &self.ties {
-            ties.add_hessian(x, exact, relaxed);
+        if let Some(springs) = &self.springs {
+            springs.add_hessian(x, exact, relaxed);
         }
     }
 

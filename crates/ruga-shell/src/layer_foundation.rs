@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use ruga_mesh::{BlockPattern, BlockSlot, FaceId, Id, SparseRows, TriMesh};
 
 use crate::ShellError;
-use crate::foundation::{Anchor, NormalFoundation, TangentialTie};
+use crate::foundation::{Anchor, NormalFoundation, TangentialSpring};
 use crate::parameters::{check_finite, check_length};
 use crate::sheet::Sheet;
 
@@ -15,7 +15,7 @@ const UNIT_TOLERANCE: f64 = 1e-6;
 #[derive(Clone, Debug)]
 pub(crate) struct LayerFoundation {
     normal: Vec<NormalFoundation>,
-    ties: Vec<TangentialTie>,
+    tangential_springs: Vec<TangentialSpring>,
     vertex_areas: Vec<f64>,
     /// Scalar stiffness between deviations, per vertex.
     diagonal: Vec<f64>,
@@ -46,8 +46,8 @@ struct EdgeSprings {
 pub struct FoundationStiffness {
     /// `m`: a row per vertex, with the vertices that it shares an edge with and itself.
     pub normal: SparseRows,
-    /// `t_i`, one per vertex.
-    pub ties: Vec<f64>,
+    /// `t_i`: that of the tangential springs, one per vertex.
+    pub tangential: Vec<f64>,
 }
 
 impl LayerFoundation {
@@ -70,7 +70,7 @@ impl LayerFoundation {
         });
         let mut this = Self {
             normal: Vec::new(),
-            ties: Vec::new(),
+            tangential_springs: Vec::new(),
             vertex_areas: Vec::new(),
             diagonal: Vec::new(),
             edges: edges.collect(),
@@ -98,10 +98,10 @@ impl LayerFoundation {
                 diagonal[vertex as usize] += matrix[(corner, corner)];
             }
         }
-        self.ties = areas
+        self.tangential_springs = areas
             .iter()
             .zip(&self.tangential)
-            .map(|(area, k)| TangentialTie {
+            .map(|(area, k)| TangentialSpring {
                 stiffness: area * k,
             })
             .collect();
@@ -150,7 +150,11 @@ impl LayerFoundation {
         rows.iter_mut().for_each(|row| normal.push_row(row));
         FoundationStiffness {
             normal,
-            ties: self.ties.iter().map(|tie| tie.stiffness).collect(),
+            tangential: self
+                .tangential_springs
+                .iter()
+                .map(|spring| spring.stiffness)
+                .collect(),
         }
     }
 
@@ -172,11 +176,11 @@ impl LayerFoundation {
             gradient += k1;
         }
         let tangential = self
-            .ties
+            .tangential_springs
             .iter()
             .zip(anchors)
             .zip(x)
-            .map(|((tie, anchor), x)| tie.value(anchor, x))
+            .map(|((spring, anchor), x)| spring.value(anchor, x))
             .sum();
         [normal, gradient, tangential]
     }
@@ -197,19 +201,28 @@ impl LayerFoundation {
                 by_deviation[vertex as usize] += force;
             }
         }
-        let vertices = anchors.iter().zip(&self.ties).zip(x).zip(by_deviation);
+        let vertices = anchors
+            .iter()
+            .zip(&self.tangential_springs)
+            .zip(x)
+            .zip(by_deviation);
         vertices
-            .map(|(((anchor, tie), x), force)| anchor.normal * force + tie.gradient(anchor, x))
+            .map(|(((anchor, spring), x), force)| {
+                anchor.normal * force + spring.gradient(anchor, x)
+            })
             .collect()
     }
 
     /// The constant second derivative, in the order of `pattern`.
     pub(crate) fn hessian(&self, pattern: &BlockPattern) -> Vec<f64> {
         let mut values = vec![0.0; pattern.rows().len()];
-        let vertices = (0..).zip(&self.anchors).zip(&self.diagonal).zip(&self.ties);
-        for (((vertex, anchor), stiffness), tie) in vertices {
+        let vertices = (0..)
+            .zip(&self.anchors)
+            .zip(&self.diagonal)
+            .zip(&self.tangential_springs);
+        for (((vertex, anchor), stiffness), spring) in vertices {
             let n = anchor.normal;
-            let block = n * n.transpose() * *stiffness + tie.hessian(anchor);
+            let block = n * n.transpose() * *stiffness + spring.hessian(anchor);
             pattern.slot(vertex, vertex).add(&mut values, &block);
         }
         for edge in &self.edges {

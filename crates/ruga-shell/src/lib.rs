@@ -3,9 +3,9 @@
 //! A [`LayerEnergy`] sums three kinds of stencil over a [`TriMesh`](ruga_mesh::TriMesh): a [`Membrane`] per
 //! face, bending by the [`BendingModel`] asked for (a [`Hinge`] per interior edge, or
 //! the curvature of a [`StarShape`] per vertex that has an inner edge), and a foundation ([`NormalFoundation`] per face,
-//! [`TangentialTie`] per vertex) towards a base that each frame replaces. Each stencil can be used
+//! [`TangentialSpring`] per vertex) towards a base that each frame replaces. Each stencil can be used
 //! alone. [`response_modulus`] says how stiffly a given mesh really bends. An [`UpperSheet`] may move
-//! together with the layer, on springs above it ([`LayerTie`] per face).
+//! together with the layer, on springs above it ([`LayerSprings`] per face).
 //!
 //! ```text
 //! E = sum_faces  A C/2 ((1 - nu) E:E + nu tr(E)^2)             St. Venant-Kirchhoff, plane stress
@@ -58,14 +58,14 @@ mod layer_energy;
 mod layer_foundation;
 mod parameters;
 mod sheet;
-mod sheet_ties;
+mod sheet_springs;
 mod stencil;
 mod upper_sheet;
 
 mod foundation;
 mod hinge;
 mod hinge_stiffness;
-mod layer_tie;
+mod layer_springs;
 mod membrane;
 mod response;
 mod response_query;
@@ -82,10 +82,10 @@ pub use layer_foundation::FoundationStiffness;
 pub use parameters::{FaceParameters, LayerParameters};
 pub use upper_sheet::UpperSheet;
 
-pub use foundation::{Anchor, NormalFoundation, TangentialTie};
+pub use foundation::{Anchor, NormalFoundation, TangentialSpring};
 pub use hinge::{Hinge, HingeState};
 pub use hinge_stiffness::{HINGE_EXPONENT, HingeShape, MAX_EDGE_RATIO};
-pub use layer_tie::{LayerTie, TieParameters, TieState};
+pub use layer_springs::{LayerSpringParameters, LayerSpringState, LayerSprings};
 pub use membrane::{Membrane, MembraneState, Stress};
 pub use vertex_curvature::StarShape;
 

@@ -83,7 +83,8 @@ impl FaceParameters {
 pub struct LayerParameters {
     /// One entry per face.
     pub faces: Vec<FaceParameters>,
-    /// Tangential tie `Kt` (N/m³), ≥ 0, one entry per vertex; `2 K0`, at most `0.12 C k_c^2`.
+    /// Stiffness `Kt` of the tangential springs (N/m³), ≥ 0, one entry per vertex; `2 K0`, at most
+    /// `0.12 C k_c^2`.
     pub tangential_stiffness: Vec<f64>,
 }
 

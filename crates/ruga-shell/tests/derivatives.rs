@@ -8,7 +8,7 @@ use meshes::{random_rotation, random_vector, rng, symmetric};
 use nalgebra::{Matrix2, Vector3};
 use ruga_shell::{
     Anchor, BendingModel, Hinge, HingeState, Membrane, NormalFoundation, RestTriangle, Stress,
-    TangentialTie,
+    TangentialSpring,
 };
 
 #[test]
@@ -225,20 +225,27 @@ fn normal_foundation() {
 }
 
 #[test]
-fn tangential_tie() {
+fn tangential_spring() {
     let mut rng = rng(4000);
     let normal = random_vector(&mut rng).normalize();
     let anchor = Anchor {
         point: random_vector(&mut rng),
         normal,
     };
-    let tie = TangentialTie { stiffness: 3.0 };
+    let spring = TangentialSpring { stiffness: 3.0 };
     let x = [random_vector(&mut rng)];
     let (value, gradient) = (
-        |y: &[Vector3<f64>; 1]| tie.value(&anchor, &y[0]),
-        |y: &[Vector3<f64>; 1]| [tie.gradient(&anchor, &y[0])],
+        |y: &[Vector3<f64>; 1]| spring.value(&anchor, &y[0]),
+        |y: &[Vector3<f64>; 1]| [spring.gradient(&anchor, &y[0])],
     );
-    check_stencil(&x, 1e-2, value, gradient, &[tie.hessian(&anchor)], "tie");
+    check_stencil(
+        &x,
+        1e-2,
+        value,
+        gradient,
+        &[spring.hessian(&anchor)],
+        "tangential spring",
+    );
 }
 
 #[test]

@@ -7,12 +7,12 @@ use std::f64::consts::PI;
 use meshes::{Mesh, jittered, lattice, outline, random_rotation, random_vector, rng};
 use nalgebra::{Matrix2, Vector3};
 use ruga_shell::{
-    BendingModel, FaceParameters, LayerEnergy, LayerParameters, LayerTie, RestTriangle, ShellError,
-    TieParameters, UpperSheet,
+    BendingModel, FaceParameters, LayerEnergy, LayerParameters, LayerSpringParameters,
+    LayerSprings, RestTriangle, ShellError, UpperSheet,
 };
 
 const EDGE: f64 = 2e-4;
-const LEVER: f64 = 7e-4;
+const OFFSET: f64 = 7e-4;
 const LOWER: FaceParameters = FaceParameters {
     young: 4e6,
     poisson: 0.48,
@@ -24,10 +24,10 @@ const UPPER: FaceParameters = FaceParameters {
     young: 6e8,
     poisson: 0.48,
     thickness: 1.2e-4,
-    normal_stiffness: TIE.normal_stiffness,
-    gradient_stiffness: TIE.gradient_stiffness,
+    normal_stiffness: SPRINGS.normal_stiffness,
+    gradient_stiffness: SPRINGS.gradient_stiffness,
 };
-const TIE: TieParameters = TieParameters {
+const SPRINGS: LayerSpringParameters = LayerSpringParameters {
     normal_stiffness: 4.8e9,
     gradient_stiffness: 356.0,
     tangential_stiffness: 1e9,
@@ -45,7 +45,7 @@ fn layer(
 }
 
 fn raised(rest: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-    rest.iter().map(|p| p + Vector3::z() * LEVER).collect()
+    rest.iter().map(|p| p + Vector3::z() * OFFSET).collect()
 }
 
 /// `UPPER` on `lower`, on a flat mesh, and their unstrained positions.
@@ -67,11 +67,11 @@ fn pair_on(
 }
 
 fn upper(rest: &[Vector3<f64>], faces: usize) -> UpperSheet {
-    let tangential = TIE.tangential_stiffness;
+    let tangential = SPRINGS.tangential_stiffness;
     UpperSheet {
         rest_positions: rest.to_vec(),
         parameters: LayerParameters::uniform(UPPER, faces, tangential, rest.len()),
-        levers: vec![LEVER; rest.len()],
+        offsets: vec![OFFSET; rest.len()],
     }
 }
 
@@ -99,7 +99,7 @@ fn an_unstrained_pair_is_free_of_force() {
 }
 
 #[test]
-fn rigid_motion_costs_the_tie_nothing() {
+fn rigid_motion_costs_the_springs_nothing() {
     let mesh = jittered(10, 9, EDGE, 0.25, 22);
     let (joint, rest) = flat_pair(&mesh, &free(&mesh));
     let mut rng = rng(23);
@@ -107,13 +107,13 @@ fn rigid_motion_costs_the_tie_nothing() {
         .iter()
         .map(|p| p + random_vector(&mut rng) * (0.2 * EDGE))
         .collect();
-    let before = joint.tie_parts(&x);
+    let before = joint.spring_parts(&x);
     assert!(before.normal > 0.0 && before.gradient > 0.0 && before.tangential > 0.0);
     for _ in 0..10 {
         let turn = random_rotation(&mut rng);
         let shift = random_vector(&mut rng) * 1e-2;
         let moved: Vec<_> = x.iter().map(|p| turn * p + shift).collect();
-        let after = joint.tie_parts(&moved);
+        let after = joint.spring_parts(&moved);
         for (a, b) in [
             (before.normal, after.normal),
             (before.gradient, after.gradient),
@@ -124,7 +124,7 @@ fn rigid_motion_costs_the_tie_nothing() {
     }
 }
 
-/// Forces and moments of the tie balance: it holds nothing in space.
+/// Forces and moments of the springs balance: they hold nothing in space.
 #[test]
 fn the_pair_without_a_base_has_no_resultant() {
     let mesh = jittered(10, 9, EDGE, 0.25, 24);
@@ -149,7 +149,7 @@ fn the_pair_without_a_base_has_no_resultant() {
     }
     let scale = largest(&gradient);
     assert!(force.amax() < 1e-12 * scale);
-    assert!(moment.amax() < 1e-12 * scale * LEVER);
+    assert!(moment.amax() < 1e-12 * scale * OFFSET);
 }
 
 /// On a flat lower layer that is held fast, the upper one is a layer on its own foundation: what
@@ -159,7 +159,7 @@ fn an_upper_layer_on_a_fixed_lower_one_is_a_layer_on_its_base() {
     let mesh = jittered(10, 9, EDGE, 0.25, 26);
     let (joint, rest) = flat_pair(&mesh, &free(&mesh));
     let count = mesh.positions.len();
-    let tangential = TIE.tangential_stiffness;
+    let tangential = SPRINGS.tangential_stiffness;
     let alone = layer(&mesh, &rest[count..], UPPER, tangential, &free(&mesh));
     let mut rng = rng(27);
     let x: Vec<_> = (0..2 * count)
@@ -192,7 +192,7 @@ fn an_upper_layer_on_a_fixed_lower_one_is_a_layer_on_its_base() {
 }
 
 #[test]
-fn the_tie_follows_the_rest_metric_of_the_lower_layer() {
+fn the_springs_follow_the_rest_metric_of_the_lower_layer() {
     let mesh = jittered(10, 9, EDGE, 0.25, 28);
     let (mut joint, rest) = flat_pair(&mesh, &free(&mesh));
     let count = mesh.positions.len();
@@ -209,13 +209,13 @@ fn the_tie_follows_the_rest_metric_of_the_lower_layer() {
             }
         })
         .collect();
-    let before = joint.tie_parts(&x);
+    let before = joint.spring_parts(&x);
     let faces = mesh.faces.len();
     let halved = Matrix2::identity() * 0.5;
     joint
         .set_rest_metric(&vec![halved; faces])
         .expect("as many faces");
-    let after = joint.tie_parts(&x);
+    let after = joint.spring_parts(&x);
     // A quarter of the area; gradients twice as steep.
     assert!((after.normal / before.normal - 0.25).abs() < 1e-12);
     assert!((after.tangential / before.tangential - 0.25).abs() < 1e-12);
@@ -224,7 +224,7 @@ fn the_tie_follows_the_rest_metric_of_the_lower_layer() {
     let turned = Matrix2::new(1.0, 0.0, 0.0, -1.0);
     let refused = joint.set_rest_metric(&vec![turned; faces]);
     assert!(matches!(refused, Err(ShellError::InvertedStretch { .. })));
-    assert_eq!(joint.tie_parts(&x), after, "nothing was changed");
+    assert_eq!(joint.spring_parts(&x), after, "nothing was changed");
 }
 
 /// Area-weighted unit normals of the vertices.
@@ -260,15 +260,15 @@ fn facets_bend_as_stiffly_as_documented() {
                 let rest = RestTriangle::new(&face.map(|v| mesh.positions[v as usize]), 0)
                     .expect("equilateral");
                 let [a, b, c] = face.map(|v| below[v as usize]);
-                let [p, q, r] = face.map(|v| below[v as usize] + normals[v as usize] * LEVER);
+                let [p, q, r] = face.map(|v| below[v as usize] + normals[v as usize] * OFFSET);
                 let [_, _, drift] =
-                    LayerTie::new(&rest, &TIE, [LEVER; 3]).values(&[a, b, c, p, q, r]);
+                    LayerSprings::new(&rest, &SPRINGS, [OFFSET; 3]).values(&[a, b, c, p, q, r]);
                 drift / 3.0
             })
             .sum();
         let area = EDGE * EDGE * 0.75_f64.sqrt();
         let found = 2.0 * energy / (area * curvature * curvature);
-        let expected = 3.0 / 16.0 * TIE.tangential_stiffness * (LEVER * EDGE).powi(2);
+        let expected = 3.0 / 16.0 * SPRINGS.tangential_stiffness * (OFFSET * EDGE).powi(2);
         assert!(
             (found / expected - 1.0).abs() < 1e-4,
             "{}",
@@ -290,24 +290,24 @@ fn sheets_that_do_not_fit_are_refused() {
     assert_eq!(join(whole()), Ok(()));
     let [
         mut slack,
-        mut no_lever,
-        mut few_levers,
+        mut no_offset,
+        mut few_offsets,
         mut few_faces,
         mut few_places,
     ] = [0; 5].map(|_| whole());
     slack.parameters.tangential_stiffness[0] = -1.0;
-    no_lever.levers[0] = f64::NAN;
-    for upper in [slack, no_lever] {
+    no_offset.offsets[0] = f64::NAN;
+    for upper in [slack, no_offset] {
         let refused = join(upper);
         assert!(matches!(
             refused,
             Err(ShellError::ParameterOutOfRange { index: 0, .. })
         ));
     }
-    few_levers.levers.pop();
+    few_offsets.offsets.pop();
     few_faces.parameters.faces.pop();
     few_places.rest_positions.pop();
-    for upper in [few_levers, few_faces, few_places] {
+    for upper in [few_offsets, few_faces, few_places] {
         let refused = join(upper);
         assert!(matches!(refused, Err(ShellError::LengthMismatch { .. })));
     }

@@ -1,4 +1,4 @@
-//! The tie between two layers, and both layers with it, against central differences.
+//! The springs between two layers, and both layers with them, against central differences.
 
 mod differences;
 mod meshes;
@@ -7,23 +7,23 @@ use differences::{MODELS, assembled, check_layer, check_stencil, dense, full, re
 use meshes::{jittered, random_rotation, random_vector, rng, symmetric};
 use nalgebra::{Matrix2, Vector3};
 use ruga_shell::{
-    BendingModel, FaceParameters, LayerEnergy, LayerParameters, LayerTie, RestTriangle,
-    TieParameters, TieState, UpperSheet,
+    BendingModel, FaceParameters, LayerEnergy, LayerParameters, LayerSpringParameters,
+    LayerSpringState, LayerSprings, RestTriangle, UpperSheet,
 };
 
-/// A tie on a face from equilateral to a sliver, and six points that it does not like: the lower
-/// face strained and turned, the upper corners off by up to 1.5 levers in any direction.
-fn strained_tie(seed: u64, gradient: f64) -> (LayerTie, [Vector3<f64>; 6]) {
+/// Springs on a face from equilateral to a sliver, and six points that strain them: the lower
+/// face strained and turned, the upper corners off by up to 1.5 offsets in any direction.
+fn strained_springs(seed: u64, gradient: f64) -> (LayerSprings, [Vector3<f64>; 6]) {
     let mut rng = rng(5000 + seed);
     let corners = rest_corners(seed);
     let rest = RestTriangle::new(&corners, 0).expect("thin but not degenerate");
-    let parameters = TieParameters {
+    let parameters = LayerSpringParameters {
         normal_stiffness: 2.0,
         gradient_stiffness: gradient,
         tangential_stiffness: 1.5,
     };
-    let levers = [0.4, 0.5, 0.45];
-    let tie = LayerTie::new(&rest, &parameters, levers);
+    let offsets = [0.4, 0.5, 0.45];
+    let springs = LayerSprings::new(&rest, &parameters, offsets);
     let turn = random_rotation(&mut rng);
     let height = rest.seen_from_edge(0).2;
     let noise = 0.2 * height;
@@ -33,63 +33,63 @@ fn strained_tie(seed: u64, gradient: f64) -> (LayerTie, [Vector3<f64>; 6]) {
         .normalize();
     let deviation = [0.7, 0.1, 1e-3][seed as usize % 3];
     let upper =
-        |i: usize, rng: &mut _| lower[i] + normal * levers[i] + random_vector(rng) * deviation;
+        |i: usize, rng: &mut _| lower[i] + normal * offsets[i] + random_vector(rng) * deviation;
     let upper: [_; 3] = std::array::from_fn(|i| upper(i, &mut rng));
     let x = std::array::from_fn(|i| if i < 3 { lower[i] } else { upper[i - 3] });
-    (tie, x)
+    (springs, x)
 }
 
 #[test]
-fn layer_tie() {
+fn layer_springs() {
     for seed in 0..60 {
-        let (tie, x) = strained_tie(seed, if seed % 2 == 0 { 0.3 } else { -0.3 });
+        let (springs, x) = strained_springs(seed, if seed % 2 == 0 { 0.3 } else { -0.3 });
         let height = (x[1] - x[0]).cross(&(x[2] - x[0])).norm() / (x[1] - x[0]).norm();
         let (value, gradient) = (
-            |y: &_| tie.values(y).iter().sum::<f64>(),
-            |y: &_| tie.gradient(y),
+            |y: &_| springs.values(y).iter().sum::<f64>(),
+            |y: &_| springs.gradient(y),
         );
         check_stencil(
             &x,
             1e-3 * height,
             value,
             gradient,
-            &tie.hessian(&x),
-            &format!("tie {seed}"),
+            &springs.hessian(&x),
+            &format!("springs {seed}"),
         );
     }
 }
 
 #[test]
-fn relaxed_tie_is_positive_and_equals_the_exact_one_unstrained() {
+fn relaxed_springs_are_positive_and_equal_the_exact_ones_unstrained() {
     let mut indefinite = 0;
     for seed in 0..60 {
-        let (tie, x) = strained_tie(seed, 0.3);
-        let relaxed = full::<6, 21>(&tie.gauss_newton(&TieState::new(&x)));
+        let (springs, x) = strained_springs(seed, 0.3);
+        let relaxed = full::<6, 21>(&springs.gauss_newton(&LayerSpringState::new(&x)));
         let values = relaxed.symmetric_eigenvalues();
         assert!(values.min() > -1e-12 * values.max(), "{values}");
-        let exact = full::<6, 21>(&tie.hessian(&x)).symmetric_eigenvalues();
+        let exact = full::<6, 21>(&springs.hessian(&x)).symmetric_eigenvalues();
         indefinite += usize::from(exact.min() < -1e-6 * exact.max());
 
         let lower = [x[0], x[1], x[2]];
         let normal = (x[1] - x[0]).cross(&(x[2] - x[0])).normalize();
         let upper: [_; 3] = std::array::from_fn(|i| lower[i] + normal * [0.4, 0.5, 0.45][i]);
         let unstrained = std::array::from_fn(|i| if i < 3 { lower[i] } else { upper[i - 3] });
-        let relaxed = full::<6, 21>(&tie.gauss_newton(&TieState::new(&unstrained)));
-        let exact = full::<6, 21>(&tie.hessian(&unstrained));
+        let relaxed = full::<6, 21>(&springs.gauss_newton(&LayerSpringState::new(&unstrained)));
+        let exact = full::<6, 21>(&springs.hessian(&unstrained));
         assert!((exact - &relaxed).amax() < 1e-11 * relaxed.amax());
     }
     assert!(indefinite > 30, "{indefinite} of 60 states were telling");
 }
 
 #[test]
-fn a_tie_on_a_collapsed_face_stays_finite() {
-    let (tie, x) = strained_tie(0, 0.3);
+fn springs_on_a_collapsed_face_stay_finite() {
+    let (springs, x) = strained_springs(0, 0.3);
     let on_a_line = [x[0], x[1], 0.5 * (x[0] + x[1]), x[3], x[4], x[5]];
     let in_a_point = [x[0], x[0], x[0], x[0], x[0], x[0]];
     for x in [on_a_line, in_a_point] {
-        assert!(tie.values(&x).iter().all(|c| c.is_finite()));
-        assert!(tie.gradient(&x).iter().flatten().all(|c| c.is_finite()));
-        assert!(tie.hessian(&x).iter().flatten().all(|c| c.is_finite()));
+        assert!(springs.values(&x).iter().all(|c| c.is_finite()));
+        assert!(springs.gradient(&x).iter().flatten().all(|c| c.is_finite()));
+        assert!(springs.hessian(&x).iter().flatten().all(|c| c.is_finite()));
     }
 }
 
@@ -117,11 +117,11 @@ fn assembled_joint(model: BendingModel) -> (LayerEnergy, Vec<Vector3<f64>>) {
     for &vertex in crumpled.free_vertices() {
         pinned[vertex as usize] = false;
     }
-    let levers = below.iter().map(|_| 0.3 + 0.1 * symmetric(&mut rng));
+    let offsets = below.iter().map(|_| 0.3 + 0.1 * symmetric(&mut rng));
     let upper = UpperSheet {
         rest_positions: mesh.positions.clone(),
         parameters: upper,
-        levers: levers.collect(),
+        offsets: offsets.collect(),
     };
     let lower = LayerParameters::uniform(
         FaceParameters {

@@ -199,9 +199,9 @@ impl Shell {
             normal_stiffness: wrinkling.normal_stiffness,
             gradient_stiffness: wrinkling.gradient_stiffness,
         };
-        let tie = wrinkling.tangential_stiffness;
+        let tangential = wrinkling.tangential_stiffness;
         let parameters =
-            LayerParameters::uniform(face, mesh.face_count(), tie, mesh.vertex_count());
+            LayerParameters::uniform(face, mesh.face_count(), tangential, mesh.vertex_count());
         let pinned = mesh.border_vertices();
         let free = pinned.iter().filter(|(_, pinned)| !**pinned);
         let free = free.map(|(v, _)| v).collect();

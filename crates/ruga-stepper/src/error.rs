@@ -43,7 +43,7 @@ pub enum StepperError {
     },
     /// The masks of a layer and of the region leave nothing of it.
     #[error(
-        "layer '{layer}': its mask, or the region mask, or what both leave, is black wherever the mesh has texture coordinates; paint at least one face white"
+        "layer '{layer}': its mask and the region mask leave no face of the mesh: a face counts where they are lighter than a sixteenth in its middle; paint whole faces white"
     )]
     BlackMask {
         /// Name of the layer.

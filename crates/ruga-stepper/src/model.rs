@@ -317,8 +317,8 @@ impl Modelling {
         Self::with_points(12.0)
     }
 
-    /// The choices for the last tenths of a degree: 24 edges per wavelength, sixteen times the
-    /// vertices of a draft.
+    /// The choices for the last tenths of a degree: 24 edges per wavelength, about eight times
+    /// the vertices of a draft.
     pub fn fine() -> Self {
         Self::with_points(24.0)
     }

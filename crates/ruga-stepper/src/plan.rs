@@ -21,6 +21,9 @@ use ruga_mesh::FaceId;
 use crate::plan::planning_surface::PlanningSurface;
 use crate::plan::pose_plan::PlannedLayer;
 use crate::plan::stacking::Stacking;
+use crate::plan::warnings::never_wrinkle_warnings;
+use crate::skin::piece::Piece;
+use crate::skin::refined::refined;
 use crate::skin::skin_mesh::{check_boundaries, sharp_map};
 use crate::support::Interior;
 use crate::validation::{
@@ -110,13 +113,13 @@ impl Plan {
         self.stacking.meshes()
     }
 
-    /// The part of the base surface that `layer` is simulated on, at its resolution; `None` as soon as
-    /// `goes_on` says no.
-    pub(crate) fn layer_surface(
+    /// The part of the base surface that `layer` is simulated on, as fine as its results are to be;
+    /// `None` as soon as `goes_on` says no.
+    pub(crate) fn layer_piece(
         &self,
         layer: &LayerPlan,
         goes_on: &mut dyn FnMut() -> bool,
-    ) -> Option<BaseSurface> {
+    ) -> Option<Piece> {
         // Splitting begins at the driver's own triangles, because the layer may be coarser or finer
         // than the surface on which its region was found. Parts of one triangle stand side by side
         // in the region, so that removing repetitions side by side removes all.
@@ -132,7 +135,25 @@ impl Plan {
         region.dedup();
         let wanted = |face: &FaceId| region.binary_search(&whole.ancestor(*face, level)).is_ok();
         let faces: Vec<FaceId> = whole.mesh().faces().ids().filter(wanted).collect();
-        goes_on().then(|| whole.restrict(&faces))
+        if !goes_on() {
+            return None;
+        }
+        let base = whole.restrict(&faces);
+        if layer.output_edges.is_empty() {
+            return Some(Piece::of(&base));
+        }
+        let longest = |face: FaceId| {
+            // The parts of a face stand side by side in the region.
+            let own = base.ancestor(face, level);
+            let first = layer.region.partition_point(|part| part >> shift < own);
+            let parts = layer.region[first..]
+                .iter()
+                .zip(&layer.output_edges[first..]);
+            let parts = parts.take_while(|(part, _)| *part >> shift == own);
+            parts.map(|(_, edge)| *edge).fold(f64::INFINITY, f64::min)
+        };
+        let longest = base.mesh().faces().ids().map(longest).collect();
+        refined(&self.driver, Piece::of(&base), longest, goes_on)
     }
 
     /// Refuses maps with sharp boundaries that the layers' meshes cannot follow.
@@ -146,12 +167,14 @@ impl Plan {
                 // Poses often share a region, and looking for boundaries means splitting all of it
                 // anew.
                 let is_same = |other: &&LayerPlan| {
-                    other.levels == layer.levels && other.region == layer.region
+                    other.levels == layer.levels
+                        && other.region == layer.region
+                        && other.output_edges == layer.output_edges
                 };
                 if !layer.region.is_empty() && !checked.iter().any(is_same) {
-                    let surface = self.layer_surface(layer, &mut || true);
-                    let surface = surface.expect("nothing ends it early");
-                    check_boundaries(&self.driver, &surface, spec)?;
+                    let piece = self.layer_piece(layer, &mut || true);
+                    let piece = piece.expect("nothing ends it early");
+                    check_boundaries(&self.driver, piece, spec)?;
                     checked.push(layer);
                 }
             }
@@ -194,8 +217,10 @@ pub fn plan(
         add_carried_along(&mut pose, &stacking);
         pose
     };
+    let poses_planned: Vec<PosePlan> = poses.iter().map(pose_plan).collect();
+    warnings.extend(never_wrinkle_warnings(&poses_planned, planned.len()));
     let plan = Plan {
-        poses: poses.iter().map(pose_plan).collect(),
+        poses: poses_planned,
         warnings,
         interior: None,
         planning_levels: surface.levels(),

@@ -37,7 +37,7 @@ pub struct LayerSurface {
 }
 
 /// The mesh on which a layer was computed: finer only where, and in the direction that, it
-/// wrinkles, while the output mesh is uniform.
+/// wrinkles, while the output mesh is as fine in all directions.
 #[derive(Clone, Debug, Default)]
 pub struct ComputedMesh {
     /// Vertex positions, m.

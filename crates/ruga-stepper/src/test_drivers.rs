@@ -6,6 +6,7 @@ use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, BaseSurface, BlendShape, Driver, Smoothing};
 use ruga_mesh::FaceId;
 
+use crate::skin::piece::Piece;
 use crate::skin::skin_mesh::{RegionMesh, SkinMesh};
 use crate::{Coupling, LayerSpec, Presence, Sampling};
 
@@ -59,7 +60,7 @@ pub(crate) fn region(driver: &Driver, levels: u32, offset: f64) -> RegionMesh {
 /// Some faces of a driver as the output mesh of a layer.
 pub(crate) fn region_of(driver: &Driver, faces: &[FaceId], levels: u32, offset: f64) -> RegionMesh {
     let base = BaseSurface::new(driver, faces, levels, Smoothing::Loop);
-    let on = (&base, Smoothing::Loop, offset);
+    let on = (Piece::of(&base), Smoothing::Loop, offset);
     let region = RegionMesh::new(driver, &knuckle(), on, &mut || true);
     region.expect("a plain layer")
 }

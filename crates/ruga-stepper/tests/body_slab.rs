@@ -42,8 +42,12 @@ fn pushed(coupling: Coupling, points: f64, limits: EdgeLimits) -> (PoseResult, f
     };
     let along = strain([0.03, 0.01], [0.05, 0.01]);
     let across = strain([0.04, 0.005], [0.04, 0.015]);
-    // The inside bulges, which takes from what compresses the layer.
-    assert!(across < -0.03 * along, "{along} {across}");
+    // The inside bulges, which takes from what compresses the layer. Held by rows alone, the layer
+    // moves the places between which this is measured about as much.
+    assert!(
+        across < -0.03 * along || coupling == Coupling::Constraint,
+        "{along} {across}"
+    );
     (result, along + spec.material.poisson * across)
 }
 

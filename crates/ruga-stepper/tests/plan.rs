@@ -214,6 +214,52 @@ fn a_pose_that_is_no_skin_any_more_is_answered_with_a_weight() {
     }
 }
 
+#[test]
+fn a_layer_that_no_pose_wrinkles_is_told_once_and_why() {
+    let driver = driver();
+    let layers = [skin("forehead-furrow", Coupling::Hybrid)];
+    let said = |layers: &[ruga_stepper::LayerSpec], weights: &[f64]| {
+        let poses: Vec<_> = weights.iter().map(|w| pose(&driver, "press", *w)).collect();
+        plan(&driver, layers, &poses, &draft(), 1024).expect("a valid scene")
+    };
+    let none = said(&layers, &[0.1, 0.2]);
+    let text = none.warnings.join("\n");
+    for words in [
+        "layer 'skin' wrinkles in none of 2 poses",
+        "it wrinkles from 4.5 % compression on",
+        "by at most 2.3 %",
+    ] {
+        assert!(text.contains(words), "{text}");
+    }
+    let strain = none.poses[1].layers[0]
+        .applied
+        .expect("a layer on a driver");
+    assert!((strain.p99 - 0.024).abs() < 1e-3, "{}", strain.p99);
+    let one = said(&layers, &[0.1]).warnings.join("\n");
+    assert!(
+        one.contains("layer 'skin' does not wrinkle in pose 'press'"),
+        "{one}"
+    );
+    // Some of the shapes of a face wrinkle nothing, as they should.
+    let some = said(&layers, &[0.2, 1.0]).warnings.join("\n");
+    assert!(
+        !some.contains("wrinkle in") && !some.contains("wrinkles in"),
+        "{some}"
+    );
+    let mut soft = layers[0].clone();
+    soft.material.young *= 1e-6;
+    let unit = said(&[soft], &[0.5, 1.0]).warnings;
+    let [only] = unit.as_slice() else {
+        panic!("{unit:?}");
+    };
+    for words in [
+        "which no skin bears",
+        "`young` is in pascals (0.8 MPa is 0.8e6)",
+    ] {
+        assert!(only.contains(words), "{only}");
+    }
+}
+
 /// The patch is pressed most in its middle, all the way across; its shapes move the sides.
 #[test]
 fn areas_have_a_place() {
@@ -233,7 +279,7 @@ fn areas_have_a_place() {
         "{told}"
     );
     assert!((top, bottom) == (0.0, 1.0), "{told}");
-    assert!(told.contains("(nearest blend shape '"), "{told}");
+    assert!(told.contains("(near where blend shape '"), "{told}");
     assert!(told.contains("The map can be used there"), "{told}");
 }
 

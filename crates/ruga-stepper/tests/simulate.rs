@@ -33,9 +33,9 @@ fn every_coupling_wrinkles_near_the_predicted_wavelength() {
         let layer = &result.layers[0];
         assert!(result.converged, "{coupling:?}");
         assert_eq!(result.keys.len(), 2);
-        // The patch's triangles are stretched, on which hinges are soft; the layer makes up for it.
+        // Six points to a wave bend too easily; the layer makes up for it.
         let modulus = layer.bending_ratio.unwrap();
-        assert!(modulus > 0.6 && modulus < 0.9, "{modulus}");
+        assert!(modulus > 0.85 && modulus < 0.99, "{modulus}");
         let ratio = layer.wavelength.unwrap() / layer.wavelength_predicted;
         assert!((ratio - 1.0).abs() < tolerance, "{coupling:?}: {ratio}");
         assert!(layer.amplitude > 0.2e-3 && layer.amplitude < 1.2e-3);

@@ -18,7 +18,7 @@ const POINTS: usize = 64;
 /// Of every film, m.
 const THICKNESS: f64 = 1e-4;
 
-/// The film of a modulus ratio, without a tie: the anchors have none.
+/// The film of a modulus ratio, without tangential springs: the anchors have none.
 fn film(modulus_ratio: f64) -> Wrinkling {
     Wrinkling {
         tangential_stiffness: 0.0,
@@ -199,12 +199,12 @@ fn plate_with_one_wave_is_linear_theory() {
     }
 }
 
-/// Where the critical strain is small, plate and chain are the same film; also with the tie that a
-/// shell has.
+/// Where the critical strain is small, plate and chain are the same film; also with the
+/// tangential springs that a shell has.
 #[test]
 fn plate_agrees_with_the_chain_at_small_strain() {
-    let tied = FlatFilm::new(3e5).theory();
-    for film in [film(3e5), tied] {
+    let held = FlatFilm::new(3e5).theory();
+    for film in [film(3e5), held] {
         let chain = Chain {
             film,
             bending: BendingLaw::Angle,

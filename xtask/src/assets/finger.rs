@@ -1,7 +1,7 @@
 //! A finger: a tube with round ends, slightly bent at rest, and the shape that flexes its joint.
 //!
 //! It points up y with its back to `+z`; the texture's seam runs along the back, where no wrinkles
-//! form. A place on it is an arc length along the centre line and an angle around it.
+//! form. A point on it is an arc length along the centre line and an angle around it.
 
 use std::f64::consts::{PI, TAU};
 
@@ -57,8 +57,8 @@ pub(super) fn mesh() -> Result<ArtistMesh, BlendError> {
     charts.tube();
     charts.cap(End::Base);
     charts.cap(End::Tip);
-    let positions: Vec<_> = charts.places.iter().map(|p| position(*p, 0.0)).collect();
-    let flexed = charts.places.iter().map(|p| position(*p, FLEXION));
+    let positions: Vec<_> = charts.points.iter().map(|p| position(*p, 0.0)).collect();
+    let flexed = charts.points.iter().map(|p| position(*p, FLEXION));
     let flex = BlendShape {
         name: "flex".to_owned(),
         position_deltas: flexed.zip(&positions).map(|(f, p)| f - p).collect(),
@@ -74,9 +74,9 @@ pub(super) fn mesh() -> Result<ArtistMesh, BlendError> {
     })
 }
 
-/// Where on the finger.
+/// A point of the finger's skin.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct SkinPoint {
     /// Arc length along the rest centre line, 0 to `TUBE`.
     along: f64,
     /// Angle around, from the back by `+x` to the palm.
@@ -93,24 +93,24 @@ enum End {
 
 /// Vertices with their texture coordinates, chart by chart: the tube, then the two ends, each its
 /// own island so that no triangle of the texture is squeezed. Vertices on two charts' border are
-/// made from the same [`Place`], so they have the same position to the last bit.
+/// made from the same [`SkinPoint`], so they have the same position to the last bit.
 #[derive(Default)]
 struct Charts {
-    places: Vec<Place>,
+    points: Vec<SkinPoint>,
     uvs: Vec<Vector2<f64>>,
     triangles: Vec<[u32; 3]>,
 }
 
 impl Charts {
     /// `at`: metres on the unrolled skin from the lower left of the texture, V up.
-    fn vertex(&mut self, place: Place, at: Vector2<f64>) -> u32 {
+    fn vertex(&mut self, point: SkinPoint, at: Vector2<f64>) -> u32 {
         let scale = (1.0 - 2.0 * MARGIN) / (TUBE_CHART + GAP + 2.0 * QUARTER);
-        self.places.push(place);
+        self.points.push(point);
         self.uvs.push(Vector2::new(
             MARGIN + scale * at.x,
             1.0 - MARGIN - scale * at.y,
         ));
-        self.places.len() as u32 - 1
+        self.points.len() as u32 - 1
     }
 
     /// Rows of vertices, each shifted by half a cell against the one below; the first vertex of a
@@ -137,12 +137,12 @@ impl Charts {
         let angle = |i: u32| TAU * (f64::from(i) + shift) / f64::from(AROUND);
         (0..=AROUND)
             .map(|i| {
-                let place = Place {
+                let point = SkinPoint {
                     along,
                     around: angle(i % AROUND),
                     latitude: 0.0,
                 };
-                self.vertex(place, Vector2::new(RADIUS * angle(i), along))
+                self.vertex(point, Vector2::new(RADIUS * angle(i), along))
             })
             .collect()
     }
@@ -179,12 +179,12 @@ impl Charts {
                     End::Base => Vector2::new(around.sin(), around.cos()),
                     End::Tip => Vector2::new(around.cos(), around.sin()),
                 };
-                let place = Place {
+                let point = SkinPoint {
                     along,
                     around,
                     latitude: sign * share * PI / 2.0,
                 };
-                self.vertex(place, centre + radius * direction)
+                self.vertex(point, centre + radius * direction)
             })
             .collect()
     }
@@ -223,14 +223,14 @@ fn ring_share(index: u32, i: u32, count: u32) -> f64 {
     (f64::from(i) + f64::from(index % 2) / 2.0) / f64::from(count)
 }
 
-/// Where a place is when the joint has turned by `flexion`.
-fn position(place: Place, flexion: f64) -> Vector3<f64> {
-    let along = slide(place, flexion);
+/// Position (m) of a point of the skin when the joint has turned by `flexion`.
+fn position(point: SkinPoint, flexion: f64) -> Vector3<f64> {
+    let along = slide(point, flexion);
     let angle = bend(along, flexion);
     let direction = Vector3::new(0.0, angle.cos(), -angle.sin());
     let back = Vector3::new(0.0, angle.sin(), angle.cos());
-    let outward = Vector3::x() * place.around.sin() + back * place.around.cos();
-    let shape = outward * place.latitude.cos() + direction * place.latitude.sin();
+    let outward = Vector3::x() * point.around.sin() + back * point.around.cos();
+    let shape = outward * point.latitude.cos() + direction * point.latitude.sin();
     centre_line(along, flexion) + RADIUS * shape
 }
 
@@ -251,14 +251,14 @@ fn shared(along: f64) -> f64 {
     t - (TAU * t).sin() / TAU
 }
 
-/// Where along the flexed finger a rest place comes to lie.
+/// Arc length (m) along the flexed finger at which a point of the skin comes to lie.
 ///
 /// Skin at distance `d` from the joint's axis lengthens by `d * flexion` in all, on the palm side
 /// negatively. It would all happen within `JOINT`; skin slides so that it happens over `SHARED`:
-/// the flexed length up to the new place equals the rest length up to the old one plus its share.
-fn slide(place: Place, flexion: f64) -> f64 {
-    let lengthening = (AXIS + RADIUS * place.around.cos()) * flexion;
-    let wanted = place.along + lengthening * shared(place.along);
+/// the flexed length up to there equals the rest length up to the point plus its share.
+fn slide(point: SkinPoint, flexion: f64) -> f64 {
+    let lengthening = (AXIS + RADIUS * point.around.cos()) * flexion;
+    let wanted = point.along + lengthening * shared(point.along);
     let length = |along: f64| along + lengthening * joint_share(along);
     let (mut low, mut high) = (0.0, TUBE);
     for _ in 0..BISECTIONS {

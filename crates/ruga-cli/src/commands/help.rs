@@ -13,6 +13,24 @@ use crate::outcome::Outcome;
 /// Columns of a line of text.
 const COLUMNS: usize = 96;
 
+/// A short scene with what most scenes have.
+const EXAMPLE: &str = r#"version = 1
+
+[driver]
+mesh = "face.glb"             # beside this file; with blend shapes
+
+[[layers]]
+name = "skin"
+preset = "forehead-furrow"    # `ruga help presets` lists them
+
+[[poses]]                     # left out: a pose for every blend shape
+name = "frown"
+weights = { browDown_L = 1.0, browDown_R = 1.0 }
+
+[bake]
+size = 2048
+"#;
+
 /// Prints what was asked for, on stdout.
 pub(crate) fn run(arguments: &HelpArguments) -> Outcome {
     messages::result(&match arguments.topic {
@@ -39,10 +57,10 @@ fn of_command(topic: Option<Topic>) -> String {
 
 /// Every table and key of a scene, as Markdown that reads well in a terminal, too.
 fn scene_page() -> String {
-    let mut page =
-        "# Scenes\n\nA scene is a TOML file, version 1. Every key, with the kind of its \
-                    value and its default:\n"
-            .to_owned();
+    let mut page = format!(
+        "# Scenes\n\nA scene is a TOML file, version 1, such as:\n\n```toml\n{EXAMPLE}```\n\n\
+         Every key, with the kind of its value and its default:\n"
+    );
     for table in reference() {
         write_table(&mut page, &table);
     }

@@ -24,7 +24,8 @@ pub(crate) fn run(arguments: &NewArguments) -> Result<Outcome, CliError> {
     let scene = folder.join("scene.toml");
     let output = folder.join("out");
     messages::result(&format!(
-        "{} is ready. Next:\n  ruga plan {}\n  ruga bake {} -o {}",
+        "{} is ready. Next:\n  ruga check {}\n  ruga plan {}\n  ruga bake {} -o {}",
+        scene.display(),
         scene.display(),
         scene.display(),
         scene.display(),

@@ -171,12 +171,9 @@ fn poses_table(plan: &ScenePlan) -> String {
             let simulated = layer.vertices > 0;
             let shown = |text: String| if simulated { text } else { ABSENT.to_owned() };
             // What a body compresses is known when it is simulated.
-            let applied = |value: String| {
-                if layer.applied.is_some() {
-                    shown(value)
-                } else {
-                    ABSENT.to_owned()
-                }
+            let applied = |value: String| match layer.applied {
+                Some(_) => value,
+                None => ABSENT.to_owned(),
             };
             let strain = layer.applied.unwrap_or_default();
             rows.push(vec![
@@ -185,7 +182,7 @@ fn poses_table(plan: &ScenePlan) -> String {
                 applied(number(1e2 * strain.median, 1, "%")),
                 applied(number(1e2 * strain.p99, 1, "%")),
                 number(1e4 * layer.active_area, 1, "cm2"),
-                applied(number(1e4 * strain.capped_area, 1, "cm2")),
+                shown(applied(number(1e4 * strain.capped_area, 1, "cm2"))),
                 layer.vertices.to_string(),
                 shown(number(layer.points_per_wavelength, 1, "")),
                 shown(number(layer.texels_per_wavelength, 1, "")),

@@ -53,6 +53,23 @@ pub(super) fn not_negative(key: &str, value: f64) -> Checked {
     fault(key, value, "a number from 0")
 }
 
+/// A value above 0 and up to 1; of one beyond, what it is in hundredths is suggested.
+pub(super) fn fraction_of_pose(key: &str, value: f64) -> Checked {
+    if value > 0.0 && value <= 1.0 {
+        return Ok(());
+    }
+    Err(Fault {
+        key: key.to_owned(),
+        reason: format!("found {value}; accepted: a fraction above 0, up to 1; 0.5 is half way"),
+        suggestion: of_hundred(value),
+    })
+}
+
+/// The fraction that was probably meant by a number of per cent.
+pub(super) fn of_hundred(percent: f64) -> Option<String> {
+    (percent > 1.0 && percent <= 100.0).then(|| (percent / 100.0).to_string())
+}
+
 pub(super) fn within(key: &str, value: u64, least: u64, most: u64) -> Checked {
     if (least..=most).contains(&value) {
         return Ok(());

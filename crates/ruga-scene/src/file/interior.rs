@@ -14,8 +14,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Interior {
-    /// Lattice cells along the longest side, 1 to 64; the lattice takes no more. Left out, as many as
-    /// let the body bend and are longer than its waves.
+    /// Lattice cells along the longest side of the body, 1 to 64: more follow its bending more closely,
+    /// and take longer. If left out, the number is chosen so that the body bends freely and each cell
+    /// is longer than a wrinkle.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cells: Option<u32>,
     /// The lattice's elements.
@@ -130,7 +131,7 @@ pub struct Cylinder {
 pub struct Motion {
     /// Name of the handle or obstacle.
     pub of: String,
-    /// When, as a fraction of the pose, in (0, 1].
+    /// When, as a fraction of the pose, above 0 and up to 1.
     pub at: f64,
     /// `move`: way from where it is at rest, m, after it has been turned; none if left out.
     #[serde(default, rename = "move")]

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::slips::{UnknownKey, duplicate};
+use super::toml_words;
 use super::{Region, SceneFile};
 use crate::SceneError;
 use ruga_blend::nearest;
@@ -96,6 +97,10 @@ fn toml_error(text: &str, path: &Path, key: String, error: &toml::de::Error) -> 
     let message = error.message();
     if let Some(unknown) = UnknownKey::of(message, &key) {
         return scene_error(path, &key, line, &unknown.reason(), unknown.suggestion());
+    }
+    let whole_line = line.and_then(|line| text.lines().nth(line - 1));
+    if let Some(reason) = toml_words::reason(message, &key, whole_line.unwrap_or_default()) {
+        return scene_error(path, &key, line, &reason, None);
     }
     if let Some(twice) = error.span().and_then(|span| duplicate(text, span, message)) {
         return scene_error(path, &key, line, &twice, None);

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use super::fault::{Checked, Fault, fault, not_negative, positive, unique_name, within};
+use super::fault::{
+    Checked, Fault, fault, fraction_of_pose, not_negative, positive, unique_name, within,
+};
 use super::names::usable_file_name;
 use super::validate_interior::motion_faults;
 use super::{Driver, Interior, Pose, SceneFile};
@@ -15,6 +17,9 @@ use crate::SceneError;
 /// The widest range that sliders of blend shapes have, Blender's. What lies beyond was meant as per
 /// cent.
 const LARGEST_WEIGHT: f64 = 10.0;
+
+/// Blend shapes that a message lists: a face has dozens.
+const LISTED_SHAPES: usize = 12;
 
 impl SceneFile {
     /// The version of the layout that this crate reads.
@@ -89,7 +94,11 @@ impl SceneFile {
             let shape = pose.weights.keys().find(|shape| !shapes.contains(shape))?;
             Some(Fault {
                 key: format!("poses[{i}].weights.{shape}"),
-                reason: format!("the mesh has no blend shape `{shape}`"),
+                reason: format!(
+                    "pose `{}`: the mesh has no blend shape `{shape}`; it has {}",
+                    pose.name,
+                    listed(shapes)
+                ),
                 suggestion: nearest(shape, shapes.iter().map(String::as_str)),
             })
         })
@@ -150,7 +159,11 @@ impl SceneFile {
         not_negative("solver.damping", self.solver.damping)?;
         let tolerance = self.solver.tolerance;
         if !(tolerance > 0.0 && tolerance < 1.0) {
-            return fault("solver.tolerance", tolerance, "a number in (0, 1)");
+            return fault(
+                "solver.tolerance",
+                tolerance,
+                "a number above 0 and below 1",
+            );
         }
         Ok(())
     }
@@ -260,14 +273,12 @@ impl Pose {
             return fault(
                 &format!("{key}.keys"),
                 "[]",
-                "at least one fraction in (0, 1]",
+                "at least one fraction above 0, up to 1, such as `[0.5, 1.0]`",
             );
         }
         for (i, fraction) in self.keys.iter().enumerate() {
             let key = format!("{key}.keys[{i}]");
-            if !(*fraction > 0.0 && *fraction <= 1.0) {
-                return fault(&key, fraction, "a fraction in (0, 1]");
-            }
+            fraction_of_pose(&key, *fraction)?;
             let percent = key_percent(*fraction);
             let clash = self.keys.iter().take(i).any(|k| key_percent(*k) == percent);
             if clash || percent == "0" {
@@ -279,6 +290,17 @@ impl Pose {
             }
         }
         motion_faults(key, &self.motions, interior)
+    }
+}
+
+/// The names of blend shapes, the first dozen of many.
+fn listed(shapes: &[String]) -> String {
+    let names = shapes.iter().take(LISTED_SHAPES);
+    let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
+    match shapes.len().saturating_sub(LISTED_SHAPES) {
+        0 if names.is_empty() => "none".to_owned(),
+        0 => names.join(", "),
+        more => format!("{} and {more} more", names.join(", ")),
     }
 }
 

@@ -1,6 +1,6 @@
 //! What `[interior]` and the motions of poses must mean, beyond being well-formed.
 
-use super::fault::{Checked, Fault, fault, names_given, positive, within};
+use super::fault::{Checked, Fault, fault, fraction_of_pose, names_given, positive, within};
 use super::{Cylinder, Handle, Interior, Motion, Obstacle, Plane, Sphere};
 use ruga_blend::nearest;
 
@@ -138,9 +138,7 @@ impl Motion {
         if !interior.movable().any(|name| name == self.of) {
             return unknown_name(&format!("{key}.of"), &self.of, interior);
         }
-        if !(self.at > 0.0 && self.at <= 1.0) {
-            return fault(&format!("{key}.at"), self.at, "a fraction in (0, 1]");
-        }
+        fraction_of_pose(&format!("{key}.at"), self.at)?;
         finite(&format!("{key}.move"), &self.translation)?;
         finite(&format!("{key}.turn"), &self.turn)?;
         finite(&format!("{key}.about"), &self.about)

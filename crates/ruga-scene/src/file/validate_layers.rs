@@ -1,6 +1,6 @@
 //! What `[substrate]` and `[[layers]]` must mean, beyond being well-formed.
 
-use super::fault::{Checked, fault, names_given, positive, unique_name};
+use super::fault::{Checked, Fault, fault, names_given, of_hundred, positive, unique_name};
 use super::names::same_file;
 use super::{Layer, PropertyMap, SceneFile, Substrate};
 
@@ -116,8 +116,13 @@ impl Layer {
             value.map_or(Ok(()), |value| positive(&format!("{key}.{name}"), value))?;
         }
         if let Some(strain) = self.critical_strain.filter(|e| !(*e > 0.0 && *e < 1.0)) {
-            let accepted = "a compression in (0, 1), such as 0.05";
-            return fault(&format!("{key}.critical_strain"), strain, accepted);
+            return Err(Fault {
+                key: format!("{key}.critical_strain"),
+                reason: format!(
+                    "found {strain}; accepted: a compression above 0 and below 1, such as 0.05 for 5 %"
+                ),
+                suggestion: of_hundred(strain),
+            });
         }
         poisson(&format!("{key}.poisson"), self.poisson)?;
         if let Some(share) = self.bending_transfer.filter(|b| !(0.0..=1.0).contains(b)) {

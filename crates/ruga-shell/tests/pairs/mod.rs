@@ -39,8 +39,8 @@ impl Shell {
 pub(crate) struct Pair {
     pub(crate) lower: Shell,
     pub(crate) upper: Shell,
-    /// `Kt`.
-    pub(crate) tie: f64,
+    /// `Kt` (N/m³).
+    pub(crate) tangential: f64,
     /// Strain and wavelength at which the exact elastic stack wrinkles as a whole.
     pub(crate) stack: (f64, f64),
 }
@@ -80,13 +80,13 @@ pub(crate) fn soft() -> Pair {
 }
 
 impl Pair {
-    /// The tie is the shear of the lower layer across its thickness.
+    /// The tangential stiffness is the shear of the lower layer across its thickness.
     pub(crate) fn new(lower: Shell, upper: Shell, stack: (f64, f64)) -> Self {
-        let tie = lower.young / (2.0 * (1.0 + POISSON)) / lower.thickness;
+        let tangential = lower.young / (2.0 * (1.0 + POISSON)) / lower.thickness;
         Self {
             lower,
             upper,
-            tie,
+            tangential,
             stack,
         }
     }
@@ -102,12 +102,12 @@ impl Pair {
         Self {
             lower: shell(self.lower),
             upper: shell(self.upper),
-            tie: self.tie * factor,
+            tangential: self.tangential * factor,
             stack: (self.stack.0 / factor, self.stack.1),
         }
     }
 
-    pub(crate) fn lever(&self) -> f64 {
+    pub(crate) fn offset(&self) -> f64 {
         0.5 * (self.lower.thickness + self.upper.thickness)
     }
 
@@ -121,11 +121,11 @@ impl Pair {
     /// `facets` is a bending stiffness (N m) added to the lower shell's.
     pub(crate) fn theory(&self, wave_number: f64, facets: f64) -> f64 {
         let squared = wave_number * wave_number;
-        let (lower, upper, t) = (&self.lower, &self.upper, self.lever());
+        let (lower, upper, t) = (&self.lower, &self.upper, self.offset());
         let below = lower.normal + lower.gradient * squared;
         let between = upper.normal + upper.gradient * squared;
         let loads = [lower, upper].map(|shell| shell.membrane() * squared);
-        let shear = 1.0 / (1.0 / loads[0] + 1.0 / self.tie + 1.0 / loads[1]);
+        let shear = 1.0 / (1.0 / loads[0] + 1.0 / self.tangential + 1.0 / loads[1]);
         let first = (lower.bending() + facets) * squared * squared
             + below
             + between
@@ -137,9 +137,9 @@ impl Pair {
             .min()
     }
 
-    /// What the facets' normals add to the bending stiffness (N m), as `LayerTie` states it.
+    /// What the facets' normals add to the bending stiffness (N m), as `LayerSprings` states it.
     pub(crate) fn facets(&self, edge: f64) -> f64 {
-        3.0 / 16.0 * self.tie * self.lever().powi(2) * edge * edge
+        3.0 / 16.0 * self.tangential * self.offset().powi(2) * edge * edge
     }
 
     /// The pair on a lattice of edge `edge`, and its positions when unstrained.
@@ -154,13 +154,13 @@ impl Pair {
         let above: Vec<_> = mesh
             .positions
             .iter()
-            .map(|p| p + Vector3::z() * self.lever())
+            .map(|p| p + Vector3::z() * self.offset())
             .collect();
-        let uniform = |face, tie| LayerParameters::uniform(face, faces, tie, count);
+        let uniform = |face, tangential| LayerParameters::uniform(face, faces, tangential, count);
         let upper = UpperSheet {
             rest_positions: above.clone(),
-            parameters: uniform(self.upper.parameters(), self.tie),
-            levers: vec![self.lever(); count],
+            parameters: uniform(self.upper.parameters(), self.tangential),
+            offsets: vec![self.offset(); count],
         };
         let joint = LayerEnergy::pair(
             (&mesh.topology(), &mesh.positions, &vec![false; count]),

@@ -9,7 +9,9 @@ use ruga_mesh::{FaceId, Id};
 use super::body_cost::cost;
 use super::waves::Waves;
 use crate::plan::stacking::Stacking;
-use crate::plan::surface_measures::{MAX_LEVELS, MAX_PLANNING_FACES, needed_levels};
+use crate::plan::surface_measures::{
+    MAX_LEVELS, MAX_PLANNING_FACES, OUTPUT_SLACK, faces_within, needed_levels, output_coarseness,
+};
 use crate::plan::warnings::resolution_warnings;
 use crate::plan::{add_carried_along, within};
 use crate::run::adaptivity::aspect;
@@ -200,6 +202,8 @@ struct LayerMesh {
     asked: f64,
     /// Times the driver's faces are split in four for the output mesh.
     levels: u32,
+    /// Longest edge that this mesh may have after that, m, if it is not to stay uniform.
+    output_edge: Option<f64>,
     /// Edges to the shortest waves.
     points: f64,
     /// Limit that they reach, for messages.
@@ -251,8 +255,12 @@ impl LayerMesh {
                 asked,
                 waves,
                 levels,
+                output_edge: None,
             });
         };
+        let output_edge = OUTPUT_SLACK * (waves.shortest / asked).max(limits.min_edge);
+        // A closed surface has two triangles to a vertex.
+        let output_vertices = 0.5 * faces_within(waves.area(), output_edge);
         // Where the body will compress its layer is not known before it is simulated. So wrinkles
         // are counted everywhere, in one direction each.
         let needed = waves.vertices(asked, &limits) / aspect(&limits, asked);
@@ -270,7 +278,8 @@ impl LayerMesh {
             faces,
             asked,
             waves,
-            levels,
+            levels: 0,
+            output_edge: Some(output_edge * output_coarseness(output_vertices, modelling)),
         })
     }
 
@@ -301,6 +310,10 @@ impl LayerMesh {
             asked_points: self.asked,
             needed: self.needed,
             region: self.faces.iter().map(|face| u64::from(face.0)).collect(),
+            output_edges: match self.output_edge {
+                Some(edge) => vec![edge; self.faces.len()],
+                None => Vec::new(),
+            },
         }
     }
 

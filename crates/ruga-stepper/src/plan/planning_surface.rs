@@ -5,7 +5,7 @@ use std::cell::OnceCell;
 use nalgebra::{Matrix3, Vector3};
 use ruga_blend::{BaseSurface, Driver, PosedSurface};
 use ruga_material::{CAP_START, Wrinkling};
-use ruga_mesh::{FaceId, Id, PerFace};
+use ruga_mesh::{FaceId, Id, PerFace, edge_distances};
 use ruga_remesh::{FaceDriver, Refinement, SizeLimits};
 
 use crate::plan::pose_plan::PlannedLayer;
@@ -13,7 +13,8 @@ use crate::plan::region::{ACTIVE_FRACTION, PoseStrains};
 use crate::plan::skin_cost::{GRADING, Load, cost, factorisations};
 use crate::plan::stacking::Stacking;
 use crate::plan::surface_measures::{
-    MAX_PLANNING_FACES, needed_levels, per_face, uv_density, weighted_quantile,
+    MAX_PLANNING_FACES, OUTPUT_SLACK, faces_within, needed_levels, output_coarseness, per_face,
+    uv_density, weighted_quantile,
 };
 use crate::plan::warnings::PosedPlan;
 use crate::run::adaptivity::{COARSEST, aspect};
@@ -242,6 +243,19 @@ impl<'a> PlanningSurface<'a> {
         let quantile = |field: &PerFace<f64>, fraction: f64| {
             weighted_quantile(&active, field, &pose_strains.areas, fraction)
         };
+        // Where nothing wrinkles, all of the skin tells how far the pose is from it.
+        let smooth = match active.is_empty() {
+            true => pose_strains.smooth_faces(&self.surface, &spec.presence),
+            false => Vec::new(),
+        };
+        let strained = if active.is_empty() { &smooth } else { &active };
+        let strain = |fraction: f64| {
+            let (effective, areas) = (&pose_strains.effective, &pose_strains.areas);
+            match strained.is_empty() {
+                true => f64::NAN,
+                false => weighted_quantile(strained, effective, areas, fraction),
+            }
+        };
         let area_where = |test: &dyn Fn(FaceId) -> bool| -> f64 {
             let areas = active
                 .iter()
@@ -290,13 +304,42 @@ impl<'a> PlanningSurface<'a> {
                 // Vertices go with the square of the points per wavelength.
                 let short = (modelling.vertex_budget as f64 / needed).min(1.0).sqrt();
                 let points = asked * short;
-                (needed, points.min(uniform_points))
+                (needed, points)
             }
             // Refinement goes in steps of four.
             None if uniform_points < 0.9 * asked => {
                 (4.0 * vertices_of(faces_at(levels)), uniform_points)
             }
             None => (vertices_of(faces_at(levels)), uniform_points),
+        };
+        let levels = match modelling.remesh {
+            Some(_) => levels.min(planned),
+            None => levels,
+        };
+        let output = modelling.remesh.map(|limits| {
+            let wrinkled = match is_lowest {
+                true => Some(pose_strains.wrinkled(path)),
+                // What a layer below asks of those on it is not known before it is simulated.
+                false => None,
+            };
+            let finest = |face: FaceId| (wavelengths[face] / asked).max(limits.min_edge);
+            let mut edges = self.output_edges(&active, wrinkled, (&wavelengths, &finest));
+            // A face counts, even if it is not split.
+            let least = 4f64.powi(levels as i32 - planned as i32);
+            let areas = active.iter().map(|&face| pose_strains.areas[face]);
+            let faces = areas
+                .zip(&edges)
+                .map(|(area, &edge)| faces_within(area, edge).max(least));
+            let whole = vertices_of(faces.sum());
+            let coarseness = output_coarseness(whole, modelling);
+            edges.iter_mut().for_each(|edge| *edge *= coarseness);
+            (whole / (coarseness * coarseness), edges, coarseness)
+        });
+        let (output_vertices, output_edges, points) = match output {
+            Some((vertices, edges, coarseness)) => {
+                (vertices, edges, points.min(asked / coarseness))
+            }
+            None => (vertices_of(faces_at(levels)), Vec::new(), points),
         };
         let vertices = match modelling.remesh {
             Some(_) => needed.min(modelling.vertex_budget as f64),
@@ -307,7 +350,6 @@ impl<'a> PlanningSurface<'a> {
             Stack::Joint => 2 * vertices,
             Stack::Nominal | Stack::Composite => vertices,
         };
-        let output_vertices = vertices_of(faces_at(levels));
         let curvature = quantile(&self.curvatures, 0.95);
         let lowest = (*is_lowest && !active.is_empty()).then(|| Load {
             // The least of all does not count: one extreme triangle begins to wrinkle at next to no
@@ -324,8 +366,12 @@ impl<'a> PlanningSurface<'a> {
             critical_strain: wrinkling.critical_strain,
             painted: painted_ranges(spec, &active, local, &pose_strains.areas),
             applied: Some(AppliedStrain {
-                median: quantile(&pose_strains.effective, 0.5),
-                p99: quantile(&pose_strains.effective, 0.99),
+                median: strain(0.5),
+                p99: strain(0.99),
+                largest: strained
+                    .iter()
+                    .map(|&face| pose_strains.effective[face])
+                    .fold(f64::NEG_INFINITY, f64::max),
                 capped_area: area_where(&|f| pose_strains.compression[f] > CAP_START),
                 folded_area: pose_strains.folded_area(),
                 chi: wrinkling.curvature_measure(1.0 / curvature),
@@ -351,7 +397,38 @@ impl<'a> PlanningSurface<'a> {
                 .iter()
                 .map(|&face| self.surface.ancestor(face, planned))
                 .collect(),
+            output_edges,
         }
+    }
+
+    /// Longest edges, m, of an output mesh in the `active` faces: by `finest` within a wavelength of
+    /// where it may be wrinkled, everywhere if that is not known, and longer beyond.
+    fn output_edges(
+        &self,
+        active: &[FaceId],
+        wrinkled: Option<PerFace<bool>>,
+        (wavelengths, finest): (&PerFace<f64>, &dyn Fn(FaceId) -> f64),
+    ) -> Vec<f64> {
+        let finest = |face: FaceId| OUTPUT_SLACK * finest(face);
+        let Some(wrinkled) = wrinkled else {
+            return active.iter().map(|&face| finest(face)).collect();
+        };
+        let mesh = self.surface.mesh();
+        let sources = wrinkled.iter().filter(|(_, on)| **on);
+        let sources: Vec<_> = sources.flat_map(|(face, _)| mesh.faces()[face]).collect();
+        let longest = active.iter().map(|&face| wavelengths[face]);
+        // Distances beyond the reach are infinite; there edges are as long as facets may be.
+        let reach = 2.0 * longest.fold(0.0, f64::max);
+        let distances = edge_distances(mesh, &self.rest.positions, sources, reach);
+        let edge = |&face: &FaceId| {
+            let wavelength = wavelengths[face];
+            let corners = mesh.faces()[face].iter().map(|&v| distances[v]);
+            // Waves run out within one length beside the place that they come from.
+            let beyond = corners.fold(f64::INFINITY, f64::min) - wavelength;
+            let grown = finest(face) + SizeLimits::default().grading * beyond.max(0.0);
+            grown.min(FACET_FRACTION * wavelength).max(finest(face))
+        };
+        active.iter().map(edge).collect()
     }
 }
 

@@ -48,7 +48,7 @@ pub struct LayerPlan {
     pub active_area: f64,
     /// Estimated number of vertices.
     pub vertices: usize,
-    /// Times the driver's faces are split in four.
+    /// Times the driver's faces are split in four before long edges are halved.
     pub levels: u32,
     /// Edges per wavelength that this gives (median over the active area).
     pub points_per_wavelength: f64,
@@ -65,15 +65,21 @@ pub struct LayerPlan {
     /// The faces that are simulated, numbered as those of the whole driver split
     /// [`Plan::planning_levels`](crate::Plan) times, ascending.
     pub(crate) region: Vec<u64>,
+    /// Longest edges that the output mesh may have in these faces, m; none where it is to be uniform.
+    pub(crate) output_edges: Vec<f64>,
 }
 
 /// Strain that the posed driver applies to a layer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AppliedStrain {
-    /// Median over the active area of the largest effective strain over the keys.
+    /// Median over the active area of the largest effective strain over the keys; where nothing is
+    /// active, over all skin that the layer may be on and that the pose does not fold. Not a number
+    /// where there is no such skin.
     pub median: f64,
     /// 99th percentile of that strain.
     pub p99: f64,
+    /// Largest of that strain on any face; negative infinity without faces.
+    pub(crate) largest: f64,
     /// Active area compressed beyond 15 %, where the rest metric is capped, m².
     pub capped_area: f64,
     /// Area left on the driver because the pose folds or collapses it, m².
@@ -108,6 +114,7 @@ impl LayerPlan {
             memory: 0.0,
             // A layer with a region of its own would be simulated once more by itself.
             region: Vec::new(),
+            output_edges: Vec::new(),
             ..self.clone()
         }
     }

@@ -189,6 +189,15 @@ impl PoseStrains {
         self.effective[face] / self.critical[face]
     }
 
+    /// Faces that may be wrinkled at a key or, where weights grow, on the way to one.
+    pub(crate) fn wrinkled(&self, path: LoadPath) -> PerFace<bool> {
+        let is_wrinkled = |face: FaceId| {
+            let on_the_way = path == LoadPath::Weight && self.passing[face] > self.critical[face];
+            on_the_way || self.strain_ratio(face) > ACTIVE_FRACTION
+        };
+        self.areas.ids().map(is_wrinkled).collect()
+    }
+
     /// Whether a face is compressed beyond its critical strain equally in all directions.
     pub(crate) fn is_compressed_equally(&self, face: FaceId) -> bool {
         let [first, second] = self.principal[face];
@@ -200,6 +209,17 @@ impl PoseStrains {
         for face in self.areas.ids() {
             self.folded[face] |= self.passing_folded[face];
         }
+    }
+
+    /// Faces on which a layer may be and that the pose does not fold, ascending.
+    pub(crate) fn smooth_faces(&self, surface: &BaseSurface, presence: &Presence) -> Vec<FaceId> {
+        let faces = surface.mesh().faces().ids();
+        faces
+            .filter(|&face| {
+                let [a, b, c] = surface.uvs()[face];
+                presence.covers((a + b + c) / 3.0) && !self.folded[face]
+            })
+            .collect()
     }
 
     /// Faces to simulate, ascending.

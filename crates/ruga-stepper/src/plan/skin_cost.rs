@@ -5,14 +5,14 @@ use crate::plan::pose_plan::LoadPath;
 
 /// Bytes for every texel of a map while it is baked and written.
 const PER_TEXEL: f64 = 30.0;
-/// Bytes for every vertex of the uniform mesh on which results are handed out.
+/// Bytes for every vertex of the output mesh.
 const PER_OUTPUT_VERTEX: f64 = 3.3e3;
 /// Bytes of the program with its scene: of the forearm 80 million, of a face with 55 shapes 140.
 const BASE: f64 = 1.1e8;
 
 /// Seconds of preparation for every vertex of the layer's mesh.
 const PREPARATION: f64 = 4e-4;
-/// Seconds of preparation for every vertex of the uniform mesh.
+/// Seconds of preparation for every vertex of the output mesh.
 const OUTPUT_PREPARATION: f64 = 3.5e-5;
 
 /// Vertices made for every one planned: triangles between sizes are smaller.
@@ -34,8 +34,8 @@ pub(crate) struct Load {
 /// because the pattern is found on a coarse one.
 ///
 /// A numeric factorisation, with all that goes with it, grows with the 3/2 power of the vertices
-/// (nested dissection of a surface), its memory with `n log n`; the mesh that results are handed
-/// out on has `output_vertices`; maps are `map_size` texels wide.
+/// (nested dissection of a surface), its memory with `n log n`; the output mesh
+/// has `output_vertices`; maps are `map_size` texels wide.
 pub(crate) fn cost(
     vertices: usize,
     output_vertices: f64,

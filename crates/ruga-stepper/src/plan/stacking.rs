@@ -127,8 +127,8 @@ impl Stacking {
         };
         // Rows as close as the fine waves would hold down the large ones.
         self.specs[0].coupling = Coupling::Elastic;
-        let lever = self.attachments[1].offset;
-        self.joint = Some(UpperShell::new(&self.specs[1].name, 1, &pair, lever));
+        let offset = self.attachments[1].offset;
+        self.joint = Some(UpperShell::new(&self.specs[1].name, 1, &pair, offset));
     }
 
     /// Puts the upper layers on those below; `layers` have their real thicknesses.
@@ -142,16 +142,16 @@ impl Stacking {
             // shear stiffness of the layer below, 6 to 60 times softer, fine wrinkles run together
             // into few folds. A composite and a pair are meant to be physical: held by shear alone,
             // and stretched by all of the bending below.
-            let (tie, transfer) = match stack {
-                Stack::Nominal => (pair.nominal_tie(), pair.bending_transfer),
-                Stack::Composite | Stack::Joint => (pair.shear_tie(), 1.0),
+            let (tangential, transfer) = match stack {
+                Stack::Nominal => (pair.nominal_tangential_stiffness(), pair.bending_transfer),
+                Stack::Composite | Stack::Joint => (pair.shear_tangential_stiffness(), 1.0),
             };
             // Where nothing is painted, the layer's springs are taken from here.
-            self.wrinkling[upper].tangential_stiffness = tie;
+            self.wrinkling[upper].tangential_stiffness = tangential;
             self.attachments[upper] = Attachment {
                 offset: self.attachments[k].offset + step,
                 bending_transfer: layers[upper].bending_transfer.unwrap_or(transfer),
-                tie: Some(tie),
+                tangential_stiffness: Some(tangential),
             };
             // Rows that hold a layer on a wrinkled one would leave their own pattern in it.
             if self.specs[upper].coupling == Coupling::Hybrid {

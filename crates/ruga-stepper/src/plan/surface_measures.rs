@@ -11,8 +11,26 @@ use crate::Modelling;
 pub(crate) const MAX_PLANNING_FACES: usize = 400_000;
 /// Splits of one face in four; ten make a metre a millimetre.
 pub(crate) const MAX_LEVELS: u32 = 10;
-/// Vertices that the uniform output mesh of a fitted one may have, in vertex budgets.
+/// Vertices that the output mesh of a fitted one may have, in vertex budgets.
 pub(crate) const OUTPUT_VERTICES: f64 = 4.0;
+/// Longest edges of an output mesh over those asked for: half of that is the shortest that halving
+/// leaves.
+pub(crate) const OUTPUT_SLACK: f64 = 1.3;
+/// Mean edge of a mesh, over the longest, whose long edges were halved.
+const HALVED: f64 = 0.75;
+
+/// Factor on the edges of an output mesh that would have so many vertices, for the budget's sake; at
+/// least 1.
+pub(crate) fn output_coarseness(vertices: f64, modelling: &Modelling) -> f64 {
+    let budget = OUTPUT_VERTICES * modelling.vertex_budget as f64;
+    (vertices / budget).sqrt().max(1.0)
+}
+
+/// Faces with edges up to `longest` (m) on an area, m².
+pub(crate) fn faces_within(area: f64, longest: f64) -> f64 {
+    let mean = HALVED * longest;
+    4.0 * area / (3f64.sqrt() * mean * mean)
+}
 
 /// Splits until the median edge meets the target (m) and few edges are far off or longer than facets
 /// may be (m), or the budget is spent.
@@ -30,7 +48,6 @@ pub(crate) fn needed_levels(
         let is_faceted = longest.is_some_and(|longest| long > longest);
         median > 1.1 * target || long > 1.65 * target || is_faceted
     };
-    // The uniform output mesh of a fitted one costs little.
     let vertices = match modelling.remesh {
         Some(_) => OUTPUT_VERTICES * modelling.vertex_budget as f64,
         None => modelling.vertex_budget as f64,

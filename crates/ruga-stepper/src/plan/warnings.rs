@@ -6,10 +6,10 @@ use ruga_blend::{BaseSurface, Driver, PosedSurface};
 use ruga_material::CAP_START;
 use ruga_mesh::FaceId;
 
-use crate::plan::region::PoseStrains;
+use crate::plan::region::{ACTIVE_FRACTION, PoseStrains};
 use crate::plan::surface_measures::{OUTPUT_VERTICES, weighted_quantile};
-use crate::skin::place::{ShapeCentres, place_of_faces};
-use crate::{AppliedStrain, LayerPlan, Modelling, PoseSpec};
+use crate::skin::place::{ShapeCentres, place_of_faces, shape_words};
+use crate::{AppliedStrain, LayerPlan, Modelling, PosePlan, PoseSpec};
 
 /// Areas below a hundredth of a square centimetre are not worth a warning, m².
 const NEGLIGIBLE_AREA: f64 = 1e-6;
@@ -26,6 +26,9 @@ const FEWEST_TEXELS: f64 = 4.0;
 /// Median strain, compression or stretch, beyond which what is posed is not skin any more: skin tears
 /// at about as much stretch, and folds under half of that compression.
 const NOT_SKIN: f64 = 0.3;
+
+/// Critical strain that no compression reaches, whatever the pose: material numbers in another unit.
+const UNBEARABLE: f64 = 1.0;
 
 /// Vertices that no budget will ever allow: their factor alone would fill 40 GB.
 const HOPELESS: f64 = 2e7;
@@ -150,13 +153,76 @@ impl PosedPlan<'_> {
 
     fn place(&self, pose_strains: &PoseStrains, is_in: &dyn Fn(FaceId) -> bool) -> String {
         let shapes = self.shapes.get_or_init(|| ShapeCentres::new(self.driver));
-        place_of_faces(
+        let place = place_of_faces(
             shapes,
             (self.surface, self.rest),
             &pose_strains.areas,
             is_in,
-        )
+        );
+        // That a pose of one shape does something where that shape moves the skin is no news.
+        let mut weights = self.pose.weights.iter();
+        match (weights.next(), weights.next()) {
+            (Some((shape, _)), None) => {
+                let name = self.driver.shape_names().nth(shape);
+                place.replace(&shape_words(name.unwrap_or_default()), "")
+            }
+            _ => place,
+        }
     }
+}
+
+/// Warnings of the first `layers` layers of `poses` that wrinkle in none of them: a few words for each,
+/// however many poses there are. Where some poses wrinkle a layer and others do not, that is as it
+/// should be.
+pub(crate) fn never_wrinkle_warnings(poses: &[PosePlan], layers: usize) -> Vec<String> {
+    (0..layers)
+        .filter_map(|layer| {
+            let of_poses = poses.iter();
+            let of_poses: Vec<_> = of_poses
+                .map(|pose| (pose.name.as_str(), &pose.layers[layer]))
+                .collect();
+            never_wrinkles(&of_poses)
+        })
+        .collect()
+}
+
+/// Warning of a layer with its name and plan in every pose, if it wrinkles in none.
+fn never_wrinkles(poses: &[(&str, &LayerPlan)]) -> Option<String> {
+    let (_, plan) = poses.first()?;
+    let (name, critical) = (&plan.name, 100.0 * plan.critical_strain);
+    if plan.critical_strain > UNBEARABLE {
+        return Some(format!(
+            "layer '{name}' wrinkles only beyond {critical:.0} % compression, which no skin bears. Look at its numbers: `young` is in pascals (0.8 MPa is 0.8e6), `thickness` in metres (0.7 mm is 0.7e-3)"
+        ));
+    }
+    if poses.iter().any(|(_, plan)| plan.active_area > 0.0) {
+        return None;
+    }
+    let largest = |plan: &LayerPlan| plan.applied.map(|applied| applied.largest);
+    let strains = poses
+        .iter()
+        .filter_map(|(pose, plan)| Some((*pose, largest(plan)?)));
+    let strains = strains.filter(|(_, strain)| strain.is_finite());
+    let (pose, strain) = strains.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let nowhere = match poses.len() {
+        1 => format!("layer '{name}' does not wrinkle in pose '{pose}'"),
+        count => format!("layer '{name}' wrinkles in none of {count} poses"),
+    };
+    let most = match poses.len() {
+        1 => "the pose compresses the skin".to_owned(),
+        _ => format!("pose '{pose}', which compresses the skin most, does so"),
+    };
+    let reached = match strain {
+        strain if strain <= 0.0 => "nowhere".to_owned(),
+        strain if strain > ACTIVE_FRACTION * plan.critical_strain => format!(
+            "as much only in spots that are smaller than a wrinkle of {:.1} mm",
+            1e3 * plan.wavelength
+        ),
+        strain => format!("by at most {:.1} %", 100.0 * strain),
+    };
+    Some(format!(
+        "{nowhere}: it wrinkles from {critical:.1} % compression on, and {most} {reached}. Raise the weights; or let it wrinkle earlier, with a lower `critical_strain`, a stiffer layer or a softer `[substrate]`"
+    ))
 }
 
 /// Warning of a pose that deforms half of what it deforms by more than skin bears, where half
@@ -182,7 +248,7 @@ fn not_skin(median: f64, pose: &PoseSpec) -> Option<String> {
 }
 
 fn late_warning(plan: &LayerPlan) -> Option<String> {
-    (plan.critical_strain > CAP_START).then(|| {
+    (plan.critical_strain > CAP_START && plan.critical_strain <= UNBEARABLE).then(|| {
         format!(
             "the layer's critical strain of {:.1} % is beyond 15 %, from where on compression counts less and less: it wrinkles late or not at all. Take a lower `critical_strain`, or a stiffer layer",
             100.0 * plan.critical_strain
@@ -248,8 +314,8 @@ fn remedy((plan, applied): (&LayerPlan, &AppliedStrain), modelling: &Modelling) 
     let fraction = (modelling.vertex_budget as f64 / plan.needed).min(1.0);
     // A draft asks for six points.
     let quality = match plan.points_per_wavelength >= 6.0 {
-        true => "`--quality draft` is met as it is",
-        false => "`--quality draft` needs more too",
+        true => "`--quality draft` fits the budget",
+        false => "`--quality draft` does not fit the budget either",
     };
     format!(
         "Raise `driver.vertex_budget`, paint a region mask that leaves at most {:.2} of the {area:.2} cm2 that are simulated, or raise the critical strain above {:.1} %, so that half as much of the pose wrinkles; {quality}",

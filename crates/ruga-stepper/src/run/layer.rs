@@ -44,8 +44,8 @@ const NOISE: f64 = 1e-3;
 /// How a layer is built, beyond what its own specification says.
 #[derive(Clone, Debug)]
 pub(crate) struct LayerOptions {
-    /// Tangential stiffness per area where it is not the layer's own, Pa/m.
-    pub(crate) tie: Option<f64>,
+    /// Stiffness of its tangential springs per area where it is not the layer's own, Pa/m.
+    pub(crate) tangential_stiffness: Option<f64>,
     /// A layer that moves together with it.
     pub(crate) upper: Option<UpperShell>,
     /// Discrete bending energy.
@@ -64,7 +64,7 @@ pub(crate) struct Layer {
     pub(crate) wrinkling: Wrinkling,
     skin: SkinMesh,
     properties: SkinProperties,
-    /// Uniform output mesh of the active region.
+    /// Output mesh of the active region.
     region: RegionMesh,
     weights: ReliefWeights,
     /// Takes results to the output mesh; `None` where that is the layer's own mesh.
@@ -141,7 +141,7 @@ impl Layer {
         let skin = adapted.unwrap_or_else(|| region.skin.clone());
         let rest = &skin.rest;
         let LayerOptions {
-            tie,
+            tangential_stiffness,
             upper,
             bending,
             centres,
@@ -153,7 +153,7 @@ impl Layer {
             Some(_) => PerVertex::filled(rest.positions.len(), false),
             None => skin.mesh.border_vertices(),
         };
-        let properties = SkinProperties::new(spec, wrinkling, tie, driver, &skin)?;
+        let properties = SkinProperties::new(spec, wrinkling, tangential_stiffness, driver, &skin)?;
         preparing.step()?;
         let parameters = layer_parameters(&properties, spec.coupling.has_foundation());
         let surface = (rest.positions.as_slice(), rest.normals.as_slice());
@@ -459,9 +459,9 @@ pub(crate) fn layer_parameters(properties: &SkinProperties, held: bool) -> Layer
         normal_stiffness: spring(local.wrinkling.normal_stiffness),
         gradient_stiffness: spring(local.wrinkling.gradient_stiffness),
     };
-    let tie = |local: &LocalSkin| spring(local.wrinkling.tangential_stiffness);
+    let tangential = |local: &LocalSkin| spring(local.wrinkling.tangential_stiffness);
     LayerParameters {
         faces: properties.faces.as_slice().iter().map(face).collect(),
-        tangential_stiffness: properties.vertices.iter().map(tie).collect(),
+        tangential_stiffness: properties.vertices.iter().map(tangential).collect(),
     }
 }

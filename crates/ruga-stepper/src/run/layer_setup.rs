@@ -65,9 +65,9 @@ impl<'a> StackRun<'a> {
     fn region(&self, index: usize, preparing: &mut Preparing<'_>) -> Result<RegionMesh, Halt> {
         let plan = self.plan;
         let layer = &plan.poses[self.pose].layers[index];
-        let surface = preparing.while_wanted(|goes_on| plan.layer_surface(layer, goes_on))?;
+        let piece = preparing.while_wanted(|goes_on| plan.layer_piece(layer, goes_on))?;
         let offset = plan.stacking.attachments[index].offset;
-        let on = (&surface, plan.modelling.smoothing, offset);
+        let on = (piece, plan.modelling.smoothing, offset);
         let spec = &plan.stacking.specs[index];
         RegionMesh::new(&plan.driver, spec, on, &mut || preparing.goes_on())
     }
@@ -109,7 +109,7 @@ impl<'a> StackRun<'a> {
         let adapted = adapted.map(|adapted| adapted.skin);
         preparing.enter(Phase::Constraints)?;
         let options = LayerOptions {
-            tie: plan.stacking.attachments[index].tie,
+            tangential_stiffness: plan.stacking.attachments[index].tangential_stiffness,
             upper: plan.stacking.joint.clone(),
             bending: modelling.bending,
             centres,
@@ -142,7 +142,7 @@ impl<'a> StackRun<'a> {
         if coarseness > WORTH_TELLING {
             let points = modelling.points_of(index, plan.meshes());
             run.warnings.push(format!(
-                "the vertex budget of {} leaves {:.1} points per wavelength of {} asked for",
+                "the vertex budget of {} leaves {:.1} points per wavelength of {} asked for; raise `driver.vertex_budget`, or simulate less skin with a mask",
                 modelling.vertex_budget,
                 points / coarseness,
                 points
@@ -150,7 +150,7 @@ impl<'a> StackRun<'a> {
         }
         if !is_measured {
             run.warnings.push(
-                "the bending modulus of its mesh could not be measured; wavelengths may be off by some per cent".to_owned(),
+                "how stiffly its mesh bends could not be measured; wavelengths may be off by some per cent, less with a finer `--quality`".to_owned(),
             );
         }
         Ok(run)

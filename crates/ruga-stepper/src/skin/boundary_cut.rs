@@ -1,16 +1,6 @@
 //! Cuts a mesh along the sharp boundaries of a painted map, so that each face lies on one side.
 //!
-//! Every edge that a boundary crosses gets a vertex there, and the faces around it are split:
-//!
-//! ```text
-//!       2               2               2
-//!      / \             /|\             / \
-//!     X---X           / | \           X---X
-//!    / `.  \         /  |  \         / \ / \
-//!   0----`--1       0---X---1       0---X---1
-//! ```
-//!
-//! A boundary that passes a vertex closely goes through it instead, because faces far smaller than
+//! Every edge that a boundary crosses gets a vertex there, and the faces around it are split. A boundary that passes a vertex closely goes through it instead, because faces far smaller than
 //! the rest would help nobody. What is still crossed, as by a band that passes between two vertices,
 //! is cut in further passes. Then the edges on both sides of which the paint differs are features.
 //! Left as without cuts: corners of a boundary inside a face, which become chords, and what is finer
@@ -19,9 +9,9 @@
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::Driver;
 use ruga_material::{BoundaryCrossing, PropertyMap, SHARP_RATIO, sharp_edges};
-use ruga_mesh::{
-    Edge, EdgeId, FaceId, FaceOrigin, Id, MaterialPoint, PerEdge, PerFace, TriMesh, VertexId,
-};
+use ruga_mesh::{Edge, EdgeId, FaceId, Id, PerEdge, TriMesh, VertexId};
+
+use crate::skin::piece::{NewVertex, Piece, Split, blend, edge_corner};
 
 /// Distance of a crossing from a vertex, in edges, up to which the boundary goes through the vertex:
 /// the mesh's error of place, and the least side of the faces that cutting makes.
@@ -42,18 +32,6 @@ const MOST_CROSSED: f64 = 0.35;
 /// Weights of the corners for a place inside a face that has one edge on a boundary: near the corner
 /// off it, because antialiased paint is mixed for a texel or two beside the boundary.
 const BESIDE: [f64; 2] = [0.15, 0.7];
-
-/// Part of a surface: places on the driver, and texture coordinates per corner.
-#[derive(Clone, Debug)]
-pub(crate) struct Piece {
-    pub(crate) mesh: TriMesh,
-    /// The driver's place under every vertex.
-    pub(crate) points: Vec<MaterialPoint>,
-    /// Place of every face in a face of the driver.
-    pub(crate) origins: PerFace<FaceOrigin>,
-    /// Texture coordinates of every face's corners.
-    pub(crate) uvs: Vec<[Vector2<f64>; 3]>,
-}
 
 /// A piece whose edges follow the boundaries.
 pub(crate) struct Cut {
@@ -151,11 +129,6 @@ fn inside(on: [bool; 3]) -> [f64; 3] {
     }
 }
 
-/// The mean of three texture coordinates with weights that sum to one.
-pub(crate) fn blend(uvs: &[Vector2<f64>; 3], weights: [f64; 3]) -> Vector2<f64> {
-    uvs[0] * weights[0] + uvs[1] * weights[1] + uvs[2] * weights[2]
-}
-
 struct Cutter<'a> {
     map: &'a PropertyMap,
     piece: Piece,
@@ -170,8 +143,7 @@ struct Cutter<'a> {
 
 impl<'a> Cutter<'a> {
     fn new(map: &'a PropertyMap, driver: &Driver, piece: Piece) -> Self {
-        let place = |point: &MaterialPoint| point.interpolate(driver.topology(), driver.rest());
-        let positions: Vec<Vector3<f64>> = piece.points.iter().map(place).collect();
+        let positions = piece.flat_positions(driver);
         let vertices = positions.len();
         Self {
             map,
@@ -287,94 +259,24 @@ impl<'a> Cutter<'a> {
     }
 
     fn cut(&mut self, places: &[Option<f64>]) {
-        let born = self.add_vertices(places);
-        let mut faces = Vec::new();
-        let mut origins = Vec::new();
-        let mut uvs = Vec::new();
-        let mut is_new = Vec::new();
-        let mesh = &self.piece.mesh;
-        for face in mesh.faces().ids() {
-            let places = self.places_in(face, &born, places);
-            let vertex = |at: usize| places[at].0;
-            let length = |[a, b]: [usize; 2]| {
-                let [a, b] = [a, b].map(|at| self.positions[vertex(at) as usize]);
-                (b - a).norm()
-            };
-            let cut = std::array::from_fn(|edge| vertex(3 + edge) != u32::MAX);
-            let children = children(cut, length);
-            let (origin, own) = (&self.piece.origins[face], &self.piece.uvs[face.index()]);
-            for child in &children {
-                faces.push(child.map(vertex));
-                let weights = child.map(|at| places[at].1);
-                origins.push(FaceOrigin {
-                    face: origin.face,
-                    corners: weights.map(|weights| origin.lift(weights)),
-                });
-                uvs.push(weights.map(|weights| blend(own, weights)));
-                is_new.push(children.len() > 1);
-            }
-        }
-        let mesh = TriMesh::new(self.positions.len(), faces);
-        self.piece.mesh = mesh.expect("neighbours are cut at the same vertices");
-        self.piece.origins = origins.into();
-        self.piece.uvs = uvs;
-        self.is_new = is_new;
-    }
-
-    /// A vertex on every edge that is cut; its number.
-    fn add_vertices(&mut self, places: &[Option<f64>]) -> Vec<Option<u32>> {
-        let mut born = Vec::with_capacity(places.len());
-        for (id, place) in self.piece.mesh.edges().ids().zip(places) {
-            let number = self.positions.len() as u32;
-            born.push(place.map(|_| number));
-            let Some(fraction) = *place else { continue };
-            let edge = self.piece.mesh.edges()[id];
-            let face = edge.faces[0].expect("an edge has a face to its left");
-            let corner = edge_corner(&self.piece.mesh, face, id);
-            // `vertices` runs the way in which the first face runs the edge.
-            let mut weights = [0.0; 3];
-            weights[corner] = 1.0 - fraction;
-            weights[(corner + 1) % 3] = fraction;
-            let [a, b] = edge.vertices.map(Id::index);
-            let mix = |a: f64, b: f64| a + (b - a) * fraction;
-            self.piece
-                .points
-                .push(self.piece.origins[face].place(weights));
-            self.positions
-                .push(self.positions[a].lerp(&self.positions[b], fraction));
-            self.sizes.push(mix(self.sizes[a], self.sizes[b]));
+        let Split { born, parents } = self.piece.split(places, &mut self.positions);
+        for NewVertex {
+            ends: [a, b],
+            fraction,
+        } in born
+        {
+            let [a, b] = [a, b].map(|v| self.sizes[v.index()]);
+            self.sizes.push(a + (b - a) * fraction);
             self.on_boundary.push(true);
         }
-        born
-    }
-
-    /// Vertex and weights of a face's three corners, then of the cuts of its edges.
-    fn places_in(
-        &self,
-        face: FaceId,
-        born: &[Option<u32>],
-        places: &[Option<f64>],
-    ) -> [(u32, [f64; 3]); 6] {
-        let mesh = &self.piece.mesh;
-        let corners = mesh.faces()[face];
-        let edges = mesh.face_edges(face);
-        std::array::from_fn(|at| {
-            let mut weights = [0.0; 3];
-            if at < 3 {
-                weights[at] = 1.0;
-                return (corners[at].0, weights);
-            }
-            let corner = at - 3;
-            let edge = edges[corner];
-            let (Some(vertex), Some(fraction)) = (born[edge.index()], places[edge.index()]) else {
-                return (u32::MAX, weights);
-            };
-            let is_along = mesh.edges()[edge].vertices[0] == corners[corner];
-            let fraction = if is_along { fraction } else { 1.0 - fraction };
-            weights[corner] = 1.0 - fraction;
-            weights[(corner + 1) % 3] = fraction;
-            (vertex, weights)
-        })
+        // The parts of a face stand side by side.
+        let is_part = |at: usize, beside: Option<usize>| {
+            beside.is_some_and(|beside| parents.get(beside) == Some(&parents[at]))
+        };
+        let parts = 0..parents.len();
+        self.is_new = parts
+            .map(|at| is_part(at, at.checked_sub(1)) || is_part(at, Some(at + 1)))
+            .collect();
     }
 
     /// Edges between vertices on a boundary, on both sides of which the paint differs.
@@ -408,39 +310,4 @@ fn mean_edges(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Vec<f64> {
         }
     }
     sums.iter().map(|(sum, count)| sum / count).collect()
-}
-
-/// The corner of a face at which one of its edges begins.
-fn edge_corner(mesh: &TriMesh, face: FaceId, edge: EdgeId) -> usize {
-    let corner = mesh.face_edges(face).iter().position(|&e| e == edge);
-    corner.expect("a face has the edges that have the face")
-}
-
-/// The parts of a face whose edges are `cut`: corners are 0 to 2, the cut of edge `i` is `3 + i`.
-/// Of the two diagonals of a quadrilateral the one with the lesser `length` is taken.
-fn children(cut: [bool; 3], length: impl Fn([usize; 2]) -> f64) -> Vec<[usize; 3]> {
-    let next = |i: usize| (i + 1) % 3;
-    let count = cut.iter().filter(|cut| **cut).count();
-    let Some(first) = cut.iter().position(|&is_cut| is_cut) else {
-        return vec![[0, 1, 2]];
-    };
-    if count == 1 {
-        let (b, apex) = (next(first), next(next(first)));
-        return vec![[first, 3 + first, apex], [3 + first, b, apex]];
-    }
-    let Some(whole) = cut.iter().position(|&is_cut| !is_cut) else {
-        return vec![[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
-    };
-    // The apex is opposite the whole edge from `a` to `b`; both other edges are cut.
-    let (a, b) = (whole, next(whole));
-    let apex = next(b);
-    let (left, right) = (3 + apex, 3 + b);
-    let mut parts = vec![[apex, left, right]];
-    // The shorter diagonal leaves the larger least angle.
-    if length([left, b]) <= length([a, right]) {
-        parts.extend([[left, a, b], [left, b, right]]);
-    } else {
-        parts.extend([[left, a, right], [a, b, right]]);
-    }
-    parts
 }

@@ -31,14 +31,14 @@ impl LocalSkin {
 }
 
 impl SkinProperties {
-    /// `tie` is the tangential stiffness (Pa/m) where it is not the layer's own.
+    /// Samples the layer's map and its variation at the vertices; a face has the mean of its corners'
+    /// properties (Li 2014, 5.2), except beside a sharp boundary, where it has those of a place inside.
     ///
-    /// Samples the layer's map and its variation at the vertices; a face has the mean of its corners' properties
-    /// (Li 2014, 5.2), except beside a sharp boundary, where it has those of a place inside.
+    /// `tangential_stiffness` (Pa/m) replaces that of the layer's own tangential springs, where given.
     pub(crate) fn new(
         spec: &LayerSpec,
         nominal: &Wrinkling,
-        tie: Option<f64>,
+        tangential_stiffness: Option<f64>,
         driver: &Driver,
         skin: &SkinMesh,
     ) -> Result<Self, StepperError> {
@@ -58,8 +58,8 @@ impl SkinProperties {
         let relative = relative_at_vertices(spec, driver, skin);
         let local = |relative: &RelativeProperties| -> Result<LocalSkin, StepperError> {
             let mut local = local_skin(spec, relative)?;
-            if let Some(tie) = tie {
-                local.wrinkling.tangential_stiffness = tie;
+            if let Some(stiffness) = tangential_stiffness {
+                local.wrinkling.tangential_stiffness = stiffness;
             }
             Ok(local)
         };
@@ -188,6 +188,7 @@ mod tests {
 
     use super::*;
     use crate::error::Halt;
+    use crate::skin::piece::Piece;
     use crate::skin::skin_mesh::{RegionMesh, SizingStrains};
     use crate::{Coupling, Presence, Sampling};
 
@@ -262,7 +263,7 @@ mod tests {
     fn region(driver: &Driver, layer: &LayerSpec) -> Result<RegionMesh, StepperError> {
         let faces: Vec<ruga_mesh::FaceId> = driver.topology().faces().ids().collect();
         let base = BaseSurface::new(driver, &faces, 2, Smoothing::None);
-        let on = (&base, Smoothing::None, 0.0);
+        let on = (Piece::of(&base), Smoothing::None, 0.0);
         RegionMesh::new(driver, layer, on, &mut || true).map_err(|halt| match halt {
             Halt::Failed(error) => error,
             Halt::Interrupted => unreachable!("nothing ends it early"),

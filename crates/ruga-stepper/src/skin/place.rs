@@ -41,8 +41,8 @@ fn centre_of(driver: &Driver, shape: &str) -> Option<Vector3<f64>> {
     (total > 0.0).then(|| sum / total)
 }
 
-/// Names the place of some faces of a surface at rest: `at u 0.41 to 0.55, v 0.20 to 0.31 (nearest
-/// blend shape 'browInnerUp')`; of the largest connected part where there are several.
+/// Names the place of some faces of a surface at rest: `at u 0.41 to 0.55, v 0.20 to 0.31 (near where
+/// blend shape 'browInnerUp' moves the skin)`; of the largest connected part where there are several.
 ///
 /// `areas` are those of all faces; without faces there is no place, and the text is empty.
 pub(crate) fn place_of_faces(
@@ -85,7 +85,12 @@ pub(crate) fn place_of_points(
         low.x, high.x, low.y, high.y
     );
     match shapes.nearest(sum / f64::from(count.max(1))) {
-        Some(name) => format!("{square} (nearest blend shape '{name}')"),
+        Some(name) => square + &shape_words(name),
         None => square,
     }
+}
+
+/// Words that name the blend shape nearest to a place, behind it.
+pub(crate) fn shape_words(name: &str) -> String {
+    format!(" (near where blend shape '{name}' moves the skin)")
 }

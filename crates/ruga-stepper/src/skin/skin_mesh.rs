@@ -3,7 +3,7 @@
 use std::sync::{Arc, Weak};
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector2, Vector3};
-use ruga_blend::{BaseSurface, Driver, PosedSurface, Smoothing, SurfacePoints};
+use ruga_blend::{Driver, PosedSurface, Smoothing, SurfacePoints};
 use ruga_material::PropertyMap;
 use ruga_mesh::{FaceId, Id, MaterialPoint, PerEdge, PerFace, PerVertex, SurfaceLookup, TriMesh};
 use ruga_remesh::{
@@ -12,11 +12,9 @@ use ruga_remesh::{
 };
 
 use crate::error::Halt;
-use crate::skin::boundary_cut::{
-    Cut, Piece, TooManyCrossings, blend, check_crossings, cut_along, faces_beside,
-};
+use crate::skin::boundary_cut::{Cut, TooManyCrossings, check_crossings, cut_along, faces_beside};
 use crate::skin::facet_address::{FacetAddresses, Piece as Facets};
-use crate::skin::fans::one_fan_per_vertex;
+use crate::skin::piece::{Piece, blend};
 use crate::{LayerSpec, StepperError};
 
 /// Lengths of edges, as multiples of what is wanted, that a mesh goes through. A mesh that is too
@@ -134,7 +132,7 @@ pub(crate) struct Adapted {
     pub(crate) coarseness: f64,
 }
 
-/// The uniform mesh of the active region: every triangle lies in one of the artist's, and, where the
+/// The output mesh of the active region: every triangle lies in one of the artist's, and, where the
 /// layer's map is sharp, on one side of each of its boundaries.
 #[derive(Clone, Debug)]
 pub(crate) struct RegionMesh {
@@ -151,19 +149,19 @@ pub(crate) struct RegionMesh {
     offset: f64,
 }
 
-/// Whether the mesh of the region of `base` that `layer` covers can follow its map.
+/// Whether `piece`, the region that `layer` covers, can be made to follow its map.
 ///
 /// # Errors
 /// [`StepperError::TooManyBoundaries`].
 pub(crate) fn check_boundaries(
     driver: &Driver,
-    base: &BaseSurface,
+    piece: Piece,
     layer: &LayerSpec,
 ) -> Result<(), StepperError> {
     let Some(map) = sharp_map(layer) else {
         return Ok(());
     };
-    check_crossings(map, driver, piece_of(base)).map_err(|source| too_many(layer, source))
+    check_crossings(map, driver, piece).map_err(|source| too_many(layer, source))
 }
 
 /// The map whose boundaries the layer's mesh is to follow.
@@ -178,19 +176,8 @@ fn too_many(layer: &LayerSpec, crossings: TooManyCrossings) -> StepperError {
     }
 }
 
-fn piece_of(base: &BaseSurface) -> Piece {
-    let (mesh, copied) = one_fan_per_vertex(base.mesh());
-    let base_points = base.vertex_points();
-    Piece {
-        mesh,
-        points: copied.iter().map(|v| base_points[v.index()]).collect(),
-        origins: base.origins().clone(),
-        uvs: base.uvs().as_slice().to_vec(),
-    }
-}
-
 impl RegionMesh {
-    /// The region of `base` that `layer` covers, at rest `offset` above the driver.
+    /// The region `piece` that `layer` covers, at rest `offset` above the driver.
     ///
     /// # Errors
     /// [`StepperError::TooManyBoundaries`]; [`Halt::Interrupted`] as soon as `goes_on`, which is
@@ -198,10 +185,9 @@ impl RegionMesh {
     pub(crate) fn new(
         driver: &Driver,
         layer: &LayerSpec,
-        (base, smoothing, offset): (&BaseSurface, Smoothing, f64),
+        (piece, smoothing, offset): (Piece, Smoothing, f64),
         goes_on: &mut dyn FnMut() -> bool,
     ) -> Result<Self, Halt> {
-        let piece = piece_of(base);
         let Cut { piece, features } = match sharp_map(layer) {
             None => Cut::none(piece),
             Some(map) => cut_along(map, driver, piece).map_err(|source| too_many(layer, source))?,

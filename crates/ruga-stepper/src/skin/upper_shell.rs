@@ -11,8 +11,8 @@ pub(crate) struct UpperShell {
     pub(crate) name: String,
     /// Number of the layer in its stack.
     pub(crate) index: usize,
-    /// Distance of the mid-surfaces, m.
-    pub(crate) lever: f64,
+    /// Mid-surface offset from the lower layer, m.
+    pub(crate) offset: f64,
     material: LayerMaterial,
     /// Stiffnesses towards the lower layer, Pa/m, N/m and Pa/m.
     normal: f64,
@@ -22,12 +22,12 @@ pub(crate) struct UpperShell {
 
 impl UpperShell {
     /// The upper layer of `pair`, number `index` of the stack.
-    pub(crate) fn new(name: &str, index: usize, pair: &StackPair, lever: f64) -> Self {
+    pub(crate) fn new(name: &str, index: usize, pair: &StackPair, offset: f64) -> Self {
         let springs = &pair.upper.wrinkling;
         Self {
             name: name.to_owned(),
             index,
-            lever,
+            offset,
             material: pair.upper.material,
             // The springs stand for the lower layer being squeezed across its thickness, which a
             // shell cannot be. How the lower shell itself gives way comes in series with them, so
@@ -36,7 +36,7 @@ impl UpperShell {
             gradient: springs.gradient_stiffness,
             // Of seven multiples between 0 and 100 only the shear stiffness itself gave wavelength
             // and strain of all pairs of layers that were compared with an exact stack.
-            tangential: pair.shear_tie(),
+            tangential: pair.shear_tangential_stiffness(),
         }
     }
 
@@ -67,7 +67,7 @@ impl UpperShell {
         UpperSheet {
             rest_positions: self.above(points, normals).collect(),
             parameters: LayerParameters::uniform(face, faces, self.tangential, vertices),
-            levers: vec![self.lever; vertices],
+            offsets: vec![self.offset; vertices],
         }
     }
 
@@ -77,8 +77,8 @@ impl UpperShell {
         points: &'a [Vector3<f64>],
         normals: &'a [Vector3<f64>],
     ) -> impl Iterator<Item = Vector3<f64>> + use<'a> {
-        let lever = self.lever;
+        let offset = self.offset;
         let pairs = points.iter().zip(normals);
-        pairs.map(move |(point, normal)| point + normal * lever)
+        pairs.map(move |(point, normal)| point + normal * offset)
     }
 }

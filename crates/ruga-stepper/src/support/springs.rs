@@ -19,7 +19,7 @@ impl Springs {
 
     /// Every vertex with its neighbours of higher numbers.
     pub(crate) fn stencils(&self) -> impl Iterator<Item = Vec<u32>> {
-        (0..self.0.ties.len()).map(|j| self.below(j).map(|(i, _)| i).collect())
+        (0..self.0.tangential.len()).map(|j| self.below(j).map(|(i, _)| i).collect())
     }
 
     /// The lower triangle of `F` (N/m), over these unit normals.
@@ -28,7 +28,7 @@ impl Springs {
             let rows = self.below(j);
             rows.map(move |(i, m)| (i, self.block(normals, [i as usize, j], m)))
         };
-        (0..self.0.ties.len())
+        (0..self.0.tangential.len())
             .map(|j| column(j).collect())
             .collect()
     }
@@ -46,7 +46,8 @@ impl Springs {
         normals: &[Vector3<f64>],
         i: usize,
     ) -> Vec<(u32, Matrix3<f64>)> {
-        // All blocks but the tie's begin with the normal here: one vector per node is enough.
+        // All blocks but the tangential spring's begin with the normal here: one vector per node is
+        // enough.
         let mut lifts: Vec<(u32, Vector3<f64>)> = Vec::new();
         for (j, m) in self.0.normal.row(i) {
             let lift = normals[j as usize] * m;
@@ -55,7 +56,7 @@ impl Springs {
         }
         add_up(&mut lifts);
         let n = normals[i];
-        let tangential = (Matrix3::identity() - n * n.transpose()) * self.0.ties[i];
+        let tangential = (Matrix3::identity() - n * n.transpose()) * self.0.tangential[i];
         let mut blocks: Vec<_> = lifts
             .into_iter()
             .map(|(node, lift)| (node, n * lift.transpose()))
@@ -76,7 +77,7 @@ impl Springs {
             return block;
         }
         let across = Matrix3::identity() - normals[i] * normals[i].transpose();
-        block + across * self.0.ties[i]
+        block + across * self.0.tangential[i]
     }
 }
 

@@ -60,7 +60,7 @@ pub(crate) struct Attachment {
     /// Fraction of the support surface's bending strain that the layer takes over, 0 to 1.
     pub(crate) bending_transfer: f64,
     /// Stiffness of its tangential springs per area where it is not the layer's own, Pa/m.
-    pub(crate) tie: Option<f64>,
+    pub(crate) tangential_stiffness: Option<f64>,
 }
 
 /// The surface below the vertices of `skin`, whose rest positions include the attachment's offset: what carries
@@ -198,7 +198,7 @@ mod tests {
         let attachment = Attachment {
             offset: OFFSET,
             bending_transfer: TRANSFER,
-            tie: None,
+            tangential_stiffness: None,
         };
         let control = driver.pose(&driver.weights([("bend", 1.0)]).expect("a shape"));
         let support = PosedDriver { control };
@@ -258,7 +258,7 @@ mod tests {
         let attachment = Attachment {
             offset: OFFSET,
             bending_transfer: 1.0,
-            tie: None,
+            tangential_stiffness: None,
         };
         let control = driver.rest().to_vec();
         let support = PosedDriver { control };

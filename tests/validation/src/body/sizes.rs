@@ -362,8 +362,8 @@ impl Run {
             gradient_stiffness: self.theory.gradient_stiffness,
         };
         let (x, faces) = (&self.cover.positions, &self.cover.faces);
-        let tie = self.theory.tangential_stiffness;
-        let parameters = LayerParameters::uniform(face, faces.len(), tie, x.len());
+        let tangential = self.theory.tangential_stiffness;
+        let parameters = LayerParameters::uniform(face, faces.len(), tangential, x.len());
         let free = vec![false; x.len()];
         let mesh = TriMesh::new(x.len(), faces.clone())?;
         let bending = Modelling::default().bending;

@@ -220,7 +220,7 @@ impl ChainEnergy {
         )
     }
 
-    /// Pasternak springs, half lumped and half consistent as in a shell, and the tie.
+    /// Pasternak springs, half lumped and half consistent as in a shell, and tangential springs.
     fn springs(
         &self,
         state: &DVector<f64>,
@@ -230,7 +230,7 @@ impl ChainEnergy {
         // On one segment: lumped 1/2, consistent (1/3, 1/6), and the gradient's 1, -1.
         let own = film.normal_stiffness * a * (0.25 + 1.0 / 6.0) + film.gradient_stiffness / a;
         let other = film.normal_stiffness * a / 12.0 - film.gradient_stiffness / a;
-        let tie = film.tangential_stiffness * a;
+        let tangential = film.tangential_stiffness * a;
         let mut entries = Vec::new();
         for index in 0..self.segments {
             entries.extend([
@@ -242,7 +242,7 @@ impl ChainEnergy {
         }
         entries.extend((0..=self.segments).filter_map(|node| {
             let slide = self.slide(node)?;
-            Some((slide, slide, tie))
+            Some((slide, slide, tangential))
         }));
         if let Some((gradient, hessian)) = target {
             for &(i, j, stiffness) in &entries {

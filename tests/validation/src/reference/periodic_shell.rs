@@ -166,7 +166,7 @@ fn parameters(mesh: &PeriodicMesh, material: &LayerMaterial, film: &Wrinkling) -
             gradient_stiffness: spring * film.gradient_stiffness,
         }
     };
-    let tie = |vertex: usize| {
+    let tangential = |vertex: usize| {
         if mesh.is_original(vertex) {
             film.tangential_stiffness
         } else {
@@ -175,7 +175,7 @@ fn parameters(mesh: &PeriodicMesh, material: &LayerMaterial, film: &Wrinkling) -
     };
     LayerParameters {
         faces: mesh.is_copy.iter().map(face).collect(),
-        tangential_stiffness: (0..mesh.points.len()).map(tie).collect(),
+        tangential_stiffness: (0..mesh.points.len()).map(tangential).collect(),
     }
 }
 

@@ -8,7 +8,7 @@
 //!
 //! For given heights `w` the slides `u` follow wave by wave from a quadratic, so that heights alone
 //! are unknown. Along the wave vector (`l`) and across it (`t`), with `q = w_,i w_,j / 2` and
-//! `T = Kt/(C k^2)` of a tie:
+//! `T = Kt/(C k^2)` of the tangential springs:
 //!
 //! ```text
 //! N_ll = C (q_ll + nu q_tt) T/(1 + T)
@@ -16,7 +16,7 @@
 //! N_tt = C (q_tt + nu q_ll - nu (q_ll + nu q_tt)/(1 + T))
 //! ```
 //!
-//! Without a tie only `N_tt = E h q_tt` is left. The mean strain is imposed.
+//! Without them only `N_tt = E h q_tt` is left. The mean strain is imposed.
 
 use nalgebra::{Matrix2, Vector2};
 use ruga_material::{Substrate, Wrinkling, substrate_stiffness};
@@ -63,7 +63,7 @@ pub struct Plate {
 }
 
 impl Plate {
-    /// Lays a film on a carrier. The tie is the film's tangential stiffness.
+    /// Lays a film on a carrier, held along it by tangential springs as stiff as `film` says.
     pub fn new(grid: Grid, film: Wrinkling, poisson: f64, carrier: Carrier) -> Self {
         let resistance = (0..grid.points())
             .map(|mode| {
@@ -131,9 +131,9 @@ impl Plate {
             let part = |a: &Vector2<f64>, b: &Vector2<f64>| {
                 xx[mode] * (a.x * b.x) + yy[mode] * (a.y * b.y) + xy[mode] * (a.x * b.y + a.y * b.x)
             };
-            let tie = self.tie(size * size);
-            let stretch = -(part(&along, &along) + part(&across, &across) * nu) / (1.0 + tie);
-            let shear = part(&along, &across) * (nu - 1.0) / (0.5 * (1.0 - nu) + tie);
+            let ratio = self.tangential_ratio(size * size);
+            let stretch = -(part(&along, &along) + part(&across, &across) * nu) / (1.0 + ratio);
+            let shear = part(&along, &across) * (nu - 1.0) / (0.5 * (1.0 - nu) + ratio);
             for axis in 0..2 {
                 let slope = stretch * along[axis] + shear * across[axis];
                 slides[axis][mode] = slope / Complex64::new(0.0, size);
@@ -156,8 +156,8 @@ impl Plate {
         (slopes, [xx, yy, xy])
     }
 
-    /// `Kt/(C k^2)` at a squared wave number.
-    fn tie(&self, square: f64) -> f64 {
+    /// `T = Kt/(C k^2)` at a squared wave number.
+    fn tangential_ratio(&self, square: f64) -> f64 {
         self.film.tangential_stiffness / (self.film.membrane_stiffness * square)
     }
 
@@ -189,17 +189,17 @@ impl Plate {
             return self.stress(q);
         }
         let (stiffness, nu) = (self.film.membrane_stiffness, self.poisson);
-        let tie = self.tie(square);
+        let ratio = self.tangential_ratio(square);
         let along = k / square.sqrt();
         let frame = Matrix2::new(along.x, -along.y, along.y, along.x);
         let q = frame.transpose() * q * frame;
         let (ll, tt, lt) = (q.m11, q.m22, q.m12);
-        let shear = (1.0 - nu) * lt * tie / (tie + 0.5 * (1.0 - nu));
+        let shear = (1.0 - nu) * lt * ratio / (ratio + 0.5 * (1.0 - nu));
         let local = Matrix2::new(
-            (ll + nu * tt) * tie / (1.0 + tie),
+            (ll + nu * tt) * ratio / (1.0 + ratio),
             shear,
             shear,
-            tt + nu * ll - nu * (ll + nu * tt) / (1.0 + tie),
+            tt + nu * ll - nu * (ll + nu * tt) / (1.0 + ratio),
         );
         frame * (local * stiffness) * frame.transpose()
     }

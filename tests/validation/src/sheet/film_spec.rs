@@ -12,9 +12,9 @@ use crate::FlatFilm;
 pub enum FilmCoupling {
     /// Low-pass rows alone, at a spacing in wavelengths.
     Constraint(f64),
-    /// Foundation and tie.
+    /// Foundation and tangential springs.
     Elastic,
-    /// Foundation, tie and rows at 1.5 wavelengths.
+    /// Foundation, tangential springs and rows at 1.5 wavelengths.
     Hybrid,
 }
 
@@ -72,7 +72,7 @@ impl FilmSpec {
             normal_stiffness: spring(theory.normal_stiffness),
             gradient_stiffness: spring(theory.gradient_stiffness),
         };
-        let tie = spring(theory.tangential_stiffness);
-        LayerParameters::uniform(face, strip.faces.len(), tie, strip.points.len())
+        let tangential = spring(theory.tangential_stiffness);
+        LayerParameters::uniform(face, strip.faces.len(), tangential, strip.points.len())
     }
 }

@@ -94,13 +94,13 @@ impl Stepped {
             let side = if is_thin(middle) { &thin } else { &made };
             side.parameters.faces[index]
         });
-        let ties = strip.points.iter().enumerate().map(|(index, p)| {
+        let tangential = strip.points.iter().enumerate().map(|(index, p)| {
             let side = if is_thin(p.x) { &thin } else { &made };
             side.parameters.tangential_stiffness[index]
         });
         made.parameters = LayerParameters {
             faces: faces.collect(),
-            tangential_stiffness: ties.collect(),
+            tangential_stiffness: tangential.collect(),
         };
         made.averages = self.averages(mesh);
         (Sheet::new(made), strip)

@@ -1,12 +1,20 @@
 //! How the mesh's triangles bend, and the correction for it.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
-use ruga_mesh::{face_areas, triangle_frame};
+use ruga_mesh::{Edge, Id, PerFace, PerVertex, TriMesh, face_areas, triangle_frame};
 use ruga_shell::{BendingModel, HINGE_EXPONENT, ResponseQuery, face_corners, response_modulus};
 
 use super::Layer;
 use crate::StepperError;
 use crate::support::support_surface::SupportSurface;
+
+/// Cosine of the angle to the main direction up to which a face wrinkles in that direction.
+const ALONG_MAIN: f64 = 0.9;
+/// Length of the main direction's part in a face from which on waves in that direction can run there.
+const LEAST_PART: f64 = 0.3;
+/// Lengths along the main direction, over the mean of those that wrinkle in it, that do not resolve its
+/// waves: from two thirds of the points on a mesh is soft.
+const TOO_LONG: f64 = 1.5;
 
 /// Ratios of a mesh's bending modulus to the material's that can be the triangles' doing. A smaller
 /// one counts as not measured.
@@ -31,7 +39,7 @@ impl Layer {
         if let Some(ratio) = self.bending_ratio {
             let ratio = match self.bending {
                 BendingModel::Hinge => ratio,
-                // What stiffens it is the border of a narrow region, which stiffens the skin too.
+                // No layer is made softer: what is left above 1 is how well two meshes can be compared.
                 BendingModel::VertexCurvature => ratio.min(1.0),
             };
             let outcome = self.energy.set_bending_factor(1.0 / ratio);
@@ -47,17 +55,49 @@ impl Layer {
     /// material; `None` where nothing is compressed enough or the mesh has no wrinkling mode.
     ///
     /// One direction for all: one that varies from face to face frustrates the mode and would
-    /// count as stiffness.
+    /// count as stiffness. What the borders of narrow places add is in the response of a mesh of half
+    /// the edges, too, and leaves with their ratio `R`: errors go with the square of the edge, and
+    ///
+    /// ```text
+    /// R = (1 - e)/(1 - e/4),   1 - e = 3 R/(4 - R)
+    /// ```
     fn measured_bending_ratio(&self) -> Option<f64> {
         let mesh = &self.skin.mesh;
         let corners = face_corners(mesh, &self.skin.rest.positions);
-        let directions = vec![self.main_direction(&corners)?; mesh.face_count()];
+        let main = self.main_direction(&corners)?;
         // On a body, too, where nothing holds the border: the softest wave runs along a free edge, is
         // about half as stiff as any in the middle, and says nothing of the mesh.
-        let pinned = mesh.border_vertices();
+        let mut pinned = mesh.border_vertices();
+        // Where nothing wrinkles, or in another direction, triangles are long across the main one: the
+        // softest wave would be there, and stiffen all of the layer for nothing.
+        let too_long = self.too_long_faces(&corners, &main);
+        for (face, _) in too_long.iter().filter(|(_, on)| **on) {
+            mesh.faces()[face].iter().for_each(|&v| pinned[v] = true);
+        }
+        let modulus = self.response(mesh, &corners, &main, &pinned)?;
+        match self.bending {
+            // Hinges are wrong by what shape their triangles have, however small these are.
+            BendingModel::Hinge => Some(modulus / self.wrinkling.bending_stiffness),
+            BendingModel::VertexCurvature => {
+                let (mesh, corners, pinned) = halved(mesh, &corners, &pinned);
+                let ratio = modulus / self.response(&mesh, &corners, &main, &pinned)?;
+                Some(3.0 * ratio / (4.0 - ratio))
+            }
+        }
+    }
+
+    /// Response bending modulus (N m) of a mesh on this layer's foundation, compressed in one direction.
+    fn response(
+        &self,
+        mesh: &TriMesh,
+        corners: &[[Vector3<f64>; 3]],
+        direction: &Vector3<f64>,
+        pinned: &PerVertex<bool>,
+    ) -> Option<f64> {
+        let directions = vec![*direction; mesh.face_count()];
         let response = response_modulus(&ResponseQuery {
             mesh,
-            corners: &corners,
+            corners,
             directions: &directions,
             fixed: pinned.as_slice(),
             bending_modulus: self.wrinkling.bending_stiffness,
@@ -67,8 +107,38 @@ impl Layer {
             normal_stiffness: self.wrinkling.normal_stiffness,
             gradient_stiffness: self.wrinkling.gradient_stiffness,
         });
-        let modulus = response.ok().filter(|r| r.converged)?.bending_modulus;
-        Some(modulus / self.wrinkling.bending_stiffness)
+        let response = response.ok().filter(|response| response.converged);
+        response.map(|response| response.bending_modulus)
+    }
+
+    /// The faces that are longer along `main` than those are on the average that wrinkle in that direction.
+    fn too_long_faces(&self, corners: &[[Vector3<f64>; 3]], main: &Vector3<f64>) -> PerFace<bool> {
+        let ratios = self.strain_ratios();
+        let mut extents = Vec::with_capacity(corners.len());
+        let mut wrinkled = Vec::new();
+        for (corners, (face, strain)) in corners.iter().zip(self.strains.iter()) {
+            let [u, v] = triangle_frame(corners);
+            let [along, beside] = [u.dot(main), v.dot(main)];
+            let extent = match along.hypot(beside) {
+                // Where the layer stands across the direction there is no wave in it.
+                part if part < LEAST_PART => f64::INFINITY,
+                part => {
+                    let places = corners.map(|x| (u * along + v * beside).dot(&(x - corners[0])));
+                    let [low, high] =
+                        [f64::min, f64::max].map(|of| places.into_iter().fold(0.0, of));
+                    (high - low) / part
+                }
+            };
+            extents.push(extent);
+            let direction = u * strain.direction.x + v * strain.direction.y;
+            if ratios.of_face(face) > 1.0 && direction.dot(main).abs() > ALONG_MAIN {
+                wrinkled.push(extent);
+            }
+        }
+        let count = wrinkled.len() as f64;
+        let longest = TOO_LONG * wrinkled.iter().sum::<f64>() / count;
+        // Nothing is too long beside no wrinkles.
+        extents.iter().map(|extent| *extent > longest).collect()
     }
 
     /// The direction in space in which most of the compression beyond the critical strain goes.
@@ -87,4 +157,34 @@ impl Layer {
         let largest = eigen.eigenvalues.imax();
         (eigen.eigenvalues[largest] > 0.0).then(|| eigen.eigenvectors.column(largest).into_owned())
     }
+}
+
+/// The mesh with all triangles split in four where they lie; an edge's middle is pinned if both of its
+/// ends are.
+fn halved(
+    mesh: &TriMesh,
+    corners: &[[Vector3<f64>; 3]],
+    pinned: &PerVertex<bool>,
+) -> (TriMesh, Vec<[Vector3<f64>; 3]>, PerVertex<bool>) {
+    let count = mesh.vertex_count();
+    let mut faces = Vec::with_capacity(4 * corners.len());
+    let mut places = Vec::with_capacity(4 * corners.len());
+    for ((face, ends), x) in mesh.faces().iter().zip(corners) {
+        let middles = mesh
+            .face_edges(face)
+            .map(|edge| (count + edge.index()) as u32);
+        let between = [0, 1, 2].map(|i: usize| 0.5 * (x[i] + x[(i + 1) % 3]));
+        for i in 0..3 {
+            let before = (i + 2) % 3;
+            faces.push([ends[i].0, middles[i], middles[before]]);
+            places.push([x[i], between[i], between[before]]);
+        }
+        faces.push(middles);
+        places.push(between);
+    }
+    let is_pinned = |edge: &Edge| edge.vertices.iter().all(|&v| pinned[v]);
+    let middles = mesh.edges().as_slice().iter().map(is_pinned);
+    let pinned = pinned.as_slice().iter().copied().chain(middles).collect();
+    let mesh = TriMesh::new(count + mesh.edges().len(), faces);
+    (mesh.expect("a manifold stays one"), places, pinned)
 }

@@ -56,7 +56,7 @@ impl Layer {
             name: upper.name.clone(),
             relief: shown_positions(&positions, &above, &above, &self.weights.region),
             positions,
-            offset: own.offset + upper.lever,
+            offset: own.offset + upper.offset,
             computed: ComputedMesh::new(driver, &self.skin, &self.positions[self.vertex_count()..]),
             ..own.clone()
         })

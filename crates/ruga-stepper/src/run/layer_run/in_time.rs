@@ -173,7 +173,7 @@ impl LayerRun<'_> {
             return Ok(Rest::Found);
         }
         self.warn(format!(
-            "still moving after {MOST_STEPS_TO_REST} steps in time at load {pose_fraction:.3}; longer ones may bring it to rest"
+            "still moving after {MOST_STEPS_TO_REST} steps in time at load {pose_fraction:.3}, and the result shows it on its way; take a longer `time_step` to bring it to rest"
         ));
         Ok(Rest::StillMoving)
     }

@@ -1,7 +1,7 @@
 //! Warnings about the run of a layer.
 
 use ruga_blend::Driver;
-use ruga_solver::SolveReport;
+use ruga_solver::{SolveReport, StopRule};
 
 use super::LayerRun;
 
@@ -17,6 +17,30 @@ fn unverified_stability(solve: &SolveReport) -> Option<&'static str> {
     match solve.inertia {
         None => Some(MISSING_INERTIA),
         Some(inertia) => (!inertia.is_minimum()).then_some(UNSTABLE),
+    }
+}
+
+/// Why a solve ended without an equilibrium, and how far it was from one.
+fn why_stopped(stop: StopRule, (iterations, residual): (usize, f64)) -> String {
+    let why = match stop {
+        StopRule::IterationLimit => format!("the skin still moved after {iterations} iterations"),
+        StopRule::LineSearch => {
+            format!("after {iterations} iterations no movement of the skin brought it nearer")
+        }
+        StopRule::Saddle => "the state that was found is an unstable one".to_owned(),
+        StopRule::Infeasible => {
+            "the constraints that hold the skin contradict each other".to_owned()
+        }
+        StopRule::Breakdown => "some parts are too much stiffer than others".to_owned(),
+        StopRule::OutsideDomain => "triangles are collapsed or turned over".to_owned(),
+        // A converged solve has found one, and nobody is told of an interrupted one.
+        StopRule::Decrement | StopRule::Residual | StopRule::Interrupted => {
+            format!("it ended after {iterations} iterations")
+        }
+    };
+    match residual.is_finite() {
+        true => format!("{why}; forces were out of balance by {residual:.1e} of their scale"),
+        false => why,
     }
 }
 
@@ -51,12 +75,9 @@ impl LayerRun<'_> {
     pub(super) fn warn_of_failure(&mut self, what: &str, pose_fraction: f64, solve: &SolveReport) {
         let why = match solve.converged {
             true => "a vertex passed through an obstacle".to_owned(),
-            false => format!(
-                "{:?} after {} iterations, relative residual {:.1e}",
-                solve.stop, solve.iterations, solve.residual
-            ),
+            false => why_stopped(solve.stop, (solve.iterations, solve.residual)),
         };
-        self.warn(format!("{what} at load {pose_fraction:.3} ({why})"));
+        self.warn(format!("{what} at load {pose_fraction:.3}: {why}"));
     }
 
     /// Notes where the layer was to wrinkle and has not.
@@ -70,7 +91,13 @@ impl LayerRun<'_> {
     /// layer.
     pub(crate) fn warn_of_loading(&mut self) {
         if self.halved > 0 {
-            self.warn(format!("steps in time that were halved: {}", self.halved));
+            let were = match self.halved {
+                1 => "1 step in time was too long and was".to_owned(),
+                halved => format!("{halved} steps in time were too long and were"),
+            };
+            self.warn(format!(
+                "{were} halved; the result is right. A shorter `time_step`, with as many more `steps`, is faster"
+            ));
         }
         if self.layer.solid().is_none() {
             return;
@@ -84,8 +111,24 @@ impl LayerRun<'_> {
         let depth = self.layer.penetration() / self.layer.spec.material.thickness;
         if depth > 0.1 {
             self.warn(format!(
-                "the layer is {depth:.1} of its thickness inside an obstacle"
+                "the layer is {depth:.1} of its thickness inside an obstacle, which may show through it; take more `steps`, or move the obstacle less far"
             ));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failure_is_told_in_words_with_its_distance_from_balance() {
+        let limit = why_stopped(StopRule::IterationLimit, (60, 2.5e-3));
+        assert_eq!(
+            limit,
+            "the skin still moved after 60 iterations; forces were out of balance by 2.5e-3 of their scale"
+        );
+        let start = why_stopped(StopRule::OutsideDomain, (0, f64::INFINITY));
+        assert_eq!(start, "triangles are collapsed or turned over");
     }
 }

@@ -30,10 +30,16 @@ pub(crate) fn key(page: &Page<'_>, [left, top]: [f64; 2], points: &[Point]) -> D
     page.text([left, top - 32.0], "Key", TITLE)?;
     let mut y = top - 33.0;
     for (method, words) in [
-        (DEFAULT, "hybrid: foundation and low-pass rows (default)"),
-        (HINGED, "the same with hinges, on shorter triangles"),
-        (ELASTIC, "elastic: foundation alone; right only where flat"),
-        (PAPERS, "constraint: hard rows alone (papers); dashed: LDLᵀ"),
+        (
+            DEFAULT,
+            "hybrid: springs and averaging constraints (default)",
+        ),
+        (HINGED, "the same, bending at edges, on shorter triangles"),
+        (ELASTIC, "elastic: springs alone; right only where flat"),
+        (
+            PAPERS,
+            "averaging constraints alone (papers); dashed: direct",
+        ),
     ] {
         y += 20.0;
         page.line(&[[left, y], [left + 22.0, y]], stroke(colour(&method), 4.0))?;
@@ -57,7 +63,7 @@ fn marks(page: &Page<'_>, [left, y]: [f64; 2]) -> Drawn {
         (
             with(Mesh::Uniform, Solver::Minres),
             218.0,
-            "MINRES; round: LDLᵀ",
+            "iterative; round: direct",
         ),
     ] {
         mark(page, [left + 7.0 + shift, y], &method, FAINT, 5.2)?;

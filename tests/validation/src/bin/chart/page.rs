@@ -123,8 +123,7 @@ fn heading(page: &Page<'_>, points: &[Point], lines: &[&str]) -> Drawn {
 }
 
 /// What is meant by the papers' way.
-const PAPERS_WAY: &str =
-    "The papers’ way: hard rows sampled by area, hinges, a uniform mesh, MINRES.";
+const PAPERS_WAY: &str = "The papers’ way: averaging constraints alone, sampled by area; bending at edges; a uniform mesh; an iterative solver (MINRES).";
 
 /// Lines from a height on.
 fn notes(page: &Page<'_>, top: f64, lines: &[&str]) -> Drawn {
@@ -155,8 +154,8 @@ fn caption(page: &Page<'_>, points: &[Point], command: &str) -> Drawn {
          thickness. More numbers beside this chart in chart.json. Reproduce: {command}"
     );
     let lines = [
-        "Along each line 4, 6, 8, 12, 16, 24 mesh edges per wavelength. Pale marks: other samplings of the rows (area, \
-         adjusted, quadrature), meshes and solvers. Errors under 0.05 % are drawn at the lower edge.",
+        "Along each line 4, 6, 8, 12, 16, 24 mesh edges per wavelength. Pale marks: other samplings of the averaging \
+         constraints (area, adjusted, quadrature), meshes and solvers. Errors under 0.05 % are drawn at the lower edge.",
         "Film: against the continuum with finite strains. Its compression fades out towards both ends, so that these do \
          not set its wavelength; the border takes half a per cent of the onset.",
         "Normals: along lines across the wrinkles, each shifted to its best. Patch: three critical strains in its middle, \

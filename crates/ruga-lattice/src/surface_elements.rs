@@ -1,4 +1,4 @@
-//! From a material point, or a point in space, to a place in an element.
+//! Which element of a lattice is around a point of its surface, or in a cell.
 
 use nalgebra::Vector3;
 use ruga_mesh::{FaceId, Id, TriMesh, closest_on_triangle};
@@ -8,19 +8,9 @@ use crate::face_cutting::Fragment;
 use crate::grid::{Grid, Index};
 use crate::pieces::Dissection;
 
-/// A place in an element.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
-    /// The element.
-    pub element: ElementId,
-    /// Coordinates along x, y, z, 0 to 1 from corner to corner of its cell. Beyond that the
-    /// element's polynomials are extrapolated.
-    pub local: Vector3<f64>,
-}
-
 /// The surface that a lattice was built from, and the elements around its fragments.
 #[derive(Clone, Debug)]
-pub(crate) struct SurfacePlaces {
+pub(crate) struct SurfaceElements {
     mesh: TriMesh,
     positions: Vec<Vector3<f64>>,
     /// Sorted by face.
@@ -32,7 +22,7 @@ pub(crate) struct SurfacePlaces {
     fragment_cells: Vec<(Index, u32)>,
 }
 
-impl SurfacePlaces {
+impl SurfaceElements {
     pub(crate) fn new(mesh: &TriMesh, positions: &[Vector3<f64>], dissection: Dissection) -> Self {
         let pieces = dissection.pieces.iter().enumerate();
         let fragments = dissection.fragments;

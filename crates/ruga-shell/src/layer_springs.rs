@@ -5,9 +5,9 @@ use nalgebra::{Matrix3, Vector3};
 use crate::RestTriangle;
 use crate::foundation::NormalFoundation;
 
-/// Springs between two layers at one face.
+/// Stiffnesses of the springs between two layers at one face.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TieParameters {
+pub struct LayerSpringParameters {
     /// `K0` of the upper layer on the lower one (N/m³), ≥ 0.
     pub normal_stiffness: f64,
     /// `K1` on the gradient of the deviation (N/m), any sign; as in a layer, a negative one is kept,
@@ -18,13 +18,13 @@ pub struct TieParameters {
     pub tangential_stiffness: f64,
 }
 
-/// Energy of two faces one above the other.
+/// Springs that hold a face of an upper layer to the lower layer's face below it.
 ///
 /// With `x` the corners of the lower face, `y` those of the upper one, `n` the unit normal of the
 /// lower face where it is now, and per corner `r = y - x`:
 ///
 /// ```text
-/// w_i = n.r_i - t_i                    deviation from the lever t_i
+/// w_i = n.r_i - t_i                    deviation from the mid-surface offset t_i
 /// d_i = r_i - n (n.r_i)                drift
 /// E   = NormalFoundation(w) + 1/2 Kt A/3 sum_i |d_i|^2
 ///
@@ -43,8 +43,8 @@ pub struct TieParameters {
 /// lower triangle, row by row: (0,0) (1,0) (1,1) (2,0) ... (5,5).
 ///
 /// # Validity
-/// A lower face that has collapsed to a line has no normal: the shear tie then pulls the corners
-/// together, and nothing is NaN.
+/// A lower face that has collapsed to a line has no normal: the tangential springs then pull the
+/// corners together, and nothing is NaN.
 ///
 /// The normal is a facet's. Where the surface has a curvature `kappa` in one direction, the normals
 /// of the equilateral faces around a vertex, edge `e`, scatter about their mean by
@@ -56,22 +56,23 @@ pub struct TieParameters {
 /// ```
 ///
 /// more, whatever the direction of the curvature. Against the sandwich's own `Kq t^2/k^2`, with `Kq`
-/// the tie in series with the membranes, this is the share `3/16 (k e)^2 Kt/Kq`. At 16 edges per
-/// common wave it raises the critical strain of Li 2014's skin by 1 %, that of a soft thin film by
-/// 4 %, and falls with the square of the edge: where the mesh resolves the fine wave it is nothing.
+/// the tangential springs in series with the membranes, this is the share `3/16 (k e)^2 Kt/Kq`. At
+/// 16 edges per common wave it raises the critical strain of Li 2014's skin by 1 %, that of a soft
+/// thin film by 4 %, and falls with the square of the edge: where the mesh resolves the fine wave it
+/// is nothing.
 /// For the same reason a pair that is curved at rest, with arms along its vertex normals, feels a
 /// moment `D_facet kappa` towards flat.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LayerTie {
+pub struct LayerSprings {
     normal: NormalFoundation,
     /// `Kt A/3` (N/m).
-    shear: f64,
-    levers: [f64; 3],
+    tangential: f64,
+    offsets: [f64; 3],
 }
 
-/// Geometry that value, gradient and Hessian of one tie share.
+/// Geometry that value, gradient and Hessian at one face share.
 #[derive(Clone, Copy, Debug)]
-pub struct TieState {
+pub struct LayerSpringState {
     /// Unit normal of the lower face.
     normal: Vector3<f64>,
     /// Gradients of the lower face's linear shape functions, in space and as it lies now (1/m).
@@ -81,7 +82,7 @@ pub struct TieState {
     drifts: [Vector3<f64>; 3],
 }
 
-impl TieState {
+impl LayerSpringState {
     /// Normal, heights and drifts at `x`.
     #[inline]
     pub fn new(x: &[Vector3<f64>; 6]) -> Self {
@@ -108,33 +109,33 @@ impl TieState {
     }
 }
 
-impl LayerTie {
-    /// `rest` is the lower face's rest shape, `levers` the distance of each upper corner from the
-    /// lower one when unstrained (m).
-    pub fn new(rest: &RestTriangle, parameters: &TieParameters, levers: [f64; 3]) -> Self {
-        let TieParameters {
+impl LayerSprings {
+    /// `rest` is the lower face's rest shape, `offsets` the distance of each upper corner from the
+    /// lower one when unstrained (m), between the mid-surfaces.
+    pub fn new(rest: &RestTriangle, parameters: &LayerSpringParameters, offsets: [f64; 3]) -> Self {
+        let LayerSpringParameters {
             normal_stiffness,
             gradient_stiffness,
             tangential_stiffness,
         } = *parameters;
         Self {
             normal: NormalFoundation::new(rest, normal_stiffness, gradient_stiffness),
-            shear: tangential_stiffness * rest.area() / 3.0,
-            levers,
+            tangential: tangential_stiffness * rest.area() / 3.0,
+            offsets,
         }
     }
 
     /// Energies of the `K0`, `K1` and `Kt` terms (J).
     pub fn values(&self, x: &[Vector3<f64>; 6]) -> [f64; 3] {
-        let state = TieState::new(x);
+        let state = LayerSpringState::new(x);
         let [normal, gradient] = self.normal.values(self.deviations(&state));
         let squares: f64 = state.drifts.iter().map(Vector3::norm_squared).sum();
-        [normal, gradient, 0.5 * self.shear * squares]
+        [normal, gradient, 0.5 * self.tangential * squares]
     }
 
     /// `w` of the three corners (m).
-    pub fn deviations(&self, state: &TieState) -> [f64; 3] {
-        std::array::from_fn(|i| state.heights[i] - self.levers[i])
+    pub fn deviations(&self, state: &LayerSpringState) -> [f64; 3] {
+        std::array::from_fn(|i| state.heights[i] - self.offsets[i])
     }
 
     /// Derivative of the energy by the six points (N).
@@ -142,12 +143,12 @@ impl LayerTie {
     /// The normal turns by `dn = -sum_i G_i (n.dx_i)`, with `G_i` the shape gradients.
     #[inline]
     pub fn gradient(&self, x: &[Vector3<f64>; 6]) -> [Vector3<f64>; 6] {
-        let state = TieState::new(x);
+        let state = LayerSpringState::new(x);
         let pressures = self.normal.gradient(self.deviations(&state));
         let by_normal = self.by_normal(&state, &pressures);
         let n = state.normal;
         let forces: [_; 3] =
-            std::array::from_fn(|i| state.drifts[i] * self.shear + n * pressures[i]);
+            std::array::from_fn(|i| state.drifts[i] * self.tangential + n * pressures[i]);
         // A lower corner takes the counterforce of the one above it, and turns the normal besides.
         let below = |i: usize| -forces[i] - n * state.gradients[i].dot(&by_normal);
         [
@@ -162,10 +163,10 @@ impl LayerTie {
 
     /// Derivative of the energy by the normal, in the plane of the face (J).
     #[inline]
-    fn by_normal(&self, state: &TieState, pressures: &[f64; 3]) -> Vector3<f64> {
+    fn by_normal(&self, state: &LayerSpringState, pressures: &[f64; 3]) -> Vector3<f64> {
         // A unit normal cannot change along itself, so that of each arm only the drift does work.
         (0..3)
-            .map(|i| state.drifts[i] * (pressures[i] - self.shear * state.heights[i]))
+            .map(|i| state.drifts[i] * (pressures[i] - self.tangential * state.heights[i]))
             .sum()
     }
 
@@ -181,8 +182,8 @@ impl LayerTie {
     /// rise k, rise l  (D^T M D)_kl + s (D^T D)_kl + s |p|^2 G_k.G_l
     /// ```
     #[inline]
-    pub fn gauss_newton(&self, state: &TieState) -> [Matrix3<f64>; 21] {
-        let (n, s) = (state.normal, self.shear);
+    pub fn gauss_newton(&self, state: &LayerSpringState) -> [Matrix3<f64>; 21] {
+        let (n, s) = (state.normal, self.tangential);
         let matrix = self.normal.matrix();
         let slopes = slopes(state);
         let turned = matrix * slopes;
@@ -214,8 +215,8 @@ impl LayerTie {
     /// x_i, x_k        (g.G_i) G_k n^T + (g.G_k) n G_i^T      from the normal's second derivative
     /// ```
     #[inline]
-    pub fn add_curvature(&self, state: &TieState, blocks: &mut [Matrix3<f64>; 21]) {
-        let (n, s) = (state.normal, self.shear);
+    pub fn add_curvature(&self, state: &LayerSpringState, blocks: &mut [Matrix3<f64>; 21]) {
+        let (n, s) = (state.normal, self.tangential);
         let pressures = self.normal.gradient(self.deviations(state));
         let slopes = slopes(state);
         let nodal = slopes.transpose() * slopes * (2.0 * s);
@@ -243,7 +244,7 @@ impl LayerTie {
 
     /// Second derivative of the energy (N/m).
     pub fn hessian(&self, x: &[Vector3<f64>; 6]) -> [Matrix3<f64>; 21] {
-        let state = TieState::new(x);
+        let state = LayerSpringState::new(x);
         let mut blocks = self.gauss_newton(&state);
         self.add_curvature(&state, &mut blocks);
         blocks
@@ -252,7 +253,7 @@ impl LayerTie {
 
 /// `D_ik = d_i.G_k`: the deviation of corner `i` falls by this when the lower corner `k` rises by 1.
 #[inline]
-fn slopes(state: &TieState) -> Matrix3<f64> {
+fn slopes(state: &LayerSpringState) -> Matrix3<f64> {
     Matrix3::from_fn(|i, k| state.drifts[i].dot(&state.gradients[k]))
 }
 

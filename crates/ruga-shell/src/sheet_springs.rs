@@ -5,39 +5,39 @@ use nalgebra::Vector3;
 use ruga_mesh::{BlockPattern, BlockSlot};
 
 use crate::stencil::{add_blocks, gather, slots};
-use crate::{EnergyParts, LayerTie, RestTriangle, TieParameters, TieState};
+use crate::{EnergyParts, LayerSpringParameters, LayerSpringState, LayerSprings, RestTriangle};
 
-/// A tie per face, from the lower sheet to the upper one.
+/// Springs per face, from the lower sheet to the upper one.
 #[derive(Clone, Debug)]
-pub(crate) struct SheetTies {
-    parameters: Vec<TieParameters>,
-    levers: Vec<f64>,
-    elements: Vec<TieElement>,
+pub(crate) struct SheetSprings {
+    parameters: Vec<LayerSpringParameters>,
+    offsets: Vec<f64>,
+    elements: Vec<SpringElement>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct TieElement {
-    tie: LayerTie,
+struct SpringElement {
+    springs: LayerSprings,
     /// Vertices of the lower corners, then of the upper ones.
     vertices: [u32; 6],
     slots: [BlockSlot; 21],
 }
 
-impl SheetTies {
-    /// Ties with these parameters per face and levers (m) per lower vertex between faces and those
-    /// above them, see [`both`]; `rest` are the lower ones.
+impl SheetSprings {
+    /// Springs with these parameters per face and mid-surface offsets (m) per lower vertex, between
+    /// faces and those above them, see [`both`]; `rest` are the lower ones.
     pub(crate) fn new(
         (faces, rest): (&[[u32; 6]], &[RestTriangle]),
-        parameters: Vec<TieParameters>,
-        levers: Vec<f64>,
+        parameters: Vec<LayerSpringParameters>,
+        offsets: Vec<f64>,
         pattern: &BlockPattern,
     ) -> Self {
         let elements = faces.iter().zip(rest).zip(&parameters);
         let elements = elements.map(|((&vertices, rest), parameters)| {
             let [a, b, c, ..] = vertices;
-            let levers = [a, b, c].map(|v| levers[v as usize]);
-            TieElement {
-                tie: LayerTie::new(rest, parameters, levers),
+            let offsets = [a, b, c].map(|v| offsets[v as usize]);
+            SpringElement {
+                springs: LayerSprings::new(rest, parameters, offsets),
                 vertices,
                 slots: slots(pattern, &vertices),
             }
@@ -45,7 +45,7 @@ impl SheetTies {
         Self {
             elements: elements.collect(),
             parameters,
-            levers,
+            offsets,
         }
     }
 
@@ -55,15 +55,16 @@ impl SheetTies {
         for ((element, rest), parameters) in elements {
             let [a, b, c, ..] = element.vertices;
             // A rest metric is one in the plane: distances across the sheets do not follow it.
-            let levers = [a, b, c].map(|v| self.levers[v as usize]);
-            element.tie = LayerTie::new(rest, parameters, levers);
+            let offsets = [a, b, c].map(|v| self.offsets[v as usize]);
+            element.springs = LayerSprings::new(rest, parameters, offsets);
         }
     }
 
     pub(crate) fn parts(&self, x: &[Vector3<f64>]) -> EnergyParts {
         let mut parts = EnergyParts::default();
         for element in &self.elements {
-            let [normal, gradient, tangential] = element.tie.values(&gather(x, &element.vertices));
+            let [normal, gradient, tangential] =
+                element.springs.values(&gather(x, &element.vertices));
             parts.normal += normal;
             parts.gradient += gradient;
             parts.tangential += tangential;
@@ -77,26 +78,29 @@ impl SheetTies {
         pattern: &BlockPattern,
         gradient: &mut [f64],
     ) {
-        for TieElement { tie, vertices, .. } in &self.elements {
-            let forces = tie.gradient(&gather(x, vertices));
+        for SpringElement {
+            springs, vertices, ..
+        } in &self.elements
+        {
+            let forces = springs.gradient(&gather(x, vertices));
             pattern.add_forces(gradient, vertices, &forces);
         }
     }
 
     /// Adds the second derivative to `exact` and its Gauss-Newton part to `relaxed`, unless empty.
     pub(crate) fn add_hessian(&self, x: &[Vector3<f64>], exact: &mut [f64], relaxed: &mut [f64]) {
-        for TieElement {
-            tie,
+        for SpringElement {
+            springs,
             vertices,
             slots,
         } in &self.elements
         {
-            let state = TieState::new(&gather(x, vertices));
-            let mut blocks = tie.gauss_newton(&state);
+            let state = LayerSpringState::new(&gather(x, vertices));
+            let mut blocks = springs.gauss_newton(&state);
             if !relaxed.is_empty() {
                 add_blocks(relaxed, slots, &blocks);
             }
-            tie.add_curvature(&state, &mut blocks);
+            springs.add_curvature(&state, &mut blocks);
             add_blocks(exact, slots, &blocks);
         }
     }

@@ -1,41 +1,51 @@
-//! Places of surface points in a lattice.
+//! Points of a lattice: the element each one is in, and its coordinates there.
 
 use nalgebra::Vector3;
 use ruga_mesh::{Id, MaterialPoint, SurfaceLookup};
 
-use crate::places::{Place, distance_to_cell};
+use crate::surface_elements::distance_to_cell;
 use crate::{ElementId, Lattice, LatticeError};
 
+/// A point of a lattice: an element and coordinates in its cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LatticePoint {
+    /// The element.
+    pub element: ElementId,
+    /// Coordinates along x, y, z, 0 to 1 from corner to corner of its cell. Beyond that the
+    /// element's polynomials are extrapolated.
+    pub local: Vector3<f64>,
+}
+
 impl Lattice {
-    /// The place of a material point of the surface at its rest position.
+    /// Locates a material point of the surface at its rest position.
     ///
     /// # Errors
     /// [`LatticeError::FaceOutOfRange`], [`LatticeError::NotFinite`]; the point counts as point 0.
-    pub fn place(&self, point: &MaterialPoint) -> Result<Place, LatticeError> {
-        self.place_numbered(0, point)
+    pub fn locate(&self, point: &MaterialPoint) -> Result<LatticePoint, LatticeError> {
+        self.locate_numbered(0, point)
     }
 
-    pub(crate) fn place_numbered(
+    pub(crate) fn locate_numbered(
         &self,
         index: usize,
         point: &MaterialPoint,
-    ) -> Result<Place, LatticeError> {
+    ) -> Result<LatticePoint, LatticeError> {
         self.check_face(index, point)?;
         let surface = self.surface();
         let position = point.interpolate(surface.mesh(), surface.positions());
-        self.place_moved(index, point, &position)
+        self.locate_moved(index, point, &position)
     }
 
-    /// The place of a point near the surface, in the element that its material point belongs to.
+    /// Locates a point near the surface in the element that its material point belongs to.
     ///
     /// So a point of a smooth surface that stands a little off its face is extrapolated from that
     /// face's own piece of the body, and not from another one that is close in space.
-    pub(crate) fn place_moved(
+    pub(crate) fn locate_moved(
         &self,
         index: usize,
         point: &MaterialPoint,
         position: &Vector3<f64>,
-    ) -> Result<Place, LatticeError> {
+    ) -> Result<LatticePoint, LatticeError> {
         self.check_face(index, point)?;
         if !position.iter().all(|c| c.is_finite()) {
             let what = "position of point";
@@ -44,66 +54,77 @@ impl Lattice {
         let element = self
             .surface()
             .element_of_face(point.face, position, self.grid());
-        Ok(self.place_in(element, position))
+        Ok(self.locate_in(element, position))
     }
 
-    fn check_face(&self, point: usize, place: &MaterialPoint) -> Result<(), LatticeError> {
+    fn check_face(&self, index: usize, point: &MaterialPoint) -> Result<(), LatticeError> {
         let count = self.surface().mesh().face_count();
-        if place.face.index() < count {
+        if point.face.index() < count {
             Ok(())
         } else {
-            let face = place.face;
-            Err(LatticeError::FaceOutOfRange { point, face, count })
+            let face = point.face;
+            Err(LatticeError::FaceOutOfRange {
+                point: index,
+                face,
+                count,
+            })
         }
     }
 
-    pub(crate) fn check_place(&self, index: usize, place: &Place) -> Result<(), LatticeError> {
-        let (element, count) = (place.element, self.element_count());
+    pub(crate) fn check_point(
+        &self,
+        index: usize,
+        point: &LatticePoint,
+    ) -> Result<(), LatticeError> {
+        let (element, count) = (point.element, self.element_count());
         if element.index() >= count {
             return Err(LatticeError::ElementOutOfRange {
-                place: index,
+                point: index,
                 element,
                 count,
             });
         }
-        if !place.local.iter().all(|c| c.is_finite()) {
+        if !point.local.iter().all(|c| c.is_finite()) {
             let what = "place";
             return Err(LatticeError::NotFinite { what, index });
         }
         Ok(())
     }
 
-    /// The place of a rest position (m) in a given element, inside its cell or not.
+    /// Locates a rest position (m) in a given element, inside its cell or not.
     ///
     /// # Panics
     /// When the lattice does not have the element.
-    pub fn place_in(&self, element: ElementId, position: &Vector3<f64>) -> Place {
-        Place {
+    pub fn locate_in(&self, element: ElementId, position: &Vector3<f64>) -> LatticePoint {
+        LatticePoint {
             element,
             local: self.grid().local(self.cell(element), position),
         }
     }
 
-    /// The places of rest positions (m) anywhere: in the body, on its surface or outside.
+    /// Locates rest positions (m) anywhere: in the body, on its surface or outside.
     ///
-    /// Inside the body it is the piece around the point. Outside, it is the piece in the same cell
-    /// whose surface is closest; in a cell without any, the one of the closest point of the whole
-    /// surface, extrapolated.
+    /// Inside the body the element is that of the piece around the point. Outside, it is that of the
+    /// piece in the same cell whose surface is closest; in a cell without any, that of the closest
+    /// point of the whole surface, extrapolated.
     ///
     /// # Errors
     /// [`LatticeError::NotFinite`].
-    pub fn places_near(&self, positions: &[Vector3<f64>]) -> Result<Vec<Place>, LatticeError> {
+    pub fn locate_near(
+        &self,
+        positions: &[Vector3<f64>],
+    ) -> Result<Vec<LatticePoint>, LatticeError> {
         let surface = self.surface();
         let lookup = SurfaceLookup::new(surface.mesh(), surface.positions());
-        let places = positions.iter().enumerate().map(|(index, position)| {
+        let points = positions.iter().enumerate().map(|(index, position)| {
             let is_finite = position.iter().all(|c| c.is_finite());
             let element = is_finite.then(|| self.element_near(position, &lookup));
             let what = "position of point";
             let element = element.flatten();
             let element = element.ok_or(LatticeError::NotFinite { what, index })?;
-            Ok(self.place_in(element, position))
+            Ok(self.locate_in(element, position))
         });
-        places.collect()
+        points.collect()
     }
 
     fn element_near(&self, point: &Vector3<f64>, lookup: &SurfaceLookup) -> Option<ElementId> {

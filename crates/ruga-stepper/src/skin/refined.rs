@@ -1,0 +1,163 @@
+//! Output meshes that are fine where wrinkles may be, and coarse elsewhere.
+
+use nalgebra::Vector3;
+use ruga_blend::Driver;
+use ruga_mesh::{Edge, EdgeId, Id, PerEdge, PerFace, TriMesh};
+
+use crate::skin::piece::Piece;
+
+/// Halvings of an edge, at most: seven more than make a metre a millimetre.
+const MOST_PASSES: u32 = 17;
+
+/// Halves edges of `piece` until none is longer than `longest` (m) of a face beside it; `None` as soon
+/// as `goes_on`, which is asked between its passes, says no.
+///
+/// With any edge of a face its longest one is halved, too (Rivara 1984), or every pass would make angles
+/// smaller beside faces that are split more often.
+pub(crate) fn refined(
+    driver: &Driver,
+    mut piece: Piece,
+    mut longest: PerFace<f64>,
+    goes_on: &mut dyn FnMut() -> bool,
+) -> Option<Piece> {
+    let mut positions = piece.flat_positions(driver);
+    for _ in 0..MOST_PASSES {
+        let halved = edges_to_halve(&piece.mesh, &positions, &longest);
+        if !halved.as_slice().contains(&true) {
+            break;
+        }
+        let middle = |halved: &bool| halved.then_some(0.5);
+        let places: Vec<Option<f64>> = halved.as_slice().iter().map(middle).collect();
+        let split = piece.split(&places, &mut positions);
+        longest = split.parents.iter().map(|&face| longest[face]).collect();
+        if !goes_on() {
+            return None;
+        }
+    }
+    Some(piece)
+}
+
+/// Edges that are too long for a face beside them, and with them the longest of every face that loses
+/// one.
+fn edges_to_halve(
+    mesh: &TriMesh,
+    positions: &[Vector3<f64>],
+    longest: &PerFace<f64>,
+) -> PerEdge<bool> {
+    let length = |edge: &Edge| {
+        let [a, b] = edge.vertices.map(|v| positions[v.index()]);
+        (b - a).norm()
+    };
+    let lengths: PerEdge<f64> = mesh.edges().as_slice().iter().map(length).collect();
+    let is_too_long = |(id, edge): (EdgeId, &Edge)| {
+        let mut beside = edge.faces.iter().flatten();
+        beside.any(|&face| lengths[id] > longest[face])
+    };
+    let mut halved: PerEdge<bool> = mesh.edges().iter().map(is_too_long).collect();
+    let mut pending: Vec<EdgeId> = halved
+        .iter()
+        .filter(|(_, on)| **on)
+        .map(|(id, _)| id)
+        .collect();
+    while let Some(edge) = pending.pop() {
+        for face in mesh.edges()[edge].faces.into_iter().flatten() {
+            let own = mesh.face_edges(face).into_iter();
+            // Of equal ones the first, whatever corner a face begins with.
+            let most = own.max_by(|a, b| lengths[*a].total_cmp(&lengths[*b]).then(b.cmp(a)));
+            let most = most.expect("a face has three edges");
+            if !halved[most] {
+                halved[most] = true;
+                pending.push(most);
+            }
+        }
+    }
+    halved
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+    use ruga_blend::{BaseSurface, Smoothing};
+    use ruga_mesh::FaceId;
+
+    use super::*;
+    use crate::test_drivers::{SIDE, square_mesh};
+
+    /// A flat square of right triangles as a piece, and its driver.
+    fn square() -> (Driver, Piece) {
+        let flat = |p: nalgebra::Vector2<f64>| Vector3::new(p.x, p.y, 0.0);
+        let driver = Driver::new(&square_mesh(&flat, &flat)).expect("a square");
+        let faces: Vec<FaceId> = driver.topology().faces().ids().collect();
+        let piece = Piece::of(&BaseSurface::new(&driver, &faces, 0, Smoothing::Loop));
+        (driver, piece)
+    }
+
+    fn corners(piece: &Piece, driver: &Driver, face: FaceId) -> [Vector3<f64>; 3] {
+        let positions = piece.flat_positions(driver);
+        piece.mesh.faces()[face].map(|v| positions[v.index()])
+    }
+
+    /// Edges are short where it is asked for, the area stays, every face lies in its face of the driver,
+    /// and no angle becomes smaller than half of a right triangle's beside a face split many times.
+    #[test]
+    fn edges_are_halved_where_they_are_too_long() {
+        let (driver, piece) = square();
+        let coarse = driver.rest().iter().map(|x| x.x).fold(f64::MIN, f64::max);
+        let wanted = |centre: Vector3<f64>| {
+            if centre.norm() < 0.2 * SIDE {
+                SIDE / 300.0
+            } else {
+                coarse
+            }
+        };
+        let longest = piece.mesh.faces().ids().map(|face| {
+            let [a, b, c] = corners(&piece, &driver, face);
+            wanted((a + b + c) / 3.0)
+        });
+        let longest: PerFace<f64> = longest.collect();
+        let before = piece.mesh.face_count();
+        let fine = refined(&driver, piece.clone(), longest.clone(), &mut || true)
+            .expect("nothing ends it");
+        assert!(
+            fine.mesh.face_count() > 4 * before,
+            "{}",
+            fine.mesh.face_count()
+        );
+        let positions = fine.flat_positions(&driver);
+        let (mut area, mut least) = (0.0, f64::INFINITY);
+        for (face, vertices) in fine.mesh.faces().iter() {
+            let [a, b, c] = vertices.map(|v| positions[v.index()]);
+            area += 0.5 * (b - a).cross(&(c - a)).norm();
+            let origin = &fine.origins[face];
+            let asked = longest[origin.face];
+            for [p, q, r] in [[a, b, c], [b, c, a], [c, a, b]] {
+                assert!((q - p).norm() <= asked, "{} m of {asked}", (q - p).norm());
+                least = f64::min(least, (q - p).angle(&(r - p)));
+            }
+            for (corner, weights) in vertices.iter().zip(origin.corners) {
+                let there =
+                    driver.topology().faces()[origin.face].map(|v| driver.rest()[v.index()]);
+                let place: Vector3<f64> = there.iter().zip(weights).map(|(x, w)| x * w).sum();
+                assert!((place - positions[corner.index()]).norm() < 1e-12);
+            }
+        }
+        assert!((area / (SIDE * SIDE) - 1.0).abs() < 1e-12, "{area}");
+        assert!(least.to_degrees() > 22.4, "{} degrees", least.to_degrees());
+    }
+
+    /// What is short enough stays as it is; who asks for an end gets one.
+    #[test]
+    fn short_edges_stay_and_interrupts_are_heard() {
+        let (driver, piece) = square();
+        let faces = piece.mesh.face_count();
+        let same = refined(
+            &driver,
+            piece.clone(),
+            PerFace::filled(faces, SIDE),
+            &mut || true,
+        );
+        assert_eq!(same.expect("nothing ends it").mesh.face_count(), faces);
+        let fine = PerFace::filled(faces, 1e-3 * SIDE);
+        assert!(refined(&driver, piece, fine, &mut || false).is_none());
+    }
+}
