@@ -252,7 +252,12 @@ impl<'a> Patch<'a> {
         let point = if self.topology.is_feature(h) {
             self.surface.closest_on_feature(ends, middle)
         } else {
-            self.surface.closest(ends[0], middle)
+            // Across a sharp edge of the surface the way from one end may stop right below the middle,
+            // on that end's side, where halves of halves would run into the edge and never cross it.
+            let places = ends.map(|end| self.surface.closest(end, middle));
+            let [first, second] =
+                places.map(|place| (self.surface.position(place) - middle).norm());
+            places[usize::from(second < first)]
         };
         let m = self.sites.len() as u32;
         // The vertex is put in before it is judged, since measures read vertices by number.

@@ -2,6 +2,8 @@
 
 mod shapes;
 
+use std::collections::BTreeMap;
+
 use nalgebra::Vector3;
 use ruga_mesh::{Id, MaterialPoint, PerEdge, PerFace, PerVertex, TriMesh, VertexId};
 use ruga_remesh::{
@@ -160,6 +162,64 @@ fn fixed_vertices_stay_where_they_are() {
     let carried = result.transfer.flags(&mesh.fixed, false);
     assert_eq!(carried, result.mesh.fixed);
     assert!(result.mesh.mesh.vertex_count() < mesh.mesh.vertex_count() / 3);
+}
+
+/// A closed block with sharp edges, of two triangles to each of its cells.
+fn block(cells: [usize; 3], sides: Vector3<f64>) -> (TriMesh, Vec<Vector3<f64>>) {
+    let mut numbers: BTreeMap<[usize; 3], u32> = BTreeMap::new();
+    let mut faces = Vec::new();
+    for axis in 0..3 {
+        let [a, b] = [(axis + 1) % 3, (axis + 2) % 3];
+        for side in [0, cells[axis]] {
+            for i in 0..cells[a] {
+                for j in 0..cells[b] {
+                    let corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
+                    let [p, q, r, s] = corners.map(|[u, v]| {
+                        let mut place = [0; 3];
+                        (place[axis], place[a], place[b]) = (side, u, v);
+                        let next = numbers.len() as u32;
+                        *numbers.entry(place).or_insert(next)
+                    });
+                    match side {
+                        0 => faces.extend([[p, r, q], [p, s, r]]),
+                        _ => faces.extend([[p, q, r], [p, r, s]]),
+                    }
+                }
+            }
+        }
+    }
+    let mut positions = vec![Vector3::zeros(); numbers.len()];
+    for (place, number) in numbers {
+        positions[number as usize] =
+            Vector3::from_fn(|k, _| sides[k] * place[k] as f64 / cells[k] as f64);
+    }
+    (
+        TriMesh::new(positions.len(), faces).expect("a block"),
+        positions,
+    )
+}
+
+/// A coarse mesh cuts the edges and corners of a block. The middle of such a cut lies inside the block,
+/// and the way to the surface from one end may lead to that end's side: halves of halves ran into the
+/// corner, 1e-10 m apart.
+#[test]
+fn a_mesh_that_cuts_the_edges_of_a_block_is_refined_without_needles() {
+    for cells in [[8, 6, 4], [16, 12, 8], [24, 18, 12]] {
+        let (mesh, positions) = block(cells, Vector3::new(20.0, 15.0, 10.0));
+        let features = PerEdge::filled(mesh.edges().len(), false);
+        let surface = PolyhedralSurface::new(&mesh, &positions, &features).expect("arrays fit");
+        let points = surface.vertex_points().expect("no loose vertex");
+        let start = SurfaceMesh::on_surface(mesh.clone(), points, &surface).expect("arrays fit");
+        for edge in [0.4, 0.5, 0.6, 0.7, 0.8] {
+            let fine = follow(&follow(&start, 3.0 * edge, &surface).mesh, edge, &surface).mesh;
+            let lengths = fine.mesh.edges().as_slice().iter().map(|ends| {
+                let [a, b] = ends.vertices.map(|v| fine.positions[v]);
+                (b - a).norm()
+            });
+            let least = lengths.fold(f64::INFINITY, f64::min);
+            assert!(least > 0.25 * edge, "{cells:?}: {least} m of {edge}");
+        }
+    }
 }
 
 #[test]
