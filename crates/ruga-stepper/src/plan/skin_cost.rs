@@ -5,8 +5,9 @@ use crate::plan::pose_plan::LoadPath;
 
 /// Bytes for every texel of a map while it is baked and written.
 const PER_TEXEL: f64 = 30.0;
-/// Bytes for every vertex of the output mesh.
-const PER_OUTPUT_VERTEX: f64 = 3.3e3;
+/// Bytes for every vertex planned of the output mesh: 3 thousand stay, as many again are gone when the layer
+/// is made, and halving leaves more vertices than planned.
+const PER_OUTPUT_VERTEX: f64 = 7.3e3;
 /// Bytes of the program with its scene: of the forearm 80 million, of a face with 55 shapes 140.
 const BASE: f64 = 1.1e8;
 
