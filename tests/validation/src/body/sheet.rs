@@ -1,9 +1,10 @@
 //! The skin of a slab over its material coordinates.
 
-use std::collections::BTreeMap;
-
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use ruga_stepper::LayerSurface;
+
+/// Distance from a triangle, in its own sizes or steps of the grid, up to which a point lies in it.
+const ON_BORDER: f64 = 1e-6;
 
 /// Heights and places of a skin on a regular grid of its material, x along the slab.
 #[derive(Clone, Debug)]
@@ -21,38 +22,65 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    /// Of a slab's top of a `size` (m), whose texture is the left half of the image.
+    /// Of a slab's top of a `size` (m), whose texture is the left half of the image: from its triangles, which
+    /// lie as they like, with as many grid points as these have corners.
     pub(super) fn new(layer: &LayerSurface, size: [f64; 2]) -> Self {
-        let mut places = vec![[f64::NAN; 2]; layer.positions.len()];
-        for (face, uvs) in layer.faces.iter().zip(&layer.uvs) {
-            for (vertex, uv) in face.iter().zip(uvs) {
-                places[*vertex as usize] = [2.0 * uv.x, uv.y];
-            }
-        }
-        // Vertices of one column or row differ by rounding alone.
-        let key = |c: f64| (1e6 * c).round() as i64;
-        let count = [0, 1].map(|axis| {
-            let lines: BTreeMap<i64, ()> = places.iter().map(|p| (key(p[axis]), ())).collect();
-            lines.len()
-        });
-        let index = |place: &[f64; 2]| {
-            let [i, j] = [0, 1].map(|c| (place[c] * (count[c] - 1) as f64).round() as usize);
-            j * count[0] + i
-        };
-        let mut order = vec![usize::MAX; count[0] * count[1]];
-        for (vertex, place) in places.iter().enumerate() {
-            order[index(place)] = vertex;
-        }
-        let height = |&v: &usize| {
-            let deviation = layer.positions[v] - layer.driver_positions[v];
-            deviation.dot(&layer.driver_normals[v])
-        };
-        Self {
+        let cell = (2.0 * size[0] * size[1] / layer.faces.len() as f64).sqrt();
+        let count = size.map(|side| (side / cell).round() as usize + 1);
+        let mut sheet = Self {
             count,
             spacing: [0, 1].map(|c| size[c] / (count[c] - 1) as f64),
-            positions: order.iter().map(|v| layer.positions[*v]).collect(),
-            below: order.iter().map(|v| layer.driver_positions[*v]).collect(),
-            heights: order.iter().map(height).collect(),
+            positions: vec![Vector3::repeat(f64::NAN); count[0] * count[1]],
+            below: vec![Vector3::repeat(f64::NAN); count[0] * count[1]],
+            heights: vec![f64::NAN; count[0] * count[1]],
+        };
+        for (face, uvs) in layer.faces.iter().zip(&layer.uvs) {
+            let corners = uvs.map(|uv| {
+                let place = [2.0 * uv.x, uv.y];
+                Vector2::from_fn(|c, _| place[c] * (count[c] - 1) as f64)
+            });
+            sheet.fill(layer, face.map(|v| v as usize), corners);
+        }
+        assert!(
+            sheet.heights.iter().all(|height| height.is_finite()),
+            "the layer covers all of the top"
+        );
+        sheet
+    }
+
+    /// Interpolates at the grid points in a triangle with these `corners` in steps of the grid.
+    fn fill(&mut self, layer: &LayerSurface, face: [usize; 3], corners: [Vector2<f64>; 3]) {
+        let [a, b, c] = corners;
+        let area = (b - a).perp(&(c - a));
+        let [low, high] = [a.inf(&b).inf(&c), a.sup(&b).sup(&c)];
+        let range = |axis: usize| {
+            // Points on a border are off it by rounding.
+            let first = (low[axis] - ON_BORDER).ceil().max(0.0) as usize;
+            let last = (high[axis] + ON_BORDER).floor().max(0.0) as usize;
+            first..=last.min(self.count[axis] - 1)
+        };
+        let [columns, rows] = [range(0), range(1)];
+        for j in rows {
+            for i in columns.clone() {
+                let p = Vector2::new(i as f64, j as f64);
+                let weights = [(b, c), (c, a), (a, b)].map(|(q, r)| (q - p).perp(&(r - p)) / area);
+                if weights.iter().any(|weight| *weight < -ON_BORDER) {
+                    continue;
+                }
+                let mean = |of: &[Vector3<f64>]| {
+                    let terms = face.iter().zip(weights);
+                    terms.map(|(&v, weight)| of[v] * weight).sum()
+                };
+                let height = |v: usize| {
+                    let deviation = layer.positions[v] - layer.driver_positions[v];
+                    deviation.dot(&layer.driver_normals[v])
+                };
+                let at = self.at(i, j);
+                self.positions[at] = mean(&layer.positions);
+                self.below[at] = mean(&layer.driver_positions);
+                let terms = face.iter().zip(weights);
+                self.heights[at] = terms.map(|(&v, weight)| height(v) * weight).sum();
+            }
         }
     }
 
