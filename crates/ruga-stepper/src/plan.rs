@@ -2,6 +2,7 @@
 
 mod body_cost;
 mod body_plan;
+mod fitted_faces;
 mod planning_surface;
 mod pose_plan;
 mod region;

@@ -2,14 +2,15 @@
 
 use std::cell::OnceCell;
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use ruga_blend::{BaseSurface, Driver, PosedSurface};
 use ruga_material::{CAP_START, Wrinkling};
 use ruga_mesh::{FaceId, Id, PerFace, edge_distances};
-use ruga_remesh::{FaceDriver, Refinement, SizeLimits};
+use ruga_remesh::SizeLimits;
 
+use crate::plan::fitted_faces::{GRADED, fitted_faces, graded_vertices};
 use crate::plan::pose_plan::PlannedLayer;
-use crate::plan::region::{ACTIVE_FRACTION, PoseStrains};
+use crate::plan::region::PoseStrains;
 use crate::plan::skin_cost::{GRADING, Load, cost, factorisations};
 use crate::plan::stacking::Stacking;
 use crate::plan::surface_measures::{
@@ -17,20 +18,18 @@ use crate::plan::surface_measures::{
     uv_density, weighted_quantile,
 };
 use crate::plan::warnings::PosedPlan;
-use crate::run::adaptivity::{COARSEST, aspect};
+use crate::run::adaptivity::COARSEST;
 use crate::skin::local_skin::wrinkling_on_face;
 use crate::skin::place::ShapeCentres;
 use crate::{
-    AppliedStrain, Coupling, EdgeLimits, LayerPlan, LayerSpec, LoadPath, Modelling, PaintedRanges,
-    PosePlan, PoseSpec, Stack, StepperError,
+    AppliedStrain, Coupling, LayerPlan, LayerSpec, LoadPath, Modelling, PaintedRanges, PosePlan,
+    PoseSpec, Stack, StepperError,
 };
 
 /// Base edges stay below this fraction of the wavelength, or the artist's facets imprint.
 const FACET_FRACTION: f64 = 1.0 / 3.0;
 /// Loads, as fractions of the last key, at which the way to the keys is looked at.
 const PASSING: [f64; 3] = [0.25, 0.5, 0.75];
-/// Edges beside the wrinkles over those across them, where a fitted mesh grows coarser.
-const GRADED: f64 = 3.0;
 
 /// The driver, or what a mask leaves of it, subdivided finely enough to measure strain on.
 pub(crate) struct PlanningSurface<'a> {
@@ -453,71 +452,6 @@ fn painted_ranges(
             (12.0 * wrinkling.bending_stiffness / wrinkling.membrane_stiffness).sqrt()
         }),
     })
-}
-
-/// Triangles of a mesh fitted to what a pose asks for.
-///
-/// Where the layer wrinkles, edges across the wrinkles have the asked fraction of a wavelength, along
-/// them they are longer by the aspect, unless it wrinkles that way too; elsewhere they grow towards
-/// half a wavelength. Where the surface bends they are shorter, whichever way it does.
-fn fitted_faces(
-    active: &[FaceId],
-    (pose_strains, curvatures): (&PoseStrains, &PerFace<f64>),
-    (wavelengths, poisson): (&PerFace<f64>, f64),
-    limits: &EdgeLimits,
-    points: f64,
-) -> f64 {
-    let refinement = Refinement {
-        points_per_wavelength: points,
-        ..Refinement::default()
-    };
-    let per_area = |face: FaceId| {
-        let wavelength = wavelengths[face];
-        let longest = (COARSEST * wavelength).min(limits.max_edge);
-        let finest = (wavelength / points).max(limits.min_edge);
-        let bent = (refinement.angle / curvatures[face]).max(finest);
-        let across = finest;
-        let (across, along) = match pose_strains.strain_ratio(face) > ACTIVE_FRACTION {
-            true => {
-                let driver = FaceDriver {
-                    compression: Matrix3::zeros(),
-                    wavelength,
-                    critical_strain: pose_strains.critical(face),
-                    poisson,
-                };
-                let [first, second] = pose_strains.principal[face];
-                // The two strains change places: this is the size that wrinkles across the second
-                // direction ask for, which only exist where that is compressed beyond its critical
-                // strain, too.
-                let size = driver.wrinkle_size(second, first, &refinement);
-                let along = (aspect(limits, points) * across).min(longest);
-                let along = along.min(size.sqrt().recip()).max(across);
-                (across, along.min(bent))
-            }
-            false => {
-                let across = (GRADED * finest).min(bent);
-                (
-                    across,
-                    (GRADED * finest).min(aspect(limits, points) * across),
-                )
-            }
-        };
-        // Triangles are counted as equilateral ones, stretched in one direction.
-        4.0 / (3f64.sqrt() * across.min(longest) * along.min(longest))
-    };
-    active
-        .iter()
-        .map(|&face| pose_strains.areas[face] * per_area(face))
-        .sum()
-}
-
-/// Vertices between a border of `edges` of a mean length (m), which meshes keep as it is, and edges of
-/// the length `coarsest` (m) inside: where edges grow by `g` per length, `2 / (sqrt(3) g)` for each of the
-/// border's edges if those inside were endless, less what coarse triangles would have had there.
-fn graded_vertices((edges, length): (f64, f64), coarsest: f64) -> f64 {
-    let growth = SizeLimits::default().grading;
-    let share = (1.0 - length / coarsest).max(0.0);
-    edges * 2.0 / (3f64.sqrt() * growth) * share * share
 }
 
 /// Chooses the path of a pose, and says so where it is not the plain one.

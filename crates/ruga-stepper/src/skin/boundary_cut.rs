@@ -1,8 +1,10 @@
 //! Cuts a mesh along the sharp boundaries of a painted map, so that each face lies on one side.
 //!
-//! Every edge that a boundary crosses gets a vertex there, and the faces around it are split. A boundary that passes a vertex closely goes through it instead, because faces far smaller than
-//! the rest would help nobody. What is still crossed, as by a band that passes between two vertices,
-//! is cut in further passes. Then the edges on both sides of which the paint differs are features.
+//! Every edge that a boundary crosses gets a vertex there, and the faces around it are split. A boundary that
+//! passes a vertex closely goes through it instead, because faces far smaller than the rest would help
+//! nobody. What is still crossed, as by a band that passes between two vertices, is cut in further passes.
+//! Then the edges on both sides of which the paint differs are features.
+//!
 //! Left as without cuts: corners of a boundary inside a face, which become chords, and what is finer
 //! than a fifth of an edge.
 
