@@ -7,12 +7,18 @@
 use ruga_stepper::{Coupling, Modelling};
 use ruga_validation::FlatFilm;
 
+/// Squares of the artist's mesh per wavelength. On coarser ones it is no cylinder: Loop subdivision draws
+/// in a mesh of one square per wavelength by `h^2/6R`, the more the farther its vertices are apart, so that
+/// it is compressed by 1.3 % less than was asked for.
+const SQUARES: f64 = 3.0;
+
 /// Onset, and amplitude at two critical strains, on a plane and on the cylinder; and the mean height on
 /// the cylinder at 0.9 critical strains over the thickness.
 fn measured(coupling: Coupling) -> ([[f64; 2]; 2], f64) {
     let modelling = Modelling::standard();
     let mut flat = FlatFilm::new(150.0);
     flat.layer.coupling = coupling;
+    flat.squares = SQUARES;
     let bent = FlatFilm {
         radius: Some(5.0),
         ..flat.clone()
@@ -38,7 +44,7 @@ fn the_base_holds_the_film_on_a_cylinder() {
         let ([flat, bent], lift) = measured(coupling);
         assert!(lift.abs() < 0.01, "{lift}");
         let [onset, amplitude] = [0, 1].map(|i| bent[i] / flat[i] - 1.0);
-        assert!(onset.abs() < 0.03, "onset {onset:+.4}");
-        assert!(amplitude.abs() < 0.03, "amplitude {amplitude:+.4}");
+        assert!(onset.abs() < 0.01, "onset {onset:+.4}");
+        assert!(amplitude.abs() < 0.02, "amplitude {amplitude:+.4}");
     }
 }
