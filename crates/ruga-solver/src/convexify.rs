@@ -67,6 +67,8 @@ pub(crate) struct Convexifier {
     shifted_damping: Vec<f64>,
     /// The last relaxation that was enough.
     last: Option<f64>,
+    /// Whether a smaller one had been tried then, in vain.
+    is_least: bool,
     /// Inertia of the last exact Hessian that was factorised.
     exact: Option<Inertia>,
     /// Whether the last saddle was taken for one without a look at its exact Hessian.
@@ -85,6 +87,7 @@ impl Convexifier {
             mixed: vec![0.0; kkt.pattern().entries()],
             shifted_damping: vec![0.0; kkt.pattern().size()],
             last: None,
+            is_least: false,
             exact: None,
             is_guessed: false,
             factorizations: 0,
@@ -103,7 +106,8 @@ impl Convexifier {
     ) -> Result<Convexified, SolverError> {
         if let Some((exact, last)) = self.exact.zip(self.last).filter(|_| self.can_guess()) {
             self.is_guessed = true;
-            return self.mend(kkt, hessian, exact, Some(step_down(last)));
+            let first = self.expected(last);
+            return self.mend(kkt, hessian, exact, Some(first));
         }
         self.is_guessed = false;
         // The exact Hessian is tried even where a relaxation is expected: only its inertia proves a
@@ -118,13 +122,13 @@ impl Convexifier {
             });
         }
         // A hint is tried as it is, because it may already be less than what is needed.
-        let first = self.last.map(step_down).or(hint);
+        let first = self.last.map(|last| self.expected(last)).or(hint);
         let few = FEW_MODES.iter().find(|few| excess(exact) <= few.0);
         if let Some((&(_, little), first)) = few.zip(first)
             && little < first
             && self.try_relaxation(kkt, hessian, little)?
         {
-            self.last = Some(little);
+            (self.last, self.is_least) = (Some(little), false);
             return Ok(Convexified {
                 exact,
                 relaxation: little,
@@ -138,6 +142,15 @@ impl Convexifier {
     /// take them all. Every other time, so that the step that does is not missed for long.
     fn can_guess(&self) -> bool {
         !self.is_guessed && self.exact.is_some_and(|exact| excess(exact) > MANY_MODES)
+    }
+
+    /// The relaxation to begin with where `last` was enough: a smaller one, unless that was in vain the last
+    /// time; every other time is often enough to follow it down.
+    fn expected(&self, last: f64) -> f64 {
+        match self.is_least {
+            true => last,
+            false => step_down(last),
+        }
     }
 
     /// Relaxes a Hessian of that `exact` inertia, from a `first` relaxation on upwards if there is one.
@@ -154,6 +167,7 @@ impl Convexifier {
         };
         let relaxation = found.unwrap_or(1.0);
         self.last = Some(relaxation);
+        self.is_least = first.is_some_and(|first| first < relaxation);
         // What is indefinite without any compression is not the load's doing: only a diagonal
         // helps.
         let shift = match found {

@@ -10,11 +10,8 @@ use crate::{Inertia, Kkt, Objective, SolverError};
 
 /// Inverse iterations from a random vector before a curvature search.
 const INVERSE_ITERATIONS: usize = 3;
-/// Rounds of inverse iterations spent at most on a mode that the exact Hessian still resists, where the
-/// Newton step descends, too.
-pub(crate) const FEW_ROUNDS: usize = 4;
-/// Rounds spent at most where nothing else descends.
-pub(crate) const MANY_ROUNDS: usize = 20;
+/// Rounds of inverse iterations spent at most on a mode that the exact Hessian still resists.
+const MOST_ROUNDS: usize = 20;
 
 /// First length of the curvature search over the objective's length scale; it doubles.
 const FIRST_LENGTH: f64 = 1e-3;
@@ -162,13 +159,12 @@ pub(crate) struct CurvatureStep {
 /// the buckling load: a layer that hardly resists sliding has modes softer than any wrinkle, but in
 /// relation to what they cost without compression none is softer than the one that buckles. From
 /// the beginning they would keep too much of the random vector's shortest waves, and the last of a
-/// round takes those away. After `rounds` of them it takes what it has.
+/// round takes those away. After [`MOST_ROUNDS`] of them it takes what it has.
 pub(crate) fn search_curvature(
     objective: &dyn Objective,
     kkt: &mut Kkt,
     generator: &mut Pcg64Mcg,
     point: &Point<'_>,
-    rounds: usize,
 ) -> Result<Option<CurvatureStep>, SolverError> {
     let Point {
         x,
@@ -179,7 +175,7 @@ pub(crate) fn search_curvature(
     } = *point;
     let mut mode = random_vector(generator, x.len());
     inverse_iterations(kkt, None, &mut mode, INVERSE_ITERATIONS)?;
-    for _ in 1..rounds {
+    for _ in 1..MOST_ROUNDS {
         if rayleigh_quotient(kkt, exact, &mode) < 0.0 {
             break;
         }
