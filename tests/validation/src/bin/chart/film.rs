@@ -4,8 +4,8 @@
 //! The anchors are a continuum computed with 48 points per wavelength. The product lays the film on a
 //! patch, of which eight by six wavelengths are compressed evenly, and holds it at the border; what is
 //! compared lies a wavelength inside the even part and two from the sides. The border still raises the
-//! onset by half a per cent; over patches 4.5 to 8 wavelengths wide and 6 to 8 long amplitudes and
-//! wavelengths differ by up to 0.8 %.
+//! onset by one per cent; over patches 4.5 to 8 wavelengths wide and 6 to 8 long wavelengths differ by
+//! up to 0.8 %.
 
 use std::f64::consts::{SQRT_2, TAU};
 
