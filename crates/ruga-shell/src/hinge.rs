@@ -1,5 +1,7 @@
 //! Bending energy of one interior edge.
 
+use std::f64::consts::{PI, TAU};
+
 use nalgebra::{Matrix3, Vector3};
 
 /// `W = k/2 (theta - theta_rest)^2` on the two triangles at an edge.
@@ -17,7 +19,7 @@ use nalgebra::{Matrix3, Vector3};
 /// (0,0) (1,0) (1,1) (2,0) ... (3,3).
 ///
 /// # Validity
-/// `theta` jumps where the hinge is folded shut. A triangle that has collapsed to a line has no
+/// `theta` jumps where the hinge is folded shut, and the energy where it is half a turn from rest. A triangle that has collapsed to a line has no
 /// angle: it then contributes a value but no derivative, and never a NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hinge {
@@ -149,15 +151,26 @@ impl HingeState {
 impl Hinge {
     /// Energy (J).
     pub fn value(&self, x: &[Vector3<f64>; 4]) -> f64 {
-        let bend = HingeState::new(x).angle - self.rest_angle;
+        let bend = self.bend(&HingeState::new(x));
         0.5 * self.stiffness * bend * bend
+    }
+
+    /// Angle from rest (rad), in [-pi, pi]: an edge that is drawn almost shut may close and come out on the
+    /// other side, where `theta` jumps and this does not.
+    #[inline]
+    pub fn bend(&self, state: &HingeState) -> f64 {
+        let bend = state.angle - self.rest_angle;
+        match bend.abs() > PI {
+            true => bend - TAU.copysign(bend),
+            false => bend,
+        }
     }
 
     /// Derivative of the energy by the four points (N).
     #[inline]
     pub fn gradient(&self, x: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
         let state = HingeState::new(x);
-        let moment = self.stiffness * (state.angle - self.rest_angle);
+        let moment = self.stiffness * self.bend(&state);
         state.angle_gradient().map(|g| g * moment)
     }
 
@@ -192,7 +205,7 @@ impl Hinge {
     /// Adds `k (theta - theta_rest) d2theta` to blocks in the order of [`Self::hessian`].
     #[inline]
     pub fn add_curvature(&self, state: &HingeState, blocks: &mut [Matrix3<f64>; 10]) {
-        state.add_curvature(self.stiffness * (state.angle - self.rest_angle), blocks);
+        state.add_curvature(self.stiffness * self.bend(state), blocks);
     }
 }
 

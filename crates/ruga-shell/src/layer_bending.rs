@@ -6,8 +6,10 @@ use ruga_mesh::{BlockPattern, BlockSlot, EdgeId, FaceId, Id, PerEdge, TriMesh};
 
 use crate::hinge::{Hinge, HingeState};
 use crate::hinge_stiffness::{HINGE_EXPONENT, HingeShape};
+use crate::layer_part::{PartNumbers, marked, ranks};
+use crate::sharp_fold::SharpFold;
 use crate::stars::Star;
-use crate::stencil::{add_blocks, gather, slots};
+use crate::stencil::{NO_FACE, add_blocks, gather, slots, touches};
 use crate::vertex_curvature::weighted;
 use crate::{FaceParameters, RestTriangle};
 
@@ -89,7 +91,6 @@ impl LayerBending {
                          sides, vertices, ..
                      }: &InnerEdge| HingeElement {
             hinge: Hinge {
-                // With stars a hinge only measures its angle, and this stays zero.
                 stiffness: 0.0,
                 rest_angle: HingeState::new(&gather(rest, &vertices)).angle(),
             },
@@ -107,6 +108,81 @@ impl LayerBending {
         }
     }
 
+    /// The vertices of every hinge and star.
+    pub(crate) fn stencils(&self) -> impl Iterator<Item = &[u32]> {
+        let hinges = self.hinges.iter().map(|hinge| hinge.vertices.as_slice());
+        let stars = self.stars.iter().map(|star| star.star.vertices.as_slice());
+        hinges.chain(stars)
+    }
+
+    /// Numbers of the hinges and of the stars that have a marked vertex, or that those stars need.
+    pub(crate) fn touching(&self, marks: &[bool]) -> [Vec<u32>; 2] {
+        let stars = self.stars.iter();
+        let touched: Vec<_> = stars
+            .map(|star| touches(&star.star.vertices, marks))
+            .collect();
+        let hinges = self.hinges.iter();
+        let mut needed: Vec<_> = hinges
+            .map(|hinge| touches(&hinge.vertices, marks))
+            .collect();
+        let stars = self.stars.iter().zip(&touched).filter(|&(_, touch)| *touch);
+        for &hinge in stars.flat_map(|(star, _)| &star.hinges) {
+            needed[hinge as usize] = true;
+        }
+        [marked(&needed), marked(&touched)]
+    }
+
+    /// Bending in a part of the layer, where vertex `v` has the number `local[v]`; slots are to be
+    /// looked up, stiffness and angles to be taken over.
+    pub(crate) fn part(&self, numbers: &PartNumbers, local: &[u32]) -> Self {
+        let local_hinge = ranks(&numbers.hinges, self.hinges.len());
+        let hinge = |&number: &u32| {
+            let whole = self.hinges[number as usize];
+            HingeElement {
+                vertices: whole.vertices.map(|v| local[v as usize]),
+                sides: whole.sides.map(|(_, corner)| (NO_FACE, corner)),
+                ..whole
+            }
+        };
+        let star = |&number: &u32| {
+            let whole = &self.stars[number as usize];
+            let hinges = whole.hinges.iter().map(|&h| local_hinge[h as usize]);
+            StarElement {
+                star: whole.star.part(local),
+                rows: Vec::new(),
+                hinges: hinges.collect(),
+                slots: Vec::new(),
+            }
+        };
+        Self {
+            hinges: numbers.hinges.iter().map(hinge).collect(),
+            stars: numbers.stars.iter().map(star).collect(),
+            factor: self.factor,
+        }
+    }
+
+    /// Looks up the slots of all stencils in a part's own pattern.
+    pub(crate) fn find_slots(&mut self, pattern: &BlockPattern) {
+        for element in &mut self.hinges {
+            element.slots = slots(pattern, &element.vertices);
+        }
+        for element in &mut self.stars {
+            element.slots = pattern.stencil_slots(&element.star.vertices).collect();
+        }
+    }
+
+    /// Takes over stiffness and rest angles of the whole that this is a part of.
+    pub(crate) fn follow(&mut self, whole: &Self, numbers: &PartNumbers) {
+        self.factor = whole.factor;
+        for (element, &number) in self.hinges.iter_mut().zip(&numbers.hinges) {
+            element.hinge = whole.hinges[number as usize].hinge;
+        }
+        for (element, &number) in self.stars.iter_mut().zip(&numbers.stars) {
+            let rows = &whole.stars[number as usize].rows;
+            element.rows.clone_from(rows);
+        }
+    }
+
     pub(crate) fn set_factor(&mut self, factor: f64) {
         self.factor = factor;
     }
@@ -115,15 +191,12 @@ impl LayerBending {
     pub(crate) fn set_rest(&mut self, rest: &[RestTriangle], parameters: &[FaceParameters]) {
         let modulus = |face: usize| parameters[face].bending_modulus();
         let factor = self.factor;
-        // Under the other model a mesh without stars has no inner edge either, so that emptiness
-        // tells the two models apart.
-        if self.stars.is_empty() {
-            for element in &mut self.hinges {
-                let shape = HingeShape::between(element.sides, rest);
-                let [left, right] = element.sides.map(|(face, _)| modulus(face.index()));
-                let mean = 0.5 * (left + right);
-                element.hinge.stiffness = factor * shape.stiffness(mean, HINGE_EXPONENT);
-            }
+        // With stars a hinge measures its angle, and its stiffness is that of a sharp fold alone.
+        for element in &mut self.hinges {
+            let shape = HingeShape::between(element.sides, rest);
+            let [left, right] = element.sides.map(|(face, _)| modulus(face.index()));
+            let mean = 0.5 * (left + right);
+            element.hinge.stiffness = factor * shape.stiffness(mean, HINGE_EXPONENT);
         }
         for element in &mut self.stars {
             let shape = element.star.shape(rest);
@@ -142,6 +215,8 @@ impl LayerBending {
     }
 
     pub(crate) fn value(&self, x: &[Vector3<f64>]) -> f64 {
+        // Under the other model a mesh without stars has no inner edge either, so that emptiness
+        // tells the two models apart.
         if self.stars.is_empty() {
             let hinges = self.hinges.iter();
             return hinges
@@ -150,7 +225,8 @@ impl LayerBending {
         }
         let bends = self.bends(&self.states(x));
         let curved = |star: &StarElement| 0.5 * star.bend(&bends).norm_squared();
-        self.stars.iter().map(curved).sum()
+        let sharp = self.sharp_folds(&bends).map(|(_, fold)| fold.value);
+        self.stars.iter().map(curved).sum::<f64>() + sharp.sum::<f64>()
     }
 
     pub(crate) fn add_gradient(
@@ -208,6 +284,25 @@ impl LayerBending {
         for star in &self.stars {
             star.add_gauss_newton(&gradients, &mut slopes, exact, relaxed);
         }
+        for (i, fold) in self.sharp_folds(&self.bends(&states)) {
+            let stiffened = Hinge {
+                stiffness: fold.curvature,
+                ..self.hinges[i].hinge
+            };
+            let blocks = stiffened.gauss_newton(&states[i]);
+            add_blocks(exact, &self.hinges[i].slots, &blocks);
+            if !relaxed.is_empty() {
+                add_blocks(relaxed, &self.hinges[i].slots, &blocks);
+            }
+        }
+    }
+
+    /// The hinges that are bent sharply, by their number.
+    fn sharp_folds(&self, bends: &[f64]) -> impl Iterator<Item = (usize, SharpFold)> {
+        let all = self.hinges.iter().zip(bends).enumerate();
+        all.filter_map(|(i, (element, &bend))| {
+            Some((i, SharpFold::new(bend, element.hinge.stiffness)?))
+        })
     }
 
     fn states(&self, x: &[Vector3<f64>]) -> Vec<HingeState> {
@@ -218,11 +313,11 @@ impl LayerBending {
     fn bends(&self, states: &[HingeState]) -> Vec<f64> {
         let elements = self.hinges.iter().zip(states);
         elements
-            .map(|(element, state)| state.angle() - element.hinge.rest_angle)
+            .map(|(element, state)| element.hinge.bend(state))
             .collect()
     }
 
-    /// Derivative of the stars' energy by each angle (J).
+    /// Derivative by each angle of the energy of stars and sharp folds (J).
     fn moments(&self, states: &[HingeState]) -> Vec<f64> {
         let bends = self.bends(states);
         let mut moments = vec![0.0; bends.len()];
@@ -231,6 +326,9 @@ impl LayerBending {
             for (&hinge, row) in star.hinges.iter().zip(&star.rows) {
                 moments[hinge as usize] += row.dot(&bend);
             }
+        }
+        for (i, fold) in self.sharp_folds(&bends) {
+            moments[i] += fold.slope;
         }
         moments
     }

@@ -6,6 +6,7 @@ use ruga_mesh::{BlockPattern, PerVertex, TriMesh, vertex_normals};
 
 use crate::foundation::Anchor;
 use crate::layer_foundation::{FoundationStiffness, LayerFoundation, anchors, deviations};
+use crate::layer_part::{PartNumbers, ranks};
 use crate::parameters::{check_finite, check_length};
 use crate::sheet::{Sheet, SheetTopology};
 use crate::sheet_springs::{SheetSprings, both};
@@ -143,6 +144,38 @@ impl LayerEnergy {
             foundation,
             pattern,
         })
+    }
+
+    /// The stencils that touch a vertex marked in `is_free`, and their numbers; values are still to be
+    /// taken over by [`Self::follow`]. `None` for a pair.
+    pub(crate) fn part(&self, is_free: &[bool]) -> Option<(PartNumbers, Self)> {
+        let [whole] = self.sheets.as_slice() else {
+            return None;
+        };
+        let numbers = PartNumbers::new(is_free, whole, &self.foundation);
+        let local = ranks(&numbers.vertices, is_free.len());
+        let mut sheet = whole.part(&numbers, &local);
+        let pinned: Vec<_> = numbers.is_free.iter().map(|free| !free).collect();
+        let pattern = BlockPattern::new(&pinned, sheet.stencils());
+        sheet.find_slots(&pattern);
+        let part = Self {
+            sheets: vec![sheet],
+            springs: None,
+            bending_model: self.bending_model,
+            foundation: self.foundation.part(&numbers, &local, &pattern),
+            foundation_hessian: Vec::new(),
+            pattern,
+        };
+        Some((numbers, part))
+    }
+
+    /// Takes over the values of the `whole` that this is a part of.
+    pub(crate) fn follow(&mut self, whole: &Self, numbers: &PartNumbers) {
+        for (sheet, whole) in self.sheets.iter_mut().zip(&whole.sheets) {
+            sheet.follow(whole, numbers);
+        }
+        self.foundation.follow(&whole.foundation, numbers);
+        self.foundation_hessian = self.foundation.hessian(&self.pattern);
     }
 
     /// Replaces the surface below: per vertex of the lower sheet a point (m), a unit normal and an offset (m) along it.

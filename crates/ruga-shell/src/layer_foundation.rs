@@ -6,8 +6,10 @@ use ruga_mesh::{BlockPattern, BlockSlot, FaceId, Id, SparseRows, TriMesh};
 
 use crate::ShellError;
 use crate::foundation::{Anchor, NormalFoundation, TangentialSpring};
+use crate::layer_part::{PartNumbers, marked, pick};
 use crate::parameters::{check_finite, check_length};
 use crate::sheet::Sheet;
+use crate::stencil::{NO_FACE, touches};
 
 /// Tolerance on the length of a base normal.
 const UNIT_TOLERANCE: f64 = 1e-6;
@@ -116,6 +118,68 @@ impl LayerFoundation {
         }
         self.vertex_areas = areas;
         self.diagonal = diagonal;
+    }
+
+    /// Numbers of the edges that have a marked end.
+    pub(crate) fn touching(&self, marks: &[bool]) -> Vec<u32> {
+        let edges = self.edges.iter().map(|edge| touches(&edge.ends, marks));
+        marked(&edges.collect::<Vec<_>>())
+    }
+
+    /// The foundation in a part of the layer, where vertex `v` has the number `local[v]`; values are to
+    /// be taken over.
+    pub(crate) fn part(
+        &self,
+        numbers: &PartNumbers,
+        local: &[u32],
+        pattern: &BlockPattern,
+    ) -> Self {
+        let edge = |&number: &u32| {
+            let whole = &self.edges[number as usize];
+            let ends = whole.ends.map(|v| local[v as usize]);
+            EdgeSprings {
+                ends,
+                sides: whole
+                    .sides
+                    .map(|side| side.map(|(_, corner)| (NO_FACE, corner))),
+                slot: pattern.slot(ends[1], ends[0]),
+                stiffness: 0.0,
+            }
+        };
+        Self {
+            normal: Vec::new(),
+            tangential_springs: Vec::new(),
+            vertex_areas: Vec::new(),
+            diagonal: Vec::new(),
+            edges: numbers.edges.iter().map(edge).collect(),
+            anchors: Vec::new(),
+            tangential: Vec::new(),
+        }
+    }
+
+    /// Takes over the values of the whole that this is a part of.
+    pub(crate) fn follow(&mut self, whole: &Self, numbers: &PartNumbers) {
+        let vertices = &numbers.vertices;
+        pick(&mut self.normal, &whole.normal, &numbers.faces);
+        pick(&mut self.vertex_areas, &whole.vertex_areas, vertices);
+        pick(&mut self.diagonal, &whole.diagonal, vertices);
+        pick(&mut self.anchors, &whole.anchors, vertices);
+        pick(&mut self.tangential, &whole.tangential, vertices);
+        pick(
+            &mut self.tangential_springs,
+            &whole.tangential_springs,
+            vertices,
+        );
+        let springs = self.tangential.iter_mut().zip(&mut self.tangential_springs);
+        for ((stiffness, spring), &is_free) in springs.zip(&numbers.is_free) {
+            // The spring of a vertex that stands still is a stencil that no free vertex touches.
+            if !is_free {
+                (*stiffness, spring.stiffness) = (0.0, 0.0);
+            }
+        }
+        for (edge, &number) in self.edges.iter_mut().zip(&numbers.edges) {
+            edge.stiffness = whole.edges[number as usize].stiffness;
+        }
     }
 
     pub(crate) fn set_anchors(&mut self, anchors: Vec<Anchor>) {

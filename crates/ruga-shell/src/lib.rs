@@ -5,7 +5,8 @@
 //! the curvature of a [`StarShape`] per vertex that has an inner edge), and a foundation ([`NormalFoundation`] per face,
 //! [`TangentialSpring`] per vertex) towards a base that each frame replaces. Each stencil can be used
 //! alone. [`response_modulus`] says how stiffly a given mesh really bends. An [`UpperSheet`] may move
-//! together with the layer, on springs above it ([`LayerSprings`] per face).
+//! together with the layer, on springs above it ([`LayerSprings`] per face). A [`LayerPart`] is the
+//! energy as a function of some vertices, while the others stand still.
 //!
 //! ```text
 //! E = sum_faces  A C/2 ((1 - nu) E:E + nu tr(E)^2)             St. Venant-Kirchhoff, plane stress
@@ -56,7 +57,9 @@ mod energy_parts;
 mod layer_bending;
 mod layer_energy;
 mod layer_foundation;
+mod layer_part;
 mod parameters;
+mod sharp_fold;
 mod sheet;
 mod sheet_springs;
 mod stencil;
@@ -79,6 +82,7 @@ pub use bending_model::BendingModel;
 pub use energy_parts::EnergyParts;
 pub use layer_energy::LayerEnergy;
 pub use layer_foundation::FoundationStiffness;
+pub use layer_part::LayerPart;
 pub use parameters::{FaceParameters, LayerParameters};
 pub use upper_sheet::UpperSheet;
 

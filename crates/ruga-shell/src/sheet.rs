@@ -5,9 +5,10 @@ use nalgebra::{Matrix2, Vector3};
 use ruga_mesh::{BlockPattern, BlockSlot, TriMesh};
 
 use crate::layer_bending::{InnerEdge, LayerBending, inner_edges};
+use crate::layer_part::{PartNumbers, marked, pick};
 use crate::membrane::{Membrane, Stress};
 use crate::stars::{Star, stars};
-use crate::stencil::{add_blocks, gather, slots};
+use crate::stencil::{add_blocks, gather, slots, touches};
 use crate::{BendingModel, FaceParameters, RestTriangle, ShellError};
 
 /// The stencils of a sheet, numbered by the vertices of the whole layer.
@@ -94,6 +95,51 @@ impl Sheet {
         };
         this.set_bending_stiffness();
         Ok(this)
+    }
+
+    /// The vertices of every stencil.
+    pub(crate) fn stencils(&self) -> impl Iterator<Item = &[u32]> {
+        let faces = self.faces.iter().map(<[u32; 3]>::as_slice);
+        faces.chain(self.bending.stencils())
+    }
+
+    /// Numbers of the faces, hinges and stars of a part whose free vertices are marked.
+    pub(crate) fn touching(&self, marks: &[bool]) -> [Vec<u32>; 3] {
+        let faces = self.faces.iter().map(|face| touches(face, marks));
+        let [hinges, stars] = self.bending.touching(marks);
+        [marked(&faces.collect::<Vec<_>>()), hinges, stars]
+    }
+
+    /// The sheet in a part of the layer, where vertex `v` has the number `local[v]`; slots are to be
+    /// looked up, values to be taken over.
+    pub(crate) fn part(&self, numbers: &PartNumbers, local: &[u32]) -> Self {
+        let face = |&number: &u32| self.faces[number as usize].map(|v| local[v as usize]);
+        Self {
+            faces: numbers.faces.iter().map(face).collect(),
+            parameters: Vec::new(),
+            unstretched: Vec::new(),
+            rest: Vec::new(),
+            membranes: Vec::new(),
+            membrane_slots: Vec::new(),
+            bending: self.bending.part(numbers, local),
+        }
+    }
+
+    /// Looks up the slots of all stencils in a part's own pattern.
+    pub(crate) fn find_slots(&mut self, pattern: &BlockPattern) {
+        let faces = self.faces.iter();
+        self.membrane_slots = faces.map(|face| slots(pattern, face)).collect();
+        self.bending.find_slots(pattern);
+    }
+
+    /// Takes over the values of the whole that this is a part of.
+    pub(crate) fn follow(&mut self, whole: &Self, numbers: &PartNumbers) {
+        let faces = &numbers.faces;
+        pick(&mut self.parameters, &whole.parameters, faces);
+        pick(&mut self.unstretched, &whole.unstretched, faces);
+        pick(&mut self.rest, &whole.rest, faces);
+        pick(&mut self.membranes, &whole.membranes, faces);
+        self.bending.follow(&whole.bending, numbers);
     }
 
     pub(crate) fn faces(&self) -> &[[u32; 3]] {

@@ -2,6 +2,7 @@
 
 use ruga_mesh::{EdgeId, FaceId, Id, TriMesh, VertexFan};
 
+use crate::stencil::NO_FACE;
 use crate::{RestTriangle, StarShape};
 
 /// A vertex with its faces, all around it or, on a border, from one border edge to the other.
@@ -58,6 +59,17 @@ impl Star {
             vertices: std::iter::once(fan.vertex.0).chain(spokes).collect(),
             is_closed: fan.closed,
             fan: fan.faces,
+        }
+    }
+
+    /// The star in a part of the layer, where vertex `v` has the number `local[v]`.
+    pub(crate) fn part(&self, local: &[u32]) -> Self {
+        let corners = self.fan.iter().map(|&(_, corner)| (NO_FACE, corner));
+        Self {
+            fan: corners.collect(),
+            is_closed: self.is_closed,
+            vertices: self.vertices.iter().map(|&v| local[v as usize]).collect(),
+            folds: self.folds.clone(),
         }
     }
 

@@ -1,12 +1,21 @@
 //! Stencils: their points and their blocks of the Hessian.
 
 use nalgebra::{Matrix3, Vector3};
-use ruga_mesh::{BlockPattern, BlockSlot};
+use ruga_mesh::{BlockPattern, BlockSlot, FaceId};
+
+/// Stands for a face of the whole layer in stencils of a part, which have their stiffness from the
+/// whole: whoever computes one from this face fails at once.
+pub(crate) const NO_FACE: FaceId = FaceId(u32::MAX);
 
 /// Points of a stencil, in the order of its vertices.
 #[inline]
 pub(crate) fn gather<const N: usize>(x: &[Vector3<f64>], vertices: &[u32; N]) -> [Vector3<f64>; N] {
     vertices.map(|v| x[v as usize])
+}
+
+/// Whether a stencil has a marked vertex.
+pub(crate) fn touches(stencil: &[u32], marks: &[bool]) -> bool {
+    stencil.iter().any(|&vertex| marks[vertex as usize])
 }
 
 /// Slots of the lower blocks of a stencil of `N` vertices, row by row.
