@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::thread;
 
 use indicatif::ProgressBar;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use ruga_io::{Seconds, WrinkleMap};
 use ruga_scene::{Scene, ScenePlan, counted};
 use ruga_stepper::{Frame, PoseResult, PoseSpec};
@@ -56,6 +57,17 @@ pub(crate) fn thread_count(arguments: &RunArguments) -> usize {
     arguments.threads.map_or_else(cores, NonZeroUsize::get)
 }
 
+/// Rayon's threads for the loops inside a simulation or a bake; the global pool stays untouched.
+pub(crate) fn thread_pool(threads: usize) -> Result<ThreadPool, CliError> {
+    ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|error| CliError::Threads {
+            threads,
+            reason: error.to_string(),
+        })
+}
+
 /// Simulates every pose of the plan; `None` stands for a pose that was interrupted before its first key,
 /// or whose earlier results are better than what was reached.
 ///
@@ -68,8 +80,9 @@ pub(crate) fn run_poses<P: Product>(
     folder: &OutputFolder,
     product: &P,
 ) -> Result<Vec<Option<PoseRecord>>, CliError> {
-    let count = scene.poses.len();
+    let (count, threads) = (scene.poses.len(), thread_count(arguments));
     let run = PoseRun {
+        threads: (threads / count.clamp(1, threads)).max(1),
         scene,
         plan,
         arguments,
@@ -77,13 +90,13 @@ pub(crate) fn run_poses<P: Product>(
         progress: PoseProgress::new(count),
         product,
     };
-    run_all(count, thread_count(arguments), |pose, given_up| {
-        run.pose(pose, given_up)
-    })
+    run_all(count, threads, |pose, given_up| run.pose(pose, given_up))
 }
 
 /// Data that all poses share.
 struct PoseRun<'a, P> {
+    /// Threads that each pose has: more than one only if there are fewer poses.
+    threads: usize,
     scene: &'a Scene,
     plan: &'a ScenePlan,
     arguments: &'a RunArguments,
@@ -174,7 +187,8 @@ impl<P: Product> PoseRun<'_, P> {
             Ok(())
         };
         let mut watch = Watch::new(bar, given_up, P::WANTS_FRAMES, &mut sink);
-        let result = self.plan.simulate(index, &mut watch);
+        let pool = thread_pool(self.threads)?;
+        let result = pool.install(|| self.plan.simulate(index, &mut watch));
         let result = result.map_err(|source| CliError::Simulation {
             scene: scene.path.clone(),
             pose: spec.name.clone(),

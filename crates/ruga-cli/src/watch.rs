@@ -11,7 +11,7 @@ use crate::error::CliError;
 use crate::interrupt;
 
 /// Function that takes every load step.
-pub(crate) type FrameSink<'a> = dyn FnMut(&Frame<'_>) -> Result<(), CliError> + 'a;
+pub(crate) type FrameSink<'a> = dyn FnMut(&Frame<'_>) -> Result<(), CliError> + Send + 'a;
 
 /// Time spent on a layer, by kind of work.
 #[derive(Clone, Copy, Debug, Default)]

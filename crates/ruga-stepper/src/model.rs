@@ -280,6 +280,9 @@ pub struct Modelling {
     pub points_per_wavelength: f64,
     /// Vertices of one layer in one pose above which refinement stops, with a warning; at least 1.
     pub vertex_budget: usize,
+    /// Vertices of a layer up to which it is solved as a whole. A larger one finds its pattern as a whole,
+    /// and is then solved in overlapping patches of a sixth of these; not on a body, nor in a joint pair.
+    pub whole_vertices: usize,
     /// Limits of the mesh where it is fitted to the pose; `None` keeps it uniform.
     pub remesh: Option<EdgeLimits>,
     /// Meaning of a stack of layers: which wrinkle together.
@@ -330,6 +333,8 @@ impl Modelling {
             // By the planner's own model, one factorisation of so many vertices takes some twenty
             // seconds and 1.7 GB.
             vertex_budget: 300_000,
+            // From here on patches take less time on one thread, too.
+            whole_vertices: 15_000,
             remesh: Some(EdgeLimits::default()),
             stack: Stack::Nominal,
             dynamics: None,

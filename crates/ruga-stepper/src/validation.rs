@@ -134,6 +134,9 @@ fn check_choices(modelling: &Modelling, points: &RangeInclusive<f64>) -> Checked
     if modelling.vertex_budget == 0 {
         return refuse(of, "vertex_budget", 0, "a number from 1");
     }
+    if modelling.whole_vertices == 0 {
+        return refuse(of, "whole_vertices", 0, "a number from 1");
+    }
     let tolerance = modelling.tolerance;
     if !(tolerance > 0.0 && tolerance < 1.0) {
         return refuse(of, "tolerance", tolerance, "a number in (0, 1)");

@@ -122,6 +122,11 @@ fn modelling_without_meaning_is_refused_at_once() {
         ..draft()
     };
     assert_modelling_refused(&budget, "vertex_budget", "0");
+    let patches = Modelling {
+        whole_vertices: 0,
+        ..draft()
+    };
+    assert_modelling_refused(&patches, "whole_vertices", "0");
     let moving = |time_step: f64, damping: f64| Modelling {
         dynamics: Some(Dynamics { time_step, damping }),
         ..draft()

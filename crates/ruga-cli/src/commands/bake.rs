@@ -1,6 +1,6 @@
 //! `ruga bake`: wrinkle maps, the artist's mesh, manifest and report.
 
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::ThreadPool;
 use ruga_io::{WrinkleMap, Wrinkles, WrittenGlb, key_percent};
 use ruga_scene::Scene;
 use ruga_stepper::{Frame, KeyResult, PoseResult, PoseSpec};
@@ -16,7 +16,7 @@ use crate::outcome::Outcome;
 use crate::output_folder::OutputFolder;
 use crate::pose_inputs::ScenePose;
 use crate::pose_record::{PoseRecord, Records};
-use crate::pose_runs::{PoseFiles, Product, run_poses, thread_count};
+use crate::pose_runs::{PoseFiles, Product, run_poses, thread_count, thread_pool};
 use crate::summary::{self, ALL_IN_REPORT};
 use crate::{interrupt, messages};
 
@@ -65,17 +65,6 @@ pub(crate) fn run(bake: &BakeArguments) -> Result<Outcome, CliError> {
     messages::warnings(about_mesh.iter(), ALL_IN_REPORT);
     scene.warnings.extend(about_mesh);
     summary::conclude(&scene, &plan, arguments, poses, &results)
-}
-
-/// Rayon's threads for the loops inside a bake; the global pool stays untouched.
-fn thread_pool(threads: usize) -> Result<ThreadPool, CliError> {
-    ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|error| CliError::Threads {
-            threads,
-            reason: error.to_string(),
-        })
 }
 
 struct WrinkleMaps<'a> {

@@ -12,6 +12,7 @@ use ruga_solver::{
 
 use crate::preparing::Preparing;
 use crate::run::layer::{Layer, LayerState};
+use crate::run::patches::Patches;
 use crate::skin::upper_shell::UpperShell;
 use crate::support::motion::Inertia;
 use crate::{LayerPlan, LayerReport, Modelling, Observer, Phase, Progress, StepperError};
@@ -38,7 +39,7 @@ const LAG: f64 = 1e-3;
 const MOST_SOLVES: usize = 4;
 
 /// The convexification that a solve is tried with first, over what the last one needed: lets it shrink.
-const SLOWLY_LESS: f64 = 0.97;
+pub(crate) const SLOWLY_LESS: f64 = 0.97;
 
 /// Accuracy that a state needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +57,10 @@ pub(crate) struct LayerRun<'a> {
     pub(crate) index: usize,
     pub(crate) layer: Layer,
     kkt: Kkt,
+    /// Patches of the layer, once they were asked for; none where it is too small for them.
+    patches: Option<Option<Patches>>,
+    /// Whether the layer has its pattern, which is found on the whole of it, so that patches agree.
+    has_pattern: bool,
     pub(crate) report: LayerReport,
     /// Convexification of the first step of the last solve that began with a pattern.
     relaxation: f64,
@@ -95,6 +100,8 @@ impl<'a> LayerRun<'a> {
             index,
             report,
             kkt,
+            patches: None,
+            has_pattern: false,
             relaxation: 0.0,
             warnings: layer.row_warning.iter().cloned().collect(),
             layer,
@@ -147,6 +154,8 @@ impl<'a> LayerRun<'a> {
         loads: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
+        // Onsets are looked for on the whole of a layer.
+        self.has_pattern = false;
         let mut stepper = LoadStepper::new(loads, LoadSettings::default())
             .map_err(|source| self.solver_error(source))?;
         // The first pattern is chosen with care.
@@ -312,9 +321,17 @@ impl<'a> LayerRun<'a> {
             })
         };
         let how = (self.modelling.minimise, &settings);
-        let solve = self
-            .layer
-            .minimise(inertia, how, &mut self.kkt, &mut keep_going)?;
+        if self.has_pattern && self.patches.is_none() {
+            self.patches = Some(self.layer.patches(self.modelling)?);
+        }
+        let solve = match &mut self.patches {
+            Some(Some(patches)) if self.has_pattern => {
+                self.layer.minimise_patches(patches, how, &mut keep_going)?
+            }
+            _ => self
+                .layer
+                .minimise(inertia, how, &mut self.kkt, &mut keep_going)?,
+        };
         // Below the critical strain it was not a pattern that needed the convexification.
         if solve.converged && solve.first_relaxation > 0.0 && self.layer.strain_ratio() > 1.0 {
             self.relaxation = solve.first_relaxation;

@@ -5,9 +5,10 @@ use ruga_solver::{Iteration, Kkt, Minimise, NewtonSettings, SolveReport, SolverE
 
 use super::{Layer, laid_on};
 use crate::run::layer_objective::{LayerObjective, gather, scatter};
+use crate::run::patches::{Patches, Scales, Whole};
 use crate::run::strain_ratio::applied_strains;
 use crate::support::motion::{Inertia, velocities};
-use crate::{Dynamics, StepperError};
+use crate::{Dynamics, Modelling, StepperError};
 
 /// Lag, in rad or as a change of rest lengths, from which on the energy is set up anew before a solve.
 const AS_BEFORE: f64 = 1e-4;
@@ -69,12 +70,58 @@ impl Layer {
                 keep_going,
             )
         });
-        let report = solved.map_err(|source| StepperError::Solver {
-            layer: self.spec.name.clone(),
-            source,
-        })?;
+        let report = solved.map_err(|source| self.solver_error(source))?;
         self.set_unknowns(&unknowns);
         Ok(report)
+    }
+
+    /// Divides the layer into patches; `None` where it is too small for that, has two sheets or moves
+    /// together with a body.
+    pub(crate) fn patches(&self, modelling: &Modelling) -> Result<Option<Patches>, StepperError> {
+        if self.solid.is_some() || self.free.len() <= modelling.whole_vertices {
+            return Ok(None);
+        }
+        let mesh = (&self.skin.mesh, self.skin.rest.positions.as_slice());
+        let patches = Patches::new(mesh, &self.energy, (&self.rows, &self.damping), modelling);
+        patches.map_err(|source| self.solver_error(source))
+    }
+
+    /// Finds the equilibrium near the present state patch by patch, and moves there.
+    pub(crate) fn minimise_patches(
+        &mut self,
+        patches: &mut Patches,
+        how: (Minimise, &NewtonSettings),
+        keep_going: &mut dyn FnMut(&Iteration) -> bool,
+    ) -> Result<SolveReport, StepperError> {
+        let mut unknowns = self.unknowns();
+        let base = gather(&self.free, &self.base);
+        let solved = self.row_targets(&base).and_then(|targets| {
+            let objective = self.objective(&base, None);
+            let whole = Whole {
+                energy: &self.energy,
+                positions: &self.positions,
+                load: [&self.reaction, &base],
+                rows: &self.rows,
+                targets: &targets,
+                scales: Scales {
+                    energy: objective.energy_scale,
+                    vertex_area: objective.vertex_area,
+                    wrinkling: &self.wrinkling,
+                    thickness: objective.thickness,
+                },
+            };
+            patches.minimise(whole, &mut unknowns, how, keep_going)
+        });
+        let report = solved.map_err(|source| self.solver_error(source))?;
+        self.set_unknowns(&unknowns);
+        Ok(report)
+    }
+
+    fn solver_error(&self, source: SolverError) -> StepperError {
+        StepperError::Solver {
+            layer: self.spec.name.clone(),
+            source,
+        }
     }
 
     /// Right-hand sides of the layer's constraints: averages of the support surface.

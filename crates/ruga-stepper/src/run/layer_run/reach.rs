@@ -129,6 +129,7 @@ impl<'a> LayerRun<'a> {
         }
         loop {
             let felt = self.layer.strain_ratios().all();
+            self.has_pattern = self.layer.strain_ratio() > 1.0;
             if !self.place(loading, load, observer)? {
                 return Ok(Ending::Interrupted);
             }
