@@ -95,7 +95,7 @@ pub(crate) fn run_poses<P: Product>(
 
 /// Data that all poses share.
 struct PoseRun<'a, P> {
-    /// Threads that each pose has: more than one only if there are fewer poses.
+    /// Threads that each pose has: more than one from twice as many threads as poses on.
     threads: usize,
     scene: &'a Scene,
     plan: &'a ScenePlan,

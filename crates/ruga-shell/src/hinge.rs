@@ -19,8 +19,9 @@ use nalgebra::{Matrix3, Vector3};
 /// (0,0) (1,0) (1,1) (2,0) ... (3,3).
 ///
 /// # Validity
-/// `theta` jumps where the hinge is folded shut, and the energy where it is half a turn from rest. A triangle that has collapsed to a line has no
-/// angle: it then contributes a value but no derivative, and never a NaN.
+/// `theta` jumps where the hinge is folded shut, and the slope of the energy where it is half a turn from
+/// rest. A triangle that has collapsed to a line has no angle: it then contributes a value but no
+/// derivative, and never a NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hinge {
     /// `k` (J).

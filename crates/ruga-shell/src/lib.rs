@@ -13,6 +13,7 @@
 //!   + sum_faces  A C (J_0 - J)^3 / J_0^2                        below J_0 = 0.4 of a face's area
 //!   + sum_edges  k/2 (theta - theta_rest)^2                    Grinspun 2003, calibrated to D
 //!  or sum_stars  A D/2 ((tr kappa)^2 - 2 (1 - nu) det kappa)   kappa linear in theta - theta_rest
+//!     + sum_edges k u^3/(1.01 - u)                           u from 0 at 2 rad of bend to 1 at pi
 //!   + 1/2 int    K0 w^2 + K1 |grad w|^2 + Kt |x_t - p_t|^2     Pasternak, w = n.(x - p) - offset
 //! ```
 //!

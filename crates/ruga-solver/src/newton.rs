@@ -67,8 +67,8 @@ pub type Minimise = fn(
 /// constraints at full length with the least elastic energy, then every step stays within
 /// `H p = 0` and is shortened until the energy falls, or with [`NewtonSettings::overshoot`] every two.
 /// Where the Hessian is indefinite on that space, only what the objective relaxes is left out, such as
-/// the compressive stress stiffness, and the direction of negative curvature is searched as well; the
-/// solve stops as converged only where the exact Hessian has the inertia of a minimum. `keep_going` sees
+/// the compressive stress stiffness, and where that step gains hardly any energy the direction of negative
+/// curvature is searched as well; the solve stops as converged only where the exact Hessian has the inertia of a minimum. `keep_going` sees
 /// every iteration and ends the solve by returning `false`; an iteration takes at most some 30
 /// factorisations, where the Hessian's inertia is hard to mend. Same input, same bits.
 ///
@@ -414,7 +414,7 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// Takes the better of the Newton step and, at a saddle, the curvature step.
+    /// Takes the Newton step or, at a saddle where that gains little, the curvature step if it is better.
     fn advance(
         &mut self,
         x: &mut [f64],

@@ -280,8 +280,9 @@ pub struct Modelling {
     pub points_per_wavelength: f64,
     /// Vertices of one layer in one pose above which refinement stops, with a warning; at least 1.
     pub vertex_budget: usize,
-    /// Vertices of a layer up to which it is solved as a whole. A larger one finds its pattern as a whole,
-    /// and is then solved in overlapping patches of a sixth of these; not on a body, nor in a joint pair.
+    /// Vertices of a layer, without those on its border, up to which it is solved as a whole. A larger one
+    /// finds its first pattern as a whole and is then solved in overlapping patches of at most a sixth of
+    /// these; not load step by load step, on a body, or in a joint pair. At least 1.
     pub whole_vertices: usize,
     /// Limits of the mesh where it is fitted to the pose; `None` keeps it uniform.
     pub remesh: Option<EdgeLimits>,

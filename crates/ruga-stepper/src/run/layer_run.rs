@@ -324,19 +324,35 @@ impl<'a> LayerRun<'a> {
         if self.has_pattern && self.patches.is_none() {
             self.patches = Some(self.layer.patches(self.modelling)?);
         }
-        let solve = match &mut self.patches {
-            Some(Some(patches)) if self.has_pattern => {
-                self.layer.minimise_patches(patches, how, &mut keep_going)?
+        let patches = self.patches.iter_mut().flatten().next();
+        let patches = patches.filter(|_| self.has_pattern && inertia.is_none());
+        // What patches refuse the whole may still do.
+        let patched = patches.and_then(|patches| {
+            self.layer
+                .minimise_patches(patches, how, &mut keep_going)
+                .ok()
+        });
+        if let Some(patched) = &patched {
+            self.report.take(patched);
+        }
+        let is_done = |solve: &SolveReport| match solve.stop {
+            StopRule::Interrupted => true,
+            // A result is proved on the whole: patches may slide together, and agree on a saddle.
+            _ => solve.converged && accuracy == Accuracy::Passing,
+        };
+        let solve = match patched.filter(is_done) {
+            Some(solve) => solve,
+            None => {
+                let kkt = &mut self.kkt;
+                let solve = self.layer.minimise(inertia, how, kkt, &mut keep_going)?;
+                self.report.take(&solve);
+                solve
             }
-            _ => self
-                .layer
-                .minimise(inertia, how, &mut self.kkt, &mut keep_going)?,
         };
         // Below the critical strain it was not a pattern that needed the convexification.
         if solve.converged && solve.first_relaxation > 0.0 && self.layer.strain_ratio() > 1.0 {
             self.relaxation = solve.first_relaxation;
         }
-        self.report.take(&solve);
         Ok(solve)
     }
 

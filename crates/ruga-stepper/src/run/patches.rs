@@ -3,8 +3,7 @@
 //! The cost of one factorisation grows with the area of a layer to the power of 1.5, and one defect that
 //! slides somewhere makes the whole of the layer go on. In patches each place takes the steps that it
 //! needs: a patch is solved while everything around it stands still, patch after patch, until none of them
-//! moves any more (multiplicative Schwarz method, on the energy instead of a linear system). The energy
-//! falls with every solve. Patches overlap, so that what one of them leaves at its border is mended by the
+//! moves any more (multiplicative Schwarz method, on the energy instead of a linear system). Patches overlap, so that what one of them leaves at its border is mended by the
 //! next.
 //!
 //! An averaging constraint reaches over several patches. The one with most of its weight restores it; in
@@ -90,7 +89,6 @@ pub(crate) struct Whole<'a> {
     pub(crate) rows: &'a ConstraintRows,
     /// Right-hand sides of the rows.
     pub(crate) targets: &'a [f64],
-    /// The objective of the whole, for its scales.
     pub(crate) scales: Scales<'a>,
 }
 
@@ -102,6 +100,7 @@ pub(crate) struct Scales<'a> {
     /// Mean area of a vertex, m².
     pub(crate) vertex_area: f64,
     pub(crate) wrinkling: &'a ruga_material::Wrinkling,
+    /// Thickness of the layer, m.
     pub(crate) thickness: f64,
 }
 
@@ -109,7 +108,7 @@ pub(crate) struct Scales<'a> {
 struct Solved {
     /// Coordinates of its free vertices, m.
     own: Vec<f64>,
-    /// Energy that it lost, J.
+    /// Energy that it lost, less what restoring constraints took, J.
     gain: f64,
     report: SolveReport,
 }
@@ -146,7 +145,8 @@ impl Patches {
 
     /// Minimises the energy over all free vertices, from their coordinates `x` (m), and leaves it there.
     ///
-    /// The energy tolerance of `settings` holds for the sum of what all patches leave. `keep_going` is asked
+    /// It has converged when a sweep changes the energy by less than the tolerance of `settings` and every
+    /// patch is at a minimum; patches that slide together may still be far from one. `keep_going` is asked
     /// whenever some patches are done.
     pub(crate) fn minimise(
         &mut self,
@@ -176,8 +176,9 @@ impl Patches {
                         x[place] = *value;
                     }
                     done.add(&solved.report, patch.share);
-                    gained += solved.gain;
-                    let is_moved = solved.gain > tolerated * patch.share;
+                    gained += solved.gain.abs();
+                    // Where a constraint had to be restored the energy may have risen.
+                    let is_moved = solved.gain.abs() > tolerated * patch.share;
                     // One that has not converged may have, once its neighbours have moved.
                     is_due[i] = false;
                     if is_moved {
@@ -189,7 +190,7 @@ impl Patches {
                     return Ok(done.report(&reports, Some(StopRule::Interrupted)));
                 }
             }
-            // What moves on, each a little, moves the whole by less than is asked for.
+            // Where patches slide together sweeps gain less and less for long: that is left to the whole.
             if gained <= tolerated || is_due.iter().all(|due| !due) {
                 return Ok(done.report(&reports, None));
             }
@@ -428,8 +429,11 @@ impl Work {
         let last = || last.iter().flatten();
         let failed = last().find(|report| !report.converged);
         let most = |of: fn(&SolveReport) -> f64| last().map(of).fold(0.0, f64::max);
-        let negative = last().filter_map(|report| report.inertia);
-        let negative = negative.map(|inertia| inertia.negative.saturating_sub(inertia.rows));
+        let inertias: Option<Vec<Inertia>> = last().map(|report| report.inertia).collect();
+        let excess = |all: Vec<Inertia>| -> usize {
+            let each = all.iter();
+            each.map(|one| one.negative.saturating_sub(one.rows)).sum()
+        };
         SolveReport {
             converged: stop.is_none() && failed.is_none(),
             stop: stop.unwrap_or(failed.map_or(StopRule::Decrement, |report| report.stop)),
@@ -439,8 +443,8 @@ impl Work {
             residual: most(|report| report.residual),
             decrement: last().map(|report| report.decrement).sum(),
             infeasibility: most(|report| report.infeasibility),
-            inertia: Some(Inertia {
-                negative: negative.sum(),
+            inertia: inertias.map(|all| Inertia {
+                negative: excess(all),
                 rows: 0,
             }),
             relaxation_used: self.relaxation,
