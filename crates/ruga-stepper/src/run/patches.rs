@@ -28,8 +28,8 @@ use division::{Neighbourhood, coloured, divided};
 /// Patches, at least, of a layer that is large enough for some.
 const FEWEST: usize = 6;
 
-/// Overlap in wavelengths across the wrinkles, and in edges at least. With half of it a smile of 17 thousand
-/// vertices takes as long, in more sweeps.
+/// Overlap in wavelengths across the wrinkles, and in edges at least. A smile at 6 points per wavelength ends
+/// .2 % from the whole's amplitude with six edges, and 3 % from it with three.
 const OVERLAP: f64 = 0.5;
 const LEAST_OVERLAP: f64 = 4.0;
 
