@@ -281,8 +281,8 @@ pub struct Modelling {
     /// Vertices of one layer in one pose above which refinement stops, with a warning; at least 1.
     pub vertex_budget: usize,
     /// Vertices of a layer, without those on its border, up to which it is solved as a whole. A larger one
-    /// finds its first pattern as a whole and is then solved in overlapping patches of at most a sixth of
-    /// these; not load step by load step, on a body, or in a joint pair. At least 1.
+    /// is solved in overlapping patches of at most a third of these, each of which is proved to be at a
+    /// minimum; not load step by load step, on a body, or in a joint pair. At least 1.
     pub whole_vertices: usize,
     /// Limits of the mesh where it is fitted to the pose; `None` keeps it uniform.
     pub remesh: Option<EdgeLimits>,
@@ -334,8 +334,8 @@ impl Modelling {
             // By the planner's own model, one factorisation of so many vertices takes some twenty
             // seconds and 1.7 GB.
             vertex_budget: 300_000,
-            // From here on patches take less time on one thread, too.
-            whole_vertices: 15_000,
+            // From here on patches take less time on one thread, too: of a smile of 8600 vertices .6.
+            whole_vertices: 5_000,
             remesh: Some(EdgeLimits::default()),
             stack: Stack::Nominal,
             dynamics: None,

@@ -19,13 +19,18 @@ impl Observer for Patience {
     }
 }
 
-/// The patch of skin at half of its pose and all of it, as a whole up to so many vertices.
-fn run(coupling: Coupling, whole_vertices: usize, patience: &mut Patience) -> PoseResult {
+/// The patch of skin at half of its pose and all of it, with so many points per wavelength, and as a whole
+/// up to so many vertices.
+fn run(
+    (coupling, points): (Coupling, f64),
+    whole_vertices: usize,
+    patience: &mut Patience,
+) -> PoseResult {
     let driver = driver();
     let layers = [skin("forehead-furrow", coupling)];
     let poses = [pose(&driver, "press", 1.0)];
     let modelling = Modelling {
-        points_per_wavelength: 10.0,
+        points_per_wavelength: points,
         whole_vertices,
         ..draft()
     };
@@ -37,36 +42,65 @@ fn run(coupling: Coupling, whole_vertices: usize, patience: &mut Patience) -> Po
 fn run_on(threads: usize) -> PoseResult {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.expect("threads");
-    pool.install(|| run(Coupling::Hybrid, 400, &mut Patience(usize::MAX)))
+    pool.install(|| run((Coupling::Hybrid, 10.0), 400, &mut Patience(usize::MAX)))
+}
+
+/// The patch of skin as a whole, and in patches where it has more than `most` vertices.
+fn compared((coupling, points): (Coupling, f64), most: usize) -> [PoseResult; 2] {
+    let results =
+        [usize::MAX, most].map(|most| run((coupling, points), most, &mut Patience(usize::MAX)));
+    for result in &results {
+        assert!(result.converged, "{coupling:?}: {:?}", result.warnings);
+        // With fewer it would be left whole, and the test would have no sense.
+        let layer = &result.layers[0];
+        assert!(layer.vertices > 9 * most / 8, "{} vertices", layer.vertices);
+    }
+    results
+}
+
+/// Differences of energy, wavelength and amplitude, as shares.
+fn differences(results: &[PoseResult; 2]) -> [f64; 3] {
+    let [one, other] = results.each_ref().map(|result| &result.layers[0]);
+    let waves = [one, other].map(|layer| layer.wavelength.expect("wrinkles"));
+    [
+        other.energy / one.energy - 1.0,
+        waves[1] / waves[0] - 1.0,
+        other.amplitude / one.amplitude - 1.0,
+    ]
 }
 
 #[test]
-fn patches_find_what_the_whole_finds() {
+fn patches_keep_the_pattern_of_the_whole() {
+    // So many points that a mesh of 12, which is left whole, finds the pattern.
     for coupling in [Coupling::Hybrid, Coupling::Elastic] {
-        let [whole, patched] =
-            [usize::MAX, 400].map(|most| run(coupling, most, &mut Patience(usize::MAX)));
-        assert!(
-            whole.converged && patched.converged,
-            "{:?}",
-            patched.warnings
-        );
-        let [one, other] = [&whole, &patched].map(|result| &result.layers[0]);
-        // Fewer vertices would have left it whole, and the test without a sense.
-        assert!(other.vertices > 800, "{} vertices", other.vertices);
-        assert_eq!(one.vertices, other.vertices);
-        let difference = |a: f64, b: f64| (a / b - 1.0).abs();
-        assert!(difference(one.energy, other.energy) < 1e-3);
-        assert!(difference(one.amplitude, other.amplitude) < 0.01);
-        let surfaces = [&whole, &patched].map(|result| &result.keys[1].layers[0]);
+        let results = compared((coupling, 21.0), 2000);
+        let [energy, wavelength, amplitude] = differences(&results).map(f64::abs);
+        assert!(energy < 3e-4, "{coupling:?}: {energy}");
+        assert!(wavelength < 2e-3, "{coupling:?}: {wavelength}");
+        assert!(amplitude < 3e-3, "{coupling:?}: {amplitude}");
+        let surfaces = results.each_ref().map(|result| &result.keys[1].layers[0]);
         let pairs = surfaces[0].positions.iter().zip(&surfaces[1].positions);
         let square: f64 = pairs.map(|(a, b)| (a - b).norm_squared()).sum();
         let distance = (square / surfaces[0].positions.len() as f64).sqrt();
-        // The same waves at the same places, though found in another way.
+        // The same waves, which have slid by a thirtieth of their length at most.
+        let most = 0.3 * results[0].layers[0].amplitude;
         assert!(
-            distance > 0.0 && distance < 0.1 * one.amplitude,
-            "{coupling:?}: {distance:e} of {:e} m",
-            one.amplitude
+            distance > 0.0 && distance < most,
+            "{coupling:?}: {distance:e} of {most:e} m"
         );
+    }
+}
+
+#[test]
+fn patches_find_a_pattern_as_good_as_that_of_the_whole() {
+    // Patches of one wavelength, a quarter of what they are at the quality `standard`. Averages that they
+    // share stiffen small ones.
+    for (coupling, most) in [(Coupling::Hybrid, 6e-3), (Coupling::Elastic, 5e-4)] {
+        let results = compared((coupling, 14.0), 1300);
+        let [energy, wavelength, amplitude] = differences(&results).map(f64::abs);
+        assert!(energy < most, "{coupling:?}: {energy}");
+        assert!(wavelength < 0.02, "{coupling:?}: {wavelength}");
+        assert!(amplitude < 0.03, "{coupling:?}: {amplitude}");
     }
 }
 
@@ -83,10 +117,10 @@ fn the_number_of_threads_changes_nothing() {
 #[test]
 fn sweeps_can_be_interrupted() {
     let mut all = Patience(usize::MAX);
-    run(Coupling::Hybrid, 400, &mut all);
+    run((Coupling::Hybrid, 10.0), 400, &mut all);
     let reports = usize::MAX - all.0;
     // In the sweeps of the last key, which are most of its work.
-    let result = run(Coupling::Hybrid, 400, &mut Patience(reports - 3));
+    let result = run((Coupling::Hybrid, 10.0), 400, &mut Patience(reports - 3));
     assert!(result.interrupted && !result.converged);
     assert_eq!(result.keys.len(), 1);
 }

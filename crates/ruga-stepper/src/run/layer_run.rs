@@ -56,11 +56,10 @@ pub(crate) struct LayerRun<'a> {
     /// Number of the layer in its stack.
     pub(crate) index: usize,
     pub(crate) layer: Layer,
-    kkt: Kkt,
-    /// Patches of the layer, once they were asked for; none where it is too small for them.
-    patches: Option<Option<Patches>>,
-    /// Whether the layer has its pattern, which is found on the whole of it, so that patches agree.
-    has_pattern: bool,
+    /// Factorisation of the whole layer, once it was needed.
+    kkt: Option<Kkt>,
+    /// Patches of the layer, where it is solved in some.
+    patches: Option<Patches>,
     pub(crate) report: LayerReport,
     /// Convexification of the first step of the last solve that began with a pattern.
     relaxation: f64,
@@ -80,35 +79,26 @@ impl<'a> LayerRun<'a> {
         layer: Layer,
         planned: &LayerPlan,
         modelling: &'a Modelling,
-    ) -> Result<Self, StepperError> {
+    ) -> Self {
         let report = LayerReport {
             vertices: layer.vertex_count(),
             faces: layer.face_count(),
             constraints: layer.row_count(),
             ..LayerReport::planned(planned)
         };
-        let (pattern, rows) = layer.system();
-        // A node of a lattice touches hundreds of vertices. Dissecting the graph with all nodes in it is
-        // still better than to eliminate them last: by a tenth at six cells along a side, by a third at
-        // ten.
-        let kkt = Kkt::new(pattern, rows, 3).map_err(|source| StepperError::Solver {
-            layer: layer.spec.name.clone(),
-            source,
-        })?;
-        Ok(Self {
+        Self {
             modelling,
             index,
             report,
-            kkt,
+            kkt: None,
             patches: None,
-            has_pattern: false,
             relaxation: 0.0,
             warnings: layer.row_warning.iter().cloned().collect(),
             layer,
             is_rough: false,
             halved: 0,
             is_coarse: false,
-        })
+        }
     }
 
     /// Counts in what an earlier run of the same layer has done.
@@ -155,7 +145,7 @@ impl<'a> LayerRun<'a> {
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
         // Onsets are looked for on the whole of a layer.
-        self.has_pattern = false;
+        self.patches = None;
         let mut stepper = LoadStepper::new(loads, LoadSettings::default())
             .map_err(|source| self.solver_error(source))?;
         // The first pattern is chosen with care.
@@ -321,11 +311,7 @@ impl<'a> LayerRun<'a> {
             })
         };
         let how = (self.modelling.minimise, &settings);
-        if self.has_pattern && self.patches.is_none() {
-            self.patches = Some(self.layer.patches(self.modelling)?);
-        }
-        let patches = self.patches.iter_mut().flatten().next();
-        let patches = patches.filter(|_| self.has_pattern && inertia.is_none());
+        let patches = self.patches.as_mut().filter(|_| inertia.is_none());
         // What patches refuse the whole may still do.
         let patched = patches.and_then(|patches| {
             self.layer
@@ -335,15 +321,11 @@ impl<'a> LayerRun<'a> {
         if let Some(patched) = &patched {
             self.report.take(patched);
         }
-        let is_done = |solve: &SolveReport| match solve.stop {
-            StopRule::Interrupted => true,
-            // A result is proved on the whole: patches may slide together, and agree on a saddle.
-            _ => solve.converged && accuracy == Accuracy::Passing,
-        };
+        let is_done = |solve: &SolveReport| solve.converged || solve.stop == StopRule::Interrupted;
         let solve = match patched.filter(is_done) {
             Some(solve) => solve,
             None => {
-                let kkt = &mut self.kkt;
+                let kkt = whole_kkt(&mut self.kkt, &self.layer)?;
                 let solve = self.layer.minimise(inertia, how, kkt, &mut keep_going)?;
                 self.report.take(&solve);
                 solve
@@ -416,4 +398,22 @@ impl<'a> LayerRun<'a> {
             source,
         }
     }
+}
+
+/// The factorisation of the whole of a `layer`, analysed when it is needed first.
+fn whole_kkt<'k>(kkt: &'k mut Option<Kkt>, layer: &Layer) -> Result<&'k mut Kkt, StepperError> {
+    let analysed = match kkt.take() {
+        Some(analysed) => analysed,
+        None => {
+            // A node of a lattice touches hundreds of vertices. Dissecting the graph with all nodes in it
+            // is still better than to eliminate them last: by a tenth at six cells along a side, by a
+            // third at ten.
+            let (pattern, rows) = layer.system();
+            Kkt::new(pattern, rows, 3).map_err(|source| StepperError::Solver {
+                layer: layer.spec.name.clone(),
+                source,
+            })?
+        }
+    };
+    Ok(kkt.insert(analysed))
 }

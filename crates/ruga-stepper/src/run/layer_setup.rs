@@ -137,7 +137,7 @@ impl<'a> StackRun<'a> {
             preparing.step()?;
         }
         let planned = &plan.poses[self.pose].layers[index];
-        let mut run = LayerRun::new(index, layer, planned, modelling)?;
+        let mut run = LayerRun::new(index, layer, planned, modelling);
         preparing.step()?;
         if coarseness > WORTH_TELLING {
             let points = modelling.points_of(index, plan.meshes());

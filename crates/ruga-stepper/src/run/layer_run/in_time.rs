@@ -2,7 +2,7 @@
 
 use ruga_solver::{AtSaddle, NewtonSettings, SolveReport, StopRule};
 
-use super::{Accuracy, Ending, LayerRun, Loading};
+use super::{Accuracy, Ending, LayerRun, Loading, whole_kkt};
 use crate::{Dynamics, Observer, Phase, StepperError};
 
 /// Newton decrement of the equilibrium, in energy scales, at which a moving layer counts as being
@@ -191,9 +191,8 @@ impl LayerRun<'_> {
         };
         let state = self.layer.state();
         let how = (self.modelling.minimise, &settings);
-        let solve = self
-            .layer
-            .minimise(None, how, &mut self.kkt, &mut |_| true)?;
+        let kkt = whole_kkt(&mut self.kkt, &self.layer)?;
+        let solve = self.layer.minimise(None, how, kkt, &mut |_| true)?;
         self.report.factorizations += solve.factorizations;
         // Looking must not move the layer: its velocities belong to where it was.
         self.layer.restore(&state)?;

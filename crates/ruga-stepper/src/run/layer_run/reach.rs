@@ -123,13 +123,15 @@ impl<'a> LayerRun<'a> {
     ) -> Result<Ending, StepperError> {
         let pose_fraction = loading.pose_fraction(load);
         let mut kept = self.layer.state();
+        if self.patches.is_none() {
+            self.patches = self.layer.patches(self.modelling)?;
+        }
         if self.layer.strain_ratio() < 1.0 {
             // The first pattern is chosen with care.
             self.relaxation = 0.0;
         }
         loop {
             let felt = self.layer.strain_ratios().all();
-            self.has_pattern = self.layer.strain_ratio() > 1.0;
             if !self.place(loading, load, observer)? {
                 return Ok(Ending::Interrupted);
             }
