@@ -149,7 +149,7 @@ impl Kkt {
             slots: assembled.slots,
             system: assembled.values,
             lower: assembled.lower,
-            factor: vec![0.0; symbolic.len_val()],
+            factor: Vec::new(),
             values: vec![0.0; pattern.entries()],
             typical_diagonal: 1.0,
             diagonal: Vec::new(),
@@ -185,7 +185,14 @@ impl Kkt {
         &self.rows
     }
 
-    /// Factorises `K + diag(damping)` with the rows; nothing is allocated.
+    /// Gives back the memory of the factor, which the next factorisation takes anew.
+    pub fn release(&mut self) {
+        self.factor = Vec::new();
+        self.factorized = false;
+    }
+
+    /// Factorises `K + diag(damping)` with the rows; nothing is allocated but what was
+    /// [released](Self::release).
     ///
     /// `values` in pattern order (N/m), `damping` one value per unknown (N/m), or none.
     ///
@@ -198,6 +205,7 @@ impl Kkt {
         check_finite("matrix values", values)?;
         check_finite("damping", damping)?;
         self.factorized = false;
+        self.factor.resize(self.symbolic.len_val(), 0.0);
         self.scatter(values, damping);
         // No dynamic regularisation: it failed on indefinite matrices that factorise well without,
         // and a pivot that it corrects tells no inertia. One thread: two were slower.

@@ -280,9 +280,10 @@ pub struct Modelling {
     pub points_per_wavelength: f64,
     /// Vertices of one layer in one pose above which refinement stops, with a warning; at least 1.
     pub vertex_budget: usize,
-    /// Vertices of a layer, without those on its border, up to which it is solved as a whole. A larger one
-    /// is solved in overlapping patches of at most a third of these, each of which is proved to be at a
-    /// minimum; not load step by load step, on a body, or in a joint pair. At least 1.
+    /// Vertices of a layer, without those on its border, up to which it is solved as a whole; with more than
+    /// 12 points per wavelength as many more as there are on the same area. A larger one is solved in
+    /// overlapping patches of at most a third of these, each of which is proved to be at a minimum; not
+    /// load step by load step, on a body, or in a joint pair. At least 1.
     pub whole_vertices: usize,
     /// Limits of the mesh where it is fitted to the pose; `None` keeps it uniform.
     pub remesh: Option<EdgeLimits>,
@@ -325,6 +326,14 @@ impl Modelling {
     /// the vertices of a draft.
     pub fn fine() -> Self {
         Self::with_points(24.0)
+    }
+
+    /// Vertices up to which a layer is solved as a whole. Patches of fewer wavelengths stiffen the layer where
+    /// they share averages, and gain no time.
+    pub(crate) fn most_in_whole(&self) -> usize {
+        let finer = (self.points_per_wavelength / 12.0).max(1.0);
+        // Saturates where a library user wants no patches.
+        (self.whole_vertices as f64 * finer.powi(2)) as usize
     }
 
     fn with_points(points_per_wavelength: f64) -> Self {

@@ -73,7 +73,7 @@ fn differences(results: &[PoseResult; 2]) -> [f64; 3] {
 fn patches_keep_the_pattern_of_the_whole() {
     // So many points that a mesh of 12, which is left whole, finds the pattern.
     for coupling in [Coupling::Hybrid, Coupling::Elastic] {
-        let results = compared((coupling, 21.0), 2000);
+        let results = compared((coupling, 21.0), 650);
         let [energy, wavelength, amplitude] = differences(&results).map(f64::abs);
         assert!(energy < 3e-4, "{coupling:?}: {energy}");
         assert!(wavelength < 2e-3, "{coupling:?}: {wavelength}");
@@ -96,7 +96,7 @@ fn patches_find_a_pattern_as_good_as_that_of_the_whole() {
     // Patches of one wavelength, a quarter of what they are at the quality `standard`. Averages that they
     // share stiffen small ones.
     for (coupling, most) in [(Coupling::Hybrid, 6e-3), (Coupling::Elastic, 5e-4)] {
-        let results = compared((coupling, 14.0), 1300);
+        let results = compared((coupling, 14.0), 950);
         let [energy, wavelength, amplitude] = differences(&results).map(f64::abs);
         assert!(energy < most, "{coupling:?}: {energy}");
         assert!(wavelength < 0.02, "{coupling:?}: {wavelength}");

@@ -129,7 +129,7 @@ impl Patches {
         modelling: &Modelling,
     ) -> Result<Option<Self>, SolverError> {
         let free = energy.free_vertices();
-        let most = (modelling.whole_vertices / FEWEST).max(1);
+        let most = (modelling.most_in_whole() / FEWEST).max(1);
         let overlap = (OVERLAP * modelling.points_per_wavelength).max(LEAST_OVERLAP);
         let cores = divided(positions, free.to_vec(), most);
         if cores.len() < 2 {
@@ -293,7 +293,10 @@ impl Patch {
         };
         let before = objective.value(&unknowns);
         let (kkt, goes_on) = (&mut self.kkt, &mut |_: &Iteration| true);
-        let report = minimise(&objective, &targets, &mut unknowns, kkt, &settings, goes_on)?;
+        let solved = minimise(&objective, &targets, &mut unknowns, kkt, &settings, goes_on);
+        // Those of all patches together are nearly half of what patches take.
+        self.kkt.release();
+        let report = solved?;
         if report.converged && report.first_relaxation > 0.0 {
             self.relaxation = report.first_relaxation;
         }

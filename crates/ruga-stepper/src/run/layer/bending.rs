@@ -1,7 +1,9 @@
 //! How the mesh's triangles bend, and the correction for it.
 
+use std::collections::VecDeque;
+
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
-use ruga_mesh::{Edge, Id, PerFace, PerVertex, TriMesh, face_areas, triangle_frame};
+use ruga_mesh::{Edge, Id, PerFace, PerVertex, TriMesh, VertexId, face_areas, triangle_frame};
 use ruga_shell::{BendingModel, HINGE_EXPONENT, ResponseQuery, face_corners, response_modulus};
 
 use super::Layer;
@@ -15,6 +17,10 @@ const LEAST_PART: f64 = 0.3;
 /// Lengths along the main direction, over the mean of those that wrinkle in it, that do not resolve its
 /// waves: from two thirds of the points on a mesh is soft.
 const TOO_LONG: f64 = 1.5;
+
+/// Area on which a mesh is measured, in squares of the wavelength. More of the same triangles would tell
+/// the same, at a cost that grows faster than the area: two thirds of the preparation of a whole hand.
+const ENOUGH: f64 = 100.0;
 
 /// Ratios of a mesh's bending modulus to the material's that can be the triangles' doing. A smaller
 /// one counts as not measured.
@@ -74,6 +80,9 @@ impl Layer {
         for (face, _) in too_long.iter().filter(|(_, on)| **on) {
             mesh.faces()[face].iter().for_each(|&v| pinned[v] = true);
         }
+        let areas = face_areas(mesh, &self.skin.rest.positions);
+        let enough = ENOUGH * self.wrinkling.wavelength.powi(2);
+        pin_all_but_the_middle(mesh, &areas, &mut pinned, enough);
         let modulus = self.response(mesh, &corners, &main, &pinned)?;
         match self.bending {
             // Hinges are wrong by what shape their triangles have, however small these are.
@@ -159,6 +168,72 @@ impl Layer {
     }
 }
 
+/// Pins what is beyond an area of `enough` (m²) around the middle of the widest place that is not pinned.
+fn pin_all_but_the_middle(
+    mesh: &TriMesh,
+    areas: &PerFace<f64>,
+    pinned: &mut PerVertex<bool>,
+    enough: f64,
+) {
+    let mut of_vertex: PerVertex<f64> = PerVertex::filled(mesh.vertex_count(), 0.0);
+    for (face, area) in areas.iter() {
+        mesh.faces()[face]
+            .iter()
+            .for_each(|&v| of_vertex[v] += area / 3.0);
+    }
+    let free = of_vertex.iter().filter(|(v, _)| !pinned[*v]);
+    if free.map(|(_, area)| area).sum::<f64>() <= enough {
+        return;
+    }
+    let mut near = vec![Vec::new(); mesh.vertex_count()];
+    for edge in mesh.edges().as_slice() {
+        let [a, b] = edge.vertices;
+        near[a.index()].push(b);
+        near[b.index()].push(a);
+    }
+    // In the order of their distance, counted in edges, so that the last one lies deepest.
+    let held: Vec<VertexId> = pinned
+        .iter()
+        .filter(|(_, held)| **held)
+        .map(|(v, _)| v)
+        .collect();
+    let reached = from_near_to_far(&near, held, |_| true);
+    let Some(&middle) = reached.last() else {
+        return;
+    };
+    let kept = from_near_to_far(&near, vec![middle], |v| !pinned[v]);
+    pinned.as_mut_slice().fill(true);
+    let mut area = 0.0;
+    for v in kept {
+        area += of_vertex[v];
+        if area > enough {
+            return;
+        }
+        pinned[v] = false;
+    }
+}
+
+/// All vertices that edges join to the `first` ones, from `near` to far, over those that `may` be passed.
+fn from_near_to_far(
+    near: &[Vec<VertexId>],
+    first: Vec<VertexId>,
+    may: impl Fn(VertexId) -> bool,
+) -> Vec<VertexId> {
+    let mut is_seen = vec![false; near.len()];
+    first.iter().for_each(|v| is_seen[v.index()] = true);
+    let mut due = VecDeque::from(first);
+    let mut order = Vec::new();
+    while let Some(v) = due.pop_front() {
+        order.push(v);
+        for &other in &near[v.index()] {
+            if may(other) && !std::mem::replace(&mut is_seen[other.index()], true) {
+                due.push_back(other);
+            }
+        }
+    }
+    order
+}
+
 /// The mesh with all triangles split in four where they lie; an edge's middle is pinned if both of its
 /// ends are.
 fn halved(
@@ -187,4 +262,41 @@ fn halved(
     let pinned = pinned.as_slice().iter().copied().chain(middles).collect();
     let mesh = TriMesh::new(count + mesh.edges().len(), faces);
     (mesh.expect("a manifold stays one"), places, pinned)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A grid of `n` by `n` squares of side 1, its border pinned.
+    fn grid(n: u32) -> (TriMesh, PerFace<f64>, PerVertex<bool>) {
+        let at = |i, j| i * (n + 1) + j;
+        let squares = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+        let faces = squares.flat_map(|(i, j)| {
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        });
+        let mesh = TriMesh::new((n + 1).pow(2) as usize, faces.collect()).expect("a grid");
+        let areas = PerFace::filled(mesh.face_count(), 0.5);
+        let pinned = mesh.border_vertices();
+        (mesh, areas, pinned)
+    }
+
+    #[test]
+    fn a_small_place_is_measured_as_it_is() {
+        let (mesh, areas, mut pinned) = grid(6);
+        let before = pinned.clone();
+        pin_all_but_the_middle(&mesh, &areas, &mut pinned, 25.0);
+        assert_eq!(pinned.as_slice(), before.as_slice());
+    }
+
+    #[test]
+    fn of_a_large_place_the_middle_is_measured() {
+        let (mesh, areas, mut pinned) = grid(20);
+        pin_all_but_the_middle(&mesh, &areas, &mut pinned, 50.0);
+        let free: Vec<usize> = (0..21 * 21).filter(|&v| !pinned.as_slice()[v]).collect();
+        assert!((45..=50).contains(&free.len()), "{} vertices", free.len());
+        let far = |v: usize| (v / 21).abs_diff(10).max((v % 21).abs_diff(10));
+        assert!(free.iter().all(|&v| far(v) <= 5), "{free:?}");
+    }
 }

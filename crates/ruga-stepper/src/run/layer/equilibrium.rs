@@ -78,7 +78,7 @@ impl Layer {
     /// Divides the layer into patches; `None` where it is too small for that, has two sheets or moves
     /// together with a body.
     pub(crate) fn patches(&self, modelling: &Modelling) -> Result<Option<Patches>, StepperError> {
-        if self.solid.is_some() || self.free.len() <= modelling.whole_vertices {
+        if self.solid.is_some() || self.free.len() <= modelling.most_in_whole() {
             return Ok(None);
         }
         let mesh = (&self.skin.mesh, self.skin.rest.positions.as_slice());
