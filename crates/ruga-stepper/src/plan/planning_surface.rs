@@ -358,7 +358,12 @@ impl<'a> PlanningSurface<'a> {
             spread: (quantile(&wavelengths, 0.95) / shortest).max(1.0),
         });
         let work = factorisations(lowest, pose, path);
-        let (seconds, memory) = cost(unknowns, output_vertices, map_size, work);
+        let most_in_whole = match modelling.stack {
+            // Two sheets in one are never divided.
+            Stack::Joint => usize::MAX,
+            Stack::Nominal | Stack::Composite => modelling.most_in_whole(),
+        };
+        let (seconds, memory) = cost(unknowns, most_in_whole, output_vertices, map_size, work);
         LayerPlan {
             name: spec.name.clone(),
             wavelength: wrinkling.wavelength,

@@ -8,6 +8,8 @@ const PER_TEXEL: f64 = 30.0;
 /// Bytes for every vertex planned of the output mesh: 3 thousand stay, as many again are gone when the layer
 /// is made, and halving leaves more vertices than planned.
 const PER_OUTPUT_VERTEX: f64 = 7.3e3;
+/// Bytes for every vertex of a layer in patches, which overlap.
+const IN_PATCHES: f64 = 1.3e4;
 /// Bytes of the program with its scene: of the forearm 80 million, of a face with 55 shapes 140.
 const BASE: f64 = 1.1e8;
 
@@ -35,23 +37,27 @@ pub(crate) struct Load {
 /// because the pattern is found on a coarse one.
 ///
 /// A numeric factorisation, with all that goes with it, grows with the 3/2 power of the vertices
-/// (nested dissection of a surface), its memory with `n log n`; the output mesh
-/// has `output_vertices`; maps are `map_size` texels wide.
+/// (nested dissection of a surface), its memory with `n log n`; beyond `most_in_whole` vertices the layer
+/// is solved in patches, and both grow with its size. The output mesh has `output_vertices`; maps are
+/// `map_size` texels wide.
 pub(crate) fn cost(
     vertices: usize,
+    most_in_whole: usize,
     output_vertices: f64,
     map_size: u32,
     factorisations: f64,
 ) -> (f64, f64) {
     let n = vertices as f64;
-    let factorisation = 1e-7 * n.powf(1.5) + 5.5e-6 * n;
+    let in_one = vertices.min(most_in_whole) as f64;
+    let factorisation = n * (1e-7 * in_one.sqrt() + 5.5e-6);
     let preparation = PREPARATION * n + OUTPUT_PREPARATION * output_vertices;
     let texels = f64::from(map_size).powi(2);
     // The logarithm of no vertex is infinite, and none times that is not a number.
-    let memory = BASE
-        + n * (900.0 + 260.0 * n.max(2.0).log2())
-        + PER_OUTPUT_VERTEX * output_vertices
-        + PER_TEXEL * texels;
+    let of_vertex = match vertices > most_in_whole {
+        true => IN_PATCHES,
+        false => 900.0 + 260.0 * n.max(2.0).log2(),
+    };
+    let memory = BASE + n * of_vertex + PER_OUTPUT_VERTEX * output_vertices + PER_TEXEL * texels;
     (preparation + factorisations * factorisation, memory)
 }
 
@@ -82,6 +88,14 @@ mod tests {
     use ruga_blend::Weights;
 
     use super::*;
+
+    #[test]
+    fn in_patches_time_grows_with_the_size() {
+        let seconds = |vertices| cost(vertices, 5000, 0.0, 1, 100.0).0;
+        let [small, large] = [10_000, 40_000].map(seconds);
+        assert!((large / small - 4.0).abs() < 1e-9, "{small} s, {large} s");
+        assert!(seconds(4000) / seconds(1000) > 4.2);
+    }
 
     #[test]
     fn work_grows_with_load_bends_waves_and_keys() {
