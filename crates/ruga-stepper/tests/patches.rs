@@ -71,7 +71,7 @@ fn differences(results: &[PoseResult; 2]) -> [f64; 3] {
 
 #[test]
 fn patches_keep_the_pattern_of_the_whole() {
-    // So many points that a mesh of 12, which is left whole, finds the pattern.
+    // So many points that a mesh of 12, which is left whole, finds the pattern and takes it far.
     for coupling in [Coupling::Hybrid, Coupling::Elastic] {
         let results = compared((coupling, 21.0), 650);
         let [energy, wavelength, amplitude] = differences(&results).map(f64::abs);
@@ -92,7 +92,7 @@ fn patches_keep_the_pattern_of_the_whole() {
 }
 
 #[test]
-fn patches_find_a_pattern_as_good_as_that_of_the_whole() {
+fn patches_end_as_low_as_the_whole() {
     // Patches of one wavelength, a quarter of what they are at the quality `standard`. Averages that they
     // share stiffen small ones.
     for (coupling, most) in [(Coupling::Hybrid, 6e-3), (Coupling::Elastic, 5e-4)] {

@@ -24,14 +24,8 @@ fn wrinkles_do_not_depend_on_the_mesh() {
         load: 3.0,
         ..FlatFilm::new(150.0)
     };
-    let state = |film: &FlatFilm, points: f64, is_fitted: bool| -> FilmState {
-        let mut modelling = Modelling {
-            points_per_wavelength: points,
-            ..Modelling::default()
-        };
-        if !is_fitted {
-            modelling.remesh = None;
-        }
+    let state = |film: &FlatFilm, modelling: Modelling| -> FilmState {
+        let points = modelling.points_per_wavelength;
         let (result, states) = film.states(&modelling, &[film.load]);
         let vertices = result.layers[0].vertices;
         println!("{points} points, {vertices} vertices: {:?}", states[0]);
@@ -41,13 +35,35 @@ fn wrinkles_do_not_depend_on_the_mesh() {
         squares: 3.0 * SQRT_2,
         ..film.clone()
     };
-    let reference = state(&uniform, 12.0, false);
+    let unfitted = Modelling {
+        remesh: None,
+        ..Modelling::standard()
+    };
+    let reference = state(
+        &uniform,
+        Modelling {
+            whole_vertices: usize::MAX,
+            ..unfitted.clone()
+        },
+    );
+    // So many vertices are divided into patches.
+    let patched = state(&uniform, unfitted);
+    let amplitude = patched.relative_amplitude / reference.relative_amplitude - 1.0;
+    let wavelength = patched.relative_wavelength / reference.relative_wavelength - 1.0;
+    assert!(amplitude.abs() < 0.01, "in patches: {amplitude:+.4}");
+    assert!(wavelength.abs() < 0.01, "in patches: {wavelength:+.4}");
     for (seed, points) in [(1, 12.0), (2, 12.0), (3, 12.0), (4, 12.5), (4, 15.625)] {
         let film = FlatFilm {
             mesh_seed: Some(seed),
             ..film.clone()
         };
-        let fitted = state(&film, points, true);
+        let fitted = state(
+            &film,
+            Modelling {
+                points_per_wavelength: points,
+                ..Modelling::standard()
+            },
+        );
         // Longer waves of the same slope are higher: amplitudes are compared over their wavelengths.
         let amplitude = fitted.relative_amplitude / reference.relative_amplitude - 1.0;
         let wavelength = fitted.relative_wavelength / reference.relative_wavelength - 1.0;

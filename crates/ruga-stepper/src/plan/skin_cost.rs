@@ -8,6 +8,8 @@ const PER_TEXEL: f64 = 30.0;
 /// Bytes for every vertex planned of the output mesh: 3 thousand stay, as many again are gone when the layer
 /// is made, and halving leaves more vertices than planned.
 const PER_OUTPUT_VERTEX: f64 = 7.3e3;
+/// Factorisations of the whole of a layer in which the first wrinkles are found, before it is divided.
+const FIRST: f64 = 17.0;
 /// Bytes for every vertex of a layer in patches, which overlap.
 const IN_PATCHES: f64 = 1.3e4;
 /// Bytes of the program with its scene: of the forearm 80 million, of a face with 55 shapes 140.
@@ -38,7 +40,7 @@ pub(crate) struct Load {
 ///
 /// A numeric factorisation, with all that goes with it, grows with the 3/2 power of the vertices
 /// (nested dissection of a surface), its memory with `n log n`; beyond `most_in_whole` vertices the layer
-/// is solved in patches, and both grow with its size. The output mesh has `output_vertices`; maps are
+/// is solved in patches after its first wrinkles, and both grow with its size. The output mesh has `output_vertices`; maps are
 /// `map_size` texels wide.
 pub(crate) fn cost(
     vertices: usize,
@@ -48,8 +50,10 @@ pub(crate) fn cost(
     factorisations: f64,
 ) -> (f64, f64) {
     let n = vertices as f64;
-    let in_one = vertices.min(most_in_whole) as f64;
-    let factorisation = n * (1e-7 * in_one.sqrt() + 5.5e-6);
+    let factorisation = |in_one: usize| n * (1e-7 * (in_one as f64).sqrt() + 5.5e-6);
+    let in_whole = FIRST.min(factorisations);
+    let work = in_whole * factorisation(vertices)
+        + (factorisations - in_whole) * factorisation(vertices.min(most_in_whole));
     let preparation = PREPARATION * n + OUTPUT_PREPARATION * output_vertices;
     let texels = f64::from(map_size).powi(2);
     // The logarithm of no vertex is infinite, and none times that is not a number.
@@ -58,7 +62,7 @@ pub(crate) fn cost(
         false => 900.0 + 260.0 * n.max(2.0).log2(),
     };
     let memory = BASE + n * of_vertex + PER_OUTPUT_VERTEX * output_vertices + PER_TEXEL * texels;
-    (preparation + factorisations * factorisation, memory)
+    (preparation + work, memory)
 }
 
 /// Factorisations of a layer in one pose whose keys alone are wanted.
@@ -91,7 +95,11 @@ mod tests {
 
     #[test]
     fn in_patches_time_grows_with_the_size() {
-        let seconds = |vertices| cost(vertices, 5000, 0.0, 1, 100.0).0;
+        // Of the work after the first wrinkles.
+        let seconds = |vertices| {
+            let all = |count| cost(vertices, 5000, 0.0, 1, count).0;
+            all(100.0) - all(FIRST)
+        };
         let [small, large] = [10_000, 40_000].map(seconds);
         assert!((large / small - 4.0).abs() < 1e-9, "{small} s, {large} s");
         assert!(seconds(4000) / seconds(1000) > 4.2);

@@ -123,15 +123,20 @@ impl<'a> LayerRun<'a> {
     ) -> Result<Ending, StepperError> {
         let pose_fraction = loading.pose_fraction(load);
         let mut kept = self.layer.state();
-        if self.patches.is_none() {
-            self.patches = self.layer.patches(self.modelling)?;
-        }
         if self.layer.strain_ratio() < 1.0 {
             // The first pattern is chosen with care.
             self.relaxation = 0.0;
         }
         loop {
             let felt = self.layer.strain_ratios().all();
+            // The first wrinkles are found on the whole: patches would fit them between their borders, and
+            // a film of 14 thousand vertices came out with waves 9 % too short.
+            if self.patches.is_none() && self.layer.strain_ratio() > 1.0 {
+                self.patches = self.layer.patches(self.modelling)?;
+                if self.patches.is_some() {
+                    self.kkt = None;
+                }
+            }
             if !self.place(loading, load, observer)? {
                 return Ok(Ending::Interrupted);
             }
