@@ -82,7 +82,7 @@ pub(crate) fn run_poses<P: Product>(
 ) -> Result<Vec<Option<PoseRecord>>, CliError> {
     let (count, threads) = (scene.poses.len(), thread_count(arguments));
     let run = PoseRun {
-        threads: (threads / count.clamp(1, threads)).max(1),
+        threads: threads / count.clamp(1, threads),
         scene,
         plan,
         arguments,

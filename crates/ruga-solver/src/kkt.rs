@@ -1,5 +1,9 @@
 //! The quasi-definite KKT matrix and its factor.
 
+mod cost;
+
+pub use cost::FactorCost;
+
 use faer::Conj;
 use faer::MatMut;
 use faer::Par;
@@ -47,17 +51,6 @@ impl Inertia {
     pub fn is_minimum(&self) -> bool {
         self.negative == self.rows
     }
-}
-
-/// Cost of one numeric factorisation, from the symbolic analysis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FactorCost {
-    /// Stored entries of `L`, padding of the supernodes included.
-    pub factor_entries: usize,
-    /// Bytes held by factor, system and work space.
-    pub bytes: usize,
-    /// Multiplications and additions of one factorisation.
-    pub flops: f64,
 }
 
 /// The matrix `[K, H'; H, 0]` of one pattern and one set of rows, analysed once and factorised
@@ -325,28 +318,6 @@ impl Kkt {
         }
         check_finite("solution", &[best])?;
         Ok(best)
-    }
-
-    /// Size and cost of the factor.
-    pub fn cost(&self) -> FactorCost {
-        let symbolic = &self.symbolic;
-        let mut flops = 0.0;
-        for supernode in 0..symbolic.n_supernodes() {
-            let (columns, rows) = self.supernode_shape(supernode);
-            flops += (0..columns)
-                .map(|column| ((rows - column) as f64).powi(2))
-                .sum::<f64>();
-        }
-        let numbers = self.factor.len() + self.system.len() + self.values.len();
-        let indices = self.system.len() + self.slots.len() + symbolic.row_idx().len();
-        FactorCost {
-            factor_entries: self.factor.len(),
-            bytes: size_of::<f64>() * numbers
-                + size_of::<usize>() * indices
-                + self.factor_memory.len()
-                + self.solve_memory.len(),
-            flops,
-        }
     }
 
     /// Median absolute diagonal entry of the last matrix (N/m).

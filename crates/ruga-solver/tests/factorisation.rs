@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failing unwrap fails the test")]
 
-use ruga_solver::{ConstraintRows, Inertia, Kkt, LowerPattern};
+use ruga_solver::{ConstraintRows, Inertia, Kkt, LowerPattern, SolverError};
 
 /// Dense symmetric matrix by rows.
 type Dense = Vec<Vec<f64>>;
@@ -264,4 +264,28 @@ fn refactorising_forgets_the_matrix_before() {
     reused.factorize(&other, &damping).unwrap();
     reused.factorize(&values, &damping).unwrap();
     assert_eq!(solve(&mut reused), expected);
+}
+
+#[test]
+fn a_factor_that_was_released_comes_back_the_same() {
+    let mut noise = Noise(11);
+    let (pattern, values) = chain(12, 0.5, &mut noise);
+    let rows = random_rows(pattern.size(), 3, 0, &mut noise);
+    let mut kkt = Kkt::new(&pattern, &rows, BLOCK).unwrap();
+    let cost = kkt.cost();
+    assert!(cost.factor_entries >= pattern.size());
+    let (force, offset) = (noise.vector(pattern.size()), noise.vector(rows.count()));
+    let solve = |kkt: &mut Kkt| {
+        let (mut step, mut multipliers) = (vec![0.0; force.len()], vec![0.0; offset.len()]);
+        kkt.solve(&force, &offset, &mut step, &mut multipliers)
+            .map(|_| step)
+    };
+    kkt.factorize(&values, &[]).unwrap();
+    let before = solve(&mut kkt).unwrap();
+    kkt.release();
+    assert!(matches!(solve(&mut kkt), Err(SolverError::NotFactorized)));
+    assert_eq!(kkt.cost(), cost);
+    kkt.factorize(&values, &[]).unwrap();
+    assert_eq!(solve(&mut kkt).unwrap(), before);
+    assert_eq!(kkt.cost(), cost);
 }

@@ -344,7 +344,7 @@ impl Modelling {
             // By the planner's own model, one factorisation of so many vertices takes some twenty
             // seconds and 1.7 GB.
             vertex_budget: 300_000,
-            // From here on patches take less time on one thread, too: of a smile of 8600 vertices .6.
+            // From here on patches take less time on one thread, too: of a smile of 8600 vertices .7.
             whole_vertices: 5_000,
             remesh: Some(EdgeLimits::default()),
             stack: Stack::Nominal,

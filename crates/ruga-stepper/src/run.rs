@@ -7,6 +7,7 @@ mod layer_objective;
 mod layer_run;
 mod layer_setup;
 mod low_pass_rows;
+mod neighbourhood;
 mod patches;
 mod run_ahead;
 mod stack_run;

@@ -1,13 +1,12 @@
 //! How the mesh's triangles bend, and the correction for it.
 
-use std::collections::VecDeque;
-
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use ruga_mesh::{Edge, Id, PerFace, PerVertex, TriMesh, VertexId, face_areas, triangle_frame};
 use ruga_shell::{BendingModel, HINGE_EXPONENT, ResponseQuery, face_corners, response_modulus};
 
 use super::Layer;
 use crate::StepperError;
+use crate::run::neighbourhood::Neighbourhood;
 use crate::support::support_surface::SupportSurface;
 
 /// Cosine of the angle to the main direction up to which a face wrinkles in that direction.
@@ -185,53 +184,23 @@ fn pin_all_but_the_middle(
     if free.map(|(_, area)| area).sum::<f64>() <= enough {
         return;
     }
-    let mut near = vec![Vec::new(); mesh.vertex_count()];
-    for edge in mesh.edges().as_slice() {
-        let [a, b] = edge.vertices;
-        near[a.index()].push(b);
-        near[b.index()].push(a);
-    }
-    // In the order of their distance, counted in edges, so that the last one lies deepest.
-    let held: Vec<VertexId> = pinned
-        .iter()
-        .filter(|(_, held)| **held)
-        .map(|(v, _)| v)
-        .collect();
-    let reached = from_near_to_far(&near, held, |_| true);
+    let around = Neighbourhood::new(mesh);
+    let held = pinned.iter().filter(|(_, held)| **held).map(|(v, _)| v.0);
+    // The last one lies deepest.
+    let reached = around.reached_from(held.collect(), |_| true);
     let Some(&middle) = reached.last() else {
         return;
     };
-    let kept = from_near_to_far(&near, vec![middle], |v| !pinned[v]);
+    let kept = around.reached_from(vec![middle], |v| !pinned[VertexId(v)]);
     pinned.as_mut_slice().fill(true);
     let mut area = 0.0;
-    for v in kept {
+    for v in kept.into_iter().map(VertexId) {
         area += of_vertex[v];
         if area > enough {
             return;
         }
         pinned[v] = false;
     }
-}
-
-/// All vertices that edges join to the `first` ones, from `near` to far, over those that `may` be passed.
-fn from_near_to_far(
-    near: &[Vec<VertexId>],
-    first: Vec<VertexId>,
-    may: impl Fn(VertexId) -> bool,
-) -> Vec<VertexId> {
-    let mut is_seen = vec![false; near.len()];
-    first.iter().for_each(|v| is_seen[v.index()] = true);
-    let mut due = VecDeque::from(first);
-    let mut order = Vec::new();
-    while let Some(v) = due.pop_front() {
-        order.push(v);
-        for &other in &near[v.index()] {
-            if may(other) && !std::mem::replace(&mut is_seen[other.index()], true) {
-                due.push_back(other);
-            }
-        }
-    }
-    order
 }
 
 /// The mesh with all triangles split in four where they lie; an edge's middle is pinned if both of its

@@ -1,7 +1,6 @@
 //! How a mesh is divided into patches.
 
 use nalgebra::Vector3;
-use ruga_mesh::{Id, TriMesh};
 
 /// Divides some vertices into groups of at most `most`, halving the longest side of the box around them;
 /// each group is ascending.
@@ -32,42 +31,6 @@ pub(super) fn divided(
         .collect()
 }
 
-/// The vertices that every vertex shares an edge with.
-pub(super) struct Neighbourhood(Vec<Vec<u32>>);
-
-impl Neighbourhood {
-    pub(super) fn new(mesh: &TriMesh) -> Self {
-        let mut near = vec![Vec::new(); mesh.vertex_count()];
-        for edge in mesh.edges().as_slice() {
-            let [a, b] = edge.vertices;
-            near[a.index()].push(b.0);
-            near[b.index()].push(a.0);
-        }
-        Self(near)
-    }
-
-    /// The vertices at most `rings` edges from `core` that are `free`; both are ascending, and so is what
-    /// comes out.
-    pub(super) fn grown(&self, core: &[u32], rings: usize, free: &[u32]) -> Vec<u32> {
-        let mut is_in = vec![false; self.0.len()];
-        core.iter().for_each(|&v| is_in[v as usize] = true);
-        let (mut all, mut border) = (core.to_vec(), core.to_vec());
-        for _ in 0..rings {
-            let mut next = Vec::new();
-            for &other in border.iter().flat_map(|&v| &self.0[v as usize]) {
-                if !std::mem::replace(&mut is_in[other as usize], true) {
-                    next.push(other);
-                }
-            }
-            all.extend(&next);
-            border = next;
-        }
-        all.retain(|v| free.binary_search(v).is_ok());
-        all.sort_unstable();
-        all
-    }
-}
-
 /// Groups of numbers of which no two are neighbours, each ascending.
 pub(super) fn coloured(neighbours: &[Vec<usize>]) -> Vec<Vec<usize>> {
     let mut colours: Vec<Vec<usize>> = Vec::new();
@@ -85,19 +48,15 @@ pub(super) fn coloured(neighbours: &[Vec<usize>]) -> Vec<Vec<usize>> {
 mod tests {
     use super::*;
 
-    /// A strip of squares, two vertices high.
-    fn strip(length: u32) -> (TriMesh, Vec<Vector3<f64>>) {
+    /// Two rows of vertices along x.
+    fn strip(length: u32) -> Vec<Vector3<f64>> {
         let corner = |i: u32| Vector3::new(f64::from(i / 2), f64::from(i % 2), 0.0);
-        let squares = (0..length).map(|i| 2 * i);
-        let faces = squares.flat_map(|a| [[a, a + 2, a + 1], [a + 1, a + 2, a + 3]]);
-        let count = 2 * length + 2;
-        let mesh = TriMesh::new(count as usize, faces.collect()).expect("a strip");
-        (mesh, (0..count).map(corner).collect())
+        (0..2 * length + 2).map(corner).collect()
     }
 
     #[test]
     fn groups_are_small_and_hold_every_vertex_once() {
-        let (_, positions) = strip(49);
+        let positions = strip(49);
         let some: Vec<u32> = (0..100).rev().filter(|v| v % 3 > 0).collect();
         let groups = divided(&positions, some.clone(), 20);
         assert!(
@@ -127,15 +86,6 @@ mod tests {
         let groups = divided(&positions, (0..9).collect(), 2);
         assert!(groups.iter().all(|group| group.len() <= 2));
         assert_eq!(groups.concat().len(), 9);
-    }
-
-    #[test]
-    fn a_group_grows_by_edges_over_free_vertices() {
-        let (mesh, _) = strip(9);
-        let around = Neighbourhood::new(&mesh);
-        let free: Vec<u32> = (0..20).filter(|&v| v != 9).collect();
-        assert_eq!(around.grown(&[10, 11], 0, &free), [10, 11]);
-        assert_eq!(around.grown(&[10, 11], 1, &free), [8, 10, 11, 12, 13]);
     }
 
     #[test]
