@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use ruga_scene::SceneOptions;
 use ruga_stepper::Modelling;
 
+use crate::memory_size::MemorySize;
 use crate::templates::Template;
 
 const EXIT_CODES: &str = "\
@@ -138,10 +139,15 @@ pub(crate) struct RunArguments {
     /// Mesh points per wavelength: draft 6, standard 12, fine 24, or the scene's.
     #[arg(long, value_enum, default_value_t, help_heading = "Simulation")]
     pub(crate) quality: Quality,
-    /// Poses worked on at a time, and threads within one where there are twice as many as poses; the results
-    /// do not depend on it [default: one per core].
+    /// Poses worked on at a time, and threads within one where there are twice as many as poses at a time; the
+    /// results do not depend on it [default: one per core].
     #[arg(long, value_name = "N", help_heading = "Simulation")]
     pub(crate) threads: Option<NonZeroUsize>,
+    /// Memory that poses worked on at a time may need together, such as 4GB or 800MB: where they would need
+    /// more, fewer are worked on at a time. What each needs is that of `ruga plan`; the results do not depend
+    /// on it [default: no limit].
+    #[arg(long, value_name = "SIZE", help_heading = "Simulation")]
+    pub(crate) memory: Option<MemorySize>,
 }
 
 impl RunArguments {
@@ -200,6 +206,10 @@ pub(crate) struct JobArguments {
         help_heading = "Simulation"
     )]
     pub(crate) threads: NonZeroUsize,
+    /// Memory that a task may need, such as 4GB or 800MB; a pose that needs more is refused
+    /// [default: no limit].
+    #[arg(long, value_name = "SIZE", help_heading = "Simulation")]
+    pub(crate) memory: Option<MemorySize>,
 }
 
 /// Options of `ruga plan`.

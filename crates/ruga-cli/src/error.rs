@@ -8,6 +8,8 @@ use ruga_scene::{SceneError, counted};
 use ruga_stepper::StepperError;
 use thiserror::Error;
 
+use crate::memory_size::MemorySize;
+
 /// Errors that the user can mend; each message names the file, and the key or element in it.
 #[derive(Debug, Error, Diagnostic)]
 pub(crate) enum CliError {
@@ -31,6 +33,24 @@ pub(crate) enum CliError {
         scene: PathBuf,
         pose: String,
         source: Box<StepperError>,
+    },
+    /// `--memory` is less than a pose needs by itself; `others` are further such poses.
+    #[error(
+        "{}: pose `{pose}` needs {needed} of memory by itself, more than `--memory {limit}` allows{}",
+        scene.display(),
+        and_others(*others)
+    )]
+    #[diagnostic(help(
+        "nothing was written; give `--memory {needed}` or more, or let the pose need less: `--quality draft`, \
+         a smaller `size` under [bake], or a smaller region (`region` under [driver], `mask` of a layer); \
+         `ruga plan` shows what each needs"
+    ))]
+    TooLittleMemory {
+        scene: PathBuf,
+        pose: String,
+        needed: MemorySize,
+        limit: MemorySize,
+        others: usize,
     },
     /// The output folder cannot be used.
     #[error("{}: cannot be the output folder: {reason}", path.display())]
@@ -93,4 +113,13 @@ pub(crate) enum CliError {
     /// `ruga check` found something.
     #[error("{}: {} found", scene.display(), counted(*count, "problem"))]
     Problems { scene: PathBuf, count: usize },
+}
+
+/// Words for further poses that need too much memory.
+fn and_others(others: usize) -> String {
+    match others {
+        0 => String::new(),
+        1 => "; so does 1 other pose".to_owned(),
+        _ => format!("; so do {others} other poses"),
+    }
 }

@@ -1,5 +1,9 @@
 //! Poses of earlier runs that serve another one.
 
+use ruga_scene::Scene;
+
+use crate::arguments::quality_words;
+use crate::output_folder::OutputFolder;
 use crate::pose_inputs::ScenePose;
 use crate::pose_record::{PoseRecord, Records};
 
@@ -44,4 +48,49 @@ pub(crate) fn kept_pose(
         });
     }
     Ok(record)
+}
+
+/// The poses of the scene as an earlier run left them, in its order; `None` stands for one that is to be
+/// made. `note` takes what the user should know of them.
+///
+/// A finer pose than asked for is kept, so that going on at a lower quality by mistake costs nothing.
+pub(crate) fn kept_poses(
+    records: &Records,
+    scene: &Scene,
+    folder: &OutputFolder,
+    note: impl Fn(&str),
+) -> Vec<Option<PoseRecord>> {
+    let asked = scene.modelling.points_per_wavelength;
+    let poses = scene.poses.iter().map(|pose| {
+        let kept = kept_pose(records, folder.pose(&pose.name), asked);
+        if let Some(text) = what_becomes_of(&kept, asked) {
+            note(&format!("pose `{}` {text}", pose.name));
+        }
+        kept.ok()
+    });
+    poses.collect()
+}
+
+/// What becomes of a pose when `asked` vertices per wavelength are asked for; nothing is said of a new one.
+fn what_becomes_of(kept: &Result<PoseRecord, Unusable>, asked: f64) -> Option<String> {
+    let text = match kept {
+        Ok(record) if record.points_per_wavelength > asked => format!(
+            "is there from an earlier run at {}, finer than asked for: it is kept; without `--resume` it is \
+             made again",
+            quality_words(record.points_per_wavelength)
+        ),
+        Ok(_) => "is there from an earlier run".to_owned(),
+        Err(Unusable::Absent) => return None,
+        Err(Unusable::Older | Unusable::NotWhole) => {
+            "is there from an older version of the scene, or not whole: it is made again".to_owned()
+        }
+        Err(Unusable::Interrupted { .. }) => {
+            "was interrupted: it is made again; until then its finished keys are kept".to_owned()
+        }
+        Err(Unusable::Coarser { points }) => {
+            let (found, asked) = (quality_words(*points), quality_words(asked));
+            format!("is there at {found}: it is made again at {asked}")
+        }
+    };
+    Some(text)
 }

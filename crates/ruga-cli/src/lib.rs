@@ -4,8 +4,8 @@
 //! ## Parts
 //!
 //! A *scene* is read with everything that it names (`ruga-scene`). A *plan* says what will be simulated
-//! in each *pose*. `bake` and `simulate` work on as many poses at a time as there are threads and keep a
-//! *record* of each finished pose, so that an interrupted run can go on where it stopped. Report and
+//! in each *pose*. `bake` and `simulate` work on as many poses at a time as there are threads and memory for,
+//! and keep a *record* of each finished pose, so that an interrupted run can go on where it stopped. Report and
 //! manifest are made of all records in the output folder that fit the scene, so that a run of one pose
 //! leaves the others listed; one run at a time *locks* the folder. On a render farm each run is a *task*,
 //! which locks its poses only, and a *merge* makes report and manifest; `job` writes both as a template.
@@ -22,6 +22,8 @@ mod run;
 mod artist_file;
 mod baked_poses;
 mod map_files;
+mod memory_limit;
+mod memory_size;
 mod moved_mesh;
 mod pose_queue;
 mod pose_report;

@@ -1,89 +1,277 @@
-//! Poses, as many at a time as there are threads.
+//! Poses, as many at a time as there are threads and memory for.
 
-use std::collections::BTreeMap;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Condvar, Mutex, MutexGuard};
 use std::thread;
 
 use crate::error::CliError;
 use crate::interrupt;
 
-/// Runs `work` on 0..`count` from `threads` threads and returns the results in order.
+/// Limits to what is in work at a time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Capacity {
+    /// Poses at a time, at least one.
+    pub(crate) threads: usize,
+    /// Bytes that these poses may take together; `None` for as many as they take.
+    pub(crate) memory: Option<u64>,
+}
+
+impl Capacity {
+    /// Poses that can be in work at a time, at most, when each takes so many bytes; at least one.
+    pub(crate) fn most_at_a_time(self, bytes: &[u64]) -> usize {
+        let mut smallest_first = bytes.to_vec();
+        smallest_first.sort_unstable();
+        let all = 1..=smallest_first.len();
+        let fitting = all.take_while(|&count| self.has_memory(&smallest_first[..count]));
+        fitting.count().clamp(1, self.threads.max(1))
+    }
+
+    /// Whether poses that take so many bytes may be in work together.
+    fn has_memory(self, bytes: &[u64]) -> bool {
+        let together = bytes
+            .iter()
+            .fold(0, |sum: u64, more| sum.saturating_add(*more));
+        self.memory.is_none_or(|most| together <= most)
+    }
+}
+
+/// Runs `work` on the numbers of `bytes`, which have what each takes, and returns the results in order.
 ///
-/// A thread takes the next number when it has finished the last, so no more than `threads` are in
-/// work at any time, whatever parallel loops run inside. After Ctrl-C or the first error no further
-/// number is taken and `given_up` tells those in work. What was not run is `None`.
+/// A thread that has finished a number takes the lowest one that still fits beside those in work, and
+/// waits for one of these to end where none does. One that takes more than all of the memory runs by
+/// itself. After Ctrl-C or the first error no further number is taken and `given_up` tells those in work.
+/// What was not run is `None`.
 ///
 /// # Errors
 /// The error of the lowest number that failed.
 pub(crate) fn run_all<T: Send>(
-    count: usize,
-    threads: usize,
+    bytes: &[u64],
+    capacity: Capacity,
     work: impl Fn(usize, &(dyn Fn() -> bool + Sync)) -> Result<Option<T>, CliError> + Sync,
 ) -> Result<Vec<Option<T>>, CliError> {
-    let next = AtomicUsize::new(0);
-    let failed = AtomicBool::new(false);
-    let given_up = || failed.load(Ordering::Relaxed);
-    let results = Mutex::new(BTreeMap::new());
+    let queue = Queue {
+        bytes,
+        capacity,
+        state: Mutex::new(State {
+            waiting: (0..bytes.len()).collect(),
+            in_work: Vec::new(),
+        }),
+        ended: Condvar::new(),
+        failed: AtomicBool::new(false),
+    };
+    let results: Mutex<Vec<_>> = Mutex::new(bytes.iter().map(|_| Ok(None)).collect());
     let worker = || {
-        while !interrupt::asked() && !given_up() {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            if index >= count {
-                break;
-            }
-            let result = work(index, &given_up);
-            failed.fetch_or(result.is_err(), Ordering::Relaxed);
+        while let Some(turn) = queue.next() {
+            let result = work(turn.number, &|| queue.has_failed());
+            queue.failed.fetch_or(result.is_err(), Ordering::Relaxed);
             results
                 .lock()
-                .expect("no thread panics while it holds the results")
-                .insert(index, result);
+                .expect("no thread panics while it holds the results")[turn.number] = result;
         }
     };
     thread::scope(|scope| {
-        for _ in 0..threads.min(count) {
+        for _ in 0..capacity.threads.min(bytes.len()) {
             scope.spawn(worker);
         }
     });
-    let mut results = results
+    let results = results
         .into_inner()
         .expect("no thread panics while it holds the results");
-    (0..count)
-        .map(|index| results.remove(&index).transpose().map(Option::flatten))
-        .collect()
+    results.into_iter().collect()
+}
+
+/// Numbers that wait, and those in work.
+struct Queue<'a> {
+    bytes: &'a [u64],
+    capacity: Capacity,
+    state: Mutex<State>,
+    /// Told of whenever a number is no longer in work.
+    ended: Condvar,
+    failed: AtomicBool,
+}
+
+struct State {
+    /// Ascending.
+    waiting: Vec<usize>,
+    in_work: Vec<usize>,
+}
+
+impl Queue<'_> {
+    /// The next number to work on; `None` when there is none, or it is not wanted any more.
+    ///
+    /// Only where something is in work does it wait, and whatever is in work ends soon after Ctrl-C or an
+    /// error: so that neither has to wake it.
+    fn next(&self) -> Option<Turn<'_>> {
+        let mut state = self.state();
+        loop {
+            if interrupt::asked() || self.has_failed() || state.waiting.is_empty() {
+                return None;
+            }
+            let mut waiting = state.waiting.iter();
+            if let Some(first) = waiting.position(|&number| self.fits(number, &state.in_work)) {
+                let number = state.waiting.remove(first);
+                state.in_work.push(number);
+                let queue = self;
+                return Some(Turn { queue, number });
+            }
+            state = self.ended.wait(state).expect(UNPOISONED);
+        }
+    }
+
+    fn fits(&self, number: usize, in_work: &[usize]) -> bool {
+        let together = in_work.iter().chain([&number]);
+        let bytes: Vec<u64> = together.map(|&number| self.bytes[number]).collect();
+        in_work.is_empty() || self.capacity.has_memory(&bytes)
+    }
+
+    fn has_failed(&self) -> bool {
+        self.failed.load(Ordering::Relaxed)
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().expect(UNPOISONED)
+    }
+}
+
+const UNPOISONED: &str = "no thread panics while it holds the queue";
+
+/// A number in work. When it goes, also by a panic, those who wait for its memory go on.
+struct Turn<'a> {
+    queue: &'a Queue<'a>,
+    number: usize,
+}
+
+impl Drop for Turn<'_> {
+    fn drop(&mut self) {
+        let mut state = self.queue.state();
+        state.in_work.retain(|&number| number != self.number);
+        self.queue.ended.notify_all();
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::path::PathBuf;
+    use std::sync::atomic::{AtomicU64, AtomicUsize};
+    use std::time::Duration;
+
+    /// Runs numbers that take so many bytes, for uneven times; the most that were in work together, and
+    /// the most bytes.
+    fn most_in_work(bytes: &[u64], capacity: Capacity) -> (usize, u64) {
+        let (now, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let (taken, most_taken) = (AtomicU64::new(0), AtomicU64::new(0));
+        let results = run_all(bytes, capacity, |number, _| {
+            most.fetch_max(now.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
+            let own = bytes[number];
+            most_taken.fetch_max(
+                taken.fetch_add(own, Ordering::SeqCst) + own,
+                Ordering::SeqCst,
+            );
+            thread::sleep(Duration::from_millis(((7 * number) % 5) as u64));
+            taken.fetch_sub(own, Ordering::SeqCst);
+            now.fetch_sub(1, Ordering::SeqCst);
+            Ok(Some(number))
+        })
+        .expect("no work fails");
+        assert_eq!(results, (0..bytes.len()).map(Some).collect::<Vec<_>>());
+        (most.into_inner(), most_taken.into_inner())
+    }
+
+    fn capacity(threads: usize, memory: Option<u64>) -> Capacity {
+        Capacity { threads, memory }
+    }
 
     #[test]
     fn never_more_in_work_than_threads_and_results_in_order() {
-        let (now, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
-        let results = run_all(20, 3, |index, _| {
-            most.fetch_max(now.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
-            thread::sleep(std::time::Duration::from_millis(((7 * index) % 5) as u64));
-            now.fetch_sub(1, Ordering::SeqCst);
-            Ok(Some(index))
-        })
-        .expect("no work fails");
-        assert_eq!(results, (0..20).map(Some).collect::<Vec<_>>());
-        assert!(most.load(Ordering::SeqCst) <= 3);
+        let (most, _) = most_in_work(&[1; 20], capacity(3, None));
+        assert!(most <= 3);
+        assert_eq!(most_in_work(&[], capacity(3, None)), (0, 0));
+    }
+
+    #[test]
+    fn never_more_in_work_than_there_is_memory_for() {
+        let bytes: Vec<u64> = (0..40).map(|number| (number * 13) % 11).collect();
+        for threads in [1, 2, 3, 8] {
+            // As large as the largest is enough for all.
+            for memory in [10, 13, 25] {
+                let (most, taken) = most_in_work(&bytes, capacity(threads, Some(memory)));
+                assert!(most <= threads && taken <= memory, "{taken} of {memory}");
+            }
+        }
+    }
+
+    #[test]
+    fn one_that_takes_all_memory_or_more_runs_by_itself() {
+        assert_eq!(most_in_work(&[5, 5, 5], capacity(3, Some(5))), (1, 5));
+        assert_eq!(most_in_work(&[9, u64::MAX], capacity(2, Some(5))).0, 1);
+        let (_, taken) = most_in_work(&[1, 1, 9, 1, 1, 5], capacity(4, Some(5)));
+        assert_eq!(taken, 9);
+    }
+
+    #[test]
+    fn what_does_not_fit_lets_others_pass() {
+        // The second one waits for the first, which waits for the third.
+        let third = AtomicBool::new(false);
+        let results = run_all(&[3, 3, 1], capacity(2, Some(4)), |number, _| {
+            while number == 0 && !third.load(Ordering::SeqCst) {
+                thread::sleep(Duration::from_millis(1));
+            }
+            third.fetch_or(number == 2, Ordering::SeqCst);
+            Ok(Some(number))
+        });
+        assert_eq!(results.expect("no work fails"), [0, 1, 2].map(Some));
+    }
+
+    #[test]
+    fn most_at_a_time_is_what_fits_together() {
+        assert_eq!(capacity(8, None).most_at_a_time(&[7, 7, 7]), 3);
+        assert_eq!(capacity(2, None).most_at_a_time(&[7, 7, 7]), 2);
+        assert_eq!(capacity(8, Some(10)).most_at_a_time(&[7, 2, 9, 3, 0]), 3);
+        assert_eq!(capacity(8, Some(10)).most_at_a_time(&[11, 12]), 1);
+        assert_eq!(capacity(8, Some(10)).most_at_a_time(&[]), 1);
     }
 
     #[test]
     fn an_error_ends_the_queue() {
         let done = AtomicUsize::new(0);
-        let result = run_all(50, 1, |index, _| {
+        let result = run_all(&[1; 50], capacity(1, None), |number, _| {
             done.fetch_add(1, Ordering::SeqCst);
             let path = PathBuf::from("scene.toml");
-            if index == 3 {
+            if number == 3 {
                 Err(CliError::InTheWay { path })
             } else {
-                Ok(Some(index))
+                Ok(Some(number))
             }
         });
         assert!(matches!(result, Err(CliError::InTheWay { .. })));
+        assert_eq!(done.load(Ordering::SeqCst), 4);
+    }
+
+    #[test]
+    fn an_error_ends_those_who_wait_for_memory() {
+        let done = AtomicUsize::new(0);
+        let result = run_all(&[5; 50], capacity(4, Some(5)), |_, _| {
+            done.fetch_add(1, Ordering::SeqCst);
+            thread::sleep(Duration::from_millis(10));
+            let path = PathBuf::from("scene.toml");
+            Err::<Option<()>, _>(CliError::InTheWay { path })
+        });
+        assert!(matches!(result, Err(CliError::InTheWay { .. })));
+        assert_eq!(done.load(Ordering::SeqCst), 1);
+    }
+
+    #[test]
+    fn a_panic_leaves_nobody_waiting() {
+        let done = AtomicUsize::new(0);
+        let ended = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+            run_all(&[5; 4], capacity(3, Some(5)), |number, _| {
+                done.fetch_add(1, Ordering::SeqCst);
+                assert_ne!(number, 0, "this one is to panic");
+                Ok(Some(number))
+            })
+        }));
+        assert!(ended.is_err());
         assert_eq!(done.load(Ordering::SeqCst), 4);
     }
 }

@@ -9,11 +9,12 @@ use ruga_io::{Seconds, WrinkleMap};
 use ruga_scene::{Scene, ScenePlan, counted};
 use ruga_stepper::{Frame, PoseResult, PoseSpec};
 
-use crate::arguments::{RunArguments, quality_words};
+use crate::arguments::RunArguments;
 use crate::error::CliError;
-use crate::kept_pose::{Unusable, kept_pose};
+use crate::kept_pose::kept_poses;
+use crate::memory_limit::planned_bytes;
 use crate::output_folder::OutputFolder;
-use crate::pose_queue::run_all;
+use crate::pose_queue::{Capacity, run_all};
 use crate::pose_record::{PoseRecord, Records};
 use crate::pose_report::{ending, pose_report};
 use crate::progress::PoseProgress;
@@ -68,8 +69,8 @@ pub(crate) fn thread_pool(threads: usize) -> Result<ThreadPool, CliError> {
         })
 }
 
-/// Simulates every pose of the plan; `None` stands for a pose that was interrupted before its first key,
-/// or whose earlier results are better than what was reached.
+/// Makes every pose of the plan that no earlier run has left; `None` stands for a pose that was interrupted
+/// before its first key, or whose earlier results are better than what was reached.
 ///
 /// # Errors
 /// The first pose that cannot be simulated or written.
@@ -80,26 +81,42 @@ pub(crate) fn run_poses<P: Product>(
     folder: &OutputFolder,
     product: &P,
 ) -> Result<Vec<Option<PoseRecord>>, CliError> {
-    let (count, threads) = (scene.poses.len(), thread_count(arguments));
+    let progress = PoseProgress::new(scene.poses.len());
+    let mut poses = match arguments.resume {
+        true => kept_poses(product.records(), scene, folder, |text| progress.note(text)),
+        false => vec![None; scene.poses.len()],
+    };
+    let is_to_be_made = |&pose: &usize| poses[pose].is_none();
+    let to_be_made: Vec<usize> = (0..poses.len()).filter(is_to_be_made).collect();
+    let bytes = to_be_made.iter().map(|&pose| planned_bytes(plan, pose));
+    let bytes: Vec<u64> = bytes.collect();
+    let capacity = Capacity {
+        threads: thread_count(arguments),
+        memory: arguments.memory.as_ref().map(|limit| limit.bytes),
+    };
     let run = PoseRun {
-        threads: threads / count.clamp(1, threads),
+        threads: capacity.threads / capacity.most_at_a_time(&bytes),
         scene,
         plan,
-        arguments,
         folder,
-        progress: PoseProgress::new(count),
+        progress,
         product,
     };
-    run_all(count, threads, |pose, given_up| run.pose(pose, given_up))
+    let made = run_all(&bytes, capacity, |number, given_up| {
+        run.pose(to_be_made[number], given_up)
+    })?;
+    for (pose, made) in to_be_made.into_iter().zip(made) {
+        poses[pose] = made;
+    }
+    Ok(poses)
 }
 
 /// Data that all poses share.
 struct PoseRun<'a, P> {
-    /// Threads that each pose has: more than one from twice as many threads as poses on.
+    /// Threads that each pose has: more than one from twice as many threads as poses at a time on.
     threads: usize,
     scene: &'a Scene,
     plan: &'a ScenePlan,
-    arguments: &'a RunArguments,
     folder: &'a OutputFolder,
     progress: PoseProgress,
     product: &'a P,
@@ -112,11 +129,6 @@ impl<P: Product> PoseRun<'_, P> {
         given_up: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<PoseRecord>, CliError> {
         let spec = &self.scene.poses[index];
-        if self.arguments.resume
-            && let Some(record) = self.resumed(&spec.name)
-        {
-            return Ok(Some(record));
-        }
         let mut earlier = Vec::new();
         if P::WANTS_FRAMES {
             earlier = self.product.records().forget(&spec.name)?;
@@ -138,38 +150,6 @@ impl<P: Product> PoseRun<'_, P> {
         self.progress
             .end(&bar, &format!("pose `{}`: {ending}", spec.name));
         record
-    }
-
-    /// The pose as an earlier run left it, if it serves; a finer one does, so that going on at a lower
-    /// quality by mistake costs nothing.
-    fn resumed(&self, name: &str) -> Option<PoseRecord> {
-        let asked = self.points();
-        let note = |text: &str| self.progress.note(&format!("pose `{name}` {text}"));
-        match kept_pose(self.product.records(), self.folder.pose(name), asked) {
-            Ok(record) => {
-                match record.points_per_wavelength > asked {
-                    true => note(&format!(
-                        "is there from an earlier run at {}, finer than asked for: it is kept; without \
-                         `--resume` it is made again",
-                        quality_words(record.points_per_wavelength)
-                    )),
-                    false => note("is there from an earlier run"),
-                }
-                return Some(record);
-            }
-            Err(Unusable::Absent) => {}
-            Err(Unusable::Older | Unusable::NotWhole) => {
-                note("is there from an older version of the scene, or not whole: it is made again");
-            }
-            Err(Unusable::Interrupted { .. }) => {
-                note("was interrupted: it is made again; until then its finished keys are kept");
-            }
-            Err(Unusable::Coarser { points }) => {
-                let (found, asked) = (quality_words(points), quality_words(asked));
-                note(&format!("is there at {found}: it is made again at {asked}"));
-            }
-        }
-        None
     }
 
     fn simulate(

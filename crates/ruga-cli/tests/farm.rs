@@ -167,11 +167,20 @@ fn options_of_the_bake_are_in_the_job() {
     let folder = three_poses();
     let job = Job::new(
         &folder,
-        " --pose some --quality draft --threads 2 --maps-only",
+        " --pose some --quality draft --threads 2 --memory 4GB --maps-only",
     );
     assert_eq!(job.poses(), ["some"]);
     assert_eq!(job.parameters["Quality"], "draft");
     assert_eq!(job.parameters["Threads"], 2);
+    assert_eq!(job.parameters["Memory"], "4GB");
+    for step in ["Bake", "Merge"] {
+        let arguments = &job.step(step)["script"]["actions"]["onRun"]["args"];
+        let arguments = arguments.as_array().expect("a list");
+        assert!(arguments.contains(&json!("--memory={{Param.Memory}}")));
+    }
+    let definitions = job.template["parameterDefinitions"].as_array();
+    let memory = definitions.and_then(|list| list.last()).expect("a list");
+    assert_eq!([&memory["name"], &memory["type"]], ["Memory", "STRING"]);
     job.bake();
     job.merge().exits(0);
     job.bake_without_tasks("job/whole", " --pose some --quality draft --maps-only");

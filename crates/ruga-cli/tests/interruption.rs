@@ -83,6 +83,21 @@ fn finished_poses_stay_whole_and_a_second_run_resumes() {
     );
 }
 
+#[test]
+fn a_pose_that_waits_for_memory_is_not_begun_after_an_interruption() {
+    let folder = Folder::with("[remesh]", LONG);
+    folder.change("scene.toml", SHORT[0], SHORT[1]);
+    // Room for one: each needs more than the 110 MB that are counted for the program.
+    let (mut child, mut stderr) = folder.start("bake scene.toml -o out --threads 2 --memory 200MB");
+    wait_for(&mut stderr, "pose `squeezed` (1 of 2) started");
+    interrupt(&child);
+    let mut rest = String::new();
+    stderr.read_to_string(&mut rest).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(1), "{rest}");
+    assert!(rest.contains("interrupted: 2 poses left"), "{rest}");
+    assert!(!rest.contains("started"), "{rest}");
+}
+
 /// Before anything is written a signal ends the process at once, whatever it reads or plans.
 ///
 /// SIGTERM, which is handled as Ctrl-C is: tests that run in the background inherit that SIGINT is

@@ -48,6 +48,8 @@ fn wrong_arguments_cannot_run() {
         "bake scene.toml -o out --quality best",
         "bake scene.toml -o out --threads 0",
         "bake scene.toml -o out --threads two",
+        "bake scene.toml -o out --memory lots",
+        "simulate scene.toml -o out --memory 0GB",
         "plan",
         "new there --template nose",
     ] {

@@ -33,6 +33,17 @@ impl ScenePlan {
         layers.into_iter().map(|(_, layer)| layer).collect()
     }
 
+    /// Expected memory of pose number `pose` while it is simulated and baked, bytes: that of the layer which
+    /// takes most, as layers come and go, and 0 where nothing wrinkles.
+    ///
+    /// # Panics
+    /// When there is no pose of that number.
+    pub fn pose_memory(&self, pose: usize) -> f64 {
+        let layers = self.pose_layers(pose).into_iter();
+        let simulated = layers.filter(|layer| layer.vertices > 0);
+        simulated.map(|layer| layer.memory).fold(0.0, f64::max)
+    }
+
     /// The lattice of the body that carries the layer, if there is one.
     pub fn interior(&self) -> Option<&InteriorPlan> {
         self.zones

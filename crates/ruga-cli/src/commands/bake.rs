@@ -11,6 +11,7 @@ use crate::baked_poses::baked_poses;
 use crate::error::CliError;
 use crate::folder_results::FolderResults;
 use crate::map_files::write_maps;
+use crate::memory_limit::refuse_too_little;
 use crate::moved_mesh::write_moved_mesh;
 use crate::outcome::Outcome;
 use crate::output_folder::OutputFolder;
@@ -30,6 +31,11 @@ pub(crate) fn run(bake: &BakeArguments) -> Result<Outcome, CliError> {
     let options = arguments.scene_options();
     let mut scene = pool.install(|| Scene::read_with(&arguments.scene, &options))?;
     let plan = pool.install(|| scene.plan())?;
+    let records = Records::of_bake(&arguments.output);
+    if !bake.merge {
+        let earlier = arguments.resume.then_some(&records);
+        refuse_too_little(arguments.memory.as_ref(), &scene, &plan, earlier)?;
+    }
     // Until here nothing is written and Ctrl-C may end the process.
     interrupt::listen();
     if !bake.maps_only {
@@ -46,7 +52,7 @@ pub(crate) fn run(bake: &BakeArguments) -> Result<Outcome, CliError> {
         arguments,
         maps_only: bake.maps_only,
         pool: &pool,
-        records: Records::of_bake(&arguments.output),
+        records,
     };
     if bake.task {
         let poses = run_poses(&scene, &plan, arguments, &folder, &maps)?;

@@ -11,14 +11,16 @@ use serde_json::{Value, json};
 use super::job_template::{BakeJob, OUTPUT, format_string_fault};
 use crate::arguments::JobArguments;
 use crate::error::CliError;
+use crate::memory_limit::refuse_too_little;
 use crate::outcome::Outcome;
+use crate::pose_record::Records;
 use crate::{messages, output_folder};
 
 /// Writes the template of a job and the values of its parameters; nothing is simulated.
 ///
 /// # Errors
 /// Whatever keeps the scene from being read or planned; [`CliError::OtherJob`], [`CliError::JobText`],
-/// [`CliError::Output`].
+/// [`CliError::TooLittleMemory`], [`CliError::Output`].
 pub(crate) fn run(arguments: &JobArguments) -> Result<Outcome, CliError> {
     let options = SceneOptions {
         poses: arguments.poses.clone(),
@@ -27,6 +29,9 @@ pub(crate) fn run(arguments: &JobArguments) -> Result<Outcome, CliError> {
     let scene = Scene::read_with(&arguments.scene, &options)?;
     // What is wrong is said here, and not by every task.
     let plan = scene.plan()?;
+    // Its tasks go on with what is in the folder.
+    let earlier = Records::of_bake(&arguments.output.join(OUTPUT));
+    refuse_too_little(arguments.memory.as_ref(), &scene, &plan, Some(&earlier))?;
     let warnings = scene.warnings.iter().chain(plan.warnings());
     messages::warnings(warnings, "`ruga plan --json` lists all");
     // The template comes last: where it is, the job is whole.
@@ -58,12 +63,16 @@ pub(crate) fn run(arguments: &JobArguments) -> Result<Outcome, CliError> {
 
 /// Values of the job's parameters.
 fn parameters(arguments: &JobArguments) -> Result<Value, CliError> {
-    Ok(json!({
+    let mut values = json!({
         "Scene": whole(&arguments.scene, arguments)?,
         "Output": whole(&arguments.output.join(OUTPUT), arguments)?,
         "Quality": quality(arguments),
         "Threads": arguments.threads,
-    }))
+    });
+    if let Some(memory) = &arguments.memory {
+        values["Memory"] = json!(memory.to_string());
+    }
+    Ok(values)
 }
 
 fn template(arguments: &JobArguments, scene: &Scene) -> Result<Value, CliError> {
@@ -85,6 +94,7 @@ fn template(arguments: &JobArguments, scene: &Scene) -> Result<Value, CliError> 
         maps_only: arguments.maps_only,
         quality: &quality(arguments),
         threads: arguments.threads.get(),
+        memory: arguments.memory.as_ref(),
     };
     Ok(job.template())
 }

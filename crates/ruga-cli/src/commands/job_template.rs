@@ -5,6 +5,8 @@
 
 use serde_json::{Value, json};
 
+use crate::memory_size::MemorySize;
+
 /// Folder of the results in that of the job.
 pub(super) const OUTPUT: &str = "out";
 
@@ -29,6 +31,8 @@ pub(super) struct BakeJob<'a> {
     pub(super) quality: &'a str,
     /// Default of the job parameter `Threads`.
     pub(super) threads: usize,
+    /// Default of the job parameter `Memory`, which is there only with one.
+    pub(super) memory: Option<&'a MemorySize>,
 }
 
 /// Why a text cannot stand in a template; `None` when it can.
@@ -97,6 +101,9 @@ impl BakeJob<'_> {
             "--quality={{Param.Quality}}".to_owned(),
             "--threads={{Param.Threads}}".to_owned(),
         ];
+        if self.memory.is_some() {
+            all.push("--memory={{Param.Memory}}".to_owned());
+        }
         all.extend(arguments);
         if self.maps_only {
             all.push("--maps-only".to_owned());
@@ -110,15 +117,15 @@ impl BakeJob<'_> {
     }
 
     fn parameters(&self) -> Value {
-        json!([
-            {
+        let mut parameters = vec![
+            json!({
                 "name": "Scene",
                 "type": "PATH",
                 "objectType": "FILE",
                 "dataFlow": "IN",
                 "description": "The scene, a TOML file; the files that it names lie where it says.",
-            },
-            {
+            }),
+            json!({
                 "name": "Output",
                 "type": "PATH",
                 "objectType": "DIRECTORY",
@@ -126,23 +133,33 @@ impl BakeJob<'_> {
                 "default": OUTPUT,
                 "description": "Folder for the results, the same one for all tasks. Poses in it that are \
                                 finished are not made again.",
-            },
-            {
+            }),
+            json!({
                 "name": "Quality",
                 "type": "STRING",
                 "allowedValues": ["scene", "draft", "standard", "fine"],
                 "default": self.quality,
                 "description": "Mesh points per wavelength: draft 6, standard 12, fine 24, or the scene's.",
-            },
-            {
+            }),
+            json!({
                 "name": "Threads",
                 "type": "INT",
                 "minValue": 1,
                 "default": self.threads,
                 "description": "Threads of a task: its maps are baked on all of them, its pose is simulated \
                                 on one. The results do not depend on it.",
-            },
-        ])
+            }),
+        ];
+        if let Some(memory) = self.memory {
+            parameters.push(json!({
+                "name": "Memory",
+                "type": "STRING",
+                "default": memory.to_string(),
+                "description": "Memory that a task may need, such as 4GB or 800MB; a pose that needs more is \
+                                refused.",
+            }));
+        }
+        Value::Array(parameters)
     }
 
     /// Name of the job, without what a name must not have.
@@ -165,6 +182,7 @@ mod tests {
             maps_only: false,
             quality: "scene",
             threads: 1,
+            memory: None,
         }
     }
 

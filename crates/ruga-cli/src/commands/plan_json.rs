@@ -166,10 +166,7 @@ impl<'a> PoseJson<'a> {
             },
             steps: scene.poses[index].steps,
             seconds: layers.iter().map(|layer| layer.seconds).sum(),
-            memory_bytes: layers
-                .iter()
-                .map(|layer| layer.memory_bytes)
-                .fold(0.0, f64::max),
+            memory_bytes: plan.pose_memory(index),
             layers,
         }
     }
@@ -218,7 +215,9 @@ impl Totals {
         Self {
             vertices: simulated().map(|layer| layer.vertices).sum(),
             seconds: simulated().map(|layer| layer.seconds).sum(),
-            largest_memory: simulated().map(|layer| layer.memory).fold(0.0, f64::max),
+            largest_memory: (0..plan.zones[0].plan.poses.len())
+                .map(|pose| plan.pose_memory(pose))
+                .fold(0.0, f64::max),
         }
     }
 }

@@ -10,6 +10,7 @@ use ruga_stepper::{Frame, PoseResult, PoseSpec};
 use crate::arguments::RunArguments;
 use crate::error::CliError;
 use crate::folder_results::FolderResults;
+use crate::memory_limit::refuse_too_little;
 use crate::moved_mesh::write_moved_mesh;
 use crate::outcome::Outcome;
 use crate::output_folder::OutputFolder;
@@ -25,6 +26,9 @@ use crate::{interrupt, messages};
 pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     let scene = Scene::read_with(&arguments.scene, &arguments.scene_options())?;
     let plan = scene.plan()?;
+    let records = Records::of_simulate(&arguments.output);
+    let earlier = arguments.resume.then_some(&records);
+    refuse_too_little(arguments.memory.as_ref(), &scene, &plan, earlier)?;
     // Until here nothing is written and Ctrl-C may end the process.
     interrupt::listen();
     let folder = OutputFolder::open(&scene, arguments, "simulate")?;
@@ -34,7 +38,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
         arguments,
         scene: &scene,
         placement: Placement::of(&scene.mesh),
-        records: Records::of_simulate(&arguments.output),
+        records,
     };
     let poses = run_poses(&scene, &plan, arguments, &folder, &meshes);
     let results = FolderResults::read(&meshes.records, &folder.poses);
