@@ -282,9 +282,9 @@ pub struct Modelling {
     pub vertex_budget: usize,
     /// Vertices of a layer, without those on its border, up to which it is solved as a whole; with more than
     /// 12 points per wavelength as many more as there are on the same area. A larger one finds its first
-    /// wrinkles as a whole and is then solved in overlapping patches of at most a third of these, each of
-    /// which is proved to be at a minimum; not load step by load step, on a body, or in a joint pair. At
-    /// least 1.
+    /// wrinkles as a whole, one of more than six times as many in wide patches of at most twice as many. Then
+    /// it is solved in overlapping patches of at most a third, each of which is proved to be at a minimum;
+    /// not load step by load step, on a body, or in a joint pair. At least 1.
     pub whole_vertices: usize,
     /// Limits of the mesh where it is fitted to the pose; `None` keeps it uniform.
     pub remesh: Option<EdgeLimits>,

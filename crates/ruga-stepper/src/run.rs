@@ -8,7 +8,7 @@ mod layer_run;
 mod layer_setup;
 mod low_pass_rows;
 mod neighbourhood;
-mod patches;
+pub(crate) mod patches;
 mod run_ahead;
 mod stack_run;
 mod strain_ratio;

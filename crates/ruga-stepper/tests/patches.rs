@@ -108,6 +108,18 @@ fn patches_end_as_low_as_the_whole() {
 }
 
 #[test]
+fn wide_patches_find_a_first_pattern_of_the_same_waves() {
+    // More than six times as many vertices as may be solved as a whole; wide patches of two wavelengths, and
+    // narrow ones of less than one.
+    let results = compared((Coupling::Elastic, 14.0), 180);
+    assert!(results[1].layers[0].vertices > 6 * 180 * 196 / 144);
+    let [energy, wavelength, amplitude] = differences(&results).map(f64::abs);
+    assert!(energy < 0.005, "{energy}");
+    assert!(wavelength < 0.02, "{wavelength}");
+    assert!(amplitude < 0.03, "{amplitude}");
+}
+
+#[test]
 fn the_number_of_threads_changes_nothing() {
     let results = [1, 2, 3].map(run_on);
     for result in &results[1..] {

@@ -76,6 +76,36 @@ fn wrinkles_do_not_depend_on_the_mesh() {
     }
 }
 
+/// A film so large, over what may be solved as a whole, that its first wrinkles are found in wide patches too.
+#[test]
+fn wide_patches_find_the_waves_of_the_whole() {
+    let film = FlatFilm {
+        waves: [14.0, 14.0],
+        load: 3.0,
+        mesh_seed: Some(1),
+        ..FlatFilm::new(150.0)
+    };
+    let [whole, wide] = [usize::MAX, 1100].map(|whole_vertices| {
+        let modelling = Modelling {
+            whole_vertices,
+            ..Modelling::standard()
+        };
+        let (result, states) = film.states(&modelling, &[film.load]);
+        let layer = &result.layers[0];
+        println!("{} vertices: {:?}", layer.vertices, states[0]);
+        // Six times the limit, above which nothing is factorised as a whole.
+        assert!(layer.vertices > 7000);
+        (layer.energy, states[0])
+    });
+    assert_ne!(wide.0, whole.0, "not in patches");
+    let energy = wide.0 / whole.0 - 1.0;
+    let wavelength = wide.1.relative_wavelength / whole.1.relative_wavelength - 1.0;
+    let amplitude = wide.1.relative_amplitude / whole.1.relative_amplitude - 1.0;
+    assert!(energy.abs() < 0.005, "{energy:+.4}");
+    assert!(wavelength.abs() < 0.02, "{wavelength:+.4}");
+    assert!(amplitude.abs() < 0.01, "{amplitude:+.4}");
+}
+
 /// The worst of a hundred remeshes of a sheet that nothing loads.
 #[derive(Clone, Copy, Debug, Default)]
 struct Unloaded {

@@ -2,14 +2,17 @@
 
 use crate::PoseSpec;
 use crate::plan::pose_plan::LoadPath;
+use crate::run::patches::Width;
 
 /// Bytes for every texel of a map while it is baked and written.
 const PER_TEXEL: f64 = 30.0;
 /// Bytes for every vertex planned of the output mesh: 3 thousand stay, as many again are gone when the layer
 /// is made, and halving leaves more vertices than planned.
 const PER_OUTPUT_VERTEX: f64 = 7.3e3;
-/// Factorisations of the whole of a layer in which the first wrinkles are found, before it is divided.
+/// Factorisations in which the first wrinkles are found, on the whole of a layer or in wide patches.
 const FIRST: f64 = 17.0;
+/// Vertices of a wide patch with its overlap, over those without.
+const OVERLAPPED: f64 = 1.5;
 /// Bytes for every vertex of a layer in patches, which overlap.
 const IN_PATCHES: f64 = 1.3e4;
 /// Bytes of the program with its scene: of the forearm 80 million, of a face with 55 shapes 140.
@@ -41,7 +44,8 @@ pub(crate) struct Load {
 ///
 /// A numeric factorisation, with all that goes with it, grows with the 3/2 power of the vertices
 /// (nested dissection of a surface), its memory with `n log n`; beyond `most_in_whole` vertices the layer
-/// is solved in patches after its first wrinkles, and both grow with its size. The output mesh has
+/// is solved in patches after its first wrinkles, and beyond some times as many from the beginning, and both
+/// grow with its size. The output mesh has
 /// `output_vertices`; maps are `map_size` texels wide.
 pub(crate) fn cost(
     vertices: usize,
@@ -52,9 +56,16 @@ pub(crate) fn cost(
 ) -> (f64, f64) {
     let n = vertices as f64;
     let factorisation = |in_one: usize| n * (1e-7 * (in_one as f64).sqrt() + 5.5e-6);
-    let in_whole = FIRST.min(factorisations);
-    let work = in_whole * factorisation(vertices)
-        + (factorisations - in_whole) * factorisation(vertices.min(most_in_whole));
+    let first = FIRST.min(factorisations);
+    let of_first = match Width::Wide.suits(vertices, most_in_whole) {
+        true => {
+            let core = Width::Wide.core(most_in_whole) as f64;
+            OVERLAPPED * factorisation((OVERLAPPED * core) as usize)
+        }
+        false => factorisation(vertices),
+    };
+    let work =
+        first * of_first + (factorisations - first) * factorisation(vertices.min(most_in_whole));
     let preparation = PREPARATION * n + OUTPUT_PREPARATION * output_vertices;
     let texels = f64::from(map_size).powi(2);
     // The logarithm of no vertex is infinite, and none times that is not a number.
@@ -104,6 +115,9 @@ mod tests {
         let [small, large] = [10_000, 40_000].map(seconds);
         assert!((large / small - 4.0).abs() < 1e-9, "{small} s, {large} s");
         assert!(seconds(4000) / seconds(1000) > 4.2);
+        // Of all of it, where the first wrinkles are in patches, too.
+        let [small, large] = [40_000, 160_000].map(|vertices| cost(vertices, 5000, 0.0, 1, 100.0));
+        assert!((large.0 / small.0 - 4.0).abs() < 1e-9);
     }
 
     #[test]

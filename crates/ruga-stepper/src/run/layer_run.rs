@@ -12,7 +12,7 @@ use ruga_solver::{
 
 use crate::preparing::Preparing;
 use crate::run::layer::{Layer, LayerState};
-use crate::run::patches::Patches;
+use crate::run::patches::{Patches, Width};
 use crate::skin::upper_shell::UpperShell;
 use crate::support::motion::Inertia;
 use crate::{LayerPlan, LayerReport, Modelling, Observer, Phase, Progress, StepperError};
@@ -58,8 +58,10 @@ pub(crate) struct LayerRun<'a> {
     pub(crate) layer: Layer,
     /// Factorisation of the whole layer, once it was needed.
     kkt: Option<Kkt>,
-    /// Patches of the layer, where it is solved in some.
+    /// Narrow patches of the layer, once it has wrinkles and where it is solved in some.
     patches: Option<Patches>,
+    /// Wide ones of a layer that is too large for a factorisation of the whole, once they were needed.
+    wide: Option<Patches>,
     pub(crate) report: LayerReport,
     /// Convexification of the first step of the last solve that began with a pattern.
     relaxation: f64,
@@ -92,6 +94,7 @@ impl<'a> LayerRun<'a> {
             report,
             kkt: None,
             patches: None,
+            wide: None,
             relaxation: 0.0,
             warnings: layer.row_warning.iter().cloned().collect(),
             layer,
@@ -325,8 +328,19 @@ impl<'a> LayerRun<'a> {
         let solve = match patched.filter(is_done) {
             Some(solve) => solve,
             None => {
-                let kkt = whole_kkt(&mut self.kkt, &self.layer)?;
-                let solve = self.layer.minimise(inertia, how, kkt, &mut keep_going)?;
+                // A probe asks the whole, and so does a step in time.
+                if self.wide.is_none() && inertia.is_none() && at_saddle == AtSaddle::Leave {
+                    self.wide = self.layer.patches(self.modelling, Width::Wide)?;
+                }
+                let wide = self.wide.as_mut();
+                let solve = match wide.filter(|_| inertia.is_none() && at_saddle == AtSaddle::Leave)
+                {
+                    Some(wide) => self.layer.minimise_patches(wide, how, &mut keep_going)?,
+                    None => {
+                        let kkt = whole_kkt(&mut self.kkt, &self.layer)?;
+                        self.layer.minimise(inertia, how, kkt, &mut keep_going)?
+                    }
+                };
                 self.report.take(&solve);
                 solve
             }

@@ -10,6 +10,7 @@
 //! the others the sum over their own vertices stays as it is, so that they cannot violate it.
 
 mod division;
+mod width;
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -26,14 +27,10 @@ use crate::run::layer_run::SLOWLY_LESS;
 use crate::run::neighbourhood::Neighbourhood;
 use division::{coloured, divided};
 
-/// Patches, at least, of a layer that is large enough for some.
-const FEWEST: usize = 3;
+pub(crate) use width::Width;
 
-/// Overlap in wavelengths across the wrinkles, and in edges at least. A smile at 6 points per wavelength ends
-/// .2 % from the whole's amplitude with six edges, and 3 % from it with three. At 12 points, in patches of
-/// 2500 vertices, it ends .8 % from it with half a wavelength, and .3 % with a whole one, in 1.3 times the
-/// time.
-const OVERLAP: f64 = 0.5;
+/// Overlap in edges at least. A smile at 6 points per wavelength ends .2 % from the whole's amplitude with six
+/// edges, and 3 % from it with three.
 const LEAST_OVERLAP: f64 = 4.0;
 
 /// Share of a constraint's absolute weights that a patch has to have, or it does not know of it: what such
@@ -44,15 +41,12 @@ const LEAST_SHARE: f64 = 1e-3;
 /// hardly move, and a hand with bent fingers has .2 % more energy than after ten times the work on the whole.
 const LITTLE: f64 = 1e-3;
 
-/// Share of what one sweep gains above which the next one gains so little less that the whole goes on
-/// instead: patches then slide together, and each holds the averages that it shares with others.
-const SLOWLY: f64 = 0.75;
-
 /// The patches of a layer's mesh.
 pub(crate) struct Patches {
     patches: Vec<Patch>,
     /// Numbers of patches that may be solved at the same time, as no stencil joins them.
     colours: Vec<Vec<usize>>,
+    width: Width,
 }
 
 /// Some vertices that move together, while all others stand still.
@@ -128,12 +122,15 @@ impl Patches {
         (mesh, positions): (&TriMesh, &[Vector3<f64>]),
         energy: &LayerEnergy,
         (rows, damping): (&ConstraintRows, &[f64]),
-        modelling: &Modelling,
+        (modelling, width): (&Modelling, Width),
     ) -> Result<Option<Self>, SolverError> {
         let free = energy.free_vertices();
-        let most = (modelling.most_in_whole() / FEWEST).max(1);
-        let overlap = (OVERLAP * modelling.points_per_wavelength).max(LEAST_OVERLAP);
-        let cores = divided(positions, free.to_vec(), most);
+        let overlap = (width.overlap() * modelling.points_per_wavelength).max(LEAST_OVERLAP);
+        let cores = divided(
+            positions,
+            free.to_vec(),
+            width.core(modelling.most_in_whole()),
+        );
         if cores.len() < 2 {
             return Ok(None);
         }
@@ -148,14 +145,18 @@ impl Patches {
         }
         keep_rows(&mut patches, rows.count());
         let colours = coloured(&join(&mut patches, free.len()));
-        Ok(Some(Self { patches, colours }))
+        Ok(Some(Self {
+            patches,
+            colours,
+            width,
+        }))
     }
 
     /// Minimises the energy over all free vertices, from their coordinates `x` (m), and leaves it there.
     ///
     /// It has converged when a sweep gains [`LITTLE`] and every patch is at a minimum, to the tolerance of
-    /// `settings`. Sweeps that gain little less than the one before end it without. `keep_going` is asked
-    /// whenever some patches are done.
+    /// `settings`. Sweeps that do not get there end without, as the patches' width says. `keep_going` is
+    /// asked whenever some patches are done.
     pub(crate) fn minimise(
         &mut self,
         whole: Whole<'_>,
@@ -170,7 +171,7 @@ impl Patches {
         let mut is_due = vec![true; self.patches.len()];
         let mut reports: Vec<Option<SolveReport>> = vec![None; self.patches.len()];
         let mut done = Work::default();
-        let mut before = f64::INFINITY;
+        let (mut before, mut sweeps) = (f64::INFINITY, 0);
         loop {
             let mut gained = 0.0;
             for colour in &self.colours {
@@ -202,7 +203,8 @@ impl Patches {
             if gained <= LITTLE * whole.scales.energy || is_due.iter().all(|due| !due) {
                 return Ok(done.report(&reports, None));
             }
-            if gained > SLOWLY * before {
+            sweeps += 1;
+            if self.width.ends(sweeps, gained / before) {
                 return Ok(done.report(&reports, Some(StopRule::IterationLimit)));
             }
             before = gained;

@@ -177,19 +177,19 @@ fn t18_fold() {
     };
     // A tenth of a degree at the largest moment.
     let smooth = PI * TAU / 3600.0;
-    assert!(largest_change(0.0) < smooth);
-    // Folded shut, a hinge that is bent at rest jumps from one side to the other.
-    let jump = TAU * 0.3;
-    assert!((largest_change(0.3) / jump - 1.0).abs() < 0.01);
+    // A bend is counted from rest, so that a hinge which is bent at rest goes through half a turn, too.
+    for rest_angle in [0.0, 0.3, -2.0] {
+        assert!(largest_change(rest_angle) < smooth, "{rest_angle}");
+    }
 
     let result = simulated(&patch(0.4), &skin(), &draft(), 10);
     let computed = &result.keys[0].layers[0].computed;
     let reached = largest_angle(&computed.positions, &computed.faces);
     assert!(reached < FRAC_PI_2, "{reached}");
     let numbers = format!(
-        "continuous if flat at rest; bent at rest by a, jumps by 2 pi k a at 180; at the cap and 6 points per lam {:.0} degrees are reached",
+        "continuous, flat or bent at rest; at the cap and 6 points per lam {:.0} degrees are reached",
         reached.to_degrees()
     );
-    table_line(test, "ruga", Finding::Bounded, &numbers);
+    table_line(test, "ruga", Finding::Holds, &numbers);
     table_line(test, "papers", Finding::NotApplicable, "the same hinge");
 }

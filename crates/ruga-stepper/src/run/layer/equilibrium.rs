@@ -5,7 +5,7 @@ use ruga_solver::{Iteration, Kkt, Minimise, NewtonSettings, SolveReport, SolverE
 
 use super::{Layer, laid_on};
 use crate::run::layer_objective::{LayerObjective, gather, scatter};
-use crate::run::patches::{Patches, Scales, Whole};
+use crate::run::patches::{Patches, Scales, Whole, Width};
 use crate::run::strain_ratio::applied_strains;
 use crate::support::motion::{Inertia, velocities};
 use crate::{Dynamics, Modelling, StepperError};
@@ -77,12 +77,17 @@ impl Layer {
 
     /// Divides the layer into patches; `None` where it is too small for that, has two sheets or moves
     /// together with a body.
-    pub(crate) fn patches(&self, modelling: &Modelling) -> Result<Option<Patches>, StepperError> {
-        if self.solid.is_some() || self.free.len() <= modelling.most_in_whole() {
+    pub(crate) fn patches(
+        &self,
+        modelling: &Modelling,
+        width: Width,
+    ) -> Result<Option<Patches>, StepperError> {
+        if self.solid.is_some() || !width.suits(self.free.len(), modelling.most_in_whole()) {
             return Ok(None);
         }
         let mesh = (&self.skin.mesh, self.skin.rest.positions.as_slice());
-        let patches = Patches::new(mesh, &self.energy, (&self.rows, &self.damping), modelling);
+        let terms = (&self.rows, self.damping.as_slice());
+        let patches = Patches::new(mesh, &self.energy, terms, (modelling, width));
         patches.map_err(|source| self.solver_error(source))
     }
 

@@ -11,6 +11,7 @@ use ruga_solver::{AtSaddle, StopRule};
 
 use super::{Accuracy, Ending, LayerRun, Loading};
 use crate::preparing::Preparing;
+use crate::run::patches::Width;
 use crate::{Observer, Phase, StepperError};
 
 /// Largest strain ratio of a face that has been below 1: as far above the onset as the critical wave is
@@ -129,12 +130,12 @@ impl<'a> LayerRun<'a> {
         }
         loop {
             let felt = self.layer.strain_ratios().all();
-            // The first wrinkles are found on the whole: patches would fit them between their borders, and
-            // a film of 14 thousand vertices came out with waves 9 % too short.
+            // The first wrinkles are found on the whole, or in wide patches: narrow ones would fit them
+            // between their borders, and a film came out with waves 9 % too short in patches of two.
             if self.patches.is_none() && self.layer.strain_ratio() > 1.0 {
-                self.patches = self.layer.patches(self.modelling)?;
+                self.patches = self.layer.patches(self.modelling, Width::Narrow)?;
                 if self.patches.is_some() {
-                    self.kkt = None;
+                    (self.kkt, self.wide) = (None, None);
                 }
             }
             if !self.place(loading, load, observer)? {

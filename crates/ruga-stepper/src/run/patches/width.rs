@@ -1,0 +1,59 @@
+//! How wide patches are, and what they are for.
+
+/// Width of the patches of a layer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Width {
+    /// Some four wavelengths: enough to go on from a pattern that is there.
+    Narrow,
+    /// Some ten wavelengths: enough to find a pattern, and to go on where narrow ones slide together. Only
+    /// for layers that would be too large as a whole.
+    Wide,
+}
+
+/// Patches, at least, of a layer that is large enough for some.
+const FEWEST: usize = 3;
+
+/// Vertices of a wide patch's core, over those up to which a layer is solved as a whole.
+const WIDER: usize = 2;
+
+/// Share of what one sweep of narrow patches gains above which the next one gains so little less that wide
+/// ones, or the whole, go on instead: patches then slide together, and each holds the averages that it shares
+/// with others.
+const SLOWLY: f64 = 0.75;
+
+/// Sweeps of wide patches, after which nothing else is tried.
+const MOST_SWEEPS: usize = 30;
+
+impl Width {
+    /// Whether a layer of so many free vertices is large enough for such patches, where one of
+    /// `most_in_whole` is solved as a whole.
+    pub(crate) fn suits(self, vertices: usize, most_in_whole: usize) -> bool {
+        vertices > FEWEST.saturating_mul(self.core(most_in_whole))
+    }
+
+    /// Vertices, at most, of a patch without its overlap.
+    pub(crate) fn core(self, most_in_whole: usize) -> usize {
+        match self {
+            Self::Narrow => (most_in_whole / FEWEST).max(1),
+            Self::Wide => most_in_whole.saturating_mul(WIDER),
+        }
+    }
+
+    /// Overlap in wavelengths across the wrinkles. Narrow: at 12 points, in patches of 2500 vertices, a smile ends
+    /// .8 % from the whole's amplitude with half a wavelength, and .3 % with a whole one, in 1.3 times the
+    /// time.
+    pub(super) fn overlap(self) -> f64 {
+        match self {
+            Self::Narrow => 0.5,
+            Self::Wide => 1.0,
+        }
+    }
+
+    /// Whether sweeps end without a result after so many, the last with this share of the gain before.
+    pub(super) fn ends(self, sweeps: usize, share: f64) -> bool {
+        match self {
+            Self::Narrow => share > SLOWLY,
+            Self::Wide => sweeps >= MOST_SWEEPS,
+        }
+    }
+}
