@@ -1,4 +1,4 @@
-//! `bench`: criterion's benchmarks on one thread, and how they compare.
+//! `bench`: criterion's benchmarks on one thread, and how they compare; then whole faces and a hand.
 //!
 //! Times depend on the machine and on what else it does; ratios between benchmarks of one group,
 //! measured minutes apart, hardly do. So each group is listed from its fastest member, with every
@@ -11,9 +11,11 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::SystemTime;
 
+use clap::Subcommand;
 use serde_json::Value;
 
 use crate::repository::{Outcome, run, target_folder};
+use crate::validate::PROGRAM;
 
 /// Package and bench target, in the order they run.
 const BENCHES: &[(&str, &str)] = &[
@@ -26,6 +28,21 @@ const BENCHES: &[(&str, &str)] = &[
 
 /// Criterion itself and the solver stay on one thread; rayon is told.
 const ONE_THREAD: &[(&str, &str)] = &[("RAYON_NUM_THREADS", "1")];
+
+/// The part that can be run by itself.
+#[derive(Subcommand)]
+pub(crate) enum Part {
+    /// Bakes faces, a hand and patches of skin, and compares what that took with goals: hours. What is in
+    /// target/faces is not measured again; remove it to measure changed code
+    Faces {
+        /// Rows of the table: smile, shapes, brows, hand, area, mixtures, mirror [default: all]
+        #[arg(value_name = "ROW")]
+        rows: Vec<String>,
+        /// draft, standard or fine [default: draft for the mixtures, standard for all others]
+        #[arg(long)]
+        quality: Option<String>,
+    },
+}
 
 /// One benchmark's result.
 #[derive(Debug)]
@@ -56,22 +73,47 @@ impl Measured {
     }
 }
 
-/// Runs all benchmarks; prints the comparison on standard output.
-pub(crate) fn bench() -> Outcome {
+/// Runs a part, or all of them until one fails.
+pub(crate) fn bench(part: Option<Part>) -> Outcome {
+    match part {
+        Some(Part::Faces { rows, quality }) => faces(&rows, quality.as_deref()),
+        None => match criterion()? {
+            Some(code) => Ok(code),
+            None => faces(&[], None),
+        },
+    }
+}
+
+/// Measures the rows of the table of faces, or all of them.
+fn faces(rows: &[String], quality: Option<&str>) -> Outcome {
+    if let Some(code) = run(&[], &["build", "--release", "--bin", "ruga"])? {
+        return Ok(code);
+    }
+    let folder = target_folder()?.join("faces");
+    let folder = folder.to_string_lossy();
+    let mut arguments = [PROGRAM.as_slice(), &["faces", "--", &folder]].concat();
+    arguments.extend(rows.iter().map(String::as_str));
+    arguments.extend(quality.iter().flat_map(|quality| ["--quality", quality]));
+    Ok(run(&[], &arguments)?.unwrap_or(ExitCode::SUCCESS))
+}
+
+/// Runs criterion's benchmarks; prints the comparison on standard output. Gives the exit code if one
+/// failed.
+fn criterion() -> Result<Option<ExitCode>, Box<dyn Error>> {
     let results = target_folder()?.join("criterion");
     let mut measured = Vec::new();
     for (package, bench) in BENCHES {
         let start = SystemTime::now();
         let arguments = ["bench", "--package", package, "--bench", bench];
         if let Some(code) = run(ONE_THREAD, &arguments)? {
-            return Ok(code);
+            return Ok(Some(code));
         }
         let mut own = Vec::new();
         collect(&results, start, &mut own)?;
         measured.extend(own.into_iter().map(|m| m.in_group(package, bench)));
     }
     print!("{}", comparison(&measured));
-    Ok(ExitCode::SUCCESS)
+    Ok(None)
 }
 
 /// Reads every result under `folder` that is not older than `start`.

@@ -52,8 +52,11 @@ enum Task {
     },
     /// Regenerates the meshes and painted images under assets/
     Assets,
-    /// Runs the benchmarks on one thread and compares them
-    Bench,
+    /// Runs the benchmarks on one thread and compares them, then measures faces and a hand against goals
+    Bench {
+        #[command(subcommand)]
+        part: Option<bench::Part>,
+    },
     /// Tries random input, or new cases of the property tests; inputs with finds go to target/fuzz
     #[command(after_help = fuzz::HELP)]
     Fuzz {
@@ -80,7 +83,7 @@ fn main() -> ExitCode {
             redraw,
         } => validate::validate(study, folder, [("--quick", quick), ("--redraw", redraw)]),
         Task::Assets => assets::regenerate(),
-        Task::Bench => bench::bench(),
+        Task::Bench { part } => bench::bench(part),
         Task::Fuzz { words } => fuzz::fuzz(&words),
         Task::Picture { bake } => validate::picture(&bake),
     };

@@ -28,7 +28,7 @@ pub(crate) enum Study {
 }
 
 /// A program of `tests/validation`, without its arguments.
-const PROGRAM: [&str; 4] = ["run", "--quiet", "--release", "--bin"];
+pub(crate) const PROGRAM: [&str; 4] = ["run", "--quiet", "--release", "--bin"];
 
 /// Runs a study, or all of them until one fails.
 pub(crate) fn validate(

@@ -7,6 +7,7 @@
 
 pub mod baselines;
 pub mod body;
+mod cpu_time;
 mod drawing;
 mod film_anchor;
 mod finding;
@@ -22,6 +23,7 @@ mod skin;
 pub mod small_patch;
 mod two_scales;
 
+pub use cpu_time::cpu_seconds;
 pub use drawing::Drawing;
 pub use film_anchor::{Anchor, SOFTER, STIFFER, check_film};
 pub use finding::{Finding, table_line};

@@ -11,9 +11,8 @@ use std::f64::consts::{SQRT_2, TAU};
 
 use nalgebra::Vector3;
 use ruga_stepper::{LayerSurface, PoseResult};
-use ruga_validation::{FlatFilm, baked_lines};
+use ruga_validation::{FlatFilm, baked_lines, cpu_seconds};
 
-use crate::cpu_time::cpu_seconds;
 use crate::product::{Watch, modelling};
 use crate::results::Measure;
 use crate::setting::{Coupling, Mesh, Outcome, Run, Solver};

@@ -12,7 +12,6 @@
     reason = "progress and what the chart says are what the program is for"
 )]
 
-mod cpu_time;
 mod film;
 mod key;
 mod measure;

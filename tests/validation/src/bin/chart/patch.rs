@@ -7,9 +7,8 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Vector2, Vector3};
 use ruga_stepper::{LayerSpec, LayerSurface, plan};
-use ruga_validation::{FlatFilm, baked_lines, patch_driver, patch_pose};
+use ruga_validation::{FlatFilm, baked_lines, cpu_seconds, patch_driver, patch_pose};
 
-use crate::cpu_time::cpu_seconds;
 use crate::film::RATIO;
 use crate::product::{Watch, modelling};
 use crate::results::Measure;

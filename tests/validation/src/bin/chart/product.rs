@@ -5,8 +5,8 @@ use rand_pcg::Pcg64Mcg;
 use ruga_solver::{Iteration, Kkt, NewtonSettings, Objective, SolveReport, SolverError};
 use ruga_stepper::{EdgeLimits, Modelling, Observer, Progress};
 use ruga_validation::baselines::by_minres;
+use ruga_validation::cpu_seconds;
 
-use crate::cpu_time::cpu_seconds;
 use crate::setting::Run;
 
 /// The choices of a run.

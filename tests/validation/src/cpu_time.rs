@@ -2,7 +2,7 @@
 
 /// Seconds of the processor so far.
 #[cfg(unix)]
-pub(crate) fn cpu_seconds() -> f64 {
+pub fn cpu_seconds() -> f64 {
     use rustix::time::{ClockId, clock_gettime};
     let spent = clock_gettime(ClockId::ThreadCPUTime);
     spent.tv_sec as f64 + 1e-9 * spent.tv_nsec as f64
@@ -10,7 +10,7 @@ pub(crate) fn cpu_seconds() -> f64 {
 
 /// Seconds of the wall clock, where the processor's cannot be had safely.
 #[cfg(not(unix))]
-pub(crate) fn cpu_seconds() -> f64 {
+pub fn cpu_seconds() -> f64 {
     use std::sync::OnceLock;
     use std::time::Instant;
     static START: OnceLock<Instant> = OnceLock::new();
