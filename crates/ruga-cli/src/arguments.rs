@@ -198,7 +198,7 @@ pub(crate) struct JobArguments {
     /// Mesh points per wavelength: draft 6, standard 12, fine 24, or the scene's.
     #[arg(long, value_enum, default_value_t, help_heading = "Simulation")]
     pub(crate) quality: Quality,
-    /// Threads of a task: its maps are baked on all of them, its pose is simulated on one.
+    /// Threads of a task: its maps are baked on all of them, and a large pose is simulated on them.
     #[arg(
         long,
         value_name = "N",

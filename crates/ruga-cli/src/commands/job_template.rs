@@ -146,8 +146,8 @@ impl BakeJob<'_> {
                 "type": "INT",
                 "minValue": 1,
                 "default": self.threads,
-                "description": "Threads of a task: its maps are baked on all of them, its pose is simulated \
-                                on one. The results do not depend on it.",
+                "description": "Threads of a task: its maps are baked on all of them, and a large pose is \
+                                simulated on them. The results do not depend on it.",
             }),
         ];
         if let Some(memory) = self.memory {
