@@ -184,8 +184,8 @@ impl Kkt {
         self.factorized = false;
     }
 
-    /// Factorises `K + diag(damping)` with the rows; nothing is allocated but what was
-    /// [released](Self::release).
+    /// Factorises `K + diag(damping)` with the rows; nothing is allocated but the factor, the first time and
+    /// after it was [released](Self::release).
     ///
     /// `values` in pattern order (N/m), `damping` one value per unknown (N/m), or none.
     ///

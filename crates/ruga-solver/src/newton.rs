@@ -70,7 +70,8 @@ pub type Minimise = fn(
 /// the compressive stress stiffness, and where that step gains hardly any energy the direction of negative
 /// curvature is searched as well; the solve stops as converged only where the exact Hessian has the
 /// inertia of a minimum. `keep_going` sees every iteration and ends the solve by returning `false`; an
-/// iteration takes at most some 30 factorisations, where the Hessian's inertia is hard to mend. Same input, same bits.
+/// iteration takes at most some 30 factorisations, where the Hessian's inertia is hard to mend. Same input,
+/// same bits.
 ///
 /// # Errors
 /// [`SolverError::PatternMismatch`], [`SizeMismatch`](SolverError::SizeMismatch),

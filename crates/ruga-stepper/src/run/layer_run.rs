@@ -329,12 +329,11 @@ impl<'a> LayerRun<'a> {
             Some(solve) => solve,
             None => {
                 // A probe asks the whole, and so does a step in time.
-                if self.wide.is_none() && inertia.is_none() && at_saddle == AtSaddle::Leave {
+                let is_divisible = inertia.is_none() && at_saddle == AtSaddle::Leave;
+                if is_divisible && self.wide.is_none() {
                     self.wide = self.layer.patches(self.modelling, Width::Wide)?;
                 }
-                let wide = self.wide.as_mut();
-                let solve = match wide.filter(|_| inertia.is_none() && at_saddle == AtSaddle::Leave)
-                {
+                let solve = match self.wide.as_mut().filter(|_| is_divisible) {
                     Some(wide) => self.layer.minimise_patches(wide, how, &mut keep_going)?,
                     None => {
                         let kkt = whole_kkt(&mut self.kkt, &self.layer)?;
