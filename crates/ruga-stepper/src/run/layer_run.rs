@@ -331,7 +331,7 @@ impl<'a> LayerRun<'a> {
                 // A probe asks the whole, and so does a step in time.
                 let is_divisible = inertia.is_none() && at_saddle == AtSaddle::Leave;
                 if is_divisible && self.wide.is_none() {
-                    self.wide = self.layer.patches(self.modelling, Width::Wide)?;
+                    self.wide = self.layer.patches(self.modelling, Width::Wide);
                 }
                 let solve = match self.wide.as_mut().filter(|_| is_divisible) {
                     Some(wide) => self.layer.minimise_patches(wide, how, &mut keep_going)?,

@@ -77,18 +77,12 @@ impl Layer {
 
     /// Divides the layer into patches; `None` where it is too small for that, has two sheets or moves
     /// together with a body.
-    pub(crate) fn patches(
-        &self,
-        modelling: &Modelling,
-        width: Width,
-    ) -> Result<Option<Patches>, StepperError> {
+    pub(crate) fn patches(&self, modelling: &Modelling, width: Width) -> Option<Patches> {
         if self.solid.is_some() || !width.suits(self.free.len(), modelling.most_in_whole()) {
-            return Ok(None);
+            return None;
         }
         let mesh = (&self.skin.mesh, self.skin.rest.positions.as_slice());
-        let terms = (&self.rows, self.damping.as_slice());
-        let patches = Patches::new(mesh, &self.energy, terms, (modelling, width));
-        patches.map_err(|source| self.solver_error(source))
+        Patches::new(mesh, (&self.energy, &self.rows), (modelling, width))
     }
 
     /// Finds the equilibrium near the present state patch by patch, and moves there.
@@ -106,6 +100,7 @@ impl Layer {
                 energy: &self.energy,
                 positions: &self.positions,
                 load: [&self.reaction, &base],
+                damping: &self.damping,
                 rows: &self.rows,
                 targets: &targets,
                 scales: Scales {

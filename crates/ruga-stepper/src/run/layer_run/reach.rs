@@ -133,9 +133,7 @@ impl<'a> LayerRun<'a> {
             // The first wrinkles are found on the whole, or in wide patches: narrow ones would fit them
             // between their borders, and a film came out with waves 9 % too short in patches of two.
             if self.patches.is_none() && self.layer.strain_ratio() > 1.0 {
-                // Both kinds together would take twice the memory of a large layer.
-                self.wide = None;
-                self.patches = self.layer.patches(self.modelling, Width::Narrow)?;
+                self.patches = self.layer.patches(self.modelling, Width::Narrow);
                 if self.patches.is_some() {
                     self.kkt = None;
                 }
