@@ -100,7 +100,11 @@ impl SurfacePoints {
             "one control point per vertex"
         );
         match &self.limit {
-            Some(rows) => rows.apply(control).iter().map(|jet| jet.first).collect(),
+            Some(rows) => rows
+                .apply(control)
+                .iter()
+                .map(|plane| plane.first)
+                .collect(),
             None => {
                 let edges = |point: &MaterialPoint| {
                     let [a, b, c] =
@@ -115,15 +119,15 @@ impl SurfacePoints {
     fn pose_limit(&self, rows: &LimitPointRows, control: &[Vector3<f64>]) -> PosedSurface {
         let facets = face_normals(&self.topology, control);
         let mut posed = PosedSurface::default();
-        for (jet, point) in rows.apply(control).iter().zip(&self.points) {
+        for (plane, point) in rows.apply(control).iter().zip(&self.points) {
             let facet = || facets[point.face].try_normalize(0.0);
             // A collapsed facet has no normal either; any unit vector keeps what follows finite.
-            let normal = jet.normal().or_else(facet).unwrap_or_else(Vector3::z);
-            posed.positions.push(jet.position);
+            let normal = plane.normal().or_else(facet).unwrap_or_else(Vector3::z);
+            posed.positions.push(plane.position);
             posed.normals.push(normal);
             posed
                 .tangents
-                .push(self.tangent(&jet.first[0], &normal, point, control));
+                .push(self.tangent(&plane.first[0], &normal, point, control));
         }
         posed
     }

@@ -1,5 +1,7 @@
 //! The symmetric matrix of an energy over vertices: where each 3×3 block of it is stored.
 
+use std::sync::Arc;
+
 use nalgebra::{Matrix3, Vector3};
 
 /// Marks a pinned vertex.
@@ -27,8 +29,9 @@ pub struct BlockPattern {
     // A mark instead of an option, which would double the table.
     free_of: Vec<u32>,
     free_points: Vec<u32>,
-    column_starts: Vec<usize>,
-    rows: Vec<usize>,
+    // Shared with the solver, for which they are most of its matrix's memory.
+    column_starts: Arc<[usize]>,
+    rows: Arc<[usize]>,
     /// Per free point the neighbours with higher numbers, ascending.
     neighbours: Vec<Vec<u32>>,
 }
@@ -65,8 +68,8 @@ impl BlockPattern {
         }
         let mut this = Self {
             free_of,
-            column_starts: Vec::new(),
-            rows: Vec::new(),
+            column_starts: Arc::default(),
+            rows: Arc::default(),
             neighbours: vec![Vec::new(); free_points.len()],
             free_points,
         };
@@ -93,6 +96,8 @@ impl BlockPattern {
         for list in neighbours.iter_mut() {
             list.sort_unstable();
             list.dedup();
+            // A vertex is named ten times as often as it has neighbours.
+            list.shrink_to_fit();
         }
         self.lay_out();
     }
@@ -122,8 +127,8 @@ impl BlockPattern {
                 &shifted(&other.free_points, points),
             ]
             .concat(),
-            column_starts: Vec::new(),
-            rows: Vec::new(),
+            column_starts: Arc::default(),
+            rows: Arc::default(),
             neighbours: own.chain(others).collect(),
         };
         this.lay_out();
@@ -131,17 +136,18 @@ impl BlockPattern {
     }
 
     fn lay_out(&mut self) {
-        self.column_starts = vec![0];
-        self.rows.clear();
+        let (mut starts, mut rows) = (vec![0], Vec::new());
         for (j, below) in self.neighbours.iter().enumerate() {
             for c in 0..3 {
-                self.rows.extend(3 * j + c..3 * j + 3);
+                rows.extend(3 * j + c..3 * j + 3);
                 for &i in below {
-                    self.rows.extend(3 * i as usize..3 * i as usize + 3);
+                    rows.extend(3 * i as usize..3 * i as usize + 3);
                 }
-                self.column_starts.push(self.rows.len());
+                starts.push(rows.len());
             }
         }
+        self.column_starts = starts.into();
+        self.rows = rows.into();
     }
 
     /// Number of points, pinned ones included.
@@ -167,6 +173,11 @@ impl BlockPattern {
     /// Row of each entry, sorted within each column.
     pub fn rows(&self) -> &[usize] {
         &self.rows
+    }
+
+    /// Column starts and rows, to be kept beside the pattern without a copy.
+    pub fn shared(&self) -> (Arc<[usize]>, Arc<[usize]>) {
+        (Arc::clone(&self.column_starts), Arc::clone(&self.rows))
     }
 
     /// Number of a point among the free ones, if it is free.

@@ -50,7 +50,7 @@ pub use loop_subdivision::{
 pub use loop_surface::{LimitPointRows, LoopSurface};
 pub use planar_lookup::{PlanarLookup, barycentric};
 pub use sparse_rows::SparseRows;
-pub use surface_jet::SurfaceJet;
+pub use surface_jet::{SurfaceJet, TangentPlane};
 pub use surface_lookup::{ClosestPlace, SurfaceLookup, closest_on_triangle};
 pub use tangent_coordinates::{
     TangentCentre, TangentCoordinates, tangent_coordinates, tangent_frame,

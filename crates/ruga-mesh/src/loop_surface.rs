@@ -8,8 +8,8 @@ use crate::face_place::FacePlace;
 use crate::irregular_sector::IrregularSector;
 use crate::vertex_fan::{VertexFan, VertexKind, regular_controls, sector_controls};
 use crate::{
-    FaceId, Id, MaterialPoint, PerFace, PerVertex, SparseRows, Subdivision, SurfaceJet, TriMesh,
-    VertexId, subdivide,
+    FaceId, Id, MaterialPoint, PerFace, PerVertex, SparseRows, Subdivision, SurfaceJet,
+    TangentPlane, TriMesh, VertexId, subdivide,
 };
 
 /// The limit surface of Loop subdivision over a control mesh, ready to be evaluated anywhere.
@@ -58,8 +58,6 @@ pub struct LimitPointRows {
     pub position: SparseRows,
     /// Derivatives by `u` and `v`; rows sum to zero, first cross second points outwards.
     pub first: [SparseRows; 2],
-    /// Derivatives by `uu`, `uv` and `vv`; rows sum to zero.
-    pub second: [SparseRows; 3],
 }
 
 impl LimitPointRows {
@@ -67,15 +65,14 @@ impl LimitPointRows {
     ///
     /// # Panics
     /// When there are fewer control points than the surface has vertices.
-    pub fn apply(&self, control: &[Vector3<f64>]) -> Vec<SurfaceJet> {
+    pub fn apply(&self, control: &[Vector3<f64>]) -> Vec<TangentPlane> {
         let position = self.position.apply(control);
-        let first = self.first.each_ref().map(|rows| rows.apply(control));
-        let second = self.second.each_ref().map(|rows| rows.apply(control));
-        (0..position.len())
-            .map(|i| SurfaceJet {
-                position: position[i],
-                first: first.each_ref().map(|values| values[i]),
-                second: second.each_ref().map(|values| values[i]),
+        let [u, v] = self.first.each_ref().map(|rows| rows.apply(control));
+        let planes = position.into_iter().zip(u).zip(v);
+        planes
+            .map(|((position, u), v)| TangentPlane {
+                position,
+                first: [u, v],
             })
             .collect()
     }
@@ -128,11 +125,40 @@ impl LoopSurface {
     /// When a point lies on a face that the mesh does not have.
     pub fn add_rows(&self, points: &[MaterialPoint], rows: &mut LimitPointRows) {
         let [u, v] = &mut rows.first;
-        let [uu, uv, vv] = &mut rows.second;
-        self.push_weights(points, [&mut rows.position, u, v, uu, uv, vv]);
+        self.push_weights(points, [&mut rows.position, u, v]);
     }
 
-    /// The positions of [`rows`](Self::rows) alone, a sixth of the result.
+    /// The surface with its second derivatives at `points`, for one set of control points (m).
+    ///
+    /// # Panics
+    /// When a point lies on a face that the mesh does not have, or there are fewer control points than
+    /// vertices.
+    pub fn jets(&self, points: &[MaterialPoint], control: &[Vector3<f64>]) -> Vec<SurfaceJet> {
+        let mut weights: Vec<[f64; 6]> = Vec::new();
+        let jet = |point| {
+            let vertices = self.weights(point, &mut weights);
+            let mut sums = [Vector3::zeros(); 6];
+            for (&vertex, weights) in vertices.iter().zip(&weights) {
+                for (sum, &weight) in sums.iter_mut().zip(weights) {
+                    *sum += control[vertex as usize] * weight;
+                }
+            }
+            let [position, u, v, uu, uv, vv] = sums;
+            SurfaceJet {
+                position,
+                first: [u, v],
+                second: [uu, uv, vv],
+            }
+        };
+        points.iter().map(jet).collect()
+    }
+
+    /// Forgets what was prepared for the faces asked for so far, 2 kB each.
+    pub fn forget(&mut self) {
+        self.patches = PerFace::filled(self.mesh.face_count(), OnceLock::new());
+    }
+
+    /// The positions of [`rows`](Self::rows) alone, a third of the result.
     ///
     /// # Panics
     /// When a point lies on a face that the mesh does not have.

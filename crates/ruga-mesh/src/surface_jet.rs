@@ -2,7 +2,16 @@
 
 use nalgebra::{Matrix2, Matrix3, Vector3};
 
-/// Position and derivatives of a surface at one point, by two parameters `u, v`.
+/// Position and first derivatives of a surface at one point, by two parameters `u, v`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TangentPlane {
+    /// Position (m).
+    pub position: Vector3<f64>,
+    /// Derivatives by `u` and `v`; their cross product points outwards.
+    pub first: [Vector3<f64>; 2],
+}
+
+/// Position, first and second derivatives of a surface at one point, by two parameters `u, v`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceJet {
     /// Position (m).
@@ -16,7 +25,7 @@ pub struct SurfaceJet {
 /// Sine of the angle between the first derivatives under which they span no plane.
 const LEAST_SINE: f64 = 1e-12;
 
-impl SurfaceJet {
+impl TangentPlane {
     /// The outward unit normal; `None` where the first derivatives span no plane.
     pub fn normal(&self) -> Option<Vector3<f64>> {
         let [u, v] = self.first;
@@ -25,6 +34,14 @@ impl SurfaceJet {
         // A sine, not a length: next to irregular vertices the derivatives tend to zero or infinity
         // and still span the tangent plane.
         (size > 0.0 && normal.norm() > LEAST_SINE * size).then(|| normal.normalize())
+    }
+}
+
+impl SurfaceJet {
+    /// The outward unit normal; `None` where the first derivatives span no plane.
+    pub fn normal(&self) -> Option<Vector3<f64>> {
+        let (position, first) = (self.position, self.first);
+        TangentPlane { position, first }.normal()
     }
 
     /// The shape operator `S` as a symmetric tensor, 1/m: `dn = S dx` for a step `dx` on the surface.

@@ -90,7 +90,7 @@ impl SmoothSurface {
     /// # Panics
     /// When the mesh does not have the place's face.
     pub fn jet(&self, at: MaterialPoint) -> SurfaceJet {
-        self.surface.rows(&[at]).apply(&self.control)[0]
+        self.surface.jets(&[at], &self.control)[0]
     }
 
     /// The mesh with a vertex at the limit of each control point, ready for

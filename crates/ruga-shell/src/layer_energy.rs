@@ -1,5 +1,7 @@
 //! All energies of a layer, assembled over its free vertices.
 
+use std::sync::OnceLock;
+
 use nalgebra::{Matrix2, Vector3};
 
 use ruga_mesh::{BlockPattern, PerVertex, TriMesh, vertex_normals};
@@ -34,7 +36,8 @@ pub struct LayerEnergy {
     springs: Option<SheetSprings>,
     bending_model: BendingModel,
     foundation: LayerFoundation,
-    foundation_hessian: Vec<f64>,
+    /// Its part of the Hessian, once that was asked for.
+    foundation_hessian: OnceLock<Vec<f64>>,
     pattern: BlockPattern,
 }
 
@@ -137,7 +140,7 @@ impl LayerEnergy {
         let lower = (mesh, &sheets[0]);
         let foundation = LayerFoundation::new(lower, tangential, &pattern, anchors.collect());
         Ok(Self {
-            foundation_hessian: foundation.hessian(&pattern),
+            foundation_hessian: OnceLock::new(),
             sheets,
             springs,
             bending_model,
@@ -163,7 +166,7 @@ impl LayerEnergy {
             springs: None,
             bending_model: self.bending_model,
             foundation: self.foundation.part(&numbers, &local, &pattern),
-            foundation_hessian: Vec::new(),
+            foundation_hessian: OnceLock::new(),
             pattern,
         };
         Some((numbers, part))
@@ -175,7 +178,7 @@ impl LayerEnergy {
             sheet.follow(whole, numbers);
         }
         self.foundation.follow(&whole.foundation, numbers);
-        self.foundation_hessian = self.foundation.hessian(&self.pattern);
+        self.foundation_hessian = OnceLock::new();
     }
 
     /// Replaces the surface below: per vertex of the lower sheet a point (m), a unit normal and an offset (m) along it.
@@ -190,9 +193,7 @@ impl LayerEnergy {
     ) -> Result<(), ShellError> {
         let anchors = anchors(points, normals, offsets, self.mesh_vertices())?;
         self.foundation.set_anchors(anchors);
-        // Deviations are linear in the positions as long as the base stands still. So this part of
-        // the Hessian is formed once per base, and not in every Newton step.
-        self.foundation_hessian = self.foundation.hessian(&self.pattern);
+        self.foundation_hessian = OnceLock::new();
         Ok(())
     }
 
@@ -222,7 +223,7 @@ impl LayerEnergy {
             springs.set_rest(self.sheets[0].rest());
         }
         self.foundation.set_rest(&self.sheets[0]);
-        self.foundation_hessian = self.foundation.hessian(&self.pattern);
+        self.foundation_hessian = OnceLock::new();
         Ok(())
     }
 
@@ -420,13 +421,17 @@ impl LayerEnergy {
     /// semidefinite up to a negative `K1`.
     pub fn hessian(&self, x: &[Vector3<f64>], exact: &mut [f64], relaxed: Option<&mut [f64]>) {
         self.check(x);
-        exact.copy_from_slice(&self.foundation_hessian);
+        // Deviations are linear in the positions as long as the base stands still. So this part is formed
+        // once per base, and not in every Newton step; never for a layer that is only solved in parts.
+        let of_foundation = || self.foundation.hessian(&self.pattern);
+        let foundation = self.foundation_hessian.get_or_init(of_foundation);
+        exact.copy_from_slice(foundation);
         let relaxed = match relaxed {
             None => &mut [],
             Some(relaxed) => {
                 // A negative K1 stays in: K0 and bending outweigh it, so that the sum is still
                 // definite.
-                relaxed.copy_from_slice(&self.foundation_hessian);
+                relaxed.copy_from_slice(foundation);
                 relaxed
             }
         };

@@ -44,8 +44,8 @@ impl Objective for Chain {
 
 fn main() -> Result<(), SolverError> {
     const COUNT: usize = 15;
-    let starts = (0..COUNT).map(|i| 2 * i).chain([2 * COUNT - 1]).collect();
-    let rows = (0..COUNT)
+    let starts: Vec<usize> = (0..COUNT).map(|i| 2 * i).chain([2 * COUNT - 1]).collect();
+    let rows: Vec<usize> = (0..COUNT)
         .flat_map(|i| [i, i + 1])
         .take(2 * COUNT - 1)
         .collect();

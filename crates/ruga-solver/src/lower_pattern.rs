@@ -1,16 +1,19 @@
 //! Sparsity of a symmetric matrix.
 
+use std::sync::Arc;
+
 use crate::SolverError;
 use crate::error::{check_line, check_starts};
 
 /// Lower triangle of a symmetric sparse matrix: compressed columns, diagonal included.
 ///
 /// Values of such a matrix are a plain `&[f64]` in the order of [`rows`](Self::rows).
-/// Rows are strictly increasing within a column and every column begins with its diagonal.
+/// Rows are strictly increasing within a column and every column begins with its diagonal. Copies share
+/// their memory.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LowerPattern {
-    column_starts: Vec<usize>,
-    rows: Vec<usize>,
+    column_starts: Arc<[usize]>,
+    rows: Arc<[usize]>,
 }
 
 impl LowerPattern {
@@ -20,7 +23,11 @@ impl LowerPattern {
     /// [`SolverError::Empty`], [`MalformedStarts`](SolverError::MalformedStarts),
     /// [`Unsorted`](SolverError::Unsorted), [`IndexOutOfRange`](SolverError::IndexOutOfRange),
     /// [`MissingDiagonal`](SolverError::MissingDiagonal).
-    pub fn new(column_starts: Vec<usize>, rows: Vec<usize>) -> Result<Self, SolverError> {
+    pub fn new(
+        column_starts: impl Into<Arc<[usize]>>,
+        rows: impl Into<Arc<[usize]>>,
+    ) -> Result<Self, SolverError> {
+        let (column_starts, rows) = (column_starts.into(), rows.into());
         if column_starts.len() < 2 {
             return Err(SolverError::Empty);
         }

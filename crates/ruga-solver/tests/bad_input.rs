@@ -25,7 +25,11 @@ fn springs(count: usize) -> Springs {
 }
 
 fn diagonal(count: usize) -> LowerPattern {
-    LowerPattern::new((0..=count).collect(), (0..count).collect()).unwrap()
+    LowerPattern::new(
+        (0..=count).collect::<Vec<_>>(),
+        (0..count).collect::<Vec<_>>(),
+    )
+    .unwrap()
 }
 
 impl Objective for Springs {

@@ -52,7 +52,7 @@ impl Control {
     }
 
     pub(crate) fn jets(&self, points: &[MaterialPoint]) -> Vec<SurfaceJet> {
-        self.surface().rows(points).apply(&self.positions)
+        self.surface().jets(points, &self.positions)
     }
 }
 

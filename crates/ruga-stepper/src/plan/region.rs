@@ -28,6 +28,8 @@ pub(crate) struct PoseStrains {
     pub(crate) folded: PerFace<bool>,
     /// Largest effective strain over the keys, without averaging.
     raw: PerFace<f64>,
+    /// Effective strain at the last key, without averaging.
+    last: PerFace<f64>,
     /// Principal compressions at the key that asks most, without averaging.
     pub(crate) principal: PerFace<[f64; 2]>,
     /// Largest effective strain on the way to the keys, without averaging.
@@ -71,6 +73,7 @@ impl PoseStrains {
             compression: PerFace::filled(count, f64::NEG_INFINITY),
             folded: PerFace::filled(count, false),
             raw: PerFace::filled(count, f64::NEG_INFINITY),
+            last: PerFace::filled(count, f64::NEG_INFINITY),
             principal: PerFace::filled(count, [0.0; 2]),
             passing: PerFace::filled(count, f64::NEG_INFINITY),
             onset: PerFace::filled(count, 1.0),
@@ -111,6 +114,8 @@ impl PoseStrains {
                 let first = strains[face].first;
                 pose_strains.compression[face] = pose_strains.compression[face].max(first);
                 let raw = strains[face].effective(poisson);
+                // Keys ascend.
+                pose_strains.last[face] = raw;
                 // Directions are only comparable within one key: the principal strains of two keys
                 // have their own axes.
                 if raw > pose_strains.raw[face] {
@@ -171,6 +176,12 @@ impl PoseStrains {
         } else {
             0.0
         }
+    }
+
+    /// Whether a face wrinkles at an earlier key and is smooth again at the last.
+    pub(crate) fn is_smooth_again(&self, face: FaceId) -> bool {
+        let critical = self.critical[face];
+        self.raw[face] > critical && self.last[face] <= critical
     }
 
     /// Whether a face would wrinkle on the way to the keys and at none of them.

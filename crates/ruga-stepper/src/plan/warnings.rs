@@ -73,6 +73,7 @@ impl PosedPlan<'_> {
             .chain(not_skin(applied.median, self.pose))
             .chain(self.capped_warning((plan, &applied), pose_strains))
             .chain(late_warning(plan))
+            .chain(self.smooth_again_warning(plan, pose_strains))
             .chain(self.labyrinth_warning((plan, &applied), pose_strains))
             .chain(resolution)
             .chain(budget_warning((plan, &applied), self.modelling))
@@ -105,6 +106,27 @@ impl PosedPlan<'_> {
                 "{:.2} cm2 are compressed by more than 15 %, {}, where real skin folds, doubles its wrinkles or creases, which is not modelled. The map can be used there, but holds the wrinkles of 15 to 25 % compression, shallower than the pose asks for; if they look wrong, lower the weight or paint the place black in the region mask",
                 1e4 * applied.capped_area,
                 self.place(pose_strains, &is_capped)
+            )
+        })
+    }
+
+    /// Warning of wrinkles at an earlier key, on more skin than wrinkles at the last one, that are gone there.
+    fn smooth_again_warning(&self, plan: &LayerPlan, pose_strains: &PoseStrains) -> Option<String> {
+        let area_where = |test: &dyn Fn(FaceId) -> bool| -> f64 {
+            let faces = pose_strains.areas.iter();
+            let faces = faces.filter(|&(face, _)| self.is_active(plan, face) && test(face));
+            faces.map(|(_, area)| area).sum()
+        };
+        let is_passing = |face| pose_strains.is_smooth_again(face);
+        let passing = area_where(&is_passing);
+        let staying =
+            area_where(&|face| !is_passing(face) && pose_strains.strain_ratio(face) > 1.0);
+        let last = self.pose.keys.last()?;
+        (passing > staying.max(plan.wavelength.powi(2))).then(|| {
+            format!(
+                "{:.1} cm2 wrinkle at an earlier key and are smooth again at key {last}, {}: a blend shape moves its points on straight lines, so that a part that it turns is smaller half way. Where that is not wanted, bake the last key alone, with `keys = [{last:?}]` in the pose, which also takes less time",
+                1e4 * passing,
+                self.place(pose_strains, &is_passing)
             )
         })
     }

@@ -232,8 +232,8 @@ impl Layer {
                 (rows, solid.pattern().clone())
             }
             None => {
-                let (starts, entries) = energy.pattern();
-                let pattern = LowerPattern::new(starts.to_vec(), entries.to_vec());
+                let (starts, entries) = energy.blocks().shared();
+                let pattern = LowerPattern::new(starts, entries);
                 (low_pass.rows, pattern.map_err(solver)?)
             }
         };

@@ -40,11 +40,14 @@ impl Interpolation {
         let places = places_on(from, to, goes_on)?;
         // Deviations from a smooth surface are smooth, so that no vertex is a corner.
         let corners = PerVertex::filled(from.mesh.vertex_count(), false);
-        let surface = LoopSurface::new(&from.mesh, &corners);
+        let mut surface = LoopSurface::new(&from.mesh, &corners);
         let mut at_places = SparseRows::default();
         // They are made in parts, so that a run on a whole face can be ended meanwhile.
         for chunk in places.chunks(PLACES_AT_A_TIME) {
             surface.add_position_rows(chunk, &mut at_places);
+            // Two places lie on a face of the layer's mesh, and all of its faces would take more memory than
+            // the layer.
+            surface.forget();
             if !goes_on() {
                 return None;
             }

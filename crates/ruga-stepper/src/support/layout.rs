@@ -27,9 +27,9 @@ impl Layout {
         coupled: &[Vec<u32>],
     ) -> Result<Self, SolverError> {
         let blocks = layer.beside(lattice, coupled);
-        let (starts, rows) = (blocks.column_starts(), blocks.rows());
+        let (starts, rows) = blocks.shared();
         Ok(Self {
-            pattern: LowerPattern::new(starts.to_vec(), rows.to_vec())?,
+            pattern: LowerPattern::new(starts, rows)?,
             blocks,
             layer_starts: layer.column_starts().to_vec(),
         })

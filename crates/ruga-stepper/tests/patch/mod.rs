@@ -11,7 +11,7 @@ use ruga_stepper::{Coupling, LayerSpec, Modelling, PoseSpec, Presence, Sampling}
 pub(crate) const SIDE: f64 = 0.06;
 
 /// A flat square; `press` shortens its middle by 12 % in x, fading towards the border, `squeeze` in
-/// x and y.
+/// x and y; `turn` turns all of it by 60 degrees in its plane.
 pub(crate) fn driver() -> Arc<Driver> {
     let cells = 12;
     let mut mesh = ArtistMesh {
@@ -41,6 +41,9 @@ pub(crate) fn driver() -> Arc<Driver> {
         let along = |c: f64| 0.06 * ((wave * c).sin() / wave - c);
         Vector3::new(along(p.x), along(p.y), 0.0)
     };
+    let (sin, cos) = std::f64::consts::FRAC_PI_3.sin_cos();
+    let turn =
+        |p: &Vector3<f64>| Vector3::new(cos * p.x - sin * p.y, sin * p.x + cos * p.y, 0.0) - p;
     mesh.shapes = vec![
         BlendShape {
             name: "squeeze".into(),
@@ -50,6 +53,11 @@ pub(crate) fn driver() -> Arc<Driver> {
         BlendShape {
             name: "press".into(),
             position_deltas: mesh.positions.iter().map(press).collect(),
+            normal_deltas: None,
+        },
+        BlendShape {
+            name: "turn".into(),
+            position_deltas: mesh.positions.iter().map(turn).collect(),
             normal_deltas: None,
         },
         BlendShape {

@@ -204,7 +204,7 @@ fn folded(energy: &LayerEnergy, mesh: &PeriodicMesh) -> (LowerPattern, Vec<Slot>
     for column in 0..size {
         columns[column + 1] += columns[column];
     }
-    let rows = sorted.iter().map(|place| place[1]).collect();
+    let rows: Vec<usize> = sorted.iter().map(|place| place[1]).collect();
     let slot = |&(place, count): &([usize; 2], f64)| Slot {
         position: sorted.binary_search(&place).expect("one of the places"),
         count,

@@ -172,8 +172,8 @@ impl System {
         let moving: Vec<u32> = patch.ranks.iter().map(|&rank| free[rank]).collect();
         let part = LayerPart::new(whole.energy, &moving).expect("a layer in patches has one sheet");
         let energy = part.energy();
-        let (starts, entries) = energy.pattern();
-        let pattern = LowerPattern::new(starts.to_vec(), entries.to_vec())?;
+        let (starts, entries) = energy.blocks().shared();
+        let pattern = LowerPattern::new(starts, entries)?;
         let rows = restricted(whole.rows, &patch.rows, &patch.ranks)?;
         Ok(Self {
             kkt: Kkt::new(&pattern, &rows, 3)?,
