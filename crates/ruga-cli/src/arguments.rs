@@ -218,9 +218,15 @@ pub(crate) struct PlanArguments {
     /// The scene, a TOML file.
     #[arg(value_name = "SCENE", help_heading = "Input")]
     pub(crate) scene: PathBuf,
+    /// Only this pose; may be given several times [default: every pose of the scene].
+    #[arg(long = "pose", value_name = "NAME", help_heading = "Input")]
+    pub(crate) poses: Vec<String>,
     /// Print the plan as JSON.
     #[arg(long, help_heading = "Output")]
     pub(crate) json: bool,
+    /// Write a picture of what will wrinkle where, and how, on the mesh's texture layout.
+    #[arg(long, value_name = "FILE.png", help_heading = "Output")]
+    pub(crate) image: Option<PathBuf>,
     /// Mesh points per wavelength: draft 6, standard 12, fine 24, or the scene's.
     #[arg(long, value_enum, default_value_t, help_heading = "Simulation")]
     pub(crate) quality: Quality,

@@ -52,6 +52,9 @@ pub(crate) enum CliError {
         limit: MemorySize,
         others: usize,
     },
+    /// `ruga plan --image` has nothing to show, or no file to show it in.
+    #[error("{}: no picture of the plan: {reason}", path.display())]
+    NoPicture { path: PathBuf, reason: String },
     /// The output folder cannot be used.
     #[error("{}: cannot be the output folder: {reason}", path.display())]
     Output { path: PathBuf, reason: String },

@@ -21,10 +21,12 @@ mod run;
 
 mod artist_file;
 mod baked_poses;
+mod canvas;
 mod map_files;
 mod memory_limit;
 mod memory_size;
 mod moved_mesh;
+mod plan_picture;
 mod pose_queue;
 mod pose_report;
 mod pose_runs;

@@ -103,6 +103,10 @@ fn the_plan_chooses_the_cells() {
     let text = folder.ruga("plan body.toml").exits(0).stdout;
     let told = format!("{along} along the longest side");
     assert!(text.contains(&told), "{text}");
+    folder
+        .ruga("plan body.toml --image plan.png")
+        .exits(2)
+        .says(&["plan.png", "known only when it is simulated"]);
 }
 
 #[test]

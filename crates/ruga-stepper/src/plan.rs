@@ -3,6 +3,7 @@
 mod body_cost;
 mod body_plan;
 mod fitted_faces;
+mod planned_surface;
 mod planning_surface;
 mod pose_plan;
 mod region;
@@ -33,6 +34,8 @@ use crate::validation::{
 use crate::{LayerSpec, Mask, Modelling, PoseSpec, StepperError};
 
 pub use body_plan::plan_body;
+pub use planned_surface::PlannedSurface;
+pub use planning_surface::{PlannedFace, Treatment};
 pub use pose_plan::{AppliedStrain, LayerPlan, LoadPath, PaintedRanges, PosePlan};
 
 /// Model of the poses, with everything that it was made from: [`Plan::simulate`] needs no more

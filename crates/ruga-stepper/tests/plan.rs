@@ -2,9 +2,11 @@
 
 mod patch;
 
+use nalgebra::Vector2;
 use patch::{SIDE, draft, driver, pose, skin};
 use ruga_stepper::{
-    Coupling, Mask, Modelling, Observer, Plan, PoseSpec, Progress, Region, StepperError, plan,
+    Coupling, Mask, Modelling, Observer, Plan, PlannedFace, PoseSpec, Progress, Region,
+    StepperError, Treatment, plan,
 };
 
 #[test]
@@ -208,6 +210,58 @@ fn wrinkles_that_are_gone_at_the_last_key_are_told() {
             assert_eq!(text.contains(words), is_said, "{text}");
         }
     }
+}
+
+#[test]
+fn a_plan_shows_where_and_how_skin_will_wrinkle() {
+    let driver = driver();
+    let layers = [skin("forehead-furrow", Coupling::Hybrid)];
+    let poses = [pose(&driver, "press", 1.0), pose(&driver, "fold", 1.0)];
+    let plan = plan(&driver, &layers, &poses, &draft(), 1024).expect("a valid scene");
+    let surface = plan.surface().expect("a planned scene").expect("no body");
+    let pressed = surface.faces(0, 0);
+    let planned = &plan.poses[0].layers[0];
+    // Of the whole map, the share of what is simulated.
+    let area = |face: &PlannedFace| {
+        let [a, b, c] = face.uvs;
+        0.5 * (b - a).perp(&(c - a)).abs()
+    };
+    let simulated = pressed
+        .iter()
+        .filter(|face| face.treatment != Treatment::Smooth);
+    let share: f64 = simulated.map(area).sum();
+    assert!(
+        (share * SIDE * SIDE / planned.active_area - 1.0).abs() < 0.01,
+        "{share}"
+    );
+    // In the middle 12 % are taken from x: waves across x, as many to the map as fit.
+    let is_in_the_middle = |face: &&PlannedFace| (face.uvs[0] - Vector2::repeat(0.5)).amax() < 0.05;
+    let middle = pressed
+        .iter()
+        .find(is_in_the_middle)
+        .expect("a face in the middle");
+    let wave = planned.wavelength / SIDE;
+    assert!(
+        (middle.across.x.abs() / wave - 1.0).abs() < 0.02,
+        "{middle:?}"
+    );
+    assert!(
+        (middle.along.y.abs() / wave - 1.0).abs() < 0.02,
+        "{middle:?}"
+    );
+    assert!(middle.across.y.abs() < 0.02 * wave && middle.along.x.abs() < 0.02 * wave);
+    let ratio = 0.12 / planned.critical_strain;
+    assert!(
+        (middle.strain_ratio / ratio - 1.0).abs() < 0.05,
+        "{middle:?}"
+    );
+    let folded = surface.faces(1, 0);
+    assert!(
+        folded
+            .iter()
+            .all(|face| face.treatment == Treatment::Folded)
+    );
+    assert!(surface.faces(0, 1).is_empty());
 }
 
 /// What the planner says of one pose.

@@ -9,19 +9,23 @@ use crate::arguments::PlanArguments;
 use crate::error::CliError;
 use crate::messages;
 use crate::outcome::Outcome;
+use crate::plan_picture;
 use crate::table::{ABSENT, duration, memory, number, table};
 
-/// Prints the plan of a scene; nothing is simulated.
+/// Prints the plan of a scene, and draws it where that is asked for; nothing is simulated.
 ///
 /// # Errors
-/// Whatever keeps the scene from being read or planned.
+/// Whatever keeps the scene from being read or planned, and its picture from being written.
 pub(crate) fn run(arguments: &PlanArguments) -> Result<Outcome, CliError> {
     let options = SceneOptions {
+        poses: arguments.poses.clone(),
         points_per_wavelength: arguments.quality.points_per_wavelength(),
-        ..SceneOptions::default()
     };
     let scene = Scene::read_with(&arguments.scene, &options)?;
     let planned = scene.plan()?;
+    if let Some(path) = &arguments.image {
+        plan_picture::write(path, &scene, &planned)?;
+    }
     if arguments.json {
         messages::result(&json(&scene, &planned));
         return Ok(Outcome::Done);

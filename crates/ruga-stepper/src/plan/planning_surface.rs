@@ -1,5 +1,7 @@
 //! The surface on which a plan compares poses with layers.
 
+mod planned_faces;
+
 use std::cell::OnceCell;
 
 use nalgebra::Vector3;
@@ -14,17 +16,19 @@ use crate::plan::region::PoseStrains;
 use crate::plan::skin_cost::{GRADING, Load, cost, factorisations};
 use crate::plan::stacking::Stacking;
 use crate::plan::surface_measures::{
-    MAX_PLANNING_FACES, OUTPUT_SLACK, faces_within, needed_levels, output_coarseness, per_face,
-    uv_density, weighted_quantile,
+    MAX_PLANNING_FACES, OUTPUT_SLACK, faces_within, needed_levels, output_coarseness,
+    painted_ranges, per_face, uv_density, weighted_quantile,
 };
 use crate::plan::warnings::PosedPlan;
 use crate::run::adaptivity::COARSEST;
 use crate::skin::local_skin::wrinkling_on_face;
 use crate::skin::place::ShapeCentres;
 use crate::{
-    AppliedStrain, Coupling, LayerPlan, LayerSpec, LoadPath, Modelling, PaintedRanges, PosePlan,
-    PoseSpec, Stack, StepperError,
+    AppliedStrain, Coupling, LayerPlan, LayerSpec, LoadPath, Modelling, PosePlan, PoseSpec, Stack,
+    StepperError,
 };
+
+pub use planned_faces::{PlannedFace, Treatment};
 
 /// Base edges stay below this fraction of the wavelength, or the artist's facets imprint.
 const FACET_FRACTION: f64 = 1.0 / 3.0;
@@ -157,18 +161,13 @@ impl<'a> PlanningSurface<'a> {
         pose: &PoseSpec,
         warnings: &mut Vec<String>,
     ) -> PosePlan {
-        let driver = self.driver;
-        let posed = |load: f64| self.surface.pose(&driver.pose(&pose.weights.scaled(load)));
-        let keys: Vec<PosedSurface> = pose.keys.iter().map(|&key| posed(key)).collect();
-        let last = pose.keys.iter().copied().fold(0.0, f64::max);
-        // A part that turns is shortest half way. The quarters beside tell when a face gets there.
-        let passing = PASSING.map(|fraction| (fraction, posed(fraction * last)));
+        let (keys, passing) = self.posed(pose);
         let mut pose_strains: Vec<PoseStrains> = layers
             .iter()
             .map(|layer| PoseStrains::new(&self.surface, &self.rest, &keys, &passing, layer))
             .collect();
         let about = PosedPlan {
-            driver,
+            driver: self.driver,
             shapes: &self.shapes,
             surface: &self.surface,
             rest: &self.rest,
@@ -196,6 +195,17 @@ impl<'a> PlanningSurface<'a> {
             path,
             layers,
         }
+    }
+
+    /// The surface at every key of a pose, and on the way to the last one, after fractions of it.
+    fn posed(&self, pose: &PoseSpec) -> (Vec<PosedSurface>, [(f64, PosedSurface); PASSING.len()]) {
+        let driver = self.driver;
+        let posed = |load: f64| self.surface.pose(&driver.pose(&pose.weights.scaled(load)));
+        let last = pose.keys.iter().copied().fold(0.0, f64::max);
+        let keys = pose.keys.iter().map(|&key| posed(key)).collect();
+        // A part that turns is shortest half way. The quarters beside tell when a face gets there.
+        let passing = PASSING.map(|fraction| (fraction, posed(fraction * last)));
+        (keys, passing)
     }
 
     /// Number and mean length (m) of the edges around the `active` faces. However finely these are split, the
@@ -434,29 +444,6 @@ impl<'a> PlanningSurface<'a> {
         };
         active.iter().map(edge).collect()
     }
-}
-
-/// Ranges of painted and naturally varying properties of a layer over the active faces.
-fn painted_ranges(
-    spec: &LayerSpec,
-    active: &[FaceId],
-    local: &PerFace<Wrinkling>,
-    areas: &PerFace<f64>,
-) -> Option<PaintedRanges> {
-    if active.is_empty() || (spec.map.is_none() && spec.variation.is_none()) {
-        return None;
-    }
-    let range = |value: fn(&Wrinkling) -> f64| {
-        let field: PerFace<f64> = local.as_slice().iter().map(value).collect();
-        [0.01, 0.99].map(|fraction| weighted_quantile(active, &field, areas, fraction))
-    };
-    Some(PaintedRanges {
-        wavelength: range(|wrinkling| wrinkling.wavelength),
-        critical_strain: range(|wrinkling| wrinkling.critical_strain),
-        thickness: range(|wrinkling| {
-            (12.0 * wrinkling.bending_stiffness / wrinkling.membrane_stiffness).sqrt()
-        }),
-    })
 }
 
 /// Chooses the path of a pose, and says so where it is not the plain one.

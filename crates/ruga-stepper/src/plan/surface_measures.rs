@@ -2,9 +2,10 @@
 
 use nalgebra::Vector3;
 use ruga_blend::{BaseSurface, PosedSurface};
+use ruga_material::Wrinkling;
 use ruga_mesh::{FaceId, Id, PerFace};
 
-use crate::Modelling;
+use crate::{LayerSpec, Modelling, PaintedRanges};
 
 /// Faces of the planning surface above which it is not subdivided further: on a face of 18 thousand
 /// triangles a million say the same areas as 300 thousand to 1 %, in five times the time.
@@ -114,4 +115,27 @@ pub(crate) fn weighted_quantile(
         }
     }
     0.0
+}
+
+/// Ranges of painted and naturally varying properties of a layer over the active faces.
+pub(crate) fn painted_ranges(
+    spec: &LayerSpec,
+    active: &[FaceId],
+    local: &PerFace<Wrinkling>,
+    areas: &PerFace<f64>,
+) -> Option<PaintedRanges> {
+    if active.is_empty() || (spec.map.is_none() && spec.variation.is_none()) {
+        return None;
+    }
+    let range = |value: fn(&Wrinkling) -> f64| {
+        let field: PerFace<f64> = local.as_slice().iter().map(value).collect();
+        [0.01, 0.99].map(|fraction| weighted_quantile(active, &field, areas, fraction))
+    };
+    Some(PaintedRanges {
+        wavelength: range(|wrinkling| wrinkling.wavelength),
+        critical_strain: range(|wrinkling| wrinkling.critical_strain),
+        thickness: range(|wrinkling| {
+            (12.0 * wrinkling.bending_stiffness / wrinkling.membrane_stiffness).sqrt()
+        }),
+    })
 }
