@@ -6,15 +6,18 @@ use crate::run::patches::Width;
 
 /// Bytes for every texel of a map while it is baked and written.
 const PER_TEXEL: f64 = 30.0;
-/// Bytes for every vertex planned of the output mesh: 3 thousand stay, as many again are gone when the layer
-/// is made, and halving leaves more vertices than planned.
-const PER_OUTPUT_VERTEX: f64 = 7.3e3;
+/// Bytes for every vertex planned of the output mesh: half of them stay, the rest is gone when the layer is made;
+/// halving leaves more vertices than planned. From a smile of 69 thousand.
+const PER_OUTPUT_VERTEX: f64 = 5.5e3;
 /// Factorisations in which the first wrinkles are found, on the whole of a layer or in wide patches.
 const FIRST: f64 = 17.0;
 /// Vertices of a wide patch with its overlap, over those without.
 const OVERLAPPED: f64 = 1.5;
-/// Bytes for every vertex of a layer in patches, which overlap.
+/// Bytes for every vertex of a layer in patches, which overlap and are kept from solve to solve.
 const IN_PATCHES: f64 = 1.3e4;
+/// Bytes for every vertex of a layer so large that its patches are set up one at a time, from a hand of 86
+/// thousand vertices and a wrist of 189 thousand, within 5 %.
+const IN_WIDE_PATCHES: f64 = 5.6e3;
 /// Bytes of the program with its scene: of the forearm 80 million, of a face with 55 shapes 140.
 const BASE: f64 = 1.1e8;
 
@@ -69,11 +72,16 @@ pub(crate) fn cost(
     let preparation = PREPARATION * n + OUTPUT_PREPARATION * output_vertices;
     let texels = f64::from(map_size).powi(2);
     // The logarithm of no vertex is infinite, and none times that is not a number.
-    let of_vertex = match vertices > most_in_whole {
-        true => IN_PATCHES,
-        false => 900.0 + 260.0 * n.max(2.0).log2(),
+    let factor = |n: f64| n * (900.0 + 260.0 * n.max(2.0).log2());
+    let of_layer = if Width::Wide.suits(vertices, most_in_whole) {
+        let patch = OVERLAPPED * Width::Wide.core(most_in_whole) as f64;
+        IN_WIDE_PATCHES * n + IN_PATCHES * patch + factor(patch)
+    } else if vertices > most_in_whole {
+        IN_PATCHES * n
+    } else {
+        factor(n)
     };
-    let memory = BASE + n * of_vertex + PER_OUTPUT_VERTEX * output_vertices + PER_TEXEL * texels;
+    let memory = BASE + of_layer + PER_OUTPUT_VERTEX * output_vertices + PER_TEXEL * texels;
     (preparation + work, memory)
 }
 
