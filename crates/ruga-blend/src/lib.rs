@@ -13,6 +13,7 @@ mod base_surface;
 mod driver;
 mod error;
 mod nearest;
+mod smooth_groups;
 mod strain;
 mod surface_points;
 
@@ -21,5 +22,6 @@ pub use base_surface::{BaseSurface, PosedSurface, Smoothing};
 pub use driver::{Driver, Weights};
 pub use error::BlendError;
 pub use nearest::{did_you_mean, nearest};
+pub use smooth_groups::SmoothGroups;
 pub use strain::{FaceStrain, face_strains};
 pub use surface_points::SurfacePoints;

@@ -2,11 +2,7 @@
 
 use nalgebra::Vector3;
 use ruga_bake::{BakeError, TangentFrame, tangent_frames};
-use ruga_blend::{ArtistMesh, Driver, Weights};
-use ruga_mesh::{Id, VertexId};
-
-/// Rest normals closer than this are one that was rounded.
-const SAME_NORMAL: f64 = 1e-2;
+use ruga_blend::{ArtistMesh, Driver, SmoothGroups, Weights};
 
 /// MikkTSpace frames of the artist's triangles at `weights`; no weights: at rest.
 ///
@@ -71,40 +67,18 @@ fn computed_normals(
     driver: &Driver,
     positions: &[Vector3<f64>],
 ) -> Vec<Vector3<f64>> {
-    let (group_of, groups) = smooth_groups(artist, driver);
-    let mut sums = vec![Vector3::zeros(); groups];
+    let groups = SmoothGroups::new(artist, driver);
+    let group_of = &groups.of_vertex;
+    let mut sums = vec![Vector3::zeros(); groups.count];
     for corners in artist.triangles.iter().map(|t| t.map(|v| v as usize)) {
         let [a, b, c] = corners.map(|v| positions[v]);
         let area_normal = (b - a).cross(&(c - a));
         for vertex in corners {
-            sums[group_of[vertex]] += area_normal;
+            sums[group_of[vertex] as usize] += area_normal;
         }
     }
-    let normal = |group: &usize| sums[*group].try_normalize(0.0).unwrap_or_else(Vector3::z);
+    let normal = |group: &u32| sums[*group as usize].try_normalize(0.0).unwrap_or_else(Vector3::z);
     group_of.iter().map(normal).collect()
-}
-
-/// Number of the smooth group of every vertex of the file, and how many groups there are: vertices
-/// at one place whose rest normals are the same, or all at one place where the file has none.
-fn smooth_groups(artist: &ArtistMesh, driver: &Driver) -> (Vec<usize>, usize) {
-    let mut at_place: Vec<Vec<(Vector3<f64>, usize)>> = vec![Vec::new(); driver.rest().len()];
-    let mut count = 0;
-    let mut group = |(vertex, welded): (usize, &VertexId)| {
-        let normal = artist
-            .normals
-            .as_ref()
-            .map_or_else(Vector3::zeros, |n| n[vertex]);
-        let known = &mut at_place[welded.index()];
-        let same = |(other, _): &&(Vector3<f64>, usize)| (other - normal).norm() < SAME_NORMAL;
-        if let Some((_, group)) = known.iter().find(same) {
-            return *group;
-        }
-        known.push((normal, count));
-        count += 1;
-        count - 1
-    };
-    let groups = driver.welded().iter().enumerate().map(&mut group).collect();
-    (groups, count)
 }
 
 #[cfg(test)]
