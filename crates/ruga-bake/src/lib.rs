@@ -10,7 +10,7 @@
 //! returns a [`WrinkleMap`] of unit normals and heights, which [`normal_to_png16`] and its
 //! neighbours turn into the integers of an image. Maps of several layers are composed, then padded
 //! once ([`WrinkleMap::pad`]). [`check_uvs`] and [`uv_layout`] say beforehand whether the UVs
-//! can carry a map.
+//! can carry a map. [`between_keys`] and [`lay_over`] blend normal maps as an engine does at run time.
 //!
 //! In [`Frame::Driver`] a texel holds the rotation from the normal of the *foot points*
 //! `f = x - w n_q` to the normal of the layer `x`, applied to the smooth driver normal, where `w` is
@@ -24,6 +24,7 @@
 //! threads: the same bytes out.
 
 mod bake;
+mod blend;
 mod relief;
 mod tangent_frames;
 mod wrinkle_map;
@@ -45,6 +46,7 @@ mod sweep_line;
 mod triangle_overlap;
 
 pub use bake::{BakeSettings, MAX_SIZE, bake};
+pub use blend::{KeyNormals, between_keys, lay_over};
 pub use frame::Frame;
 pub use relief::Relief;
 pub use tangent_frames::{TangentFrame, tangent_frames, vertex_tangents};
