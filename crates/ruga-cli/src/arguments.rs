@@ -50,6 +50,11 @@ The job:
   Every machine needs the command `ruga` of one release, and sees the scene, the files that it names and
   Output by the same paths, or by paths that the farm maps. The folder is then what `ruga bake` fills.";
 
+const PREVIEW: &str = "\
+The page:
+  DIR/preview.html holds the mesh of the GLB and the normal maps that wrinkles.json lists, and needs no
+  other file and no network. `ruga bake` writes it, too; write it anew after changing files in DIR.";
+
 const PLAN_COLUMNS: &str = "\
 Columns of the layers:
   wavelength           from crest to crest, on flat skin that is compressed evenly
@@ -103,6 +108,9 @@ pub(crate) enum Command {
     /// Say what will be modelled, where, how fine and at what cost; nothing is simulated.
     #[command(after_help = format!("{PLAN_COLUMNS}\n\n{EXIT_CODES}"))]
     Plan(PlanArguments),
+    /// Write the preview page of a folder that was baked, anew.
+    #[command(after_help = format!("{PREVIEW}\n\n{EXIT_CODES}"))]
+    Preview(PreviewArguments),
     /// Validate scene, mesh, texture coordinates, masks and materials.
     #[command(after_help = EXIT_CODES)]
     Check(CheckArguments),
@@ -165,14 +173,14 @@ impl RunArguments {
 pub(crate) struct BakeArguments {
     #[command(flatten)]
     pub(crate) run: RunArguments,
-    /// Write no GLB: maps, wrinkles.json and report.json alone.
+    /// Write no GLB and no preview: maps, wrinkles.json and report.json alone.
     #[arg(long, help_heading = "Output")]
     pub(crate) maps_only: bool,
     /// Work in DIR beside other runs with `--task`, which bake other poses: write maps and records,
-    /// and leave GLB, wrinkles.json and report.json to `--merge`.
+    /// and leave all that poses share to `--merge`.
     #[arg(long, conflicts_with_all = ["json", "merge", "force"], help_heading = "Output")]
     pub(crate) task: bool,
-    /// Simulate nothing: write GLB, wrinkles.json and report.json of poses that are in DIR.
+    /// Simulate nothing: write GLB, preview, wrinkles.json and report.json of poses that are in DIR.
     #[arg(long, conflicts_with_all = ["resume", "force"], help_heading = "Output")]
     pub(crate) merge: bool,
 }
@@ -192,7 +200,7 @@ pub(crate) struct JobArguments {
     /// Write over another job in DIR; results stay.
     #[arg(long, help_heading = "Output")]
     pub(crate) force: bool,
-    /// Write no GLB: maps, wrinkles.json and report.json alone.
+    /// Write no GLB and no preview: maps, wrinkles.json and report.json alone.
     #[arg(long, help_heading = "Output")]
     pub(crate) maps_only: bool,
     /// Mesh points per wavelength: draft 6, standard 12, fine 24, or the scene's.
@@ -230,6 +238,17 @@ pub(crate) struct PlanArguments {
     /// Mesh points per wavelength: draft 6, standard 12, fine 24, or the scene's.
     #[arg(long, value_enum, default_value_t, help_heading = "Simulation")]
     pub(crate) quality: Quality,
+}
+
+/// Options of `ruga preview`.
+#[derive(Debug, Args)]
+pub(crate) struct PreviewArguments {
+    /// Folder that `ruga bake` has written.
+    #[arg(value_name = "DIR", help_heading = "Input")]
+    pub(crate) folder: PathBuf,
+    /// Replace a preview.html that is a file of yours.
+    #[arg(long, help_heading = "Output")]
+    pub(crate) force: bool,
 }
 
 /// Options of `ruga check`.
@@ -288,6 +307,8 @@ pub(crate) enum Topic {
     Job,
     /// The options of `ruga plan`.
     Plan,
+    /// The options of `ruga preview`.
+    Preview,
     /// The options of `ruga check`.
     Check,
     /// The options of `ruga new`.

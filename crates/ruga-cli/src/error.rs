@@ -9,6 +9,7 @@ use ruga_stepper::StepperError;
 use thiserror::Error;
 
 use crate::memory_size::MemorySize;
+use crate::preview_fault::PreviewFault;
 
 /// Errors that the user can mend; each message names the file, and the key or element in it.
 #[derive(Debug, Error, Diagnostic)]
@@ -20,6 +21,10 @@ pub(crate) enum CliError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Scene(#[from] SceneError),
+    /// A folder cannot be previewed.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Preview(#[from] PreviewFault),
     /// `ruga new --mesh` with a mesh that nothing moves.
     #[error("{}: the mesh has no blend shapes, so there is nothing to pose", mesh.display())]
     #[diagnostic(help(

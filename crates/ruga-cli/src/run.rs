@@ -43,6 +43,7 @@ fn dispatch(command: &Command) -> Result<Outcome, CliError> {
         Command::Simulate(arguments) => commands::simulate::run(arguments),
         Command::Job(arguments) => commands::job::run(arguments),
         Command::Plan(arguments) => commands::plan::run(arguments),
+        Command::Preview(arguments) => commands::preview::run(arguments),
         Command::Check(arguments) => commands::check::run(arguments),
         Command::New(arguments) => commands::new::run(arguments),
         Command::Help(arguments) => Ok(commands::help::run(arguments)),

@@ -1,4 +1,4 @@
-//! `ruga bake`: wrinkle maps, the artist's mesh, manifest and report.
+//! `ruga bake`: wrinkle maps, the artist's mesh, manifest, preview and report.
 
 use rayon::ThreadPool;
 use ruga_io::{WrinkleMap, Wrinkles, WrittenGlb, key_percent};
@@ -19,7 +19,7 @@ use crate::pose_inputs::ScenePose;
 use crate::pose_record::{PoseRecord, Records};
 use crate::pose_runs::{PoseFiles, Product, run_poses, thread_count, thread_pool};
 use crate::summary::{self, ALL_IN_REPORT};
-use crate::{interrupt, messages};
+use crate::{interrupt, messages, preview_page};
 
 /// Simulates and bakes the poses of a scene.
 ///
@@ -70,6 +70,11 @@ pub(crate) fn run(bake: &BakeArguments) -> Result<Outcome, CliError> {
     };
     messages::warnings(about_mesh.iter(), ALL_IN_REPORT);
     scene.warnings.extend(about_mesh);
+    if !bake.maps_only {
+        let about_preview = pool.install(|| preview_page::renew(&arguments.output));
+        messages::warnings(about_preview.iter(), ALL_IN_REPORT);
+        scene.warnings.extend(about_preview);
+    }
     summary::conclude(&scene, &plan, arguments, poses, &results)
 }
 

@@ -10,4 +10,5 @@ pub(crate) mod help;
 pub(crate) mod job;
 pub(crate) mod new;
 pub(crate) mod plan;
+pub(crate) mod preview;
 pub(crate) mod simulate;

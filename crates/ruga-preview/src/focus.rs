@@ -1,0 +1,84 @@
+//! Where the camera looks when the page opens.
+
+use nalgebra::{Vector2, Vector3};
+use serde::Serialize;
+
+use crate::PackedMap;
+use crate::packed_map::CELLS;
+
+/// A sphere around the skin that wrinkles in some pose, and the side that it faces.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(crate) struct Focus {
+    /// Centre of the sphere (m).
+    center: [f64; 3],
+    /// Its radius (m).
+    radius: f64,
+    /// Unit vector from the skin towards the camera.
+    direction: [f64; 3],
+}
+
+impl Focus {
+    /// The focus on the triangles of a mesh that `maps` wrinkle; on all of it where none do.
+    ///
+    /// `positions` are in metres, the world's Y up; `uvs` have V down.
+    pub(crate) fn new<'a>(
+        positions: &[Vector3<f64>],
+        uvs: &[Vector2<f64>],
+        triangles: &[[u32; 3]],
+        maps: impl Iterator<Item = &'a PackedMap>,
+    ) -> Self {
+        let mut cells = vec![false; CELLS * CELLS];
+        for map in maps {
+            let both = cells.iter_mut().zip(&map.wrinkled);
+            both.for_each(|(cell, wrinkled)| *cell |= wrinkled);
+        }
+        let wrinkles = |corners: &&[u32; 3]| {
+            let mut corners = corners.iter().map(|&v| uvs[v as usize]);
+            corners.all(|uv| cells[cell_of(uv)])
+        };
+        let wrinkled: Vec<&[u32; 3]> = triangles.iter().filter(wrinkles).collect();
+        match wrinkled.is_empty() {
+            true => Self::around(positions, triangles.iter()),
+            false => Self::around(positions, wrinkled.into_iter()),
+        }
+    }
+
+    fn around<'a>(
+        positions: &[Vector3<f64>],
+        triangles: impl Iterator<Item = &'a [u32; 3]> + Clone,
+    ) -> Self {
+        let points = || triangles.clone().flatten().map(|&v| positions[v as usize]);
+        let low = points().reduce(|a, b| a.inf(&b)).unwrap_or_default();
+        let high = points().reduce(|a, b| a.sup(&b)).unwrap_or_default();
+        let center = (low + high) / 2.0;
+        let radius = points().map(|p| (p - center).norm()).fold(0.0, f64::max);
+        let areas = triangles.map(|corners| {
+            let [a, b, c] = corners.map(|v| positions[v as usize]);
+            (b - a).cross(&(c - a))
+        });
+        let direction = areas.sum::<Vector3<f64>>().try_normalize(1e-12);
+        Self {
+            center: center.into(),
+            radius,
+            direction: direction.map_or(Vector3::z(), from_the_side).into(),
+        }
+    }
+}
+
+/// A direction from which an upright camera can look: not straight from above or below.
+fn from_the_side(direction: Vector3<f64>) -> Vector3<f64> {
+    const STEEPEST: f64 = 0.95;
+    if direction.y.abs() <= STEEPEST {
+        return direction;
+    }
+    let height = STEEPEST.copysign(direction.y);
+    let flat = Vector3::new(direction.x, 0.0, direction.z)
+        .try_normalize(1e-3)
+        .unwrap_or_else(Vector3::z);
+    flat * (1.0 - height * height).sqrt() + Vector3::y() * height
+}
+
+fn cell_of(uv: Vector2<f64>) -> usize {
+    let [column, row] = [uv.x, uv.y].map(|c| ((c * CELLS as f64) as usize).min(CELLS - 1));
+    row * CELLS + column
+}
