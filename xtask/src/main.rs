@@ -11,6 +11,7 @@ mod bench;
 mod book;
 mod check;
 mod fuzz;
+mod page;
 mod repository;
 mod test;
 mod validate;
@@ -65,6 +66,8 @@ enum Task {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         words: Vec<String>,
     },
+    /// Bundles the scripts of the preview page with three.js into one committed file; needs Node and npm
+    Page,
     /// Shades the maps that `ruga bake assets/forearm/scene.toml -o DIR` left in DIR
     Picture {
         #[arg(value_name = "DIR")]
@@ -85,6 +88,7 @@ fn main() -> ExitCode {
         Task::Assets => assets::regenerate(),
         Task::Bench { part } => bench::bench(part),
         Task::Fuzz { words } => fuzz::fuzz(&words),
+        Task::Page => page::bundle(),
         Task::Picture { bake } => validate::picture(&bake),
     };
     match done {
