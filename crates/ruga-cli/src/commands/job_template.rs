@@ -49,7 +49,7 @@ impl BakeJob<'_> {
         let dependencies: Vec<Value> = names.collect();
         steps.push(json!({
             "name": "Merge",
-            "description": "Writes what all poses share: GLB, wrinkles.json and report.json.",
+            "description": "Writes what all poses share: GLB, preview, wrinkles.json and report.json.",
             "dependencies": dependencies,
             "script": self.script(self.merge_arguments()),
         }));
