@@ -86,7 +86,7 @@ async function difference(page, picture) {
       const apart = Math.abs(found[i] - wanted[i]);
       largest = Math.max(largest, apart);
       sum += apart;
-      tilted += Number(i % 4 === 0 && Math.abs(wanted[i] - 128) > 12);
+      tilted += Number(i % 4 === 0 && Math.abs(wanted[i] - 128) > 3);
     }
     return { largest, mean: sum / found.length, tilted };
   }, bytes);

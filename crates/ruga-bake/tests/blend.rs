@@ -15,7 +15,12 @@ fn assert_close(found: [f32; 3], wanted: [f32; 3]) {
 
 #[test]
 fn neutral_changes_nothing_and_tilts_add() {
-    for (base, detail, sum) in [(0.0, 0.4, 0.4), (0.4, 0.0, 0.4), (0.3, 0.5, 0.8), (0.3, -0.3, 0.0)] {
+    for (base, detail, sum) in [
+        (0.0, 0.4, 0.4),
+        (0.4, 0.0, 0.4),
+        (0.3, 0.5, 0.8),
+        (0.3, -0.3, 0.0),
+    ] {
         let mut found = [tilted(base)];
         lay_over(&mut found, &[tilted(detail)]).expect("one texel each");
         assert_close(found[0], tilted(sum));
@@ -26,7 +31,14 @@ fn neutral_changes_nothing_and_tilts_add() {
 fn a_pose_goes_from_neutral_through_its_keys() {
     let [half, whole] = [[tilted(0.6)], [tilted(-0.6)]];
     let keys = [(0.5, &half), (1.0, &whole)].map(|(key, normals)| KeyNormals { key, normals });
-    for (weight, angle) in [(0.0, 0.0), (0.25, 0.3), (0.5, 0.6), (0.75, 0.0), (1.0, -0.6), (1.5, -0.6)] {
+    for (weight, angle) in [
+        (0.0, 0.0),
+        (0.25, 0.3),
+        (0.5, 0.6),
+        (0.75, 0.0),
+        (1.0, -0.6),
+        (1.5, -0.6),
+    ] {
         assert_close(between_keys(&keys, weight)[0], tilted(angle));
     }
     assert_close(between_keys(&keys[1..], 0.0)[0], NEUTRAL);

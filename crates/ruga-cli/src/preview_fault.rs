@@ -20,7 +20,9 @@ pub(crate) enum PreviewFault {
     Manifest { path: PathBuf, reason: String },
     /// The folder has no normal map.
     #[error("{}: lists no normal map, and normal maps are what a preview shows", path.display())]
-    #[diagnostic(help("name them under [bake], `maps = [\"normal\", \"height\"]`, and bake again"))]
+    #[diagnostic(help(
+        "name them under [bake], `maps = [\"normal\", \"height\"]`, and bake again"
+    ))]
     NoMaps { path: PathBuf },
     /// The folder was baked with `--maps-only`.
     #[error("{}: lists no GLB, so there is no mesh to show the maps on", path.display())]

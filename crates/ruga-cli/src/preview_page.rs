@@ -99,7 +99,10 @@ fn manifest_of(folder: &Path) -> Result<Wrinkles, PreviewFault> {
     }
     let has_pose = |map: &&WrinkleMap| manifest.poses.contains_key(&map.pose);
     match normal_maps(&manifest).find(|map| !has_pose(map)) {
-        Some(map) => Err(refuse(format!("has maps of `{}`, but no such pose", map.pose))),
+        Some(map) => Err(refuse(format!(
+            "has maps of `{}`, but no such pose",
+            map.pose
+        ))),
         None => Ok(()),
     }?;
     Ok(manifest)
@@ -146,12 +149,17 @@ fn poses_of(folder: &Path, manifest: &Wrinkles) -> Result<Vec<PreviewPose>, Prev
     for map in &maps {
         present(folder.join(&map.file))?;
     }
-    let packed = maps.par_iter().map(|map| packed(folder, manifest.size, map));
+    let packed = maps
+        .par_iter()
+        .map(|map| packed(folder, manifest.size, map));
     // Gathered first: which of several errors is told does not depend on threads.
     let packed: Vec<Result<PackedMap, PreviewFault>> = packed.collect();
     let mut of_pose: BTreeMap<&String, Vec<(f64, PackedMap)>> = BTreeMap::new();
     for (map, packed) in maps.iter().zip(packed) {
-        of_pose.entry(&map.pose).or_default().push((map.key, packed?));
+        of_pose
+            .entry(&map.pose)
+            .or_default()
+            .push((map.key, packed?));
     }
     let pose = |name: &String| {
         let mut maps = of_pose.remove(name).unwrap_or_default();
@@ -168,11 +176,7 @@ fn poses_of(folder: &Path, manifest: &Wrinkles) -> Result<Vec<PreviewPose>, Prev
 /// Refuses maps that a later run has written over: the record of their pose lists others than the manifest.
 ///
 /// A folder without records, such as a copy for an engine, is taken as it is.
-fn refuse_other_record(
-    folder: &Path,
-    manifest: &Wrinkles,
-    pose: &str,
-) -> Result<(), PreviewFault> {
+fn refuse_other_record(folder: &Path, manifest: &Wrinkles, pose: &str) -> Result<(), PreviewFault> {
     let Some(record) = Records::of_bake(folder).read(pose) else {
         return Ok(());
     };
@@ -209,7 +213,11 @@ fn packed(folder: &Path, size: u32, map: &WrinkleMap) -> Result<PackedMap, Previ
 fn decoded(values: Vec<f32>, map: &WrinkleMap) -> Vec<[f32; 3]> {
     // Stored numbers of an EXR are the normals themselves, those of a PNG go from 0 to 1.
     let is_coded = map.neutral.first().is_some_and(|neutral| *neutral > 0.0);
-    let up = if map.green == Some(NormalY::Down) { -1.0 } else { 1.0 };
+    let up = if map.green == Some(NormalY::Down) {
+        -1.0
+    } else {
+        1.0
+    };
     let texels = values.chunks_exact(3).map(|texel| {
         let [x, y, z] = [0, 1, 2].map(|c| match is_coded {
             true => 2.0 * texel[c] - 1.0,

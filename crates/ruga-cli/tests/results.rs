@@ -29,6 +29,7 @@ fn bake_writes_maps_mesh_manifest_and_report() {
             "maps/squeezed_50_height.png",
             "maps/squeezed_50_normal.png",
             "poses/squeezed.json",
+            "preview.html",
             "report.json",
             "wrinkles.json",
         ]

@@ -48,17 +48,16 @@ fn all_poses(manifest: &Wrinkles) -> Vec<String> {
 }
 
 /// Poses over each other in the order in which the manifest lists their maps.
-fn blended(
-    baked: &Path,
-    manifest: &Wrinkles,
-    wish: &str,
-) -> Result<Vec<[f32; 3]>, Box<dyn Error>> {
+fn blended(baked: &Path, manifest: &Wrinkles, wish: &str) -> Result<Vec<[f32; 3]>, Box<dyn Error>> {
     let texels = manifest.size as usize * manifest.size as usize;
     let mut blend = vec![[0.0, 0.0, 1.0]; texels];
     let mut weights = Vec::new();
     for part in wish.split('+') {
         let (pose, weight) = part.split_once('=').ok_or("expected POSE=WEIGHT")?;
-        let maps = manifest.maps.iter().filter(|map| map.kind == MapKind::Normal);
+        let maps = manifest
+            .maps
+            .iter()
+            .filter(|map| map.kind == MapKind::Normal);
         let first = maps.clone().position(|map| map.pose == pose);
         weights.push((first.ok_or("no such pose")?, pose, weight.parse::<f64>()?));
     }
@@ -81,7 +80,11 @@ fn blended(
 
 fn normals_of(baked: &Path, map: &WrinkleMap) -> Result<Vec<[f32; 3]>, Box<dyn Error>> {
     let image = read_image(&baked.join(&map.file))?;
-    let up = if map.green == Some(NormalY::Down) { -1.0 } else { 1.0 };
+    let up = if map.green == Some(NormalY::Down) {
+        -1.0
+    } else {
+        1.0
+    };
     let is_coded = map.neutral[0] > 0.0;
     let decoded = |c: f32| if is_coded { 2.0 * c - 1.0 } else { c };
     let texels = image.values.chunks_exact(3);

@@ -10,8 +10,8 @@ export class Compression {
   }
 
   /**
-   * Strains of the vertices: of the two principal ones of a triangle the larger in size, negative where
-   * it is compression; means over the triangles around a vertex, weighted by their area at rest.
+   * Strains of the vertices in the direction in which the skin is shortened most, negative where it is
+   * compressed: means of the lesser principal strain of the triangles around, weighted by their area at rest.
    */
   of(positions) {
     const { triangles, groups } = this.preview;
@@ -20,7 +20,7 @@ export class Compression {
     for (let t = 0; t < triangles.length; t += 3) {
       const [inverse1, inverse2, inverse3, area] = this.rest.subarray((4 * t) / 3, (4 * t) / 3 + 4);
       if (area === 0) continue;
-      const strain = principalStrain(positions, triangles, t, [inverse1, inverse2, inverse3]);
+      const strain = leastStrain(positions, triangles, t, [inverse1, inverse2, inverse3]);
       for (let corner = 0; corner < 3; corner += 1) {
         const group = groups[triangles[t + corner]];
         sums[group] += area * strain;
@@ -57,15 +57,13 @@ function restShapes({ positions, triangles }) {
   return shapes;
 }
 
-/** Principal strain of largest size: `lambda - 1`, `lambda` a singular value of the deformation gradient. */
-function principalStrain(positions, triangles, t, [i11, i12, i22]) {
+/** The lesser principal strain: `lambda - 1`, `lambda` the lesser singular value of the deformation gradient. */
+function leastStrain(positions, triangles, t, [i11, i12, i22]) {
   const [e, f] = edges(positions, triangles, t);
   const first = e.map((value) => value * i11);
   const second = e.map((value, c) => value * i12 + f[c] * i22);
   const [aa, ab, bb] = [dot(first, first), dot(first, second), dot(second, second)];
   const mean = (aa + bb) / 2;
   const half = Math.hypot((aa - bb) / 2, ab);
-  const least = Math.sqrt(Math.max(mean - half, 0)) - 1;
-  const most = Math.sqrt(mean + half) - 1;
-  return -least > most ? least : most;
+  return Math.sqrt(Math.max(mean - half, 0)) - 1;
 }

@@ -6,6 +6,9 @@ import { readMap } from './data.mjs';
 /** Bytes of graphics memory for maps; more maps than that take turns. */
 const BUDGET = 512e6;
 
+/** Numbers of a pose in the table of the shader. */
+const ROW = 12;
+
 /** Code of a neutral texel, red and green. */
 const NEUTRAL = 128;
 
@@ -27,7 +30,7 @@ export class MapSlots {
     this.loading = new Map();
     this.levels = 1 + Math.floor(Math.log2(Math.max(this.width, this.height)));
     this.texture = this.allocate();
-    this.table = new DataTexture(new Float32Array(8 * Math.max(1, poses.length)), 2, Math.max(1, poses.length), RGBAFormat, FloatType);
+    this.table = new DataTexture(new Float32Array(ROW * Math.max(1, poses.length)), ROW / 4, Math.max(1, poses.length), RGBAFormat, FloatType);
     this.table.minFilter = NearestFilter;
     this.table.magFilter = NearestFilter;
     this.active = 0;
@@ -72,7 +75,7 @@ export class MapSlots {
       const absent = wanted.filter((map) => !this.touch(map));
       missing.push(...absent);
       if (absent.length > 0) return;
-      data.set([...this.place(below), share, ...this.place(above), 0], 8 * this.active);
+      data.set([...this.place(below), share, ...this.place(above), 0, ...this.extent(below), ...this.extent(above)], ROW * this.active);
       this.active += 1;
     });
     this.table.needsUpdate = true;
@@ -91,6 +94,13 @@ export class MapSlots {
     if (entry === null) return [-1, 0, 0];
     const { left, top } = this.about.maps[entry.map];
     return [this.layers.indexOf(entry.map), left, top];
+  }
+
+  /** Columns and rows of a map that are stored. */
+  extent(entry) {
+    if (entry === null) return [0, 0];
+    const { width, height } = this.about.maps[entry.map];
+    return [width, height];
   }
 
   /** Loads a map into a free layer, or that of the map that was not used for longest. */

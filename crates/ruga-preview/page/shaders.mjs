@@ -4,7 +4,8 @@
  * `blendedNormal(uv)`: the maps of all active poses, each between its keys, over each other by reoriented
  * normal mapping (Barré-Brisebois and Hill 2012, *Blending in detail*). X along U, Y up, Z outwards.
  *
- * A row of `table` is a pose: layer, left and top of the map below, its share, and those of the map above.
+ * A row of `table` is a pose: layer, left and top of the map below, and the share of the map above; those of the map
+ * above; width and height of both. Only the part of a map that wrinkles is stored, and nothing is read beside it.
  */
 export const BLEND = /* glsl */`
   precision highp sampler2DArray;
@@ -20,12 +21,10 @@ export const BLEND = /* glsl */`
     return normalize(t * dot(t, u) - u * t.z);
   }
 
-  vec3 mapNormal(vec3 place, vec2 uv, vec2 right, vec2 up) {
-    if (place.x < 0.0) return vec3(0.0, 0.0, 1.0);
-    vec2 at = (uv * mapSize - place.yz) / slotSize;
-    vec2 xy = (255.0 * textureGrad(maps, vec3(at, place.x), right, up).rg - 128.0) / 127.0;
-    // Only the part of a map that wrinkles is stored.
-    if (any(lessThan(at, vec2(0.0))) || any(greaterThan(at, vec2(1.0)))) xy = vec2(0.0);
+  vec3 mapNormal(vec3 place, vec2 size, vec2 uv, vec2 right, vec2 up) {
+    vec2 at = uv * mapSize - place.yz;
+    if (place.x < 0.0 || any(lessThan(at, vec2(0.0))) || any(greaterThan(at, size))) return vec3(0.0, 0.0, 1.0);
+    vec2 xy = (255.0 * textureGrad(maps, vec3(at / slotSize, place.x), right, up).rg - 128.0) / 127.0;
     return vec3(xy, sqrt(max(0.0, 1.0 - dot(xy, xy))));
   }
 
@@ -37,8 +36,9 @@ export const BLEND = /* glsl */`
     for (int pose = 0; pose < activePoses; pose += 1) {
       vec4 below = texelFetch(table, ivec2(0, pose), 0);
       vec4 above = texelFetch(table, ivec2(1, pose), 0);
-      vec3 detail = mapNormal(above.xyz, uv, right, up);
-      if (below.w < 1.0) detail = normalize(mix(mapNormal(below.xyz, uv, right, up), detail, below.w));
+      vec4 sizes = texelFetch(table, ivec2(2, pose), 0);
+      vec3 detail = mapNormal(above.xyz, sizes.zw, uv, right, up);
+      if (below.w < 1.0) detail = normalize(mix(mapNormal(below.xyz, sizes.xy, uv, right, up), detail, below.w));
       normal = layOver(normal, detail);
     }
     return normal;
@@ -106,19 +106,19 @@ export const FRAGMENT = /* glsl */`
   }
 
   vec3 lit(vec3 smoothNormal, vec3 n, vec3 v, bool isSkin) {
-    vec3 base = isSkin ? vec3(0.60, 0.33, 0.235) : vec3(0.42);
-    vec3 reach = isSkin ? vec3(0.34, 0.16, 0.09) : vec3(0.04);
+    vec3 base = isSkin ? vec3(0.56, 0.285, 0.19) : vec3(0.36);
+    vec3 reach = isSkin ? vec3(0.20, 0.11, 0.08) : vec3(0.03);
     float high = 0.5 + 0.5 * n.y;
     vec3 around = mix(vec3(0.085, 0.075, 0.07), vec3(0.21, 0.225, 0.25), high);
     vec3 back = normalize(vec3(-toLight.x, 0.35, -toLight.z) + 0.25 * v);
-    vec3 diffuse = 2.6 * scattered(smoothNormal, n, toLight, reach)
-      + vec3(0.20, 0.24, 0.32) * scattered(smoothNormal, n, back, reach) + around;
+    vec3 diffuse = 1.75 * scattered(smoothNormal, n, toLight, reach)
+      + vec3(0.13, 0.15, 0.18) * scattered(smoothNormal, n, back, vec3(0.05)) + around;
     float shine = isSkin ? 0.75 * ggx(n, toLight, v, 0.48) + 0.35 * ggx(n, toLight, v, 0.30) : ggx(n, toLight, v, 0.6);
     float edge = pow(1.0 - max(dot(n, v), 0.0), 4.0);
-    return base * diffuse + 2.6 * shine + 0.12 * edge * around;
+    return base * diffuse + 1.9 * shine + 0.12 * edge * around;
   }
 
-  // Red is compressed, blue is stretched.
+  // Red is compressed, blue is stretched, as in figures of this project.
   vec3 strainColor(float strain) {
     float t = clamp(strain / strainLimit, -1.0, 1.0);
     vec3 middle = vec3(0.80, 0.79, 0.77);

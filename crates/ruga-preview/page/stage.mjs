@@ -24,7 +24,7 @@ export class Stage {
     this.posed = new PosedMesh(preview);
     this.weights = preview.poses.map(() => 0);
     this.view = 'skin';
-    this.light = { turn: -40, height: 35 };
+    this.light = { turn: -45, height: 32 };
     this.makeScene();
     this.makeCamera();
     this.aimLight();

@@ -21,7 +21,9 @@ pub enum PreviewError {
         found: usize,
     },
     /// The maps of the poses differ in size, as maps of one run never do.
-    #[error("pose `{pose}`: its map of key {key} has {found} texels a side, others have {expected}")]
+    #[error(
+        "pose `{pose}`: its map of key {key} has {found} texels a side, others have {expected}"
+    )]
     MapSize {
         /// The pose.
         pose: String,

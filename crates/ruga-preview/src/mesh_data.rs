@@ -60,7 +60,9 @@ impl MeshData {
         // With normals of the file in one pose and computed ones in the next the shading would jump.
         let normals = artist.normals.as_ref().filter(|_| {
             let mut used = weights.iter().flat_map(|pose| pose.iter());
-            used.all(|(shape, weight)| weight == 0.0 || artist.shapes[shape].normal_deltas.is_some())
+            used.all(|(shape, weight)| {
+                weight == 0.0 || artist.shapes[shape].normal_deltas.is_some()
+            })
         });
         let uvs = artist.uvs.iter().flatten();
         let is_mirror = turn.determinant() < 0.0;
@@ -72,7 +74,8 @@ impl MeshData {
             triangles: block.integers(artist.triangles.iter().flat_map(outward)),
             groups: block.integers(SmoothGroups::new(artist, &driver).of_vertex),
         };
-        let of_pose = |pose: &Weights| pose_sections(&mut block, artist, turn, pose, normals.is_some());
+        let of_pose =
+            |pose: &Weights| pose_sections(&mut block, artist, turn, pose, normals.is_some());
         let poses = weights.iter().map(of_pose).collect();
         Ok(Self {
             bytes: block.bytes,

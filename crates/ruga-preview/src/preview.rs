@@ -53,6 +53,8 @@ struct About<'a> {
 struct MapPlace {
     left: u32,
     top: u32,
+    width: u32,
+    height: u32,
 }
 
 #[derive(Serialize)]
@@ -92,6 +94,8 @@ impl Preview<'_> {
                 .map(|(_, map)| MapPlace {
                     left: map.left,
                     top: map.top,
+                    width: map.width,
+                    height: map.height,
                 })
                 .collect(),
             poses: self.about_poses(data.poses),

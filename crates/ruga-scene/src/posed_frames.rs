@@ -77,7 +77,11 @@ fn computed_normals(
             sums[group_of[vertex] as usize] += area_normal;
         }
     }
-    let normal = |group: &u32| sums[*group as usize].try_normalize(0.0).unwrap_or_else(Vector3::z);
+    let normal = |group: &u32| {
+        sums[*group as usize]
+            .try_normalize(0.0)
+            .unwrap_or_else(Vector3::z)
+    };
     group_of.iter().map(normal).collect()
 }
 

@@ -32,6 +32,7 @@ pub(super) fn check_results(folder: &Path, bake: &Bake) -> Result<(), String> {
                     .map_err(|e| format!("{name}: {e}"))?;
             }
             Some("obj") => check_obj(name, bytes)?,
+            Some("html") if name == "preview.html" => check_page(bytes)?,
             // The lock of the folder stays, so that two runs can never lock two files of that name.
             None if name == "poses/.lock" => {}
             _ => return Err(format!("{name} is left behind")),
@@ -56,6 +57,14 @@ pub(super) fn check_results(folder: &Path, bake: &Bake) -> Result<(), String> {
 fn mesh_of_maps(files: &BTreeMap<String, Vec<u8>>) -> Option<String> {
     let manifest: Value = serde_json::from_slice(files.get("wrinkles.json")?).ok()?;
     manifest["mesh"].as_str().map(str::to_owned)
+}
+
+fn check_page(bytes: &[u8]) -> Result<(), String> {
+    let is_whole = bytes.starts_with(b"<!doctype html>") && bytes.ends_with(b"</html>\n");
+    match is_whole {
+        true => Ok(()),
+        false => Err("preview.html is not whole".to_owned()),
+    }
 }
 
 fn check_json(name: &str, bytes: &[u8]) -> Result<(), String> {
