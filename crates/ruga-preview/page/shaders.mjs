@@ -132,13 +132,14 @@ export const FRAGMENT = /* glsl */`
   }
 
   void main() {
-    float side = gl_FrontFacing ? 1.0 : -1.0;
+    vec3 v = normalize(cameraPosition - vPlace);
+    // The inside of the mesh is seen from within. Slivers at the outline face away, too, but their normals do not.
+    float side = !gl_FrontFacing && dot(vNormal, v) < 0.0 ? -1.0 : 1.0;
     vec3 bitangent = vTangent.w * cross(vNormal, vTangent.xyz);
     vec3 map = blendedNormal(vUv);
     map = normalize(vec3(strength * map.xy, map.z));
     vec3 smoothNormal = side * normalize(vNormal);
     vec3 n = side * normalize(map.x * vTangent.xyz + map.y * bitangent + map.z * vNormal);
-    vec3 v = normalize(cameraPosition - vPlace);
     if (view == ${VIEWS.map}) {
       color = vec4(0.5 * map + 0.5, 1.0);
     } else if (view == ${VIEWS.compression}) {

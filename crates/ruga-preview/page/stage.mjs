@@ -87,10 +87,12 @@ export class Stage {
   frame(what) {
     const sphere = what === 'focus' ? this.focus : this.whole;
     const radius = Math.max(sphere.radius, 1e-6);
+    // Posed, the mesh is larger than at rest.
+    const room = what === 'focus' ? 0.95 : 1.12;
     const half = (this.camera.fov * Math.PI) / 360;
     const narrow = Math.min(1, this.camera.aspect);
     this.orbit.target.copy(sphere.center);
-    this.camera.position.copy(sphere.center).addScaledVector(this.direction, (0.95 * radius) / Math.sin(half) / narrow);
+    this.camera.position.copy(sphere.center).addScaledVector(this.direction, (room * radius) / Math.sin(half) / narrow);
     this.camera.near = this.whole.radius / 200;
     this.camera.far = this.whole.radius * 60;
     this.camera.updateProjectionMatrix();
