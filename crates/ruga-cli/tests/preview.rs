@@ -103,7 +103,7 @@ fn folders_without_maps_or_mesh_are_refused() {
         .exits(2)
         .says(&["no normal map", "[bake]"]);
     for name in ["bare", "heights"] {
-        assert!(!folder.path(&format!("{name}/preview.html")).exists());
+        assert!(!folder.path(format!("{name}/preview.html")).exists());
     }
 }
 

@@ -92,25 +92,34 @@ fn pose_sections(
     weights: &Weights,
     with_normals: bool,
 ) -> PoseSections {
-    let mut moves = vec![(Vector3::zeros(), Vector3::zeros()); artist.positions.len()];
+    let count = artist.positions.len();
+    let (mut deltas, mut normal_deltas) =
+        (vec![Vector3::zeros(); count], vec![Vector3::zeros(); count]);
     for (shape, weight) in weights.iter() {
         let shape = &artist.shapes[shape];
-        for (moved, delta) in moves.iter_mut().zip(&shape.position_deltas) {
-            moved.0 += weight * delta;
-        }
-        for (moved, delta) in moves.iter_mut().zip(shape.normal_deltas.iter().flatten()) {
-            moved.1 += weight * delta;
-        }
+        add(&mut deltas, &shape.position_deltas, weight);
+        add(
+            &mut normal_deltas,
+            shape.normal_deltas.as_deref().unwrap_or_default(),
+            weight,
+        );
     }
-    let moves = moves.iter().enumerate();
-    let moved: Vec<(usize, &(Vector3<f64>, Vector3<f64>))> = moves
-        .filter(|(_, (place, normal))| *place != Vector3::zeros() || *normal != Vector3::zeros())
-        .collect();
+    let is_moved =
+        |&v: &usize| deltas[v] != Vector3::zeros() || normal_deltas[v] != Vector3::zeros();
+    let moved: Vec<usize> = (0..count).filter(is_moved).collect();
+    let of_moved = |values: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
+        moved.iter().map(|&vertex| turn * values[vertex]).collect()
+    };
     PoseSections {
-        moved: block.integers(moved.iter().map(|(vertex, _)| *vertex as u32)),
-        deltas: block.vectors(moved.iter().map(|(_, (place, _))| turn * place)),
-        normal_deltas: with_normals
-            .then(|| block.vectors(moved.iter().map(|(_, (_, normal))| turn * normal))),
+        moved: block.integers(moved.iter().map(|&vertex| vertex as u32)),
+        deltas: block.vectors(of_moved(&deltas)),
+        normal_deltas: with_normals.then(|| block.vectors(of_moved(&normal_deltas))),
+    }
+}
+
+fn add(sums: &mut [Vector3<f64>], deltas: &[Vector3<f64>], weight: f64) {
+    for (sum, delta) in sums.iter_mut().zip(deltas) {
+        *sum += weight * delta;
     }
 }
 
