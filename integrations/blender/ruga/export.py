@@ -10,7 +10,7 @@ from mathutils import Matrix
 
 from .errors import RugaError
 from .masks import group_mask, group_weights, image_mask, save_grey
-from .scene_file import Layer, Scene, parse_keys, poses_of_shapes, scene_text, whole_file
+from .scene_file import Layer, Scene, check_carriers, parse_keys, poses_of_shapes, scene_text, whole_file
 
 MESH_FILE = "mesh.glb"
 SCENE_FILE = "scene.toml"
@@ -108,6 +108,7 @@ def chosen_layers(subject: bpy.types.Object, uv_map: str) -> tuple[list[Layer], 
             layer.mask = f"masks/{name}.png"
             masks[layer.mask] = values
         layers.append(layer)
+    check_carriers(layers)
     return layers, masks
 
 

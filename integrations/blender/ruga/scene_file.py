@@ -61,6 +61,8 @@ def scene_text(scene: Scene) -> str:
         f"mesh = {toml_string(scene.mesh)}",
         f"mesh_name = {toml_string(scene.mesh_name)}",
     ]
+    if any(layer.preset is None for layer in lowest_layers(scene.layers)):
+        lines += ["", "# What carries layers that are given by a wavelength: ruga's reference values.", "[substrate]"]
     for layer in scene.layers:
         lines += ["", "[[layers]]", f"name = {toml_string(layer.name)}"]
         if layer.preset:
@@ -80,6 +82,25 @@ def scene_text(scene: Scene) -> str:
         lines.append(f"keys = [{', '.join(f'{key:.9g}' for key in scene.keys)}]")
     lines += ["", "[bake]", f"size = {scene.size}", 'maps = ["normal"]', ""]
     return "\n".join(lines)
+
+
+def lowest_layers(layers: list[Layer]) -> list[Layer]:
+    """The layer of every zone that lies on the substrate: the first of each in the list."""
+    lowest: dict[str | None, Layer] = {}
+    for layer in layers:
+        lowest.setdefault(layer.zone, layer)
+    return list(lowest.values())
+
+
+def check_carriers(layers: list[Layer]) -> None:
+    """Refuses zones that begin with a preset beside zones that begin with a wavelength.
+
+    A scene has one substrate: with it, the presets would lose their own, and wrinkle otherwise.
+    """
+    lowest = lowest_layers(layers)
+    if len({layer.preset is None for layer in lowest}) > 1:
+        names = ", ".join(f"`{layer.name}`" for layer in lowest)
+        raise RugaError(f"The lowest layers of the zones ({names}) must be either all presets or all by wavelength")
 
 
 def poses_of_shapes(shapes: list[str], join_sides: bool) -> dict[str, dict[str, float]]:
