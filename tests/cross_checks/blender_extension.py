@@ -26,6 +26,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from unittest.mock import MagicMock
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 EXTENSION = REPOSITORY / "integrations" / "blender"
@@ -42,6 +43,7 @@ except ImportError as error:
     print(f"skipped: {error}. `pip install 'bpy==4.2.*' numpy` into a Python 3.11 runs this check")
     sys.exit(0)
 
+sys.dont_write_bytecode = True
 sys.path.insert(0, str(EXTENSION))
 import package  # noqa: E402 (the module beside the extension)
 
@@ -407,6 +409,25 @@ def check_work(checks, folder, pictures):
     checks.that(all(path.startswith("//") for path in paths), f"paths are relative: {paths[0]}")
 
 
+def check_panel(checks, folder):
+    """The panel's code runs on a layout that takes everything: no window is there to draw in."""
+    subject = fresh(folder, "panel")
+    panel, names = addon(".panel"), []
+    for kind, mask in (("PRESET", "GROUP"), ("WAVELENGTH", "IMAGE")):
+        subject.ruga.layers[0].kind, subject.ruga.layers[0].mask_kind = kind, mask
+        for draw in (panel.draw_layers, panel.draw_shapes, panel.draw_bake, panel.draw_results):
+            layout = MagicMock()
+            draw(layout, subject)
+            column = layout.column.return_value
+            names += [call.args[1] for call in [*column.prop.call_args_list, *layout.prop.call_args_list]]
+            for call in [*column.prop.call_args_list, *layout.prop.call_args_list]:
+                getattr(*call.args[:2])
+    checks.that("wavelength" in names and "quality" in names, f"the panel shows {len(set(names))} settings")
+    shapes = ["smile_L", "smile_R", "jawLeft", "jawRight", "blink"]
+    poses = list(addon(".scene_file").poses_of_shapes(shapes, True))
+    checks.that(poses == ["smile", "jawLeft", "jawRight", "blink"], f"left and right together: {', '.join(poses)}")
+
+
 def check_mask(checks, folder):
     """Skin by wavelength in the left half, painted as a vertex group."""
     subject = fresh(folder, "mask")
@@ -486,6 +507,9 @@ def check_refusals(checks, folder):
     (broken / "maps" / "compress_50_normal.png").unlink()
     (broken / "maps" / "compress_100_normal.png").write_bytes(b"")
     checks.refused("2 maps are missing or empty", lambda: bpy.ops.ruga.load(directory=str(broken)))
+    for key in ("50", "100"):
+        (broken / "maps" / f"compress_{key}_normal.png").write_bytes(b"\x89PNG\r\n\x1a\n and no more")
+    checks.refused("cannot be read", lambda: bpy.ops.ruga.load(directory=str(broken)))
     (broken / "wrinkles.json").write_text("{}")
     checks.refused("is not as ruga writes it", lambda: bpy.ops.ruga.load(directory=str(broken)))
     checks.refused("wrinkles.json is not there", lambda: bpy.ops.ruga.load(directory=str(folder)))
@@ -517,7 +541,7 @@ def main(pictures):
     pictures = pictures or folder
     pictures.mkdir(parents=True, exist_ok=True)
     checks = Checks()
-    parts = (check_package, check_export, check_work, check_mask, check_stop, check_refusals)
+    parts = (check_package, check_export, check_work, check_panel, check_mask, check_stop, check_refusals)
     for part in parts:
         print(part.__name__.removeprefix("check_"))
         part(checks, folder, *([pictures] if part is check_work else []))

@@ -9,6 +9,7 @@ from .errors import RugaError
 from .export import chosen_uv_map, export, legal_name
 from .preferences import program
 from .program import PoseProgress, Run
+from .results import read_results
 from .wiring import load_results
 
 # Bakes in work by the name of their object: an object has one at a time.
@@ -116,7 +117,7 @@ class Bake:
         subject = bpy.data.objects.get(self.subject_name)
         if subject is None:
             raise RugaError(f"`{self.subject_name}` is gone: its maps are in {self.out}")
-        if self.cancelled and not (self.out / "wrinkles.json").is_file():
+        if self.cancelled and not ((self.out / "wrinkles.json").is_file() and read_results(self.out)):
             return []
         return load_results(subject, self.out, self.uv_map)
 

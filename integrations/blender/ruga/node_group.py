@@ -154,19 +154,32 @@ def drive(socket: bpy.types.NodeSocket, keys: bpy.types.Key, pose: PoseMaps, sta
     """
     curve = socket.driver_add("default_value")
     curve.driver.type = "SCRIPTED"
-    terms = []
-    for number, (shape, weight) in enumerate(pose.weights.items()):
+    for number, shape in enumerate(pose.weights):
         variable = curve.driver.variables.new()
         variable.name, variable.type = f"v{number}", "SINGLE_PROP"
         target = variable.targets[0]
         target.id_type, target.id = "KEY", keys
         target.data_path = f'key_blocks["{bpy.utils.escape_identifier(shape)}"].value'
-        terms.append(f"v{number}" if weight == 1.0 else f"v{number}/{weight:.6g}")
+    curve.driver.expression = expression_of(list(pose.weights.values()), start, end)
+
+
+def expression_of(weights: list[float], start: float, end: float) -> str:
+    """The driver's expression; the variables `v0`, `v1`, ... are the values of the shapes."""
+    terms = [f"v{n}" if weight == 1.0 else f"v{n}/{weight:.6g}" for n, weight in enumerate(weights)]
     reached = terms[0] if len(terms) == 1 else f"min({','.join(terms)})"
-    expression = f"clamp(({reached}-{start:.6g})/{end - start:.6g})"
-    if len(expression) > LONGEST_EXPRESSION:
-        raise RugaError(f"Pose `{pose.name}` is made of {len(terms)} shapes, too many for a driver of Blender")
-    curve.driver.expression = expression
+    return f"clamp(({reached}-{start:.6g})/{end - start:.6g})"
+
+
+def check_poses(poses: list[PoseMaps]) -> None:
+    """Refuses, before anything is changed, maps that Blender cannot read and poses it cannot drive."""
+    for pose in poses:
+        start = 0.0
+        for found in pose.maps:
+            if len(expression_of(list(pose.weights.values()), start, found.key)) > LONGEST_EXPRESSION:
+                raise RugaError(f"Pose `{pose.name}` is made of more shapes than a driver of Blender can read")
+            if 0 in load_map(found.file).size:
+                raise RugaError(f"{found.file} cannot be read: bake again; the material was not changed")
+            start = found.key
 
 
 def load_map(file) -> bpy.types.Image:

@@ -75,11 +75,6 @@ class Run:
                 reader.join()
         return code
 
-    def wait(self) -> int:
-        """Waits for the end; the exit code."""
-        self.process.wait()
-        return self.poll() or 0
-
     def cancel(self) -> None:
         """Asks the program to stop as Ctrl-C does: finished poses and keys are kept."""
         self.cancelled = True

@@ -16,6 +16,8 @@ from .errors import RugaError
 
 # Endings of the names of shapes for the left and the right side, most specific first.
 SIDES = (("_L", "_R"), (".L", ".R"), ("_l", "_r"), (".l", ".r"), ("Left", "Right"), ("left", "right"))
+# Without their side, shapes of ARKit that move one way or the other: together they would cancel.
+OPPOSITE = ("jaw", "mouth")
 
 
 @dataclass
@@ -46,7 +48,7 @@ class Scene:
 def toml_string(text: str) -> str:
     """A literal string, or an escaped one where the text has a quote or a control character."""
     if "'" in text or not text.isprintable():
-        # Escapes of JSON are escapes of TOML, but for characters beyond 16 bits and DEL.
+        # Escapes of JSON are escapes of TOML; TOML wants DEL escaped, too.
         return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
     return f"'{text}'"
 
@@ -125,7 +127,7 @@ def partner(shape: str, shapes: list[str]) -> tuple[str, str] | None:
     for left, right in SIDES:
         for own, other in ((left, right), (right, left)):
             stem = shape.removesuffix(own)
-            if stem != shape and stem + other in shapes:
+            if stem != shape and stem + other in shapes and stem not in OPPOSITE:
                 return stem, stem + other
     return None
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import bpy
 
 from .errors import RugaError
-from .node_group import BASE, BASE_STRENGTH, COLOUR, fill_group, group_of
+from .node_group import BASE, BASE_STRENGTH, COLOUR, check_poses, fill_group, group_of
 from .results import PoseMaps, read_results
 
 # Custom property of nodes that this extension made; its value is what they are.
@@ -29,6 +29,7 @@ def load_results(subject: bpy.types.Object, folder: Path, uv_map: str) -> list[s
             "Choose another preset, a lower critical strain or other shapes; the material was not changed"
         )
     check_shapes(subject, poses)
+    check_poses(poses)
     sockets = [(tree, normal_socket(tree)) for tree in material_trees(subject)]
     group = group_of(subject)
     fill_group(group, subject, uv_map, poses)
