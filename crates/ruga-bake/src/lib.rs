@@ -8,7 +8,8 @@
 //! the same material points. [`tangent_frames`] gives the artist's posed mesh its [`TangentFrame`]s
 //! (MikkTSpace, glTF's sign). [`bake`] rasterises the triangles in UV, without rays or a cage, and
 //! returns a [`WrinkleMap`] of unit normals and heights, which [`normal_to_png16`] and its
-//! neighbours turn into the integers of an image. Maps of several layers are composed, then padded
+//! neighbours turn into the integers of an image. [`bake_detailed`] adds maps of further quantities
+//! ([`Detail`]). Maps of several layers are composed, then padded
 //! once ([`WrinkleMap::pad`]). [`check_uvs`] and [`uv_layout`] say beforehand whether the UVs
 //! can carry a map. [`between_keys`] and [`lay_over`] blend normal maps as an engine does at run time.
 //!
@@ -23,18 +24,24 @@
 //! Lengths are metres; UVs have V down as in glTF, and green points up. Same input, any number of
 //! threads: the same bytes out.
 
+mod artist_details;
 mod bake;
 mod blend;
+mod detail;
+mod detail_bake;
 mod relief;
 mod tangent_frames;
 mod wrinkle_map;
 
 mod encode;
+mod encoding;
 mod uv_check;
 mod uv_layout;
 
 mod error;
+mod field_raster;
 mod frame;
+mod horizon;
 mod islands;
 mod overlap_sweep;
 mod padding;
@@ -47,6 +54,8 @@ mod triangle_overlap;
 
 pub use bake::{BakeSettings, MAX_SIZE, bake};
 pub use blend::{KeyNormals, between_keys, lay_over};
+pub use detail::{Detail, DetailMap};
+pub use detail_bake::bake_detailed;
 pub use frame::Frame;
 pub use relief::Relief;
 pub use tangent_frames::{TangentFrame, tangent_frames, vertex_tangents};
@@ -55,6 +64,7 @@ pub use wrinkle_map::{Coverage, WrinkleMap};
 pub use encode::{
     HEIGHT_MID, NormalY, height_range, height_to_u16, normal_to_png8, normal_to_png16,
 };
+pub use encoding::Encoding;
 pub use uv_check::{MAX_OVERLAPS, UvReport, check_uvs};
 pub use uv_layout::{UvLayout, uv_layout};
 

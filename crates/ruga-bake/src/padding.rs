@@ -60,6 +60,9 @@ fn extend(map: &mut WrinkleMap, padding: u32) {
         map.normals[target] = map.normals[source];
         map.heights[target] = map.heights[source];
         map.coverage[target] = Coverage::Padded;
+        for detail in &mut map.details {
+            detail.copy(source, target);
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Result of a bake.
 
-use crate::BakeError;
 use crate::error::same_length;
+use crate::{BakeError, DetailMap};
 
 /// Source of a texel's value, the weakest first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -27,6 +27,8 @@ pub struct WrinkleMap {
     pub heights: Vec<f32>,
     /// Source of each texel's value.
     pub coverage: Vec<Coverage>,
+    /// Further quantities of the texels, each at most once.
+    pub details: Vec<DetailMap>,
     /// Faces that left no mark because their UV triangle is degenerate, or spans more than eight
     /// tiles.
     pub skipped_faces: usize,
@@ -50,6 +52,7 @@ impl WrinkleMap {
                 self.normals[texel] = upper.normals[texel];
                 self.heights[texel] = upper.heights[texel];
                 self.coverage[texel] = Coverage::Covered;
+                self.cover_details(upper, texel);
             }
         }
         self.count_in(upper);
@@ -71,6 +74,7 @@ impl WrinkleMap {
             self.normals[texel] = sum_of_slopes(self.normals[texel], other.normals[texel]);
             self.heights[texel] += other.heights[texel];
             self.coverage[texel] = self.coverage[texel].max(other.coverage[texel]);
+            self.add_details(other, texel);
         }
         self.count_in(other);
         Ok(())
@@ -84,6 +88,7 @@ impl WrinkleMap {
             normals: vec![[0.0, 0.0, 1.0]; texels],
             heights: vec![0.0; texels],
             coverage: vec![Coverage::Neutral; texels],
+            details: Vec::new(),
             skipped_faces: 0,
             folded_samples: 0,
         }

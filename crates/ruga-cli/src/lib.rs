@@ -52,6 +52,7 @@ mod table;
 mod templates;
 mod warning_groups;
 
+mod detail_files;
 mod error;
 
 pub use run::run;

@@ -10,6 +10,7 @@ use ruga_io::{
 };
 use ruga_scene::file;
 
+use crate::detail_files::write_detail;
 use crate::error::CliError;
 
 /// Writes the maps of one key of a pose and returns their entries in the manifest.
@@ -23,14 +24,19 @@ pub(crate) fn write_maps(
     key: f64,
     map: &ruga_bake::WrinkleMap,
 ) -> Result<Vec<WrinkleMap>, CliError> {
-    let write = |kind: &MapKind| match kind {
-        MapKind::Normal => {
-            let entry = WrinkleMap::normal(pose, key, bake.format, bake.normal_y);
-            write_normals(&folder.join(&entry.file), bake, map).map(|()| entry)
+    let write = |kind: &MapKind| match kind.detail() {
+        Some(detail) => write_detail(folder, bake, (pose, key), (*kind, detail), map),
+        None if *kind == MapKind::Height => {
+            write_heights(folder, bake.format, pose, key, map).map(Some)
         }
-        MapKind::Height => write_heights(folder, bake.format, pose, key, map),
+        None => {
+            let entry = WrinkleMap::normal(pose, key, bake.format, bake.normal_y);
+            write_normals(&folder.join(&entry.file), bake, map).map(|()| Some(entry))
+        }
     };
-    Ok(bake.maps.iter().map(write).collect::<Result<_, _>>()?)
+    let written = bake.maps.iter().map(write);
+    let written = written.filter_map(Result::transpose);
+    Ok(written.collect::<Result<_, _>>()?)
 }
 
 fn write_normals(

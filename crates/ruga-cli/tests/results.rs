@@ -227,3 +227,42 @@ fn check_counts_what_it_found() {
         assert!(found.contains(text), "no `{text}` in:\n{found}");
     }
 }
+
+#[test]
+fn further_maps_are_written_with_what_is_needed_to_read_them() {
+    let folder = Folder::with("keys = [0.5, 1.0]", "keys = [1.0]");
+    let kinds = [
+        "ambient_occlusion",
+        "curvature",
+        "compression",
+        "object_normal",
+        "vector_displacement",
+    ];
+    folder.change("scene.toml", "[bake]", &format!("[bake]\nmaps = {kinds:?}"));
+    folder
+        .ruga("bake scene.toml -o out --quality draft")
+        .exits(0);
+    let manifest = folder.json("out/wrinkles.json");
+    let maps = manifest["maps"].as_array().unwrap();
+    assert_eq!(maps.len(), kinds.len());
+    for (map, kind) in maps.iter().zip(kinds) {
+        assert_eq!(map["kind"], kind);
+        let [mid, scale] = ["mid", "scale"].map(|key| map[key].as_f64().unwrap());
+        let file = folder.path("out").join(map["file"].as_str().unwrap());
+        let image = read_image(&file).unwrap();
+        let numbers = image.values.iter().map(|v| (f64::from(*v) - mid) * scale);
+        let [low, high] = numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], n| {
+            [low.min(n), high.max(n)]
+        });
+        let channels = map["neutral"].as_array().unwrap().len();
+        let expected = match kind {
+            // Wrinkles of a millimetre, 30 mm apart, of skin pressed to three times its critical strain.
+            "ambient_occlusion" => channels == 1 && low < 0.999 && low > 0.7 && high == 1.0,
+            "curvature" => channels == 1 && low < -5.0 && high > 5.0,
+            "compression" => channels == 1 && low == 0.0 && high == 1.0,
+            "object_normal" => channels == 0 && high > 0.99,
+            _ => channels == 3 && low < -5e-4 && high > 5e-4,
+        };
+        assert!(expected, "{kind}: {low} to {high}, {map}");
+    }
+}

@@ -1,5 +1,6 @@
 //! What maps are: their kinds, formats and conventions, as scenes and `wrinkles.json` name them.
 
+use ruga_bake::Detail;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -7,20 +8,60 @@ use serde::{Deserialize, Serialize};
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
 )]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "snake_case")]
 pub enum MapKind {
     /// Tangent-space normals.
     Normal,
     /// Displacement along the normal, m.
     Height,
+    /// Share of the light of an even sky that wrinkles leave a place: white where nothing hides it.
+    AmbientOcclusion,
+    /// Mean curvature of the wrinkles times `curvature_length`: middle grey where flat, lighter on ridges,
+    /// darker in furrows.
+    Curvature,
+    /// Compression that the pose asks of the skin over the critical one: black at none, white from the
+    /// critical one on. A mask for the strength of other maps.
+    Compression,
+    /// Normals in the axes of the mesh file, of the posed mesh with its wrinkles.
+    ObjectNormal,
+    /// Displacement along tangent, bitangent and normal, m.
+    VectorDisplacement,
 }
 
 impl MapKind {
+    /// Every kind.
+    pub const ALL: [Self; 7] = [
+        Self::Normal,
+        Self::Height,
+        Self::AmbientOcclusion,
+        Self::Curvature,
+        Self::Compression,
+        Self::ObjectNormal,
+        Self::VectorDisplacement,
+    ];
+
+    /// The quantity that the maps of this kind hold beside normals and heights.
+    pub fn detail(self) -> Option<Detail> {
+        match self {
+            MapKind::Normal | MapKind::Height => None,
+            MapKind::AmbientOcclusion => Some(Detail::Occlusion),
+            MapKind::Curvature => Some(Detail::Curvature),
+            MapKind::Compression => Some(Detail::Compression),
+            MapKind::ObjectNormal => Some(Detail::ObjectNormal),
+            MapKind::VectorDisplacement => Some(Detail::Displacement),
+        }
+    }
+
     /// The word for it in scenes and file names.
     pub fn word(self) -> &'static str {
         match self {
             MapKind::Normal => "normal",
             MapKind::Height => "height",
+            MapKind::AmbientOcclusion => "ambient_occlusion",
+            MapKind::Curvature => "curvature",
+            MapKind::Compression => "compression",
+            MapKind::ObjectNormal => "object_normal",
+            MapKind::VectorDisplacement => "vector_displacement",
         }
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use ruga_bake::{Detail, Encoding};
 use serde::{Deserialize, Serialize};
 
 use crate::report::to_json_text;
@@ -91,6 +92,15 @@ pub struct Blend {
     pub normal: String,
     /// Rule for heights: `add`.
     pub height: String,
+    /// Rule for ambient occlusion: `multiply`.
+    #[serde(default = "multiply")]
+    pub ambient_occlusion: String,
+    /// Rule for curvature and vector displacement: `add`.
+    #[serde(default = "add")]
+    pub curvature: String,
+    /// Rule for compression: `maximum`.
+    #[serde(default = "maximum")]
+    pub compression: String,
     /// Between the keys of a pose, and from neutral at key 0 to its first key: `linear`.
     pub keys: String,
 }
@@ -100,9 +110,24 @@ impl Default for Blend {
         Self {
             normal: "reoriented-normal-mapping".to_owned(),
             height: "add".to_owned(),
+            ambient_occlusion: multiply(),
+            curvature: add(),
+            compression: maximum(),
             keys: "linear".to_owned(),
         }
     }
+}
+
+fn multiply() -> String {
+    "multiply".to_owned()
+}
+
+fn add() -> String {
+    "add".to_owned()
+}
+
+fn maximum() -> String {
+    "maximum".to_owned()
 }
 
 /// One baked file.
@@ -122,17 +147,20 @@ pub struct WrinkleMap {
     /// Normal maps: the sign of the green channel.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub green: Option<NormalY>,
-    /// Heights: the unit of `scale`.
+    /// Unit of `scale`: `m` of heights and displacements, `1/m` of curvature; absent of shares and
+    /// directions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
-    /// Heights: the stored value that means zero; 0.5 in PNG, 0 in EXR.
+    /// All but tangent-space normals: the stored value that means zero; 0.5 in PNG where numbers of both
+    /// signs are stored, 0 in EXR.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mid: Option<f64>,
-    /// Heights: `unit`s per full range of the stored value, `height = (value - mid) * scale`;
-    /// 1 in EXR.
+    /// All but tangent-space normals: `unit`s per full range of the stored value,
+    /// `number = (value - mid) * scale`; 1 in EXR.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<f64>,
-    /// Stored value of a texel without wrinkles, one per channel, 0 to 1.
+    /// Stored value of a texel without wrinkles, one per channel, 0 to 1; empty for object-space
+    /// normals, which are the mesh's own there.
     pub neutral: Vec<f64>,
 }
 
@@ -164,6 +192,36 @@ impl WrinkleMap {
             mid: Some(mid),
             scale: Some(scale),
             ..Self::plain(pose, key, MapKind::Height, format, vec![mid])
+        }
+    }
+
+    /// A map of a further quantity, stored by this rule; EXR holds the numbers themselves.
+    pub fn detail(
+        pose: &str,
+        key: f64,
+        (kind, detail): (MapKind, Detail),
+        format: MapFormat,
+        encoding: Encoding,
+    ) -> Self {
+        let Encoding { mid, scale } = match format {
+            MapFormat::Exr => Encoding::SHARE,
+            MapFormat::Png8 | MapFormat::Png16 => encoding,
+        };
+        let unit = match detail {
+            Detail::Occlusion | Detail::Compression | Detail::ObjectNormal => None,
+            Detail::Curvature => Some("1/m".to_owned()),
+            Detail::Displacement => Some("m".to_owned()),
+        };
+        let stored = |number: &f32| mid + f64::from(*number) / scale;
+        let neutral = match detail {
+            Detail::ObjectNormal => Vec::new(),
+            detail => detail.neutral().iter().map(stored).collect(),
+        };
+        Self {
+            unit,
+            mid: Some(mid),
+            scale: Some(scale),
+            ..Self::plain(pose, key, kind, format, neutral)
         }
     }
 

@@ -1,6 +1,6 @@
 //! The map of one key of a pose, all layers together.
 
-use ruga_bake::{BakeError, BakeSettings, Relief, TangentFrame, WrinkleMap, bake};
+use ruga_bake::{BakeError, BakeSettings, Relief, TangentFrame, WrinkleMap, bake_detailed};
 use ruga_blend::Weights;
 use ruga_stepper::{KeyResult, LayerSurface, PoseSpec};
 
@@ -24,6 +24,10 @@ impl Scene {
         };
         let frames = frames.map_err(baking)?;
         let mut map = self.composed(key, &frames).map_err(baking)?;
+        let blended = || driver.pose(&pose.weights.scaled(key.load));
+        let posed = key.artist_positions.clone().unwrap_or_else(blended);
+        self.add_mesh_details(&mut map, &frames, &posed)
+            .map_err(baking)?;
         let islands = texture_space::corners(&self.mesh).unwrap_or_default();
         map.pad(&islands, self.file.bake.padding).map_err(baking)?;
         Ok(map)
@@ -44,7 +48,9 @@ impl Scene {
         key: &KeyResult,
         frames: &[[TangentFrame; 3]],
     ) -> Result<WrinkleMap, BakeError> {
-        let bake = |relief: &Relief<'_>| bake(relief, frames, &self.bake_settings());
+        let details = self.details();
+        let bake =
+            |relief: &Relief<'_>| bake_detailed(relief, frames, &self.bake_settings(), &details);
         let mut whole: Option<WrinkleMap> = None;
         for zone in self.file.zones() {
             let is_of_zone = |layer: &&LayerSurface| {

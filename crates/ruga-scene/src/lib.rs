@@ -35,6 +35,7 @@
 
 mod bake;
 mod body;
+mod details;
 mod error;
 pub mod file;
 mod mask_image;

@@ -94,6 +94,9 @@ pub struct Bake {
     pub padding: u32,
     /// Samples per texel along each axis: 1, 2 or 4.
     pub supersample: u32,
+    /// Radius of a ridge that is white in curvature maps, and of a furrow that is black, m: what is
+    /// sharper is clamped.
+    pub curvature_length: f64,
 }
 
 impl Default for Bake {
@@ -107,6 +110,7 @@ impl Default for Bake {
             frame: settings.frame,
             padding: 16,
             supersample: settings.supersample,
+            curvature_length: 1e-3,
         }
     }
 }

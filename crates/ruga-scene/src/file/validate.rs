@@ -199,13 +199,14 @@ impl SceneFile {
         if ![1, 2, 4].contains(&bake.supersample) {
             return fault("bake.supersample", bake.supersample, "1, 2 or 4");
         }
+        positive("bake.curvature_length", bake.curvature_length)?;
         for (i, kind) in bake.maps.iter().enumerate() {
             if bake.maps.iter().take(i).any(|other| other == kind) {
                 return fault(&format!("bake.maps[{i}]"), kind.word(), "each kind once");
             }
         }
         if bake.maps.is_empty() {
-            return fault("bake.maps", "[]", "at least one of \"normal\", \"height\"");
+            return fault("bake.maps", "[]", "at least one kind, such as \"normal\"");
         }
         Ok(())
     }
