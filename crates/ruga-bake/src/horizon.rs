@@ -6,6 +6,7 @@ use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
 
 use crate::Relief;
+use crate::face_adjacency::{NONE, adjacent_faces};
 use crate::relief_normals::VertexRelief;
 use crate::tangent_frames::any_orthogonal;
 
@@ -23,9 +24,6 @@ const LEAST_FACING: f64 = 0.3;
 
 /// Triangles that one look passes at most.
 const MOST_STEPS: usize = 512;
-
-/// Face number that stands for none.
-const NONE: u32 = u32::MAX;
 
 /// Share of the light of an even sky that reaches every vertex of a layer, 0 to 1.
 ///
@@ -180,26 +178,6 @@ impl Terrain<'_> {
         let next = self.adjacent[face as usize][opposite];
         (next != NONE).then_some(next)
     }
-}
-
-/// The face across the edge opposite each corner; [`NONE`] at borders and where more than two meet.
-fn adjacent_faces(faces: &[[u32; 3]]) -> Vec<[u32; 3]> {
-    let mut edges: Vec<([u32; 2], u32, u8)> = Vec::with_capacity(3 * faces.len());
-    for (face, corners) in (0..).zip(faces) {
-        for corner in 0..3 {
-            let [a, b] = [corners[(corner + 1) % 3], corners[(corner + 2) % 3]];
-            edges.push(([a.min(b), a.max(b)], face, corner as u8));
-        }
-    }
-    edges.sort_unstable();
-    let mut adjacent = vec![[NONE; 3]; faces.len()];
-    for same in edges.chunk_by(|a, b| a.0 == b.0) {
-        if let [(_, one, at), (_, other, there)] = same {
-            adjacent[*one as usize][*at as usize] = *other;
-            adjacent[*other as usize][*there as usize] = *one;
-        }
-    }
-    adjacent
 }
 
 /// The faces around every vertex, by start and number.

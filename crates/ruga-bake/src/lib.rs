@@ -12,6 +12,8 @@
 //! ([`Detail`]). Maps of several layers are composed, then padded
 //! once ([`WrinkleMap::pad`]). [`check_uvs`] and [`uv_layout`] say beforehand whether the UVs
 //! can carry a map. [`between_keys`] and [`lay_over`] blend normal maps as an engine does at run time.
+//! once ([`WrinkleMap::pad`], or across UV seams [`WrinkleMap::pad_across`]). [`check_uvs`] and [`uv_layout`] say beforehand whether the UVs
+//! can carry a map.
 //!
 //! In [`Frame::Driver`] a texel holds the rotation from the normal of the *foot points*
 //! `f = x - w n_q` to the normal of the layer `x`, applied to the smooth driver normal, where `w` is
@@ -39,6 +41,7 @@ mod uv_check;
 mod uv_layout;
 
 mod error;
+mod face_adjacency;
 mod field_raster;
 mod frame;
 mod horizon;
@@ -47,6 +50,8 @@ mod overlap_sweep;
 mod padding;
 mod raster;
 mod relief_normals;
+mod seam_padding;
+mod seams;
 mod shading;
 mod surface_fit;
 mod sweep_line;
@@ -58,6 +63,7 @@ pub use detail::{Detail, DetailMap};
 pub use detail_bake::bake_detailed;
 pub use frame::Frame;
 pub use relief::Relief;
+pub use seams::Seams;
 pub use tangent_frames::{TangentFrame, tangent_frames, vertex_tangents};
 pub use wrinkle_map::{Coverage, WrinkleMap};
 

@@ -250,6 +250,7 @@ fn a_wide_padding_reaches_the_opposite_corner() {
         normals: vec![[0.0, 0.0, 1.0]; side * side],
         heights: vec![0.0; side * side],
         coverage: vec![Coverage::Neutral; side * side],
+        details: Vec::new(),
         skipped_faces: 0,
         folded_samples: 0,
     };

@@ -1,6 +1,6 @@
 //! The map of one key of a pose, all layers together.
 
-use ruga_bake::{BakeError, BakeSettings, Relief, TangentFrame, WrinkleMap, bake_detailed};
+use ruga_bake::{BakeError, BakeSettings, Relief, Seams, TangentFrame, WrinkleMap, bake_detailed};
 use ruga_blend::Weights;
 use ruga_stepper::{KeyResult, LayerSurface, PoseSpec};
 
@@ -28,8 +28,13 @@ impl Scene {
         let posed = key.artist_positions.clone().unwrap_or_else(blended);
         self.add_mesh_details(&mut map, &frames, &posed)
             .map_err(baking)?;
-        let islands = texture_space::corners(&self.mesh).unwrap_or_default();
-        map.pad(&islands, self.file.bake.padding).map_err(baking)?;
+        let corners = artist.triangles.iter();
+        let welded = |vertex: u32| driver.welded()[vertex as usize].0;
+        let corners: Vec<[u32; 3]> = corners.map(|t| t.map(welded)).collect();
+        let uvs = texture_space::corners(&self.mesh).unwrap_or_default();
+        Seams::new(driver.rest(), &corners, &uvs, &frames)
+            .and_then(|seams| map.pad_across(&seams, self.file.bake.padding))
+            .map_err(baking)?;
         Ok(map)
     }
 

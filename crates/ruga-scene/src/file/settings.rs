@@ -90,7 +90,8 @@ pub struct Bake {
     pub normal_y: NormalY,
     /// The tangent frame of normal maps.
     pub frame: Frame,
-    /// Texels around each island that repeat its border.
+    /// Texels around each island that continue it: with the skin on the other side of a UV seam, or
+    /// where there is none with the texels of its border.
     pub padding: u32,
     /// Samples per texel along each axis: 1, 2 or 4.
     pub supersample: u32,
