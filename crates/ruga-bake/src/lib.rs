@@ -47,6 +47,7 @@ mod frame;
 mod horizon;
 mod islands;
 mod overlap_sweep;
+mod packing;
 mod padding;
 mod raster;
 mod relief_normals;
@@ -71,6 +72,9 @@ pub use encode::{
     HEIGHT_MID, NormalY, height_range, height_to_u16, normal_to_png8, normal_to_png16,
 };
 pub use encoding::Encoding;
+pub use packing::{
+    POSES_PER_MASK, PoseRegion, TooFewMaps, key_strength, mask_image, pack, share_maps, unpack,
+};
 pub use uv_check::{MAX_OVERLAPS, UvReport, check_uvs};
 pub use uv_layout::{UvLayout, uv_layout};
 

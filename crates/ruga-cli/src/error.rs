@@ -60,6 +60,21 @@ pub(crate) enum CliError {
     /// `ruga plan --image` has nothing to show, or no file to show it in.
     #[error("{}: no picture of the plan: {reason}", path.display())]
     NoPicture { path: PathBuf, reason: String },
+    /// More poses overlap than there are to be packed maps.
+    #[error(
+        "{}: `pack.maps`: found {maps}, but poses {poses} overlap; {needed} maps can hold them apart",
+        scene.display()
+    )]
+    #[diagnostic(help(
+        "all maps of the poses are written, only `packed` is not; give `maps = {needed}` or more under [pack], \
+         or keep the poses apart with masks; `--resume` packs without baking again"
+    ))]
+    TooFewMaps {
+        scene: PathBuf,
+        poses: String,
+        maps: usize,
+        needed: usize,
+    },
     /// The output folder cannot be used.
     #[error("{}: cannot be the output folder: {reason}", path.display())]
     Output { path: PathBuf, reason: String },

@@ -40,6 +40,7 @@ mod folder_lock;
 mod folder_results;
 mod kept_pose;
 mod output_folder;
+mod pack_files;
 mod pose_inputs;
 mod pose_record;
 mod scene_origin;

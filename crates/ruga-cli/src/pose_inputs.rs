@@ -45,6 +45,8 @@ fn shared_inputs(scene: &Scene) -> Result<Fingerprint, CliError> {
     // Parsed anew, because the scene's own copy has paths that depend on where the command was run.
     let mut file = SceneFile::from_toml(&text, &scene.path)?;
     file.poses.clear();
+    // What is packed are the maps as they are.
+    file.pack = None;
     file.remesh.points_per_wavelength = 0.0;
     let mut hash = Fingerprint::new()
         .with(env!("CARGO_PKG_VERSION").as_bytes())

@@ -4,7 +4,7 @@ use std::fs;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
-use ruga_io::{IoError, PoseReport, WrinkleMap, write_atomically};
+use ruga_io::{IoError, MapKind, PoseReport, WrinkleMap, write_atomically};
 use serde::{Deserialize, Serialize};
 
 use crate::error::CliError;
@@ -39,6 +39,22 @@ impl PoseRecord {
     /// Whether the pose was made from just these inputs and its files are there.
     pub(crate) fn is_current(&self, output: &Path, inputs: Fingerprint) -> bool {
         self.inputs == inputs.text() && self.is_whole(output)
+    }
+
+    /// The last key that was reached.
+    pub(crate) fn last_key(&self) -> Option<f64> {
+        self.keys.last().copied()
+    }
+
+    /// The map of a kind at a key.
+    pub(crate) fn map(&self, kind: MapKind, key: f64) -> Option<&WrinkleMap> {
+        let mut maps = self.maps.iter();
+        maps.find(|map| map.kind == kind && map.key == key)
+    }
+
+    /// The map of a kind at the last key.
+    pub(crate) fn last_map(&self, kind: MapKind) -> Option<&WrinkleMap> {
+        self.map(kind, self.last_key()?)
     }
 
     /// Whether all its files are still there.

@@ -7,7 +7,7 @@ use exr::prelude::{SpecificChannels, Vec2, WritableImage};
 use image::codecs::openexr::OpenExrEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{
-    EncodableLayout, ImageBuffer, ImageEncoder, ImageResult, Luma, PixelWithColorType, Rgb,
+    EncodableLayout, ImageBuffer, ImageEncoder, ImageResult, Luma, PixelWithColorType, Rgb, Rgba,
 };
 
 use crate::{IoError, write_atomically};
@@ -19,6 +19,8 @@ pub enum PngTexels<'a> {
     Grey8(&'a [u8]),
     /// Red, green and blue of 8 bits.
     Rgb8(&'a [u8]),
+    /// Red, green, blue and alpha of 8 bits.
+    Rgba8(&'a [u8]),
     /// One channel of 16 bits.
     Grey16(&'a [u16]),
     /// Red, green and blue of 16 bits.
@@ -47,6 +49,7 @@ pub fn write_png(
 ) -> Result<(), IoError> {
     let (channels, found) = match texels {
         PngTexels::Grey8(values) => (1, values.len()),
+        PngTexels::Rgba8(values) => (4, values.len()),
         PngTexels::Grey16(values) => (1, values.len()),
         PngTexels::Rgb8(values) => (3, values.len()),
         PngTexels::Rgb16(values) => (3, values.len()),
@@ -58,6 +61,7 @@ pub fn write_png(
         PngEncoder::new_with_quality(&mut file, CompressionType::Fast, FilterType::Adaptive);
     match texels {
         PngTexels::Grey8(values) => encode::<Luma<u8>>(size, values, encoder),
+        PngTexels::Rgba8(values) => encode::<Rgba<u8>>(size, values, encoder),
         PngTexels::Grey16(values) => encode::<Luma<u16>>(size, values, encoder),
         PngTexels::Rgb8(values) => encode::<Rgb<u8>>(size, values, encoder),
         PngTexels::Rgb16(values) => encode::<Rgb<u16>>(size, values, encoder),

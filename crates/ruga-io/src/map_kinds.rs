@@ -52,6 +52,12 @@ impl MapKind {
         }
     }
 
+    /// Whether poses of this kind can share a packed map: its maps are of wrinkles alone, and neutral
+    /// elsewhere.
+    pub fn is_packed(self) -> bool {
+        !matches!(self, MapKind::Compression | MapKind::ObjectNormal)
+    }
+
     /// The word for it in scenes and file names.
     pub fn word(self) -> &'static str {
         match self {

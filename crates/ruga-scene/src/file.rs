@@ -6,6 +6,7 @@
 mod fault;
 mod interior;
 mod names;
+mod pack;
 mod read;
 mod reference;
 mod settings;
@@ -25,6 +26,7 @@ use serde::{Deserialize, Serialize};
 
 pub use interior::{Cylinder, Handle, Interior, Motion, Obstacle, Plane, Sphere};
 pub use names::{is_usable_file_name, usable_file_name};
+pub use pack::{Pack, PoseNames};
 pub use reference::{Key, Table, reference};
 pub use settings::{Bake, Remesh, Solver, SolverMode};
 pub use skin::{Layer, LayerDefinition, PropertyMap, Substrate, SubstrateDefinition};
@@ -70,6 +72,9 @@ pub struct SceneFile {
     /// What is baked.
     #[serde(default)]
     pub bake: Bake,
+    /// If given, the poses are packed into a few maps.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pack: Option<Pack>,
     /// If given, the layers lie on a soft body instead of on the posed mesh.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub interior: Option<Interior>,

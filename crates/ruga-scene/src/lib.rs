@@ -36,6 +36,7 @@
 mod bake;
 mod body;
 mod details;
+mod engine_names;
 mod error;
 pub mod file;
 mod mask_image;
@@ -48,6 +49,7 @@ mod property_images;
 mod scene;
 mod texture_space;
 
+pub use engine_names::engine_name;
 pub use error::{SceneError, counted};
 pub use file::SceneFile;
 pub use placement::Placement;

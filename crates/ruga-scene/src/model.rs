@@ -11,6 +11,7 @@ use ruga_material::{
 use ruga_stepper::{Dynamics, EdgeLimits, LayerSpec, Modelling, PoseSpec, Presence, Region, Stack};
 
 use crate::SceneError;
+use crate::engine_names::collision;
 use crate::file::{self, SceneFile};
 use crate::mask_image::mask;
 use crate::property_images::read_property_images;
@@ -252,6 +253,7 @@ pub(crate) fn poses(
 ) -> Result<Vec<PoseSpec>, SceneError> {
     let shapes: Vec<String> = driver.shape_names().map(str::to_owned).collect();
     let all = scene.poses_or_shapes(&shapes, path)?;
+    refuse_name_collisions(scene, &all, path)?;
     let names = || all.iter().map(|pose| pose.name.as_str());
     if let Some(name) = wanted
         .iter()
@@ -268,6 +270,31 @@ pub(crate) fn poses(
         .filter(|pose| wanted.is_empty() || wanted.contains(&pose.name))
         .map(|pose| pose_spec(pose, driver, path))
         .collect()
+}
+
+/// Refuses poses that an engine would know by one name.
+fn refuse_name_collisions(
+    scene: &SceneFile,
+    poses: &[file::Pose],
+    path: &Path,
+) -> Result<(), SceneError> {
+    let Some(names) = scene.pack.as_ref().and_then(|pack| pack.names) else {
+        return Ok(());
+    };
+    let poses: Vec<String> = poses.iter().map(|pose| pose.name.clone()).collect();
+    let Some([first, second, name]) = collision(&poses, names) else {
+        return Ok(());
+    };
+    Err(SceneError::Key {
+        path: path.to_owned(),
+        key: "pack.names".to_owned(),
+        line: None,
+        reason: format!(
+            "poses `{first}` and `{second}` would both be `{name}`; make one pose of them, rename one, or \
+             leave `names` out"
+        ),
+        suggestion: None,
+    })
 }
 
 fn pose_spec(pose: &file::Pose, driver: &Driver, path: &Path) -> Result<PoseSpec, SceneError> {

@@ -15,6 +15,7 @@ use crate::memory_limit::refuse_too_little;
 use crate::moved_mesh::write_moved_mesh;
 use crate::outcome::Outcome;
 use crate::output_folder::OutputFolder;
+use crate::pack_files::write_packed;
 use crate::pose_inputs::ScenePose;
 use crate::pose_record::{PoseRecord, Records};
 use crate::pose_runs::{PoseFiles, Product, run_poses, thread_count, thread_pool};
@@ -76,6 +77,12 @@ pub(crate) fn run(bake: &BakeArguments) -> Result<Outcome, CliError> {
         scene.warnings.extend(about_preview);
     }
     summary::conclude(&scene, &plan, arguments, poses, &results)
+    let outcome = summary::conclude(&scene, &plan, arguments, poses, &results)?;
+    if let Some(pack) = &scene.file.pack {
+        let poses = (results.current.as_slice(), folder.poses.as_slice());
+        write_packed(&arguments.output, &scene, pack, poses)?;
+    }
+    Ok(outcome)
 }
 
 struct WrinkleMaps<'a> {

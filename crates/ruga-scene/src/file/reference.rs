@@ -7,8 +7,8 @@ use serde::de::{Deserialize, Deserializer, Error, Visitor};
 use serde_json::{Map, Value};
 
 use super::{
-    Bake, Cylinder, Driver, Handle, Interior, Layer, Motion, Obstacle, Plane, Pose, PropertyMap,
-    Remesh, SceneFile, Solver, Sphere, Substrate,
+    Bake, Cylinder, Driver, Handle, Interior, Layer, Motion, Obstacle, Pack, Plane, Pose,
+    PropertyMap, Remesh, SceneFile, Solver, Sphere, Substrate,
 };
 
 /// One table of a scene.
@@ -55,6 +55,7 @@ pub fn reference() -> Vec<Table> {
         table::<Solver>("solver", "[solver]"),
         table::<Remesh>("remesh", "[remesh]"),
         table::<Bake>("bake", "[bake]"),
+        table::<Pack>("pack", "[pack]"),
         table::<Interior>("interior", "[interior]"),
         table::<Handle>("interior.handles", "[[interior.handles]]"),
         table::<Obstacle>("interior.obstacles", "[[interior.obstacles]]"),

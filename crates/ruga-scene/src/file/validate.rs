@@ -141,7 +141,16 @@ impl SceneFile {
         self.pose_faults()?;
         self.solver_faults()?;
         self.remesh_faults()?;
-        self.bake_faults()
+        self.bake_faults()?;
+        let Some(pack) = &self.pack else {
+            return Ok(());
+        };
+        pack.faults()?;
+        if !self.bake.maps.iter().any(|kind| kind.is_packed()) {
+            let accepted = "with [pack], a kind that is of wrinkles alone, such as \"normal\"";
+            return fault("bake.maps", "none that can be packed", accepted);
+        }
+        Ok(())
     }
 
     fn pose_faults(&self) -> Checked {
