@@ -159,7 +159,7 @@ fn padding_goes_on_with_the_surface_as_far_as_it_reaches() {
         patch::rms(errors.into_iter())
     });
     // The layer has four vertices on its shorter wave, and interpolation flattens it.
-    assert!(across < 2.0 && plain > 4.0 * across, "{across}, {plain}");
+    assert!(across < 2.5 && plain > 4.0 * across, "{across}, {plain}");
 }
 
 /// Angle (degrees) between a texel and the surface that goes on there beyond the left chart.
