@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::detail::DetailMap;
 use crate::field_raster::Raster;
 use crate::horizon::open_sky;
-use crate::relief_normals::vertex_reliefs;
+use crate::relief_normals::{VertexRelief, vertex_reliefs};
 use crate::tangent_frames::any_orthogonal;
 use crate::{BakeError, BakeSettings, Detail, Frame, Relief, TangentFrame, WrinkleMap, bake};
 
@@ -41,7 +41,7 @@ pub fn bake_detailed(
         if wants(Detail::Curvature) {
             // The divergence of the unit normal over the driver is twice the mean curvature of the
             // height field, at any slope: div (-grad h / sqrt(1 + |grad h|²)) = k1 + k2.
-            let mean = |v: &crate::relief_normals::VertexRelief| v.slope.trace() / 2.0;
+            let mean = |v: &VertexRelief| v.slope.trace() / 2.0;
             let curvatures: Vec<f64> = vertices.par_iter().map(mean).collect();
             map.paint_scalar(Detail::Curvature, raster, relief, &curvatures);
         }

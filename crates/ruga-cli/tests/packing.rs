@@ -20,12 +20,25 @@ fn folder(maps: u32, more: &str) -> Folder {
 
 /// A channel of a mask image.
 fn mask(folder: &Folder, file: &Value, channel: &str) -> Vec<u8> {
-    let path = folder.path("out/packed").join(file.as_str().unwrap());
-    let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path).unwrap()));
-    let mut reader = decoder.read_info().unwrap();
-    let mut texels = vec![0; reader.output_buffer_size().unwrap()];
-    reader.next_frame(&mut texels).unwrap();
-    let number = "rgba".find(channel).unwrap();
+    let path = folder
+        .path("out/packed")
+        .join(file.as_str().expect("a mask image with this channel"));
+    let decoder = png::Decoder::new(std::io::BufReader::new(
+        std::fs::File::open(path).expect("a mask image with this channel"),
+    ));
+    let mut reader = decoder.read_info().expect("a mask image with this channel");
+    let mut texels = vec![
+        0;
+        reader
+            .output_buffer_size()
+            .expect("a mask image with this channel")
+    ];
+    reader
+        .next_frame(&mut texels)
+        .expect("a mask image with this channel");
+    let number = "rgba"
+        .find(channel)
+        .expect("a mask image with this channel");
     texels
         .into_iter()
         .skip(number)
@@ -64,7 +77,7 @@ fn every_pose_comes_back_from_the_packed_maps() {
             .path("out/packed")
             .join(image["file"].as_str().unwrap());
         let found = unpack(&read_image(&path).unwrap().values, &neutral, mask);
-        let own = folder.path(&format!("out/maps/{pose}_100_normal.png"));
+        let own = folder.path(format!("out/maps/{pose}_100_normal.png"));
         let own = read_image(&own).unwrap().values;
         let worst = found
             .iter()

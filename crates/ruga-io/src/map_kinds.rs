@@ -29,17 +29,6 @@ pub enum MapKind {
 }
 
 impl MapKind {
-    /// Every kind.
-    pub const ALL: [Self; 7] = [
-        Self::Normal,
-        Self::Height,
-        Self::AmbientOcclusion,
-        Self::Curvature,
-        Self::Compression,
-        Self::ObjectNormal,
-        Self::VectorDisplacement,
-    ];
-
     /// The quantity that the maps of this kind hold beside normals and heights.
     pub fn detail(self) -> Option<Detail> {
         match self {

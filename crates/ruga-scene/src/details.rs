@@ -1,6 +1,6 @@
 //! Details of a key's map that belong to the artist's mesh.
 
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use ruga_bake::{BakeError, Detail, TangentFrame, WrinkleMap};
 use ruga_blend::face_strains;
 use ruga_material::{effective_strain, local_wrinkling};
@@ -74,7 +74,7 @@ impl Scene {
 
 /// Critical strain of a layer at a texture coordinate; `None` where none wrinkles, which planning has
 /// refused.
-fn critical_strain(layer: &LayerSpec, uv: &nalgebra::Vector2<f64>) -> Option<f64> {
+fn critical_strain(layer: &LayerSpec, uv: &Vector2<f64>) -> Option<f64> {
     let relative = layer.map.as_ref().map(|map| map.sample(uv));
     let relative = relative.unwrap_or_default();
     let local = local_wrinkling(&layer.material, &layer.substrate, layer.model, &relative);
