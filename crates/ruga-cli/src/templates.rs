@@ -1,4 +1,4 @@
-//! Scenes to start from; their meshes are made by `cargo xtask assets`.
+//! Scenes to start from; their meshes and images are made by `cargo xtask assets`.
 
 use clap::ValueEnum;
 
@@ -8,34 +8,37 @@ pub(crate) enum Template {
     /// A patch of forearm with three blend shapes: compress, twist, pinch.
     #[default]
     Forearm,
+    /// A head with blend shapes in ARKit's names; zones of skin with painted masks.
+    Face,
     /// A finger that bends.
     Finger,
+    /// A cushion, a soft body that a button presses.
+    Cushion,
+}
+
+/// Name and content of files below `assets`.
+macro_rules! files {
+    ($folder:literal, $($name:literal),+) => {
+        &[$(($name, include_bytes!(concat!("../../../assets/", $folder, "/", $name)))),+]
+    };
 }
 
 impl Template {
     /// Name and content of every file, the scene first.
-    pub(crate) fn files(self) -> [(&'static str, &'static [u8]); 2] {
+    pub(crate) fn files(self) -> &'static [(&'static str, &'static [u8])] {
         match self {
-            Template::Forearm => [
-                (
-                    "scene.toml",
-                    include_bytes!("../../../assets/forearm/scene.toml"),
-                ),
-                (
-                    "forearm.glb",
-                    include_bytes!("../../../assets/forearm/forearm.glb"),
-                ),
-            ],
-            Template::Finger => [
-                (
-                    "scene.toml",
-                    include_bytes!("../../../assets/finger/scene.toml"),
-                ),
-                (
-                    "finger.glb",
-                    include_bytes!("../../../assets/finger/finger.glb"),
-                ),
-            ],
+            Template::Forearm => files!("forearm", "scene.toml", "forearm.glb"),
+            Template::Face => files!(
+                "face",
+                "scene.toml",
+                "face.glb",
+                "forehead.png",
+                "eyes.png",
+                "cheeks.png",
+                "thickness.png"
+            ),
+            Template::Finger => files!("finger", "scene.toml", "finger.glb"),
+            Template::Cushion => files!("pillow", "scene.toml", "pillow.glb"),
         }
     }
 }

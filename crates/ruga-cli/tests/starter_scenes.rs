@@ -26,3 +26,29 @@ fn the_finger_can_be_planned() {
     let plan = folder.ruga("plan finger/scene.toml").exits(0).stdout;
     assert!(plan.contains("total: 1 of 1 poses wrinkle"), "{plan}");
 }
+
+#[test]
+fn the_face_has_its_masks_and_wrinkles_in_every_pose() {
+    let folder = Folder::new();
+    folder.ruga("new face --template face").exits(0);
+    let files = folder.files("face");
+    let images = ["cheeks.png", "eyes.png", "forehead.png", "thickness.png"];
+    assert!(
+        images.iter().all(|i| files.iter().any(|f| f == i)),
+        "{files:?}"
+    );
+    let plan = folder.ruga("plan face/scene.toml --quality draft").exits(0);
+    assert!(
+        plan.stdout.contains("total: 8 of 8 poses wrinkle"),
+        "{}",
+        plan.stdout
+    );
+    assert!(!plan.stderr.contains("warning"), "{}", plan.stderr);
+}
+
+#[test]
+fn the_cushion_passes_its_check() {
+    let folder = Folder::new();
+    folder.ruga("new cushion --template cushion").exits(0);
+    folder.ruga("check cushion/scene.toml").exits(0);
+}

@@ -4,6 +4,7 @@
 //! trigonometry gives is rounded to the file's `f32` before anything is derived from it.
 
 mod boxed;
+mod face;
 mod finger;
 mod forearm;
 mod paint;
@@ -26,13 +27,18 @@ use crate::repository::{Outcome, root};
 /// Writes every mesh and image below `assets/`; the scenes beside them are edited by hand.
 pub(crate) fn regenerate() -> Outcome {
     let folder = root().join("assets");
-    for name in write_meshes(&folder)?
-        .into_iter()
-        .chain(write_images(&folder)?)
-    {
+    for name in written(&folder)? {
         println!("assets/{name}");
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Writes all files below `folder`; gives their paths in it.
+fn written(folder: &Path) -> Result<Vec<String>, Box<dyn Error>> {
+    let mut names: Vec<String> = write_meshes(folder)?.map(str::to_owned).into();
+    names.extend(write_images(folder)?.map(str::to_owned));
+    names.extend(write_face(folder)?);
+    Ok(names)
 }
 
 /// Writes the meshes below `folder`; gives their paths in it.
@@ -60,6 +66,23 @@ fn meshes() -> Result<[ArtistMesh; 5], BlendError> {
         boxed::slab()?,
         boxed::bar()?,
     ])
+}
+
+/// Writes the head and its images below `folder`; gives their paths in it.
+fn write_face(folder: &Path) -> Result<Vec<String>, Box<dyn Error>> {
+    let head = face::head()?;
+    let painted = face::paint(&head.mesh);
+    let mut names = vec!["face/face.glb".to_owned()];
+    let path = in_its_folder(folder, &names[0])?;
+    write_glb(&path, &head_file(&path, head), &GlbAdditions::default())?;
+    for (name, texels) in painted.images {
+        let name = format!("face/{name}");
+        let path = folder.join(&name);
+        let side = face::TEXELS;
+        write_png(&path, side, side, PngTexels::Grey8(&texels))?;
+        names.push(name);
+    }
+    Ok(names)
 }
 
 /// Writes the painted properties and masks below `folder`; gives their paths in it.
@@ -115,6 +138,29 @@ fn mesh_file(path: &Path, mesh: ArtistMesh) -> MeshFile {
         warnings: Vec::new(),
         mesh,
     }
+}
+
+/// The head, its eyeballs a part of their own.
+fn head_file(path: &Path, head: face::Head) -> MeshFile {
+    let mut file = mesh_file(path, head.mesh);
+    let (vertices, triangles) = head.skin;
+    let eyes = Material {
+        name: Some("Eyes".to_owned()),
+        base_color: [0.9, 0.88, 0.84, 1.0],
+        metallic: 0.0,
+        roughness: 0.15,
+        double_sided: false,
+    };
+    let all = &file.parts[0];
+    let eyeballs = MeshPart {
+        vertices: vertices.end..all.vertices.end,
+        triangles: triangles.end..all.triangles.end,
+        material: Some(eyes),
+    };
+    file.parts[0].vertices = vertices;
+    file.parts[0].triangles = triangles;
+    file.parts.push(eyeballs);
+    file
 }
 
 /// Rounds positions and deltas to what the file holds, then adds normals.

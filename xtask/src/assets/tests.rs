@@ -24,11 +24,9 @@ fn bodies() -> [(ArtistMesh, [f64; 3], f64); 3] {
 #[test]
 fn committed_files_are_what_the_code_makes() {
     let folder = tempfile::tempdir().unwrap();
-    let meshes = write_meshes(folder.path()).unwrap();
-    let images = write_images(folder.path()).unwrap();
-    for name in meshes.into_iter().chain(images) {
-        let made = fs::read(folder.path().join(name)).unwrap();
-        let committed = fs::read(root().join("assets").join(name)).unwrap();
+    for name in written(folder.path()).unwrap() {
+        let made = fs::read(folder.path().join(&name)).unwrap();
+        let committed = fs::read(root().join("assets").join(&name)).unwrap();
         assert!(committed == made, "{name}: run `cargo xtask assets`");
     }
 }
@@ -216,7 +214,7 @@ fn scenes() -> Vec<(PathBuf, ruga_scene::SceneFile)> {
         .filter(|path| path.extension().is_some_and(|e| e == "toml"))
         .collect();
     paths.sort();
-    assert_eq!(paths.len(), 17);
+    assert_eq!(paths.len(), 18);
     let read = |path: PathBuf| (path.clone(), ruga_scene::SceneFile::read(&path).unwrap());
     paths.into_iter().map(read).collect()
 }
