@@ -68,7 +68,7 @@ enum Task {
     },
     /// Bundles the scripts of the preview page with three.js into one committed file; needs Node and npm
     Page,
-    /// Shades the maps that `ruga bake assets/forearm/scene.toml -o DIR` left in DIR
+    /// Draws the face with the maps that `ruga bake assets/face/scene.toml -o DIR` left in DIR
     Picture {
         #[arg(value_name = "DIR")]
         bake: PathBuf,

@@ -7,6 +7,7 @@
 
 pub mod baselines;
 pub mod body;
+pub mod canvas;
 mod cpu_time;
 mod drawing;
 mod film_anchor;

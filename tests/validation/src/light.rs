@@ -5,13 +5,20 @@ use nalgebra::Vector3;
 /// Red, green and blue of light in linear units.
 pub type Light = Vector3<f64>;
 
+/// Colour of bare skin.
+pub const SKIN: Light = Light::new(0.62, 0.33, 0.23);
+
 /// Skin under a lamp at the upper left and a weak sky; `normal` with x right, y up and z towards
 /// the eye.
 pub fn skin(normal: Vector3<f64>) -> Light {
-    let lamp = Vector3::new(-0.62, 0.58, 0.46).normalize();
+    lit(SKIN, normal, Vector3::new(-0.62, 0.58, 0.46), 1.0)
+}
+
+/// Light from skin of a colour under a lamp in the direction `lamp` and a sky of some brightness.
+pub fn lit(albedo: Light, normal: Vector3<f64>, lamp: Vector3<f64>, sky: f64) -> Light {
+    let lamp = lamp.normalize();
     let half = (lamp + Vector3::z()).normalize();
-    let albedo = Light::new(0.62, 0.33, 0.23);
-    let sky = Light::new(0.13, 0.14, 0.17) * (0.5 + 0.5 * normal.z);
+    let sky = Light::new(0.13, 0.14, 0.17) * (sky * (0.5 + 0.5 * normal.z));
     // Light that enters skin comes out a little way off, red farther than blue: each colour
     // reaches so far beyond the terminator.
     let spread = Light::new(0.22, 0.09, 0.05);

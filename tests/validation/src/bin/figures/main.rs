@@ -11,7 +11,6 @@
     reason = "what was found is what the program is for"
 )]
 
-mod canvas;
 mod mesh_picture;
 mod run;
 mod skin_picture;

@@ -7,8 +7,8 @@ use nalgebra::Vector2;
 use ruga_blend::FaceStrain;
 use ruga_mesh::PerFace;
 
-use super::canvas::Canvas;
 use super::surface::Surface;
+use ruga_validation::canvas::Canvas;
 use ruga_validation::light::Light;
 
 /// Pixels across.

@@ -6,8 +6,8 @@ use nalgebra::{Matrix3, Vector2, Vector3};
 use ruga_blend::face_strains;
 use ruga_mesh::{Id, TriMesh, VertexId, face_normals, vertex_normals};
 
-use super::canvas::Canvas;
 use super::surface::Surface;
+use ruga_validation::canvas::Canvas;
 use ruga_validation::light::skin;
 
 /// Pixels across.

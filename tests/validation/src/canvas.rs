@@ -5,7 +5,7 @@ use std::path::Path;
 use nalgebra::{Vector2, Vector3};
 use ruga_io::{IoError, PngTexels, write_png};
 
-use ruga_validation::light::{Light, texel};
+use crate::light::{Light, texel};
 
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 3;
@@ -14,7 +14,7 @@ const SAMPLES: usize = 3;
 const MARGIN: f64 = 0.03;
 
 /// A white picture, three samples to a pixel's side.
-pub(super) struct Canvas {
+pub struct Canvas {
     width: usize,
     height: usize,
     /// Samples, row by row from the top: distance to the eye's plane (larger is nearer) and light.
@@ -26,7 +26,7 @@ pub(super) struct Canvas {
 
 impl Canvas {
     /// A picture `width` pixels wide, and as high as `places` (x right, y up) need.
-    pub(super) fn around<'a>(
+    pub fn around<'a>(
         places: impl Iterator<Item = &'a Vector2<f64>> + Clone,
         width: usize,
     ) -> Self {
@@ -55,17 +55,13 @@ impl Canvas {
     }
 
     /// Pixels per unit of length.
-    pub(super) fn pixels_per_length(&self) -> f64 {
+    pub fn pixels_per_length(&self) -> f64 {
         self.scale / SAMPLES as f64
     }
 
     /// Draws a triangle (x right, y up, z towards the eye); `light` is asked for at barycentric
     /// coordinates.
-    pub(super) fn triangle(
-        &mut self,
-        corners: [Vector3<f64>; 3],
-        light: impl Fn([f64; 3]) -> Light,
-    ) {
+    pub fn triangle(&mut self, corners: [Vector3<f64>; 3], light: impl Fn([f64; 3]) -> Light) {
         let places = corners.map(|p| self.scale * Vector2::new(p.x, -p.y) + self.shift);
         let low = places[0].inf(&places[1]).inf(&places[2]);
         let high = places[0].sup(&places[1]).sup(&places[2]);
@@ -109,7 +105,7 @@ impl Canvas {
     }
 
     /// Writes the picture as PNG.
-    pub(super) fn write(&self, path: &Path) -> Result<(), IoError> {
+    pub fn write(&self, path: &Path) -> Result<(), IoError> {
         write_png(
             path,
             self.width,
