@@ -5,7 +5,7 @@ use super::solid::{EYE, Point, first_skin};
 use super::surface::slit_at;
 
 /// Half the length of the opening between the lids, m, and how far its outer corner is higher.
-const HALF_EYE: f64 = 0.0134;
+pub(super) const HALF_EYE: f64 = 0.0134;
 const RISE: f64 = 0.0010;
 
 /// Height of the upper lid's edge and depth of the lower one's in the middle, m.

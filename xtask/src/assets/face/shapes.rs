@@ -6,7 +6,7 @@
 
 use super::lattice::{Lattice, Part, Site};
 use super::openings::{self, Openings};
-use super::solid::{Point, onto_skin};
+use super::solid::{EYE, Point, onto_skin};
 
 /// The left side's shapes of pairs, and whole shapes, in ARKit's names.
 const PAIRS: [(&str, Displacement); 7] = [
@@ -147,7 +147,10 @@ fn eye_blink(place: Place) -> Point {
         return Point::zeros();
     }
     let share = 1.0 - smooth_step(p.y, [upper, upper + REACH]);
-    slide(place, Point::y() * ((lower - upper) * 0.9 * share))
+    // Less towards the corners, where triangles between the lids would collapse.
+    let t = (p.x - EYE.x) / openings::HALF_EYE;
+    let closed = 0.90 - 0.34 * t * t;
+    slide(place, Point::y() * ((lower - upper) * closed * share))
 }
 
 /// Skin beside the eye drawn towards its corner, cheek and lower lid up.

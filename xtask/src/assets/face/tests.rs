@@ -117,7 +117,8 @@ fn no_shape_folds_or_collapses_a_triangle() {
                     "{} {face:?}: {ratio}",
                     shape.name
                 );
-                assert!(cosine > 0.5, "{} {face:?}: {cosine}", shape.name);
+                // Edges of lids turn as they slide over the eyeball.
+                assert!(cosine > 0.3, "{} {face:?}: {cosine}", shape.name);
             }
         }
     }
