@@ -10,10 +10,9 @@
 //! returns a [`WrinkleMap`] of unit normals and heights, which [`normal_to_png16`] and its
 //! neighbours turn into the integers of an image. [`bake_detailed`] adds maps of further quantities
 //! ([`Detail`]). Maps of several layers are composed, then padded
-//! once ([`WrinkleMap::pad`]). [`check_uvs`] and [`uv_layout`] say beforehand whether the UVs
-//! can carry a map. [`between_keys`] and [`lay_over`] blend normal maps as an engine does at run time.
-//! once ([`WrinkleMap::pad`], or across UV seams [`WrinkleMap::pad_across`]). [`check_uvs`] and [`uv_layout`] say beforehand whether the UVs
-//! can carry a map.
+//! once ([`WrinkleMap::pad`], or across UV seams [`WrinkleMap::pad_across`]). [`check_uvs`] and
+//! [`uv_layout`] say beforehand whether the UVs can carry a map. [`between_keys`] and [`lay_over`] blend
+//! normal maps as an engine does at run time.
 //!
 //! In [`Frame::Driver`] a texel holds the rotation from the normal of the *foot points*
 //! `f = x - w n_q` to the normal of the layer `x`, applied to the smooth driver normal, where `w` is

@@ -76,7 +76,6 @@ pub(crate) fn run(bake: &BakeArguments) -> Result<Outcome, CliError> {
         messages::warnings(about_preview.iter(), ALL_IN_REPORT);
         scene.warnings.extend(about_preview);
     }
-    summary::conclude(&scene, &plan, arguments, poses, &results)
     let outcome = summary::conclude(&scene, &plan, arguments, poses, &results)?;
     if let Some(pack) = &scene.file.pack {
         let poses = (results.current.as_slice(), folder.poses.as_slice());
