@@ -1,7 +1,7 @@
 //! A stylised head with blend shapes in ARKit's names.
 //!
 //! [`solid`] says where its skin is, [`lattice`] which vertices are neighbours; [`surface`] lays the
-//! lattice on the skin and [`unfold`] lays the skin flat. [`shapes`] move it, [`paint`] says what it is
+//! lattice on the skin and [`unfold`] lays the skin flat. [`shapes`] move it, [`paint()`] says what it is
 //! like where.
 
 mod eyeballs;

@@ -153,15 +153,30 @@ fn eye_blink(place: Place) -> Point {
     slide(place, Point::y() * ((lower - upper) * closed * share))
 }
 
-/// Skin beside the eye drawn towards its corner, cheek and lower lid up.
+/// Skin beside the eye closed like a fan, cheek and lower lid up.
 fn eye_squint(place: Place) -> Point {
     let p = place.point;
-    let beside = bump(p, [0.066, -0.003, 0.034], [0.024, 0.026, 0.040]);
     let lid = bump(p, [0.032, -0.013, 0.070], [0.021, 0.014, 0.03]);
     let cheek = bump(p, [0.044, -0.026, 0.060], [0.024, 0.022, 0.03]);
-    let way =
-        Point::new(-0.0022, 0.0, 0.0026) * beside + Point::y() * (0.0014 * lid + 0.0022 * cheek);
+    let way = fan_closed(p) + Point::y() * (0.0014 * lid + 0.0022 * cheek);
     slide(place, way)
+}
+
+/// The way of skin that turns about the outer corner of the eye towards the line straight outwards: the
+/// muscle around the eye squeezes it across its rays, so that folds run along them.
+fn fan_closed(p: Point) -> Point {
+    /// Compression across the rays, at most.
+    const SQUEEZE: f64 = 0.17;
+    /// Distances from the corner between which skin begins to turn, m.
+    const BEGINS: [f64; 2] = [0.002, 0.010];
+    let outwards = Point::new(0.65, 0.0, -0.76);
+    let from_corner = p - Point::new(EYE.x + openings::HALF_EYE, EYE.y, EYE.z);
+    let [out, up] = [from_corner.dot(&outwards), from_corner.y];
+    let reach = bump(p, [0.064, EYE.y, 0.038], [0.030, 0.032, 0.044]);
+    let share = reach * smooth_step(out, BEGINS);
+    // For small angles the sine stands for the angle.
+    let turn = -SQUEEZE * share * up / (out * out + up * up).sqrt().max(1e-6);
+    (Point::y() * out - outwards * up) * turn
 }
 
 /// Skin beside the nose up.
