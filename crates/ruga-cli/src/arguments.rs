@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
 use ruga_scene::SceneOptions;
 use ruga_stepper::Modelling;
 
@@ -80,6 +81,13 @@ Columns of the poses:
   texels/wave          map texels per wavelength; fewer than 4 are too few
   time                 expected on one core";
 
+/// Where the output of `ruga completions` goes.
+const COMPLETIONS: &str = "Where shells look for it:
+  bash        ruga completions bash > ~/.local/share/bash-completion/completions/ruga
+  zsh         ruga completions zsh > _ruga, in a folder of $fpath
+  fish        ruga completions fish > ~/.config/fish/completions/ruga.fish
+  powershell  ruga completions powershell >> $PROFILE";
+
 /// Simulates wrinkling skin and turns blend shapes into wrinkle maps.
 #[derive(Debug, Parser)]
 #[command(
@@ -119,6 +127,27 @@ pub(crate) enum Command {
     New(NewArguments),
     /// Explain a command, the keys of a scene, or the presets.
     Help(HelpArguments),
+    /// Print what lets a shell complete the words of `ruga`.
+    #[command(after_help = COMPLETIONS)]
+    Completions(CompletionsArguments),
+    /// Write the manual pages of `ruga` and its commands.
+    Man(ManArguments),
+}
+
+/// Options of `ruga completions`.
+#[derive(Debug, Args)]
+pub(crate) struct CompletionsArguments {
+    /// The shell.
+    #[arg(value_enum, value_name = "SHELL")]
+    pub(crate) shell: Shell,
+}
+
+/// Options of `ruga man`.
+#[derive(Debug, Args)]
+pub(crate) struct ManArguments {
+    /// Folder for the pages; made if it does not exist.
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
 }
 
 /// Options of `ruga bake` and `ruga simulate`.
@@ -136,6 +165,9 @@ pub(crate) struct RunArguments {
     /// Print the report as JSON on stdout.
     #[arg(long, help_heading = "Output")]
     pub(crate) json: bool,
+    /// Say nothing of how far the poses are; warnings, errors and results are told.
+    #[arg(short, long, help_heading = "Output")]
+    pub(crate) quiet: bool,
     /// Keep poses of an earlier run in DIR whose inputs have not changed and that are no coarser
     /// than asked for.
     #[arg(long, help_heading = "Output")]

@@ -18,6 +18,8 @@ use crate::pose_queue::{Capacity, run_all};
 use crate::pose_record::{PoseRecord, Records};
 use crate::pose_report::{ending, pose_report};
 use crate::progress::PoseProgress;
+use crate::table::duration;
+use crate::time_left::TimeLeft;
 use crate::warning_groups::is_about;
 use crate::watch::Watch;
 
@@ -81,7 +83,7 @@ pub(crate) fn run_poses<P: Product>(
     folder: &OutputFolder,
     product: &P,
 ) -> Result<Vec<Option<PoseRecord>>, CliError> {
-    let progress = PoseProgress::new(scene.poses.len());
+    let progress = PoseProgress::new(scene.poses.len(), arguments);
     let mut poses = match arguments.resume {
         true => kept_poses(product.records(), scene, folder, |text| progress.note(text)),
         false => vec![None; scene.poses.len()],
@@ -94,8 +96,17 @@ pub(crate) fn run_poses<P: Product>(
         threads: thread_count(arguments),
         memory: arguments.memory.as_ref().map(|limit| limit.bytes),
     };
+    let at_a_time = capacity.most_at_a_time(&bytes);
+    let planned = |pose: usize| {
+        plan.pose_layers(pose)
+            .iter()
+            .map(|layer| layer.seconds)
+            .sum()
+    };
+    let seconds: Vec<f64> = to_be_made.iter().map(|&pose| planned(pose)).collect();
+    let time_left = TimeLeft::new(&seconds, at_a_time);
     let run = PoseRun {
-        threads: capacity.threads / capacity.most_at_a_time(&bytes),
+        threads: capacity.threads / at_a_time,
         scene,
         plan,
         folder,
@@ -103,7 +114,8 @@ pub(crate) fn run_poses<P: Product>(
         product,
     };
     let made = run_all(&bytes, capacity, |number, given_up| {
-        run.pose(to_be_made[number], given_up)
+        time_left.begin(number);
+        run.pose(to_be_made[number], given_up, || time_left.end(number))
     })?;
     for (pose, made) in to_be_made.into_iter().zip(made) {
         poses[pose] = made;
@@ -123,10 +135,12 @@ struct PoseRun<'a, P> {
 }
 
 impl<P: Product> PoseRun<'_, P> {
+    /// Makes one pose; `time_left` says, once it has ended, for how many seconds the others will go on.
     fn pose(
         &self,
         index: usize,
         given_up: &(dyn Fn() -> bool + Sync),
+        time_left: impl FnOnce() -> f64,
     ) -> Result<Option<PoseRecord>, CliError> {
         let spec = &self.scene.poses[index];
         let mut earlier = Vec::new();
@@ -142,7 +156,11 @@ impl<P: Product> PoseRun<'_, P> {
                     0 => String::new(),
                     count => format!(", {}", counted(count, "warning")),
                 };
-                format!("{}{warnings}", ending(&record.report))
+                let left = match time_left() {
+                    left if left > 0.0 => format!("; about {} left", duration(left)),
+                    _ => String::new(),
+                };
+                format!("{}{warnings}{left}", ending(&record.report))
             }
             Ok(None) => "interrupted".to_owned(),
             Err(_) => "failed".to_owned(),

@@ -1,31 +1,44 @@
-//! How far the poses are: bars on a terminal, lines elsewhere.
+//! How far the poses are: bars on a terminal, lines elsewhere, or nothing.
 
 use std::io::{self, IsTerminal};
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
+use crate::arguments::RunArguments;
 use crate::messages;
 
-/// The bars of all poses in work.
+/// Ways to tell how far the poses are.
+enum Telling {
+    /// Bars on a terminal, which make way for a line per pose.
+    Bars(MultiProgress),
+    /// A line when a pose begins and one when it ends.
+    Lines,
+    /// Nothing, as the user wishes.
+    Nothing,
+}
+
+/// How far the poses in work are.
 pub(crate) struct PoseProgress {
-    bars: Option<MultiProgress>,
+    telling: Telling,
     total: usize,
 }
 
 impl PoseProgress {
-    /// Draws bars if stderr is a terminal.
-    pub(crate) fn new(total: usize) -> Self {
-        Self {
-            bars: io::stderr().is_terminal().then(MultiProgress::new),
-            total,
-        }
+    /// Draws bars if stderr is a terminal, and says nothing where the run is to be quiet.
+    pub(crate) fn new(total: usize, arguments: &RunArguments) -> Self {
+        let telling = match (arguments.quiet, io::stderr().is_terminal()) {
+            (true, _) => Telling::Nothing,
+            (false, true) => Telling::Bars(MultiProgress::new()),
+            (false, false) => Telling::Lines,
+        };
+        Self { telling, total }
     }
 
     /// A pose begins, `number` counting from 1. The bar runs to 1000.
     pub(crate) fn start(&self, name: &str, number: usize) -> ProgressBar {
-        let Some(bars) = &self.bars else {
+        let Telling::Bars(bars) = &self.telling else {
             let total = self.total;
-            messages::note(&format!("pose `{name}` ({number} of {total}) started"));
+            self.note(&format!("pose `{name}` ({number} of {total}) started"));
             return ProgressBar::hidden();
         };
         const LAYOUT: &str = "{prefix} [{bar:30}] {percent:>3} % {elapsed} {msg}";
@@ -44,9 +57,10 @@ impl PoseProgress {
 
     /// A message that leaves the bars whole.
     pub(crate) fn note(&self, text: &str) {
-        match &self.bars {
-            Some(bars) => bars.suspend(|| messages::note(text)),
-            None => messages::note(text),
+        match &self.telling {
+            Telling::Bars(bars) => bars.suspend(|| messages::note(text)),
+            Telling::Lines => messages::note(text),
+            Telling::Nothing => {}
         }
     }
 }

@@ -47,5 +47,7 @@ fn dispatch(command: &Command) -> Result<Outcome, CliError> {
         Command::Check(arguments) => commands::check::run(arguments),
         Command::New(arguments) => commands::new::run(arguments),
         Command::Help(arguments) => Ok(commands::help::run(arguments)),
+        Command::Completions(arguments) => Ok(commands::completions::run(arguments)),
+        Command::Man(arguments) => commands::man::run(arguments),
     }
 }

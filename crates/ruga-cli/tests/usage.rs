@@ -68,3 +68,46 @@ fn version_is_the_crates() {
         concat!("ruga ", env!("CARGO_PKG_VERSION"))
     );
 }
+
+#[test]
+fn shells_and_readers_of_manuals_get_every_command() {
+    let folder = Folder::new();
+    let script = folder.ruga("completions bash").exits(0).stdout;
+    folder.ruga("man pages").exits(0);
+    for command in ["bake", "plan", "preview", "help"] {
+        assert!(script.contains(&format!("ruga,{command}")), "{command}");
+        let page = folder.read(&format!("pages/ruga-{command}.1"));
+        let page = String::from_utf8(page).expect("text");
+        assert!(page.contains(&format!("ruga {command}")), "{page}");
+    }
+    let pages = folder.files("pages");
+    assert_eq!(pages.len(), 11, "{pages:?}");
+    folder
+        .ruga("completions tcsh")
+        .exits(2)
+        .says(&["tcsh", "bash"]);
+}
+
+#[test]
+fn a_quiet_run_tells_results_alone_and_others_how_long_it_will_take() {
+    let folder = Folder::new();
+    folder.ruga("new arm").exits(0);
+    folder.change("arm/scene.toml", "[bake]\nsize = 1024", "[bake]\nsize = 64");
+    let bake = "bake arm/scene.toml --quality draft --threads 1 --pose twist --pose pinch";
+    let loud = folder.ruga(&format!("{bake} -o loud")).exits(0);
+    let quiet = folder.ruga(&format!("{bake} -o quiet --quiet")).exits(0);
+    for words in ["pose `twist` (1 of 2) started", "; about ", " left\n"] {
+        assert!(loud.stderr.contains(words), "{}", loud.stderr);
+    }
+    // Nothing is left after the last.
+    assert_eq!(
+        loud.stderr.matches("; about ").count(),
+        1,
+        "{}",
+        loud.stderr
+    );
+    assert!(!quiet.stderr.contains("pose `"), "{}", quiet.stderr);
+    let table = |stdout: &str| stdout.lines().filter(|line| line.contains("yes")).count();
+    assert_eq!(table(&quiet.stdout), table(&loud.stdout));
+    assert!(table(&quiet.stdout) > 0, "{}", quiet.stdout);
+}

@@ -6,8 +6,10 @@ mod scene_for_mesh;
 
 pub(crate) mod bake;
 pub(crate) mod check;
+pub(crate) mod completions;
 pub(crate) mod help;
 pub(crate) mod job;
+pub(crate) mod man;
 pub(crate) mod new;
 pub(crate) mod plan;
 pub(crate) mod preview;
