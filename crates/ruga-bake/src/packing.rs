@@ -7,10 +7,6 @@ use petgraph::algo::dsatur_coloring;
 use petgraph::graph::{NodeIndex, UnGraph};
 use thiserror::Error;
 
-/// Deviation from neutral from which on a texel belongs to a region: half a step of 8 bits, so that a
-/// texel outside rounds to neutral.
-const LEAST: f32 = 0.5 / 255.0;
-
 /// Texels by which regions are grown: filtered at its border, a mask is whole where the map is not
 /// neutral.
 const MARGIN: usize = 2;
@@ -36,13 +32,15 @@ impl PoseRegion {
         }
     }
 
-    /// Adds the texels whose stored values, 0 to 1 and one per channel of `neutral`, are not neutral to 8
-    /// bits.
-    pub fn add(&mut self, values: &[f32], neutral: &[f32]) {
+    /// Adds the texels whose stored values, 0 to 1 and one per channel of `neutral`, are not neutral to so
+    /// many `steps` of 8 bits: half a one, or one and a half where values were dithered to 8 bits, which takes
+    /// them a step away from what they were.
+    pub fn add(&mut self, values: &[f32], neutral: &[f32], steps: f32) {
+        let least = steps / 255.0;
         let texels = values.chunks_exact(neutral.len());
         for (inside, texel) in self.inside.iter_mut().zip(texels) {
             let mut pairs = texel.iter().zip(neutral);
-            *inside |= pairs.any(|(value, neutral)| (value - neutral).abs() > LEAST);
+            *inside |= pairs.any(|(value, neutral)| (value - neutral).abs() > least);
         }
     }
 

@@ -21,7 +21,7 @@ fn pose([column, row, side]: [usize; 3]) -> Vec<f32> {
 
 fn region(values: &[f32]) -> PoseRegion {
     let mut region = PoseRegion::new(SIZE as u32);
-    region.add(values, &NEUTRAL);
+    region.add(values, &NEUTRAL, 0.5);
     region.with_margin()
 }
 
@@ -80,10 +80,10 @@ fn what_rounds_to_neutral_is_no_region() {
     let mut values = NEUTRAL.repeat(SIZE * SIZE);
     values[3 * 100] += 0.4 / 255.0;
     let mut region = PoseRegion::new(SIZE as u32);
-    region.add(&values, &NEUTRAL);
+    region.add(&values, &NEUTRAL, 0.5);
     assert!(!(0..SIZE * SIZE).any(|texel| region.contains(texel)));
     values[3 * 100] += 0.2 / 255.0;
-    region.add(&values, &NEUTRAL);
+    region.add(&values, &NEUTRAL, 0.5);
     assert!(region.contains(100));
     // Its margin is clipped at the border of the image and nowhere else.
     let grown = region.with_margin();

@@ -345,6 +345,10 @@ pub(crate) enum Topic {
     Check,
     /// The options of `ruga new`.
     New,
+    /// The options of `ruga completions`.
+    Completions,
+    /// The options of `ruga man`.
+    Man,
 }
 
 /// How fine the meshes are.

@@ -20,7 +20,27 @@ use crate::pose_record::PoseRecord;
 /// Folder of packed maps in the output folder.
 const FOLDER: &str = "packed";
 
-/// Packs the finished poses of an output folder; the images that an earlier packing has left go.
+/// Removes what an earlier packing has left: it is of maps that were there then.
+///
+/// # Errors
+/// A file that cannot be removed.
+pub(crate) fn remove_packed(output: &Path) -> Result<(), IoError> {
+    let folder = output.join(FOLDER);
+    let path = folder.join("pack.json");
+    // The manifest goes last: until then it says which images are ours.
+    let files = named_files(&path).into_iter().map(|file| folder.join(file));
+    for path in files.chain([path.clone()]) {
+        match fs::remove_file(&path) {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+                return Err(IoError::Unwritable { path, source });
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// Packs the finished poses of an output folder, where nothing of an earlier packing is left.
 ///
 /// Everything is known to fit before the first file is written, and `pack.json` comes last: where it
 /// is, all that it names is there.
@@ -56,6 +76,8 @@ pub(crate) fn write_packed(
 /// A kind of maps as it is packed: one encoding for all poses.
 struct Plate {
     kind: MapKind,
+    /// Texels per side.
+    size: u32,
     format: MapFormat,
     /// Rule for the stored values, 0 to 1, that are compared and packed.
     encoding: Encoding,
@@ -68,7 +90,20 @@ struct Plate {
 impl Plate {
     /// The values of a map, in the encoding of the plate.
     fn stored(&self, output: &Path, entry: &WrinkleMap) -> Result<Vec<f32>, IoError> {
-        let mut values = read_image(&output.join(&entry.file))?.values;
+        let path = output.join(&entry.file);
+        let image = read_image(&path)?;
+        let (size, channels) = (self.size as usize, self.neutral.len());
+        if [image.width, image.height, image.channels] != [size, size, channels] {
+            return Err(IoError::Malformed {
+                path,
+                element: "image".to_owned(),
+                reason: format!(
+                    "is {} x {} with {} channels, not {size} x {size} with {channels} as it was baked; bake its pose again",
+                    image.width, image.height, image.channels
+                ),
+            });
+        }
+        let mut values = image.values;
         let own = own_encoding(entry);
         if own != self.encoding {
             for value in &mut values {
@@ -129,6 +164,7 @@ fn plates(output: &Path, scene: &Scene, records: &[&PoseRecord]) -> Result<Vec<P
         };
         Ok(Some(Plate {
             kind: *kind,
+            size: scene.file.bake.size,
             format: first.format,
             encoding,
             neutral: first.neutral.iter().map(stored).collect(),
@@ -160,7 +196,10 @@ impl Packer<'_> {
             let mut region = PoseRegion::new(self.scene.file.bake.size);
             for plate in &self.plates {
                 if let Some(entry) = record.last_map(plate.kind) {
-                    region.add(&plate.stored(self.output, entry)?, &plate.neutral);
+                    let is_dithered =
+                        plate.kind == MapKind::Normal && plate.format == MapFormat::Png8;
+                    let steps = if is_dithered { 1.5 } else { 0.5 };
+                    region.add(&plate.stored(self.output, entry)?, &plate.neutral, steps);
                 }
             }
             Ok(region.with_margin())
@@ -176,14 +215,6 @@ impl Packer<'_> {
     ) -> Result<(), CliError> {
         let folder = self.output.join(FOLDER);
         let path = folder.join("pack.json");
-        let earlier = named_files(&path);
-        // An image that is not yet written again is none of this packing.
-        match fs::remove_file(&path) {
-            Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-                return Err(IoError::Unwritable { path, source }.into());
-            }
-            _ => {}
-        }
         let mut manifest = PackManifest {
             version: PackManifest::VERSION,
             mesh: self.scene.mesh.mesh.name.clone(),
@@ -202,7 +233,7 @@ impl Packer<'_> {
                 let name = &record.report.name;
                 let own = poses.iter().find(|pose| pose.name == *name);
                 let packed = PackedPose {
-                    name: engine_name(name, self.settings.names, map),
+                    name: engine_name(name, self.settings.names),
                     map,
                     mask: place / POSES_PER_MASK,
                     channel: ["r", "g", "b", "a"][place % POSES_PER_MASK].to_owned(),
@@ -213,11 +244,6 @@ impl Packer<'_> {
             }
         }
         manifest.write(&path)?;
-        let now = named_files(&path);
-        for file in earlier.iter().filter(|file| !now.contains(file)) {
-            // What cannot be removed does no harm: nothing names it.
-            let _ = fs::remove_file(folder.join(file));
-        }
         messages::note(&format!(
             "{} packed into {}: {}",
             counted(self.records.len(), "pose"),

@@ -13,6 +13,9 @@ use crate::error::CliError;
 /// Side of a panel.
 const SIDE: u32 = 600;
 
+/// Panels of a picture: eight rows of eight still can be looked at.
+const MOST_PANELS: usize = 64;
+
 /// Height of a panel's heading.
 const HEADING: u32 = 36;
 
@@ -87,6 +90,13 @@ pub(crate) fn write(path: &Path, scene: &Scene, plan: &ScenePlan) -> Result<(), 
     let panels = panels(scene, plan);
     if panels.is_empty() {
         return Err(refuse("nothing wrinkles, so there is nothing to show"));
+    }
+    if panels.len() > MOST_PANELS {
+        let reason = format!(
+            "{} poses and layers wrinkle, and a picture shows at most {MOST_PANELS}; choose some with `--pose`",
+            panels.len()
+        );
+        return Err(refuse(&reason));
     }
     let columns = (panels.len() as f64).sqrt().ceil() as u32;
     let rows = (panels.len() as u32).div_ceil(columns);

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use ruga_io::{
-    MapKind, MeshFile, NormalY, ObjOptions, WrinkleMap, Wrinkles, read_bytes, read_image,
-    read_mesh, write_atomically,
+    IoError, MapFormat, MapKind, MeshFile, NormalY, ObjOptions, WrinkleMap, Wrinkles, read_bytes,
+    read_image, read_mesh, write_atomically,
 };
 use ruga_preview::{PackedMap, Preview, PreviewPose};
 use ruga_scene::Placement;
@@ -57,17 +57,22 @@ pub(crate) fn write(folder: &Path, force: bool) -> Result<(PathBuf, usize), Prev
 /// A page of an earlier run is removed then, as it shows other maps.
 pub(crate) fn renew(folder: &Path) -> Option<String> {
     let fault = write(folder, false).err()?;
-    let path = folder.join(PAGE);
-    if is_ours(&path) {
-        // One that cannot be removed is out of date, which the warning says.
-        let _ = fs::remove_file(&path);
-    }
+    remove(folder);
     match fault {
         // The scene asks for heights alone.
         PreviewFault::NoMaps { .. } => None,
         fault => Some(format!(
             "{PAGE} was not made, all other results are there: {fault}"
         )),
+    }
+}
+
+/// Removes a page of an earlier run, which shows other maps.
+pub(crate) fn remove(folder: &Path) {
+    let path = folder.join(PAGE);
+    if is_ours(&path) {
+        // One that cannot be removed is out of date; the maps are right.
+        let _ = fs::remove_file(&path);
     }
 }
 
@@ -120,9 +125,14 @@ fn mesh_of(folder: &Path, manifest: &Wrinkles) -> Result<MeshFile, PreviewFault>
         return Err(PreviewFault::NoMesh { path });
     };
     let path = present(folder.join(&glb.file))?;
-    let read = |name: Option<&str>| read_mesh(&path, name, &ObjOptions::default());
-    // The mesh of a scene may be called by its node; a GLB of a single mesh needs no name.
-    let mesh = read(Some(&manifest.mesh)).or_else(|_| read(None))?;
+    let read = read_mesh(&path, Some(&manifest.mesh), &ObjOptions::default());
+    let mesh = match read {
+        Err(IoError::UnknownMesh { .. }) => {
+            let reason = format!("it has no mesh `{}`", manifest.mesh);
+            return Err(PreviewFault::AnotherRun { path, reason });
+        }
+        other => other?,
+    };
     let shapes = || mesh.mesh.shapes.iter().map(|shape| &shape.name);
     for (pose, weights) in &manifest.poses {
         if let Some(absent) = weights.keys().find(|name| !shapes().any(|s| s == *name)) {
@@ -212,7 +222,7 @@ fn packed(folder: &Path, size: u32, map: &WrinkleMap) -> Result<PackedMap, Previ
 /// Unit normals of a map's stored values, Y up.
 fn decoded(values: Vec<f32>, map: &WrinkleMap) -> Vec<[f32; 3]> {
     // Stored numbers of an EXR are the normals themselves, those of a PNG go from 0 to 1.
-    let is_coded = map.neutral.first().is_some_and(|neutral| *neutral > 0.0);
+    let is_coded = map.format != MapFormat::Exr;
     let up = if map.green == Some(NormalY::Down) {
         -1.0
     } else {

@@ -119,6 +119,13 @@ fn too_few_maps_are_refused_and_nothing_is_packed() {
         run.stderr
     );
     assert!(folder.path("out/packed/pack.json").exists());
+    assert!(folder.files("out/packed").len() > 2);
+    // What was packed is of maps that were there then, and goes when it cannot be made anew.
+    folder.change("scene.toml", "maps = 2", "maps = 1");
+    folder
+        .ruga("bake scene.toml -o out --quality draft --resume")
+        .exits(2);
+    assert!(folder.files("out/packed").is_empty());
 }
 
 #[test]

@@ -58,25 +58,47 @@ const ARKIT: [&str; 52] = [
     "tongueOut",
 ];
 
-/// Regions of MetaHuman's wrinkle maps without their side, each with the ARKit shape that it is for, if
-/// there is one.
-const METAHUMAN: [(&str, &str); 16] = [
-    ("blink", "eyeBlink"),
-    ("browsRaiseInner", "browInnerUp"),
-    ("browsRaiseOuter", "browOuterUp"),
-    ("browsLateral", ""),
-    ("browsDown", "browDown"),
-    ("chinRaise", "mouthShrugLower"),
-    ("jawOpen", "jawOpen"),
-    ("purse", "mouthPucker"),
-    ("squintInner", "eyeSquint"),
-    ("mouthStretch", "mouthStretch"),
-    ("neckStretch", ""),
-    ("noseWrinkler", "noseSneer"),
-    ("cheekRaiseInner", "cheekSquint"),
-    ("cheekRaiseOuter", ""),
-    ("cheekRaiseUpper", ""),
-    ("smile", "mouthSmile"),
+/// A region of MetaHuman's wrinkle maps.
+struct Region {
+    /// The map that it is in.
+    map: u8,
+    /// Its name without its side.
+    name: &'static str,
+    /// The ARKit shape that it is for, without its side, if there is one.
+    shape: &'static str,
+    /// Whether it is one of two sides.
+    is_side: bool,
+}
+
+const fn region(map: u8, name: &'static str, shape: &'static str) -> Region {
+    Region {
+        map,
+        name,
+        shape,
+        is_side: true,
+    }
+}
+
+/// Regions of MetaHuman's three wrinkle maps; those of lips and of quarters of the mouth are for no shape.
+const METAHUMAN: [Region; 15] = [
+    region(1, "blink", "eyeBlink"),
+    region(1, "browsRaiseInner", "browInnerUp"),
+    region(1, "browsRaiseOuter", "browOuterUp"),
+    region(1, "chinRaise", "mouthShrugLower"),
+    region(1, "squintInner", "eyeSquint"),
+    Region {
+        is_side: false,
+        ..region(1, "jawOpen", "jawOpen")
+    },
+    region(2, "browsDown", "browDown"),
+    region(2, "browsLateral", ""),
+    region(2, "mouthStretch", "mouthStretch"),
+    region(2, "neckStretch", ""),
+    region(2, "noseWrinkler", "noseSneer"),
+    region(3, "cheekRaiseInner", "cheekSquint"),
+    region(3, "cheekRaiseOuter", ""),
+    region(3, "cheekRaiseUpper", ""),
+    region(3, "smile", "mouthSmile"),
 ];
 
 /// Expressions of VRM 1.0, each with its name in VRM 0, if it has another.
@@ -104,13 +126,13 @@ const VRM: [(&str, &str); 18] = [
 /// Name of a pose in an engine's convention: letter case, `_` and the way in which sides are written do
 /// not count. A pose that the convention does not have keeps its own name.
 ///
-/// Of a shape that the convention does not divide, both sides have its one name. MetaHuman's names have
-/// the number of the `map` in them, from 0.
-pub fn engine_name(pose: &str, names: Option<PoseNames>, map: usize) -> String {
+/// Of a shape that the convention does not divide, both sides have its one name. The number in a name of
+/// MetaHuman's is that of the map which has the region there.
+pub fn engine_name(pose: &str, names: Option<PoseNames>) -> String {
     let known = match names {
         None => None,
         Some(PoseNames::Arkit) => arkit(pose).map(str::to_owned),
-        Some(PoseNames::Metahuman) => metahuman(pose).map(|n| format!("head_wm{}_{n}", map + 1)),
+        Some(PoseNames::Metahuman) => metahuman(pose),
         Some(PoseNames::Vrm) => vrm(pose).map(str::to_owned),
     };
     known.unwrap_or_else(|| pose.to_owned())
@@ -120,7 +142,7 @@ pub fn engine_name(pose: &str, names: Option<PoseNames>, map: usize) -> String {
 pub(crate) fn collision(poses: &[String], names: PoseNames) -> Option<[String; 3]> {
     let engine: Vec<String> = poses
         .iter()
-        .map(|pose| engine_name(pose, Some(names), 0))
+        .map(|pose| engine_name(pose, Some(names)))
         .collect();
     (0..poses.len()).find_map(|i| {
         let same = (0..i).find(|&other| engine[other] == engine[i])?;
@@ -130,20 +152,27 @@ pub(crate) fn collision(poses: &[String], names: PoseNames) -> Option<[String; 3
 
 /// Letters and digits in lower case, and the side: `L`, `R` or nothing.
 fn parts(name: &str) -> (String, &'static str) {
-    let stem = |suffixes: [&str; 3]| {
-        let mut found = suffixes.iter();
-        found.find_map(|suffix| name.strip_suffix(suffix))
+    // A capital at the end is a side, too: `browDownL`.
+    let mut last = name.chars().rev();
+    let ends_low_high = matches!(
+        (last.next(), last.next()),
+        (Some('L' | 'R'), Some('a'..='z'))
+    );
+    let lower = name.to_lowercase();
+    let stem = |side: &str| {
+        let letter = &side[..1];
+        let marked = ["_", ".", "-", " "].map(|mark| format!("{mark}{letter}"));
+        let mut found = marked.iter().map(String::as_str).chain([side]);
+        let found = found.find_map(|suffix| lower.strip_suffix(suffix));
+        found.or_else(|| lower.strip_suffix(letter).filter(|_| ends_low_high))
     };
-    let (stem, side) = match (
-        stem(["Left", "_L", "_l"]).or_else(|| name.strip_suffix("_left")),
-        stem(["Right", "_R", "_r"]).or_else(|| name.strip_suffix("_right")),
-    ) {
+    let (stem, side) = match (stem("left"), stem("right")) {
         (Some(stem), _) => (stem, "L"),
         (_, Some(stem)) => (stem, "R"),
-        _ => (name, ""),
+        _ => (lower.as_str(), ""),
     };
     let plain = stem.chars().filter(char::is_ascii_alphanumeric);
-    (plain.collect::<String>().to_lowercase(), side)
+    (plain.collect(), side)
 }
 
 fn arkit(pose: &str) -> Option<&'static str> {
@@ -153,14 +182,20 @@ fn arkit(pose: &str) -> Option<&'static str> {
 }
 
 fn metahuman(pose: &str) -> Option<String> {
-    let (stem, side) = parts(pose);
+    let lower = pose.to_lowercase();
+    let own = ["head_wm1_", "head_wm2_", "head_wm3_"];
+    let own = own.iter().find(|start| lower.starts_with(*start));
+    let (stem, side) = parts(&pose[own.map_or(0, |start| start.len())..]);
     let is_it = |name: &str| !name.is_empty() && name.to_lowercase() == stem;
-    let mut regions = METAHUMAN.iter();
-    let (region, _) = regions.find(|(region, shape)| is_it(region) || is_it(shape))?;
-    Some(match side {
-        "" => (*region).to_owned(),
-        side => format!("{region}_{side}"),
-    })
+    let found = METAHUMAN.iter();
+    let mut found = found.filter(|region| region.is_side != side.is_empty());
+    let Region { map, name, .. } = found.find(|r| is_it(r.name) || is_it(r.shape))?;
+    let side = if side.is_empty() {
+        ""
+    } else {
+        &format!("_{side}")
+    };
+    Some(format!("head_wm{map}_{name}{side}"))
 }
 
 fn vrm(pose: &str) -> Option<&'static str> {
@@ -190,22 +225,31 @@ mod tests {
             (PoseNames::Arkit, "browInnerUp_L", "browInnerUp"),
             (PoseNames::Arkit, "jaw_open", "jawOpen"),
             (PoseNames::Arkit, "frown", "frown"),
+            (PoseNames::Arkit, "browdownleft", "browDownLeft"),
+            (PoseNames::Arkit, "BROW_DOWN_LEFT", "browDownLeft"),
+            (PoseNames::Arkit, "browDownL", "browDownLeft"),
+            (PoseNames::Arkit, "browDown.L", "browDownLeft"),
+            (PoseNames::Arkit, "mouthRollLower", "mouthRollLower"),
             (
                 PoseNames::Metahuman,
                 "browOuterUp_R",
-                "head_wm2_browsRaiseOuter_R",
+                "head_wm1_browsRaiseOuter_R",
             ),
-            (PoseNames::Metahuman, "mouthSmileLeft", "head_wm2_smile_L"),
-            (PoseNames::Metahuman, "jawOpen", "head_wm2_jawOpen"),
+            (PoseNames::Metahuman, "browDownLeft", "head_wm2_browsDown_L"),
+            (PoseNames::Metahuman, "mouthSmileLeft", "head_wm3_smile_L"),
+            (PoseNames::Metahuman, "mouthSmile", "mouthSmile"),
+            (PoseNames::Metahuman, "mouthPucker", "mouthPucker"),
+            (PoseNames::Metahuman, "jawOpen", "head_wm1_jawOpen"),
+            (PoseNames::Metahuman, "head_wm1_blink_L", "head_wm1_blink_L"),
             (PoseNames::Vrm, "Joy", "happy"),
             (PoseNames::Vrm, "eyeBlink_L", "blinkLeft"),
             (PoseNames::Vrm, "blink_r", "blinkRight"),
             (PoseNames::Vrm, "A", "aa"),
         ];
         for (names, pose, wanted) in cases {
-            assert_eq!(engine_name(pose, Some(names), 1), wanted);
+            assert_eq!(engine_name(pose, Some(names)), wanted);
         }
-        assert_eq!(engine_name("browDown_L", None, 1), "browDown_L");
+        assert_eq!(engine_name("browDown_L", None), "browDown_L");
     }
 
     #[test]

@@ -24,6 +24,9 @@ def export(context: bpy.types.Context, subject: bpy.types.Object, folder: Path) 
     All that can be refused is looked at before the first file is written.
     """
     check_subject(subject)
+    if subject.mode != "OBJECT":
+        # Changes made in edit mode reach the mesh, and what masks are drawn from, only on leaving it.
+        bpy.ops.object.mode_set(mode="OBJECT")
     settings = subject.ruga
     uv_map = chosen_uv_map(subject)
     shapes = chosen_shapes(subject)
@@ -96,7 +99,7 @@ def chosen_layers(subject: bpy.types.Object, uv_map: str) -> tuple[list[Layer], 
     masks: dict[str, np.ndarray] = {}
     for entry in subject.ruga.layers:
         name = legal_name(entry.name)
-        if name in {layer.name for layer in layers}:
+        if name.lower() in {layer.name.lower() for layer in layers}:
             raise RugaError(f"Two layers are called `{name}`: rename one")
         layer = Layer(name, strength=entry.strength, zone=legal_name(entry.zone) if entry.zone else None)
         if entry.kind == "PRESET":
@@ -128,9 +131,6 @@ def mask_of(subject: bpy.types.Object, entry: bpy.types.PropertyGroup, uv_map: s
 
 def write_mesh(context: bpy.types.Context, subject: bpy.types.Object, uv_map: str, path: Path) -> str:
     """Writes the mesh as GLB, in metres, without modifiers and materials; returns its name there."""
-    if subject.mode != "OBJECT":
-        # Changes made in edit mode reach the mesh only on leaving it.
-        bpy.ops.object.mode_set(mode="OBJECT")
     copy = plain_copy(context, subject, uv_map)
     mesh, selected, active = copy.data, context.selected_objects, context.view_layer.objects.active
     context.scene.collection.objects.link(copy)
@@ -184,6 +184,8 @@ def plain_copy(context: bpy.types.Context, subject: bpy.types.Object, uv_map: st
     """A copy that stands at the origin at its size in metres, with one UV map and bare shape keys."""
     copy = subject.copy()
     copy.data = subject.data.copy()
+    # The exporter takes what is selected.
+    copy.hide_select = copy.hide_viewport = False
     mesh, keys = copy.data, copy.data.shape_keys
     copy.animation_data_clear()
     keys.animation_data_clear()

@@ -99,6 +99,9 @@ def save_grey(values: np.ndarray, path: Path) -> None:
         image.pixels.foreach_set(colours.ravel())
         image.file_format = "PNG"
         with whole_file(path) as unfinished:
-            image.save(filepath=str(unfinished))
+            try:
+                image.save(filepath=str(unfinished))
+            except RuntimeError as error:
+                raise RugaError(f"{path} cannot be written: {error}") from error
     finally:
         bpy.data.images.remove(image)

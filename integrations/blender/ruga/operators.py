@@ -76,6 +76,10 @@ class RUGA_OT_bake(ObjectOperator, bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             self.stop(context)
             return {"CANCELLED"}
+        except BaseException:
+            # Whatever it was, the next bake must be able to begin.
+            self.stop(context)
+            raise
         self.stop(context)
         return {"FINISHED"}
 

@@ -117,7 +117,8 @@ def poses_of_shapes(shapes: list[str], join_sides: bool) -> dict[str, dict[str, 
             continue
         name, other = pair
         # The joint name may be that of a third shape, which keeps it.
-        name = f"{name}_both" if name in shapes or not name else name
+        while not name or name in shapes or name in poses:
+            name = f"{name}_both"
         poses[name] = {shape: 1.0, other: 1.0}
     return poses
 
@@ -146,8 +147,11 @@ def parse_keys(text: str) -> list[float]:
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
     """A path to write to; the file takes its name only when the block has ended well."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".writing-") as folder:
-        unfinished = Path(folder) / path.name
-        yield unfinished
-        os.replace(unfinished, path)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=path.parent, prefix=".writing-") as folder:
+            unfinished = Path(folder) / path.name
+            yield unfinished
+            os.replace(unfinished, path)
+    except OSError as error:
+        raise RugaError(f"{path} cannot be written: {error}") from error

@@ -15,7 +15,7 @@ use crate::memory_limit::refuse_too_little;
 use crate::moved_mesh::write_moved_mesh;
 use crate::outcome::Outcome;
 use crate::output_folder::OutputFolder;
-use crate::pack_files::write_packed;
+use crate::pack_files::{remove_packed, write_packed};
 use crate::pose_inputs::ScenePose;
 use crate::pose_record::{PoseRecord, Records};
 use crate::pose_runs::{PoseFiles, Product, run_poses, thread_count, thread_pool};
@@ -71,17 +71,26 @@ pub(crate) fn run(bake: &BakeArguments) -> Result<Outcome, CliError> {
     };
     messages::warnings(about_mesh.iter(), ALL_IN_REPORT);
     scene.warnings.extend(about_mesh);
-    if !bake.maps_only {
+    if bake.maps_only {
+        preview_page::remove(&arguments.output);
+    } else {
         let about_preview = pool.install(|| preview_page::renew(&arguments.output));
         messages::warnings(about_preview.iter(), ALL_IN_REPORT);
         scene.warnings.extend(about_preview);
     }
-    let outcome = summary::conclude(&scene, &plan, arguments, poses, &results)?;
-    if let Some(pack) = &scene.file.pack {
-        let poses = (results.current.as_slice(), folder.poses.as_slice());
-        write_packed(&arguments.output, &scene, pack, poses)?;
-    }
-    Ok(outcome)
+    let packed = remove_packed(&arguments.output).map_err(CliError::from);
+    let packed = packed.and_then(|()| match &scene.file.pack {
+        Some(pack) if poses.is_ok() && !interrupt::asked() => {
+            let poses = (results.current.as_slice(), folder.poses.as_slice());
+            pool.install(|| write_packed(&arguments.output, &scene, pack, poses))
+        }
+        _ => Ok(()),
+    });
+    let poses = match packed {
+        Ok(()) => poses,
+        Err(error) => Err(summary::first_error(poses, error)),
+    };
+    summary::conclude(&scene, &plan, arguments, poses, &results)
 }
 
 struct WrinkleMaps<'a> {

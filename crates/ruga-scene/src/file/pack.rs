@@ -11,7 +11,7 @@ use super::names::file_name_fault;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Pack {
-    /// Largest number of maps of each kind, 1 to 16. Poses that overlap take different maps.
+    /// Largest number of maps of each kind, 1 to 1000. Poses that overlap take different maps.
     pub maps: u32,
     /// Names that the engine knows poses by; left out, those of the scene.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -38,7 +38,8 @@ impl Default for Pack {
 pub enum PoseNames {
     /// The 52 blend shapes of ARKit, such as `browDownLeft`.
     Arkit,
-    /// Regions of MetaHuman's wrinkle maps, such as `head_wm1_browsRaiseInner_L`.
+    /// Regions of MetaHuman's wrinkle maps, such as `head_wm1_browsRaiseInner_L`;
+    /// a pose of both sides is none and keeps its name.
     Metahuman,
     /// Expressions of VRM 1.0, such as `blinkLeft`.
     Vrm,
@@ -46,7 +47,7 @@ pub enum PoseNames {
 
 impl Pack {
     pub(super) fn faults(&self) -> Checked {
-        within("pack.maps", u64::from(self.maps), 1, 16)?;
+        within("pack.maps", u64::from(self.maps), 1, 1000)?;
         let key = "pack.pattern";
         let found = format!("`{}`", self.pattern);
         let mut plain = self.pattern.clone();
