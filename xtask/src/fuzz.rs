@@ -12,7 +12,7 @@ const DEFAULT_ROUNDS: u64 = 1000;
 
 /// Crates with property tests, each with the files that hold them.
 const SUITES: [(&str, &[&str]); 6] = [
-    ("ruga-bake", &["padding", "rasterisation"]),
+    ("ruga-bake", &["packing", "padding", "rasterisation"]),
     ("ruga-io", &["damaged_files"]),
     (
         "ruga-material",
