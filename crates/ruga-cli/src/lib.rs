@@ -9,7 +9,7 @@
 //! manifest are made of all records in the output folder that fit the scene, so that a run of one pose
 //! leaves the others listed; one run at a time *locks* the folder. On a render farm each run is a *task*,
 //! which locks its poses only, and a *merge* makes report and manifest; `job` writes both as a template. The
-//! *preview* is made last, of the files in the folder.
+//! *preview* and *packed* maps are made of the files in the folder.
 //!
 //! Results are printed on stdout, progress and messages on stderr. Exit codes: 0 done; 1 ran, but
 //! a pose did not converge or the run was interrupted, with the results written and marked; 2 could
