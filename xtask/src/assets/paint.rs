@@ -59,7 +59,7 @@ fn byte(relative: f64) -> u8 {
 }
 
 /// From 0 to 1 between two places, with slope zero at both.
-fn smooth_step(at: f64, [from, to]: [f64; 2]) -> f64 {
+pub(super) fn smooth_step(at: f64, [from, to]: [f64; 2]) -> f64 {
     let t = ((at - from) / (to - from)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }

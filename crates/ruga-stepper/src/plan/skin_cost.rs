@@ -15,8 +15,8 @@ const FIRST: f64 = 17.0;
 const OVERLAPPED: f64 = 1.5;
 /// Bytes for every vertex of a layer in patches, which overlap and are kept from solve to solve.
 const IN_PATCHES: f64 = 1.3e4;
-/// Bytes for every vertex of a layer so large that its patches are set up one at a time, from a hand of 86
-/// thousand vertices and a wrist of 189 thousand, within 5 %.
+/// Bytes for every vertex of a layer so large that its patches are set up when it is their turn, on one thread:
+/// from a hand of 86 thousand vertices, and half of what two wrists of 189 thousand take together.
 const IN_WIDE_PATCHES: f64 = 5.6e3;
 /// Bytes of the program with its scene: of the forearm 80 million, of a face with 55 shapes 140.
 const BASE: f64 = 1.1e8;

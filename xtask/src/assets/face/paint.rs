@@ -5,6 +5,7 @@ use ruga_blend::ArtistMesh;
 use ruga_mesh::barycentric;
 
 use super::solid::Point;
+use crate::assets::paint::smooth_step;
 
 /// Texels along a side: 1.6 mm each.
 pub(in crate::assets) const TEXELS: usize = 256;
@@ -38,18 +39,18 @@ pub(in crate::assets) fn paint(mesh: &ArtistMesh) -> Painted {
 /// Forehead and glabella, as far as the hairline and the temples.
 fn forehead(p: Point) -> f64 {
     let p = Point::new(p.x.abs(), p.y, p.z);
-    window(p.y, [0.009, 0.017], [0.092, 0.100]) * ramp(p.z, [0.010, 0.025])
+    window(p.y, [0.009, 0.017], [0.092, 0.100]) * smooth_step(p.z, [0.010, 0.025])
 }
 
 /// Around the eyes, the temples, and the bridge of the nose.
 fn eyes(p: Point) -> f64 {
     let p = Point::new(p.x.abs(), p.y, p.z);
-    window(p.y, [-0.032, -0.022], [0.030, 0.040]) * ramp(p.z, [-0.002, 0.012])
+    window(p.y, [-0.032, -0.022], [0.030, 0.040]) * smooth_step(p.z, [-0.002, 0.012])
 }
 
 /// Cheeks, mouth and chin.
 fn cheeks(p: Point) -> f64 {
-    window(p.y, [-0.125, -0.112], [0.0, 0.010]) * ramp(p.z, [0.004, 0.020])
+    window(p.y, [-0.125, -0.112], [0.0, 0.010]) * smooth_step(p.z, [0.004, 0.020])
 }
 
 /// Thin on the lids, thick on cheeks and chin: share of the range that a scene gives.
@@ -69,12 +70,7 @@ fn fading(p: Point, centre: [f64; 3], radius: f64) -> f64 {
 
 /// From 0 to 1 over the first two numbers, back to 0 over the other two.
 fn window(at: f64, rise: [f64; 2], fall: [f64; 2]) -> f64 {
-    ramp(at, rise) * (1.0 - ramp(at, fall))
-}
-
-fn ramp(at: f64, [from, to]: [f64; 2]) -> f64 {
-    let t = ((at - from) / (to - from)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
+    smooth_step(at, rise) * (1.0 - smooth_step(at, fall))
 }
 
 /// For each texel the place on the head that it shows; around a chart, that of the next texel in it.

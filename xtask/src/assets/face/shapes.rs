@@ -7,6 +7,7 @@
 use super::lattice::{Lattice, Part, Site};
 use super::openings::{self, Openings};
 use super::solid::{EYE, Point, onto_skin};
+use crate::assets::paint::smooth_step;
 
 /// The left side's shapes of pairs, and whole shapes, in ARKit's names.
 const PAIRS: [(&str, Displacement); 7] = [
@@ -85,12 +86,6 @@ fn bump(p: Point, centre: [f64; 3], radii: [f64; 3]) -> f64 {
     let q = (p - Point::from(centre)).component_div(&Point::from(radii));
     let rest = (1.0 - q.norm_squared()).max(0.0);
     rest * rest
-}
-
-/// From 0 to 1 between two numbers, with slope zero at both.
-fn smooth_step(at: f64, [from, to]: [f64; 2]) -> f64 {
-    let t = ((at - from) / (to - from)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }
 
 /// The way of skin that is drawn so far and stays on the head.
