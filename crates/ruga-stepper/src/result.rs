@@ -17,7 +17,8 @@ pub struct LayerSurface {
     /// Vertex positions, m.
     pub positions: Vec<Vector3<f64>>,
     /// Vertex positions as maps show them (m): every layer's relief by its strength, faded to nothing
-    /// at painted borders ([`Presence`](crate::Presence)).
+    /// at painted borders ([`Presence`](crate::Presence)), where skin is strained to less than half of what
+    /// wrinkles it, and where the surface is bent about as sharply as the layer is thick.
     pub relief: Vec<Vector3<f64>>,
     /// The posed driver at the vertices' material points, or the surface of the body there, m.
     pub driver_positions: Vec<Vector3<f64>>,

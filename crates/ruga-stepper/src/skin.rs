@@ -11,6 +11,7 @@ pub(crate) mod material_places;
 pub(crate) mod measure;
 pub(crate) mod piece;
 pub(crate) mod place;
+pub(crate) mod quiet;
 pub(crate) mod refined;
 pub(crate) mod relief;
 pub(crate) mod skin_mesh;

@@ -66,7 +66,8 @@ pub(crate) struct Layer {
     properties: SkinProperties,
     /// Output mesh of the active region.
     region: RegionMesh,
-    weights: ReliefWeights,
+    /// Weights of the relief on its own mesh, and on the output mesh.
+    weights: [ReliefWeights; 2],
     /// Takes results to the output mesh; `None` where that is the layer's own mesh.
     interpolation: Option<Interpolation>,
     bending: BendingModel,
@@ -210,7 +211,8 @@ impl Layer {
             None => row_centres(spec, &properties, &skin, &free)?,
         };
         preparing.step()?;
-        let weights = ReliefWeights::new(driver, spec, wrinkling, (&skin, &region.skin))?;
+        let weights = |skin| ReliefWeights::new(driver, spec, wrinkling, skin);
+        let weights = [weights(&skin)?, weights(&region.skin)?];
         preparing.step()?;
         let low_pass = low_pass_rows((spec, sample), &centres, &skin, &pinned, &free)?;
         preparing.step()?;

@@ -12,73 +12,59 @@ use crate::{LayerSpec, StepperError};
 
 /// Width of the fade inside a border, in wavelengths: the ring of pinned vertices ends a wrinkle at
 /// full slope, and half a wave is the least over which a crest runs out without a corner.
-const FADE: f64 = 0.5;
+pub(crate) const FADE: f64 = 0.5;
 
 /// Grey at a border up to which the painted mask itself has faded the relief.
 const FADED: f64 = 0.25;
 
-/// Weights of a layer's relief at the vertices of its own mesh and of the output mesh.
+/// Factors on a layer's relief at the vertices of a mesh, whatever the pose.
 #[derive(Clone, Debug)]
 pub(crate) struct ReliefWeights {
-    /// Weights at the vertices of the layer's own mesh.
-    pub(crate) computed: Vec<f64>,
-    /// Weights at the vertices of the output mesh.
-    pub(crate) region: Vec<f64>,
+    pub(crate) weights: Vec<f64>,
+    /// Vertices where the region is cut off from skin that goes on.
+    pub(crate) is_cut: Vec<bool>,
 }
 
 impl ReliefWeights {
-    /// Computes the weights for the two meshes of a layer's region.
+    /// Computes the factors for `skin`, a mesh of the layer's region.
+    ///
+    /// Relief fades inside the border of the region, which is held on the surface below, unless that is
+    /// the border of the artist's mesh: there is no skin beyond it to be cut from.
     pub(crate) fn new(
         driver: &Driver,
         spec: &LayerSpec,
         nominal: &Wrinkling,
-        (computed, region): (&SkinMesh, &SkinMesh),
+        skin: &SkinMesh,
     ) -> Result<Self, StepperError> {
-        Ok(Self {
-            computed: relief_weights(driver, spec, nominal, computed)?,
-            region: relief_weights(driver, spec, nominal, region)?,
-        })
-    }
-}
-
-/// Factor on the relief at every vertex of `skin`, a mesh of the layer's region.
-///
-/// Relief fades inside the border of the region, which is held on the surface below, unless that is
-/// the border of the artist's mesh: there is no skin beyond it to be cut from.
-pub(crate) fn relief_weights(
-    driver: &Driver,
-    spec: &LayerSpec,
-    nominal: &Wrinkling,
-    skin: &SkinMesh,
-) -> Result<Vec<f64>, StepperError> {
-    let points = skin.points.points();
-    let outline = driver.topology().border_vertices();
-    let border = skin.mesh.border_vertices();
-    let is_cut: Vec<bool> = points
-        .iter()
-        .zip(border.as_slice())
-        .map(|(place, on_border)| {
-            *on_border
-                && !is_on_border(driver.topology(), &outline, place)
-                && spec.presence.grey(uv(driver, place)) > FADED
-        })
-        .collect();
-    let mut weights = vec![spec.presence.strength; points.len()];
-    if is_cut.contains(&true) {
-        let wavelengths = WavelengthField::new(spec, nominal, driver, skin);
-        // The wavelength is a search for a minimum, and few vertices are near a border.
-        let furthest = FADE * wavelengths.longest();
-        let distances = distances_from(&skin.mesh, &skin.rest.positions, &is_cut, furthest);
-        for (vertex, distance) in distances.into_iter().enumerate() {
-            if distance.is_finite() {
-                weights[vertex] *= faded(distance, FADE * wavelengths.at(vertex)?);
+        let points = skin.points.points();
+        let outline = driver.topology().border_vertices();
+        let border = skin.mesh.border_vertices();
+        let is_cut: Vec<bool> = points
+            .iter()
+            .zip(border.as_slice())
+            .map(|(place, on_border)| {
+                *on_border
+                    && !is_on_border(driver.topology(), &outline, place)
+                    && spec.presence.grey(uv(driver, place)) > FADED
+            })
+            .collect();
+        let mut weights = vec![spec.presence.strength; points.len()];
+        if is_cut.contains(&true) {
+            let wavelengths = WavelengthField::new(spec, nominal, driver, skin);
+            // The wavelength is a search for a minimum, and few vertices are near a border.
+            let furthest = FADE * wavelengths.longest();
+            let distances = distances_from(&skin.mesh, &skin.rest.positions, &is_cut, furthest);
+            for (vertex, distance) in distances.into_iter().enumerate() {
+                if distance.is_finite() {
+                    weights[vertex] *= faded(distance, FADE * wavelengths.at(vertex)?);
+                }
             }
         }
+        for (weight, place) in weights.iter_mut().zip(points) {
+            *weight *= spec.presence.grey(uv(driver, place));
+        }
+        Ok(Self { weights, is_cut })
     }
-    for (weight, place) in weights.iter_mut().zip(points) {
-        *weight *= spec.presence.grey(uv(driver, place));
-    }
-    Ok(weights)
 }
 
 /// Positions of the vertices on a surface `shown` below them, which keep their `weights` of the
@@ -147,7 +133,8 @@ mod tests {
             ..knuckle()
         };
         let nominal = wrinkling(&spec.material, &spec.substrate, spec.model).expect("a preset");
-        let found = relief_weights(&driver, &spec, &nominal, &skin).expect("weights");
+        let found = ReliefWeights::new(&driver, &spec, &nominal, &skin).expect("weights");
+        let found = found.weights;
         let border = skin.mesh.border_vertices();
         let of_border = || found.iter().zip(border.as_slice()).filter(|(_, b)| **b);
         let of_middle = found.iter().zip(&skin.rest.positions);

@@ -14,6 +14,7 @@ pub(crate) struct UpperShell {
     /// Mid-surface offset from the lower layer, m.
     pub(crate) offset: f64,
     material: LayerMaterial,
+    critical_strain: f64,
     /// Stiffnesses towards the lower layer, Pa/m, N/m and Pa/m.
     normal: f64,
     gradient: f64,
@@ -29,6 +30,7 @@ impl UpperShell {
             index,
             offset,
             material: pair.upper.material,
+            critical_strain: springs.critical_strain,
             // The springs stand for the lower layer being squeezed across its thickness, which a
             // shell cannot be. How the lower shell itself gives way comes in series with them, so
             // that nothing counts twice.
@@ -48,6 +50,11 @@ impl UpperShell {
     /// Mass per area, kg/m².
     pub(crate) fn mass_per_area(&self) -> f64 {
         self.material.density * self.material.thickness
+    }
+
+    /// Critical strain of the layer on the lower one.
+    pub(crate) fn critical_strain(&self) -> f64 {
+        self.critical_strain
     }
 
     /// The layer with so many faces above places (m) with these unit normals.

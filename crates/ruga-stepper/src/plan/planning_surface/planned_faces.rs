@@ -17,6 +17,8 @@ pub struct PlannedFace {
     pub uvs: [Vector2<f64>; 3],
     /// Largest effective strain over the keys, in critical strains: beyond 1 it wrinkles.
     pub strain_ratio: f64,
+    /// Critical wavelength, m.
+    pub wavelength: f64,
     /// One critical wavelength across the wrinkles, in texture coordinates.
     pub across: Vector2<f64>,
     /// The same length along the wrinkles, in texture coordinates.
@@ -64,10 +66,12 @@ impl PlanningSurface<'_> {
         }
         let planned = |face: FaceId| {
             let direction = strongest[face].map_or_else(Vector2::x, |strain| strain.direction);
-            let to_uvs = self.to_uvs(face) * layer.local[face].wavelength;
+            let wavelength = layer.local[face].wavelength;
+            let to_uvs = self.to_uvs(face) * wavelength;
             PlannedFace {
                 uvs: self.surface.uvs()[face],
                 strain_ratio: strains.strain_ratio(face),
+                wavelength,
                 across: to_uvs * direction,
                 along: to_uvs * Vector2::new(-direction.y, direction.x),
                 treatment: self.treatment(face, plan, &strains),

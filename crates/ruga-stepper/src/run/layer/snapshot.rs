@@ -2,9 +2,12 @@
 
 use nalgebra::Vector3;
 use ruga_blend::{Driver, PosedSurface};
+use ruga_mesh::{FaceId, Id};
 
 use super::Layer;
-use crate::skin::relief::shown_positions;
+use crate::skin::quiet::{VertexDemand, wrinkled_shares};
+use crate::skin::relief::{ReliefWeights, shown_positions};
+use crate::skin::skin_mesh::SkinMesh;
 use crate::support::Support;
 use crate::{ComputedMesh, LayerSurface};
 
@@ -24,9 +27,10 @@ impl Layer {
         // carried over from the layer's coarser mesh, so that smooth parts of the region stay
         // exact.
         let positions = self.on_region(&real.positions, self.deviations());
+        let weights = self.region_weights(real);
         LayerSurface {
             name: self.spec.name.clone(),
-            relief: shown_positions(&positions, real, shown, &self.weights.region),
+            relief: shown_positions(&positions, real, shown, &weights),
             positions,
             driver_positions: surface.positions,
             driver_normals: surface.normals,
@@ -54,7 +58,7 @@ impl Layer {
         let positions = self.on_region(&above.positions, self.upper_deviations());
         Some(LayerSurface {
             name: upper.name.clone(),
-            relief: shown_positions(&positions, &above, &above, &self.weights.region),
+            relief: shown_positions(&positions, &above, &above, &self.region_weights(&above)),
             positions,
             offset: own.offset + upper.offset,
             computed: ComputedMesh::new(driver, &self.skin, &self.positions[self.vertex_count()..]),
@@ -66,7 +70,58 @@ impl Layer {
     /// show that.
     pub(crate) fn shown_positions(&self, shown: &PosedSurface) -> Vec<Vector3<f64>> {
         let own = &self.positions[..self.vertex_count()];
-        shown_positions(own, &self.support.posed, shown, &self.weights.computed)
+        let weights = shown_weights(
+            &self.weights[0],
+            &self.skin,
+            (&self.demands(), &self.support.posed),
+        );
+        shown_positions(own, &self.support.posed, shown, &weights)
+    }
+
+    /// Weights of the relief at the vertices of the output mesh over `surface`, with the present strain.
+    fn region_weights(&self, surface: &PosedSurface) -> Vec<f64> {
+        let demands = match &self.interpolation {
+            None => self.demands(),
+            Some(interpolation) => {
+                let values = self.demands().into_iter();
+                let values = values.map(|d| Vector3::new(d.strain_ratio, d.wavelength, d.turn));
+                let values = interpolation.apply(&values.collect::<Vec<_>>()).into_iter();
+                let demand = |value: Vector3<f64>| VertexDemand {
+                    strain_ratio: value.x,
+                    wavelength: value.y,
+                    turn: value.z,
+                };
+                values.map(demand).collect()
+            }
+        };
+        shown_weights(&self.weights[1], &self.region.skin, (&demands, surface))
+    }
+
+    /// What the support surface asks of the layer, or of the softer of two that move together, at the
+    /// vertices of its own mesh: the mean over the faces there.
+    fn demands(&self) -> Vec<VertexDemand> {
+        let ratios = self.strain_ratios();
+        let upper = self.upper.as_ref();
+        let upper = upper.map_or(f64::INFINITY, |upper| upper.critical_strain());
+        let of_face = |face: FaceId| {
+            let critical = self.properties.faces[face].wrinkling.critical_strain;
+            ratios.of_face(face) * critical / critical.min(upper)
+        };
+        let mut sums = vec![[0.0; 2]; self.vertex_count()];
+        for (face, corners) in self.skin.mesh.faces().iter() {
+            let ratio = of_face(face);
+            for v in corners {
+                let [sum, count] = &mut sums[v.index()];
+                *sum += ratio;
+                *count += 1.0;
+            }
+        }
+        let pairs = sums.into_iter().zip(&self.properties.vertices);
+        pairs
+            .map(|([sum, count], local)| {
+                VertexDemand::new(sum / f64::max(count, 1.0), &local.wrinkling)
+            })
+            .collect()
     }
 
     /// Support surface of the layer's own mesh.
@@ -87,4 +142,16 @@ impl Layer {
         let pairs = places.iter().zip(&deviations);
         pairs.map(|(place, deviation)| place + deviation).collect()
     }
+}
+
+/// Weights of the relief at the vertices of a mesh, with what the surface below asks for there.
+fn shown_weights(
+    own: &ReliefWeights,
+    skin: &SkinMesh,
+    (demands, surface): (&[VertexDemand], &PosedSurface),
+) -> Vec<f64> {
+    let places = (skin.rest.positions.as_slice(), surface.normals.as_slice());
+    let shares = wrinkled_shares(&skin.mesh, places, demands, &own.is_cut);
+    let pairs = own.weights.iter().zip(shares);
+    pairs.map(|(weight, share)| weight * share).collect()
 }

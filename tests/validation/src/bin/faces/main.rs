@@ -15,8 +15,10 @@ mod baking;
 mod factorisation;
 mod mixtures;
 mod process;
+mod retouching;
 mod rows;
 mod scenes;
+mod speckle;
 mod steadiness;
 mod table;
 
@@ -47,7 +49,7 @@ struct Arguments {
 type Measure = fn(&Bench) -> Lines;
 
 /// The rows by name.
-const ROWS: [(&str, Measure); 7] = [
+const ROWS: [(&str, Measure); 8] = [
     ("smile", Bench::smile),
     ("shapes", Bench::shapes),
     ("brows", Bench::brows),
@@ -55,6 +57,7 @@ const ROWS: [(&str, Measure); 7] = [
     ("area", Bench::area),
     ("mixtures", Bench::mixtures),
     ("mirror", Bench::mirror),
+    ("retouching", Bench::retouching),
 ];
 
 /// Measures the rows that are asked for and prints the table.

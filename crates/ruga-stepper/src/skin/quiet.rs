@@ -1,0 +1,204 @@
+//! Relief that fades where skin is strained too little to wrinkle, or bent too sharply.
+
+use std::f64::consts::PI;
+
+use nalgebra::Vector3;
+use ruga_material::Wrinkling;
+use ruga_mesh::{Id, TriMesh, VertexId};
+
+use crate::skin::fading::{distances_from, faded};
+use crate::skin::relief::FADE;
+
+/// Strain ratio below which skin is quiet: it shows no relief. The layer is not quite flat there, because
+/// waves next to it die out slowly and the painted thickness changes, but in a map that is dirt.
+const QUIET: f64 = 0.5;
+
+/// Radius (wavelengths) of the smallest patch of quiet skin, and of wrinkled skin. Less quiet skin would be a
+/// hole in the relief around it; less wrinkled skin has no room for a wave, and what it shows is speckle.
+const SMALLEST: f64 = 0.25;
+
+/// Waves shorter than this, in critical wavelengths, are none of the layer's own.
+const SHORTEST: f64 = 0.4;
+
+/// Radius (wavelengths) within which the surface may turn only so far.
+const TURN_RADIUS: f64 = 0.25;
+
+/// What the surface below asks of a layer at a vertex, and what the layer can follow.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct VertexDemand {
+    /// Effective strain in critical strains.
+    pub(crate) strain_ratio: f64,
+    /// Critical wavelength, m.
+    pub(crate) wavelength: f64,
+    /// Largest angle by which the normal may turn within [`TURN_RADIUS`], rad.
+    pub(crate) turn: f64,
+}
+
+impl VertexDemand {
+    /// What is asked of a layer that wrinkles like this.
+    ///
+    /// A cylinder of radius `R` adds `C/R²` to the springs against waves along its axis, which shortens
+    /// them to `(1 + C/(R² K0))^(-1/4)` of the critical wavelength. Where that is less than 40 %, as on
+    /// the rims of lids and lips, the surface is bent about as sharply as the layer is thick, and the
+    /// layer cannot wrinkle as a thin sheet does.
+    pub(crate) fn new(strain_ratio: f64, wrinkling: &Wrinkling) -> Self {
+        let springs = wrinkling.normal_stiffness / wrinkling.membrane_stiffness;
+        let sharpest = ((SHORTEST.powi(-4) - 1.0) * springs).sqrt();
+        Self {
+            strain_ratio,
+            wavelength: wrinkling.wavelength,
+            turn: sharpest * TURN_RADIUS * wrinkling.wavelength,
+        }
+    }
+}
+
+/// Share of the relief at every vertex of a mesh with these places at rest (m) and normals below it: 0 in
+/// quiet skin, at vertices that are `held` and where the surface is bent too sharply; 1 from half a
+/// wavelength beyond all of them on.
+pub(crate) fn wrinkled_shares(
+    mesh: &TriMesh,
+    (rest, normals): (&[Vector3<f64>], &[Vector3<f64>]),
+    demands: &[VertexDemand],
+    held: &[bool],
+) -> Vec<f64> {
+    let longest = demands.iter().map(|d| d.wavelength).fold(0.0, f64::max);
+    // Distances in wavelengths.
+    let reaches = |set: &[bool], reach: f64| -> Vec<f64> {
+        let distances = distances_from(mesh, rest, set, reach * longest).into_iter();
+        let pairs = distances.zip(demands);
+        pairs.map(|(to, own)| to / own.wavelength).collect()
+    };
+    // The part of a set in which a disc of the smallest size finds room beside the others.
+    let opened = |others: &[bool]| -> Vec<bool> {
+        let away = reaches(others, SMALLEST).into_iter();
+        let cores: Vec<bool> = away.map(|distance| distance > SMALLEST).collect();
+        let from_cores = reaches(&cores, SMALLEST).into_iter();
+        let pairs = from_cores.zip(others);
+        pairs.map(|(to, other)| to <= SMALLEST && !other).collect()
+    };
+    let mut is_flat = held.to_vec();
+    for vertex in sharply_bent(mesh, (rest, normals), demands) {
+        is_flat[vertex.index()] = true;
+    }
+    let states = demands.iter().zip(&is_flat);
+    let is_loud = states.map(|(own, flat)| !*flat && own.strain_ratio >= QUIET);
+    let is_quiet = opened(&is_loud.collect::<Vec<_>>());
+    for (flat, quiet) in is_flat.iter_mut().zip(is_quiet) {
+        // What is held may be a line, which has no room for a disc.
+        *flat |= quiet;
+    }
+    let has_room = opened(&is_flat);
+    let is_flat: Vec<bool> = has_room.into_iter().map(|room| !room).collect();
+    let from_flat = reaches(&is_flat, FADE).into_iter();
+    from_flat.map(|distance| faded(distance, FADE)).collect()
+}
+
+/// Vertices from which the normal turns, within the allowed radius, by more than it may.
+fn sharply_bent(
+    mesh: &TriMesh,
+    (rest, normals): (&[Vector3<f64>], &[Vector3<f64>]),
+    demands: &[VertexDemand],
+) -> Vec<VertexId> {
+    let mut seen_from = vec![usize::MAX; demands.len()];
+    let mut bent = Vec::new();
+    for (centre, demand) in demands.iter().enumerate() {
+        let least_cosine = demand.turn.min(PI).cos();
+        let radius = TURN_RADIUS * demand.wavelength;
+        let mut near = vec![VertexId::from_index(centre)];
+        seen_from[centre] = centre;
+        let mut is_bent = false;
+        while let Some(vertex) = near.pop().filter(|_| !is_bent) {
+            let faces = mesh.vertex_faces(vertex).iter();
+            for other in faces.flat_map(|&face| mesh.faces()[face]) {
+                let i = other.index();
+                if seen_from[i] == centre || (rest[i] - rest[centre]).norm() > radius {
+                    continue;
+                }
+                seen_from[i] = centre;
+                near.push(other);
+                is_bent |= normals[i].dot(&normals[centre]) < least_cosine;
+            }
+        }
+        if is_bent {
+            bent.push(VertexId::from_index(centre));
+        }
+    }
+    bent
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A strip of squares 1 mm wide along x.
+    fn strip() -> (TriMesh, Vec<Vector3<f64>>) {
+        let squares = (0..100).map(|i| 2 * i);
+        let faces = squares.flat_map(|a| [[a, a + 2, a + 1], [a + 1, a + 2, a + 3]]);
+        let mesh = TriMesh::new(202, faces.collect()).expect("a strip");
+        let place = |i: usize| Vector3::new((i / 2) as f64, (i % 2) as f64, 0.0) * 1e-3;
+        (mesh, (0..202).map(place).collect())
+    }
+
+    /// Shares along the lower side of a strip on which waves are 10 mm long.
+    fn shares(ratio_at: impl Fn(f64) -> f64, turned_at: impl Fn(f64) -> f64) -> Vec<f64> {
+        let (mesh, rest) = strip();
+        let demand = |p: &Vector3<f64>| VertexDemand {
+            strain_ratio: ratio_at(p.x),
+            wavelength: 0.01,
+            turn: 1.0,
+        };
+        let normal = |p: &Vector3<f64>| {
+            let angle = turned_at(p.x);
+            Vector3::new(angle.sin(), 0.0, angle.cos())
+        };
+        let demands: Vec<_> = rest.iter().map(demand).collect();
+        let normals: Vec<_> = rest.iter().map(normal).collect();
+        let shares = wrinkled_shares(&mesh, (&rest, &normals), &demands, &[false; 202]);
+        shares.into_iter().step_by(2).collect()
+    }
+
+    fn on_flat(ratio_at: impl Fn(f64) -> f64) -> Vec<f64> {
+        shares(ratio_at, |_| 0.0)
+    }
+
+    #[test]
+    fn relief_fades_over_half_a_wavelength_from_quiet_skin() {
+        let found = on_flat(|x| if x < 0.0505 { 0.4 } else { 1.2 });
+        assert!(found[..=50].iter().all(|share| *share == 0.0), "{found:?}");
+        assert!(found[50..56].is_sorted(), "{found:?}");
+        assert!(found[51] > 0.0 && found[54] < 1.0, "{found:?}");
+        assert!(found[56..].iter().all(|share| *share == 1.0), "{found:?}");
+    }
+
+    #[test]
+    fn all_quiet_is_flat_and_all_loud_is_whole() {
+        assert!(on_flat(|_| 0.4).iter().all(|share| *share == 0.0));
+        assert!(on_flat(|_| 0.6).iter().all(|share| *share == 1.0));
+        // Stretched skin has a negative ratio.
+        assert!(on_flat(|_| -3.0).iter().all(|share| *share == 0.0));
+    }
+
+    #[test]
+    fn less_than_a_wave_is_neither_a_hole_nor_an_island() {
+        let patch = |half: f64, [inside, outside]: [f64; 2]| {
+            on_flat(move |x| [outside, inside][usize::from((x - 0.05).abs() < half)])
+        };
+        assert!(patch(0.0017, [0.0, 1.0]).iter().all(|share| *share == 1.0));
+        assert!(patch(0.0062, [0.0, 1.0])[50] == 0.0);
+        assert!(patch(0.0017, [1.0, 0.0]).iter().all(|share| *share == 0.0));
+        assert!(patch(0.0062, [1.0, 0.0])[50] > 0.9);
+    }
+
+    /// A bend by a right angle over a length that is short, or long, beside a wavelength.
+    #[test]
+    fn sharp_bends_stay_as_they_are() {
+        let bend = |length: f64| {
+            let turned = move |x: f64| 0.5 * PI * ((x - 0.05) / length).clamp(0.0, 1.0);
+            shares(|_| 1.5, turned)
+        };
+        let sharp = bend(0.002);
+        assert!(sharp[51] == 0.0, "{sharp:?}");
+        assert!(sharp[40] == 1.0 && sharp[62] == 1.0, "{sharp:?}");
+        assert!(bend(0.02).iter().all(|share| *share == 1.0));
+    }
+}

@@ -1,0 +1,257 @@
+//! What an artist would have to retouch: relief in skin that does not wrinkle, and speckle in skin that does.
+
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::path::Path;
+
+use nalgebra::Vector2;
+use ruga_bake::{Coverage, WrinkleMap};
+use ruga_scene::{Scene, SceneOptions, ScenePlan};
+use ruga_stepper::{KeyResult, LayerSurface, Modelling, PlannedFace, Silent};
+use ruga_validation::asset;
+
+use crate::baking::Quality;
+use crate::rows::{Bench, Lines};
+use crate::scenes::{Model, preset_layer};
+use crate::speckle::speckle;
+use crate::table::{Goal, Line};
+
+/// Largest angle of a map where nothing wrinkles, degrees.
+const NEUTRAL_DEG: f64 = 0.2;
+
+/// Strain ratio below which skin is quiet: it does not wrinkle.
+const QUIET: f64 = 0.5;
+
+/// Largest fraction of the relief's energy in wavelengths under 40 % of the critical one, percent.
+const SPECKLE_PERCENT: f64 = 1.0;
+
+/// Keys of every pose: the last alone, which a plan's picture shows.
+const KEYS: [f64; 1] = [1.0];
+
+/// What was found in a pose.
+struct Found {
+    pose: String,
+    /// Texels of quiet skin, and those of them that are tilted too far.
+    quiet: usize,
+    tilted: usize,
+    /// Largest angle there, a quarter of a wavelength or more from other skin, degrees.
+    steepest: f64,
+    /// Percent of squared heights, and of squared slopes, in short waves.
+    speckle: [f64; 2],
+}
+
+impl Bench {
+    /// Bakes every pose of two faces and looks at maps where skin is smooth, and at short waves.
+    pub(crate) fn retouching(&self) -> Lines {
+        let quality = self.quality.unwrap_or(Quality::Standard);
+        let folder = self.folder.join(quality.name()).join("retouching");
+        std::fs::create_dir_all(&folder)?;
+        let mut scenes = vec![("our face", asset("face/scene.toml"))];
+        if let Some(face) = Model::face() {
+            let layers = [preset_layer("forehead-furrow")];
+            let path = folder.join("scene.toml");
+            std::fs::write(&path, face.scene("", &layers, (&face.shapes()?, &KEYS))?)?;
+            scenes.push(("shared face", path));
+        }
+        let mut lines = Vec::new();
+        for (name, path) in scenes {
+            lines.extend(summary(name, &looked_at(&path, quality)?));
+        }
+        Ok(lines)
+    }
+}
+
+/// Simulates and bakes every pose of a scene at its last key.
+fn looked_at(path: &Path, quality: Quality) -> Result<Vec<Found>, Box<dyn Error>> {
+    let mut scene = Scene::read_with(path, &SceneOptions::default())?;
+    scene.modelling = Modelling {
+        points_per_wavelength: quality.points(),
+        ..scene.modelling
+    };
+    for pose in &mut scene.poses {
+        pose.keys = KEYS.to_vec();
+    }
+    let plan = scene.plan()?;
+    let mut found = Vec::new();
+    for (number, pose) in scene.poses.iter().enumerate() {
+        let result = plan.simulate(number, &mut Silent)?;
+        let Some(key) = result.keys.last() else {
+            eprintln!("{}: no result", pose.name);
+            continue;
+        };
+        let map = scene.bake_key(pose, key)?;
+        let asked = Asked::new(&plan, number, map.size)?;
+        let own = found_in(&pose.name, &map, &asked, key);
+        eprintln!(
+            "{}: {} of {} quiet texels, up to {:.2} degrees; speckle {:.2} % of heights, {:.2} % of slopes",
+            own.pose, own.tilted, own.quiet, own.steepest, own.speckle[0], own.speckle[1]
+        );
+        found.push(own);
+    }
+    Ok(found)
+}
+
+fn found_in(pose: &str, map: &WrinkleMap, asked: &Asked, key: &KeyResult) -> Found {
+    let mut own = Found {
+        pose: pose.to_owned(),
+        quiet: 0,
+        tilted: 0,
+        steepest: 0.0,
+        speckle: [0.0; 2],
+    };
+    let distances = asked.to_loud();
+    for (texel, normal) in map.normals.iter().enumerate() {
+        if !asked.is_quiet[texel] || map.coverage[texel] != Coverage::Covered {
+            continue;
+        }
+        let degrees = angle_deg(normal);
+        own.quiet += 1;
+        own.tilted += usize::from(degrees > NEUTRAL_DEG);
+        if distances[texel] > asked.room[texel] {
+            own.steepest = own.steepest.max(degrees);
+        }
+    }
+    for layer in &key.layers {
+        let wavelength = |face: usize| asked.wavelength(layer, face);
+        for (most, own) in own.speckle.iter_mut().zip(speckle(layer, wavelength)) {
+            *most = most.max(100.0 * own);
+        }
+    }
+    own
+}
+
+fn angle_deg(normal: &[f32; 3]) -> f64 {
+    let [x, y, z] = normal.map(f64::from);
+    x.hypot(y).atan2(z).to_degrees()
+}
+
+/// What a plan says of the texels of a map.
+struct Asked {
+    size: usize,
+    /// Whether no layer is strained there to half of what wrinkles it.
+    is_quiet: Vec<bool>,
+    /// The longest quarter of a wavelength there, texels.
+    room: Vec<f32>,
+    /// Critical wavelength of every layer there, m.
+    wavelengths: BTreeMap<String, Vec<f32>>,
+}
+
+impl Asked {
+    fn new(plan: &ScenePlan, pose: usize, size: u32) -> Result<Self, Box<dyn Error>> {
+        let texels = (size * size) as usize;
+        let mut asked = Self {
+            size: size as usize,
+            is_quiet: vec![true; texels],
+            room: vec![0.0; texels],
+            wavelengths: BTreeMap::new(),
+        };
+        for zone in &plan.zones {
+            let Some(surface) = zone.plan.surface()? else {
+                continue;
+            };
+            for (number, layer) in zone.plan.poses[pose].layers.iter().enumerate() {
+                // Beside the skin that was planned it has no other.
+                let mut wavelengths = vec![layer.wavelength as f32; texels];
+                for face in surface.faces(pose, number) {
+                    let quarter = (0.25 * f64::from(size) * face.across.norm()) as f32;
+                    for_texels(size, &face, |texel| {
+                        asked.is_quiet[texel] &= face.strain_ratio < QUIET;
+                        asked.room[texel] = asked.room[texel].max(quarter);
+                        wavelengths[texel] = face.wavelength as f32;
+                    });
+                }
+                asked.wavelengths.insert(layer.name.clone(), wavelengths);
+            }
+        }
+        Ok(asked)
+    }
+
+    /// Wavelength of a layer (m) at the middle of a face.
+    fn wavelength(&self, layer: &LayerSurface, face: usize) -> f64 {
+        let [a, b, c] = layer.uvs[face];
+        let middle = (a + b + c) * (self.size as f64 / 3.0);
+        let [column, row] = [middle.x, middle.y].map(|p| (p.max(0.0) as usize).min(self.size - 1));
+        f64::from(self.wavelengths[&layer.name][row * self.size + column])
+    }
+
+    /// Distance of every texel from skin that is not quiet (texels), over straight and slanting steps.
+    fn to_loud(&self) -> Vec<f32> {
+        let size = self.size;
+        let start = self
+            .is_quiet
+            .iter()
+            .map(|quiet| if *quiet { f32::INFINITY } else { 0.0 });
+        let mut distances: Vec<f32> = start.collect();
+        let texels: Vec<usize> = (0..size * size).collect();
+        let mut pass = |order: &mut dyn Iterator<Item = &usize>, steps: [(isize, isize); 4]| {
+            for &texel in order {
+                let (row, column) = ((texel / size) as isize, (texel % size) as isize);
+                for (down, right) in steps {
+                    let (row, column) = (row + down, column + right);
+                    let inside = 0..size as isize;
+                    if inside.contains(&row) && inside.contains(&column) {
+                        let step = f32::hypot(down as f32, right as f32);
+                        let other = distances[row as usize * size + column as usize];
+                        distances[texel] = distances[texel].min(other + step);
+                    }
+                }
+            }
+        };
+        pass(&mut texels.iter(), [(-1, -1), (-1, 0), (-1, 1), (0, -1)]);
+        pass(&mut texels.iter().rev(), [(1, 1), (1, 0), (1, -1), (0, 1)]);
+        distances
+    }
+}
+
+/// Calls `act` with every texel whose centre a face holds, its border included.
+fn for_texels(size: u32, face: &PlannedFace, mut act: impl FnMut(usize)) {
+    let [a, b, c] = face.uvs.map(|uv| uv * f64::from(size));
+    let area = cross(b - a, c - a);
+    let bounds = |of: fn(&Vector2<f64>) -> f64| {
+        let [low, high] = [f64::min, f64::max].map(|pick| pick(pick(of(&a), of(&b)), of(&c)));
+        let last = i64::from(size) - 1;
+        (low.floor() as i64).clamp(0, last)..=(high.ceil() as i64).clamp(0, last)
+    };
+    for row in bounds(|p| p.y) {
+        for column in bounds(|p| p.x) {
+            let centre = Vector2::new(column as f64 + 0.5, row as f64 + 0.5);
+            let parts = [(b, c), (c, a), (a, b)].map(|(p, q)| cross(p - centre, q - centre) / area);
+            if parts.iter().all(|part| *part >= -1e-9) {
+                act((row * i64::from(size) + column) as usize);
+            }
+        }
+    }
+}
+
+fn cross(a: Vector2<f64>, b: Vector2<f64>) -> f64 {
+    a.x * b.y - a.y * b.x
+}
+
+/// The worst of all poses, and how many miss.
+fn summary(name: &str, found: &[Found]) -> Vec<Line> {
+    let most = |of: fn(&Found) -> f64| found.iter().map(of).fold(0.0, f64::max);
+    let tilted = |own: &Found| 100.0 * own.tilted as f64 / (own.quiet.max(1)) as f64;
+    vec![
+        Line::judged(
+            format!(
+                "{name}, {} poses, steepest in smooth skin with room for a wave",
+                found.len()
+            ),
+            (Goal::AtMost(NEUTRAL_DEG), "degrees"),
+            most(|own| own.steepest),
+        ),
+        Line::note(format!(
+            "{name}, texels of smooth skin steeper than that, at most {:.3} %",
+            found.iter().map(tilted).fold(0.0, f64::max)
+        )),
+        Line::judged(
+            format!("{name}, squared heights in short waves, worst"),
+            (Goal::AtMost(SPECKLE_PERCENT), "%"),
+            most(|own| own.speckle[0]),
+        ),
+        Line::note(format!(
+            "{name}, squared slopes in short waves, worst {:.2} %",
+            most(|own| own.speckle[1])
+        )),
+    ]
+}
