@@ -88,9 +88,17 @@ pub(crate) fn run_poses<P: Product>(
         true => kept_poses(product.records(), scene, folder, |text| progress.note(text)),
         false => vec![None; scene.poses.len()],
     };
-    let is_to_be_made = |&pose: &usize| poses[pose].is_none();
-    let to_be_made: Vec<usize> = (0..poses.len()).filter(is_to_be_made).collect();
-    let bytes = to_be_made.iter().map(|&pose| planned_bytes(plan, pose));
+    // Poses that are made of the same simulation, as mirror images are, are in work together.
+    let mut to_be_made: Vec<Vec<usize>> = Vec::new();
+    let first_alike = scene.first_alike();
+    for pose in (0..poses.len()).filter(|&pose| poses[pose].is_none()) {
+        let is_alike = |made: &&mut Vec<usize>| first_alike[made[0]] == first_alike[pose];
+        match to_be_made.iter_mut().find(is_alike) {
+            Some(made) => made.push(pose),
+            None => to_be_made.push(vec![pose]),
+        }
+    }
+    let bytes = to_be_made.iter().map(|alike| planned_bytes(plan, alike[0]));
     let bytes: Vec<u64> = bytes.collect();
     let capacity = Capacity {
         threads: thread_count(arguments),
@@ -103,7 +111,7 @@ pub(crate) fn run_poses<P: Product>(
             .map(|layer| layer.seconds)
             .sum()
     };
-    let seconds: Vec<f64> = to_be_made.iter().map(|&pose| planned(pose)).collect();
+    let seconds: Vec<f64> = to_be_made.iter().map(|alike| planned(alike[0])).collect();
     let time_left = TimeLeft::new(&seconds, at_a_time);
     let run = PoseRun {
         threads: capacity.threads / at_a_time,
@@ -115,10 +123,12 @@ pub(crate) fn run_poses<P: Product>(
     };
     let made = run_all(&bytes, capacity, |number, given_up| {
         time_left.begin(number);
-        run.pose(to_be_made[number], given_up, || time_left.end(number))
+        run.alike(&to_be_made[number], given_up, || time_left.end(number))
     })?;
-    for (pose, made) in to_be_made.into_iter().zip(made) {
-        poses[pose] = made;
+    for (alike, made) in to_be_made.into_iter().zip(made) {
+        for (pose, made) in alike.into_iter().zip(made.into_iter().flatten()) {
+            poses[pose] = made;
+        }
     }
     Ok(poses)
 }
@@ -135,12 +145,35 @@ struct PoseRun<'a, P> {
 }
 
 impl<P: Product> PoseRun<'_, P> {
-    /// Makes one pose; `time_left` says, once it has ended, for how many seconds the others will go on.
+    /// Makes poses of one simulation; `time_left` says, once they have ended, for how many seconds the
+    /// others will go on.
+    fn alike(
+        &self,
+        poses: &[usize],
+        given_up: &(dyn Fn() -> bool + Sync),
+        time_left: impl Fn() -> f64,
+    ) -> Result<Option<Vec<Option<PoseRecord>>>, CliError> {
+        let mut simulated = None;
+        let mut made = Vec::new();
+        for (number, &pose) in poses.iter().enumerate() {
+            let left = || {
+                if number + 1 == poses.len() {
+                    time_left()
+                } else {
+                    0.0
+                }
+            };
+            made.push(self.pose(pose, given_up, (&mut simulated, left))?);
+        }
+        Ok(Some(made))
+    }
+
+    /// Makes one pose, of what is `simulated` already if it is.
     fn pose(
         &self,
         index: usize,
         given_up: &(dyn Fn() -> bool + Sync),
-        time_left: impl FnOnce() -> f64,
+        (simulated, time_left): (&mut Option<PoseResult>, impl FnOnce() -> f64),
     ) -> Result<Option<PoseRecord>, CliError> {
         let spec = &self.scene.poses[index];
         let mut earlier = Vec::new();
@@ -149,7 +182,7 @@ impl<P: Product> PoseRun<'_, P> {
             self.product.begin(spec);
         }
         let bar = self.progress.start(&spec.name, index + 1);
-        let record = self.simulate(index, &bar, given_up, earlier);
+        let record = self.simulate(index, (&bar, given_up), simulated, earlier);
         let ending = match &record {
             Ok(Some(record)) => {
                 let warnings = match record.warnings.len() {
@@ -173,8 +206,8 @@ impl<P: Product> PoseRun<'_, P> {
     fn simulate(
         &self,
         index: usize,
-        bar: &ProgressBar,
-        given_up: &(dyn Fn() -> bool + Sync),
+        (bar, given_up): (&ProgressBar, &(dyn Fn() -> bool + Sync)),
+        simulated: &mut Option<PoseResult>,
         mut earlier: Vec<String>,
     ) -> Result<Option<PoseRecord>, CliError> {
         let scene = self.scene;
@@ -185,24 +218,34 @@ impl<P: Product> PoseRun<'_, P> {
             Ok(())
         };
         let mut watch = Watch::new(bar, given_up, P::WANTS_FRAMES, &mut sink);
-        let pool = thread_pool(self.threads)?;
-        let result = pool.install(|| self.plan.simulate(index, &mut watch));
-        let result = result.map_err(|source| CliError::Simulation {
-            scene: scene.path.clone(),
-            pose: spec.name.clone(),
-            source: Box::new(source),
-        })?;
-        let seconds = watch.finish(result.layers.len(), result.frames)?;
-        if result.interrupted && !self.is_worth_keeping(spec, &result) {
+        let mut seconds = vec![Seconds::default(); scene.layers.len()];
+        // What another pose has taken the time for, unless that was cut short.
+        if simulated.as_ref().is_none_or(|result| result.interrupted) {
+            let pool = thread_pool(self.threads)?;
+            let result = pool.install(|| self.plan.simulate(index, &mut watch));
+            let result = result.map_err(|source| CliError::Simulation {
+                scene: scene.path.clone(),
+                pose: spec.name.clone(),
+                source: Box::new(source),
+            })?;
+            seconds = watch.finish(result.layers.len(), result.frames)?;
+            *simulated = Some(result);
+        }
+        let Some(result) = simulated else {
+            return Ok(None);
+        };
+        let image = scene.image(index, result);
+        let result = image.as_ref().unwrap_or(result);
+        if result.interrupted && !self.is_worth_keeping(spec, result) {
             return Ok(None);
         }
         bar.set_message("writing");
         let records = self.product.records();
         earlier.extend(records.forget(&spec.name)?);
-        let mut made = self.product.pose(spec, &result)?;
+        let mut made = self.product.pose(spec, result)?;
         made.files.extend(files);
         earlier.retain(|file| !made.files.contains(file));
-        let record = self.record(spec, &result, &seconds, made, earlier);
+        let record = self.record(spec, result, &seconds, made, earlier);
         records.write(&record)?;
         Ok(Some(record))
     }

@@ -10,6 +10,8 @@ use ruga_material::MaterialError;
 use ruga_stepper::{LatticeError, StepperError};
 use thiserror::Error;
 
+use crate::SymmetryFault;
+
 /// Errors that the user can mend; each message names the file, and the key or element in it.
 #[derive(Debug, Error, Diagnostic)]
 pub enum SceneError {
@@ -96,6 +98,17 @@ pub enum SceneError {
         mesh: PathBuf,
         /// Error of the crate that refused it.
         source: BlendError,
+    },
+    /// A mesh that is to mirror itself and does not.
+    #[error("{}: `driver.symmetry`: {} does not mirror itself at x = 0: {source}", scene.display(), mesh.display())]
+    #[diagnostic(help("leave `symmetry` out, or mirror the mesh in the tool it was made with"))]
+    NotSymmetric {
+        /// The scene file.
+        scene: PathBuf,
+        /// The mesh file.
+        mesh: PathBuf,
+        /// What has no partner.
+        source: SymmetryFault,
     },
     /// A size that no skin has: the file is in another unit than it was taken to be in.
     #[error("{}: the mesh is {width} wide; {question}", mesh.display())]

@@ -104,6 +104,10 @@ pub struct Driver {
     /// How the artist's facets are smoothed.
     #[serde(default)]
     pub smoothing: Smoothing,
+    /// `"x"` for a mesh that is its own mirror image at x = 0, in the axes of its file: of a left and a right
+    /// pose `ruga bake` simulates one and mirrors the maps for the other.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub symmetry: Option<Symmetry>,
     /// Vertices of one layer above which a run is refused.
     #[serde(default = "default_vertex_budget")]
     pub vertex_budget: u64,
@@ -111,6 +115,14 @@ pub struct Driver {
 
 fn default_vertex_budget() -> u64 {
     Modelling::default().vertex_budget as u64
+}
+
+/// Plane at which a mesh mirrors itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Symmetry {
+    /// The plane x = 0.
+    X,
 }
 
 /// Where skin is simulated: `auto`, `all`, or the path of a mask.

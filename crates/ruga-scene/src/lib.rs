@@ -47,6 +47,7 @@ mod plan;
 mod posed_frames;
 mod property_images;
 mod scene;
+mod symmetry;
 mod texture_space;
 
 pub use engine_names::engine_name;
@@ -56,3 +57,4 @@ pub use placement::Placement;
 pub use plan::{ScenePlan, ZonePlan};
 pub use property_images::{PropertyImages, read_property_images};
 pub use scene::{Inspection, Scene, SceneOptions, driver_of};
+pub use symmetry::{Mirror, SymmetryFault};

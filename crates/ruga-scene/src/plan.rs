@@ -56,6 +56,15 @@ impl ScenePlan {
         self.zones.iter().flat_map(|zone| &zone.plan.warnings)
     }
 
+    /// Pose number `pose` is made of the simulation of another one.
+    pub(crate) fn costs_nothing(&mut self, pose: usize) {
+        for zone in &mut self.zones {
+            for layer in &mut zone.plan.poses[pose].layers {
+                layer.seconds = 0.0;
+            }
+        }
+    }
+
     /// Adds what the plan itself cannot know.
     pub(crate) fn warn(&mut self, warnings: Vec<String>) {
         self.zones[0].plan.warnings.extend(warnings);

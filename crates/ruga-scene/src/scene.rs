@@ -5,17 +5,19 @@ mod zone_overlap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use ruga_blend::{Driver, nearest};
+use ruga_blend::{Driver, Weights, nearest};
 use ruga_io::{IoError, MeshFile, ObjOptions, read_mask, read_mesh};
 use ruga_stepper::{
-    Body, LatticeError, LayerSpec, Modelling, PoseSpec, Region, StepperError, plan, plan_body,
+    Body, LatticeError, LayerSpec, Modelling, PoseResult, PoseSpec, Region, StepperError, plan,
+    plan_body,
 };
 
 use crate::file::{self, SceneFile};
 use crate::mask_image::mask;
 use crate::placement::Placement;
 use crate::plan::{ScenePlan, ZonePlan};
-use crate::{SceneError, body, counted, mesh_size, model, texture_space};
+use crate::symmetry::sorted;
+use crate::{Mirror, SceneError, body, counted, mesh_size, model, texture_space};
 
 /// Requests to a scene beside what stands in its file.
 #[derive(Clone, Debug, Default)]
@@ -41,6 +43,9 @@ pub struct Scene {
     pub layers: Vec<LayerSpec>,
     /// The poses that are wanted.
     pub poses: Vec<PoseSpec>,
+    /// What lies opposite of what, where the mesh is to mirror itself. Without it every pose is simulated as
+    /// it is.
+    pub mirror: Option<Mirror>,
     /// The body that the layer lies on, if it is one.
     pub body: Option<Body>,
     /// The choices that are not physics.
@@ -98,11 +103,73 @@ impl Scene {
         };
         let active: Vec<_> = self.poses.iter().enumerate().map(active).collect();
         planned.warn(texture_space::check_active(&self.mesh, &active)?);
+        for (pose, first) in self.first_alike().into_iter().enumerate() {
+            if first != pose {
+                planned.costs_nothing(pose);
+            }
+        }
         Ok(planned)
     }
 
+    /// The poses as they are simulated: some as the mirror images of what is wanted.
+    pub(crate) fn simulated_poses(&self) -> Vec<PoseSpec> {
+        let simulated = |pose: &PoseSpec| PoseSpec {
+            weights: self.source(pose).unwrap_or_else(|| pose.weights.clone()),
+            ..pose.clone()
+        };
+        self.poses.iter().map(simulated).collect()
+    }
+
+    /// Weights that are simulated in the place of a pose's own, where it is a mirror image.
+    fn source(&self, pose: &PoseSpec) -> Option<Weights> {
+        let mirror = self.mirror.as_ref()?;
+        mirror.source_of(&pose.weights, &self.driver)
+    }
+
+    /// What a pose becomes of the plan's `result` for it where the other one of two mirror images was
+    /// simulated; `None` where the result is its own.
+    ///
+    /// # Panics
+    /// When there is no pose of that number.
+    pub fn image(&self, pose: usize, result: &PoseResult) -> Option<PoseResult> {
+        self.source(&self.poses[pose])?;
+        let mut image = self.mirror.as_ref()?.image_of(result, &self.mesh.mesh);
+        if !result.warnings.is_empty() {
+            image.warnings.push(format!(
+                "pose '{}': its maps are the mirror image of the other side's, of which {} said",
+                self.poses[pose].name,
+                match result.warnings.len() {
+                    1 => "one warning was".to_owned(),
+                    several => format!("{several} warnings were"),
+                }
+            ));
+        }
+        Some(image)
+    }
+
+    /// For every pose the first one that is simulated in the same way: itself or, for one of two mirror
+    /// images, perhaps the other.
+    pub fn first_alike(&self) -> Vec<usize> {
+        let simulated = self.simulated_poses();
+        let alike = |pose: &PoseSpec| {
+            let mut all = simulated.iter();
+            all.position(|other| {
+                sorted(other.weights.iter()) == sorted(pose.weights.iter())
+                    && (&other.keys, other.steps) == (&pose.keys, pose.steps)
+            })
+        };
+        let numbers = simulated.iter().enumerate();
+        numbers
+            .map(|(own, pose)| match self.mirror {
+                Some(_) => alike(pose).unwrap_or(own),
+                None => own,
+            })
+            .collect()
+    }
+
     fn planned(&self) -> Result<ScenePlan, StepperError> {
-        let (driver, poses, modelling) = (&self.driver, &self.poses, &self.modelling);
+        let (driver, modelling) = (&self.driver, &self.modelling);
+        let poses = &self.simulated_poses();
         let size = self.file.bake.size;
         if let Some(body) = &self.body {
             let zone = ZonePlan {
@@ -135,6 +202,8 @@ pub struct Inspection {
     pub mesh: Option<(MeshFile, Arc<Driver>)>,
     /// The layers.
     pub layers: Option<Vec<LayerSpec>>,
+    /// What lies opposite of what, where the mesh is to mirror itself.
+    pub mirror: Option<Mirror>,
     /// Region where skin is simulated.
     pub region: Option<Region>,
     /// The poses that are wanted.
@@ -157,6 +226,7 @@ impl Inspection {
             file: SceneFile::read(path)?,
             mesh: None,
             layers: None,
+            mirror: None,
             region: None,
             poses: None,
             warnings: Vec::new(),
@@ -166,6 +236,7 @@ impl Inspection {
         inspection.look_at_layers();
         inspection.look_at_mesh(&options.poses);
         inspection.look_at_masks();
+        inspection.look_at_symmetry();
         Ok(inspection)
     }
 
@@ -190,6 +261,7 @@ impl Inspection {
             driver,
             layers,
             poses: self.poses.expect(whole),
+            mirror: self.mirror,
             warnings: self.warnings,
         })
     }
@@ -235,6 +307,24 @@ impl Inspection {
         let uvs = self.keep(uvs);
         self.warnings.extend(uvs.into_iter().flatten());
         self.mesh = Some((mesh, Arc::new(driver)));
+    }
+
+    fn look_at_symmetry(&mut self) {
+        let Some((mesh, driver)) = &self.mesh else {
+            return;
+        };
+        if self.file.driver.symmetry.is_none() {
+            return;
+        }
+        let mirror = Mirror::new(&mesh.mesh, driver).map_err(|source| SceneError::NotSymmetric {
+            scene: self.path.clone(),
+            mesh: mesh.path.clone(),
+            source,
+        });
+        if let (Ok(mirror), Some(layers)) = (&mirror, &self.layers) {
+            self.warnings.extend(mirror.warnings(&mesh.mesh, layers));
+        }
+        self.mirror = self.keep(mirror);
     }
 
     fn look_at_masks(&mut self) {

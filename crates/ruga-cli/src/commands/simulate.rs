@@ -24,7 +24,9 @@ use crate::{interrupt, messages};
 /// # Errors
 /// Whatever keeps a pose from being planned, simulated or written.
 pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
-    let scene = Scene::read_with(&arguments.scene, &arguments.scene_options())?;
+    let mut scene = Scene::read_with(&arguments.scene, &arguments.scene_options())?;
+    // Frames are of every pose as it is: the meshes that they were computed on have no mirror image.
+    scene.mirror = None;
     let plan = scene.plan()?;
     let records = Records::of_simulate(&arguments.output);
     let earlier = arguments.resume.then_some(&records);

@@ -137,6 +137,10 @@ impl SceneFile {
         // Before the poses, which name its parts.
         if let Some(interior) = &self.interior {
             interior.faults(self.layers.len())?;
+            if self.driver.symmetry.is_some() {
+                let accepted = "nothing with [interior]: a soft body moves as a whole";
+                return fault("driver.symmetry", "\"x\"", accepted);
+            }
         }
         self.pose_faults()?;
         self.solver_faults()?;

@@ -1,0 +1,98 @@
+//! Poses that are made as mirror images of others.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+use std::path::{Path, PathBuf};
+
+use ruga_bake::{Coverage, WrinkleMap};
+use ruga_scene::{Scene, SceneError};
+use ruga_stepper::Silent;
+
+/// The cheeks of the face alone, with two poses of the left side and one of the right.
+fn scene(folder: &Path, poses: &str) -> Result<Scene, SceneError> {
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/face");
+    let asset = |name: &str| assets.join(name).display().to_string().replace('\\', "/");
+    let text = format!(
+        "version = 1\n[driver]\nmesh = '{}'\nsymmetry = \"x\"\n[[layers]]\nname = \"cheeks\"\n\
+         preset = \"cheek\"\nmask = '{}'\n{poses}\n[remesh]\npoints_per_wavelength = 6.0\n\
+         [bake]\nsize = 256\n",
+        asset("face.glb"),
+        asset("cheeks.png"),
+    );
+    let path: PathBuf = folder.join("scene.toml");
+    std::fs::write(&path, text).unwrap();
+    Scene::read(&path)
+}
+
+fn pose(name: &str, weights: &str) -> String {
+    format!("[[poses]]\nname = \"{name}\"\nweights = {{ {weights} }}\nkeys = [1.0]\n")
+}
+
+/// The right smile is made of the left one, its map is the left one's mirror image, and it costs nothing.
+#[test]
+fn a_right_pose_is_the_mirror_image_of_the_left() {
+    let folder = tempfile::tempdir().unwrap();
+    let poses = [
+        pose("right", "mouthSmileRight = 0.8"),
+        pose("weaker", "mouthSmileLeft = 0.5"),
+        pose("left", "mouthSmileLeft = 0.8"),
+        pose("both", "mouthSmileLeft = 0.8, mouthSmileRight = 0.8"),
+    ];
+    let scene = scene(folder.path(), &poses.concat()).unwrap();
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    assert_eq!(scene.first_alike(), [0, 1, 0, 3]);
+    let plan = scene.plan().unwrap();
+    let seconds = |pose: usize| plan.pose_layers(pose)[0].seconds;
+    assert!(seconds(0) > 0.0 && seconds(1) > 0.0 && seconds(3) > 0.0);
+    assert_eq!(seconds(2), 0.0);
+
+    let simulated = plan.simulate(0, &mut Silent).unwrap();
+    let [right, left] = [0, 2].map(|pose| {
+        let image = scene.image(pose, &simulated);
+        let result = image.as_ref().unwrap_or(&simulated);
+        scene.bake_key(&scene.poses[pose], &result.keys[0]).unwrap()
+    });
+    // One of the two is an image, whichever side is simulated.
+    assert!(scene.image(0, &simulated).is_some() != scene.image(2, &simulated).is_some());
+    let size = left.size as usize;
+    let covered = |map: &WrinkleMap, texel: usize| map.coverage[texel] == Coverage::Covered;
+    let (mut squares, mut worst) = (0.0, 0.0_f64);
+    for texel in 0..size * size {
+        let opposite = texel / size * size + (size - 1 - texel % size);
+        if !covered(&left, texel) || !covered(&right, opposite) {
+            continue;
+        }
+        let [x, y, z] = left.normals[texel].map(f64::from);
+        let [u, v, w] = right.normals[opposite].map(f64::from);
+        let difference = (x + u).powi(2) + (y - v).powi(2) + (z - w).powi(2);
+        squares += x * x + y * y;
+        worst = worst.max(difference.sqrt());
+    }
+    // Where the map is only padded, ties go to the first neighbour, which is another one on the other side.
+    assert!(squares > 1.0, "{squares}");
+    assert!(worst < 1e-4, "{worst}");
+}
+
+/// What has no partner on the other side is named, with its place.
+#[test]
+fn a_mesh_that_does_not_mirror_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = |x: f64| {
+        format!("v -0.05 0 0\nv {x} 0 0\nv 0.04 0.1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\n")
+    };
+    for (file, x) in [("mesh.obj", 0.04), ("shape.obj", 0.03)] {
+        std::fs::write(folder.path().join(file), mesh(x)).unwrap();
+    }
+    let path = folder.path().join("scene.toml");
+    let text = "version = 1\n[driver]\nmesh = \"mesh.obj\"\ntargets = { press = \"shape.obj\" }\n\
+                symmetry = \"x\"\n[[layers]]\nname = \"skin\"\npreset = \"cheek\"\n";
+    std::fs::write(&path, text).unwrap();
+    let refused = Scene::read(&path).map(|_| ()).unwrap_err().to_string();
+    for part in [
+        "`driver.symmetry`",
+        "mesh.obj does not mirror itself at x = 0",
+        "vertex 0 at (-0.0500, 0.0000, 0.0000) m has no vertex",
+    ] {
+        assert!(refused.contains(part), "{part}: {refused}");
+    }
+}
