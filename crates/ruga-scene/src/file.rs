@@ -98,9 +98,13 @@ pub struct Driver {
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub targets: BTreeMap<String, PathBuf>,
     /// Where skin is simulated: `"auto"` (where a pose compresses the skin enough to wrinkle it),
-    /// `"all"`, or the path of a grey image over the UV square, white where skin is simulated.
+    /// `"all"`, or the path of a grey image over the UV square, white where skin is simulated; of UDIM tiles
+    /// an image for each, named as `"mask.<UDIM>.png"`.
     #[serde(default)]
     pub region: Region,
+    /// Whether the mesh has UDIM tiles, each with maps of its own.
+    #[serde(default, skip_serializing_if = "Tiles::is_auto")]
+    pub tiles: Tiles,
     /// How the artist's facets are smoothed.
     #[serde(default)]
     pub smoothing: Smoothing,
@@ -111,6 +115,26 @@ pub struct Driver {
 
 fn default_vertex_budget() -> u64 {
     Modelling::default().vertex_budget as u64
+}
+
+/// Whether a mesh has UDIM tiles: unit squares of the texture, each with images of its own. The one of
+/// column `u` and row `v` is number 1001 + u + 10 v.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Tiles {
+    /// If whole islands of the texture lie in other tiles than the first.
+    #[default]
+    Auto,
+    /// Yes, however islands lie.
+    Udim,
+    /// No: only the square from 0 to 1 is baked.
+    One,
+}
+
+impl Tiles {
+    fn is_auto(&self) -> bool {
+        *self == Self::Auto
+    }
 }
 
 /// Where skin is simulated: `auto`, `all`, or the path of a mask.

@@ -211,15 +211,32 @@ pub struct PropertyMap {
 }
 
 impl PropertyMap {
-    /// The image files that are named.
+    /// The map with other image files: what `file` makes of each; one without is left out.
+    pub(crate) fn with_images(&self, file: impl Fn(&Path) -> Option<PathBuf>) -> Self {
+        let other = |image: &Option<PathBuf>| file(image.as_deref()?);
+        Self {
+            image: other(&self.image),
+            wavelength_image: other(&self.wavelength_image),
+            young_image: other(&self.young_image),
+            thickness_image: other(&self.thickness_image),
+            ..self.clone()
+        }
+    }
+
+    /// The image files that are named, with the names of their keys.
+    pub(crate) fn named_images(&self) -> impl Iterator<Item = (&'static str, &Path)> {
+        let named = [
+            ("image", &self.image),
+            ("wavelength_image", &self.wavelength_image),
+            ("young_image", &self.young_image),
+            ("thickness_image", &self.thickness_image),
+        ];
+        let named = named.into_iter();
+        named.filter_map(|(name, image)| Some((name, image.as_deref()?)))
+    }
+
+    /// The image files that are named; `<UDIM>` in a name stands for the number of a tile.
     pub fn images(&self) -> impl Iterator<Item = &Path> {
-        [
-            &self.image,
-            &self.wavelength_image,
-            &self.young_image,
-            &self.thickness_image,
-        ]
-        .into_iter()
-        .filter_map(Option::as_deref)
+        self.named_images().map(|(_, image)| image)
     }
 }
