@@ -1,10 +1,12 @@
 //! The maps of one key of a pose, all layers together.
 
-use nalgebra::Vector2;
+use std::collections::BTreeSet;
+
 use ruga_bake::{BakeError, BakeSettings, Relief, Seams, TangentFrame, WrinkleMap, bake_squares};
 use ruga_blend::Weights;
 use ruga_io::MapKind;
 use ruga_material::UvTile;
+use ruga_mesh::Id;
 use ruga_stepper::{KeyResult, LayerSurface, PoseSpec};
 
 use crate::posed_frames::{moved_frames, posed_frames};
@@ -55,27 +57,30 @@ impl Scene {
             .map_err(|source| self.baking("rest", source))
     }
 
-    /// Tiles of the mesh that some triangles reach into, V down, and at least one; all where the whole mesh
-    /// has something to show.
-    pub(crate) fn baked_tiles(&self, uvs: &[[Vector2<f64>; 3]]) -> Vec<UvTile> {
+    /// Tiles in which something is baked where these triangles of the file are simulated, ascending and at
+    /// least one: theirs, and those beyond a seam, whose padding goes on with them. All tiles where maps of the
+    /// whole mesh are asked for.
+    pub(crate) fn baked_tiles(&self, simulated: &[u32]) -> Vec<UvTile> {
         let is_of_mesh = |kind: &MapKind| !kind.is_packed();
         if !self.is_tiled() || self.file.bake.maps.iter().any(is_of_mesh) {
             return self.tiles.clone();
         }
-        let reaches = |tile: &UvTile| {
-            let is_in = |uvs: &[Vector2<f64>; 3]| {
-                let local = uvs.each_ref().map(|uv| tile.local(uv));
-                (0..2).all(|axis| {
-                    local.iter().any(|uv| uv[axis] > 0.0) && local.iter().any(|uv| uv[axis] < 1.0)
-                })
-            };
-            uvs.iter().any(is_in)
-        };
-        let mut tiles: Vec<UvTile> = self.tiles.iter().copied().filter(reaches).collect();
-        if tiles.is_empty() {
-            tiles.push(self.tiles[0]);
+        let triangles = &self.mesh.mesh.triangles;
+        let point = |vertex: u32| self.driver.welded()[vertex as usize].index();
+        let mut is_touched = vec![false; self.driver.rest().len()];
+        for vertex in simulated.iter().flat_map(|&t| triangles[t as usize]) {
+            is_touched[point(vertex)] = true;
         }
-        tiles
+        let uvs = texture_space::corners(&self.mesh).unwrap_or_default();
+        let touched = triangles.iter().zip(&uvs);
+        let touched = touched.filter(|(corners, _)| corners.iter().any(|&v| is_touched[point(v)]));
+        let found: BTreeSet<UvTile> = touched
+            .filter_map(|(_, uvs)| UvTile::of_triangle(uvs))
+            .collect();
+        match found.is_empty() {
+            true => self.tiles[..1].to_vec(),
+            false => found.into_iter().collect(),
+        }
     }
 
     /// The maps of all layers at a key, without padding.
@@ -86,11 +91,9 @@ impl Scene {
     ) -> Result<Vec<WrinkleMap>, BakeError> {
         let details = self.details();
         let settings = self.bake_settings();
-        let uvs = key
-            .layers
-            .iter()
-            .flat_map(|layer| layer.uvs.iter().copied());
-        let tiles = self.baked_tiles(&uvs.collect::<Vec<_>>());
+        let layers = key.layers.iter();
+        let simulated = layers.flat_map(|layer| layer.artist.iter().map(|(triangle, _)| *triangle));
+        let tiles = self.baked_tiles(&simulated.collect::<Vec<_>>());
         let squares: Vec<[i32; 2]> = tiles.into_iter().map(UvTile::origin).collect();
         let bake =
             |relief: &Relief<'_>| bake_squares(relief, frames, &settings, &details, &squares);

@@ -150,7 +150,7 @@ pub enum SceneError {
         advice: &'static str,
     },
     /// Two zones that both claim a place.
-    #[error("{}: the zones `{first}` and `{second}` overlap: at u {u:.2}, v {v:.2} from the map's upper left their masks add up to {percent:.0} %; accepted: up to 100 %", scene.display())]
+    #[error("{}: the zones `{first}` and `{second}` overlap: at u {u:.2}, v {v:.2} from the upper left of {tile} their masks add up to {percent:.0} %; accepted: up to 100 %", scene.display())]
     #[diagnostic(help(
         "paint one of the masks black where the other is white; where one goes over into the other, let their greys add up to white, over a wavelength or more"
     ))]
@@ -161,6 +161,8 @@ pub enum SceneError {
         first: String,
         /// The other zone.
         second: String,
+        /// The map, or the UDIM tile, that the place is in.
+        tile: String,
         /// Texture coordinate of the place, from the left.
         u: f64,
         /// Texture coordinate of the place, from the top.

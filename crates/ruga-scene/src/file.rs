@@ -98,12 +98,14 @@ pub struct Driver {
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub targets: BTreeMap<String, PathBuf>,
     /// Where skin is simulated: `"auto"` (where a pose compresses the skin enough to wrinkle it),
-    /// `"all"`, or the path of a grey image over the UV square, white where skin is simulated; of UDIM tiles
-    /// an image for each, named as `"mask.<UDIM>.png"`.
+    /// `"all"`, or the path of a grey image over the UV square, white where skin is simulated.
     #[serde(default)]
     pub region: Region,
-    /// Whether the mesh has UDIM tiles, each with maps of its own.
-    #[serde(default, skip_serializing_if = "Tiles::is_auto")]
+    /// Whether the mesh has UDIM tiles: unit squares of the texture, of which each has maps of its own. The one
+    /// of column u and row v is number 1001 + u + 10 v. Masks and painted images with `<UDIM>` in their names,
+    /// as `"skin.<UDIM>.png"`, are one file per tile; where a file is missing, masks are black and painted
+    /// properties are the layer's own. An image without `<UDIM>` lies on the first tile of the mesh.
+    #[serde(default)]
     pub tiles: Tiles,
     /// How the artist's facets are smoothed.
     #[serde(default)]
@@ -117,24 +119,17 @@ fn default_vertex_budget() -> u64 {
     Modelling::default().vertex_budget as u64
 }
 
-/// Whether a mesh has UDIM tiles: unit squares of the texture, each with images of its own. The one of
-/// column `u` and row `v` is number 1001 + u + 10 v.
+/// Whether a mesh has UDIM tiles: unit squares of the texture, each with images of its own.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Tiles {
-    /// If whole islands of the texture lie in other tiles than the first.
+    /// If most islands lie whole in a tile, and some in others than the first.
     #[default]
     Auto,
-    /// Yes, however islands lie.
+    /// Yes, also with islands over several tiles; each triangle must lie in one.
     Udim,
-    /// No: only the square from 0 to 1 is baked.
+    /// No: only the square from 0 to 1 is baked, as for islands moved by 1 to be left out.
     One,
-}
-
-impl Tiles {
-    fn is_auto(&self) -> bool {
-        *self == Self::Auto
-    }
 }
 
 /// Where skin is simulated: `auto`, `all`, or the path of a mask.

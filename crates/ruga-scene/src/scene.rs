@@ -147,9 +147,7 @@ impl Scene {
     /// Bytes that the maps of the tiles with simulated skin take beside one of them, which the plan of a layer
     /// knows of; `active` are the simulated triangles of the file.
     fn map_bytes(&self, active: &[u32]) -> f64 {
-        let uvs = texture_space::corners(&self.mesh).unwrap_or_default();
-        let active: Vec<_> = active.iter().map(|&t| uvs[t as usize]).collect();
-        let others = self.baked_tiles(&active).len().saturating_sub(1);
+        let others = self.baked_tiles(active).len().saturating_sub(1);
         others as f64 * BYTES_PER_TEXEL * f64::from(self.file.bake.size).powi(2)
     }
 }

@@ -179,7 +179,8 @@ impl Layer {
 
 /// Painted properties of a layer. Each is `lo + (hi - lo) c` times the layer's own value, `c` from
 /// 0 to 1 read linearly. Either one `image` (red: wavelength, green: Young's modulus, blue:
-/// thickness), or one grey image per property. A property without range keeps its value.
+/// thickness), or one grey image per property. A property without range keeps its value. With UDIM
+/// tiles an image is one file per tile, as `"skin.<UDIM>.png"`; see `tiles` under `[driver]`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PropertyMap {
