@@ -96,7 +96,7 @@ pub(crate) fn check(mesh: &MeshFile, tiles: &[UvTile]) -> Result<Vec<String>, Sc
         warn(format!(
             "the texture coordinates of {} leave the square from 0 to 1, the first is triangle \
              {first}; what lies outside is not baked, {} of the skin; move it into the square if it is to \
-             wrinkle",
+             wrinkle, or write `tiles = \"udim\"` under [driver] if these are UDIM tiles",
             counted(report.outside.len(), "triangle"),
             percent(1.0 - layout.inside)
         ));
@@ -293,7 +293,8 @@ fn too_large(mesh: &MeshFile, whose: &str, layout: &UvLayout) -> SceneError {
             point(high),
             percent(layout.inside)
         ),
-        advice: "scale them down into the square from 0 to 1: a wrinkle map does not repeat",
+        advice: "scale them down into the square from 0 to 1: a wrinkle map does not repeat; if these are UDIM \
+                 tiles, write `tiles = \"udim\"` under [driver]",
     }
 }
 

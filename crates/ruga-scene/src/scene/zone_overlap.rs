@@ -47,9 +47,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
         scene: scene.path.clone(),
         first: claims[0].1.to_owned(),
         second: claims[1].1.to_owned(),
-        tile: tile.map_or("the map".to_owned(), |tile| {
-            format!("tile {}", tile.number())
-        }),
+        tile: tile.map(UvTile::number),
         u: at.x,
         v: at.y,
         percent: 100.0 * sum,
