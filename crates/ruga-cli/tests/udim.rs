@@ -23,11 +23,12 @@ fn scene() -> Folder {
 
 /// Writes a grey image of one value.
 fn grey(folder: &Folder, name: &str, value: u8) {
-    write_png(&folder.path(name), 4, 4, PngTexels::Grey8(&[value; 16])).unwrap();
+    write_png(&folder.path(name), 4, 4, PngTexels::Grey8(&[value; 16]))
+        .expect("a folder to write to");
 }
 
 fn values(folder: &Folder, name: &str) -> Vec<f32> {
-    read_image(&folder.path(name)).unwrap().values
+    read_image(&folder.path(name)).expect("an image").values
 }
 
 /// Whether a normal map has wrinkles: more than two columns of padding beside a seam to a tile with some.
