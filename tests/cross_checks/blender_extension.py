@@ -10,7 +10,7 @@ into the folder PICTURES, if one is given. Checked are, each with what it measur
 - bake, and drivers on the way from 0 to 1; poses of two shapes;
 - the blend of two poses and a base map as Cycles sees it, against reoriented normal mapping;
 - a rendered frame, which changes with a shape key and is plain at rest;
-- baking again, taking out; a mask from a vertex group;
+- baking again, taking out; a mask from a vertex group; UDIM tiles in and out;
 - a bake that is stopped half way, and the next one, which goes on;
 - bad input: a message each, with materials and files as they were.
 
@@ -454,6 +454,50 @@ def check_mask(checks, folder):
     checks.that(shape_of(subject.active_material.node_tree) == before, "the material is as it was")
 
 
+def check_tiles(checks, folder):
+    """The right half of the skin in UDIM tile 1002, masked by a vertex group, and its tiled maps."""
+    subject = fresh(folder, "tiles")
+    choose(subject, "compress")
+    mesh = subject.data
+    tiled = mesh.uv_layers[0]
+    # What is baked into for the comparison: the texture as it was.
+    plain = mesh.uv_layers.new(name="plain")
+    for face in mesh.polygons:
+        is_right = np.mean([tiled.uv[loop].vector.x for loop in face.loop_indices]) > 0.5
+        for loop in face.loop_indices:
+            plain.uv[loop].vector = tiled.uv[loop].vector
+            if is_right:
+                tiled.uv[loop].vector.x += 1.0
+    mesh.uv_layers.active = tiled
+    subject.ruga.uv_map = tiled.name
+    group = subject.vertex_groups.new(name="all")
+    group.add(range(len(mesh.vertices)), 1.0, "REPLACE")
+    layer = subject.ruga.layers[0]
+    layer.mask_kind, layer.vertex_group = "GROUP", "all"
+    bpy.ops.ruga.bake()
+    masks = sorted(file.name for file in (out_folder(subject).parent / "masks").iterdir())
+    checks.that(masks == ["skin.1001.png", "skin.1002.png"], f"masks: {', '.join(masks)}")
+    images = [image for image in bpy.data.images if image.source == "TILED"]
+    tiles = {tuple(tile.number for tile in image.tiles) for image in images}
+    checks.that(len(images) == 2 and tiles == {(1001, 1002)}, f"{len(images)} tiled images with tiles {tiles}")
+    bpy.ops.ruga.load(directory=str(out_folder(subject)))
+    again = [image for image in bpy.data.images if image.source == "TILED"]
+    checks.that(len(again) == 2, "loaded again, the images are the same ones")
+    halves = [read_map(subject, f"compress_100_normal.{tile}.png") for tile in (1001, 1002)]
+    wanted = unit(np.hstack([halves[0][:, : SIZE // 2], halves[1][:, SIZE // 2 :]]))
+    mesh.shape_keys.key_blocks["compress"].value = 1.0
+    mesh.uv_layers.active = plain
+    seen, skin = seen_by_cycles(subject)
+    # Beside the cut padding is read, as it is beside every seam.
+    skin[:, SIZE // 2 - 2 : SIZE // 2 + 2] = False
+    angles = np.degrees(2.0 * np.arcsin(np.linalg.norm(seen - wanted, axis=-1)[skin] / 2))
+    tilts = [np.degrees(np.arccos(half[..., 2].min())) for half in halves]
+    checks.that(
+        angles.max() < BLEND_LIMIT and min(tilts) > 10.0,
+        f"Cycles - maps: {angles.max():.5f} degrees at most; the tiles tilt by {tilts[0]:.0f} and {tilts[1]:.0f}",
+    )
+
+
 def check_stop(checks, folder):
     """Stops after the first of three poses; the next bake makes the others alone."""
     subject = fresh(folder, "stop")
@@ -542,7 +586,7 @@ def main(pictures):
     pictures = pictures or folder
     pictures.mkdir(parents=True, exist_ok=True)
     checks = Checks()
-    parts = (check_package, check_export, check_work, check_panel, check_mask, check_stop, check_refusals)
+    parts = (check_package, check_export, check_work, check_panel, check_mask, check_tiles, check_stop, check_refusals)
     for part in parts:
         print(part.__name__.removeprefix("check_"))
         part(checks, folder, *([pictures] if part is check_work else []))

@@ -77,6 +77,7 @@ impl WrinkleMap {
         let raster = Raster {
             size: self.size,
             supersample: 1,
+            square: self.square,
         };
         Ok(raster.fill(uvs, shade))
     }

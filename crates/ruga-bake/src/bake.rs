@@ -4,9 +4,9 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::raster::{GridTriangle, Placed, SampleGrid};
-use crate::relief_normals::{VertexRelief, vertex_reliefs};
+use crate::relief_normals::VertexRelief;
 use crate::shading::TriangleShader;
-use crate::{BakeError, Coverage, Frame, Relief, TangentFrame, WrinkleMap};
+use crate::{BakeError, Coverage, Frame, Relief, TangentFrame, WrinkleMap, bake_detailed};
 
 /// Largest side of a map, texels.
 pub const MAX_SIZE: u32 = 16384;
@@ -42,8 +42,9 @@ impl Default for BakeSettings {
 /// `frames` are those of the artist's *posed* mesh, indexed by [`Relief::artist`]. A sample at a
 /// texel's centre (or `supersample`² of them) belongs to exactly one of the triangles that meet
 /// there; where UVs overlap, to the first in face order. Vectors of several samples are added and
-/// normalised, covered ones only. What lies outside `[0, 1]²` is cut off. The map is not padded:
-/// compose the maps of several layers first, then call [`WrinkleMap::pad`].
+/// normalised, covered ones only. What lies outside `[0, 1]²` is cut off; [`bake_squares`](crate::bake_squares) bakes UDIM
+/// tiles. The map is not padded: compose the maps of several layers first, then call
+/// [`WrinkleMap::pad`].
 ///
 /// # Errors
 /// [`BakeError::Size`], [`BakeError::Supersample`], and the errors of inconsistent or non-finite
@@ -53,25 +54,40 @@ pub fn bake(
     frames: &[[TangentFrame; 3]],
     settings: &BakeSettings,
 ) -> Result<WrinkleMap, BakeError> {
-    if settings.size == 0 || settings.size > MAX_SIZE {
-        return Err(BakeError::Size(settings.size));
-    }
-    if !matches!(settings.supersample, 1 | 2 | 4) {
-        return Err(BakeError::Supersample(settings.supersample));
-    }
-    relief.validate(frames)?;
+    bake_detailed(relief, frames, settings, &[])
+}
 
-    let vertices = vertex_reliefs(relief, settings.frame);
-    let mut map = WrinkleMap::neutral(settings.size);
+impl BakeSettings {
+    pub(crate) fn validate(&self) -> Result<(), BakeError> {
+        if self.size == 0 || self.size > MAX_SIZE {
+            return Err(BakeError::Size(self.size));
+        }
+        if !matches!(self.supersample, 1 | 2 | 4) {
+            return Err(BakeError::Supersample(self.supersample));
+        }
+        Ok(())
+    }
+}
+
+/// Normals and heights over the unit square with this lowest U and V, from valid input and the reliefs of
+/// the layer's vertices in the frame of the settings.
+pub(crate) fn painted(
+    relief: &Relief,
+    vertices: &[VertexRelief],
+    frames: &[[TangentFrame; 3]],
+    settings: &BakeSettings,
+    square: [i32; 2],
+) -> WrinkleMap {
+    let mut map = WrinkleMap::neutral(settings.size, square);
     let painter = Painter {
         relief,
-        vertices: &vertices,
+        vertices,
         frames,
         settings,
-        grid: SampleGrid::new(settings.size * settings.supersample),
+        grid: SampleGrid::new(settings.size * settings.supersample, square),
     };
     painter.paint(&mut map);
-    Ok(map)
+    map
 }
 
 /// Inputs and sample grid, which stay fixed while texels are filled.

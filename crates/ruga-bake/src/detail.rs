@@ -123,6 +123,13 @@ impl WrinkleMap {
         }
     }
 
+    /// Adds neutral maps of `details`, as they are where nothing was baked.
+    pub fn add_neutral(&mut self, details: &[Detail]) {
+        for detail in details {
+            self.set_detail(DetailMap::neutral(*detail, self.coverage.len()));
+        }
+    }
+
     /// Adds a detail map or replaces the one of its quantity.
     pub(crate) fn set_detail(&mut self, map: DetailMap) {
         self.details.retain(|other| other.detail != map.detail);

@@ -3,12 +3,13 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use crate::bake::painted;
 use crate::detail::DetailMap;
 use crate::field_raster::Raster;
 use crate::horizon::open_sky;
 use crate::relief_normals::{VertexRelief, vertex_reliefs};
 use crate::tangent_frames::any_orthogonal;
-use crate::{BakeError, BakeSettings, Detail, Frame, Relief, TangentFrame, WrinkleMap, bake};
+use crate::{BakeError, BakeSettings, Detail, Frame, Relief, TangentFrame, WrinkleMap};
 
 /// Bakes the normal and height map of one pose, and of `details` those that are the layer's own:
 /// occlusion, curvature, displacement.
@@ -18,38 +19,72 @@ use crate::{BakeError, BakeSettings, Detail, Frame, Relief, TangentFrame, Wrinkl
 /// is baked, whatever the [`Frame`] of the normals.
 ///
 /// # Errors
-/// Those of [`bake`].
+/// Those of [`bake`](crate::bake).
 pub fn bake_detailed(
     relief: &Relief,
     frames: &[[TangentFrame; 3]],
     settings: &BakeSettings,
     details: &[Detail],
 ) -> Result<WrinkleMap, BakeError> {
-    let mut map = bake(relief, frames, settings)?;
-    let wants = |detail| details.contains(&detail);
-    let raster = Raster {
-        size: settings.size,
-        supersample: settings.supersample,
+    let mut maps = bake_squares(relief, frames, settings, details, &[[0, 0]])?;
+    Ok(maps.remove(0))
+}
+
+/// Bakes the maps of several unit squares of texture space, such as UDIM tiles: one for each of `squares`,
+/// which are their lowest U and V (V down).
+///
+/// Each is what [`bake_detailed`] makes of UVs that are moved by its square; what the squares share is
+/// computed once.
+///
+/// # Errors
+/// Those of [`bake`](crate::bake).
+pub fn bake_squares(
+    relief: &Relief,
+    frames: &[[TangentFrame; 3]],
+    settings: &BakeSettings,
+    details: &[Detail],
+    squares: &[[i32; 2]],
+) -> Result<Vec<WrinkleMap>, BakeError> {
+    settings.validate()?;
+    relief.validate(frames)?;
+    let vertices = vertex_reliefs(relief, settings.frame);
+    let scalars = vertex_scalars(relief, details);
+    let map_of = |&square: &[i32; 2]| {
+        let mut map = painted(relief, &vertices, frames, settings, square);
+        let raster = Raster {
+            size: settings.size,
+            supersample: settings.supersample,
+            square,
+        };
+        for (detail, values) in &scalars {
+            map.paint_scalar(*detail, raster, relief, values);
+        }
+        if details.contains(&Detail::Displacement) {
+            map.paint_displacement(raster, relief, frames);
+        }
+        map
     };
+    Ok(squares.iter().map(map_of).collect())
+}
+
+/// Those of `details` that are one number per vertex of the layer.
+fn vertex_scalars(relief: &Relief, details: &[Detail]) -> Vec<(Detail, Vec<f64>)> {
+    let wants = |detail| details.contains(&detail);
+    let mut scalars = Vec::new();
     if wants(Detail::Occlusion) || wants(Detail::Curvature) {
         // Relative to the driver in either frame: curvature of the base would not be neutral.
         let vertices = vertex_reliefs(relief, Frame::Driver);
         if wants(Detail::Occlusion) {
-            let sky = open_sky(relief, &vertices);
-            map.paint_scalar(Detail::Occlusion, raster, relief, &sky);
+            scalars.push((Detail::Occlusion, open_sky(relief, &vertices)));
         }
         if wants(Detail::Curvature) {
             // The divergence of the unit normal over the driver is twice the mean curvature of the
             // height field, at any slope: div (-grad h / sqrt(1 + |grad h|²)) = k1 + k2.
             let mean = |v: &VertexRelief| v.slope.trace() / 2.0;
-            let curvatures: Vec<f64> = vertices.par_iter().map(mean).collect();
-            map.paint_scalar(Detail::Curvature, raster, relief, &curvatures);
+            scalars.push((Detail::Curvature, vertices.par_iter().map(mean).collect()));
         }
     }
-    if wants(Detail::Displacement) {
-        map.paint_displacement(raster, relief, frames);
-    }
-    Ok(map)
+    scalars
 }
 
 impl WrinkleMap {

@@ -15,6 +15,8 @@ pub(crate) struct Raster {
     pub size: u32,
     /// Samples per texel along each side: 1, 2 or 4.
     pub supersample: u32,
+    /// Lowest U and V of the unit square that is filled.
+    pub square: [i32; 2],
 }
 
 impl Raster {
@@ -28,7 +30,7 @@ impl Raster {
         uvs: &[[Vector2<f64>; 3]],
         shade: impl Fn(usize, [f64; 3]) -> [f64; N] + Sync,
     ) -> Vec<Option<[f64; N]>> {
-        let grid = SampleGrid::new(self.size * self.supersample);
+        let grid = SampleGrid::new(self.size * self.supersample, self.square);
         let placed: Vec<Placed> = uvs.par_iter().map(|uvs| grid.place(uvs)).collect();
         let bands = grid.bands(&placed, BAND_ROWS as u32 * self.supersample);
         let side = self.size as usize;

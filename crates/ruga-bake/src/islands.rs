@@ -8,13 +8,18 @@ use crate::raster::{Placed, SampleGrid};
 /// Rows of texels that one task works on.
 const BAND_ROWS: u32 = 16;
 
-/// Whether each texel's center lies in one of the triangles, row by row from the top.
+/// Whether each texel's center lies in one of the triangles, row by row from the top, over the unit square
+/// with this lowest U and V.
 ///
 /// Decided on the integers of a bake without supersampling, so that the border of an island is the
 /// border of the triangles baked there. Time grows with the rows that triangles reach over, not with
 /// their area: a texture that repeats lays whole meshes over the same texels.
-pub(crate) fn texels_inside(triangles: &[[Vector2<f64>; 3]], size: u32) -> Vec<bool> {
-    let grid = SampleGrid::new(size);
+pub(crate) fn texels_inside(
+    triangles: &[[Vector2<f64>; 3]],
+    size: u32,
+    square: [i32; 2],
+) -> Vec<bool> {
+    let grid = SampleGrid::new(size, square);
     let placed: Vec<Placed> = triangles.par_iter().map(|t| grid.place(t)).collect();
     let bands = grid.bands(&placed, BAND_ROWS);
     let side = size as usize;

@@ -9,7 +9,7 @@
 //! (MikkTSpace, glTF's sign). [`bake`] rasterises the triangles in UV, without rays or a cage, and
 //! returns a [`WrinkleMap`] of unit normals and heights, which [`normal_to_png16`] and its
 //! neighbours turn into the integers of an image. [`bake_detailed`] adds maps of further quantities
-//! ([`Detail`]). Maps of several layers are composed, then padded
+//! ([`Detail`]), and [`bake_squares`] bakes the UDIM tiles of a mesh. Maps of several layers are composed, then padded
 //! once ([`WrinkleMap::pad`], or across UV seams [`WrinkleMap::pad_across`]). [`check_uvs`] and
 //! [`uv_layout`] say beforehand whether the UVs can carry a map. [`between_keys`] and [`lay_over`] blend
 //! normal maps as an engine does at run time.
@@ -60,7 +60,7 @@ mod triangle_overlap;
 pub use bake::{BakeSettings, MAX_SIZE, bake};
 pub use blend::{KeyNormals, between_keys, lay_over};
 pub use detail::{Detail, DetailMap};
-pub use detail_bake::bake_detailed;
+pub use detail_bake::{bake_detailed, bake_squares};
 pub use frame::Frame;
 pub use relief::Relief;
 pub use seams::Seams;
@@ -72,9 +72,9 @@ pub use encode::{
 };
 pub use encoding::Encoding;
 pub use packing::{
-    POSES_PER_MASK, PoseRegion, TooFewMaps, key_strength, mask_image, pack, share_maps, unpack,
+    KeyStrength, POSES_PER_MASK, PoseRegion, TooFewMaps, mask_image, pack, share_maps, unpack,
 };
 pub use uv_check::{MAX_OVERLAPS, UvReport, check_uvs};
-pub use uv_layout::{UvLayout, uv_layout};
+pub use uv_layout::{UvLayout, island_boxes, uv_layout};
 
 pub use error::BakeError;

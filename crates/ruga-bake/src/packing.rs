@@ -83,11 +83,12 @@ pub struct TooFewMaps {
     pub poses: Vec<usize>,
 }
 
-/// The map of every pose: poses whose regions overlap have different ones.
+/// The map of every pose: poses whose regions overlap have different ones. A pose has a region for each UDIM
+/// tile, or one; all of them are in one map.
 ///
 /// # Errors
 /// [`TooFewMaps`] when more than `maps` are needed.
-pub fn share_maps(regions: &[PoseRegion], maps: usize) -> Result<Vec<usize>, TooFewMaps> {
+pub fn share_maps(regions: &[Vec<PoseRegion>], maps: usize) -> Result<Vec<usize>, TooFewMaps> {
     if regions.is_empty() {
         return Ok(Vec::new());
     }
@@ -95,7 +96,8 @@ pub fn share_maps(regions: &[PoseRegion], maps: usize) -> Result<Vec<usize>, Too
     let nodes: Vec<NodeIndex> = regions.iter().map(|_| graph.add_node(())).collect();
     for a in 0..regions.len() {
         for b in 0..a {
-            if regions[a].overlaps(&regions[b]) {
+            let mut tiles = regions[a].iter().zip(&regions[b]);
+            if tiles.any(|(a, b)| a.overlaps(b)) {
                 graph.add_edge(nodes[a], nodes[b], ());
             }
         }
@@ -177,18 +179,30 @@ pub fn unpack(packed: &[f32], neutral: &[f32], mask: impl IntoIterator<Item = u8
 }
 
 /// Strength at which the map of a whole pose is nearest to the map of one of its keys: least squares over
-/// the deviations from neutral, at least 0; 0 where nothing deviates.
-pub fn key_strength(whole: &[f32], key: &[f32], neutral: &[f32]) -> f64 {
-    let neutral = neutral.iter().cycle().copied().map(f64::from);
-    let (mut product, mut square) = (0.0, 0.0);
-    for ((whole, key), neutral) in whole.iter().zip(key).zip(neutral) {
-        let (whole, key) = (f64::from(*whole) - neutral, f64::from(*key) - neutral);
-        product += whole * key;
-        square += whole * whole;
+/// the deviations from neutral of all texels that were added.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct KeyStrength {
+    product: f64,
+    square: f64,
+}
+
+impl KeyStrength {
+    /// Adds the stored values of a map, or of one of its UDIM tiles; `neutral` has one per channel.
+    pub fn add(&mut self, whole: &[f32], key: &[f32], neutral: &[f32]) {
+        let neutral = neutral.iter().cycle().copied().map(f64::from);
+        for ((whole, key), neutral) in whole.iter().zip(key).zip(neutral) {
+            let (whole, key) = (f64::from(*whole) - neutral, f64::from(*key) - neutral);
+            self.product += whole * key;
+            self.square += whole * whole;
+        }
     }
-    if square > 0.0 {
-        (product / square).max(0.0)
-    } else {
-        0.0
+
+    /// The strength, at least 0; 0 where nothing deviates.
+    pub fn value(self) -> f64 {
+        if self.square > 0.0 {
+            (self.product / self.square).max(0.0)
+        } else {
+            0.0
+        }
     }
 }

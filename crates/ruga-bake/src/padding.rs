@@ -27,7 +27,7 @@ impl WrinkleMap {
         })?;
         for texel in bare_skin(
             &self.coverage,
-            &texels_inside(islands, self.size),
+            &texels_inside(islands, self.size, self.square),
             self.size,
         ) {
             self.coverage[texel] = Coverage::Skin;

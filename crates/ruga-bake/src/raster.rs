@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use nalgebra::Vector2;
 
-/// Corners further than this from the origin, in tiles, would overflow the edge functions.
+/// Corners further than this from the square, in its sides, would overflow the edge functions.
 const MAX_TILES: f64 = 8.0;
 
-/// A square of samples over the UV tile `[0, 1]²`, with sub-sample fixed-point coordinates.
+/// A square of samples over a unit square of texture space, with sub-sample fixed-point coordinates.
 ///
 /// UVs are rounded to at most 2^-27 (a thousandth of a texel even at the largest map), and from
 /// there on all decisions are integer: corners shared by two triangles round to the same point, so
@@ -16,6 +16,8 @@ const MAX_TILES: f64 = 8.0;
 pub(crate) struct SampleGrid {
     side: u32,
     subsample_bits: u32,
+    /// Lowest U and V of the unit square.
+    origin: Vector2<f64>,
 }
 
 /// Outcome of placing a triangle on the grid.
@@ -23,9 +25,9 @@ pub(crate) struct SampleGrid {
 pub(crate) enum Placed {
     /// It may cover samples.
     Inside(GridTriangle),
-    /// It lies wholly outside the tile.
+    /// It lies wholly outside the square.
     Outside,
-    /// It has no area, or touches the tile but reaches further than eight tiles away.
+    /// It has no area, or touches the square but reaches further than eight of its sides away.
     Unusable,
 }
 
@@ -49,17 +51,19 @@ pub(crate) struct Run {
 }
 
 impl SampleGrid {
-    /// A grid of `side`² samples; `side` is at most 2^16.
-    pub(crate) fn new(side: u32) -> Self {
+    /// A grid of `side`² samples over the unit square with this lowest U and V; `side` is at most 2^16.
+    pub(crate) fn new(side: u32, square: [i32; 2]) -> Self {
         let side_bits = side.next_power_of_two().trailing_zeros();
         Self {
             side,
             subsample_bits: 27 - side_bits,
+            origin: Vector2::from(square.map(f64::from)),
         }
     }
 
     /// Rounds a UV triangle to the grid.
     pub(crate) fn place(&self, uvs: &[Vector2<f64>; 3]) -> Placed {
+        let uvs = uvs.map(|uv| uv - self.origin);
         // Tested first: a face outside leaves no gap in the map and is not reported, however far
         // out it lies.
         for axis in 0..2 {
@@ -70,7 +74,7 @@ impl SampleGrid {
         if uvs.iter().flatten().any(|c| c.abs() > MAX_TILES) {
             return Placed::Unusable;
         }
-        // At most 2^27 units per tile and 2^31 across all tiles that are accepted: products of two
+        // At most 2^27 units per side and 2^31 across all sides that are accepted: products of two
         // differences stay within 2^62.
         let unit = (f64::from(self.side)) * f64::from(1_u32 << self.subsample_bits);
         let corners = uvs.map(|uv| [uv.x, uv.y].map(|c| (c * unit).round() as i64));
@@ -81,7 +85,7 @@ impl SampleGrid {
         Placed::Inside(GridTriangle { corners, area })
     }
 
-    /// Rows of samples that the triangle may cover, inside the tile.
+    /// Rows of samples that the triangle may cover, inside the square.
     pub(crate) fn rows(&self, triangle: &GridTriangle) -> Range<u32> {
         self.sample_range(triangle.corners.map(|c| c[1]))
     }

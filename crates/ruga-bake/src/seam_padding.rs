@@ -18,39 +18,62 @@ const WIDEST: u32 = 64;
 const NO_EDGE: u32 = u32::MAX;
 
 impl WrinkleMap {
-    /// Extends every UV island by `padding` texels as [`Self::pad`] does, and replaces what lies before
-    /// a seam by what lies behind it: filtered across the border of a chart, a map then has the same
-    /// normal on both sides.
+    /// Extends every UV island of the maps of one mesh by `padding` texels as [`Self::pad`] does, and
+    /// replaces what lies before a seam by what lies behind it: filtered across the border of a chart, a map
+    /// then has the same normal on both sides.
     ///
     /// A texel beside a seam takes the values at the place that its own place continues to on the
-    /// unrolled surface, interpolated, with directions turned into the chart's tangent frame. Beside an
-    /// open border of the mesh it keeps those of the nearest texel.
+    /// unrolled surface, in whichever of `maps` it lies, interpolated, with directions turned into the
+    /// chart's tangent frame. Beside an open border of the mesh, and where no map shows what lies beyond, it
+    /// keeps those of the nearest texel.
     ///
     /// # Errors
-    /// Those of [`Self::pad`].
-    pub fn pad_across(&mut self, seams: &Seams<'_>, padding: u32) -> Result<(), BakeError> {
-        self.pad(seams.uvs(), padding)?;
-        let continued = self.continued(seams, padding);
+    /// Those of [`Self::pad`]; [`BakeError::LengthMismatch`] when the maps differ in size or details.
+    pub fn pad_across(maps: &mut [Self], seams: &Seams<'_>, padding: u32) -> Result<(), BakeError> {
+        let details = |map: &Self| map.details.iter().map(|d| d.detail).collect::<Vec<_>>();
+        for map in maps.iter() {
+            map.same_size(&maps[0])?;
+            if details(map) != details(&maps[0]) {
+                return Err(BakeError::LengthMismatch {
+                    array: "details",
+                    found: map.details.len(),
+                    expected: maps[0].details.len(),
+                });
+            }
+        }
+        for map in maps.iter_mut() {
+            map.pad(seams.uvs(), padding)?;
+        }
+        let shown: Vec<[i32; 2]> = maps.iter().map(|map| map.square).collect();
+        let of_map = maps.iter().map(|map| map.continued(seams, &shown, padding));
+        let continued: Vec<Vec<Continued>> = of_map.collect();
         for _ in 0..ROUNDS {
             // All are read before the first is written: their order does not count.
-            let values: Vec<Texel> = continued
-                .par_iter()
-                .map(|(_, across)| self.read(across))
-                .collect();
-            for ((texel, _), values) in continued.iter().zip(values) {
-                self.write(*texel, &values);
+            let read = |texels: &Vec<Continued>| -> Vec<Texel> {
+                let texels = texels.par_iter();
+                texels
+                    .map(|texel| maps[texel.map].read(&texel.across))
+                    .collect()
+            };
+            let values: Vec<Vec<Texel>> = continued.iter().map(read).collect();
+            for ((map, continued), values) in maps.iter_mut().zip(&continued).zip(values) {
+                for (texel, values) in continued.iter().zip(values) {
+                    map.write(texel.texel, &values);
+                }
             }
         }
         Ok(())
     }
 
-    /// Padded texels whose nearest border edge has skin beyond, with the place that continues them.
-    fn continued(&self, seams: &Seams<'_>, padding: u32) -> Vec<(usize, Across)> {
+    /// Padded texels whose nearest border edge has skin beyond, with the place that continues them in one of
+    /// the maps of these squares.
+    fn continued(&self, seams: &Seams<'_>, shown: &[[i32; 2]], padding: u32) -> Vec<Continued> {
         let side = self.size as usize;
+        let origin = Vector2::from(self.square.map(f64::from));
         let border = seams.border();
         let mut nearest = vec![(f32::INFINITY, NO_EDGE); self.coverage.len()];
         for (number, edge) in (0..).zip(&border) {
-            let ends = seams.ends(*edge).map(|uv| uv * side as f64);
+            let ends = seams.ends(*edge).map(|uv| (uv - origin) * side as f64);
             let reach = f64::from(padding.min(WIDEST)) + 1.0;
             let range = |axis: usize| {
                 let (a, b) = (ends[0][axis], ends[1][axis]);
@@ -73,15 +96,20 @@ impl WrinkleMap {
         texels
             .filter(|(_, (_, edge))| *edge != NO_EDGE)
             .filter_map(|(texel, (_, edge))| {
-                let uv = centre(texel, side) / side as f64;
-                Some((texel, seams.across(border[*edge as usize], &uv)?))
+                let uv = centre(texel, side) / side as f64 + origin;
+                let across = seams.across(border[*edge as usize], &uv)?;
+                // By its triangle: a place on the border of two squares could be either's.
+                let square = square_of(&seams.uvs()[across.triangle as usize]);
+                let map = shown.iter().position(|shown| *shown == square)?;
+                Some(Continued { texel, map, across })
             })
             .collect()
     }
 
     /// Values at a place in another chart, bilinear, in the tangent frame of the one that it continues.
     fn read(&self, across: &Across) -> Texel {
-        let weights = self.bilinear(&across.uv);
+        let origin = Vector2::from(self.square.map(f64::from));
+        let weights = self.bilinear(&(across.uv - origin));
         let sum = |channel: &dyn Fn(usize) -> f32| -> f64 {
             let parts = weights.iter();
             parts.map(|(at, w)| w * f64::from(channel(*at))).sum()
@@ -144,6 +172,20 @@ impl WrinkleMap {
             (bottom * side + right, x * y),
         ]
     }
+}
+
+/// A texel of padding, and what it continues to.
+struct Continued {
+    texel: usize,
+    /// Number of the map that shows it.
+    map: usize,
+    across: Across,
+}
+
+/// The unit square that the middle of a triangle lies in.
+fn square_of(uvs: &[Vector2<f64>; 3]) -> [i32; 2] {
+    let middle = (uvs[0] + uvs[1] + uvs[2]) / 3.0;
+    [middle.x, middle.y].map(|c| c.floor() as i32)
 }
 
 /// What a texel of padding takes.

@@ -38,6 +38,8 @@ pub(crate) struct BorderEdge {
 pub(crate) struct Across {
     /// Texture coordinate there.
     pub uv: Vector2<f64>,
+    /// The triangle of the artist's mesh that it lies in.
+    pub triangle: u32,
     /// Turn, or reflection, of the tangent plane there into that of the chart.
     pub turn: Matrix2<f64>,
 }
@@ -170,7 +172,11 @@ impl<'a> Seams<'a> {
             if weights.iter().all(|w| *w >= -1e-9) {
                 let uvs = &self.uvs[next as usize];
                 let uv = uvs[a] * weights[0] + uvs[b] * weights[1] + uvs[apex] * weights[2];
-                return Some(Across { uv, turn });
+                return Some(Across {
+                    uv,
+                    triangle: next,
+                    turn,
+                });
             }
             // The way leaves over the edge on whose side of the apex it passes.
             let is_left = (target - start).perp(&(place - start)) > 0.0;

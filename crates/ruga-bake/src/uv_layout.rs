@@ -59,6 +59,24 @@ pub fn uv_layout(uvs: &[[Vector2<f64>; 3]], weights: &[f64]) -> Option<UvLayout>
     })
 }
 
+/// The smallest and largest UV of the island that each face lies in: of the faces that hang together by
+/// corners of the same UV. Faces without an area in UV, or whose UVs are not finite, have `None`.
+pub fn island_boxes(uvs: &[[Vector2<f64>; 3]]) -> Vec<Option<[Vector2<f64>; 2]>> {
+    let has_area = |uv: &[Vector2<f64>; 3]| {
+        uv.iter().flatten().all(|c| c.is_finite()) && area(uv).abs() > MIN_AREA
+    };
+    let faces: Vec<(&[Vector2<f64>; 3], f64)> = uvs
+        .iter()
+        .filter(|uv| has_area(uv))
+        .map(|uv| (uv, 1.0))
+        .collect();
+    let islands = Islands::of(&faces);
+    let mut boxes = (0..faces.len()).map(|face| islands.extent(face));
+    uvs.iter()
+        .map(|uv| has_area(uv).then(|| boxes.next()).flatten())
+        .collect()
+}
+
 /// Part of a triangle's area in the square.
 fn inside(uv: &[Vector2<f64>; 3]) -> f64 {
     if uv.iter().flatten().all(|c| (0.0..=1.0).contains(c)) {
@@ -124,11 +142,16 @@ impl Islands {
         face
     }
 
-    fn is_astride(&self, mut face: usize) -> bool {
+    /// Smallest and largest UVs of the island of a face.
+    fn extent(&self, mut face: usize) -> [Vector2<f64>; 2] {
         while self.earlier[face] != face {
             face = self.earlier[face];
         }
-        let [low, high] = self.boxes[face];
+        self.boxes[face]
+    }
+
+    fn is_astride(&self, face: usize) -> bool {
+        let [low, high] = self.extent(face);
         // Astride: a border of the tiles lies between low and high, margins apart.
         (0..2).any(|axis| (low[axis] + MARGIN).floor() + 1.0 < high[axis] - MARGIN)
     }

@@ -21,6 +21,9 @@ pub enum Coverage {
 pub struct WrinkleMap {
     /// Texels per side.
     pub size: u32,
+    /// Lowest U and V of the unit square of texture space that the map shows, V down: `[0, 0]` but for
+    /// UDIM tiles.
+    pub square: [i32; 2],
     /// Unit normals in tangent space: X along U, Y *up* (against V), Z outwards and positive.
     pub normals: Vec<[f32; 3]>,
     /// Height of the layer above its rest distance from the driver, m.
@@ -30,7 +33,7 @@ pub struct WrinkleMap {
     /// Further quantities of the texels, each at most once.
     pub details: Vec<DetailMap>,
     /// Faces that left no mark because their UV triangle is degenerate, or spans more than eight
-    /// tiles.
+    /// sides of the square.
     pub skipped_faces: usize,
     /// Samples whose normal pointed below the tangent plane, where the layer folds over. They are
     /// tilted back to a Z of 0.02, as a normal map cannot hold them.
@@ -80,11 +83,12 @@ impl WrinkleMap {
         Ok(())
     }
 
-    /// A map of neutral texels.
-    pub(crate) fn neutral(size: u32) -> Self {
+    /// A map of neutral texels, without details, over the unit square with this lowest U and V.
+    pub fn neutral(size: u32, square: [i32; 2]) -> Self {
         let texels = size as usize * size as usize;
         Self {
             size,
+            square,
             normals: vec![[0.0, 0.0, 1.0]; texels],
             heights: vec![0.0; texels],
             coverage: vec![Coverage::Neutral; texels],
@@ -94,7 +98,7 @@ impl WrinkleMap {
         }
     }
 
-    fn same_size(&self, other: &Self) -> Result<(), BakeError> {
+    pub(crate) fn same_size(&self, other: &Self) -> Result<(), BakeError> {
         let texels = self.coverage.len();
         for map in [self, other] {
             same_length("normals", map.normals.len(), texels)?;

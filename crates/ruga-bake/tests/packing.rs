@@ -1,7 +1,7 @@
 //! Packing: poses that overlap are kept apart, and every pose comes back.
 
 use proptest::prelude::*;
-use ruga_bake::{POSES_PER_MASK, PoseRegion, key_strength, mask_image, pack, share_maps, unpack};
+use ruga_bake::{KeyStrength, POSES_PER_MASK, PoseRegion, mask_image, pack, share_maps, unpack};
 
 const SIZE: usize = 32;
 const NEUTRAL: [f32; 3] = [32768.0 / 65535.0, 32768.0 / 65535.0, 1.0];
@@ -33,16 +33,16 @@ proptest! {
         squares in prop::collection::vec([0..28_usize, 0..28_usize, 1..5_usize], 1..12)
     ) {
         let poses: Vec<_> = squares.into_iter().map(pose).collect();
-        let regions: Vec<_> = poses.iter().map(|values| region(values)).collect();
+        let regions: Vec<_> = poses.iter().map(|values| vec![region(values)]).collect();
         let map_of = share_maps(&regions, poses.len()).expect("a map for each");
         for map in 0..poses.len() {
             let members: Vec<_> = (0..poses.len()).filter(|&p| map_of[p] == map).collect();
             let mut packed = NEUTRAL.repeat(SIZE * SIZE);
             for &member in &members {
-                pack(&mut packed, &poses[member], 3, &regions[member]);
+                pack(&mut packed, &poses[member], 3, &regions[member][0]);
             }
             for four in members.chunks(POSES_PER_MASK) {
-                let images: Vec<_> = four.iter().map(|&member| &regions[member]).collect();
+                let images: Vec<_> = four.iter().map(|&member| &regions[member][0]).collect();
                 let mask = mask_image(&images, SIZE as u32);
                 for (channel, &member) in four.iter().enumerate() {
                     let channel = mask.iter().skip(channel).step_by(POSES_PER_MASK).copied();
@@ -59,16 +59,30 @@ proptest! {
 #[test]
 fn poses_that_are_apart_share_a_map() {
     let poses = [[0, 0, 8], [20, 0, 8], [4, 4, 20]].map(pose);
-    let regions: Vec<_> = poses.iter().map(|values| region(values)).collect();
+    let regions: Vec<_> = poses.iter().map(|values| vec![region(values)]).collect();
     let map_of = share_maps(&regions, 2).expect("two are enough");
     assert_eq!(map_of[0], map_of[1]);
     assert_ne!(map_of[0], map_of[2]);
 }
 
 #[test]
+fn poses_in_different_tiles_share_a_map() {
+    let empty = || PoseRegion::new(SIZE as u32);
+    let square = || region(&pose([4, 4, 8]));
+    let regions = [
+        vec![square(), empty()],
+        vec![empty(), square()],
+        vec![empty(), square()],
+    ];
+    let map_of = share_maps(&regions, 2).expect("two are enough");
+    assert_ne!(map_of[1], map_of[2]);
+    assert!(map_of[0] == map_of[1] || map_of[0] == map_of[2]);
+}
+
+#[test]
 fn too_few_maps_names_the_poses_that_overlap() {
     let poses = [[0, 0, 8], [4, 4, 8], [6, 6, 8], [25, 25, 4]].map(pose);
-    let regions: Vec<_> = poses.iter().map(|values| region(values)).collect();
+    let regions: Vec<_> = poses.iter().map(|values| vec![region(values)]).collect();
     let error = share_maps(&regions, 2).expect_err("three overlap");
     assert_eq!((error.maps, error.needed), (2, 3));
     assert_eq!(error.poses, [0, 1, 2]);
@@ -97,7 +111,11 @@ fn a_key_half_as_strong_has_half_the_strength() {
     let neutral = NEUTRAL.iter().cycle();
     let pairs = whole.iter().zip(neutral);
     let half: Vec<f32> = pairs.map(|(v, n)| n + 0.5 * (v - n)).collect();
-    assert!((key_strength(&whole, &half, &NEUTRAL) - 0.5).abs() < 1e-6);
+    let mut strength = KeyStrength::default();
+    strength.add(&whole, &half, &NEUTRAL);
+    assert!((strength.value() - 0.5).abs() < 1e-6);
     let none = NEUTRAL.repeat(SIZE * SIZE);
-    assert_eq!(key_strength(&none, &whole, &NEUTRAL), 0.0);
+    let mut strength = KeyStrength::default();
+    strength.add(&none, &whole, &NEUTRAL);
+    assert_eq!(strength.value(), 0.0);
 }

@@ -247,6 +247,7 @@ fn a_wide_padding_reaches_the_opposite_corner() {
     let side = 32_usize;
     let mut map = WrinkleMap {
         size: side as u32,
+        square: [0, 0],
         normals: vec![[0.0, 0.0, 1.0]; side * side],
         heights: vec![0.0; side * side],
         coverage: vec![Coverage::Neutral; side * side],

@@ -5,7 +5,7 @@ mod patch;
 use nalgebra::{Vector2, Vector3};
 use patch::{Driver, Patch, SIDE, degrees, grid_faces, waves};
 use ruga_bake::{
-    BakeSettings, Coverage, Detail, Seams, TangentFrame, WrinkleMap, bake_detailed, tangent_frames,
+    BakeSettings, Coverage, Detail, Seams, TangentFrame, WrinkleMap, bake_squares, tangent_frames,
 };
 
 const SIZE: u32 = 256;
@@ -31,10 +31,21 @@ struct Cut {
     triangles: Vec<[u32; 3]>,
     uvs: Vec<[Vector2<f64>; 3]>,
     frames: Vec<[TangentFrame; 3]>,
+    /// Lowest U and V of the square that the right half lies in.
+    right: [i32; 2],
 }
 
 impl Cut {
     fn new(driver: Driver, mirrored: bool) -> Self {
+        Self::apart(driver, mirrored, [0, 0])
+    }
+
+    /// The right half in a square of its own.
+    fn apart(driver: Driver, mirrored: bool, right: [i32; 2]) -> Self {
+        let chart = |is_right: bool, mirrored: bool, uv: Vector2<f64>| {
+            let origin = if is_right { right } else { [0, 0] };
+            chart(is_right, mirrored, uv) + Vector2::from(origin.map(f64::from))
+        };
         let mut patch = Patch::new(driver, [96, CELLS], 1e-3, waves);
         let is_right = |triangle: u32| (triangle as usize / 2) % CELLS >= CELLS / 2;
         for (uvs, (triangle, _)) in patch.uvs.iter_mut().zip(&patch.artist) {
@@ -62,25 +73,37 @@ impl Cut {
             triangles,
             uvs,
             frames,
+            right,
         }
     }
 
-    fn baked(&self, across: bool) -> WrinkleMap {
+    /// The map of the left half, and of the right one if that has its own.
+    fn baked_all(&self, across: bool) -> Vec<WrinkleMap> {
         let settings = BakeSettings {
             size: SIZE,
             ..BakeSettings::default()
         };
         let details = [Detail::Curvature, Detail::Displacement];
         let relief = self.patch.relief();
-        let mut map = bake_detailed(&relief, &self.frames, &settings, &details).expect("a patch");
+        let squares = [[0, 0], self.right];
+        let squares = &squares[..1 + usize::from(self.right != [0, 0])];
+        let maps = bake_squares(&relief, &self.frames, &settings, &details, squares);
+        let mut maps = maps.expect("a patch");
         let seams = Seams::new(&self.positions, &self.triangles, &self.uvs, &self.frames);
         let seams = seams.expect("a valid mesh");
         match across {
-            true => map.pad_across(&seams, 8),
-            false => map.pad(&self.uvs, 8),
+            true => WrinkleMap::pad_across(&mut maps, &seams, 8).expect("finite"),
+            false => {
+                for map in &mut maps {
+                    map.pad(&self.uvs, 8).expect("finite");
+                }
+            }
         }
-        .expect("finite");
-        map
+        maps
+    }
+
+    fn baked(&self, across: bool) -> WrinkleMap {
+        self.baked_all(across).remove(0)
     }
 
     /// Direction (unit) and displacement (m) in space at a place of the cut, filtered on one side of it.
@@ -108,11 +131,13 @@ impl Cut {
 
     /// The largest difference across the cut: degrees, and metres.
     fn gap(&self, across: bool, mirrored: bool) -> [f64; 2] {
-        let map = self.baked(across);
+        let maps = self.baked_all(across);
+        let of_side = |is_right: bool| &maps[usize::from(is_right).min(maps.len() - 1)];
         let mut most = [0.0_f64; 2];
         for step in 0..200 {
             let t = SIDE * (0.1 + 0.8 * f64::from(step) / 200.0);
-            let sides = [false, true].map(|right| self.filtered(&map, mirrored, right, t));
+            let sides =
+                [false, true].map(|right| self.filtered(of_side(right), mirrored, right, t));
             let [a, b] = sides;
             most[0] = most[0].max(degrees(&a[0], &b[0]));
             most[1] = most[1].max((a[1] - b[1]).norm());
@@ -143,6 +168,29 @@ fn both_sides_of_a_cut_show_the_same() {
             assert!(across[1] < 1e-5, "{across:?}");
         }
     }
+}
+
+#[test]
+fn both_sides_of_a_cut_between_squares_show_the_same() {
+    for (mirrored, right) in [(false, [1, 0]), (true, [0, -1])] {
+        let cut = Cut::apart(Driver::Flat, mirrored, right);
+        let [plain, across] = [false, true].map(|across| cut.gap(across, mirrored));
+        assert!(plain[0] > 5.0 && across[0] < 0.5, "{plain:?} {across:?}");
+        assert!(across[1] < 1e-5, "{across:?}");
+    }
+    // Without the map of what lies beyond, padding goes on with the nearest texel.
+    let cut = Cut::apart(Driver::Flat, false, [1, 0]);
+    let mut alone = [false, true].map(|across| {
+        let mut maps = cut.baked_all(false);
+        maps.truncate(1);
+        let seams = Seams::new(&cut.positions, &cut.triangles, &cut.uvs, &cut.frames);
+        if across {
+            WrinkleMap::pad_across(&mut maps, &seams.expect("a valid mesh"), 8).expect("finite");
+        }
+        maps.remove(0)
+    });
+    let [plain, across] = &mut alone;
+    assert_eq!(plain, across);
 }
 
 #[test]

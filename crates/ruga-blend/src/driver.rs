@@ -142,6 +142,12 @@ impl Driver {
         &self.uvs
     }
 
+    /// The driver with other texture coordinates: what `place` makes of those of each face, V down.
+    pub fn with_uvs(mut self, place: impl Fn(&[Vector2<f64>; 3]) -> [Vector2<f64>; 3]) -> Self {
+        self.uvs = self.uvs.as_slice().iter().map(place).collect();
+        self
+    }
+
     /// The file's triangle of every face.
     pub fn triangles(&self) -> &PerFace<u32> {
         &self.triangles

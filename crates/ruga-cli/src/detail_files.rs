@@ -8,23 +8,24 @@ use ruga_io::{
 };
 use ruga_scene::file;
 
+use crate::map_files::KeyMaps;
+
 /// Smallest range of displacements in a PNG, m: a map without relief needs one, too.
 const LEAST_RANGE: f64 = 1e-6;
 
-/// Writes the map of a detail, if the bake has it, and returns its entry in the manifest.
+/// Writes the maps of a detail, if the bake has it, and returns their entry in the manifest.
 ///
 /// # Errors
 /// [`IoError::Unwritable`].
 pub(crate) fn write_detail(
-    folder: &Path,
+    baked: &KeyMaps<'_>,
     bake: &file::Bake,
-    (pose, key): (&str, f64),
     (kind, detail): (MapKind, Detail),
-    map: &ruga_bake::WrinkleMap,
 ) -> Result<Option<WrinkleMap>, IoError> {
-    let Some(values) = map.detail(detail) else {
+    let of_maps = || baked.maps.iter().filter_map(|map| map.detail(detail));
+    if of_maps().next().is_none() {
         return Ok(None);
-    };
+    }
     let format = match (bake.format, detail) {
         // Displacements are 16-bit for the reason that heights are.
         (MapFormat::Png8, Detail::Displacement) => MapFormat::Png16,
@@ -35,12 +36,18 @@ pub(crate) fn write_detail(
         Detail::Occlusion | Detail::Compression => Encoding::SHARE,
         Detail::ObjectNormal => Encoding::DIRECTION,
         Detail::Curvature => Encoding::signed(bits, 1.0 / bake.curvature_length),
-        Detail::Displacement => Encoding::holding(values, LEAST_RANGE),
+        Detail::Displacement => {
+            // One scale for all tiles.
+            let holding = of_maps().map(|values| Encoding::holding(values, LEAST_RANGE).scale);
+            Encoding::signed(16, holding.fold(0.0, f64::max))
+        }
     };
-    let entry = WrinkleMap::detail(pose, key, (kind, detail), format, encoding);
-    let path = folder.join(&entry.file);
-    write_texels(&path, map.size, format, encoding, values)?;
-    Ok(Some(entry))
+    let entry = WrinkleMap::detail(baked.pose, baked.key, (kind, detail), format, encoding);
+    let write = |path: &Path, map: &ruga_bake::WrinkleMap| {
+        let values = map.detail(detail).unwrap_or_default();
+        write_texels(path, map.size, format, encoding, values)
+    };
+    baked.write_tiles(entry, write).map(Some)
 }
 
 /// Writes numbers of one or three channels as the image of a format.

@@ -34,6 +34,7 @@ mod pose_runs;
 mod preview_fault;
 mod preview_page;
 mod summary;
+mod tile_numbers;
 mod time_left;
 mod watch;
 

@@ -1,12 +1,12 @@
 //! The poses of an output folder, packed into a few maps with masks.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use ruga_bake::{Encoding, POSES_PER_MASK, PoseRegion, key_strength, mask_image, pack, share_maps};
+use ruga_bake::{Encoding, KeyStrength, POSES_PER_MASK, PoseRegion, mask_image, pack, share_maps};
 use ruga_io::{
     IoError, MapFormat, MapKind, NormalY, PackManifest, PackedImage, PackedMap, PackedPose,
-    PngTexels, WrinkleMap, read_bytes, read_image, write_png,
+    PngTexels, WrinkleMap, read_bytes, read_image, udim_name, udim_pattern, write_png,
 };
 use ruga_scene::{Scene, counted, engine_name, file};
 
@@ -88,9 +88,10 @@ struct Plate {
 }
 
 impl Plate {
-    /// The values of a map, in the encoding of the plate.
-    fn stored(&self, output: &Path, entry: &WrinkleMap) -> Result<Vec<f32>, IoError> {
-        let path = output.join(&entry.file);
+    /// The values of a map, in the encoding of the plate; of a mesh with UDIM tiles those of the tile with
+    /// this number in the list.
+    fn stored(&self, output: &Path, entry: &WrinkleMap, tile: usize) -> Result<Vec<f32>, IoError> {
+        let path = output.join(&entry.files()[tile]);
         let image = read_image(&path)?;
         let (size, channels) = (self.size as usize, self.neutral.len());
         if [image.width, image.height, image.channels] != [size, size, channels] {
@@ -139,8 +140,8 @@ fn plates(output: &Path, scene: &Scene, records: &[&PoseRecord]) -> Result<Vec<P
         if first.format == MapFormat::Exr {
             // Numbers as they are: a range is needed to say what a step of 8 bits is.
             let mut most = 1e-6_f64;
-            for entry in &entries {
-                let values = read_image(&output.join(&entry.file))?.values;
+            for file in entries.iter().flat_map(|entry| entry.files()) {
+                let values = read_image(&output.join(&file))?.values;
                 most = most.max(Encoding::holding(&values, 0.0).scale);
             }
             encoding = Encoding::signed(16, most);
@@ -190,26 +191,29 @@ impl Packer<'_> {
         names.join(", ")
     }
 
-    /// The region of every pose, with its margin.
-    fn regions(&self) -> Result<Vec<PoseRegion>, IoError> {
-        let region = |record: &&PoseRecord| {
+    /// The region of every pose in every tile, with its margin.
+    fn regions(&self) -> Result<Vec<Vec<PoseRegion>>, IoError> {
+        let region = |record: &PoseRecord, tile: usize| {
             let mut region = PoseRegion::new(self.scene.file.bake.size);
             for plate in &self.plates {
                 if let Some(entry) = record.last_map(plate.kind) {
                     let is_dithered =
                         plate.kind == MapKind::Normal && plate.format == MapFormat::Png8;
                     let steps = if is_dithered { 1.5 } else { 0.5 };
-                    region.add(&plate.stored(self.output, entry)?, &plate.neutral, steps);
+                    let values = plate.stored(self.output, entry, tile)?;
+                    region.add(&values, &plate.neutral, steps);
                 }
             }
             Ok(region.with_margin())
         };
-        self.records.iter().map(region).collect()
+        let tiles = 0..self.scene.tiles.len();
+        let of_tiles = |record: &&PoseRecord| tiles.clone().map(|t| region(record, t)).collect();
+        self.records.iter().map(of_tiles).collect()
     }
 
     fn write(
         &self,
-        regions: &[PoseRegion],
+        regions: &[Vec<PoseRegion>],
         map_of: &[usize],
         poses: &[ScenePose],
     ) -> Result<(), CliError> {
@@ -219,6 +223,7 @@ impl Packer<'_> {
             version: PackManifest::VERSION,
             mesh: self.scene.mesh.mesh.name.clone(),
             size: self.scene.file.bake.size,
+            tiles: self.tiles(),
             maps: Vec::new(),
             poses: Default::default(),
         };
@@ -258,33 +263,24 @@ impl Packer<'_> {
         folder: &Path,
         map: usize,
         members: &[usize],
-        regions: &[PoseRegion],
+        regions: &[Vec<PoseRegion>],
     ) -> Result<Vec<PackedImage>, IoError> {
         let size = self.scene.file.bake.size;
         let image = |plate: &Plate| {
-            let channels = plate.neutral.len();
-            let mut packed = plate.neutral.repeat(size as usize * size as usize);
-            for &member in members {
-                if let Some(entry) = self.records[member].last_map(plate.kind) {
-                    let values = plate.stored(self.output, entry)?;
-                    pack(&mut packed, &values, channels, &regions[member]);
-                }
-            }
             let y = plate.green.map(|green| match green {
                 NormalY::Up => "gl",
                 NormalY::Down => "dx",
             });
             let name = self.file_name(map, plate.kind.word(), y);
-            let file = format!("{name}.{}", plate.format.extension());
-            let mut encoding = plate.encoding;
-            if plate.format == MapFormat::Exr {
-                for value in &mut packed {
-                    *value = encoding.number(f64::from(*value)) as f32;
-                }
-                encoding = Encoding::SHARE;
+            let file = self.pattern(format!("{name}.{}", plate.format.extension()));
+            for (tile, path) in self.files(folder, &file).into_iter().enumerate() {
+                let packed = self.packed(plate, members, (tile, regions))?;
+                write_texels(&path, size, plate.format, Encoding::SHARE, &packed)?;
             }
-            let path = folder.join(&file);
-            write_texels(&path, size, plate.format, Encoding::SHARE, &packed)?;
+            let encoding = match plate.format {
+                MapFormat::Exr => Encoding::SHARE,
+                MapFormat::Png8 | MapFormat::Png16 => plate.encoding,
+            };
             let has_numbers = plate.kind != MapKind::Normal;
             Ok(PackedImage {
                 kind: plate.kind,
@@ -298,6 +294,52 @@ impl Packer<'_> {
             })
         };
         self.plates.iter().map(image).collect()
+    }
+
+    /// The values of one tile of a packed map, as they stand in its file.
+    fn packed(
+        &self,
+        plate: &Plate,
+        members: &[usize],
+        (tile, regions): (usize, &[Vec<PoseRegion>]),
+    ) -> Result<Vec<f32>, IoError> {
+        let side = plate.size as usize;
+        let mut packed = plate.neutral.repeat(side * side);
+        for &member in members {
+            if let Some(entry) = self.records[member].last_map(plate.kind) {
+                let values = plate.stored(self.output, entry, tile)?;
+                let region = &regions[member][tile];
+                pack(&mut packed, &values, plate.neutral.len(), region);
+            }
+        }
+        if plate.format == MapFormat::Exr {
+            for value in &mut packed {
+                *value = plate.encoding.number(f64::from(*value)) as f32;
+            }
+        }
+        Ok(packed)
+    }
+
+    /// Numbers of the UDIM tiles; none where the mesh has no tiles.
+    fn tiles(&self) -> Vec<u32> {
+        let tiles = self.scene.tiles.iter().map(|tile| tile.number());
+        tiles.filter(|_| self.scene.is_tiled()).collect()
+    }
+
+    /// A file name as the manifest has it: with UDIM tiles one with `<UDIM>` in it.
+    fn pattern(&self, file: String) -> String {
+        match self.scene.is_tiled() {
+            true => udim_pattern(&file),
+            false => file,
+        }
+    }
+
+    /// The files of a name in the manifest, one for each tile.
+    fn files(&self, folder: &Path, pattern: &str) -> Vec<PathBuf> {
+        let tiles = self.scene.tiles.iter();
+        tiles
+            .map(|tile| folder.join(udim_name(pattern, tile.number())))
+            .collect()
     }
 
     /// The value of a neutral texel in the file of a plate.
@@ -314,17 +356,19 @@ impl Packer<'_> {
         folder: &Path,
         map: usize,
         members: &[usize],
-        regions: &[PoseRegion],
+        regions: &[Vec<PoseRegion>],
     ) -> Result<Vec<String>, IoError> {
         let size = self.scene.file.bake.size;
         let masks = members.chunks(POSES_PER_MASK).enumerate();
         let mask = |(number, four): (usize, &[usize])| {
-            let regions: Vec<&PoseRegion> = four.iter().map(|&pose| &regions[pose]).collect();
             let name = self.file_name(map, &format!("mask{}", number + 1), None);
-            let file = format!("{name}.png");
-            let texels = mask_image(&regions, size);
-            let side = size as usize;
-            write_png(&folder.join(&file), side, side, PngTexels::Rgba8(&texels))?;
+            let file = self.pattern(format!("{name}.png"));
+            for (tile, path) in self.files(folder, &file).into_iter().enumerate() {
+                let own = four.iter().map(|&pose| &regions[pose][tile]);
+                let texels = mask_image(&own.collect::<Vec<_>>(), size);
+                let side = size as usize;
+                write_png(&path, side, side, PngTexels::Rgba8(&texels))?;
+            }
             Ok(file)
         };
         masks.map(mask).collect()
@@ -341,18 +385,26 @@ impl Packer<'_> {
         let (Some(plate), Some(last)) = (self.plates.first(), record.last_key()) else {
             return Ok(curve);
         };
-        let stored = |key: f64| -> Result<Option<Vec<f32>>, IoError> {
-            let entry = record.map(plate.kind, key);
-            entry
-                .map(|entry| plate.stored(self.output, entry))
-                .transpose()
+        let Some(whole) = record.map(plate.kind, last) else {
+            curve.push([last, 1.0]);
+            return Ok(curve);
         };
-        let whole = stored(last)?;
-        for &key in record.keys.iter().filter(|key| **key < last) {
-            if let (Some(whole), Some(part)) = (&whole, stored(key)?) {
-                curve.push([key, key_strength(whole, &part, &plate.neutral)]);
+        let keys = || record.keys.iter().copied().filter(|key| *key < last);
+        let mut parts: Vec<(f64, &WrinkleMap, KeyStrength)> = keys()
+            .filter_map(|key| Some((key, record.map(plate.kind, key)?, KeyStrength::default())))
+            .collect();
+        for tile in 0..self.scene.tiles.len() {
+            let whole = plate.stored(self.output, whole, tile)?;
+            for (_, part, strength) in &mut parts {
+                let part = plate.stored(self.output, part, tile)?;
+                strength.add(&whole, &part, &plate.neutral);
             }
         }
+        curve.extend(
+            parts
+                .iter()
+                .map(|(key, _, strength)| [*key, strength.value()]),
+        );
         curve.push([last, 1.0]);
         Ok(curve)
     }
@@ -362,10 +414,20 @@ impl Packer<'_> {
 fn named_files(manifest: &Path) -> Vec<String> {
     let text = read_bytes(manifest).ok();
     let found = text.and_then(|text| serde_json::from_slice::<PackManifest>(&text).ok());
-    let maps = found.into_iter().flat_map(|manifest| manifest.maps);
-    let files = maps.flat_map(|map| {
-        let images = map.images.into_iter().map(|image| image.file);
-        images.chain(map.masks).collect::<Vec<_>>()
+    let files = found.into_iter().flat_map(|manifest| {
+        let maps = manifest.maps.into_iter();
+        let patterns = maps.flat_map(|map| {
+            let images = map.images.into_iter().map(|image| image.file);
+            images.chain(map.masks)
+        });
+        let files = patterns.flat_map(|pattern| match manifest.tiles.as_slice() {
+            [] => vec![pattern],
+            tiles => tiles
+                .iter()
+                .map(|tile| udim_name(&pattern, *tile))
+                .collect(),
+        });
+        files.collect::<Vec<_>>()
     });
     // A name with a folder in it is none of ours.
     files.filter(|file| !file.contains(['/', '\\'])).collect()

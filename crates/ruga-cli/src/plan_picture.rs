@@ -1,9 +1,11 @@
 //! The plan as a picture: what every pose asks of the skin, on the mesh's texture layout.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use nalgebra::Vector2;
 use ruga_io::{PngTexels, write_png};
+use ruga_material::UvTile;
 use ruga_scene::{Scene, SceneError, ScenePlan};
 use ruga_stepper::{LayerPlan, PlannedFace, Treatment};
 
@@ -125,7 +127,24 @@ pub(crate) fn write(path: &Path, scene: &Scene, plan: &ScenePlan) -> Result<(), 
         let origin = corner + Vector2::y() * f64::from(HEADING);
         let [zone, layer] = panel.place;
         let faces = surfaces[zone].faces(panel.pose, layer);
-        draw(&mut canvas, origin, (scene.driver.uvs().as_slice(), &faces));
+        let tiles = tiles_shown(scene, &faces);
+        // Tiles beside each other, in as many rows as columns.
+        let columns = (tiles.len() as f64).sqrt().ceil().max(1.0);
+        for (number, tile) in tiles.into_iter().enumerate() {
+            let place = number as f64;
+            let cell = Vector2::new(place % columns, (place / columns).floor());
+            let side = f64::from(SIDE) / columns;
+            let square = Square {
+                tile,
+                corner: origin + cell * side,
+                side,
+            };
+            square.draw(&mut canvas, scene.driver.uvs().as_slice(), &faces);
+            if scene.is_tiled() {
+                let at = square.corner + Vector2::repeat(LETTERS);
+                words.push(line(&tile.number().to_string(), at));
+            }
+        }
     }
     let top = f64::from(GAP + rows * (HEADING + SIDE + GAP));
     words.extend(legend(&mut canvas, top));
@@ -178,49 +197,81 @@ fn line(text: &str, at: Vector2<f64>) -> Words {
     }
 }
 
-/// Draws one panel: the mesh's texture layout, what is done on it, and how wrinkles run.
-fn draw(
-    canvas: &mut Canvas,
-    origin: Vector2<f64>,
-    (layout, faces): (&[[Vector2<f64>; 3]], &[PlannedFace]),
-) {
-    let place = |uv: &Vector2<f64>| origin + uv * f64::from(SIDE);
-    for uvs in layout.iter().filter(|uvs| uvs.iter().all(is_shown)) {
-        canvas.triangle(uvs.each_ref().map(place), SMOOTH);
+/// The tiles of a panel: those with simulated skin, or the first one.
+fn tiles_shown(scene: &Scene, faces: &[PlannedFace]) -> Vec<UvTile> {
+    let is_simulated = |face: &&PlannedFace| !matches!(face.treatment, Treatment::Smooth);
+    let simulated = faces.iter().filter(is_simulated);
+    let shown: BTreeSet<UvTile> = simulated
+        .filter_map(|face| UvTile::of_triangle(&face.uvs))
+        .collect();
+    let mut tiles = scene.tiles.clone();
+    tiles.retain(|tile| shown.contains(tile));
+    if tiles.is_empty() {
+        tiles.push(scene.tiles[0]);
     }
-    for face in faces.iter().filter(|face| face.uvs.iter().all(is_shown)) {
-        if let Some(colour) = colour(face) {
-            canvas.triangle(face.uvs.each_ref().map(place), colour);
+    tiles
+}
+
+/// Place of one tile in the picture.
+struct Square {
+    tile: UvTile,
+    /// Its upper left corner.
+    corner: Vector2<f64>,
+    /// Its side in pixels.
+    side: f64,
+}
+
+impl Square {
+    /// Draws the mesh's texture layout in the tile, what is done on it, and how wrinkles run.
+    fn draw(&self, canvas: &mut Canvas, layout: &[[Vector2<f64>; 3]], faces: &[PlannedFace]) {
+        let place = |uv: &Vector2<f64>| self.corner + uv * self.side;
+        for uvs in layout.iter().filter_map(|uvs| self.local(uvs)) {
+            canvas.triangle(uvs.each_ref().map(place), SMOOTH);
         }
-    }
-    for face in faces.iter().filter(|face| wrinkles(face)) {
-        for uv in grid_points(&face.uvs) {
-            // One wavelength apart; waves that a panel cannot show get one line.
-            let across = face.across * f64::from(SIDE);
-            let Some(along) = face.along.try_normalize(0.0) else {
-                continue;
-            };
-            let half = 0.35 * f64::from(SIDE) / GRID * along;
-            let sides: &[f64] = match across.norm() < FINEST {
-                true => &[0.0],
-                false => &[-0.5, 0.5],
-            };
-            for side in sides {
-                let middle = place(&uv) + across * *side;
-                canvas.stroke([middle - half, middle + half], 1.5, INK);
+        let shown = faces
+            .iter()
+            .filter_map(|face| Some((face, self.local(&face.uvs)?)));
+        let shown: Vec<(&PlannedFace, [Vector2<f64>; 3])> = shown.collect();
+        for (face, uvs) in &shown {
+            if let Some(colour) = colour(face) {
+                canvas.triangle(uvs.each_ref().map(place), colour);
+            }
+        }
+        for (face, uvs) in shown.iter().filter(|(face, _)| wrinkles(face)) {
+            for uv in grid_points(uvs) {
+                // One wavelength apart; waves that a panel cannot show get one line.
+                let across = face.across * self.side;
+                let Some(along) = face.along.try_normalize(0.0) else {
+                    continue;
+                };
+                let half = 0.35 * self.side / GRID * along;
+                let sides: &[f64] = match across.norm() < FINEST {
+                    true => &[0.0],
+                    false => &[-0.5, 0.5],
+                };
+                for side in sides {
+                    let middle = place(&uv) + across * *side;
+                    canvas.stroke([middle - half, middle + half], 1.5, INK);
+                }
             }
         }
     }
+
+    /// The corners of a triangle in the tile, if it lies there.
+    fn local(&self, uvs: &[Vector2<f64>; 3]) -> Option<[Vector2<f64>; 3]> {
+        let local = uvs.each_ref().map(|uv| self.tile.local(uv));
+        local.iter().all(is_shown).then_some(local)
+    }
 }
 
-/// Whether a texture coordinate is in the map.
+/// Whether a place relative to a tile is in it.
 fn is_shown(uv: &Vector2<f64>) -> bool {
     uv.iter().all(|value| (0.0..=1.0).contains(value))
 }
 
 fn wrinkles(face: &PlannedFace) -> bool {
     let is_simulated = matches!(face.treatment, Treatment::Simulated | Treatment::Capped);
-    is_simulated && face.strain_ratio > 1.0 && face.uvs.iter().all(is_shown)
+    is_simulated && face.strain_ratio > 1.0
 }
 
 fn colour(face: &PlannedFace) -> Option<Colour> {

@@ -54,14 +54,28 @@ fn shared_inputs(scene: &Scene) -> Result<Fingerprint, CliError> {
         .with_mesh(&scene.mesh.mesh)
         .with_numbers(scene.mesh.world_from_node.iter().copied());
     if let Region::Mask(mask) = &scene.modelling.region {
-        let shape = [f64::from(mask.width()), f64::from(mask.height())];
-        let values = mask.values().iter().map(|&v| f64::from(v));
-        hash = hash.with_numbers(shape.into_iter().chain(values));
+        if let (true, file::Region::Mask(image)) = (scene.is_tiled(), &scene.file.driver.region) {
+            // The same picture may have become that of another tile.
+            for file in scene.image_files(image) {
+                hash = hash.with(file.file_name().unwrap_or_default().as_encoded_bytes());
+            }
+        }
+        for (shape, values) in mask.images() {
+            let values = values.iter().map(|&v| f64::from(v));
+            hash = hash.with_numbers(shape.into_iter().map(f64::from).chain(values));
+        }
     }
     for layer in &scene.file.layers {
         let painted = layer.map.iter().flat_map(|map| map.images());
         for image in painted.chain(layer.mask.as_deref()) {
-            hash = hash.with(&read_bytes(image)?);
+            for file in scene.image_files(image) {
+                // Which of the tiles a file is of counts, too.
+                if scene.is_tiled() {
+                    let name = file.file_name().unwrap_or_default();
+                    hash = hash.with(name.as_encoded_bytes());
+                }
+                hash = hash.with(&read_bytes(&file)?);
+            }
         }
     }
     Ok(hash)

@@ -1,6 +1,6 @@
 //! `preview.html` of an output folder, made of the files in it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -10,6 +10,7 @@ use ruga_io::{
     IoError, MapFormat, MapKind, MeshFile, NormalY, ObjOptions, WrinkleMap, Wrinkles, read_bytes,
     read_image, read_mesh, write_atomically,
 };
+use ruga_material::UvTile;
 use ruga_preview::{PackedMap, Preview, PreviewPose};
 use ruga_scene::Placement;
 
@@ -154,26 +155,19 @@ fn poses_of(folder: &Path, manifest: &Wrinkles) -> Result<Vec<PreviewPose>, Prev
     for name in &names {
         refuse_other_record(folder, manifest, name)?;
     }
-    let maps: Vec<&WrinkleMap> = normal_maps(manifest).collect();
-    // Files that are gone are found before hours of maps are read, and always the first of them.
-    for map in &maps {
-        present(folder.join(&map.file))?;
-    }
-    let packed = maps
-        .par_iter()
-        .map(|map| packed(folder, manifest.size, map));
+    let maps: Vec<(&WrinkleMap, PathBuf, UvTile)> = map_files(folder, manifest)?;
+    let packed = maps.par_iter().map(|(map, path, tile)| {
+        packed(path, manifest.size, map).map(|map| map.in_square(tile.origin()))
+    });
     // Gathered first: which of several errors is told does not depend on threads.
     let packed: Vec<Result<PackedMap, PreviewFault>> = packed.collect();
-    let mut of_pose: BTreeMap<&String, Vec<(f64, PackedMap)>> = BTreeMap::new();
-    for (map, packed) in maps.iter().zip(packed) {
-        of_pose
-            .entry(&map.pose)
-            .or_default()
-            .push((map.key, packed?));
+    let mut of_pose: BTreeMap<&String, Vec<(f64, UvTile, PackedMap)>> = BTreeMap::new();
+    for ((map, _, tile), packed) in maps.iter().zip(packed) {
+        let maps = of_pose.entry(&map.pose).or_default();
+        maps.push((map.key, *tile, packed?));
     }
     let pose = |name: &String| {
-        let mut maps = of_pose.remove(name).unwrap_or_default();
-        maps.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let maps = without_neutral_tiles(of_pose.remove(name).unwrap_or_default());
         PreviewPose {
             name: name.clone(),
             weights: manifest.poses.get(name).cloned().unwrap_or_default(),
@@ -181,6 +175,44 @@ fn poses_of(folder: &Path, manifest: &Wrinkles) -> Result<Vec<PreviewPose>, Prev
         }
     };
     Ok(names.into_iter().map(pose).collect())
+}
+
+/// The files of all normal maps, each with its UDIM tile; the first one where there are none.
+///
+/// Files that are gone are found before hours of maps are read, and always the first of them.
+fn map_files<'a>(
+    folder: &Path,
+    manifest: &'a Wrinkles,
+) -> Result<Vec<(&'a WrinkleMap, PathBuf, UvTile)>, PreviewFault> {
+    let mut files = Vec::new();
+    for map in normal_maps(manifest) {
+        let numbers = match map.tiles.as_slice() {
+            [] => &[UvTile::FIRST.number()],
+            numbers => numbers,
+        };
+        for (file, number) in map.files().into_iter().zip(numbers) {
+            let tile = UvTile::from_number(*number).ok_or_else(|| PreviewFault::Manifest {
+                path: folder.join("wrinkles.json"),
+                reason: format!("has a map of the tile {number}; accepted: 1001 to 9999"),
+            })?;
+            files.push((map, present(folder.join(file))?, tile));
+        }
+    }
+    Ok(files)
+}
+
+/// The maps of a pose by key, without those of tiles that are neutral at every key: a body has many tiles, and
+/// a pose wrinkles few of them. Those of the first tile stay in any case.
+fn without_neutral_tiles(mut maps: Vec<(f64, UvTile, PackedMap)>) -> Vec<(f64, PackedMap)> {
+    let first = maps.first().map(|(_, tile, _)| *tile);
+    let of_interest = maps
+        .iter()
+        .filter(|(_, tile, map)| Some(*tile) == first || !map.is_neutral());
+    let wrinkled: BTreeSet<UvTile> = of_interest.map(|(_, tile, _)| *tile).collect();
+    maps.retain(|(_, tile, _)| wrinkled.contains(tile));
+    maps.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let maps = maps.into_iter();
+    maps.map(|(key, _, map)| (key, map)).collect()
 }
 
 /// Refuses maps that a later run has written over: the record of their pose lists others than the manifest.
@@ -201,8 +233,8 @@ fn refuse_other_record(folder: &Path, manifest: &Wrinkles, pose: &str) -> Result
 }
 
 /// A map, read and packed.
-fn packed(folder: &Path, size: u32, map: &WrinkleMap) -> Result<PackedMap, PreviewFault> {
-    let path = folder.join(&map.file);
+fn packed(path: &Path, size: u32, map: &WrinkleMap) -> Result<PackedMap, PreviewFault> {
+    let path = path.to_owned();
     let image = read_image(&path)?;
     let (width, height, channels) = (image.width, image.height, image.channels);
     if [width, height] != [size as usize; 2] || channels != 3 {

@@ -13,6 +13,9 @@ const PLACE: &str = "at u ";
 /// The end of a place's square of the texture.
 const PLACE_SQUARE: &str = " from the map's upper left";
 
+/// Words that may follow it, before the number of the UDIM tile that the square lies in.
+const PLACE_TILE: &str = " in tile ";
+
 /// Words that may follow it: the blend shape nearest to the place, up to [`PLACE_SHAPE_END`].
 const PLACE_SHAPE: &str = " (near where blend shape '";
 
@@ -224,6 +227,10 @@ fn place_range(text: &str) -> Option<Range<usize>> {
     let start = text.find(PLACE)?;
     let square = text[start..].find(PLACE_SQUARE)?;
     let mut end = start + square + PLACE_SQUARE.len();
+    if let Some(tile) = text[end..].strip_prefix(PLACE_TILE) {
+        let number = tile.bytes().take_while(u8::is_ascii_digit).count();
+        end += PLACE_TILE.len() + number;
+    }
     if let Some(shape) = text[end..].strip_prefix(PLACE_SHAPE)
         && let Some(length) = shape.find(PLACE_SHAPE_END)
     {
@@ -299,7 +306,7 @@ mod tests {
                 " (near where blend shape 'd'oh 2' moves the skin), and elsewhere",
             ),
             capped("c", 7.0, ", and elsewhere"),
-            capped("d", 5.0, ""),
+            capped("d", 5.0, " in tile 1012"),
         ];
         assert_eq!(
             lines(&warnings),

@@ -80,22 +80,33 @@ fn uvs_on_one_spot_are_refused_as_not_unwrapped() {
 }
 
 #[test]
-fn uvs_in_another_tile_are_refused_with_its_name() {
-    let beside = Folder::with_uvs(|x, y| (x + 1.0, y));
+fn uvs_beside_all_tiles_are_refused_with_their_place() {
+    let beside = Folder::with_uvs(|x, y| (x - 1.0, y));
     beside.ruga("bake scene.toml -o out").exits(2).says(&[
-        "the texture coordinates of `Patch` all lie in the tile from (1, 0) to (2, 1)",
-        "move them to the square from 0 to 1",
+        "the texture coordinates of `Patch` all lie in the tile from (-1, 0) to (0, 1)",
+        "move them to the square from 0 to 1, or to UDIM tiles",
     ]);
     // V as an editor shows it, whatever the file's way of counting.
-    let above = Folder::with_uvs(|x, y| (x, y + 2.0));
-    above
+    let below = Folder::with_uvs(|x, y| (x, y - 2.0));
+    below
         .ruga("check scene.toml")
         .exits(2)
-        .says(&["all lie in the tile from (0, 2) to (1, 3)"]);
+        .says(&["all lie in the tile from (0, -2) to (1, -1)"]);
     let wide = Folder::with_uvs(|x, y| (2.0 * x - 3.0, y));
     wide.ruga("check scene.toml")
         .exits(2)
         .says(&["span 2 x 1 tiles, from (-3, 0) to (-1, 1), none of it in the square"]);
+    // Without UDIM another tile is none of the square, either.
+    let other = Folder::with_uvs(|x, y| (x, y + 2.0));
+    other.change(
+        "scene.toml",
+        "region = \"all\"",
+        "region = \"all\"\ntiles = \"one\"",
+    );
+    other
+        .ruga("check scene.toml")
+        .exits(2)
+        .says(&["all lie in the tile from (0, 2) to (1, 3)"]);
 }
 
 #[test]

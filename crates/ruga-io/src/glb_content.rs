@@ -30,28 +30,31 @@ pub(crate) struct GlbContent {
     pub(crate) warnings: Vec<String>,
 }
 
-/// `[{ "pose": …, "key": …, "normal": file, "height": file }, …]` in the order of the maps.
+/// `[{ "pose": …, "key": …, "normal": file, "height": file }, …]` in the order of the maps; of a mesh with
+/// UDIM tiles with their numbers, too, `"tiles": […]`.
 pub(crate) fn wrinkle_maps(maps: &[WrinkleMap]) -> Value {
-    let mut entries: Vec<(&str, f64, BTreeMap<&str, &str>)> = Vec::new();
+    let mut entries: Vec<(&WrinkleMap, BTreeMap<&str, &str>)> = Vec::new();
     for map in maps {
-        let same = |entry: &&mut (&str, f64, _)| entry.0 == map.pose && entry.1 == map.key;
+        let same = |entry: &&mut (&WrinkleMap, _)| {
+            let (first, _) = entry;
+            first.pose == map.pose && first.key == map.key
+        };
         match entries.iter_mut().find(same) {
             Some(entry) => {
-                entry.2.insert(map.kind.word(), &map.file);
+                entry.1.insert(map.kind.word(), &map.file);
             }
-            None => entries.push((
-                &map.pose,
-                map.key,
-                BTreeMap::from([(map.kind.word(), map.file.as_str())]),
-            )),
+            None => entries.push((map, BTreeMap::from([(map.kind.word(), map.file.as_str())]))),
         }
     }
     entries
         .into_iter()
-        .map(|(pose, key, files)| {
+        .map(|(first, files)| {
             let mut entry = json!(files);
-            entry["pose"] = json!(pose);
-            entry["key"] = json!(key);
+            entry["pose"] = json!(first.pose);
+            entry["key"] = json!(first.key);
+            if !first.tiles.is_empty() {
+                entry["tiles"] = json!(first.tiles);
+            }
             entry
         })
         .collect()

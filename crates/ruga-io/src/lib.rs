@@ -46,6 +46,7 @@ mod obj_mesh;
 mod pack;
 mod read_mesh;
 mod report;
+mod udim;
 mod wrinkles;
 
 pub use atomic_file::{AtomicFile, write_atomically};
@@ -62,6 +63,7 @@ pub use pack::{PackManifest, PackedImage, PackedMap, PackedPose};
 pub use read_mesh::read_mesh;
 pub use report::{LayerReport, PoseReport, Report, Seconds};
 pub use ruga_bake::{Frame, NormalY};
+pub use udim::{is_udim_pattern, udim_file, udim_name, udim_pattern};
 pub use wrinkles::{
     Blend, GlbReference, MapCoordinates, WrinkleMap, Wrinkles, key_percent, map_file,
 };

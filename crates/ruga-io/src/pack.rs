@@ -17,6 +17,10 @@ pub struct PackManifest {
     pub mesh: String,
     /// Width and height of every image, texels.
     pub size: u32,
+    /// Numbers of the UDIM tiles, ascending: each has a file of every image and mask, whose name has `<UDIM>`
+    /// for the number; absent where the mesh has no tiles.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tiles: Vec<u32>,
     /// The packed maps.
     pub maps: Vec<PackedMap>,
     /// The poses, by their names in the scene.

@@ -7,6 +7,7 @@ use ruga_bake::{Detail, Encoding};
 use serde::{Deserialize, Serialize};
 
 use crate::report::to_json_text;
+use crate::udim::{udim_name, udim_pattern};
 use crate::{Frame, IoError, MapFormat, MapKind, NormalY, write_atomically};
 
 /// Everything an engine needs to use the baked maps, version 1.
@@ -27,7 +28,7 @@ pub struct Wrinkles {
     pub glb: Option<GlbReference>,
     /// Weights of the blend shapes that make each pose.
     pub poses: BTreeMap<String, BTreeMap<String, f64>>,
-    /// One entry per file. Every pose in the folder that was made from this version of the scene is
+    /// One entry per pose, key and kind. Every pose in the folder that was made from this version of the scene is
     /// listed, whichever run made it; an interrupted one with the keys that were finished.
     pub maps: Vec<WrinkleMap>,
 }
@@ -130,7 +131,7 @@ fn maximum() -> String {
     "maximum".to_owned()
 }
 
-/// One baked file.
+/// One baked map: a file, or one file per UDIM tile.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WrinkleMap {
     /// The pose.
@@ -139,8 +140,12 @@ pub struct WrinkleMap {
     pub key: f64,
     /// Meaning of the texels.
     pub kind: MapKind,
-    /// The file, relative to `wrinkles.json`, with `/` between folders.
+    /// The file, relative to `wrinkles.json`, with `/` between folders; of a mesh with UDIM tiles the files,
+    /// `<UDIM>` standing for the number of the tile.
     pub file: String,
+    /// Numbers of the UDIM tiles, ascending, each of which has a file; absent where the mesh has no tiles.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tiles: Vec<u32>,
     /// Its format. Heights are 16-bit even where the scene asks for 8-bit maps, as 256 steps of height
     /// show as terraces: their entries say `png16` then.
     pub format: MapFormat,
@@ -225,12 +230,33 @@ impl WrinkleMap {
         }
     }
 
+    /// The map of a mesh with these UDIM tiles, a file for each; without any it stays one file.
+    pub fn over_tiles(mut self, tiles: &[u32]) -> Self {
+        if !tiles.is_empty() {
+            self.file = udim_pattern(&self.file);
+        }
+        self.tiles = tiles.to_vec();
+        self
+    }
+
+    /// The files, relative to `wrinkles.json`: one for each of `tiles`, or the only one.
+    pub fn files(&self) -> Vec<String> {
+        match self.tiles.as_slice() {
+            [] => vec![self.file.clone()],
+            tiles => {
+                let of_tile = |tile: &u32| udim_name(&self.file, *tile);
+                tiles.iter().map(of_tile).collect()
+            }
+        }
+    }
+
     fn plain(pose: &str, key: f64, kind: MapKind, format: MapFormat, neutral: Vec<f64>) -> Self {
         Self {
             pose: pose.to_owned(),
             key,
             kind,
             file: map_file(pose, key, kind, format),
+            tiles: Vec::new(),
             format,
             green: None,
             unit: None,

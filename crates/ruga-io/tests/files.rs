@@ -295,6 +295,19 @@ fn glb_carries_tangents_and_maps() {
 }
 
 #[test]
+fn a_map_over_tiles_names_a_file_for_each() {
+    let plain = WrinkleMap::normal("a", 1.0, MapFormat::Png16, NormalY::Up);
+    assert_eq!(plain.files(), ["maps/a_100_normal.png"]);
+    assert_eq!(plain.clone().over_tiles(&[]), plain);
+    let tiled = plain.over_tiles(&[1001, 1012]);
+    assert_eq!(tiled.file, "maps/a_100_normal.<UDIM>.png");
+    let files = ["maps/a_100_normal.1001.png", "maps/a_100_normal.1012.png"];
+    assert_eq!(tiled.files(), files);
+    let listed = serde_json::to_value(&tiled).unwrap();
+    assert_eq!(listed["tiles"], json!([1001, 1012]));
+}
+
+#[test]
 fn wrinkle_manifest() {
     assert_eq!(
         map_file("smile", 0.5, MapKind::Height, MapFormat::Exr),

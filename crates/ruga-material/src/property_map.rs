@@ -1,8 +1,10 @@
 //! Painted fields of relative wavelength, Young's modulus and thickness.
 
+use std::collections::BTreeMap;
+
 use nalgebra::Vector2;
 
-use crate::{MaterialError, RelativeProperties};
+use crate::{MaterialError, RelativeProperties, UvTile};
 
 /// What lies beyond the border of an image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -51,6 +53,66 @@ pub struct PropertyImage {
     pub values: Vec<f32>,
     /// `[lo, hi]`, both above 0, in either order: the relative property is `lo + (hi - lo) c`.
     pub range: [f64; 2],
+}
+
+/// Images of one painted property.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PropertyPaint {
+    /// One image over the unit square; beyond it lies what [`Wrap`] says.
+    Whole(PropertyImage),
+    /// Images of UDIM tiles. Beyond the border of a tile lie its own texels, and in a tile without image
+    /// nothing is painted.
+    Tiles(BTreeMap<UvTile, PropertyImage>),
+}
+
+impl PropertyPaint {
+    /// Checks the images of `property` and cuts off the slack.
+    fn checked(self, property: &'static str) -> Result<Self, MaterialError> {
+        Ok(match self {
+            Self::Whole(image) => Self::Whole(image.checked(property)?),
+            Self::Tiles(tiles) => {
+                let tiles = tiles.into_iter();
+                let checked = tiles.map(|(tile, image)| Ok((tile, image.checked(property)?)));
+                Self::Tiles(checked.collect::<Result<_, MaterialError>>()?)
+            }
+        })
+    }
+
+    /// The image at a place, with the place of the image's upper left corner and its way to go on beyond
+    /// its border; `None` where nothing is painted.
+    pub(crate) fn at(&self, uv: &Vector2<f64>, wrap: Wrap) -> Option<PlacedImage<'_>> {
+        match self {
+            Self::Whole(image) => Some(PlacedImage {
+                image,
+                origin: Vector2::zeros(),
+                wrap,
+            }),
+            Self::Tiles(tiles) => {
+                let tile = UvTile::at(uv)?;
+                Some(PlacedImage {
+                    image: tiles.get(&tile)?,
+                    origin: Vector2::from(tile.origin().map(f64::from)),
+                    wrap: Wrap::ClampToEdge,
+                })
+            }
+        }
+    }
+}
+
+/// An image at its place in texture space.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlacedImage<'a> {
+    pub(crate) image: &'a PropertyImage,
+    /// UV of its upper left corner.
+    pub(crate) origin: Vector2<f64>,
+    pub(crate) wrap: Wrap,
+}
+
+impl PlacedImage<'_> {
+    /// The relative property at a UV, bilinear between texel centres.
+    pub(crate) fn sample(&self, uv: &Vector2<f64>) -> f64 {
+        self.image.sample(&(uv - self.origin), self.wrap)
+    }
 }
 
 /// Distance outside `[0, 1]` at which a texel is cut off in silence: several times the rounding of
@@ -180,27 +242,42 @@ pub struct PropertyRanges {
 /// seam takes the mean over its corners, [`PropertyMap::sample_corners`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct PropertyMap {
-    pub(crate) wavelength: Option<PropertyImage>,
-    pub(crate) young: Option<PropertyImage>,
-    pub(crate) thickness: Option<PropertyImage>,
+    pub(crate) wavelength: Option<PropertyPaint>,
+    pub(crate) young: Option<PropertyPaint>,
+    pub(crate) thickness: Option<PropertyPaint>,
     pub(crate) wrap: Wrap,
 }
 
 impl PropertyMap {
-    /// A map from one grey image per painted property.
+    /// A map from one grey image over the unit square per painted property.
     ///
     /// # Errors
-    /// [`MaterialError::EmptyImage`], [`MaterialError::ImageLength`],
-    /// [`MaterialError::RangeNotPositive`] or [`MaterialError::TexelOutOfRange`], for the first
-    /// property in this order.
+    /// Those of [`PropertyMap::painted`].
     pub fn new(
         wavelength: Option<PropertyImage>,
         young: Option<PropertyImage>,
         thickness: Option<PropertyImage>,
         wrap: Wrap,
     ) -> Result<Self, MaterialError> {
-        let checked = |image: Option<PropertyImage>, property| {
-            image.map(|image| image.checked(property)).transpose()
+        let [wavelength, young, thickness] =
+            [wavelength, young, thickness].map(|image| image.map(PropertyPaint::Whole));
+        Self::painted(wavelength, young, thickness, wrap)
+    }
+
+    /// A map from the grey images of each painted property, over the unit square or over UDIM tiles.
+    ///
+    /// # Errors
+    /// [`MaterialError::EmptyImage`], [`MaterialError::ImageLength`],
+    /// [`MaterialError::RangeNotPositive`] or [`MaterialError::TexelOutOfRange`], for the first
+    /// property in this order, and the first tile of it.
+    pub fn painted(
+        wavelength: Option<PropertyPaint>,
+        young: Option<PropertyPaint>,
+        thickness: Option<PropertyPaint>,
+        wrap: Wrap,
+    ) -> Result<Self, MaterialError> {
+        let checked = |paint: Option<PropertyPaint>, property| {
+            paint.map(|paint| paint.checked(property)).transpose()
         };
         Ok(Self {
             wavelength: checked(wavelength, "wavelength")?,
@@ -252,10 +329,9 @@ impl PropertyMap {
         if !uv.iter().all(|c| c.is_finite()) {
             return RelativeProperties::default();
         }
-        let at = |image: &Option<PropertyImage>| {
-            image
-                .as_ref()
-                .map_or(1.0, |image| image.sample(uv, self.wrap))
+        let at = |paint: &Option<PropertyPaint>| {
+            let placed = paint.as_ref().and_then(|paint| paint.at(uv, self.wrap));
+            placed.map_or(1.0, |placed| placed.sample(uv))
         };
         RelativeProperties {
             wavelength: at(&self.wavelength),
@@ -305,10 +381,9 @@ impl PropertyMap {
         self.sample(&((a + b + c) / 3.0))
     }
 
-    /// The painted images.
-    pub(crate) fn images(&self) -> impl Iterator<Item = &PropertyImage> {
-        [&self.wavelength, &self.young, &self.thickness]
-            .into_iter()
-            .flatten()
+    /// The images of all properties at a UV.
+    pub(crate) fn images_at(&self, uv: &Vector2<f64>) -> impl Iterator<Item = PlacedImage<'_>> {
+        let paints = [&self.wavelength, &self.young, &self.thickness].into_iter();
+        paints.flatten().filter_map(|paint| paint.at(uv, self.wrap))
     }
 }

@@ -15,7 +15,7 @@
 
 use nalgebra::Vector2;
 
-use crate::property_map::PropertyImage;
+use crate::property_map::{PlacedImage, PropertyImage};
 use crate::{MaterialError, PropertyMap, RelativeProperties};
 
 /// Crossing of a straight line in UV with a sharp boundary.
@@ -41,7 +41,8 @@ impl PropertyMap {
     ///
     /// On a UV seam the two sides of an edge are two lines, and may disagree; then the one with the
     /// larger ratio counts. Steps of half a texel; positions to about 1e-9 of the line. Crossings of
-    /// several properties within half a texel are one.
+    /// several properties within half a texel are one. Of UDIM tiles only the one is looked at in which
+    /// the middle of the line lies: an edge of a mesh lies in one.
     ///
     /// # Errors
     /// [`MaterialError::JumpRatio`] unless `jump_ratio` is finite and above 1.
@@ -55,13 +56,13 @@ impl PropertyMap {
         let line = |parameter: f64| from + (to - from) * parameter;
         let mut found = Vec::new();
         let mut texels: f64 = 0.0;
-        for image in self.images() {
-            let length = length_in_texels(image, from, to);
+        for placed in self.images_at(&line(0.5)) {
+            let length = length_in_texels(placed.image, from, to);
             texels = texels.max(length);
             // Half a texel at most along either side, so that no step jumps over a column or row of
             // texels.
             let steps = (2.0 * length).ceil().clamp(1.0, MOST_STEPS) as u32;
-            self.walk(image, &line, steps, jump_ratio, &mut found);
+            walk(&placed, &line, steps, jump_ratio, &mut found);
         }
         found.sort_by(|a, b| a.parameter.total_cmp(&b.parameter));
         let mut merged: Vec<BoundaryCrossing> = Vec::new();
@@ -78,64 +79,65 @@ impl PropertyMap {
         }
         Ok(merged)
     }
+}
 
-    fn walk(
-        &self,
-        image: &PropertyImage,
-        line: &impl Fn(f64) -> Vector2<f64>,
-        steps: u32,
-        jump_ratio: f64,
-        found: &mut Vec<BoundaryCrossing>,
-    ) {
-        let value = |parameter: f64| image.sample(&line(parameter), self.wrap);
-        let place = |step: u32| f64::from(step) / f64::from(steps);
-        let mut before = value(0.0);
-        for step in 0..steps {
-            let (start, end) = (place(step), place(step + 1));
-            let after = value(end);
-            let middle = line(0.5 * (start + end));
-            let [low, high] = self.extremes(image, &middle, 1);
-            // The level comes from the square, not from the ends of the step, so that all steps
-            // across one boundary look for the same place.
-            let level = 0.5 * (low + high);
-            let passes = (before < level) != (after < level);
-            if passes && high >= jump_ratio * low && self.is_step(image, &middle, high - low) {
-                let below = |parameter: f64| value(parameter) < level;
-                found.push(BoundaryCrossing {
-                    parameter: bisect(start, end, before < level, below),
-                    ratio: high / low,
-                });
-            }
-            before = after;
+/// Adds the crossings of a line with the boundaries of one image.
+fn walk(
+    placed: &PlacedImage<'_>,
+    line: &impl Fn(f64) -> Vector2<f64>,
+    steps: u32,
+    jump_ratio: f64,
+    found: &mut Vec<BoundaryCrossing>,
+) {
+    let value = |parameter: f64| placed.sample(&line(parameter));
+    let place = |step: u32| f64::from(step) / f64::from(steps);
+    let mut before = value(0.0);
+    for step in 0..steps {
+        let (start, end) = (place(step), place(step + 1));
+        let after = value(end);
+        let middle = line(0.5 * (start + end));
+        let [low, high] = extremes(placed, &middle, 1);
+        // The level comes from the square, not from the ends of the step, so that all steps
+        // across one boundary look for the same place.
+        let level = 0.5 * (low + high);
+        let passes = (before < level) != (after < level);
+        if passes && high >= jump_ratio * low && is_step(placed, &middle, high - low) {
+            let below = |parameter: f64| value(parameter) < level;
+            found.push(BoundaryCrossing {
+                parameter: bisect(start, end, before < level, below),
+                ratio: high / low,
+            });
+        }
+        before = after;
+    }
+}
+
+/// Says whether the paint changes within 8 x 8 texels by little more than its `change` within
+/// 4 x 4.
+fn is_step(placed: &PlacedImage<'_>, uv: &Vector2<f64>, change: f64) -> bool {
+    // A ramp over 3 texels has all of its change in the smaller square, one over 4 three quarters.
+    const SHARE: f64 = 0.8;
+    let [low, high] = extremes(placed, uv, 3);
+    change >= SHARE * (high - low)
+}
+
+/// Smallest and largest value of the four texels around `uv` and `rings` of texels about them.
+fn extremes(placed: &PlacedImage<'_>, uv: &Vector2<f64>, rings: i64) -> [f64; 2] {
+    let image = placed.image;
+    let cell = image.cell(&(uv - placed.origin));
+    let mut extremes = [f64::INFINITY, f64::NEG_INFINITY];
+    for row in -rings..=rings + 1 {
+        for column in -rings..=rings + 1 {
+            let c = image.texel(
+                cell.column.saturating_add(column),
+                cell.row.saturating_add(row),
+                placed.wrap,
+            );
+            let value = image.relative(c);
+            extremes = [extremes[0].min(value), extremes[1].max(value)];
         }
     }
-
-    /// Says whether the paint changes within 8 x 8 texels by little more than its `change` within
-    /// 4 x 4.
-    fn is_step(&self, image: &PropertyImage, uv: &Vector2<f64>, change: f64) -> bool {
-        // A ramp over 3 texels has all of its change in the smaller square, one over 4 three quarters.
-        const SHARE: f64 = 0.8;
-        let [low, high] = self.extremes(image, uv, 3);
-        change >= SHARE * (high - low)
-    }
-
-    /// Smallest and largest value of the four texels around `uv` and `rings` of texels about them.
-    fn extremes(&self, image: &PropertyImage, uv: &Vector2<f64>, rings: i64) -> [f64; 2] {
-        let cell = image.cell(uv);
-        let mut extremes = [f64::INFINITY, f64::NEG_INFINITY];
-        for row in -rings..=rings + 1 {
-            for column in -rings..=rings + 1 {
-                let c = image.texel(
-                    cell.column.saturating_add(column),
-                    cell.row.saturating_add(row),
-                    self.wrap,
-                );
-                let value = image.relative(c);
-                extremes = [extremes[0].min(value), extremes[1].max(value)];
-            }
-        }
-        extremes
-    }
+    extremes
 }
 
 /// The end of the part of `[start, end]` that is like its start.

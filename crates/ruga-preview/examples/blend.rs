@@ -79,7 +79,7 @@ fn blended(baked: &Path, manifest: &Wrinkles, wish: &str) -> Result<Vec<[f32; 3]
 }
 
 fn normals_of(baked: &Path, map: &WrinkleMap) -> Result<Vec<[f32; 3]>, Box<dyn Error>> {
-    let image = read_image(&baked.join(&map.file))?;
+    let image = read_image(&baked.join(&map.files()[0]))?;
     let up = if map.green == Some(NormalY::Down) {
         -1.0
     } else {

@@ -6,7 +6,7 @@ import { readMap } from './data.mjs';
 /** Bytes of graphics memory for maps; more maps than that take turns. */
 const BUDGET = 512e6;
 
-/** Numbers of a pose in the table of the shader. */
+/** Numbers of a pose in one UDIM tile in the table of the shader. */
 const ROW = 12;
 
 /** Code of a neutral texel, red and green. */
@@ -18,7 +18,9 @@ export class MapSlots {
     this.renderer = renderer;
     this.gl = renderer.getContext();
     this.about = about;
-    this.poses = poses;
+    /** Per pose and UDIM tile, the maps of its keys. */
+    this.tiles = poses.map((pose) => byTile(pose.maps, about.maps));
+    const rows = this.tiles.reduce((sum, tiles) => sum + tiles.length, 1);
     [this.width, this.height] = about.slot;
     const { gl } = this;
     this.layerBytes = (2 * this.width * this.height * 4) / 3;
@@ -30,7 +32,7 @@ export class MapSlots {
     this.loading = new Map();
     this.levels = 1 + Math.floor(Math.log2(Math.max(this.width, this.height)));
     this.texture = this.allocate();
-    this.table = new DataTexture(new Float32Array(ROW * Math.max(1, poses.length)), ROW / 4, Math.max(1, poses.length), RGBAFormat, FloatType);
+    this.table = new DataTexture(new Float32Array(ROW * rows), ROW / 4, rows, RGBAFormat, FloatType);
     this.table.minFilter = NearestFilter;
     this.table.magFilter = NearestFilter;
     this.active = 0;
@@ -67,16 +69,19 @@ export class MapSlots {
     const missing = [];
     const { data } = this.table.image;
     this.active = 0;
-    this.poses.forEach((pose, number) => {
+    this.tiles.forEach((tiles, number) => {
       const weight = weights[number] ?? 0;
-      if (weight <= 0 || pose.maps.length === 0) return;
-      const { below, above, share } = betweenKeys(pose.maps, weight);
-      const wanted = [below, above].filter((entry) => entry !== null).map((entry) => entry.map);
-      const absent = wanted.filter((map) => !this.touch(map));
-      missing.push(...absent);
-      if (absent.length > 0) return;
-      data.set([...this.place(below), share, ...this.place(above), 0, ...this.extent(below), ...this.extent(above)], ROW * this.active);
-      this.active += 1;
+      if (weight <= 0) return;
+      for (const maps of tiles) {
+        const { below, above, share } = betweenKeys(maps, weight);
+        const wanted = [below, above].filter((entry) => entry !== null).map((entry) => entry.map);
+        const absent = wanted.filter((map) => !this.touch(map));
+        missing.push(...absent);
+        if (absent.length > 0) continue;
+        const { tile } = this.about.maps[above.map];
+        data.set([...this.place(below), share, ...this.place(above), tile, ...this.extent(below), ...this.extent(above)], ROW * this.active);
+        this.active += 1;
+      }
     });
     this.table.needsUpdate = true;
     return missing;
@@ -166,6 +171,16 @@ export class MapSlots {
     gl.deleteFramebuffer(from);
     gl.deleteFramebuffer(to);
   }
+}
+
+/** The maps of a pose, keys ascending, in one list for each of its UDIM tiles. */
+export function byTile(maps, places) {
+  const tiles = new Map();
+  for (const entry of maps) {
+    const { tile } = places[entry.map];
+    tiles.set(tile, [...(tiles.get(tile) ?? []), entry]);
+  }
+  return [...tiles.values()];
 }
 
 /** The maps on both sides of a weight among the keys of a pose; `below` is null for neutral at 0. */

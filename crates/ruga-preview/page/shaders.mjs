@@ -4,8 +4,9 @@
  * `blendedNormal(uv)`: the maps of all active poses, each between its keys, over each other by reoriented
  * normal mapping (Barré-Brisebois and Hill 2012, *Blending in detail*). X along U, Y up, Z outwards.
  *
- * A row of `table` is a pose: layer, left and top of the map below, and the share of the map above; those of the map
- * above; width and height of both. Only the part of a map that wrinkles is stored, and nothing is read beside it.
+ * A row of `table` is a pose in one UDIM tile: layer, left and top of the map below, and the share of the map above;
+ * those of the map above, and the number of the tile; width and height of both. Only the part of a map that wrinkles
+ * is stored, and nothing is read beside it. Tiles lie side by side, two units apart; without any, the map repeats.
  */
 export const BLEND = /* glsl */`
   precision highp sampler2DArray;
@@ -14,6 +15,7 @@ export const BLEND = /* glsl */`
   uniform int activePoses;
   uniform vec2 slotSize;
   uniform float mapSize;
+  uniform bool hasTiles;
 
   vec3 layOver(vec3 base, vec3 detail) {
     vec3 t = base + vec3(0.0, 0.0, 1.0);
@@ -31,11 +33,13 @@ export const BLEND = /* glsl */`
   vec3 blendedNormal(vec2 uv) {
     vec2 right = dFdx(uv) * mapSize / slotSize;
     vec2 up = dFdy(uv) * mapSize / slotSize;
-    uv -= floor(uv);
+    float tile = hasTiles ? floor(0.5 * (uv.x + 0.5)) : 0.0;
+    uv -= hasTiles ? vec2(2.0 * tile, 0.0) : floor(uv);
     vec3 normal = vec3(0.0, 0.0, 1.0);
     for (int pose = 0; pose < activePoses; pose += 1) {
       vec4 below = texelFetch(table, ivec2(0, pose), 0);
       vec4 above = texelFetch(table, ivec2(1, pose), 0);
+      if (above.w != tile) continue;
       vec4 sizes = texelFetch(table, ivec2(2, pose), 0);
       vec3 detail = mapNormal(above.xyz, sizes.zw, uv, right, up);
       if (below.w < 1.0) detail = normalize(mix(mapNormal(below.xyz, sizes.xy, uv, right, up), detail, below.w));

@@ -49,6 +49,7 @@ export class Stage {
       activePoses: { value: 0 },
       slotSize: { value: new Vector2(slots.width, slots.height) },
       mapSize: { value: preview.about.size },
+      hasTiles: { value: preview.about.tiles > 0 },
       view: { value: VIEWS.skin },
       strength: { value: 1 },
       toLight: { value: new Vector3() },

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use crate::PackedMap;
 use crate::packed_map::CELLS;
+use crate::tile_split::TileSplit;
 
 /// A sphere around the skin that wrinkles in some pose, and the side that it faces.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -20,21 +21,25 @@ pub(crate) struct Focus {
 impl Focus {
     /// The focus on the triangles of a mesh that `maps` wrinkle; on all of it where none do.
     ///
-    /// `positions` are in metres, the world's Y up; `uvs` have V down.
+    /// `positions` are in metres, the world's Y up; the mesh is that of `split`.
     pub(crate) fn new<'a>(
         positions: &[Vector3<f64>],
-        uvs: &[Vector2<f64>],
+        split: &TileSplit<'_>,
         triangles: &[[u32; 3]],
         maps: impl Iterator<Item = &'a PackedMap>,
     ) -> Self {
-        let mut cells = vec![false; CELLS * CELLS];
+        let uvs = split.mesh.uvs.as_deref().unwrap_or_default();
+        let mut tiles = vec![vec![false; CELLS * CELLS]; split.count().max(1)];
         for map in maps {
-            let both = cells.iter_mut().zip(&map.wrinkled);
+            let both = tiles[split.number(map.square)]
+                .iter_mut()
+                .zip(&map.wrinkled);
             both.for_each(|(cell, wrinkled)| *cell |= wrinkled);
         }
         let wrinkles = |corners: &&[u32; 3]| {
-            let mut corners = corners.iter().map(|&v| uvs[v as usize]);
-            corners.all(|uv| cells[cell_of(uv)])
+            let mut corners = corners.iter().map(|&v| split.local(uvs[v as usize]));
+            // Beyond the last of the tiles lies what no map shows.
+            corners.all(|(tile, uv)| tiles.get(tile).is_some_and(|cells| cells[cell_of(uv)]))
         };
         let wrinkled: Vec<&[u32; 3]> = triangles.iter().filter(wrinkles).collect();
         match wrinkled.is_empty() {

@@ -4,7 +4,8 @@
 //!
 //! ## Parts
 //!
-//! A [`PackedMap`] is a normal map made small: two channels of 8 bits, and only the part that wrinkles. A
+//! A [`PackedMap`] is a normal map made small: two channels of 8 bits, and only the part that wrinkles; a mesh
+//! with UDIM tiles has one for each. A
 //! [`Preview`] has the artist's mesh and [`PreviewPose`]s with their maps; [`Preview::to_html`] writes all of
 //! it into one text. There the mesh follows a slider per pose; its normals and tangents are computed anew as
 //! the baker does, and the maps are blended in the fragment shader: linear between keys, poses over each other
@@ -22,6 +23,7 @@ mod error;
 mod focus;
 mod mesh_data;
 mod template;
+mod tile_split;
 
 pub use packed_map::{MAX_SIDE, PackedMap};
 pub use preview::{Preview, PreviewPose};

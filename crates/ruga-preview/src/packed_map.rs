@@ -22,6 +22,8 @@ const VISIBLE: i32 = 5;
 /// A normal map of two channels of 8 bits, cut to the part that is not neutral.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PackedMap {
+    /// Lowest U and V of the unit square of texture space that it shows, V down.
+    pub(crate) square: [i32; 2],
     /// Texels per side of the whole map.
     pub(crate) size: u32,
     /// Texels to the left of the part that is stored.
@@ -61,6 +63,7 @@ impl PackedMap {
         let png = encoded(&codes, small, [left, top, width, height])
             .map_err(|error| PreviewError::Encoding(error.to_string()))?;
         Ok(Self {
+            square: [0, 0],
             size: small,
             left,
             top,
@@ -69,6 +72,18 @@ impl PackedMap {
             png,
             wrinkled: wrinkled_cells(&codes, small),
         })
+    }
+
+    /// The map of another unit square of texture space than the first, such as a UDIM tile, by its lowest U and
+    /// V (V down).
+    pub fn in_square(self, square: [i32; 2]) -> Self {
+        Self { square, ..self }
+    }
+
+    /// Whether it shows no wrinkles at all.
+    pub fn is_neutral(&self) -> bool {
+        // What is stored of other maps has a margin.
+        [self.width, self.height] == [1, 1]
     }
 }
 

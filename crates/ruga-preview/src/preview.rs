@@ -11,6 +11,7 @@ use serde::Serialize;
 use crate::focus::Focus;
 use crate::mesh_data::{MeshData, MeshSections, PoseSections};
 use crate::template::{Content, filled};
+use crate::tile_split::TileSplit;
 use crate::{PackedMap, PreviewError};
 
 /// Everything that a page shows.
@@ -31,7 +32,8 @@ pub struct PreviewPose {
     pub name: String,
     /// Weights of the blend shapes at the full pose.
     pub weights: BTreeMap<String, f64>,
-    /// Normal maps by key, a fraction of the pose in (0, 1]; keys ascend, and no map is neutral at 0.
+    /// Normal maps by key, a fraction of the pose in (0, 1]; keys ascend, and no map is neutral at 0. A mesh
+    /// with UDIM tiles has maps of one key in several squares, and in each the same keys, or none.
     pub maps: Vec<(f64, PackedMap)>,
 }
 
@@ -41,6 +43,8 @@ struct About<'a> {
     version: u32,
     /// Texels per side of a whole map.
     size: u32,
+    /// Number of UDIM tiles; 0 for a mesh without, whose texture repeats.
+    tiles: usize,
     /// Texels that the stored part of any map fits into.
     slot: [u32; 2],
     maps: Vec<MapPlace>,
@@ -51,6 +55,8 @@ struct About<'a> {
 
 #[derive(Serialize)]
 struct MapPlace {
+    /// Number of its UDIM tile.
+    tile: usize,
     left: u32,
     top: u32,
     width: u32,
@@ -81,17 +87,21 @@ impl Preview<'_> {
     pub fn to_html(&self) -> Result<String, PreviewError> {
         let size = self.common_size()?;
         let weights: Vec<_> = self.poses.iter().map(|pose| &pose.weights).collect();
-        let data = MeshData::new(self.mesh, &self.turn, &weights)?;
+        let squares = self.poses.iter().flat_map(|pose| &pose.maps);
+        let split = TileSplit::new(self.mesh, squares.map(|(_, map)| map.square));
+        let data = MeshData::new(&split.mesh, &self.turn, &weights)?;
         let maps = || self.poses.iter().flat_map(|pose| &pose.maps);
         let largest = |side: fn(&PackedMap) -> u32| maps().map(|(_, map)| side(map)).max();
         let about = About {
             version: 1,
             size,
+            tiles: split.count(),
             // Whole multiples: halves of them are whole texels for some levels of smaller copies.
             slot: [largest(|map| map.width), largest(|map| map.height)]
                 .map(|side| side.unwrap_or(1).next_multiple_of(16)),
             maps: maps()
                 .map(|(_, map)| MapPlace {
+                    tile: split.number(map.square),
                     left: map.left,
                     top: map.top,
                     width: map.width,
@@ -100,7 +110,7 @@ impl Preview<'_> {
                 .collect(),
             poses: self.about_poses(data.poses),
             mesh: data.mesh,
-            focus: self.focus(),
+            focus: self.focus(&split),
         };
         let about = serde_json::to_string(&about)
             .expect("structs of numbers, texts and lists always serialise");
@@ -150,15 +160,14 @@ impl Preview<'_> {
             .collect()
     }
 
-    fn focus(&self) -> Focus {
-        let mesh = self.mesh;
+    fn focus(&self, split: &TileSplit<'_>) -> Focus {
+        let mesh = &split.mesh;
         let positions: Vec<_> = mesh.positions.iter().map(|p| self.turn * p).collect();
-        let uvs = mesh.uvs.as_deref().unwrap_or_default();
         let maps = self.poses.iter().flat_map(|pose| &pose.maps);
         let is_mirror = self.turn.determinant() < 0.0;
         let outward = |&[a, b, c]: &[u32; 3]| if is_mirror { [a, c, b] } else { [a, b, c] };
         let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(outward).collect();
-        Focus::new(&positions, uvs, &triangles, maps.map(|(_, map)| map))
+        Focus::new(&positions, split, &triangles, maps.map(|(_, map)| map))
     }
 
     fn map_elements(&self) -> String {

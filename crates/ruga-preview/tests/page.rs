@@ -209,6 +209,77 @@ fn the_same_input_gives_the_same_page() {
     assert!(html(&patch(), Matrix3::identity()) == html(&patch(), Matrix3::identity()));
 }
 
+/// Left and right triangle of a strip in two tiles, which share the vertices between them.
+fn strip() -> ArtistMesh {
+    let at = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [2.0, 0.0]];
+    ArtistMesh {
+        name: "strip".into(),
+        positions: at
+            .map(|[x, y]| Vector3::new(0.1 * x, 0.1 * y, 0.0))
+            .to_vec(),
+        uvs: Some(at.map(|[x, y]| Vector2::new(x, 1.0 - y)).to_vec()),
+        triangles: vec![[0, 1, 2], [1, 3, 2]],
+        shapes: vec![BlendShape {
+            name: "lift".into(),
+            position_deltas: (0..4).map(|v| Vector3::z() * f64::from(v)).collect(),
+            normal_deltas: None,
+        }],
+        ..ArtistMesh::default()
+    }
+}
+
+#[test]
+fn tiles_have_their_own_maps_and_places() {
+    let map = PackedMap::new(SIZE, &waves(SIZE)).expect("a map");
+    let maps = |squares: &[[i32; 2]]| {
+        let maps = squares
+            .iter()
+            .map(|&square| (1.0, map.clone().in_square(square)));
+        maps.collect::<Vec<_>>()
+    };
+    let mesh = strip();
+    let page = |squares: &[[i32; 2]]| {
+        let preview = Preview {
+            mesh: &mesh,
+            turn: Matrix3::identity(),
+            poses: vec![pose("first", &[("lift", 1.0)], maps(squares))],
+        };
+        preview.to_html().expect("a page")
+    };
+    let both = page(&[[0, 0], [1, 0]]);
+    let (found, block) = (about(&both), bytes(&both, "mesh"));
+    assert_eq!(found["tiles"], 2);
+    assert_eq!(
+        [&found["maps"][0]["tile"], &found["maps"][1]["tile"]],
+        [0, 1]
+    );
+    // The two shared vertices are there once more, two units to the right.
+    let uvs = floats(&block, &found["mesh"]["uvs"]);
+    assert_eq!(
+        uvs,
+        [0.0, 1.0, 1.0, 1.0, 2.0, 1.0, 1.0, 0.0, 2.0, 0.0, 3.0, 1.0]
+    );
+    let triangles = integers(&block, &found["mesh"]["triangles"]);
+    assert_eq!(triangles, [0, 1, 3, 2, 5, 4]);
+    let deltas = floats(&block, &found["poses"][0]["deltas"]);
+    let lifts: Vec<f32> = deltas.iter().skip(2).step_by(3).copied().collect();
+    assert_eq!(lifts, [1.0, 1.0, 2.0, 2.0, 3.0]);
+    // Both sides of the border are one surface.
+    let groups = integers(&block, &found["mesh"]["groups"]);
+    assert_eq!([groups[1], groups[3]], [groups[2], groups[4]]);
+
+    // Skin in a tile without map lies beyond those that have one.
+    let alone = page(&[[1, 0]]);
+    let (found, block) = (about(&alone), bytes(&alone, "mesh"));
+    assert_eq!(found["tiles"], 1);
+    let uvs = floats(&block, &found["mesh"]["uvs"]);
+    assert_eq!(uvs[..2], [2.0, 1.0]);
+    assert_eq!(about(&page(&[[0, 0]]))["tiles"], 0);
+    assert!(!map.is_neutral());
+    let flat = vec![[0.0, 0.0, 1.0]; (SIZE * SIZE) as usize];
+    assert!(PackedMap::new(SIZE, &flat).expect("a map").is_neutral());
+}
+
 #[test]
 fn large_maps_are_made_smaller() {
     let size = 2 * MAX_SIDE;

@@ -16,20 +16,25 @@ impl Scene {
         kinds.filter_map(|kind| kind.detail()).collect()
     }
 
-    /// Adds the details of the posed mesh to the map of all layers; `posed` are its welded vertices, m.
+    /// Adds the details of the posed mesh to the maps of all layers; `posed` are its welded vertices, m.
     pub(crate) fn add_mesh_details(
         &self,
-        map: &mut WrinkleMap,
+        maps: &mut [WrinkleMap],
         frames: &[[TangentFrame; 3]],
         posed: &[Vector3<f64>],
     ) -> Result<(), BakeError> {
         let details = self.details();
         let uvs = texture_space::corners(&self.mesh).unwrap_or_default();
         if details.contains(&Detail::ObjectNormal) {
-            map.paint_object_normals(&uvs, frames)?;
+            for map in maps.iter_mut() {
+                map.paint_object_normals(&uvs, frames)?;
+            }
         }
         if details.contains(&Detail::Compression) {
-            map.paint_compression(&uvs, &self.compression(posed))?;
+            let ratios = self.compression(posed);
+            for map in maps {
+                map.paint_compression(&uvs, &ratios)?;
+            }
         }
         Ok(())
     }

@@ -163,7 +163,7 @@ pub enum SceneError {
         advice: &'static str,
     },
     /// Two zones that both claim a place.
-    #[error("{}: the zones `{first}` and `{second}` overlap: at u {u:.2}, v {v:.2} from the map's upper left their masks add up to {percent:.0} %; accepted: up to 100 %", scene.display())]
+    #[error("{}: the zones `{first}` and `{second}` overlap: at u {u:.2}, v {v:.2} from the upper left of {} their masks add up to {percent:.0} %; accepted: up to 100 %", scene.display(), map_words(*tile))]
     #[diagnostic(help(
         "paint one of the masks black where the other is white; where one goes over into the other, let their greys add up to white, over a wavelength or more"
     ))]
@@ -174,6 +174,8 @@ pub enum SceneError {
         first: String,
         /// The other zone.
         second: String,
+        /// Number of the UDIM tile that the place is in; `None` on a mesh without.
+        tile: Option<u32>,
         /// Texture coordinate of the place, from the left.
         u: f64,
         /// Texture coordinate of the place, from the top.
@@ -228,6 +230,10 @@ pub fn counted(count: usize, noun: &str) -> String {
         1 => format!("1 {noun}"),
         _ => format!("{count} {noun}s"),
     }
+}
+
+fn map_words(tile: Option<u32>) -> String {
+    tile.map_or_else(|| "the map".to_owned(), |tile| format!("tile {tile}"))
 }
 
 fn key_and_line(key: &str, line: Option<usize>) -> String {

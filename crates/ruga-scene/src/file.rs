@@ -101,6 +101,12 @@ pub struct Driver {
     /// `"all"`, or the path of a grey image over the UV square, white where skin is simulated.
     #[serde(default)]
     pub region: Region,
+    /// Whether the mesh has UDIM tiles: unit squares of the texture, of which each has maps of its own. The one
+    /// of column u and row v is number 1001 + u + 10 v. Masks and painted images with `<UDIM>` in their names,
+    /// as `"skin.<UDIM>.png"`, are one file per tile; where a file is missing, masks are black and painted
+    /// properties are the layer's own. An image without `<UDIM>` lies on the first tile of the mesh.
+    #[serde(default)]
+    pub tiles: Tiles,
     /// How the artist's facets are smoothed.
     #[serde(default)]
     pub smoothing: Smoothing,
@@ -123,6 +129,19 @@ fn default_vertex_budget() -> u64 {
 pub enum Symmetry {
     /// The plane x = 0.
     X,
+}
+
+/// Whether a mesh has UDIM tiles: unit squares of the texture, each with images of its own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Tiles {
+    /// If most islands lie whole in a tile, and some in others than the first.
+    #[default]
+    Auto,
+    /// Yes, also with islands over several tiles; each triangle must lie in one.
+    Udim,
+    /// No: only the square from 0 to 1 is baked, as for islands moved by 1 to be left out.
+    One,
 }
 
 /// Where skin is simulated: `auto`, `all`, or the path of a mask.

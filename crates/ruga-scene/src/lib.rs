@@ -2,7 +2,7 @@
 //!
 //! [`Scene`] is a `scene.toml` with its mesh and images, converted to what the other crates take;
 //! [`SceneFile`] is what stands in the file. [`Scene::plan`] says what will wrinkle and
-//! what it costs, [`ScenePlan::simulate`] simulates a pose, [`Scene::bake_key`] bakes its map.
+//! what it costs, [`ScenePlan::simulate`] simulates a pose, [`Scene::bake_key`] bakes its maps.
 //! [`Inspection`] finds everything that is wrong with a scene at once. [`SceneError`] is for people: it
 //! names the file, the key or element, what was found and what is accepted.
 //!
@@ -25,7 +25,8 @@
 //! for (number, pose) in scene.poses.iter().enumerate() {
 //!     let result = plan.simulate(number, &mut Silent)?;
 //!     for key in &result.keys {
-//!         let map = scene.bake_key(pose, key)?;
+//!         // One map, as the mesh has no UDIM tiles.
+//!         let map = &scene.bake_key(pose, key)?[0];
 //!         let steepest = map.normals.iter().map(|[_, _, z]| *z).fold(1.0, f32::min);
 //!         assert!(steepest < 0.99, "the skin wrinkles");
 //!     }
@@ -42,6 +43,7 @@ pub mod file;
 mod mask_image;
 pub mod mesh_size;
 mod model;
+mod painted_files;
 mod placement;
 mod plan;
 mod posed_frames;
@@ -49,6 +51,7 @@ mod property_images;
 mod scene;
 mod symmetry;
 mod texture_space;
+mod uv_tiles;
 
 pub use engine_names::engine_name;
 pub use error::{SceneError, counted};

@@ -1,12 +1,14 @@
 //! From a scene to what the stepper simulates.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
 use ruga_blend::{Driver, nearest};
+use ruga_io::is_udim_pattern;
 use ruga_material::{
-    LayerMaterial, MaterialError, PRESETS, Preset, PropertyMap, Substrate, Variation, design_layer,
-    preset, wrinkling,
+    LayerMaterial, MaterialError, PRESETS, Preset, PropertyMap, PropertyPaint, Substrate, UvTile,
+    Variation, design_layer, preset, wrinkling,
 };
 use ruga_stepper::{Dynamics, EdgeLimits, LayerSpec, Modelling, PoseSpec, Presence, Region, Stack};
 
@@ -14,7 +16,9 @@ use crate::SceneError;
 use crate::engine_names::collision;
 use crate::file::{self, SceneFile};
 use crate::mask_image::mask;
+use crate::painted_files::tile_files;
 use crate::property_images::read_property_images;
+use crate::uv_tiles::are_tiled;
 
 /// Weights beyond this look like a slip: shapes are whole at 1, and now and then overdriven a little.
 const LARGE_WEIGHT: f64 = 2.0;
@@ -32,12 +36,17 @@ pub(crate) fn bending_without_layer(scene: &SceneFile, path: &Path) -> Option<Sc
     })
 }
 
-/// The layers with their materials and what carries them, in the order of the scene.
+/// The layers with their materials and what carries them, in the order of the scene, on a mesh with these
+/// tiles.
 ///
 /// # Errors
 /// [`SceneError::UnknownPreset`], [`SceneError::Material`] and what a painted map is refused for, naming
 /// the key.
-pub(crate) fn layers(scene: &SceneFile, path: &Path) -> Result<Vec<LayerSpec>, SceneError> {
+pub(crate) fn layers(
+    scene: &SceneFile,
+    path: &Path,
+    tiles: &[UvTile],
+) -> Result<Vec<LayerSpec>, SceneError> {
     let mut layers: Vec<LayerSpec> = Vec::new();
     for (index, upper) in scene.layers.iter().enumerate() {
         let lower = (0..index).rfind(|&other| scene.layers[other].zone == upper.zone);
@@ -45,7 +54,7 @@ pub(crate) fn layers(scene: &SceneFile, path: &Path) -> Result<Vec<LayerSpec>, S
             Some(lower) => Some(layers[lower].material.as_substrate()),
             None => substrate(scene, path)?,
         };
-        layers.push(layer(scene, index, below, path)?);
+        layers.push(layer(scene, index, below, (path, tiles))?);
     }
     Ok(layers)
 }
@@ -92,7 +101,7 @@ fn layer(
     scene: &SceneFile,
     index: usize,
     below: Option<Substrate>,
-    path: &Path,
+    (path, tiles): (&Path, &[UvTile]),
 ) -> Result<LayerSpec, SceneError> {
     // Reading a scene has refused what these three lines rely on.
     let layer = &scene.layers[index];
@@ -136,7 +145,7 @@ fn layer(
     let map = layer
         .map
         .as_ref()
-        .map(|map| property_map(map, path, &format!("{key}.map")))
+        .map(|map| property_map(map, (path, &format!("{key}.map")), tiles))
         .transpose()?;
     let spec = LayerSpec {
         model: layer.model,
@@ -145,7 +154,7 @@ fn layer(
         map: map.map(Arc::new),
         sharp: layer.map.as_ref().is_some_and(|map| map.sharp),
         bending_transfer: layer.bending_transfer,
-        presence: presence(scene, index, path)?,
+        presence: presence(scene, index, path, tiles)?,
         ..LayerSpec::new(&layer.name, material, substrate)
     };
     match variation(scene, index, preset) {
@@ -181,7 +190,12 @@ fn variation(scene: &SceneFile, index: usize, preset: Option<&Preset>) -> Option
 
 /// Presence of layer number `index`: on its own mask, and in a zone on that of the zone's lowest
 /// layer.
-fn presence(scene: &SceneFile, index: usize, path: &Path) -> Result<Presence, SceneError> {
+fn presence(
+    scene: &SceneFile,
+    index: usize,
+    path: &Path,
+    tiles: &[UvTile],
+) -> Result<Presence, SceneError> {
     let layer = &scene.layers[index];
     let mask_of = |number: usize| Some((number, scene.layers[number].mask.as_deref()?));
     let lowest = layer.zone.as_ref().and_then(|_| {
@@ -190,8 +204,9 @@ fn presence(scene: &SceneFile, index: usize, path: &Path) -> Result<Presence, Sc
     });
     let of_zone = lowest.and_then(mask_of);
     let own = mask_of(index).filter(|(_, own)| of_zone.is_none_or(|(_, other)| *own != other));
-    let read =
-        |(number, file): (usize, &Path)| mask(file, (path, &format!("layers[{number}].mask")));
+    let read = |(number, file): (usize, &Path)| {
+        mask(file, (path, &format!("layers[{number}].mask")), tiles)
+    };
     Ok(Presence {
         masks: of_zone
             .into_iter()
@@ -202,20 +217,55 @@ fn presence(scene: &SceneFile, index: usize, path: &Path) -> Result<Presence, Sc
     })
 }
 
-/// The painted properties of a layer.
+/// The painted properties of a layer, on a mesh with these tiles.
 fn property_map(
     map: &file::PropertyMap,
-    path: &Path,
-    key: &str,
+    (path, key): (&Path, &str),
+    tiles: &[UvTile],
 ) -> Result<PropertyMap, SceneError> {
-    let images = read_property_images(map, path, key)?;
-    PropertyMap::new(images.wavelength, images.young, images.thickness, map.wrap).map_err(
-        |source| SceneError::Material {
+    let painted = |[wavelength, young, thickness]: [Option<PropertyPaint>; 3]| {
+        let found = PropertyMap::painted(wavelength, young, thickness, map.wrap);
+        found.map_err(|source| SceneError::Material {
             scene: path.to_owned(),
             key: key.to_owned(),
             source,
-        },
-    )
+        })
+    };
+    let one_image = |image: &Path| {
+        let (_, file) = tile_files(image, tiles).into_iter().next()?;
+        Some(file)
+    };
+    if !are_tiled(tiles) {
+        let images = read_property_images(&map.with_images(one_image), path, key)?;
+        return painted(
+            images
+                .by_property()
+                .map(|image| image.map(PropertyPaint::Whole)),
+        );
+    }
+    // An image that repeats lies on every tile, and others on those that they have files for.
+    let repeats = |image: &Path| map.wrap == file::Wrap::Repeat && !is_udim_pattern(image);
+    let everywhere = map.with_images(|image| repeats(image).then(|| image.to_owned()));
+    let images = read_property_images(&everywhere, path, key)?;
+    let mut paints = images
+        .by_property()
+        .map(|image| image.map(PropertyPaint::Whole));
+    for tile in tiles {
+        let own = map.with_images(|image| {
+            let mut files = tile_files(image, tiles).into_iter();
+            let (_, file) = files.find(|(other, _)| other == tile && !repeats(image))?;
+            Some(file)
+        });
+        let images = read_property_images(&own, path, key)?.by_property();
+        for (paint, image) in paints.iter_mut().zip(images) {
+            let Some(image) = image else { continue };
+            let paint = paint.get_or_insert_with(|| PropertyPaint::Tiles(BTreeMap::new()));
+            if let PropertyPaint::Tiles(tiles) = paint {
+                tiles.insert(*tile, image);
+            }
+        }
+    }
+    painted(paints)
 }
 
 fn substrate(scene: &SceneFile, path: &Path) -> Result<Option<Substrate>, SceneError> {

@@ -9,6 +9,8 @@ use ruga_stepper::{
 pub struct ScenePlan {
     /// Stacks side by side, at least one: that of a scene without zones.
     pub zones: Vec<ZonePlan>,
+    /// Bytes of the maps of further UDIM tiles, for each pose.
+    pub(crate) map_bytes: Vec<f64>,
 }
 
 /// The stack of one zone.
@@ -20,6 +22,14 @@ pub struct ZonePlan {
 }
 
 impl ScenePlan {
+    /// The plan of a mesh without UDIM tiles.
+    pub(crate) fn new(zones: Vec<ZonePlan>) -> Self {
+        Self {
+            zones,
+            map_bytes: Vec::new(),
+        }
+    }
+
     /// The layers of pose number `pose` over all zones, in the order of the scene.
     ///
     /// # Panics
@@ -34,14 +44,16 @@ impl ScenePlan {
     }
 
     /// Expected memory of pose number `pose` while it is simulated and baked, bytes: that of the layer which
-    /// takes most, as layers come and go, and 0 where nothing wrinkles.
+    /// takes most, as layers come and go, with the maps of all UDIM tiles, and 0 where nothing wrinkles.
     ///
     /// # Panics
     /// When there is no pose of that number.
     pub fn pose_memory(&self, pose: usize) -> f64 {
         let layers = self.pose_layers(pose).into_iter();
         let simulated = layers.filter(|layer| layer.vertices > 0);
-        simulated.map(|layer| layer.memory).fold(0.0, f64::max)
+        let largest = simulated.map(|layer| layer.memory).fold(0.0, f64::max);
+        let maps = self.map_bytes.get(pose).copied().unwrap_or(0.0);
+        if largest > 0.0 { largest + maps } else { 0.0 }
     }
 
     /// The lattice of the body that carries the layer, if there is one.

@@ -23,7 +23,14 @@ pub struct PropertyImages {
     pub thickness: Option<PropertyImage>,
 }
 
-/// Reads the images of a layer's map. `key` is that of the map, such as `layers[0].map`; it and
+impl PropertyImages {
+    /// The images of wavelength, Young's modulus and thickness.
+    pub(crate) fn by_property(self) -> [Option<PropertyImage>; 3] {
+        [self.wavelength, self.young, self.thickness]
+    }
+}
+
+/// Reads the images of a layer's map over the UV square. `key` is that of the map, such as `layers[0].map`; it and
 /// `scene_path` are for messages, image paths are taken as they stand in `map` ([`crate::SceneFile::read`]
 /// resolves them).
 ///

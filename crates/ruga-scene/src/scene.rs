@@ -7,17 +7,20 @@ use std::sync::Arc;
 
 use ruga_blend::{Driver, Weights, nearest};
 use ruga_io::{IoError, MeshFile, ObjOptions, read_mask, read_mesh};
+use ruga_material::UvTile;
 use ruga_stepper::{
-    Body, LatticeError, LayerSpec, Modelling, PoseResult, PoseSpec, Region, StepperError, plan,
-    plan_body,
+    BYTES_PER_TEXEL, Body, LatticeError, LayerSpec, Modelling, PoseResult, PoseSpec, Region,
+    StepperError, plan, plan_body,
 };
 
 use crate::file::{self, SceneFile};
 use crate::mask_image::mask;
+use crate::painted_files::{mask_files, tile_files};
 use crate::placement::Placement;
 use crate::plan::{ScenePlan, ZonePlan};
 use crate::symmetry::sorted;
-use crate::{Mirror, SceneError, body, counted, mesh_size, model, texture_space};
+use crate::uv_tiles::{are_tiled, driver_in_tiles};
+use crate::{Mirror, SceneError, body, counted, mesh_size, model, painted_files, texture_space};
 
 /// Requests to a scene beside what stands in its file.
 #[derive(Clone, Debug, Default)]
@@ -37,7 +40,10 @@ pub struct Scene {
     pub file: SceneFile,
     /// The artist's mesh file.
     pub mesh: MeshFile,
-    /// The welded mesh with its blend shapes.
+    /// UDIM tiles that the mesh lies in, ascending; the first one alone where it has none.
+    pub tiles: Vec<UvTile>,
+    /// The welded mesh with its blend shapes; with UDIM tiles its texture coordinates keep a little away from
+    /// the borders of tiles.
     pub driver: Arc<Driver>,
     /// The layers, in the order of the file.
     pub layers: Vec<LayerSpec>,
@@ -71,6 +77,17 @@ impl Scene {
         Inspection::new(path, options)?.into_scene()
     }
 
+    /// Whether the mesh has UDIM tiles, so that there is a map for each of them.
+    pub fn is_tiled(&self) -> bool {
+        are_tiled(&self.tiles)
+    }
+
+    /// The files that an image of the scene stands for: one, or those of the mesh's tiles that are there.
+    pub fn image_files(&self, image: &Path) -> Vec<PathBuf> {
+        let files = tile_files(image, &self.tiles).into_iter();
+        files.map(|(_, file)| file).collect()
+    }
+
     /// Plans what will be modelled, and makes sure that it has a place in the maps.
     ///
     /// # Errors
@@ -102,7 +119,10 @@ impl Scene {
             (pose.name.clone(), planned.active_triangles(index))
         };
         let active: Vec<_> = self.poses.iter().enumerate().map(active).collect();
-        planned.warn(texture_space::check_active(&self.mesh, &active)?);
+        let told = texture_space::check_active((&self.mesh, &self.tiles), &active)?;
+        planned.warn(told);
+        let maps = active.iter().map(|(_, active)| self.map_bytes(active));
+        planned.map_bytes = maps.collect();
         for (pose, first) in self.first_alike().into_iter().enumerate() {
             if first != pose {
                 planned.costs_nothing(pose);
@@ -176,7 +196,7 @@ impl Scene {
                 plan: plan_body(driver, &self.layers, body, poses, modelling, size)?,
                 layers: (0..self.layers.len()).collect(),
             };
-            return Ok(ScenePlan { zones: vec![zone] });
+            return Ok(ScenePlan::new(vec![zone]));
         }
         let zones = self.file.zones().into_iter().map(|zone| {
             let of_zone = zone.layers.iter();
@@ -187,7 +207,14 @@ impl Scene {
             })
         });
         let zones = zones.collect::<Result<_, StepperError>>()?;
-        Ok(ScenePlan { zones })
+        Ok(ScenePlan::new(zones))
+    }
+
+    /// Bytes that the maps of the tiles with simulated skin take beside one of them, which the plan of a layer
+    /// knows of; `active` are the simulated triangles of the file.
+    fn map_bytes(&self, active: &[u32]) -> f64 {
+        let others = self.baked_tiles(active).len().saturating_sub(1);
+        others as f64 * BYTES_PER_TEXEL * f64::from(self.file.bake.size).powi(2)
     }
 }
 
@@ -200,6 +227,8 @@ pub struct Inspection {
     pub file: SceneFile,
     /// The artist's mesh file and the welded mesh.
     pub mesh: Option<(MeshFile, Arc<Driver>)>,
+    /// UDIM tiles that the mesh lies in, ascending; the first one alone where it has none.
+    pub tiles: Vec<UvTile>,
     /// The layers.
     pub layers: Option<Vec<LayerSpec>>,
     /// What lies opposite of what, where the mesh is to mirror itself.
@@ -225,6 +254,7 @@ impl Inspection {
             path: path.to_owned(),
             file: SceneFile::read(path)?,
             mesh: None,
+            tiles: vec![UvTile::FIRST],
             layers: None,
             mirror: None,
             region: None,
@@ -233,8 +263,13 @@ impl Inspection {
             problems: Vec::new(),
             points_per_wavelength: options.points_per_wavelength,
         };
+        // Read first, because images are read for its tiles; what is wrong with it is told after the layers.
+        let mesh = artist_mesh(&inspection.file, path);
+        if let Ok(mesh) = &mesh {
+            inspection.tiles = texture_space::tiles(mesh, inspection.file.driver.tiles);
+        }
         inspection.look_at_layers();
-        inspection.look_at_mesh(&options.poses);
+        inspection.look_at_mesh(mesh, &options.poses);
         inspection.look_at_masks();
         inspection.look_at_symmetry();
         Ok(inspection)
@@ -258,6 +293,7 @@ impl Inspection {
             path: self.path,
             file: self.file,
             mesh,
+            tiles: self.tiles,
             driver,
             layers,
             poses: self.poses.expect(whole),
@@ -274,7 +310,7 @@ impl Inspection {
     fn look_at_layers(&mut self) {
         let refused = model::bending_without_layer(&self.file, &self.path);
         self.problems.extend(refused);
-        let layers = model::layers(&self.file, &self.path);
+        let layers = model::layers(&self.file, &self.path, &self.tiles);
         self.layers = self.keep(layers);
         if let Some(layers) = &self.layers {
             let presets = model::preset_warnings(&self.file, layers);
@@ -282,11 +318,13 @@ impl Inspection {
         }
     }
 
-    fn look_at_mesh(&mut self, wanted: &[String]) {
-        let mesh = artist_mesh(&self.file, &self.path);
+    fn look_at_mesh(&mut self, mesh: Result<MeshFile, SceneError>, wanted: &[String]) {
         let Some(mesh) = self.keep(mesh) else { return };
-        let uvs = texture_space::check(&mesh);
-        let driver = driver_of(&mesh);
+        let uvs = texture_space::check(&mesh, &self.tiles);
+        let driver = driver_of(&mesh).map(|driver| match are_tiled(&self.tiles) {
+            true => driver_in_tiles(driver),
+            false => driver,
+        });
         let Some(driver) = self.keep(driver) else {
             self.keep(uvs);
             return;
@@ -328,9 +366,11 @@ impl Inspection {
     }
 
     fn look_at_masks(&mut self) {
-        let region = region(&self.file, &self.path);
+        let region = region(&self.file, &self.path, &self.tiles);
         self.region = self.keep(region);
-        self.warnings.extend(mask_warnings(&self.file));
+        self.warnings.extend(mask_warnings(&self.file, &self.tiles));
+        let uncovered = painted_files::warnings(&self.file, &self.tiles);
+        self.warnings.extend(uncovered);
     }
 }
 
@@ -412,12 +452,12 @@ fn mesh_warnings(mesh: &MeshFile, driver: &Driver) -> Vec<String> {
 }
 
 /// Region where skin is simulated, its mask read.
-fn region(scene: &SceneFile, path: &Path) -> Result<Region, SceneError> {
+fn region(scene: &SceneFile, path: &Path, tiles: &[UvTile]) -> Result<Region, SceneError> {
     Ok(match &scene.driver.region {
         file::Region::Auto => Region::Auto,
         file::Region::All => Region::All,
         file::Region::Mask(file) => {
-            let read = mask(file, (path, "driver.region"));
+            let read = mask(file, (path, "driver.region"), tiles);
             Region::Mask(read.map_err(|error| region_error(error, file))?)
         }
     })
@@ -475,18 +515,18 @@ fn masks_of(scene: &SceneFile, layer: &str) -> String {
 }
 
 /// Warnings about unusual masks of the region and of the layers that can be read.
-fn mask_warnings(scene: &SceneFile) -> Vec<String> {
-    let region = match &scene.driver.region {
-        file::Region::Mask(mask) => Some(("driver.region".to_owned(), mask)),
-        file::Region::Auto | file::Region::All => None,
-    };
-    let layers = scene.layers.iter().enumerate();
-    let layers =
-        layers.filter_map(|(i, layer)| Some((format!("layers[{i}].mask"), layer.mask.as_ref()?)));
+fn mask_warnings(scene: &SceneFile, tiles: &[UvTile]) -> Vec<String> {
+    let masks = mask_files(scene).into_iter();
+    let files = masks.flat_map(|(key, image)| {
+        let files = tile_files(image, tiles).into_iter();
+        files.map(move |(_, file)| (key.clone(), file))
+    });
     let mut warnings = Vec::new();
-    for (key, file) in region.into_iter().chain(layers) {
+    for (key, file) in files {
         // What cannot be read is a problem already, where the mask itself is wanted.
-        let Ok(image) = read_mask(file) else { continue };
+        let Ok(image) = read_mask(&file) else {
+            continue;
+        };
         let mut warn = |what: String| warnings.push(format!("`{key}`: {}: {what}", file.display()));
         if image.width != image.height {
             let (width, height) = (image.width, image.height);

@@ -3,7 +3,10 @@
 use nalgebra::Vector2;
 use ruga_bake::{UvLayout, check_uvs, uv_layout};
 use ruga_io::MeshFile;
+use ruga_material::UvTile;
 
+use crate::file::Tiles;
+use crate::uv_tiles::{are_tiled, tiles_of};
 use crate::{SceneError, counted};
 
 /// Share of the skin in the unit square below which there is none: what rounding leaves of a layout
@@ -28,6 +31,12 @@ pub(crate) fn corners(mesh: &MeshFile) -> Option<Vec<[Vector2<f64>; 3]>> {
     Some(triangles.map(|t| t.map(|v| uvs[v as usize])).collect())
 }
 
+/// The UDIM tiles of a mesh, ascending; the first one alone where it has none.
+pub(crate) fn tiles(mesh: &MeshFile, wanted: Tiles) -> Vec<UvTile> {
+    let uvs = corners(mesh).unwrap_or_default();
+    tiles_of(&uvs, &areas(mesh), wanted)
+}
+
 /// Areas of every triangle of the file, m².
 fn areas(mesh: &MeshFile) -> Vec<f64> {
     let at = |v: u32| mesh.mesh.positions[v as usize];
@@ -39,13 +48,13 @@ fn areas(mesh: &MeshFile) -> Vec<f64> {
 
 /// Refuses UVs that no map can show, and says what else is unusual about them.
 ///
-/// Returns warnings with counts: overlaps anywhere, UVs outside the unit square, triangles without
-/// a place in it, V upside down.
+/// Returns warnings with counts: overlaps anywhere, UVs outside the unit square or the mesh's `tiles`,
+/// triangles without a place in them, V upside down.
 ///
 /// # Errors
 /// [`SceneError::MissingUvs`]; [`SceneError::UvLayout`] when all UVs are on one spot, or none in the
 /// square.
-pub(crate) fn check(mesh: &MeshFile) -> Result<Vec<String>, SceneError> {
+pub(crate) fn check(mesh: &MeshFile, tiles: &[UvTile]) -> Result<Vec<String>, SceneError> {
     let Some(uvs) = corners(mesh) else {
         // The driver refuses a mesh without UVs before this is asked.
         return Ok(Vec::new());
@@ -60,7 +69,8 @@ pub(crate) fn check(mesh: &MeshFile) -> Result<Vec<String>, SceneError> {
     }
     let whose = format!("`{}`", mesh.mesh.name);
     let layout = uv_layout(&uvs, &areas(mesh)).ok_or_else(|| not_unwrapped(mesh, &uvs))?;
-    if layout.inside < LEAST_INSIDE {
+    let is_tiled = are_tiled(tiles);
+    if !is_tiled && layout.inside < LEAST_INSIDE {
         return Err(outside(mesh, &whose, &layout));
     }
     let mut warnings = Vec::new();
@@ -73,11 +83,20 @@ pub(crate) fn check(mesh: &MeshFile) -> Result<Vec<String>, SceneError> {
             counted(report.overlapping, "triangle")
         ));
     }
-    if let Some(first) = report.outside.first() {
+    let in_no_tile = in_no_tile(&uvs, &report.zero_area);
+    if let Some(&first) = in_no_tile.first().filter(|_| is_tiled) {
+        warn(format!(
+            "the texture coordinates of {} are not in one UDIM tile, the first is triangle {first}, {}; it \
+             cannot wrinkle: move it into a tile if it should",
+            counted(in_no_tile.len(), "triangle"),
+            tile_fault(&uvs[first as usize])
+        ));
+    }
+    if let Some(first) = report.outside.first().filter(|_| !is_tiled) {
         warn(format!(
             "the texture coordinates of {} leave the square from 0 to 1, the first is triangle \
              {first}; what lies outside is not baked, {} of the skin; move it into the square if it is to \
-             wrinkle",
+             wrinkle, or write `tiles = \"udim\"` under [driver] if these are UDIM tiles",
             counted(report.outside.len(), "triangle"),
             percent(1.0 - layout.inside)
         ));
@@ -107,9 +126,10 @@ pub(crate) fn check(mesh: &MeshFile) -> Result<Vec<String>, SceneError> {
 ///
 /// # Errors
 /// [`SceneError::OverlappingUvs`] naming two triangles; [`SceneError::UvLayout`] when what is active in
-/// any pose lies outside the square, or on a layout larger than it.
+/// any pose lies outside the square, or on a layout larger than it, or when a triangle is not in one of
+/// the mesh's `tiles`.
 pub(crate) fn check_active(
-    mesh: &MeshFile,
+    (mesh, tiles): (&MeshFile, &[UvTile]),
     poses: &[(String, Vec<u32>)],
 ) -> Result<Vec<String>, SceneError> {
     let Some(uvs) = corners(mesh) else {
@@ -128,6 +148,13 @@ pub(crate) fn check_active(
         .collect();
     all.sort_unstable();
     all.dedup();
+    if are_tiled(tiles) {
+        for (pose, active) in poses {
+            refuse_overlaps(mesh, pose, active, &uvs)?;
+            refuse_several_tiles(mesh, pose, active, &uvs)?;
+        }
+        return Ok(Vec::new());
+    }
     let whose = format!("the skin of `{}` that is simulated", mesh.mesh.name);
     match layout(&all) {
         Some(layout) if layout.inside < LEAST_INSIDE => return Err(outside(mesh, &whose, &layout)),
@@ -171,6 +198,59 @@ fn refuse_overlaps(
     }
 }
 
+/// Triangles, but for those without area, that lie in several tiles or in none.
+fn in_no_tile(uvs: &[[Vector2<f64>; 3]], zero_area: &[u32]) -> Vec<u32> {
+    let all = 0..uvs.len() as u32;
+    let has_area = |triangle: &u32| zero_area.binary_search(triangle).is_err();
+    all.filter(has_area)
+        .filter(|&triangle| UvTile::of_triangle(&uvs[triangle as usize]).is_none())
+        .collect()
+}
+
+fn refuse_several_tiles(
+    mesh: &MeshFile,
+    pose: &str,
+    active: &[u32],
+    uvs: &[[Vector2<f64>; 3]],
+) -> Result<(), SceneError> {
+    let chosen: Vec<_> = active.iter().map(|&t| uvs[t as usize]).collect();
+    let outside = in_no_tile(&chosen, &check_uvs(&chosen).zero_area);
+    let Some(&first) = outside.first() else {
+        return Ok(());
+    };
+    Err(SceneError::UvLayout {
+        mesh: mesh.path.clone(),
+        problem: format!(
+            "{} of the skin that pose `{pose}` wrinkles {} not in one UDIM tile, the first is triangle {}, {}",
+            counted(outside.len(), "triangle"),
+            if outside.len() == 1 { "is" } else { "are" },
+            active[first as usize],
+            tile_fault(&chosen[first as usize])
+        ),
+        advice: "move every island into one tile, with U from 0 to 10 and V from 0 up; if the mesh has no \
+                 UDIM tiles, `tiles = \"one\"` under [driver] bakes the square from 0 to 1 alone",
+    })
+}
+
+/// Words for a triangle that is not in one tile, V *up*, as editors show it.
+fn tile_fault(uvs: &[Vector2<f64>; 3]) -> String {
+    let corner = |uv: &Vector2<f64>| format!("({:.3}, {:.3})", uv.x, 1.0 - uv.y);
+    let corners = uvs.each_ref().map(corner).join(", ");
+    // Towards the middle, where a corner on a border is in the triangle's own tile.
+    let middle = (uvs[0] + uvs[1] + uvs[2]) / 3.0;
+    let tile = |uv: &Vector2<f64>| UvTile::at(&(uv + (middle - uv) * ROUNDING));
+    let Some(mut tiles) = uvs.iter().map(tile).collect::<Option<Vec<UvTile>>>() else {
+        return format!("which reaches beyond all tiles with its corners at {corners}");
+    };
+    tiles.sort_unstable();
+    tiles.dedup();
+    let numbers: Vec<String> = tiles.iter().map(|tile| tile.number().to_string()).collect();
+    format!(
+        "which spans tiles {} with its corners at {corners}",
+        numbers.join(" and ")
+    )
+}
+
 fn not_unwrapped(mesh: &MeshFile, uvs: &[[Vector2<f64>; 3]]) -> SceneError {
     let mut all = uvs.iter().flatten();
     let first = all.next().copied().unwrap_or_default();
@@ -195,12 +275,13 @@ fn outside(mesh: &MeshFile, whose: &str, layout: &UvLayout) -> SceneError {
     SceneError::UvLayout {
         mesh: mesh.path.clone(),
         problem: format!("the texture coordinates of {whose} {}", place(layout)),
-        advice: "move them to the square from 0 to 1; of several tiles, only that one is baked",
+        advice: "move them to the square from 0 to 1, or to UDIM tiles, with U from 0 to 10 and V from 0 up; \
+                 with `tiles = \"one\"` under [driver] only that square is baked",
     }
 }
 
 fn too_large(mesh: &MeshFile, whose: &str, layout: &UvLayout) -> SceneError {
-    let [low, high] = tiles(layout);
+    let [low, high] = extent(layout);
     SceneError::UvLayout {
         mesh: mesh.path.clone(),
         problem: format!(
@@ -212,13 +293,14 @@ fn too_large(mesh: &MeshFile, whose: &str, layout: &UvLayout) -> SceneError {
             point(high),
             percent(layout.inside)
         ),
-        advice: "scale them down into the square from 0 to 1: a wrinkle map does not repeat",
+        advice: "scale them down into the square from 0 to 1: a wrinkle map does not repeat; if these are UDIM \
+                 tiles, write `tiles = \"udim\"` under [driver]",
     }
 }
 
 /// Words for the place of a layout that is outside the square.
 fn place(layout: &UvLayout) -> String {
-    let [low, high] = tiles(layout);
+    let [low, high] = extent(layout);
     let range = format!("from {} to {}", point(low), point(high));
     match [high[0] - low[0], high[1] - low[1]] {
         [1, 1] => format!("all lie in the tile {range}"),
@@ -229,7 +311,7 @@ fn place(layout: &UvLayout) -> String {
 }
 
 /// The first and last corner of the tiles that a layout lies in, V *up*, as editors show it.
-fn tiles(layout: &UvLayout) -> [[i64; 2]; 2] {
+fn extent(layout: &UvLayout) -> [[i64; 2]; 2] {
     // Far beyond any layout, but small enough for integers and their differences.
     let tile = |c: f64| c.clamp(-1e12, 1e12) as i64;
     let low = [layout.low.x, 1.0 - layout.high.y].map(|c| tile((c + ROUNDING).floor()));

@@ -84,8 +84,8 @@ mod test_drivers;
 mod validation;
 
 pub use plan::{
-    AppliedStrain, InteriorPlan, LayerPlan, LoadPath, PaintedRanges, Plan, PlannedFace,
-    PlannedSurface, PosePlan, Treatment, plan, plan_body,
+    AppliedStrain, BYTES_PER_TEXEL, InteriorPlan, LayerPlan, LoadPath, PaintedRanges, Plan,
+    PlannedFace, PlannedSurface, PosePlan, Treatment, plan, plan_body,
 };
 
 pub use mask::Mask;

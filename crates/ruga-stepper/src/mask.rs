@@ -1,15 +1,31 @@
-//! Painted masks over the UV square.
+//! Painted masks over the UV square or UDIM tiles.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use nalgebra::Vector2;
+use ruga_material::UvTile;
 
 use crate::StepperError;
 use crate::error::{Checked, refuse};
 
-/// A painted grey image over the UV square; copies share its pixels.
+/// Painted grey images over the UV square or UDIM tiles; copies share their pixels.
 #[derive(Clone, Debug)]
 pub struct Mask {
+    tiles: Tiles,
+}
+
+#[derive(Clone, Debug)]
+enum Tiles {
+    /// The mesh has no tiles.
+    Square(Picture),
+    /// Black where no tile is.
+    Udim(BTreeMap<UvTile, Picture>),
+}
+
+/// A grey image over a unit square.
+#[derive(Clone, Debug)]
+struct Picture {
     width: u32,
     height: u32,
     values: Arc<[f32]>,
@@ -27,6 +43,78 @@ impl Mask {
     /// [`StepperError::Setting`] for a mask without pixels, a number of values that is not
     /// `width * height`, or a value outside [0, 1].
     pub fn new(width: u32, height: u32, values: Vec<f32>) -> Result<Self, StepperError> {
+        let picture = Picture::new(width, height, values)?;
+        Ok(Self {
+            tiles: Tiles::Square(picture),
+        })
+    }
+
+    /// Makes a mask of UDIM tiles from the masks of each, which are over the unit square; it is black where
+    /// there is none.
+    ///
+    /// Places are looked up in the tile that [`UvTile::at`] says.
+    pub fn of_tiles(masks: impl IntoIterator<Item = (UvTile, Mask)>) -> Self {
+        let pictures = masks.into_iter().filter_map(|(tile, mask)| {
+            let picture = match mask.tiles {
+                Tiles::Square(picture) => picture,
+                Tiles::Udim(mut tiles) => tiles.remove(&tile)?,
+            };
+            Some((tile, picture))
+        });
+        Self {
+            tiles: Tiles::Udim(pictures.collect()),
+        }
+    }
+
+    /// Width and height of every image in pixels, with its grey values in [0, 1], row by row, the first row
+    /// at the lowest V.
+    pub fn images(&self) -> impl Iterator<Item = ([u32; 2], &[f32])> {
+        let (one, tiles) = match &self.tiles {
+            Tiles::Square(picture) => (Some(picture), None),
+            Tiles::Udim(tiles) => (None, Some(tiles.values())),
+        };
+        let pictures = one.into_iter().chain(tiles.into_iter().flatten());
+        pictures.map(|picture| ([picture.width, picture.height], &*picture.values))
+    }
+
+    /// Grey value at a texture coordinate, linear between the centres of pixels, 0 to 1; black
+    /// outside the unit square, or the tiles.
+    pub fn grey(&self, uv: Vector2<f64>) -> f64 {
+        let found = self.picture(uv);
+        found.map_or(0.0, |(picture, local)| picture.grey(local))
+    }
+
+    /// Whether the pixel under a texture coordinate is lighter than [`Self::DARKEST`].
+    pub(crate) fn covers(&self, uv: Vector2<f64>) -> bool {
+        let found = self.picture(uv);
+        found.is_some_and(|(picture, local)| picture.covers(local))
+    }
+
+    /// Whether a pixel lighter than [`Self::DARKEST`] lies in the smallest upright rectangle around a triangle.
+    pub(crate) fn touches(&self, corners: &[Vector2<f64>; 3]) -> bool {
+        match &self.tiles {
+            Tiles::Square(picture) => picture.touches(corners),
+            Tiles::Udim(tiles) => tiles.iter().any(|(tile, picture)| {
+                let local = corners.each_ref().map(|uv| tile.local(uv));
+                picture.touches(&local)
+            }),
+        }
+    }
+
+    /// The image at a texture coordinate, and the coordinate in it.
+    fn picture(&self, uv: Vector2<f64>) -> Option<(&Picture, Vector2<f64>)> {
+        match &self.tiles {
+            Tiles::Square(picture) => is_inside(uv).then_some((picture, uv)),
+            Tiles::Udim(tiles) => {
+                let tile = UvTile::at(&uv)?;
+                Some((tiles.get(&tile)?, tile.local(&uv)))
+            }
+        }
+    }
+}
+
+impl Picture {
+    fn new(width: u32, height: u32, values: Vec<f32>) -> Result<Self, StepperError> {
         check_mask(width, height, &values)?;
         Ok(Self {
             width,
@@ -35,27 +123,7 @@ impl Mask {
         })
     }
 
-    /// Pixels per row.
-    pub fn width(&self) -> u32 {
-        self.width
-    }
-
-    /// Rows, the first one at V = 0.
-    pub fn height(&self) -> u32 {
-        self.height
-    }
-
-    /// Grey values in [0, 1], row by row.
-    pub fn values(&self) -> &[f32] {
-        &self.values
-    }
-
-    /// Grey value at a texture coordinate, linear between the centres of pixels, 0 to 1; black
-    /// outside the unit square.
-    pub fn grey(&self, uv: Vector2<f64>) -> f64 {
-        if !is_inside(uv) {
-            return 0.0;
-        }
+    fn grey(&self, uv: Vector2<f64>) -> f64 {
         let uv = uv.map(|c| c.clamp(0.0, 1.0));
         let between = |c: f64, count: u32| {
             // A value stands at the centre of its pixel. Beyond the outermost centres the outermost
@@ -75,14 +143,12 @@ impl Mask {
         top + (bottom - top) * down
     }
 
-    /// Whether the pixel under a texture coordinate is lighter than [`Self::DARKEST`].
-    pub(crate) fn covers(&self, uv: Vector2<f64>) -> bool {
+    fn covers(&self, uv: Vector2<f64>) -> bool {
         let [x, y] = self.pixel(uv);
-        is_inside(uv) && self.values[y * self.width as usize + x] >= Self::DARKEST
+        self.values[y * self.width as usize + x] >= Mask::DARKEST
     }
 
-    /// Whether a pixel lighter than [`Self::DARKEST`] lies in the smallest upright rectangle around a triangle.
-    pub(crate) fn touches(&self, corners: &[Vector2<f64>; 3]) -> bool {
+    fn touches(&self, corners: &[Vector2<f64>; 3]) -> bool {
         let [a, b, c] = corners;
         let (low, high) = (a.inf(b).inf(c), a.sup(b).sup(c));
         // This is asked first, because `pixel` moves what lies outside to the nearest pixel of the
@@ -95,7 +161,7 @@ impl Mask {
         (top..=bottom).any(|y| {
             let row = y * self.width as usize;
             let pixels = &self.values[row + left..=row + right];
-            pixels.iter().any(|&value| value >= Self::DARKEST)
+            pixels.iter().any(|&value| value >= Mask::DARKEST)
         })
     }
 
@@ -152,6 +218,26 @@ mod tests {
         assert_eq!(grey(f64::NAN, 0.5), 0.0);
         assert!(!mask.covers(Vector2::new(0.25, 0.25)));
         assert!(mask.covers(Vector2::new(0.25, 0.75)));
+    }
+
+    #[test]
+    fn a_tile_has_its_own_image_and_is_black_without() {
+        let tile = |number| UvTile::from_number(number).expect("a tile");
+        let even = |grey| Mask::new(1, 1, vec![grey]).expect("one pixel");
+        let mask = Mask::of_tiles([(tile(1001), even(0.25)), (tile(1012), even(1.0))]);
+        let grey = |u: f64, v: f64| mask.grey(Vector2::new(u, v));
+        assert_eq!([grey(0.5, 0.5), grey(1.5, -0.5)], [0.25, 1.0]);
+        assert_eq!([grey(1.5, 0.5), grey(-0.5, 0.5)], [0.0, 0.0]);
+        assert!(mask.covers(Vector2::new(1.5, -0.5)));
+        assert!(!mask.covers(Vector2::new(1.5, 0.5)));
+        let triangle = |u: f64, v: f64| {
+            mask.touches(
+                &[[0.0, 0.0], [0.5, 0.0], [0.0, 0.5]].map(|[x, y]| Vector2::new(u + x, v + y)),
+            )
+        };
+        assert!(triangle(1.2, -0.8) && triangle(0.2, 0.2));
+        assert!(!triangle(2.2, -0.8) && !triangle(0.2, -1.8));
+        assert_eq!(mask.images().count(), 2);
     }
 
     #[test]

@@ -37,6 +37,7 @@ pub use body_plan::plan_body;
 pub use planned_surface::PlannedSurface;
 pub use planning_surface::{PlannedFace, Treatment};
 pub use pose_plan::{AppliedStrain, LayerPlan, LoadPath, PaintedRanges, PosePlan};
+pub use skin_cost::BYTES_PER_TEXEL;
 
 /// Model of the poses, with everything that it was made from: [`Plan::simulate`] needs no more
 /// than the number of a pose.

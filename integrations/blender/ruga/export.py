@@ -9,7 +9,8 @@ import numpy as np
 from mathutils import Matrix
 
 from .errors import RugaError
-from .masks import group_mask, group_weights, image_mask, save_grey
+from .masks import group_masks, group_weights, image_masks, save_grey
+from .results import UDIM
 from .scene_file import Layer, Scene, check_carriers, parse_keys, poses_of_shapes, scene_text, whole_file
 
 MESH_FILE = "mesh.glb"
@@ -106,27 +107,30 @@ def chosen_layers(subject: bpy.types.Object, uv_map: str) -> tuple[list[Layer], 
             layer.preset = entry.preset
         else:
             layer.wavelength, layer.critical_strain = entry.wavelength, entry.critical_strain / 100.0
-        values = mask_of(subject, entry, uv_map)
-        if values is not None:
+        tiles = masks_of(subject, entry, uv_map)
+        if list(tiles) == [1001]:
             layer.mask = f"masks/{name}.png"
-            masks[layer.mask] = values
+            masks[layer.mask] = tiles[1001]
+        elif tiles:
+            layer.mask = f"masks/{name}.{UDIM}.png"
+            masks |= {f"masks/{name}.{tile}.png": values for tile, values in tiles.items()}
         layers.append(layer)
     check_carriers(layers)
     return layers, masks
 
 
-def mask_of(subject: bpy.types.Object, entry: bpy.types.PropertyGroup, uv_map: str) -> np.ndarray | None:
-    """Grey values of a layer's mask, or None where it has none."""
+def masks_of(subject: bpy.types.Object, entry: bpy.types.PropertyGroup, uv_map: str) -> dict[int, np.ndarray]:
+    """Grey values of a layer's mask by UDIM tile, 1001 alone without tiles; empty where it has no mask."""
     if entry.mask_kind == "GROUP":
         group = subject.vertex_groups.get(entry.vertex_group)
         if group is None:
             raise RugaError(f"Layer `{entry.name}`: there is no vertex group `{entry.vertex_group}`: choose one")
-        return group_mask(subject.data, group, uv_map)
+        return group_masks(subject.data, group, uv_map)
     if entry.mask_kind == "IMAGE":
         if entry.image is None:
             raise RugaError(f"Layer `{entry.name}`: choose an image as its mask")
-        return image_mask(entry.image)
-    return None
+        return image_masks(entry.image)
+    return {}
 
 
 def write_mesh(context: bpy.types.Context, subject: bpy.types.Object, uv_map: str, path: Path) -> str:

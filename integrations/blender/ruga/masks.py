@@ -1,4 +1,4 @@
-"""Grey images over the UV square, from vertex groups and images."""
+"""Grey images over the UV square or UDIM tiles, from vertex groups and images."""
 
 from pathlib import Path
 
@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 
 from .errors import RugaError
+from .results import UDIM
 from .scene_file import whole_file
 
 # Texels around each island that repeat its border, so that lookups there do not mix in black.
@@ -14,8 +15,13 @@ PADDING = 4
 SIZE = 1024
 
 
-def group_mask(mesh: bpy.types.Mesh, group: bpy.types.VertexGroup, uv_map: str, size: int = SIZE) -> np.ndarray:
-    """A vertex group's weights, linear on each triangle, as `size` rows from the bottom, 0 to 1."""
+def group_masks(
+    mesh: bpy.types.Mesh, group: bpy.types.VertexGroup, uv_map: str, size: int = SIZE
+) -> dict[int, np.ndarray]:
+    """A vertex group's weights, linear on each triangle, as `size` rows from the bottom, 0 to 1.
+
+    By the numbers of the UDIM tiles that the mesh lies in: 1001 alone where it has none.
+    """
     weights = group_weights(mesh, group.index)
     if not weights.any():
         raise RugaError(f"Vertex group `{group.name}` has no weights: paint it, or take another mask")
@@ -27,9 +33,20 @@ def group_mask(mesh: bpy.types.Mesh, group: bpy.types.VertexGroup, uv_map: str, 
     vertices = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", vertices)
     corners = corners.reshape(-1, 3)
-    # Texel centres have whole coordinates from here on.
-    places = uvs.reshape(-1, 2)[corners].astype(float) * size - 0.5
-    return rasterise(places, weights[vertices[corners]], size)
+    uvs = uvs.reshape(-1, 2)[corners].astype(float)
+    masks = {}
+    for column, row in tiles_of(uvs):
+        # Texel centres have whole coordinates from here on.
+        places = (uvs - (column, row)) * size - 0.5
+        masks[1001 + column + 10 * row] = rasterise(places, weights[vertices[corners]], size)
+    return masks
+
+
+def tiles_of(uvs: np.ndarray) -> list[tuple[int, int]]:
+    """Columns and rows of the UDIM tiles in which the middles of triangles lie; the first where none do."""
+    squares = np.unique(np.floor(uvs.mean(axis=1)).astype(int), axis=0)
+    tiles = [(int(column), int(row)) for column, row in squares if 0 <= column < 10 and 0 <= row < 100]
+    return tiles or [(0, 0)]
 
 
 def group_weights(mesh: bpy.types.Mesh, index: int) -> np.ndarray:
@@ -75,6 +92,26 @@ def pad(image: np.ndarray, covered: np.ndarray, texels: int) -> np.ndarray:
         image = np.where(grown, total / np.maximum(count, 1), image)
         covered = covered | grown
     return np.clip(image, 0.0, 1.0)
+
+
+def image_masks(image: bpy.types.Image) -> dict[int, np.ndarray]:
+    """An image as grey values by the numbers of its UDIM tiles; a plain one is that of tile 1001."""
+    if image.source != "TILED":
+        return {1001: image_mask(image)}
+    if image.is_dirty:
+        raise RugaError(f"Image `{image.name}` has tiles that are not saved: save it, as its files are read")
+    masks = {}
+    for tile in image.tiles:
+        path = bpy.path.abspath(image.filepath).replace(UDIM, str(tile.number))
+        try:
+            alone = bpy.data.images.load(path)
+        except RuntimeError as error:
+            raise RugaError(f"Image `{image.name}`: {path} cannot be read: save the image") from error
+        try:
+            masks[tile.number] = image_mask(alone)
+        finally:
+            bpy.data.images.remove(alone)
+    return masks
 
 
 def image_mask(image: bpy.types.Image) -> np.ndarray:

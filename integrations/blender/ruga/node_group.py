@@ -8,7 +8,7 @@ mapping (Barré-Brisebois and Hill 2012, *Blending in detail*).
 import bpy
 
 from .errors import RugaError
-from .results import PoseMaps
+from .results import KeyMap, PoseMaps
 
 NEUTRAL_COLOUR = (0.5, 0.5, 1.0, 1.0)
 UP = (0.0, 0.0, 1.0)
@@ -133,7 +133,7 @@ def add_pose(
     start, mixed = 0.0, UP
     for found in pose.maps:
         texture = nodes.add("ShaderNodeTexImage", f"{pose.name} {100 * found.key:g} %")
-        texture.image = load_map(found.file)
+        texture.image = load_map(found)
         texture.extension = "EXTEND"
         nodes.link(address.outputs["UV"], texture.inputs["Vector"])
         normal = nodes.decoded(texture.outputs["Color"], found.green)
@@ -177,21 +177,40 @@ def check_poses(poses: list[PoseMaps]) -> None:
         for found in pose.maps:
             if len(expression_of(list(pose.weights.values()), start, found.key)) > LONGEST_EXPRESSION:
                 raise RugaError(f"Pose `{pose.name}` is made of more shapes than a driver of Blender can read")
-            if 0 in load_map(found.file).size:
+            if 0 in load_map(found).size:
                 raise RugaError(f"{found.file} cannot be read: bake again; the material was not changed")
             start = found.key
 
 
-def load_map(file) -> bpy.types.Image:
-    """The image of a map, read anew if Blender has it already."""
-    image = bpy.data.images.load(str(file), check_existing=True)
+def load_map(found: KeyMap) -> bpy.types.Image:
+    """The image of a map, read anew if Blender has it already; of UDIM tiles one tiled image."""
+    image = load_tiles(found) if found.tiles else bpy.data.images.load(str(found.file), check_existing=True)
     image.reload()
     image.colorspace_settings.name = "Non-Color"
     image.alpha_mode = "NONE"
     if bpy.data.filepath:
         try:
-            image.filepath = bpy.path.relpath(str(file))
+            image.filepath = bpy.path.relpath(str(found.file))
         except ValueError:
             # On Windows nothing on another drive has a relative path.
             pass
+    return image
+
+
+def load_tiles(found: KeyMap) -> bpy.types.Image:
+    """The tiled image of a map with a file per UDIM tile."""
+    pattern = str(found.file)
+    tiled = (image for image in bpy.data.images if image.source == "TILED")
+    image = next((image for image in tiled if bpy.path.abspath(image.filepath) == pattern), None)
+    if image is None:
+        image = bpy.data.images.load(str(found.files()[0]))
+        image.source, image.filepath = "TILED", pattern
+        image.name = found.file.name
+    there = {tile.number for tile in image.tiles}
+    for tile in found.tiles:
+        if tile not in there:
+            image.tiles.new(tile)
+    # A new tiled image has tile 1001, and an earlier bake may have had others.
+    for tile in [tile for tile in image.tiles if tile.number not in found.tiles]:
+        image.tiles.remove(tile)
     return image

@@ -4,20 +4,33 @@ Read from `wrinkles.json`, checked before anything in Blender is changed. Knows 
 """
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from .errors import RugaError
 
+# Stands for the number of a tile in the name of a file.
+UDIM = "<UDIM>"
+
 
 @dataclass
 class KeyMap:
-    """A normal map at one key of a pose; `green` is +1 where green points up, -1 otherwise."""
+    """A normal map at one key of a pose; `green` is +1 where green points up, -1 otherwise.
+
+    Of a mesh with UDIM tiles `tiles` has their numbers, and `file` has `<UDIM>` in its name.
+    """
 
     key: float
     file: Path
     green: float
+    tiles: list[int] = field(default_factory=list)
+
+    def files(self) -> list[Path]:
+        """The files of all tiles, or the only one."""
+        if not self.tiles:
+            return [self.file]
+        return [self.file.with_name(self.file.name.replace(UDIM, str(tile))) for tile in self.tiles]
 
 
 @dataclass
@@ -51,7 +64,8 @@ def read_results(folder: Path) -> list[PoseMaps]:
         for entry in manifest["maps"]:
             if entry["kind"] == "normal" and entry["pose"] in poses:
                 green = -1.0 if entry["green"] == "-" else 1.0
-                found = KeyMap(float(entry["key"]), folder / entry["file"], green)
+                tiles = [int(tile) for tile in entry.get("tiles", [])]
+                found = KeyMap(float(entry["key"]), folder / entry["file"], green, tiles)
                 poses[entry["pose"]].maps.append(found)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise RugaError(f"{folder / 'wrinkles.json'} is not as ruga writes it ({error!r}): bake again") from error
@@ -64,7 +78,8 @@ def read_results(folder: Path) -> list[PoseMaps]:
 
 def check_files(poses: list[PoseMaps]) -> None:
     """Refuses results whose maps are not all there."""
-    missing = [str(found.file) for pose in poses for found in pose.maps if not is_image(found.file)]
+    files = [file for pose in poses for found in pose.maps for file in found.files()]
+    missing = [str(file) for file in files if not is_image(file)]
     if missing:
         more = f" and {len(missing) - 3} more" if len(missing) > 3 else ""
         raise RugaError(

@@ -2,7 +2,7 @@
 
 use rayon::ThreadPool;
 use ruga_io::{WrinkleMap, Wrinkles, WrittenGlb, key_percent};
-use ruga_scene::Scene;
+use ruga_scene::{Scene, counted};
 use ruga_stepper::{Frame, KeyResult, PoseResult, PoseSpec};
 
 use crate::arguments::{BakeArguments, RunArguments};
@@ -10,7 +10,7 @@ use crate::artist_file::{file_name, refuse_own_folder, write_artist_mesh};
 use crate::baked_poses::baked_poses;
 use crate::error::CliError;
 use crate::folder_results::FolderResults;
-use crate::map_files::write_maps;
+use crate::map_files::KeyMaps;
 use crate::memory_limit::refuse_too_little;
 use crate::moved_mesh::write_moved_mesh;
 use crate::outcome::Outcome;
@@ -20,6 +20,7 @@ use crate::pose_inputs::ScenePose;
 use crate::pose_record::{PoseRecord, Records};
 use crate::pose_runs::{PoseFiles, Product, run_poses, thread_count, thread_pool};
 use crate::summary::{self, ALL_IN_REPORT};
+use crate::tile_numbers::tile_numbers;
 use crate::{interrupt, messages, preview_page};
 
 /// Simulates and bakes the poses of a scene.
@@ -48,6 +49,14 @@ pub(crate) fn run(bake: &BakeArguments) -> Result<Outcome, CliError> {
     };
     let warnings = scene.warnings.iter().chain(plan.warnings());
     messages::warnings(warnings, ALL_IN_REPORT);
+    if scene.is_tiled() {
+        let tiles = counted(scene.tiles.len(), "UDIM tile");
+        messages::note(&format!(
+            "the mesh lies in {tiles} ({}), and every map is a file for each; `tiles` under [driver] can say \
+             otherwise",
+            tile_numbers(&scene.tiles)
+        ));
+    }
     let maps = WrinkleMaps {
         scene: &scene,
         arguments,
@@ -125,8 +134,8 @@ impl Product for WrinkleMaps<'_> {
                 made.files.push(file);
             }
         }
-        let maps = made.maps.iter().map(|map| map.file.clone());
-        made.files.extend(maps);
+        made.files
+            .extend(made.maps.iter().flat_map(WrinkleMap::files));
         Ok(made)
     }
 }
@@ -139,16 +148,23 @@ impl WrinkleMaps<'_> {
         key: &KeyResult,
         warnings: &mut Vec<String>,
     ) -> Result<Vec<WrinkleMap>, CliError> {
-        let map = self.pool.install(|| self.scene.bake_key(pose, key))?;
-        if map.folded_samples > 0 {
+        let maps = self.pool.install(|| self.scene.bake_key(pose, key))?;
+        let folded: usize = maps.iter().map(|map| map.folded_samples).sum();
+        if folded > 0 {
             warnings.push(format!(
                 "at key {} the layer folds over itself in {} texels; a normal map cannot show that and is \
                  as steep there as it can be: give the pose a smaller weight if it looks wrong",
-                key.load, map.folded_samples
+                key.load, folded
             ));
         }
-        let folder = &self.arguments.output;
-        write_maps(folder, &self.scene.file.bake, &pose.name, key.load, &map)
+        let baked = KeyMaps {
+            folder: &self.arguments.output,
+            scene: self.scene,
+            pose: &pose.name,
+            key: key.load,
+            maps,
+        };
+        baked.write()
     }
 
     /// Writes what all poses in the folder share, the mesh and the manifest; returns what the user

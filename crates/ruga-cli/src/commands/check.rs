@@ -1,5 +1,6 @@
 //! `ruga check`: everything that can be known without simulating.
 
+use ruga_material::UvTile;
 use ruga_scene::{Inspection, SceneFile, SceneOptions, counted};
 use ruga_stepper::Region;
 
@@ -7,6 +8,7 @@ use crate::arguments::CheckArguments;
 use crate::error::CliError;
 use crate::messages;
 use crate::outcome::Outcome;
+use crate::tile_numbers::tile_numbers;
 
 /// Prints what was found and OK, or every problem.
 ///
@@ -72,6 +74,13 @@ fn description(found: &Inspection) -> Vec<String> {
             counted(mesh.mesh.triangles.len(), "triangle"),
             counted(driver.shape_names().len(), "blend shape"),
         ));
+        if found.tiles != [UvTile::FIRST] {
+            lines.push(format!(
+                "texture: {} ({})",
+                counted(found.tiles.len(), "UDIM tile"),
+                tile_numbers(&found.tiles)
+            ));
+        }
     }
     lines
 }
@@ -83,13 +92,12 @@ fn region_words(region: &Region, scene: &SceneFile) -> String {
         }
         Region::Auto | Region::All => "everywhere".to_owned(),
         Region::Mask(mask) => {
-            let white = mask.values().iter().filter(|value| **value >= 0.5).count();
-            let share = 100.0 * white as f64 / mask.values().len().max(1) as f64;
-            format!(
-                "a mask of {} x {} texels, {share:.0} % white",
-                mask.width(),
-                mask.height()
-            )
+            let described = mask.images().map(|([width, height], values)| {
+                let white = values.iter().filter(|value| **value >= 0.5).count();
+                let share = 100.0 * white as f64 / values.len().max(1) as f64;
+                format!("a mask of {width} x {height} texels, {share:.0} % white")
+            });
+            described.collect::<Vec<_>>().join("; ")
         }
     }
 }

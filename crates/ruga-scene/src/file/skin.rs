@@ -179,7 +179,8 @@ impl Layer {
 
 /// Painted properties of a layer. Each is `lo + (hi - lo) c` times the layer's own value, `c` from
 /// 0 to 1 read linearly. Either one `image` (red: wavelength, green: Young's modulus, blue:
-/// thickness), or one grey image per property. A property without range keeps its value.
+/// thickness), or one grey image per property. A property without range keeps its value. With UDIM
+/// tiles an image is one file per tile, as `"skin.<UDIM>.png"`; see `tiles` under `[driver]`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PropertyMap {
@@ -211,15 +212,32 @@ pub struct PropertyMap {
 }
 
 impl PropertyMap {
-    /// The image files that are named.
+    /// The map with other image files: what `file` makes of each; one without is left out.
+    pub(crate) fn with_images(&self, file: impl Fn(&Path) -> Option<PathBuf>) -> Self {
+        let other = |image: &Option<PathBuf>| file(image.as_deref()?);
+        Self {
+            image: other(&self.image),
+            wavelength_image: other(&self.wavelength_image),
+            young_image: other(&self.young_image),
+            thickness_image: other(&self.thickness_image),
+            ..self.clone()
+        }
+    }
+
+    /// The image files that are named, with the names of their keys.
+    pub(crate) fn named_images(&self) -> impl Iterator<Item = (&'static str, &Path)> {
+        let named = [
+            ("image", &self.image),
+            ("wavelength_image", &self.wavelength_image),
+            ("young_image", &self.young_image),
+            ("thickness_image", &self.thickness_image),
+        ];
+        let named = named.into_iter();
+        named.filter_map(|(name, image)| Some((name, image.as_deref()?)))
+    }
+
+    /// The image files that are named; `<UDIM>` in a name stands for the number of a tile.
     pub fn images(&self) -> impl Iterator<Item = &Path> {
-        [
-            &self.image,
-            &self.wavelength_image,
-            &self.young_image,
-            &self.thickness_image,
-        ]
-        .into_iter()
-        .filter_map(Option::as_deref)
+        self.named_images().map(|(_, image)| image)
     }
 }

@@ -1,6 +1,7 @@
 //! Whether the masks of zones leave every place of the skin to one of them, or blend.
 
 use nalgebra::Vector2;
+use ruga_material::UvTile;
 
 use crate::Scene;
 use crate::SceneError;
@@ -40,10 +41,13 @@ pub(crate) fn check(scene: &Scene) -> Result<(), SceneError> {
         .map(|(grey, zone)| (grey, zone.name.unwrap_or_default()))
         .collect();
     claims.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let tile = UvTile::at(&at).filter(|_| scene.is_tiled());
+    let at = tile.unwrap_or(UvTile::FIRST).local(&at);
     Err(SceneError::ZonesOverlap {
         scene: scene.path.clone(),
         first: claims[0].1.to_owned(),
         second: claims[1].1.to_owned(),
+        tile: tile.map(UvTile::number),
         u: at.x,
         v: at.y,
         percent: 100.0 * sum,

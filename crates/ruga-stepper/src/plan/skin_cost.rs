@@ -5,7 +5,7 @@ use crate::plan::pose_plan::LoadPath;
 use crate::run::patches::Width;
 
 /// Bytes for every texel of a map while it is baked and written.
-const PER_TEXEL: f64 = 30.0;
+pub const BYTES_PER_TEXEL: f64 = 30.0;
 /// Bytes for every vertex planned of the output mesh: half of them stay, the rest is gone when the layer is made;
 /// halving leaves more vertices than planned. From a smile of 69 thousand.
 const PER_OUTPUT_VERTEX: f64 = 5.5e3;
@@ -81,7 +81,7 @@ pub(crate) fn cost(
     } else {
         factor(n)
     };
-    let memory = BASE + of_layer + PER_OUTPUT_VERTEX * output_vertices + PER_TEXEL * texels;
+    let memory = BASE + of_layer + PER_OUTPUT_VERTEX * output_vertices + BYTES_PER_TEXEL * texels;
     (preparation + work, memory)
 }
 

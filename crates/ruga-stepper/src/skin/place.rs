@@ -1,8 +1,11 @@
 //! Where on the model something is, in words that an artist can look up: a box of the texture and the
 //! blend shape that moves the skin nearest to it.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::{BaseSurface, Driver, PosedSurface};
+use ruga_material::UvTile;
 use ruga_mesh::{FaceId, Id, PerFace};
 
 /// Fraction of an area from which on its largest connected part stands for all of it.
@@ -77,17 +80,44 @@ pub(crate) fn place_of_points(
     uvs: impl Iterator<Item = Vector2<f64>>,
     positions: impl Iterator<Item = Vector3<f64>>,
 ) -> String {
-    let start = (Vector2::repeat(f64::MAX), Vector2::repeat(f64::MIN));
-    let (low, high) = uvs.fold(start, |(low, high), uv| (low.inf(&uv), high.sup(&uv)));
+    let uvs: Vec<Vector2<f64>> = uvs.collect();
     let (sum, count) = positions.fold((Vector3::zeros(), 0), |(sum, n), p| (sum + p, n + 1));
+    let (tile, [low, high]) = box_of(&uvs);
     let square = format!(
-        "at u {:.2} to {:.2}, v {:.2} to {:.2} from the map's upper left",
-        low.x, high.x, low.y, high.y
+        "at u {:.2} to {:.2}, v {:.2} to {:.2} from the map's upper left{}",
+        low.x,
+        high.x,
+        low.y,
+        high.y,
+        tile.map_or(String::new(), |tile| format!(" in tile {}", tile.number()))
     );
     match shapes.nearest(sum / f64::from(count.max(1))) {
         Some(name) => square + &shape_words(name),
         None => square,
     }
+}
+
+/// Smallest and largest of some texture coordinates; where they leave the first square, those in the UDIM tile
+/// that most of them lie in, relative to it.
+fn box_of(uvs: &[Vector2<f64>]) -> (Option<UvTile>, [Vector2<f64>; 2]) {
+    let extent = |of: &mut dyn Iterator<Item = Vector2<f64>>| {
+        let start = [Vector2::repeat(f64::MAX), Vector2::repeat(f64::MIN)];
+        of.fold(start, |[low, high], uv| [low.inf(&uv), high.sup(&uv)])
+    };
+    let whole = extent(&mut uvs.iter().copied());
+    // Coordinates on the border belong to the next tile by their number alone.
+    if whole.iter().flatten().all(|c| (0.0..=1.0).contains(c)) {
+        return (None, whole);
+    }
+    let mut counts: BTreeMap<UvTile, usize> = BTreeMap::new();
+    for tile in uvs.iter().filter_map(UvTile::at) {
+        *counts.entry(tile).or_default() += 1;
+    }
+    let Some((&tile, _)) = counts.iter().rev().max_by_key(|(_, count)| **count) else {
+        return (None, whole);
+    };
+    let inside = uvs.iter().filter(|uv| UvTile::at(uv) == Some(tile));
+    (Some(tile), extent(&mut inside.map(|uv| tile.local(uv))))
 }
 
 /// Words that name the blend shape nearest to a place, behind it.

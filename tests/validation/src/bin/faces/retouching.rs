@@ -79,9 +79,10 @@ fn looked_at(path: &Path, quality: Quality) -> Result<Vec<Found>, Box<dyn Error>
             eprintln!("{}: no result", pose.name);
             continue;
         };
-        let map = scene.bake_key(pose, key)?;
+        // Both faces lie in one tile.
+        let map = &scene.bake_key(pose, key)?[0];
         let asked = Asked::new(&plan, number, map.size)?;
-        let own = found_in(&pose.name, &map, &asked, key);
+        let own = found_in(&pose.name, map, &asked, key);
         eprintln!(
             "{}: {} of {} quiet texels, up to {:.2} degrees; speckle {:.2} % of heights, {:.2} % of slopes",
             own.pose, own.tilted, own.quiet, own.steepest, own.speckle[0], own.speckle[1]
