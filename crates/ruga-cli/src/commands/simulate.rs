@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use nalgebra::Vector2;
-use ruga_io::{ObjFrame, key_percent};
+use ruga_io::{FrameMesh, key_percent};
 use ruga_scene::{Placement, Scene};
 use ruga_stepper::{Frame, PoseResult, PoseSpec};
 
@@ -69,7 +69,7 @@ impl Product for FrameMeshes<'_> {
         for layer in frame.layers {
             let file = format!("frames/{}/{}.{:04}.obj", pose.name, layer.name, frame.index);
             let (uvs, uv_triangles) = shared_uvs(&layer.uvs);
-            let frame = ObjFrame {
+            let frame = FrameMesh {
                 name: &layer.name,
                 positions: &layer.positions,
                 triangles: &layer.faces,
@@ -88,7 +88,7 @@ impl Product for FrameMeshes<'_> {
         for layer in result.keys.last().iter().flat_map(|key| &key.layers) {
             let file = format!("meshes/{}/{}.obj", pose.name, layer.name);
             let computed = &layer.computed;
-            let frame = ObjFrame {
+            let frame = FrameMesh {
                 name: &layer.name,
                 positions: &computed.positions,
                 triangles: &computed.faces,
@@ -110,7 +110,7 @@ impl Product for FrameMeshes<'_> {
 }
 
 impl FrameMeshes<'_> {
-    fn write(&self, file: &str, frame: &ObjFrame<'_>) -> Result<(), CliError> {
+    fn write(&self, file: &str, frame: &FrameMesh<'_>) -> Result<(), CliError> {
         let path = self.arguments.output.join(file);
         Ok(self.placement.write_obj(&path, frame)?)
     }
