@@ -23,6 +23,7 @@ mod run;
 mod artist_file;
 mod baked_poses;
 mod canvas;
+mod frame_files;
 mod map_files;
 mod memory_limit;
 mod memory_size;

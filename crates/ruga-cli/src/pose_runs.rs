@@ -21,7 +21,7 @@ use crate::progress::PoseProgress;
 use crate::table::duration;
 use crate::time_left::TimeLeft;
 use crate::warning_groups::is_about;
-use crate::watch::Watch;
+use crate::watch::{Wanted, Watch};
 
 /// The files of one pose.
 #[derive(Debug, Default)]
@@ -42,6 +42,17 @@ pub(crate) trait Product: Sync {
 
     /// Records of what has been made of poses so far.
     fn records(&self) -> &Records;
+
+    /// Whether it has a use for the state of every triangle in every load step.
+    fn wants_face_states(&self) -> bool {
+        false
+    }
+
+    /// Whether an earlier run has made of a pose all that this one is to make.
+    fn has_all_of(&self, record: &PoseRecord) -> bool {
+        let _ = record;
+        true
+    }
 
     /// Removes of earlier runs' files those among which new ones are about to appear: an
     /// interrupted run must not leave a mixture.
@@ -85,7 +96,11 @@ pub(crate) fn run_poses<P: Product>(
 ) -> Result<Vec<Option<PoseRecord>>, CliError> {
     let progress = PoseProgress::new(scene.poses.len(), arguments);
     let mut poses = match arguments.resume {
-        true => kept_poses(product.records(), scene, folder, |text| progress.note(text)),
+        true => {
+            let has_all = |record: &PoseRecord| product.has_all_of(record);
+            let note = |text: &str| progress.note(text);
+            kept_poses(product.records(), scene, folder, has_all, note)
+        }
         false => vec![None; scene.poses.len()],
     };
     let is_to_be_made = |&pose: &usize| poses[pose].is_none();
@@ -184,7 +199,11 @@ impl<P: Product> PoseRun<'_, P> {
             files.extend(self.product.frame(spec, frame)?);
             Ok(())
         };
-        let mut watch = Watch::new(bar, given_up, P::WANTS_FRAMES, &mut sink);
+        let wanted = Wanted {
+            frames: P::WANTS_FRAMES,
+            face_states: self.product.wants_face_states(),
+        };
+        let mut watch = Watch::new(bar, given_up, wanted, &mut sink);
         let pool = thread_pool(self.threads)?;
         let result = pool.install(|| self.plan.simulate(index, &mut watch));
         let result = result.map_err(|source| CliError::Simulation {
