@@ -292,6 +292,9 @@ pub(crate) struct PlanArguments {
     /// Write a picture of what will wrinkle where, and how, on the mesh's texture layout.
     #[arg(long, value_name = "FILE.png", help_heading = "Output")]
     pub(crate) image: Option<PathBuf>,
+    /// Write a page that shows the same on the mesh, with a slider per pose; it opens from disk in a browser.
+    #[arg(long, value_name = "FILE.html", help_heading = "Output")]
+    pub(crate) preview: Option<PathBuf>,
     /// Mesh points per wavelength: draft 6, standard 12, fine 24, or the scene's.
     #[arg(long, value_enum, default_value_t, help_heading = "Simulation")]
     pub(crate) quality: Quality,

@@ -26,8 +26,6 @@ pub(crate) enum FrameFormat {
 }
 
 impl FrameFormat {
-    const ALL: [Self; 3] = [Self::Obj, Self::Vtu, Self::Usda];
-
     /// Whether its files hold more than meshes.
     pub(crate) fn has_fields(self) -> bool {
         self != Self::Obj

@@ -28,6 +28,8 @@ mod map_files;
 mod memory_limit;
 mod memory_size;
 mod moved_mesh;
+mod plan_page;
+mod plan_painting;
 mod plan_picture;
 mod pose_queue;
 mod pose_report;

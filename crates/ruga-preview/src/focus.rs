@@ -1,9 +1,9 @@
 //! Where the camera looks when the page opens.
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
+use ruga_blend::ArtistMesh;
 use serde::Serialize;
 
-use crate::PackedMap;
 use crate::packed_map::CELLS;
 
 /// A sphere around the skin that wrinkles in some pose, and the side that it faces.
@@ -18,18 +18,21 @@ pub(crate) struct Focus {
 }
 
 impl Focus {
-    /// The focus on the triangles of a mesh that `maps` wrinkle; on all of it where none do.
-    ///
-    /// `positions` are in metres, the world's Y up; `uvs` have V down.
+    /// The focus on the triangles of a mesh, taken into the world by `turn`, that wrinkle where one of `marks` says
+    /// so: `CELLS * CELLS` cells of the map each; on all of the mesh where none do.
     pub(crate) fn new<'a>(
-        positions: &[Vector3<f64>],
-        uvs: &[Vector2<f64>],
-        triangles: &[[u32; 3]],
-        maps: impl Iterator<Item = &'a PackedMap>,
+        mesh: &ArtistMesh,
+        turn: &Matrix3<f64>,
+        marks: impl Iterator<Item = &'a [bool]>,
     ) -> Self {
+        let positions: Vec<_> = mesh.positions.iter().map(|p| turn * p).collect();
+        let uvs = mesh.uvs.as_deref().unwrap_or_default();
+        let is_mirror = turn.determinant() < 0.0;
+        let outward = |&[a, b, c]: &[u32; 3]| if is_mirror { [a, c, b] } else { [a, b, c] };
+        let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(outward).collect();
         let mut cells = vec![false; CELLS * CELLS];
-        for map in maps {
-            let both = cells.iter_mut().zip(&map.wrinkled);
+        for marked in marks {
+            let both = cells.iter_mut().zip(marked);
             both.for_each(|(cell, wrinkled)| *cell |= wrinkled);
         }
         let wrinkles = |corners: &&[u32; 3]| {
@@ -38,8 +41,8 @@ impl Focus {
         };
         let wrinkled: Vec<&[u32; 3]> = triangles.iter().filter(wrinkles).collect();
         match wrinkled.is_empty() {
-            true => Self::around(positions, triangles.iter()),
-            false => Self::around(positions, wrinkled.into_iter()),
+            true => Self::around(&positions, triangles.iter()),
+            false => Self::around(&positions, wrinkled.into_iter()),
         }
     }
 
@@ -78,7 +81,8 @@ fn from_the_side(direction: Vector3<f64>) -> Vector3<f64> {
     flat * (1.0 - height * height).sqrt() + Vector3::y() * height
 }
 
-fn cell_of(uv: Vector2<f64>) -> usize {
+/// Number of the cell in which a place of the map lies, V down.
+pub(crate) fn cell_of(uv: Vector2<f64>) -> usize {
     let [column, row] = [uv.x, uv.y].map(|c| ((c * CELLS as f64) as usize).min(CELLS - 1));
     row * CELLS + column
 }

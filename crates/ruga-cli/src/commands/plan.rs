@@ -9,8 +9,8 @@ use crate::arguments::PlanArguments;
 use crate::error::CliError;
 use crate::messages;
 use crate::outcome::Outcome;
-use crate::plan_picture;
 use crate::table::{ABSENT, duration, memory, number, table};
+use crate::{plan_page, plan_picture};
 
 /// Prints the plan of a scene, and draws it where that is asked for; nothing is simulated.
 ///
@@ -25,6 +25,9 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<Outcome, CliError> {
     let planned = scene.plan()?;
     if let Some(path) = &arguments.image {
         plan_picture::write(path, &scene, &planned)?;
+    }
+    if let Some(path) = &arguments.preview {
+        plan_page::write(path, &scene, &planned, totals(&planned))?;
     }
     if arguments.json {
         messages::result(&json(&scene, &planned));
