@@ -5,7 +5,7 @@ use std::thread;
 
 use indicatif::ProgressBar;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use ruga_io::{Seconds, WrinkleMap};
+use ruga_io::{PoseReport, Seconds, WrinkleMap};
 use ruga_scene::{Scene, ScenePlan, counted};
 use ruga_stepper::{Frame, PoseResult, PoseSpec};
 
@@ -112,14 +112,11 @@ pub(crate) fn run_poses<P: Product>(
         memory: arguments.memory.as_ref().map(|limit| limit.bytes),
     };
     let at_a_time = capacity.most_at_a_time(&bytes);
-    let planned = |pose: usize| {
-        plan.pose_layers(pose)
-            .iter()
-            .map(|layer| layer.seconds)
-            .sum()
+    let planned = |&pose: &usize| -> Vec<f64> {
+        let layers = plan.pose_layers(pose).into_iter();
+        layers.map(|layer| layer.seconds).collect()
     };
-    let seconds: Vec<f64> = to_be_made.iter().map(|&pose| planned(pose)).collect();
-    let time_left = TimeLeft::new(&seconds, at_a_time);
+    let time_left = TimeLeft::new(to_be_made.iter().map(planned).collect(), at_a_time);
     let run = PoseRun {
         threads: capacity.threads / at_a_time,
         scene,
@@ -130,12 +127,23 @@ pub(crate) fn run_poses<P: Product>(
     };
     let made = run_all(&bytes, capacity, |number, given_up| {
         time_left.begin(number);
-        run.pose(to_be_made[number], given_up, || time_left.end(number))
+        run.pose(to_be_made[number], given_up, |record| {
+            time_left.end(number, layer_seconds(&record.report))
+        })
     })?;
     for (pose, made) in to_be_made.into_iter().zip(made) {
         poses[pose] = made;
     }
     Ok(poses)
+}
+
+/// Time that each layer of a pose took, s.
+fn layer_seconds(pose: &PoseReport) -> Vec<f64> {
+    let per_frame = pose.layers.iter().map(|layer| layer.seconds.total);
+    let frames = f64::from(pose.frames.max(1));
+    per_frame
+        .map(|seconds| frames * seconds.unwrap_or(0.0))
+        .collect()
 }
 
 /// Data that all poses share.
@@ -155,7 +163,7 @@ impl<P: Product> PoseRun<'_, P> {
         &self,
         index: usize,
         given_up: &(dyn Fn() -> bool + Sync),
-        time_left: impl FnOnce() -> f64,
+        time_left: impl FnOnce(&PoseRecord) -> f64,
     ) -> Result<Option<PoseRecord>, CliError> {
         let spec = &self.scene.poses[index];
         let mut earlier = Vec::new();
@@ -171,7 +179,7 @@ impl<P: Product> PoseRun<'_, P> {
                     0 => String::new(),
                     count => format!(", {}", counted(count, "warning")),
                 };
-                let left = match time_left() {
+                let left = match time_left(record) {
                     left if left > 0.0 => format!("; about {} left", duration(left)),
                     _ => String::new(),
                 };
