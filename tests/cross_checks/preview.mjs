@@ -2,11 +2,14 @@
  * Opens the preview page of a baked folder from disk in a headless browser, and tests it.
  *
  *     node preview.mjs BAKED [REFERENCE] [--shots FOLDER]
+ *     node preview.mjs PLAN.html [--shots FOLDER]
  *
  * - The page loads without an error, asks for no other file, and a slider changes the picture.
  * - REFERENCE is a folder of `cargo run --release -p ruga-preview --example blend -- BAKED REFERENCE`: the
  *   blended normals of the page are within 2/255 of each of its pictures.
  * - Tangents at rest are those of the GLB (median and 99th percentile of their angle, degrees).
+ * - PLAN.html is a page of `ruga plan --preview`: the mesh has the colours of the legend where the plan of a pose
+ *   has them, each pose its own, and there are notes on it.
  * - Frame time with all poses on, bytes of the page, of the heap and of the maps on the graphics card.
  *
  * The browser draws in software (SwiftShader): times are those of processors, not of a graphics card. The exit
@@ -23,7 +26,8 @@ const words = process.argv.slice(2);
 const at = words.indexOf('--shots');
 const shots = at < 0 ? null : words.splice(at, 2)[1];
 const [baked, reference] = words;
-const file = path.resolve(baked, 'preview.html');
+const isPlan = baked.endsWith('.html');
+const file = isPlan ? path.resolve(baked) : path.resolve(baked, 'preview.html');
 
 /** Largest difference from the reference, in steps of 1/255. */
 const LIMIT = 2;
@@ -94,15 +98,20 @@ async function difference(page, picture) {
 
 async function sliderChangesPixels(page) {
   const picture = () => page.evaluate(() => { window.ruga.stage.draw(); return window.ruga.stage.canvas.toDataURL(); });
+  // Of a plan there are no maps to be blended.
+  const on = (count) => {
+    const { weights, slots, preview } = window.ruga.stage;
+    return weights.filter((weight) => weight > 0).length === count && (preview.about.plan || slots.active === count);
+  };
   await pose(page, {});
   const rest = await picture();
   await page.focus('#pose0');
   for (let press = 0; press < 3; press += 1) await page.keyboard.press('PageUp');
-  await page.waitForFunction(() => window.ruga.stage.slots.active === 1);
+  await page.waitForFunction(on, {}, 1);
   const value = await page.$eval('#pose0', (input) => Number(input.value));
   check(value > 0 && (await picture()) !== rest, `a slider, moved by the keyboard to ${value}, changes the picture`);
   await page.click('#reset');
-  await page.waitForFunction(() => window.ruga.stage.slots.active === 0);
+  await page.waitForFunction(on, {}, 0);
   check((await picture()) === rest, 'Reset brings back the picture of rest');
 }
 
@@ -131,6 +140,45 @@ async function tangents(page, glb) {
   angles.sort((a, b) => a - b);
   const [median, high] = [0.5, 0.99].map((share) => angles[Math.floor(share * (angles.length - 1))]);
   check(high < 1 && signs === 0, `tangents at rest: median ${median.toFixed(3)}, 99 % ${high.toFixed(3)} degrees off the GLB's, ${signs} signs differ`);
+}
+
+/** What the page of a plan shows: pictures of poses in the legend's colours. */
+async function plan(page) {
+  const { poses, about } = await page.evaluate(() => window.ruga.preview.about).then((about) => ({ poses: about.poses, about }));
+  check(await page.$eval('#legend', ({ hidden }) => !hidden), 'the legend is there');
+  check(await page.$eval('#view-map', ({ hidden }) => hidden), 'there is no view of maps');
+  const seen = new Set();
+  for (const [number, { name, plan: { notes, overlays } }] of poses.entries()) {
+    await pose(page, { [name]: 1 });
+    const wanted = overlays[0];
+    await page.waitForFunction((picture) => window.ruga.stage.overlay.shown === picture, {}, wanted);
+    const words = await page.$eval('#notes', ({ textContent }) => textContent);
+    check(words.startsWith(name) && notes.every((note) => words.includes(note)), `${name}: ${notes.join('; ') || 'nothing wrinkles'}`);
+    // The share of the picture whose hue is one of the ramp's, which is all warm: red at least 40 above blue.
+    const { warm, picture } = await page.evaluate(() => {
+      const { stage } = window.ruga;
+      stage.draw();
+      const { width, height } = stage.canvas;
+      const context = new OffscreenCanvas(width, height).getContext('2d');
+      context.drawImage(stage.canvas, 0, 0);
+      const { data } = context.getImageData(0, 0, width, height);
+      let warm = 0;
+      for (let i = 0; i < data.length; i += 4) warm += Number(data[i] > data[i + 2] + 40);
+      return { warm: warm / (width * height), picture: stage.canvas.toDataURL() };
+    });
+    check((warm > 0.001) === (wanted !== null), `${name}: ${(100 * warm).toFixed(1)} % of the picture has a colour of wrinkles`);
+    check(!seen.has(picture), `${name}: unlike the ${number} before`);
+    seen.add(picture);
+    if (shots) await page.screenshot({ path: path.join(shots, `plan-${name}.png`) });
+  }
+  const layers = about.plan.layers.length;
+  check((await page.$eval('#layer-row', ({ hidden }) => hidden)) === (layers < 2), `${layers} layers to choose from`);
+  if (layers > 1) {
+    const before = await page.evaluate(() => window.ruga.stage.overlay.shown);
+    await page.select('#layer', '1');
+    await page.waitForFunction((picture) => window.ruga.stage.overlay.shown !== picture, {}, before);
+    check(true, `the second is ${about.plan.layers[1]}`);
+  }
 }
 
 async function measure(page) {
@@ -183,20 +231,24 @@ async function takeShots(page) {
 try {
   const page = await open();
   await sliderChangesPixels(page);
-  const { glb } = JSON.parse(await readFile(path.join(baked, 'wrinkles.json'), 'utf8'));
-  await tangents(page, await readFile(path.join(baked, glb.file)));
-  const pictures = reference ? (await readdir(reference)).filter((name) => name.endsWith('.png')) : [];
-  let wrinkled = 0;
-  for (const picture of pictures.sort()) {
-    const name = picture.slice(0, -4);
-    check(await pose(page, parsed(name)), `${name}: all its maps are loaded`);
-    const { largest, mean, tilted } = await difference(page, path.join(reference, picture));
-    check(largest <= LIMIT, `${name}: largest difference ${largest}/255, mean ${mean.toFixed(3)}, ${tilted} texels tilted`);
-    wrinkled += Number(tilted > 0);
+  if (isPlan) {
+    await plan(page);
+  } else {
+    const { glb } = JSON.parse(await readFile(path.join(baked, 'wrinkles.json'), 'utf8'));
+    await tangents(page, await readFile(path.join(baked, glb.file)));
+    const pictures = reference ? (await readdir(reference)).filter((name) => name.endsWith('.png')) : [];
+    let wrinkled = 0;
+    for (const picture of pictures.sort()) {
+      const name = picture.slice(0, -4);
+      check(await pose(page, parsed(name)), `${name}: all its maps are loaded`);
+      const { largest, mean, tilted } = await difference(page, path.join(reference, picture));
+      check(largest <= LIMIT, `${name}: largest difference ${largest}/255, mean ${mean.toFixed(3)}, ${tilted} texels tilted`);
+      wrinkled += Number(tilted > 0);
+    }
+    if (pictures.length > 0) check(wrinkled > 0, `${wrinkled} of ${pictures.length} blends wrinkle`);
+    await measure(page);
+    if (shots) await takeShots(page);
   }
-  if (pictures.length > 0) check(wrinkled > 0, `${wrinkled} of ${pictures.length} blends wrinkle`);
-  await measure(page);
-  if (shots) await takeShots(page);
   console.log(`      ${await browser.version()}`);
 } finally {
   await browser.close();

@@ -8,6 +8,7 @@ use clap_complete::Shell;
 use ruga_scene::SceneOptions;
 use ruga_stepper::Modelling;
 
+use crate::frame_files::FrameFormat;
 use crate::memory_size::MemorySize;
 use crate::templates::Template;
 
@@ -34,6 +35,13 @@ The output folder:
   Poses of earlier runs of the same scene stay in wrinkles.json and report.json unless the scene has
   changed since; changing other poses or the quality does not count. What is not listed any more is
   named, and its files stay. While one run works in a folder a second one is refused.";
+
+const FRAMES: &str = "\
+Frames:
+  frames/<pose>/<layer>.<number>.obj or .vtu, and <layer>.pvd or <layer>.usda for all of a layer. VTU and USD
+  hold displacement, height, normals, strain over the critical one, wavelength, thickness, stiffness and
+  energies per area; docs/results.md lists them with their units. The .pvd is up to date after every load
+  step, the .usda is written when its pose ends.";
 
 const FARM: &str = "\
 Several machines:
@@ -108,8 +116,8 @@ pub(crate) enum Command {
     #[command(after_help = format!("{MAPS}\n\n{FOLDER}\n\n{FARM}\n\n{EXIT_CODES}"))]
     Bake(BakeArguments),
     /// Simulate every pose and write its meshes per load step, no maps.
-    #[command(after_help = format!("{FOLDER}\n\n{EXIT_CODES}"))]
-    Simulate(RunArguments),
+    #[command(after_help = format!("{FRAMES}\n\n{FOLDER}\n\n{EXIT_CODES}"))]
+    Simulate(SimulateArguments),
     /// Write a bake as a job for a render farm, with one task per pose.
     #[command(after_help = format!("{JOB}\n\n{EXIT_CODES}"))]
     Job(JobArguments),
@@ -200,6 +208,23 @@ impl RunArguments {
     }
 }
 
+/// Options of `ruga simulate`.
+#[derive(Debug, Args)]
+pub(crate) struct SimulateArguments {
+    #[command(flatten)]
+    pub(crate) run: RunArguments,
+    /// Format of the load steps; several with commas between them.
+    #[arg(
+        long = "format",
+        value_enum,
+        value_name = "FORMAT",
+        value_delimiter = ',',
+        default_value = "obj",
+        help_heading = "Output"
+    )]
+    pub(crate) formats: Vec<FrameFormat>,
+}
+
 /// Options of `ruga bake`.
 #[derive(Debug, Args)]
 pub(crate) struct BakeArguments {
@@ -267,6 +292,9 @@ pub(crate) struct PlanArguments {
     /// Write a picture of what will wrinkle where, and how, on the mesh's texture layout.
     #[arg(long, value_name = "FILE.png", help_heading = "Output")]
     pub(crate) image: Option<PathBuf>,
+    /// Write a page that shows the same on the mesh, with a slider per pose; it opens from disk in a browser.
+    #[arg(long, value_name = "FILE.html", help_heading = "Output")]
+    pub(crate) preview: Option<PathBuf>,
     /// Mesh points per wavelength: draft 6, standard 12, fine 24, or the scene's.
     #[arg(long, value_enum, default_value_t, help_heading = "Simulation")]
     pub(crate) quality: Quality,

@@ -57,7 +57,7 @@ pub(crate) enum CliError {
         limit: MemorySize,
         others: usize,
     },
-    /// `ruga plan --image` has nothing to show, or no file to show it in.
+    /// `ruga plan` with `--image` or `--preview` has nothing to show, or no file to show it in.
     #[error("{}: no picture of the plan: {reason}", path.display())]
     NoPicture { path: PathBuf, reason: String },
     /// More poses overlap than there are to be packed maps.

@@ -7,6 +7,10 @@ use crate::output_folder::OutputFolder;
 use crate::pose_inputs::ScenePose;
 use crate::pose_record::{PoseRecord, Records};
 
+/// What becomes of a finished pose without files that this run is to write.
+const LACKS_FILES: &str =
+    "is there without all of the formats that are asked for: it is made again";
+
 /// Why what an output folder has of a pose does not serve.
 #[derive(Debug)]
 pub(crate) enum Unusable {
@@ -51,22 +55,28 @@ pub(crate) fn kept_pose(
 }
 
 /// The poses of the scene as an earlier run left them, in its order; `None` stands for one that is to be
-/// made. `note` takes what the user should know of them.
+/// made, also because it is not `has_all`. `note` takes what the user should know of them.
 ///
 /// A finer pose than asked for is kept, so that going on at a lower quality by mistake costs nothing.
 pub(crate) fn kept_poses(
     records: &Records,
     scene: &Scene,
     folder: &OutputFolder,
+    has_all: impl Fn(&PoseRecord) -> bool,
     note: impl Fn(&str),
 ) -> Vec<Option<PoseRecord>> {
     let asked = scene.modelling.points_per_wavelength;
     let poses = scene.poses.iter().map(|pose| {
         let kept = kept_pose(records, folder.pose(&pose.name), asked);
-        if let Some(text) = what_becomes_of(&kept, asked) {
+        let lacks_files = kept.as_ref().is_ok_and(|record| !has_all(record));
+        let text = match lacks_files {
+            true => Some(LACKS_FILES.to_owned()),
+            false => what_becomes_of(&kept, asked),
+        };
+        if let Some(text) = text {
             note(&format!("pose `{}` {text}", pose.name));
         }
-        kept.ok()
+        kept.ok().filter(|_| !lacks_files)
     });
     poses.collect()
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use ruga_io::ObjFrame;
+use ruga_io::FrameMesh;
 use ruga_scene::{Placement, Scene};
 use ruga_stepper::{KeyResult, PoseSpec};
 
@@ -24,7 +24,7 @@ pub(crate) fn write_moved_mesh(
         return Ok(false);
     };
     let artist = &scene.mesh.mesh;
-    let frame = ObjFrame {
+    let frame = FrameMesh {
         name: &pose.name,
         positions: &scene.driver.unweld(control),
         triangles: &artist.triangles,

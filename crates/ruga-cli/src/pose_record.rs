@@ -162,7 +162,10 @@ pub(crate) fn remove_frames(folder: &Path, pose: &str) {
     };
     for entry in entries.flatten() {
         let name = entry.file_name();
-        let is_frame = name.to_str().and_then(|name| name.strip_suffix(".obj"));
+        let is_frame = name.to_str().and_then(|name| {
+            let mut ends = [".obj", ".vtu"].into_iter();
+            ends.find_map(|end| name.strip_suffix(end))
+        });
         let number = is_frame.and_then(|stem| stem.rsplit_once('.'));
         if number.is_some_and(|(_, n)| n.len() >= 4 && n.bytes().all(|b| b.is_ascii_digit())) {
             // What cannot be removed is written over, or left behind as it was.
@@ -254,7 +257,7 @@ mod tests {
         fs::create_dir_all(&frames).expect("a folder");
         for name in [
             "skin.0007.obj",
-            "skin.0123.obj",
+            "skin.0123.vtu",
             "mine.obj",
             "skin.0007.blend",
         ] {

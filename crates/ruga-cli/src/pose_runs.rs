@@ -5,7 +5,7 @@ use std::thread;
 
 use indicatif::ProgressBar;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use ruga_io::{Seconds, WrinkleMap};
+use ruga_io::{PoseReport, Seconds, WrinkleMap};
 use ruga_scene::{Scene, ScenePlan, counted};
 use ruga_stepper::{Frame, PoseResult, PoseSpec};
 
@@ -21,7 +21,7 @@ use crate::progress::PoseProgress;
 use crate::table::duration;
 use crate::time_left::TimeLeft;
 use crate::warning_groups::is_about;
-use crate::watch::Watch;
+use crate::watch::{Wanted, Watch};
 
 /// The files of one pose.
 #[derive(Debug, Default)]
@@ -42,6 +42,17 @@ pub(crate) trait Product: Sync {
 
     /// Records of what has been made of poses so far.
     fn records(&self) -> &Records;
+
+    /// Whether it has a use for the state of every triangle in every load step.
+    fn wants_face_states(&self) -> bool {
+        false
+    }
+
+    /// Whether an earlier run has made of a pose all that this one is to make.
+    fn has_all_of(&self, record: &PoseRecord) -> bool {
+        let _ = record;
+        true
+    }
 
     /// Removes of earlier runs' files those among which new ones are about to appear: an
     /// interrupted run must not leave a mixture.
@@ -85,7 +96,11 @@ pub(crate) fn run_poses<P: Product>(
 ) -> Result<Vec<Option<PoseRecord>>, CliError> {
     let progress = PoseProgress::new(scene.poses.len(), arguments);
     let mut poses = match arguments.resume {
-        true => kept_poses(product.records(), scene, folder, |text| progress.note(text)),
+        true => {
+            let has_all = |record: &PoseRecord| product.has_all_of(record);
+            let note = |text: &str| progress.note(text);
+            kept_poses(product.records(), scene, folder, has_all, note)
+        }
         false => vec![None; scene.poses.len()],
     };
     // Poses that are made of the same simulation, as mirror images are, are in work together.
@@ -105,14 +120,12 @@ pub(crate) fn run_poses<P: Product>(
         memory: arguments.memory.as_ref().map(|limit| limit.bytes),
     };
     let at_a_time = capacity.most_at_a_time(&bytes);
-    let planned = |pose: usize| {
-        plan.pose_layers(pose)
-            .iter()
-            .map(|layer| layer.seconds)
-            .sum()
+    let planned = |&pose: &usize| -> Vec<f64> {
+        let layers = plan.pose_layers(pose).into_iter();
+        layers.map(|layer| layer.seconds).collect()
     };
-    let seconds: Vec<f64> = to_be_made.iter().map(|alike| planned(alike[0])).collect();
-    let time_left = TimeLeft::new(&seconds, at_a_time);
+    let planned = to_be_made.iter().map(|alike| planned(&alike[0]));
+    let time_left = TimeLeft::new(planned.collect(), at_a_time);
     let run = PoseRun {
         threads: capacity.threads / at_a_time,
         scene,
@@ -123,7 +136,9 @@ pub(crate) fn run_poses<P: Product>(
     };
     let made = run_all(&bytes, capacity, |number, given_up| {
         time_left.begin(number);
-        run.alike(&to_be_made[number], given_up, || time_left.end(number))
+        run.alike(&to_be_made[number], given_up, |record| {
+            time_left.end(number, layer_seconds(&record.report))
+        })
     })?;
     for (alike, made) in to_be_made.into_iter().zip(made) {
         for (pose, made) in alike.into_iter().zip(made.into_iter().flatten()) {
@@ -131,6 +146,15 @@ pub(crate) fn run_poses<P: Product>(
         }
     }
     Ok(poses)
+}
+
+/// Time that each layer of a pose took, s.
+fn layer_seconds(pose: &PoseReport) -> Vec<f64> {
+    let per_frame = pose.layers.iter().map(|layer| layer.seconds.total);
+    let frames = f64::from(pose.frames.max(1));
+    per_frame
+        .map(|seconds| frames * seconds.unwrap_or(0.0))
+        .collect()
 }
 
 /// Data that all poses share.
@@ -145,23 +169,21 @@ struct PoseRun<'a, P> {
 }
 
 impl<P: Product> PoseRun<'_, P> {
-    /// Makes poses of one simulation; `time_left` says, once they have ended, for how many seconds the
-    /// others will go on.
+    /// Makes poses of one simulation; `time_left` takes the record of the one that was simulated and says, once all
+    /// have ended, for how many seconds the others will go on.
     fn alike(
         &self,
         poses: &[usize],
         given_up: &(dyn Fn() -> bool + Sync),
-        time_left: impl Fn() -> f64,
+        time_left: impl Fn(&PoseRecord) -> f64,
     ) -> Result<Option<Vec<Option<PoseRecord>>>, CliError> {
         let mut simulated = None;
-        let mut made = Vec::new();
+        let mut made: Vec<Option<PoseRecord>> = Vec::new();
         for (number, &pose) in poses.iter().enumerate() {
-            let left = || {
-                if number + 1 == poses.len() {
-                    time_left()
-                } else {
-                    0.0
-                }
+            let first = made.first().cloned().flatten();
+            let left = |record: &PoseRecord| match number + 1 == poses.len() {
+                true => time_left(first.as_ref().unwrap_or(record)),
+                false => 0.0,
             };
             made.push(self.pose(pose, given_up, (&mut simulated, left))?);
         }
@@ -173,7 +195,7 @@ impl<P: Product> PoseRun<'_, P> {
         &self,
         index: usize,
         given_up: &(dyn Fn() -> bool + Sync),
-        (simulated, time_left): (&mut Option<PoseResult>, impl FnOnce() -> f64),
+        (simulated, time_left): (&mut Option<PoseResult>, impl FnOnce(&PoseRecord) -> f64),
     ) -> Result<Option<PoseRecord>, CliError> {
         let spec = &self.scene.poses[index];
         let mut earlier = Vec::new();
@@ -189,7 +211,7 @@ impl<P: Product> PoseRun<'_, P> {
                     0 => String::new(),
                     count => format!(", {}", counted(count, "warning")),
                 };
-                let left = match time_left() {
+                let left = match time_left(record) {
                     left if left > 0.0 => format!("; about {} left", duration(left)),
                     _ => String::new(),
                 };
@@ -217,7 +239,11 @@ impl<P: Product> PoseRun<'_, P> {
             files.extend(self.product.frame(spec, frame)?);
             Ok(())
         };
-        let mut watch = Watch::new(bar, given_up, P::WANTS_FRAMES, &mut sink);
+        let wanted = Wanted {
+            frames: P::WANTS_FRAMES,
+            face_states: self.product.wants_face_states(),
+        };
+        let mut watch = Watch::new(bar, given_up, wanted, &mut sink);
         let mut seconds = vec![Seconds::default(); scene.layers.len()];
         // What another pose has taken the time for, unless that was cut short.
         if simulated.as_ref().is_none_or(|result| result.interrupted) {

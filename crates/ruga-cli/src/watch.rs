@@ -13,6 +13,15 @@ use crate::interrupt;
 /// Function that takes every load step.
 pub(crate) type FrameSink<'a> = dyn FnMut(&Frame<'_>) -> Result<(), CliError> + Send + 'a;
 
+/// What the sink has a use for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wanted {
+    /// Every layer in every load step.
+    pub(crate) frames: bool,
+    /// The state of every triangle of it.
+    pub(crate) face_states: bool,
+}
+
 /// Time spent on a layer, by kind of work.
 #[derive(Clone, Copy, Debug, Default)]
 struct Spent {
@@ -29,8 +38,7 @@ pub(crate) struct Watch<'a> {
     bar: &'a ProgressBar,
     /// Whether another pose has failed, so that this one is not worth finishing.
     given_up: &'a (dyn Fn() -> bool + Sync),
-    /// Whether the sink has a use for every layer in every frame.
-    wants_frames: bool,
+    wanted: Wanted,
     sink: &'a mut FrameSink<'a>,
     failure: Option<CliError>,
     /// Whether iterations have been told of.
@@ -42,7 +50,7 @@ impl<'a> Watch<'a> {
     pub(crate) fn new(
         bar: &'a ProgressBar,
         given_up: &'a (dyn Fn() -> bool + Sync),
-        wants_frames: bool,
+        wanted: Wanted,
         sink: &'a mut FrameSink<'a>,
     ) -> Self {
         Self {
@@ -50,7 +58,7 @@ impl<'a> Watch<'a> {
             spent: BTreeMap::new(),
             bar,
             given_up,
-            wants_frames,
+            wanted,
             sink,
             failure: None,
             is_solving: false,
@@ -133,7 +141,11 @@ impl Observer for Watch<'_> {
     }
 
     fn wants_frames(&self) -> bool {
-        self.wants_frames
+        self.wanted.frames
+    }
+
+    fn wants_face_states(&self) -> bool {
+        self.wanted.face_states
     }
 
     fn frame(&mut self, frame: &Frame<'_>) {

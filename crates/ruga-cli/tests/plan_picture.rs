@@ -1,8 +1,9 @@
-//! `ruga plan --image`.
+//! `ruga plan --image` and `--preview`.
 
 mod fixture;
 
 use fixture::Folder;
+use serde_json::Value;
 
 /// Width and height of a PNG.
 fn size(png: &[u8]) -> [u32; 2] {
@@ -39,12 +40,42 @@ fn a_picture_has_a_panel_for_every_pose_that_is_asked_for() {
 }
 
 #[test]
+fn a_page_has_an_overlay_for_every_pose_and_no_map() {
+    let folder = forearm();
+    let line = "plan arm/scene.toml --pose twist --pose pinch --preview out/plan.html";
+    let run = folder.ruga(line).exits(0);
+    let page = String::from_utf8(folder.read("out/plan.html")).expect("text");
+    let element = |id: &str| {
+        let (_, rest) = page.split_once(&format!("id=\"{id}\">"))?;
+        Some(rest.split_once("</script>")?.0)
+    };
+    let about: Value = serde_json::from_str(element("about").expect("it")).expect("JSON");
+    let poses = about["poses"].as_array().expect("a list");
+    assert_eq!(poses.len(), 2);
+    assert_eq!(poses[0]["name"], "twist");
+    assert_eq!(poses[1]["plan"]["overlays"], serde_json::json!([1]));
+    let note = poses[0]["plan"]["notes"][0].as_str().expect("a note");
+    assert!(note.starts_with("skin: waves of 10.3 mm on "), "{note}");
+    assert_eq!(about["plan"]["layers"], serde_json::json!(["skin"]));
+    assert_eq!(about["plan"]["ramp"].as_array().expect("a ramp").len(), 4);
+    assert_eq!(about["maps"], serde_json::json!([]));
+    assert!(element("overlay1").is_some() && element("overlay2").is_none());
+    // The page says in words what the table says.
+    let total = run.stdout.lines().last().expect("a line");
+    assert!(page.contains(total), "no `{total}`");
+}
+
+#[test]
 fn what_cannot_be_drawn_is_told_and_nothing_is_written() {
     let folder = forearm();
     folder
         .ruga("plan arm/scene.toml --image plan.jpg")
         .exits(2)
         .says(&["plan.jpg", "PNG", "`.png`"]);
+    folder
+        .ruga("plan arm/scene.toml --preview plan.htm")
+        .exits(2)
+        .says(&["plan.htm", "HTML", "`.html`"]);
     folder
         .ruga("plan arm/scene.toml --pose nod --image plan.png")
         .exits(2)
@@ -56,10 +87,12 @@ fn what_cannot_be_drawn_is_told_and_nothing_is_written() {
         );
         folder.change("arm/scene.toml", &from, &to);
     }
-    folder
-        .ruga("plan arm/scene.toml --image plan.png")
-        .exits(2)
-        .says(&["nothing wrinkles"]);
+    for option in ["--image plan.png", "--preview plan.html"] {
+        folder
+            .ruga(&format!("plan arm/scene.toml {option}"))
+            .exits(2)
+            .says(&["nothing wrinkles"]);
+    }
     let files = folder.files(".");
     assert!(!files.iter().any(|file| file.contains("plan")), "{files:?}");
 }

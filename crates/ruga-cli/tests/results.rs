@@ -125,11 +125,14 @@ fn json_on_stdout_is_the_report() {
 #[test]
 fn simulate_writes_a_mesh_per_load_step() {
     let folder = Folder::new();
-    folder.ruga("simulate scene.toml -o out").exits(0);
+    folder
+        .ruga("simulate scene.toml -o out --format obj,vtu,usda")
+        .exits(0);
     let report = folder.json("out/report.json");
     let frames = report["poses"][0]["frames"].as_u64().unwrap() as usize;
-    let files = folder.files("out/frames/squeezed");
+    let mut files = folder.files("out/frames/squeezed");
     assert!(frames >= 2);
+    files.retain(|file| file.ends_with(".obj"));
     assert_eq!(files.len(), frames);
     assert_eq!(files[0], "skin.0000.obj");
     let last =
@@ -150,6 +153,49 @@ fn simulate_writes_a_mesh_per_load_step() {
         "squeezed to {right} m"
     );
     assert!(!folder.path("out/maps").exists());
+
+    let read = |name: &str| {
+        String::from_utf8(folder.read(&format!("out/frames/squeezed/{name}"))).unwrap()
+    };
+    let list = read("skin.pvd");
+    let entries: Vec<&str> = list
+        .lines()
+        .filter(|line| line.starts_with("<DataSet"))
+        .collect();
+    assert_eq!(entries.len(), frames);
+    for (number, entry) in entries.iter().enumerate() {
+        let file = format!("skin.{number:04}.vtu");
+        assert!(entry.contains(&file), "{entry}");
+        let grid = read(&file);
+        assert!(grid.contains(&format!("<Piece NumberOfPoints=\"{count}\"")));
+        for field in ["displacement", "height", "strain_ratio", "bending_energy"] {
+            assert!(grid.contains(&format!(" Name=\"{field}\"")), "no {field}");
+        }
+    }
+    // Loads are times.
+    assert!(entries[frames - 1].contains("timestep=\"1\""), "{list}");
+    let scene = read("skin.usda");
+    assert!(scene.contains(&format!("    endTimeCode = {}\n", frames - 1)));
+    let samples = |attribute: &str| {
+        let (_, rest) = scene
+            .split_once(&format!("    {attribute}.timeSamples = {{\n"))
+            .unwrap();
+        rest.split_once("    }").unwrap().0.lines().count()
+    };
+    assert_eq!(samples("point3f[] points"), frames);
+    assert_eq!(samples("float[] primvars:strain_ratio"), frames);
+    // One mesh serves all.
+    assert_eq!(samples("int[] faceVertexIndices"), 1);
+
+    let kept = |format: &str| {
+        let run = folder
+            .ruga(&format!(
+                "simulate scene.toml -o out --resume --format {format}"
+            ))
+            .exits(0);
+        run.stderr.contains("is there from an earlier run")
+    };
+    assert!(kept("vtu") && kept("obj"));
 }
 
 #[test]
@@ -166,6 +212,13 @@ fn a_shorter_run_leaves_no_frames_of_a_longer_one() {
         shorter
     );
     assert!(shorter < longer, "{shorter} and {longer} frames");
+    let other = folder.ruga("simulate scene.toml -o out --resume --format vtu");
+    other.exits(0).says(&["without all of the formats"]);
+    let files = folder.files("out/frames/squeezed");
+    assert!(
+        files.iter().all(|file| !file.ends_with(".obj")) && files.len() == shorter + 1,
+        "{files:?}"
+    );
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Files: glTF and OBJ in, GLB, OBJ, PNG and EXR out.
+//! Files: glTF and OBJ in, GLB, OBJ, VTU, USD, PNG and EXR out.
 #![doc = include_str!("../README.md")]
 //!
 //! ## Parts
@@ -9,7 +9,8 @@
 //! the file, the element in it, what was found and what is accepted.
 //!
 //! Formats: glTF 2.0 with `KHR_texture_transform` and `KHR_mesh_quantization`; Wavefront OBJ; PNG
-//! without colour-space chunks; OpenEXR of 32-bit floats; JSON.
+//! without colour-space chunks; OpenEXR of 32-bit floats; JSON; for simulated frames ([`LayerFrame`]) VTK XML
+//! and USD as text.
 //!
 //! Lengths are metres at the size a thing has in the world: OBJ coordinates times
 //! [`LengthUnit::metres`], glTF coordinates times the scale of their node. Rotation and translation
@@ -38,6 +39,7 @@ mod gltf_write;
 mod image_read;
 mod image_write;
 mod json_text;
+mod layer_frame;
 mod map_kinds;
 mod mesh_file;
 mod obj_frame;
@@ -47,6 +49,8 @@ mod pack;
 mod read_mesh;
 mod report;
 mod udim;
+mod usd_series;
+mod vtu;
 mod wrinkles;
 
 pub use atomic_file::{AtomicFile, write_atomically};
@@ -56,14 +60,17 @@ pub use glb_write::{WrittenGlb, write_glb};
 pub use gltf_document::GltfDocument;
 pub use image_read::{GreyImage, Image, read_image, read_mask};
 pub use image_write::{ExrTexels, PngTexels, write_exr, write_png};
+pub use layer_frame::{Field, FieldValues, FrameMesh, LayerFrame};
 pub use map_kinds::{MapFormat, MapKind};
 pub use mesh_file::{LengthUnit, Material, MeshFile, MeshPart, ObjOptions};
-pub use obj_frame::{ObjFrame, write_obj_frame};
+pub use obj_frame::write_obj_frame;
 pub use pack::{PackManifest, PackedImage, PackedMap, PackedPose};
 pub use read_mesh::read_mesh;
 pub use report::{LayerReport, PoseReport, Report, Seconds};
 pub use ruga_bake::{Frame, NormalY};
 pub use udim::{is_udim_pattern, udim_file, udim_name, udim_pattern};
+pub use usd_series::UsdSeries;
+pub use vtu::{write_pvd, write_vtu};
 pub use wrinkles::{
     Blend, GlbReference, MapCoordinates, WrinkleMap, Wrinkles, key_percent, map_file,
 };

@@ -11,7 +11,7 @@ use std::io::Write;
 use fixture::{Folder, SQUARE_OBJ, assert_says, floats, read, square};
 use nalgebra::{Vector2, Vector3, Vector4};
 use ruga_io::{
-    AtomicFile, ExrTexels, GlbAdditions, LayerReport, LengthUnit, ObjFrame, ObjOptions, PngTexels,
+    AtomicFile, ExrTexels, FrameMesh, GlbAdditions, LayerReport, LengthUnit, ObjOptions, PngTexels,
     PoseReport, Report, WrinkleMap, Wrinkles, map_file, read_mesh, write_atomically, write_exr,
     write_glb, write_obj_frame, write_png,
 };
@@ -56,7 +56,7 @@ fn unwritable_places() {
     let below = folder.path("file/a.png");
     let (json, bin) = square();
     let mesh = folder.read_glb(&json, &bin).unwrap();
-    let frame = ObjFrame {
+    let frame = FrameMesh {
         name: "a",
         positions: &[],
         triangles: &[],
@@ -102,7 +102,7 @@ fn obj_frames() {
     ];
     let positions = positions.map(Vector3::from);
     let uvs = [[0.0, 0.0], [1.0, 0.25], [0.5, 1.0], [0.75, 0.75]].map(Vector2::from);
-    let frame = ObjFrame {
+    let frame = FrameMesh {
         name: "dermis",
         positions: &positions,
         triangles: &[[0, 1, 2], [2, 1, 0]],
@@ -126,13 +126,13 @@ fn obj_frames() {
         let error = (mesh.uvs.as_ref().unwrap()[*corner as usize] - uvs[expected]).norm();
         assert!(error < 2e-9, "{error}");
     }
-    let beyond = ObjFrame {
+    let beyond = FrameMesh {
         triangles: &[[0, 1, 3]],
         uv_triangles: &[],
         ..frame
     };
     assert_says(write_obj_frame(&path, &beyond), "frame.obj", &["index"]);
-    let short = ObjFrame {
+    let short = FrameMesh {
         uv_triangles: &[[0, 1, 2]],
         ..frame
     };

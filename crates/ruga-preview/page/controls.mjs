@@ -30,6 +30,7 @@ export class Controls {
     this.connect('light-height', (value) => { stage.light.height = value; stage.aimLight(); }, (value) => `${value}°`);
     element('frame-focus').addEventListener('click', () => stage.frame('focus'));
     element('frame-whole').addEventListener('click', () => stage.frame('whole'));
+    if (preview.about.plan) this.addPlan(preview.about.plan);
     this.dragLight();
     document.addEventListener('keydown', (event) => this.key(event));
   }
@@ -46,6 +47,37 @@ export class Controls {
     label.addEventListener('dblclick', () => { this.stop(); this.set(number, input.value > 0 ? 0 : 1); });
     element('pose-list').append(row);
     return slider;
+  }
+
+  /** A page of a plan: there is a view more and no map, and the colours have a legend. */
+  addPlan({ layers, ramp, ends, colours, note }) {
+    for (const id of ['view-map', 'strength-row']) element(id).hidden = true;
+    element('view-plan').hidden = false;
+    const css = ([red, green, blue]) => `rgb(${red} ${green} ${blue})`;
+    const text = (words) => Object.assign(document.createElement('span'), { textContent: words });
+    const bar = document.createElement('i');
+    bar.style.background = `linear-gradient(90deg, ${ramp.map(css).join()})`;
+    element('legend-ramp').append(text(ends[0]), bar, text(ends[1]));
+    for (const [colour, words] of colours) {
+      const row = document.createElement('li');
+      const patch = document.createElement('i');
+      patch.style.background = css(colour);
+      row.append(patch, text(words));
+      element('legend-colours').append(row);
+    }
+    element('legend-note').textContent = note;
+    element('layer-row').hidden = layers.length < 2;
+    element('layer').append(...layers.map((name, number) => new Option(name, number)));
+    element('layer').addEventListener('change', (event) => this.stage.setLayer(Number(event.target.value)));
+    element('notes').hidden = false;
+    this.setView('plan');
+  }
+
+  /** What the plan says of the pose that is on, or was last. */
+  showNotes() {
+    const { plan, name } = this.preview.poses[this.stage.overlay.pose];
+    const lines = plan.notes.length > 0 ? plan.notes : ['nothing wrinkles'];
+    element('notes').textContent = [name, ...lines].join('\n');
   }
 
   /** Connects a range with what it changes and its number beside it. */
@@ -66,7 +98,9 @@ export class Controls {
   /** Takes what the sliders say. */
   async apply() {
     this.sliders.forEach((slider) => slider.show());
-    const fits = await this.stage.pose(this.sliders.map((slider) => Number(slider.input.value)));
+    const posed = this.stage.pose(this.sliders.map((slider) => Number(slider.input.value)));
+    if (this.preview.about.plan && this.sliders.length > 0) this.showNotes();
+    const fits = await posed;
     element('notice').hidden = fits;
     return fits;
   }
@@ -108,6 +142,7 @@ export class Controls {
   setView(view) {
     document.querySelector(`[name=view][value=${view}]`).checked = true;
     element('scale').hidden = view !== 'compression';
+    element('legend').hidden = view !== 'plan';
     this.stage.setView(view);
   }
 
@@ -132,7 +167,7 @@ export class Controls {
 
   key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey || event.target.type === 'search') return;
-    const views = { 1: 'skin', 2: 'clay', 3: 'map', 4: 'compression' };
+    const views = { 1: 'skin', 2: 'clay', 3: this.preview.about.plan ? 'plan' : 'map', 4: 'compression' };
     const general = {
       r: () => this.reset(),
       m: () => this.setLines(!this.stage.lines.visible),

@@ -44,8 +44,8 @@ export function readPreview() {
   };
 }
 
-/** The picture of a map, decoded without any change of its numbers. */
-export async function readMap(number) {
-  const blob = new Blob([bytesOf(document.getElementById(`map${number}`).textContent)], { type: 'image/png' });
+/** The picture in an element, decoded without any change of its numbers. */
+export async function readPicture(id) {
+  const blob = new Blob([bytesOf(document.getElementById(id).textContent)], { type: 'image/png' });
   return createImageBitmap(blob, { colorSpaceConversion: 'none', premultiplyAlpha: 'none' });
 }

@@ -1,7 +1,7 @@
 /** Wrinkle maps on the graphics card: a texture array whose layers are lent to the maps in use. */
 
 import { DataTexture, ExternalTexture, FloatType, NearestFilter, RGBAFormat } from 'three';
-import { readMap } from './data.mjs';
+import { readPicture } from './data.mjs';
 
 /** Bytes of graphics memory for maps; more maps than that take turns. */
 const BUDGET = 512e6;
@@ -119,7 +119,7 @@ export class MapSlots {
   }
 
   async fill(map) {
-    const picture = await readMap(map);
+    const picture = await readPicture(`map${map}`);
     const layer = this.freeLayer();
     if (layer >= 0) {
       this.upload(layer, picture);

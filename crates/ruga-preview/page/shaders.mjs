@@ -68,7 +68,7 @@ export const VERTEX = /* glsl */`
 `;
 
 /** Numbers of the views that the fragment shader knows. */
-export const VIEWS = { skin: 0, clay: 1, map: 2, compression: 3 };
+export const VIEWS = { skin: 0, clay: 1, map: 2, compression: 3, plan: 4 };
 
 export const FRAGMENT = /* glsl */`
   ${BLEND}
@@ -76,6 +76,7 @@ export const FRAGMENT = /* glsl */`
   uniform float strength;
   uniform vec3 toLight;
   uniform float strainLimit;
+  uniform sampler2D overlay;
   in vec3 vNormal;
   in vec4 vTangent;
   in vec3 vPlace;
@@ -146,9 +147,10 @@ export const FRAGMENT = /* glsl */`
     vec3 n = side * normalize(map.x * vTangent.xyz + map.y * bitangent + map.z * vNormal);
     if (view == ${VIEWS.map}) {
       color = vec4(0.5 * map + 0.5, 1.0);
-    } else if (view == ${VIEWS.compression}) {
+    } else if (view == ${VIEWS.compression} || view == ${VIEWS.plan}) {
       float shade = 0.62 + 0.38 * max(dot(n, normalize(toLight + 0.6 * v)), 0.0);
-      color = vec4(strainColor(vStrain) * shade, 1.0);
+      vec3 paint = view == ${VIEWS.plan} ? texture(overlay, vUv).rgb : strainColor(vStrain);
+      color = vec4(paint * shade, 1.0);
     } else {
       color = vec4(toScreen(lit(smoothNormal, n, v, view == ${VIEWS.skin})), 1.0);
     }

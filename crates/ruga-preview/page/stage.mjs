@@ -8,6 +8,7 @@ import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { FRAGMENT, TEXELS, VERTEX, VIEWS } from './shaders.mjs';
 import { Compression } from './compression.mjs';
 import { MapSlots } from './map_slots.mjs';
+import { PlanOverlay } from './plan_overlay.mjs';
 import { PosedMesh } from './posed_mesh.mjs';
 
 /** Strain at the ends of the scale of the compression view. */
@@ -21,6 +22,7 @@ export class Stage {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.slots = new MapSlots(this.renderer, preview);
+    this.overlay = new PlanOverlay(preview);
     this.posed = new PosedMesh(preview);
     this.weights = preview.poses.map(() => 0);
     this.view = 'skin';
@@ -54,6 +56,7 @@ export class Stage {
       strength: { value: 1 },
       toLight: { value: new Vector3() },
       strainLimit: { value: STRAIN_LIMIT },
+      overlay: { value: this.overlay.texture },
     };
     const material = new ShaderMaterial({
       glslVersion: GLSL3, vertexShader: VERTEX, fragmentShader: FRAGMENT, uniforms: this.uniforms, side: DoubleSide,
@@ -133,7 +136,21 @@ export class Stage {
     const { attributes } = this.mesh.geometry;
     for (const name of ['position', 'normal', 'tangent']) attributes[name].needsUpdate = true;
     this.updateStrain();
+    this.overlay.choose(this.weights);
+    await this.showOverlay();
     return this.blend();
+  }
+
+  /** Lays the plan of a layer on the mesh, by its number. */
+  setLayer(layer) {
+    this.overlay.layer = layer;
+    return this.showOverlay();
+  }
+
+  async showOverlay() {
+    if (!this.preview.about.plan || !(await this.overlay.load())) return;
+    this.uniforms.overlay.value = this.overlay.texture;
+    this.redraw();
   }
 
   /** Returns whether every map that the weights ask for could be loaded. */

@@ -12,12 +12,12 @@ pub enum PreviewError {
     /// There is nothing to show.
     #[error("no pose has a normal map")]
     NoMaps,
-    /// A map has not as many texels as its size says, or none.
-    #[error("a map of {size} x {size} texels has {found} normals")]
+    /// A map or a picture has not as many texels as its size says, or none.
+    #[error("a map of {size} x {size} texels has {found} of them")]
     TexelCount {
         /// Texels per side.
         size: u32,
-        /// Normals that were given.
+        /// Texels that were given.
         found: usize,
     },
     /// The maps of the poses differ in size, as maps of one run never do.

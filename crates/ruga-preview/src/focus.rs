@@ -1,9 +1,8 @@
 //! Where the camera looks when the page opens.
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 use serde::Serialize;
 
-use crate::PackedMap;
 use crate::packed_map::CELLS;
 use crate::tile_split::TileSplit;
 
@@ -19,21 +18,22 @@ pub(crate) struct Focus {
 }
 
 impl Focus {
-    /// The focus on the triangles of a mesh that `maps` wrinkle; on all of it where none do.
-    ///
-    /// `positions` are in metres, the world's Y up; the mesh is that of `split`.
+    /// The focus on the triangles of a mesh, taken into the world by `turn`, that wrinkle where one of `marks` says
+    /// so: `CELLS * CELLS` cells of the map of a tile each; on all of the mesh where none do.
     pub(crate) fn new<'a>(
-        positions: &[Vector3<f64>],
         split: &TileSplit<'_>,
-        triangles: &[[u32; 3]],
-        maps: impl Iterator<Item = &'a PackedMap>,
+        turn: &Matrix3<f64>,
+        marks: impl Iterator<Item = (usize, &'a [bool])>,
     ) -> Self {
-        let uvs = split.mesh.uvs.as_deref().unwrap_or_default();
+        let mesh = &split.mesh;
+        let positions: Vec<_> = mesh.positions.iter().map(|p| turn * p).collect();
+        let uvs = mesh.uvs.as_deref().unwrap_or_default();
+        let is_mirror = turn.determinant() < 0.0;
+        let outward = |&[a, b, c]: &[u32; 3]| if is_mirror { [a, c, b] } else { [a, b, c] };
+        let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(outward).collect();
         let mut tiles = vec![vec![false; CELLS * CELLS]; split.count().max(1)];
-        for map in maps {
-            let both = tiles[split.number(map.square)]
-                .iter_mut()
-                .zip(&map.wrinkled);
+        for (tile, marked) in marks {
+            let both = tiles[tile].iter_mut().zip(marked);
             both.for_each(|(cell, wrinkled)| *cell |= wrinkled);
         }
         let wrinkles = |corners: &&[u32; 3]| {
@@ -43,8 +43,8 @@ impl Focus {
         };
         let wrinkled: Vec<&[u32; 3]> = triangles.iter().filter(wrinkles).collect();
         match wrinkled.is_empty() {
-            true => Self::around(positions, triangles.iter()),
-            false => Self::around(positions, wrinkled.into_iter()),
+            true => Self::around(&positions, triangles.iter()),
+            false => Self::around(&positions, wrinkled.into_iter()),
         }
     }
 
@@ -83,7 +83,8 @@ fn from_the_side(direction: Vector3<f64>) -> Vector3<f64> {
     flat * (1.0 - height * height).sqrt() + Vector3::y() * height
 }
 
-fn cell_of(uv: Vector2<f64>) -> usize {
+/// Number of the cell in which a place of the map lies, V down.
+pub(crate) fn cell_of(uv: Vector2<f64>) -> usize {
     let [column, row] = [uv.x, uv.y].map(|c| ((c * CELLS as f64) as usize).min(CELLS - 1));
     row * CELLS + column
 }

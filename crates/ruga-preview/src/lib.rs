@@ -11,14 +11,19 @@
 //! the baker does, and the maps are blended in the fragment shader: linear between keys, poses over each other
 //! by reoriented normal mapping (Barré-Brisebois and Hill 2012, *Blending in detail*; Li 2014, figure 5-2).
 //!
+//! A [`PlanPreview`] is the same page before anything is baked: an [`Overlay`] per pose shows on the mesh what a plan
+//! says of it.
+//!
 //! Lengths are metres; texture coordinates have V down; X of a normal lies along U, Y up. Nothing here reads
 //! or writes files. Same input, any number of threads: the same text out.
 //!
 //! The page's sources are in `page/`; `page/bundle.js` is made of them and of three.js by `cargo xtask page`.
 
 mod packed_map;
+mod plan_preview;
 mod preview;
 
+mod about;
 mod error;
 mod focus;
 mod mesh_data;
@@ -26,6 +31,7 @@ mod template;
 mod tile_split;
 
 pub use packed_map::{MAX_SIDE, PackedMap};
+pub use plan_preview::{Legend, Overlay, PlanPreview, PlannedPose};
 pub use preview::{Preview, PreviewPose};
 
 pub use error::PreviewError;

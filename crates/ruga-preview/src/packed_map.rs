@@ -145,6 +145,11 @@ fn encoded(codes: &[[u8; 2]], size: u32, part: [u32; 4]) -> Result<Vec<u8>, Enco
         // A PNG of two channels would be grey with alpha, which browsers multiply into each other.
         texels.extend(row.iter().flat_map(|[x, y]| [*x, *y, 0]));
     }
+    rgb_png([width, height], &texels)
+}
+
+/// A PNG of three bytes per texel, row by row.
+pub(crate) fn rgb_png([width, height]: [u32; 2], texels: &[u8]) -> Result<Vec<u8>, EncodingError> {
     let mut file = Vec::new();
     let mut encoder = Encoder::new(&mut file, width, height);
     encoder.set_color(ColorType::Rgb);
@@ -152,7 +157,7 @@ fn encoded(codes: &[[u8; 2]], size: u32, part: [u32; 4]) -> Result<Vec<u8>, Enco
     encoder.set_compression(Compression::Balanced);
     encoder.set_filter(Filter::Adaptive);
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(&texels)?;
+    writer.write_image_data(texels)?;
     writer.finish()?;
     Ok(file)
 }

@@ -6,11 +6,11 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use nalgebra::Matrix3;
 use ruga_blend::ArtistMesh;
-use serde::Serialize;
 
+use crate::about::{About, AboutKey, AboutPose, MapPlace};
 use crate::focus::Focus;
-use crate::mesh_data::{MeshData, MeshSections, PoseSections};
-use crate::template::{Content, filled};
+use crate::mesh_data::{MeshData, PoseSections};
+use crate::template::{Content, data_element, filled};
 use crate::tile_split::TileSplit;
 use crate::{PackedMap, PreviewError};
 
@@ -35,48 +35,6 @@ pub struct PreviewPose {
     /// Normal maps by key, a fraction of the pose in (0, 1]; keys ascend, and no map is neutral at 0. A mesh
     /// with UDIM tiles has maps of one key in several squares, and in each the same keys, or none.
     pub maps: Vec<(f64, PackedMap)>,
-}
-
-/// What the script reads first: where everything lies.
-#[derive(Serialize)]
-struct About<'a> {
-    version: u32,
-    /// Texels per side of a whole map.
-    size: u32,
-    /// Number of UDIM tiles; 0 for a mesh without, whose texture repeats.
-    tiles: usize,
-    /// Texels that the stored part of any map fits into.
-    slot: [u32; 2],
-    maps: Vec<MapPlace>,
-    poses: Vec<AboutPose<'a>>,
-    mesh: MeshSections,
-    focus: Focus,
-}
-
-#[derive(Serialize)]
-struct MapPlace {
-    /// Number of its UDIM tile.
-    tile: usize,
-    left: u32,
-    top: u32,
-    width: u32,
-    height: u32,
-}
-
-#[derive(Serialize)]
-struct AboutPose<'a> {
-    name: &'a str,
-    weights: &'a BTreeMap<String, f64>,
-    maps: Vec<AboutKey>,
-    #[serde(flatten)]
-    sections: PoseSections,
-}
-
-#[derive(Serialize)]
-struct AboutKey {
-    key: f64,
-    /// Number of the map.
-    map: usize,
 }
 
 impl Preview<'_> {
@@ -110,14 +68,17 @@ impl Preview<'_> {
                 .collect(),
             poses: self.about_poses(data.poses),
             mesh: data.mesh,
-            focus: self.focus(&split),
+            focus: Focus::new(
+                &split,
+                &self.turn,
+                maps().map(|(_, map)| (split.number(map.square), map.wrinkled.as_slice())),
+            ),
+            plan: None,
         };
-        let about = serde_json::to_string(&about)
-            .expect("structs of numbers, texts and lists always serialise");
         Ok(filled(&Content {
             title: &self.mesh.name,
             facts: &self.facts(size),
-            about: &about,
+            about: &about.to_json(),
             mesh: &BASE64_STANDARD.encode(&data.bytes),
             maps: &self.map_elements(),
         }))
@@ -155,26 +116,17 @@ impl Preview<'_> {
                     .zip(&mut map)
                     .map(|((key, _), map)| AboutKey { key: *key, map })
                     .collect(),
+                plan: None,
                 sections,
             })
             .collect()
-    }
-
-    fn focus(&self, split: &TileSplit<'_>) -> Focus {
-        let mesh = &split.mesh;
-        let positions: Vec<_> = mesh.positions.iter().map(|p| self.turn * p).collect();
-        let maps = self.poses.iter().flat_map(|pose| &pose.maps);
-        let is_mirror = self.turn.determinant() < 0.0;
-        let outward = |&[a, b, c]: &[u32; 3]| if is_mirror { [a, c, b] } else { [a, b, c] };
-        let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(outward).collect();
-        Focus::new(&positions, split, &triangles, maps.map(|(_, map)| map))
     }
 
     fn map_elements(&self) -> String {
         let maps = self.poses.iter().flat_map(|pose| &pose.maps);
         let elements = maps.enumerate().map(|(number, (_, map))| {
             let data = BASE64_STANDARD.encode(&map.png);
-            format!("<script type=\"text/plain\" id=\"map{number}\">{data}</script>")
+            data_element(&format!("map{number}"), &data)
         });
         elements.collect::<Vec<_>>().join("\n")
     }

@@ -18,7 +18,7 @@ pub(crate) struct Content<'a> {
     pub(crate) about: &'a str,
     /// Base64 of the mesh.
     pub(crate) mesh: &'a str,
-    /// Script elements with the maps.
+    /// Script elements with the maps, or the pictures of a plan.
     pub(crate) maps: &'a str,
 }
 
@@ -47,6 +47,11 @@ pub(crate) fn filled(content: &Content<'_>) -> String {
     }
     page.push_str(rest);
     page
+}
+
+/// An element that holds base64 for the script.
+pub(crate) fn data_element(id: &str, base64: &str) -> String {
+    format!("<script type=\"text/plain\" id=\"{id}\">{base64}</script>")
 }
 
 /// Text as it stands in HTML.

@@ -7,7 +7,10 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use nalgebra::{Matrix3, Vector2, Vector3};
 use ruga_blend::{ArtistMesh, BlendShape};
-use ruga_preview::{MAX_SIDE, PackedMap, Preview, PreviewError, PreviewPose};
+use ruga_preview::{
+    Legend, MAX_SIDE, Overlay, PackedMap, PlanPreview, PlannedPose, Preview, PreviewError,
+    PreviewPose,
+};
 use serde_json::Value;
 
 const SIZE: u32 = 64;
@@ -180,6 +183,59 @@ fn maps_decode_to_what_went_in() {
             );
         }
     }
+}
+
+#[test]
+fn a_plan_has_pictures_in_the_place_of_maps() {
+    let red = |wrinkled: [f64; 2]| {
+        let texels = [200, 0, 0].repeat(64);
+        Overlay::new(8, &texels, [Vector2::from(wrinkled)]).expect("a picture")
+    };
+    let pose = |name: &str, overlays: Vec<Option<Overlay>>| PlannedPose {
+        name: name.into(),
+        weights: BTreeMap::from([("lift".into(), 1.0)]),
+        notes: vec!["skin: waves".into()],
+        overlays,
+    };
+    let mesh = patch();
+    let preview = PlanPreview {
+        mesh: &mesh,
+        turn: Matrix3::identity(),
+        poses: vec![
+            pose("first", vec![None, Some(red([0.5, 0.5]))]),
+            pose("second", vec![Some(red([0.1, 0.1])), None]),
+        ],
+        layers: vec!["lower".into(), "</script>".into()],
+        legend: Legend {
+            ramp: vec![[1, 2, 3], [4, 5, 6]],
+            ends: ["little".into(), "much".into()],
+            colours: vec![([9, 9, 9], "bare".into())],
+            note: "lines".into(),
+        },
+        facts: "2 poses".into(),
+    };
+    let page = preview.to_html().expect("a page");
+    let about = about(&page);
+    assert_eq!(about["poses"][0]["plan"]["overlays"][1], 0);
+    assert_eq!(about["poses"][1]["plan"]["overlays"][0], 1);
+    assert!(about["poses"][1]["plan"]["overlays"][1].is_null());
+    assert_eq!(about["plan"]["colours"][0][1], "bare");
+    assert_eq!(about["plan"]["layers"][1], "</script>");
+    assert_eq!(about["maps"], Value::Array(Vec::new()));
+    let png = bytes(&page, "overlay1");
+    let mut reader = png::Decoder::new(std::io::Cursor::new(&png))
+        .read_info()
+        .expect("a PNG");
+    let mut texels = vec![0; reader.output_buffer_size().expect("a small picture")];
+    reader.next_frame(&mut texels).expect("texels");
+    assert_eq!(texels, [200, 0, 0].repeat(64));
+    assert_eq!(
+        page.matches("<script").count(),
+        page.matches("</script>").count()
+    );
+    assert!(page.contains("2 poses. Planned by ruga "));
+    let short = Overlay::new(8, &[0; 5], []).expect_err("too few");
+    assert!(matches!(short, PreviewError::TexelCount { size: 8, .. }));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use nalgebra::{Matrix3, Vector3};
-use ruga_io::{IoError, MeshFile, ObjFrame, write_obj_frame};
+use ruga_io::{FrameMesh, IoError, MeshFile, write_obj_frame};
 
 /// Way from the axes of the file, in which everything is computed, to those of the world: a turn,
 /// or a reflection, and a shift.
@@ -31,21 +31,23 @@ impl Placement {
         self.turn * position + self.shift
     }
 
+    /// Triangles that have the same side out in the world as in the file.
+    pub fn outward(&self, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
+        let is_mirrored = self.turn.determinant() < 0.0;
+        let order = |&[a, b, c]: &[u32; 3]| if is_mirrored { [a, c, b] } else { [a, b, c] };
+        triangles.iter().map(order).collect()
+    }
+
     /// Writes what is in the axes of the file where it is in the world, the same side out.
     ///
     /// # Errors
     /// Those of [`write_obj_frame`].
-    pub fn write_obj(&self, path: &Path, frame: &ObjFrame<'_>) -> Result<(), IoError> {
+    pub fn write_obj(&self, path: &Path, frame: &FrameMesh<'_>) -> Result<(), IoError> {
         let positions = frame.positions.iter().map(|p| self.in_world(p));
-        let is_mirrored = self.turn.determinant() < 0.0;
-        let outward = |triangles: &[[u32; 3]]| -> Vec<[u32; 3]> {
-            let order = |&[a, b, c]: &[u32; 3]| if is_mirrored { [a, c, b] } else { [a, b, c] };
-            triangles.iter().map(order).collect()
-        };
-        let in_world = ObjFrame {
+        let in_world = FrameMesh {
             positions: &positions.collect::<Vec<_>>(),
-            triangles: &outward(frame.triangles),
-            uv_triangles: &outward(frame.uv_triangles),
+            triangles: &self.outward(frame.triangles),
+            uv_triangles: &self.outward(frame.uv_triangles),
             ..*frame
         };
         write_obj_frame(path, &in_world)

@@ -200,6 +200,10 @@ impl Observer for ZoneObserver<'_> {
         self.observer.wants_frames()
     }
 
+    fn wants_face_states(&self) -> bool {
+        self.observer.wants_face_states()
+    }
+
     fn frame(&mut self, frame: &Frame<'_>) {
         self.observer.frame(frame);
     }

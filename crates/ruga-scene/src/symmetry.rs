@@ -144,6 +144,7 @@ impl Mirror {
             faces: layer.faces.iter().map(|&[a, b, c]| [a, c, b]).collect(),
             uvs,
             artist,
+            face_states: layer.face_states.clone(),
             computed: ComputedMesh::default(),
         }
     }

@@ -11,7 +11,7 @@ use crate::sharp_fold::SharpFold;
 use crate::stars::Star;
 use crate::stencil::{NO_FACE, add_blocks, gather, slots, touches};
 use crate::vertex_curvature::weighted;
-use crate::{FaceParameters, RestTriangle};
+use crate::{EnergyParts, FaceParameters, RestTriangle};
 
 /// Hinges at all inner edges and, if the model has them, the stars that their angles go into.
 #[derive(Clone, Debug)]
@@ -227,6 +227,37 @@ impl LayerBending {
         let curved = |star: &StarElement| 0.5 * star.bend(&bends).norm_squared();
         let sharp = self.sharp_folds(&bends).map(|(_, fold)| fold.value);
         self.stars.iter().map(curved).sum::<f64>() + sharp.sum::<f64>()
+    }
+
+    /// Adds the energy (J) to the faces of the stencils: a star's by their area, half of a hinge's and of a
+    /// sharp fold's to each side.
+    pub(crate) fn add_to_faces(
+        &self,
+        x: &[Vector3<f64>],
+        rest: &[RestTriangle],
+        faces: &mut [EnergyParts],
+    ) {
+        let mut add_halves = |element: &HingeElement, value: f64| {
+            for (face, _) in element.sides {
+                faces[face.index()].bending += 0.5 * value;
+            }
+        };
+        if self.stars.is_empty() {
+            for element in &self.hinges {
+                add_halves(element, element.hinge.value(&gather(x, &element.vertices)));
+            }
+            return;
+        }
+        let bends = self.bends(&self.states(x));
+        for (i, fold) in self.sharp_folds(&bends) {
+            add_halves(&self.hinges[i], fold.value);
+        }
+        for element in &self.stars {
+            let value = 0.5 * element.bend(&bends).norm_squared();
+            for (face, share) in element.star.shares(rest) {
+                faces[face].bending += share * value;
+            }
+        }
     }
 
     pub(crate) fn add_gradient(

@@ -1,5 +1,7 @@
 //! All energies of a layer, assembled over its free vertices.
 
+mod by_face;
+
 use std::sync::OnceLock;
 
 use nalgebra::{Matrix2, Vector3};

@@ -4,12 +4,12 @@ use nalgebra::Vector3;
 
 use ruga_mesh::{BlockPattern, BlockSlot, FaceId, Id, SparseRows, TriMesh};
 
-use crate::ShellError;
 use crate::foundation::{Anchor, NormalFoundation, TangentialSpring};
 use crate::layer_part::{PartNumbers, marked, pick};
 use crate::parameters::{check_finite, check_length};
 use crate::sheet::Sheet;
 use crate::stencil::{NO_FACE, touches};
+use crate::{EnergyParts, ShellError};
 
 /// Tolerance on the length of a base normal.
 const UNIT_TOLERANCE: f64 = 1e-6;
@@ -247,6 +247,28 @@ impl LayerFoundation {
             .map(|((spring, anchor), x)| spring.value(anchor, x))
             .sum();
         [normal, gradient, tangential]
+    }
+
+    /// Adds the energies (J) to the faces of the `sheet`; that of a vertex's tangential spring by their area.
+    pub(crate) fn add_to_faces(
+        &self,
+        sheet: &Sheet,
+        anchors: &[Anchor],
+        x: &[Vector3<f64>],
+        parts: &mut [EnergyParts],
+    ) {
+        let w = deviations(anchors, x);
+        let faces = sheet.faces().iter().zip(sheet.rest()).zip(&self.normal);
+        for (((face, rest), stencil), parts) in faces.zip(parts) {
+            let [k0, k1] = stencil.values(face.map(|v| w[v as usize]));
+            parts.normal += k0;
+            parts.gradient += k1;
+            for v in face.map(|v| v as usize) {
+                // A vertex has a third of the area of each of its faces.
+                let share = rest.area() / 3.0 / self.vertex_areas[v];
+                parts.tangential += share * self.tangential_springs[v].value(&anchors[v], &x[v]);
+            }
+        }
     }
 
     /// Forces of the springs on every vertex, against them: the derivative of the energy by `x` (N).

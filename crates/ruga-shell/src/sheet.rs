@@ -9,7 +9,7 @@ use crate::layer_part::{PartNumbers, marked, pick};
 use crate::membrane::{Membrane, Stress};
 use crate::stars::{Star, stars};
 use crate::stencil::{add_blocks, gather, slots, touches};
-use crate::{BendingModel, FaceParameters, RestTriangle, ShellError};
+use crate::{BendingModel, EnergyParts, FaceParameters, RestTriangle, ShellError};
 
 /// The stencils of a sheet, numbered by the vertices of the whole layer.
 pub(crate) struct SheetTopology<'a> {
@@ -200,6 +200,18 @@ impl Sheet {
         let faces = self.faces.iter().zip(&self.membranes);
         let membrane = faces.map(|(face, membrane)| membrane.value(&gather(x, face)));
         [membrane.sum(), self.bending.value(x)]
+    }
+
+    /// Energies of membrane and bending (J), face by face.
+    pub(crate) fn face_values(&self, x: &[Vector3<f64>]) -> Vec<EnergyParts> {
+        let faces = self.faces.iter().zip(&self.membranes);
+        let of_face = |(face, membrane): (&[u32; 3], &Membrane)| EnergyParts {
+            membrane: membrane.value(&gather(x, face)),
+            ..EnergyParts::default()
+        };
+        let mut parts: Vec<_> = faces.map(of_face).collect();
+        self.bending.add_to_faces(x, &self.rest, &mut parts);
+        parts
     }
 
     pub(crate) fn add_gradient(

@@ -86,6 +86,14 @@ impl Star {
         }
     }
 
+    /// The faces, each with its part of their area.
+    pub(crate) fn shares(&self, rest: &[RestTriangle]) -> impl Iterator<Item = (usize, f64)> {
+        let area = |(face, _): &(FaceId, usize)| rest[face.index()].area();
+        let whole: f64 = self.fan.iter().map(area).sum();
+        let fan = self.fan.iter();
+        fan.map(move |side| (side.0.index(), area(side) / whole))
+    }
+
     /// Mean over the faces, weighted by their area.
     pub(crate) fn mean(&self, rest: &[RestTriangle], value: impl Fn(usize) -> f64) -> f64 {
         let (mut sum, mut area) = (0.0, 0.0);

@@ -243,3 +243,31 @@ fn a_rest_stretch_moves_the_rest_state_to_the_stretched_shape() {
     let unstretched: f64 = layer.vertex_areas().iter().sum();
     assert!((area / unstretched - 0.7).abs() < 1e-12);
 }
+
+/// Every stencil gives all of its energy to its faces, over another base, too.
+#[test]
+fn energies_of_faces_add_up_to_the_whole() {
+    for model in MODELS {
+        let (layer, rest, faces) = sheet(model, 1e9, 2e9);
+        let mut rng = rng(17);
+        let x: Vec<_> = rest
+            .iter()
+            .map(|p| p + 5e-5 * random_vector(&mut rng))
+            .collect();
+        let base: Vec<_> = rest.iter().map(|p| p + Vector3::z() * 1e-5).collect();
+        let [found]: [_; 1] = layer
+            .face_energies(&x, &base)
+            .try_into()
+            .expect("one sheet");
+        assert_eq!(found.len(), faces.len());
+        let total: f64 = found.iter().map(|face| face.total()).sum();
+        let whole = layer.value_over(&x, &base);
+        assert!((total / whole - 1.0).abs() < 1e-12, "{total} of {whole}");
+        let bending: f64 = found.iter().map(|face| face.bending).sum();
+        let whole = layer.energy_parts(&x).bending;
+        assert!(
+            (bending / whole - 1.0).abs() < 1e-12,
+            "{bending} of {whole}"
+        );
+    }
+}

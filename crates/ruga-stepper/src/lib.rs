@@ -92,7 +92,7 @@ pub use mask::Mask;
 pub use model::{
     Coupling, Dynamics, EdgeLimits, LayerSpec, Modelling, PoseSpec, Presence, Region, Stack,
 };
-pub use result::{ComputedMesh, KeyResult, LayerReport, LayerSurface, PoseResult};
+pub use result::{ComputedMesh, FaceState, KeyResult, LayerReport, LayerSurface, PoseResult};
 
 pub use support::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape};
 

@@ -77,6 +77,12 @@ pub trait Observer {
         true
     }
 
+    /// Whether [`LayerSurface::face_states`] are wanted in frames and results. They are computed for each of
+    /// them, in a small part of the time of its solve.
+    fn wants_face_states(&self) -> bool {
+        false
+    }
+
     /// A load step ends: every one, or those at keys.
     fn frame(&mut self, frame: &Frame<'_>) {
         let _ = frame;

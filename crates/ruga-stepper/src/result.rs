@@ -35,6 +35,33 @@ pub struct LayerSurface {
     pub artist: Vec<(u32, [[f64; 3]; 3])>,
     /// Mesh that it was computed on.
     pub computed: ComputedMesh,
+    /// State of every triangle, for an observer who wants it
+    /// ([`Observer::wants_face_states`](crate::Observer::wants_face_states)).
+    pub face_states: Option<Vec<FaceState>>,
+}
+
+/// Material and load of a layer on one triangle of its output mesh: means over the triangles of the mesh that it
+/// was computed on in which the corners lie.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FaceState {
+    /// Compression that the surface below applies, `e1 + nu e2`, as far as it is loaded, over the critical
+    /// strain: beyond 1 the layer wrinkles; below 0 it is stretched.
+    pub strain_ratio: f64,
+    /// Compression at which the layer begins to wrinkle there.
+    pub critical_strain: f64,
+    /// Critical wavelength, m.
+    pub wavelength: f64,
+    /// Young's modulus, Pa.
+    pub young: f64,
+    /// Thickness, m.
+    pub thickness: f64,
+    /// Energy of in-plane strain per area of the skin at rest, J/m².
+    pub membrane_energy: f64,
+    /// Energy of bending per area at rest, J/m².
+    pub bending_energy: f64,
+    /// Energy of the springs to what lies below per area at rest, J/m²; none in a layer that moves together with
+    /// the one below.
+    pub foundation_energy: f64,
 }
 
 /// The mesh on which a layer was computed: finer only where, and in the direction that, it
@@ -119,6 +146,33 @@ pub struct LayerReport {
     /// wanted, or else an estimate, where a part of a key's strain first reaches the critical one on some
     /// face; `None` for motion in time, which looks for none.
     pub onset_load: Option<f64>,
+}
+
+impl LayerSurface {
+    /// Ways of the vertices from where they would be without wrinkles: from the driver at their material points,
+    /// plus the layer's offset along its normal, m. A layer on another one has those of the layers below in them.
+    pub fn displacements(&self) -> Vec<Vector3<f64>> {
+        let smooth = self.driver_positions.iter().zip(&self.driver_normals);
+        let pairs = self.positions.iter().zip(smooth);
+        pairs.map(|(x, (p, n))| x - p - n * self.offset).collect()
+    }
+}
+
+impl FaceState {
+    /// Mean of three states.
+    pub(crate) fn mean(states: [&Self; 3]) -> Self {
+        let mean = |value: fn(&Self) -> f64| states.map(value).iter().sum::<f64>() / 3.0;
+        Self {
+            strain_ratio: mean(|state| state.strain_ratio),
+            critical_strain: mean(|state| state.critical_strain),
+            wavelength: mean(|state| state.wavelength),
+            young: mean(|state| state.young),
+            thickness: mean(|state| state.thickness),
+            membrane_energy: mean(|state| state.membrane_energy),
+            bending_energy: mean(|state| state.bending_energy),
+            foundation_energy: mean(|state| state.foundation_energy),
+        }
+    }
 }
 
 impl PoseResult {

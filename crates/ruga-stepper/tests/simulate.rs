@@ -87,8 +87,51 @@ impl Observer for StopAt {
 
     fn frame(&mut self, frame: &Frame<'_>) {
         assert!(frame.load > 0.0 && frame.layers.len() == 1);
+        assert_eq!(frame.layers[0].face_states, None);
         self.0 += 1;
     }
+}
+
+/// Takes the largest strain ratio of every frame, and the energy of the last.
+#[derive(Default)]
+struct States {
+    strain_ratios: Vec<f64>,
+    energy: f64,
+}
+
+impl Observer for States {
+    fn wants_face_states(&self) -> bool {
+        true
+    }
+
+    fn frame(&mut self, frame: &Frame<'_>) {
+        let layer = &frame.layers[0];
+        let states = layer.face_states.as_ref().expect("they are wanted");
+        assert_eq!(states.len(), layer.faces.len());
+        let ratios = states.iter().map(|state| state.strain_ratio);
+        self.strain_ratios.push(ratios.fold(0.0, f64::max));
+        let energies = states.iter().zip(&layer.uvs).map(|(state, [a, b, c])| {
+            let area = 0.5 * (b - a).perp(&(c - a)).abs() * patch::SIDE * patch::SIDE;
+            area * (state.membrane_energy + state.bending_energy + state.foundation_energy)
+        });
+        self.energy = energies.sum();
+    }
+}
+
+#[test]
+fn states_of_faces_grow_with_the_load_and_add_up_to_the_energy() {
+    let mut states = States::default();
+    let result = run(Coupling::Hybrid, &draft(), &mut states);
+    assert!(
+        states.strain_ratios.is_sorted(),
+        "{:?}",
+        states.strain_ratios
+    );
+    let last = states.strain_ratios.last().expect("some frames");
+    assert!((1.0..10.0).contains(last), "{last}");
+    // Means over corners are no sums: the output mesh has smaller triangles.
+    let share = states.energy / result.layers[0].energy;
+    assert!((share - 1.0).abs() < 0.1, "{share}");
 }
 
 struct StopAtOnce;

@@ -9,8 +9,8 @@ use crate::arguments::PlanArguments;
 use crate::error::CliError;
 use crate::messages;
 use crate::outcome::Outcome;
-use crate::plan_picture;
 use crate::table::{ABSENT, duration, memory, number, table};
+use crate::{plan_page, plan_picture};
 
 /// Prints the plan of a scene, and draws it where that is asked for; nothing is simulated.
 ///
@@ -23,9 +23,7 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<Outcome, CliError> {
     };
     let scene = Scene::read_with(&arguments.scene, &options)?;
     let planned = scene.plan()?;
-    if let Some(path) = &arguments.image {
-        plan_picture::write(path, &scene, &planned)?;
-    }
+    draw(arguments, &scene, &planned)?;
     if arguments.json {
         messages::result(&json(&scene, &planned));
         return Ok(Outcome::Done);
@@ -34,6 +32,39 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<Outcome, CliError> {
     let warnings = scene.warnings.iter().chain(planned.warnings());
     messages::warnings(warnings, "`--json` lists all");
     Ok(Outcome::Done)
+}
+
+/// Draws the picture and the page that are asked for.
+fn draw(arguments: &PlanArguments, scene: &Scene, plan: &ScenePlan) -> Result<(), CliError> {
+    if arguments.image.is_none() && arguments.preview.is_none() {
+        return Ok(());
+    }
+    // Pictures are of the poses themselves, of which some are simulated as their mirror images.
+    let as_posed = Scene {
+        mirror: None,
+        ..scene.clone()
+    };
+    let own = scene.mirror.as_ref().map(|_| as_posed.plan()).transpose()?;
+    let shown = own.as_ref().unwrap_or(plan);
+    if let Some(path) = &arguments.image {
+        plan_picture::write(path, &as_posed, shown)?;
+    }
+    if let Some(path) = &arguments.preview {
+        plan_page::write(path, &as_posed, shown, totals(plan))?;
+    }
+    Ok(())
+}
+
+/// Poses that are made of the simulation of others, in words.
+fn mirrored(scene: &Scene) -> Vec<String> {
+    let first_alike = scene.first_alike().into_iter().enumerate();
+    let images = first_alike.filter(|(pose, first)| pose != first);
+    images
+        .map(|(pose, first)| {
+            let [own, other] = [pose, first].map(|number| &scene.poses[number].name);
+            format!("`{own}` and `{other}` are mirror images: one simulation makes both")
+        })
+        .collect()
 }
 
 fn print(scene: &Scene, plan: &ScenePlan) {
@@ -60,6 +91,9 @@ fn print(scene: &Scene, plan: &ScenePlan) {
         messages::result("");
     }
     messages::result(&poses_table(plan));
+    for line in mirrored(scene) {
+        messages::result(&line);
+    }
     messages::result(&totals(plan));
 }
 

@@ -1,20 +1,22 @@
 //! `ruga simulate`: the layers' meshes in every load step, and the report.
 
 use std::collections::BTreeMap;
+use std::fs;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use nalgebra::Vector2;
-use ruga_io::{ObjFrame, key_percent};
+use ruga_io::{FrameMesh, key_percent};
 use ruga_scene::{Placement, Scene};
 use ruga_stepper::{Frame, PoseResult, PoseSpec};
 
-use crate::arguments::RunArguments;
+use crate::arguments::{RunArguments, SimulateArguments};
 use crate::error::CliError;
 use crate::folder_results::FolderResults;
+use crate::frame_files::{FrameFiles, FrameFormat};
 use crate::memory_limit::refuse_too_little;
 use crate::moved_mesh::write_moved_mesh;
 use crate::outcome::Outcome;
 use crate::output_folder::OutputFolder;
-use crate::pose_record::{Records, remove_frames};
+use crate::pose_record::{PoseRecord, Records, remove_frames};
 use crate::pose_runs::{PoseFiles, Product, run_poses};
 use crate::summary::{self, ALL_IN_REPORT};
 use crate::{interrupt, messages};
@@ -23,7 +25,8 @@ use crate::{interrupt, messages};
 ///
 /// # Errors
 /// Whatever keeps a pose from being planned, simulated or written.
-pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
+pub(crate) fn run(arguments: &SimulateArguments) -> Result<Outcome, CliError> {
+    let (arguments, formats) = (&arguments.run, arguments.formats.as_slice());
     let mut scene = Scene::read_with(&arguments.scene, &arguments.scene_options())?;
     // Frames are of every pose as it is: the meshes that they were computed on have no mirror image.
     scene.mirror = None;
@@ -36,11 +39,18 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     let folder = OutputFolder::open(&scene, arguments, "simulate")?;
     let warnings = scene.warnings.iter().chain(plan.warnings());
     messages::warnings(warnings, ALL_IN_REPORT);
+    let placement = Placement::of(&scene.mesh);
+    let files = |pose: &PoseSpec| {
+        let files = FrameFiles::new(&arguments.output, &pose.name, placement, formats);
+        (pose.name.clone(), Mutex::new(files))
+    };
     let meshes = FrameMeshes {
         arguments,
         scene: &scene,
-        placement: Placement::of(&scene.mesh),
+        formats,
+        placement,
         records,
+        frames: scene.poses.iter().map(files).collect(),
     };
     let poses = run_poses(&scene, &plan, arguments, &folder, &meshes);
     let results = FolderResults::read(&meshes.records, &folder.poses);
@@ -51,8 +61,11 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
 struct FrameMeshes<'a> {
     arguments: &'a RunArguments,
     scene: &'a Scene,
+    formats: &'a [FrameFormat],
     placement: Placement,
     records: Records,
+    /// Files of the load steps of every pose.
+    frames: BTreeMap<String, Mutex<FrameFiles<'a>>>,
 }
 
 impl Product for FrameMeshes<'_> {
@@ -62,35 +75,37 @@ impl Product for FrameMeshes<'_> {
         &self.records
     }
 
+    fn wants_face_states(&self) -> bool {
+        self.formats.iter().any(|format| format.has_fields())
+    }
+
+    fn has_all_of(&self, record: &PoseRecord) -> bool {
+        self.formats.iter().all(|format| format.is_in(record))
+    }
+
     fn begin(&self, pose: &PoseSpec) {
         remove_frames(&self.arguments.output, &pose.name);
+        let frames = self.frames(pose);
+        for layer in &self.scene.layers {
+            for file in frames.series_files(&layer.name) {
+                // One that is not there, or stays, shows what an earlier run has made.
+                let _ = fs::remove_file(self.arguments.output.join(file));
+            }
+        }
     }
 
     fn frame(&self, pose: &PoseSpec, frame: &Frame<'_>) -> Result<Vec<String>, CliError> {
-        let mut files = Vec::new();
-        for layer in frame.layers {
-            let file = format!("frames/{}/{}.{:04}.obj", pose.name, layer.name, frame.index);
-            let (uvs, uv_triangles) = shared_uvs(&layer.uvs);
-            let frame = ObjFrame {
-                name: &layer.name,
-                positions: &layer.positions,
-                triangles: &layer.faces,
-                uvs: &uvs,
-                uv_triangles: &uv_triangles,
-            };
-            self.write(&file, &frame)?;
-            files.push(file);
-        }
-        Ok(files)
+        self.frames(pose).add(frame)
     }
 
     /// The meshes of the last key, as they were computed on; and a body's mesh at every key.
     fn pose(&self, pose: &PoseSpec, result: &PoseResult) -> Result<PoseFiles, CliError> {
         let mut made = PoseFiles::default();
+        made.files.extend(self.frames(pose).finish()?);
         for layer in result.keys.last().iter().flat_map(|key| &key.layers) {
             let file = format!("meshes/{}/{}.obj", pose.name, layer.name);
             let computed = &layer.computed;
-            let frame = ObjFrame {
+            let frame = FrameMesh {
                 name: &layer.name,
                 positions: &computed.positions,
                 triangles: &computed.faces,
@@ -111,28 +126,14 @@ impl Product for FrameMeshes<'_> {
     }
 }
 
-impl FrameMeshes<'_> {
-    fn write(&self, file: &str, frame: &ObjFrame<'_>) -> Result<(), CliError> {
+impl<'a> FrameMeshes<'a> {
+    fn frames(&self, pose: &PoseSpec) -> MutexGuard<'_, FrameFiles<'a>> {
+        let frames = &self.frames[&pose.name];
+        frames.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn write(&self, file: &str, frame: &FrameMesh<'_>) -> Result<(), CliError> {
         let path = self.arguments.output.join(file);
         Ok(self.placement.write_obj(&path, frame)?)
     }
-}
-
-/// Every texture coordinate once, and where the corners find theirs.
-fn shared_uvs(corners: &[[Vector2<f64>; 3]]) -> (Vec<Vector2<f64>>, Vec<[u32; 3]>) {
-    let mut known = BTreeMap::new();
-    let mut uvs = Vec::new();
-    let mut index = |uv: Vector2<f64>| -> u32 {
-        *known
-            .entry([uv.x.to_bits(), uv.y.to_bits()])
-            .or_insert_with(|| {
-                uvs.push(uv);
-                uvs.len() as u32 - 1
-            })
-    };
-    let triangles = corners
-        .iter()
-        .map(|triangle| triangle.map(&mut index))
-        .collect();
-    (uvs, triangles)
 }

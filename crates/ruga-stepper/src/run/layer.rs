@@ -2,6 +2,7 @@
 
 mod bending;
 mod equilibrium;
+mod face_states;
 mod load;
 mod snapshot;
 #[cfg(test)]

@@ -368,7 +368,7 @@ impl<'a> StackRun<'a> {
         }
         observer.phase(lowest, Phase::Sampling);
         let support = self.support(&run.layer, point.weight_fraction);
-        let mut layers = self.snapshot(run, support.as_ref(), &[]);
+        let mut layers = self.snapshot(run, support.as_ref(), &[], observer);
         // Before that the lowest layer has the key's place but not its wrinkles, which upper layers
         // lie on.
         if point.strain_fraction == 1.0 {

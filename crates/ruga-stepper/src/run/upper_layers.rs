@@ -54,7 +54,7 @@ impl<'a> StackRun<'a> {
                 return Ok(None);
             }
             observer.phase(index, Phase::Sampling);
-            surfaces.extend(self.snapshot(&upper, support, &lower));
+            surfaces.extend(self.snapshot(&upper, support, &lower, observer));
             let attachment = self.plan.stacking.attachments[index];
             let skin = upper.layer.skin();
             // Maps show a layer on those below as maps show them, which may be flatter than they
@@ -146,6 +146,7 @@ impl<'a> StackRun<'a> {
         run: &LayerRun<'_>,
         support: &dyn Support,
         lower: &[LowerLayer<'_>],
+        observer: &dyn Observer,
     ) -> Vec<LayerSurface> {
         let (driver, layer) = (&self.plan.driver, &run.layer);
         let attachment = self.plan.stacking.attachments[run.index];
@@ -155,7 +156,13 @@ impl<'a> StackRun<'a> {
         let shown = support_surface(on, region, attachment, &as_shown(lower)).posed;
         let own = layer.snapshot(on, (&surface, &shown), attachment.offset);
         let upper = layer.upper_snapshot(driver, &own, &surface);
-        std::iter::once(own).chain(upper).collect()
+        let mut surfaces: Vec<_> = std::iter::once(own).chain(upper).collect();
+        if observer.wants_face_states() {
+            for (surface, states) in surfaces.iter_mut().zip(layer.face_states()) {
+                surface.face_states = Some(states);
+            }
+        }
+        surfaces
     }
 }
 

@@ -1,8 +1,10 @@
 //! The upper one of two layers that move together.
 
 use nalgebra::Vector3;
-use ruga_material::{LayerMaterial, StackPair};
+use ruga_material::StackPair;
 use ruga_shell::{FaceParameters, LayerParameters, UpperSheet};
+
+use crate::skin::local_skin::LocalSkin;
 
 /// The upper one of two layers that move together.
 #[derive(Clone, Debug)]
@@ -13,8 +15,8 @@ pub(crate) struct UpperShell {
     pub(crate) index: usize,
     /// Mid-surface offset from the lower layer, m.
     pub(crate) offset: f64,
-    material: LayerMaterial,
-    critical_strain: f64,
+    /// What it is made of, and how it wrinkles by itself.
+    pub(crate) local: LocalSkin,
     /// Stiffnesses towards the lower layer, Pa/m, N/m and Pa/m.
     normal: f64,
     gradient: f64,
@@ -29,8 +31,10 @@ impl UpperShell {
             name: name.to_owned(),
             index,
             offset,
-            material: pair.upper.material,
-            critical_strain: springs.critical_strain,
+            local: LocalSkin {
+                material: pair.upper.material,
+                wrinkling: *springs,
+            },
             // The springs stand for the lower layer being squeezed across its thickness, which a
             // shell cannot be. How the lower shell itself gives way comes in series with them, so
             // that nothing counts twice.
@@ -44,17 +48,17 @@ impl UpperShell {
 
     /// Thickness of the layer, m.
     pub(crate) fn thickness(&self) -> f64 {
-        self.material.thickness
+        self.local.material.thickness
     }
 
     /// Mass per area, kg/m².
     pub(crate) fn mass_per_area(&self) -> f64 {
-        self.material.density * self.material.thickness
+        self.local.mass_per_area()
     }
 
     /// Critical strain of the layer on the lower one.
     pub(crate) fn critical_strain(&self) -> f64 {
-        self.critical_strain
+        self.local.wrinkling.critical_strain
     }
 
     /// The layer with so many faces above places (m) with these unit normals.
@@ -64,9 +68,9 @@ impl UpperShell {
         faces: usize,
     ) -> UpperSheet {
         let face = FaceParameters {
-            young: self.material.young,
-            poisson: self.material.poisson,
-            thickness: self.material.thickness,
+            young: self.local.material.young,
+            poisson: self.local.material.poisson,
+            thickness: self.local.material.thickness,
             normal_stiffness: self.normal,
             gradient_stiffness: self.gradient,
         };

@@ -39,6 +39,7 @@ impl Layer {
             uvs: self.region.shown_uvs().to_vec(),
             artist: self.region.artist(),
             computed,
+            face_states: None,
         }
     }
 

@@ -1,7 +1,7 @@
 //! Figures from a layer that was written by hand.
 
 use nalgebra::Vector2;
-use ruga_io::{ObjFrame, write_obj_frame};
+use ruga_io::{FrameMesh, write_obj_frame};
 
 use super::*;
 
@@ -30,7 +30,7 @@ fn strained_patch(path: &Path) {
         nalgebra::Vector3::new(0.96 * at.x, -1.01 * at.y, 0.0)
     });
     let triangles = [[0, 1, 2], [0, 2, 3]];
-    let frame = ObjFrame {
+    let frame = FrameMesh {
         name: "skin",
         positions: &positions,
         triangles: &triangles,

@@ -1,0 +1,157 @@
+//! The plan as a page: its pictures on the posed mesh, before anything is baked.
+
+use std::path::Path;
+
+use nalgebra::Vector2;
+use ruga_io::write_atomically;
+use ruga_material::UvTile;
+use ruga_preview::{Legend, Overlay, PlanPreview, PlannedPose};
+use ruga_scene::{Placement, Scene, ScenePlan};
+use ruga_stepper::PlannedSurface;
+
+use crate::canvas::Canvas;
+use crate::error::CliError;
+use crate::plan_painting::{
+    COLOURS, NOTE, RAMP, RAMP_ENDS, Square, layer_note, surfaces, wrinkles,
+};
+use crate::preview_fault::PreviewFault;
+use crate::table::duration;
+
+/// Side of a picture, texels.
+const SIDE: u32 = 1024;
+
+/// Places along a side at which it is shown how wrinkles run.
+const GRID: f64 = 32.0;
+
+/// Writes the page of a plan to `path`, an HTML file, whole or not at all; `facts` is what is said of all poses.
+///
+/// # Errors
+/// A plan without wrinkles or of a soft body, a file that cannot be written.
+pub(crate) fn write(
+    path: &Path,
+    scene: &Scene,
+    plan: &ScenePlan,
+    facts: String,
+) -> Result<(), CliError> {
+    let refuse = |reason: &str| CliError::NoPicture {
+        path: path.to_owned(),
+        reason: reason.to_owned(),
+    };
+    if !path
+        .extension()
+        .is_some_and(|end| end.eq_ignore_ascii_case("html"))
+    {
+        return Err(refuse(
+            "pages are HTML files, with a name that ends in `.html`",
+        ));
+    }
+    if scene.is_tiled() {
+        return Err(refuse(
+            "the page shows one square of the texture, and this mesh has UDIM tiles; `--image` shows them all",
+        ));
+    }
+    let surfaces = surfaces(path, scene, plan)?;
+    let levels = levels(plan);
+    if levels.is_empty() {
+        return Err(refuse("nothing wrinkles, so there is nothing to show"));
+    }
+    let on_page = |source| {
+        let folder = path.to_owned();
+        CliError::from(PreviewFault::Page { folder, source })
+    };
+    let mut poses = Vec::new();
+    for (pose, spec) in scene.poses.iter().enumerate() {
+        let layers = plan.pose_layers(pose).into_iter();
+        let layers = layers.filter(|layer| layer.vertices > 0);
+        let note = |seconds: f64, note: String| format!("{note}, about {}", duration(seconds));
+        let overlays = levels
+            .iter()
+            .map(|level| overlay(scene, plan, &surfaces, pose, level.0));
+        let named = spec.weights.iter().filter(|(_, weight)| *weight != 0.0);
+        let shapes: Vec<&str> = scene.driver.shape_names().collect();
+        poses.push(PlannedPose {
+            name: spec.name.clone(),
+            weights: named
+                .map(|(shape, weight)| (shapes[shape].to_owned(), weight))
+                .collect(),
+            notes: layers
+                .map(|layer| note(layer.seconds, layer_note(layer)))
+                .collect(),
+            overlays: overlays.collect::<Result<_, _>>().map_err(on_page)?,
+        });
+    }
+    let page = PlanPreview {
+        mesh: &scene.mesh.mesh,
+        turn: Placement::of(&scene.mesh).turn,
+        poses,
+        layers: levels.into_iter().map(|(_, name)| name).collect(),
+        legend: Legend {
+            ramp: RAMP.to_vec(),
+            ends: RAMP_ENDS.map(str::to_owned),
+            colours: COLOURS
+                .map(|(colour, text)| (colour, text.to_owned()))
+                .to_vec(),
+            note: NOTE.to_owned(),
+        },
+        facts,
+    };
+    let html = page.to_html().map_err(on_page)?;
+    Ok(write_atomically(path, html.as_bytes())?)
+}
+
+/// Numbers in their stacks of layers that wrinkle in some pose, with the names of those of all zones, which lie side
+/// by side and are shown together.
+fn levels(plan: &ScenePlan) -> Vec<(usize, String)> {
+    let stacks = plan.zones.iter().flat_map(|zone| &zone.plan.poses);
+    let highest = stacks.clone().map(|pose| pose.layers.len()).max();
+    let named = (0..highest.unwrap_or(0)).map(|level| {
+        let mut names: Vec<&str> = Vec::new();
+        let layers = stacks.clone().filter_map(|pose| pose.layers.get(level));
+        for layer in layers.filter(|layer| layer.vertices > 0) {
+            if !names.contains(&layer.name.as_str()) {
+                names.push(&layer.name);
+            }
+        }
+        (level, names.join(", "))
+    });
+    named.filter(|(_, name)| !name.is_empty()).collect()
+}
+
+/// The picture of one pose on one level of all zones; `None` where nothing wrinkles.
+fn overlay(
+    scene: &Scene,
+    plan: &ScenePlan,
+    surfaces: &[PlannedSurface<'_>],
+    pose: usize,
+    level: usize,
+) -> Result<Option<Overlay>, ruga_preview::PreviewError> {
+    let is_simulated = |zone: &usize| {
+        let layers = &plan.zones[*zone].plan.poses[pose].layers;
+        layers.get(level).is_some_and(|layer| layer.vertices > 0)
+    };
+    let zones = (0..plan.zones.len()).filter(is_simulated);
+    let zones: Vec<_> = zones
+        .map(|zone| surfaces[zone].faces(pose, level))
+        .collect();
+    if zones.is_empty() {
+        return Ok(None);
+    }
+    let square = Square {
+        tile: UvTile::FIRST,
+        origin: Vector2::zeros(),
+        side: f64::from(SIDE),
+        grid: GRID,
+    };
+    let mut canvas = Canvas::new(SIDE, SIDE);
+    for faces in &zones {
+        square.pad(&mut canvas, faces);
+    }
+    square.paint_layout(&mut canvas, scene.driver.uvs().as_slice());
+    for faces in &zones {
+        square.paint(&mut canvas, faces);
+    }
+    let (_, colours) = canvas.finished();
+    let wrinkled = zones.iter().flatten().filter(|face| wrinkles(face));
+    let places = wrinkled.flat_map(|face| face.uvs);
+    Overlay::new(SIDE, &colours, places).map(Some)
+}
