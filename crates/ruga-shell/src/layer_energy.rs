@@ -1,5 +1,7 @@
 //! All energies of a layer, assembled over its free vertices.
 
+mod creases;
+
 use std::sync::OnceLock;
 
 use nalgebra::{Matrix2, Vector3};
@@ -347,12 +349,13 @@ impl LayerEnergy {
 
     fn parts(&self, x: &[Vector3<f64>], anchors: &[Anchor]) -> EnergyParts {
         self.check(x);
-        let [normal, gradient, tangential] =
+        let [normal, gradient, tangential, anchored] =
             self.foundation.values(self.lower().faces(), anchors, x);
         let mut parts = EnergyParts {
             normal,
             gradient,
             tangential,
+            anchored,
             ..EnergyParts::default()
         };
         for sheet in &self.sheets {
