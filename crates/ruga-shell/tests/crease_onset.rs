@@ -85,8 +85,8 @@ impl Film {
         response.critical_force / (8.0 * PI * PI)
     }
 
-    /// Length and stiffness (J) of the plain hinge on an edge.
-    fn hinge(&self, edge: EdgeId) -> f64 {
+    /// Compliance of the plain hinge on an edge: angle per moment per length.
+    fn hinge_compliance(&self, edge: EdgeId) -> f64 {
         let corners = self.mesh.corners.iter().enumerate();
         let rest: Vec<_> = corners
             .map(|(face, corners)| RestTriangle::new(corners, face).expect("a proper triangle"))
@@ -96,7 +96,7 @@ impl Film {
         };
         let shape = HingeShape::new(&rest[left.0 as usize], tail, &rest[right.0 as usize], head);
         let (length, _, _) = rest[left.0 as usize].seen_from_edge(tail);
-        shape.stiffness(1.0, HINGE_EXPONENT) / length
+        length / shape.stiffness(1.0, HINGE_EXPONENT)
     }
 }
 
@@ -111,52 +111,61 @@ fn compliance(kappa: f64) -> f64 {
 
 const STAR: BendingModel = BendingModel::VertexCurvature;
 
+/// Onset over the closed form.
+fn ratio(film: &Film, model: BendingModel, kappa: f64) -> f64 {
+    film.onset(model, |_| compliance(kappa)) / theory(kappa)
+}
+
+/// Measured: 0.984 to 1.015 at 12 points, 0.993 to 1.006 at 24; without a crease 0.988.
 #[test]
 fn a_crease_gives_way_at_the_closed_form_on_any_mesh() {
-    for (points, share) in [(12.0, 1.0), (24.0, 0.5)] {
-        for (aspect, jitter, seed) in [(1.0, 0.25, 1), (2.0, 0.2, 2), (4.0, 0.15, 3)] {
+    for (points, longest, share) in [(12.0, 3.0, 1.0), (24.0, 4.0, 0.5)] {
+        for (aspect, jitter, seed) in [(1.0, 0.25, 1), (2.0, 0.2, 2), (longest, 0.15, 3)] {
             let film = Film::new(points, aspect, jitter, seed);
             for (kappa, bound) in [(8.0, 0.02), (0.884, 0.02), (0.162, 0.03), (0.0, 0.05)] {
-                let found = film.onset(STAR, |_| compliance(kappa)) / theory(kappa);
-                println!("{points} {aspect} {kappa}: {found}");
-                assert!(
-                    (found - 1.0).abs() < bound * share,
-                    "{points} {aspect} {kappa}: {found}"
-                );
+                let found = ratio(&film, STAR, kappa);
+                let error = (found - 1.0).abs();
+                assert!(error < bound * share, "{points} {aspect} {kappa}: {found}");
             }
         }
     }
 }
+
+/// Measured: 1.018, 1.005, 1.022, 1.045.
 #[test]
-fn t_hinges() {
-    for points in [8.0, 12.0, 24.0] {
-        let film = Film::new(points, 1.0, 0.25, 1);
-        for kappa in [8.0, 0.884, 0.162, 0.02] {
-            let found = film.onset(BendingModel::Hinge, |_| compliance(kappa));
-            println!("hinge {points} {kappa}: {found} {}", theory(kappa));
-        }
+fn hinges_do_as_well_on_equilateral_meshes() {
+    let film = Film::new(12.0, 1.0, 0.25, 1);
+    for (kappa, bound) in [(8.0, 0.02), (0.884, 0.02), (0.162, 0.03), (0.02, 0.05)] {
+        let found = ratio(&film, BendingModel::Hinge, kappa);
+        assert!((found - 1.0).abs() < bound, "{kappa}: {found}");
     }
 }
 
-/// A factor on the stiffness of the line's edges instead depends on the mesh.
+/// A line with few vertices folds like a saw: below three and a half of them per wavelength that is easier
+/// than to fold evenly.
+#[test]
+fn a_soft_crease_needs_four_vertices_per_wavelength() {
+    let film = Film::new(12.0, 4.0, 0.0, 1);
+    let [stiff, soft] = [0.884, 0.0].map(|kappa| ratio(&film, STAR, kappa));
+    assert!((stiff - 1.0).abs() < 0.02, "{stiff}");
+    assert!((soft - 0.62).abs() < 0.05, "{soft}");
+}
+
 #[test]
 fn the_width_of_a_crease_does_not_matter() {
     let film = Film::new(12.0, 1.0, 0.25, 4);
     // Stiffness shares equal to the width in wavelengths.
-    let onset = |width: f64| {
-        let compliance = Crease::strip_compliance(width, width, 1.0);
-        film.onset(STAR, |_| compliance)
-    };
+    let onset = |width: f64| film.onset(STAR, |_| Crease::strip_compliance(width, width, 1.0));
     let [wide, narrow] = [1e-3, 1e-6].map(onset);
-    println!("{wide} {narrow}");
     assert!((wide / narrow - 1.0).abs() < 1e-3, "{wide} {narrow}");
 
+    // A factor of 0.1 on the stiffness of the line's edges depends on the mesh instead: 0.60 to 0.89.
     let factor = |points: f64| {
         let film = Film::new(points, 1.0, 0.0, 5);
-        let compliance = |edge: EdgeId| (1.0 / 0.1 - 1.0) / film.hinge(edge);
-        film.onset(BendingModel::Hinge, compliance)
+        film.onset(BendingModel::Hinge, |edge| {
+            9.0 * film.hinge_compliance(edge)
+        })
     };
     let [coarse, fine] = [6.0, 48.0].map(factor);
-    println!("{coarse} {fine}");
     assert!(fine / coarse > 1.2, "{coarse} {fine}");
 }
