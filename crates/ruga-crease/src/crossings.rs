@@ -51,13 +51,13 @@ pub fn line_crossings(lines: &[TracedLine], mesh: &TriMesh) -> Vec<LineCrossing>
     });
     // On an edge or in a vertex all faces there have found it.
     found.dedup_by(|b, a| {
-        a.lines == b.lines
-            && a.lines.iter().zip(0..).all(|(&line, side)| {
-                let length = lines[line].length();
-                let apart = (a.at[side] - b.at[side]).abs();
-                apart.min((length - apart).abs()) < 1e-7 * length
-            })
-            || a.lines == b.lines && is_same(mesh, &a.place, &b.place)
+        let is_near = |side: usize| {
+            let length = lines[a.lines[side]].length();
+            let apart = (a.at[side] - b.at[side]).abs();
+            apart.min((length - apart).abs()) < 1e-7 * length
+        };
+        let is_one = (is_near(0) && is_near(1)) || is_same(mesh, &a.place, &b.place);
+        a.lines == b.lines && is_one
     });
     found
 }

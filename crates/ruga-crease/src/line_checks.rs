@@ -123,14 +123,10 @@ fn too_close(
         .iter()
         .filter(|c| c.lines == [first, second])
         .collect();
-    let meets = |at: f64| {
-        let on_first = |c: &&LineCrossing| {
-            c.at.iter()
-                .take(if first == second { 2 } else { 1 })
-                .any(|&s| (s - at).abs() < NEAR_CROSSING * edge)
-        };
-        near.iter().any(|c| on_first(&c))
-    };
+    // A line that crosses itself has both places on it.
+    let places = if first == second { 2 } else { 1 };
+    let places: Vec<f64> = near.iter().flat_map(|c| &c.at[..places]).copied().collect();
+    let meets = |at: f64| places.iter().any(|s| (s - at).abs() < NEAR_CROSSING * edge);
     let mut closest: Option<(f64, f64)> = None;
     for &(at, p) in a.iter().filter(|(at, _)| !meets(*at)) {
         for &(other, q) in b {

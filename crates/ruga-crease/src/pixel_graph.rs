@@ -136,10 +136,9 @@ pub(crate) fn pruned(mut branches: Vec<Branch>, least: f64) -> Vec<Branch> {
     loop {
         let degrees = degrees(&branches);
         let is_twig = |branch: &Branch| {
-            branch.nodes.is_some_and(|[a, b]| {
-                let free = [degrees[&a], degrees[&b]];
-                (free == [1, 1] || free.contains(&1)) && free != [1, 1] && branch.length() < least
-            })
+            // One end is free, the other is not.
+            let hangs = |[a, b]: [usize; 2]| (degrees[&a] == 1) != (degrees[&b] == 1);
+            branch.nodes.is_some_and(hangs) && branch.length() < least
         };
         let before = branches.len();
         branches.retain(|branch| !is_twig(branch));

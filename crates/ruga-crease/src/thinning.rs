@@ -73,10 +73,7 @@ impl Bitmap {
         for at in set {
             let [n, _, e, _, s, _, w, _] = self.neighbours(at);
             let beside = self.neighbours(at).iter().filter(|set| **set).count();
-            let is_stair = (n && e && !s && !w)
-                || (e && s && !n && !w)
-                || (s && w && !n && !e)
-                || (w && n && !s && !e);
+            let is_stair = n != s && e != w;
             if is_stair && beside == 2 {
                 self.is_set[at] = false;
             }
@@ -91,8 +88,8 @@ impl Bitmap {
             .count();
         let [n, _, e, _, s, _, w, _] = around;
         let sides = match pass {
-            0 => !(n && e && s) && !(e && s && w),
-            _ => !(n && e && w) && !(n && s && w),
+            0 => !(e && s && (n || w)),
+            _ => !(n && w && (e || s)),
         };
         (2..=6).contains(&count) && enters == 1 && sides
     }

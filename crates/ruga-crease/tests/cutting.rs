@@ -65,7 +65,7 @@ fn check(sheet: &Sheet, lines: &[TracedLine], before: &MeshPiece, cut: &LineCut,
     assert!((area(&cut.piece) / area(before) - 1.0).abs() < 1e-12);
     for (face, corners) in cut.piece.mesh.faces().iter() {
         let (origin, part) = (&cut.piece.origins[face], &cut.parts[face]);
-        for (corner, v) in corners.into_iter().enumerate() {
+        for (corner, v) in corners.iter().enumerate() {
             let x = cut.piece.positions[v.index()];
             let places = [
                 (
