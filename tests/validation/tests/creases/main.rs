@@ -1,6 +1,7 @@
 //! Creases in films and in paper, as the product's energies and solver fold them, against theory.
 
 mod depth;
+mod lines;
 mod paper;
 
 use std::f64::consts::TAU;
