@@ -8,7 +8,7 @@
 //! [`TracedLine`]: segments inside triangles, addressed by barycentric coordinates, with arc lengths.
 //! [`line_crossings`] finds where lines meet and [`check_lines`] what is wrong with them together. A
 //! [`LineLaw`] says how stiff and how folded a crease is along its line. [`cut_lines`] gives a mesh edges
-//! on the lines.
+//! on the lines, and [`LinePlaces`] finds them again after a remesh.
 //!
 //! Rounding is by cubic Hermite curves through the points with tangents of Catmull and Rom 1974; the skeleton
 //! is that of Zhang and Suen 1984. Positions and lengths are in metres, angles in radians.
@@ -23,6 +23,7 @@ mod crossings;
 mod line_checks;
 mod line_cut;
 mod line_law;
+mod line_places;
 mod pixel_graph;
 mod skeleton;
 mod thinning;
@@ -38,6 +39,7 @@ pub use crossings::{LineCrossing, line_crossings};
 pub use line_checks::check_lines;
 pub use line_cut::{CreaseEdge, LineCut, LineVertex, MeshPiece, cut_lines};
 pub use line_law::{Drive, LineLaw};
+pub use line_places::LinePlaces;
 pub use skeleton::{GreyImage, SkeletonLine, SkeletonSettings, skeleton_lines};
 
 pub use error::CreaseError;

@@ -8,9 +8,10 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Vector2, Vector3};
 use ruga_crease::{
-    Corners, CreaseWarning, LineInput, LineTracer, TracedLine, check_lines, line_crossings,
+    Corners, CreaseWarning, LineInput, LinePlaces, LineTracer, TracedLine, check_lines,
+    line_crossings,
 };
-use ruga_mesh::{Id, MaterialPoint, VertexId};
+use ruga_mesh::{Id, MaterialPoint, TriMesh, VertexId};
 use sheets::{Sheet, sphere, square, torn};
 
 fn uv(points: &[[f64; 2]]) -> LineInput {
@@ -255,6 +256,60 @@ fn odd_lines_are_told_of() {
         warnings(&[hairpin])[..],
         [CreaseWarning::TooClose { lines: [0, 0], .. }]
     ));
+}
+
+#[test]
+fn lines_are_found_at_their_places() {
+    let sheet = square(8, 0.25, 9);
+    let lines = [
+        uv(&[[0.1, 0.5], [0.9, 0.52]]),
+        uv(&[[0.5, 0.1], [0.52, 0.9]]),
+    ];
+    let lines = lines.map(|line| traced(&sheet, &line));
+    let places = LinePlaces::new(&lines, &sheet.mesh);
+    for (number, line) in lines.iter().enumerate() {
+        for i in 0..=200 {
+            let at = line.length() * f64::from(i) / 200.0;
+            let found = places.passages(&line.place(at).unwrap());
+            let own = found.iter().find(|passage| passage.0 == number).unwrap();
+            assert!((own.1 - at).abs() < 1e-9);
+        }
+    }
+    let crossing = line_crossings(&lines, &sheet.mesh)[0];
+    let both = places.passages(&crossing.place);
+    assert_eq!(both.iter().map(|p| p.0).collect::<Vec<_>>(), [0, 1]);
+    let beside = MaterialPoint::at_corner(sheet.mesh.vertex_faces(VertexId(0))[0], 0);
+    assert!(places.passages(&beside).is_empty());
+}
+
+/// A vertex with fifty faces, and a line right through it.
+#[test]
+fn a_pole_is_passed() {
+    let rim = (0..50).map(|i| {
+        let (sin, cos) = (TAU * f64::from(i) / 50.0).sin_cos();
+        Vector3::new(cos, sin, 0.0)
+    });
+    let positions: Vec<_> = std::iter::once(Vector3::zeros()).chain(rim).collect();
+    let faces = (0..50).map(|i| [0, 1 + i, 1 + (i + 1) % 50]).collect();
+    let mesh = TriMesh::new(51, faces).unwrap();
+    let uvs = mesh
+        .faces()
+        .as_slice()
+        .iter()
+        .map(|face| face.map(|v| positions[v.index()].xy()));
+    let sheet = Sheet {
+        uvs: uvs.collect(),
+        mesh,
+        positions,
+    };
+    for i in 0..60 {
+        let (sin, cos) = (TAU * f64::from(i) / 60.0).sin_cos();
+        let line = traced(
+            &sheet,
+            &uv(&[[-0.9 * cos, -0.9 * sin], [0.9 * cos, 0.9 * sin]]),
+        );
+        assert!((line.length() - 1.8).abs() < 1e-9);
+    }
 }
 
 #[test]

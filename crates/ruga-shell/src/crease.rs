@@ -48,7 +48,9 @@ pub enum FoldSense {
 ///
 /// # Validity
 /// `c D/l` is kept between 1e-6 and 1e6, with `l = (D/K0)^(1/4)`, at most a thousand edges. Edges have
-/// to lie on the line: a zigzag folds at 5 to 19 % too high a load.
+/// to lie on the line: a zigzag folds at 3 to 14 % too high a load. Along the line there have to be four
+/// vertices per wavelength, or a soft crease folds like a saw. Beyond two radians every edge resists being
+/// shut, creases too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crease {
     /// Extra compliance `c`: angle per moment per length (rad/N), ≥ 0. With 0 and no rest angle the

@@ -56,13 +56,17 @@ impl CreasedFilm {
         }
     }
 
-    /// Gives the line a crease and an anchor, both in units of the film.
+    /// Gives the line a crease that folds to either side and an anchor, both in units of the film.
     fn crease(&mut self, load: &CreaseLoad) {
+        self.crease_to(load, FoldSense::Both);
+    }
+
+    fn crease_to(&mut self, load: &CreaseLoad, sense: FoldSense) {
         let unit = 1.0 / TAU;
         let crease = Crease {
             compliance: unit / (load.stiffness * self.theory.bending_stiffness),
             rest_angle: load.rest_angle,
-            sense: FoldSense::Both,
+            sense,
         };
         let anchor = |&edge: &EdgeId| LineAnchor {
             edge,
@@ -96,6 +100,53 @@ impl CreasedFilm {
         let angles = states.iter().map(|state| state.angle);
         (angles.sum::<f64>() / states.len() as f64).to_degrees()
     }
+}
+
+/// Rest angles that come all at once, next to free hinges and next to rigid ones.
+#[test]
+fn hard_creases_converge() {
+    for (stiffness, degrees) in [
+        (0.5, 100.0),
+        (1e-6, 100.0),
+        (1e6, 100.0),
+        (1e-6, 0.0),
+        (1e6, 0.0),
+    ] {
+        let mut film = CreasedFilm::new(0.05, 12);
+        film.crease(&crease(stiffness, degrees));
+        film.compress(0.0);
+        let fold = film.fold();
+        assert!(
+            fold.is_finite() && fold > -1e-6 && fold < degrees + 1e-3,
+            "{stiffness}: {fold}"
+        );
+        film.compress(0.04);
+        assert!(film.depth().is_finite());
+        assert!(film.sheet.inertia().is_minimum());
+    }
+}
+
+/// A compliant line alone folds to whichever side it is pushed; one that folds to one side does not.
+#[test]
+fn a_valley_is_never_a_ridge() {
+    let ridge = |sense: FoldSense| {
+        let mut film = CreasedFilm::new(0.05, 12);
+        film.crease_to(&crease(0.1, 0.0), sense);
+        let middle = 0.5 * WAVES as f64;
+        let bump = |p: &Vector3<f64>| (-4.0 * (p.x.abs() / middle * 8.0).powi(2)).exp();
+        film.sheet.displace(|p| Vector3::z() * (0.02 * bump(p)));
+        film.compress(0.045);
+        (film.depth(), film.fold())
+    };
+    let (depth, fold) = ridge(FoldSense::Both);
+    assert!(depth < -0.1 && fold < -10.0, "{depth} {fold}");
+    let (depth, fold) = ridge(FoldSense::Valley);
+    assert!(depth > -0.01 && fold >= 0.0, "{depth} {fold}");
+    // Stretched by a tenth it has no fold at all.
+    let mut film = CreasedFilm::new(0.05, 12);
+    film.crease_to(&crease(0.1, 0.0), FoldSense::Valley);
+    film.compress(-0.1);
+    assert_eq!(film.fold(), 0.0);
 }
 
 fn crease(stiffness: f64, degrees: f64) -> CreaseLoad {

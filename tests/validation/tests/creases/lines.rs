@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Matrix3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use ruga_crease::{Corners, LineInput, LineTracer, MeshPiece, TracedLine, cut_lines};
+use ruga_crease::{Corners, LineInput, LinePlaces, LineTracer, MeshPiece, TracedLine, cut_lines};
 use ruga_material::crease_onset;
 use ruga_mesh::{EdgeId, Id, MaterialPoint, PerEdge, PerVertex, TriMesh, VertexId, subdivide};
 use ruga_remesh::{
@@ -355,6 +355,22 @@ fn refits_keep_a_curve_and_what_it_does() {
     let shapes: Vec<_> = fits.iter().map(|mesh| shape(&drawn, &line, mesh)).collect();
     // A line ends at the last edge that it crosses: up to a face of the mesh that is cut is lost at a tip.
     assert!(shapes[0][0] > line.length() - 0.25, "{shapes:?}");
+    // Which line an edge lies on, and where along it, is known after every fit.
+    let places = LinePlaces::new(std::slice::from_ref(&line), &drawn.mesh);
+    for mesh in &fits {
+        let marked = feature_edges(mesh);
+        let is_marked = |edge| marked.contains(&edge);
+        let found = places.edges(&mesh.mesh, mesh.points.as_slice(), is_marked);
+        assert_eq!(found.len(), marked.len());
+        let covered: f64 = found
+            .iter()
+            .map(|edge| (edge.at[1] - edge.at[0]).abs())
+            .sum();
+        assert!(
+            (covered / shapes[0][0] - 1.0).abs() < 2e-3,
+            "{covered} {shapes:?}"
+        );
+    }
     let states: Vec<_> = fits.iter().map(folded).collect();
     for ([length, off, turn], [energy, depth]) in shapes.iter().zip(&states) {
         assert!((length / shapes[0][0] - 1.0).abs() < 0.005, "{shapes:?}");
