@@ -202,40 +202,26 @@ impl Branch {
 /// A one-sided branch has `phi_b = max(0, ...)` in its sense: the energy then still has a continuous
 /// gradient, and at 0 its second derivative is that of the plain star.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct StarFold {
+pub(crate) struct StarFold<'a> {
+    branches: &'a [Branch],
     /// `m` (J^1/2).
     pub(crate) moment: Vector3<f64>,
-    /// Lower triangular `L` with `L L^T = I + sum c/L p p^T` over the free branches.
-    factor: Matrix3<f64>,
 }
 
-impl StarFold {
-    pub(crate) fn new(branches: &[Branch], bend: Vector3<f64>) -> Self {
-        // In the space of the moment the problem has three unknowns, however many branches meet. It is
-        // convex and quadratic in pieces: Newton steps end on it after finitely many, and begin with
-        // all branches free, which is right for the first of them nearly always.
-        let mut free = vec![true; branches.len()];
-        let mut factor = factor(branches, &free);
-        let pull = branches.iter().map(|b| b.lever * b.rest_angle);
-        let mut moment = solve(&factor, bend - pull.sum::<Vector3<f64>>());
-        let mut share = 1.0;
-        for _ in 0..MAX_STEPS {
-            let now = free_branches(branches, &moment);
-            if share == 1.0 && now == free {
-                break;
-            }
-            free = now;
-            factor = self::factor(branches, &free);
-            let step = -solve(&factor, slope(branches, bend, &moment));
-            share = step_length(branches, bend, &moment, &step);
-            moment += step * share;
-        }
-        Self { moment, factor }
+impl<'a> StarFold<'a> {
+    pub(crate) fn new(branches: &'a [Branch], bend: Vector3<f64>) -> Self {
+        let moment = match branches {
+            // Nearly all there are.
+            [branch] => branch.moment(bend),
+            _ => moment(branches, bend),
+        };
+        Self { branches, moment }
     }
 
     /// Energy of star and creases (J).
-    pub(crate) fn energy(&self, branches: &[Branch]) -> f64 {
-        let own = branches.iter().map(|b| b.energy(b.lever.dot(&self.moment)));
+    pub(crate) fn energy(&self) -> f64 {
+        let branches = self.branches.iter();
+        let own = branches.map(|b| b.energy(b.lever.dot(&self.moment)));
         0.5 * self.moment.norm_squared() + own.sum::<f64>()
     }
 
@@ -246,21 +232,88 @@ impl StarFold {
         (0.0 - branch.angle(moment).0, branch.energy(moment))
     }
 
-    /// `R slope`, where `R^T R` is the second derivative of the energy.
-    pub(crate) fn softened(&self, slope: Matrix3<f64>) -> Matrix3<f64> {
-        // A triangular root instead of the symmetric one: all that its user needs is `R^T R`.
-        let mut slope = slope;
-        self.factor.solve_lower_triangular_mut(&mut slope);
-        slope
+    /// The second derivative of the energy by the bend.
+    pub(crate) fn softening(&self) -> Softening {
+        let is_free = |b: &&Branch| b.angle(b.lever.dot(&self.moment)).1;
+        Softening::new(self.branches.iter().filter(is_free))
+    }
+}
+
+/// `(I + sum c/L p p^T)^-1` over some branches, as the square of a matrix.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Softening {
+    /// Lower triangular `L` with `L L^T = I + sum c/L p p^T`.
+    factor: Matrix3<f64>,
+}
+
+impl Softening {
+    fn new<'b>(branches: impl Iterator<Item = &'b Branch>) -> Self {
+        let mut matrix = Matrix3::identity();
+        for branch in branches {
+            matrix += branch.compliance * branch.lever * branch.lever.transpose();
+        }
+        // Identity plus squares is positive definite; what is not finite stays as it came.
+        Self {
+            factor: matrix.cholesky().map_or(matrix, |factor| factor.l()),
+        }
+    }
+
+    /// `R rows`, where `R^T R` is the matrix.
+    ///
+    /// A triangular root instead of the symmetric one: all that anyone needs is `R^T R`.
+    pub(crate) fn root(&self, mut rows: Matrix3<f64>) -> Matrix3<f64> {
+        self.factor.solve_lower_triangular_mut(&mut rows);
+        rows
+    }
+
+    fn apply(&self, mut right: Vector3<f64>) -> Vector3<f64> {
+        self.factor.solve_lower_triangular_mut(&mut right);
+        self.factor.tr_solve_lower_triangular_mut(&mut right);
+        right
     }
 }
 
 /// Makes the rows of a star those of a star in series with creases that are free to fold.
 pub(crate) fn soften(branches: &[Branch], rows: &mut [Vector3<f64>]) {
-    let factor = factor(branches, &vec![true; branches.len()]);
+    let softening = Softening::new(branches.iter());
     for row in rows {
-        factor.solve_lower_triangular_mut(row);
+        softening.factor.solve_lower_triangular_mut(row);
     }
+}
+
+impl Branch {
+    /// `m` of a star with this branch alone.
+    fn moment(&self, bend: Vector3<f64>) -> Vector3<f64> {
+        let square = self.lever.norm_squared();
+        let pull = self.lever.dot(&bend) - square * self.rest_angle;
+        let moment = pull / (1.0 + self.compliance * square);
+        bend - self.lever * self.angle(moment).0
+    }
+}
+
+/// `m` of a star with several branches.
+///
+/// In the space of the moment the problem has three unknowns, however many branches meet. It is convex and
+/// quadratic in pieces: Newton steps end on it after finitely many, and begin with all branches free.
+fn moment(branches: &[Branch], bend: Vector3<f64>) -> Vector3<f64> {
+    let pull = branches.iter().map(|b| b.lever * b.rest_angle);
+    let softening = Softening::new(branches.iter());
+    let mut moment = softening.apply(bend - pull.sum::<Vector3<f64>>());
+    let mut free = vec![true; branches.len()];
+    let mut share = 1.0;
+    for _ in 0..MAX_STEPS {
+        let now = free_branches(branches, &moment);
+        if share == 1.0 && now == free {
+            break;
+        }
+        free = now;
+        let of_step = branches.iter().zip(&free).filter(|(_, free)| **free);
+        let softening = Softening::new(of_step.map(|(branch, _)| branch));
+        let step = -softening.apply(slope(branches, bend, &moment));
+        share = step_length(branches, bend, &moment, &step);
+        moment += step * share;
+    }
+    moment
 }
 
 fn free_branches(branches: &[Branch], moment: &Vector3<f64>) -> Vec<bool> {
@@ -296,19 +349,4 @@ fn step_length(
         }
     }
     high
-}
-
-fn factor(branches: &[Branch], free: &[bool]) -> Matrix3<f64> {
-    let mut matrix = Matrix3::identity();
-    for (branch, _) in branches.iter().zip(free).filter(|&(_, free)| *free) {
-        matrix += branch.compliance * branch.lever * branch.lever.transpose();
-    }
-    // Identity plus squares is positive definite; what is not finite stays as it came.
-    matrix.cholesky().map_or(matrix, |factor| factor.l())
-}
-
-fn solve(factor: &Matrix3<f64>, mut right: Vector3<f64>) -> Vector3<f64> {
-    factor.solve_lower_triangular_mut(&mut right);
-    factor.tr_solve_lower_triangular_mut(&mut right);
-    right
 }

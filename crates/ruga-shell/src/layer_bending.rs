@@ -368,8 +368,8 @@ impl HingeElement {
         match &self.crease {
             None => self.hinge.value(&gather(x, &self.vertices)),
             Some(branch) => {
-                let fold = self.fold(branch, &self.state(x));
-                fold.energy(std::slice::from_ref(branch))
+                let state = self.state(x);
+                self.fold(branch, &state).energy()
             }
         }
     }
@@ -393,7 +393,8 @@ impl HingeElement {
                     Matrix3::from_columns(&[branch.lever, Vector3::zeros(), Vector3::zeros()]);
                 let root = self
                     .fold(branch, state)
-                    .softened(row)
+                    .softening()
+                    .root(row)
                     .column(0)
                     .into_owned();
                 Hinge {
@@ -404,7 +405,7 @@ impl HingeElement {
         }
     }
 
-    fn fold(&self, branch: &Branch, state: &HingeState) -> StarFold {
+    fn fold<'b>(&self, branch: &'b Branch, state: &HingeState) -> StarFold<'b> {
         let bend = branch.lever * self.hinge.bend(state);
         StarFold::new(std::slice::from_ref(branch), bend)
     }
@@ -425,7 +426,7 @@ impl StarElement {
     fn value(&self, bends: &[f64]) -> f64 {
         match self.fold(bends) {
             None => 0.5 * self.bend(bends).norm_squared(),
-            Some(fold) => fold.energy(&self.branches),
+            Some(fold) => fold.energy(),
         }
     }
 
@@ -438,7 +439,7 @@ impl StarElement {
     }
 
     /// How the creases of the star are folded, if it has any.
-    fn fold(&self, bends: &[f64]) -> Option<StarFold> {
+    fn fold(&self, bends: &[f64]) -> Option<StarFold<'_>> {
         let fold = || StarFold::new(&self.branches, self.bend(bends));
         (!self.branches.is_empty()).then(fold)
     }
@@ -467,8 +468,9 @@ impl StarElement {
             }
         }
         if let Some(fold) = self.fold(bends) {
+            let softening = fold.softening();
             for slope in slopes.iter_mut() {
-                *slope = fold.softened(*slope);
+                *slope = softening.root(*slope);
             }
         }
         let mut slots = self.slots.iter();

@@ -88,7 +88,7 @@ pub fn upright(length: f64, columns: usize, rows: usize) -> Strip {
     let edge = spacing / 0.75f64.sqrt();
     let width = rows as f64 * edge;
     let column = |i: usize| {
-        let shift = if i % 2 == 0 { 0.0 } else { 0.5 };
+        let shift = if i.is_multiple_of(2) { 0.0 } else { 0.5 };
         let inner = (0..=rows + i % 2).map(move |j| (j as f64 - shift).clamp(0.0, rows as f64));
         inner.map(move |y| Vector2::new(i as f64 * spacing, y * edge))
     };
