@@ -3,6 +3,7 @@
 mod depth;
 mod lines;
 mod paper;
+mod virtual_nodes;
 
 use std::f64::consts::TAU;
 
