@@ -17,9 +17,13 @@
 //! painted place. A [`VariationField`] makes thickness as uneven as skin's is by nature. A [`StackPair`] is a layer that carries another one: which of the two scales comes
 //! first, how they wrinkle together, and, by [`composite_layers`], what single layer stands for both.
 //!
+//! A straight crease in a film folds before the film wrinkles: [`crease_onset`], [`crease_depth`] and
+//! [`crease_profile`] say at what load and how far.
+//!
 //! SI units; lengths in the rest configuration; compressive strain is positive. All is linear film
 //! theory, which fades above a critical strain of about 10 % (a modulus ratio below 50).
 
+mod crease;
 mod design;
 mod error;
 mod foundation;
@@ -35,6 +39,7 @@ mod uv_tile;
 mod variation;
 mod wrinkling;
 
+pub use crease::{CreaseLoad, crease_depth, crease_onset, crease_profile};
 pub use design::design_layer;
 pub use error::MaterialError;
 pub use foundation::substrate_stiffness;

@@ -15,6 +15,7 @@
 
 mod block_pattern;
 mod box_spline;
+mod edge_split;
 mod error;
 mod face_place;
 mod geodesic;
@@ -38,6 +39,7 @@ pub use topology::{Edge, Submesh, TriMesh};
 pub use vertex_fan::VertexFan;
 
 pub use block_pattern::{BlockPattern, BlockSlot};
+pub use edge_split::{BornVertex, EdgeSplit, split_edges};
 pub use error::MeshError;
 pub use geodesic::edge_distances;
 pub use geometry::{

@@ -116,10 +116,15 @@ impl PlanarLookup {
     /// The face that contains `point`, the one with the lowest id on a common edge; `None` outside of
     /// all faces, as for a point that is not finite.
     pub fn locate(&self, point: Vector2<f64>) -> Option<MaterialPoint> {
+        self.locate_all(point).next()
+    }
+
+    /// All faces that contain `point`, ascending: several on an edge, or where charts overlap.
+    pub fn locate_all(&self, point: Vector2<f64>) -> impl Iterator<Item = MaterialPoint> + '_ {
         let (column, row) = self.cell_of(point);
         let cell = row * self.columns + column;
         let range = self.starts[cell] as usize..self.starts[cell + 1] as usize;
-        self.entries[range].iter().find_map(|&face| {
+        self.entries[range].iter().filter_map(move |&face| {
             let barycentric = barycentric(self.triangles[face], point)?;
             // Rounding must not leave a gap along the common edge of two faces.
             let inside = barycentric.iter().all(|&b| b >= -1e-12);

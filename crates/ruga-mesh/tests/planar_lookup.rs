@@ -114,3 +114,20 @@ fn a_chart_far_from_the_origin_or_very_thin() {
         }
     }
 }
+
+#[test]
+fn all_faces_over_a_point_are_found_where_charts_overlap() {
+    let triangle = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(Vector2::from);
+    let moved = triangle.map(|p| p + Vector2::new(0.1, 0.1));
+    let lookup = PlanarLookup::new(vec![triangle, moved].into());
+    let faces = |x, y| -> Vec<u32> {
+        lookup
+            .locate_all(Vector2::new(x, y))
+            .map(|place| place.face.0)
+            .collect()
+    };
+    assert_eq!(faces(0.3, 0.3), [0, 1]);
+    assert_eq!(faces(0.05, 0.3), [0]);
+    assert_eq!(faces(0.55, 0.55), [1]);
+    assert!(faces(f64::NAN, 0.0).is_empty());
+}

@@ -5,7 +5,7 @@
 //!
 //! A [`SurfaceMesh`] lies on a [`Surface`], addressed by material points: the facets of a mesh
 //! ([`PolyhedralSurface`]), the Loop surface of positions and triangles ([`SmoothSurface`]), or one of
-//! your own. A [`Sizing`] says at each vertex how long edges should be in each direction, a [`Metric`]
+//! your own; [`FeatureCurves`] adds curves that features follow. A [`Sizing`] says at each vertex how long edges should be in each direction, a [`Metric`]
 //! says it anywhere. [`remesh`] or [`remesh_to_metric`] returns a mesh that follows it and a
 //! [`Transfer`] that turns values of the old mesh, per vertex or per corner, into values of the new
 //! one. [`sizing_field`] derives a sizing from a wrinkled shape and from what drives it.
@@ -23,6 +23,7 @@ mod collapse;
 mod corner_values;
 mod counts;
 mod error;
+mod feature_curves;
 mod flip;
 mod grading;
 mod half_edges;
@@ -38,6 +39,7 @@ mod tensor2;
 mod tensor3;
 mod transfer;
 
+pub use feature_curves::{FeatureCurve, FeatureCurves};
 pub use remesh::{RemeshReport, RemeshSettings, Remeshed, remesh, remesh_to_metric};
 pub use sizing::{Metric, SizeLimits, Sizing, size_tensor};
 pub use sizing_field::{FaceDriver, Refinement, SizingInput, sizing_field};

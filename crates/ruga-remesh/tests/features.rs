@@ -5,9 +5,10 @@ mod shapes;
 use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
-use ruga_mesh::{Id, MaterialPoint, PerEdge, PerFace, PerVertex, TriMesh, VertexId};
+use ruga_mesh::{FaceId, Id, MaterialPoint, PerEdge, PerFace, PerVertex, TriMesh, VertexId};
 use ruga_remesh::{
-    PolyhedralSurface, RemeshSettings, Remeshed, Sizing, Surface, SurfaceMesh, remesh,
+    FeatureCurve, FeatureCurves, PolyhedralSurface, RemeshSettings, Remeshed, Sizing, Surface,
+    SurfaceMesh, remesh,
 };
 use shapes::{Shape, Sheet, Waves, grid};
 
@@ -340,4 +341,74 @@ fn a_surface_without_a_place_for_new_vertices_is_reported() {
     let result = follow(&mesh, 0.02, &Stuck);
     assert!(!result.report.converged && result.report.too_long > 50);
     assert!(result.transfer.is_identity(mesh.mesh.vertex_count()));
+}
+
+/// A circle in a flat sheet, as a curve over its two faces.
+fn circle(radius: f64) -> FeatureCurve {
+    let point = |i: u32| {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / 720.0).sin_cos();
+        [0.5 + radius * cos, 0.5 + radius * sin]
+    };
+    // Pieces that cross the diagonal are addressed in one of its faces, with a weight below zero.
+    let address = |[u, v]: [f64; 2], is_lower: bool| MaterialPoint {
+        face: FaceId(u32::from(!is_lower)),
+        barycentric: if is_lower {
+            [1.0 - u, u - v, v]
+        } else {
+            [1.0 - v, u, v - u]
+        },
+    };
+    let piece = |i: u32| {
+        let [a, b] = [point(i), point(i + 1)];
+        let is_lower = a[0] + b[0] >= a[1] + b[1];
+        [a, b].map(|p| address(p, is_lower))
+    };
+    FeatureCurve {
+        pieces: (0..720).map(piece).collect(),
+        is_closed: true,
+    }
+}
+
+#[test]
+fn features_on_a_curve_are_split_on_the_curve_and_not_on_their_chords() {
+    let sheet = Sheet(Shape::Flat);
+    let mut mesh = grid(Shape::Flat, 12, 0.0, 3);
+    // A square of edges whose corners and middles are moved onto the circle.
+    let centre = Vector3::new(0.5, 0.5, 0.0);
+    let on = |p: &Vector3<f64>| (p - centre).amax() > 0.24 && (p - centre).amax() < 0.26;
+    let ring: Vec<_> = mesh.positions.iter().map(|(_, p)| on(p)).collect();
+    for (edge, ends) in mesh.mesh.edges().iter() {
+        mesh.features[edge] = ends.vertices.iter().all(|v| ring[v.index()]);
+    }
+    let moved = mesh
+        .positions
+        .iter()
+        .zip(&ring)
+        .map(|((_, p), &on)| match on {
+            true => centre + (p - centre).normalize() * 0.3,
+            false => *p,
+        });
+    let moved: Vec<_> = moved.collect();
+    mesh.points = moved
+        .iter()
+        .map(|p| sheet.closest(mesh.points[VertexId(0)], *p))
+        .collect();
+    mesh.positions = moved.into();
+    let curves = FeatureCurves::new(&sheet, &[circle(0.3)]);
+    for edge in [0.03, 0.1, 0.02] {
+        mesh = follow(&mesh, edge, &curves).mesh;
+        let (length, _) = seam_length(&mesh);
+        let exact = 0.3 * std::f64::consts::TAU;
+        // The chords of a polygon with such sides.
+        let chord = exact * (edge / 0.3).powi(2) / 24.0;
+        assert!((length - exact).abs() < 4.0 * chord, "{edge}: {length}");
+        for (id, ends) in mesh.mesh.edges().iter() {
+            if mesh.features[id] && !ends.is_border() {
+                for v in ends.vertices {
+                    let off = (mesh.positions[v] - centre).norm() - 0.3;
+                    assert!(off.abs() < 1e-5, "{off}");
+                }
+            }
+        }
+    }
 }

@@ -3,13 +3,17 @@
 use std::collections::{BTreeMap, HashMap};
 
 use nalgebra::{Matrix2, Vector2, Vector3};
-use ruga_blend::{ArtistMesh, Driver, Weights};
+use ruga_blend::{ArtistMesh, BlendShape, Driver, Weights};
 use ruga_stepper::{ComputedMesh, KeyResult, LayerSpec, LayerSurface, PoseResult};
 use thiserror::Error;
 
-/// How far a point may lie from the mirror image of its partner, in sizes of the mesh: a hundredth of a
-/// millimetre on a head.
-const TOLERANCE: f64 = 5e-5;
+/// How far a vertex may lie from the mirror image of its partner, in sizes of the mesh: half a millimetre on a
+/// head, where scans are mirrored by hand. Each must be the other's nearest.
+const TOLERANCE: f64 = 2e-3;
+
+/// How far a blend shape may be from the mirror image of another, as a fraction of its displacements (root of
+/// the mean square): sides of a real face move a little differently.
+const ALIKE_SHAPES: f64 = 0.1;
 
 /// Difference of grey up to which paint is the same on both sides.
 const ALIKE: f64 = 0.1;
@@ -19,7 +23,7 @@ const ALIKE: f64 = 0.1;
 pub enum SymmetryFault {
     /// A vertex without partner on the other side.
     #[error(
-        "vertex {vertex} at ({:.4}, {:.4}, {:.4}) m has no vertex at its mirror image, within {:.3} mm",
+        "vertex {vertex} at ({:.4}, {:.4}, {:.4}) m has no partner at its mirror image, within {:.2} mm",
         at[0], at[1], at[2], 1e3 * reach
     )]
     Vertex {
@@ -63,7 +67,7 @@ impl Mirror {
         let opposite = opposite_vertices(mesh, driver, reach)?;
         Ok(Self {
             triangles: opposite_triangles(mesh, driver, &opposite)?,
-            shapes: opposite_shapes(mesh, driver, (&opposite, reach)),
+            shapes: opposite_shapes(mesh, driver, &opposite),
         })
     }
 
@@ -245,19 +249,26 @@ fn opposite_vertices(
         }
         best.map(|(_, vertex)| vertex)
     };
-    let found = driver.rest().iter().enumerate().map(|(vertex, point)| {
-        nearest(&reflected(point)).ok_or_else(|| {
-            let welded = driver.welded().iter();
-            let in_file = welded.map(|w| w.0 as usize).position(|w| w == vertex);
-            let in_file = in_file.unwrap_or(vertex);
-            SymmetryFault::Vertex {
-                vertex: in_file,
-                at: mesh.positions[in_file].into(),
-                reach,
-            }
-        })
-    });
-    found.collect()
+    let missing = |vertex: usize| {
+        let welded = driver.welded().iter();
+        let in_file = welded.map(|w| w.0 as usize).position(|w| w == vertex);
+        let in_file = in_file.unwrap_or(vertex);
+        SymmetryFault::Vertex {
+            vertex: in_file,
+            at: mesh.positions[in_file].into(),
+            reach,
+        }
+    };
+    let found = driver
+        .rest()
+        .iter()
+        .enumerate()
+        .map(|(vertex, point)| nearest(&reflected(point)).ok_or_else(|| missing(vertex)));
+    let found = found.collect::<Result<Vec<usize>, SymmetryFault>>()?;
+    match (0..found.len()).find(|&vertex| found[found[vertex]] != vertex) {
+        Some(vertex) => Err(missing(vertex)),
+        None => Ok(found),
+    }
 }
 
 fn opposite_triangles(
@@ -332,30 +343,33 @@ fn across_other_diagonal(
     Vec::new()
 }
 
-/// For every shape one that moves the opposite vertices as a mirror would.
-fn opposite_shapes(
-    mesh: &ArtistMesh,
-    driver: &Driver,
-    (opposite, reach): (&[usize], f64),
-) -> Vec<Option<usize>> {
-    // Displacements of the welded vertices.
-    let displacements: Vec<Vec<Vector3<f64>>> = mesh
-        .shapes
-        .iter()
-        .map(|shape| {
-            let mut own = vec![Vector3::zeros(); driver.rest().len()];
-            for (vertex, delta) in driver.welded().iter().zip(&shape.position_deltas) {
-                own[vertex.0 as usize] = *delta;
-            }
-            own
-        })
-        .collect();
-    let mirrors = |a: &[Vector3<f64>], b: &[Vector3<f64>]| {
-        let mut pairs = a.iter().zip(opposite);
-        pairs.all(|(delta, &other)| (reflected(delta) - b[other]).norm() <= reach)
+/// For every shape the one that moves the opposite vertices most nearly as a mirror would, if any does.
+fn opposite_shapes(mesh: &ArtistMesh, driver: &Driver, opposite: &[usize]) -> Vec<Option<usize>> {
+    let of_welded = |shape: &BlendShape| {
+        let mut own = vec![Vector3::zeros(); driver.rest().len()];
+        for (vertex, delta) in driver.welded().iter().zip(&shape.position_deltas) {
+            own[vertex.0 as usize] = *delta;
+        }
+        own
     };
-    displacements
-        .iter()
-        .map(|own| displacements.iter().position(|other| mirrors(own, other)))
-        .collect()
+    let displacements: Vec<Vec<Vector3<f64>>> = mesh.shapes.iter().map(of_welded).collect();
+    let square = |own: &[Vector3<f64>]| own.iter().map(Vector3::norm_squared).sum::<f64>();
+    let squares: Vec<f64> = displacements.iter().map(|own| square(own)).collect();
+    let difference = |a: usize, b: usize| {
+        let pairs = displacements[a].iter().zip(opposite);
+        let squared = |(delta, &other): (&Vector3<f64>, &usize)| {
+            (reflected(delta) - displacements[b][other]).norm_squared()
+        };
+        pairs.map(squared).sum::<f64>() / squares[a].max(squares[b]).max(f64::MIN_POSITIVE)
+    };
+    let nearest = |shape: usize| {
+        let all = (0..squares.len()).map(|other| (difference(shape, other), other));
+        let best = all.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        best.filter(|(far, _)| *far < ALIKE_SHAPES * ALIKE_SHAPES)
+            .map(|(_, other)| other)
+    };
+    let nearest: Vec<Option<usize>> = (0..squares.len()).map(nearest).collect();
+    let is_mutual =
+        |(own, other): (usize, &Option<usize>)| other.filter(|&other| nearest[other] == Some(own));
+    nearest.iter().enumerate().map(is_mutual).collect()
 }

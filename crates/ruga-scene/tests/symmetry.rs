@@ -92,7 +92,7 @@ fn a_mesh_that_does_not_mirror_is_refused() {
     for part in [
         "`driver.symmetry`",
         "mesh.obj does not mirror itself at x = 0",
-        "vertex 0 at (-0.0500, 0.0000, 0.0000) m has no vertex",
+        "vertex 0 at (-0.0500, 0.0000, 0.0000) m has no partner",
     ] {
         assert!(refused.contains(part), "{part}: {refused}");
     }

@@ -1,14 +1,15 @@
 //! Cost of one gradient and one exact Hessian, per face, at about 9.4 thousand vertices, with either
-//! bending model.
+//! bending model, and with ten creases across the layer.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::{Matrix2, Vector3};
 use ruga_mesh::TriMesh;
-use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters};
+use ruga_shell::{BendingModel, Crease, FaceParameters, FoldSense, LayerEnergy, LayerParameters};
 
 const SIDE: usize = 97;
 
-fn layer(model: BendingModel) -> (LayerEnergy, Vec<Vector3<f64>>, usize) {
+/// A layer with creases along so many of its rows, a wrinkled state, and the number of its faces.
+fn layer(model: BendingModel, creases: usize) -> (LayerEnergy, Vec<Vector3<f64>>, usize) {
     let edge = 2e-4;
     let mut rest = Vec::new();
     for j in 0..SIDE {
@@ -43,8 +44,22 @@ fn layer(model: BendingModel) -> (LayerEnergy, Vec<Vector3<f64>>, usize) {
     let mesh = TriMesh::new(rest.len(), faces).expect("a lattice");
     let parameters = LayerParameters::uniform(skin, mesh.face_count(), 1e10, rest.len());
     let pinned = vec![false; rest.len()];
-    let layer = LayerEnergy::with_bending(&mesh, &rest, parameters, &pinned, model)
+    let mut layer = LayerEnergy::with_bending(&mesh, &rest, parameters, &pinned, model)
         .expect("a valid lattice");
+    let row = |v: u32| v as usize / SIDE;
+    let is_creased =
+        |row: usize| row > 0 && row.is_multiple_of(SIDE / 11) && row <= creases * (SIDE / 11);
+    let crease = Crease {
+        compliance: Crease::strip_compliance(skin.thickness, 0.1, skin.bending_modulus()),
+        rest_angle: 0.3,
+        sense: FoldSense::Valley,
+    };
+    let on_line = mesh.edges().iter().filter(|(_, edge)| {
+        let [a, b] = edge.vertices.map(|v| row(v.0));
+        a == b && is_creased(a)
+    });
+    let creases: Vec<_> = on_line.map(|(edge, _)| (edge, crease)).collect();
+    layer.set_creases(&creases).expect("inner edges");
     let wrinkled = rest
         .iter()
         .map(|p| Vector3::new(0.97 * p.x, p.y, 5e-5 * (2.5e3 * p.x).sin()))
@@ -53,12 +68,18 @@ fn layer(model: BendingModel) -> (LayerEnergy, Vec<Vector3<f64>>, usize) {
 }
 
 fn assembly(criterion: &mut Criterion) {
-    measure(criterion, "assembly", BendingModel::Hinge);
-    measure(criterion, "assembly, stars", BendingModel::VertexCurvature);
+    measure(criterion, "assembly", (BendingModel::Hinge, 0));
+    measure(
+        criterion,
+        "assembly, stars",
+        (BendingModel::VertexCurvature, 0),
+    );
+    let creased = (BendingModel::VertexCurvature, 10);
+    measure(criterion, "assembly, stars, ten creases", creased);
 }
 
-fn measure(criterion: &mut Criterion, name: &str, model: BendingModel) {
-    let (mut layer, x, faces) = layer(model);
+fn measure(criterion: &mut Criterion, name: &str, (model, creases): (BendingModel, usize)) {
+    let (mut layer, x, faces) = layer(model, creases);
     let mut gradient = vec![0.0; layer.dof_count()];
     let mut exact = vec![0.0; layer.pattern().1.len()];
     let mut relaxed = exact.clone();

@@ -13,11 +13,14 @@ pub struct EnergyParts {
     pub gradient: f64,
     /// Energy of the tangential springs.
     pub tangential: f64,
+    /// Energy of the line anchors.
+    pub anchored: f64,
 }
 
 impl EnergyParts {
     /// Sum of the parts (J).
     pub fn total(&self) -> f64 {
-        self.membrane + self.bending + self.normal + self.gradient + self.tangential
+        // Last, so that without anchors the sum is what it was.
+        self.membrane + self.bending + self.normal + self.gradient + self.tangential + self.anchored
     }
 }

@@ -37,7 +37,7 @@ pub enum ShellError {
     /// A material or coupling parameter outside its range.
     #[error("{name} = {value} of {element} {index} is outside its range ({range})")]
     ParameterOutOfRange {
-        /// `"face"` or `"vertex"`.
+        /// `"face"`, `"edge"` or `"vertex"`.
         element: &'static str,
         /// Its index.
         index: usize,
@@ -77,6 +77,18 @@ pub enum ShellError {
     BendingFactor {
         /// The factor.
         value: f64,
+    },
+    /// A crease or line anchor is put on an edge that cannot have it.
+    #[error("edge {edge} cannot be creased: it lies at the border or is not in the mesh")]
+    CreaseOutside {
+        /// Index of the edge.
+        edge: usize,
+    },
+    /// Two creases are put on one edge.
+    #[error("edge {edge} has two creases; merge them or leave one out")]
+    CreaseTwice {
+        /// Index of the edge.
+        edge: usize,
     },
     /// A compression direction has no component in its face.
     #[error("the compression direction of face {face} has no component in the face")]

@@ -54,6 +54,11 @@ impl HingeShape {
         Self::new(&rest[left.index()], tail, &rest[right.index()], head)
     }
 
+    /// Length of the edge (m).
+    pub(crate) fn length(&self) -> f64 {
+        self.length
+    }
+
     /// Derivative of the angle by the height of tail, head, left and right apex above the plane, for
     /// angles that are positive in a valley: opposite to those of [`HingeState`](crate::HingeState).
     pub fn angle_by_height(&self) -> [f64; 4] {

@@ -1,17 +1,25 @@
 //! The bending energy of a whole layer, by either model.
 
+mod creases;
+
 use nalgebra::{Matrix3, Vector3};
 
 use ruga_mesh::{BlockPattern, BlockSlot, EdgeId, FaceId, Id, PerEdge, TriMesh};
 
+use crate::crease::{Branch, Crease, StarFold};
 use crate::hinge::{Hinge, HingeState};
 use crate::hinge_stiffness::{HINGE_EXPONENT, HingeShape};
+use crate::layer_creases::{HingeCrease, SizedCrease, star_branches};
 use crate::layer_part::{PartNumbers, marked, ranks};
 use crate::sharp_fold::SharpFold;
 use crate::stars::Star;
 use crate::stencil::{NO_FACE, add_blocks, gather, slots, touches};
 use crate::vertex_curvature::weighted;
+<<<<<<< HEAD
 use crate::{EnergyParts, FaceParameters, RestTriangle};
+=======
+use crate::{CreaseState, FaceParameters, RestTriangle, ShellError};
+>>>>>>> crease
 
 /// Hinges at all inner edges and, if the model has them, the stars that their angles go into.
 #[derive(Clone, Debug)]
@@ -19,6 +27,9 @@ pub(crate) struct LayerBending {
     hinges: Vec<HingeElement>,
     stars: Vec<StarElement>,
     factor: f64,
+    creases: Vec<HingeCrease>,
+    /// The stars with a crease on an inner edge: which star, and which edge has which crease.
+    creased_stars: Vec<(u32, Vec<(u32, u32)>)>,
 }
 
 /// An inner edge of a mesh, without a stiffness.
@@ -34,6 +45,9 @@ pub(crate) struct InnerEdge {
 #[derive(Clone, Copy, Debug)]
 struct HingeElement {
     hinge: Hinge,
+    /// A crease in series with the hinge; none where there are stars.
+    crease: Option<Branch>,
+    edge: EdgeId,
     vertices: [u32; 4],
     sides: [(FaceId, usize); 2],
     slots: [BlockSlot; 10],
@@ -46,6 +60,8 @@ struct StarElement {
     rows: Vec<Vector3<f64>>,
     /// The hinge on each inner edge.
     hinges: Vec<u32>,
+    /// Creases in series with the star.
+    branches: Vec<Branch>,
     slots: Vec<BlockSlot>,
 }
 
@@ -88,12 +104,16 @@ impl LayerBending {
             hinge_of[inner.edge] = hinge;
         }
         let hinge = |&InnerEdge {
-                         sides, vertices, ..
+                         sides,
+                         vertices,
+                         edge,
                      }: &InnerEdge| HingeElement {
             hinge: Hinge {
                 stiffness: 0.0,
                 rest_angle: HingeState::new(&gather(rest, &vertices)).angle(),
             },
+            crease: None,
+            edge,
             vertices,
             sides,
             slots: slots(pattern, &vertices),
@@ -105,6 +125,8 @@ impl LayerBending {
                 .collect(),
             hinges: inner.iter().map(hinge).collect(),
             factor: 1.0,
+            creases: Vec::new(),
+            creased_stars: Vec::new(),
         }
     }
 
@@ -151,6 +173,7 @@ impl LayerBending {
                 star: whole.star.part(local),
                 rows: Vec::new(),
                 hinges: hinges.collect(),
+                branches: Vec::new(),
                 slots: Vec::new(),
             }
         };
@@ -158,6 +181,8 @@ impl LayerBending {
             hinges: numbers.hinges.iter().map(hinge).collect(),
             stars: numbers.stars.iter().map(star).collect(),
             factor: self.factor,
+            creases: Vec::new(),
+            creased_stars: Vec::new(),
         }
     }
 
@@ -175,11 +200,13 @@ impl LayerBending {
     pub(crate) fn follow(&mut self, whole: &Self, numbers: &PartNumbers) {
         self.factor = whole.factor;
         for (element, &number) in self.hinges.iter_mut().zip(&numbers.hinges) {
-            element.hinge = whole.hinges[number as usize].hinge;
+            let HingeElement { hinge, crease, .. } = whole.hinges[number as usize];
+            (element.hinge, element.crease) = (hinge, crease);
         }
         for (element, &number) in self.stars.iter_mut().zip(&numbers.stars) {
-            let rows = &whole.stars[number as usize].rows;
+            let StarElement { rows, branches, .. } = &whole.stars[number as usize];
             element.rows.clone_from(rows);
+            element.branches.clone_from(branches);
         }
     }
 
@@ -206,6 +233,7 @@ impl LayerBending {
             let poisson = |face: usize| parameters[face].poisson;
             element.rows = shape.rows(stiffness, element.star.mean(rest, poisson));
         }
+        self.size_creases(rest, parameters);
     }
 
     pub(crate) fn set_rest_angles(&mut self, positions: &[Vector3<f64>]) {
@@ -219,12 +247,10 @@ impl LayerBending {
         // tells the two models apart.
         if self.stars.is_empty() {
             let hinges = self.hinges.iter();
-            return hinges
-                .map(|element| element.hinge.value(&gather(x, &element.vertices)))
-                .sum();
+            return hinges.map(|element| element.value(x)).sum();
         }
         let bends = self.bends(&self.states(x));
-        let curved = |star: &StarElement| 0.5 * star.bend(&bends).norm_squared();
+        let curved = |star: &StarElement| star.value(&bends);
         let sharp = self.sharp_folds(&bends).map(|(_, fold)| fold.value);
         self.stars.iter().map(curved).sum::<f64>() + sharp.sum::<f64>()
     }
@@ -268,7 +294,9 @@ impl LayerBending {
     ) {
         if self.stars.is_empty() {
             for element in &self.hinges {
-                let forces = element.hinge.gradient(&gather(x, &element.vertices));
+                let state = element.state(x);
+                let moment = element.moment(&state);
+                let forces = state.angle_gradient().map(|g| g * moment);
                 pattern.add_forces(gradient, &element.vertices, &forces);
             }
             return;
@@ -276,7 +304,7 @@ impl LayerBending {
         let states = self.states(x);
         // An edge belongs to the stars of both its ends. Summed into one moment, they need its
         // derivatives only once.
-        let moments = self.moments(&states);
+        let moments = self.moments(&self.bends(&states));
         for ((element, state), moment) in self.hinges.iter().zip(&states).zip(moments) {
             let forces = state.angle_gradient().map(|g| g * moment);
             pattern.add_forces(gradient, &element.vertices, &forces);
@@ -291,11 +319,11 @@ impl LayerBending {
                 let state = element.state(x);
                 // The square alone serves as the relaxed Hessian: the rest goes with the bending
                 // moment and may be indefinite.
-                let mut blocks = element.hinge.gauss_newton(&state);
+                let mut blocks = element.softened(&state).gauss_newton(&state);
                 if !relaxed.is_empty() {
                     add_blocks(relaxed, &element.slots, &blocks);
                 }
-                element.hinge.add_curvature(&state, &mut blocks);
+                state.add_curvature(element.moment(&state), &mut blocks);
                 add_blocks(exact, &element.slots, &blocks);
             }
             return;
@@ -304,7 +332,8 @@ impl LayerBending {
         // The second derivative has two parts of different reach: curvature of an angle couples the
         // four vertices of its hinge, squares couple all vertices of a star. Only the squares are
         // semidefinite, and the relaxed Hessian takes no other part.
-        let moments = self.moments(&states);
+        let bends = self.bends(&states);
+        let moments = self.moments(&bends);
         for ((element, state), moment) in self.hinges.iter().zip(&states).zip(moments) {
             let mut blocks = [Matrix3::zeros(); 10];
             state.add_curvature(moment, &mut blocks);
@@ -313,9 +342,9 @@ impl LayerBending {
         let gradients: Vec<_> = states.iter().map(HingeState::angle_gradient).collect();
         let mut slopes = Vec::new();
         for star in &self.stars {
-            star.add_gauss_newton(&gradients, &mut slopes, exact, relaxed);
+            star.add_gauss_newton((&bends, &gradients), &mut slopes, exact, relaxed);
         }
-        for (i, fold) in self.sharp_folds(&self.bends(&states)) {
+        for (i, fold) in self.sharp_folds(&bends) {
             let stiffened = Hinge {
                 stiffness: fold.curvature,
                 ..self.hinges[i].hinge
@@ -349,16 +378,15 @@ impl LayerBending {
     }
 
     /// Derivative by each angle of the energy of stars and sharp folds (J).
-    fn moments(&self, states: &[HingeState]) -> Vec<f64> {
-        let bends = self.bends(states);
+    fn moments(&self, bends: &[f64]) -> Vec<f64> {
         let mut moments = vec![0.0; bends.len()];
         for star in &self.stars {
-            let bend = star.bend(&bends);
+            let moment = star.moment(bends);
             for (&hinge, row) in star.hinges.iter().zip(&star.rows) {
-                moments[hinge as usize] += row.dot(&bend);
+                moments[hinge as usize] += row.dot(&moment);
             }
         }
-        for (i, fold) in self.sharp_folds(&bends) {
+        for (i, fold) in self.sharp_folds(bends) {
             moments[i] += fold.slope;
         }
         moments
@@ -369,6 +397,53 @@ impl HingeElement {
     fn state(&self, x: &[Vector3<f64>]) -> HingeState {
         HingeState::new(&gather(x, &self.vertices))
     }
+
+    /// Energy (J).
+    fn value(&self, x: &[Vector3<f64>]) -> f64 {
+        match &self.crease {
+            None => self.hinge.value(&gather(x, &self.vertices)),
+            Some(branch) => {
+                let state = self.state(x);
+                self.fold(branch, &state).energy()
+            }
+        }
+    }
+
+    /// Derivative of the energy by the angle (J).
+    #[inline]
+    fn moment(&self, state: &HingeState) -> f64 {
+        match &self.crease {
+            None => self.hinge.stiffness * self.hinge.bend(state),
+            Some(branch) => branch.lever.dot(&self.fold(branch, state).moment),
+        }
+    }
+
+    /// The hinge with the second derivative of the energy by the angle as its stiffness.
+    #[inline]
+    fn softened(&self, state: &HingeState) -> Hinge {
+        match &self.crease {
+            None => self.hinge,
+            Some(branch) => {
+                let row =
+                    Matrix3::from_columns(&[branch.lever, Vector3::zeros(), Vector3::zeros()]);
+                let root = self
+                    .fold(branch, state)
+                    .softening()
+                    .root(row)
+                    .column(0)
+                    .into_owned();
+                Hinge {
+                    stiffness: root.norm_squared(),
+                    ..self.hinge
+                }
+            }
+        }
+    }
+
+    fn fold<'b>(&self, branch: &'b Branch, state: &HingeState) -> StarFold<'b> {
+        let bend = branch.lever * self.hinge.bend(state);
+        StarFold::new(std::slice::from_ref(branch), bend)
+    }
 }
 
 impl StarElement {
@@ -376,22 +451,46 @@ impl StarElement {
         Self {
             rows: Vec::new(),
             hinges: star.folds.iter().map(|fold| hinge_of[fold.edge]).collect(),
+            branches: Vec::new(),
             slots: pattern.stencil_slots(&star.vertices).collect(),
             star,
         }
     }
 
-    /// Weighted bends of the star: half the square of this vector is its energy.
+    /// Energy (J).
+    fn value(&self, bends: &[f64]) -> f64 {
+        match self.fold(bends) {
+            None => 0.5 * self.bend(bends).norm_squared(),
+            Some(fold) => fold.energy(),
+        }
+    }
+
+    /// Derivative of the energy by the bend.
+    fn moment(&self, bends: &[f64]) -> Vector3<f64> {
+        match self.fold(bends) {
+            None => self.bend(bends),
+            Some(fold) => fold.moment,
+        }
+    }
+
+    /// How the creases of the star are folded, if it has any.
+    fn fold(&self, bends: &[f64]) -> Option<StarFold<'_>> {
+        let fold = || StarFold::new(&self.branches, self.bend(bends));
+        (!self.branches.is_empty()).then(fold)
+    }
+
+    /// Weighted bends of the star: half the square of this vector is its energy without creases.
     #[inline]
     fn bend(&self, bends: &[f64]) -> Vector3<f64> {
         let folds = self.hinges.iter().map(|&hinge| bends[hinge as usize]);
         weighted(&self.rows, folds)
     }
 
-    /// `J^T J`, with `J` the derivative of the star's bend; `slopes` is room to work in.
+    /// `J^T J`, with `J` the derivative of the star's bend, softened by its creases; `slopes` is room to
+    /// work in.
     fn add_gauss_newton(
         &self,
-        gradients: &[[Vector3<f64>; 4]],
+        (bends, gradients): (&[f64], &[[Vector3<f64>; 4]]),
         slopes: &mut Vec<Matrix3<f64>>,
         exact: &mut [f64],
         relaxed: &mut [f64],
@@ -401,6 +500,12 @@ impl StarElement {
         for ((&hinge, fold), row) in self.hinges.iter().zip(&self.star.folds).zip(&self.rows) {
             for (&i, g) in fold.corners.iter().zip(&gradients[hinge as usize]) {
                 slopes[i as usize] += row * g.transpose();
+            }
+        }
+        if let Some(fold) = self.fold(bends) {
+            let softening = fold.softening();
+            for slope in slopes.iter_mut() {
+                *slope = softening.root(*slope);
             }
         }
         let mut slots = self.slots.iter();

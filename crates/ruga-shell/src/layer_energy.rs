@@ -1,6 +1,10 @@
 //! All energies of a layer, assembled over its free vertices.
 
+<<<<<<< HEAD
 mod by_face;
+=======
+mod creases;
+>>>>>>> crease
 
 use std::sync::OnceLock;
 
@@ -349,12 +353,13 @@ impl LayerEnergy {
 
     fn parts(&self, x: &[Vector3<f64>], anchors: &[Anchor]) -> EnergyParts {
         self.check(x);
-        let [normal, gradient, tangential] =
+        let [normal, gradient, tangential, anchored] =
             self.foundation.values(self.lower().faces(), anchors, x);
         let mut parts = EnergyParts {
             normal,
             gradient,
             tangential,
+            anchored,
             ..EnergyParts::default()
         };
         for sheet in &self.sheets {

@@ -9,7 +9,11 @@ use crate::layer_part::{PartNumbers, marked, pick};
 use crate::parameters::{check_finite, check_length};
 use crate::sheet::Sheet;
 use crate::stencil::{NO_FACE, touches};
+<<<<<<< HEAD
 use crate::{EnergyParts, ShellError};
+=======
+use crate::{LineAnchor, RestTriangle, ShellError};
+>>>>>>> crease
 
 /// Tolerance on the length of a base normal.
 const UNIT_TOLERANCE: f64 = 1e-6;
@@ -26,6 +30,18 @@ pub(crate) struct LayerFoundation {
     anchors: Vec<Anchor>,
     /// Tangential stiffness of each vertex (N/m³).
     tangential: Vec<f64>,
+    lines: Vec<LineSpring>,
+}
+
+/// A line anchor on one of the edges.
+#[derive(Clone, Copy, Debug)]
+struct LineSpring {
+    anchor: LineAnchor,
+    /// Rank of the edge in [`LayerFoundation::edges`].
+    edge: u32,
+    ends: [u32; 2],
+    /// `k_a` times the length of the edge (N/m).
+    stiffness: f64,
 }
 
 /// Scalar stiffness between the deviations at the ends of an edge.
@@ -78,6 +94,7 @@ impl LayerFoundation {
             edges: edges.collect(),
             anchors,
             tangential,
+            lines: Vec::new(),
         };
         this.set_rest(sheet);
         this
@@ -116,8 +133,41 @@ impl LayerFoundation {
             let entries = edge.sides.into_iter().filter_map(entry);
             edge.stiffness = entries.sum();
         }
+        for line in &mut self.lines {
+            let edge = &mut self.edges[line.edge as usize];
+            line.stiffness = line.anchor.stiffness * edge.length(rest);
+            // The mass matrix of an edge: a third and a sixth of its length.
+            edge.stiffness += line.stiffness / 6.0;
+            for end in line.ends {
+                diagonal[end as usize] += line.stiffness / 3.0;
+            }
+        }
         self.vertex_areas = areas;
         self.diagonal = diagonal;
+    }
+
+    /// Replaces all line anchors, over the sheet's present rest metric.
+    pub(crate) fn set_lines(
+        &mut self,
+        anchors: &[LineAnchor],
+        sheet: &Sheet,
+    ) -> Result<(), ShellError> {
+        let line = |&anchor: &LineAnchor| {
+            anchor.check()?;
+            let index = anchor.edge.index();
+            // Edges are listed as in the mesh.
+            let edge = self.edges.get(index);
+            let edge = edge.ok_or(ShellError::CreaseOutside { edge: index })?;
+            Ok(LineSpring {
+                anchor,
+                edge: anchor.edge.0,
+                ends: edge.ends,
+                stiffness: 0.0,
+            })
+        };
+        self.lines = anchors.iter().map(line).collect::<Result<_, _>>()?;
+        self.set_rest(sheet);
+        Ok(())
     }
 
     /// Numbers of the edges that have a marked end.
@@ -154,6 +204,7 @@ impl LayerFoundation {
             edges: numbers.edges.iter().map(edge).collect(),
             anchors: Vec::new(),
             tangential: Vec::new(),
+            lines: Vec::new(),
         }
     }
 
@@ -180,6 +231,16 @@ impl LayerFoundation {
         for (edge, &number) in self.edges.iter_mut().zip(&numbers.edges) {
             edge.stiffness = whole.edges[number as usize].stiffness;
         }
+        let edges = &self.edges;
+        let line = |whole: &LineSpring| {
+            let edge = numbers.edges.binary_search(&whole.edge).ok()?;
+            Some(LineSpring {
+                edge: edge as u32,
+                ends: edges[edge].ends,
+                ..*whole
+            })
+        };
+        self.lines = whole.lines.iter().filter_map(line).collect();
     }
 
     pub(crate) fn set_anchors(&mut self, anchors: Vec<Anchor>) {
@@ -222,13 +283,13 @@ impl LayerFoundation {
         }
     }
 
-    /// Energies of the `K0`, `K1` and `Kt` terms (J).
+    /// Energies of the `K0`, `K1` and `Kt` terms and of the line anchors (J).
     pub(crate) fn values(
         &self,
         faces: &[[u32; 3]],
         anchors: &[Anchor],
         x: &[Vector3<f64>],
-    ) -> [f64; 3] {
+    ) -> [f64; 4] {
         // Each vertex has its own normal, and scalars are what is differentiated. On a curved base
         // the gradient of the vector from the base would bring in the turning of the normal times
         // the drift.
@@ -246,7 +307,8 @@ impl LayerFoundation {
             .zip(x)
             .map(|((spring, anchor), x)| spring.value(anchor, x))
             .sum();
-        [normal, gradient, tangential]
+        let lines = self.lines.iter().map(|line| line.value(&w));
+        [normal, gradient, tangential, lines.sum()]
     }
 
     /// Adds the energies (J) to the faces of the `sheet`; that of a vertex's tangential spring by their area.
@@ -287,6 +349,11 @@ impl LayerFoundation {
                 by_deviation[vertex as usize] += force;
             }
         }
+        for line in &self.lines {
+            for (end, force) in line.ends.iter().zip(line.forces(&w)) {
+                by_deviation[*end as usize] += force;
+            }
+        }
         let vertices = anchors
             .iter()
             .zip(&self.tangential_springs)
@@ -319,6 +386,33 @@ impl LayerFoundation {
             edge.slot.add(&mut values, &block);
         }
         values
+    }
+}
+
+impl EdgeSprings {
+    /// Length (m) among these rest triangles, the mean of what its sides say.
+    fn length(&self, rest: &[RestTriangle]) -> f64 {
+        let sides = self.sides.iter().flatten();
+        let lengths = sides.map(|&(face, corner)| rest[face.index()].seen_from_edge(corner).0);
+        lengths.sum::<f64>() / self.sides.iter().flatten().count() as f64
+    }
+}
+
+impl LineSpring {
+    /// Heights of the ends over where the anchor would have them (m).
+    fn excess(&self, w: &[f64]) -> [f64; 2] {
+        [0, 1].map(|i| w[self.ends[i] as usize] + self.anchor.depths[i])
+    }
+
+    fn value(&self, w: &[f64]) -> f64 {
+        let [u, v] = self.excess(w);
+        self.stiffness / 6.0 * (u * u + u * v + v * v)
+    }
+
+    /// Derivative of the energy by the deviations of the ends (N).
+    fn forces(&self, w: &[f64]) -> [f64; 2] {
+        let [u, v] = self.excess(w);
+        [2.0 * u + v, u + 2.0 * v].map(|sum| self.stiffness / 6.0 * sum)
     }
 }
 

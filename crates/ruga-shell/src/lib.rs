@@ -14,8 +14,12 @@
 //!   + sum_edges  k/2 (theta - theta_rest)^2                    Grinspun 2003, calibrated to D
 //!  or sum_stars  A D/2 ((tr kappa)^2 - 2 (1 - nu) det kappa)   kappa linear in theta - theta_rest
 //!     + sum_edges k u^3/(1.01 - u)                           u from 0 at 2 rad of bend to 1 at pi
+//!   + sum_creases  L/(2 c) (phi - phi_rest)^2                   in series with the bending, phi least
 //!   + 1/2 int    K0 w^2 + K1 |grad w|^2 + Kt |x_t - p_t|^2     Pasternak, w = n.(x - p) - offset
 //! ```
+//!
+//! A [`Crease`] on an edge adds compliance and a rest angle in series with the bending there
+//! ([`LayerEnergy::set_creases`]), and a [`LineAnchor`] draws a line to a depth.
 //!
 //! SI units: metres, newtons, joules. Positions are in space; everything marked *rest* refers to
 //! the rest metric. The Hessian is symmetric, its lower triangle in compressed columns over the
@@ -54,11 +58,15 @@
 
 mod bending_model;
 mod collapse;
+mod crease;
+mod crease_state;
 mod energy_parts;
 mod layer_bending;
+mod layer_creases;
 mod layer_energy;
 mod layer_foundation;
 mod layer_part;
+mod line_anchor;
 mod parameters;
 mod sharp_fold;
 mod sheet;
@@ -80,10 +88,13 @@ mod rest_triangle;
 mod stars;
 
 pub use bending_model::BendingModel;
+pub use crease::{Crease, FoldSense};
+pub use crease_state::CreaseState;
 pub use energy_parts::EnergyParts;
 pub use layer_energy::LayerEnergy;
 pub use layer_foundation::FoundationStiffness;
 pub use layer_part::LayerPart;
+pub use line_anchor::LineAnchor;
 pub use parameters::{FaceParameters, LayerParameters};
 pub use upper_sheet::UpperSheet;
 
@@ -94,7 +105,7 @@ pub use layer_springs::{LayerSpringParameters, LayerSpringState, LayerSprings};
 pub use membrane::{Membrane, MembraneState, Stress};
 pub use vertex_curvature::StarShape;
 
-pub use response::{ResponseModulus, face_corners, response_modulus};
+pub use response::{ResponseModulus, creased_response, face_corners, response_modulus};
 pub use response_query::ResponseQuery;
 pub use rest_triangle::{MIN_AREA_RATIO, RestTriangle};
 

@@ -5,12 +5,16 @@ use faer::sparse::linalg::solvers::Llt;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{MatMut, Side};
 use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector2, Vector3};
-use ruga_mesh::{FaceId, Id, PerEdge, TriMesh, VertexId};
+use ruga_mesh::{EdgeId, FaceId, Id, PerEdge, TriMesh, VertexId};
 
+use crate::crease::soften;
 use crate::hinge::HingeState;
 use crate::layer_bending::{InnerEdge, inner_edges};
+use crate::layer_creases::{SizedCrease, sized_creases, star_branches};
 use crate::stars::stars;
-use crate::{BendingModel, HingeShape, NormalFoundation, ResponseQuery, RestTriangle, ShellError};
+use crate::{
+    BendingModel, Crease, HingeShape, NormalFoundation, ResponseQuery, RestTriangle, ShellError,
+};
 
 /// The first buckling mode of the sheet, as a plate modulus.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,6 +73,21 @@ pub fn face_corners(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Vec<[Vector3<
 /// # Errors
 /// [`ShellError::UnstableSheet`], [`ShellError::NoDirection`], and those of bad meshes.
 pub fn response_modulus(query: &ResponseQuery) -> Result<ResponseModulus, ShellError> {
+    creased_response(query, &[])
+}
+
+/// The first buckling mode of a sheet with creases, from their state without moment.
+///
+/// [`response_modulus`] with creases in series with the bending, free to fold to either side: the least
+/// force at which a film gives way at a line, long before it wrinkles. `bending_modulus` is then that of
+/// a uniform film with this force.
+///
+/// # Errors
+/// Those of [`response_modulus`] and of [`LayerEnergy::set_creases`](crate::LayerEnergy::set_creases).
+pub fn creased_response(
+    query: &ResponseQuery,
+    creases: &[(EdgeId, Crease)],
+) -> Result<ResponseModulus, ShellError> {
     query.check()?;
     let rest = query
         .corners
@@ -79,7 +98,8 @@ pub fn response_modulus(query: &ResponseQuery) -> Result<ResponseModulus, ShellE
     let free = FreeIndex::new(query.fixed);
 
     let mut stiffness = Vec::new();
-    add_bending(query, &rest, &free, &mut stiffness);
+    let sized = sized_creases(query, &rest, creases)?;
+    add_bending((query, &sized), &rest, &free, &mut stiffness);
     add_foundation(query, &rest, &free, &mut stiffness);
     let mut load = Vec::new();
     add_load(query, &rest, &free, &mut load)?;
@@ -174,7 +194,7 @@ impl FreeIndex {
 }
 
 fn add_bending(
-    query: &ResponseQuery,
+    (query, creases): (&ResponseQuery, &PerEdge<Option<SizedCrease>>),
     rest: &[RestTriangle],
     free: &FreeIndex,
     entries: &mut Entries,
@@ -185,11 +205,15 @@ fn add_bending(
         BendingModel::Hinge => {
             for edge in inner {
                 let shape = HingeShape::between(edge.sides, rest);
-                let stiffness = shape.stiffness(query.bending_modulus, query.hinge_exponent);
+                let plain = shape.stiffness(query.bending_modulus, query.hinge_exponent);
+                let stiffness = match &creases[edge.edge] {
+                    None => plain,
+                    Some(crease) => crease.of_hinge(plain).series_stiffness(),
+                };
                 free.add_square(entries, stiffness, &folds[edge.edge]);
             }
         }
-        BendingModel::VertexCurvature => add_stars(query, rest, &folds, free, entries),
+        BendingModel::VertexCurvature => add_stars((query, creases), rest, &folds, free, entries),
     }
 }
 
@@ -197,7 +221,7 @@ fn add_bending(
 type FoldRow = [(VertexId, f64); 4];
 
 fn add_stars(
-    query: &ResponseQuery,
+    (query, creases): (&ResponseQuery, &PerEdge<Option<SizedCrease>>),
     rest: &[RestTriangle],
     folds: &PerEdge<FoldRow>,
     free: &FreeIndex,
@@ -205,7 +229,14 @@ fn add_stars(
 ) {
     for star in stars(query.mesh) {
         let shape = star.shape(rest);
-        let weights = shape.rows(query.bending_modulus * shape.area(), query.poisson);
+        let mut weights = shape.rows(query.bending_modulus * shape.area(), query.poisson);
+        let edges = (0..).zip(&star.folds);
+        let creased = edges.filter_map(|(fold, of)| Some((fold, creases[of.edge]?)));
+        let creased: Vec<_> = creased.collect();
+        if !creased.is_empty() {
+            let branches = star_branches(&creased, (&star, rest), &weights);
+            soften(&branches, &mut weights);
+        }
         for component in 0..3 {
             let vertices = star.vertices.iter();
             let mut row: Vec<_> = vertices.map(|&vertex| (VertexId(vertex), 0.0)).collect();

@@ -2,14 +2,18 @@
 
 use nalgebra::{Matrix2, Vector3};
 
-use ruga_mesh::{BlockPattern, BlockSlot, TriMesh};
+use ruga_mesh::{BlockPattern, BlockSlot, EdgeId, TriMesh};
 
 use crate::layer_bending::{InnerEdge, LayerBending, inner_edges};
 use crate::layer_part::{PartNumbers, marked, pick};
 use crate::membrane::{Membrane, Stress};
 use crate::stars::{Star, stars};
 use crate::stencil::{add_blocks, gather, slots, touches};
+<<<<<<< HEAD
 use crate::{BendingModel, EnergyParts, FaceParameters, RestTriangle, ShellError};
+=======
+use crate::{BendingModel, Crease, CreaseState, FaceParameters, RestTriangle, ShellError};
+>>>>>>> crease
 
 /// The stencils of a sheet, numbered by the vertices of the whole layer.
 pub(crate) struct SheetTopology<'a> {
@@ -184,6 +188,17 @@ impl Sheet {
 
     pub(crate) fn set_rest_angles(&mut self, positions: &[Vector3<f64>]) {
         self.bending.set_rest_angles(positions);
+    }
+
+    /// Replaces all creases.
+    pub(crate) fn set_creases(&mut self, creases: &[(EdgeId, Crease)]) -> Result<(), ShellError> {
+        self.bending.set_creases(creases)?;
+        self.bending.size_creases(&self.rest, &self.parameters);
+        Ok(())
+    }
+
+    pub(crate) fn crease_states(&self, x: &[Vector3<f64>]) -> Vec<CreaseState> {
+        self.bending.crease_states(x)
     }
 
     pub(crate) fn set_bending_factor(&mut self, factor: f64) {

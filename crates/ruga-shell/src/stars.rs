@@ -1,5 +1,7 @@
 //! The fans of faces around the vertices of a mesh, as stencils of bending.
 
+use std::f64::consts::{PI, TAU};
+
 use ruga_mesh::{EdgeId, FaceId, Id, TriMesh, VertexFan};
 
 use crate::stencil::NO_FACE;
@@ -86,12 +88,32 @@ impl Star {
         }
     }
 
+<<<<<<< HEAD
     /// The faces, each with its part of their area.
     pub(crate) fn shares(&self, rest: &[RestTriangle]) -> impl Iterator<Item = (usize, f64)> {
         let area = |(face, _): &(FaceId, usize)| rest[face.index()].area();
         let whole: f64 = self.fan.iter().map(area).sum();
         let fan = self.fan.iter();
         fan.map(move |side| (side.0.index(), area(side) / whole))
+=======
+    /// Angle (rad), from 0 to pi, by which a line turns at the centre that comes in on one inner edge and goes
+    /// out on another, in the plane of [`StarShape`].
+    pub(crate) fn turn(&self, rest: &[RestTriangle], [from, to]: [u32; 2]) -> f64 {
+        let angle = |&(face, corner): &(FaceId, usize)| {
+            let (length, foot, height) = rest[face.index()].seen_from_edge(corner);
+            height.atan2(foot * length)
+        };
+        let angles: Vec<_> = self.fan.iter().map(angle).collect();
+        // Inner edge `k` is the one at which face `k` begins, but for the first face at a border.
+        let border = usize::from(!self.is_closed);
+        let [first, last] = [from.min(to), from.max(to)].map(|fold| fold as usize + border);
+        let between: f64 = angles[first..last].iter().sum();
+        let scale = match self.is_closed {
+            true => TAU / angles.iter().sum::<f64>(),
+            false => 1.0,
+        };
+        (PI - scale * between).abs()
+>>>>>>> crease
     }
 
     /// Mean over the faces, weighted by their area.

@@ -32,6 +32,6 @@ pub use flat_film::{FilmState, FlatFilm};
 pub use flat_surface::{FlatSurface, Lines, baked_lines};
 pub use patch::{Patch, patch_driver, patch_pose};
 pub use rectangle::Rectangle;
-pub use sheet::{FilmCoupling, FilmSpec, Sheet, SheetSpec, Strip, equilateral};
+pub use sheet::{FilmCoupling, FilmSpec, Sheet, SheetSpec, Strip, equilateral, upright};
 pub use skin::{EveryFrame, Skin, asset, findings, shared_data, skin_layer, tilts};
 pub use two_scales::{FineHeights, Profile, TwoScales, Window};

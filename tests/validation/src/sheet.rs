@@ -12,8 +12,10 @@ use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use ruga_material::Wrinkling;
-use ruga_mesh::TriMesh;
-use ruga_shell::{BendingModel, LayerEnergy, LayerParameters};
+use ruga_mesh::{EdgeId, TriMesh};
+use ruga_shell::{
+    BendingModel, Crease, CreaseState, EnergyParts, LayerEnergy, LayerParameters, LineAnchor,
+};
 use ruga_solver::{
     Inertia, Kkt, LowerPattern, Minimise, NewtonSettings, SolveReport, inertia_at, minimise,
 };
@@ -21,7 +23,7 @@ use ruga_solver::{
 use crate::baselines::by_residual;
 
 pub use film_spec::{FilmCoupling, FilmSpec};
-pub use strip::{Strip, equilateral};
+pub use strip::{Strip, equilateral, upright};
 
 pub(crate) use objective::{gather, scatter};
 pub(crate) use rows::{Row, to_constraint_rows};
@@ -70,6 +72,27 @@ impl SheetSpec {
             rollers: side_rollers(strip, &free),
             rest,
             pinned,
+        }
+    }
+
+    /// A sheet of any shape that lies on nothing but what its parameters say, with vertices pinned.
+    pub fn bare(
+        (theory, thickness): (Wrinkling, f64),
+        (rest, faces): (Vec<Vector3<f64>>, Vec<[u32; 3]>),
+        parameters: LayerParameters,
+        pinned: Vec<bool>,
+    ) -> Self {
+        Self {
+            theory,
+            thickness,
+            rest,
+            faces,
+            parameters,
+            bending: BendingModel::VertexCurvature,
+            pinned,
+            averages: Vec::new(),
+            coupling: Vec::new(),
+            rollers: Vec::new(),
         }
     }
 
@@ -152,6 +175,26 @@ impl Sheet {
             free,
             damping,
         }
+    }
+
+    /// Puts creases and anchors on edges, in place of earlier ones.
+    ///
+    /// # Panics
+    /// When the layer refuses them.
+    pub fn crease(&mut self, creases: &[(EdgeId, Crease)], anchors: &[LineAnchor]) {
+        self.energy.set_creases(creases).expect("valid creases");
+        let set = self.energy.set_line_anchors(anchors);
+        set.expect("valid anchors");
+    }
+
+    /// How the creases are folded.
+    pub fn crease_states(&self) -> Vec<CreaseState> {
+        self.energy.crease_states(&self.positions)
+    }
+
+    /// Energy by origin, J.
+    pub fn parts(&self) -> EnergyParts {
+        self.energy.energy_parts(&self.positions)
     }
 
     /// Moves the base, with normals of its own, and carries the sheet along.

@@ -163,7 +163,11 @@ impl PeriodicMesh {
         }
     }
 
-    fn with_faces(cell: Vector2<f64>, points: Vec<Vector2<f64>>, faces: Vec<[u32; 3]>) -> Self {
+    pub(crate) fn with_faces(
+        cell: Vector2<f64>,
+        points: Vec<Vector2<f64>>,
+        faces: Vec<[u32; 3]>,
+    ) -> Self {
         let nearest =
             |p: Vector2<f64>| Vector2::from_fn(|k, _| p[k] - cell[k] * (p[k] / cell[k]).round());
         let corners = faces

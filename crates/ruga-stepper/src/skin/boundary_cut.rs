@@ -11,9 +11,9 @@
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::Driver;
 use ruga_material::{BoundaryCrossing, PropertyMap, SHARP_RATIO, sharp_edges};
-use ruga_mesh::{Edge, EdgeId, FaceId, Id, PerEdge, TriMesh, VertexId};
+use ruga_mesh::{BornVertex, Edge, EdgeId, FaceId, Id, PerEdge, TriMesh, VertexId};
 
-use crate::skin::piece::{NewVertex, Piece, Split, blend, edge_corner};
+use crate::skin::piece::{Piece, Split, blend, edge_corner};
 
 /// Distance of a crossing from a vertex, in edges, up to which the boundary goes through the vertex:
 /// the mesh's error of place, and the least side of the faces that cutting makes.
@@ -262,9 +262,10 @@ impl<'a> Cutter<'a> {
 
     fn cut(&mut self, places: &[Option<f64>]) {
         let Split { born, parents } = self.piece.split(places, &mut self.positions);
-        for NewVertex {
+        for BornVertex {
             ends: [a, b],
             fraction,
+            ..
         } in born
         {
             let [a, b] = [a, b].map(|v| self.sizes[v.index()]);

@@ -80,6 +80,27 @@ pub fn equilateral(length: f64, columns: usize, rows: usize) -> Strip {
     }
 }
 
+/// Columns of equilateral triangles across x, so that whole columns are lines of edges along y.
+///
+/// `columns` spacings fill the length, an even number; the width is `rows` edges.
+pub fn upright(length: f64, columns: usize, rows: usize) -> Strip {
+    let spacing = length / columns as f64;
+    let edge = spacing / 0.75f64.sqrt();
+    let width = rows as f64 * edge;
+    let column = |i: usize| {
+        let shift = if i.is_multiple_of(2) { 0.0 } else { 0.5 };
+        let inner = (0..=rows + i % 2).map(move |j| (j as f64 - shift).clamp(0.0, rows as f64));
+        inner.map(move |y| Vector2::new(i as f64 * spacing, y * edge))
+    };
+    let points: Vec<_> = (0..=columns).flat_map(column).collect();
+    Strip {
+        faces: delaunay(&points, edge),
+        points,
+        length,
+        width,
+    }
+}
+
 fn delaunay(points: &[Vector2<f64>], edge: f64) -> Vec<[u32; 3]> {
     let input: Vec<delaunator::Point> = points
         .iter()

@@ -1,0 +1,166 @@
+//! Reasons why a crease line is refused.
+
+use thiserror::Error;
+
+/// A mistake in a crease line, in an image of lines or in what a crease is to be like.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum CreaseError {
+    /// A line has no two points.
+    #[error("the line has {count} points; a line needs at least 2, a closed one 3")]
+    TooFewPoints {
+        /// Points given.
+        count: usize,
+    },
+    /// A point has a coordinate that is infinite or not a number.
+    #[error("point {point} of the line has a coordinate that is not finite")]
+    NotFinite {
+        /// Number of the point, from 0.
+        point: usize,
+    },
+    /// All points of a line lie on one place.
+    #[error("the line has no length")]
+    ZeroLength,
+    /// A line is shorter than the mesh that is to fold along it can resolve.
+    #[error(
+        "line {line} is {length:e} m long, less than two edges of {edge:e} m: lengthen it or refine the mesh"
+    )]
+    TooShort {
+        /// Number of the line.
+        line: usize,
+        /// Its length (m).
+        length: f64,
+        /// Length of an edge (m).
+        edge: f64,
+    },
+    /// A line is given in texture coordinates, but the surface has none.
+    #[error("the line is drawn in texture coordinates, but the mesh has none")]
+    NoTextureCoordinates,
+    /// A point lies outside every triangle of the texture layout.
+    #[error("point {point} at UV ({}, {}) lies in no triangle of the texture layout", uv[0], uv[1])]
+    OutsideUv {
+        /// Number of the point.
+        point: usize,
+        /// Its texture coordinates.
+        uv: [f64; 2],
+    },
+    /// A point lies where charts of the texture layout lie on each other.
+    #[error("point {point} at UV ({}, {}) lies in triangles {} and {}, which overlap in the texture layout: draw the line on the mesh instead", uv[0], uv[1], faces[0], faces[1])]
+    OverlappingCharts {
+        /// Number of the point.
+        point: usize,
+        /// Its texture coordinates.
+        uv: [f64; 2],
+        /// Two of the triangles.
+        faces: [u32; 2],
+    },
+    /// A line crosses a seam of the texture layout without points on both sides of it.
+    #[error("between its points {leg} and {} the line crosses a UV seam at triangle {face}: give a point on either side of the seam", leg + 1)]
+    AcrossSeam {
+        /// Number of the first of the two points.
+        leg: usize,
+        /// The triangle before the seam.
+        face: u32,
+    },
+    /// A line runs over the border of the surface.
+    #[error("between its points {leg} and {} the line leaves the surface at triangle {face}", leg + 1)]
+    LeavesSurface {
+        /// Number of the first of the two points.
+        leg: usize,
+        /// The triangle at the border.
+        face: u32,
+    },
+    /// No way along the surface leads from one point to the next.
+    #[error(
+        "no way along the surface leads from point {leg} of the line to the next: they lie on separate parts, or too far apart"
+    )]
+    NoWay {
+        /// Number of the first of the two points.
+        leg: usize,
+    },
+    /// A point is too far from the surface.
+    #[error(
+        "point {point} of the line is {distance:e} m from the surface, more than reach = {reach:e} m"
+    )]
+    BeyondReach {
+        /// Number of the point.
+        point: usize,
+        /// Its distance (m).
+        distance: f64,
+        /// Largest distance allowed (m).
+        reach: f64,
+    },
+    /// A vertex of an edge path is not in the mesh.
+    #[error("vertex {vertex} of the edge path is not in the mesh")]
+    UnknownVertex {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// Two vertices of an edge path have no edge between them.
+    #[error("vertices {} and {} of the edge path share no edge", vertices[0], vertices[1])]
+    NotAnEdge {
+        /// The vertices.
+        vertices: [u32; 2],
+    },
+    /// A line runs along the border, where there is nothing to fold against.
+    #[error("the line runs along the border of the surface at triangle {face}")]
+    AlongBorder {
+        /// A triangle there.
+        face: u32,
+    },
+    /// A line runs over a triangle without area.
+    #[error("the line runs over triangle {face}, which has no area")]
+    DegenerateFace {
+        /// The triangle.
+        face: u32,
+    },
+    /// Two lines lie on each other.
+    #[error("lines {} and {} lie on each other: leave one out", lines[0], lines[1])]
+    IdenticalLines {
+        /// Their numbers.
+        lines: [usize; 2],
+    },
+    /// A property of a crease is outside its range.
+    #[error("{name} = {value}; accepted: {range}")]
+    OutOfRange {
+        /// The property.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The accepted range.
+        range: &'static str,
+    },
+    /// An image has no texels, or not as many values as its size says.
+    #[error("an image of {width} x {height} texels has {values} values")]
+    ImageSize {
+        /// Texels per row.
+        width: usize,
+        /// Rows.
+        height: usize,
+        /// Values given.
+        values: usize,
+    },
+    /// No texel of an image is bright enough, or too few for a line.
+    #[error("the image shows no line: {bright} texels reach {threshold}")]
+    NoLineInImage {
+        /// Texels that are bright enough.
+        bright: usize,
+        /// The least brightness of a line.
+        threshold: f64,
+    },
+    /// Most of an image is bright: its middle lines mean nothing.
+    #[error("{:.0} % of the image is line: lines are bright strokes on dark ground", share * 100.0)]
+    AllLineInImage {
+        /// Share of the texels.
+        share: f64,
+    },
+    /// The skeleton of an image has so many branches that it is noise.
+    #[error(
+        "the image shows {branches} lines, more than {limit}: it is noise, or not an image of lines"
+    )]
+    TooManyBranches {
+        /// Branches found.
+        branches: usize,
+        /// Most that are accepted.
+        limit: usize,
+    },
+}

@@ -1,0 +1,46 @@
+//! Crease lines in; lines traced over the triangles of a surface, and meshes whose edges follow them, out.
+#![doc = include_str!("../README.md")]
+//!
+//! ## Parts
+//!
+//! A [`LineInput`] is a line as someone drew it: points in texture space or in space, or vertices along edges.
+//! [`skeleton_lines`] draws lines from the skeleton of a grey image. A [`LineTracer`] turns each into a
+//! [`TracedLine`]: segments inside triangles, addressed by barycentric coordinates, with arc lengths.
+//! [`line_crossings`] finds where lines meet and [`check_lines`] what is wrong with them together. A
+//! [`LineLaw`] says how stiff and how folded a crease is along its line. [`cut_lines`] gives a mesh edges
+//! on the lines, and [`LinePlaces`] finds them again after a remesh.
+//!
+//! Rounding is by cubic Hermite curves through the points with tangents of Catmull and Rom 1974; the skeleton
+//! is that of Zhang and Suen 1984. Positions and lengths are in metres, angles in radians.
+
+mod line_input;
+mod rounding;
+mod trace;
+mod traced_line;
+mod walk;
+
+mod crossings;
+mod line_checks;
+mod line_cut;
+mod line_law;
+mod line_places;
+mod pixel_graph;
+mod skeleton;
+mod thinning;
+
+mod error;
+mod warning;
+
+pub use line_input::{Corners, LineInput};
+pub use trace::LineTracer;
+pub use traced_line::{LineSegment, TracedLine};
+
+pub use crossings::{LineCrossing, line_crossings};
+pub use line_checks::check_lines;
+pub use line_cut::{CreaseEdge, LineCut, LineVertex, MeshPiece, cut_lines};
+pub use line_law::{Drive, LineLaw};
+pub use line_places::LinePlaces;
+pub use skeleton::{GreyImage, SkeletonLine, SkeletonSettings, skeleton_lines};
+
+pub use error::CreaseError;
+pub use warning::CreaseWarning;

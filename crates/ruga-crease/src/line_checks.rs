@@ -1,0 +1,154 @@
+//! What is wrong with crease lines together, before a mesh is cut along them.
+
+use nalgebra::Vector3;
+use ruga_mesh::TriMesh;
+
+use crate::{CreaseError, CreaseWarning, LineCrossing, TracedLine, line_crossings};
+
+/// Edges that a line has at least.
+const LEAST_EDGES: f64 = 2.0;
+
+/// Edges between two lines that leave room for a fold each.
+const ROOM: f64 = 2.0;
+
+/// Edges along a line from a crossing over which the other line may be near.
+const NEAR_CROSSING: f64 = 5.0;
+
+/// Distance in edges at which lines lie on each other, and share of the shorter line that has to.
+const ON_EACH_OTHER: f64 = 0.1;
+const MOST_COMMON: f64 = 0.8;
+
+/// Samples per edge along a line, and at most in all.
+const SAMPLES_PER_EDGE: f64 = 2.0;
+const MOST_SAMPLES: f64 = 4096.0;
+
+/// Checks lines against each other for a mesh with edges of length `edge` (m) near them, over the surface that they
+/// were traced on.
+///
+/// # Errors
+/// [`CreaseError::TooShort`] and [`CreaseError::IdenticalLines`]; [`CreaseError::OutOfRange`] for an
+/// edge that is no length.
+pub fn check_lines(
+    lines: &[TracedLine],
+    (mesh, positions): (&TriMesh, &[Vector3<f64>]),
+    edge: f64,
+) -> Result<Vec<CreaseWarning>, CreaseError> {
+    if edge.is_nan() || edge <= 0.0 {
+        return Err(CreaseError::OutOfRange {
+            name: "edge",
+            value: edge,
+            range: "> 0 m",
+        });
+    }
+    for (line, traced) in lines.iter().enumerate() {
+        let length = traced.length();
+        if length < LEAST_EDGES * edge {
+            return Err(CreaseError::TooShort { line, length, edge });
+        }
+    }
+    let crossings = line_crossings(lines, mesh);
+    let mut warnings: Vec<_> = crossings.iter().filter_map(self_crossing).collect();
+    let samples = lines
+        .iter()
+        .map(|line| sample(line, (mesh, positions), edge));
+    let samples: Vec<_> = samples.collect();
+    for first in 0..lines.len() {
+        for second in first..lines.len() {
+            let pair = [first, second].map(|line| (line, &lines[line], samples[line].as_slice()));
+            if first != second && lie_on_each_other(pair, edge) {
+                let lines = [first, second];
+                return Err(CreaseError::IdenticalLines { lines });
+            }
+            warnings.extend(too_close(pair, &crossings, edge));
+        }
+    }
+    Ok(warnings)
+}
+
+fn self_crossing(crossing: &LineCrossing) -> Option<CreaseWarning> {
+    let [line, other] = crossing.lines;
+    (line == other).then_some(CreaseWarning::SelfCrossing {
+        line,
+        at: crossing.at,
+    })
+}
+
+/// Positions along a line, each with its arc length.
+fn sample(
+    line: &TracedLine,
+    (mesh, positions): (&TriMesh, &[Vector3<f64>]),
+    edge: f64,
+) -> Vec<(f64, Vector3<f64>)> {
+    let length = line.length();
+    let count = (SAMPLES_PER_EDGE * length / edge)
+        .ceil()
+        .clamp(2.0, MOST_SAMPLES);
+    let at = |i: u32| length * f64::from(i) / count;
+    let places = (0..=count as u32).filter_map(|i| Some((at(i), line.place(at(i))?)));
+    places
+        .map(|(at, place)| (at, place.interpolate(mesh, positions)))
+        .collect()
+}
+
+type Sampled<'a> = (usize, &'a TracedLine, &'a [(f64, Vector3<f64>)]);
+
+fn lie_on_each_other([(_, first, a), (_, second, b)]: [Sampled<'_>; 2], edge: f64) -> bool {
+    let (shorter, longer) = if first.length() <= second.length() {
+        (a, b)
+    } else {
+        (b, a)
+    };
+    let is_on = |p: &Vector3<f64>| {
+        let chords = longer.windows(2);
+        let distance = |pair: &[(f64, Vector3<f64>)]| distance_to(p, [pair[0].1, pair[1].1]);
+        chords.map(distance).fold(f64::INFINITY, f64::min) < ON_EACH_OTHER * edge
+    };
+    let on = shorter.iter().filter(|(_, p)| is_on(p)).count();
+    on as f64 > MOST_COMMON * shorter.len() as f64
+}
+
+fn distance_to(p: &Vector3<f64>, [a, b]: [Vector3<f64>; 2]) -> f64 {
+    let chord = b - a;
+    let share = (p - a).dot(&chord) / chord.norm_squared().max(f64::MIN_POSITIVE);
+    (p - a - chord * share.clamp(0.0, 1.0)).norm()
+}
+
+/// Where two lines, or parts of one, come too close without meeting there.
+fn too_close(
+    [(first, line, a), (second, _, b)]: [Sampled<'_>; 2],
+    crossings: &[LineCrossing],
+    edge: f64,
+) -> Option<CreaseWarning> {
+    let near: Vec<_> = crossings
+        .iter()
+        .filter(|c| c.lines == [first, second])
+        .collect();
+    // A line that crosses itself has both places on it.
+    let places = if first == second { 2 } else { 1 };
+    let places: Vec<f64> = near.iter().flat_map(|c| &c.at[..places]).copied().collect();
+    let meets = |at: f64| places.iter().any(|s| (s - at).abs() < NEAR_CROSSING * edge);
+    let mut closest: Option<(f64, f64)> = None;
+    for &(at, p) in a.iter().filter(|(at, _)| !meets(*at)) {
+        for &(other, q) in b {
+            // Along one line the neighbourhood is near by itself.
+            let apart = (at - other).abs();
+            let apart = if line.is_closed() {
+                apart.min(line.length() - apart)
+            } else {
+                apart
+            };
+            if first == second && apart < NEAR_CROSSING * edge {
+                continue;
+            }
+            let distance = (q - p).norm();
+            if distance < ROOM * edge && closest.is_none_or(|(_, least)| distance < least) {
+                closest = Some((at, distance));
+            }
+        }
+    }
+    closest.map(|(at, distance)| CreaseWarning::TooClose {
+        lines: [first, second],
+        at,
+        distance,
+    })
+}

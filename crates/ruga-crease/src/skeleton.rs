@@ -1,0 +1,176 @@
+//! Crease lines from the strokes of a grey image.
+
+use nalgebra::Vector2;
+
+use crate::CreaseError;
+use crate::pixel_graph::{Branch, branches, pruned};
+use crate::thinning::Bitmap;
+
+/// Share of an image that may be line.
+const MOST_LINE: f64 = 0.5;
+
+/// Rounds of averaging with both neighbours: together they smooth over one texel.
+const SMOOTHINGS: usize = 4;
+
+/// Texels between the points of a line: fewer would keep the staircase that is left.
+const STRIDE: usize = 3;
+
+/// A grey image, given as an array.
+#[derive(Clone, Copy, Debug)]
+pub struct GreyImage<'a> {
+    /// Texels per row.
+    pub width: usize,
+    /// Rows; the first is on top, at `v = 0`.
+    pub height: usize,
+    /// Brightness, 0 to 1, row by row.
+    pub values: &'a [f32],
+}
+
+/// How lines are drawn from an image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SkeletonSettings {
+    /// Least brightness of a line, default 0.5.
+    pub threshold: f64,
+    /// Twigs shorter than this (texels) are left out, default 4; so are lines.
+    pub least_branch: f64,
+    /// Most lines that are accepted, default 128.
+    pub most_lines: usize,
+}
+
+impl Default for SkeletonSettings {
+    fn default() -> Self {
+        Self {
+            threshold: 0.5,
+            least_branch: 4.0,
+            most_lines: 128,
+        }
+    }
+}
+
+/// A line in an image.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SkeletonLine {
+    /// Texture coordinates.
+    pub points: Vec<Vector2<f64>>,
+    /// Brightness at every point: the strength along the line.
+    pub strength: Vec<f64>,
+    /// Whether the last point is joined to the first.
+    pub is_closed: bool,
+}
+
+/// The middle lines of the bright strokes of an image, in reading order of where they begin. Where strokes meet,
+/// lines end on each other.
+///
+/// # Errors
+/// Every [`CreaseError`] about images.
+pub fn skeleton_lines(
+    image: &GreyImage<'_>,
+    settings: &SkeletonSettings,
+) -> Result<Vec<SkeletonLine>, CreaseError> {
+    let GreyImage {
+        width,
+        height,
+        values,
+    } = *image;
+    if width == 0 || height == 0 || width.checked_mul(height) != Some(values.len()) {
+        return Err(CreaseError::ImageSize {
+            width,
+            height,
+            values: values.len(),
+        });
+    }
+    let is_bright = |value: &f32| f64::from(*value) >= settings.threshold;
+    let is_set: Vec<bool> = values.iter().map(is_bright).collect();
+    let bright = is_set.iter().filter(|set| **set).count();
+    let none = CreaseError::NoLineInImage {
+        bright,
+        threshold: settings.threshold,
+    };
+    let share = bright as f64 / values.len() as f64;
+    match bright {
+        0 | 1 => return Err(none),
+        _ if share > MOST_LINE => return Err(CreaseError::AllLineInImage { share }),
+        _ => {}
+    }
+    let mut skeleton = Bitmap {
+        width,
+        height,
+        is_set,
+    };
+    skeleton.thin();
+    let all = branches(&skeleton);
+    // Judged before twigs go: noise is twigs.
+    refuse_noise(all.len(), 4 * settings.most_lines)?;
+    let mut kept = pruned(all, settings.least_branch);
+    kept.retain(|branch| branch.length() >= settings.least_branch);
+    refuse_noise(kept.len(), settings.most_lines)?;
+    if kept.is_empty() {
+        return Err(none);
+    }
+    let start = |branch: &Branch| branch.points.first().map_or((0.0, 0.0), |p| (p.y, p.x));
+    kept.sort_by(|a, b| {
+        start(a)
+            .partial_cmp(&start(b))
+            .unwrap_or(std::cmp::Ordering::Equal)
+    });
+    let lines = kept.into_iter().map(|branch| line(branch, image));
+    Ok(lines.filter(|line| line.points.len() > 1).collect())
+}
+
+fn refuse_noise(branches: usize, limit: usize) -> Result<(), CreaseError> {
+    match branches > limit {
+        true => Err(CreaseError::TooManyBranches { branches, limit }),
+        false => Ok(()),
+    }
+}
+
+fn line(mut branch: Branch, image: &GreyImage<'_>) -> SkeletonLine {
+    let is_loop = branch.nodes.is_some_and(|[from, to]| from == to);
+    if is_loop {
+        branch.points.pop();
+    }
+    let is_closed = is_loop || branch.nodes.is_none();
+    let smooth = smoothed(branch.points, is_closed);
+    let last = smooth.len() - 1;
+    // The last point always stays, and none right before it.
+    let is_kept = |i: usize| {
+        i == last && !is_closed || i.is_multiple_of(STRIDE) && (is_closed || i + STRIDE / 2 < last)
+    };
+    let kept: Vec<_> = (0..=last)
+        .filter(|&i| is_kept(i))
+        .map(|i| smooth[i])
+        .collect();
+    let size = Vector2::new(image.width as f64, image.height as f64);
+    SkeletonLine {
+        points: kept
+            .iter()
+            .map(|p| (p + Vector2::repeat(0.5)).component_div(&size))
+            .collect(),
+        strength: kept.iter().map(|p| brightness(image, p)).collect(),
+        is_closed,
+    }
+}
+
+/// Points averaged with their neighbours; ends stay.
+fn smoothed(mut points: Vec<Vector2<f64>>, is_closed: bool) -> Vec<Vector2<f64>> {
+    let count = points.len();
+    for _ in 0..SMOOTHINGS {
+        let average = |i: usize| {
+            let is_end = i == 0 || i + 1 == count;
+            if is_end && !is_closed {
+                return points[i];
+            }
+            let (before, after) = (points[(i + count - 1) % count], points[(i + 1) % count]);
+            points[i] * 0.5 + (before + after) * 0.25
+        };
+        points = (0..count).map(average).collect();
+    }
+    points
+}
+
+/// Brightness of the texel at a point.
+fn brightness(image: &GreyImage<'_>, point: &Vector2<f64>) -> f64 {
+    let texel = |x: f64, count: usize| (x.round().max(0.0) as usize).min(count - 1);
+    let (x, y) = (texel(point.x, image.width), texel(point.y, image.height));
+    f64::from(image.values[y * image.width + x])
+}

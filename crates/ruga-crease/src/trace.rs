@@ -1,0 +1,434 @@
+//! Traces crease lines over the triangles of a surface.
+
+use std::sync::OnceLock;
+
+use nalgebra::{Vector2, Vector3};
+use ruga_mesh::{
+    FaceId, Id, MaterialPoint, PerFace, PlanarLookup, SurfaceLookup, TriMesh, VertexId,
+};
+
+use crate::line_input::{Corners, LineInput};
+use crate::rounding::rounded;
+use crate::walk::{Step, Stop, Straight, faces_at, place_in, walk};
+use crate::{CreaseError, TracedLine};
+
+/// Area of a triangle over its longest side squared below which it has none.
+const LEAST_AREA: f64 = 1e-9;
+
+/// Distance of the two points given on both sides of a seam, in longest sides of a triangle there, up to which
+/// they are one place.
+const SAME_PLACE: f64 = 0.25;
+
+/// Share of a line on the border at which it runs along it.
+const MOST_ON_BORDER: f64 = 0.05;
+
+/// Traces lines over a surface.
+#[derive(Clone, Debug)]
+pub struct LineTracer<'a> {
+    mesh: &'a TriMesh,
+    positions: &'a [Vector3<f64>],
+    uvs: Option<&'a PerFace<[Vector2<f64>; 3]>>,
+    space: SurfaceLookup<'a>,
+    plane: OnceLock<PlanarLookup>,
+}
+
+impl<'a> LineTracer<'a> {
+    /// A tracer for a mesh whose vertices are at `positions` (m).
+    ///
+    /// # Panics
+    /// When there is not one position per vertex.
+    pub fn new(mesh: &'a TriMesh, positions: &'a [Vector3<f64>]) -> Self {
+        Self {
+            mesh,
+            positions,
+            uvs: None,
+            space: SurfaceLookup::new(mesh, positions),
+            plane: OnceLock::new(),
+        }
+    }
+
+    /// Adds texture coordinates per corner of every face.
+    ///
+    /// # Panics
+    /// When there is not one entry per face.
+    pub fn with_uvs(mut self, uvs: &'a PerFace<[Vector2<f64>; 3]>) -> Self {
+        assert_eq!(uvs.len(), self.mesh.face_count(), "one entry per face");
+        self.uvs = Some(uvs);
+        self
+    }
+
+    /// Traces a line.
+    ///
+    /// # Errors
+    /// Every [`CreaseError`] about points, seams, borders and triangles.
+    pub fn trace(&self, line: &LineInput) -> Result<TracedLine, CreaseError> {
+        let (steps, is_closed) = match line {
+            LineInput::Uv {
+                points,
+                is_closed,
+                corners,
+            } => {
+                check_points(points, *is_closed)?;
+                (self.trace_uv(points, *is_closed, *corners)?, *is_closed)
+            }
+            LineInput::Positions {
+                points,
+                is_closed,
+                reach,
+                corners,
+            } => {
+                check_points(points, *is_closed)?;
+                let curve = rounded(points, *is_closed, *corners);
+                (self.trace_positions(&curve, *reach)?, *is_closed)
+            }
+            LineInput::Edges { vertices } => self.trace_edges(vertices)?,
+        };
+        self.check_faces(&steps)?;
+        let traced = TracedLine::new(steps, is_closed, (self.mesh, self.positions));
+        if traced.segments().is_empty() {
+            return Err(CreaseError::ZeroLength);
+        }
+        self.check_border(&traced)?;
+        Ok(traced)
+    }
+
+    fn trace_uv(
+        &self,
+        points: &[Vector2<f64>],
+        is_closed: bool,
+        corners: Corners,
+    ) -> Result<Vec<Step>, CreaseError> {
+        let uvs = self.uvs.ok_or(CreaseError::NoTextureCoordinates)?;
+        let jumps = self.jumps(uvs, points, is_closed)?;
+        // A closed line that crosses seams is one run from its first jump on; runs between are smooth each.
+        let count = points.len();
+        let first = jumps.first().map_or(0, |jump| jump + 1);
+        let order: Vec<_> = (0..count)
+            .map(|i| if is_closed { (first + i) % count } else { i })
+            .collect();
+        let mut steps: Vec<Step> = Vec::new();
+        let mut run = Vec::new();
+        let mut runs = Vec::new();
+        for &i in &order {
+            run.push(i);
+            if jumps.contains(&i) {
+                runs.push(std::mem::take(&mut run));
+            }
+        }
+        if !run.is_empty() {
+            runs.push(run);
+        }
+        let is_ring = is_closed && jumps.is_empty();
+        for run in runs {
+            let of_run: Vec<_> = run.iter().map(|&i| points[i]).collect();
+            let curve = rounded(&of_run, is_ring, corners);
+            let places = curve.iter().map(|(uv, i)| self.locate(uvs, *uv, run[*i]));
+            let places = places.collect::<Result<Vec<_>, _>>()?;
+            if let (Some(last), Some(next)) = (last_place(&steps), places.first()) {
+                let leg = run[0].checked_sub(1).unwrap_or(count - 1);
+                steps.extend(self.walk_in_space([last, *next], leg)?);
+            }
+            for (pair, ends) in curve.windows(2).zip(places.windows(2)) {
+                let way = UvWay::new(uvs, self.mesh, [pair[0].0, pair[1].0]);
+                let leg = run[pair[0].1];
+                let found = walk(self.mesh, &way, [ends[0], ends[1]]);
+                steps.extend(found.map_err(|stop| stopped(stop, leg))?);
+            }
+        }
+        Ok(steps)
+    }
+
+    /// Legs that join the same place in two charts.
+    fn jumps(
+        &self,
+        uvs: &PerFace<[Vector2<f64>; 3]>,
+        points: &[Vector2<f64>],
+        is_closed: bool,
+    ) -> Result<Vec<usize>, CreaseError> {
+        let count = points.len();
+        let legs = if is_closed { count } else { count - 1 };
+        let places = points
+            .iter()
+            .enumerate()
+            .map(|(i, uv)| self.locate(uvs, *uv, i));
+        let places = places.collect::<Result<Vec<_>, _>>()?;
+        let is_jump = |&leg: &usize| {
+            let ends = [places[leg], places[(leg + 1) % count]];
+            let [a, b] = ends.map(|place| place.interpolate(self.mesh, self.positions));
+            let near = SAME_PLACE * self.longest_side(ends[0].face);
+            let step = (points[(leg + 1) % count] - points[leg]).norm();
+            // Near on the surface, and farther in the layout than any triangle there is long.
+            (b - a).norm() <= near
+                && ends
+                    .iter()
+                    .all(|end| step > longest_uv_side(&uvs[end.face]))
+        };
+        Ok((0..legs).filter(is_jump).collect())
+    }
+
+    /// The place of a point of the texture layout.
+    fn locate(
+        &self,
+        uvs: &PerFace<[Vector2<f64>; 3]>,
+        uv: Vector2<f64>,
+        point: usize,
+    ) -> Result<MaterialPoint, CreaseError> {
+        let lookup = self.plane.get_or_init(|| PlanarLookup::new(uvs.clone()));
+        let mut all = lookup.locate_all(uv);
+        let outside = CreaseError::OutsideUv {
+            point,
+            uv: uv.into(),
+        };
+        let first = all.next().ok_or(outside)?;
+        let is_inside = |place: &MaterialPoint| place.barycentric.iter().all(|&b| b > 1e-9);
+        match all.find(is_inside).filter(|_| is_inside(&first)) {
+            None => Ok(first),
+            Some(other) => Err(CreaseError::OverlappingCharts {
+                point,
+                uv: uv.into(),
+                faces: [first.face.0, other.face.0],
+            }),
+        }
+    }
+
+    fn trace_positions(
+        &self,
+        curve: &[(Vector3<f64>, usize)],
+        reach: f64,
+    ) -> Result<Vec<Step>, CreaseError> {
+        if reach.is_nan() || reach <= 0.0 {
+            return Err(CreaseError::OutOfRange {
+                name: "reach",
+                value: reach,
+                range: "> 0",
+            });
+        }
+        let place = |&(at, point): &(Vector3<f64>, usize)| {
+            let found = self.space.closest(&at);
+            let distance = found.map_or(f64::INFINITY, |found| found.distance);
+            let found = found.filter(|found| found.distance <= reach);
+            let found = found.ok_or(CreaseError::BeyondReach {
+                point,
+                distance,
+                reach,
+            })?;
+            Ok(found.point)
+        };
+        let places = curve.iter().map(place).collect::<Result<Vec<_>, _>>()?;
+        let mut steps = Vec::new();
+        for (ends, (_, leg)) in places.windows(2).zip(curve) {
+            steps.extend(self.walk_in_space([ends[0], ends[1]], *leg)?);
+        }
+        Ok(steps)
+    }
+
+    /// The way in the plane through two places and the normal between them.
+    fn walk_in_space(
+        &self,
+        ends: [MaterialPoint; 2],
+        leg: usize,
+    ) -> Result<Vec<Step>, CreaseError> {
+        let [from, to] = ends.map(|place| place.interpolate(self.mesh, self.positions));
+        if from == to && place_in(self.mesh, &ends[1], ends[0].face).is_some() {
+            return Ok(Vec::new());
+        }
+        let normal = ends.iter().map(|end| {
+            let [a, b, c] = self.corners(end.face);
+            (b - a)
+                .cross(&(c - a))
+                .try_normalize(0.0)
+                .unwrap_or_else(Vector3::zeros)
+        });
+        let way = SpaceWay {
+            tracer: self,
+            from,
+            to: (to - from) / (to - from).norm_squared().max(f64::MIN_POSITIVE),
+            across: normal.sum::<Vector3<f64>>().cross(&(to - from)),
+        };
+        walk(self.mesh, &way, ends).map_err(|stop| stopped(stop, leg))
+    }
+
+    fn trace_edges(&self, vertices: &[VertexId]) -> Result<(Vec<Step>, bool), CreaseError> {
+        if vertices.len() < 2 {
+            let count = vertices.len();
+            return Err(CreaseError::TooFewPoints { count });
+        }
+        let unknown = |v: &&VertexId| v.index() >= self.mesh.vertex_count();
+        if let Some(vertex) = vertices.iter().find(unknown) {
+            return Err(CreaseError::UnknownVertex { vertex: vertex.0 });
+        }
+        let steps = vertices
+            .windows(2)
+            .map(|pair| self.edge_step([pair[0], pair[1]]));
+        let is_closed = vertices.len() > 3 && vertices.first() == vertices.last();
+        Ok((steps.collect::<Result<_, _>>()?, is_closed))
+    }
+
+    fn edge_step(&self, ends: [VertexId; 2]) -> Result<Step, CreaseError> {
+        let faces = self.mesh.vertex_faces(ends[0]).iter();
+        let corner = |face: FaceId, v| self.mesh.faces()[face].iter().position(|&w| w == v);
+        let step = |&face: &FaceId| {
+            let [from, to] = ends.map(|v| corner(face, v));
+            let at = |corner| MaterialPoint::at_corner(face, corner).barycentric;
+            (ends[0] != ends[1]).then_some((face, at(from?), at(to?)))
+        };
+        faces.clone().find_map(step).ok_or(CreaseError::NotAnEdge {
+            vertices: ends.map(|v| v.0),
+        })
+    }
+
+    fn corners(&self, face: FaceId) -> [Vector3<f64>; 3] {
+        self.mesh.faces()[face].map(|v| self.positions[v.index()])
+    }
+
+    fn longest_side(&self, face: FaceId) -> f64 {
+        let [a, b, c] = self.corners(face);
+        (b - a).norm().max((c - b).norm()).max((a - c).norm())
+    }
+
+    fn check_faces(&self, steps: &[Step]) -> Result<(), CreaseError> {
+        let is_flat = |face: FaceId| {
+            let [a, b, c] = self.corners(face);
+            let area = 0.5 * (b - a).cross(&(c - a)).norm();
+            let least = LEAST_AREA * self.longest_side(face).powi(2);
+            area.is_nan() || area <= least
+        };
+        match steps.iter().find(|step| is_flat(step.0)) {
+            None => Ok(()),
+            Some((face, ..)) => Err(CreaseError::DegenerateFace { face: face.0 }),
+        }
+    }
+
+    /// Refuses a line of which more than a little lies on border edges.
+    fn check_border(&self, line: &TracedLine) -> Result<(), CreaseError> {
+        let on_border = line.segments().iter().filter(|segment| {
+            (0..3).any(|corner| {
+                let opposite = (corner + 2) % 3;
+                let is_on = |b: &[f64; 3]| b[opposite].abs() < 1e-9;
+                is_on(&segment.from)
+                    && is_on(&segment.to)
+                    && self.mesh.neighbour(segment.face, corner).is_none()
+            })
+        });
+        let mut on_border = on_border.peekable();
+        let first = on_border.peek().map(|segment| segment.face.0);
+        let length: f64 = on_border.map(|segment| segment.length).sum();
+        match first {
+            Some(face) if length > MOST_ON_BORDER * line.length() => {
+                Err(CreaseError::AlongBorder { face })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn longest_uv_side([a, b, c]: &[Vector2<f64>; 3]) -> f64 {
+    (b - a).norm().max((c - b).norm()).max((a - c).norm())
+}
+
+fn last_place(steps: &[Step]) -> Option<MaterialPoint> {
+    let &(face, _, barycentric) = steps.last()?;
+    Some(MaterialPoint { face, barycentric })
+}
+
+fn stopped(stop: Stop, leg: usize) -> CreaseError {
+    match stop {
+        Stop::Border(face) => CreaseError::LeavesSurface { leg, face: face.0 },
+        Stop::Seam(face) => CreaseError::AcrossSeam { leg, face: face.0 },
+        Stop::Lost => CreaseError::NoWay { leg },
+    }
+}
+
+fn check_points<const D: usize>(
+    points: &[nalgebra::SVector<f64, D>],
+    is_closed: bool,
+) -> Result<(), CreaseError> {
+    let count = points.len();
+    if count < if is_closed { 3 } else { 2 } {
+        return Err(CreaseError::TooFewPoints { count });
+    }
+    let is_finite = |p: &nalgebra::SVector<f64, D>| p.iter().all(|c| c.is_finite());
+    if let Some(point) = points.iter().position(|p| !is_finite(p)) {
+        return Err(CreaseError::NotFinite { point });
+    }
+    match points.iter().all(|p| *p == points[0]) {
+        true => Err(CreaseError::ZeroLength),
+        false => Ok(()),
+    }
+}
+
+/// Straight in the texture layout, as far as charts go.
+struct UvWay<'a> {
+    uvs: &'a PerFace<[Vector2<f64>; 3]>,
+    mesh: &'a TriMesh,
+    from: Vector2<f64>,
+    to: Vector2<f64>,
+}
+
+impl<'a> UvWay<'a> {
+    fn new(
+        uvs: &'a PerFace<[Vector2<f64>; 3]>,
+        mesh: &'a TriMesh,
+        [from, to]: [Vector2<f64>; 2],
+    ) -> Self {
+        Self {
+            uvs,
+            mesh,
+            from,
+            to: to - from,
+        }
+    }
+}
+
+impl Straight for UvWay<'_> {
+    fn side(&self, face: FaceId) -> [f64; 3] {
+        self.uvs[face].map(|uv| self.to.perp(&(uv - self.from)))
+    }
+
+    fn along(&self, face: FaceId) -> [f64; 3] {
+        let square = self.to.norm_squared();
+        self.uvs[face].map(|uv| self.to.dot(&(uv - self.from)) / square)
+    }
+
+    fn goes_on(&self, face: FaceId, corner: usize, next: FaceId) -> bool {
+        let same = |corner: usize| {
+            let vertex = self.mesh.faces()[face][corner % 3];
+            let other = self.mesh.faces()[next].iter().position(|&v| v == vertex);
+            let here = self.uvs[face][corner % 3];
+            other.is_some_and(|other| (self.uvs[next][other] - here).amax() < 1e-6)
+        };
+        same(corner) && same(corner + 1)
+    }
+}
+
+/// Straight in space, in a plane across the surface.
+struct SpaceWay<'a> {
+    tracer: &'a LineTracer<'a>,
+    from: Vector3<f64>,
+    /// The way over its length squared.
+    to: Vector3<f64>,
+    across: Vector3<f64>,
+}
+
+impl Straight for SpaceWay<'_> {
+    fn side(&self, face: FaceId) -> [f64; 3] {
+        let corners = self.tracer.corners(face);
+        corners.map(|p| self.across.dot(&(p - self.from)))
+    }
+
+    fn along(&self, face: FaceId) -> [f64; 3] {
+        let corners = self.tracer.corners(face);
+        corners.map(|p| self.to.dot(&(p - self.from)))
+    }
+
+    fn goes_on(&self, _: FaceId, _: usize, _: FaceId) -> bool {
+        true
+    }
+}
+
+/// Whether two places are one.
+pub(crate) fn is_same(mesh: &TriMesh, a: &MaterialPoint, b: &MaterialPoint) -> bool {
+    faces_at(mesh, a).contains(&b.face)
+        && place_in(mesh, a, b.face)
+            .is_some_and(|weights| (0..3).all(|i| (weights[i] - b.barycentric[i]).abs() < 1e-9))
+}

@@ -1,0 +1,72 @@
+//! What is odd about crease lines that can be used all the same.
+
+/// Something about crease lines that may not be meant. Lines count from 0, in the order given; places are arc
+/// lengths along them (m).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CreaseWarning {
+    /// A line crosses itself: it folds there as where two lines meet.
+    SelfCrossing {
+        /// The line.
+        line: usize,
+        /// Where on it, both times.
+        at: [f64; 2],
+    },
+    /// Two lines, or two parts of one, come closer than two edges without meeting: what lies between them is too
+    /// narrow for the mesh.
+    TooClose {
+        /// The lines, equal for parts of one.
+        lines: [usize; 2],
+        /// Where on the first.
+        at: f64,
+        /// Least distance (m).
+        distance: f64,
+    },
+    /// A stretch of a line has no edges in the cut mesh.
+    Gap {
+        /// The line.
+        line: usize,
+        /// From where to where on it.
+        at: [f64; 2],
+    },
+    /// No edge of the cut mesh lies on a line: it runs inside one face.
+    NoEdges {
+        /// The line.
+        line: usize,
+    },
+}
+
+impl std::fmt::Display for CreaseWarning {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mm = |metres: f64| metres * 1e3;
+        match *self {
+            Self::SelfCrossing { line, at: [a, b] } => write!(
+                f,
+                "line {line} crosses itself, {:.3} and {:.3} mm from its start",
+                mm(a),
+                mm(b)
+            ),
+            Self::TooClose {
+                lines: [a, b],
+                at,
+                distance,
+            } => write!(
+                f,
+                "lines {a} and {b} come within {:.3} mm, {:.3} mm from the start of the first: the mesh is too coarse for two folds there",
+                mm(distance),
+                mm(at)
+            ),
+            Self::Gap { line, at: [a, b] } => write!(
+                f,
+                "line {line} has no edges from {:.3} to {:.3} mm from its start",
+                mm(a),
+                mm(b)
+            ),
+            Self::NoEdges { line } => {
+                write!(
+                    f,
+                    "line {line} lies inside one triangle of the mesh and folds nothing"
+                )
+            }
+        }
+    }
+}

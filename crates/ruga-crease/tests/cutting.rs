@@ -1,0 +1,226 @@
+//! Meshes that are cut along lines: edges on the lines, nothing lost, no gaps.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+mod sheets;
+
+use std::f64::consts::TAU;
+
+use nalgebra::{Vector2, Vector3};
+use ruga_crease::{
+    Corners, CreaseWarning, LineCut, LineInput, LineTracer, MeshPiece, TracedLine, cut_lines,
+};
+use ruga_mesh::{Id, MaterialPoint, PerVertex, VertexId, face_areas, subdivide};
+use sheets::{Sheet, square};
+
+fn uv(points: &[[f64; 2]], is_closed: bool) -> LineInput {
+    LineInput::Uv {
+        points: points.iter().map(|&p| p.into()).collect(),
+        is_closed,
+        corners: Corners::Round,
+    }
+}
+
+fn traced(sheet: &Sheet, line: &LineInput) -> TracedLine {
+    let tracer = LineTracer::new(&sheet.mesh, &sheet.positions).with_uvs(&sheet.uvs);
+    tracer.trace(line).unwrap()
+}
+
+/// A piece of a sheet's triangles, each in `4^levels` parts.
+fn piece(sheet: &Sheet, levels: u32) -> MeshPiece {
+    // Linear, so that faces lie in the triangles that they come from.
+    let corners = PerVertex::filled(sheet.mesh.vertex_count(), true);
+    let fine = subdivide(&sheet.mesh, levels, &corners);
+    let mut positions = vec![Vector3::zeros(); fine.mesh.vertex_count()];
+    for (face, origin) in fine
+        .mesh
+        .faces()
+        .as_slice()
+        .iter()
+        .zip(fine.origins.as_slice())
+    {
+        for (v, barycentric) in face.iter().zip(origin.corners) {
+            let face = origin.face;
+            let place = MaterialPoint { face, barycentric };
+            positions[v.index()] = place.interpolate(&sheet.mesh, &sheet.positions);
+        }
+    }
+    MeshPiece {
+        mesh: fine.mesh,
+        origins: fine.origins,
+        positions,
+    }
+}
+
+/// Nothing is lost, every edge lies on its line, and the whole line has edges but for less than an edge at
+/// either tip.
+fn check(sheet: &Sheet, lines: &[TracedLine], before: &MeshPiece, cut: &LineCut, edge: f64) {
+    assert_eq!(cut.warnings, []);
+    let area = |piece: &MeshPiece| {
+        face_areas(&piece.mesh, &piece.positions)
+            .as_slice()
+            .iter()
+            .sum::<f64>()
+    };
+    assert!((area(&cut.piece) / area(before) - 1.0).abs() < 1e-12);
+    for (face, corners) in cut.piece.mesh.faces().iter() {
+        let (origin, part) = (&cut.piece.origins[face], &cut.parts[face]);
+        for (corner, v) in corners.iter().enumerate() {
+            let x = cut.piece.positions[v.index()];
+            let places = [
+                (
+                    origin.place(MaterialPoint::at_corner(face, corner).barycentric),
+                    &sheet.mesh,
+                    &sheet.positions,
+                ),
+                (
+                    part.place(MaterialPoint::at_corner(face, corner).barycentric),
+                    &before.mesh,
+                    &before.positions,
+                ),
+            ];
+            for (place, mesh, positions) in places {
+                assert!((place.interpolate(mesh, positions) - x).norm() < 1e-12);
+            }
+        }
+    }
+    for vertex in &cut.vertices {
+        let on = vertex.place.interpolate(&sheet.mesh, &sheet.positions);
+        let off = (on - cut.piece.positions[vertex.vertex.index()]).norm();
+        assert!(off < 0.03 * edge, "{vertex:?} is {off} off");
+    }
+    for (number, line) in lines.iter().enumerate() {
+        let of_line = cut.edges.iter().filter(|edge| edge.line == number);
+        let covered: f64 = of_line
+            .clone()
+            .map(|edge| {
+                let apart = (edge.at[1] - edge.at[0]).abs();
+                if line.is_closed() {
+                    apart.min(line.length() - apart)
+                } else {
+                    apart
+                }
+            })
+            .sum();
+        let tips = if line.is_closed() { 1e-9 } else { 2.5 * edge };
+        assert!(
+            covered > line.length() - tips,
+            "{covered} of {}",
+            line.length()
+        );
+        for edge in of_line {
+            let ends = cut.piece.mesh.edges()[edge.edge].vertices;
+            for (v, at) in ends.into_iter().zip(edge.at) {
+                let on = line
+                    .place(at)
+                    .unwrap()
+                    .interpolate(&sheet.mesh, &sheet.positions);
+                let off = (on - cut.piece.positions[v.index()]).norm();
+                assert!(off < 0.03 * edge_length(before), "{off}");
+            }
+        }
+    }
+}
+
+fn edge_length(piece: &MeshPiece) -> f64 {
+    let lengths = piece.mesh.edges().as_slice().iter().map(|edge| {
+        let [a, b] = edge.vertices.map(|v| piece.positions[v.index()]);
+        (b - a).norm()
+    });
+    lengths.clone().sum::<f64>() / lengths.count() as f64
+}
+
+fn cut_and_check(sheet: &Sheet, levels: u32, lines: &[LineInput]) -> LineCut {
+    let lines: Vec<_> = lines.iter().map(|line| traced(sheet, line)).collect();
+    let before = piece(sheet, levels);
+    let cut = cut_lines(&lines, before.clone());
+    check(sheet, &lines, &before, &cut, edge_length(&before));
+    cut
+}
+
+#[test]
+fn straight_lines_at_any_angle() {
+    let sheet = square(5, 0.3, 1);
+    for i in 0..24 {
+        let (sin, cos) = (TAU * f64::from(i) / 24.0).sin_cos();
+        let ends = [-0.43, 0.43].map(|r| [0.5 + r * cos, 0.5 + r * sin]);
+        cut_and_check(&sheet, 2, &[uv(&ends, false)]);
+    }
+}
+
+#[test]
+fn lines_along_edges_and_through_vertices_need_no_cut() {
+    let sheet = square(6, 0.0, 2);
+    let cut = cut_and_check(&sheet, 1, &[uv(&[[0.25, 0.0], [0.25, 1.0]], false)]);
+    assert_eq!(cut.edges.len(), 12);
+    let path = LineInput::Edges {
+        vertices: (0..7).map(|i| VertexId::from_index(3 * 7 + i)).collect(),
+    };
+    let sheet = square(6, 0.25, 3);
+    let before = piece(&sheet, 1).mesh.face_count();
+    let cut = cut_and_check(&sheet, 1, &[path]);
+    assert_eq!((cut.edges.len(), cut.piece.mesh.face_count()), (12, before));
+}
+
+#[test]
+fn curves_rings_and_crossings() {
+    let sheet = square(6, 0.25, 4);
+    let wave: Vec<_> = (0..=24)
+        .map(|i| {
+            let x = 0.08 + 0.84 * f64::from(i) / 24.0;
+            [x, 0.5 + 0.2 * (9.0 * x).sin()]
+        })
+        .collect();
+    let ring: Vec<_> = (0..16)
+        .map(|i| {
+            let (sin, cos) = (TAU * f64::from(i) / 16.0).sin_cos();
+            [0.5 + 0.31 * cos, 0.5 + 0.31 * sin]
+        })
+        .collect();
+    let lines = [
+        uv(&wave, false),
+        uv(&ring, true),
+        uv(&[[0.1, 0.1], [0.9, 0.93]], false),
+    ];
+    for levels in [1, 2, 3] {
+        let cut = cut_and_check(&sheet, levels, &lines);
+        // Lines that cross share a vertex, or two pass it within a fiftieth of an edge.
+        let junctions = cut.vertices.iter().filter(|a| {
+            cut.vertices
+                .iter()
+                .any(|b| b.vertex == a.vertex && b.line != a.line)
+        });
+        assert!(junctions.count() >= 8, "{levels}");
+    }
+}
+
+#[test]
+fn fifty_lines_from_one_point() {
+    let sheet = square(4, 0.2, 5);
+    let ray = |i: u32| {
+        let (sin, cos) = (TAU * f64::from(i) / 50.0).sin_cos();
+        uv(&[[0.5, 0.5], [0.5 + 0.45 * cos, 0.5 + 0.45 * sin]], false)
+    };
+    let lines: Vec<_> = (0..50).map(|i| traced(&sheet, &ray(i))).collect();
+    let cut = cut_lines(&lines, piece(&sheet, 3));
+    // Around the point there is no room for them all, and they are told of there.
+    let is_near = |warning: &CreaseWarning| match warning {
+        CreaseWarning::Gap { at, .. } => at[0] < 0.35,
+        _ => false,
+    };
+    assert!(cut.warnings.iter().all(is_near), "{:?}", cut.warnings);
+    for line in 0..50 {
+        assert!(cut.edges.iter().filter(|edge| edge.line == line).count() >= 4);
+    }
+}
+
+#[test]
+fn a_line_inside_one_triangle_has_no_edges() {
+    let sheet = square(2, 0.0, 6);
+    let middle = sheet.uvs.as_slice()[0].iter().sum::<Vector2<f64>>() / 3.0;
+    let ends = [middle, middle + Vector2::new(0.03, 0.01)].map(|p| [p.x, p.y]);
+    let line = traced(&sheet, &uv(&ends, false));
+    let cut = cut_lines(&[line], piece(&sheet, 0));
+    assert_eq!(cut.warnings, [CreaseWarning::NoEdges { line: 0 }]);
+    assert_eq!(cut.piece.mesh.face_count(), 8);
+}

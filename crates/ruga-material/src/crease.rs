@@ -1,0 +1,118 @@
+//! A straight crease in a film on a foundation: when it folds, how deep, and its shape.
+
+use crate::Wrinkling;
+
+/// Reduced load at which a film folds along a crease of reduced stiffness `kappa`:
+/// `η* = 1 - (√(κ² + 1) - κ)²/2`.
+///
+/// `κ = l/(c D)` with `l = 1/k_c`, [`Wrinkling::crease_stiffness`]. The film itself wrinkles at 1
+/// ([`Wrinkling::reduced_load`]); a hinge without friction folds at 1/2. Closed form for a linear plate
+/// on a Pasternak foundation that is elastic and compressed evenly.
+///
+/// # Validity
+/// `kappa` ≥ 0, infinite for no crease.
+pub fn crease_onset(kappa: f64) -> f64 {
+    // √(κ² + 1) - κ, without the difference of two nearly equal numbers.
+    let gap = 1.0 / (kappa.hypot(1.0) + kappa);
+    1.0 - 0.5 * gap * gap
+}
+
+/// A straight crease in a film under load, in units of the film's bending length `l = 1/k_c`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CreaseLoad {
+    /// Reduced load `η`, see [`Wrinkling::reduced_load`]; negative in tension.
+    pub load: f64,
+    /// Reduced stiffness `κ` ≥ 0, see [`Wrinkling::crease_stiffness`].
+    pub stiffness: f64,
+    /// Angle at which the crease has no moment (rad), positive in a valley.
+    pub rest_angle: f64,
+    /// Stiffness `a = k_a/(K0 l)` ≥ 0 of the springs that draw the line down; 0 without an anchor.
+    pub anchor: f64,
+    /// Depth `d/l` to which they draw it.
+    pub anchor_depth: f64,
+}
+
+/// Depth of a crease below the undisturbed film, over the bending length `l = 1/k_c`.
+///
+/// ```text
+/// δ/l = (κ θ0 + a (α + κ) d/l) / (1 - 2 η + 4 κ α + a (α + κ))        α = √((1 - η)/2)
+/// ```
+/// `None` from the load on at which the line gives way by itself, see [`crease_onset`]: from there on only
+/// large deflections limit the depth.
+///
+/// # Validity
+/// Linear in the depth: good while it is below 0.3.
+pub fn crease_depth(crease: &CreaseLoad) -> Option<f64> {
+    let CreaseLoad {
+        load,
+        stiffness,
+        rest_angle,
+        anchor,
+        anchor_depth,
+    } = *crease;
+    let decay = decay(load)?;
+    let held = anchor * (decay + stiffness);
+    let resistance = 1.0 - 2.0 * load + 4.0 * stiffness * decay + held;
+    let depth = (stiffness * rest_angle + held * anchor_depth) / resistance;
+    (resistance > 0.0).then_some(depth)
+}
+
+/// Height at a `distance` from a crease of unit depth that is not anchored, both over the bending length
+/// `l = 1/k_c`, under the reduced load `load`.
+///
+/// ```text
+/// w/δ = -exp(-α x) (cos(β x) - (α/β) sin(β x))        α = √((1 - η)/2), β = √((1 + η)/2)
+/// ```
+/// Its mean is zero: what sinks at the line rises beside it. The line is folded by `4 α δ/l`.
+/// `None` for a load of 1 and more, where the film itself wrinkles.
+pub fn crease_profile(load: f64, distance: f64) -> Option<f64> {
+    let (decay, x) = (decay(load)?, distance.abs());
+    let square = 0.5 * (1.0 + load);
+    // Under strong tension β is imaginary and the profile no longer swings. Every exponential is taken with
+    // the decay, so that none overflows.
+    let rate = square.abs().sqrt();
+    let (even, odd) = if square >= 0.0 {
+        let scale = (-decay * x).exp();
+        let (sin, cos) = (rate * x).sin_cos();
+        // As β goes to 0, sin(βx)/β goes to x.
+        let odd = if rate * x < 1e-6 { x } else { sin / rate };
+        (scale * cos, scale * odd)
+    } else {
+        let [slow, fast] = [rate - decay, -rate - decay].map(|rate| (rate * x).exp());
+        let odd = if rate * x < 1e-6 {
+            x * slow
+        } else {
+            (slow - fast) / (2.0 * rate)
+        };
+        (0.5 * (slow + fast), odd)
+    };
+    Some(decay * odd - even)
+}
+
+/// `α = √((1 - η)/2)`, with which the profile of a crease falls off; `None` where the film wrinkles.
+fn decay(load: f64) -> Option<f64> {
+    (load < 1.0).then(|| (0.5 * (1.0 - load)).sqrt())
+}
+
+impl Wrinkling {
+    /// Reduced load `η = (N - K1)/(2 D k_c²)` of a compressive strain, `N = C ε`: 1 where the film wrinkles.
+    pub fn reduced_load(&self, strain: f64) -> f64 {
+        let unit = 2.0 * self.bending_stiffness * self.wave_number * self.wave_number;
+        (self.membrane_stiffness * strain - self.gradient_stiffness) / unit
+    }
+
+    /// Reduced stiffness `κ = l/(c D)` of a crease that stands for a strip of `width` (m) keeping the
+    /// share `stiffness` of the bending stiffness: `c = width (1/stiffness - 1)/D`.
+    ///
+    /// Infinite for a share of 1.
+    pub fn crease_stiffness(&self, width: f64, stiffness: f64) -> f64 {
+        1.0 / (self.wave_number * width * (1.0 / stiffness - 1.0))
+    }
+
+    /// Compressive strain at which the film folds along a crease of reduced stiffness `kappa`, see
+    /// [`crease_onset`].
+    pub fn crease_strain(&self, kappa: f64) -> f64 {
+        let unit = 2.0 * self.bending_stiffness * self.wave_number * self.wave_number;
+        (self.gradient_stiffness + unit * crease_onset(kappa)) / self.membrane_stiffness
+    }
+}

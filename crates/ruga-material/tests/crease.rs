@@ -1,0 +1,103 @@
+//! Closed forms of a crease in a film: limits, and equilibrium of what they say.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+use ruga_material::{
+    CreaseLoad, WavelengthModel, crease_depth, crease_onset, crease_profile, preset, wrinkling,
+};
+
+#[test]
+fn onset_between_that_of_a_hinge_and_that_of_the_film() {
+    for (kappa, onset) in [(0.0, 0.5), (0.02, 0.5196), (0.162, 0.6379), (0.884, 0.8984)] {
+        assert!((crease_onset(kappa) - onset).abs() < 1e-4, "{kappa}");
+    }
+    assert_eq!(crease_onset(f64::INFINITY), 1.0);
+    assert_eq!(crease_onset(1e200), 1.0);
+    let mut last = 0.0;
+    for i in 0..200 {
+        let onset = crease_onset(1e-3 * 1.1_f64.powi(i));
+        assert!(onset >= last);
+        last = onset;
+    }
+}
+
+#[test]
+fn a_free_hinge_in_a_forehead_folds_at_two_thirds_of_its_critical_strain() {
+    let forehead = preset("forehead-furrow").unwrap();
+    let theory = wrinkling(&forehead.layer, &forehead.substrate, WavelengthModel::Layer).unwrap();
+    assert!((theory.critical_strain - 0.045).abs() < 1e-3);
+    assert!((theory.crease_strain(0.0) - 0.0295).abs() < 5e-4);
+    assert!((theory.reduced_load(theory.critical_strain) - 1.0).abs() < 1e-12);
+    // A tenth of the stiffness over one thickness.
+    let kappa = theory.crease_stiffness(forehead.layer.thickness, 0.1);
+    assert!((kappa - 0.26).abs() < 0.01, "{kappa}");
+    assert_eq!(theory.crease_stiffness(1e-3, 1.0), f64::INFINITY);
+}
+
+fn free(load: f64) -> CreaseLoad {
+    CreaseLoad {
+        load,
+        stiffness: 0.5,
+        rest_angle: 30_f64.to_radians(),
+        anchor: 0.0,
+        anchor_depth: 0.0,
+    }
+}
+
+#[test]
+fn depth_grows_with_the_load_and_ends_at_the_onset() {
+    let onset = crease_onset(0.5);
+    let mut last = 0.0;
+    for i in 0..100 {
+        let depth = crease_depth(&free(-2.0 + (2.0 + onset) * f64::from(i) / 100.0)).unwrap();
+        assert!(depth > last);
+        last = depth;
+    }
+    assert!(last > 2.0, "{last}");
+    assert_eq!(crease_depth(&free(onset + 1e-9)), None);
+    assert_eq!(crease_depth(&free(1.5)), None);
+    // A stiff anchor takes the line to its depth.
+    let anchored = CreaseLoad {
+        anchor: 1e9,
+        anchor_depth: 0.2,
+        ..free(0.3)
+    };
+    assert!((crease_depth(&anchored).unwrap() - 0.2).abs() < 1e-6);
+    let usual = CreaseLoad {
+        anchor: 20.0,
+        rest_angle: 0.0,
+        ..CreaseLoad {
+            load: 0.0,
+            ..anchored
+        }
+    };
+    let share = crease_depth(&usual).unwrap() / 0.2;
+    assert!((share - 0.91).abs() < 0.005, "{share}");
+}
+
+/// `D w'''' + N w'' + K0 w = 0` beside the line, and at the line no shear force:
+/// `w'''(0) + 2 η w'(0) = 0`; moment `w''(0) = κ (4 α - θ0)`.
+#[test]
+fn the_profile_is_in_equilibrium() {
+    for load in [-2.0, -1.0, -1.0 + 1e-9, -0.3, 0.0, 0.6, 0.85] {
+        let w = |x: f64| crease_profile(load, x).unwrap();
+        assert!((w(0.0) + 1.0).abs() < 1e-12);
+        let h = 0.02;
+        let second = |x: f64| (w(x + h) - 2.0 * w(x) + w(x - h)) / (h * h);
+        for x in [0.3, 1.0, 2.5, 7.0] {
+            let fourth = (second(x + h) - 2.0 * second(x) + second(x - h)) / (h * h);
+            let rest = fourth + 2.0 * load * second(x) + w(x);
+            assert!(rest.abs() < 5e-3, "{load} {x}: {rest}");
+        }
+        let alpha = (0.5 * (1.0_f64 - load)).sqrt();
+        let slope = (4.0 * w(1e-4) - w(2e-4) - 3.0 * w(0.0)) / 2e-4;
+        assert!((slope - 2.0 * alpha).abs() < 1e-5 * (1.0 + alpha));
+        // What sinks at the line rises beside it; the swing is still large at ten bending lengths under a
+        // load near 1.
+        let steps = 400_000;
+        let sum: f64 = (0..steps).map(|i| w((f64::from(i) + 0.5) * 1e-3)).sum();
+        assert!((sum * 1e-3).abs() < 1e-5, "{load}: {sum}");
+        assert!(w(1e4).abs() < 1e-12);
+    }
+    assert_eq!(crease_profile(1.0, 0.0), None);
+}

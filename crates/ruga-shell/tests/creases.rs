@@ -1,0 +1,442 @@
+//! Creases of stars and hinges: derivatives, invariance, one-sidedness, and what they must leave alone.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+mod differences;
+mod meshes;
+
+use differences::{MODELS, check_layer, dense};
+use meshes::{jittered, random_rotation, random_vector, rng};
+use nalgebra::{DVector, Vector3};
+use ruga_mesh::{EdgeId, TriMesh};
+use ruga_shell::{
+    BendingModel, Crease, FaceParameters, FoldSense, LayerEnergy, LayerParameters, LayerPart,
+    LineAnchor, ShellError,
+};
+
+const COLUMNS: u32 = 7;
+const ROWS: u32 = 6;
+
+/// Paths of vertices, each (column, row), on the lattice that [`mesh`] jitters.
+type Lines = &'static [&'static [(u32, u32)]];
+
+const THROUGH: Lines = &[&[(0, 2), (1, 2), (2, 2), (3, 2), (4, 2), (5, 2), (6, 2)]];
+const ENDS_INSIDE: Lines = &[&[(2, 2), (3, 2), (4, 2)]];
+const KINK: Lines = &[&[(1, 2), (2, 2), (3, 2), (3, 3), (3, 4)]];
+const OF_THREE: Lines = &[&[(1, 2), (2, 2), (3, 2), (4, 2)], &[(3, 2), (3, 3), (3, 4)]];
+const OF_FOUR: Lines = &[
+    &[(1, 2), (2, 2), (3, 2), (4, 2)],
+    &[(2, 1), (3, 2), (3, 3), (3, 4)],
+];
+const FAN: Lines = &[
+    &[(3, 2), (4, 2)],
+    &[(3, 2), (3, 3)],
+    &[(3, 2), (2, 3)],
+    &[(3, 2), (2, 2)],
+    &[(3, 2), (2, 1)],
+    &[(3, 2), (3, 1)],
+];
+const ALL: [Lines; 6] = [THROUGH, ENDS_INSIDE, KINK, OF_THREE, OF_FOUR, FAN];
+
+fn mesh() -> (TriMesh, Vec<Vector3<f64>>) {
+    let mesh = jittered(COLUMNS as usize, ROWS as usize, 1.0, 0.2, 11);
+    (mesh.topology(), mesh.positions)
+}
+
+/// The edge between two vertices of a mesh.
+fn edge(mesh: &TriMesh, ends: [u32; 2]) -> EdgeId {
+    let mut edges = mesh.edges().iter();
+    let found = edges.find(|(_, edge)| {
+        let vertices = edge.vertices.map(|v| v.0);
+        vertices == ends || vertices == [ends[1], ends[0]]
+    });
+    found.expect("neighbours").0
+}
+
+fn edges(mesh: &TriMesh, lines: Lines) -> Vec<EdgeId> {
+    let vertex = |(column, row): (u32, u32)| row * COLUMNS + column;
+    let pairs = lines.iter().flat_map(|line| line.windows(2));
+    pairs
+        .map(|pair| edge(mesh, [vertex(pair[0]), vertex(pair[1])]))
+        .collect()
+}
+
+fn layer(model: BendingModel) -> LayerEnergy {
+    let (mesh, rest) = mesh();
+    let face = FaceParameters {
+        young: 8.0,
+        poisson: 0.4,
+        thickness: 0.6,
+        normal_stiffness: 0.1,
+        gradient_stiffness: 0.05,
+    };
+    let parameters = LayerParameters::uniform(face, mesh.face_count(), 0.2, rest.len());
+    let pinned = vec![false; rest.len()];
+    LayerEnergy::with_bending(&mesh, &rest, parameters, &pinned, model).unwrap()
+}
+
+/// A layer with creases of unequal compliance and rest angle on these lines.
+fn creased(model: BendingModel, lines: Lines, sense: FoldSense) -> LayerEnergy {
+    let sign = match sense {
+        FoldSense::Mountain => -1.0,
+        _ => 1.0,
+    };
+    let mut layer = layer(model);
+    let on = edges(&mesh().0, lines).into_iter().zip(0..);
+    let creases = on.map(|(edge, i)| {
+        let crease = Crease {
+            compliance: 3.0 + 2.0 * f64::from(i % 3),
+            rest_angle: sign * (0.1 + 0.05 * f64::from(i % 2)),
+            sense,
+        };
+        (edge, crease)
+    });
+    layer.set_creases(&creases.collect::<Vec<_>>()).unwrap();
+    layer
+}
+
+/// A bowl (positive) or dome about the middle of the lattice, shaken.
+fn bowl(depth: f64, seed: u64) -> Vec<Vector3<f64>> {
+    let mut rng = rng(seed);
+    let (_, rest) = mesh();
+    let middle = Vector3::new(3.2, 2.2, 0.0);
+    let bent = rest.iter().map(|p| {
+        let height = depth * (p - middle).norm_squared();
+        0.97 * p + Vector3::z() * height + 0.04 * random_vector(&mut rng)
+    });
+    bent.collect()
+}
+
+fn hessians(layer: &LayerEnergy, x: &[Vector3<f64>]) -> [Vec<f64>; 2] {
+    let mut exact = vec![0.0; layer.pattern().1.len()];
+    let mut relaxed = exact.clone();
+    layer.hessian(x, &mut exact, Some(&mut relaxed));
+    [exact, relaxed]
+}
+
+#[test]
+fn derivatives_match_differences_where_lines_pass_end_turn_and_meet() {
+    for model in MODELS {
+        for (seed, lines) in (0..).zip(ALL) {
+            check_layer(&creased(model, lines, FoldSense::Both), &bowl(0.1, seed));
+        }
+    }
+}
+
+#[test]
+fn derivatives_match_differences_on_either_side_of_the_switch() {
+    for model in MODELS {
+        for (seed, lines) in (10..).zip(ALL) {
+            for (sense, depth) in [(FoldSense::Valley, 0.1), (FoldSense::Mountain, -0.1)] {
+                let layer = creased(model, lines, sense);
+                for (depth, is_open) in [(depth, true), (-3.0 * depth, false)] {
+                    let x = bowl(depth, seed);
+                    let states = layer.crease_states(&x);
+                    let folded = states.iter().filter(|state| state.angle != 0.0).count();
+                    // Where lines meet, those that shut leave one or two a little open.
+                    let all = states.len();
+                    assert!(if is_open {
+                        folded == all
+                    } else {
+                        2 * folded <= all
+                    });
+                    check_layer(&layer, &x);
+                }
+            }
+        }
+    }
+}
+
+/// At the switch the gradient is that of both sides.
+#[test]
+fn the_gradient_is_continuous_where_a_crease_shuts() {
+    for model in MODELS {
+        let layer = creased(model, OF_FOUR, FoldSense::Valley);
+        let gradient = |share: f64| {
+            let (open, shut) = (bowl(0.1, 7), bowl(-0.3, 7));
+            let x: Vec<_> = open
+                .iter()
+                .zip(&shut)
+                .map(|(a, b)| a.lerp(b, share))
+                .collect();
+            let mut gradient = vec![0.0; layer.dof_count()];
+            layer.gradient(&x, &mut gradient);
+            DVector::from_vec(gradient)
+        };
+        let steps: Vec<_> = (0..=2000)
+            .map(|i| gradient(f64::from(i) / 2000.0))
+            .collect();
+        let way = (&steps[2000] - &steps[0]).norm();
+        for pair in steps.windows(2) {
+            assert!((&pair[1] - &pair[0]).norm() < 5e-3 * way);
+        }
+    }
+}
+
+#[test]
+fn gauss_newton_is_positive_and_rigid_motions_cost_nothing() {
+    for model in MODELS {
+        for lines in ALL {
+            for sense in [FoldSense::Both, FoldSense::Valley] {
+                let layer = creased(model, lines, sense);
+                let x = bowl(0.1, 3);
+                let [_, relaxed] = hessians(&layer, &x);
+                let values = dense(layer.pattern(), &relaxed).symmetric_eigenvalues();
+                assert!(values.min() > -1e-12 * values.max());
+
+                let turn = random_rotation(&mut rng(4));
+                let moved: Vec<_> = x
+                    .iter()
+                    .map(|p| turn * p + Vector3::new(3.0, -2.0, 5.0))
+                    .collect();
+                let [before, after] = [&x, &moved].map(|x| layer.energy_parts(x).bending);
+                assert!((after / before - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+}
+
+/// Neither compliance nor rest angle: not a bit changes.
+#[test]
+fn a_crease_as_stiff_as_the_layer_changes_nothing() {
+    for model in MODELS {
+        let plain = layer(model);
+        let mut creased = plain.clone();
+        let crease = Crease {
+            compliance: Crease::strip_compliance(0.3, 1.0, 0.1),
+            rest_angle: 0.0,
+            sense: FoldSense::Valley,
+        };
+        let on = edges(&mesh().0, OF_THREE).into_iter();
+        creased
+            .set_creases(&on.map(|edge| (edge, crease)).collect::<Vec<_>>())
+            .unwrap();
+        let x = bowl(0.1, 5);
+        assert_eq!(plain.value(&x), creased.value(&x));
+        let gradient = |layer: &LayerEnergy| {
+            let mut gradient = vec![0.0; layer.dof_count()];
+            layer.gradient(&x, &mut gradient);
+            gradient
+        };
+        assert_eq!(gradient(&plain), gradient(&creased));
+        assert_eq!(hessians(&plain, &x), hessians(&creased, &x));
+    }
+}
+
+/// The energy is the least over all fold angles, found here by trying.
+#[test]
+fn a_fold_takes_the_angle_of_least_energy() {
+    // Two squares that share an edge along y: both end stars are open and have the edge alone.
+    let rest: Vec<_> = [-1.0, 0.0, 1.0]
+        .into_iter()
+        .flat_map(|x| [Vector3::new(x, 0.0, 0.0), Vector3::new(x, 1.0, 0.0)])
+        .collect();
+    let faces = vec![[0, 2, 1], [1, 2, 3], [2, 4, 3], [3, 4, 5]];
+    let mesh = TriMesh::new(6, faces).unwrap();
+    let face = FaceParameters {
+        young: 10.0,
+        poisson: 0.0,
+        thickness: 0.5,
+        normal_stiffness: 0.0,
+        gradient_stiffness: 0.0,
+    };
+    let on = edge(&mesh, [2, 3]);
+    for model in MODELS {
+        let parameters = LayerParameters::uniform(face, 4, 0.0, 6);
+        let mut layer =
+            LayerEnergy::with_bending(&mesh, &rest, parameters, &[false; 6], model).unwrap();
+        let crease = Crease {
+            compliance: 20.0,
+            rest_angle: 0.4,
+            sense: FoldSense::Valley,
+        };
+        let plain = layer.clone();
+        layer.set_creases(&[(on, crease)]).unwrap();
+        let bending = |layer: &LayerEnergy, valley: f64| {
+            let up = |p: &Vector3<f64>| match p.x > 0.0 {
+                true => Vector3::new(valley.cos() * p.x, p.y, valley.sin() * p.x),
+                false => *p,
+            };
+            let x: Vec<_> = rest.iter().map(up).collect();
+            let state = layer.crease_states(&x);
+            (layer.energy_parts(&x).bending, state)
+        };
+        for valley in [0.0, 0.4, 0.9, -0.3, -1.0] {
+            // The edge is one metre long.
+            let trial = |phi: f64| bending(&plain, valley - phi).0 + (phi - 0.4).powi(2) / 40.0;
+            let tried = (0..=20_000).map(|i| trial(f64::from(i) * 1e-4));
+            let least = tried.fold(f64::INFINITY, f64::min);
+            let (found, state) = bending(&layer, valley);
+            assert!(
+                (found - least).abs() < 1e-7,
+                "{model:?} {valley}: {found} {least}"
+            );
+            assert!((trial(state[0].angle) - found).abs() < 1e-12, "{state:?}");
+            assert!(state[0].angle >= 0.0);
+        }
+    }
+}
+
+#[test]
+fn extremes_stay_finite() {
+    for model in MODELS {
+        for compliance in [0.0, 1e-300, 1e-9, 1e9, 1e300, f64::INFINITY] {
+            for rest_angle in [0.0, 1e-9, 3.1] {
+                let mut layer = layer(model);
+                let crease = Crease {
+                    compliance,
+                    rest_angle,
+                    sense: FoldSense::Valley,
+                };
+                let on = edges(&mesh().0, FAN)
+                    .into_iter()
+                    .chain(edges(&mesh().0, &[&[(0, 3), (1, 3)]]));
+                layer
+                    .set_creases(&on.map(|edge| (edge, crease)).collect::<Vec<_>>())
+                    .unwrap();
+                for x in [bowl(0.1, 1), bowl(-3.0, 1), vec![Vector3::zeros(); 42]] {
+                    let mut gradient = vec![0.0; layer.dof_count()];
+                    layer.gradient(&x, &mut gradient);
+                    let [exact, relaxed] = hessians(&layer, &x);
+                    let states = layer.crease_states(&x);
+                    let states = states.iter().flat_map(|s| [&s.angle, &s.energy]);
+                    let all = gradient.iter().chain(&exact).chain(&relaxed).chain(states);
+                    assert!(all.chain([&layer.value(&x)]).all(|v| v.is_finite()));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_part_of_a_creased_layer_has_its_forces() {
+    for model in MODELS {
+        let mut whole = creased(model, OF_FOUR, FoldSense::Valley);
+        whole.set_line_anchors(&anchors()).unwrap();
+        let x = bowl(0.1, 8);
+        let free: Vec<u32> = (8..30).collect();
+        let part = LayerPart::new(&whole, &free).unwrap();
+        let local: Vec<_> = part.vertices().iter().map(|&v| x[v as usize]).collect();
+        let mut gradient = vec![0.0; whole.dof_count()];
+        whole.gradient(&x, &mut gradient);
+        let mut of_part = vec![0.0; part.energy().dof_count()];
+        part.energy().gradient(&local, &mut of_part);
+        assert_eq!(of_part, gradient[3 * 8..3 * 30]);
+    }
+}
+
+fn anchors() -> Vec<LineAnchor> {
+    let on = edges(&mesh().0, THROUGH).into_iter().zip(0..);
+    let anchor = |(edge, i)| LineAnchor {
+        edge,
+        stiffness: 0.5,
+        depths: [0.1 * f64::from(i), 0.1 * f64::from(i + 1)],
+    };
+    on.map(anchor).collect()
+}
+
+#[test]
+fn line_anchors_pull_towards_their_depth() {
+    let (mesh, rest) = mesh();
+    let mut layer = layer(BendingModel::Hinge);
+    layer.set_line_anchors(&anchors()).unwrap();
+    check_layer(&layer, &bowl(0.1, 9));
+    // At depth d of a line as long as it is: k_a d^2/2 per length, for a layer that is not bent.
+    let on = edges(&mesh, THROUGH);
+    let length: f64 = on
+        .iter()
+        .map(|&e| {
+            let [a, b] = mesh.edges()[e].vertices.map(|v| rest[v.0 as usize]);
+            (a - b).norm()
+        })
+        .sum();
+    let even = |depth| {
+        on.iter().map(move |&edge| LineAnchor {
+            edge,
+            stiffness: 0.5,
+            depths: [depth; 2],
+        })
+    };
+    layer
+        .set_line_anchors(&even(0.3).collect::<Vec<_>>())
+        .unwrap();
+    let energy = layer.energy_parts(&rest).anchored;
+    assert!((energy / (0.25 * 0.09 * length) - 1.0).abs() < 1e-12);
+    let sunk: Vec<_> = rest.iter().map(|p| p - 0.3 * Vector3::z()).collect();
+    assert!(layer.energy_parts(&sunk).anchored < 1e-30);
+}
+
+#[test]
+fn what_cannot_be_creased_is_refused() {
+    let (mesh, _) = mesh();
+    let good = Crease {
+        compliance: 1.0,
+        rest_angle: 0.1,
+        sense: FoldSense::Valley,
+    };
+    let [inside, next, ..] = edges(&mesh, THROUGH)[..] else {
+        panic!("six edges")
+    };
+    let border = edge(&mesh, [0, 1]);
+    let mut layer = layer(BendingModel::VertexCurvature);
+    layer.set_creases(&[(inside, good)]).unwrap();
+    let x = bowl(0.1, 2);
+    let before = layer.value(&x);
+    let mut refuse = |creases: &[(EdgeId, Crease)]| layer.set_creases(creases).unwrap_err();
+    assert!(matches!(
+        refuse(&[(border, good)]),
+        ShellError::CreaseOutside { .. }
+    ));
+    assert!(matches!(
+        refuse(&[(EdgeId(9999), good)]),
+        ShellError::CreaseOutside { edge: 9999 }
+    ));
+    assert!(matches!(
+        refuse(&[(next, good), (next, good)]),
+        ShellError::CreaseTwice { .. }
+    ));
+    for bad in [
+        Crease {
+            compliance: -1.0,
+            ..good
+        },
+        Crease {
+            compliance: f64::NAN,
+            ..good
+        },
+        Crease {
+            rest_angle: f64::NAN,
+            ..good
+        },
+        Crease {
+            rest_angle: 3.2,
+            ..good
+        },
+        Crease {
+            rest_angle: -0.1,
+            ..good
+        },
+        Crease {
+            sense: FoldSense::Mountain,
+            ..good
+        },
+    ] {
+        assert!(matches!(
+            refuse(&[(next, bad)]),
+            ShellError::ParameterOutOfRange { .. }
+        ));
+    }
+    assert_eq!(layer.value(&x), before);
+    let anchor = LineAnchor {
+        edge: inside,
+        stiffness: -1.0,
+        depths: [0.0; 2],
+    };
+    assert!(layer.set_line_anchors(&[anchor]).is_err());
+    let anchor = LineAnchor {
+        edge: EdgeId(9999),
+        stiffness: 1.0,
+        ..anchor
+    };
+    assert!(layer.set_line_anchors(&[anchor]).is_err());
+}
