@@ -15,11 +15,7 @@ use crate::sharp_fold::SharpFold;
 use crate::stars::Star;
 use crate::stencil::{NO_FACE, add_blocks, gather, slots, touches};
 use crate::vertex_curvature::weighted;
-<<<<<<< HEAD
-use crate::{EnergyParts, FaceParameters, RestTriangle};
-=======
-use crate::{CreaseState, FaceParameters, RestTriangle, ShellError};
->>>>>>> crease
+use crate::{CreaseState, EnergyParts, FaceParameters, RestTriangle, ShellError};
 
 /// Hinges at all inner edges and, if the model has them, the stars that their angles go into.
 #[derive(Clone, Debug)]
@@ -270,7 +266,7 @@ impl LayerBending {
         };
         if self.stars.is_empty() {
             for element in &self.hinges {
-                add_halves(element, element.hinge.value(&gather(x, &element.vertices)));
+                add_halves(element, element.value(x));
             }
             return;
         }
@@ -279,7 +275,7 @@ impl LayerBending {
             add_halves(&self.hinges[i], fold.value);
         }
         for element in &self.stars {
-            let value = 0.5 * element.bend(&bends).norm_squared();
+            let value = element.value(&bends);
             for (face, share) in element.star.shares(rest) {
                 faces[face].bending += share * value;
             }

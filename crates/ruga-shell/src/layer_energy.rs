@@ -1,10 +1,7 @@
 //! All energies of a layer, assembled over its free vertices.
 
-<<<<<<< HEAD
 mod by_face;
-=======
 mod creases;
->>>>>>> crease
 
 use std::sync::OnceLock;
 

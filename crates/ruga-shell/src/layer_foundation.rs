@@ -9,11 +9,7 @@ use crate::layer_part::{PartNumbers, marked, pick};
 use crate::parameters::{check_finite, check_length};
 use crate::sheet::Sheet;
 use crate::stencil::{NO_FACE, touches};
-<<<<<<< HEAD
-use crate::{EnergyParts, ShellError};
-=======
-use crate::{LineAnchor, RestTriangle, ShellError};
->>>>>>> crease
+use crate::{EnergyParts, LineAnchor, RestTriangle, ShellError};
 
 /// Tolerance on the length of a base normal.
 const UNIT_TOLERANCE: f64 = 1e-6;

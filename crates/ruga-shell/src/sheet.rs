@@ -9,11 +9,9 @@ use crate::layer_part::{PartNumbers, marked, pick};
 use crate::membrane::{Membrane, Stress};
 use crate::stars::{Star, stars};
 use crate::stencil::{add_blocks, gather, slots, touches};
-<<<<<<< HEAD
-use crate::{BendingModel, EnergyParts, FaceParameters, RestTriangle, ShellError};
-=======
-use crate::{BendingModel, Crease, CreaseState, FaceParameters, RestTriangle, ShellError};
->>>>>>> crease
+use crate::{
+    BendingModel, Crease, CreaseState, EnergyParts, FaceParameters, RestTriangle, ShellError,
+};
 
 /// The stencils of a sheet, numbered by the vertices of the whole layer.
 pub(crate) struct SheetTopology<'a> {

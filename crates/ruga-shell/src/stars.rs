@@ -88,14 +88,14 @@ impl Star {
         }
     }
 
-<<<<<<< HEAD
     /// The faces, each with its part of their area.
     pub(crate) fn shares(&self, rest: &[RestTriangle]) -> impl Iterator<Item = (usize, f64)> {
         let area = |(face, _): &(FaceId, usize)| rest[face.index()].area();
         let whole: f64 = self.fan.iter().map(area).sum();
         let fan = self.fan.iter();
         fan.map(move |side| (side.0.index(), area(side) / whole))
-=======
+    }
+
     /// Angle (rad), from 0 to pi, by which a line turns at the centre that comes in on one inner edge and goes
     /// out on another, in the plane of [`StarShape`].
     pub(crate) fn turn(&self, rest: &[RestTriangle], [from, to]: [u32; 2]) -> f64 {
@@ -113,7 +113,6 @@ impl Star {
             false => 1.0,
         };
         (PI - scale * between).abs()
->>>>>>> crease
     }
 
     /// Mean over the faces, weighted by their area.

@@ -11,7 +11,8 @@ impl LayerEnergy {
     ///
     /// The sum over all faces of all sheets is that of [`Self::energy_parts`], where `points` are those that
     /// were set: a vertex, an edge or the star of a vertex shares its energy among its faces. The springs
-    /// between two sheets ([`Self::spring_parts`]) belong to neither and are left out.
+    /// between two sheets ([`Self::spring_parts`]) belong to neither, and line anchors to no face: both are left
+    /// out.
     pub fn face_energies(
         &self,
         x: &[Vector3<f64>],
