@@ -105,9 +105,8 @@ pub(crate) fn run_poses<P: Product>(
     };
     // Poses that are made of the same simulation, as mirror images are, are in work together.
     let mut to_be_made: Vec<Vec<usize>> = Vec::new();
-    let first_alike = scene.first_alike();
     for pose in (0..poses.len()).filter(|&pose| poses[pose].is_none()) {
-        let is_alike = |made: &&mut Vec<usize>| first_alike[made[0]] == first_alike[pose];
+        let is_alike = |made: &&mut Vec<usize>| plan.first_alike(made[0]) == plan.first_alike(pose);
         match to_be_made.iter_mut().find(is_alike) {
             Some(made) => made.push(pose),
             None => to_be_made.push(vec![pose]),
@@ -136,9 +135,10 @@ pub(crate) fn run_poses<P: Product>(
     };
     let made = run_all(&bytes, capacity, |number, given_up| {
         time_left.begin(number);
-        run.alike(&to_be_made[number], given_up, |record| {
+        let made = run.alike(&to_be_made[number], given_up, |record| {
             time_left.end(number, layer_seconds(&record.report))
-        })
+        });
+        made.map(Some)
     })?;
     for (alike, made) in to_be_made.into_iter().zip(made) {
         for (pose, made) in alike.into_iter().zip(made.into_iter().flatten()) {
@@ -176,7 +176,7 @@ impl<P: Product> PoseRun<'_, P> {
         poses: &[usize],
         given_up: &(dyn Fn() -> bool + Sync),
         time_left: impl Fn(&PoseRecord) -> f64,
-    ) -> Result<Option<Vec<Option<PoseRecord>>>, CliError> {
+    ) -> Result<Vec<Option<PoseRecord>>, CliError> {
         let mut simulated = None;
         let mut made: Vec<Option<PoseRecord>> = Vec::new();
         for (number, &pose) in poses.iter().enumerate() {
@@ -187,7 +187,7 @@ impl<P: Product> PoseRun<'_, P> {
             };
             made.push(self.pose(pose, given_up, (&mut simulated, left))?);
         }
-        Ok(Some(made))
+        Ok(made)
     }
 
     /// Makes one pose, of what is `simulated` already if it is.
@@ -195,7 +195,10 @@ impl<P: Product> PoseRun<'_, P> {
         &self,
         index: usize,
         given_up: &(dyn Fn() -> bool + Sync),
-        (simulated, time_left): (&mut Option<PoseResult>, impl FnOnce(&PoseRecord) -> f64),
+        (simulated, time_left): (
+            &mut Option<(usize, PoseResult)>,
+            impl FnOnce(&PoseRecord) -> f64,
+        ),
     ) -> Result<Option<PoseRecord>, CliError> {
         let spec = &self.scene.poses[index];
         let mut earlier = Vec::new();
@@ -229,7 +232,7 @@ impl<P: Product> PoseRun<'_, P> {
         &self,
         index: usize,
         (bar, given_up): (&ProgressBar, &(dyn Fn() -> bool + Sync)),
-        simulated: &mut Option<PoseResult>,
+        simulated: &mut Option<(usize, PoseResult)>,
         mut earlier: Vec<String>,
     ) -> Result<Option<PoseRecord>, CliError> {
         let scene = self.scene;
@@ -245,23 +248,25 @@ impl<P: Product> PoseRun<'_, P> {
         };
         let mut watch = Watch::new(bar, given_up, wanted, &mut sink);
         let mut seconds = vec![Seconds::default(); scene.layers.len()];
-        // What another pose has taken the time for, unless that was cut short.
-        if simulated.as_ref().is_none_or(|result| result.interrupted) {
-            let pool = thread_pool(self.threads)?;
-            let result = pool.install(|| self.plan.simulate(index, &mut watch));
-            let result = result.map_err(|source| CliError::Simulation {
-                scene: scene.path.clone(),
-                pose: spec.name.clone(),
-                source: Box::new(source),
-            })?;
-            seconds = watch.finish(result.layers.len(), result.frames)?;
-            *simulated = Some(result);
-        }
-        let Some(result) = simulated else {
-            return Ok(None);
+        let passed_on = simulated
+            .as_ref()
+            .map(|(from, result)| self.plan.passed_on(result, [*from, index]));
+        let own;
+        let result = match &passed_on {
+            Some(result) => result,
+            None => {
+                let pool = thread_pool(self.threads)?;
+                let result = pool.install(|| self.plan.simulate(index, &mut watch));
+                let result = result.map_err(|source| CliError::Simulation {
+                    scene: scene.path.clone(),
+                    pose: spec.name.clone(),
+                    source: Box::new(source),
+                })?;
+                seconds = watch.finish(result.layers.len(), result.frames)?;
+                own = simulated.insert((index, result));
+                &own.1
+            }
         };
-        let image = scene.image(index, result);
-        let result = image.as_ref().unwrap_or(result);
         if result.interrupted && !self.is_worth_keeping(spec, result) {
             return Ok(None);
         }

@@ -20,8 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(out)?;
     for (number, pose) in scene.poses.iter().enumerate() {
         let result = plan.simulate(number, &mut Silent)?;
-        let image = scene.image(number, &result);
-        let last = image.as_ref().unwrap_or(&result).keys.last();
+        let last = result.keys.last();
         let Some(layer) = last.and_then(|key| key.layers.last()) else {
             println!("{}: nothing wrinkles", pose.name);
             continue;

@@ -5,12 +5,15 @@ use ruga_stepper::{
     Progress, StepperError,
 };
 
+use crate::symmetry::PoseImages;
+
 /// The plan of a scene.
 pub struct ScenePlan {
     /// Stacks side by side, at least one: that of a scene without zones.
     pub zones: Vec<ZonePlan>,
     /// Bytes of the maps of further UDIM tiles, for each pose.
     pub(crate) map_bytes: Vec<f64>,
+    images: PoseImages,
 }
 
 /// The stack of one zone.
@@ -23,9 +26,13 @@ pub struct ZonePlan {
 
 impl ScenePlan {
     /// The plan of a mesh without UDIM tiles.
-    pub(crate) fn new(zones: Vec<ZonePlan>) -> Self {
+    pub(crate) fn new(mut zones: Vec<ZonePlan>, images: PoseImages) -> Self {
+        for zone in &mut zones {
+            images.reword(&mut zone.plan.warnings);
+        }
         Self {
             zones,
+            images,
             map_bytes: Vec::new(),
         }
     }
@@ -68,13 +75,28 @@ impl ScenePlan {
         self.zones.iter().flat_map(|zone| &zone.plan.warnings)
     }
 
-    /// Pose number `pose` is made of the simulation of another one.
-    pub(crate) fn costs_nothing(&mut self, pose: usize) {
-        for zone in &mut self.zones {
-            for layer in &mut zone.plan.poses[pose].layers {
-                layer.seconds = 0.0;
-            }
-        }
+    /// The first pose that is made of the same simulation as pose number `pose`: itself, or its mirror image.
+    pub fn first_alike(&self, pose: usize) -> usize {
+        self.images.first_alike(pose)
+    }
+
+    /// Whether pose number `pose` is simulated as its mirror image.
+    pub fn is_image(&self, pose: usize) -> bool {
+        self.images.is_image(pose)
+    }
+
+    /// The `result` of pose number `from` as that of `to`, which is made of the same simulation
+    /// ([`Self::first_alike`]); a mirror image has no [`ComputedMesh`](ruga_stepper::ComputedMesh).
+    ///
+    /// # Panics
+    /// When there is no pose of one of the numbers.
+    pub fn passed_on(&self, result: &PoseResult, [from, to]: [usize; 2]) -> PoseResult {
+        self.images.passed_on(result, [from, to])
+    }
+
+    /// Triangles of the file that maps of pose number `pose` show, ascending.
+    pub(crate) fn shown_triangles(&self, pose: usize) -> Vec<u32> {
+        self.images.shown(pose, self.active_triangles(pose))
     }
 
     /// Adds what the plan itself cannot know.
@@ -93,7 +115,8 @@ impl ScenePlan {
         triangles
     }
 
-    /// Simulates pose number `pose`, one zone after the other.
+    /// Simulates pose number `pose`, one zone after the other; a mirror image has no
+    /// [`ComputedMesh`](ruga_stepper::ComputedMesh).
     ///
     /// # Errors
     /// Those of [`Plan::simulate`], such as a number that no pose has.
@@ -117,7 +140,7 @@ impl ScenePlan {
         }
         let zones: Vec<&[usize]> = self.zones.iter().map(|z| z.layers.as_slice()).collect();
         let layers = zones.iter().map(|layers| layers.len()).sum();
-        Ok(merged(layers, &zones, results))
+        Ok(self.images.own(pose, merged(layers, &zones, results)))
     }
 }
 

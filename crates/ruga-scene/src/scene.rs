@@ -5,12 +5,12 @@ mod zone_overlap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use ruga_blend::{Driver, Weights, nearest};
+use ruga_blend::{Driver, nearest};
 use ruga_io::{IoError, MeshFile, ObjOptions, read_mask, read_mesh};
 use ruga_material::UvTile;
 use ruga_stepper::{
-    BYTES_PER_TEXEL, Body, LatticeError, LayerSpec, Modelling, PoseResult, PoseSpec, Region,
-    StepperError, plan, plan_body,
+    BYTES_PER_TEXEL, Body, LatticeError, LayerSpec, Modelling, PoseSpec, Region, StepperError,
+    plan, plan_body,
 };
 
 use crate::file::{self, SceneFile};
@@ -18,7 +18,7 @@ use crate::mask_image::mask;
 use crate::painted_files::{mask_files, tile_files};
 use crate::placement::Placement;
 use crate::plan::{ScenePlan, ZonePlan};
-use crate::symmetry::sorted;
+use crate::symmetry::PoseImages;
 use crate::uv_tiles::{are_tiled, driver_in_tiles};
 use crate::{Mirror, SceneError, body, counted, mesh_size, model, painted_files, texture_space};
 
@@ -49,9 +49,9 @@ pub struct Scene {
     pub layers: Vec<LayerSpec>,
     /// The poses that are wanted.
     pub poses: Vec<PoseSpec>,
-    /// What lies opposite of what, where the mesh is to mirror itself. Without it every pose is simulated as
-    /// it is.
-    pub mirror: Option<Mirror>,
+    /// Correspondence of the two sides of a mesh that is to mirror itself; without it every pose is simulated
+    /// as it is.
+    pub mirror: Option<Arc<Mirror>>,
     /// The body that the layer lies on, if it is one.
     pub body: Option<Body>,
     /// The choices that are not physics.
@@ -115,88 +115,27 @@ impl Scene {
                 source: Box::new(other),
             },
         })?;
-        let active = |(index, pose): (usize, &PoseSpec)| {
-            (pose.name.clone(), planned.active_triangles(index))
-        };
+        let active =
+            |(index, pose): (usize, &PoseSpec)| (pose.name.clone(), planned.shown_triangles(index));
         let active: Vec<_> = self.poses.iter().enumerate().map(active).collect();
         let told = texture_space::check_active((&self.mesh, &self.tiles), &active)?;
         planned.warn(told);
         let maps = active.iter().map(|(_, active)| self.map_bytes(active));
         planned.map_bytes = maps.collect();
-        for (pose, first) in self.first_alike().into_iter().enumerate() {
-            if first != pose {
-                planned.costs_nothing(pose);
-            }
-        }
         Ok(planned)
-    }
-
-    /// The poses as they are simulated: some as the mirror images of what is wanted.
-    pub(crate) fn simulated_poses(&self) -> Vec<PoseSpec> {
-        let simulated = |pose: &PoseSpec| PoseSpec {
-            weights: self.source(pose).unwrap_or_else(|| pose.weights.clone()),
-            ..pose.clone()
-        };
-        self.poses.iter().map(simulated).collect()
-    }
-
-    /// Weights that are simulated in the place of a pose's own, where it is a mirror image.
-    fn source(&self, pose: &PoseSpec) -> Option<Weights> {
-        let mirror = self.mirror.as_ref()?;
-        mirror.source_of(&pose.weights, &self.driver)
-    }
-
-    /// What a pose becomes of the plan's `result` for it where the other one of two mirror images was
-    /// simulated; `None` where the result is its own.
-    ///
-    /// # Panics
-    /// When there is no pose of that number.
-    pub fn image(&self, pose: usize, result: &PoseResult) -> Option<PoseResult> {
-        self.source(&self.poses[pose])?;
-        let mut image = self.mirror.as_ref()?.image_of(result, &self.mesh.mesh);
-        if !result.warnings.is_empty() {
-            image.warnings.push(format!(
-                "pose '{}': its maps are the mirror image of the other side's, of which {} said",
-                self.poses[pose].name,
-                match result.warnings.len() {
-                    1 => "one warning was".to_owned(),
-                    several => format!("{several} warnings were"),
-                }
-            ));
-        }
-        Some(image)
-    }
-
-    /// For every pose the first one that is simulated in the same way: itself or, for one of two mirror
-    /// images, perhaps the other.
-    pub fn first_alike(&self) -> Vec<usize> {
-        let simulated = self.simulated_poses();
-        let alike = |pose: &PoseSpec| {
-            let mut all = simulated.iter();
-            all.position(|other| {
-                sorted(other.weights.iter()) == sorted(pose.weights.iter())
-                    && (&other.keys, other.steps) == (&pose.keys, pose.steps)
-            })
-        };
-        let numbers = simulated.iter().enumerate();
-        numbers
-            .map(|(own, pose)| match self.mirror {
-                Some(_) => alike(pose).unwrap_or(own),
-                None => own,
-            })
-            .collect()
     }
 
     fn planned(&self) -> Result<ScenePlan, StepperError> {
         let (driver, modelling) = (&self.driver, &self.modelling);
-        let poses = &self.simulated_poses();
+        let (images, poses) = PoseImages::new(self.mirror.as_ref(), driver, &self.poses);
+        let poses = &poses;
         let size = self.file.bake.size;
         if let Some(body) = &self.body {
             let zone = ZonePlan {
                 plan: plan_body(driver, &self.layers, body, poses, modelling, size)?,
                 layers: (0..self.layers.len()).collect(),
             };
-            return Ok(ScenePlan::new(vec![zone]));
+            return Ok(ScenePlan::new(vec![zone], images));
         }
         let zones = self.file.zones().into_iter().map(|zone| {
             let of_zone = zone.layers.iter();
@@ -207,7 +146,7 @@ impl Scene {
             })
         });
         let zones = zones.collect::<Result<_, StepperError>>()?;
-        Ok(ScenePlan::new(zones))
+        Ok(ScenePlan::new(zones, images))
     }
 
     /// Bytes that the maps of the tiles with simulated skin take beside one of them, which the plan of a layer
@@ -231,8 +170,8 @@ pub struct Inspection {
     pub tiles: Vec<UvTile>,
     /// The layers.
     pub layers: Option<Vec<LayerSpec>>,
-    /// What lies opposite of what, where the mesh is to mirror itself.
-    pub mirror: Option<Mirror>,
+    /// Correspondence of the two sides of a mesh that is to mirror itself.
+    pub mirror: Option<Arc<Mirror>>,
     /// Region where skin is simulated.
     pub region: Option<Region>,
     /// The poses that are wanted.
@@ -360,9 +299,10 @@ impl Inspection {
             source,
         });
         if let (Ok(mirror), Some(layers)) = (&mirror, &self.layers) {
-            self.warnings.extend(mirror.warnings(&mesh.mesh, layers));
+            self.warnings
+                .extend(mirror.warnings(layers, self.region.as_ref()));
         }
-        self.mirror = self.keep(mirror);
+        self.mirror = self.keep(mirror).map(Arc::new);
     }
 
     fn look_at_masks(&mut self) {

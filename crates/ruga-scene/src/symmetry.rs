@@ -1,375 +1,148 @@
-//! Poses that are mirror images of others, on a mesh that mirrors itself.
+//! Poses that are made of one simulation, because they are mirror images or the same.
 
-use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 
-use nalgebra::{Matrix2, Vector2, Vector3};
-use ruga_blend::{ArtistMesh, BlendShape, Driver, Weights};
-use ruga_stepper::{ComputedMesh, KeyResult, LayerSpec, LayerSurface, PoseResult};
-use thiserror::Error;
+use ruga_blend::Driver;
+use ruga_stepper::{KeyResult, PoseResult, PoseSpec};
 
-/// How far a vertex may lie from the mirror image of its partner, in sizes of the mesh: half a millimetre on a
-/// head, where scans are mirrored by hand. Each must be the other's nearest.
-const TOLERANCE: f64 = 2e-3;
+use crate::Mirror;
+use crate::mirror::sorted;
 
-/// How far a blend shape may be from the mirror image of another, as a fraction of its displacements (root of
-/// the mean square): sides of a real face move a little differently.
-const ALIKE_SHAPES: f64 = 0.1;
+/// End of a warning about a pose that is simulated as its mirror image.
+const ON_THE_OTHER_SIDE: &str =
+    "; that is on the other side, of which this pose is made as the mirror image";
 
-/// Difference of grey up to which paint is the same on both sides.
-const ALIKE: f64 = 0.1;
-
-/// Why a mesh does not mirror.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum SymmetryFault {
-    /// A vertex without partner on the other side.
-    #[error(
-        "vertex {vertex} at ({:.4}, {:.4}, {:.4}) m has no partner at its mirror image, within {:.2} mm",
-        at[0], at[1], at[2], 1e3 * reach
-    )]
-    Vertex {
-        /// The vertex, counted from 0 as in the file.
-        vertex: usize,
-        /// Its place, m.
-        at: [f64; 3],
-        /// Distance within which one was looked for, m.
-        reach: f64,
-    },
-    /// A triangle without partner.
-    #[error("triangle {0} has no triangle at its mirror image, though its corners have partners")]
-    Triangle(usize),
+/// How every pose of a plan is made.
+#[derive(Default)]
+pub(crate) struct PoseImages {
+    mirror: Option<Arc<Mirror>>,
+    names: Vec<String>,
+    /// Whether a pose is simulated as its mirror image.
+    is_image: Vec<bool>,
+    /// The first pose that is simulated in the same way.
+    first_alike: Vec<usize>,
 }
 
-/// What lies opposite of what on a mesh that is its own mirror image at the plane `x = 0`.
-#[derive(Clone, Debug)]
-pub struct Mirror {
-    /// What lies opposite of every triangle of the file.
-    triangles: Vec<Opposite>,
-    /// For every blend shape the one that does the same on the other side, if there is one.
-    shapes: Vec<Option<usize>>,
-}
-
-/// What lies opposite of a triangle: another one, or where a square is divided along the other diagonal,
-/// parts of two.
-#[derive(Clone, Debug)]
-struct Opposite {
-    /// Texture coordinates opposite of its corners.
-    uvs: [Vector2<f64>; 3],
-    triangles: Vec<u32>,
-}
-
-impl Mirror {
-    /// Finds the opposite of every triangle and blend shape.
-    ///
-    /// # Errors
-    /// [`SymmetryFault`] when the mesh does not mirror.
-    pub fn new(mesh: &ArtistMesh, driver: &Driver) -> Result<Self, SymmetryFault> {
-        let reach = TOLERANCE * extent(driver.rest());
-        let opposite = opposite_vertices(mesh, driver, reach)?;
-        Ok(Self {
-            triangles: opposite_triangles(mesh, driver, &opposite)?,
-            shapes: opposite_shapes(mesh, driver, &opposite),
-        })
-    }
-
-    /// Weights that are simulated in the place of these, when they are the image of others: of a pose and
-    /// its mirror image always the same one. `None` for the other, and for what mirrors itself.
-    pub fn source_of(&self, weights: &Weights, driver: &Driver) -> Option<Weights> {
-        let names: Vec<&str> = driver.shape_names().collect();
-        let opposite = weights
-            .iter()
-            .map(|(shape, w)| Some((self.shapes[shape]?, w)));
-        let opposite: Vec<(usize, f64)> = opposite.collect::<Option<_>>()?;
-        if sorted(opposite.iter().copied()) >= sorted(weights.iter()) {
-            return None;
-        }
-        let named = opposite.into_iter().map(|(shape, w)| (names[shape], w));
-        // In the order that they have in a scene, so that sums are the same to the last bit.
-        let named: BTreeMap<&str, f64> = named.collect();
-        driver.weights(named).ok()
-    }
-
-    /// The mirror image of a result, on `mesh`.
-    ///
-    /// Its layers have no [`LayerSurface::computed`].
-    pub fn image_of(&self, result: &PoseResult, mesh: &ArtistMesh) -> PoseResult {
-        let key = |key: &KeyResult| KeyResult {
-            load: key.load,
-            layers: key
-                .layers
-                .iter()
-                .map(|layer| self.layer(layer, mesh))
-                .collect(),
-            // A mesh that moves with a soft body is not mirrored.
-            artist_positions: None,
+impl PoseImages {
+    /// Chooses how `poses` are made; returns them as they are simulated, too.
+    pub(crate) fn new(
+        mirror: Option<&Arc<Mirror>>,
+        driver: &Driver,
+        poses: &[PoseSpec],
+    ) -> (Self, Vec<PoseSpec>) {
+        let source = |pose: &PoseSpec| mirror?.source_of(&pose.weights, driver);
+        let sources: Vec<_> = poses.iter().map(source).collect();
+        let is_image = sources.iter().map(Option::is_some).collect();
+        let simulated = poses.iter().zip(sources).map(|(pose, source)| PoseSpec {
+            weights: source.unwrap_or_else(|| pose.weights.clone()),
+            ..pose.clone()
+        });
+        let simulated: Vec<PoseSpec> = simulated.collect();
+        let is_alike = |a: &PoseSpec, b: &PoseSpec| {
+            sorted(a.weights.iter()) == sorted(b.weights.iter())
+                && (&a.keys, a.steps) == (&b.keys, b.steps)
         };
+        let first_alike = simulated
+            .iter()
+            .enumerate()
+            .map(|(own, pose)| match mirror {
+                Some(_) => simulated
+                    .iter()
+                    .position(|other| is_alike(other, pose))
+                    .unwrap_or(own),
+                None => own,
+            });
+        let images = Self {
+            mirror: mirror.cloned(),
+            names: poses.iter().map(|pose| pose.name.clone()).collect(),
+            is_image,
+            first_alike: first_alike.collect(),
+        };
+        (images, simulated)
+    }
+
+    pub(crate) fn is_image(&self, pose: usize) -> bool {
+        self.is_image.get(pose).copied().unwrap_or(false)
+    }
+
+    pub(crate) fn first_alike(&self, pose: usize) -> usize {
+        self.first_alike.get(pose).copied().unwrap_or(pose)
+    }
+
+    /// Triangles of the file that the maps of a pose show, from those that are simulated.
+    pub(crate) fn shown(&self, pose: usize, simulated: Vec<u32>) -> Vec<u32> {
+        match &self.mirror {
+            Some(mirror) if self.is_image(pose) => mirror.opposite(&simulated),
+            _ => simulated,
+        }
+    }
+
+    /// Says in a plan's warnings about mirrored poses where their places are.
+    pub(crate) fn reword(&self, warnings: &mut [String]) {
+        for (pose, name) in self
+            .names
+            .iter()
+            .enumerate()
+            .filter(|(pose, _)| self.is_image[*pose])
+        {
+            let start = format!("pose '{name}'");
+            for warning in warnings.iter_mut().filter(|text| text.starts_with(&start)) {
+                *warning = self.told(warning, [pose, pose]);
+            }
+        }
+    }
+
+    /// What a simulation of `pose` gives for it.
+    pub(crate) fn own(&self, pose: usize, simulated: PoseResult) -> PoseResult {
+        match self.is_image(pose) {
+            true => self.turned(&simulated, [pose, pose]),
+            false => simulated,
+        }
+    }
+
+    /// The result of pose number `from` as that of `to`, which is simulated in the same way.
+    pub(crate) fn passed_on(&self, result: &PoseResult, [from, to]: [usize; 2]) -> PoseResult {
+        if self.is_image(from) != self.is_image(to) {
+            return self.turned(result, [from, to]);
+        }
+        let warnings = result.warnings.iter();
         PoseResult {
-            keys: result.keys.iter().map(key).collect(),
-            warnings: Vec::new(),
+            warnings: warnings.map(|text| self.told(text, [from, to])).collect(),
             ..result.clone()
         }
     }
 
-    /// Warnings about masks that are not the same on both sides: the paint of the side that is simulated
-    /// counts for both.
-    pub(crate) fn warnings(&self, mesh: &ArtistMesh, layers: &[LayerSpec]) -> Vec<String> {
-        let middle = |corners: [Vector2<f64>; 3]| corners.iter().sum::<Vector2<f64>>() / 3.0;
-        let different = |layer: &LayerSpec| {
-            let numbers = 0..mesh.triangles.len();
-            let differences = numbers.map(|triangle| {
-                let own = layer.presence.grey(middle(texture_corners(mesh, triangle)));
-                (own - layer.presence.grey(middle(self.triangles[triangle].uvs))).abs()
-            });
-            let worst = differences.fold(0.0, f64::max);
-            (worst > ALIKE).then(|| {
-                format!(
-                    "`driver.symmetry`: the masks of layer '{}' differ between the sides by up to {:.0} % \
-                     grey; a pose that is made as a mirror image has the paint of the other side: paint \
-                     both sides alike, or leave `symmetry` out",
-                    layer.name,
-                    100.0 * worst
-                )
-            })
+    /// The mirror image of a result.
+    fn turned(&self, result: &PoseResult, poses: [usize; 2]) -> PoseResult {
+        let mirror = self.mirror.as_ref().expect("images are made by a mirror");
+        let key = |key: &KeyResult| KeyResult {
+            load: key.load,
+            layers: key.layers.iter().map(|layer| mirror.image(layer)).collect(),
+            // A mesh that moves with a soft body is not mirrored.
+            artist_positions: None,
         };
-        layers.iter().filter_map(different).collect()
-    }
-
-    fn layer(&self, layer: &LayerSurface, mesh: &ArtistMesh) -> LayerSurface {
-        let all = |points: &[Vector3<f64>]| points.iter().map(reflected).collect();
-        let places = layer.artist.iter().map(|face| self.place(face, mesh));
-        let (uvs, artist) = places.unzip();
-        LayerSurface {
-            name: layer.name.clone(),
-            positions: all(&layer.positions),
-            relief: all(&layer.relief),
-            driver_positions: all(&layer.driver_positions),
-            driver_normals: all(&layer.driver_normals),
-            offset: layer.offset,
-            // A reflection turns faces inside out.
-            faces: layer.faces.iter().map(|&[a, b, c]| [a, c, b]).collect(),
-            uvs,
-            artist,
-            face_states: layer.face_states.clone(),
-            computed: ComputedMesh::default(),
+        let warnings = result.warnings.iter();
+        PoseResult {
+            keys: result.keys.iter().map(key).collect(),
+            layers: result.layers.clone(),
+            frames: result.frames,
+            converged: result.converged,
+            interrupted: result.interrupted,
+            warnings: warnings.map(|text| self.told(text, poses)).collect(),
         }
     }
 
-    /// Texture coordinates opposite of a face's corners, the last two exchanged, and where that is on the mesh.
-    fn place(
-        &self,
-        (triangle, corners): &(u32, [[f64; 3]; 3]),
-        mesh: &ArtistMesh,
-    ) -> ([Vector2<f64>; 3], (u32, [[f64; 3]; 3])) {
-        let opposite = &self.triangles[*triangle as usize];
-        let [a, b, c] = corners.map(|parts| {
-            let pairs = opposite.uvs.iter().zip(parts);
-            pairs.map(|(uv, part)| uv * part).sum::<Vector2<f64>>()
-        });
-        let uvs = [a, c, b];
-        let places = opposite.triangles.iter().map(|&triangle| {
-            let own = texture_corners(mesh, triangle as usize);
-            (triangle, uvs.map(|uv| barycentric(&own, uv)))
-        });
-        // How far inside the middle of the face is.
-        let inside = |place: &(u32, [[f64; 3]; 3])| {
-            let middle = [0, 1, 2].map(|i| place.1.iter().map(|parts| parts[i]).sum::<f64>());
-            middle.into_iter().fold(f64::INFINITY, f64::min)
+    /// A warning about one pose as one about another.
+    fn told(&self, warning: &str, [from, to]: [usize; 2]) -> String {
+        let text = warning.strip_suffix(ON_THE_OTHER_SIDE).unwrap_or(warning);
+        let about = |pose: usize| format!("pose '{}'", self.names[pose]);
+        let renamed = match text.strip_prefix(&about(from)) {
+            Some(rest) => about(to) + rest,
+            None => text.to_owned(),
         };
-        let best = places.max_by(|a, b| inside(a).total_cmp(&inside(b)));
-        (
-            uvs,
-            best.expect("something lies opposite of every triangle"),
-        )
-    }
-}
-
-/// Weights in an order of their own, zeros left out.
-pub(crate) fn sorted(weights: impl Iterator<Item = (usize, f64)>) -> Vec<(usize, u64)> {
-    // A shape at weight 0 does nothing; the others are compared to the last bit.
-    let weights = weights.filter(|(_, w)| *w != 0.0);
-    let mut weights: Vec<_> = weights.map(|(shape, w)| (shape, w.to_bits())).collect();
-    weights.sort_unstable();
-    weights
-}
-
-fn reflected(point: &Vector3<f64>) -> Vector3<f64> {
-    Vector3::new(-point.x, point.y, point.z)
-}
-
-fn texture_corners(mesh: &ArtistMesh, triangle: usize) -> [Vector2<f64>; 3] {
-    let uvs = mesh.uvs.as_ref().expect("a driver has texture coordinates");
-    mesh.triangles[triangle].map(|v| uvs[v as usize])
-}
-
-/// Barycentric coordinates of a place in the plane; those of the middle in a triangle without area.
-fn barycentric([a, b, c]: &[Vector2<f64>; 3], place: Vector2<f64>) -> [f64; 3] {
-    let edges = Matrix2::from_columns(&[b - a, c - a]);
-    match edges.try_inverse() {
-        Some(inverse) => {
-            let parts = inverse * (place - a);
-            [1.0 - parts.x - parts.y, parts.x, parts.y]
-        }
-        None => [1.0 / 3.0; 3],
-    }
-}
-
-/// The longest side of the box around the points, m.
-fn extent(points: &[Vector3<f64>]) -> f64 {
-    let mut bounds = [
-        Vector3::repeat(f64::INFINITY),
-        Vector3::repeat(f64::NEG_INFINITY),
-    ];
-    for point in points {
-        bounds = [bounds[0].inf(point), bounds[1].sup(point)];
-    }
-    (bounds[1] - bounds[0]).max()
-}
-
-/// For every welded vertex the one at its mirror image.
-fn opposite_vertices(
-    mesh: &ArtistMesh,
-    driver: &Driver,
-    reach: f64,
-) -> Result<Vec<usize>, SymmetryFault> {
-    let cell = |p: &Vector3<f64>| [p.x, p.y, p.z].map(|c| (c / reach).round() as i64);
-    let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
-    for (vertex, point) in driver.rest().iter().enumerate() {
-        cells.entry(cell(point)).or_default().push(vertex);
-    }
-    let nearest = |point: &Vector3<f64>| {
-        let [x, y, z] = cell(point);
-        let mut best: Option<(f64, usize)> = None;
-        for offset in 0..27 {
-            let [dx, dy, dz] = [offset / 9, offset / 3 % 3, offset % 3].map(|o| o - 1);
-            for &vertex in cells.get(&[x + dx, y + dy, z + dz]).into_iter().flatten() {
-                let distance = (driver.rest()[vertex] - point).norm();
-                if distance <= reach && best.is_none_or(|(least, _)| distance < least) {
-                    best = Some((distance, vertex));
-                }
-            }
-        }
-        best.map(|(_, vertex)| vertex)
-    };
-    let missing = |vertex: usize| {
-        let welded = driver.welded().iter();
-        let in_file = welded.map(|w| w.0 as usize).position(|w| w == vertex);
-        let in_file = in_file.unwrap_or(vertex);
-        SymmetryFault::Vertex {
-            vertex: in_file,
-            at: mesh.positions[in_file].into(),
-            reach,
-        }
-    };
-    let found = driver
-        .rest()
-        .iter()
-        .enumerate()
-        .map(|(vertex, point)| nearest(&reflected(point)).ok_or_else(|| missing(vertex)));
-    let found = found.collect::<Result<Vec<usize>, SymmetryFault>>()?;
-    match (0..found.len()).find(|&vertex| found[found[vertex]] != vertex) {
-        Some(vertex) => Err(missing(vertex)),
-        None => Ok(found),
-    }
-}
-
-fn opposite_triangles(
-    mesh: &ArtistMesh,
-    driver: &Driver,
-    opposite: &[usize],
-) -> Result<Vec<Opposite>, SymmetryFault> {
-    let welded =
-        |triangle: usize| mesh.triangles[triangle].map(|v| driver.welded()[v as usize].0 as usize);
-    let mut around = vec![Vec::new(); driver.rest().len()];
-    for triangle in 0..mesh.triangles.len() {
-        for vertex in welded(triangle) {
-            around[vertex].push(triangle as u32);
+        match self.is_image(to) {
+            true => renamed + ON_THE_OTHER_SIDE,
+            false => renamed,
         }
     }
-    let found = (0..mesh.triangles.len()).map(|triangle| {
-        let wanted = welded(triangle).map(|v| opposite[v]);
-        let shared = |other: &u32| {
-            let corners = welded(*other as usize);
-            wanted.iter().filter(|v| corners.contains(v)).count()
-        };
-        let near = || wanted.iter().flat_map(|&v| &around[v]).copied();
-        let mut triangles: Vec<u32> = near().filter(|other| shared(other) == 3).take(1).collect();
-        if triangles.is_empty() {
-            triangles = across_other_diagonal(wanted, near(), &welded);
-        }
-        let uv_at = |vertex: usize| {
-            let mut corners = triangles.iter().flat_map(|&other| {
-                let uvs = texture_corners(mesh, other as usize);
-                welded(other as usize).into_iter().zip(uvs)
-            });
-            corners.find_map(|(own, uv)| (own == vertex).then_some(uv))
-        };
-        let uvs: Option<Vec<_>> = wanted.iter().map(|&vertex| uv_at(vertex)).collect();
-        match uvs.as_deref() {
-            Some(&[a, b, c]) => Ok(Opposite {
-                uvs: [a, b, c],
-                triangles,
-            }),
-            _ => Err(SymmetryFault::Triangle(triangle)),
-        }
-    });
-    found.collect()
-}
-
-/// Two triangles `near` three vertices that have these as corners, one more vertex, and an edge between them.
-fn across_other_diagonal(
-    wanted: [usize; 3],
-    near: impl Iterator<Item = u32> + Clone,
-    welded: &impl Fn(usize) -> [usize; 3],
-) -> Vec<u32> {
-    // Each has two of the three vertices.
-    let halves = near.filter(|&other| {
-        let corners = welded(other as usize);
-        wanted.iter().filter(|v| corners.contains(v)).count() == 2
-    });
-    let stranger = |other: u32| {
-        let corners = welded(other as usize);
-        corners.into_iter().find(|v| !wanted.contains(v))
-    };
-    for first in halves.clone() {
-        for second in halves.clone().filter(|&second| second > first) {
-            let (a, b) = (welded(first as usize), welded(second as usize));
-            let both = |v: &usize| a.contains(v) && b.contains(v);
-            // They share the stranger and one of the three: the other diagonal.
-            if stranger(first) == stranger(second) && wanted.iter().filter(|v| both(v)).count() == 1
-            {
-                return vec![first, second];
-            }
-        }
-    }
-    Vec::new()
-}
-
-/// For every shape the one that moves the opposite vertices most nearly as a mirror would, if any does.
-fn opposite_shapes(mesh: &ArtistMesh, driver: &Driver, opposite: &[usize]) -> Vec<Option<usize>> {
-    let of_welded = |shape: &BlendShape| {
-        let mut own = vec![Vector3::zeros(); driver.rest().len()];
-        for (vertex, delta) in driver.welded().iter().zip(&shape.position_deltas) {
-            own[vertex.0 as usize] = *delta;
-        }
-        own
-    };
-    let displacements: Vec<Vec<Vector3<f64>>> = mesh.shapes.iter().map(of_welded).collect();
-    let square = |own: &[Vector3<f64>]| own.iter().map(Vector3::norm_squared).sum::<f64>();
-    let squares: Vec<f64> = displacements.iter().map(|own| square(own)).collect();
-    let difference = |a: usize, b: usize| {
-        let pairs = displacements[a].iter().zip(opposite);
-        let squared = |(delta, &other): (&Vector3<f64>, &usize)| {
-            (reflected(delta) - displacements[b][other]).norm_squared()
-        };
-        pairs.map(squared).sum::<f64>() / squares[a].max(squares[b]).max(f64::MIN_POSITIVE)
-    };
-    let nearest = |shape: usize| {
-        let all = (0..squares.len()).map(|other| (difference(shape, other), other));
-        let best = all.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        best.filter(|(far, _)| *far < ALIKE_SHAPES * ALIKE_SHAPES)
-            .map(|(_, other)| other)
-    };
-    let nearest: Vec<Option<usize>> = (0..squares.len()).map(nearest).collect();
-    let is_mutual =
-        |(own, other): (usize, &Option<usize>)| other.filter(|&other| nearest[other] == Some(own));
-    nearest.iter().enumerate().map(is_mutual).collect()
 }

@@ -56,13 +56,17 @@ fn draw(arguments: &PlanArguments, scene: &Scene, plan: &ScenePlan) -> Result<()
 }
 
 /// Poses that are made of the simulation of others, in words.
-fn mirrored(scene: &Scene) -> Vec<String> {
-    let first_alike = scene.first_alike().into_iter().enumerate();
-    let images = first_alike.filter(|(pose, first)| pose != first);
-    images
+fn alike(scene: &Scene, plan: &ScenePlan) -> Vec<String> {
+    let poses = (0..scene.poses.len()).map(|pose| (pose, plan.first_alike(pose)));
+    let shared = poses.filter(|(pose, first)| pose != first);
+    shared
         .map(|(pose, first)| {
             let [own, other] = [pose, first].map(|number| &scene.poses[number].name);
-            format!("`{own}` and `{other}` are mirror images: one simulation makes both")
+            let what = match plan.is_image(pose) == plan.is_image(first) {
+                true => "the same",
+                false => "mirror images",
+            };
+            format!("`{own}` and `{other}` are {what}: `ruga bake` makes both of one simulation")
         })
         .collect()
 }
@@ -91,7 +95,7 @@ fn print(scene: &Scene, plan: &ScenePlan) {
         messages::result("");
     }
     messages::result(&poses_table(plan));
-    for line in mirrored(scene) {
+    for line in alike(scene, plan) {
         messages::result(&line);
     }
     messages::result(&totals(plan));
@@ -224,7 +228,10 @@ fn poses_table(plan: &ScenePlan) -> String {
                 layer.vertices.to_string(),
                 shown(number(layer.points_per_wavelength, 1, "")),
                 shown(number(layer.texels_per_wavelength, 1, "")),
-                duration(if simulated { layer.seconds } else { 0.0 }),
+                match plan.first_alike(index) == index {
+                    true => duration(if simulated { layer.seconds } else { 0.0 }),
+                    false => ABSENT.to_owned(),
+                },
                 memory(if simulated { layer.memory } else { 0.0 }),
             ]);
         }

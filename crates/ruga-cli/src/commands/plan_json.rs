@@ -208,8 +208,10 @@ pub(super) struct Totals {
 impl Totals {
     pub(super) fn of(plan: &ScenePlan) -> Self {
         let simulated = || {
-            let poses = plan.zones.iter().flat_map(|zone| &zone.plan.poses);
-            let layers = poses.flat_map(|pose| &pose.layers);
+            // Poses of the same simulation cost it once.
+            let poses = 0..plan.zones[0].plan.poses.len();
+            let poses = poses.filter(|&pose| plan.first_alike(pose) == pose);
+            let layers = poses.flat_map(|pose| plan.pose_layers(pose));
             layers.filter(|layer| layer.vertices > 0)
         };
         Self {

@@ -23,7 +23,7 @@ const SHORTEST: f64 = 0.4;
 /// Radius (wavelengths) within which the surface may turn only so far.
 const TURN_RADIUS: f64 = 0.25;
 
-/// What the surface below asks of a layer at a vertex, and what the layer can follow.
+/// Demand of the surface below on a layer at a vertex, and the bend that the layer can follow.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct VertexDemand {
     /// Effective strain in critical strains.
@@ -35,7 +35,7 @@ pub(crate) struct VertexDemand {
 }
 
 impl VertexDemand {
-    /// What is asked of a layer that wrinkles like this.
+    /// Demand at a strain ratio on a layer that wrinkles like this.
     ///
     /// A cylinder of radius `R` adds `C/R²` to the springs against waves along its axis, which shortens
     /// them to `(1 + C/(R² K0))^(-1/4)` of the critical wavelength. Where that is less than 40 %, as on

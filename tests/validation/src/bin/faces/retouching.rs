@@ -1,4 +1,4 @@
-//! What an artist would have to retouch: relief in skin that does not wrinkle, and speckle in skin that does.
+//! Faults that an artist would have to retouch: relief in skin that does not wrinkle, speckle in skin that does.
 
 use std::collections::BTreeMap;
 use std::error::Error;

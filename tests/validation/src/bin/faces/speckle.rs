@@ -6,7 +6,7 @@ use ruga_stepper::LayerSurface;
 /// Waves shorter than this fraction of the critical wavelength are speckle.
 const SHORT: f64 = 0.4;
 
-/// The filter keeps `1 / (1 + (k / k_cut)^8)` of a wave: half at the cut, .4 % at twice its length.
+/// The filter keeps `1 / (1 + (k / k_cut)^8)` of a wave: half at the cut, 99.6 % at twice its length.
 const POWER: usize = 4;
 
 /// Where the iterative solution of the filter ends.
@@ -133,6 +133,9 @@ impl Filter {
                 *own = new + next / size * *own;
             }
             size = next;
+        }
+        if size > enough {
+            eprintln!("the filter of short waves has not converged in {ITERATIONS} iterations");
         }
         result
     }
