@@ -10,8 +10,8 @@ const SHORT: f64 = 0.4;
 const POWER: usize = 4;
 
 /// Where the iterative solution of the filter ends.
-const ITERATIONS: usize = 400;
-const TOLERANCE: f64 = 1e-6;
+const ITERATIONS: usize = 3000;
+const TOLERANCE: f64 = 1e-4;
 
 /// Fractions of the integrals of squared heights, and of squared slopes, which normal maps show, in waves
 /// shorter than 40 % of the critical wavelength (m) that `wavelength` knows of every face.
