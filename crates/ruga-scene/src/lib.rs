@@ -61,3 +61,4 @@ pub use plan::{ScenePlan, ZonePlan};
 pub use property_images::{PropertyImages, read_property_images};
 pub use scene::{Inspection, Scene, SceneOptions, driver_of};
 pub use symmetry::{Mirror, SymmetryFault};
+pub use uv_tiles::are_tiled;
