@@ -6,6 +6,7 @@ SIMULATED is the folder of `ruga simulate SCENE -o SIMULATED --format obj,vtu,us
 
 - every VTU has the points and triangles of its OBJ, read by meshio, and again by VTK's own reader where the
   package `vtk` is there; every field is finite, of the length of its points or cells;
+- the energies of the last VTU, times the areas of its triangles, sum up to the report's `energy_j` within 10 %;
 - the PVD lists every VTU, at times that ascend;
 - the USD scene (usd-core) is in metres with Y up, its time codes are the numbers of the files, and at each of
   them its mesh has the points, triangles and texture coordinates of the OBJ; its fields are those of the VTU.
@@ -14,6 +15,7 @@ A package that is not there is said so in a line, and its checks are left out. T
 not as it should be.
 """
 
+import json
 import re
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -23,6 +25,9 @@ import numpy as np
 
 # OBJ has nanometres; USD has 32 bits, of lengths up to some metres.
 OBJ_LIMIT, USD_LIMIT = 1e-9, 5e-7
+
+# The frames' mesh is not the one that energies are computed on, and its areas are not those at rest.
+ENERGY_LIMIT = 0.1
 
 faults = 0
 
@@ -107,6 +112,16 @@ def check_vtu(path, obj):
     return fields
 
 
+def check_energy(name, obj, fields, expected):
+    """Compares the energies of a VTU with the joules that the report has."""
+    points, triangles, *_ = obj
+    a, b, c = (points[triangles[:, i]] for i in range(3))
+    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    found = sum((fields[f"{kind}_energy"] * areas).sum() for kind in ("membrane", "bending", "foundation"))
+    off = found / expected - 1
+    check(abs(off) <= ENERGY_LIMIT, f"{name}: energies sum up to {found:.4g} J, {100 * off:+.1f} % off the report's")
+
+
 def check_list(path, names):
     entries = ElementTree.parse(path).getroot().findall("Collection/DataSet")
     times = [float(entry.get("timestep")) for entry in entries]
@@ -151,6 +166,8 @@ def check_usd(path, objs, fields):
 def main(folder):
     lists = sorted(folder.glob("frames/*/*.pvd"))
     check(lists, f"{len(lists)} layers in {folder}")
+    report = json.loads((folder / "report.json").read_text())
+    energies = {(pose["name"], layer["name"]): layer["energy_j"] for pose in report["poses"] for layer in pose["layers"]}
     for path in lists:
         print(f"      {path.parent.name}, layer {path.stem}")
         pattern = re.compile(re.escape(path.stem) + r"\.(\d+)\.obj")
@@ -161,6 +178,8 @@ def main(folder):
             name = f"{path.stem}.{int(number):04}.vtu"
             names.append(name)
             fields[number] = check_vtu(path.parent / name, objs[number])
+        if fields[number]:
+            check_energy(names[-1], objs[number], fields[number], energies[path.parent.name, path.stem])
         check_list(path, names)
         if pxr:
             check_usd(path.with_suffix(".usda"), objs, fields)

@@ -174,7 +174,7 @@ impl WrinkleMap {
     }
 }
 
-/// A texel of padding, and what it continues to.
+/// A texel of padding with the place across the seam that it continues.
 struct Continued {
     texel: usize,
     /// Number of the map that shows it.

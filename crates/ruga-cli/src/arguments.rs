@@ -293,6 +293,7 @@ pub(crate) struct PlanArguments {
     #[arg(long, value_name = "FILE.png", help_heading = "Output")]
     pub(crate) image: Option<PathBuf>,
     /// Write a page that shows the same on the mesh, with a slider per pose; it opens from disk in a browser.
+    /// Not for meshes with UDIM tiles.
     #[arg(long, value_name = "FILE.html", help_heading = "Output")]
     pub(crate) preview: Option<PathBuf>,
     /// Mesh points per wavelength: draft 6, standard 12, fine 24, or the scene's.

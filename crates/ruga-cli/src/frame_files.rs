@@ -69,12 +69,13 @@ pub(crate) struct FrameFiles<'a> {
     folder: String,
     placement: Placement,
     formats: &'a [FrameFormat],
+    /// Of all layers together: upper layers are in some load steps only, at the times of those below.
+    times: LoadTimes,
     series: BTreeMap<String, Series>,
 }
 
-/// What goes on from one load step of a layer to the next.
+/// The files of one layer that grow with every load step.
 struct Series {
-    times: LoadTimes,
     /// Time and file of every VTU so far.
     listed: Vec<(f64, String)>,
     usd: UsdSeries,
@@ -93,6 +94,7 @@ impl<'a> FrameFiles<'a> {
             folder: format!("frames/{pose}"),
             placement,
             formats,
+            times: LoadTimes::default(),
             series: BTreeMap::new(),
         }
     }
@@ -110,6 +112,11 @@ impl<'a> FrameFiles<'a> {
     /// # Errors
     /// [`CliError::Io`].
     pub(crate) fn add(&mut self, frame: &Frame<'_>) -> Result<Vec<String>, CliError> {
+        if frame.index == 0 {
+            // The next zone begins, whose layers have load steps of their own.
+            self.times = LoadTimes::default();
+        }
+        let time = self.times.next(frame.load);
         let mut files = Vec::new();
         for layer in frame.layers {
             let file = format!("{}/{}.{:04}", self.folder, layer.name, frame.index);
@@ -142,7 +149,7 @@ impl<'a> FrameFiles<'a> {
                     load: frame.load,
                     fields: &fields,
                 };
-                self.add_fields(&file, &frame, &mut files)?;
+                self.add_fields(&file, time, &frame, &mut files)?;
             }
         }
         Ok(files)
@@ -151,13 +158,13 @@ impl<'a> FrameFiles<'a> {
     fn add_fields(
         &mut self,
         file: &str,
+        time: f64,
         frame: &LayerFrame<'_>,
         files: &mut Vec<String>,
     ) -> Result<(), CliError> {
         let layer = frame.mesh.name;
         let [list, usd] = self.series_files(layer);
         let begun = || Series {
-            times: LoadTimes::default(),
             listed: Vec::new(),
             usd: UsdSeries::new(&self.output.join(usd), layer),
         };
@@ -166,7 +173,6 @@ impl<'a> FrameFiles<'a> {
             let file = format!("{file}.vtu");
             write_vtu(&self.output.join(&file), frame)?;
             let name = file.rsplit('/').next().unwrap_or(&file);
-            let time = series.times.next(frame.load);
             series.listed.push((time, name.to_owned()));
             write_pvd(&self.output.join(&list), &series.listed)?;
             files.push(file);
@@ -293,7 +299,64 @@ fn shared_uvs(corners: &[[Vector2<f64>; 3]]) -> (Vec<Vector2<f64>>, Vec<[u32; 3]
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
+    use nalgebra::Matrix3;
+
     use super::*;
+
+    /// A triangle.
+    fn layer(name: &str) -> LayerSurface {
+        let positions = vec![Vector3::zeros(), Vector3::x(), Vector3::y()];
+        LayerSurface {
+            name: name.to_owned(),
+            driver_positions: positions.clone(),
+            driver_normals: vec![Vector3::z(); 3],
+            positions,
+            faces: vec![[0, 1, 2]],
+            uvs: vec![[Vector2::zeros(), Vector2::x(), Vector2::y()]],
+            face_states: Some(vec![FaceState::default()]),
+            ..LayerSurface::default()
+        }
+    }
+
+    #[test]
+    fn stacked_layers_are_listed_at_the_same_times() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let placement = Placement {
+            turn: Matrix3::identity(),
+            shift: Vector3::zeros(),
+        };
+        let mut files = FrameFiles::new(folder.path(), "pose", placement, &[FrameFormat::Vtu]);
+        let both = [layer("low"), layer("high")];
+        // Two keys; the upper layer is there at the end of each. Then another zone.
+        let other = [layer("other")];
+        let frames = [
+            (0, 0.25, &both[..1]),
+            (1, 0.5, &both[..]),
+            (2, 0.5, &both[..1]),
+            (3, 1.0, &both[..]),
+            (0, 1.0, &other[..]),
+        ];
+        for (index, load, layers) in frames {
+            let frame = Frame {
+                index,
+                load,
+                layers,
+            };
+            files.add(&frame).expect("a folder to write to");
+        }
+        let times = |layer: &str| -> Vec<f64> {
+            let list = folder.path().join(format!("frames/pose/{layer}.pvd"));
+            let text = fs::read_to_string(list).expect("a list");
+            let times = text.split("timestep=\"").skip(1);
+            let times = times.filter_map(|rest| rest.split('"').next()?.parse().ok());
+            times.collect()
+        };
+        assert_eq!(times("low"), [0.25, 0.5, 1.0, 1.5]);
+        assert_eq!(times("high"), [0.5, 1.5]);
+        assert_eq!(times("other"), [1.0]);
+    }
 
     #[test]
     fn times_ascend_also_where_loads_begin_anew() {

@@ -12,7 +12,7 @@ use ruga_stepper::PlannedSurface;
 use crate::canvas::Canvas;
 use crate::error::CliError;
 use crate::plan_painting::{
-    COLOURS, NOTE, RAMP, RAMP_ENDS, Square, layer_note, surfaces, wrinkles,
+    COLOURS, NOTE, RAMP, RAMP_ENDS, Square, check_name, layer_note, refusal, surfaces, wrinkles,
 };
 use crate::preview_fault::PreviewFault;
 use crate::table::duration;
@@ -33,27 +33,20 @@ pub(crate) fn write(
     plan: &ScenePlan,
     facts: String,
 ) -> Result<(), CliError> {
-    let refuse = |reason: &str| CliError::NoPicture {
-        path: path.to_owned(),
-        reason: reason.to_owned(),
-    };
-    if !path
-        .extension()
-        .is_some_and(|end| end.eq_ignore_ascii_case("html"))
-    {
-        return Err(refuse(
-            "pages are HTML files, with a name that ends in `.html`",
-        ));
-    }
+    check_name(path, "pages are HTML files", "html")?;
     if scene.is_tiled() {
-        return Err(refuse(
+        return Err(refusal(
+            path,
             "the page shows one square of the texture, and this mesh has UDIM tiles; `--image` shows them all",
         ));
     }
     let surfaces = surfaces(path, scene, plan)?;
     let levels = levels(plan);
     if levels.is_empty() {
-        return Err(refuse("nothing wrinkles, so there is nothing to show"));
+        return Err(refusal(
+            path,
+            "nothing wrinkles, so there is nothing to show",
+        ));
     }
     let on_page = |source| {
         let folder = path.to_owned();

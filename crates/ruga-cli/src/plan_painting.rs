@@ -52,6 +52,29 @@ pub(crate) const COLOURS: [(Colour, &str); 4] = [
 /// What is to be known beside the colours.
 pub(crate) const NOTE: &str = "Colours: compression, from where the skin begins to wrinkle. Lines run as the wrinkles will, one wavelength apart.";
 
+/// Error that says why the file `path` is not written.
+pub(crate) fn refusal(path: &Path, reason: &str) -> CliError {
+    CliError::NoPicture {
+        path: path.to_owned(),
+        reason: reason.to_owned(),
+    }
+}
+
+/// Refuses names that do not end in `extension`, lower case, as `files`, such as "pictures are PNG files", do.
+///
+/// # Errors
+/// [`CliError::NoPicture`].
+pub(crate) fn check_name(path: &Path, files: &str, extension: &str) -> Result<(), CliError> {
+    let end = path.extension().unwrap_or_default();
+    match end.eq_ignore_ascii_case(extension) {
+        true => Ok(()),
+        false => {
+            let reason = format!("{files}, with a name that ends in `.{extension}`");
+            Err(refusal(path, &reason))
+        }
+    }
+}
+
 /// The surfaces of a plan's zones, for a picture in the file `path`.
 ///
 /// # Errors
@@ -61,17 +84,13 @@ pub(crate) fn surfaces<'a>(
     scene: &Scene,
     plan: &'a ScenePlan,
 ) -> Result<Vec<PlannedSurface<'a>>, CliError> {
-    let on_a_body = || CliError::NoPicture {
-        path: path.to_owned(),
-        reason: ON_A_BODY.to_owned(),
-    };
     let mut surfaces = Vec::new();
     for zone in &plan.zones {
         let surface = zone.plan.surface().map_err(|source| SceneError::Model {
             scene: scene.path.clone(),
             source: Box::new(source),
         })?;
-        surfaces.push(surface.ok_or_else(on_a_body)?);
+        surfaces.push(surface.ok_or_else(|| refusal(path, ON_A_BODY))?);
     }
     Ok(surfaces)
 }

@@ -11,7 +11,9 @@ use ruga_stepper::{PlannedFace, Treatment};
 
 use crate::canvas::{Canvas, Words};
 use crate::error::CliError;
-use crate::plan_painting::{COLOURS, MOST, NOTE, RAMP_ENDS, Square, layer_note, ramp, surfaces};
+use crate::plan_painting::{
+    COLOURS, MOST, NOTE, RAMP_ENDS, Square, check_name, layer_note, ramp, refusal, surfaces,
+};
 
 /// Side of a panel.
 const SIDE: u32 = 600;
@@ -54,29 +56,21 @@ struct Panel {
 /// # Errors
 /// A plan without wrinkles or of a soft body, a file that cannot be written.
 pub(crate) fn write(path: &Path, scene: &Scene, plan: &ScenePlan) -> Result<(), CliError> {
-    let refuse = |reason: &str| CliError::NoPicture {
-        path: path.to_owned(),
-        reason: reason.to_owned(),
-    };
-    if !path
-        .extension()
-        .is_some_and(|end| end.eq_ignore_ascii_case("png"))
-    {
-        return Err(refuse(
-            "pictures are PNG files, with a name that ends in `.png`",
-        ));
-    }
+    check_name(path, "pictures are PNG files", "png")?;
     let surfaces = surfaces(path, scene, plan)?;
     let panels = panels(scene, plan);
     if panels.is_empty() {
-        return Err(refuse("nothing wrinkles, so there is nothing to show"));
+        return Err(refusal(
+            path,
+            "nothing wrinkles, so there is nothing to show",
+        ));
     }
     if panels.len() > MOST_PANELS {
         let reason = format!(
             "{} poses and layers wrinkle, and a picture shows at most {MOST_PANELS}; choose some with `--pose`",
             panels.len()
         );
-        return Err(refuse(&reason));
+        return Err(refusal(path, &reason));
     }
     let columns = (panels.len() as f64).sqrt().ceil() as u32;
     let rows = (panels.len() as u32).div_ceil(columns);

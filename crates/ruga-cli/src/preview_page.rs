@@ -155,13 +155,17 @@ fn poses_of(folder: &Path, manifest: &Wrinkles) -> Result<Vec<PreviewPose>, Prev
     for name in &names {
         refuse_other_record(folder, manifest, name)?;
     }
-    let maps: Vec<(&WrinkleMap, PathBuf, UvTile)> = map_files(folder, manifest)?;
+    let maps = map_files(folder, manifest)?;
     let packed = maps.par_iter().map(|(map, path, tile)| {
-        packed(path, manifest.size, map).map(|map| map.in_square(tile.origin()))
+        let packed = packed(path, manifest.size, map)?;
+        Ok(match tile {
+            Some(tile) => packed.in_square(tile.origin()),
+            None => packed,
+        })
     });
     // Gathered first: which of several errors is told does not depend on threads.
     let packed: Vec<Result<PackedMap, PreviewFault>> = packed.collect();
-    let mut of_pose: BTreeMap<&String, Vec<(f64, UvTile, PackedMap)>> = BTreeMap::new();
+    let mut of_pose: BTreeMap<&String, Vec<(f64, Option<UvTile>, PackedMap)>> = BTreeMap::new();
     for ((map, _, tile), packed) in maps.iter().zip(packed) {
         let maps = of_pose.entry(&map.pose).or_default();
         maps.push((map.key, *tile, packed?));
@@ -177,24 +181,28 @@ fn poses_of(folder: &Path, manifest: &Wrinkles) -> Result<Vec<PreviewPose>, Prev
     Ok(names.into_iter().map(pose).collect())
 }
 
-/// The files of all normal maps, each with its UDIM tile; the first one where there are none.
+/// The files of all normal maps, each with its UDIM tile, where the mesh has some.
 ///
 /// Files that are gone are found before hours of maps are read, and always the first of them.
 fn map_files<'a>(
     folder: &Path,
     manifest: &'a Wrinkles,
-) -> Result<Vec<(&'a WrinkleMap, PathBuf, UvTile)>, PreviewFault> {
+) -> Result<Vec<(&'a WrinkleMap, PathBuf, Option<UvTile>)>, PreviewFault> {
     let mut files = Vec::new();
     for map in normal_maps(manifest) {
-        let numbers = match map.tiles.as_slice() {
-            [] => &[UvTile::FIRST.number()],
-            numbers => numbers,
-        };
-        for (file, number) in map.files().into_iter().zip(numbers) {
-            let tile = UvTile::from_number(*number).ok_or_else(|| PreviewFault::Manifest {
+        let tile = |number: &u32| {
+            UvTile::from_number(*number).ok_or_else(|| PreviewFault::Manifest {
                 path: folder.join("wrinkles.json"),
                 reason: format!("has a map of the tile {number}; accepted: 1001 to 9999"),
-            })?;
+            })
+        };
+        // A map without tiles is one file.
+        let tiles = map.tiles.iter().map(|number| tile(number).map(Some));
+        let mut tiles: Vec<Option<UvTile>> = tiles.collect::<Result<_, _>>()?;
+        if tiles.is_empty() {
+            tiles.push(None);
+        }
+        for (file, tile) in map.files().into_iter().zip(tiles) {
             files.push((map, present(folder.join(file))?, tile));
         }
     }
@@ -203,12 +211,12 @@ fn map_files<'a>(
 
 /// The maps of a pose by key, without those of tiles that are neutral at every key: a body has many tiles, and
 /// a pose wrinkles few of them. Those of the first tile stay in any case.
-fn without_neutral_tiles(mut maps: Vec<(f64, UvTile, PackedMap)>) -> Vec<(f64, PackedMap)> {
+fn without_neutral_tiles(mut maps: Vec<(f64, Option<UvTile>, PackedMap)>) -> Vec<(f64, PackedMap)> {
     let first = maps.first().map(|(_, tile, _)| *tile);
     let of_interest = maps
         .iter()
         .filter(|(_, tile, map)| Some(*tile) == first || !map.is_neutral());
-    let wrinkled: BTreeSet<UvTile> = of_interest.map(|(_, tile, _)| *tile).collect();
+    let wrinkled: BTreeSet<Option<UvTile>> = of_interest.map(|(_, tile, _)| *tile).collect();
     maps.retain(|(_, tile, _)| wrinkled.contains(tile));
     maps.sort_by(|a, b| a.0.total_cmp(&b.0));
     let maps = maps.into_iter();

@@ -5,10 +5,8 @@ use std::time::Instant;
 
 /// Part of an average pose that counts as having taken what was planned before any pose is done.
 ///
-/// Chosen on the times of two bakes of `assets/face` at draft on a machine that was busy with other work: until five
-/// seconds were left, estimates with this one were within 23 %; with none up to 25 % too long, on a third bake
-/// 32 %, because the first poses take longer than others against their plans; with a whole pose up to 40 % too short
-/// where everything took three times as long as planned.
+/// With less, the first poses count too much, which take longer than others against their plans; with more, a busy
+/// machine that is slower than planned is noticed too late.
 const AS_PLANNED: f64 = 0.3;
 
 /// Clocks of the poses of a run.

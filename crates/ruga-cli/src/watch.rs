@@ -13,7 +13,7 @@ use crate::interrupt;
 /// Function that takes every load step.
 pub(crate) type FrameSink<'a> = dyn FnMut(&Frame<'_>) -> Result<(), CliError> + Send + 'a;
 
-/// What the sink has a use for.
+/// Parts of a load step that a sink uses.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wanted {
     /// Every layer in every load step.

@@ -191,10 +191,24 @@ fn a_plan_tells_and_draws_the_tiles() {
     );
     let one = memory(&folder);
     assert!(two > one + 4e8, "{two} {one}");
-    folder.ruga("plan scene.toml --image one.png").exits(0);
     folder.change("scene.toml", "tiles = \"one\"", "tiles = \"udim\"");
-    folder.ruga("plan scene.toml --image two.png").exits(0);
-    assert!(folder.read("one.png") != folder.read("two.png"));
+    folder.ruga("plan scene.toml --image tiles.png").exits(0);
+    let image = read_image(&folder.path("tiles.png")).expect("an image");
+    // The panel begins below its heading; it has a cell of 300 pixels for each tile, in two columns.
+    let coloured = |column: usize, row: usize| {
+        let (left, top) = (16 + 300 * column, 52 + 300 * row);
+        let pixels = (top..top + 300).flat_map(|y| (left..left + 300).map(move |x| [x, y]));
+        let is_coloured = |[x, y]: [usize; 2]| {
+            let first = 3 * (y * image.width + x);
+            image.values[first] > image.values[first + 2] + 0.2
+        };
+        pixels.filter(|pixel| is_coloured(*pixel)).count()
+    };
+    for column in [0, 1] {
+        let count = coloured(column, 0);
+        assert!(count > 300 * 300 / 4, "tile in column {column}: {count}");
+        assert_eq!(coloured(column, 1), 0);
+    }
 }
 
 #[test]

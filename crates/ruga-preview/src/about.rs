@@ -56,7 +56,7 @@ pub(crate) struct AboutKey {
     pub(crate) map: usize,
 }
 
-/// What overlays of a plan are about.
+/// Names and legend of the overlays of a plan.
 #[derive(Serialize)]
 pub(crate) struct AboutPlan<'a> {
     /// Names of the overlays that every pose may have.

@@ -22,8 +22,9 @@ const VISIBLE: i32 = 5;
 /// A normal map of two channels of 8 bits, cut to the part that is not neutral.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PackedMap {
-    /// Lowest U and V of the unit square of texture space that it shows, V down.
-    pub(crate) square: [i32; 2],
+    /// Lowest U and V of the unit square of texture space that it shows, V down; `None` where it shows the first
+    /// one and repeats.
+    pub(crate) square: Option<[i32; 2]>,
     /// Texels per side of the whole map.
     pub(crate) size: u32,
     /// Texels to the left of the part that is stored.
@@ -63,7 +64,7 @@ impl PackedMap {
         let png = encoded(&codes, small, [left, top, width, height])
             .map_err(|error| PreviewError::Encoding(error.to_string()))?;
         Ok(Self {
-            square: [0, 0],
+            square: None,
             size: small,
             left,
             top,
@@ -74,9 +75,10 @@ impl PackedMap {
         })
     }
 
-    /// The map of another unit square of texture space than the first, such as a UDIM tile, by its lowest U and
-    /// V (V down).
+    /// The map of one unit square of texture space alone, such as a UDIM tile, by its lowest U and V (V down); as
+    /// packed, a map repeats over all squares.
     pub fn in_square(self, square: [i32; 2]) -> Self {
+        let square = Some(square);
         Self { square, ..self }
     }
 

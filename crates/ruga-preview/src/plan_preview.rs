@@ -104,8 +104,7 @@ impl PlanPreview<'_> {
         let weights: Vec<_> = self.poses.iter().map(|pose| &pose.weights).collect();
         let data = MeshData::new(self.mesh, &self.turn, &weights)?;
         let overlays = || self.poses.iter().flat_map(|pose| &pose.overlays).flatten();
-        // Overlays show the first tile.
-        let split = TileSplit::new(self.mesh, std::iter::once([0, 0]));
+        let split = TileSplit::repeating(self.mesh);
         let marks = overlays().map(|overlay| (0, overlay.wrinkled.as_slice()));
         let mut numbers = 0..;
         let poses = self.poses.iter().zip(data.poses).map(|(pose, sections)| {

@@ -32,8 +32,9 @@ pub struct PreviewPose {
     pub name: String,
     /// Weights of the blend shapes at the full pose.
     pub weights: BTreeMap<String, f64>,
-    /// Normal maps by key, a fraction of the pose in (0, 1]; keys ascend, and no map is neutral at 0. A mesh
-    /// with UDIM tiles has maps of one key in several squares, and in each the same keys, or none.
+    /// Normal maps by key, a fraction of the pose in (0, 1]; keys ascend, and no map is neutral at 0. On a mesh
+    /// with UDIM tiles every map is one [in a square](PackedMap::in_square): maps of one key may lie in several, and
+    /// a square has all keys or none.
     pub maps: Vec<(f64, PackedMap)>,
 }
 

@@ -19,17 +19,30 @@ pub(crate) struct TileSplit<'a> {
 }
 
 impl<'a> TileSplit<'a> {
-    /// Lays a mesh out for maps of these squares, which may come several times.
-    pub(crate) fn new(mesh: &'a ArtistMesh, squares: impl Iterator<Item = [i32; 2]>) -> Self {
-        let squares: Vec<[i32; 2]> = squares.collect::<BTreeSet<_>>().into_iter().collect();
-        if squares == [[0, 0]] {
-            return Self {
-                squares: Vec::new(),
-                mesh: Cow::Borrowed(mesh),
-            };
+    /// Lays a mesh out for maps of these squares, which may come several times; one whose maps all repeat stays as
+    /// it is.
+    pub(crate) fn new(
+        mesh: &'a ArtistMesh,
+        squares: impl Iterator<Item = Option<[i32; 2]>>,
+    ) -> Self {
+        let squares: Vec<[i32; 2]> = squares
+            .flatten()
+            .collect::<BTreeSet<_>>()
+            .into_iter()
+            .collect();
+        if squares.is_empty() {
+            return Self::repeating(mesh);
         }
         let mesh = Cow::Owned(laid_out(mesh, &squares));
         Self { squares, mesh }
+    }
+
+    /// A mesh without tiles, as it is.
+    pub(crate) fn repeating(mesh: &'a ArtistMesh) -> Self {
+        Self {
+            squares: Vec::new(),
+            mesh: Cow::Borrowed(mesh),
+        }
     }
 
     /// Number of tiles; 0 for a mesh without.
@@ -37,9 +50,9 @@ impl<'a> TileSplit<'a> {
         self.squares.len()
     }
 
-    /// Number of a square, from 0.
-    pub(crate) fn number(&self, square: [i32; 2]) -> usize {
-        let found = self.squares.iter().position(|other| *other == square);
+    /// Number of the square of a map, from 0; the first for maps that repeat.
+    pub(crate) fn number(&self, square: Option<[i32; 2]>) -> usize {
+        let found = self.squares.iter().position(|other| Some(*other) == square);
         found.unwrap_or(0)
     }
 

@@ -287,11 +287,13 @@ fn strip() -> ArtistMesh {
 #[test]
 fn tiles_have_their_own_maps_and_places() {
     let map = PackedMap::new(SIZE, &waves(SIZE)).expect("a map");
-    let maps = |squares: &[[i32; 2]]| {
-        let maps = squares
-            .iter()
-            .map(|&square| (1.0, map.clone().in_square(square)));
-        maps.collect::<Vec<_>>()
+    let maps = |squares: &[[i32; 2]]| match squares {
+        [] => vec![(1.0, map.clone())],
+        squares => {
+            let maps = squares.iter();
+            let maps = maps.map(|&square| (1.0, map.clone().in_square(square)));
+            maps.collect()
+        }
     };
     let mesh = strip();
     let page = |squares: &[[i32; 2]]| {
@@ -330,7 +332,13 @@ fn tiles_have_their_own_maps_and_places() {
     assert_eq!(found["tiles"], 1);
     let uvs = floats(&block, &found["mesh"]["uvs"]);
     assert_eq!(uvs[..2], [2.0, 1.0]);
-    assert_eq!(about(&page(&[[0, 0]]))["tiles"], 0);
+    // So it does where only the first tile has one: its map does not repeat.
+    let first = page(&[[0, 0]]);
+    let (found, block) = (about(&first), bytes(&first, "mesh"));
+    assert_eq!(found["tiles"], 1);
+    let uvs = floats(&block, &found["mesh"]["uvs"]);
+    assert_eq!(uvs[uvs.len() - 2..], [3.0, 1.0]);
+    assert_eq!(about(&page(&[]))["tiles"], 0);
     assert!(!map.is_neutral());
     let flat = vec![[0.0, 0.0, 1.0]; (SIZE * SIZE) as usize];
     assert!(PackedMap::new(SIZE, &flat).expect("a map").is_neutral());

@@ -62,3 +62,4 @@ pub use placement::Placement;
 pub use plan::{ScenePlan, ZonePlan};
 pub use property_images::{PropertyImages, read_property_images};
 pub use scene::{Inspection, Scene, SceneOptions, driver_of};
+pub use uv_tiles::are_tiled;

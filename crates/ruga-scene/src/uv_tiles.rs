@@ -41,8 +41,8 @@ pub(crate) fn tiles_of(uvs: &[[Vector2<f64>; 3]], areas: &[f64], wanted: Tiles) 
     }
 }
 
-/// Whether these are the tiles of a mesh with UDIM.
-pub(crate) fn are_tiled(tiles: &[UvTile]) -> bool {
+/// Whether these are the tiles of a mesh with UDIM tiles: any but the first one alone.
+pub fn are_tiled(tiles: &[UvTile]) -> bool {
     tiles != [UvTile::FIRST]
 }
 

@@ -1,7 +1,6 @@
 //! `ruga check`: everything that can be known without simulating.
 
-use ruga_material::UvTile;
-use ruga_scene::{Inspection, SceneFile, SceneOptions, counted};
+use ruga_scene::{Inspection, SceneFile, SceneOptions, are_tiled, counted};
 use ruga_stepper::Region;
 
 use crate::arguments::CheckArguments;
@@ -74,7 +73,7 @@ fn description(found: &Inspection) -> Vec<String> {
             counted(mesh.mesh.triangles.len(), "triangle"),
             counted(driver.shape_names().len(), "blend shape"),
         ));
-        if found.tiles != [UvTile::FIRST] {
+        if are_tiled(&found.tiles) {
             lines.push(format!(
                 "texture: {} ({})",
                 counted(found.tiles.len(), "UDIM tile"),
