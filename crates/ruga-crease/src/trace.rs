@@ -9,7 +9,7 @@ use ruga_mesh::{
 
 use crate::line_input::{Corners, LineInput};
 use crate::rounding::rounded;
-use crate::walk::{Step, Stop, Straight, faces_at, place_in, walk};
+use crate::walk::{End, Step, Stop, Straight, faces_at, place_in, walk};
 use crate::{CreaseError, TracedLine};
 
 /// Area of a triangle over its longest side squared below which it has none.
@@ -18,6 +18,9 @@ const LEAST_AREA: f64 = 1e-9;
 /// Distance of the two points given on both sides of a seam, in longest sides of a triangle there, up to which
 /// they are one place.
 const SAME_PLACE: f64 = 0.25;
+
+/// Distance in the texture layout up to which two places are one: what files round to.
+const SAME_UV: f64 = 1e-6;
 
 /// Share of a line on the border at which it runs along it.
 const MOST_ON_BORDER: f64 = 0.05;
@@ -390,12 +393,22 @@ impl Straight for UvWay<'_> {
         self.uvs[face].map(|uv| self.to.dot(&(uv - self.from)) / square)
     }
 
+    fn is_at(&self, end: End, face: FaceId, barycentric: [f64; 3]) -> bool {
+        let corners = self.uvs[face].iter().zip(barycentric);
+        let here: Vector2<f64> = corners.map(|(uv, weight)| uv * weight).sum();
+        let end = match end {
+            End::Start => self.from,
+            End::Goal => self.from + self.to,
+        };
+        (here - end).amax() < SAME_UV
+    }
+
     fn goes_on(&self, face: FaceId, corner: usize, next: FaceId) -> bool {
         let same = |corner: usize| {
             let vertex = self.mesh.faces()[face][corner % 3];
             let other = self.mesh.faces()[next].iter().position(|&v| v == vertex);
             let here = self.uvs[face][corner % 3];
-            other.is_some_and(|other| (self.uvs[next][other] - here).amax() < 1e-6)
+            other.is_some_and(|other| (self.uvs[next][other] - here).amax() < SAME_UV)
         };
         same(corner) && same(corner + 1)
     }
@@ -419,6 +432,10 @@ impl Straight for SpaceWay<'_> {
     fn along(&self, face: FaceId) -> [f64; 3] {
         let corners = self.tracer.corners(face);
         corners.map(|p| self.to.dot(&(p - self.from)))
+    }
+
+    fn is_at(&self, _: End, _: FaceId, _: [f64; 3]) -> bool {
+        true
     }
 
     fn goes_on(&self, _: FaceId, _: usize, _: FaceId) -> bool {
