@@ -138,6 +138,12 @@ impl<'a> LineTracer<'a> {
                 steps.extend(found.map_err(|stop| stopped(stop, leg))?);
             }
         }
+        // The run after the last jump began with the first point after the first one.
+        if let (true, Some(&leg), Some(first)) = (is_closed, jumps.first(), first_place(&steps))
+            && let Some(last) = last_place(&steps)
+        {
+            steps.extend(self.walk_in_space([last, first], leg)?);
+        }
         Ok(steps)
     }
 
@@ -327,6 +333,11 @@ impl<'a> LineTracer<'a> {
 
 fn longest_uv_side([a, b, c]: &[Vector2<f64>; 3]) -> f64 {
     (b - a).norm().max((c - b).norm()).max((a - c).norm())
+}
+
+fn first_place(steps: &[Step]) -> Option<MaterialPoint> {
+    let &(face, barycentric, _) = steps.first()?;
+    Some(MaterialPoint { face, barycentric })
 }
 
 fn last_place(steps: &[Step]) -> Option<MaterialPoint> {

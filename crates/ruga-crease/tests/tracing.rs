@@ -33,7 +33,8 @@ fn position(sheet: &Sheet, place: MaterialPoint) -> Vector3<f64> {
     place.interpolate(&sheet.mesh, &sheet.positions)
 }
 
-/// Segments follow each other, lie in their triangles and are as long as they say.
+/// Segments follow each other, of a closed line round and round, lie in their triangles and are as long as they
+/// say.
 fn check_chain(sheet: &Sheet, line: &TracedLine) {
     let mut at = 0.0;
     for (i, segment) in line.segments().iter().enumerate() {
@@ -48,7 +49,8 @@ fn check_chain(sheet: &Sheet, line: &TracedLine) {
         assert!(((to - from).norm() - segment.length).abs() < 1e-12);
         assert!((segment.start - at).abs() < 1e-12);
         at += segment.length;
-        let next = line.segments().get(i + 1);
+        let first = line.segments().first().filter(|_| line.is_closed());
+        let next = line.segments().get(i + 1).or(first);
         if let Some(next) = next {
             assert!(
                 (position(sheet, next.place(0.0)) - to).norm() < 1e-9,
@@ -190,6 +192,25 @@ fn a_leg_that_begins_on_a_seam_stays_in_its_chart() {
             let ring = traced(&sheet, &ring);
             assert!((ring.length() - 1.0).abs() < 1e-9, "{}", ring.length());
         }
+    }
+}
+
+/// Points near a seam, but not on it: the ring closes across the gap.
+#[test]
+fn a_ring_is_closed_where_its_points_leave_a_gap() {
+    let sheet = tube(10);
+    for points in [
+        vec![0.02, 0.3, 0.7, 0.99],
+        vec![0.7, 0.99, 0.02, 0.3],
+        vec![0.99, 0.7, 0.3, 0.02],
+    ] {
+        let ring = LineInput::Uv {
+            points: points.iter().map(|&u| [u, 0.53].into()).collect(),
+            is_closed: true,
+            corners: Corners::Round,
+        };
+        let ring = traced(&sheet, &ring);
+        assert!((ring.length() - 1.0).abs() < 1e-9, "{}", ring.length());
     }
 }
 
