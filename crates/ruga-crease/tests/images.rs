@@ -79,6 +79,22 @@ fn a_ring_is_closed_and_a_crossing_has_four_arms() {
 }
 
 #[test]
+fn a_thin_stroke_is_strong_at_its_corners_too() {
+    let texel = |p: Vector2<f64>| (p * SIZE as f64).map(|c| c as usize);
+    for at in 8..20 {
+        let lines = drawn(|p| {
+            let t = texel(p);
+            let upright = t.x == at && (at..=40).contains(&t.y);
+            let level = t.y == 40 && (at..=at + 30).contains(&t.x);
+            if upright || level { 0.9 } else { 0.0 }
+        });
+        assert_eq!(lines.len(), 1, "{lines:?}");
+        let strength = &lines[0].strength;
+        assert!(strength.iter().all(|s| (s - 0.9).abs() < 1e-6), "{lines:?}");
+    }
+}
+
+#[test]
 fn twigs_are_pruned() {
     let stroke = [[0.1, 0.5], [0.9, 0.5]];
     let lines = drawn(|p| {
