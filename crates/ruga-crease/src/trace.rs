@@ -269,8 +269,12 @@ impl<'a> LineTracer<'a> {
         let steps = vertices
             .windows(2)
             .map(|pair| self.edge_step([pair[0], pair[1]]));
-        let is_closed = vertices.len() > 3 && vertices.first() == vertices.last();
-        Ok((steps.collect::<Result<_, _>>()?, is_closed))
+        let steps = steps.collect::<Result<_, _>>()?;
+        let is_closed = vertices.first() == vertices.last();
+        match distinct(vertices) {
+            count if is_closed && count < 3 => Err(CreaseError::TooFewPoints { count }),
+            _ => Ok((steps, is_closed)),
+        }
     }
 
     fn edge_step(&self, ends: [VertexId; 2]) -> Result<Step, CreaseError> {
@@ -365,9 +369,22 @@ fn check_points<const D: usize>(
     if let Some(point) = points.iter().position(|p| !is_finite(p)) {
         return Err(CreaseError::NotFinite { point });
     }
-    match points.iter().all(|p| *p == points[0]) {
-        true => Err(CreaseError::ZeroLength),
-        false => Ok(()),
+    match distinct(points) {
+        1 => Err(CreaseError::ZeroLength),
+        2 if is_closed => Err(CreaseError::TooFewPoints { count: 2 }),
+        _ => Ok(()),
+    }
+}
+
+/// How many points of a line differ, up to three: a ring of two is a way there and back.
+fn distinct<T: PartialEq>(points: &[T]) -> usize {
+    let Some(first) = points.first() else {
+        return 0;
+    };
+    match points.iter().find(|p| *p != first) {
+        None => 1,
+        Some(second) if points.iter().all(|p| p == first || p == second) => 2,
+        Some(_) => 3,
     }
 }
 

@@ -205,7 +205,7 @@ fn fifty_lines_from_one_point() {
     let cut = cut_lines(&lines, piece(&sheet, 3));
     // Around the point there is no room for them all, and they are told of there.
     let is_near = |warning: &CreaseWarning| match warning {
-        CreaseWarning::Gap { at, .. } => at[0] < 0.35,
+        CreaseWarning::Gap { at, .. } | CreaseWarning::Shared { at, .. } => at[1] < 0.02,
         _ => false,
     };
     assert!(cut.warnings.iter().all(is_near), "{:?}", cut.warnings);
@@ -223,4 +223,72 @@ fn a_line_inside_one_triangle_has_no_edges() {
     let cut = cut_lines(&[line], piece(&sheet, 0));
     assert_eq!(cut.warnings, [CreaseWarning::NoEdges { line: 0 }]);
     assert_eq!(cut.piece.mesh.face_count(), 8);
+}
+
+fn path(vertices: &[u32]) -> LineInput {
+    LineInput::Edges {
+        vertices: vertices.iter().map(|&v| VertexId(v)).collect(),
+    }
+}
+
+/// No edge twice and none at the border, which no layer would take.
+fn assert_inner_once(cut: &LineCut) {
+    let mut edges: Vec<_> = cut.edges.iter().map(|edge| edge.edge).collect();
+    let mesh = &cut.piece.mesh;
+    assert!(edges.iter().all(|&edge| !mesh.edges()[edge].is_border()));
+    edges.sort_by_key(|edge| edge.0);
+    assert!(edges.windows(2).all(|pair| pair[0] != pair[1]));
+}
+
+#[test]
+fn lines_with_a_common_stem_share_its_edges() {
+    let sheet = square(6, 0.2, 7);
+    let row = |columns: std::ops::Range<u32>| columns.map(|i| 3 * 7 + i).collect::<Vec<_>>();
+    let mut second = row(1..4);
+    second.extend([3 * 7 + 3 + 7, 3 * 7 + 3 + 14]);
+    let lines = [path(&row(1..6)), path(&second)].map(|line| traced(&sheet, &line));
+    let cut = cut_lines(&lines, piece(&sheet, 0));
+    assert_inner_once(&cut);
+    let of_line = |line| cut.edges.iter().filter(|e| e.line == line).count();
+    assert_eq!([0, 1].map(of_line), [4, 2]);
+    let [
+        CreaseWarning::Shared {
+            lines: [0, 1],
+            at: [from, to],
+        },
+    ] = cut.warnings[..]
+    else {
+        panic!("{:?}", cut.warnings)
+    };
+    let stem: f64 = lines[1].segments()[..2].iter().map(|s| s.length).sum();
+    assert!(from.abs() < 1e-12 && (to - stem).abs() < 1e-12);
+    // The whole of a line.
+    let lines = [path(&row(1..6)), path(&row(2..5))].map(|line| traced(&sheet, &line));
+    let cut = cut_lines(&lines, piece(&sheet, 0));
+    assert_inner_once(&cut);
+    assert!(
+        matches!(
+            cut.warnings[..],
+            [CreaseWarning::Shared { lines: [0, 1], .. }]
+        ),
+        "{:?}",
+        cut.warnings
+    );
+}
+
+#[test]
+fn what_runs_along_the_border_has_no_edges() {
+    let sheet = square(40, 0.0, 8);
+    // A fortieth of it.
+    let mut vertices = vec![0];
+    vertices.extend((0..40).map(|i| 1 + 41 * i));
+    let line = traced(&sheet, &path(&vertices));
+    let cut = cut_lines(&[line], piece(&sheet, 0));
+    assert_inner_once(&cut);
+    assert_eq!(cut.edges.len(), 39);
+    assert!(
+        matches!(cut.warnings[..], [CreaseWarning::Gap { line: 0, .. }]),
+        "{:?}",
+        cut.warnings
+    );
 }
