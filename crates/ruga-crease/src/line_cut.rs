@@ -398,6 +398,10 @@ fn add_shared(warnings: &mut Vec<CreaseWarning>, lines: [usize; 2], at: [f64; 2]
 
 /// The edge between two vertices, and whether it runs from the first to the second.
 fn edge_between(mesh: &TriMesh, [from, to]: [VertexId; 2]) -> Option<(EdgeId, bool)> {
+    // A hairpin inside one face comes back to its vertex.
+    if from == to {
+        return None;
+    }
     let edges = mesh
         .vertex_faces(from)
         .iter()

@@ -292,3 +292,30 @@ fn what_runs_along_the_border_has_no_edges() {
         cut.warnings
     );
 }
+
+/// A hairpin inside a face leaves its vertex and comes back to it: no edge is that.
+#[test]
+fn a_hairpin_inside_a_face_has_no_edge() {
+    let sheet = square(4, 0.0, 9);
+    let mut gaps = 0;
+    for i in 0..24 {
+        let (sin, cos) = (TAU * (f64::from(i) + 0.4) / 24.0).sin_cos();
+        // Nearer than the far side of any face, farther than where both passages would be one.
+        let tip = [0.5 + 0.165 * cos, 0.5 + 0.165 * sin];
+        let line = LineInput::Uv {
+            points: [[0.25, 0.5], [0.5, 0.5], tip, [0.5, 0.5], [0.5, 0.75]]
+                .map(Vector2::from)
+                .to_vec(),
+            is_closed: false,
+            corners: Corners::Keep,
+        };
+        let cut = cut_lines(&[traced(&sheet, &line)], piece(&sheet, 0));
+        assert_inner_once(&cut);
+        assert_eq!(cut.edges.len(), 2, "{:?}", cut.edges);
+        let is_gap = |warning: &CreaseWarning| matches!(warning, CreaseWarning::Gap { .. });
+        assert!(cut.warnings.iter().all(is_gap), "{:?}", cut.warnings);
+        gaps += cut.warnings.len();
+    }
+    // In the face that has both edges the vertex is passed but once.
+    assert!(gaps > 12, "{gaps}");
+}
