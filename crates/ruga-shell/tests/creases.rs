@@ -325,6 +325,49 @@ fn a_part_of_a_creased_layer_has_its_forces() {
     }
 }
 
+/// Against a base that balances all but creases and anchors, a valley sinks and folds.
+#[test]
+fn a_crease_folds_at_the_base_that_balances_the_layer_without_it() {
+    let (_, rest) = mesh();
+    for model in MODELS {
+        // Stressed on its base, so that the balance is not zero.
+        let base: Vec<_> = rest.iter().map(|p| 0.97 * p).collect();
+        let mut plain = layer(model);
+        let (normals, offsets) = (vec![Vector3::z(); rest.len()], vec![0.0; rest.len()]);
+        plain.set_base(&base, &normals, &offsets).unwrap();
+        let gradient = |layer: &LayerEnergy, x: &[Vector3<f64>]| {
+            let mut gradient = vec![0.0; layer.dof_count()];
+            layer.gradient(x, &mut gradient);
+            DVector::from_vec(gradient)
+        };
+        let reaction = gradient(&plain, &base);
+        assert!(reaction.amax() > 1e-3);
+        let creases = edges(&mesh().0, THROUGH).into_iter().map(|edge| {
+            let crease = Crease {
+                compliance: 3.0,
+                rest_angle: 0.5,
+                sense: FoldSense::Valley,
+            };
+            (edge, crease)
+        });
+        let mut creased = plain.clone();
+        creased.set_creases(&creases.collect::<Vec<_>>()).unwrap();
+        creased.set_line_anchors(&anchors()).unwrap();
+        assert_eq!(gradient(&creased.without_creases(), &base), reaction);
+
+        // What is left of the forces at the base sinks the line and folds it.
+        let force = &reaction - gradient(&creased, &base);
+        let down = |column: u32| -force[3 * (2 * COLUMNS + column) as usize + 2];
+        assert!((1..6).all(|column| down(column) > 1e-3));
+        let moved = base.iter().zip(force.as_slice().chunks_exact(3));
+        let moved: Vec<_> = moved
+            .map(|(p, force)| p + Vector3::from_column_slice(force) * 1e-2)
+            .collect();
+        let [before, after] = [&base, &moved].map(|x| creased.crease_states(x));
+        assert!(before.iter().zip(&after).all(|(a, b)| b.angle > a.angle));
+    }
+}
+
 fn anchors() -> Vec<LineAnchor> {
     let on = edges(&mesh().0, THROUGH).into_iter().zip(0..);
     let anchor = |(edge, i)| LineAnchor {
