@@ -69,7 +69,8 @@ pub struct CreaseEdge {
     pub edge: EdgeId,
     /// The line.
     pub line: usize,
-    /// Arc lengths along it at the edge's two vertices, in its own order (m).
+    /// Arc lengths along it at the edge's two vertices, in its own order (m). Where a closed line closes, the far
+    /// end counts on beyond its length: the two are never farther apart than the edge is long.
     pub at: [f64; 2],
 }
 
@@ -356,10 +357,13 @@ impl<'a> Cutter<'a> {
         for (line, traced) in self.lines.iter().enumerate() {
             let on: Vec<_> = vertices.iter().filter(|v| v.line == line).collect();
             let mut has_edges = false;
-            let closing = on.last().copied().zip(on.first().copied());
+            let closing = on.first().map(|first| LineVertex {
+                at: first.at + traced.length(),
+                ..**first
+            });
             let closing = closing.filter(|_| traced.is_closed() && on.len() > 2);
-            let pairs = on.windows(2).map(|pair| (pair[0], pair[1])).chain(closing);
-            for (from, to) in pairs {
+            let ends = on.iter().copied().skip(1).chain(&closing);
+            for (from, to) in on.iter().zip(ends) {
                 let at = [from.at, to.at];
                 let found = edge_between(mesh, [from.vertex, to.vertex]);
                 // At the border there is nothing to fold against.

@@ -8,9 +8,10 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Vector2, Vector3};
 use ruga_crease::{
-    Corners, CreaseWarning, LineCut, LineInput, LineTracer, MeshPiece, TracedLine, cut_lines,
+    Corners, CreaseWarning, LineCut, LineInput, LinePlaces, LineTracer, MeshPiece, TracedLine,
+    cut_lines,
 };
-use ruga_mesh::{Id, MaterialPoint, PerVertex, VertexId, face_areas, subdivide};
+use ruga_mesh::{FaceId, Id, MaterialPoint, PerVertex, VertexId, face_areas, subdivide};
 use sheets::{Sheet, square};
 
 fn uv(points: &[[f64; 2]], is_closed: bool) -> LineInput {
@@ -93,14 +94,8 @@ fn check(sheet: &Sheet, lines: &[TracedLine], before: &MeshPiece, cut: &LineCut,
         let of_line = cut.edges.iter().filter(|edge| edge.line == number);
         let covered: f64 = of_line
             .clone()
-            .map(|edge| {
-                let apart = (edge.at[1] - edge.at[0]).abs();
-                if line.is_closed() {
-                    apart.min(line.length() - apart)
-                } else {
-                    apart
-                }
-            })
+            // Of a closed line as well.
+            .map(|edge| (edge.at[1] - edge.at[0]).abs())
             .sum();
         let tips = if line.is_closed() { 1e-9 } else { 2.5 * edge };
         assert!(
@@ -191,6 +186,36 @@ fn curves_rings_and_crossings() {
                 .any(|b| b.vertex == a.vertex && b.line != a.line)
         });
         assert!(junctions.count() >= 8, "{levels}");
+    }
+}
+
+/// A ring's last edge ends where the ring is as long as it is, not where it begins.
+#[test]
+fn arc_lengths_go_on_where_a_ring_closes() {
+    let sheet = square(6, 0.25, 10);
+    let ring: Vec<_> = (0..16)
+        .map(|i| {
+            let (sin, cos) = (TAU * f64::from(i) / 16.0).sin_cos();
+            [0.5 + 0.31 * cos, 0.5 + 0.31 * sin]
+        })
+        .collect();
+    let ring = [traced(&sheet, &uv(&ring, true))];
+    let cut = cut_lines(&ring, piece(&sheet, 2));
+    let mut points = vec![None; cut.piece.mesh.vertex_count()];
+    for vertex in &cut.vertices {
+        points[vertex.vertex.index()] = Some(vertex.place);
+    }
+    let elsewhere = MaterialPoint::at_corner(FaceId(0), 0);
+    let points: Vec<_> = points.iter().map(|p| p.unwrap_or(elsewhere)).collect();
+    let of_cut: Vec<_> = cut.edges.iter().map(|edge| edge.edge).collect();
+    let places = LinePlaces::new(&ring, &sheet.mesh);
+    let found = places.edges(&cut.piece.mesh, &points, |edge| of_cut.contains(&edge));
+    assert_eq!(found.len(), of_cut.len());
+    for edge in cut.edges.iter().chain(&found) {
+        let [a, b] = cut.piece.mesh.edges()[edge.edge].vertices;
+        let length = (cut.piece.positions[a.index()] - cut.piece.positions[b.index()]).norm();
+        let along = (edge.at[1] - edge.at[0]).abs();
+        assert!(along < 1.1 * length + 1e-3, "{edge:?} {length}");
     }
 }
 
