@@ -5,10 +5,10 @@ use thiserror::Error;
 /// A mistake in a crease line, in an image of lines or in what a crease is to be like.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum CreaseError {
-    /// A line has no two points.
-    #[error("the line has {count} points; a line needs at least 2, a closed one 3")]
+    /// A line has no two points, or a closed one no three that differ.
+    #[error("the line has {count} points; a line needs at least 2, a closed one 3 that differ")]
     TooFewPoints {
-        /// Points given.
+        /// Points given, or of a closed line those that differ.
         count: usize,
     },
     /// A point has a coordinate that is infinite or not a number.

@@ -1,5 +1,7 @@
 //! Cuts a mesh along crease lines, so that each is a chain of its edges.
 
+use std::collections::BTreeMap;
+
 use nalgebra::Vector3;
 use ruga_mesh::{
     Edge, EdgeId, EdgeSplit, FaceId, FaceOrigin, Id, MaterialPoint, PerFace, TriMesh, VertexId,
@@ -67,7 +69,8 @@ pub struct CreaseEdge {
     pub edge: EdgeId,
     /// The line.
     pub line: usize,
-    /// Arc lengths along it at the edge's two vertices, in its own order (m).
+    /// Arc lengths along it at the edge's two vertices, in its own order (m). Where a closed line closes, the far
+    /// end counts on beyond its length: the two are never farther apart than the edge is long.
     pub at: [f64; 2],
 }
 
@@ -80,7 +83,7 @@ pub struct LineCut {
     pub parts: PerFace<FaceOrigin>,
     /// The vertices on lines, by line and then along it.
     pub vertices: Vec<LineVertex>,
-    /// The edges on lines, by line and then along it.
+    /// The edges on lines, by line and then along it: each once, and none at the border.
     pub edges: Vec<CreaseEdge>,
     /// What could not be done.
     pub warnings: Vec<CreaseWarning>,
@@ -337,32 +340,7 @@ impl<'a> Cutter<'a> {
             }
         }
         vertices.sort_by(|a, b| a.line.cmp(&b.line).then(a.at.total_cmp(&b.at)));
-        let (mut edges, mut warnings) = (Vec::new(), Vec::new());
-        for (line, traced) in self.lines.iter().enumerate() {
-            let on: Vec<_> = vertices.iter().filter(|v| v.line == line).collect();
-            let before = edges.len();
-            let closing = on.last().copied().zip(on.first().copied());
-            let closing = closing.filter(|_| traced.is_closed() && on.len() > 2);
-            let pairs = on.windows(2).map(|pair| (pair[0], pair[1])).chain(closing);
-            for (from, to) in pairs {
-                let at = [from.at, to.at];
-                match edge_between(&self.piece.mesh, [from.vertex, to.vertex]) {
-                    Some((edge, true)) => edges.push(CreaseEdge { edge, line, at }),
-                    Some((edge, false)) => {
-                        let [from, to] = at;
-                        edges.push(CreaseEdge {
-                            edge,
-                            line,
-                            at: [to, from],
-                        });
-                    }
-                    None => warnings.push(CreaseWarning::Gap { line, at }),
-                }
-            }
-            if edges.len() == before {
-                warnings.push(CreaseWarning::NoEdges { line });
-            }
-        }
+        let (edges, warnings) = self.edges(&vertices);
         LineCut {
             piece: self.piece,
             parts: self.parts,
@@ -371,10 +349,63 @@ impl<'a> Cutter<'a> {
             warnings,
         }
     }
+    /// The edges between vertices that follow each other on a line, each for the first line that has it.
+    fn edges(&self, vertices: &[LineVertex]) -> (Vec<CreaseEdge>, Vec<CreaseWarning>) {
+        let mesh = &self.piece.mesh;
+        let (mut edges, mut warnings) = (Vec::new(), Vec::new());
+        let mut line_of: BTreeMap<EdgeId, usize> = BTreeMap::new();
+        for (line, traced) in self.lines.iter().enumerate() {
+            let on: Vec<_> = vertices.iter().filter(|v| v.line == line).collect();
+            let mut has_edges = false;
+            let closing = on.first().map(|first| LineVertex {
+                at: first.at + traced.length(),
+                ..**first
+            });
+            let closing = closing.filter(|_| traced.is_closed() && on.len() > 2);
+            let ends = on.iter().copied().skip(1).chain(&closing);
+            for (from, to) in on.iter().zip(ends) {
+                let at = [from.at, to.at];
+                let found = edge_between(mesh, [from.vertex, to.vertex]);
+                // At the border there is nothing to fold against.
+                let inner = found.filter(|(edge, _)| !mesh.edges()[*edge].is_border());
+                let Some((edge, is_along)) = inner else {
+                    warnings.push(CreaseWarning::Gap { line, at });
+                    continue;
+                };
+                has_edges = true;
+                if let Some(&other) = line_of.get(&edge) {
+                    add_shared(&mut warnings, [other, line], at);
+                    continue;
+                }
+                line_of.insert(edge, line);
+                let at = if is_along { at } else { [at[1], at[0]] };
+                edges.push(CreaseEdge { edge, line, at });
+            }
+            if !has_edges {
+                warnings.push(CreaseWarning::NoEdges { line });
+            }
+        }
+        (edges, warnings)
+    }
+}
+
+/// Adds that two lines share an edge, to the stretch before if that is where it goes on.
+fn add_shared(warnings: &mut Vec<CreaseWarning>, lines: [usize; 2], at: [f64; 2]) {
+    match warnings.last_mut() {
+        Some(CreaseWarning::Shared {
+            lines: before,
+            at: [_, end],
+        }) if *before == lines && *end == at[0] => *end = at[1],
+        _ => warnings.push(CreaseWarning::Shared { lines, at }),
+    }
 }
 
 /// The edge between two vertices, and whether it runs from the first to the second.
 fn edge_between(mesh: &TriMesh, [from, to]: [VertexId; 2]) -> Option<(EdgeId, bool)> {
+    // A hairpin inside one face comes back to its vertex.
+    if from == to {
+        return None;
+    }
     let edges = mesh
         .vertex_faces(from)
         .iter()

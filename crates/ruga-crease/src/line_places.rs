@@ -82,9 +82,25 @@ impl<'a> LinePlaces<'a> {
             // A line that passes a vertex twice is followed from the nearer passage.
             let nearest =
                 along.min_by(|a, b| self.apart(a.0, a.1).total_cmp(&self.apart(b.0, b.1)));
-            nearest.map(|(line, at)| CreaseEdge { edge, line, at })
+            nearest.map(|(line, at)| CreaseEdge {
+                edge,
+                line,
+                at: self.unrolled(line, at),
+            })
         });
         found.collect()
+    }
+
+    /// The ends of an edge on a line, of which one counts on beyond the length of a closed line that closes
+    /// between them.
+    fn unrolled(&self, line: usize, [from, to]: [f64; 2]) -> [f64; 2] {
+        let traced = &self.lines[line];
+        let length = traced.length();
+        match traced.is_closed() && (to - from).abs() > 0.5 * length {
+            true if from < to => [from + length, to],
+            true => [from, to + length],
+            false => [from, to],
+        }
     }
 
     /// Length of a line between two places on it (m), of a closed one the shorter way.

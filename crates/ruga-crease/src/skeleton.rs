@@ -100,7 +100,7 @@ pub fn skeleton_lines(
     skeleton.thin();
     let all = branches(&skeleton);
     // Judged before twigs go: noise is twigs.
-    refuse_noise(all.len(), 4 * settings.most_lines)?;
+    refuse_noise(all.len(), settings.most_lines.saturating_mul(4))?;
     let mut kept = pruned(all, settings.least_branch);
     kept.retain(|branch| branch.length() >= settings.least_branch);
     refuse_noise(kept.len(), settings.most_lines)?;
@@ -114,7 +114,8 @@ pub fn skeleton_lines(
             .unwrap_or(std::cmp::Ordering::Equal)
     });
     let lines = kept.into_iter().map(|branch| line(branch, image));
-    Ok(lines.filter(|line| line.points.len() > 1).collect())
+    let is_line = |line: &SkeletonLine| line.points.len() >= if line.is_closed { 3 } else { 2 };
+    Ok(lines.filter(is_line).collect())
 }
 
 fn refuse_noise(branches: usize, limit: usize) -> Result<(), CreaseError> {
@@ -130,34 +131,43 @@ fn line(mut branch: Branch, image: &GreyImage<'_>) -> SkeletonLine {
         branch.points.pop();
     }
     let is_closed = is_loop || branch.nodes.is_none();
-    let smooth = smoothed(branch.points, is_closed);
-    let last = smooth.len() - 1;
+    let last = branch.points.len() - 1;
+    // Other lines end on nodes: there a line that begins and ends on one must stay.
+    let is_fixed = |i: usize| i == 0 && branch.nodes.is_some() || i == last && !is_closed;
+    let smooth = smoothed(&branch.points, is_fixed);
+    // A small ring keeps three points, or it would be a way there and back.
+    let stride = if is_closed {
+        STRIDE.min(branch.points.len() / 3).max(1)
+    } else {
+        STRIDE
+    };
     // The last point always stays, and none right before it.
     let is_kept = |i: usize| {
-        i == last && !is_closed || i.is_multiple_of(STRIDE) && (is_closed || i + STRIDE / 2 < last)
+        i == last && !is_closed || i.is_multiple_of(stride) && (is_closed || i + stride / 2 < last)
     };
-    let kept: Vec<_> = (0..=last)
-        .filter(|&i| is_kept(i))
-        .map(|i| smooth[i])
-        .collect();
+    let kept: Vec<_> = (0..=last).filter(|&i| is_kept(i)).collect();
     let size = Vector2::new(image.width as f64, image.height as f64);
     SkeletonLine {
         points: kept
             .iter()
-            .map(|p| (p + Vector2::repeat(0.5)).component_div(&size))
+            .map(|&i| (smooth[i] + Vector2::repeat(0.5)).component_div(&size))
             .collect(),
-        strength: kept.iter().map(|p| brightness(image, p)).collect(),
+        // Beside a corner of a thin stroke the smoothed point lies on dark ground.
+        strength: kept
+            .iter()
+            .map(|&i| brightness(image, &branch.points[i]))
+            .collect(),
         is_closed,
     }
 }
 
-/// Points averaged with their neighbours; ends stay.
-fn smoothed(mut points: Vec<Vector2<f64>>, is_closed: bool) -> Vec<Vector2<f64>> {
+/// Points averaged with their neighbours, round and round, but for fixed ones.
+fn smoothed(points: &[Vector2<f64>], is_fixed: impl Fn(usize) -> bool) -> Vec<Vector2<f64>> {
+    let mut points = points.to_vec();
     let count = points.len();
     for _ in 0..SMOOTHINGS {
         let average = |i: usize| {
-            let is_end = i == 0 || i + 1 == count;
-            if is_end && !is_closed {
+            if is_fixed(i) {
                 return points[i];
             }
             let (before, after) = (points[(i + count - 1) % count], points[(i + 1) % count]);
@@ -168,9 +178,15 @@ fn smoothed(mut points: Vec<Vector2<f64>>, is_closed: bool) -> Vec<Vector2<f64>>
     points
 }
 
-/// Brightness of the texel at a point.
+/// Brightness of the texel at a point, or of the brightest one that a point between texels, as the middle of
+/// several where strokes meet, lies beside.
 fn brightness(image: &GreyImage<'_>, point: &Vector2<f64>) -> f64 {
-    let texel = |x: f64, count: usize| (x.round().max(0.0) as usize).min(count - 1);
-    let (x, y) = (texel(point.x, image.width), texel(point.y, image.height));
-    f64::from(image.values[y * image.width + x])
+    let texels = |at: f64, count: usize| {
+        [at.floor(), at.ceil()].map(|at| (at.max(0.0) as usize).min(count - 1))
+    };
+    let columns = texels(point.x, image.width);
+    let rows = texels(point.y, image.height);
+    let beside = rows.into_iter().flat_map(|y| columns.map(|x| (x, y)));
+    let values = beside.map(|(x, y)| f64::from(image.values[y * image.width + x]));
+    values.fold(0.0, f64::max)
 }

@@ -9,7 +9,7 @@ use ruga_mesh::{
 
 use crate::line_input::{Corners, LineInput};
 use crate::rounding::rounded;
-use crate::walk::{Step, Stop, Straight, faces_at, place_in, walk};
+use crate::walk::{End, Step, Stop, Straight, faces_at, place_in, walk};
 use crate::{CreaseError, TracedLine};
 
 /// Area of a triangle over its longest side squared below which it has none.
@@ -18,6 +18,9 @@ const LEAST_AREA: f64 = 1e-9;
 /// Distance of the two points given on both sides of a seam, in longest sides of a triangle there, up to which
 /// they are one place.
 const SAME_PLACE: f64 = 0.25;
+
+/// Distance in the texture layout up to which two places are one: what files round to.
+const SAME_UV: f64 = 1e-6;
 
 /// Share of a line on the border at which it runs along it.
 const MOST_ON_BORDER: f64 = 0.05;
@@ -134,6 +137,12 @@ impl<'a> LineTracer<'a> {
                 let found = walk(self.mesh, &way, [ends[0], ends[1]]);
                 steps.extend(found.map_err(|stop| stopped(stop, leg))?);
             }
+        }
+        // The run after the last jump began with the first point after the first one.
+        if let (true, Some(&leg), Some(first)) = (is_closed, jumps.first(), first_place(&steps))
+            && let Some(last) = last_place(&steps)
+        {
+            steps.extend(self.walk_in_space([last, first], leg)?);
         }
         Ok(steps)
     }
@@ -260,8 +269,12 @@ impl<'a> LineTracer<'a> {
         let steps = vertices
             .windows(2)
             .map(|pair| self.edge_step([pair[0], pair[1]]));
-        let is_closed = vertices.len() > 3 && vertices.first() == vertices.last();
-        Ok((steps.collect::<Result<_, _>>()?, is_closed))
+        let steps = steps.collect::<Result<_, _>>()?;
+        let is_closed = vertices.first() == vertices.last();
+        match distinct(vertices) {
+            count if is_closed && count < 3 => Err(CreaseError::TooFewPoints { count }),
+            _ => Ok((steps, is_closed)),
+        }
     }
 
     fn edge_step(&self, ends: [VertexId; 2]) -> Result<Step, CreaseError> {
@@ -326,6 +339,11 @@ fn longest_uv_side([a, b, c]: &[Vector2<f64>; 3]) -> f64 {
     (b - a).norm().max((c - b).norm()).max((a - c).norm())
 }
 
+fn first_place(steps: &[Step]) -> Option<MaterialPoint> {
+    let &(face, barycentric, _) = steps.first()?;
+    Some(MaterialPoint { face, barycentric })
+}
+
 fn last_place(steps: &[Step]) -> Option<MaterialPoint> {
     let &(face, _, barycentric) = steps.last()?;
     Some(MaterialPoint { face, barycentric })
@@ -351,9 +369,22 @@ fn check_points<const D: usize>(
     if let Some(point) = points.iter().position(|p| !is_finite(p)) {
         return Err(CreaseError::NotFinite { point });
     }
-    match points.iter().all(|p| *p == points[0]) {
-        true => Err(CreaseError::ZeroLength),
-        false => Ok(()),
+    match distinct(points) {
+        1 => Err(CreaseError::ZeroLength),
+        2 if is_closed => Err(CreaseError::TooFewPoints { count: 2 }),
+        _ => Ok(()),
+    }
+}
+
+/// How many points of a line differ, up to three: a ring of two is a way there and back.
+fn distinct<T: PartialEq>(points: &[T]) -> usize {
+    let Some(first) = points.first() else {
+        return 0;
+    };
+    match points.iter().find(|p| *p != first) {
+        None => 1,
+        Some(second) if points.iter().all(|p| p == first || p == second) => 2,
+        Some(_) => 3,
     }
 }
 
@@ -390,12 +421,22 @@ impl Straight for UvWay<'_> {
         self.uvs[face].map(|uv| self.to.dot(&(uv - self.from)) / square)
     }
 
+    fn is_at(&self, end: End, face: FaceId, barycentric: [f64; 3]) -> bool {
+        let corners = self.uvs[face].iter().zip(barycentric);
+        let here: Vector2<f64> = corners.map(|(uv, weight)| uv * weight).sum();
+        let end = match end {
+            End::Start => self.from,
+            End::Goal => self.from + self.to,
+        };
+        (here - end).amax() < SAME_UV
+    }
+
     fn goes_on(&self, face: FaceId, corner: usize, next: FaceId) -> bool {
         let same = |corner: usize| {
             let vertex = self.mesh.faces()[face][corner % 3];
             let other = self.mesh.faces()[next].iter().position(|&v| v == vertex);
             let here = self.uvs[face][corner % 3];
-            other.is_some_and(|other| (self.uvs[next][other] - here).amax() < 1e-6)
+            other.is_some_and(|other| (self.uvs[next][other] - here).amax() < SAME_UV)
         };
         same(corner) && same(corner + 1)
     }
@@ -419,6 +460,10 @@ impl Straight for SpaceWay<'_> {
     fn along(&self, face: FaceId) -> [f64; 3] {
         let corners = self.tracer.corners(face);
         corners.map(|p| self.to.dot(&(p - self.from)))
+    }
+
+    fn is_at(&self, _: End, _: FaceId, _: [f64; 3]) -> bool {
+        true
     }
 
     fn goes_on(&self, _: FaceId, _: usize, _: FaceId) -> bool {

@@ -5,14 +5,24 @@ use ruga_mesh::{FaceId, Id, MaterialPoint, TriMesh};
 /// Weights below this are rounding: the place lies on the edge or vertex opposite.
 const ON_EDGE: f64 = 1e-12;
 
-/// What is straight: two functions that are linear in every triangle.
+/// A straight way, as two functions that are linear in every triangle.
 pub(crate) trait Straight {
     /// On which side of the way the corners of a face lie, and how far.
     fn side(&self, face: FaceId) -> [f64; 3];
     /// How far along the way the corners of a face are: 0 at its start, 1 at its end.
     fn along(&self, face: FaceId) -> [f64; 3];
+    /// Whether a place of a face is the start or the end of the way: on a seam not every face that touches one
+    /// has it where the way is drawn.
+    fn is_at(&self, end: End, face: FaceId, barycentric: [f64; 3]) -> bool;
     /// Whether the way goes on across an edge of a face, given by its first corner, into the next face.
     fn goes_on(&self, face: FaceId, corner: usize, next: FaceId) -> bool;
+}
+
+/// One of the two ends of a way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum End {
+    Start,
+    Goal,
 }
 
 /// A part of the way: triangle, start and end.
@@ -61,14 +71,21 @@ fn walk_beside<W: Straight>(
     way: &Sided<'_, W>,
     [start, end]: [MaterialPoint; 2],
 ) -> Result<Vec<Step>, Stop> {
+    let in_face = |which: End, place: &MaterialPoint, face: FaceId| {
+        place_in(mesh, place, face).filter(|&at| way.way.is_at(which, face, at))
+    };
     let around = faces_at(mesh, &start);
     for &face in &around {
-        if let (Some(from), Some(to)) = (place_in(mesh, &start, face), place_in(mesh, &end, face)) {
+        let ends = (
+            in_face(End::Start, &start, face),
+            in_face(End::Goal, &end, face),
+        );
+        if let (Some(from), Some(to)) = ends {
             return Ok(vec![(face, from, to)]);
         }
     }
     let exits = around.iter().filter_map(|&face| {
-        let from = place_in(mesh, &start, face)?;
+        let from = in_face(End::Start, &start, face)?;
         let exit = exits(way, face).into_iter().flatten();
         let farthest = exit.max_by(|a, b| a.along.total_cmp(&b.along))?;
         Some((face, from, farthest))
@@ -92,7 +109,7 @@ fn walk_beside<W: Straight>(
         };
         let tail = mesh.faces()[face][exit.corner];
         from = place_in(mesh, &crossed, next).ok_or(Stop::Lost)?;
-        if let Some(to) = place_in(mesh, &end, next) {
+        if let Some(to) = in_face(End::Goal, &end, next) {
             steps.push((next, from, to));
             return Ok(steps);
         }

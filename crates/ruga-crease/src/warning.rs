@@ -21,7 +21,15 @@ pub enum CreaseWarning {
         /// Least distance (m).
         distance: f64,
     },
-    /// A stretch of a line has no edges in the cut mesh.
+    /// A stretch of a line runs along edges of the cut mesh that an earlier line has, or the line itself: they
+    /// fold once, as the earlier one says.
+    Shared {
+        /// The line that has the edges, and the one that runs along them as well.
+        lines: [usize; 2],
+        /// From where to where on the second.
+        at: [f64; 2],
+    },
+    /// A stretch of a line has no inner edges in the cut mesh.
     Gap {
         /// The line.
         line: usize,
@@ -54,6 +62,15 @@ impl std::fmt::Display for CreaseWarning {
                 "lines {a} and {b} come within {:.3} mm, {:.3} mm from the start of the first: the mesh is too coarse for two folds there",
                 mm(distance),
                 mm(at)
+            ),
+            Self::Shared {
+                lines: [first, second],
+                at: [a, b],
+            } => write!(
+                f,
+                "line {second} runs along line {first} from {:.3} to {:.3} mm from its start, where it folds nothing",
+                mm(a),
+                mm(b)
             ),
             Self::Gap { line, at: [a, b] } => write!(
                 f,

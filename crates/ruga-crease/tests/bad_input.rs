@@ -48,6 +48,15 @@ fn points() {
         corners: Corners::Keep,
     };
     assert_eq!(refused(&sheet, &ring), TooFewPoints { count: 2 });
+    // There and back is no ring.
+    let ring = LineInput::Uv {
+        points: [[0.2, 0.2], [0.8, 0.2], [0.2, 0.2]]
+            .map(Vector2::from)
+            .to_vec(),
+        is_closed: true,
+        corners: Corners::Keep,
+    };
+    assert_eq!(refused(&sheet, &ring), TooFewPoints { count: 2 });
     for bad in [f64::NAN, f64::INFINITY] {
         assert_eq!(
             refused(&sheet, &uv(&[[0.5; 2], [bad, 0.5]])),
@@ -147,6 +156,14 @@ fn edge_paths() {
         vertices: vertices.iter().map(|&v| VertexId(v)).collect(),
     };
     assert_eq!(refused(&sheet, &path(&[6])), TooFewPoints { count: 1 });
+    assert_eq!(
+        refused(&sheet, &path(&[6, 7, 6])),
+        TooFewPoints { count: 2 }
+    );
+    assert_eq!(
+        refused(&sheet, &path(&[6, 7, 6, 7, 6])),
+        TooFewPoints { count: 2 }
+    );
     assert_eq!(
         refused(&sheet, &path(&[6, 8])),
         NotAnEdge { vertices: [6, 8] }

@@ -79,6 +79,72 @@ fn a_ring_is_closed_and_a_crossing_has_four_arms() {
 }
 
 #[test]
+fn a_thin_stroke_is_strong_at_its_corners_too() {
+    let texel = |p: Vector2<f64>| (p * SIZE as f64).map(|c| c as usize);
+    for at in 8..20 {
+        let lines = drawn(|p| {
+            let t = texel(p);
+            let upright = t.x == at && (at..=40).contains(&t.y);
+            let level = t.y == 40 && (at..=at + 30).contains(&t.x);
+            if upright || level { 0.9 } else { 0.0 }
+        });
+        assert_eq!(lines.len(), 1, "{lines:?}");
+        let strength = &lines[0].strength;
+        assert!(strength.iter().all(|s| (s - 0.9).abs() < 1e-6), "{lines:?}");
+    }
+}
+
+#[test]
+fn small_rings_are_rings() {
+    let middle = Vector2::repeat(48.0 / SIZE as f64);
+    for radius in [1.0, 2.0, 3.0, 4.0] {
+        let ring = drawn(|p| {
+            // Measured from a texel's centre.
+            let r = (p - middle).map(|c| c * SIZE as f64 - 0.5).norm();
+            if (r - radius).abs() < 0.45 { 1.0 } else { 0.0 }
+        });
+        assert_eq!(ring.len(), 1, "{radius}: {ring:?}");
+        assert!(ring[0].is_closed && ring[0].points.len() > 2, "{ring:?}");
+    }
+}
+
+/// The tail of a lasso ends on the loop.
+#[test]
+fn a_loop_stays_where_another_line_ends_on_it() {
+    let lines = drawn(|p| {
+        let is_ring = ((p - Vector2::new(0.6, 0.5)).norm() - 0.2).abs() < 0.008;
+        if is_ring || near(p, [[0.1, 0.5], [0.4, 0.5]], 0.006) {
+            1.0
+        } else {
+            0.0
+        }
+    });
+    let [closed, open] = [true, false].map(|is_closed| {
+        let mut found = lines.iter().filter(|line| line.is_closed == is_closed);
+        found.next().unwrap()
+    });
+    let node = closed.points[0];
+    let ends = [open.points[0], open.points[open.points.len() - 1]];
+    assert!(ends.contains(&node), "{node} {ends:?}");
+}
+
+#[test]
+fn any_number_of_lines_may_be_accepted() {
+    let mut values = vec![0.0; SIZE * SIZE];
+    values[SIZE * 40 + 10..SIZE * 40 + 60].fill(1.0);
+    let image = GreyImage {
+        width: SIZE,
+        height: SIZE,
+        values: &values,
+    };
+    let settings = SkeletonSettings {
+        most_lines: usize::MAX,
+        ..SkeletonSettings::default()
+    };
+    assert_eq!(skeleton_lines(&image, &settings).unwrap().len(), 1);
+}
+
+#[test]
 fn twigs_are_pruned() {
     let stroke = [[0.1, 0.5], [0.9, 0.5]];
     let lines = drawn(|p| {

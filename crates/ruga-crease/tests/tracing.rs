@@ -12,7 +12,7 @@ use ruga_crease::{
     line_crossings,
 };
 use ruga_mesh::{Id, MaterialPoint, TriMesh, VertexId};
-use sheets::{Sheet, sphere, square, torn};
+use sheets::{Sheet, sphere, square, torn, tube};
 
 fn uv(points: &[[f64; 2]]) -> LineInput {
     LineInput::Uv {
@@ -33,7 +33,8 @@ fn position(sheet: &Sheet, place: MaterialPoint) -> Vector3<f64> {
     place.interpolate(&sheet.mesh, &sheet.positions)
 }
 
-/// Segments follow each other, lie in their triangles and are as long as they say.
+/// Segments follow each other, of a closed line round and round, lie in their triangles and are as long as they
+/// say.
 fn check_chain(sheet: &Sheet, line: &TracedLine) {
     let mut at = 0.0;
     for (i, segment) in line.segments().iter().enumerate() {
@@ -48,7 +49,8 @@ fn check_chain(sheet: &Sheet, line: &TracedLine) {
         assert!(((to - from).norm() - segment.length).abs() < 1e-12);
         assert!((segment.start - at).abs() < 1e-12);
         at += segment.length;
-        let next = line.segments().get(i + 1);
+        let first = line.segments().first().filter(|_| line.is_closed());
+        let next = line.segments().get(i + 1).or(first);
         if let Some(next) = next {
             assert!(
                 (position(sheet, next.place(0.0)) - to).norm() < 1e-9,
@@ -164,6 +166,52 @@ fn rings_close_across_seams_too() {
         "{}",
         torn.length()
     );
+}
+
+/// A place on a seam lies in faces of both charts, and the straight way of one runs through the other as well.
+#[test]
+fn a_leg_that_begins_on_a_seam_stays_in_its_chart() {
+    for columns in [3, 10] {
+        let sheet = tube(columns);
+        for height in [0.5, 0.53] {
+            let across = [0.8, 1.0, 0.0, 0.3].map(|u| [u, height]);
+            let back = [0.3, 0.0, 1.0, 0.8].map(|u| [u, height]);
+            for points in [across, back] {
+                let line = traced(&sheet, &uv(&points));
+                assert!((line.length() - 0.5).abs() < 1e-9, "{}", line.length());
+            }
+            // The long way round ends on the seam, too.
+            let start = 1.0 - 0.9 / columns as f64;
+            let round = traced(&sheet, &uv(&[[start, height], [0.0, height]]));
+            assert!((round.length() - start).abs() < 1e-9, "{}", round.length());
+            let ring = LineInput::Uv {
+                points: [0.0, 0.3, 0.7, 1.0].map(|u| [u, height].into()).to_vec(),
+                is_closed: true,
+                corners: Corners::Round,
+            };
+            let ring = traced(&sheet, &ring);
+            assert!((ring.length() - 1.0).abs() < 1e-9, "{}", ring.length());
+        }
+    }
+}
+
+/// Points near a seam, but not on it: the ring closes across the gap.
+#[test]
+fn a_ring_is_closed_where_its_points_leave_a_gap() {
+    let sheet = tube(10);
+    for points in [
+        vec![0.02, 0.3, 0.7, 0.99],
+        vec![0.7, 0.99, 0.02, 0.3],
+        vec![0.99, 0.7, 0.3, 0.02],
+    ] {
+        let ring = LineInput::Uv {
+            points: points.iter().map(|&u| [u, 0.53].into()).collect(),
+            is_closed: true,
+            corners: Corners::Round,
+        };
+        let ring = traced(&sheet, &ring);
+        assert!((ring.length() - 1.0).abs() < 1e-9, "{}", ring.length());
+    }
 }
 
 #[test]

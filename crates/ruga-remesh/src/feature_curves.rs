@@ -69,14 +69,12 @@ impl<'a> FeatureCurves<'a> {
     fn on_curve(&self, ends: [Vector3<f64>; 2], target: Vector3<f64>) -> Option<MaterialPoint> {
         let reach = ON_CURVE * (ends[1] - ends[0]).norm();
         let found = self.curves.iter().filter_map(|curve| {
-            let [a, b] = ends.map(|end| curve.closest(end, None));
-            let (a, b) = (a?, b?);
-            let off = a.distance.max(b.distance);
-            (off <= reach).then_some((off, curve, [a.at, b.at]))
+            let [a, b] = curve.nearest_passages(ends, reach)?;
+            Some((a.distance.max(b.distance), curve, [a.at, b.at]))
         });
         // Where curves cross, an end lies on both.
         let (_, curve, between) = found.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let closest = curve.closest(target, Some(between))?;
+        let closest = curve.closest(target, between)?;
         Some(curve.place(closest))
     }
 }
@@ -109,13 +107,53 @@ impl Polyline {
             .map_or(0.0, |piece| piece.start + piece.length)
     }
 
-    /// The place closest to a target, of the whole curve or of what lies between two places on it; on a
-    /// closed curve that is the shorter way.
-    fn closest(&self, target: Vector3<f64>, between: Option<[f64; 2]>) -> Option<Closest> {
-        let ranges = match between {
-            None => vec![[0.0, self.length()]],
-            Some([a, b]) => self.ranges(a.min(b), a.max(b)),
-        };
+    /// Passages of the curve by two places within reach (m), of all such pairs the one least apart along it: a curve
+    /// that crosses itself passes the crossing twice, and only one of the two leads to the other place.
+    fn nearest_passages(&self, places: [Vector3<f64>; 2], reach: f64) -> Option<[Closest; 2]> {
+        let [first, second] = places.map(|place| self.passages(place, reach));
+        let pairs = first
+            .iter()
+            .flat_map(|a| second.iter().map(move |b| [*a, *b]));
+        pairs.min_by(|p, q| {
+            let [p, q] = [p, q].map(|[a, b]| self.apart([a.at, b.at]));
+            p.total_cmp(&q)
+        })
+    }
+
+    /// Closest place of every stretch of the curve that comes within reach (m) of a place.
+    fn passages(&self, place: Vector3<f64>, reach: f64) -> Vec<Closest> {
+        let all = [0.0, self.length()];
+        let mut passages: Vec<Closest> = Vec::new();
+        let mut last_near = None;
+        let pieces = self.pieces.iter().enumerate();
+        for found in pieces.filter_map(|(i, piece)| piece.closest(i, place, all)) {
+            if found.distance > reach {
+                continue;
+            }
+            let goes_on = last_near.is_some_and(|last: usize| last + 1 == found.piece);
+            last_near = Some(found.piece);
+            match passages.last_mut().filter(|_| goes_on) {
+                Some(passage) if found.distance < passage.distance => *passage = found,
+                Some(_) => {}
+                None => passages.push(found),
+            }
+        }
+        passages
+    }
+
+    /// Length of the curve between two places on it (m), of a closed one the shorter way.
+    fn apart(&self, [from, to]: [f64; 2]) -> f64 {
+        let apart = (to - from).abs();
+        match self.is_closed {
+            true => apart.min(self.length() - apart),
+            false => apart,
+        }
+    }
+
+    /// The place closest to a target of what lies between two places on the curve; on a closed curve that is the
+    /// shorter way.
+    fn closest(&self, target: Vector3<f64>, [a, b]: [f64; 2]) -> Option<Closest> {
+        let ranges = self.ranges(a.min(b), a.max(b));
         let pieces = self.pieces.iter().enumerate();
         let places = pieces.flat_map(|(i, piece)| {
             ranges

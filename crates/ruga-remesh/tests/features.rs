@@ -345,10 +345,15 @@ fn a_surface_without_a_place_for_new_vertices_is_reported() {
 
 /// A circle in a flat sheet, as a curve over its two faces.
 fn circle(radius: f64) -> FeatureCurve {
-    let point = |i: u32| {
-        let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / 720.0).sin_cos();
+    closed_curve(|turn| {
+        let (sin, cos) = turn.sin_cos();
         [0.5 + radius * cos, 0.5 + radius * sin]
-    };
+    })
+}
+
+/// A curve over the two faces of a flat sheet that closes after a full turn.
+fn closed_curve(at: impl Fn(f64) -> [f64; 2]) -> FeatureCurve {
+    let point = |i: u32| at(std::f64::consts::TAU * f64::from(i) / 720.0);
     // Pieces that cross the diagonal are addressed in one of its faces, with a weight below zero.
     let address = |[u, v]: [f64; 2], is_lower: bool| MaterialPoint {
         face: FaceId(u32::from(!is_lower)),
@@ -408,6 +413,33 @@ fn features_on_a_curve_are_split_on_the_curve_and_not_on_their_chords() {
                     let off = (mesh.positions[v] - centre).norm() - 0.3;
                     assert!(off.abs() < 1e-5, "{off}");
                 }
+            }
+        }
+    }
+}
+
+/// At the crossing both stretches are equally near; the other end tells which one an edge lies on.
+#[test]
+fn a_curve_that_crosses_itself_is_followed_on_the_stretch_of_the_edge() {
+    let eight = |turn: f64| {
+        let (sin, cos) = (turn + 0.5 * std::f64::consts::PI).sin_cos();
+        [0.5 + 0.3 * sin, 0.5 + 0.3 * sin * cos]
+    };
+    let sheet = Sheet(Shape::Flat);
+    let curves = FeatureCurves::new(&sheet, &[closed_curve(eight)]);
+    let place = |[x, y]: [f64; 2]| {
+        let near = MaterialPoint::at_corner(FaceId(0), 0);
+        sheet.closest(near, Vector3::new(x, y, 0.0))
+    };
+    for crossing in [0.5, 1.5].map(|turn| turn * std::f64::consts::PI) {
+        for away in [-0.3, 0.3] {
+            let ends = [crossing, crossing + away].map(|turn| place(eight(turn)));
+            let [x, y] = eight(crossing + 0.5 * away);
+            let middle = Vector3::new(x, y, 0.0);
+            for between in [ends, [ends[1], ends[0]]] {
+                let found = curves.closest_on_feature(between, middle);
+                let off = (sheet.position(found) - middle).norm();
+                assert!(off < 1e-4, "{crossing} {away}: {off}");
             }
         }
     }

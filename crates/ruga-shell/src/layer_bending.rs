@@ -1,21 +1,21 @@
 //! The bending energy of a whole layer, by either model.
 
 mod creases;
+mod elements;
 
 use nalgebra::{Matrix3, Vector3};
 
-use ruga_mesh::{BlockPattern, BlockSlot, EdgeId, FaceId, Id, PerEdge, TriMesh};
+use ruga_mesh::{BlockPattern, EdgeId, FaceId, Id, PerEdge, TriMesh};
 
-use crate::crease::{Branch, Crease, StarFold};
 use crate::hinge::{Hinge, HingeState};
 use crate::hinge_stiffness::{HINGE_EXPONENT, HingeShape};
-use crate::layer_creases::{HingeCrease, SizedCrease, star_branches};
+use crate::layer_creases::HingeCrease;
 use crate::layer_part::{PartNumbers, marked, ranks};
 use crate::sharp_fold::SharpFold;
 use crate::stars::Star;
 use crate::stencil::{NO_FACE, add_blocks, gather, slots, touches};
-use crate::vertex_curvature::weighted;
-use crate::{CreaseState, EnergyParts, FaceParameters, RestTriangle, ShellError};
+use crate::{EnergyParts, FaceParameters, RestTriangle};
+use elements::{HingeElement, StarElement};
 
 /// Hinges at all inner edges and, if the model has them, the stars that their angles go into.
 #[derive(Clone, Debug)]
@@ -36,29 +36,6 @@ pub(crate) struct InnerEdge {
     pub(crate) sides: [(FaceId, usize); 2],
     /// Tail, head, left and right apex.
     pub(crate) vertices: [u32; 4],
-}
-
-#[derive(Clone, Copy, Debug)]
-struct HingeElement {
-    hinge: Hinge,
-    /// A crease in series with the hinge; none where there are stars.
-    crease: Option<Branch>,
-    edge: EdgeId,
-    vertices: [u32; 4],
-    sides: [(FaceId, usize); 2],
-    slots: [BlockSlot; 10],
-}
-
-#[derive(Clone, Debug)]
-struct StarElement {
-    star: Star,
-    /// A row per inner edge, see [`crate::StarShape`].
-    rows: Vec<Vector3<f64>>,
-    /// The hinge on each inner edge.
-    hinges: Vec<u32>,
-    /// Creases in series with the star.
-    branches: Vec<Branch>,
-    slots: Vec<BlockSlot>,
 }
 
 /// The edges between two faces, by their lower and then their higher end.
@@ -386,133 +363,5 @@ impl LayerBending {
             moments[i] += fold.slope;
         }
         moments
-    }
-}
-
-impl HingeElement {
-    fn state(&self, x: &[Vector3<f64>]) -> HingeState {
-        HingeState::new(&gather(x, &self.vertices))
-    }
-
-    /// Energy (J).
-    fn value(&self, x: &[Vector3<f64>]) -> f64 {
-        match &self.crease {
-            None => self.hinge.value(&gather(x, &self.vertices)),
-            Some(branch) => {
-                let state = self.state(x);
-                self.fold(branch, &state).energy()
-            }
-        }
-    }
-
-    /// Derivative of the energy by the angle (J).
-    #[inline]
-    fn moment(&self, state: &HingeState) -> f64 {
-        match &self.crease {
-            None => self.hinge.stiffness * self.hinge.bend(state),
-            Some(branch) => branch.lever.dot(&self.fold(branch, state).moment),
-        }
-    }
-
-    /// The hinge with the second derivative of the energy by the angle as its stiffness.
-    #[inline]
-    fn softened(&self, state: &HingeState) -> Hinge {
-        match &self.crease {
-            None => self.hinge,
-            Some(branch) => {
-                let row =
-                    Matrix3::from_columns(&[branch.lever, Vector3::zeros(), Vector3::zeros()]);
-                let root = self
-                    .fold(branch, state)
-                    .softening()
-                    .root(row)
-                    .column(0)
-                    .into_owned();
-                Hinge {
-                    stiffness: root.norm_squared(),
-                    ..self.hinge
-                }
-            }
-        }
-    }
-
-    fn fold<'b>(&self, branch: &'b Branch, state: &HingeState) -> StarFold<'b> {
-        let bend = branch.lever * self.hinge.bend(state);
-        StarFold::new(std::slice::from_ref(branch), bend)
-    }
-}
-
-impl StarElement {
-    fn new(star: Star, hinge_of: &PerEdge<u32>, pattern: &BlockPattern) -> Self {
-        Self {
-            rows: Vec::new(),
-            hinges: star.folds.iter().map(|fold| hinge_of[fold.edge]).collect(),
-            branches: Vec::new(),
-            slots: pattern.stencil_slots(&star.vertices).collect(),
-            star,
-        }
-    }
-
-    /// Energy (J).
-    fn value(&self, bends: &[f64]) -> f64 {
-        match self.fold(bends) {
-            None => 0.5 * self.bend(bends).norm_squared(),
-            Some(fold) => fold.energy(),
-        }
-    }
-
-    /// Derivative of the energy by the bend.
-    fn moment(&self, bends: &[f64]) -> Vector3<f64> {
-        match self.fold(bends) {
-            None => self.bend(bends),
-            Some(fold) => fold.moment,
-        }
-    }
-
-    /// How the creases of the star are folded, if it has any.
-    fn fold(&self, bends: &[f64]) -> Option<StarFold<'_>> {
-        let fold = || StarFold::new(&self.branches, self.bend(bends));
-        (!self.branches.is_empty()).then(fold)
-    }
-
-    /// Weighted bends of the star: half the square of this vector is its energy without creases.
-    #[inline]
-    fn bend(&self, bends: &[f64]) -> Vector3<f64> {
-        let folds = self.hinges.iter().map(|&hinge| bends[hinge as usize]);
-        weighted(&self.rows, folds)
-    }
-
-    /// `J^T J`, with `J` the derivative of the star's bend, softened by its creases; `slopes` is room to
-    /// work in.
-    fn add_gauss_newton(
-        &self,
-        (bends, gradients): (&[f64], &[[Vector3<f64>; 4]]),
-        slopes: &mut Vec<Matrix3<f64>>,
-        exact: &mut [f64],
-        relaxed: &mut [f64],
-    ) {
-        slopes.clear();
-        slopes.resize(self.star.vertices.len(), Matrix3::zeros());
-        for ((&hinge, fold), row) in self.hinges.iter().zip(&self.star.folds).zip(&self.rows) {
-            for (&i, g) in fold.corners.iter().zip(&gradients[hinge as usize]) {
-                slopes[i as usize] += row * g.transpose();
-            }
-        }
-        if let Some(fold) = self.fold(bends) {
-            let softening = fold.softening();
-            for slope in slopes.iter_mut() {
-                *slope = softening.root(*slope);
-            }
-        }
-        let mut slots = self.slots.iter();
-        for (i, slope) in slopes.iter().enumerate() {
-            for (other, slot) in slopes[..=i].iter().zip(slots.by_ref()) {
-                let block = slope.tr_mul(other);
-                slot.add(exact, &block);
-                if !relaxed.is_empty() {
-                    slot.add(relaxed, &block);
-                }
-            }
-        }
     }
 }

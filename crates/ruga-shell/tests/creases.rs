@@ -147,29 +147,46 @@ fn derivatives_match_differences_on_either_side_of_the_switch() {
     }
 }
 
-/// At the switch the gradient is that of both sides.
+/// At a switch, found to all digits, the gradients on its two sides are one.
 #[test]
 fn the_gradient_is_continuous_where_a_crease_shuts() {
     for model in MODELS {
         let layer = creased(model, OF_FOUR, FoldSense::Valley);
+        let (open, shut) = (bowl(0.1, 7), bowl(-0.3, 7));
+        let between = |share: f64| -> Vec<_> {
+            let pairs = open.iter().zip(&shut);
+            pairs.map(|(a, b)| a.lerp(b, share)).collect()
+        };
+        let folded = |share: f64| {
+            let states = layer.crease_states(&between(share));
+            states.iter().filter(|state| state.angle != 0.0).count()
+        };
         let gradient = |share: f64| {
-            let (open, shut) = (bowl(0.1, 7), bowl(-0.3, 7));
-            let x: Vec<_> = open
-                .iter()
-                .zip(&shut)
-                .map(|(a, b)| a.lerp(b, share))
-                .collect();
             let mut gradient = vec![0.0; layer.dof_count()];
-            layer.gradient(&x, &mut gradient);
+            layer.gradient(&between(share), &mut gradient);
             DVector::from_vec(gradient)
         };
-        let steps: Vec<_> = (0..=2000)
-            .map(|i| gradient(f64::from(i) / 2000.0))
-            .collect();
-        let way = (&steps[2000] - &steps[0]).norm();
-        for pair in steps.windows(2) {
-            assert!((&pair[1] - &pair[0]).norm() < 5e-3 * way);
+        let way = (gradient(1.0) - gradient(0.0)).norm();
+        let mut switches = 0;
+        for i in 0..100 {
+            let [mut low, mut high] = [i, i + 1].map(|i| f64::from(i) / 100.0);
+            let before = folded(low);
+            if folded(high) == before {
+                continue;
+            }
+            while high - low > 1e-12 {
+                let middle = 0.5 * (low + high);
+                if folded(middle) == before {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            let step = (gradient(high) - gradient(low)).norm();
+            assert!(step < 1e-6 * way, "{model:?} at {low}: {step} of {way}");
+            switches += 1;
         }
+        assert!(switches > 2, "{switches}");
     }
 }
 
@@ -322,6 +339,49 @@ fn a_part_of_a_creased_layer_has_its_forces() {
         let mut of_part = vec![0.0; part.energy().dof_count()];
         part.energy().gradient(&local, &mut of_part);
         assert_eq!(of_part, gradient[3 * 8..3 * 30]);
+    }
+}
+
+/// Against a base that balances all but creases and anchors, a valley sinks and folds.
+#[test]
+fn a_crease_folds_at_the_base_that_balances_the_layer_without_it() {
+    let (_, rest) = mesh();
+    for model in MODELS {
+        // Stressed on its base, so that the balance is not zero.
+        let base: Vec<_> = rest.iter().map(|p| 0.97 * p).collect();
+        let mut plain = layer(model);
+        let (normals, offsets) = (vec![Vector3::z(); rest.len()], vec![0.0; rest.len()]);
+        plain.set_base(&base, &normals, &offsets).unwrap();
+        let gradient = |layer: &LayerEnergy, x: &[Vector3<f64>]| {
+            let mut gradient = vec![0.0; layer.dof_count()];
+            layer.gradient(x, &mut gradient);
+            DVector::from_vec(gradient)
+        };
+        let reaction = gradient(&plain, &base);
+        assert!(reaction.amax() > 1e-3);
+        let creases = edges(&mesh().0, THROUGH).into_iter().map(|edge| {
+            let crease = Crease {
+                compliance: 3.0,
+                rest_angle: 0.5,
+                sense: FoldSense::Valley,
+            };
+            (edge, crease)
+        });
+        let mut creased = plain.clone();
+        creased.set_creases(&creases.collect::<Vec<_>>()).unwrap();
+        creased.set_line_anchors(&anchors()).unwrap();
+        assert_eq!(gradient(&creased.without_creases(), &base), reaction);
+
+        // What is left of the forces at the base sinks the line and folds it.
+        let force = &reaction - gradient(&creased, &base);
+        let down = |column: u32| -force[3 * (2 * COLUMNS + column) as usize + 2];
+        assert!((1..6).all(|column| down(column) > 1e-3));
+        let moved = base.iter().zip(force.as_slice().chunks_exact(3));
+        let moved: Vec<_> = moved
+            .map(|(p, force)| p + Vector3::from_column_slice(force) * 1e-2)
+            .collect();
+        let [before, after] = [&base, &moved].map(|x| creased.crease_states(x));
+        assert!(before.iter().zip(&after).all(|(a, b)| b.angle > a.angle));
     }
 }
 

@@ -1,6 +1,8 @@
 //! Deterministic surfaces to draw lines on.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+use std::f64::consts::PI;
+
 use nalgebra::{Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -53,6 +55,34 @@ fn sheet(positions: Vec<Vector3<f64>>, faces: Vec<[u32; 3]>) -> Sheet {
         uvs: uvs.collect(),
         mesh: TriMesh::new(positions.len(), faces).expect("a valid sheet"),
         positions,
+    }
+}
+
+/// A tube of `n` flat sides, one high and one around, unrolled to the unit square with its seam at `u` = 0 and 1.
+pub(crate) fn tube(n: usize) -> Sheet {
+    let radius = 0.5 / (n as f64 * (PI / n as f64).sin());
+    let vertex = |j: usize, i: usize| (j * n + i % n) as u32;
+    let positions = (0..=n).flat_map(|j| {
+        (0..n).map(move |i| {
+            let (sin, cos) = (2.0 * PI * i as f64 / n as f64).sin_cos();
+            Vector3::new(radius * cos, radius * sin, j as f64 / n as f64)
+        })
+    });
+    let positions: Vec<_> = positions.collect();
+    let uv = |j: usize, i: usize| Vector2::new(i as f64, j as f64) / n as f64;
+    let (mut faces, mut uvs) = (Vec::new(), Vec::new());
+    for (j, i) in (0..n).flat_map(|j| (0..n).map(move |i| (j, i))) {
+        let corners = [(j, i), (j, i + 1), (j + 1, i + 1), (j + 1, i)];
+        for face in [[0, 1, 2], [0, 2, 3]] {
+            let of_face = face.map(|at: usize| corners[at]);
+            faces.push(of_face.map(|(j, i)| vertex(j, i)));
+            uvs.push(of_face.map(|(j, i)| uv(j, i)));
+        }
+    }
+    Sheet {
+        mesh: TriMesh::new(positions.len(), faces).expect("a valid tube"),
+        positions,
+        uvs: uvs.into(),
     }
 }
 

@@ -1,6 +1,12 @@
 //! Creases in the bending of a layer: where they are put and how they are folded.
 
-use super::*;
+use nalgebra::Vector3;
+use ruga_mesh::{EdgeId, Id};
+
+use super::LayerBending;
+use crate::crease::Crease;
+use crate::layer_creases::{HingeCrease, SizedCrease, star_branches};
+use crate::{CreaseState, FaceParameters, RestTriangle, ShellError};
 
 impl LayerBending {
     /// Replaces all creases; stiffness is to be recomputed by [`Self::size_creases`].

@@ -1,0 +1,163 @@
+//! The hinges and stars of a layer, each with its creases and its place in the matrix.
+
+use nalgebra::{Matrix3, Vector3};
+use ruga_mesh::{BlockPattern, BlockSlot, EdgeId, FaceId, PerEdge};
+
+use crate::crease::{Branch, StarFold};
+use crate::hinge::{Hinge, HingeState};
+use crate::stars::Star;
+use crate::stencil::gather;
+use crate::vertex_curvature::weighted;
+
+/// The hinge on an inner edge of a layer.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HingeElement {
+    pub(super) hinge: Hinge,
+    /// A crease in series with the hinge; none where there are stars.
+    pub(super) crease: Option<Branch>,
+    pub(super) edge: EdgeId,
+    pub(super) vertices: [u32; 4],
+    pub(super) sides: [(FaceId, usize); 2],
+    pub(super) slots: [BlockSlot; 10],
+}
+
+/// The star of a vertex of a layer.
+#[derive(Clone, Debug)]
+pub(super) struct StarElement {
+    pub(super) star: Star,
+    /// A row per inner edge, see [`crate::StarShape`].
+    pub(super) rows: Vec<Vector3<f64>>,
+    /// The hinge on each inner edge.
+    pub(super) hinges: Vec<u32>,
+    /// Creases in series with the star.
+    pub(super) branches: Vec<Branch>,
+    pub(super) slots: Vec<BlockSlot>,
+}
+
+impl HingeElement {
+    pub(super) fn state(&self, x: &[Vector3<f64>]) -> HingeState {
+        HingeState::new(&gather(x, &self.vertices))
+    }
+
+    /// Energy (J).
+    pub(super) fn value(&self, x: &[Vector3<f64>]) -> f64 {
+        match &self.crease {
+            None => self.hinge.value(&gather(x, &self.vertices)),
+            Some(branch) => {
+                let state = self.state(x);
+                self.fold(branch, &state).energy()
+            }
+        }
+    }
+
+    /// Derivative of the energy by the angle (J).
+    #[inline]
+    pub(super) fn moment(&self, state: &HingeState) -> f64 {
+        match &self.crease {
+            None => self.hinge.stiffness * self.hinge.bend(state),
+            Some(branch) => branch.lever.dot(&self.fold(branch, state).moment),
+        }
+    }
+
+    /// The hinge with the second derivative of the energy by the angle as its stiffness.
+    #[inline]
+    pub(super) fn softened(&self, state: &HingeState) -> Hinge {
+        match &self.crease {
+            None => self.hinge,
+            Some(branch) => {
+                let row =
+                    Matrix3::from_columns(&[branch.lever, Vector3::zeros(), Vector3::zeros()]);
+                let root = self
+                    .fold(branch, state)
+                    .softening()
+                    .root(row)
+                    .column(0)
+                    .into_owned();
+                Hinge {
+                    stiffness: root.norm_squared(),
+                    ..self.hinge
+                }
+            }
+        }
+    }
+
+    pub(super) fn fold<'b>(&self, branch: &'b Branch, state: &HingeState) -> StarFold<'b> {
+        let bend = branch.lever * self.hinge.bend(state);
+        StarFold::new(std::slice::from_ref(branch), bend)
+    }
+}
+
+impl StarElement {
+    pub(super) fn new(star: Star, hinge_of: &PerEdge<u32>, pattern: &BlockPattern) -> Self {
+        Self {
+            rows: Vec::new(),
+            hinges: star.folds.iter().map(|fold| hinge_of[fold.edge]).collect(),
+            branches: Vec::new(),
+            slots: pattern.stencil_slots(&star.vertices).collect(),
+            star,
+        }
+    }
+
+    /// Energy (J).
+    pub(super) fn value(&self, bends: &[f64]) -> f64 {
+        match self.fold(bends) {
+            None => 0.5 * self.bend(bends).norm_squared(),
+            Some(fold) => fold.energy(),
+        }
+    }
+
+    /// Derivative of the energy by the bend.
+    pub(super) fn moment(&self, bends: &[f64]) -> Vector3<f64> {
+        match self.fold(bends) {
+            None => self.bend(bends),
+            Some(fold) => fold.moment,
+        }
+    }
+
+    /// How the creases of the star are folded, if it has any.
+    pub(super) fn fold(&self, bends: &[f64]) -> Option<StarFold<'_>> {
+        let fold = || StarFold::new(&self.branches, self.bend(bends));
+        (!self.branches.is_empty()).then(fold)
+    }
+
+    /// Weighted bends of the star: half the square of this vector is its energy without creases.
+    #[inline]
+    pub(super) fn bend(&self, bends: &[f64]) -> Vector3<f64> {
+        let folds = self.hinges.iter().map(|&hinge| bends[hinge as usize]);
+        weighted(&self.rows, folds)
+    }
+
+    /// `J^T J`, with `J` the derivative of the star's bend, softened by its creases; `slopes` is room to
+    /// work in.
+    pub(super) fn add_gauss_newton(
+        &self,
+        (bends, gradients): (&[f64], &[[Vector3<f64>; 4]]),
+        slopes: &mut Vec<Matrix3<f64>>,
+        exact: &mut [f64],
+        relaxed: &mut [f64],
+    ) {
+        slopes.clear();
+        slopes.resize(self.star.vertices.len(), Matrix3::zeros());
+        for ((&hinge, fold), row) in self.hinges.iter().zip(&self.star.folds).zip(&self.rows) {
+            for (&i, g) in fold.corners.iter().zip(&gradients[hinge as usize]) {
+                slopes[i as usize] += row * g.transpose();
+            }
+        }
+        if let Some(fold) = self.fold(bends) {
+            let softening = fold.softening();
+            for slope in slopes.iter_mut() {
+                *slope = softening.root(*slope);
+            }
+        }
+        let mut slots = self.slots.iter();
+        for (i, slope) in slopes.iter().enumerate() {
+            for (other, slot) in slopes[..=i].iter().zip(slots.by_ref()) {
+                let block = slope.tr_mul(other);
+                slot.add(exact, &block);
+                if !relaxed.is_empty() {
+                    slot.add(relaxed, &block);
+                }
+            }
+        }
+    }
+}
