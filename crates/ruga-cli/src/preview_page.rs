@@ -165,7 +165,7 @@ fn poses_of(folder: &Path, manifest: &Wrinkles) -> Result<Vec<PreviewPose>, Prev
     });
     // Gathered first: which of several errors is told does not depend on threads.
     let packed: Vec<Result<PackedMap, PreviewFault>> = packed.collect();
-    let mut of_pose: BTreeMap<&String, Vec<(f64, Option<UvTile>, PackedMap)>> = BTreeMap::new();
+    let mut of_pose: BTreeMap<&String, Vec<TileMap>> = BTreeMap::new();
     for ((map, _, tile), packed) in maps.iter().zip(packed) {
         let maps = of_pose.entry(&map.pose).or_default();
         maps.push((map.key, *tile, packed?));
@@ -181,13 +181,16 @@ fn poses_of(folder: &Path, manifest: &Wrinkles) -> Result<Vec<PreviewPose>, Prev
     Ok(names.into_iter().map(pose).collect())
 }
 
+/// Entry of the manifest, one of its files, and the UDIM tile of that, where the mesh has some.
+type TileFile<'a> = (&'a WrinkleMap, PathBuf, Option<UvTile>);
+
+/// Key, UDIM tile, where the mesh has some, and map.
+type TileMap = (f64, Option<UvTile>, PackedMap);
+
 /// The files of all normal maps, each with its UDIM tile, where the mesh has some.
 ///
 /// Files that are gone are found before hours of maps are read, and always the first of them.
-fn map_files<'a>(
-    folder: &Path,
-    manifest: &'a Wrinkles,
-) -> Result<Vec<(&'a WrinkleMap, PathBuf, Option<UvTile>)>, PreviewFault> {
+fn map_files<'a>(folder: &Path, manifest: &'a Wrinkles) -> Result<Vec<TileFile<'a>>, PreviewFault> {
     let mut files = Vec::new();
     for map in normal_maps(manifest) {
         let tile = |number: &u32| {
@@ -211,7 +214,7 @@ fn map_files<'a>(
 
 /// The maps of a pose by key, without those of tiles that are neutral at every key: a body has many tiles, and
 /// a pose wrinkles few of them. Those of the first tile stay in any case.
-fn without_neutral_tiles(mut maps: Vec<(f64, Option<UvTile>, PackedMap)>) -> Vec<(f64, PackedMap)> {
+fn without_neutral_tiles(mut maps: Vec<TileMap>) -> Vec<(f64, PackedMap)> {
     let first = maps.first().map(|(_, tile, _)| *tile);
     let of_interest = maps
         .iter()

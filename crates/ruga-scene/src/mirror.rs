@@ -19,6 +19,9 @@ const ALIKE_SHAPES: f64 = 0.1;
 /// Difference of grey, or relative one of a property, up to which paint is the same on both sides.
 const ALIKE: f64 = 0.1;
 
+/// A triangle of the file, and barycentric coordinates of a face's corners in it.
+type Address = (u32, [[f64; 3]; 3]);
+
 /// Why a mesh does not mirror.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum SymmetryFault {
@@ -181,10 +184,7 @@ impl Mirror {
     }
 
     /// Texture coordinates opposite of a face's corners, the last two exchanged, and where that is on the mesh.
-    fn place(
-        &self,
-        (triangle, corners): &(u32, [[f64; 3]; 3]),
-    ) -> ([Vector2<f64>; 3], (u32, [[f64; 3]; 3])) {
+    fn place(&self, (triangle, corners): &Address) -> ([Vector2<f64>; 3], Address) {
         let opposite = &self.triangles[*triangle as usize];
         let [a, b, c] = corners.map(|parts| {
             let pairs = opposite.uvs.iter().zip(parts);
@@ -198,7 +198,7 @@ impl Mirror {
             (triangle, parts)
         });
         // How far inside the middle of the face is.
-        let inside = |place: &(u32, [[f64; 3]; 3])| {
+        let inside = |place: &Address| {
             let middle = [0, 1, 2].map(|i| place.1.iter().map(|parts| parts[i]).sum::<f64>());
             middle.into_iter().fold(f64::INFINITY, f64::min)
         };
