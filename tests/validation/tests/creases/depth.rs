@@ -183,6 +183,7 @@ fn anchored(anchor: f64, depth: f64) -> CreaseLoad {
 fn small_creases_are_as_deep_and_as_shaped_as_the_closed_form() {
     let strain = 1e-4;
     // Measured: 0.925 to 0.992 at 12 points, 0.98 to 1.00 at 24; what is drawn down by an anchor, 0.98 to 1.
+    // The worst, 5.4 % at a soft crease near the onset, falls to 2.1 % with half the edges: the mesh, not the model.
     for (points, below, above) in [(12, 0.08, 0.06), (24, 0.025, 0.025)] {
         let mut film = CreasedFilm::new(strain, points);
         for shape in [
@@ -257,6 +258,8 @@ fn large_creases_are_as_deep_as_in_a_chain_of_hinges() {
             film.compress(strain);
             let (found, fold) = (film.depth(), film.fold());
             if let Some(expected) = depths.get(i) {
+                // The depths expected are of linear springs along the film. Its membrane pushes back by
+                // `C (e - 1.5 e²)`, 6 % less at 4 %, where depths grow fastest.
                 let bound = 0.05 * expected + 0.002;
                 assert!(
                     (found - expected).abs() < bound,
