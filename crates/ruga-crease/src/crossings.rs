@@ -91,7 +91,7 @@ pub(crate) fn meet([a, b]: [&LineSegment; 2]) -> Option<[f64; 2]> {
     meet_in_face([[a.from, a.to], [b.from, b.to]])
 }
 
-/// The same for their ends.
+/// Place where two segments in one face, given by their ends, meet: fractions along each.
 pub(crate) fn meet_in_face([[p, q], [r, s]]: [[[f64; 3]; 2]; 2]) -> Option<[f64; 2]> {
     // Two of the coordinates are affine ones.
     let part = |from: [f64; 3], to: [f64; 3]| [to[1] - from[1], to[2] - from[2]];

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use nalgebra::Vector3;
 use ruga_mesh::{
     Edge, EdgeId, EdgeSplit, FaceId, FaceOrigin, Id, MaterialPoint, PerFace, TriMesh, VertexId,
-    split_edges,
+    mean_edge_lengths, split_edges,
 };
 
 use crate::crossings::meet_in_face;
@@ -14,8 +14,8 @@ use crate::{CreaseWarning, TracedLine};
 /// Distance of a crossing from a vertex, in edges, up to which the line goes through the vertex.
 const SNAP: f64 = 0.02;
 
-/// The same for a vertex that is on the line already: or the line would leave along one edge of a vertex
-/// that another one has drawn it to, and turn by a right angle.
+/// Distance of a crossing, in edges, up to which the line goes through a vertex that is on it already. Without it the
+/// line would leave along one edge of a vertex that another edge has drawn it to, and turn by a right angle.
 const SNAP_ON_LINE: f64 = 0.2;
 
 /// Passes: each cuts an edge once, and eight lines may lie across one.
@@ -85,7 +85,7 @@ pub struct LineCut {
     pub vertices: Vec<LineVertex>,
     /// The edges on lines, by line and then along it: each once, and none at the border.
     pub edges: Vec<CreaseEdge>,
-    /// What could not be done.
+    /// Stretches that were not cut, or were cut for two lines.
     pub warnings: Vec<CreaseWarning>,
 }
 
@@ -119,7 +119,7 @@ struct Crossing {
     at: f64,
 }
 
-/// That a vertex is on a line.
+/// Place of a vertex on a line.
 #[derive(Clone, Copy, Debug)]
 struct OnLine {
     line: usize,
@@ -156,7 +156,7 @@ impl<'a> Cutter<'a> {
         Self {
             lines,
             segments,
-            sizes: mean_edges(&piece.mesh, &piece.positions),
+            sizes: mean_edge_lengths(&piece.mesh, &piece.positions),
             on_line: vec![Vec::new(); piece.positions.len()],
             is_new: vec![true; piece.mesh.face_count()],
             parts: MeshPiece::whole(&piece.mesh, &piece.positions).origins,
@@ -413,18 +413,4 @@ fn edge_between(mesh: &TriMesh, [from, to]: [VertexId; 2]) -> Option<(EdgeId, bo
     let mut edges = edges.map(|edge| (edge, mesh.edges()[edge].vertices));
     let found = edges.find(|(_, ends)| ends.contains(&from) && ends.contains(&to));
     found.map(|(edge, ends)| (edge, ends[0] == from))
-}
-
-/// Mean length of the edges around every vertex.
-fn mean_edges(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Vec<f64> {
-    let mut sums = vec![(0.0, 0.0); positions.len()];
-    for edge in mesh.edges().as_slice() {
-        let [a, b] = edge.vertices.map(Id::index);
-        let length = (positions[b] - positions[a]).norm();
-        for v in [a, b] {
-            sums[v].0 += length;
-            sums[v].1 += 1.0;
-        }
-    }
-    sums.iter().map(|(sum, count)| sum / count).collect()
 }

@@ -3,7 +3,7 @@
 use nalgebra::{Vector2, Vector3};
 use ruga_mesh::VertexId;
 
-/// What becomes of the corners of a polyline.
+/// Treatment of the corners of a polyline.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Corners {
     /// A smooth curve goes through the points; where the polyline turns by more than 60 degrees it keeps a
@@ -24,7 +24,7 @@ pub enum LineInput {
         points: Vec<Vector2<f64>>,
         /// Whether the last point is joined to the first.
         is_closed: bool,
-        /// What becomes of its corners.
+        /// Treatment of its corners.
         corners: Corners,
     },
     /// A polyline in space, projected to the closest places of the surface.
@@ -35,7 +35,7 @@ pub enum LineInput {
         is_closed: bool,
         /// Largest distance of a point from the surface (m), > 0.
         reach: f64,
-        /// What becomes of its corners.
+        /// Treatment of its corners.
         corners: Corners,
     },
     /// A path along edges of the mesh, closed if it ends where it began.

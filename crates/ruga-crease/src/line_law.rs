@@ -15,7 +15,7 @@ pub struct LineLaw {
     pub fade: [f64; 2],
 }
 
-/// What the strength of a crease follows.
+/// Input that the strength of a crease follows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Drive {
     /// The load: none at rest, so that the face at rest stays as it is.

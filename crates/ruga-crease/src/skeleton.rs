@@ -26,7 +26,7 @@ pub struct GreyImage<'a> {
     pub values: &'a [f32],
 }
 
-/// How lines are drawn from an image.
+/// Choices for lines that are drawn from an image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkeletonSettings {
     /// Least brightness of a line, default 0.5.

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::{Id, PerFace, PerVertex, TriMesh};
+use crate::{FaceId, Id, PerFace, PerVertex, TriMesh};
 
 /// Normal of every face, of length twice its area (m²).
 ///
@@ -31,6 +31,45 @@ pub fn face_normals(mesh: &TriMesh, positions: &[Vector3<f64>]) -> PerFace<Vecto
 pub fn face_areas(mesh: &TriMesh, positions: &[Vector3<f64>]) -> PerFace<f64> {
     let normals = face_normals(mesh, positions).into_vec().into_iter();
     normals.map(|normal| 0.5 * normal.norm()).collect()
+}
+
+/// Mean length of the edges at every vertex (m); not a number at a vertex without edges.
+///
+/// # Panics
+/// When there is not one position per vertex.
+pub fn mean_edge_lengths(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Vec<f64> {
+    assert_eq!(
+        positions.len(),
+        mesh.vertex_count(),
+        "one position per vertex"
+    );
+    let mut sums = vec![(0.0, 0.0); positions.len()];
+    for edge in mesh.edges().as_slice() {
+        let [a, b] = edge.vertices.map(Id::index);
+        let length = (positions[b] - positions[a]).norm();
+        for v in [a, b] {
+            sums[v].0 += length;
+            sums[v].1 += 1.0;
+        }
+    }
+    sums.iter().map(|(sum, count)| sum / count).collect()
+}
+
+/// Mean over the faces at every vertex of what `of_face` knows of them; 0 at a vertex without faces.
+pub fn vertex_means(mesh: &TriMesh, of_face: impl Fn(FaceId) -> f64) -> PerVertex<f64> {
+    let mut sums = vec![(0.0, 0.0); mesh.vertex_count()];
+    for (face, corners) in mesh.faces().iter() {
+        let value = of_face(face);
+        for v in corners {
+            let (sum, count) = &mut sums[v.index()];
+            *sum += value;
+            *count += 1.0;
+        }
+    }
+    let means = sums.into_iter();
+    means
+        .map(|(sum, count)| sum / f64::max(count, 1.0))
+        .collect()
 }
 
 /// Orthonormal tangents of a triangle with an area, the first along its first edge; not numbers for a

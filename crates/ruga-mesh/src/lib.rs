@@ -43,7 +43,8 @@ pub use edge_split::{BornVertex, EdgeSplit, split_edges};
 pub use error::MeshError;
 pub use geodesic::edge_distances;
 pub use geometry::{
-    face_areas, face_normals, sharp_border_corners, triangle_frame, vertex_areas, vertex_normals,
+    face_areas, face_normals, mean_edge_lengths, sharp_border_corners, triangle_frame,
+    vertex_areas, vertex_means, vertex_normals,
 };
 pub use ids::{EdgeId, FaceId, Id, PerEdge, PerElement, PerFace, PerVertex, VertexId};
 pub use loop_subdivision::{

@@ -12,7 +12,7 @@ use crate::mirror::sorted;
 const ON_THE_OTHER_SIDE: &str =
     "; that is on the other side, of which this pose is made as the mirror image";
 
-/// How every pose of a plan is made.
+/// Assignment of the poses of a plan to simulations.
 #[derive(Default)]
 pub(crate) struct PoseImages {
     mirror: Option<Arc<Mirror>>,
@@ -92,7 +92,7 @@ impl PoseImages {
         }
     }
 
-    /// What a simulation of `pose` gives for it.
+    /// Result of `pose`, from that of its simulation.
     pub(crate) fn own(&self, pose: usize, simulated: PoseResult) -> PoseResult {
         match self.is_image(pose) {
             true => self.turned(&simulated, [pose, pose]),

@@ -1,7 +1,7 @@
 //! Whether the UVs of a mesh can carry the maps of a pose.
 
 use nalgebra::Vector2;
-use ruga_bake::{UvLayout, check_uvs, uv_layout};
+use ruga_bake::{UvLayout, UvReport, check_uvs, uv_layout};
 use ruga_io::MeshFile;
 use ruga_material::UvTile;
 
@@ -137,7 +137,7 @@ pub(crate) fn check_active(
     };
     let areas = areas(mesh);
     let layout = |active: &[u32]| {
-        let uvs: Vec<_> = active.iter().map(|&t| uvs[t as usize]).collect();
+        let uvs = chosen(active, &uvs);
         let areas: Vec<_> = active.iter().map(|&t| areas[t as usize]).collect();
         uv_layout(&uvs, &areas)
     };
@@ -150,8 +150,10 @@ pub(crate) fn check_active(
     all.dedup();
     if are_tiled(tiles) {
         for (pose, active) in poses {
-            refuse_overlaps(mesh, pose, active, &uvs)?;
-            refuse_several_tiles(mesh, pose, active, &uvs)?;
+            let chosen = chosen(active, &uvs);
+            let report = check_uvs(&chosen);
+            refuse_overlaps((mesh, pose), active, &report)?;
+            refuse_several_tiles((mesh, pose), active, (&chosen, &report))?;
         }
         return Ok(Vec::new());
     }
@@ -165,7 +167,7 @@ pub(crate) fn check_active(
     }
     let mut warnings = Vec::new();
     for (pose, active) in poses {
-        refuse_overlaps(mesh, pose, active, &uvs)?;
+        refuse_overlaps((mesh, pose), active, &check_uvs(&chosen(active, &uvs)))?;
         if let Some(layout) = layout(active).filter(|layout| layout.inside < LEAST_INSIDE) {
             warnings.push(format!(
                 "{}: pose `{pose}`: the texture coordinates of the skin that is simulated {}; the \
@@ -178,14 +180,16 @@ pub(crate) fn check_active(
     Ok(warnings)
 }
 
+/// Texture coordinates of these triangles.
+fn chosen(triangles: &[u32], uvs: &[[Vector2<f64>; 3]]) -> Vec<[Vector2<f64>; 3]> {
+    triangles.iter().map(|&t| uvs[t as usize]).collect()
+}
+
 fn refuse_overlaps(
-    mesh: &MeshFile,
-    pose: &str,
+    (mesh, pose): (&MeshFile, &str),
     active: &[u32],
-    uvs: &[[Vector2<f64>; 3]],
+    report: &UvReport,
 ) -> Result<(), SceneError> {
-    let chosen: Vec<_> = active.iter().map(|&t| uvs[t as usize]).collect();
-    let report = check_uvs(&chosen);
     match report.overlaps.first() {
         None => Ok(()),
         Some(&(face, other)) => Err(SceneError::OverlappingUvs {
@@ -208,13 +212,11 @@ fn in_no_tile(uvs: &[[Vector2<f64>; 3]], zero_area: &[u32]) -> Vec<u32> {
 }
 
 fn refuse_several_tiles(
-    mesh: &MeshFile,
-    pose: &str,
+    (mesh, pose): (&MeshFile, &str),
     active: &[u32],
-    uvs: &[[Vector2<f64>; 3]],
+    (chosen, report): (&[[Vector2<f64>; 3]], &UvReport),
 ) -> Result<(), SceneError> {
-    let chosen: Vec<_> = active.iter().map(|&t| uvs[t as usize]).collect();
-    let outside = in_no_tile(&chosen, &check_uvs(&chosen).zero_area);
+    let outside = in_no_tile(chosen, &report.zero_area);
     let Some(&first) = outside.first() else {
         return Ok(());
     };

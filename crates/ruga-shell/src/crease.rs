@@ -192,7 +192,7 @@ impl Branch {
     }
 }
 
-/// What the creases in a star make of its bend `v`, half of whose square would be its energy.
+/// Fold of the creases in a star of bend `v`, half of whose square would be its energy without them.
 ///
 /// ```text
 /// E = min over phi of |v - sum_b p_b phi_b|^2/2 + sum_b (phi_b - theta_b)^2 L_b/(2 c_b)

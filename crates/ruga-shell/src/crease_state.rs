@@ -1,6 +1,6 @@
 //! How a crease is folded.
 
-/// How the crease on one edge is folded.
+/// Fold angle and energy of the crease on one edge.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CreaseState {
     /// Internal fold angle `phi` (rad), positive in a valley, the mean of the stars at both ends. The

@@ -18,7 +18,7 @@ pub(crate) struct HingeCrease {
     pub(crate) crease: Crease,
 }
 
-/// What a crease is among rest triangles.
+/// Crease with the sizes of the rest triangles around it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SizedCrease {
     crease: Crease,
@@ -45,7 +45,7 @@ impl SizedCrease {
         }
     }
 
-    /// The same among the parameters of a layer.
+    /// The sized crease on an edge of a layer with these parameters.
     pub(crate) fn in_layer(
         crease: Crease,
         sides: [(FaceId, usize); 2],

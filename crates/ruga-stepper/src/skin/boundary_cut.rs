@@ -11,7 +11,9 @@
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::Driver;
 use ruga_material::{BoundaryCrossing, PropertyMap, SHARP_RATIO, sharp_edges};
-use ruga_mesh::{BornVertex, Edge, EdgeId, FaceId, Id, PerEdge, TriMesh, VertexId};
+use ruga_mesh::{
+    BornVertex, Edge, EdgeId, FaceId, Id, PerEdge, TriMesh, VertexId, mean_edge_lengths,
+};
 
 use crate::skin::piece::{Piece, Split, blend, edge_corner};
 
@@ -149,7 +151,7 @@ impl<'a> Cutter<'a> {
         let vertices = positions.len();
         Self {
             map,
-            sizes: mean_edges(&piece.mesh, &positions),
+            sizes: mean_edge_lengths(&piece.mesh, &positions),
             positions,
             on_boundary: vec![false; vertices],
             is_new: vec![true; piece.mesh.face_count()],
@@ -299,18 +301,4 @@ impl<'a> Cutter<'a> {
         let sharp = sharp_edges(&pairs, &values, SHARP_RATIO.sqrt());
         sharp.expect("the ratio is above 1").into()
     }
-}
-
-/// Mean length of the edges around every vertex.
-fn mean_edges(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Vec<f64> {
-    let mut sums = vec![(0.0, 0.0); positions.len()];
-    for edge in mesh.edges().as_slice() {
-        let [a, b] = edge.vertices.map(Id::index);
-        let length = (positions[b] - positions[a]).norm();
-        for v in [a, b] {
-            sums[v].0 += length;
-            sums[v].1 += 1.0;
-        }
-    }
-    sums.iter().map(|(sum, count)| sum / count).collect()
 }

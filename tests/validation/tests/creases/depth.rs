@@ -5,10 +5,10 @@ use std::f64::consts::TAU;
 use nalgebra::Vector3;
 use ruga_material::{CreaseLoad, Wrinkling, crease_depth, crease_profile};
 use ruga_mesh::EdgeId;
-use ruga_shell::{BendingModel, Crease, FaceParameters, FoldSense, LayerParameters, LineAnchor};
+use ruga_shell::{BendingModel, Crease, FoldSense, LayerParameters, LineAnchor};
 use ruga_validation::{FilmCoupling, FilmSpec, Sheet, SheetSpec, Strip, upright};
 
-use crate::{edges_within, exact, film};
+use crate::{edges_within, exact, film, film_face};
 
 /// Wavelengths from end to end; the crease is in the middle.
 const WAVES: usize = 8;
@@ -26,13 +26,7 @@ impl CreasedFilm {
     fn new(critical_strain: f64, points: usize) -> Self {
         let (theory, thickness) = film(critical_strain);
         let strip = upright(WAVES as f64, WAVES * points, 4);
-        let face = FaceParameters {
-            young: theory.membrane_stiffness / thickness,
-            poisson: 0.0,
-            thickness,
-            normal_stiffness: theory.normal_stiffness,
-            gradient_stiffness: 0.0,
-        };
+        let face = film_face((&theory, thickness));
         let (faces, vertices) = (strip.faces.len(), strip.points.len());
         let tie = theory.tangential_stiffness;
         let spec = FilmSpec {

@@ -13,12 +13,12 @@ use ruga_remesh::{
     FeatureCurve, FeatureCurves, PolyhedralSurface, RemeshSettings, Sizing, SurfaceMesh, remesh,
 };
 use ruga_shell::{
-    BendingModel, Crease, FaceParameters, FoldSense, HINGE_EXPONENT, LayerParameters,
-    ResponseQuery, creased_response, face_corners,
+    BendingModel, Crease, FoldSense, HINGE_EXPONENT, LayerParameters, ResponseQuery,
+    creased_response, face_corners,
 };
 use ruga_validation::{Sheet, SheetSpec};
 
-use crate::{exact, film};
+use crate::{exact, film, film_face};
 
 /// Side of the square film, wavelengths.
 const SIDE: f64 = 8.0;
@@ -387,13 +387,7 @@ fn refits_keep_a_curve_and_what_it_does() {
 /// Energy, and mean depth over the vertices of the line, of a film at rest whose crease wants 30 degrees.
 fn folded(mesh: &SurfaceMesh) -> [f64; 2] {
     let (theory, thickness) = film(0.05);
-    let face = FaceParameters {
-        young: theory.membrane_stiffness / thickness,
-        poisson: 0.0,
-        thickness,
-        normal_stiffness: theory.normal_stiffness,
-        gradient_stiffness: 0.0,
-    };
+    let face = film_face((&theory, thickness));
     let faces: Vec<_> = mesh
         .mesh
         .faces()

@@ -9,6 +9,7 @@ use std::f64::consts::TAU;
 
 use ruga_material::Wrinkling;
 use ruga_mesh::{EdgeId, TriMesh};
+use ruga_shell::FaceParameters;
 use ruga_solver::NewtonSettings;
 
 /// Forces to a ten-thousandth of what the comparison is about.
@@ -36,6 +37,17 @@ fn film(critical_strain: f64) -> (Wrinkling, f64) {
         tangential_stiffness: 2.0 * k.powi(4),
     };
     (theory, (12.0 / membrane).sqrt())
+}
+
+/// Faces of such a film.
+fn film_face((theory, thickness): (&Wrinkling, f64)) -> FaceParameters {
+    FaceParameters {
+        young: theory.membrane_stiffness / thickness,
+        poisson: 0.0,
+        thickness,
+        normal_stiffness: theory.normal_stiffness,
+        gradient_stiffness: 0.0,
+    }
 }
 
 /// Inner edges whose two ends are both in a set of vertices.

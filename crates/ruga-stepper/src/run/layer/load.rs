@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Vector3};
 use ruga_blend::{FaceStrain, Weights};
 use ruga_material::{CAP_START, capped_strain};
-use ruga_mesh::{FaceId, Id, PerFace, VertexId};
+use ruga_mesh::{FaceId, Id, PerFace, VertexId, vertex_means};
 use ruga_shell::ShellError;
 
 use super::{Layer, laid_on};
@@ -244,13 +244,11 @@ impl Layer {
             let i = v.index();
             self.positions[i] = self.base[i] + deviations[i];
         }
-        let mut sums = vec![Vector3::zeros(); other.vertex_count()];
-        for (face, ratio) in ratios.iter() {
-            for v in other.skin.mesh.faces()[face] {
-                sums[v.index()] += Vector3::new(ratio.max(0.0), 1.0, 0.0);
-            }
-        }
-        let at_vertices: Vec<_> = sums.iter().map(|sum| sum / sum.y.max(1.0)).collect();
+        let means = vertex_means(&other.skin.mesh, |face| ratios[face].max(0.0)).into_vec();
+        let at_vertices: Vec<_> = means
+            .into_iter()
+            .map(|mean| Vector3::new(mean, 0.0, 0.0))
+            .collect();
         let at_vertices = interpolation.apply(&at_vertices);
         let faces = self.skin.mesh.faces();
         let mean = |corners: &[VertexId; 3]| {

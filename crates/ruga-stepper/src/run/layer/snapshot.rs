@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use ruga_blend::{Driver, PosedSurface};
-use ruga_mesh::{FaceId, Id};
+use ruga_mesh::{FaceId, vertex_means};
 
 use super::Layer;
 use crate::skin::quiet::{VertexDemand, wrinkled_shares};
@@ -108,20 +108,12 @@ impl Layer {
             let critical = self.properties.faces[face].wrinkling.critical_strain;
             ratios.of_face(face) * critical / critical.min(upper)
         };
-        let mut sums = vec![[0.0; 2]; self.vertex_count()];
-        for (face, corners) in self.skin.mesh.faces().iter() {
-            let ratio = of_face(face);
-            for v in corners {
-                let [sum, count] = &mut sums[v.index()];
-                *sum += ratio;
-                *count += 1.0;
-            }
-        }
-        let pairs = sums.into_iter().zip(&self.properties.vertices);
+        let means = vertex_means(&self.skin.mesh, of_face)
+            .into_vec()
+            .into_iter();
+        let pairs = means.zip(&self.properties.vertices);
         pairs
-            .map(|([sum, count], local)| {
-                VertexDemand::new(sum / f64::max(count, 1.0), &local.wrinkling)
-            })
+            .map(|(ratio, local)| VertexDemand::new(ratio, &local.wrinkling))
             .collect()
     }
 

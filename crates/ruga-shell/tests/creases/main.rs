@@ -2,8 +2,13 @@
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
+#[path = "../differences/mod.rs"]
 mod differences;
+#[path = "../meshes/mod.rs"]
 mod meshes;
+
+mod line_anchors;
+mod refusals;
 
 use differences::{MODELS, check_layer, dense};
 use meshes::{jittered, random_rotation, random_vector, rng};
@@ -11,7 +16,7 @@ use nalgebra::{DVector, Vector3};
 use ruga_mesh::{EdgeId, TriMesh};
 use ruga_shell::{
     BendingModel, Crease, FaceParameters, FoldSense, LayerEnergy, LayerParameters, LayerPart,
-    LineAnchor, ShellError,
+    LineAnchor,
 };
 
 const COLUMNS: u32 = 7;
@@ -393,110 +398,4 @@ fn anchors() -> Vec<LineAnchor> {
         depths: [0.1 * f64::from(i), 0.1 * f64::from(i + 1)],
     };
     on.map(anchor).collect()
-}
-
-#[test]
-fn line_anchors_pull_towards_their_depth() {
-    let (mesh, rest) = mesh();
-    let mut layer = layer(BendingModel::Hinge);
-    layer.set_line_anchors(&anchors()).unwrap();
-    check_layer(&layer, &bowl(0.1, 9));
-    // At depth d of a line as long as it is: k_a d^2/2 per length, for a layer that is not bent.
-    let on = edges(&mesh, THROUGH);
-    let length: f64 = on
-        .iter()
-        .map(|&e| {
-            let [a, b] = mesh.edges()[e].vertices.map(|v| rest[v.0 as usize]);
-            (a - b).norm()
-        })
-        .sum();
-    let even = |depth| {
-        on.iter().map(move |&edge| LineAnchor {
-            edge,
-            stiffness: 0.5,
-            depths: [depth; 2],
-        })
-    };
-    layer
-        .set_line_anchors(&even(0.3).collect::<Vec<_>>())
-        .unwrap();
-    let energy = layer.energy_parts(&rest).anchored;
-    assert!((energy / (0.25 * 0.09 * length) - 1.0).abs() < 1e-12);
-    let sunk: Vec<_> = rest.iter().map(|p| p - 0.3 * Vector3::z()).collect();
-    assert!(layer.energy_parts(&sunk).anchored < 1e-30);
-}
-
-#[test]
-fn what_cannot_be_creased_is_refused() {
-    let (mesh, _) = mesh();
-    let good = Crease {
-        compliance: 1.0,
-        rest_angle: 0.1,
-        sense: FoldSense::Valley,
-    };
-    let [inside, next, ..] = edges(&mesh, THROUGH)[..] else {
-        panic!("six edges")
-    };
-    let border = edge(&mesh, [0, 1]);
-    let mut layer = layer(BendingModel::VertexCurvature);
-    layer.set_creases(&[(inside, good)]).unwrap();
-    let x = bowl(0.1, 2);
-    let before = layer.value(&x);
-    let mut refuse = |creases: &[(EdgeId, Crease)]| layer.set_creases(creases).unwrap_err();
-    assert!(matches!(
-        refuse(&[(border, good)]),
-        ShellError::CreaseOutside { .. }
-    ));
-    assert!(matches!(
-        refuse(&[(EdgeId(9999), good)]),
-        ShellError::CreaseOutside { edge: 9999 }
-    ));
-    assert!(matches!(
-        refuse(&[(next, good), (next, good)]),
-        ShellError::CreaseTwice { .. }
-    ));
-    for bad in [
-        Crease {
-            compliance: -1.0,
-            ..good
-        },
-        Crease {
-            compliance: f64::NAN,
-            ..good
-        },
-        Crease {
-            rest_angle: f64::NAN,
-            ..good
-        },
-        Crease {
-            rest_angle: 3.2,
-            ..good
-        },
-        Crease {
-            rest_angle: -0.1,
-            ..good
-        },
-        Crease {
-            sense: FoldSense::Mountain,
-            ..good
-        },
-    ] {
-        assert!(matches!(
-            refuse(&[(next, bad)]),
-            ShellError::ParameterOutOfRange { .. }
-        ));
-    }
-    assert_eq!(layer.value(&x), before);
-    let anchor = LineAnchor {
-        edge: inside,
-        stiffness: -1.0,
-        depths: [0.0; 2],
-    };
-    assert!(layer.set_line_anchors(&[anchor]).is_err());
-    let anchor = LineAnchor {
-        edge: EdgeId(9999),
-        stiffness: 1.0,
-        ..anchor
-    };
-    assert!(layer.set_line_anchors(&[anchor]).is_err());
 }
