@@ -9,7 +9,7 @@ use ruga_mesh::{
 };
 
 use crate::crossings::meet_in_face;
-use crate::{CreaseWarning, TracedLine};
+use crate::{CreaseWarning, LineSegment, TracedLine};
 
 /// Distance of a crossing from a vertex, in edges, up to which the line goes through the vertex.
 const SNAP: f64 = 0.02;
@@ -87,6 +87,42 @@ pub struct LineCut {
     pub edges: Vec<CreaseEdge>,
     /// Stretches that were not cut, or were cut for two lines.
     pub warnings: Vec<CreaseWarning>,
+}
+
+impl LineCut {
+    /// The `lines` as they lie on the cut mesh: segments along its edges, with arc lengths of the lines
+    /// themselves; those of a closed line count from its first vertex here. Stretches without an edge are
+    /// left out, and those whose edges an earlier line has.
+    pub fn lines(&self, lines: &[TracedLine]) -> Vec<TracedLine> {
+        let on_mesh = lines.iter().enumerate().map(|(line, traced)| {
+            let own = self.edges.iter().filter(|crease| crease.line == line);
+            let first = own.clone().next().filter(|_| traced.is_closed());
+            let first = first.map_or(0.0, |crease| crease.at[0].min(crease.at[1]));
+            let segments = own.map(|crease| self.segment(crease, first)).collect();
+            TracedLine::of_segments(segments, traced.is_closed())
+        });
+        on_mesh.collect()
+    }
+
+    /// The segment along an edge, its arc length counted from `first` (m).
+    fn segment(&self, crease: &CreaseEdge, first: f64) -> LineSegment {
+        let mesh = &self.piece.mesh;
+        let sides = mesh.edge_sides(crease.edge);
+        let (face, corner) = sides[0].expect("a crease has a face to its left");
+        let ends = [corner, (corner + 1) % 3]
+            .map(|corner| MaterialPoint::at_corner(face, corner).barycentric);
+        let [a, b] = crease.at;
+        let is_along =
+            (mesh.faces()[face][corner] == mesh.edges()[crease.edge].vertices[0]) == (a < b);
+        let [from, to] = if is_along { ends } else { [ends[1], ends[0]] };
+        LineSegment {
+            face,
+            from,
+            to,
+            start: a.min(b) - first,
+            length: (b - a).abs(),
+        }
+    }
 }
 
 /// Gives a mesh edges along lines.

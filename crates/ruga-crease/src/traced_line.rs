@@ -66,6 +66,14 @@ impl TracedLine {
         }
     }
 
+    /// The line of these segments, which may leave stretches out.
+    pub(crate) fn of_segments(segments: Vec<LineSegment>, is_closed: bool) -> Self {
+        Self {
+            segments,
+            is_closed,
+        }
+    }
+
     /// The segments in order.
     pub fn segments(&self) -> &[LineSegment] {
         &self.segments

@@ -155,6 +155,7 @@ fn run(driver: &Arc<Driver>, steps: u32, watch: &mut Watch) -> PoseResult {
         bending_transfer: None,
         variation: None,
         presence: Presence::default(),
+        creases: Vec::new(),
     }];
     let weight = f64::from(steps) / f64::from(STEPS);
     let poses = [PoseSpec {

@@ -68,6 +68,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod crease;
 mod mask;
 mod model;
 mod plan;
@@ -88,11 +89,14 @@ pub use plan::{
     PlannedFace, PlannedSurface, PosePlan, Treatment, plan, plan_body,
 };
 
+pub use crease::{CreaseAnchor, CreaseSpec};
 pub use mask::Mask;
 pub use model::{
     Coupling, Dynamics, EdgeLimits, LayerSpec, Modelling, PoseSpec, Presence, Region, Stack,
 };
-pub use result::{ComputedMesh, FaceState, KeyResult, LayerReport, LayerSurface, PoseResult};
+pub use result::{
+    ComputedMesh, CreaseReport, FaceState, KeyResult, LayerReport, LayerSurface, PoseResult,
+};
 
 pub use support::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape};
 

@@ -12,8 +12,8 @@ use ruga_material::{
 use ruga_shell::BendingModel;
 use ruga_solver::{Minimise, minimise};
 
-use crate::Motion;
 use crate::mask::Mask;
+use crate::{CreaseSpec, Motion};
 
 /// Energies and constraints that hold a layer on its support surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -72,6 +72,8 @@ pub struct LayerSpec {
     pub variation: Option<Arc<VariationField>>,
     /// Painted presence on the artist's mesh, and strength of the relief.
     pub presence: Presence,
+    /// Lines along which it folds.
+    pub creases: Vec<CreaseSpec>,
 }
 
 impl LayerSpec {
@@ -90,6 +92,7 @@ impl LayerSpec {
             bending_transfer: None,
             variation: None,
             presence: Presence::default(),
+            creases: Vec::new(),
         }
     }
 

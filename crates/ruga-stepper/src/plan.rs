@@ -2,6 +2,7 @@
 
 mod body_cost;
 mod body_plan;
+mod creased_faces;
 mod fitted_faces;
 mod planned_surface;
 mod planning_surface;

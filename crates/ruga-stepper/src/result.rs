@@ -7,7 +7,7 @@ use ruga_solver::{SolveReport, StopRule};
 use crate::skin::material_places::uv;
 use crate::skin::measure::waviness;
 use crate::skin::skin_mesh::SkinMesh;
-use crate::{LayerPlan, PaintedRanges};
+use crate::{CreaseSpec, LayerPlan, PaintedRanges};
 
 /// One layer in one load step, with the smooth driver under each of its vertices.
 #[derive(Clone, Debug, Default)]
@@ -146,6 +146,59 @@ pub struct LayerReport {
     /// wanted, or else an estimate, where a part of a key's strain first reaches the critical one on some
     /// face; `None` for motion in time, which looks for none.
     pub onset_load: Option<f64>,
+    /// Creases that have edges on its mesh.
+    pub creases: Vec<CreaseReport>,
+}
+
+/// How a crease has folded, at the last load.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CreaseReport {
+    /// Name of the crease.
+    pub name: String,
+    /// Length of line on the mesh, m.
+    pub length: f64,
+    /// Mean fold angle along the line, positive in a valley, rad.
+    pub fold: f64,
+    /// Largest fold angle, rad.
+    pub largest_fold: f64,
+    /// Mean depth below the surface that carries the layer; negative for a height, m.
+    pub depth: f64,
+    /// Largest depth, of a mountain fold height, m.
+    pub largest_depth: f64,
+    /// Energy in the crease itself, J.
+    pub energy: f64,
+}
+
+impl CreaseReport {
+    /// The report of a crease before any edge is counted.
+    pub(crate) fn of(crease: &CreaseSpec) -> Self {
+        Self {
+            name: crease.name.clone(),
+            ..Self::default()
+        }
+    }
+
+    /// Counts in an edge of a length (m) with its fold angle and depth.
+    pub(crate) fn add(&mut self, length: f64, (fold, depth): (f64, f64), energy: f64) {
+        self.length += length;
+        self.fold += length * fold;
+        self.depth += length * depth;
+        self.largest_fold = larger(self.largest_fold, fold);
+        self.largest_depth = larger(self.largest_depth, depth);
+        self.energy += energy;
+    }
+
+    /// Makes means of the sums over a line that has a length.
+    pub(crate) fn finished(mut self) -> Self {
+        self.fold /= self.length;
+        self.depth /= self.length;
+        self
+    }
+}
+
+/// Of two numbers the one that is farther from 0.
+fn larger(a: f64, b: f64) -> f64 {
+    if b.abs() > a.abs() { b } else { a }
 }
 
 impl LayerSurface {

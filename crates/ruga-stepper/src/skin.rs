@@ -2,9 +2,10 @@
 
 mod boundary_cut;
 pub(crate) mod cover;
+mod crease_cut;
 mod facet_address;
-mod fading;
-mod fans;
+pub(crate) mod fading;
+pub(crate) mod fans;
 pub(crate) mod interpolation;
 pub(crate) mod local_skin;
 pub(crate) mod material_places;

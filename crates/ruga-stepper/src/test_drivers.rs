@@ -80,6 +80,7 @@ pub(crate) fn knuckle() -> LayerSpec {
         bending_transfer: None,
         variation: None,
         presence: Presence::default(),
+        creases: Vec::new(),
     }
 }
 

@@ -66,6 +66,7 @@ pub fn skin_layer(name: &str, preset_name: &str) -> LayerSpec {
         bending_transfer: None,
         variation: None,
         presence: Presence::default(),
+        creases: Vec::new(),
     }
 }
 

@@ -10,6 +10,7 @@ use ruga_material::{CAP_START, Wrinkling};
 use ruga_mesh::{FaceId, Id, PerFace, edge_distances};
 use ruga_remesh::SizeLimits;
 
+use crate::plan::creased_faces::CreasedFaces;
 use crate::plan::fitted_faces::{GRADED, fitted_faces, graded_vertices};
 use crate::plan::pose_plan::PlannedLayer;
 use crate::plan::region::PoseStrains;
@@ -248,7 +249,10 @@ impl<'a> PlanningSurface<'a> {
             .map(|wrinkling| wrinkling.wavelength);
         let longest = waves.fold(0.0, f64::max);
         let where_to = (&modelling.region, &spec.presence);
-        let active = pose_strains.active_faces(&self.surface, &self.rest, where_to, longest);
+        let creased = CreasedFaces::new(&self.surface, &spec.creases, &self.edges);
+        let creased = creased.in_pose(layer, pose, pose_strains);
+        let on = (&self.surface, &self.rest);
+        let active = pose_strains.active_faces(on, where_to, longest, &creased);
         let quantile = |field: &PerFace<f64>, fraction: f64| {
             weighted_quantile(&active, field, &pose_strains.areas, fraction)
         };
@@ -327,7 +331,11 @@ impl<'a> PlanningSurface<'a> {
         };
         let output = modelling.remesh.map(|limits| {
             let wrinkled = match is_lowest {
-                true => Some(pose_strains.wrinkled(path)),
+                true => {
+                    let mut wrinkled = pose_strains.wrinkled(path);
+                    creased.iter().for_each(|&face| wrinkled[face] = true);
+                    Some(wrinkled)
+                }
                 // What a layer below asks of those on it is not known before it is simulated.
                 false => None,
             };

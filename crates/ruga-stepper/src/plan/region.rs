@@ -233,13 +233,13 @@ impl PoseStrains {
             .collect()
     }
 
-    /// Faces to simulate, ascending.
+    /// Faces to simulate, ascending; `creased` are those on lines that fold in the pose.
     pub(crate) fn active_faces(
         &self,
-        surface: &BaseSurface,
-        rest: &PosedSurface,
+        (surface, rest): (&BaseSurface, &PosedSurface),
         (region, presence): (&Region, &Presence),
         wavelength: f64,
+        creased: &[FaceId],
     ) -> Vec<FaceId> {
         let mesh = surface.mesh();
         let allowed = |face: FaceId| {
@@ -260,6 +260,8 @@ impl PoseStrains {
         if !matches!(region, Region::All) {
             // A patch smaller than the square of a wave has no room for one.
             drop_specks(mesh, &self.areas, &mut active, wavelength * wavelength);
+            // A line that folds has room beside it, once the region has grown.
+            creased.iter().for_each(|&face| active[face] = true);
             let margin = (2.0 * wavelength).max(MIN_MARGIN);
             // The border will be held on the driver. It has to lie where the skin stays smooth.
             grow(mesh, &rest.positions, &mut active, margin);

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::{Matrix3, SymmetricEigen};
 use ruga_blend::{Driver, FaceStrain};
 use ruga_material::Wrinkling;
-use ruga_mesh::{FaceId, Id, PerFace, face_areas, triangle_frame};
+use ruga_mesh::{FaceId, Id, PerFace, VertexId, edge_distances, face_areas, triangle_frame};
 use ruga_remesh::{FaceDriver, Refinement, RemeshError, RemeshSettings, SizeLimits};
 
 use crate::error::Halt;
@@ -25,6 +25,14 @@ pub(crate) const COARSEST: f64 = 0.5;
 /// pattern of a film eight times beyond its onset drifted on for hundreds of iterations (8525
 /// vertices, given up after 200 s); with 2.25 it took 37 s, with 2.5 21 s.
 const LEAST_ALONG: f64 = 2.5;
+
+/// Distance from a crease (wavelengths) within which edges are as short as wrinkles need: what a fold
+/// brings up beside it is a wave, whether the skin there is compressed or not.
+const CREASE_REACH: f64 = 0.5;
+
+/// Largest ratio of edges along and across the wrinkles on a crease: with fewer vertices along it than four
+/// per wavelength a soft one folds like a saw.
+const CREASE_ASPECT: f64 = 3.0;
 
 /// Rounds of averaging of directions, at most: the region's mesh may be far finer than the reach.
 const MOST_PASSES: f64 = 40.0;
@@ -127,10 +135,19 @@ impl SizingRequest {
                 },
             ),
         };
-        let edge = |wavelength: f64| (longest * wavelength).clamp(limits.min_edge, limits.max_edge);
+        let edge = |edge: f64| edge.clamp(limits.min_edge, limits.max_edge);
+        let mut edges: Vec<f64> = waves.clone().map(|wave| edge(longest * wave)).collect();
+        let mut aspects = aspects(&region.skin, &drivers, aspect, aspect * across);
+        for (v, distance) in crease_distances(&region.skin, waves.clone()) {
+            let wave = properties.vertices[v].wrinkling.wavelength;
+            if distance <= CREASE_REACH * wave {
+                edges[v] = edges[v].min(edge(wave / points));
+                aspects[v] = aspects[v].min(CREASE_ASPECT);
+            }
+        }
         Ok(Some(Self {
-            longest: waves.map(edge).collect(),
-            aspects: aspects(&region.skin, &drivers, aspect, aspect * across),
+            longest: edges,
+            aspects,
             drivers,
             refinement,
             budget: modelling.vertex_budget,
@@ -174,6 +191,27 @@ impl SizingRequest {
             budget: self.budget,
         }
     }
+}
+
+/// Vertices near creases, with their distance from one (m).
+fn crease_distances(
+    skin: &SkinMesh,
+    waves: impl Iterator<Item = f64>,
+) -> impl Iterator<Item = (usize, f64)> {
+    let mesh = &skin.mesh;
+    let edges = skin.creases.iter();
+    let on: Vec<VertexId> = edges
+        .flat_map(|crease| mesh.edges()[crease.edge].vertices)
+        .collect();
+    let distances = match on.is_empty() {
+        true => Vec::new(),
+        false => {
+            let reach = CREASE_REACH * waves.fold(0.0, f64::max);
+            edge_distances(mesh, &skin.rest.positions, on, reach).into_vec()
+        }
+    };
+    let near = distances.into_iter().enumerate();
+    near.filter(|(_, distance)| distance.is_finite())
 }
 
 /// Largest length over width of triangles at every vertex, at most `most`, where the direction

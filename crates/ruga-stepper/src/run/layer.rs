@@ -1,6 +1,7 @@
 //! One layer, held by a surface below it.
 
 mod bending;
+mod creases;
 mod equilibrium;
 mod face_states;
 mod load;
@@ -86,6 +87,8 @@ pub(crate) struct Layer {
     base: Vec<Vector3<f64>>,
     /// Velocities of the vertices where they have inertia, m/s.
     velocities: Vec<Vector3<f64>>,
+    /// Strength with which every crease is drawn; none before the first.
+    crease_strengths: Vec<f64>,
     /// Masses of the vertices, kg.
     masses: Vec<f64>,
     energy: LayerEnergy,
@@ -257,6 +260,7 @@ impl Layer {
                 None => Vec::new(),
             },
             velocities: vec![Vector3::zeros(); positions.len()],
+            crease_strengths: Vec::new(),
             properties,
             skin,
             region,
@@ -280,6 +284,8 @@ impl Layer {
             pattern,
         };
         layer.add_noise(seed);
+        let undrawn = vec![0.0; layer.spec.creases.len()];
+        layer.set_crease_strengths(undrawn)?;
         Ok(layer)
     }
 

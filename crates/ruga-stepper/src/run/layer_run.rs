@@ -363,6 +363,7 @@ impl<'a> LayerRun<'a> {
         let on = (heights.as_slice(), layer.skin().rest.positions.as_slice());
         let thickness = layer.spec.material.thickness;
         self.report.measure(on, &faces, thickness);
+        self.report.creases = layer.crease_reports();
     }
 
     /// The report of the layer that moves together with this one, over what was `planned` of it.

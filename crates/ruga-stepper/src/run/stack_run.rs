@@ -345,6 +345,10 @@ impl<'a> StackRun<'a> {
         let support = self.posed_driver(point.weight_fraction);
         let on = (self.plan.driver.as_ref(), support.as_ref());
         let surface = support_surface(on, layer.skin(), attachment, &[]);
+        layer.draw_creases(
+            &self.spec().weights,
+            point.weight_fraction * point.strain_fraction,
+        )?;
         layer.set_support(surface, point.strain_fraction)
     }
 

@@ -1,6 +1,6 @@
-//! Parts of a mesh that touch at a vertex only.
+//! Meshes taken apart where their faces only touch: at a vertex, or along creases.
 
-use ruga_mesh::{Id, TriMesh, VertexFan, VertexId};
+use ruga_mesh::{EdgeId, FaceId, Id, PerEdge, TriMesh, VertexFan, VertexId};
 
 /// The mesh with a vertex for every fan of faces, and the old vertex of every new one.
 ///
@@ -31,9 +31,98 @@ pub(crate) fn one_fan_per_vertex(mesh: &TriMesh) -> (TriMesh, Vec<VertexId>) {
     )
 }
 
+/// The corners of every face of a mesh that is open along some of its edges, with a vertex for each side
+/// of them, and the old vertex of every new one; the first vertices are the old ones.
+///
+/// The end of a line of edges inside the mesh stays one vertex: the faces there go round it.
+pub(crate) fn open_along(
+    mesh: &TriMesh,
+    edges: impl IntoIterator<Item = EdgeId>,
+) -> (Vec<[u32; 3]>, Vec<VertexId>) {
+    let mut is_open = PerEdge::filled(mesh.edges().len(), false);
+    let mut vertices = Vec::new();
+    for edge in edges {
+        is_open[edge] = true;
+        vertices.extend(mesh.edges()[edge].vertices);
+    }
+    vertices.sort_unstable();
+    vertices.dedup();
+    let mut copied: Vec<VertexId> = (0..mesh.vertex_count()).map(VertexId::from_index).collect();
+    let faces = mesh.faces().as_slice().iter();
+    let mut faces: Vec<[u32; 3]> = faces.map(|face| face.map(|v| v.0)).collect();
+    for vertex in vertices {
+        let mut left: Vec<FaceId> = mesh.vertex_faces(vertex).to_vec();
+        let mut is_first = true;
+        while let Some(&seed) = left.first() {
+            let side = one_side(mesh, vertex, seed, &is_open);
+            left.retain(|face| !side.contains(face));
+            if is_first {
+                is_first = false;
+                continue;
+            }
+            for face in side {
+                let corner = mesh.faces()[face].iter().position(|&v| v == vertex);
+                faces[face.index()][corner.expect("a face around it")] = copied.len() as u32;
+            }
+            copied.push(vertex);
+        }
+    }
+    (faces, copied)
+}
+
+/// The faces around a vertex that can be reached from one of them across edges that are not open.
+fn one_side(
+    mesh: &TriMesh,
+    vertex: VertexId,
+    seed: FaceId,
+    is_open: &PerEdge<bool>,
+) -> Vec<FaceId> {
+    let mut side = vec![seed];
+    let mut next = 0;
+    while let Some(&face) = side.get(next) {
+        next += 1;
+        for (corner, edge) in mesh.face_edges(face).into_iter().enumerate() {
+            let is_beside = mesh.edges()[edge].vertices.contains(&vertex);
+            if let Some(other) = mesh.neighbour(face, corner)
+                && is_beside
+                && !is_open[edge]
+                && !side.contains(&other)
+            {
+                side.push(other);
+            }
+        }
+    }
+    side
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A line across the middle of a square opens it into two sides; one that ends in the middle leaves
+    /// its tip whole.
+    #[test]
+    fn lines_open_into_two_sides() {
+        // Three by three vertices.
+        let squares = [0, 1, 3, 4];
+        let faces = squares.map(|a| [[a, a + 1, a + 4], [a, a + 4, a + 3]]);
+        let mesh = TriMesh::new(9, faces.concat()).expect("a square");
+        let edge = |a: u32, b: u32| {
+            let mut edges = mesh.edges().iter();
+            let found = edges.find(|(_, e)| {
+                e.vertices.contains(&VertexId(a)) && e.vertices.contains(&VertexId(b))
+            });
+            found.expect("an edge").0
+        };
+        let (opened, copied) = open_along(&mesh, [edge(3, 4), edge(4, 5)]);
+        assert_eq!(copied[9..], [VertexId(3), VertexId(4), VertexId(5)]);
+        let opened = TriMesh::new(12, opened).expect("two halves");
+        assert_eq!(opened.connected_parts(|_| true).len(), 2);
+        let (opened, copied) = open_along(&mesh, [edge(3, 4)]);
+        assert_eq!(copied[9..], [VertexId(3)]);
+        let opened = TriMesh::new(10, opened).expect("a slit square");
+        assert_eq!(opened.connected_parts(|_| true).len(), 1);
+    }
 
     /// Two triangles that share a vertex alone come apart there, and nowhere else.
     #[test]

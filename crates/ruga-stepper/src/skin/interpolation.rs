@@ -4,10 +4,11 @@ use std::collections::VecDeque;
 
 use nalgebra::Vector3;
 use ruga_mesh::{
-    FaceId, Id, LoopSurface, MaterialPoint, PerVertex, SparseRows, SurfaceLookup, VertexId,
-    limit_rows,
+    FaceId, Id, LoopSurface, MaterialPoint, PerVertex, SparseRows, SurfaceLookup, TriMesh,
+    VertexId, limit_rows,
 };
 
+use crate::skin::fans::open_along;
 use crate::skin::skin_mesh::SkinMesh;
 
 /// Corrections of control points towards a limit surface that passes through the vertices. The
@@ -24,6 +25,8 @@ const PLACES_AT_A_TIME: usize = 20_000;
 /// smooth as the limit, without its loss of amplitude.
 #[derive(Clone, Debug)]
 pub(crate) struct Interpolation {
+    /// The vertex with the value of every control point: those on creases have one for each side.
+    copied: Vec<VertexId>,
     at_vertices: SparseRows,
     at_places: SparseRows,
     places: Vec<MaterialPoint>,
@@ -38,9 +41,13 @@ impl Interpolation {
         goes_on: &mut dyn FnMut() -> bool,
     ) -> Option<Self> {
         let places = places_on(from, to, goes_on)?;
+        // Across a crease slopes jump: the sides are smooth surfaces with one border curve.
+        let creases = from.creases.iter().map(|crease| crease.edge);
+        let (faces, copied) = open_along(&from.mesh, creases);
+        let opened = TriMesh::new(copied.len(), faces).expect("a manifold opened is one");
         // Deviations from a smooth surface are smooth, so that no vertex is a corner.
-        let corners = PerVertex::filled(from.mesh.vertex_count(), false);
-        let mut surface = LoopSurface::new(&from.mesh, &corners);
+        let corners = PerVertex::filled(opened.vertex_count(), false);
+        let mut surface = LoopSurface::new(&opened, &corners);
         let mut at_places = SparseRows::default();
         // They are made in parts, so that a run on a whole face can be ended meanwhile.
         for chunk in places.chunks(PLACES_AT_A_TIME) {
@@ -53,7 +60,8 @@ impl Interpolation {
             }
         }
         Some(Self {
-            at_vertices: limit_rows(&from.mesh, &corners).position,
+            at_vertices: limit_rows(&opened, &corners).position,
+            copied,
             at_places,
             places,
         })
@@ -65,8 +73,9 @@ impl Interpolation {
     }
 
     pub(crate) fn apply(&self, values: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        let values: Vec<_> = self.copied.iter().map(|v| values[v.index()]).collect();
         self.at_places
-            .apply(&through_vertices(&self.at_vertices, values))
+            .apply(&through_vertices(&self.at_vertices, &values))
     }
 }
 
@@ -148,8 +157,6 @@ fn place_near(
 #[cfg(test)]
 mod tests {
     use std::f64::consts::TAU;
-
-    use ruga_mesh::TriMesh;
 
     use super::*;
 

@@ -257,6 +257,7 @@ mod tests {
             bending_transfer: None,
             variation: None,
             presence: Presence::default(),
+            creases: Vec::new(),
         }
     }
 

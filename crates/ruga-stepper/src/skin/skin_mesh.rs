@@ -4,8 +4,11 @@ use std::sync::{Arc, Weak};
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector2, Vector3};
 use ruga_blend::{Driver, PosedSurface, Smoothing, SurfacePoints};
+use ruga_crease::{CreaseEdge, LinePlaces, TracedLine};
 use ruga_material::PropertyMap;
-use ruga_mesh::{FaceId, Id, MaterialPoint, PerEdge, PerFace, PerVertex, SurfaceLookup, TriMesh};
+use ruga_mesh::{
+    FaceId, Id, MaterialPoint, PerEdge, PerFace, PerVertex, SurfaceLookup, TriMesh, VertexId,
+};
 use ruga_remesh::{
     FaceDriver, PolyhedralSurface, Refinement, RemeshError, RemeshSettings, SizeLimits, Sizing,
     SizingInput, SurfaceMesh, remesh, sizing_field,
@@ -13,7 +16,9 @@ use ruga_remesh::{
 
 use crate::error::Halt;
 use crate::skin::boundary_cut::{Cut, TooManyCrossings, check_crossings, cut_along, faces_beside};
+use crate::skin::crease_cut::{Creased, cut_along_creases};
 use crate::skin::facet_address::{FacetAddresses, Piece as Facets};
+use crate::skin::fans::open_along;
 use crate::skin::piece::{Piece, blend};
 use crate::{LayerSpec, StepperError};
 
@@ -35,6 +40,8 @@ pub(crate) struct SkinMesh {
     /// Faces beside a sharp boundary of the layer's map, each with a texture coordinate well inside
     /// it: their corners are on the boundary and say nothing about either side.
     pub(crate) beside: Vec<(FaceId, Vector2<f64>)>,
+    /// Edges on crease lines.
+    pub(crate) creases: Vec<CreaseEdge>,
     /// Identity of the mesh; copies share it.
     pub(crate) identity: Identity,
 }
@@ -82,6 +89,7 @@ impl SkinMesh {
             mesh,
             points,
             beside: Vec::new(),
+            creases: Vec::new(),
             identity: Identity::default(),
         };
         Some(on_driver.lifted(offset))
@@ -100,6 +108,14 @@ impl SkinMesh {
         let faces = self.mesh.faces().as_slice().iter();
         faces.map(|corners| corners.map(|v| v.0)).collect()
     }
+}
+
+/// A mesh opened along its creases.
+#[derive(Clone, Debug)]
+struct Opened {
+    faces: Vec<[u32; 3]>,
+    /// The old vertex of every new one.
+    copied: Vec<VertexId>,
 }
 
 /// Compressions and edge lengths that a mesh of a region is fitted to.
@@ -143,8 +159,12 @@ pub(crate) struct RegionMesh {
     /// Texture coordinates at which results are shown.
     addresses: FacetAddresses,
     artist: Vec<u32>,
-    /// Edges that a fitted mesh keeps.
+    /// Edges that a fitted mesh keeps: boundaries of the layer's map, and creases.
     features: PerEdge<bool>,
+    /// The layer's creases over this mesh.
+    lines: Vec<TracedLine>,
+    /// The mesh as results have it, with a vertex on each side of a crease; `None` without creases.
+    opened: Option<Opened>,
     smoothing: Smoothing,
     offset: f64,
 }
@@ -188,20 +208,34 @@ impl RegionMesh {
         (piece, smoothing, offset): (Piece, Smoothing, f64),
         goes_on: &mut dyn FnMut() -> bool,
     ) -> Result<Self, Halt> {
-        let Cut { piece, features } = match sharp_map(layer) {
+        let cut = match sharp_map(layer) {
             None => Cut::none(piece),
             Some(map) => cut_along(map, driver, piece).map_err(|source| too_many(layer, source))?,
         };
+        let Creased {
+            piece,
+            boundaries,
+            creases,
+            lines,
+        } = cut_along_creases(driver, &layer.creases, cut);
         let Piece {
             mesh,
             points,
             origins,
             uvs,
         } = piece;
-        let beside = faces_beside(&mesh, &features).into_iter();
+        let beside = faces_beside(&mesh, &boundaries).into_iter();
+        let mut features = boundaries;
+        for crease in &creases {
+            features[crease.edge] = true;
+        }
         let beside = beside
             .map(|(face, weights)| (face, blend(&uvs[face.index()], weights)))
             .collect();
+        let opened = (!creases.is_empty()).then(|| {
+            let (faces, copied) = open_along(&mesh, creases.iter().map(|crease| crease.edge));
+            Opened { faces, copied }
+        });
         let skin = SkinMesh::new(driver, (mesh, &points), smoothing, 0.0, goes_on);
         let skin = skin.ok_or(Halt::Interrupted)?;
         // This is before the mesh is lifted: addresses are places of the driver, not of the layer
@@ -220,8 +254,11 @@ impl RegionMesh {
         let artist = origins.as_slice().iter();
         Ok(Self {
             features,
+            lines,
+            opened,
             skin: SkinMesh {
                 beside,
+                creases,
                 ..skin.lifted(offset)
             },
             uvs,
@@ -233,6 +270,22 @@ impl RegionMesh {
             smoothing,
             offset,
         })
+    }
+
+    /// The corners of every triangle as results number them: vertices on creases once for each side.
+    pub(crate) fn shown_faces(&self) -> Vec<[u32; 3]> {
+        match &self.opened {
+            Some(opened) => opened.faces.clone(),
+            None => self.skin.corner_indices(),
+        }
+    }
+
+    /// Values at the vertices of this mesh for those of the mesh that results have.
+    pub(crate) fn on_both_sides<T: Copy>(&self, values: Vec<T>) -> Vec<T> {
+        match &self.opened {
+            Some(opened) => opened.copied.iter().map(|v| values[v.index()]).collect(),
+            None => values,
+        }
     }
 
     /// Texture coordinates of the material points of every triangle's corners, V down.
@@ -297,19 +350,43 @@ impl RegionMesh {
         }
         let on_driver = |point: &MaterialPoint| self.origins[point.face].place(point.barycentric);
         let points: Vec<MaterialPoint> = made.points.as_slice().iter().map(on_driver).collect();
-        let beside = self.beside(&made);
+        let creases = self.creases_of(&made);
+        let beside = self.beside(&made, &creases);
         let places = (made.mesh, points.as_slice());
         let skin = SkinMesh::new(driver, places, self.smoothing, self.offset, goes_on);
         Ok(skin.map(|skin| Adapted {
-            skin: SkinMesh { beside, ..skin },
+            skin: SkinMesh {
+                beside,
+                creases,
+                ..skin
+            },
             coarseness,
         }))
     }
 
+    /// The edges of a fitted mesh on crease lines.
+    fn creases_of(&self, fitted: &SurfaceMesh) -> Vec<CreaseEdge> {
+        if self.skin.creases.is_empty() {
+            return Vec::new();
+        }
+        let is_inner_feature =
+            |edge| fitted.features[edge] && !fitted.mesh.edges()[edge].is_border();
+        LinePlaces::new(&self.lines, &self.skin.mesh).edges(
+            &fitted.mesh,
+            fitted.points.as_slice(),
+            is_inner_feature,
+        )
+    }
+
     /// The faces of a fitted mesh beside features, each with a texture coordinate inside: that of the
     /// place of this mesh below, because a fitted face may lie across a seam.
-    fn beside(&self, fitted: &SurfaceMesh) -> Vec<(FaceId, Vector2<f64>)> {
-        let faces = faces_beside(&fitted.mesh, &fitted.features);
+    fn beside(&self, fitted: &SurfaceMesh, creases: &[CreaseEdge]) -> Vec<(FaceId, Vector2<f64>)> {
+        // The skin is the same on both sides of a crease.
+        let mut boundaries = fitted.features.clone();
+        for crease in creases {
+            boundaries[crease.edge] = false;
+        }
+        let faces = faces_beside(&fitted.mesh, &boundaries);
         if faces.is_empty() {
             return Vec::new();
         }

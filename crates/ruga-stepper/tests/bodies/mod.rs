@@ -44,6 +44,7 @@ pub(crate) fn layer(ratio: f64) -> LayerSpec {
         bending_transfer: None,
         variation: None,
         presence: Presence::default(),
+        creases: Vec::new(),
     }
 }
 

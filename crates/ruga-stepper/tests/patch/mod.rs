@@ -88,6 +88,7 @@ pub(crate) fn skin(name: &str, coupling: Coupling) -> LayerSpec {
         bending_transfer: None,
         variation: None,
         presence: Presence::default(),
+        creases: Vec::new(),
     }
 }
 

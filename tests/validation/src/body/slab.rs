@@ -273,6 +273,7 @@ pub(super) fn skin_of(
         bending_transfer: None,
         variation: None,
         presence: Presence::default(),
+        creases: Vec::new(),
     }
 }
 

@@ -25,6 +25,7 @@ pub(crate) struct LayerState {
     velocities: Vec<Vector3<f64>>,
     support: SupportSurface,
     fractions: PerFace<f64>,
+    crease_strengths: Vec<f64>,
     solid: Option<SolidState>,
 }
 
@@ -121,7 +122,7 @@ impl Layer {
             [(critical - poisson * second).min(first), second]
         };
         self.set_effective_strains(wanted)?;
-        self.energy.gradient(&self.base, &mut self.reaction);
+        self.gradient_at_base();
         Ok(())
     }
 
@@ -270,6 +271,7 @@ impl Layer {
             velocities: self.velocities.clone(),
             support: self.support.clone(),
             fractions: self.fractions.clone(),
+            crease_strengths: self.crease_strengths.clone(),
             solid: self.solid.as_ref().map(|solid| solid.state.clone()),
         }
     }
@@ -283,6 +285,7 @@ impl Layer {
         self.stand_on(state.support.clone(), state.fractions.clone())?;
         self.positions.clone_from(&state.positions);
         self.velocities.clone_from(&state.velocities);
+        self.set_crease_strengths(state.crease_strengths.clone())?;
         Ok(())
     }
 

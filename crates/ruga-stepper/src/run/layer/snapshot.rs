@@ -28,14 +28,16 @@ impl Layer {
         // exact.
         let positions = self.on_region(&real.positions, self.deviations());
         let weights = self.region_weights(real);
+        let relief = shown_positions(&positions, real, shown, &weights);
+        let region = &self.region;
         LayerSurface {
             name: self.spec.name.clone(),
-            relief: shown_positions(&positions, real, shown, &weights),
-            positions,
-            driver_positions: surface.positions,
-            driver_normals: surface.normals,
+            relief: region.on_both_sides(relief),
+            positions: region.on_both_sides(positions),
+            driver_positions: region.on_both_sides(surface.positions),
+            driver_normals: region.on_both_sides(surface.normals),
             offset,
-            faces: self.region.skin.corner_indices(),
+            faces: region.shown_faces(),
             uvs: self.region.shown_uvs().to_vec(),
             artist: self.region.artist(),
             computed,
@@ -57,10 +59,11 @@ impl Layer {
             ..region_below.clone()
         };
         let positions = self.on_region(&above.positions, self.upper_deviations());
+        let relief = shown_positions(&positions, &above, &above, &self.region_weights(&above));
         Some(LayerSurface {
             name: upper.name.clone(),
-            relief: shown_positions(&positions, &above, &above, &self.region_weights(&above)),
-            positions,
+            relief: self.region.on_both_sides(relief),
+            positions: self.region.on_both_sides(positions),
             offset: own.offset + upper.offset,
             computed: ComputedMesh::new(driver, &self.skin, &self.positions[self.vertex_count()..]),
             ..own.clone()
@@ -108,10 +111,9 @@ impl Layer {
             let critical = self.properties.faces[face].wrinkling.critical_strain;
             ratios.of_face(face) * critical / critical.min(upper)
         };
-        let means = vertex_means(&self.skin.mesh, of_face)
-            .into_vec()
-            .into_iter();
-        let pairs = means.zip(&self.properties.vertices);
+        let mut means = vertex_means(&self.skin.mesh, of_face).into_vec();
+        self.raise_near_creases(&mut means, 1.0);
+        let pairs = means.into_iter().zip(&self.properties.vertices);
         pairs
             .map(|(ratio, local)| VertexDemand::new(ratio, &local.wrinkling))
             .collect()

@@ -42,6 +42,7 @@ fn skin(coupling: Coupling) -> LayerSpec {
         bending_transfer: None,
         variation: None,
         presence: Presence::default(),
+        creases: Vec::new(),
     }
 }
 

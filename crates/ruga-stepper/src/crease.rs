@@ -1,0 +1,90 @@
+//! Crease lines of a layer.
+
+use ruga_blend::Weights;
+use ruga_crease::{Drive, LineLaw, TracedLine};
+use ruga_material::Wrinkling;
+use ruga_shell::{Crease, FoldSense};
+
+/// A line along which a layer folds more easily than elsewhere, and is drawn into a fold.
+#[derive(Clone, Debug)]
+pub struct CreaseSpec {
+    /// Name in reports and messages.
+    pub name: String,
+    /// The line, over the triangles of the driver ([`ruga_blend::Driver::topology`]) at rest.
+    pub line: TracedLine,
+    /// Width, stiffness, fold angle, and how they fade towards its ends.
+    pub law: LineLaw,
+    /// The side to which it folds.
+    pub sense: FoldSense,
+    /// What its fold angle and its anchor's depth follow; softness is there in every pose.
+    pub drive: Drive,
+    /// Springs that hold the line at a depth below the skin around it.
+    pub anchor: Option<CreaseAnchor>,
+}
+
+/// Springs that draw a crease towards a depth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CreaseAnchor {
+    /// Depth at full strength (m), ≥ 0; of a mountain fold the height.
+    pub depth: f64,
+    /// Stiffness in units of `K0 l`, with the bending length `l = 1/k_c`: the force per area of the
+    /// substrate, over a strip as wide as `l`. ≥ 0; with 20 a line at rest sinks to 0.91 of the depth.
+    pub stiffness: f64,
+}
+
+impl CreaseSpec {
+    /// Strength in a pose of these weights in full, at a `load` of it: 0 to 1.
+    pub(crate) fn strength(&self, weights: &Weights, load: f64) -> f64 {
+        let Drive::Weights(_) = &self.drive else {
+            return self.drive.strength(load, &[]);
+        };
+        let mut by_shape: Vec<f64> = Vec::new();
+        for (shape, weight) in weights.iter() {
+            if by_shape.len() <= shape {
+                by_shape.resize(shape + 1, 0.0);
+            }
+            by_shape[shape] += load * weight;
+        }
+        self.drive.strength(load, &by_shape)
+    }
+
+    /// Whether the line is drawn into a fold at a strength, and does not only give way.
+    pub(crate) fn is_drawn(&self, strength: f64) -> bool {
+        let depth = self.anchor.map_or(0.0, |anchor| anchor.depth);
+        strength > 0.0 && (self.law.angle > 0.0 || depth > 0.0)
+    }
+
+    /// Strength that the ends of the line leave at an arc length (m): 1 but near an end.
+    pub(crate) fn taper(&self, at: f64) -> f64 {
+        let (length, is_closed) = (self.line.length(), self.line.is_closed());
+        self.law.taper(at, length, is_closed)
+    }
+
+    /// Compressive strain at which a layer that wrinkles like this folds along the line, in critical
+    /// strains.
+    pub(crate) fn onset_ratio(&self, wrinkling: &Wrinkling) -> f64 {
+        let kappa = wrinkling.crease_stiffness(self.law.width, self.law.stiffness);
+        wrinkling.crease_strain(kappa) / wrinkling.critical_strain
+    }
+
+    /// The crease on an edge with a taper in its middle, in a layer of bending modulus `D` (N m).
+    pub(crate) fn on_edge(&self, taper: f64, strength: f64, modulus: f64) -> Crease {
+        let angle = self.law.rest_angle(taper * strength);
+        Crease {
+            compliance: self.law.softness(taper) / modulus,
+            rest_angle: match self.sense {
+                FoldSense::Valley | FoldSense::Both => angle,
+                FoldSense::Mountain => -angle,
+            },
+            sense: self.sense,
+        }
+    }
+
+    /// Depth below the skin around it that an anchor draws the line to, at a strength (m); negative for a height.
+    pub(crate) fn anchor_depth(&self, anchor: CreaseAnchor, strength: f64) -> f64 {
+        match self.sense {
+            FoldSense::Valley | FoldSense::Both => strength * anchor.depth,
+            FoldSense::Mountain => -strength * anchor.depth,
+        }
+    }
+}

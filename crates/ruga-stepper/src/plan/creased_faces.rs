@@ -1,0 +1,82 @@
+//! Where lines fold in a pose.
+
+use ruga_blend::BaseSurface;
+use ruga_mesh::{FaceId, Id, MaterialPoint, PerFace};
+
+use crate::plan::pose_plan::PlannedLayer;
+use crate::plan::region::{ACTIVE_FRACTION, PoseStrains};
+use crate::{CreaseSpec, PoseSpec};
+
+/// Barycentric weight by which a place may miss a face and still lie in it.
+const INSIDE: f64 = 1e-6;
+
+/// Faces of the planning surface that the lines of its layer's creases run over.
+pub(crate) struct CreasedFaces(Vec<Vec<FaceId>>);
+
+impl CreasedFaces {
+    /// Finds the faces of `surface`, whose edges are `edges` (m) long, under the lines.
+    pub(crate) fn new(surface: &BaseSurface, creases: &[CreaseSpec], edges: &PerFace<f64>) -> Self {
+        if creases.is_empty() {
+            return Self(Vec::new());
+        }
+        let origins = surface.origins();
+        let parents = origins.as_slice().iter().map(|origin| origin.face.index());
+        let mut parts = vec![Vec::new(); parents.max().map_or(0, |largest| largest + 1)];
+        for (face, origin) in origins.iter() {
+            parts[origin.face.index()].push(face);
+        }
+        let faces_under = |crease: &CreaseSpec| {
+            let mut under = Vec::new();
+            for segment in crease.line.segments() {
+                let Some(own) = parts.get(segment.face.index()) else {
+                    continue;
+                };
+                let shortest = own.iter().map(|&f| edges[f]).fold(f64::INFINITY, f64::min);
+                // Half an edge apart no more than a corner of a face is missed.
+                let steps = (2.0 * segment.length / shortest).ceil().clamp(1.0, 1e4) as u32;
+                for step in 0..=steps {
+                    let place = segment.place(f64::from(step) / f64::from(steps));
+                    let lies_in = |face: &&FaceId| is_in(surface, **face, &place);
+                    under.extend(own.iter().find(lies_in));
+                }
+            }
+            under.sort_unstable();
+            under.dedup();
+            under
+        };
+        Self(creases.iter().map(faces_under).collect())
+    }
+
+    /// The faces on lines that are drawn in a pose, or that give way under its compression.
+    pub(crate) fn in_pose(
+        &self,
+        layer: &PlannedLayer<'_>,
+        pose: &PoseSpec,
+        strains: &PoseStrains,
+    ) -> Vec<FaceId> {
+        let last = pose.keys.iter().copied().fold(0.0, f64::max);
+        let creases = layer.spec.creases.iter().zip(&self.0);
+        creases
+            .flat_map(|(crease, faces)| {
+                // The last key draws it most.
+                let is_drawn = crease.is_drawn(crease.strength(&pose.weights, last));
+                let gives_way = ACTIVE_FRACTION * crease.onset_ratio(layer.wrinkling);
+                let folds =
+                    move |face: &FaceId| is_drawn || strains.strain_ratio(*face) > gives_way;
+                faces.iter().copied().filter(folds)
+            })
+            .collect()
+    }
+}
+
+/// Whether a place of the driver lies in a part of its face.
+fn is_in(surface: &BaseSurface, face: FaceId, place: &MaterialPoint) -> bool {
+    let corners = surface.origins()[face].corners;
+    let area = |a: [f64; 3], b: [f64; 3], c: [f64; 3]| {
+        (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1])
+    };
+    let [a, b, c] = corners;
+    let (whole, p) = (area(a, b, c), place.barycentric);
+    let weights = [area(p, b, c), area(a, p, c), area(a, b, p)];
+    weights.iter().all(|weight| weight / whole > -INSIDE)
+}

@@ -1,0 +1,135 @@
+//! The creases of a layer: how they are drawn, and how they have folded.
+
+use ruga_blend::Weights;
+use ruga_mesh::{EdgeId, Id};
+use ruga_shell::LineAnchor;
+
+use super::Layer;
+use crate::skin::fading::distances_from;
+use crate::skin::local_skin::LocalSkin;
+use crate::{CreaseReport, StepperError};
+
+/// Distance from a crease (wavelengths) within which skin that it draws shows relief: a furrow dies out
+/// like a wave beside it, over some three bending lengths.
+const REACH: f64 = 0.75;
+
+impl Layer {
+    /// Draws the creases as a pose of these weights in full does at a `load` of it.
+    pub(crate) fn draw_creases(
+        &mut self,
+        weights: &Weights,
+        load: f64,
+    ) -> Result<(), StepperError> {
+        let creases = self.spec.creases.iter();
+        let strengths = creases.map(|crease| crease.strength(weights, load));
+        let strengths: Vec<f64> = strengths.collect();
+        self.set_crease_strengths(strengths)
+    }
+
+    pub(super) fn set_crease_strengths(&mut self, strengths: Vec<f64>) -> Result<(), StepperError> {
+        if self.skin.creases.is_empty() || self.crease_strengths == strengths {
+            return Ok(());
+        }
+        let mut creases = Vec::new();
+        let mut anchors = Vec::new();
+        for on_edge in &self.skin.creases {
+            let (spec, strength) = (&self.spec.creases[on_edge.line], strengths[on_edge.line]);
+            let tapers = on_edge.at.map(|at| spec.taper(at));
+            let taper = 0.5 * (tapers[0] + tapers[1]);
+            let wave = &self.beside(on_edge.edge).wrinkling;
+            creases.push((
+                on_edge.edge,
+                spec.on_edge(taper, strength, wave.bending_stiffness),
+            ));
+            if let Some(anchor) = spec.anchor {
+                anchors.push(LineAnchor {
+                    edge: on_edge.edge,
+                    // It fades with the crease, or it would hold the skin down beyond its tips.
+                    stiffness: taper * anchor.stiffness * wave.normal_stiffness / wave.wave_number,
+                    depths: tapers.map(|taper| spec.anchor_depth(anchor, taper * strength)),
+                });
+            }
+        }
+        let outcome = self.energy.set_creases(&creases);
+        let outcome = outcome.and_then(|()| self.energy.set_line_anchors(&anchors));
+        outcome.map_err(|source| self.shell_error(source))?;
+        self.crease_strengths = strengths;
+        Ok(())
+    }
+
+    /// The layer on the face to the left of an edge.
+    fn beside(&self, edge: EdgeId) -> &LocalSkin {
+        let [face, _] = self.skin.mesh.edges()[edge].faces;
+        &self.properties.faces[face.expect("an edge has a face to its left")]
+    }
+
+    /// Whether the present strengths draw the crease number `line`.
+    fn is_drawn(&self, line: usize) -> bool {
+        let strength = self.crease_strengths.get(line);
+        strength.is_some_and(|&strength| self.spec.creases[line].is_drawn(strength))
+    }
+
+    /// Raises the demand of the vertices that a drawn crease reaches to at least `least`: relief shows
+    /// there, however little the skin is compressed.
+    pub(super) fn raise_near_creases(&self, ratios: &mut [f64], least: f64) {
+        let mut is_on = vec![false; self.vertex_count()];
+        for crease in &self.skin.creases {
+            if self.is_drawn(crease.line) {
+                for v in self.skin.mesh.edges()[crease.edge].vertices {
+                    is_on[v.index()] = true;
+                }
+            }
+        }
+        if !is_on.contains(&true) {
+            return;
+        }
+        let waves = self.properties.vertices.iter();
+        let waves = waves.map(|local| local.wrinkling.wavelength);
+        let longest = waves.clone().fold(0.0, f64::max);
+        let places = &self.skin.rest.positions;
+        let distances = distances_from(&self.skin.mesh, places, &is_on, REACH * longest);
+        for ((ratio, distance), wavelength) in ratios.iter_mut().zip(distances).zip(waves) {
+            if distance <= REACH * wavelength {
+                *ratio = ratio.max(least);
+            }
+        }
+    }
+
+    /// How every crease has folded, in the order of the layer's specification; none for those that have no
+    /// edge on this mesh.
+    pub(crate) fn crease_reports(&self) -> Vec<CreaseReport> {
+        let states = self.energy.crease_states(&self.positions);
+        let heights = self.heights();
+        let mut reports: Vec<CreaseReport> = Vec::new();
+        for (line, spec) in self.spec.creases.iter().enumerate() {
+            let own = self.skin.creases.iter().zip(&states);
+            let own = own.filter(|(crease, _)| crease.line == line);
+            let mut report = CreaseReport::of(spec);
+            for (crease, state) in own {
+                let ends = self.skin.mesh.edges()[crease.edge].vertices.map(Id::index);
+                let [a, b] = ends.map(|v| self.skin.rest.positions[v]);
+                let depth = ends.map(|v| -heights[v]);
+                report.add(
+                    (b - a).norm(),
+                    (state.angle, 0.5 * (depth[0] + depth[1])),
+                    state.energy,
+                );
+            }
+            if report.length > 0.0 {
+                reports.push(report.finished());
+            }
+        }
+        reports
+    }
+
+    /// Forces of the layer where it lies on its base, of everything but what folds it.
+    pub(super) fn gradient_at_base(&mut self) {
+        match self.skin.creases.is_empty() {
+            true => self.energy.gradient(&self.base, &mut self.reaction),
+            false => {
+                let plain = self.energy.without_creases();
+                plain.gradient(&self.base, &mut self.reaction);
+            }
+        }
+    }
+}

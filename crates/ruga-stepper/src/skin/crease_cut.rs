@@ -1,0 +1,90 @@
+//! Edges along crease lines: in the mesh of a region, and in those that are fitted from it.
+
+use ruga_blend::Driver;
+use ruga_crease::{CreaseEdge, MeshPiece, TracedLine, cut_lines};
+use ruga_mesh::{FaceOrigin, Id, MaterialPoint, PerEdge, PerFace, TriMesh};
+
+use crate::CreaseSpec;
+use crate::skin::boundary_cut::Cut;
+use crate::skin::piece::{Piece, blend};
+
+/// A piece with edges along crease lines.
+pub(crate) struct Creased {
+    pub(crate) piece: Piece,
+    /// Edges across which the paint jumps.
+    pub(crate) boundaries: PerEdge<bool>,
+    /// Edges on lines.
+    pub(crate) creases: Vec<CreaseEdge>,
+    /// The lines over the piece's own mesh.
+    pub(crate) lines: Vec<TracedLine>,
+}
+
+/// Gives a piece of the driver edges along the lines of `creases`; without any it stays as it is.
+pub(crate) fn cut_along_creases(driver: &Driver, creases: &[CreaseSpec], cut: Cut) -> Creased {
+    let Cut { piece, features } = cut;
+    if creases.is_empty() {
+        return Creased {
+            piece,
+            boundaries: features,
+            creases: Vec::new(),
+            lines: Vec::new(),
+        };
+    }
+    let lines: Vec<TracedLine> = creases.iter().map(|crease| crease.line.clone()).collect();
+    let cut = cut_lines(
+        &lines,
+        MeshPiece {
+            positions: piece.flat_positions(driver),
+            mesh: piece.mesh.clone(),
+            origins: piece.origins.clone(),
+        },
+    );
+    let lines = cut.lines(&lines);
+    let uvs = cut.parts.as_slice().iter().map(|part| {
+        let own = &piece.uvs[part.face.index()];
+        part.corners.map(|weights| blend(own, weights))
+    });
+    Creased {
+        boundaries: carried_over(&piece.mesh, &features, (&cut.piece.mesh, &cut.parts)),
+        creases: cut.edges,
+        lines,
+        piece: Piece {
+            points: points(&cut.piece.mesh, &cut.piece.origins),
+            uvs: uvs.collect(),
+            mesh: cut.piece.mesh,
+            origins: cut.piece.origins,
+        },
+    }
+}
+
+/// The place on the driver of every vertex, from the faces around it.
+fn points(mesh: &TriMesh, origins: &PerFace<FaceOrigin>) -> Vec<MaterialPoint> {
+    let anywhere = MaterialPoint::at_corner(ruga_mesh::FaceId(0), 0);
+    let mut points = vec![anywhere; mesh.vertex_count()];
+    for (face, corners) in mesh.faces().iter() {
+        for (corner, v) in corners.iter().enumerate() {
+            let unit = MaterialPoint::at_corner(face, corner).barycentric;
+            points[v.index()] = origins[face].place(unit);
+        }
+    }
+    points
+}
+
+/// Which edges of a cut mesh lie on marked ones of the mesh before.
+fn carried_over(
+    before: &TriMesh,
+    marked: &PerEdge<bool>,
+    (mesh, parts): (&TriMesh, &PerFace<FaceOrigin>),
+) -> PerEdge<bool> {
+    let mut carried = PerEdge::filled(mesh.edges().len(), false);
+    for (face, part) in parts.iter() {
+        let edges = before.face_edges(part.face);
+        for (corner, edge) in mesh.face_edges(face).into_iter().enumerate() {
+            let [from, to] = [corner, (corner + 1) % 3].map(|corner| part.corners[corner]);
+            // Edge `i` of a face is where the coordinate of the corner before it is none.
+            let on = (0..3).find(|&i| from[(i + 2) % 3] == 0.0 && to[(i + 2) % 3] == 0.0);
+            carried[edge] |= on.is_some_and(|i| marked[edges[i]]);
+        }
+    }
+    carried
+}

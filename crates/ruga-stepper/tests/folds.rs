@@ -1,0 +1,145 @@
+//! Layers that fold along lines.
+
+mod patch;
+
+use nalgebra::Vector2;
+use patch::{SIDE, draft, driver, pose, skin};
+use ruga_blend::Driver;
+use ruga_crease::{Corners, Drive, LineInput, LineLaw, LineTracer};
+use ruga_material::{CreaseLoad, crease_depth, wrinkling};
+use ruga_shell::FoldSense;
+use ruga_stepper::{
+    Coupling, CreaseAnchor, CreaseSpec, LayerSpec, Modelling, PoseResult, PoseSpec, Silent, plan,
+};
+
+/// Thickness of the forehead preset's layer over its bending length, roughly: widths are of this order.
+const WIDTH: f64 = 5e-4;
+
+/// A straight crease across the middle of the patch, from below to above.
+fn crease(driver: &Driver, slant: f64) -> CreaseSpec {
+    let points = vec![
+        Vector2::new(0.5 - slant, 0.9),
+        Vector2::new(0.5 + slant, 0.1),
+    ];
+    let tracer = LineTracer::new(driver.topology(), driver.rest()).with_uvs(driver.uvs());
+    let line = tracer.trace(&LineInput::Uv {
+        points,
+        is_closed: false,
+        corners: Corners::Keep,
+    });
+    CreaseSpec {
+        name: "line".into(),
+        line: line.expect("a line on the patch"),
+        law: LineLaw {
+            width: WIDTH,
+            stiffness: 0.1,
+            angle: 5_f64.to_radians(),
+            fade: [2e-3; 2],
+        },
+        sense: FoldSense::Valley,
+        drive: Drive::Load,
+        anchor: None,
+    }
+}
+
+fn creased(crease: CreaseSpec, coupling: Coupling) -> LayerSpec {
+    LayerSpec {
+        creases: vec![crease],
+        ..skin("forehead-furrow", coupling)
+    }
+}
+
+/// The layer shortened evenly by a strain across the line, from rest in one key.
+fn shortened(layer: &LayerSpec, strain: f64, modelling: &Modelling) -> PoseResult {
+    let driver = driver();
+    let poses = [PoseSpec {
+        keys: vec![1.0],
+        ..pose(&driver, "fold", strain / 1.5)
+    }];
+    let layers = std::slice::from_ref(layer);
+    let plan = plan(&driver, layers, &poses, modelling, 1024).expect("a plan");
+    let result = plan.simulate(0, &mut Silent).expect("a layer");
+    assert!(result.converged, "{:?}", result.warnings);
+    result
+}
+
+/// Depth of the furrow in the middle of the patch, m.
+fn depth(result: &PoseResult) -> f64 {
+    let layer = &result.keys[0].layers[0];
+    let places = layer.driver_positions.iter().zip(&layer.positions);
+    let in_middle = places.filter(|(p, _)| (p.y - 0.5 * SIDE).abs() < 0.1 * SIDE);
+    // It is the deepest place there is.
+    in_middle.map(|(p, x)| p.z - x.z).fold(f64::MIN, f64::max)
+}
+
+/// Below the strain at which skin wrinkles, a furrow is as deep as the linear theory says, wherever the line
+/// lies on the artist's mesh, with an anchor and without. The angle is small: at 30 degrees a furrow takes so
+/// much of the compression out of the skin beside it that it is 6 % shallower.
+#[test]
+fn a_furrow_is_as_deep_as_theory_says() {
+    let anchor = CreaseAnchor {
+        depth: 4e-5,
+        stiffness: 20.0,
+    };
+    let cases = [
+        (0.0, 0.0, None),
+        (0.0, 0.018, None),
+        (0.04, 0.018, None),
+        (0.04, 0.018, Some(anchor)),
+    ];
+    for (slant, strain, anchor) in cases {
+        let spec = CreaseSpec {
+            anchor,
+            ..crease(&driver(), slant)
+        };
+        let [elastic, hybrid] = [Coupling::Elastic, Coupling::Hybrid].map(|coupling| {
+            let layer = creased(spec.clone(), coupling);
+            depth(&shortened(&layer, strain, &Modelling::standard()))
+        });
+        let layer = skin("forehead-furrow", Coupling::Elastic);
+        let wave = wrinkling(&layer.material, &layer.substrate, layer.model).expect("a preset");
+        let theory = crease_depth(&CreaseLoad {
+            load: wave.reduced_load(strain),
+            stiffness: wave.crease_stiffness(WIDTH, spec.law.stiffness),
+            rest_angle: spec.law.angle,
+            anchor: anchor.map_or(0.0, |anchor| anchor.stiffness),
+            anchor_depth: anchor.map_or(0.0, |anchor| anchor.depth * wave.wave_number),
+        });
+        let theory = theory.expect("a film that does not fold") / wave.wave_number;
+        assert!((elastic / theory - 1.0).abs() < 0.05, "{elastic} {theory}");
+        // Averages over more than a wavelength take a little of it.
+        assert!(
+            (0.95..1.01).contains(&(hybrid / elastic)),
+            "{hybrid} {elastic}"
+        );
+    }
+}
+
+/// A line that only gives way folds before the skin wrinkles, to its own side, and shows in the maps; far
+/// from it nothing does.
+#[test]
+fn a_soft_line_folds_before_the_skin_wrinkles() {
+    let driver = driver();
+    for (sense, side) in [(FoldSense::Valley, 1.0), (FoldSense::Mountain, -1.0)] {
+        let mut spec = CreaseSpec {
+            sense,
+            ..crease(&driver, 0.0)
+        };
+        spec.law.angle = 0.0;
+        spec.law.stiffness = 0.01;
+        let result = shortened(&creased(spec, Coupling::Hybrid), 0.038, &draft());
+        let report = &result.layers[0].creases[0];
+        assert!(side * report.fold > 0.2, "{report:?}");
+        let layer = &result.keys[0].layers[0];
+        let shown = layer.driver_positions.iter().zip(&layer.relief);
+        let (mut near, mut far) = (0.0_f64, 0.0_f64);
+        for (p, x) in shown {
+            match (p.x / 0.962 - 0.5 * SIDE).abs() {
+                off if off < 1e-3 => near = near.max((x.z - p.z).abs()),
+                off if off > 0.3 * SIDE => far = far.max((x.z - p.z).abs()),
+                _ => {}
+            }
+        }
+        assert!(near > 2e-4 && far < 0.05 * near, "{near} {far}");
+    }
+}
