@@ -65,17 +65,21 @@ fn shared_inputs(scene: &Scene) -> Result<Fingerprint, CliError> {
             hash = hash.with_numbers(shape.into_iter().map(f64::from).chain(values));
         }
     }
-    for layer in &scene.file.layers {
-        let painted = layer.map.iter().flat_map(|map| map.images());
-        for image in painted.chain(layer.mask.as_deref()) {
-            for file in scene.image_files(image) {
-                // Which of the tiles a file is of counts, too.
-                if scene.is_tiled() {
-                    let name = file.file_name().unwrap_or_default();
-                    hash = hash.with(name.as_encoded_bytes());
-                }
-                hash = hash.with(&read_bytes(&file)?);
+    let layers = scene.file.layers.iter();
+    let painted = layers.flat_map(|layer| {
+        let maps = layer.map.iter().flat_map(|map| map.images());
+        maps.chain(layer.mask.as_deref())
+    });
+    let creases = scene.file.creases.iter();
+    let creases = creases.filter_map(|crease| crease.image.as_deref());
+    for image in painted.chain(creases) {
+        for file in scene.image_files(image) {
+            // Which of the tiles a file is of counts, too.
+            if scene.is_tiled() {
+                let name = file.file_name().unwrap_or_default();
+                hash = hash.with(name.as_encoded_bytes());
             }
+            hash = hash.with(&read_bytes(&file)?);
         }
     }
     Ok(hash)

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use ruga_io::{LayerReport, PoseReport, Seconds, WrinkleMap, key_percent};
+use ruga_io::{
+    CreaseReport, LayerReport, MeanAndMost, PoseReport, Seconds, WrinkleMap, key_percent,
+};
 use ruga_stepper::{PoseResult, StopRule};
 
 use crate::table::duration;
@@ -65,7 +67,30 @@ fn layer_report(layer: &ruga_stepper::LayerReport, seconds: &Seconds) -> LayerRe
         residual: Some(layer.residual),
         stop_rule: layer.stop.map(stop_rule),
         bending_ratio: layer.bending_ratio,
+        creases: layer
+            .creases
+            .iter()
+            .map(|crease| crease_report(crease, layer.energy))
+            .collect(),
         seconds: seconds.clone(),
+    }
+}
+
+/// Report of a crease in a layer of an energy (J).
+fn crease_report(crease: &ruga_stepper::CreaseReport, energy: f64) -> CreaseReport {
+    CreaseReport {
+        name: crease.name.clone(),
+        length_m: crease.length,
+        fold_deg: MeanAndMost {
+            mean: crease.fold.to_degrees(),
+            most: crease.largest_fold.to_degrees(),
+        },
+        depth_m: MeanAndMost {
+            mean: crease.depth,
+            most: crease.largest_depth,
+        },
+        energy_share: if energy > 0.0 { crease.energy / energy } else { 0.0 },
+        folded_share: crease.folded_share,
     }
 }
 

@@ -30,7 +30,7 @@ impl LineSegment {
 }
 
 /// A line over the triangles of a surface: segments that follow each other.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct TracedLine {
     segments: Vec<LineSegment>,
     is_closed: bool,

@@ -45,11 +45,18 @@ pub enum CreaseWarning {
 
 impl std::fmt::Display for CreaseWarning {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.told(&|line| format!("line {line}")))
+    }
+}
+
+impl CreaseWarning {
+    /// The warning in words, with the lines as `name` calls them by their number.
+    pub fn told(&self, name: &dyn Fn(usize) -> String) -> String {
         let mm = |metres: f64| metres * 1e3;
         match *self {
-            Self::SelfCrossing { line, at: [a, b] } => write!(
-                f,
-                "line {line} crosses itself, {:.3} and {:.3} mm from its start",
+            Self::SelfCrossing { line, at: [a, b] } => format!(
+                "{} crosses itself, {:.3} and {:.3} mm from its start",
+                name(line),
                 mm(a),
                 mm(b)
             ),
@@ -57,33 +64,37 @@ impl std::fmt::Display for CreaseWarning {
                 lines: [a, b],
                 at,
                 distance,
-            } => write!(
-                f,
-                "lines {a} and {b} come within {:.3} mm, {:.3} mm from the start of the first: the mesh is too coarse for two folds there",
-                mm(distance),
-                mm(at)
-            ),
+            } => {
+                let who = match a == b {
+                    true => format!("{} comes to itself", name(a)),
+                    false => format!("{} and {} come", name(a), name(b)),
+                };
+                format!(
+                    "{who} within {:.3} mm, {:.3} mm from the start of the first: the mesh is too coarse for two folds there",
+                    mm(distance),
+                    mm(at)
+                )
+            }
             Self::Shared {
                 lines: [first, second],
                 at: [a, b],
-            } => write!(
-                f,
-                "line {second} runs along line {first} from {:.3} to {:.3} mm from its start, where it folds nothing",
+            } => format!(
+                "{} runs along {} from {:.3} to {:.3} mm from its start, where it folds nothing",
+                name(second),
+                name(first),
                 mm(a),
                 mm(b)
             ),
-            Self::Gap { line, at: [a, b] } => write!(
-                f,
-                "line {line} has no edges from {:.3} to {:.3} mm from its start",
+            Self::Gap { line, at: [a, b] } => format!(
+                "{} has no edges from {:.3} to {:.3} mm from its start",
+                name(line),
                 mm(a),
                 mm(b)
             ),
-            Self::NoEdges { line } => {
-                write!(
-                    f,
-                    "line {line} lies inside one triangle of the mesh and folds nothing"
-                )
-            }
+            Self::NoEdges { line } => format!(
+                "{} lies inside one triangle of the mesh and folds nothing",
+                name(line)
+            ),
         }
     }
 }

@@ -86,8 +86,37 @@ pub struct LayerReport {
     pub stop_rule: Option<String>,
     /// Response bending modulus of the layer's own mesh over that of its material.
     pub bending_ratio: Option<f64>,
+    /// Creases of the layer that lie on its mesh.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub creases: Vec<CreaseReport>,
     /// Time spent, means per frame.
     pub seconds: Seconds,
+}
+
+/// How a crease has folded in a pose, in the last frame.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CreaseReport {
+    /// Name of the crease; lines of an image have numbers behind it.
+    pub name: String,
+    /// Length of line that was simulated, m.
+    pub length_m: f64,
+    /// Fold angle along the line, positive in a furrow, degrees.
+    pub fold_deg: MeanAndMost,
+    /// Depth below the skin without wrinkles; negative for a ridge, m.
+    pub depth_m: MeanAndMost,
+    /// Share of the layer's energy that is in the crease itself.
+    pub energy_share: f64,
+    /// Share of the length that is folded by 5 degrees or more.
+    pub folded_share: f64,
+}
+
+/// Mean along a line, and what is farthest from 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MeanAndMost {
+    /// Mean.
+    pub mean: f64,
+    /// The value farthest from 0.
+    pub most: f64,
 }
 
 /// Seconds per frame, mean: the columns of Li 2014, Table 6-1.

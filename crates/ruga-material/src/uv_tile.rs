@@ -87,6 +87,11 @@ impl UvTile {
         uv - Vector2::from(self.origin().map(f64::from))
     }
 
+    /// The place in the layout of a place in this tile, the inverse of [`Self::local`].
+    pub fn place(self, local: &Vector2<f64>) -> Vector2<f64> {
+        local + Vector2::from(self.origin().map(f64::from))
+    }
+
     /// The coordinates moved just inside the tile, so that [`Self::at`] finds it for every place between
     /// them.
     pub fn inside(self, corners: &[Vector2<f64>; 3]) -> [Vector2<f64>; 3] {

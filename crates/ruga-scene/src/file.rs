@@ -3,6 +3,7 @@
 //! The structs keep the raw values of the file, defaults filled in; [`Layer::definition`] and
 //! [`Substrate::definition`] say which of the ways to describe a material was used.
 
+mod creases;
 mod fault;
 mod interior;
 mod names;
@@ -14,6 +15,7 @@ mod skin;
 mod slips;
 mod toml_words;
 mod validate;
+mod validate_creases;
 mod validate_interior;
 mod validate_layers;
 mod zones;
@@ -24,6 +26,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use creases::{Anchor, Corners, Crease, Drive, Fold};
 pub use interior::{Cylinder, Handle, Interior, Motion, Obstacle, Plane, Sphere};
 pub use names::{is_usable_file_name, usable_file_name};
 pub use pack::{Pack, PoseNames};
@@ -59,6 +62,9 @@ pub struct SceneFile {
     pub substrate: Option<Substrate>,
     /// The layers, bottom first.
     pub layers: Vec<Layer>,
+    /// Lines along which layers fold.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub creases: Vec<Crease>,
     /// The poses; none means every blend shape at weight 1, or a body without shapes under its own
     /// weight.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

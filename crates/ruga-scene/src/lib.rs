@@ -36,6 +36,8 @@
 
 mod bake;
 mod body;
+mod crease_presets;
+mod creases;
 mod details;
 mod engine_names;
 mod error;

@@ -13,6 +13,7 @@ use ruga_stepper::{
     plan, plan_body,
 };
 
+use crate::creases::{CreasedMesh, add_creases};
 use crate::file::{self, SceneFile};
 use crate::mask_image::mask;
 use crate::painted_files::{mask_files, tile_files};
@@ -271,6 +272,7 @@ impl Inspection {
         self.warnings.extend(mesh_warnings(&mesh, &driver));
         let poses = model::poses(&self.file, &driver, wanted, &self.path);
         self.poses = self.keep(poses);
+        self.look_at_creases(&driver);
         if let Some(layers) = &self.layers {
             let size = mesh_size::check(&self.file, &mesh, layers);
             let size = self.keep(size);
@@ -284,6 +286,23 @@ impl Inspection {
         let uvs = self.keep(uvs);
         self.warnings.extend(uvs.into_iter().flatten());
         self.mesh = Some((mesh, Arc::new(driver)));
+    }
+
+    fn look_at_creases(&mut self, driver: &Driver) {
+        let Some(layers) = &mut self.layers else {
+            return;
+        };
+        let on = CreasedMesh {
+            scene: &self.file,
+            path: &self.path,
+            driver,
+            tiles: &self.tiles,
+        };
+        let points = self.points_per_wavelength;
+        let points = points.unwrap_or(self.file.remesh.points_per_wavelength);
+        let added = add_creases(on, points, layers);
+        let told = self.keep(added);
+        self.warnings.extend(told.into_iter().flatten());
     }
 
     fn look_at_symmetry(&mut self) {

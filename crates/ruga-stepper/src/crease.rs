@@ -14,7 +14,9 @@ pub struct CreaseSpec {
     pub line: TracedLine,
     /// Width, stiffness, fold angle, and how they fade towards its ends.
     pub law: LineLaw,
-    /// The side to which it folds.
+    /// Whether it is drawn into a ridge, and not into a furrow.
+    pub is_ridge: bool,
+    /// The sides to which it may fold: that of the above, or both.
     pub sense: FoldSense,
     /// What its fold angle and its anchor's depth follow; softness is there in every pose.
     pub drive: Drive,
@@ -72,19 +74,17 @@ impl CreaseSpec {
         let angle = self.law.rest_angle(taper * strength);
         Crease {
             compliance: self.law.softness(taper) / modulus,
-            rest_angle: match self.sense {
-                FoldSense::Valley | FoldSense::Both => angle,
-                FoldSense::Mountain => -angle,
-            },
+            rest_angle: if self.is_ridge { -angle } else { angle },
             sense: self.sense,
         }
     }
 
     /// Depth below the skin around it that an anchor draws the line to, at a strength (m); negative for a height.
     pub(crate) fn anchor_depth(&self, anchor: CreaseAnchor, strength: f64) -> f64 {
-        match self.sense {
-            FoldSense::Valley | FoldSense::Both => strength * anchor.depth,
-            FoldSense::Mountain => -strength * anchor.depth,
+        if self.is_ridge {
+            -strength * anchor.depth
+        } else {
+            strength * anchor.depth
         }
     }
 }

@@ -107,5 +107,5 @@ pub use error::StepperError;
 // them.
 pub use ruga_constraint::Sampling;
 pub use ruga_lattice::{LatticeError, Shape as CellShape, SolidMaterial};
-pub use ruga_shell::BendingModel;
+pub use ruga_shell::{BendingModel, FoldSense};
 pub use ruga_solver::StopRule;

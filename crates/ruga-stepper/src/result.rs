@@ -167,7 +167,12 @@ pub struct CreaseReport {
     pub largest_depth: f64,
     /// Energy in the crease itself, J.
     pub energy: f64,
+    /// Share of the length that is folded by 5 degrees or more.
+    pub folded_share: f64,
 }
+
+/// Angle from which on a crease counts as folded, rad.
+const FOLDED: f64 = 5.0 * std::f64::consts::PI / 180.0;
 
 impl CreaseReport {
     /// The report of a crease before any edge is counted.
@@ -186,12 +191,16 @@ impl CreaseReport {
         self.largest_fold = larger(self.largest_fold, fold);
         self.largest_depth = larger(self.largest_depth, depth);
         self.energy += energy;
+        if fold.abs() >= FOLDED {
+            self.folded_share += length;
+        }
     }
 
     /// Makes means of the sums over a line that has a length.
     pub(crate) fn finished(mut self) -> Self {
         self.fold /= self.length;
         self.depth /= self.length;
+        self.folded_share /= self.length;
         self
     }
 }

@@ -7,9 +7,8 @@ use patch::{SIDE, draft, driver, pose, skin};
 use ruga_blend::Driver;
 use ruga_crease::{Corners, Drive, LineInput, LineLaw, LineTracer};
 use ruga_material::{CreaseLoad, crease_depth, wrinkling};
-use ruga_shell::FoldSense;
 use ruga_stepper::{
-    Coupling, CreaseAnchor, CreaseSpec, LayerSpec, Modelling, PoseResult, PoseSpec, Silent, plan,
+    Coupling, CreaseAnchor, CreaseSpec, FoldSense, LayerSpec, Modelling, PoseResult, PoseSpec, Silent, plan,
 };
 
 /// Thickness of the forehead preset's layer over its bending length, roughly: widths are of this order.
@@ -36,6 +35,7 @@ fn crease(driver: &Driver, slant: f64) -> CreaseSpec {
             angle: 5_f64.to_radians(),
             fade: [2e-3; 2],
         },
+        is_ridge: false,
         sense: FoldSense::Valley,
         drive: Drive::Load,
         anchor: None,
@@ -122,6 +122,7 @@ fn a_soft_line_folds_before_the_skin_wrinkles() {
     let driver = driver();
     for (sense, side) in [(FoldSense::Valley, 1.0), (FoldSense::Mountain, -1.0)] {
         let mut spec = CreaseSpec {
+            is_ridge: sense == FoldSense::Mountain,
             sense,
             ..crease(&driver, 0.0)
         };

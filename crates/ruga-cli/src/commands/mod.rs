@@ -12,5 +12,6 @@ pub(crate) mod job;
 pub(crate) mod man;
 pub(crate) mod new;
 pub(crate) mod plan;
+mod plan_creases;
 pub(crate) mod preview;
 pub(crate) mod simulate;

@@ -4,6 +4,7 @@ use ruga_material::Wrinkling;
 use ruga_scene::{Scene, SceneOptions, ScenePlan, counted};
 use ruga_stepper::InteriorPlan;
 
+use super::plan_creases::creases_table;
 use super::plan_json::{Totals, json, pairs};
 use crate::arguments::PlanArguments;
 use crate::error::CliError;
@@ -72,15 +73,14 @@ fn alike(scene: &Scene, plan: &ScenePlan) -> Vec<String> {
 }
 
 fn print(scene: &Scene, plan: &ScenePlan) {
-    let mut waves = vec![None; scene.layers.len()];
-    for zone in &plan.zones {
-        for (number, wave) in zone.layers.iter().zip(zone.plan.wrinkling()) {
-            waves[*number] = Some(*wave);
-        }
-    }
-    let waves: Vec<Wrinkling> = waves.into_iter().flatten().collect();
+    let waves = waves(scene, plan);
     messages::result(&layers_table(scene, &waves));
     messages::result("");
+    let creases = creases_table(scene, &waves);
+    if !creases.is_empty() {
+        messages::result(&creases);
+        messages::result("");
+    }
     if let Some(interior) = plan.interior() {
         messages::result(&lattice(interior));
         messages::result("");
@@ -99,6 +99,17 @@ fn print(scene: &Scene, plan: &ScenePlan) {
         messages::result(&line);
     }
     messages::result(&totals(plan));
+}
+
+/// The critical wave of every layer, in the order of the scene.
+pub(super) fn waves(scene: &Scene, plan: &ScenePlan) -> Vec<Wrinkling> {
+    let mut waves = vec![None; scene.layers.len()];
+    for zone in &plan.zones {
+        for (number, wave) in zone.layers.iter().zip(zone.plan.wrinkling()) {
+            waves[*number] = Some(*wave);
+        }
+    }
+    waves.into_iter().flatten().collect()
 }
 
 /// Every layer with its critical wave.

@@ -5,6 +5,9 @@ use ruga_scene::{Scene, ScenePlan, ZonePlan};
 use ruga_stepper::{AppliedStrain, InteriorPlan, LayerPlan, LoadPath};
 use serde::Serialize;
 
+use super::plan::waves;
+use super::plan_creases::{CreaseJson, creases};
+
 /// The plan as JSON.
 pub(super) fn json(scene: &Scene, plan: &ScenePlan) -> String {
     let totals = Totals::of(plan);
@@ -18,6 +21,7 @@ pub(super) fn json(scene: &Scene, plan: &ScenePlan) -> String {
         interior: interior.map(InteriorJson::new),
         layer: body_layer.map(LayerJson::new),
         pairs: pairs(scene, plan),
+        creases: creases(scene, &waves(scene, plan)),
         poses: (0..scene.poses.len())
             .map(|index| PoseJson::new(scene, plan, index))
             .collect(),
@@ -45,6 +49,8 @@ struct PlanJson<'a> {
     layer: Option<LayerJson<'a>>,
     /// Bottom first; empty for a single layer.
     pairs: Vec<PairJson<'a>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    creases: Vec<CreaseJson<'a>>,
     poses: Vec<PoseJson<'a>>,
     total: TotalJson,
 }

@@ -71,6 +71,9 @@ impl SceneFile {
             });
             images.flatten().for_each(resolve);
         }
+        for crease in &mut self.creases {
+            crease.image.iter_mut().for_each(resolve);
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use serde::de::{Deserialize, Deserializer, Error, Visitor};
 use serde_json::{Map, Value};
 
 use super::{
-    Bake, Cylinder, Driver, Handle, Interior, Layer, Motion, Obstacle, Pack, Plane, Pose,
+    Anchor, Bake, Crease, Cylinder, Driver, Handle, Interior, Layer, Motion, Obstacle, Pack, Plane, Pose,
     PropertyMap, Remesh, SceneFile, Solver, Sphere, Substrate,
 };
 
@@ -50,6 +50,8 @@ pub fn reference() -> Vec<Table> {
         table::<Substrate>("substrate", "[substrate]"),
         table::<Layer>("layers", "[[layers]]"),
         table::<PropertyMap>("layers.map", "[layers.map]"),
+        table::<Crease>("creases", "[[creases]]"),
+        table::<Anchor>("creases.anchor", "[creases.anchor]"),
         table::<Pose>("poses", "[[poses]]"),
         table::<Motion>("poses.motions", "[[poses.motions]]"),
         table::<Solver>("solver", "[solver]"),

@@ -1,0 +1,150 @@
+//! What `[[creases]]` must mean, beyond being well-formed.
+
+use ruga_blend::nearest;
+
+use super::fault::{Checked, Fault, fault, names_given, not_negative, positive, unique_name};
+use super::{Anchor, Crease, Drive, SceneFile};
+use crate::crease_presets::{CREASE_PRESETS, crease_preset};
+
+/// Angle of a fold beyond which its sides touch, degrees.
+const LARGEST_ANGLE: f64 = 150.0;
+
+/// Least share of the bending stiffness: a hinge without friction.
+const LEAST_STIFFNESS: f64 = 1e-6;
+
+impl SceneFile {
+    pub(super) fn crease_faults(&self) -> Checked {
+        if self.creases.is_empty() {
+            return Ok(());
+        }
+        if self.interior.is_some() {
+            let accepted = "none with [interior]: creases fold layers on a posed mesh";
+            return fault("creases", self.creases.len(), accepted);
+        }
+        if self.driver.symmetry.is_some() {
+            let accepted = "none with [[creases]], which may differ from side to side";
+            return fault("driver.symmetry", "\"x\"", accepted);
+        }
+        for (i, crease) in self.creases.iter().enumerate() {
+            let key = format!("creases[{i}]");
+            crease.faults(&key)?;
+            self.crease_layer_faults(&key, crease)?;
+            let earlier = self.creases.iter().take(i).map(|other| &other.name);
+            unique_name(&format!("{key}.name"), &crease.name, earlier)?;
+        }
+        Ok(())
+    }
+
+    /// Number of the layer that a crease folds, if there is one of that name.
+    pub(crate) fn layer_of(&self, crease: &Crease) -> Option<usize> {
+        let Some(name) = &crease.layer else {
+            return Some(0);
+        };
+        self.layers.iter().position(|layer| layer.name == *name)
+    }
+
+    fn crease_layer_faults(&self, key: &str, crease: &Crease) -> Checked {
+        let key = format!("{key}.layer");
+        let Some(layer) = self.layer_of(crease) else {
+            let name = crease.layer.as_deref().unwrap_or_default();
+            let names = || self.layers.iter().map(|layer| layer.name.as_str());
+            let listed: Vec<String> = names().map(|name| format!("`{name}`")).collect();
+            return Err(Fault {
+                key,
+                reason: format!(
+                    "there is no layer `{name}`; accepted: {}",
+                    listed.join(", ")
+                ),
+                suggestion: nearest(name, names()),
+            });
+        };
+        let zones = self.zones();
+        let zone = zones.iter().find(|zone| zone.layers.contains(&layer));
+        let lowest = zone.map_or(layer, |zone| zone.layers[0]);
+        if lowest != layer {
+            let found = format!("`{}`, which lies on another layer", self.layers[layer].name);
+            let accepted = format!("`{}`, the lowest layer there", self.layers[lowest].name);
+            return fault(&key, found, &accepted);
+        }
+        if zone.is_some_and(|zone| zone.layers.len() > 1) {
+            let found = format!("`{}`, which carries another layer", self.layers[layer].name);
+            return fault(&key, found, "a layer that carries none");
+        }
+        Ok(())
+    }
+}
+
+impl Crease {
+    fn faults(&self, key: &str) -> Checked {
+        let sources = [
+            ("uv", !self.uv.is_empty()),
+            ("edges", !self.edges.is_empty()),
+            ("image", self.image.is_some()),
+        ];
+        if sources.iter().filter(|(_, given)| *given).count() != 1 {
+            let accepted = "exactly one of uv, edges and image";
+            return fault(key, names_given(&sources), accepted);
+        }
+        if self.closed && self.uv.is_empty() {
+            let accepted = "only with `uv`; `edges` close by ending where they began";
+            return fault(&format!("{key}.closed"), "true", accepted);
+        }
+        if let Some(name) = &self.preset
+            && crease_preset(name).is_none()
+        {
+            let names = || CREASE_PRESETS.iter().map(|preset| preset.name);
+            return Err(Fault {
+                key: format!("{key}.preset"),
+                reason: format!(
+                    "there is no crease preset `{name}`; accepted: {}",
+                    names().collect::<Vec<_>>().join(", ")
+                ),
+                suggestion: nearest(name, names()),
+            });
+        }
+        if let Some(width) = self.width {
+            positive(&format!("{key}.width"), width)?;
+        }
+        let is_share = |share: &f64| (LEAST_STIFFNESS..=1.0).contains(share);
+        if let Some(share) = self.stiffness.filter(|share| !is_share(share)) {
+            let accepted = "a share from 0.000001 to 1";
+            return fault(&format!("{key}.stiffness"), share, accepted);
+        }
+        let is_angle = |angle: &f64| (0.0..=LARGEST_ANGLE).contains(angle);
+        if let Some(angle) = self.angle.filter(|angle| !is_angle(angle)) {
+            let accepted = "degrees from 0 to 150";
+            return fault(&format!("{key}.angle"), angle, accepted);
+        }
+        for (i, fade) in self.fade.iter().flatten().enumerate() {
+            not_negative(&format!("{key}.fade[{i}]"), *fade)?;
+        }
+        if let Some(Anchor { depth, stiffness }) = self.anchor {
+            not_negative(&format!("{key}.anchor.depth"), depth)?;
+            not_negative(&format!("{key}.anchor.stiffness"), stiffness)?;
+        }
+        self.drive_faults(key)
+    }
+
+    fn drive_faults(&self, key: &str) -> Checked {
+        let by_weights = self.drive == Drive::Weights;
+        if by_weights && self.weights.is_empty() {
+            let accepted = "with drive = \"weights\" at least one blend shape, as { browDown = 1.0 }";
+            return fault(&format!("{key}.weights"), "none", accepted);
+        }
+        if !by_weights && !self.weights.is_empty() {
+            let accepted = "\"weights\", because `weights` are given; or leave them out";
+            let found = match self.drive {
+                Drive::Always => "\"always\"",
+                Drive::Load | Drive::Weights => "\"load\"",
+            };
+            return fault(&format!("{key}.drive"), found, accepted);
+        }
+        let wrong = self.weights.iter().find(|(_, factor)| !factor.is_finite());
+        match wrong {
+            Some((shape, factor)) => {
+                fault(&format!("{key}.weights.{shape}"), factor, "a finite number")
+            }
+            None => Ok(()),
+        }
+    }
+}
