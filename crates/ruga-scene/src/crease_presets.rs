@@ -46,7 +46,7 @@ pub(crate) const CREASE_PRESETS: [CreasePreset; 5] = [
     },
     CreasePreset {
         name: "nasolabial",
-        width: 1.5e-3,
+        width: 1.0e-3,
         stiffness: 0.1,
         angle: 40.0,
         depth: Some(0.8e-3),
