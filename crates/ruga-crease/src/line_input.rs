@@ -1,7 +1,7 @@
 //! Crease lines as they are drawn.
 
 use nalgebra::{Vector2, Vector3};
-use ruga_mesh::VertexId;
+use ruga_mesh::{MaterialPoint, VertexId};
 
 /// Treatment of the corners of a polyline.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,6 +37,13 @@ pub enum LineInput {
         reach: f64,
         /// Treatment of its corners.
         corners: Corners,
+    },
+    /// Places on the surface, joined by straight ways over it.
+    Places {
+        /// The places.
+        places: Vec<MaterialPoint>,
+        /// Whether the last is joined to the first.
+        is_closed: bool,
     },
     /// A path along edges of the mesh, closed if it ends where it began.
     Edges {

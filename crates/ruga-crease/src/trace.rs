@@ -84,6 +84,12 @@ impl<'a> LineTracer<'a> {
                 let curve = rounded(points, *is_closed, *corners);
                 (self.trace_positions(&curve, *reach)?, *is_closed)
             }
+            LineInput::Places { places, is_closed } => {
+                let numbered = places.iter().copied().enumerate();
+                let first = numbered.clone().next().filter(|_| *is_closed);
+                let way: Vec<_> = numbered.chain(first).collect();
+                (self.join(&way)?, *is_closed)
+            }
             LineInput::Edges { vertices } => self.trace_edges(vertices)?,
         };
         self.check_faces(&steps)?;
@@ -221,12 +227,17 @@ impl<'a> LineTracer<'a> {
                 distance,
                 reach,
             })?;
-            Ok(found.point)
+            Ok((point, found.point))
         };
         let places = curve.iter().map(place).collect::<Result<Vec<_>, _>>()?;
+        self.join(&places)
+    }
+
+    /// The ways from each of some places to the next; every place with the number of the point before it.
+    fn join(&self, places: &[(usize, MaterialPoint)]) -> Result<Vec<Step>, CreaseError> {
         let mut steps = Vec::new();
-        for (ends, (_, leg)) in places.windows(2).zip(curve) {
-            steps.extend(self.walk_in_space([ends[0], ends[1]], *leg)?);
+        for ends in places.windows(2) {
+            steps.extend(self.walk_in_space([ends[0].1, ends[1].1], ends[0].0)?);
         }
         Ok(steps)
     }
