@@ -10,6 +10,8 @@ pub(crate) enum Template {
     Forearm,
     /// A head with blend shapes in ARKit's names; zones of skin with painted masks.
     Face,
+    /// The same head with creases: between the brows, beside the eyes, beside the mouth.
+    Creases,
     /// A finger that bends.
     Finger,
     /// A cushion, a soft body that a button presses.
@@ -37,6 +39,13 @@ impl Template {
                 "cheeks.png",
                 "thickness.png"
             ),
+            Template::Creases => &[
+                ("scene.toml", include_bytes!("../../../assets/face/creases.toml")),
+                ("face.glb", include_bytes!("../../../assets/face/face.glb")),
+                ("forehead.png", include_bytes!("../../../assets/face/forehead.png")),
+                ("eyes.png", include_bytes!("../../../assets/face/eyes.png")),
+                ("cheeks.png", include_bytes!("../../../assets/face/cheeks.png")),
+            ],
             Template::Finger => files!("finger", "scene.toml", "finger.glb"),
             Template::Cushion => files!("pillow", "scene.toml", "pillow.glb"),
         }

@@ -47,6 +47,20 @@ fn the_face_has_its_masks_and_wrinkles_in_every_pose() {
 }
 
 #[test]
+fn the_creases_are_planned_with_their_lines() {
+    let folder = Folder::new();
+    folder.ruga("new head --template creases").exits(0);
+    let plan = folder.ruga("plan head/scene.toml --quality draft").exits(0);
+    assert!(plan.stdout.contains("nasolabial-left"), "{}", plan.stdout);
+    assert!(
+        plan.stdout.contains("total: 3 of 3 poses wrinkle"),
+        "{}",
+        plan.stdout
+    );
+    assert!(!plan.stderr.contains("warning"), "{}", plan.stderr);
+}
+
+#[test]
 fn the_cushion_passes_its_check() {
     let folder = Folder::new();
     folder.ruga("new cushion --template cushion").exits(0);

@@ -6,23 +6,29 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum CreaseError {
     /// A line has no two points, or a closed one no three that differ.
-    #[error("the line has {count} points; a line needs at least 2, a closed one 3 that differ")]
+    #[error(
+        "the line has {count} different point{}; accepted: at least 2, and 3 where it is closed",
+        if *count == 1 { "" } else { "s" }
+    )]
     TooFewPoints {
         /// Points given, or of a closed line those that differ.
         count: usize,
     },
     /// A point has a coordinate that is infinite or not a number.
-    #[error("point {point} of the line has a coordinate that is not finite")]
+    #[error("point {point} of the line has a coordinate that is no finite number")]
     NotFinite {
         /// Number of the point, from 0.
         point: usize,
     },
     /// All points of a line lie on one place.
-    #[error("the line has no length")]
+    #[error(
+        "the line has no length: all its points are one place; draw it from one place to another"
+    )]
     ZeroLength,
     /// A line is shorter than the mesh that is to fold along it can resolve.
     #[error(
-        "line {line} is {length:e} m long, less than two edges of {edge:e} m: lengthen it or refine the mesh"
+        "line {line} is {:.2} mm long, less than two edges of the mesh, which are {:.2} mm: lengthen it or refine the mesh",
+        length * 1e3, edge * 1e3
     )]
     TooShort {
         /// Number of the line.
@@ -36,7 +42,7 @@ pub enum CreaseError {
     #[error("the line is drawn in texture coordinates, but the mesh has none")]
     NoTextureCoordinates,
     /// A point lies outside every triangle of the texture layout.
-    #[error("point {point} at UV ({}, {}) lies in no triangle of the texture layout", uv[0], uv[1])]
+    #[error("near its point {point}, at UV ({}, {}), the line lies in no triangle of the texture layout: move it onto an island; U and V count from the upper left of the texture", short(uv[0]), short(uv[1]))]
     OutsideUv {
         /// Number of the point.
         point: usize,
@@ -44,7 +50,7 @@ pub enum CreaseError {
         uv: [f64; 2],
     },
     /// A point lies where charts of the texture layout lie on each other.
-    #[error("point {point} at UV ({}, {}) lies in triangles {} and {}, which overlap in the texture layout: draw the line on the mesh instead", uv[0], uv[1], faces[0], faces[1])]
+    #[error("near its point {point}, at UV ({}, {}), the line lies in triangles {} and {}, which overlap in the texture layout: give the line by vertices of the mesh, or move one of the islands", short(uv[0]), short(uv[1]), faces[0], faces[1])]
     OverlappingCharts {
         /// Number of the point.
         point: usize,
@@ -54,7 +60,9 @@ pub enum CreaseError {
         faces: [u32; 2],
     },
     /// A line crosses a seam of the texture layout without points on both sides of it.
-    #[error("between its points {leg} and {} the line crosses a UV seam at triangle {face}: give a point on either side of the seam", leg + 1)]
+    #[error(
+        "after its point {leg} the line crosses a UV seam at triangle {face}: give a point on the seam in that island, and next the same place in the other"
+    )]
     AcrossSeam {
         /// Number of the first of the two points.
         leg: usize,
@@ -62,7 +70,9 @@ pub enum CreaseError {
         face: u32,
     },
     /// A line runs over the border of the surface.
-    #[error("between its points {leg} and {} the line leaves the surface at triangle {face}", leg + 1)]
+    #[error(
+        "after its point {leg} the line leaves the surface at triangle {face}: keep it on the skin"
+    )]
     LeavesSurface {
         /// Number of the first of the two points.
         leg: usize,
@@ -71,7 +81,7 @@ pub enum CreaseError {
     },
     /// No way along the surface leads from one point to the next.
     #[error(
-        "no way along the surface leads from point {leg} of the line to the next: they lie on separate parts, or too far apart"
+        "no way along the surface leads from point {leg} of the line to the next: they lie on separate parts, or too far apart; give points between them"
     )]
     NoWay {
         /// Number of the first of the two points.
@@ -79,7 +89,8 @@ pub enum CreaseError {
     },
     /// A point is too far from the surface.
     #[error(
-        "point {point} of the line is {distance:e} m from the surface, more than reach = {reach:e} m"
+        "point {point} of the line is {:.2} mm from the surface, more than a reach of {:.2} mm",
+        distance * 1e3, reach * 1e3
     )]
     BeyondReach {
         /// Number of the point.
@@ -90,25 +101,29 @@ pub enum CreaseError {
         reach: f64,
     },
     /// A vertex of an edge path is not in the mesh.
-    #[error("vertex {vertex} of the edge path is not in the mesh")]
+    #[error("vertex {vertex} of the line is not in the mesh")]
     UnknownVertex {
         /// The vertex.
         vertex: u32,
     },
     /// Two vertices of an edge path have no edge between them.
-    #[error("vertices {} and {} of the edge path share no edge", vertices[0], vertices[1])]
+    #[error("vertices {} and {} of the line share no edge; accepted: a way from neighbour to neighbour along edges of the mesh", vertices[0], vertices[1])]
     NotAnEdge {
         /// The vertices.
         vertices: [u32; 2],
     },
     /// A line runs along the border, where there is nothing to fold against.
-    #[error("the line runs along the border of the surface at triangle {face}")]
+    #[error(
+        "the line runs along the border of the surface at triangle {face}, where there is nothing to fold against: move it inwards"
+    )]
     AlongBorder {
         /// A triangle there.
         face: u32,
     },
     /// A line runs over a triangle without area.
-    #[error("the line runs over triangle {face}, which has no area")]
+    #[error(
+        "the line runs over triangle {face}, which has no area: move the line, or mend the mesh there"
+    )]
     DegenerateFace {
         /// The triangle.
         face: u32,
@@ -140,7 +155,11 @@ pub enum CreaseError {
         values: usize,
     },
     /// No texel of an image is bright enough, or too few for a line.
-    #[error("the image shows no line: {bright} texels reach {threshold}")]
+    #[error(
+        "the image shows no line: {} as bright as {} %, or too few in a row; paint lines white on black",
+        match bright { 0 => "no texel is".to_owned(), 1 => "1 texel is".to_owned(), more => format!("{more} texels are") },
+        short(threshold * 100.0)
+    )]
     NoLineInImage {
         /// Texels that are bright enough.
         bright: usize,
@@ -148,14 +167,14 @@ pub enum CreaseError {
         threshold: f64,
     },
     /// Most of an image is bright: its middle lines mean nothing.
-    #[error("{:.0} % of the image is line: lines are bright strokes on dark ground", share * 100.0)]
+    #[error("{:.0} % of the image is bright; paint lines as thin white strokes on black", share * 100.0)]
     AllLineInImage {
         /// Share of the texels.
         share: f64,
     },
     /// The skeleton of an image has so many branches that it is noise.
     #[error(
-        "the image shows {branches} lines, more than {limit}: it is noise, or not an image of lines"
+        "the image shows {branches} lines, more than {limit}: it is noise, or no image of lines; paint lines as clean white strokes on black"
     )]
     TooManyBranches {
         /// Branches found.
@@ -163,4 +182,9 @@ pub enum CreaseError {
         /// Most that are accepted.
         limit: usize,
     },
+}
+
+/// A number with four decimals, fewer where they are zero.
+fn short(number: f64) -> f64 {
+    (number * 1e4).round() / 1e4
 }

@@ -40,11 +40,9 @@ pub fn check_lines(
             range: "> 0 m",
         });
     }
-    for (line, traced) in lines.iter().enumerate() {
-        let length = traced.length();
-        if length < LEAST_EDGES * edge {
-            return Err(CreaseError::TooShort { line, length, edge });
-        }
+    if let Some(line) = lines.iter().position(|line| line.is_too_short(edge)) {
+        let length = lines[line].length();
+        return Err(CreaseError::TooShort { line, length, edge });
     }
     let crossings = line_crossings(lines, mesh);
     let mut warnings: Vec<_> = crossings.iter().filter_map(self_crossing).collect();
@@ -52,8 +50,14 @@ pub fn check_lines(
         .iter()
         .map(|line| sample(line, (mesh, positions), edge));
     let samples: Vec<_> = samples.collect();
+    let boxes: Vec<_> = samples.iter().map(|line| surroundings(line)).collect();
+    let are_apart = |a: usize, b: usize| {
+        let room = Vector3::repeat(ROOM * edge);
+        let [low, high] = [boxes[a].0 - room, boxes[a].1 + room];
+        (0..3).any(|i| boxes[b].1[i] < low[i] || boxes[b].0[i] > high[i])
+    };
     for first in 0..lines.len() {
-        for second in first..lines.len() {
+        for second in (first..lines.len()).filter(|second| !are_apart(first, *second)) {
             let pair = [first, second].map(|line| (line, &lines[line], samples[line].as_slice()));
             if first != second && lie_on_each_other(pair, edge) {
                 let lines = [first, second];
@@ -63,6 +67,13 @@ pub fn check_lines(
         }
     }
     Ok(warnings)
+}
+
+impl TracedLine {
+    /// Whether the line is shorter than a mesh with edges of length `edge` (m) can fold.
+    pub fn is_too_short(&self, edge: f64) -> bool {
+        self.length() < LEAST_EDGES * edge
+    }
 }
 
 fn self_crossing(crossing: &LineCrossing) -> Option<CreaseWarning> {
@@ -90,6 +101,14 @@ fn sample(
         .collect()
 }
 
+/// The box around the samples of a line.
+fn surroundings(samples: &[(f64, Vector3<f64>)]) -> (Vector3<f64>, Vector3<f64>) {
+    let none = Vector3::repeat(f64::INFINITY);
+    samples.iter().fold((none, -none), |(low, high), (_, p)| {
+        (low.inf(p), high.sup(p))
+    })
+}
+
 type Sampled<'a> = (usize, &'a TracedLine, &'a [(f64, Vector3<f64>)]);
 
 fn lie_on_each_other([(_, first, a), (_, second, b)]: [Sampled<'_>; 2], edge: f64) -> bool {
@@ -98,13 +117,15 @@ fn lie_on_each_other([(_, first, a), (_, second, b)]: [Sampled<'_>; 2], edge: f6
     } else {
         (b, a)
     };
-    let is_on = |p: &Vector3<f64>| {
-        let chords = longer.windows(2);
-        let distance = |pair: &[(f64, Vector3<f64>)]| distance_to(p, [pair[0].1, pair[1].1]);
-        chords.map(distance).fold(f64::INFINITY, f64::min) < ON_EACH_OTHER * edge
-    };
-    let on = shorter.iter().filter(|(_, p)| is_on(p)).count();
+    let on = shorter.iter().filter(|(_, p)| is_on(longer, p, edge));
+    let on = on.count();
     on as f64 > MOST_COMMON * shorter.len() as f64
+}
+
+/// Whether a place lies on a line.
+fn is_on(line: &[(f64, Vector3<f64>)], p: &Vector3<f64>, edge: f64) -> bool {
+    let mut chords = line.windows(2);
+    chords.any(|pair| distance_to(p, [pair[0].1, pair[1].1]) < ON_EACH_OTHER * edge)
 }
 
 fn distance_to(p: &Vector3<f64>, [a, b]: [Vector3<f64>; 2]) -> f64 {
@@ -113,9 +134,35 @@ fn distance_to(p: &Vector3<f64>, [a, b]: [Vector3<f64>; 2]) -> f64 {
     (p - a - chord * share.clamp(0.0, 1.0)).norm()
 }
 
+/// Where on the first of two lines the one ends on the other. Lines that go straight on into each other do not
+/// cross, and no more do those that share a vertex but no face.
+fn joints(
+    [(line, a), (other, b)]: [(&TracedLine, &[(f64, Vector3<f64>)]); 2],
+    edge: f64,
+) -> Vec<f64> {
+    let ends = |line: &TracedLine, samples: &[(f64, Vector3<f64>)]| {
+        let ends = samples.first().into_iter().chain(samples.last());
+        let ends = ends.filter(|_| !line.is_closed()).copied();
+        ends.collect::<Vec<_>>()
+    };
+    let own = ends(line, a).into_iter();
+    let own = own.filter(|(_, end)| is_on(b, end, edge));
+    let others = ends(other, b).into_iter();
+    let others = others.filter(|(_, end)| is_on(a, end, edge));
+    let nearest = |end: Vector3<f64>| {
+        let distance = |p: &Vector3<f64>| (p - end).norm_squared();
+        a.iter()
+            .min_by(|p, q| distance(&p.1).total_cmp(&distance(&q.1)))
+    };
+    let others = others.filter_map(|(_, end)| nearest(end));
+    own.map(|(at, _)| at)
+        .chain(others.map(|(at, _)| *at))
+        .collect()
+}
+
 /// Where two lines, or parts of one, come too close without meeting there.
 fn too_close(
-    [(first, line, a), (second, _, b)]: [Sampled<'_>; 2],
+    [(first, line, a), (second, other_line, b)]: [Sampled<'_>; 2],
     crossings: &[LineCrossing],
     edge: f64,
 ) -> Option<CreaseWarning> {
@@ -125,7 +172,10 @@ fn too_close(
         .collect();
     // A line that crosses itself has both places on it.
     let places = if first == second { 2 } else { 1 };
-    let places: Vec<f64> = near.iter().flat_map(|c| &c.at[..places]).copied().collect();
+    let mut places: Vec<f64> = near.iter().flat_map(|c| &c.at[..places]).copied().collect();
+    if first != second {
+        places.extend(joints([(line, a), (other_line, b)], edge));
+    }
     let meets = |at: f64| places.iter().any(|s| (s - at).abs() < NEAR_CROSSING * edge);
     let mut closest: Option<(f64, f64)> = None;
     for &(at, p) in a.iter().filter(|(at, _)| !meets(*at)) {

@@ -22,6 +22,10 @@ const SAME_PLACE: f64 = 0.25;
 /// Distance in the texture layout up to which two places are one: what files round to.
 const SAME_UV: f64 = 1e-6;
 
+/// Distance in the texture layout up to which a point beside an island lies on its border: coordinates are
+/// written with three decimals, and a point on a seam is hit by no more than chance.
+const BESIDE_UV: f64 = 1e-3;
+
 /// Share of a line on the border at which it runs along it.
 const MOST_ON_BORDER: f64 = 0.05;
 
@@ -131,16 +135,20 @@ impl<'a> LineTracer<'a> {
         for run in runs {
             let of_run: Vec<_> = run.iter().map(|&i| points[i]).collect();
             let curve = rounded(&of_run, is_ring, corners);
-            let places = curve.iter().map(|(uv, i)| self.locate(uvs, *uv, run[*i]));
-            let places = places.collect::<Result<Vec<_>, _>>()?;
+            let place = |&(uv, i): &(Vector2<f64>, usize)| {
+                let leg = run[i];
+                let ends = [points[leg], points[(leg + 1) % count]];
+                let found = self.locate(uvs, uv, leg);
+                found.map_err(|error| self.off_island(uvs, (ends, leg), error))
+            };
+            let places = curve.iter().map(place).collect::<Result<Vec<_>, _>>()?;
             if let (Some(last), Some(next)) = (last_place(&steps), places.first()) {
                 let leg = run[0].checked_sub(1).unwrap_or(count - 1);
                 steps.extend(self.walk_in_space([last, *next], leg)?);
             }
             for (pair, ends) in curve.windows(2).zip(places.windows(2)) {
-                let way = UvWay::new(uvs, self.mesh, [pair[0].0, pair[1].0]);
                 let leg = run[pair[0].1];
-                let found = walk(self.mesh, &way, [ends[0], ends[1]]);
+                let found = self.walk_in_uv(uvs, [ends[0], ends[1]]);
                 steps.extend(found.map_err(|stop| stopped(stop, leg))?);
             }
         }
@@ -151,6 +159,37 @@ impl<'a> LineTracer<'a> {
             steps.extend(self.walk_in_space([last, first], leg)?);
         }
         Ok(steps)
+    }
+
+    /// The way straight in the texture layout.
+    fn walk_in_uv(
+        &self,
+        uvs: &PerFace<[Vector2<f64>; 3]>,
+        ends: [MaterialPoint; 2],
+    ) -> Result<Vec<Step>, Stop> {
+        let points = ends.map(|end| uv_at(uvs, &end));
+        // Two points beside one corner of an island are that corner.
+        if points[0] == points[1] {
+            return Ok(Vec::new());
+        }
+        walk(self.mesh, &UvWay::new(uvs, self.mesh, points), ends)
+    }
+
+    /// Why the curve from one point of a line to the next is off all islands: the straight way is, too, or the
+    /// curve reaches beyond a border.
+    fn off_island(
+        &self,
+        uvs: &PerFace<[Vector2<f64>; 3]>,
+        (ends, leg): ([Vector2<f64>; 2], usize),
+        error: CreaseError,
+    ) -> CreaseError {
+        let [Ok(from), Ok(to)] = ends.map(|uv| self.locate(uvs, uv, leg)) else {
+            return error;
+        };
+        match self.walk_in_uv(uvs, [from, to]) {
+            Err(stop) => stopped(stop, leg),
+            Ok(_) => error,
+        }
     }
 
     /// Legs that join the same place in two charts.
@@ -194,7 +233,9 @@ impl<'a> LineTracer<'a> {
             point,
             uv: uv.into(),
         };
-        let first = all.next().ok_or(outside)?;
+        let Some(first) = all.next() else {
+            return beside(uvs, uv).ok_or(outside);
+        };
         let is_inside = |place: &MaterialPoint| place.barycentric.iter().all(|&b| b > 1e-9);
         match all.find(is_inside).filter(|_| is_inside(&first)) {
             None => Ok(first),
@@ -346,6 +387,34 @@ impl<'a> LineTracer<'a> {
     }
 }
 
+fn uv_at(uvs: &PerFace<[Vector2<f64>; 3]>, place: &MaterialPoint) -> Vector2<f64> {
+    let corners = uvs[place.face].iter().zip(place.barycentric);
+    corners.map(|(uv, weight)| uv * weight).sum()
+}
+
+/// The place on the border of an island that a point lies beside, if it is near one.
+fn beside(uvs: &PerFace<[Vector2<f64>; 3]>, uv: Vector2<f64>) -> Option<MaterialPoint> {
+    let mut nearest = None;
+    let mut least = BESIDE_UV;
+    for (number, corners) in uvs.as_slice().iter().enumerate() {
+        for corner in 0..3 {
+            let next = (corner + 1) % 3;
+            let side = corners[next] - corners[corner];
+            let share = side.dot(&(uv - corners[corner])) / side.norm_squared();
+            let share = share.clamp(0.0, 1.0);
+            let distance = (corners[corner] + side * share - uv).norm();
+            if distance < least {
+                least = distance;
+                let mut barycentric = [0.0; 3];
+                (barycentric[corner], barycentric[next]) = (1.0 - share, share);
+                let face = FaceId::from_index(number);
+                nearest = Some(MaterialPoint { face, barycentric });
+            }
+        }
+    }
+    nearest
+}
+
 fn longest_uv_side([a, b, c]: &[Vector2<f64>; 3]) -> f64 {
     (b - a).norm().max((c - b).norm()).max((a - c).norm())
 }
@@ -433,8 +502,7 @@ impl Straight for UvWay<'_> {
     }
 
     fn is_at(&self, end: End, face: FaceId, barycentric: [f64; 3]) -> bool {
-        let corners = self.uvs[face].iter().zip(barycentric);
-        let here: Vector2<f64> = corners.map(|(uv, weight)| uv * weight).sum();
+        let here = uv_at(self.uvs, &MaterialPoint { face, barycentric });
         let end = match end {
             End::Start => self.from,
             End::Goal => self.from + self.to,

@@ -55,7 +55,7 @@ impl CreaseWarning {
         let mm = |metres: f64| metres * 1e3;
         match *self {
             Self::SelfCrossing { line, at: [a, b] } => format!(
-                "{} crosses itself, {:.3} and {:.3} mm from its start",
+                "{} crosses itself, {:.2} and {:.2} mm from its start, and folds there as where two lines cross",
                 name(line),
                 mm(a),
                 mm(b)
@@ -65,12 +65,17 @@ impl CreaseWarning {
                 at,
                 distance,
             } => {
-                let who = match a == b {
-                    true => format!("{} comes to itself", name(a)),
-                    false => format!("{} and {} come", name(a), name(b)),
+                let (who, whose, them) = match a == b {
+                    true => (format!("{} comes", name(a)), "its start", "its parts"),
+                    false => (
+                        format!("{} and {} come", name(a), name(b)),
+                        "the start of the first",
+                        "them",
+                    ),
                 };
+                let to_itself = if a == b { " of itself" } else { "" };
                 format!(
-                    "{who} within {:.3} mm, {:.3} mm from the start of the first: the mesh is too coarse for two folds there",
+                    "{who} within {:.2} mm{to_itself}, {:.2} mm from {whose}: the mesh is too coarse for two folds there; move {them} apart, or refine the mesh",
                     mm(distance),
                     mm(at)
                 )
@@ -79,20 +84,20 @@ impl CreaseWarning {
                 lines: [first, second],
                 at: [a, b],
             } => format!(
-                "{} runs along {} from {:.3} to {:.3} mm from its start, where it folds nothing",
+                "{} runs along {} from {:.2} to {:.2} mm from its start, where it folds nothing of its own",
                 name(second),
                 name(first),
                 mm(a),
                 mm(b)
             ),
             Self::Gap { line, at: [a, b] } => format!(
-                "{} has no edges from {:.3} to {:.3} mm from its start",
+                "{} folds nothing from {:.2} to {:.2} mm from its start, where no edges of the mesh lie on it",
                 name(line),
                 mm(a),
                 mm(b)
             ),
             Self::NoEdges { line } => format!(
-                "{} lies inside one triangle of the mesh and folds nothing",
+                "{} lies inside one triangle of the mesh and folds nothing; lengthen it, or refine the mesh",
                 name(line)
             ),
         }

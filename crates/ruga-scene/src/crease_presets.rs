@@ -1,23 +1,28 @@
 //! Kinds of creases with their usual properties.
 
-/// A kind of crease. Widths and depths are of the order that anatomy gives for adults; stiffness and angle are
-/// chosen so that the fold looks like one on photographs. Nothing of it was measured on skin.
+/// A kind of crease. Widths and depths are of the order that anatomy gives for adults, stiffness and angle
+/// are chosen so that folds look right. Nothing of it was measured on skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct CreasePreset {
-    pub(crate) name: &'static str,
-    /// Width, m.
-    pub(crate) width: f64,
-    /// Share of the bending stiffness.
-    pub(crate) stiffness: f64,
-    /// Angle, degrees.
-    pub(crate) angle: f64,
-    /// Depth of the anchor, m, where the skin is tethered to deep tissue.
-    pub(crate) depth: Option<f64>,
+pub struct CreasePreset {
+    /// Its name in scenes.
+    pub name: &'static str,
+    /// What it is, for people.
+    pub description: &'static str,
+    /// Width of the soft strip, m.
+    pub width: f64,
+    /// Share of the bending stiffness that is left on it.
+    pub stiffness: f64,
+    /// Angle of the fold at full strength, degrees.
+    pub angle: f64,
+    /// Depth of the anchor (m), where the skin is tethered to deep tissue.
+    pub depth: Option<f64>,
 }
 
-pub(crate) const CREASE_PRESETS: [CreasePreset; 5] = [
+/// All kinds of creases.
+pub const CREASE_PRESETS: [CreasePreset; 5] = [
     CreasePreset {
         name: "palm-line",
+        description: "Line of the palm, tethered to the tissue below",
         width: 0.7e-3,
         stiffness: 0.05,
         angle: 40.0,
@@ -25,6 +30,7 @@ pub(crate) const CREASE_PRESETS: [CreasePreset; 5] = [
     },
     CreasePreset {
         name: "finger-flexion",
+        description: "Line on the inside of a finger's joint, tethered to its sheath",
         width: 0.7e-3,
         stiffness: 0.05,
         angle: 50.0,
@@ -32,20 +38,23 @@ pub(crate) const CREASE_PRESETS: [CreasePreset; 5] = [
     },
     CreasePreset {
         name: "crows-foot",
+        description: "Line beside the outer corner of the eye",
         width: 0.4e-3,
-        stiffness: 0.2,
-        angle: 20.0,
+        stiffness: 0.05,
+        angle: 40.0,
         depth: None,
     },
     CreasePreset {
         name: "frown-line",
+        description: "Upright line between the brows, or a furrow across the forehead",
         width: 0.6e-3,
-        stiffness: 0.1,
-        angle: 30.0,
+        stiffness: 0.05,
+        angle: 40.0,
         depth: None,
     },
     CreasePreset {
         name: "nasolabial",
+        description: "Fold from the nose to the corner of the mouth",
         width: 1.0e-3,
         stiffness: 0.1,
         angle: 40.0,

@@ -10,11 +10,11 @@ use ruga_crease::{
 };
 use ruga_io::read_mask;
 use ruga_material::{UvTile, Wrinkling, wrinkling};
-use ruga_mesh::VertexId;
+use ruga_mesh::{FaceId, VertexId};
 use ruga_stepper::{CreaseAnchor, CreaseSpec, FoldSense, LayerSpec};
 
 use crate::SceneError;
-use crate::crease_presets::crease_preset;
+use crate::crease_presets::{CreasePreset, crease_preset};
 use crate::file::{Crease, Drive, Fold, SceneFile};
 use crate::painted_files::tile_files;
 
@@ -26,6 +26,9 @@ const ANGLE: f64 = 15.0;
 
 /// Stiffness of an anchor that a preset has.
 const ANCHOR_STIFFNESS: f64 = 20.0;
+
+/// Share of its strength that a line should have somewhere.
+const LEAST_STRENGTH: f64 = 0.5;
 
 /// Widths over which a crease fades towards its ends.
 const FADE: f64 = 3.0;
@@ -50,34 +53,49 @@ pub(crate) fn add_creases(
     layers: &mut [LayerSpec],
 ) -> Result<Vec<String>, SceneError> {
     let mut warnings = Vec::new();
+    // Of each crease of each layer, the key that says where it lies.
+    let mut keys = vec![Vec::new(); layers.len()];
     for (number, crease) in on.scene.creases.iter().enumerate() {
-        let layer = on.scene.layer_of(crease);
-        let layer = &mut layers[layer.expect("a scene that was read has the layer")];
-        let key = format!("creases[{number}]");
+        let index = on.scene.layer_of(crease);
+        let index = index.expect("a scene that was read has the layer");
+        let layer = &layers[index];
         let waves = wrinkling(&layer.material, &layer.substrate, layer.model);
         let waves = waves.map_err(|source| SceneError::Material {
             scene: on.path.to_owned(),
-            key: key.clone(),
+            key: format!("creases[{number}]"),
             source,
         })?;
         let spec = on.kind((number, crease), layer)?;
         warnings.extend(band_warning(crease, &spec, &waves));
-        let lines = on.lines((number, crease))?;
-        let is_one = lines.len() == 1;
-        for (i, line) in lines.into_iter().enumerate() {
-            layer.creases.push(CreaseSpec {
-                name: match is_one {
-                    true => crease.name.clone(),
-                    false => format!("{}-{}", crease.name, i + 1),
-                },
+        let lines = match &crease.image {
+            Some(image) => {
+                let edge = waves.wavelength / points;
+                let (lines, warning) = on.painted((number, crease), image, edge)?;
+                warnings.extend(warning);
+                lines
+            }
+            None => vec![on.line((number, crease))?],
+        };
+        warnings.extend(fade_warning(crease, &spec.law, &lines));
+        let names = on.names((number, crease), lines.len(), layers)?;
+        let key = source_of(crease);
+        keys[index].resize(
+            layers[index].creases.len() + lines.len(),
+            format!("creases[{number}].{key}"),
+        );
+        let named = names.into_iter().zip(lines);
+        layers[index]
+            .creases
+            .extend(named.map(|(name, line)| CreaseSpec {
+                name,
                 line,
                 ..spec.clone()
-            });
-        }
+            }));
     }
-    for layer in layers.iter().filter(|layer| !layer.creases.is_empty()) {
-        let found = on.check_together(layer, points)?;
-        warnings.extend(found);
+    for (layer, keys) in layers.iter().zip(&keys) {
+        if !layer.creases.is_empty() {
+            warnings.extend(on.check_together((layer, keys), points)?);
+        }
     }
     Ok(warnings)
 }
@@ -93,6 +111,41 @@ fn band_warning(crease: &Crease, spec: &CreaseSpec, waves: &Wrinkling) -> Option
             1e3 * bending_length
         )
     })
+}
+
+/// Warning of a crease that is faded out before it is faded in; of several lines about the weakest.
+fn fade_warning(crease: &Crease, law: &LineLaw, lines: &[TracedLine]) -> Option<String> {
+    let strongest = |line: &TracedLine| {
+        let [start, end] = law.fade;
+        let length = line.length();
+        // Where both fades leave the same.
+        let at = match start + end > 0.0 {
+            true => length * start / (start + end),
+            false => 0.5 * length,
+        };
+        law.taper(at, length, line.is_closed())
+    };
+    let weakest = lines.iter().map(|line| (strongest(line), line.length()));
+    let (strength, length) = weakest.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (strength < LEAST_STRENGTH).then(|| {
+        let [start, end] = law.fade.map(|fade| 1e3 * fade);
+        format!(
+            "crease `{}`: a line of {:.2} mm fades in over {start:.2} mm and out over {end:.2} mm and so \
+             never has more than {:.0} % of its strength; shorten `fade`, or lengthen the line",
+            crease.name,
+            1e3 * length,
+            100.0 * strength
+        )
+    })
+}
+
+/// The key that says where a crease lies.
+fn source_of(crease: &Crease) -> &'static str {
+    match (&crease.image, crease.edges.is_empty()) {
+        (Some(_), _) => "image",
+        (None, true) => "uv",
+        (None, false) => "edges",
+    }
 }
 
 impl CreasedMesh<'_> {
@@ -118,7 +171,7 @@ impl CreasedMesh<'_> {
         layer: &LayerSpec,
     ) -> Result<CreaseSpec, SceneError> {
         let preset = crease.preset.as_deref().and_then(crease_preset);
-        let of_preset = |value: fn(&crate::crease_presets::CreasePreset) -> f64| preset.map(value);
+        let of_preset = |value: fn(&CreasePreset) -> f64| preset.map(value);
         let width = crease.width.or(of_preset(|preset| preset.width));
         let width = width.unwrap_or(WIDTH * layer.material.thickness);
         let stiffness = crease.stiffness.or(of_preset(|preset| preset.stiffness));
@@ -134,11 +187,23 @@ impl CreasedMesh<'_> {
         }));
         let below = layer.substrate.thickness;
         if let Some(deep) = anchor.filter(|anchor| anchor.depth >= below) {
+            let depth = 1e3 * deep.depth;
+            let (key, found) = match (own, &crease.preset) {
+                (None, Some(preset)) => (
+                    format!("creases[{number}].preset"),
+                    format!("preset `{preset}` anchors lines {depth:.2} mm deep"),
+                ),
+                _ => (
+                    format!("creases[{number}].anchor.depth"),
+                    format!("found {} m, which is {depth:.2} mm", deep.depth),
+                ),
+            };
             let reason = format!(
-                "found {}; accepted: less than {below}, the thickness of what carries layer `{}`",
-                deep.depth, layer.name
+                "{found}; accepted: less than {:.2} mm, the thickness of what carries layer `{}`",
+                1e3 * below,
+                layer.name
             );
-            return Err(self.fault(format!("creases[{number}].anchor.depth"), reason, None));
+            return Err(self.fault(key, reason, None));
         }
         let sense = match (crease.fold, crease.one_sided) {
             (Fold::Valley, true) => FoldSense::Valley,
@@ -162,10 +227,7 @@ impl CreasedMesh<'_> {
         })
     }
 
-    fn drive(
-        &self,
-        (number, crease): (usize, &Crease),
-    ) -> Result<ruga_crease::Drive, SceneError> {
+    fn drive(&self, (number, crease): (usize, &Crease)) -> Result<ruga_crease::Drive, SceneError> {
         let shapes: Vec<&str> = self.driver.shape_names().collect();
         let term = |(name, factor): (&String, &f64)| {
             let shape = shapes.iter().position(|shape| shape == name);
@@ -186,74 +248,177 @@ impl CreasedMesh<'_> {
         })
     }
 
-    /// The lines of a crease on the mesh: one, or those of its image.
-    fn lines(&self, (number, crease): (usize, &Crease)) -> Result<Vec<TracedLine>, SceneError> {
-        let driver = self.driver;
-        let tracer = LineTracer::new(driver.topology(), driver.rest()).with_uvs(driver.uvs());
-        let key = |source: &str| format!("creases[{number}].{source}");
-        let trace = |source: &str, line: LineInput| {
-            let traced = tracer.trace(&line);
-            traced.map_err(|error| self.fault(key(source), error, None))
+    /// Names of the lines of a crease: its own, or for several strokes numbered ones.
+    fn names(
+        &self,
+        (number, crease): (usize, &Crease),
+        count: usize,
+        layers: &[LayerSpec],
+    ) -> Result<Vec<String>, SceneError> {
+        let names: Vec<String> = match count {
+            1 => vec![crease.name.clone()],
+            _ => (1..=count)
+                .map(|i| format!("{}-{i}", crease.name))
+                .collect(),
         };
-        let corners = match crease.corners {
-            crate::file::Corners::Round => ruga_crease::Corners::Round,
-            crate::file::Corners::Keep => ruga_crease::Corners::Keep,
-        };
-        if let Some(image) = &crease.image {
-            let mut lines = Vec::new();
-            for (tile, file) in tile_files(image, self.tiles) {
-                for drawn in self.drawn((&key("image"), &file))? {
-                    let points = drawn.points.iter().map(|uv| tile.place(uv));
-                    let line = LineInput::Uv {
-                        points: points.collect(),
-                        is_closed: drawn.is_closed,
-                        corners,
-                    };
-                    lines.push(trace("image", line)?);
-                }
+        let others = layers.iter().flat_map(|layer| &layer.creases);
+        let taken: Vec<String> = others.map(|spec| spec.name.to_lowercase()).collect();
+        match names
+            .iter()
+            .find(|name| taken.contains(&name.to_lowercase()))
+        {
+            None => Ok(names),
+            Some(name) => {
+                let reason = format!(
+                    "found `{}`, by which two lines would be called `{name}`: the strokes of an image are \
+                     numbered; accepted: another name",
+                    crease.name
+                );
+                Err(self.fault(format!("creases[{number}].name"), reason, None))
             }
-            return Ok(lines);
         }
-        let (source, line) = match crease.edges.is_empty() {
-            true => {
-                let points = crease.uv.iter().map(|&[u, v]| Vector2::new(u, v));
-                let line = LineInput::Uv {
-                    points: points.collect(),
-                    is_closed: crease.closed,
-                    corners,
-                };
-                ("uv", line)
-            }
-            false => {
-                let vertices = self.welded(&key("edges"), &crease.edges)?;
-                ("edges", LineInput::Edges { vertices })
-            }
+    }
+
+    /// The line of a crease by texture coordinates or vertices.
+    fn line(&self, (number, crease): (usize, &Crease)) -> Result<TracedLine, SceneError> {
+        let key = format!("creases[{number}].{}", source_of(crease));
+        let line = match crease.edges.is_empty() {
+            true => LineInput::Uv {
+                points: crease.uv.iter().map(|uv| (*uv).into()).collect(),
+                is_closed: crease.closed,
+                corners: corners(crease),
+            },
+            false => LineInput::Edges {
+                vertices: self.welded(&key, &crease.edges)?,
+            },
         };
-        Ok(vec![trace(source, line)?])
+        let traced = self.tracer().trace(&line);
+        traced.map_err(|error| {
+            let error = self.in_file(error, &crease.edges);
+            let key = match place_of(&error) {
+                Some(point) => format!("{key}[{point}]"),
+                None => key,
+            };
+            self.fault(key, error, None)
+        })
+    }
+
+    fn tracer(&self) -> LineTracer<'_> {
+        let driver = self.driver;
+        LineTracer::new(driver.topology(), driver.rest()).with_uvs(driver.uvs())
     }
 
     /// The welded vertices of some of the file's.
     fn welded(&self, key: &str, vertices: &[u32]) -> Result<Vec<VertexId>, SceneError> {
         let welded = self.driver.welded();
-        let vertex = |v: &u32| {
+        let vertex = |(i, v): (usize, &u32)| {
             let found = welded.get(*v as usize).copied();
             found.ok_or_else(|| {
                 let reason = format!(
                     "found vertex {v}; accepted: 0 to {}, the vertices of the mesh file",
                     welded.len().saturating_sub(1)
                 );
-                self.fault(key.to_owned(), reason, None)
+                self.fault(format!("{key}[{i}]"), reason, None)
             })
         };
-        let found: Vec<VertexId> = vertices.iter().map(vertex).collect::<Result<_, _>>()?;
+        let found = vertices.iter().enumerate().map(vertex);
+        let mut path: Vec<VertexId> = found.collect::<Result<_, _>>()?;
         // The file may have a vertex twice, on both sides of a seam.
-        let mut path = found;
         path.dedup();
         Ok(path)
     }
 
+    /// An error with the triangles and vertices of the file in place of the welded mesh's; `path` are the file's
+    /// vertices along the line.
+    fn in_file(&self, mut error: CreaseError, path: &[u32]) -> CreaseError {
+        let triangle = |face: &mut u32| *face = self.driver.triangles()[FaceId(*face)];
+        match &mut error {
+            CreaseError::OverlappingCharts { faces, .. } => faces.iter_mut().for_each(triangle),
+            CreaseError::AcrossSeam { face, .. }
+            | CreaseError::LeavesSurface { face, .. }
+            | CreaseError::AlongBorder { face }
+            | CreaseError::DegenerateFace { face } => triangle(face),
+            CreaseError::NotAnEdge { vertices } => {
+                let welded = |v: u32| self.driver.welded()[v as usize].0;
+                let is_it = |pair: &&[u32]| [welded(pair[0]), welded(pair[1])] == *vertices;
+                if let Some(&[from, to]) = path.windows(2).find(is_it) {
+                    *vertices = [from, to];
+                }
+            }
+            _ => {}
+        }
+        error
+    }
+
+    /// The lines of an image, and a warning about strokes that are left out because they are too short for a mesh
+    /// with edges of length `edge` (m).
+    fn painted(
+        &self,
+        (number, crease): (usize, &Crease),
+        image: &Path,
+        edge: f64,
+    ) -> Result<(Vec<TracedLine>, Option<String>), SceneError> {
+        let key = format!("creases[{number}].image");
+        let tracer = self.tracer();
+        let mut lines = Vec::new();
+        let mut empty = None;
+        for (tile, file) in tile_files(image, self.tiles) {
+            let strokes = match self.drawn((&key, &file))? {
+                Ok(strokes) => strokes,
+                // Of several tiles only some may have lines.
+                Err(error @ CreaseError::NoLineInImage { .. }) => {
+                    empty.get_or_insert((file, error));
+                    continue;
+                }
+                Err(error) => return Err(self.bad_image(&key, &file, error)),
+            };
+            for stroke in strokes {
+                let points: Vec<_> = stroke.points.iter().map(|uv| tile.place(uv)).collect();
+                let line = LineInput::Uv {
+                    points: points.clone(),
+                    is_closed: stroke.is_closed,
+                    corners: corners(crease),
+                };
+                let traced = tracer.trace(&line).map_err(|error| {
+                    let error = self.in_file(error, &[]);
+                    self.bad_image(&key, &file, of_stroke(&error, &points))
+                })?;
+                lines.push(traced);
+            }
+        }
+        if let (true, Some((file, error))) = (lines.is_empty(), empty) {
+            return Err(self.bad_image(&key, &file, error));
+        }
+        let all = lines.len();
+        let longest = lines.iter().map(TracedLine::length).fold(0.0, f64::max);
+        // If all are too short, the longest is told of as a line that was given alone.
+        lines.retain(|line| !line.is_too_short(edge) || line.length() == longest);
+        let warning = (lines.len() < all).then(|| {
+            format!(
+                "crease `{}`: {} of {all} strokes in {} left out, because they are shorter than two edges of \
+                 the mesh, which are {:.2} mm",
+                crease.name,
+                all - lines.len(),
+                image.display(),
+                1e3 * edge
+            )
+        });
+        Ok((lines, warning))
+    }
+
+    fn bad_image(&self, key: &str, file: &Path, reason: impl std::fmt::Display) -> SceneError {
+        self.fault(
+            key.to_owned(),
+            format!("{}: {reason}", file.display()),
+            None,
+        )
+    }
+
     /// The middle lines of what is painted in an image.
-    fn drawn(&self, (key, file): (&str, &Path)) -> Result<Vec<SkeletonLine>, SceneError> {
+    fn drawn(
+        &self,
+        (key, file): (&str, &Path),
+    ) -> Result<Result<Vec<SkeletonLine>, CreaseError>, SceneError> {
         let image = read_mask(file).map_err(|source| SceneError::NamedFile {
             scene: self.path.to_owned(),
             key: key.to_owned(),
@@ -264,15 +429,15 @@ impl CreasedMesh<'_> {
             height: image.height,
             values: &image.values,
         };
-        let lines = skeleton_lines(&grey, &SkeletonSettings::default());
-        lines.map_err(|error| {
-            let reason = format!("{}: {error}", file.display());
-            self.fault(key.to_owned(), reason, None)
-        })
+        Ok(skeleton_lines(&grey, &SkeletonSettings::default()))
     }
 
-    /// What is wrong with the lines of a layer together.
-    fn check_together(&self, layer: &LayerSpec, points: f64) -> Result<Vec<String>, SceneError> {
+    /// What is wrong with the lines of a layer together; each has a key.
+    fn check_together(
+        &self,
+        (layer, keys): (&LayerSpec, &[String]),
+        points: f64,
+    ) -> Result<Vec<String>, SceneError> {
         let waves = wrinkling(&layer.material, &layer.substrate, layer.model);
         // A layer that cannot be has been refused.
         let Ok(waves) = waves else {
@@ -283,20 +448,69 @@ impl CreasedMesh<'_> {
         let on = (self.driver.topology(), self.driver.rest());
         let found = check_lines(&lines, on, waves.wavelength / points);
         let found = found.map_err(|error| {
-            let reason = match &error {
-                CreaseError::TooShort { line, length, edge } => format!(
-                    "{} is {:.2} mm long, less than two edges of the mesh, which are {:.2} mm; lengthen it, or leave it out",
-                    name(*line),
-                    1e3 * length,
-                    1e3 * edge
-                ),
-                CreaseError::IdenticalLines { lines: [a, b] } => {
-                    format!("{} and {} lie on each other; leave one out", name(*a), name(*b))
+            let (line, reason) = match error {
+                CreaseError::TooShort { line, length, edge } => {
+                    let reason = format!(
+                        "{} is {:.2} mm long, less than two edges of the mesh, which are {:.2} mm; lengthen it, or leave it out",
+                        name(line),
+                        1e3 * length,
+                        1e3 * edge
+                    );
+                    (line, reason)
                 }
-                other => other.to_string(),
+                CreaseError::IdenticalLines { lines: [a, b] } => {
+                    let reason = format!("{} and {} lie on each other; leave one out", name(a), name(b));
+                    (b, reason)
+                }
+                other => (0, other.to_string()),
             };
-            self.fault("creases".to_owned(), reason, None)
+            self.fault(keys[line].clone(), reason, None)
         })?;
         Ok(found.iter().map(|warning| warning.told(&name)).collect())
+    }
+}
+
+fn corners(crease: &Crease) -> ruga_crease::Corners {
+    match crease.corners {
+        crate::file::Corners::Round => ruga_crease::Corners::Round,
+        crate::file::Corners::Keep => ruga_crease::Corners::Keep,
+    }
+}
+
+/// Number of the point at which, or after which, a line is wrong.
+fn place_of(error: &CreaseError) -> Option<usize> {
+    match *error {
+        CreaseError::NotFinite { point }
+        | CreaseError::OutsideUv { point, .. }
+        | CreaseError::OverlappingCharts { point, .. } => Some(point),
+        CreaseError::AcrossSeam { leg, .. }
+        | CreaseError::LeavesSurface { leg, .. }
+        | CreaseError::NoWay { leg } => Some(leg),
+        _ => None,
+    }
+}
+
+/// What is wrong with a stroke of an image, whose points nobody has numbered.
+fn of_stroke(error: &CreaseError, points: &[Vector2<f64>]) -> String {
+    let near = place_of(error).or(Some(0)).and_then(|i| points.get(i));
+    let near = near.map_or(String::new(), |uv| {
+        format!("near UV ({:.3}, {:.3}) ", uv.x, uv.y)
+    });
+    match error {
+        CreaseError::OutsideUv { .. } => {
+            format!(
+                "{near}a stroke lies outside the islands of the texture layout; paint it inside them"
+            )
+        }
+        CreaseError::AcrossSeam { face, .. } => format!(
+            "{near}a stroke crosses a UV seam at triangle {face}; paint it in one island, or give the line by `uv` or `edges`"
+        ),
+        CreaseError::LeavesSurface { face, .. } => {
+            format!("{near}a stroke leaves the surface at triangle {face}; keep it on the skin")
+        }
+        CreaseError::OverlappingCharts { faces: [a, b], .. } => format!(
+            "{near}a stroke lies in triangles {a} and {b}, which overlap in the texture layout; give the line by `edges`, or move one of the islands"
+        ),
+        other => format!("{near}is a stroke that cannot be used: {other}"),
     }
 }

@@ -56,6 +56,7 @@ mod symmetry;
 mod texture_space;
 mod uv_tiles;
 
+pub use crease_presets::{CREASE_PRESETS, CreasePreset};
 pub use engine_names::engine_name;
 pub use error::{SceneError, counted};
 pub use file::SceneFile;

@@ -8,7 +8,8 @@ use ruga_blend::Driver;
 use ruga_crease::{Corners, Drive, LineInput, LineLaw, LineTracer};
 use ruga_material::{CreaseLoad, crease_depth, wrinkling};
 use ruga_stepper::{
-    Coupling, CreaseAnchor, CreaseSpec, FoldSense, LayerSpec, Modelling, PoseResult, PoseSpec, Silent, plan,
+    Coupling, CreaseAnchor, CreaseSpec, FoldSense, Frame, LayerSpec, Modelling, Observer,
+    PoseResult, PoseSpec, Region, Silent, plan,
 };
 
 /// Thickness of the forehead preset's layer over its bending length, roughly: widths are of this order.
@@ -143,4 +144,96 @@ fn a_soft_line_folds_before_the_skin_wrinkles() {
         }
         assert!(near > 2e-4 && far < 0.05 * near, "{near} {far}");
     }
+}
+
+/// Wants every load step.
+struct Frames(usize);
+
+impl Observer for Frames {
+    fn wants_frames(&self) -> bool {
+        true
+    }
+
+    fn frame(&mut self, _: &Frame<'_>) {
+        self.0 += 1;
+    }
+}
+
+/// From load step to load step, in twenty or in four, and on an even mesh a furrow becomes what it is in one key.
+#[test]
+fn every_way_to_a_key_folds_alike() {
+    let driver = driver();
+    let layer = creased(crease(&driver, 0.02), Coupling::Hybrid);
+    let direct = depth(&shortened(&layer, 0.03, &draft()));
+    let even = Modelling {
+        remesh: None,
+        ..draft()
+    };
+    for (modelling, steps, close) in [(draft(), 4, 0.02), (draft(), 20, 0.02), (even, 4, 0.1)] {
+        let poses = [PoseSpec {
+            keys: vec![1.0],
+            steps,
+            ..pose(&driver, "fold", 0.02)
+        }];
+        let plan = plan(
+            &driver,
+            std::slice::from_ref(&layer),
+            &poses,
+            &modelling,
+            1024,
+        );
+        let mut frames = Frames(0);
+        let result = plan
+            .expect("a plan")
+            .simulate(0, &mut frames)
+            .expect("a layer");
+        assert!(result.converged, "{:?}", result.warnings);
+        assert!(frames.0 >= steps as usize, "{} frames", frames.0);
+        let ratio = depth(&result) / direct;
+        assert!((ratio - 1.0).abs() < close, "{steps} steps: {ratio}");
+    }
+}
+
+/// Stretched skin opens no line that is not drawn, and a crease that follows another shape stays shut.
+#[test]
+fn nothing_folds_that_is_not_drawn_or_pressed() {
+    let driver = driver();
+    let mut soft = crease(&driver, 0.0);
+    soft.law.angle = 0.0;
+    let other = CreaseSpec {
+        drive: Drive::Weights(vec![(2, 1.0)]),
+        ..crease(&driver, 0.0)
+    };
+    for (spec, strain) in [(soft, -0.1), (other, 0.0)] {
+        let layer = creased(spec, Coupling::Hybrid);
+        let region = Modelling {
+            region: Region::All,
+            ..draft()
+        };
+        let result = shortened(&layer, strain, &region);
+        let report = &result.layers[0].creases[0];
+        assert!(report.largest_fold.to_degrees().abs() < 0.1, "{report:?}");
+        let layer = &result.keys[0].layers[0];
+        let shown = layer.driver_positions.iter().zip(&layer.relief);
+        let highest = shown.map(|(p, x)| (x.z - p.z).abs()).fold(0.0, f64::max);
+        assert!(highest < 1e-6, "{highest} m");
+    }
+}
+
+/// A line that the skin's own stiffness crosses, and that is not drawn, changes nothing but the mesh.
+#[test]
+fn a_line_as_stiff_as_the_skin_is_none() {
+    let driver = driver();
+    let mut none = crease(&driver, 0.02);
+    none.law.angle = 0.0;
+    none.law.stiffness = 1.0;
+    let plain = skin("forehead-furrow", Coupling::Hybrid);
+    let [with, without] = [creased(none, Coupling::Hybrid), plain]
+        .map(|layer| shortened(&layer, 0.07, &Modelling::standard()).layers[0].clone());
+    let [energy, amplitude] = [
+        with.energy / without.energy,
+        with.amplitude / without.amplitude,
+    ];
+    assert!((energy - 1.0).abs() < 0.01, "{energy}");
+    assert!((amplitude - 1.0).abs() < 0.03, "{amplitude}");
 }

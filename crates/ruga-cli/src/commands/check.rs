@@ -61,6 +61,15 @@ fn description(found: &Inspection) -> Vec<String> {
             1e3 * material.thickness
         ));
     }
+    let creases = found.layers.iter().flatten().map(|layer| &layer.creases);
+    let creases: Vec<f64> = creases.flatten().map(|crease| crease.line.length()).collect();
+    if !creases.is_empty() {
+        lines.push(format!(
+            "creases: {}, {:.0} mm in all",
+            counted(creases.len(), "line"),
+            1e3 * creases.iter().sum::<f64>()
+        ));
+    }
     if let Some(region) = &found.region {
         lines.push(format!("region: {}", region_words(region, &found.file)));
     }

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use clap::{Parser, ValueEnum};
 use ruga_material::{PRESETS, Preset, Variation, WavelengthModel, wrinkling};
+use ruga_scene::{CREASE_PRESETS, CreasePreset};
 use ruga_scene::file::{Key, Table, reference};
 
 use crate::arguments::{Arguments, HelpArguments, Topic};
@@ -113,7 +114,31 @@ fn presets_page() -> String {
     for preset in &PRESETS {
         write_preset(&mut page, preset);
     }
+    page.push_str("\n# Presets of creases\n\n");
+    wrap(
+        &mut page,
+        "",
+        "",
+        "`preset = \"NAME\"` in `[[creases]]` fills in what is left out. The values are nominal, too.",
+    );
+    for preset in &CREASE_PRESETS {
+        write_crease(&mut page, preset);
+    }
     page
+}
+
+fn write_crease(page: &mut String, preset: &CreasePreset) {
+    let _ = write!(page, "\n## `{}`\n\n", preset.name);
+    wrap(page, "", "", &format!("{}.", preset.description));
+    page.push('\n');
+    let _ = writeln!(
+        page,
+        "- `width = {:e}`, `stiffness = {}`, `angle = {}`",
+        preset.width, preset.stiffness, preset.angle
+    );
+    if let Some(depth) = preset.depth {
+        let _ = writeln!(page, "- `anchor = {{ depth = {depth:e} }}`");
+    }
 }
 
 fn write_preset(page: &mut String, preset: &Preset) {

@@ -18,11 +18,15 @@ impl SceneFile {
             return Ok(());
         }
         if self.interior.is_some() {
-            let accepted = "none with [interior]: creases fold layers on a posed mesh";
-            return fault("creases", self.creases.len(), accepted);
+            let accepted = "no [[creases]] with [interior]: they fold layers on a posed mesh";
+            let found = match self.creases.len() {
+                1 => "1 crease".to_owned(),
+                count => format!("{count} creases"),
+            };
+            return fault("creases", found, accepted);
         }
         if self.driver.symmetry.is_some() {
-            let accepted = "none with [[creases]], which may differ from side to side";
+            let accepted = "no `symmetry` with [[creases]], which may differ from side to side";
             return fault("driver.symmetry", "\"x\"", accepted);
         }
         for (i, crease) in self.creases.iter().enumerate() {
@@ -89,6 +93,7 @@ impl Crease {
             let accepted = "only with `uv`; `edges` close by ending where they began";
             return fault(&format!("{key}.closed"), "true", accepted);
         }
+        self.point_faults(key)?;
         if let Some(name) = &self.preset
             && crease_preset(name).is_none()
         {
@@ -125,10 +130,38 @@ impl Crease {
         self.drive_faults(key)
     }
 
+    fn point_faults(&self, key: &str) -> Checked {
+        let (least, accepted) = match self.closed {
+            true => (3, "at least 3 points of a closed line"),
+            false => (2, "at least 2 points"),
+        };
+        if !self.uv.is_empty() && self.uv.len() < least {
+            let found = match self.uv.len() {
+                1 => "1 point".to_owned(),
+                count => format!("{count} points"),
+            };
+            return fault(&format!("{key}.uv"), found, accepted);
+        }
+        if self.edges.len() == 1 {
+            let accepted = "at least 2 vertices, joined by an edge";
+            return fault(&format!("{key}.edges"), "1 vertex", accepted);
+        }
+        let is_finite = |uv: &[f64; 2]| uv.iter().all(|c| c.is_finite());
+        match self.uv.iter().position(|uv| !is_finite(uv)) {
+            Some(i) => {
+                let [u, v] = self.uv[i];
+                let found = format!("[{u}, {v}]");
+                fault(&format!("{key}.uv[{i}]"), found, "two finite numbers")
+            }
+            None => Ok(()),
+        }
+    }
+
     fn drive_faults(&self, key: &str) -> Checked {
         let by_weights = self.drive == Drive::Weights;
         if by_weights && self.weights.is_empty() {
-            let accepted = "with drive = \"weights\" at least one blend shape, as { browDown = 1.0 }";
+            let accepted =
+                "with drive = \"weights\" at least one blend shape, as { browDown = 1.0 }";
             return fault(&format!("{key}.weights"), "none", accepted);
         }
         if !by_weights && !self.weights.is_empty() {

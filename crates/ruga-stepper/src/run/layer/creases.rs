@@ -9,9 +9,9 @@ use crate::skin::fading::distances_from;
 use crate::skin::local_skin::LocalSkin;
 use crate::{CreaseReport, StepperError};
 
-/// Distance from a crease (wavelengths) within which skin that it draws shows relief: a furrow dies out
-/// like a wave beside it, over some three bending lengths.
-const REACH: f64 = 0.75;
+/// Distance from a crease (wavelengths) within which skin that it draws shows relief. What it raises beside it
+/// dies out within three quarters of a wavelength, and relief fades over the half before the end.
+const REACH: f64 = 1.25;
 
 impl Layer {
     /// Draws the creases as a pose of these weights in full does at a `load` of it.
