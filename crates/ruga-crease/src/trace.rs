@@ -26,6 +26,9 @@ const SAME_UV: f64 = 1e-6;
 /// written with three decimals, and a point on a seam is hit by no more than chance.
 const BESIDE_UV: f64 = 1e-3;
 
+/// Barycentric weights below this are none: what single precision leaves of a point on a seam.
+const LEAST_WEIGHT: f64 = 1e-4;
+
 /// Share of a line on the border at which it runs along it.
 const MOST_ON_BORDER: f64 = 0.05;
 
@@ -234,11 +237,11 @@ impl<'a> LineTracer<'a> {
             uv: uv.into(),
         };
         let Some(first) = all.next() else {
-            return beside(uvs, uv).ok_or(outside);
+            return beside(uvs, uv).map(onto_edges).ok_or(outside);
         };
         let is_inside = |place: &MaterialPoint| place.barycentric.iter().all(|&b| b > 1e-9);
         match all.find(is_inside).filter(|_| is_inside(&first)) {
-            None => Ok(first),
+            None => Ok(onto_edges(first)),
             Some(other) => Err(CreaseError::OverlappingCharts {
                 point,
                 uv: uv.into(),
@@ -390,6 +393,17 @@ impl<'a> LineTracer<'a> {
 fn uv_at(uvs: &PerFace<[Vector2<f64>; 3]>, place: &MaterialPoint) -> Vector2<f64> {
     let corners = uvs[place.face].iter().zip(place.barycentric);
     corners.map(|(uv, weight)| uv * weight).sum()
+}
+
+/// A place as good as on an edge or in a corner of its triangle is moved there.
+fn onto_edges(place: MaterialPoint) -> MaterialPoint {
+    let kept = |weight: f64| if weight < LEAST_WEIGHT { 0.0 } else { weight };
+    let kept = place.barycentric.map(kept);
+    let sum: f64 = kept.iter().sum();
+    MaterialPoint {
+        barycentric: kept.map(|weight| weight / sum),
+        ..place
+    }
 }
 
 /// The place on the border of an island that a point lies beside, if it is near one.

@@ -359,7 +359,7 @@ edges = [11, 12, 52] => creases[0].edges` | vertices 12 and 52 | no edge
 edges = [10, 11, 900] => creases[0].edges[2]` | found vertex 900 | 0 to 89
 edges = [0, 1, 2, 3] => creases[0].edges` | along the border
 edges = [0, -1] => creases[0].edges[1] | found -1
-uv = [[0.1, 0.5, 0.2], [0.3, 0.5]] => creases[0].uv[0]
+uv = [[0.3, 0.5], [0.1, 0.5, 0.2]] => creases[0].uv` | found 3 numbers in point 1; accepted: U and V
 "#;
 
 #[test]
@@ -550,7 +550,14 @@ fn scene_creases_of_images_without_lines_are_refused() {
     site.paint("lines.png", 2048, |x, y| {
         (200..206).contains(&x) && y == 300
     });
-    refuses(&["crease `line` is 0.", "two edges of the mesh"]);
+    site.refuses(
+        &line,
+        &[
+            "creases[0].image",
+            "crease `line` is 0.",
+            "two edges of the mesh",
+        ],
+    );
     let stroke = |x: u32, y: u32| (200..600).contains(&x) && y == 400;
     site.paint("lines.png", 2048, |x, y| {
         stroke(x, y) || ((200..206).contains(&x) && y == 300)
