@@ -12,7 +12,8 @@ use ruga_stepper::PlannedSurface;
 use crate::canvas::Canvas;
 use crate::error::CliError;
 use crate::plan_painting::{
-    COLOURS, NOTE, RAMP, RAMP_ENDS, Square, check_name, layer_note, refusal, surfaces, wrinkles,
+    COLOURS, RAMP, RAMP_ENDS, Square, check_name, layer_note, note as legend_note, refusal,
+    surfaces, wrinkles,
 };
 use crate::preview_fault::PreviewFault;
 use crate::table::duration;
@@ -84,7 +85,7 @@ pub(crate) fn write(
             colours: COLOURS
                 .map(|(colour, text)| (colour, text.to_owned()))
                 .to_vec(),
-            note: NOTE.to_owned(),
+            note: legend_note(scene),
         },
         facts,
     };
@@ -123,9 +124,11 @@ fn overlay(
         layers.get(level).is_some_and(|layer| layer.vertices > 0)
     };
     let zones = (0..plan.zones.len()).filter(is_simulated);
-    let zones: Vec<_> = zones
-        .map(|zone| surfaces[zone].faces(pose, level))
-        .collect();
+    let numbers: Vec<usize> = zones.collect();
+    let zones = numbers
+        .iter()
+        .map(|&zone| surfaces[zone].faces(pose, level));
+    let zones: Vec<_> = zones.collect();
     if zones.is_empty() {
         return Ok(None);
     }
@@ -142,6 +145,10 @@ fn overlay(
     square.paint_layout(&mut canvas, scene.driver.uvs().as_slice());
     for faces in &zones {
         square.paint(&mut canvas, faces);
+    }
+    for zone in numbers {
+        let layer = &scene.layers[plan.zones[zone].layers[level]];
+        square.draw_creases(&mut canvas, layer, &scene.driver);
     }
     let (_, colours) = canvas.finished();
     let wrinkled = zones.iter().flatten().filter(|face| wrinkles(face));

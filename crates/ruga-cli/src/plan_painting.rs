@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use nalgebra::Vector2;
+use ruga_blend::Driver;
 use ruga_material::UvTile;
 use ruga_scene::{Scene, SceneError, ScenePlan};
-use ruga_stepper::{LayerPlan, PlannedFace, PlannedSurface, Treatment};
+use ruga_stepper::{LayerPlan, LayerSpec, PlannedFace, PlannedSurface, Treatment};
 
 use crate::canvas::{Canvas, Colour, INK};
 use crate::error::CliError;
@@ -38,6 +39,9 @@ const CAPPED: Colour = [136, 65, 157];
 /// Colours from where skin begins to wrinkle up to [`MOST`] critical strains.
 pub(crate) const RAMP: [Colour; 4] = [[255, 237, 160], [254, 178, 76], [240, 89, 40], [177, 0, 38]];
 
+/// Lines along which skin folds.
+const CREASES: Colour = [0, 80, 200];
+
 /// Words at both ends of the ramp.
 pub(crate) const RAMP_ENDS: [&str; 2] = ["begins to wrinkle", "5 times that"];
 
@@ -50,7 +54,15 @@ pub(crate) const COLOURS: [(Colour, &str); 4] = [
 ];
 
 /// What is to be known beside the colours.
-pub(crate) const NOTE: &str = "Colours: compression, from where the skin begins to wrinkle. Lines run as the wrinkles will, one wavelength apart.";
+const NOTE: &str = "Colours: compression, from where the skin begins to wrinkle. Lines run as the wrinkles will, one wavelength apart.";
+
+/// What is to be known beside the colours of a scene.
+pub(crate) fn note(scene: &Scene) -> String {
+    match scene.layers.iter().any(|layer| !layer.creases.is_empty()) {
+        true => format!("{NOTE} Blue lines are creases."),
+        false => NOTE.to_owned(),
+    }
+}
 
 /// Error that says why the file `path` is not written.
 pub(crate) fn refusal(path: &Path, reason: &str) -> CliError {
@@ -153,6 +165,20 @@ impl Square {
                     let middle = self.place(&uv) + across * *side;
                     canvas.stroke([middle - half, middle + half], width, INK);
                 }
+            }
+        }
+    }
+
+    /// Draws the creases of a layer where they were drawn on the `driver`.
+    pub(crate) fn draw_creases(&self, canvas: &mut Canvas, layer: &LayerSpec, driver: &Driver) {
+        let lines = layer.creases.iter().map(|crease| &crease.line);
+        for segment in lines.flat_map(|line| line.segments()) {
+            let [a, b, c] = &driver.uvs()[segment.face];
+            let ends = [segment.from, segment.to]
+                .map(|[u, v, w]| self.tile.local(&(a * u + b * v + c * w)));
+            if ends.iter().all(is_shown) {
+                let ends = ends.each_ref().map(|uv| self.place(uv));
+                canvas.stroke(ends, LINE * self.side, CREASES);
             }
         }
     }

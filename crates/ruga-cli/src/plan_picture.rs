@@ -12,7 +12,7 @@ use ruga_stepper::{PlannedFace, Treatment};
 use crate::canvas::{Canvas, Words};
 use crate::error::CliError;
 use crate::plan_painting::{
-    COLOURS, MOST, NOTE, RAMP_ENDS, Square, check_name, layer_note, ramp, refusal, surfaces,
+    COLOURS, MOST, RAMP_ENDS, Square, check_name, layer_note, note, ramp, refusal, surfaces,
 };
 
 /// Side of a panel.
@@ -106,6 +106,8 @@ pub(crate) fn write(path: &Path, scene: &Scene, plan: &ScenePlan) -> Result<(), 
             };
             square.paint_layout(&mut canvas, scene.driver.uvs().as_slice());
             square.paint(&mut canvas, &faces);
+            let layer = &scene.layers[plan.zones[zone].layers[layer]];
+            square.draw_creases(&mut canvas, layer, &scene.driver);
             if scene.is_tiled() {
                 let at = square.origin + Vector2::repeat(LETTERS);
                 words.push(line(&tile.number().to_string(), at));
@@ -113,7 +115,7 @@ pub(crate) fn write(path: &Path, scene: &Scene, plan: &ScenePlan) -> Result<(), 
         }
     }
     let top = f64::from(GAP + rows * (HEADING + SIDE + GAP));
-    words.extend(legend(&mut canvas, top));
+    words.extend(legend(&mut canvas, top, &note(scene)));
     canvas.words(&words);
     let (size, bytes) = canvas.finished();
     let [width, height] = size.map(|side| side as usize);
@@ -162,7 +164,7 @@ fn tiles_shown(scene: &Scene, faces: &[PlannedFace]) -> Vec<UvTile> {
 }
 
 /// Draws the legend and returns its words.
-fn legend(canvas: &mut Canvas, top: f64) -> Vec<Words> {
+fn legend(canvas: &mut Canvas, top: f64, note: &str) -> Vec<Words> {
     let mut words = Vec::new();
     let left = f64::from(GAP);
     let (bar, height) = (300.0, 20.0);
@@ -175,7 +177,7 @@ fn legend(canvas: &mut Canvas, top: f64) -> Vec<Words> {
     let below = top + 1.7 * height;
     words.push(line(RAMP_ENDS[0], Vector2::new(left, below)));
     words.push(line(RAMP_ENDS[1], Vector2::new(left + bar - 100.0, below)));
-    words.push(line(NOTE, Vector2::new(left, top + 3.0 * height)));
+    words.push(line(note, Vector2::new(left, top + 3.0 * height)));
     let mut x = left + bar + 40.0;
     for ((colour, text), width) in COLOURS.into_iter().zip(WIDTHS) {
         let corner = Vector2::new(x, top);

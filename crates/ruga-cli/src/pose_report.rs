@@ -89,7 +89,11 @@ fn crease_report(crease: &ruga_stepper::CreaseReport, energy: f64) -> CreaseRepo
             mean: crease.depth,
             most: crease.largest_depth,
         },
-        energy_share: if energy > 0.0 { crease.energy / energy } else { 0.0 },
+        energy_share: if energy > 0.0 {
+            crease.energy / energy
+        } else {
+            0.0
+        },
         folded_share: crease.folded_share,
     }
 }

@@ -40,11 +40,20 @@ impl Template {
                 "thickness.png"
             ),
             Template::Creases => &[
-                ("scene.toml", include_bytes!("../../../assets/face/creases.toml")),
+                (
+                    "scene.toml",
+                    include_bytes!("../../../assets/face/creases.toml"),
+                ),
                 ("face.glb", include_bytes!("../../../assets/face/face.glb")),
-                ("forehead.png", include_bytes!("../../../assets/face/forehead.png")),
+                (
+                    "forehead.png",
+                    include_bytes!("../../../assets/face/forehead.png"),
+                ),
                 ("eyes.png", include_bytes!("../../../assets/face/eyes.png")),
-                ("cheeks.png", include_bytes!("../../../assets/face/cheeks.png")),
+                (
+                    "cheeks.png",
+                    include_bytes!("../../../assets/face/cheeks.png"),
+                ),
             ],
             Template::Finger => files!("finger", "scene.toml", "finger.glb"),
             Template::Cushion => files!("pillow", "scene.toml", "pillow.glb"),

@@ -17,7 +17,14 @@ const LEAST_AREA: f64 = 1e-9;
 
 /// Distance of the two points given on both sides of a seam, in longest sides of a triangle there, up to which
 /// they are one place.
-const SAME_PLACE: f64 = 0.25;
+const SAME_PLACE: f64 = 1.0;
+
+/// Times that the two points of a seam are farther apart in the layout than on the surface, at the scale of the
+/// triangles there. A step taken for a seam by mistake, where the layout is stretched, is walked in space.
+const FARTHER: f64 = 4.0;
+
+/// Step in the texture layout from a point on an edge to its sides.
+const ASIDE: [f64; 2] = [3e-6, 2e-6];
 
 /// Distance in the texture layout up to which two places are one: what files round to.
 const SAME_UV: f64 = 1e-6;
@@ -214,11 +221,12 @@ impl<'a> LineTracer<'a> {
             let [a, b] = ends.map(|place| place.interpolate(self.mesh, self.positions));
             let near = SAME_PLACE * self.longest_side(ends[0].face);
             let step = (points[(leg + 1) % count] - points[leg]).norm();
-            // Near on the surface, and farther in the layout than any triangle there is long.
-            (b - a).norm() <= near
-                && ends
-                    .iter()
-                    .all(|end| step > longest_uv_side(&uvs[end.face]))
+            let distance = (b - a).norm();
+            let is_farther = |end: &MaterialPoint| {
+                let scale = longest_uv_side(&uvs[end.face]) / self.longest_side(end.face);
+                step > FARTHER * scale * distance
+            };
+            distance <= near && step > BESIDE_UV && ends.iter().all(is_farther)
         };
         Ok((0..legs).filter(is_jump).collect())
     }
@@ -231,23 +239,28 @@ impl<'a> LineTracer<'a> {
         point: usize,
     ) -> Result<MaterialPoint, CreaseError> {
         let lookup = self.plane.get_or_init(|| PlanarLookup::new(uvs.clone()));
-        let mut all = lookup.locate_all(uv);
-        let outside = CreaseError::OutsideUv {
-            point,
-            uv: uv.into(),
-        };
-        let Some(first) = all.next() else {
-            return beside(uvs, uv).map(onto_edges).ok_or(outside);
-        };
-        let is_inside = |place: &MaterialPoint| place.barycentric.iter().all(|&b| b > 1e-9);
-        match all.find(is_inside).filter(|_| is_inside(&first)) {
-            None => Ok(onto_edges(first)),
-            Some(other) => Err(CreaseError::OverlappingCharts {
+        let Some(first) = lookup.locate(uv) else {
+            let outside = CreaseError::OutsideUv {
                 point,
                 uv: uv.into(),
-                faces: [first.face.0, other.face.0],
-            }),
+            };
+            return beside(uvs, uv).map(onto_edges).ok_or(outside);
+        };
+        let aside = Vector2::from(ASIDE);
+        // On an edge charts that touch do not overlap, but those beside it may.
+        for near in [uv, uv + aside, uv - aside] {
+            let all = lookup.locate_all(near);
+            let is_inside = |place: &MaterialPoint| place.barycentric.iter().all(|&b| b > 1e-9);
+            let mut inside = all.filter(is_inside);
+            if let (Some(one), Some(other)) = (inside.next(), inside.next()) {
+                return Err(CreaseError::OverlappingCharts {
+                    point,
+                    uv: uv.into(),
+                    faces: [one.face.0, other.face.0],
+                });
+            }
         }
+        Ok(onto_edges(first))
     }
 
     fn trace_positions(

@@ -148,6 +148,24 @@ fn source_of(crease: &Crease) -> &'static str {
     }
 }
 
+/// Texels that a flank of a fold, a wavelength over pi, takes at least to be seen as one.
+const LEAST_TEXELS: f64 = 4.0;
+
+/// Warning of maps too small for the folds of a layer with so many `texels` to a wavelength, in maps of a `size`.
+pub(crate) fn texel_warning(layer: &LayerSpec, texels: f64, size: u32) -> Option<String> {
+    let flank = texels / std::f64::consts::PI;
+    if layer.creases.is_empty() || flank.is_nan() || flank >= LEAST_TEXELS {
+        return None;
+    }
+    let needed = f64::from(size) * LEAST_TEXELS / flank;
+    let enough = (needed as u32).checked_next_power_of_two();
+    Some(format!(
+        "layer '{}': either side of a crease is {flank:.1} texels wide in the maps; {LEAST_TEXELS} show it, with `bake.size = {}`",
+        layer.name,
+        enough.unwrap_or(size)
+    ))
+}
+
 impl CreasedMesh<'_> {
     fn fault(
         &self,

@@ -13,7 +13,7 @@ use ruga_stepper::{
     plan, plan_body,
 };
 
-use crate::creases::{CreasedMesh, add_creases};
+use crate::creases::{CreasedMesh, add_creases, texel_warning};
 use crate::file::{self, SceneFile};
 use crate::mask_image::mask;
 use crate::painted_files::{mask_files, tile_files};
@@ -121,6 +121,7 @@ impl Scene {
         let active: Vec<_> = self.poses.iter().enumerate().map(active).collect();
         let told = texture_space::check_active((&self.mesh, &self.tiles), &active)?;
         planned.warn(told);
+        planned.warn(self.texel_warnings(&planned));
         let maps = active.iter().map(|(_, active)| self.map_bytes(active));
         planned.map_bytes = maps.collect();
         Ok(planned)
@@ -148,6 +149,20 @@ impl Scene {
         });
         let zones = zones.collect::<Result<_, StepperError>>()?;
         Ok(ScenePlan::new(zones, images))
+    }
+
+    /// Warnings of maps too small for the creases of a layer, each once.
+    fn texel_warnings(&self, planned: &ScenePlan) -> Vec<String> {
+        let least = |layer: usize| {
+            let poses = (0..self.poses.len()).map(|pose| planned.pose_layers(pose)[layer]);
+            let simulated = poses.filter(|plan| plan.vertices > 0);
+            let texels = simulated.map(|plan| plan.texels_per_wavelength);
+            texels.fold(f64::INFINITY, f64::min)
+        };
+        let layers = self.layers.iter().enumerate();
+        layers
+            .filter_map(|(i, layer)| texel_warning(layer, least(i), self.file.bake.size))
+            .collect()
     }
 
     /// Bytes that the maps of the tiles with simulated skin take beside one of them, which the plan of a layer

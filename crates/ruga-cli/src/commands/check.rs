@@ -62,7 +62,10 @@ fn description(found: &Inspection) -> Vec<String> {
         ));
     }
     let creases = found.layers.iter().flatten().map(|layer| &layer.creases);
-    let creases: Vec<f64> = creases.flatten().map(|crease| crease.line.length()).collect();
+    let creases: Vec<f64> = creases
+        .flatten()
+        .map(|crease| crease.line.length())
+        .collect();
     if !creases.is_empty() {
         lines.push(format!(
             "creases: {}, {:.0} mm in all",

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 
 use clap::{Parser, ValueEnum};
 use ruga_material::{PRESETS, Preset, Variation, WavelengthModel, wrinkling};
-use ruga_scene::{CREASE_PRESETS, CreasePreset};
 use ruga_scene::file::{Key, Table, reference};
+use ruga_scene::{CREASE_PRESETS, CreasePreset};
 
 use crate::arguments::{Arguments, HelpArguments, Topic};
 use crate::messages;

@@ -7,8 +7,8 @@ use serde::de::{Deserialize, Deserializer, Error, Visitor};
 use serde_json::{Map, Value};
 
 use super::{
-    Anchor, Bake, Crease, Cylinder, Driver, Handle, Interior, Layer, Motion, Obstacle, Pack, Plane, Pose,
-    PropertyMap, Remesh, SceneFile, Solver, Sphere, Substrate,
+    Anchor, Bake, Crease, Cylinder, Driver, Handle, Interior, Layer, Motion, Obstacle, Pack, Plane,
+    Pose, PropertyMap, Remesh, SceneFile, Solver, Sphere, Substrate,
 };
 
 /// One table of a scene.
