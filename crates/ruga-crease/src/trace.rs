@@ -17,7 +17,7 @@ const LEAST_AREA: f64 = 1e-9;
 
 /// Distance of the two points given on both sides of a seam, in longest sides of a triangle there, up to which
 /// they are one place.
-const SAME_PLACE: f64 = 1.0;
+const SAME_PLACE: f64 = 0.25;
 
 /// Times that the two points of a seam are farther apart in the layout than on the surface, at the scale of the
 /// triangles there. A step taken for a seam by mistake, where the layout is stretched, is walked in space.

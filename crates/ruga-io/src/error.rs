@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use ruga_blend::did_you_mean;
+use ruga_blend::{did_you_mean, nearest};
 use thiserror::Error;
 
 /// A file that cannot be read, means something impossible, or cannot be written.
@@ -108,6 +108,16 @@ impl IoError {
             path: path.to_owned(),
             element: element.into(),
             reason: reason.into(),
+        }
+    }
+
+    /// The error of a name that is none of `names`, with the nearest of them.
+    pub(crate) fn unknown_mesh(path: &Path, name: &str, names: Vec<String>) -> Self {
+        IoError::UnknownMesh {
+            path: path.to_owned(),
+            name: name.to_owned(),
+            suggestion: nearest(name, names.iter().map(String::as_str)),
+            names,
         }
     }
 

@@ -8,7 +8,7 @@ use gltf::json::mesh::{Mesh, Mode, MorphTarget, Primitive, Semantic};
 use gltf::json::validation::Checked;
 use gltf::json::{Index, Root};
 use nalgebra::{Matrix3, Vector2, Vector3};
-use ruga_blend::{ArtistMesh, BlendShape, nearest};
+use ruga_blend::{ArtistMesh, BlendShape};
 
 use crate::gltf_container::Container;
 use crate::gltf_document::{GltfDocument, PartSource};
@@ -56,7 +56,7 @@ pub(crate) fn read_gltf(path: &Path, mesh_name: Option<&str>) -> Result<MeshFile
 }
 
 /// Chooses by the mesh's name, else by the name of a node that carries it.
-fn select_mesh(container: &Container, name: Option<&str>) -> Result<usize, IoError> {
+pub(crate) fn select_mesh(container: &Container, name: Option<&str>) -> Result<usize, IoError> {
     let root = &container.root;
     let count = root.meshes.len();
     let path = container.path.clone();
@@ -75,12 +75,9 @@ fn select_mesh(container: &Container, name: Option<&str>) -> Result<usize, IoErr
         .filter(|node| node.name.as_deref() == Some(name))
         .filter_map(|node| node.mesh.map(|index| index.value()))
         .find(|index| *index < count);
-    by_mesh.or(by_node).ok_or_else(|| IoError::UnknownMesh {
-        path,
-        name: name.to_owned(),
-        suggestion: nearest(name, names.iter().map(String::as_str)),
-        names,
-    })
+    by_mesh
+        .or(by_node)
+        .ok_or_else(|| IoError::unknown_mesh(&path, name, names))
 }
 
 fn mesh_label(root: &Root, number: usize) -> String {
@@ -374,7 +371,7 @@ struct ReadPrimitives {
     warnings: Vec<String>,
 }
 
-fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<Index<Accessor>> {
+pub(crate) fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<Index<Accessor>> {
     primitive.attributes.get(&Checked::Valid(semantic)).copied()
 }
 

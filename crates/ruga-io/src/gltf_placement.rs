@@ -24,9 +24,7 @@ pub(crate) struct Placement {
 /// The first node that carries the mesh, or identity when none does.
 pub(crate) fn placement(container: &Container, mesh: usize) -> Result<Placement, IoError> {
     let nodes = &container.root.nodes;
-    let carriers: Vec<usize> = (0..nodes.len())
-        .filter(|&i| nodes[i].mesh.is_some_and(|index| index.value() == mesh))
-        .collect();
+    let carriers = carriers(&container.root, mesh);
     let Some(&first) = carriers.first() else {
         return Ok(Placement {
             stretch: Matrix3::identity(),
@@ -65,6 +63,30 @@ pub(crate) fn placement(container: &Container, mesh: usize) -> Result<Placement,
         warnings,
         weights: nodes[first].weights.clone(),
     })
+}
+
+/// World transform of the node called `name` that carries the mesh, else of the first that does;
+/// identity when none does.
+pub(crate) fn world_from_named_node(
+    container: &Container,
+    mesh: usize,
+    name: &str,
+) -> Result<Matrix4<f64>, IoError> {
+    let nodes = &container.root.nodes;
+    let carriers = carriers(&container.root, mesh);
+    let is_named = |node: &&usize| nodes[**node].name.as_deref() == Some(name);
+    match carriers.iter().find(is_named).or(carriers.first()) {
+        Some(node) => world_transform(container, &parents(&container.root), *node),
+        None => Ok(Matrix4::identity()),
+    }
+}
+
+/// Nodes that carry the mesh.
+fn carriers(root: &Root, mesh: usize) -> Vec<usize> {
+    let carries = |node: &Node| node.mesh.is_some_and(|index| index.value() == mesh);
+    (0..root.nodes.len())
+        .filter(|&i| carries(&root.nodes[i]))
+        .collect()
 }
 
 fn parents(root: &Root) -> Vec<Option<usize>> {

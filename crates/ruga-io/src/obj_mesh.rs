@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use nalgebra::{Matrix3, Matrix4, Vector2, Vector3};
-use ruga_blend::{ArtistMesh, BlendShape, nearest};
+use ruga_blend::{ArtistMesh, BlendShape};
 use tobj::{LoadError, LoadOptions, Model};
 
 use crate::error::read_bytes;
@@ -201,6 +201,7 @@ fn read_target(
 fn load(path: &Path) -> Result<Vec<Model>, IoError> {
     let bytes = read_bytes(path)?;
     check_indices(path, &bytes)?;
+    let bytes = without_lines(&bytes);
     let options = LoadOptions {
         triangulate: true,
         ignore_points: true,
@@ -214,6 +215,16 @@ fn load(path: &Path) -> Result<Vec<Model>, IoError> {
     Ok(models.into_iter().filter(with_faces).collect())
 }
 
+/// The file without its `l` elements, of which tobj makes polygons.
+fn without_lines(bytes: &[u8]) -> Vec<u8> {
+    let is_kept = |line: &&[u8]| {
+        let mut words = line.trim_ascii_start().split(u8::is_ascii_whitespace);
+        words.next() != Some(b"l")
+    };
+    let lines = bytes.split_inclusive(|byte| *byte == b'\n');
+    lines.filter(is_kept).flatten().copied().collect()
+}
+
 /// All models, or those of one name: groups and materials split an object into several.
 fn select(path: &Path, models: Vec<Model>, name: Option<&str>) -> Result<Vec<Model>, IoError> {
     let Some(name) = name else {
@@ -223,20 +234,16 @@ fn select(path: &Path, models: Vec<Model>, name: Option<&str>) -> Result<Vec<Mod
     names.dedup();
     let selected: Vec<Model> = models.into_iter().filter(|m| m.name == name).collect();
     if selected.is_empty() {
-        return Err(IoError::UnknownMesh {
-            path: path.to_owned(),
-            name: name.to_owned(),
-            suggestion: nearest(name, names.iter().map(String::as_str)),
-            names,
-        });
+        return Err(IoError::unknown_mesh(path, name, names));
     }
     Ok(selected)
 }
 
+/// What tobj calls an object without name.
+pub(crate) const UNNAMED: &str = "unnamed_object";
+
 /// The object's name if there is one object, else the file's.
 fn default_name(path: &Path, models: &[Model]) -> String {
-    // tobj calls an object without name this.
-    const UNNAMED: &str = "unnamed_object";
     let first = models.first().map_or(UNNAMED, |model| model.name.as_str());
     let alone = models.iter().all(|model| model.name == first);
     if alone && first != UNNAMED && !first.is_empty() {

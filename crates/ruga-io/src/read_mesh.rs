@@ -20,27 +20,44 @@ pub fn read_mesh(
     mesh_name: Option<&str>,
     obj: &ObjOptions,
 ) -> Result<MeshFile, IoError> {
-    let extension = path
-        .extension()
-        .map(|e| e.to_string_lossy().to_lowercase())
-        .unwrap_or_default();
-    let file = match extension.as_str() {
-        "glb" | "gltf" => read_gltf(path, mesh_name),
-        "obj" => read_obj(path, mesh_name, obj),
-        _ => Err(IoError::UnknownFormat {
-            path: path.to_owned(),
-            found: format!("`.{extension}` is not a mesh file"),
-            accepted: ".glb, .gltf, .obj",
-        }),
+    let file = match MeshFormat::of(path)? {
+        MeshFormat::Gltf => read_gltf(path, mesh_name),
+        MeshFormat::Obj => read_obj(path, mesh_name, obj),
     }?;
     check_magnitudes(&file)?;
     Ok(file)
 }
 
+/// Format of a mesh file.
+#[derive(Clone, Copy)]
+pub(crate) enum MeshFormat {
+    Gltf,
+    Obj,
+}
+
+impl MeshFormat {
+    /// The format that the file's name says.
+    pub(crate) fn of(path: &Path) -> Result<Self, IoError> {
+        let extension = path
+            .extension()
+            .map(|e| e.to_string_lossy().to_lowercase())
+            .unwrap_or_default();
+        match extension.as_str() {
+            "glb" | "gltf" => Ok(Self::Gltf),
+            "obj" => Ok(Self::Obj),
+            _ => Err(IoError::UnknownFormat {
+                path: path.to_owned(),
+                found: format!("`.{extension}` is not a mesh file"),
+                accepted: ".glb, .gltf, .obj",
+            }),
+        }
+    }
+}
+
 /// Coordinates beyond this are no lengths in metres and no texture coordinates. OBJ can spell
 /// numbers that the 32 bits of the GLB which is written in the end cannot hold. In 32 bits, so that
 /// what is written with the largest is read again.
-const LARGEST_COORDINATE: f32 = 1e30;
+pub(crate) const LARGEST_COORDINATE: f32 = 1e30;
 
 fn check_magnitudes(file: &MeshFile) -> Result<(), IoError> {
     let mesh = &file.mesh;

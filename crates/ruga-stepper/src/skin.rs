@@ -3,9 +3,11 @@
 mod boundary_cut;
 pub(crate) mod cover;
 mod crease_cut;
+pub(crate) mod crease_neighbours;
 mod facet_address;
 pub(crate) mod fading;
 pub(crate) mod fans;
+pub(crate) mod identity;
 pub(crate) mod interpolation;
 pub(crate) mod local_skin;
 pub(crate) mod material_places;

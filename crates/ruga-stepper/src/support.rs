@@ -23,7 +23,8 @@ use nalgebra::Vector3;
 use ruga_blend::PosedSurface;
 use ruga_lattice::Embedding;
 
-use crate::skin::skin_mesh::{Mark, SkinMesh};
+use crate::skin::identity::Mark;
+use crate::skin::skin_mesh::SkinMesh;
 
 pub use body::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape};
 pub(crate) use handles::Moves;

@@ -314,6 +314,7 @@ impl LayerMesh {
                 Some(edge) => vec![edge; self.faces.len()],
                 None => Vec::new(),
             },
+            creases: Vec::new(),
         }
     }
 

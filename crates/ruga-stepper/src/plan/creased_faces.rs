@@ -47,25 +47,27 @@ impl CreasedFaces {
         Self(creases.iter().map(faces_under).collect())
     }
 
-    /// The faces on lines that are drawn in a pose, or that give way under its compression.
+    /// For every line the faces on it that fold in a pose: all of one that is drawn, and where the pose's
+    /// compression makes it give way; none on a line that stays as it is.
     pub(crate) fn in_pose(
         &self,
         layer: &PlannedLayer<'_>,
         pose: &PoseSpec,
         strains: &PoseStrains,
-    ) -> Vec<FaceId> {
+    ) -> Vec<Vec<FaceId>> {
         let last = pose.keys.iter().copied().fold(0.0, f64::max);
         let creases = layer.spec.creases.iter().zip(&self.0);
-        creases
-            .flat_map(|(crease, faces)| {
-                // The last key draws it most.
-                let is_drawn = crease.is_drawn(crease.strength(&pose.weights, last));
-                let gives_way = ACTIVE_FRACTION * crease.onset_ratio(layer.wrinkling);
-                let folds =
-                    move |face: &FaceId| is_drawn || strains.strain_ratio(*face) > gives_way;
-                faces.iter().copied().filter(folds)
-            })
-            .collect()
+        let folding = creases.map(|(crease, faces)| {
+            // The last key draws it most.
+            let is_drawn = crease.is_drawn(crease.strength(&pose.weights, last));
+            let gives_way = match crease.law.stiffness < 1.0 {
+                true => ACTIVE_FRACTION * crease.onset_ratio(layer.wrinkling),
+                false => f64::INFINITY,
+            };
+            let folds = |face: &&FaceId| is_drawn || strains.strain_ratio(**face) > gives_way;
+            faces.iter().filter(folds).copied().collect()
+        });
+        folding.collect()
     }
 }
 

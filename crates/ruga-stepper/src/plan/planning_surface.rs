@@ -11,7 +11,7 @@ use ruga_mesh::{FaceId, Id, PerFace, edge_distances};
 use ruga_remesh::SizeLimits;
 
 use crate::plan::creased_faces::CreasedFaces;
-use crate::plan::fitted_faces::{GRADED, fitted_faces, graded_vertices};
+use crate::plan::fitted_faces::{GRADED, creased_vertices, fitted_faces, graded_vertices};
 use crate::plan::pose_plan::PlannedLayer;
 use crate::plan::region::PoseStrains;
 use crate::plan::skin_cost::{GRADING, Load, cost, factorisations};
@@ -250,7 +250,8 @@ impl<'a> PlanningSurface<'a> {
         let longest = waves.fold(0.0, f64::max);
         let where_to = (&modelling.region, &spec.presence);
         let creased = CreasedFaces::new(&self.surface, &spec.creases, &self.edges);
-        let creased = creased.in_pose(layer, pose, pose_strains);
+        let folding = creased.in_pose(layer, pose, pose_strains);
+        let creased = folding.concat();
         let on = (&self.surface, &self.rest);
         let active = pose_strains.active_faces(on, where_to, longest, &creased);
         let quantile = |field: &PerFace<f64>, fraction: f64| {
@@ -312,8 +313,12 @@ impl<'a> PlanningSurface<'a> {
                     fitted_faces(&active, shape, skin, &limits, *asked)
                 };
                 let coarsest = (GRADED / asked).min(COARSEST) * wrinkling.wavelength;
+                let lines = spec.creases.iter().zip(&folding);
+                let lines = lines.filter(|(_, faces)| !faces.is_empty());
+                let length: f64 = lines.map(|(crease, _)| crease.line.length()).sum();
                 let needed = GRADING * vertices_of(faces)
-                    + graded_vertices(self.border(&active), coarsest.min(limits.max_edge));
+                    + graded_vertices(self.border(&active), coarsest.min(limits.max_edge))
+                    + creased_vertices(length, wrinkling.wavelength, *asked);
                 // Vertices go with the square of the points per wavelength.
                 let short = (modelling.vertex_budget as f64 / needed).min(1.0).sqrt();
                 let points = asked * short;
@@ -420,6 +425,7 @@ impl<'a> PlanningSurface<'a> {
                 .map(|&face| self.surface.ancestor(face, planned))
                 .collect(),
             output_edges,
+            creases: folding.iter().map(|faces| !faces.is_empty()).collect(),
         }
     }
 

@@ -67,6 +67,8 @@ pub struct LayerPlan {
     pub(crate) region: Vec<u64>,
     /// Longest edges that the output mesh may have in these faces, m; none where it is to be uniform.
     pub(crate) output_edges: Vec<f64>,
+    /// Which of the layer's creases fold.
+    pub(crate) creases: Vec<bool>,
 }
 
 /// Strain that the posed driver applies to a layer.
@@ -115,6 +117,7 @@ impl LayerPlan {
             // A layer with a region of its own would be simulated once more by itself.
             region: Vec::new(),
             output_edges: Vec::new(),
+            creases: Vec::new(),
             ..self.clone()
         }
     }

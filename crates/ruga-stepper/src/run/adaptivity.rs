@@ -5,13 +5,14 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::{Matrix3, SymmetricEigen};
 use ruga_blend::{Driver, FaceStrain};
 use ruga_material::Wrinkling;
-use ruga_mesh::{FaceId, Id, PerFace, VertexId, edge_distances, face_areas, triangle_frame};
+use ruga_mesh::{FaceId, Id, PerFace, face_areas, triangle_frame};
 use ruga_remesh::{FaceDriver, Refinement, RemeshError, RemeshSettings, SizeLimits};
 
 use crate::error::Halt;
 use crate::preparing::Preparing;
 use crate::run::layer::Layer;
 use crate::run::strain_ratio::applied_strains;
+use crate::skin::crease_neighbours::near_creases;
 use crate::skin::local_skin::{LocalSkin, SkinProperties};
 use crate::skin::skin_mesh::{Adapted, RegionMesh, SizingStrains, SkinMesh};
 use crate::support::support_surface::SupportSurface;
@@ -28,11 +29,13 @@ const LEAST_ALONG: f64 = 2.5;
 
 /// Distance from a crease (wavelengths) within which edges are as short as wrinkles need: what a fold
 /// brings up beside it is a wave, whether the skin there is compressed or not.
-const CREASE_REACH: f64 = 0.5;
+pub(crate) const CREASE_REACH: f64 = 0.5;
 
-/// Largest ratio of edges along and across the wrinkles on a crease: with fewer vertices along it than four
-/// per wavelength a soft one folds like a saw.
-const CREASE_ASPECT: f64 = 3.0;
+/// Largest ratio of edges along and across a crease with `points` vertices per wavelength across it: with fewer
+/// than four along it a soft one folds like a saw.
+pub(crate) fn crease_aspect(points: f64) -> f64 {
+    (points / 4.0).clamp(1.0, 3.0)
+}
 
 /// Rounds of averaging of directions, at most: the region's mesh may be far finer than the reach.
 const MOST_PASSES: f64 = 40.0;
@@ -78,7 +81,7 @@ pub(crate) enum Fitting<'a> {
 /// Sizing that a layer asks for, on the faces of its region and at its vertices.
 pub(crate) struct SizingRequest {
     drivers: PerFace<FaceDriver>,
-    longest: Vec<f64>,
+    least: Vec<Matrix3<f64>>,
     aspects: Vec<f64>,
     refinement: Refinement,
     budget: usize,
@@ -136,17 +139,27 @@ impl SizingRequest {
             ),
         };
         let edge = |edge: f64| edge.clamp(limits.min_edge, limits.max_edge);
-        let mut edges: Vec<f64> = waves.clone().map(|wave| edge(longest * wave)).collect();
         let mut aspects = aspects(&region.skin, &drivers, aspect, aspect * across);
-        for (v, distance) in crease_distances(&region.skin, waves.clone()) {
-            let wave = properties.vertices[v].wrinkling.wavelength;
-            if distance <= CREASE_REACH * wave {
-                edges[v] = edges[v].min(edge(wave / points));
-                aspects[v] = aspects[v].min(CREASE_ASPECT);
+        let mut least: Vec<Matrix3<f64>> = waves
+            .clone()
+            .map(|wave| Matrix3::identity() / edge(longest * wave).powi(2))
+            .collect();
+        let along_crease = crease_aspect(points);
+        let reach = CREASE_REACH * waves.clone().fold(0.0, f64::max);
+        for near in near_creases(&region.skin, reach) {
+            let (v, wave) = (
+                near.vertex,
+                properties.vertices[near.vertex].wrinkling.wavelength,
+            );
+            if near.distance <= CREASE_REACH * wave {
+                let along = near.along * near.along.transpose();
+                let stretched = along * along_crease.powi(-2) + Matrix3::identity() - along;
+                least[v] = stretched / edge(wave / points).powi(2);
+                aspects[v] = aspects[v].min(along_crease);
             }
         }
         Ok(Some(Self {
-            longest: edges,
+            least,
             aspects,
             drivers,
             refinement,
@@ -185,33 +198,12 @@ impl SizingRequest {
     fn strains(&self) -> SizingStrains<'_> {
         SizingStrains {
             drivers: &self.drivers,
-            longest: &self.longest,
+            least: &self.least,
             aspects: &self.aspects,
             refinement: self.refinement,
             budget: self.budget,
         }
     }
-}
-
-/// Vertices near creases, with their distance from one (m).
-fn crease_distances(
-    skin: &SkinMesh,
-    waves: impl Iterator<Item = f64>,
-) -> impl Iterator<Item = (usize, f64)> {
-    let mesh = &skin.mesh;
-    let edges = skin.creases.iter();
-    let on: Vec<VertexId> = edges
-        .flat_map(|crease| mesh.edges()[crease.edge].vertices)
-        .collect();
-    let distances = match on.is_empty() {
-        true => Vec::new(),
-        false => {
-            let reach = CREASE_REACH * waves.fold(0.0, f64::max);
-            edge_distances(mesh, &skin.rest.positions, on, reach).into_vec()
-        }
-    };
-    let near = distances.into_iter().enumerate();
-    near.filter(|(_, distance)| distance.is_finite())
 }
 
 /// Largest length over width of triangles at every vertex, at most `most`, where the direction

@@ -1,5 +1,7 @@
 //! Layers as a pose needs them: their region, their mesh, their bending.
 
+use ruga_crease::TracedLine;
+
 use crate::error::Halt;
 use crate::preparing::Preparing;
 use crate::run::adaptivity::{Fitting, SizingRequest};
@@ -9,10 +11,20 @@ use crate::run::low_pass_rows::RowCentre;
 use crate::run::stack_run::StackRun;
 use crate::skin::skin_mesh::RegionMesh;
 use crate::support::support_surface::SupportOf;
-use crate::{Observer, Phase};
+use crate::{LayerSpec, Observer, Phase};
 
 /// Edges longer than asked for by less than this factor are not worth a word.
 const WORTH_TELLING: f64 = 1.1;
+
+/// The layer without the lines of creases that do not fold, which keep their numbers: a mesh with edges along
+/// them would be finer for nothing.
+fn with_folding_lines(spec: &LayerSpec, folds: &[bool]) -> LayerSpec {
+    let mut spec = spec.clone();
+    for (crease, _) in spec.creases.iter_mut().zip(folds).filter(|(_, on)| !**on) {
+        crease.line = TracedLine::default();
+    }
+    spec
+}
 
 impl<'a> StackRun<'a> {
     /// Builds layer number `index`, its mesh fitted to each surface of `support`, its
@@ -68,8 +80,8 @@ impl<'a> StackRun<'a> {
         let piece = preparing.while_wanted(|goes_on| plan.layer_piece(layer, goes_on))?;
         let offset = plan.stacking.attachments[index].offset;
         let on = (piece, plan.modelling.smoothing, offset);
-        let spec = &plan.stacking.specs[index];
-        RegionMesh::new(&plan.driver, spec, on, &mut || preparing.goes_on())
+        let spec = with_folding_lines(&plan.stacking.specs[index], &layer.creases);
+        RegionMesh::new(&plan.driver, &spec, on, &mut || preparing.goes_on())
     }
 
     /// Sizing that layer number `index` asks for on its region.

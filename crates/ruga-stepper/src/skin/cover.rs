@@ -11,9 +11,10 @@ use ruga_mesh::{
 };
 
 use crate::skin::fading::faded_from;
+use crate::skin::identity::Mark;
 use crate::skin::interpolation::through_vertices;
 use crate::skin::material_places::is_on_border;
-use crate::skin::skin_mesh::{Mark, SkinMesh};
+use crate::skin::skin_mesh::SkinMesh;
 
 /// A place counts as beside the layer below when it lies this fraction of an edge outside.
 const BESIDE: f64 = 1e-3;

@@ -282,7 +282,7 @@ mod tests {
         let vertices = region.skin.mesh.vertex_count();
         let demand = SizingStrains {
             drivers: &PerFace::filled(region.skin.mesh.face_count(), idle),
-            longest: &vec![length; vertices],
+            least: &vec![Matrix3::identity() / (length * length); vertices],
             aspects: &vec![1.0; vertices],
             refinement: Refinement::default(),
             budget: 1_000_000,

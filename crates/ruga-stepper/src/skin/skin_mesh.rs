@@ -1,7 +1,5 @@
 //! The mesh that a layer is computed on, and its output mesh.
 
-use std::sync::{Arc, Weak};
-
 use nalgebra::{Matrix3, SymmetricEigen, Vector2, Vector3};
 use ruga_blend::{Driver, PosedSurface, Smoothing, SurfacePoints};
 use ruga_crease::{CreaseEdge, LinePlaces, TracedLine};
@@ -19,6 +17,7 @@ use crate::skin::boundary_cut::{Cut, TooManyCrossings, check_crossings, cut_alon
 use crate::skin::crease_cut::{Creased, cut_along_creases};
 use crate::skin::facet_address::{FacetAddresses, Piece as Facets};
 use crate::skin::fans::open_along;
+use crate::skin::identity::Identity;
 use crate::skin::piece::{Piece, blend};
 use crate::{LayerSpec, StepperError};
 
@@ -44,34 +43,6 @@ pub(crate) struct SkinMesh {
     pub(crate) creases: Vec<CreaseEdge>,
     /// Identity of the mesh; copies share it.
     pub(crate) identity: Identity,
-}
-
-/// Equal for an original and its copies only.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Identity(Arc<()>);
-
-impl Identity {
-    /// Something to know it by that does not keep it.
-    pub(crate) fn mark(&self) -> Mark {
-        Mark(Arc::downgrade(&self.0))
-    }
-}
-
-/// Reminder of an [`Identity`].
-#[derive(Debug)]
-pub(crate) struct Mark(Weak<()>);
-
-impl Mark {
-    pub(crate) fn is_of(&self, identity: &Identity) -> bool {
-        // A weak reference keeps its address from being given to another mesh, so that equal
-        // addresses are enough.
-        std::ptr::eq(self.0.as_ptr(), Arc::as_ptr(&identity.0))
-    }
-
-    /// Whether nothing of that identity is left.
-    pub(crate) fn is_stale(&self) -> bool {
-        self.0.strong_count() == 0
-    }
 }
 
 impl SkinMesh {
@@ -122,8 +93,8 @@ struct Opened {
 pub(crate) struct SizingStrains<'a> {
     /// Compression that drives wrinkles on every triangle of the region's mesh.
     pub(crate) drivers: &'a PerFace<FaceDriver>,
-    /// Longest edge at every vertex, m.
-    pub(crate) longest: &'a [f64],
+    /// Longest edges at every vertex, as a sizing tensor: squared inverse lengths (1/m²).
+    pub(crate) least: &'a [Matrix3<f64>],
     /// Largest ratio of edges along and across the wrinkles at every vertex; infinite where the
     /// mesh's own limit is enough.
     pub(crate) aspects: &'a [f64],
@@ -428,11 +399,11 @@ impl RegionMesh {
             driver: Some(strains.drivers),
             refinement: strains.refinement,
         })?;
-        let limits = strains.longest.iter().zip(strains.aspects);
-        for (tensor, (longest, aspect)) in sizing.tensors.as_mut_slice().iter_mut().zip(limits) {
+        let limits = strains.least.iter().zip(strains.aspects);
+        for (tensor, (least, aspect)) in sizing.tensors.as_mut_slice().iter_mut().zip(limits) {
             // A sum is no coarser than either term in any direction, and smooth where the larger
             // one changes.
-            *tensor += Matrix3::identity() / (longest * longest);
+            *tensor += least;
             limit_aspect(tensor, *aspect);
         }
         let sizing = sizing.limited(&start, &surface, &settings.limits)?;
