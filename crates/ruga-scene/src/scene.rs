@@ -287,7 +287,7 @@ impl Inspection {
         self.warnings.extend(mesh_warnings(&mesh, &driver));
         let poses = model::poses(&self.file, &driver, wanted, &self.path);
         self.poses = self.keep(poses);
-        self.look_at_creases(&driver);
+        self.look_at_creases(&mesh, &driver);
         if let Some(layers) = &self.layers {
             let size = mesh_size::check(&self.file, &mesh, layers);
             let size = self.keep(size);
@@ -303,13 +303,14 @@ impl Inspection {
         self.mesh = Some((mesh, Arc::new(driver)));
     }
 
-    fn look_at_creases(&mut self, driver: &Driver) {
+    fn look_at_creases(&mut self, mesh: &MeshFile, driver: &Driver) {
         let Some(layers) = &mut self.layers else {
             return;
         };
         let on = CreasedMesh {
             scene: &self.file,
             path: &self.path,
+            mesh,
             driver,
             tiles: &self.tiles,
         };

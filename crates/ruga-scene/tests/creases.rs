@@ -280,7 +280,7 @@ fn scene_creases_survive_writing_and_can_be_planned() {
 
 /// Lines that are refused, and in which words.
 const LINES: &str = r#"
-closed = false => creases[0]` | found none of them | exactly one of uv, edges and image
+closed = false => creases[0]` | found none of them | exactly one of uv, edges, line_mesh and image
 uv = [[0.1, 0.5], [0.3, 0.5]]; edges = [7, 8] => found uv, edges | exactly one
 edges = [7, 8]; closed = true => creases[0].closed | only with `uv`
 uv = [[0.1, 0.5]] => creases[0].uv` | found 1 point; accepted: at least 2 points

@@ -8,7 +8,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
 /// One of `[[creases]]`: lines along which a layer folds, as it does in the palm or between the brows. Exactly
-/// one of `uv`, `edges` and `image` says where. A preset fills in what is left out; its values are nominal, from
+/// one of `uv`, `edges`, `line_mesh` and `image` says where. A preset fills in what is left out; its values are nominal, from
 /// anatomy and not measured on skin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -30,17 +30,24 @@ pub struct Crease {
         skip_serializing_if = "Vec::is_empty"
     )]
     pub uv: Vec<[f64; 2]>,
-    /// A line along edges of the mesh: numbers of vertices in the file, from 0, neighbours joined by an edge;
+    /// A line along edges of a glTF mesh: numbers of vertices in the file, from 0, neighbours joined by an edge;
     /// closed if it ends where it began.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub edges: Vec<u32>,
+    /// Name of another mesh (glTF) or object (OBJ) in the file of the mesh that consists of lines, as a curve
+    /// that was drawn on the skin: each of its polylines is a line, put onto the closest places of the skin.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub line_mesh: Option<String>,
+    /// Largest distance of a point of `line_mesh` from the skin, m; a wavelength of the layer if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reach: Option<f64>,
     /// Grey image over the UV square on which lines are painted white: each stroke is a line along its middle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub image: Option<PathBuf>,
     /// Whether the last point of `uv` is joined to the first.
     #[serde(default)]
     pub closed: bool,
-    /// What becomes of the corners of `uv`.
+    /// What becomes of the corners of `uv` and `line_mesh`.
     #[serde(default)]
     pub corners: Corners,
     /// The side to which it folds.

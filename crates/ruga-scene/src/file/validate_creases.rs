@@ -3,6 +3,7 @@
 use ruga_blend::nearest;
 
 use super::fault::{Checked, Fault, fault, names_given, not_negative, positive, unique_name};
+use super::validate::has_extension;
 use super::{Anchor, Crease, Drive, SceneFile};
 use crate::crease_presets::{CREASE_PRESETS, crease_preset};
 
@@ -32,6 +33,7 @@ impl SceneFile {
         for (i, crease) in self.creases.iter().enumerate() {
             let key = format!("creases[{i}]");
             crease.faults(&key)?;
+            self.vertex_faults(&key, crease)?;
             self.crease_layer_faults(&key, crease)?;
             let earlier = self.creases.iter().take(i).map(|other| &other.name);
             unique_name(&format!("{key}.name"), &crease.name, earlier)?;
@@ -45,6 +47,16 @@ impl SceneFile {
             return Some(0);
         };
         self.layers.iter().position(|layer| layer.name == *name)
+    }
+
+    /// Vertices of OBJ files are numbered anew when they are read.
+    fn vertex_faults(&self, key: &str, crease: &Crease) -> Checked {
+        if crease.edges.is_empty() || !has_extension(&self.driver.mesh, "obj") {
+            return Ok(());
+        }
+        let accepted = "only with glTF meshes, whose vertices keep their numbers; with an OBJ draw the line as \
+                        an object of lines, and give its name as `line_mesh`";
+        fault(&format!("{key}.edges"), "an OBJ mesh", accepted)
     }
 
     fn crease_layer_faults(&self, key: &str, crease: &Crease) -> Checked {
@@ -83,10 +95,11 @@ impl Crease {
         let sources = [
             ("uv", !self.uv.is_empty()),
             ("edges", !self.edges.is_empty()),
+            ("line_mesh", self.line_mesh.is_some()),
             ("image", self.image.is_some()),
         ];
         if sources.iter().filter(|(_, given)| *given).count() != 1 {
-            let accepted = "exactly one of uv, edges and image";
+            let accepted = "exactly one of uv, edges, line_mesh and image";
             return fault(key, names_given(&sources), accepted);
         }
         if self.closed && self.uv.is_empty() {
@@ -106,6 +119,13 @@ impl Crease {
                 ),
                 suggestion: nearest(name, names()),
             });
+        }
+        if let Some(reach) = self.reach {
+            let key = format!("{key}.reach");
+            positive(&key, reach)?;
+            if self.line_mesh.is_none() {
+                return fault(&key, reach, "only with `line_mesh`");
+            }
         }
         if let Some(width) = self.width {
             positive(&format!("{key}.width"), width)?;

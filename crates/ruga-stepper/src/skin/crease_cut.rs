@@ -22,7 +22,10 @@ pub(crate) struct Creased {
 /// Gives a piece of the driver edges along the lines of `creases`; without any it stays as it is.
 pub(crate) fn cut_along_creases(driver: &Driver, creases: &[CreaseSpec], cut: Cut) -> Creased {
     let Cut { piece, features } = cut;
-    if creases.is_empty() {
+    if creases
+        .iter()
+        .all(|crease| crease.line.segments().is_empty())
+    {
         return Creased {
             piece,
             boundaries: features,

@@ -26,6 +26,26 @@ impl Layer {
         self.set_crease_strengths(strengths)
     }
 
+    /// Strength with which every crease is drawn.
+    pub(crate) fn crease_strengths(&self) -> &[f64] {
+        &self.crease_strengths
+    }
+
+    /// Draws every crease a `share` of the way from a strength it had `before` to its present one.
+    pub(crate) fn draw_part_of_creases(
+        &mut self,
+        before: &[f64],
+        share: f64,
+    ) -> Result<(), StepperError> {
+        if share == 1.0 {
+            return Ok(());
+        }
+        let pairs = before.iter().zip(&self.crease_strengths);
+        let between = pairs.map(|(from, to)| from + (to - from) * share);
+        let strengths = between.collect();
+        self.set_crease_strengths(strengths)
+    }
+
     pub(super) fn set_crease_strengths(&mut self, strengths: Vec<f64>) -> Result<(), StepperError> {
         if self.skin.creases.is_empty() || self.crease_strengths == strengths {
             return Ok(());
