@@ -136,10 +136,7 @@ fn distance_to(p: &Vector3<f64>, [a, b]: [Vector3<f64>; 2]) -> f64 {
 
 /// Where on the first of two lines the one ends on the other. Lines that go straight on into each other do not
 /// cross, and no more do those that share a vertex but no face.
-fn joints(
-    [(line, a), (other, b)]: [(&TracedLine, &[(f64, Vector3<f64>)]); 2],
-    edge: f64,
-) -> Vec<f64> {
+fn joints([(_, line, a), (_, other, b)]: [Sampled<'_>; 2], edge: f64) -> Vec<f64> {
     let ends = |line: &TracedLine, samples: &[(f64, Vector3<f64>)]| {
         let ends = samples.first().into_iter().chain(samples.last());
         let ends = ends.filter(|_| !line.is_closed()).copied();
@@ -174,7 +171,7 @@ fn too_close(
     let places = if first == second { 2 } else { 1 };
     let mut places: Vec<f64> = near.iter().flat_map(|c| &c.at[..places]).copied().collect();
     if first != second {
-        places.extend(joints([(line, a), (other_line, b)], edge));
+        places.extend(joints([(first, line, a), (second, other_line, b)], edge));
     }
     let meets = |at: f64| places.iter().any(|s| (s - at).abs() < NEAR_CROSSING * edge);
     let mut closest: Option<(f64, f64)> = None;

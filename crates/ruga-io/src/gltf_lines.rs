@@ -78,7 +78,7 @@ fn elements(mode: Mode, points: Vec<Vector3<f64>>) -> Result<Vec<LineElement>, S
         _ if count < 2 => Err(format!("has {count} corner; a line has at least 2")),
         Mode::LineLoop => Ok(vec![LineElement::Loop(points)]),
         Mode::LineStrip => Ok(vec![LineElement::Strip(points)]),
-        _ if count % 2 != 0 => Err(format!("has {count} corners, not a multiple of 2")),
+        _ if !count.is_multiple_of(2) => Err(format!("has {count} corners, not a multiple of 2")),
         _ => {
             let pairs = points.chunks_exact(2);
             Ok(pairs.map(|p| LineElement::Pair([p[0], p[1]])).collect())
