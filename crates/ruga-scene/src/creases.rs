@@ -63,6 +63,7 @@ pub(crate) fn add_creases(
         })?;
         let spec = on.kind((number, crease), layer)?;
         warnings.extend(band_warning(crease, &spec, &waves));
+        warnings.extend(on.anchor_warning(crease));
         let sizes = [waves.wavelength, waves.wavelength / points];
         let (lines, warning) = on.lines((number, crease), sizes)?;
         warnings.extend(warning);
@@ -163,6 +164,17 @@ impl CreasedMesh<'_> {
         }
     }
 
+    /// Warning of a preset's anchor, which has nothing to hold to on a soft body.
+    fn anchor_warning(&self, crease: &Crease) -> Option<String> {
+        self.scene.interior.as_ref()?;
+        let preset = crease.preset.as_deref().and_then(crease_preset)?;
+        preset.depth?;
+        Some(format!(
+            "crease `{}`: the anchor of its preset is left out, because what is below a body's skin moves with it",
+            crease.name
+        ))
+    }
+
     /// Everything about a crease of `layer` but its line.
     fn kind(
         &self,
@@ -180,6 +192,7 @@ impl CreasedMesh<'_> {
             stiffness: anchor.stiffness,
         });
         let usual = preset.and_then(|preset| preset.depth);
+        let usual = usual.filter(|_| self.scene.interior.is_none());
         let anchor = own.or(usual.map(|depth| CreaseAnchor {
             depth,
             stiffness: ANCHOR_STIFFNESS,

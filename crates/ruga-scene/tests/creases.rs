@@ -391,7 +391,7 @@ fn scene_creases_with_impossible_properties_are_refused() {
 }
 
 #[test]
-fn scene_creases_belong_to_a_layer_alone_on_a_posed_mesh() {
+fn scene_creases_belong_to_a_layer_alone() {
     let site = Site::new();
     let top = "[[layers]]\nname = \"top\"\nyoung = 2e6\nthickness = 1e-4\n";
     let two = |more: &str| format!("{top}{}", crease("line", more));
@@ -399,8 +399,11 @@ fn scene_creases_belong_to_a_layer_alone_on_a_posed_mesh() {
     site.refuses(&two("layer = \"top\""), words);
     let words = "creases[0].layer | `skin`, which carries another layer";
     site.refuses(&two(""), words);
-    let body = crease("line", "") + "[interior]\ncells = 4\n";
-    site.refuses(&body, "`creases` | found 1 crease | [interior]");
+    let body = |more: &str| crease("line", more) + "[interior]\ncells = 4\n";
+    let words = "creases[0].anchor | no anchor with [interior]";
+    site.refuses(&body("anchor = { depth = 1e-4 }"), words);
+    let left_out = "crease `line` | anchor of its preset | left out";
+    site.warns(&body("preset = \"palm-line\"\nwidth = 1e-4"), left_out);
     let symmetric = format!("symmetry = \"x\"\n{LAYER}{}", crease("line", ""));
     let words = "driver.symmetry | found \"x\" | no `symmetry` with [[creases]]";
     says(site.read_all(&symmetric), words);

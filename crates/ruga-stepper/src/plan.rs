@@ -22,7 +22,7 @@ use ruga_blend::{BaseSurface, Driver};
 use ruga_material::{StackPair, Wrinkling};
 use ruga_mesh::FaceId;
 
-use crate::plan::crease_places::under_drawn_lines;
+use crate::plan::crease_places::put_under_drawn_lines;
 use crate::plan::planning_surface::PlanningSurface;
 use crate::plan::pose_plan::PlannedLayer;
 use crate::plan::stacking::Stacking;
@@ -217,11 +217,7 @@ pub fn plan(
     // The region's mask becomes one of every layer's, so that both kinds cut and fade alike.
     let layers: Vec<LayerSpec> = layers.iter().map(|layer| within(layer, region)).collect();
     let mut stacking = Stacking::new(&layers, modelling.stack)?;
-    let layers = stacking.specs.iter_mut().zip(&stacking.wrinkling);
-    for (layer, wave) in layers.filter(|(layer, _)| !layer.creases.is_empty()) {
-        let on = (driver.as_ref(), modelling.smoothing);
-        layer.creases = under_drawn_lines(on, &layer.creases, wave.wavelength);
-    }
+    put_under_drawn_lines(driver, modelling.smoothing, &mut stacking);
     let surface = PlanningSurface::new(driver, &stacking, modelling, map_size)?;
     let planned = planned_layers(&surface, &stacking, modelling)?;
     let mut warnings = stacking.warnings(modelling.stack);

@@ -1,10 +1,11 @@
-//! Two layers on a soft body: each wrinkles as it would alone.
+//! Layers on a soft body: two of which each wrinkles as it would alone, and one with a crease.
 
 mod bodies;
 
 use bodies::{free_body, layer, modelling, pose, push, slab, slice, top};
-use nalgebra::Vector3;
-use ruga_stepper::{Silent, plan_body};
+use nalgebra::{Vector2, Vector3};
+use ruga_crease::{Corners, Drive, LineInput, LineLaw, LineTracer};
+use ruga_stepper::{CreaseSpec, FoldSense, Silent, plan_body};
 
 const SIZE: Vector3<f64> = Vector3::new(0.08, 0.02, 0.02);
 
@@ -36,4 +37,52 @@ fn two_layers_wrinkle_at_both_wavelengths() {
     // Both surfaces stand where the body has gone, the upper one above the lower.
     let [lower, upper] = [0, 1].map(|k| &result.keys[0].layers[k]);
     assert!(lower.offset == 0.0 && upper.offset > 0.0);
+}
+
+/// Pressed to about what wrinkles it, a layer on a body folds along a soft line across it, and along no other.
+#[test]
+fn a_soft_line_folds_on_a_body() {
+    let driver = slab(SIZE, [16, 4, 4], |p| p);
+    let mut skin = layer(150.0);
+    let tracer = LineTracer::new(driver.topology(), driver.rest()).with_uvs(driver.uvs());
+    let line = tracer.trace(&LineInput::Uv {
+        points: [0.05, 0.95].map(|v| Vector2::new(0.24, v)).to_vec(),
+        is_closed: false,
+        corners: Corners::Keep,
+    });
+    skin.creases = vec![CreaseSpec {
+        name: "line".into(),
+        line: line.expect("a line on the top"),
+        law: LineLaw {
+            width: skin.material.thickness,
+            stiffness: 0.01,
+            angle: 0.0,
+            fade: [2e-3; 2],
+        },
+        is_ridge: false,
+        sense: FoldSense::Valley,
+        drive: Drive::Load,
+        anchor: None,
+    }];
+    let mut body = free_body(8);
+    body.handles = vec![slice("left", -1.0, 0.01), slice("right", 0.07, 1.0)];
+    let mut modelling = modelling(8.0);
+    modelling.region = top();
+    let way = Vector3::x() * (0.020 * 0.03);
+    let motions = vec![push("left", way), push("right", -way)];
+    let poses = [pose(motions, &[1.0], 2)];
+    let plan = plan_body(&driver, &[skin], &body, &poses, &modelling, 2048);
+    let result = plan
+        .expect("a slab")
+        .simulate(0, &mut Silent)
+        .expect("a run");
+    assert!(result.converged, "{:?}", result.warnings);
+    let crease = &result.layers[0].creases[0];
+    println!("{crease:?}");
+    assert!(crease.fold > 0.1, "{crease:?}");
+    let surface = &result.keys[0].layers[0];
+    let depths = surface.driver_positions.iter().zip(&surface.positions);
+    let depths = depths.map(|(p, x)| (p.x, p.z - x.z));
+    let deepest = depths.max_by(|a, b| a.1.total_cmp(&b.1)).expect("vertices");
+    assert!((deepest.0 - 0.48 * SIZE.x).abs() < 2e-3, "{deepest:?}");
 }

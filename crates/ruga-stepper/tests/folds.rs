@@ -107,6 +107,12 @@ fn a_furrow_is_as_deep_as_theory_says() {
             anchor_depth: anchor.map_or(0.0, |anchor| anchor.depth * wave.wave_number),
         });
         let theory = theory.expect("a film that does not fold") / wave.wave_number;
+        println!(
+            "slant {slant}, strain {strain}, anchor {}: {:.4} of the theory's depth, {:.4} of that with averaging constraints",
+            anchor.is_some(),
+            elastic / theory,
+            hybrid / elastic
+        );
         assert!((elastic / theory - 1.0).abs() < 0.05, "{elastic} {theory}");
         // Averages over more than a wavelength take a little of it.
         assert!(

@@ -18,13 +18,12 @@ impl SceneFile {
         if self.creases.is_empty() {
             return Ok(());
         }
-        if self.interior.is_some() {
-            let accepted = "no [[creases]] with [interior]: they fold layers on a posed mesh";
-            let found = match self.creases.len() {
-                1 => "1 crease".to_owned(),
-                count => format!("{count} creases"),
-            };
-            return fault("creases", found, accepted);
+        let anchored = |(_, crease): &(usize, &Crease)| crease.anchor.is_some();
+        let on_body = self.interior.is_some();
+        let anchors = self.creases.iter().enumerate().find(anchored);
+        if let Some((number, _)) = anchors.filter(|_| on_body) {
+            let accepted = "no anchor with [interior]: what is below a body's skin moves with it";
+            return fault(&format!("creases[{number}].anchor"), "one", accepted);
         }
         if self.driver.symmetry.is_some() {
             let accepted = "no `symmetry` with [[creases]], which may differ from side to side";

@@ -8,6 +8,7 @@ use ruga_mesh::{FaceId, Id};
 
 use super::body_cost::cost;
 use super::waves::Waves;
+use crate::plan::crease_places::put_under_drawn_lines;
 use crate::plan::stacking::Stacking;
 use crate::plan::surface_measures::{
     MAX_LEVELS, MAX_PLANNING_FACES, OUTPUT_SLACK, faces_within, needed_levels, output_coarseness,
@@ -63,7 +64,8 @@ pub fn plan_body(
     poses.iter().try_for_each(|pose| check_pose(driver, pose))?;
     let region = modelling.region.mask();
     let layers: Vec<LayerSpec> = layers.iter().map(|layer| within(layer, region)).collect();
-    let stacking = Stacking::new(&layers, modelling.stack)?;
+    let mut stacking = Stacking::new(&layers, modelling.stack)?;
+    put_under_drawn_lines(driver, modelling.smoothing, &mut stacking);
     check(body)?;
     body.obstacles.iter().try_for_each(obstacle::check)?;
     for pose in poses {

@@ -10,6 +10,7 @@ use ruga_crease::{LineInput, LineTracer, TracedLine};
 use ruga_mesh::{MaterialPoint, SurfaceLookup};
 
 use crate::CreaseSpec;
+use crate::plan::stacking::Stacking;
 
 /// Points of a line per wavelength.
 const POINTS: f64 = 12.0;
@@ -21,9 +22,22 @@ const MOST_POINTS: f64 = 1e5;
 /// the sideways way changes over its own length, about a tenth.
 const STEPS: usize = 4;
 
+/// Moves the lines of all creases under where they are drawn.
+pub(crate) fn put_under_drawn_lines(
+    driver: &Driver,
+    smoothing: Smoothing,
+    stacking: &mut Stacking,
+) {
+    let layers = stacking.specs.iter_mut().zip(&stacking.wrinkling);
+    for (layer, wave) in layers.filter(|(layer, _)| !layer.creases.is_empty()) {
+        let on = (driver, smoothing);
+        layer.creases = under_drawn_lines(on, &layer.creases, wave.wavelength);
+    }
+}
+
 /// The creases of a layer of this wavelength (m) with their lines under where they are drawn. A line that cannot
 /// be followed there, as over a border, stays where it is.
-pub(crate) fn under_drawn_lines(
+fn under_drawn_lines(
     (driver, smoothing): (&Driver, Smoothing),
     creases: &[CreaseSpec],
     wavelength: f64,

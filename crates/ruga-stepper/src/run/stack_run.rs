@@ -334,6 +334,8 @@ impl<'a> StackRun<'a> {
         point: LoadPoint,
         inertia: Option<&Inertia>,
     ) -> Result<(), StepperError> {
+        let load = point.weight_fraction * point.strain_fraction;
+        layer.draw_creases(&self.spec().weights, load)?;
         if let Some(moves) = &self.moves {
             return layer.place_solid(
                 (moves, &self.spec().weights),
@@ -345,10 +347,6 @@ impl<'a> StackRun<'a> {
         let support = self.posed_driver(point.weight_fraction);
         let on = (self.plan.driver.as_ref(), support.as_ref());
         let surface = support_surface(on, layer.skin(), attachment, &[]);
-        layer.draw_creases(
-            &self.spec().weights,
-            point.weight_fraction * point.strain_fraction,
-        )?;
         layer.set_support(surface, point.strain_fraction)
     }
 
