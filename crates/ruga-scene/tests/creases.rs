@@ -399,7 +399,7 @@ fn scene_creases_belong_to_a_layer_alone() {
     site.refuses(&two("layer = \"top\""), words);
     let words = "creases[0].layer | `skin`, which carries another layer";
     site.refuses(&two(""), words);
-    let body = |more: &str| crease("line", more) + "[interior]\ncells = 4\n";
+    let body = |more: &str| crease("line", more) + "[interior]\ncells = 4\nfollow = 1e6\n";
     let words = "creases[0].anchor | no anchor with [interior]";
     site.refuses(&body("anchor = { depth = 1e-4 }"), words);
     let left_out = "crease `line` | anchor of its preset | left out";
