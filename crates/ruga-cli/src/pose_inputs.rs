@@ -70,9 +70,7 @@ fn shared_inputs(scene: &Scene) -> Result<Fingerprint, CliError> {
         let maps = layer.map.iter().flat_map(|map| map.images());
         maps.chain(layer.mask.as_deref())
     });
-    let creases = scene.file.creases.iter();
-    let creases = creases.filter_map(|crease| crease.image.as_deref());
-    for image in painted.chain(creases) {
+    for image in painted {
         for file in scene.image_files(image) {
             // Which of the tiles a file is of counts, too.
             if scene.is_tiled() {
@@ -81,6 +79,13 @@ fn shared_inputs(scene: &Scene) -> Result<Fingerprint, CliError> {
             }
             hash = hash.with(&read_bytes(&file)?);
         }
+    }
+    // Where lines lie is in images, and in other meshes of the file.
+    let creases = scene.layers.iter().flat_map(|layer| &layer.creases);
+    for segment in creases.flat_map(|crease| crease.line.segments()) {
+        let face = f64::from(segment.face.0);
+        let ends = segment.from.into_iter().chain(segment.to);
+        hash = hash.with_numbers(std::iter::once(face).chain(ends));
     }
     Ok(hash)
 }

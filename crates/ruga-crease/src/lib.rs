@@ -13,11 +13,13 @@
 //! Rounding is by cubic Hermite curves through the points with tangents of Catmull and Rom 1974; the skeleton
 //! is that of Zhang and Suen 1984. Positions and lengths are in metres, angles in radians.
 
+mod layout_places;
 mod line_input;
 mod rounding;
 mod trace;
 mod traced_line;
 mod walk;
+mod ways;
 
 mod crossings;
 mod line_checks;

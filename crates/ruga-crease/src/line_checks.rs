@@ -109,7 +109,9 @@ fn surroundings(samples: &[(f64, Vector3<f64>)]) -> (Vector3<f64>, Vector3<f64>)
     })
 }
 
-type Sampled<'a> = (usize, &'a TracedLine, &'a [(f64, Vector3<f64>)]);
+type Samples<'a> = &'a [(f64, Vector3<f64>)];
+
+type Sampled<'a> = (usize, &'a TracedLine, Samples<'a>);
 
 fn lie_on_each_other([(_, first, a), (_, second, b)]: [Sampled<'_>; 2], edge: f64) -> bool {
     let (shorter, longer) = if first.length() <= second.length() {
@@ -173,8 +175,70 @@ fn too_close(
     if first != second {
         places.extend(joints([(first, line, a), (second, other_line, b)], edge));
     }
+    // Lines that cross in a vertex share no face there, and are seen to meet by their distance alone.
+    while let Some((at, other, distance)) = closest(((line, a), b), first == second, &places, edge)
+    {
+        let (own, others) = (chords_at(a, at), chords_at(b, other));
+        let meets = own.iter().any(|p| {
+            let mut others = others.iter();
+            others.any(|q| chord_distance(*p, *q) < ON_EACH_OTHER * edge)
+        });
+        if !meets || places.len() >= MOST_MEETINGS {
+            return Some(CreaseWarning::TooClose {
+                lines: [first, second],
+                at,
+                distance,
+            });
+        }
+        places.push(at);
+    }
+    None
+}
+
+/// Places at which two lines may meet before it is no longer asked how.
+const MOST_MEETINGS: usize = 100;
+
+/// The chords of a sampled line that begin or end at a sample.
+fn chords_at(samples: &[(f64, Vector3<f64>)], at: f64) -> Vec<[Vector3<f64>; 2]> {
+    let pairs = samples.windows(2);
+    let there = pairs.filter(|pair| pair[0].0 == at || pair[1].0 == at);
+    there.map(|pair| [pair[0].1, pair[1].1]).collect()
+}
+
+/// Sine of the angle between lines below which they run beside each other and do not cross.
+const ALONG: f64 = 0.1;
+
+/// Distance of two chords that lie nearly in one plane: that of an end from the other, or none where they cross;
+/// infinite for chords that run along each other.
+fn chord_distance(p: [Vector3<f64>; 2], q: [Vector3<f64>; 2]) -> f64 {
+    let [own, other] = [p, q].map(|[from, to]| to - from);
+    let normal = own.cross(&other);
+    if normal.norm() <= ALONG * own.norm() * other.norm() {
+        return f64::INFINITY;
+    }
+    // On opposite sides of each other.
+    let parts = |[a, b]: [Vector3<f64>; 2], [c, d]: [Vector3<f64>; 2]| {
+        let side = |x: Vector3<f64>| (d - c).cross(&(x - c)).dot(&normal);
+        side(a) * side(b) <= 0.0
+    };
+    if parts(p, q) && parts(q, p) {
+        return 0.0;
+    }
+    let ends = p.iter().map(|end| distance_to(end, q));
+    let ends = ends.chain(q.iter().map(|end| distance_to(end, p)));
+    ends.fold(f64::INFINITY, f64::min)
+}
+
+/// The places of two lines, or of two parts of one, that come closest below two edges, and their distance; not
+/// near `places` on the first.
+fn closest(
+    ((line, a), b): ((&TracedLine, Samples<'_>), Samples<'_>),
+    is_one_line: bool,
+    places: &[f64],
+    edge: f64,
+) -> Option<(f64, f64, f64)> {
     let meets = |at: f64| places.iter().any(|s| (s - at).abs() < NEAR_CROSSING * edge);
-    let mut closest: Option<(f64, f64)> = None;
+    let mut closest: Option<(f64, f64, f64)> = None;
     for &(at, p) in a.iter().filter(|(at, _)| !meets(*at)) {
         for &(other, q) in b {
             // Along one line the neighbourhood is near by itself.
@@ -184,18 +248,14 @@ fn too_close(
             } else {
                 apart
             };
-            if first == second && apart < NEAR_CROSSING * edge {
+            if is_one_line && apart < NEAR_CROSSING * edge {
                 continue;
             }
             let distance = (q - p).norm();
-            if distance < ROOM * edge && closest.is_none_or(|(_, least)| distance < least) {
-                closest = Some((at, distance));
+            if distance < ROOM * edge && closest.is_none_or(|(_, _, least)| distance < least) {
+                closest = Some((at, other, distance));
             }
         }
     }
-    closest.map(|(at, distance)| CreaseWarning::TooClose {
-        lines: [first, second],
-        at,
-        distance,
-    })
+    closest
 }

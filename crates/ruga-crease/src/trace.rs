@@ -7,9 +7,11 @@ use ruga_mesh::{
     FaceId, Id, MaterialPoint, PerFace, PlanarLookup, SurfaceLookup, TriMesh, VertexId,
 };
 
+use crate::layout_places::{BESIDE_UV, beside, longest_uv_side, onto_edges, uv_at};
 use crate::line_input::{Corners, LineInput};
 use crate::rounding::rounded;
-use crate::walk::{End, Step, Stop, Straight, faces_at, place_in, walk};
+use crate::walk::{Step, Stop, faces_at, place_in, walk};
+use crate::ways::{SpaceWay, UvWay};
 use crate::{CreaseError, TracedLine};
 
 /// Area of a triangle over its longest side squared below which it has none.
@@ -25,16 +27,6 @@ const FARTHER: f64 = 4.0;
 
 /// Step in the texture layout from a point on an edge to its sides.
 const ASIDE: [f64; 2] = [3e-6, 2e-6];
-
-/// Distance in the texture layout up to which two places are one: what files round to.
-const SAME_UV: f64 = 1e-6;
-
-/// Distance in the texture layout up to which a point beside an island lies on its border: coordinates are
-/// written with three decimals, and a point on a seam is hit by no more than chance.
-const BESIDE_UV: f64 = 1e-3;
-
-/// Barycentric weights below this are none: what single precision leaves of a point on a seam.
-const LEAST_WEIGHT: f64 = 1e-4;
 
 /// Share of a line on the border at which it runs along it.
 const MOST_ON_BORDER: f64 = 0.05;
@@ -358,7 +350,7 @@ impl<'a> LineTracer<'a> {
         })
     }
 
-    fn corners(&self, face: FaceId) -> [Vector3<f64>; 3] {
+    pub(crate) fn corners(&self, face: FaceId) -> [Vector3<f64>; 3] {
         self.mesh.faces()[face].map(|v| self.positions[v.index()])
     }
 
@@ -401,49 +393,6 @@ impl<'a> LineTracer<'a> {
             _ => Ok(()),
         }
     }
-}
-
-fn uv_at(uvs: &PerFace<[Vector2<f64>; 3]>, place: &MaterialPoint) -> Vector2<f64> {
-    let corners = uvs[place.face].iter().zip(place.barycentric);
-    corners.map(|(uv, weight)| uv * weight).sum()
-}
-
-/// A place as good as on an edge or in a corner of its triangle is moved there.
-fn onto_edges(place: MaterialPoint) -> MaterialPoint {
-    let kept = |weight: f64| if weight < LEAST_WEIGHT { 0.0 } else { weight };
-    let kept = place.barycentric.map(kept);
-    let sum: f64 = kept.iter().sum();
-    MaterialPoint {
-        barycentric: kept.map(|weight| weight / sum),
-        ..place
-    }
-}
-
-/// The place on the border of an island that a point lies beside, if it is near one.
-fn beside(uvs: &PerFace<[Vector2<f64>; 3]>, uv: Vector2<f64>) -> Option<MaterialPoint> {
-    let mut nearest = None;
-    let mut least = BESIDE_UV;
-    for (number, corners) in uvs.as_slice().iter().enumerate() {
-        for corner in 0..3 {
-            let next = (corner + 1) % 3;
-            let side = corners[next] - corners[corner];
-            let share = side.dot(&(uv - corners[corner])) / side.norm_squared();
-            let share = share.clamp(0.0, 1.0);
-            let distance = (corners[corner] + side * share - uv).norm();
-            if distance < least {
-                least = distance;
-                let mut barycentric = [0.0; 3];
-                (barycentric[corner], barycentric[next]) = (1.0 - share, share);
-                let face = FaceId::from_index(number);
-                nearest = Some(MaterialPoint { face, barycentric });
-            }
-        }
-    }
-    nearest
-}
-
-fn longest_uv_side([a, b, c]: &[Vector2<f64>; 3]) -> f64 {
-    (b - a).norm().max((c - b).norm()).max((a - c).norm())
 }
 
 fn first_place(steps: &[Step]) -> Option<MaterialPoint> {
@@ -492,88 +441,6 @@ fn distinct<T: PartialEq>(points: &[T]) -> usize {
         None => 1,
         Some(second) if points.iter().all(|p| p == first || p == second) => 2,
         Some(_) => 3,
-    }
-}
-
-/// Straight in the texture layout, as far as charts go.
-struct UvWay<'a> {
-    uvs: &'a PerFace<[Vector2<f64>; 3]>,
-    mesh: &'a TriMesh,
-    from: Vector2<f64>,
-    to: Vector2<f64>,
-}
-
-impl<'a> UvWay<'a> {
-    fn new(
-        uvs: &'a PerFace<[Vector2<f64>; 3]>,
-        mesh: &'a TriMesh,
-        [from, to]: [Vector2<f64>; 2],
-    ) -> Self {
-        Self {
-            uvs,
-            mesh,
-            from,
-            to: to - from,
-        }
-    }
-}
-
-impl Straight for UvWay<'_> {
-    fn side(&self, face: FaceId) -> [f64; 3] {
-        self.uvs[face].map(|uv| self.to.perp(&(uv - self.from)))
-    }
-
-    fn along(&self, face: FaceId) -> [f64; 3] {
-        let square = self.to.norm_squared();
-        self.uvs[face].map(|uv| self.to.dot(&(uv - self.from)) / square)
-    }
-
-    fn is_at(&self, end: End, face: FaceId, barycentric: [f64; 3]) -> bool {
-        let here = uv_at(self.uvs, &MaterialPoint { face, barycentric });
-        let end = match end {
-            End::Start => self.from,
-            End::Goal => self.from + self.to,
-        };
-        (here - end).amax() < SAME_UV
-    }
-
-    fn goes_on(&self, face: FaceId, corner: usize, next: FaceId) -> bool {
-        let same = |corner: usize| {
-            let vertex = self.mesh.faces()[face][corner % 3];
-            let other = self.mesh.faces()[next].iter().position(|&v| v == vertex);
-            let here = self.uvs[face][corner % 3];
-            other.is_some_and(|other| (self.uvs[next][other] - here).amax() < SAME_UV)
-        };
-        same(corner) && same(corner + 1)
-    }
-}
-
-/// Straight in space, in a plane across the surface.
-struct SpaceWay<'a> {
-    tracer: &'a LineTracer<'a>,
-    from: Vector3<f64>,
-    /// The way over its length squared.
-    to: Vector3<f64>,
-    across: Vector3<f64>,
-}
-
-impl Straight for SpaceWay<'_> {
-    fn side(&self, face: FaceId) -> [f64; 3] {
-        let corners = self.tracer.corners(face);
-        corners.map(|p| self.across.dot(&(p - self.from)))
-    }
-
-    fn along(&self, face: FaceId) -> [f64; 3] {
-        let corners = self.tracer.corners(face);
-        corners.map(|p| self.to.dot(&(p - self.from)))
-    }
-
-    fn is_at(&self, _: End, _: FaceId, _: [f64; 3]) -> bool {
-        true
-    }
-
-    fn goes_on(&self, _: FaceId, _: usize, _: FaceId) -> bool {
-        true
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use nalgebra::Vector3;
 use ruga_blend::{Driver, nearest};
 use ruga_crease::{CreaseError, LineLaw, TracedLine, check_lines};
 use ruga_io::MeshFile;
@@ -68,19 +69,26 @@ pub(crate) fn add_creases(
         let (lines, warning) = on.lines((number, crease), sizes)?;
         warnings.extend(warning);
         warnings.extend(fade_warning(crease, &spec.law, &lines));
+        let joined = on.joined_ends(&lines, waves.wavelength / points);
         let names = on.names((number, crease), lines.len(), layers)?;
         let key = source_of(crease);
         keys[index].resize(
             layers[index].creases.len() + lines.len(),
             format!("creases[{number}].{key}"),
         );
-        let named = names.into_iter().zip(lines);
+        let named = names.into_iter().zip(lines).zip(joined);
         layers[index]
             .creases
-            .extend(named.map(|(name, line)| CreaseSpec {
-                name,
-                line,
-                ..spec.clone()
+            .extend(named.map(|((name, line), joined)| {
+                let mut spec = CreaseSpec {
+                    name,
+                    line,
+                    ..spec.clone()
+                };
+                // A stroke that another one goes on does not fade there.
+                let fades = spec.law.fade.iter_mut().zip(joined);
+                fades.for_each(|(fade, joined)| *fade *= f64::from(u8::from(!joined)));
+                spec
             }));
     }
     for (layer, keys) in layers.iter().zip(&keys) {
@@ -149,6 +157,25 @@ pub(crate) fn texel_warning(layer: &LayerSpec, texels: f64, size: u32) -> Option
 }
 
 impl CreasedMesh<'_> {
+    /// Of every line, whether its start and its end are within a distance (m) of an end of another one.
+    fn joined_ends(&self, lines: &[TracedLine], within: f64) -> Vec<[bool; 2]> {
+        let (mesh, rest) = (self.driver.topology(), self.driver.rest());
+        let ends = lines.iter().map(|line| {
+            let ends = [0.0, line.length()].map(|at| line.place(at));
+            ends.map(|place| place.map(|place| place.interpolate(mesh, rest)))
+        });
+        let ends: Vec<[Option<Vector3<f64>>; 2]> = ends.collect();
+        let is_joined = |line: usize, end: &Option<Vector3<f64>>| {
+            let others = ends.iter().enumerate().filter(|(i, _)| *i != line);
+            let mut others = others.flat_map(|(_, ends)| ends.iter().flatten());
+            end.is_some_and(|end| others.any(|other| (other - end).norm() < within))
+        };
+        let numbered = ends.iter().enumerate();
+        numbered
+            .map(|(line, own)| own.each_ref().map(|end| is_joined(line, end)))
+            .collect()
+    }
+
     pub(crate) fn fault(
         &self,
         key: String,

@@ -1,12 +1,13 @@
 //! A scene with everything that it names, read and converted.
 
+mod mask_warnings;
 mod zone_overlap;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use ruga_blend::{Driver, nearest};
-use ruga_io::{IoError, MeshFile, ObjOptions, read_mask, read_mesh};
+use ruga_io::{IoError, MeshFile, ObjOptions, read_mesh};
 use ruga_material::UvTile;
 use ruga_stepper::{
     BYTES_PER_TEXEL, Body, LatticeError, LayerSpec, Modelling, PoseSpec, Region, StepperError,
@@ -16,9 +17,10 @@ use ruga_stepper::{
 use crate::creases::{CreasedMesh, add_creases, texel_warning};
 use crate::file::{self, SceneFile};
 use crate::mask_image::mask;
-use crate::painted_files::{mask_files, tile_files};
+use crate::painted_files::tile_files;
 use crate::placement::Placement;
 use crate::plan::{ScenePlan, ZonePlan};
+use crate::scene::mask_warnings::mask_warnings;
 use crate::symmetry::PoseImages;
 use crate::uv_tiles::{are_tiled, driver_in_tiles};
 use crate::{Mirror, SceneError, body, counted, mesh_size, model, painted_files, texture_space};
@@ -487,36 +489,4 @@ fn masks_of(scene: &SceneFile, layer: &str) -> String {
         [] => "the masks".to_owned(),
         masks => masks.join(" and "),
     }
-}
-
-/// Warnings about unusual masks of the region and of the layers that can be read.
-fn mask_warnings(scene: &SceneFile, tiles: &[UvTile]) -> Vec<String> {
-    let masks = mask_files(scene).into_iter();
-    let files = masks.flat_map(|(key, image)| {
-        let files = tile_files(image, tiles).into_iter();
-        files.map(move |(_, file)| (key.clone(), file))
-    });
-    let mut warnings = Vec::new();
-    for (key, file) in files {
-        // What cannot be read is a problem already, where the mask itself is wanted.
-        let Ok(image) = read_mask(&file) else {
-            continue;
-        };
-        let mut warn = |what: String| warnings.push(format!("`{key}`: {}: {what}", file.display()));
-        if image.width != image.height {
-            let (width, height) = (image.width, image.height);
-            warn(format!(
-                "the mask is {width} x {height} texels and is stretched over the whole UV square; if it \
-                 was painted on a layout of those proportions, save it as a square"
-            ));
-        }
-        if image.had_transparency {
-            warn(
-                "the mask is transparent in places, which count as black: nothing wrinkles there; \
-                 fill them if it should"
-                    .to_owned(),
-            );
-        }
-    }
-    warnings
 }

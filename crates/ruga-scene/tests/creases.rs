@@ -346,6 +346,9 @@ fn scene_creases_that_may_not_be_meant_are_warned_of() {
     let near = with_line("uv = [[0.1, 0.502], [0.35, 0.502]]");
     let words = "crease `one` and crease `line` come within 0.2 | apart";
     site.warns(&[crease("one", ""), near].concat(), words);
+    // Through a vertex of the mesh, where the two share no triangle.
+    let cross = with_line("uv = [[0.225, 0.4], [0.225, 0.6]]");
+    site.lines(&[crease("one", ""), cross].concat());
 }
 
 /// Properties that are refused, and in which words.

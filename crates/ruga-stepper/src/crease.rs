@@ -20,7 +20,7 @@ pub struct CreaseSpec {
     pub sense: FoldSense,
     /// What its fold angle and its anchor's depth follow; softness is there in every pose.
     pub drive: Drive,
-    /// Springs that hold the line at a depth below the skin around it.
+    /// Springs that hold the line, while it is drawn, at a depth below the skin around it; none on a soft body.
     pub anchor: Option<CreaseAnchor>,
 }
 

@@ -26,7 +26,7 @@ use crate::plan::crease_places::put_under_drawn_lines;
 use crate::plan::planning_surface::PlanningSurface;
 use crate::plan::pose_plan::PlannedLayer;
 use crate::plan::stacking::Stacking;
-use crate::plan::warnings::never_wrinkle_warnings;
+use crate::plan::warnings::{never_fold_warnings, never_wrinkle_warnings};
 use crate::skin::piece::Piece;
 use crate::skin::refined::refined;
 use crate::skin::skin_mesh::{check_boundaries, sharp_map};
@@ -228,6 +228,7 @@ pub fn plan(
     };
     let poses_planned: Vec<PosePlan> = poses.iter().map(pose_plan).collect();
     warnings.extend(never_wrinkle_warnings(&poses_planned, planned.len()));
+    warnings.extend(never_fold_warnings(&poses_planned, &stacking.specs));
     let plan = Plan {
         poses: poses_planned,
         warnings,

@@ -49,6 +49,17 @@ pub(crate) fn check_layer(layer: &LayerSpec) -> Checked {
     }
 }
 
+/// Refuses anchors of creases on a body, whose surface moves with what is below.
+pub(crate) fn check_unanchored(layer: &LayerSpec) -> Checked {
+    match layer.creases.iter().find(|crease| crease.anchor.is_some()) {
+        None => Ok(()),
+        Some(crease) => {
+            let of = format!("layer '{}', crease '{}'", layer.name, crease.name);
+            refuse(of, "anchor", "one", "none on a soft body")
+        }
+    }
+}
+
 /// Checks the side of the maps in texels.
 pub(crate) fn check_map_size(map_size: u32) -> Checked {
     match map_size {

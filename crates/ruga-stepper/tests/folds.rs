@@ -152,6 +152,28 @@ fn a_soft_line_folds_before_the_skin_wrinkles() {
     }
 }
 
+/// An anchor holds nothing while its line is not drawn: pressed, it folds as one without.
+#[test]
+fn an_anchor_lets_go_of_a_line_that_is_not_drawn() {
+    let driver = driver();
+    let mut spec = crease(&driver, 0.0);
+    spec.drive = Drive::Weights(vec![(2, 1.0)]);
+    spec.law.stiffness = 0.01;
+    let anchored = CreaseSpec {
+        anchor: Some(CreaseAnchor {
+            depth: 1e-3,
+            stiffness: 20.0,
+        }),
+        ..spec.clone()
+    };
+    let [free, anchored] = [spec, anchored].map(|spec| {
+        let result = shortened(&creased(spec, Coupling::Hybrid), 0.042, &draft());
+        result.layers[0].creases[0].fold
+    });
+    assert!(free > 0.3, "{free}");
+    assert_eq!(anchored, free);
+}
+
 /// Wants every load step.
 struct Frames(usize);
 

@@ -63,8 +63,9 @@ pub struct Crease {
     /// Share of the bending stiffness that is left on the strip, from 0.000001 to 1; 0.1 without a preset.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stiffness: Option<f64>,
-    /// Angle of the fold that the skin is drawn into at full strength, degrees from flat, 0 to 150; 15 without
-    /// a preset.
+    /// Angle at which the line has no moment at full strength, degrees from flat, 0 to 150; 15 without a preset.
+    /// The skin beside it resists, so that in skin that is not compressed the fold is a part of it; `ruga plan`
+    /// says how deep.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub angle: Option<f64>,
     /// What holds the line down to the tissue below: `{ depth = 1e-3, stiffness = 20.0 }`.
@@ -145,7 +146,8 @@ pub enum Drive {
     /// The pose's own load: none at rest, full at its end.
     #[default]
     Load,
-    /// Nothing: the line is there at rest, too.
+    /// Nothing: the line is there in every pose at every key, also in one whose weights are 0, for a map of
+    /// the face at rest.
     Always,
     /// Blend-shape weights, by `weights`.
     Weights,

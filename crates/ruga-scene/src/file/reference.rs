@@ -174,6 +174,7 @@ fn list(schema: &Value) -> String {
     let item = match kind(items).as_str() {
         "one word" => "words".to_owned(),
         "text" => "texts".to_owned(),
+        list if list.starts_with("list of ") => list.replacen("list", "lists", 1),
         other => format!("{other}s"),
     };
     match schema.get("minItems").and_then(Value::as_u64) {

@@ -21,7 +21,9 @@ use crate::support::embedding_lattice::EmbeddingLattice;
 use crate::support::handles::{HeldNodes, Moves};
 use crate::support::lattice_size::lattice_warnings;
 use crate::support::obstacle::{self, distance};
-use crate::validation::{check_body_modelling, check_layer, check_map_size, check_pose};
+use crate::validation::{
+    check_body_modelling, check_layer, check_map_size, check_pose, check_unanchored,
+};
 use crate::{
     Body, InteriorPlan, LayerPlan, LayerSpec, LoadPath, Modelling, Plan, PosePlan, PoseSpec,
     StepperError,
@@ -61,6 +63,7 @@ pub fn plan_body(
         return Err(StepperError::NoLayer);
     }
     layers.iter().try_for_each(check_layer)?;
+    layers.iter().try_for_each(check_unanchored)?;
     poses.iter().try_for_each(|pose| check_pose(driver, pose))?;
     let region = modelling.region.mask();
     let layers: Vec<LayerSpec> = layers.iter().map(|layer| within(layer, region)).collect();

@@ -18,8 +18,8 @@ const POINTS: f64 = 12.0;
 /// Points of a line at most.
 const MOST_POINTS: f64 = 1e5;
 
-/// Steps towards the place of the smooth surface that lies under a place of a flat triangle. Each leaves what
-/// the sideways way changes over its own length, about a tenth.
+/// Steps towards the place of the smooth surface that lies under a place of a flat triangle; each leaves about a
+/// tenth of the distance.
 const STEPS: usize = 4;
 
 /// Moves the lines of all creases under where they are drawn.

@@ -1,11 +1,11 @@
-//! Where lines fold in a pose.
+//! The faces of the planning surface on which crease lines fold in a pose.
 
 use ruga_blend::BaseSurface;
 use ruga_mesh::{FaceId, Id, MaterialPoint, PerFace};
 
 use crate::plan::pose_plan::PlannedLayer;
 use crate::plan::region::{ACTIVE_FRACTION, PoseStrains};
-use crate::{CreaseSpec, PoseSpec};
+use crate::{CreaseSpec, LayerSpec, PoseSpec};
 
 /// Barycentric weight by which a place may miss a face and still lie in it.
 const INSIDE: f64 = 1e-6;
@@ -13,9 +13,21 @@ const INSIDE: f64 = 1e-6;
 /// Faces of the planning surface that the lines of its layer's creases run over.
 pub(crate) struct CreasedFaces(Vec<Vec<FaceId>>);
 
+/// The part of a line that folds in a pose.
+pub(crate) struct FoldingLine {
+    pub(crate) faces: Vec<FaceId>,
+    /// Its length, m.
+    pub(crate) length: f64,
+}
+
 impl CreasedFaces {
-    /// Finds the faces of `surface`, whose edges are `edges` (m) long, under the lines.
-    pub(crate) fn new(surface: &BaseSurface, creases: &[CreaseSpec], edges: &PerFace<f64>) -> Self {
+    /// Finds the faces of `surface`, whose edges are `edges` (m) long, under the lines, where the layer is.
+    pub(crate) fn new(surface: &BaseSurface, layer: &LayerSpec, edges: &PerFace<f64>) -> Self {
+        let creases = &layer.creases;
+        let is_covered = |face: &FaceId| {
+            let [a, b, c] = surface.uvs()[*face];
+            layer.presence.covers((a + b + c) / 3.0)
+        };
         if creases.is_empty() {
             return Self(Vec::new());
         }
@@ -42,6 +54,7 @@ impl CreasedFaces {
             }
             under.sort_unstable();
             under.dedup();
+            under.retain(is_covered);
             under
         };
         Self(creases.iter().map(faces_under).collect())
@@ -54,7 +67,7 @@ impl CreasedFaces {
         layer: &PlannedLayer<'_>,
         pose: &PoseSpec,
         strains: &PoseStrains,
-    ) -> Vec<Vec<FaceId>> {
+    ) -> Vec<FoldingLine> {
         let last = pose.keys.iter().copied().fold(0.0, f64::max);
         let creases = layer.spec.creases.iter().zip(&self.0);
         let folding = creases.map(|(crease, faces)| {
@@ -65,7 +78,12 @@ impl CreasedFaces {
                 false => f64::INFINITY,
             };
             let folds = |face: &&FaceId| is_drawn || strains.strain_ratio(**face) > gives_way;
-            faces.iter().filter(folds).copied().collect()
+            let folding: Vec<FaceId> = faces.iter().filter(folds).copied().collect();
+            let share = folding.len() as f64 / faces.len().max(1) as f64;
+            FoldingLine {
+                length: share * crease.line.length(),
+                faces: folding,
+            }
         });
         folding.collect()
     }

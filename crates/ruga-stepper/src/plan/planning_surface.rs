@@ -249,9 +249,9 @@ impl<'a> PlanningSurface<'a> {
             .map(|wrinkling| wrinkling.wavelength);
         let longest = waves.fold(0.0, f64::max);
         let where_to = (&modelling.region, &spec.presence);
-        let creased = CreasedFaces::new(&self.surface, &spec.creases, &self.edges);
+        let creased = CreasedFaces::new(&self.surface, spec, &self.edges);
         let folding = creased.in_pose(layer, pose, pose_strains);
-        let creased = folding.concat();
+        let creased: Vec<FaceId> = folding.iter().flat_map(|line| line.faces.clone()).collect();
         let on = (&self.surface, &self.rest);
         let active = pose_strains.active_faces(on, where_to, longest, &creased);
         let quantile = |field: &PerFace<f64>, fraction: f64| {
@@ -313,9 +313,7 @@ impl<'a> PlanningSurface<'a> {
                     fitted_faces(&active, shape, skin, &limits, *asked)
                 };
                 let coarsest = (GRADED / asked).min(COARSEST) * wrinkling.wavelength;
-                let lines = spec.creases.iter().zip(&folding);
-                let lines = lines.filter(|(_, faces)| !faces.is_empty());
-                let length: f64 = lines.map(|(crease, _)| crease.line.length()).sum();
+                let length: f64 = folding.iter().map(|line| line.length).sum();
                 let needed = GRADING * vertices_of(faces)
                     + graded_vertices(self.border(&active), coarsest.min(limits.max_edge))
                     + creased_vertices(length, wrinkling.wavelength, *asked);
@@ -425,7 +423,7 @@ impl<'a> PlanningSurface<'a> {
                 .map(|&face| self.surface.ancestor(face, planned))
                 .collect(),
             output_edges,
-            creases: folding.iter().map(|faces| !faces.is_empty()).collect(),
+            creases: folding.iter().map(|line| !line.faces.is_empty()).collect(),
         }
     }
 

@@ -9,7 +9,7 @@ use ruga_mesh::FaceId;
 use crate::plan::region::{ACTIVE_FRACTION, PoseStrains};
 use crate::plan::surface_measures::{OUTPUT_VERTICES, weighted_quantile};
 use crate::skin::place::{ShapeCentres, place_of_faces, shape_words};
-use crate::{AppliedStrain, LayerPlan, Modelling, PosePlan, PoseSpec};
+use crate::{AppliedStrain, LayerPlan, LayerSpec, Modelling, PosePlan, PoseSpec};
 
 /// Areas below a hundredth of a square centimetre are not worth a warning, m².
 const NEGLIGIBLE_AREA: f64 = 1e-6;
@@ -191,6 +191,30 @@ impl PosedPlan<'_> {
             _ => place,
         }
     }
+}
+
+/// Warnings of creases that no pose folds, one for each layer.
+pub(crate) fn never_fold_warnings(poses: &[PosePlan], layers: &[LayerSpec]) -> Vec<String> {
+    let layers = layers.iter().enumerate();
+    let warning = |(index, layer): (usize, &LayerSpec)| {
+        let folds = |number: usize| {
+            let mut plans = poses.iter().map(|pose| &pose.layers[index]);
+            plans.any(|plan| plan.creases.get(number) == Some(&true))
+        };
+        let creases = layer.creases.iter().enumerate();
+        let names = creases.filter(|(number, _)| !folds(*number));
+        let names: Vec<String> = names
+            .map(|(_, crease)| format!("'{}'", crease.name))
+            .collect();
+        (!names.is_empty()).then(|| {
+            format!(
+                "layer '{}': no pose folds {}: none draws these creases or compresses the skin there enough, or a mask leaves that skin out",
+                layer.name,
+                names.join(", ")
+            )
+        })
+    };
+    layers.filter_map(warning).collect()
 }
 
 /// Warnings of the first `layers` layers of `poses` that wrinkle in none of them: a few words for each,

@@ -87,7 +87,7 @@ pub(crate) struct Layer {
     base: Vec<Vector3<f64>>,
     /// Velocities of the vertices where they have inertia, m/s.
     velocities: Vec<Vector3<f64>>,
-    /// Strength with which every crease is drawn; none before the first.
+    /// Strength with which every crease is drawn.
     crease_strengths: Vec<f64>,
     /// Masses of the vertices, kg.
     masses: Vec<f64>,

@@ -150,6 +150,10 @@ impl<'a> StackRun<'a> {
         }
         let planned = &plan.poses[self.pose].layers[index];
         let mut run = LayerRun::new(index, layer, planned, modelling);
+        let name = |line: usize| format!("crease '{}'", spec.creases[line].name);
+        let shared = run.layer.region().shared.iter();
+        let shared: Vec<String> = shared.map(|warning| warning.told(&name)).collect();
+        run.warnings.extend(shared);
         preparing.step()?;
         if coarseness > WORTH_TELLING {
             let points = modelling.points_of(index, plan.meshes());

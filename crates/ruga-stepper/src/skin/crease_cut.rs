@@ -1,7 +1,7 @@
 //! Edges along crease lines: in the mesh of a region, and in those that are fitted from it.
 
 use ruga_blend::Driver;
-use ruga_crease::{CreaseEdge, MeshPiece, TracedLine, cut_lines};
+use ruga_crease::{CreaseEdge, CreaseWarning, MeshPiece, TracedLine, cut_lines};
 use ruga_mesh::{FaceOrigin, Id, MaterialPoint, PerEdge, PerFace, TriMesh};
 
 use crate::CreaseSpec;
@@ -17,6 +17,8 @@ pub(crate) struct Creased {
     pub(crate) creases: Vec<CreaseEdge>,
     /// The lines over the piece's own mesh.
     pub(crate) lines: Vec<TracedLine>,
+    /// Stretches that fold as another line says.
+    pub(crate) shared: Vec<CreaseWarning>,
 }
 
 /// Gives a piece of the driver edges along the lines of `creases`; without any it stays as it is.
@@ -31,6 +33,7 @@ pub(crate) fn cut_along_creases(driver: &Driver, creases: &[CreaseSpec], cut: Cu
             boundaries: features,
             creases: Vec::new(),
             lines: Vec::new(),
+            shared: Vec::new(),
         };
     }
     let lines: Vec<TracedLine> = creases.iter().map(|crease| crease.line.clone()).collect();
@@ -51,6 +54,12 @@ pub(crate) fn cut_along_creases(driver: &Driver, creases: &[CreaseSpec], cut: Cu
         boundaries: carried_over(&piece.mesh, &features, (&cut.piece.mesh, &cut.parts)),
         creases: cut.edges,
         lines,
+        // That a line has no edges where the region ends needs no word.
+        shared: cut
+            .warnings
+            .into_iter()
+            .filter(|warning| matches!(warning, CreaseWarning::Shared { .. }))
+            .collect(),
         piece: Piece {
             points: points(&cut.piece.mesh, &cut.piece.origins),
             uvs: uvs.collect(),

@@ -1,6 +1,6 @@
 //! Meshes taken apart where their faces only touch: at a vertex, or along creases.
 
-use ruga_mesh::{EdgeId, FaceId, Id, PerEdge, TriMesh, VertexFan, VertexId};
+use ruga_mesh::{EdgeId, FaceId, Id, PerEdge, PerVertex, TriMesh, VertexFan, VertexId};
 
 /// The mesh with a vertex for every fan of faces, and the old vertex of every new one.
 ///
@@ -34,16 +34,29 @@ pub(crate) fn one_fan_per_vertex(mesh: &TriMesh) -> (TriMesh, Vec<VertexId>) {
 /// The corners of every face of a mesh that is open along some of its edges, with a vertex for each side
 /// of them, and the old vertex of every new one; the first vertices are the old ones.
 ///
-/// The end of a line of edges inside the mesh stays one vertex: the faces there go round it.
+/// The last edge of a line that ends inside the mesh stays closed: opened, the vertex at its tip would lie on a
+/// border with all of its faces, where smooth surfaces have no tangent plane.
 pub(crate) fn open_along(
     mesh: &TriMesh,
     edges: impl IntoIterator<Item = EdgeId>,
 ) -> (Vec<[u32; 3]>, Vec<VertexId>) {
+    let edges: Vec<EdgeId> = edges.into_iter().collect();
     let mut is_open = PerEdge::filled(mesh.edges().len(), false);
+    let mut counts = PerVertex::filled(mesh.vertex_count(), 0);
+    for &edge in &edges {
+        mesh.edges()[edge]
+            .vertices
+            .iter()
+            .for_each(|&v| counts[v] += 1);
+    }
+    let border = mesh.border_vertices();
     let mut vertices = Vec::new();
     for edge in edges {
-        is_open[edge] = true;
-        vertices.extend(mesh.edges()[edge].vertices);
+        let ends = mesh.edges()[edge].vertices;
+        if ends.iter().all(|&v| counts[v] > 1 || border[v]) {
+            is_open[edge] = true;
+            vertices.extend(ends);
+        }
     }
     vertices.sort_unstable();
     vertices.dedup();
@@ -99,8 +112,7 @@ fn one_side(
 mod tests {
     use super::*;
 
-    /// A line across the middle of a square opens it into two sides; one that ends in the middle leaves
-    /// its tip whole.
+    /// A line across the middle of a square opens it into two sides.
     #[test]
     fn lines_open_into_two_sides() {
         // Three by three vertices.
@@ -118,10 +130,9 @@ mod tests {
         assert_eq!(copied[9..], [VertexId(3), VertexId(4), VertexId(5)]);
         let opened = TriMesh::new(12, opened).expect("two halves");
         assert_eq!(opened.connected_parts(|_| true).len(), 2);
-        let (opened, copied) = open_along(&mesh, [edge(3, 4)]);
-        assert_eq!(copied[9..], [VertexId(3)]);
-        let opened = TriMesh::new(10, opened).expect("a slit square");
-        assert_eq!(opened.connected_parts(|_| true).len(), 1);
+        // One that ends in the middle has no other edge that could open.
+        let (_, copied) = open_along(&mesh, [edge(3, 4)]);
+        assert_eq!(copied.len(), 9);
     }
 
     /// Two triangles that share a vertex alone come apart there, and nowhere else.

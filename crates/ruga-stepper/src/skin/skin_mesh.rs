@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector2, Vector3};
 use ruga_blend::{Driver, PosedSurface, Smoothing, SurfacePoints};
-use ruga_crease::{CreaseEdge, LinePlaces, TracedLine};
+use ruga_crease::{CreaseEdge, CreaseWarning, LinePlaces, TracedLine};
 use ruga_material::PropertyMap;
 use ruga_mesh::{
     FaceId, Id, MaterialPoint, PerEdge, PerFace, PerVertex, SurfaceLookup, TriMesh, VertexId,
@@ -134,6 +134,8 @@ pub(crate) struct RegionMesh {
     features: PerEdge<bool>,
     /// The layer's creases over this mesh.
     lines: Vec<TracedLine>,
+    /// Stretches of creases that fold as another one says.
+    pub(crate) shared: Vec<CreaseWarning>,
     /// The mesh as results have it, with a vertex on each side of a crease; `None` without creases.
     opened: Option<Opened>,
     smoothing: Smoothing,
@@ -188,6 +190,7 @@ impl RegionMesh {
             boundaries,
             creases,
             lines,
+            shared,
         } = cut_along_creases(driver, &layer.creases, cut);
         let Piece {
             mesh,
@@ -226,6 +229,7 @@ impl RegionMesh {
         Ok(Self {
             features,
             lines,
+            shared,
             opened,
             skin: SkinMesh {
                 beside,

@@ -1,17 +1,25 @@
 //! The creases of a layer: how they are drawn, and how they have folded.
 
 use ruga_blend::Weights;
+use ruga_material::Wrinkling;
 use ruga_mesh::{EdgeId, Id};
 use ruga_shell::LineAnchor;
 
 use super::Layer;
-use crate::skin::fading::distances_from;
-use crate::skin::local_skin::LocalSkin;
+use crate::skin::fading::{distances_from, faded};
 use crate::{CreaseReport, StepperError};
 
 /// Distance from a crease (wavelengths) within which skin that it draws shows relief. What it raises beside it
 /// dies out within three quarters of a wavelength, and relief fades over the half before the end.
 const REACH: f64 = 1.25;
+
+/// Strength from which on an anchor holds with all of its stiffness.
+const HELD: f64 = 0.2;
+
+/// Share of its stiffness with which an anchor holds a line that is drawn with a strength.
+fn held(strength: f64) -> f64 {
+    faded(strength, HELD)
+}
 
 impl Layer {
     /// Draws the creases as a pose of these weights in full does at a `load` of it.
@@ -56,16 +64,18 @@ impl Layer {
             let (spec, strength) = (&self.spec.creases[on_edge.line], strengths[on_edge.line]);
             let tapers = on_edge.at.map(|at| spec.taper(at));
             let taper = 0.5 * (tapers[0] + tapers[1]);
-            let wave = &self.beside(on_edge.edge).wrinkling;
-            creases.push((
-                on_edge.edge,
-                spec.on_edge(taper, strength, wave.bending_stiffness),
-            ));
+            let modulus = self.beside(on_edge.edge, |wave| wave.bending_stiffness);
+            creases.push((on_edge.edge, spec.on_edge(taper, strength, modulus)));
             if let Some(anchor) = spec.anchor {
+                let unit = |wave: &Wrinkling| wave.normal_stiffness / wave.wave_number;
                 anchors.push(LineAnchor {
                     edge: on_edge.edge,
-                    // It fades with the crease, or it would hold the skin down beyond its tips.
-                    stiffness: taper * anchor.stiffness * wave.normal_stiffness / wave.wave_number,
+                    // It fades with the crease, or it would hold the skin down beyond its tips; and a line
+                    // that is not drawn is free, or wrinkles of other poses could not cross it.
+                    stiffness: taper
+                        * held(strength)
+                        * anchor.stiffness
+                        * self.beside(on_edge.edge, unit),
                     depths: tapers.map(|taper| spec.anchor_depth(anchor, taper * strength)),
                 });
             }
@@ -77,10 +87,13 @@ impl Layer {
         Ok(())
     }
 
-    /// The layer on the face to the left of an edge.
-    fn beside(&self, edge: EdgeId) -> &LocalSkin {
-        let [face, _] = self.skin.mesh.edges()[edge].faces;
-        &self.properties.faces[face.expect("an edge has a face to its left")]
+    /// Mean of what the layer is like on the faces beside an edge.
+    fn beside(&self, edge: EdgeId, value: impl Fn(&Wrinkling) -> f64) -> f64 {
+        let faces = self.skin.mesh.edges()[edge].faces;
+        let values = faces.into_iter().flatten();
+        let values = values.map(|face| value(&self.properties.faces[face].wrinkling));
+        let (sum, count) = values.fold((0.0, 0), |(sum, n), value| (sum + value, n + 1));
+        sum / f64::from(count)
     }
 
     /// Whether the present strengths draw the crease number `line`.
@@ -142,8 +155,8 @@ impl Layer {
         reports
     }
 
-    /// Forces of the layer where it lies on its base, of everything but what folds it.
-    pub(super) fn gradient_at_base(&mut self) {
+    /// Sets the reaction of the base to what the layer exerts where it lies on it, but for what folds it.
+    pub(super) fn set_reaction(&mut self) {
         match self.skin.creases.is_empty() {
             true => self.energy.gradient(&self.base, &mut self.reaction),
             false => {

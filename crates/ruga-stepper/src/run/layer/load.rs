@@ -122,7 +122,7 @@ impl Layer {
             [(critical - poisson * second).min(first), second]
         };
         self.set_effective_strains(wanted)?;
-        self.gradient_at_base();
+        self.set_reaction();
         Ok(())
     }
 
