@@ -258,10 +258,10 @@ fn a_line_as_stiff_as_the_skin_is_none() {
         spec.law.angle = 0.0;
         spec.law.stiffness = stiffness;
         let layer = creased(spec, Coupling::Hybrid);
-        shortened(&layer, 0.07, &Modelling::standard()).layers[0].clone()
+        shortened(&layer, 0.07, &draft()).layers[0].clone()
     };
     let plain = skin("forehead-furrow", Coupling::Hybrid);
-    let without = shortened(&plain, 0.07, &Modelling::standard()).layers[0].clone();
+    let without = shortened(&plain, 0.07, &draft()).layers[0].clone();
     assert_eq!(with(1.0).energy, without.energy);
     let hardly = with(0.9999);
     assert!(hardly.vertices > without.vertices, "no line was cut");
