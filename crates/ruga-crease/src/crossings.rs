@@ -23,7 +23,7 @@ pub struct LineCrossing {
     pub place: MaterialPoint,
 }
 
-/// All crossings of some lines over one mesh, exact in barycentric coordinates; in order of the lines and of
+/// All crossings of some lines inside faces that they share, exact in barycentric coordinates; in order of the lines and of
 /// the place along the first. Lines that touch or end on each other cross there; stretches along which they
 /// lie on each other do not count.
 pub fn line_crossings(lines: &[TracedLine], mesh: &TriMesh) -> Vec<LineCrossing> {

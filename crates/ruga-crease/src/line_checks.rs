@@ -18,6 +18,12 @@ const NEAR_CROSSING: f64 = 5.0;
 const ON_EACH_OTHER: f64 = 0.1;
 const MOST_COMMON: f64 = 0.8;
 
+/// Places at which two lines may meet before it is no longer asked how.
+const MOST_MEETINGS: usize = 100;
+
+/// Sine of the angle between lines below which they run beside each other and do not cross.
+const ALONG: f64 = 0.1;
+
 /// Samples per edge along a line, and at most in all.
 const SAMPLES_PER_EDGE: f64 = 2.0;
 const MOST_SAMPLES: f64 = 4096.0;
@@ -137,7 +143,7 @@ fn distance_to(p: &Vector3<f64>, [a, b]: [Vector3<f64>; 2]) -> f64 {
 }
 
 /// Where on the first of two lines the one ends on the other. Lines that go straight on into each other do not
-/// cross, and no more do those that share a vertex but no face.
+/// cross.
 fn joints([(_, line, a), (_, other, b)]: [Sampled<'_>; 2], edge: f64) -> Vec<f64> {
     let ends = |line: &TracedLine, samples: &[(f64, Vector3<f64>)]| {
         let ends = samples.first().into_iter().chain(samples.last());
@@ -195,18 +201,12 @@ fn too_close(
     None
 }
 
-/// Places at which two lines may meet before it is no longer asked how.
-const MOST_MEETINGS: usize = 100;
-
 /// The chords of a sampled line that begin or end at a sample.
 fn chords_at(samples: &[(f64, Vector3<f64>)], at: f64) -> Vec<[Vector3<f64>; 2]> {
     let pairs = samples.windows(2);
     let there = pairs.filter(|pair| pair[0].0 == at || pair[1].0 == at);
     there.map(|pair| [pair[0].1, pair[1].1]).collect()
 }
-
-/// Sine of the angle between lines below which they run beside each other and do not cross.
-const ALONG: f64 = 0.1;
 
 /// Distance of two chords that lie nearly in one plane: that of an end from the other, or none where they cross;
 /// infinite for chords that run along each other.
@@ -242,13 +242,7 @@ fn closest(
     for &(at, p) in a.iter().filter(|(at, _)| !meets(*at)) {
         for &(other, q) in b {
             // Along one line the neighbourhood is near by itself.
-            let apart = (at - other).abs();
-            let apart = if line.is_closed() {
-                apart.min(line.length() - apart)
-            } else {
-                apart
-            };
-            if is_one_line && apart < NEAR_CROSSING * edge {
+            if is_one_line && line.apart([at, other]) < NEAR_CROSSING * edge {
                 continue;
             }
             let distance = (q - p).norm();

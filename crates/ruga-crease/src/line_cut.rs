@@ -293,15 +293,9 @@ impl<'a> Cutter<'a> {
     /// Which passage of a line through a vertex is that at an arc length.
     fn beside(&self, v: usize, line: usize, at: f64) -> Option<usize> {
         let traced = &self.lines[line];
-        self.on_line[v].iter().position(|on| {
-            let apart = (on.at - at).abs();
-            let apart = if traced.is_closed() {
-                apart.min(traced.length() - apart)
-            } else {
-                apart
-            };
-            on.line == line && apart < self.sizes[v]
-        })
+        self.on_line[v]
+            .iter()
+            .position(|on| on.line == line && traced.apart([on.at, at]) < self.sizes[v])
     }
 
     /// Where each edge is to be cut, as a fraction of the way: at the crossing farthest from its ends.

@@ -57,7 +57,7 @@ impl<'a> LinePlaces<'a> {
         found.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         // Both segments at a joint have found the place.
         found.dedup_by(|b, a| {
-            a.0 == b.0 && self.apart(a.0, [a.1, b.1]) < ON_LINE * self.lines[a.0].length()
+            a.0 == b.0 && self.lines[a.0].apart([a.1, b.1]) < ON_LINE * self.lines[a.0].length()
         });
         found
     }
@@ -80,8 +80,10 @@ impl<'a> LinePlaces<'a> {
             let same = both.filter(|(from, to)| from.0 == to.0);
             let along = same.map(|(from, to)| (from.0, [from.1, to.1]));
             // A line that passes a vertex twice is followed from the nearer passage.
-            let nearest =
-                along.min_by(|a, b| self.apart(a.0, a.1).total_cmp(&self.apart(b.0, b.1)));
+            let nearest = along.min_by(|a, b| {
+                let [a, b] = [a, b].map(|(line, at)| self.lines[*line].apart(*at));
+                a.total_cmp(&b)
+            });
             nearest.map(|(line, at)| CreaseEdge {
                 edge,
                 line,
@@ -100,15 +102,6 @@ impl<'a> LinePlaces<'a> {
             true if from < to => [from + length, to],
             true => [from, to + length],
             false => [from, to],
-        }
-    }
-
-    /// Length of a line between two places on it (m), of a closed one the shorter way.
-    fn apart(&self, line: usize, [from, to]: [f64; 2]) -> f64 {
-        let apart = (to - from).abs();
-        match self.lines[line].is_closed() {
-            true => apart.min(self.lines[line].length() - apart),
-            false => apart,
         }
     }
 }

@@ -90,6 +90,15 @@ impl TracedLine {
         last.map_or(0.0, |segment| segment.start + segment.length)
     }
 
+    /// Length of the line between two places on it (m), of a closed one the shorter way.
+    pub fn apart(&self, [from, to]: [f64; 2]) -> f64 {
+        let apart = (to - from).abs();
+        match self.is_closed {
+            true => apart.min(self.length() - apart),
+            false => apart,
+        }
+    }
+
     /// Place at an arc length (m) from the start, of a closed line around and around; `None` for a line
     /// without segments.
     pub fn place(&self, at: f64) -> Option<MaterialPoint> {

@@ -86,8 +86,9 @@ pub(crate) fn add_creases(
                     ..spec.clone()
                 };
                 // A stroke that another one goes on does not fade there.
-                let fades = spec.law.fade.iter_mut().zip(joined);
-                fades.for_each(|(fade, joined)| *fade *= f64::from(u8::from(!joined)));
+                for (fade, _) in spec.law.fade.iter_mut().zip(joined).filter(|end| end.1) {
+                    *fade = 0.0;
+                }
                 spec
             }));
     }

@@ -259,6 +259,7 @@ fn planned_layers<'a>(
             spec,
             wrinkling,
             local: surface.local_wrinkling(spec, wrinkling)?,
+            creased: surface.creased_faces(spec),
             points: modelling.points_of(index, meshes),
             is_lowest: index == 0,
         })

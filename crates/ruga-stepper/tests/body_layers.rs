@@ -2,12 +2,27 @@
 
 mod bodies;
 
+use std::sync::Arc;
+
 use bodies::{free_body, layer, modelling, pose, push, slab, slice, top};
 use nalgebra::{Vector2, Vector3};
+use ruga_blend::Driver;
 use ruga_crease::{Corners, Drive, LineInput, LineLaw, LineTracer};
-use ruga_stepper::{CreaseSpec, FoldSense, Silent, plan_body};
+use ruga_stepper::{CreaseSpec, FoldSense, LayerSpec, Plan, Silent, plan_body};
 
 const SIZE: Vector3<f64> = Vector3::new(0.08, 0.02, 0.02);
+
+/// The plan of layers on the top of the slab, whose ends handles push by a way (m) each, with so many cells along it.
+fn pressed(driver: &Arc<Driver>, layers: &[LayerSpec], (cells, way): (u32, f64)) -> Plan {
+    let mut body = free_body(cells);
+    body.handles = vec![slice("left", -1.0, 0.01), slice("right", 0.07, 1.0)];
+    let mut modelling = modelling(6.0);
+    modelling.region = top();
+    let way = Vector3::x() * way;
+    let motions = vec![push("left", way), push("right", -way)];
+    let poses = [pose(motions, &[1.0], 2)];
+    plan_body(driver, layers, &body, &poses, &modelling, 2048).expect("layers on a slab")
+}
 
 /// A lower layer with waves of a centimetre, and on it one a quarter as thick.
 #[test]
@@ -17,15 +32,7 @@ fn two_layers_wrinkle_at_both_wavelengths() {
     let mut upper = layer(150.0);
     upper.name = "fine".into();
     upper.material.thickness *= 0.25;
-    let mut body = free_body(8);
-    body.handles = vec![slice("left", -1.0, 0.01), slice("right", 0.07, 1.0)];
-    let mut modelling = modelling(6.0);
-    modelling.region = top();
-    let way = Vector3::x() * (0.03 * 0.04);
-    let motions = vec![push("left", way), push("right", -way)];
-    let poses = [pose(motions, &[1.0], 2)];
-    let plan = plan_body(&driver, &[lower, upper], &body, &poses, &modelling, 2048);
-    let plan = plan.expect("two layers on a slab");
+    let plan = pressed(&driver, &[lower, upper], (8, 0.03 * 0.04));
     let result = plan.simulate(0, &mut Silent).expect("a run");
     assert!(result.converged, "{:?}", result.warnings);
     assert_eq!(result.keys[0].layers.len(), 2);
@@ -39,7 +46,8 @@ fn two_layers_wrinkle_at_both_wavelengths() {
     assert!(lower.offset == 0.0 && upper.offset > 0.0);
 }
 
-/// Pressed to about what wrinkles it, a layer on a body folds along a soft line across it that is drawn a little, and along no other.
+/// Pressed to about what wrinkles it, a layer on a body folds along a soft line across it that is drawn a little,
+/// and along no other.
 #[test]
 fn a_soft_line_folds_on_a_body() {
     let driver = slab(SIZE, [16, 4, 4], |p| p);
@@ -64,18 +72,8 @@ fn a_soft_line_folds_on_a_body() {
         drive: Drive::Load,
         anchor: None,
     }];
-    let mut body = free_body(6);
-    body.handles = vec![slice("left", -1.0, 0.01), slice("right", 0.07, 1.0)];
-    let mut modelling = modelling(6.0);
-    modelling.region = top();
-    let way = Vector3::x() * (0.020 * 0.03);
-    let motions = vec![push("left", way), push("right", -way)];
-    let poses = [pose(motions, &[1.0], 2)];
-    let plan = plan_body(&driver, &[skin], &body, &poses, &modelling, 2048);
-    let result = plan
-        .expect("a slab")
-        .simulate(0, &mut Silent)
-        .expect("a run");
+    let plan = pressed(&driver, &[skin], (6, 0.02 * 0.03));
+    let result = plan.simulate(0, &mut Silent).expect("a run");
     assert!(result.converged, "{:?}", result.warnings);
     let crease = &result.layers[0].creases[0];
     println!("{crease:?}");

@@ -1,6 +1,6 @@
 //! Crease lines from where they are drawn, the artist's flat triangles, to the smooth surface.
 //!
-//! Loop subdivision moves places sideways, up to a few millimetres beside coarse triangles, and maps are
+//! Loop subdivision moves places sideways, by millimetres beside triangles of a centimetre, and maps are
 //! addressed by what lies straight above or below on the flat ones. A line that ran through the same material
 //! points would come out of the maps bent where it was drawn straight.
 
@@ -18,8 +18,8 @@ const POINTS: f64 = 12.0;
 /// Points of a line at most.
 const MOST_POINTS: f64 = 1e5;
 
-/// Steps towards the place of the smooth surface that lies under a place of a flat triangle; each leaves about a
-/// tenth of the distance.
+/// Steps towards the place of the smooth surface that lies under a place of a flat triangle, each from where the
+/// one before ended.
 const STEPS: usize = 4;
 
 /// Moves the lines of all creases under where they are drawn.

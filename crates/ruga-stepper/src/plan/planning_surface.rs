@@ -139,6 +139,11 @@ impl<'a> PlanningSurface<'a> {
             .collect()
     }
 
+    /// The faces under the lines of a layer's creases.
+    pub(crate) fn creased_faces(&self, layer: &LayerSpec) -> CreasedFaces {
+        CreasedFaces::new(&self.surface, layer, &self.edges)
+    }
+
     /// Whether every layer is somewhere on the mesh.
     fn check_masks(&self, layers: &[LayerSpec]) -> Result<(), StepperError> {
         let uvs = self.surface.uvs().as_slice();
@@ -239,17 +244,18 @@ impl<'a> PlanningSurface<'a> {
             spec,
             wrinkling,
             local,
+            creased,
             points: asked,
             is_lowest,
         } = layer;
-        // One margin for all of a region, wide enough for its longest wave.
-        let waves = local
+        let wavelengths = local
             .as_slice()
             .iter()
             .map(|wrinkling| wrinkling.wavelength);
-        let longest = waves.fold(0.0, f64::max);
+        let wavelengths: PerFace<f64> = wavelengths.collect();
+        // One margin for all of a region, wide enough for its longest wave.
+        let longest = wavelengths.as_slice().iter().copied().fold(0.0, f64::max);
         let where_to = (&modelling.region, &spec.presence);
-        let creased = CreasedFaces::new(&self.surface, spec, &self.edges);
         let folding = creased.in_pose(layer, pose, pose_strains);
         let creased: Vec<FaceId> = folding.iter().flat_map(|line| line.faces.clone()).collect();
         let on = (&self.surface, &self.rest);
@@ -288,11 +294,6 @@ impl<'a> PlanningSurface<'a> {
             let split = 2f64.powi(levels as i32 - planned as i32);
             (median / split, long / split)
         };
-        let wavelengths = local
-            .as_slice()
-            .iter()
-            .map(|wrinkling| wrinkling.wavelength);
-        let wavelengths: PerFace<f64> = wavelengths.collect();
         // The shortest twentieth does not count: a few strokes of paint would split all of the
         // mesh.
         let shortest = match active.is_empty() {

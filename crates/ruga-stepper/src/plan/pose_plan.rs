@@ -4,6 +4,7 @@ use ruga_material::Wrinkling;
 use ruga_mesh::PerFace;
 
 use crate::LayerSpec;
+use crate::plan::creased_faces::CreasedFaces;
 
 /// One pose's part of the plan.
 #[derive(Clone, Debug)]
@@ -128,6 +129,8 @@ pub(crate) struct PlannedLayer<'a> {
     pub(crate) spec: &'a LayerSpec,
     pub(crate) wrinkling: &'a Wrinkling,
     pub(crate) local: PerFace<Wrinkling>,
+    /// The faces under the lines of its creases.
+    pub(crate) creased: CreasedFaces,
     /// Edges per wavelength asked for.
     pub(crate) points: f64,
     /// Whether it lies on the driver.

@@ -2,7 +2,7 @@
 
 use ruga_blend::Driver;
 use ruga_crease::{CreaseEdge, CreaseWarning, MeshPiece, TracedLine, cut_lines};
-use ruga_mesh::{FaceOrigin, Id, MaterialPoint, PerEdge, PerFace, TriMesh};
+use ruga_mesh::{FaceOrigin, Id, MaterialPoint, PerEdge, PerFace, TriMesh, VertexId};
 
 use crate::CreaseSpec;
 use crate::skin::boundary_cut::Cut;
@@ -69,17 +69,14 @@ pub(crate) fn cut_along_creases(driver: &Driver, creases: &[CreaseSpec], cut: Cu
     }
 }
 
-/// The place on the driver of every vertex, from the faces around it.
+/// The place on the driver of every vertex.
 fn points(mesh: &TriMesh, origins: &PerFace<FaceOrigin>) -> Vec<MaterialPoint> {
-    let anywhere = MaterialPoint::at_corner(ruga_mesh::FaceId(0), 0);
-    let mut points = vec![anywhere; mesh.vertex_count()];
-    for (face, corners) in mesh.faces().iter() {
-        for (corner, v) in corners.iter().enumerate() {
-            let unit = MaterialPoint::at_corner(face, corner).barycentric;
-            points[v.index()] = origins[face].place(unit);
-        }
-    }
-    points
+    let vertices = (0..mesh.vertex_count()).map(VertexId::from_index);
+    let place = |vertex| {
+        let corner = MaterialPoint::of_vertex(mesh, vertex).expect("every vertex has a face");
+        origins[corner.face].place(corner.barycentric)
+    };
+    vertices.map(place).collect()
 }
 
 /// Which edges of a cut mesh lie on marked ones of the mesh before.

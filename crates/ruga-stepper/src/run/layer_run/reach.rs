@@ -164,8 +164,8 @@ impl<'a> LayerRun<'a> {
                 false => (1.0 + loaded).ln() / (1.0 + largest).ln(),
             };
             let shown = from.min(pose_fraction) + (pose_fraction - from).max(0.0) * share;
-            // Folds deepen with the strain: drawn at once, in skin that is hardly compressed yet, they took
-            // four times as many factorisations.
+            // Folds deepen with the strain: drawn at once, in skin that is hardly compressed yet, those of a
+            // smile took twice as many factorisations.
             self.layer.draw_part_of_creases(&drawn, share)?;
             let solve = self.solve(None, how, shown, observer)?;
             if solve.stop == StopRule::Interrupted {
