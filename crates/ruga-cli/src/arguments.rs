@@ -43,6 +43,15 @@ Frames:
   energies per area; docs/results.md lists them with their units. The .pvd is up to date after every load
   step, the .usda is written when its pose ends.";
 
+const AGE: &str = "\
+The file:
+  DIR/creases.json has the creases of the scene that keep a fold, and lines that wrinkles have left. Name it in
+  the scene, or in a copy of it, and bake that:
+    [memory]
+    network = \"DIR/creases.json\"
+  `[memory]` also says what skin gives back, and which poses are held; see `ruga help scene`. DIR/folds has
+  how every pose folds the skin.";
+
 const FARM: &str = "\
 Several machines:
   Runs with `--task` may bake different poses into one folder at a time; `--merge` then writes what all
@@ -118,6 +127,9 @@ pub(crate) enum Command {
     /// Simulate every pose and write its meshes per load step, no maps.
     #[command(after_help = format!("{FRAMES}\n\n{FOLDER}\n\n{EXIT_CODES}"))]
     Simulate(SimulateArguments),
+    /// Find the creases that poses leave in the skin, for a face that has aged.
+    #[command(after_help = format!("{AGE}\n\n{FOLDER}\n\n{EXIT_CODES}"))]
+    Age(RunArguments),
     /// Write a bake as a job for a render farm, with one task per pose.
     #[command(after_help = format!("{JOB}\n\n{EXIT_CODES}"))]
     Job(JobArguments),
@@ -158,7 +170,7 @@ pub(crate) struct ManArguments {
     pub(crate) folder: PathBuf,
 }
 
-/// Options of `ruga bake` and `ruga simulate`.
+/// Options of `ruga bake`, `ruga simulate` and `ruga age`.
 #[derive(Debug, Args)]
 pub(crate) struct RunArguments {
     /// The scene, a TOML file.
@@ -364,6 +376,8 @@ pub(crate) enum Topic {
     Bake,
     /// The options of `ruga simulate`.
     Simulate,
+    /// The options of `ruga age`.
+    Age,
     /// The options of `ruga job`.
     Job,
     /// The options of `ruga plan`.

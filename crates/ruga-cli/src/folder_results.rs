@@ -117,7 +117,7 @@ pub(crate) fn claim(
         };
         record.origin != *own && !poses.iter().any(fits)
     };
-    let commands = [Records::of_bake(output), Records::of_simulate(output)];
+    let commands = [Records::of_bake, Records::of_simulate, Records::of_age].map(|of| of(output));
     let mut foreign = Vec::new();
     for records in &commands {
         let others = records.all().into_iter().filter(is_foreign);

@@ -47,6 +47,8 @@ fn shared_inputs(scene: &Scene) -> Result<Fingerprint, CliError> {
     file.poses.clear();
     // What is packed are the maps as they are.
     file.pack = None;
+    // What `ruga age` is to find; a network counts by its lines.
+    file.memory = None;
     file.remesh.points_per_wavelength = 0.0;
     let mut hash = Fingerprint::new()
         .with(env!("CARGO_PKG_VERSION").as_bytes())
@@ -80,12 +82,16 @@ fn shared_inputs(scene: &Scene) -> Result<Fingerprint, CliError> {
             hash = hash.with(&read_bytes(&file)?);
         }
     }
-    // Where lines lie is in images, and in other meshes of the file.
-    let creases = scene.layers.iter().flat_map(|layer| &layer.creases);
-    for segment in creases.flat_map(|crease| crease.line.segments()) {
-        let face = f64::from(segment.face.0);
-        let ends = segment.from.into_iter().chain(segment.to);
-        hash = hash.with_numbers(std::iter::once(face).chain(ends));
+    // Where lines lie is in images, in other meshes of the file and in a network, which has what they keep.
+    for crease in scene.layers.iter().flat_map(|layer| &layer.creases) {
+        for segment in crease.line.segments() {
+            let face = f64::from(segment.face.0);
+            let ends = segment.from.into_iter().chain(segment.to);
+            hash = hash.with_numbers(std::iter::once(face).chain(ends));
+        }
+        for (share, kept) in crease.memory.samples() {
+            hash = hash.with_numbers([*share, kept.angle, kept.softness]);
+        }
     }
     Ok(hash)
 }

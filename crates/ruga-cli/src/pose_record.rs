@@ -64,7 +64,7 @@ impl PoseRecord {
 }
 
 /// The records of what one command made in an output folder: `poses/<pose>.json` of `bake`,
-/// `poses/frames/<pose>.json` of `simulate`. Each command has its own, so that neither loses what the
+/// `poses/frames/<pose>.json` of `simulate`, `poses/age/<pose>.json` of `age`. Each command has its own, so that neither loses what the
 /// other has made.
 #[derive(Clone, Debug)]
 pub(crate) struct Records {
@@ -88,6 +88,14 @@ impl Records {
         Self {
             output: output.to_owned(),
             folder: output.join("poses").join("frames"),
+        }
+    }
+
+    /// Records of `ruga age`.
+    pub(crate) fn of_age(output: &Path) -> Self {
+        Self {
+            output: output.to_owned(),
+            folder: output.join("poses").join("age"),
         }
     }
 

@@ -41,6 +41,7 @@ fn dispatch(command: &Command) -> Result<Outcome, CliError> {
     match command {
         Command::Bake(arguments) => commands::bake::run(arguments),
         Command::Simulate(arguments) => commands::simulate::run(arguments),
+        Command::Age(arguments) => commands::age::run(arguments),
         Command::Job(arguments) => commands::job::run(arguments),
         Command::Plan(arguments) => commands::plan::run(arguments),
         Command::Preview(arguments) => commands::preview::run(arguments),

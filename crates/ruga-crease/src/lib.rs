@@ -8,7 +8,8 @@
 //! [`TracedLine`]: segments inside triangles, addressed by barycentric coordinates, with arc lengths.
 //! [`line_crossings`] finds where lines meet and [`check_lines`] what is wrong with them together. A
 //! [`LineLaw`] says how stiff and how folded a crease is along its line. [`cut_lines`] gives a mesh edges
-//! on the lines, and [`LinePlaces`] finds them again after a remesh.
+//! on the lines, and [`LinePlaces`] finds them again after a remesh. [`valleys`] of a relief and [`NewLines`] are where
+//! wrinkles leave lines, and a [`YieldLaw`] says what a crease keeps of its folds.
 //!
 //! Rounding is by cubic Hermite curves through the points with tangents of Catmull and Rom 1974; the skeleton
 //! is that of Zhang and Suen 1984. Positions and lengths are in metres, angles in radians.
@@ -26,9 +27,12 @@ mod line_checks;
 mod line_cut;
 mod line_law;
 mod line_places;
+mod memory;
+mod new_lines;
 mod pixel_graph;
 mod skeleton;
 mod thinning;
+mod valleys;
 
 mod error;
 mod warning;
@@ -40,9 +44,12 @@ pub use traced_line::{LineSegment, TracedLine};
 pub use crossings::{LineCrossing, line_crossings};
 pub use line_checks::check_lines;
 pub use line_cut::{CreaseEdge, LineCut, LineVertex, MeshPiece, cut_lines};
-pub use line_law::{Drive, LineLaw};
+pub use line_law::{Drive, LARGEST_ANGLE, LineLaw};
 pub use line_places::LinePlaces;
+pub use memory::{CreaseMemory, Kept, YieldLaw};
+pub use new_lines::{FoldedLine, NewLines};
 pub use skeleton::{GreyImage, SkeletonLine, SkeletonSettings, skeleton_lines};
+pub use valleys::{Relief, Valley, ValleyPoint, valleys};
 
 pub use error::CreaseError;
 pub use warning::CreaseWarning;

@@ -27,8 +27,8 @@ pub enum Drive {
     Weights(Vec<(usize, f64)>),
 }
 
-/// Largest angle (rad): a fold that is drawn further shuts.
-const LARGEST_ANGLE: f64 = 150.0 * std::f64::consts::PI / 180.0;
+/// Largest angle of a crease at rest (rad): a fold that is drawn further shuts.
+pub const LARGEST_ANGLE: f64 = 150.0 * std::f64::consts::PI / 180.0;
 
 impl LineLaw {
     /// Checks all values.

@@ -101,12 +101,12 @@ impl Wrinkling {
         (self.membrane_stiffness * strain - self.gradient_stiffness) / unit
     }
 
-    /// Reduced stiffness `κ = l/(c D)` of a crease that stands for a strip of `width` (m) keeping the
-    /// share `stiffness` of the bending stiffness: `c = width (1/stiffness - 1)/D`.
+    /// Reduced stiffness `κ = l/(c D)` of a crease of this `softness` `c D` (m): of one that stands for a strip of
+    /// a width `w` keeping the share `f` of the bending stiffness, `w (1/f - 1)`.
     ///
-    /// Infinite for a share of 1.
-    pub fn crease_stiffness(&self, width: f64, stiffness: f64) -> f64 {
-        1.0 / (self.wave_number * width * (1.0 / stiffness - 1.0))
+    /// Infinite without softness.
+    pub fn crease_stiffness(&self, softness: f64) -> f64 {
+        1.0 / (self.wave_number * softness)
     }
 
     /// Compressive strain at which the film folds along a crease of reduced stiffness `kappa`, see

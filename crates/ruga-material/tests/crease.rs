@@ -29,9 +29,9 @@ fn a_free_hinge_in_a_forehead_folds_at_two_thirds_of_its_critical_strain() {
     assert!((theory.crease_strain(0.0) - 0.0295).abs() < 5e-4);
     assert!((theory.reduced_load(theory.critical_strain) - 1.0).abs() < 1e-12);
     // A tenth of the stiffness over one thickness.
-    let kappa = theory.crease_stiffness(forehead.layer.thickness, 0.1);
+    let kappa = theory.crease_stiffness(9.0 * forehead.layer.thickness);
     assert!((kappa - 0.26).abs() < 0.01, "{kappa}");
-    assert_eq!(theory.crease_stiffness(1e-3, 1.0), f64::INFINITY);
+    assert_eq!(theory.crease_stiffness(0.0), f64::INFINITY);
 }
 
 fn free(load: f64) -> CreaseLoad {

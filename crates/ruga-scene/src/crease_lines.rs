@@ -100,7 +100,7 @@ impl CreasedMesh<'_> {
         })
     }
 
-    fn tracer(&self) -> LineTracer<'_> {
+    pub(crate) fn tracer(&self) -> LineTracer<'_> {
         let driver = self.driver;
         LineTracer::new(driver.topology(), driver.rest()).with_uvs(driver.uvs())
     }

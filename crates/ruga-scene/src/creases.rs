@@ -4,7 +4,7 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 use ruga_blend::{Driver, nearest};
-use ruga_crease::{CreaseError, LineLaw, TracedLine, check_lines};
+use ruga_crease::{CreaseError, CreaseMemory, LineLaw, TracedLine, check_lines};
 use ruga_io::MeshFile;
 use ruga_material::{UvTile, Wrinkling, wrinkling};
 use ruga_stepper::{CreaseAnchor, CreaseSpec, FoldSense, LayerSpec};
@@ -13,6 +13,7 @@ use crate::SceneError;
 use crate::crease_lines::source_of;
 use crate::crease_presets::{CreasePreset, crease_preset};
 use crate::file::{Crease, Drive, Fold, SceneFile};
+use crate::network_creases::NETWORK;
 
 /// Width in thicknesses of the layer, share of its stiffness and angle (degrees) of a crease that says
 /// nothing of them.
@@ -91,6 +92,10 @@ pub(crate) fn add_creases(
                 }
                 spec
             }));
+    }
+    on.add_network(layers)?;
+    for (layer, keys) in layers.iter().zip(&mut keys) {
+        keys.resize(layer.creases.len(), NETWORK.to_owned());
     }
     for (layer, keys) in layers.iter().zip(&keys) {
         if !layer.creases.is_empty() {
@@ -264,6 +269,7 @@ impl CreasedMesh<'_> {
             sense,
             drive: self.drive((number, crease))?,
             anchor,
+            memory: CreaseMemory::default(),
         })
     }
 

@@ -6,6 +6,7 @@
 mod creases;
 mod fault;
 mod interior;
+mod memory;
 mod names;
 mod pack;
 mod read;
@@ -28,6 +29,7 @@ use serde::{Deserialize, Serialize};
 
 pub use creases::{Anchor, Corners, Crease, Drive, Fold};
 pub use interior::{Cylinder, Handle, Interior, Motion, Obstacle, Plane, Sphere};
+pub use memory::Memory;
 pub use names::{is_usable_file_name, usable_file_name};
 pub use pack::{Pack, PoseNames};
 pub use reference::{Key, Table, reference};
@@ -65,6 +67,9 @@ pub struct SceneFile {
     /// Lines along which layers fold.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub creases: Vec<Crease>,
+    /// If given, what the skin keeps of its poses.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub memory: Option<Memory>,
     /// The poses; none means every blend shape at weight 1, or a body without shapes under its own
     /// weight.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

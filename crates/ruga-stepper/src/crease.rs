@@ -1,7 +1,7 @@
 //! Crease lines of a layer.
 
 use ruga_blend::Weights;
-use ruga_crease::{Drive, LineLaw, TracedLine};
+use ruga_crease::{CreaseMemory, Drive, LARGEST_ANGLE, LineLaw, TracedLine};
 use ruga_material::Wrinkling;
 use ruga_shell::{Crease, FoldSense};
 
@@ -22,6 +22,8 @@ pub struct CreaseSpec {
     pub drive: Drive,
     /// Springs that hold the line, while it is drawn, at a depth below the skin around it; none on a soft body.
     pub anchor: Option<CreaseAnchor>,
+    /// What it keeps of earlier folds, in every pose.
+    pub memory: CreaseMemory,
 }
 
 /// Springs that draw a crease towards a depth.
@@ -53,7 +55,17 @@ impl CreaseSpec {
     /// Whether the line is drawn into a fold at a strength, and does not only give way.
     pub(crate) fn is_drawn(&self, strength: f64) -> bool {
         let depth = self.anchor.map_or(0.0, |anchor| anchor.depth);
-        strength > 0.0 && (self.law.angle > 0.0 || depth > 0.0)
+        let is_drawn = strength > 0.0 && (self.law.angle > 0.0 || depth > 0.0);
+        is_drawn || self.memory.is_folded()
+    }
+
+    /// Share of its length at an arc length (m), of a closed line around and around.
+    pub(crate) fn share(&self, at: f64) -> f64 {
+        let share = at / self.line.length();
+        match self.line.is_closed() {
+            true => share.rem_euclid(1.0),
+            false => share,
+        }
     }
 
     /// Strength that the ends of the line leave at an arc length (m): 1 but near an end.
@@ -65,16 +77,33 @@ impl CreaseSpec {
     /// Compressive strain at which a layer that wrinkles like this folds along the line, in critical
     /// strains.
     pub(crate) fn onset_ratio(&self, wrinkling: &Wrinkling) -> f64 {
-        let kappa = wrinkling.crease_stiffness(self.law.width, self.law.stiffness);
+        let kappa = wrinkling.crease_stiffness(self.softness());
         wrinkling.crease_strain(kappa) / wrinkling.critical_strain
     }
 
-    /// The crease on an edge with a taper in its middle, in a layer of bending modulus `D` (N m).
-    pub(crate) fn on_edge(&self, taper: f64, strength: f64, modulus: f64) -> Crease {
+    /// Compliance times bending modulus where it is softest, m.
+    pub fn softness(&self) -> f64 {
+        self.law.softness(1.0) + self.memory.largest_softness()
+    }
+
+    /// The crease between two arc lengths (m), in a layer of bending modulus `D` (N m), drawn with a `strength`
+    /// and with a share `remembered` of what it keeps.
+    pub(crate) fn on_edge(
+        &self,
+        ends: [f64; 2],
+        (strength, remembered): (f64, f64),
+        modulus: f64,
+    ) -> Crease {
+        let mean = |value: &dyn Fn(f64) -> f64| 0.5 * (value(ends[0]) + value(ends[1]));
+        let taper = mean(&|at| self.taper(at));
+        let kept_angle = mean(&|at| self.memory.at(self.share(at)).angle);
+        let kept_softness = mean(&|at| self.memory.at(self.share(at)).softness);
         let angle = self.law.rest_angle(taper * strength);
+        let drawn = if self.is_ridge { -angle } else { angle };
         Crease {
-            compliance: self.law.softness(taper) / modulus,
-            rest_angle: if self.is_ridge { -angle } else { angle },
+            compliance: (self.law.softness(taper) + taper * kept_softness) / modulus,
+            rest_angle: (drawn + taper * remembered * kept_angle)
+                .clamp(-LARGEST_ANGLE, LARGEST_ANGLE),
             sense: self.sense,
         }
     }

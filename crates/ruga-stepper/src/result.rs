@@ -169,6 +169,21 @@ pub struct CreaseReport {
     pub energy: f64,
     /// Share of the length that is folded by 5 degrees or more.
     pub folded_share: f64,
+    /// How it has folded from place to place along the line.
+    pub along: Vec<FoldSample>,
+}
+
+/// How a crease has folded in a place.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FoldSample {
+    /// Share of the line's length.
+    pub share: f64,
+    /// Fold angle (rad), positive in a valley.
+    pub fold: f64,
+    /// Angle at which it has no moment (rad), by what draws it in this pose and by what it keeps.
+    pub rest: f64,
+    /// Its own softness, without what it has gained, m.
+    pub softness: f64,
 }
 
 /// Angle from which on a crease counts as folded, rad.

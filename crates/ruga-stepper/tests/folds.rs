@@ -5,7 +5,7 @@ mod patch;
 use nalgebra::Vector2;
 use patch::{SIDE, draft, driver, pose, skin};
 use ruga_blend::Driver;
-use ruga_crease::{Corners, Drive, LineInput, LineLaw, LineTracer};
+use ruga_crease::{Corners, CreaseMemory, Drive, LineInput, LineLaw, LineTracer};
 use ruga_material::{CreaseLoad, crease_depth, wrinkling};
 use ruga_stepper::{
     Coupling, CreaseAnchor, CreaseSpec, FoldSense, Frame, LayerSpec, Modelling, Observer,
@@ -40,6 +40,7 @@ fn crease(driver: &Driver, slant: f64) -> CreaseSpec {
         sense: FoldSense::Valley,
         drive: Drive::Load,
         anchor: None,
+        memory: CreaseMemory::default(),
     }
 }
 
@@ -101,7 +102,7 @@ fn a_furrow_is_as_deep_as_theory_says() {
         let wave = wrinkling(&layer.material, &layer.substrate, layer.model).expect("a preset");
         let theory = crease_depth(&CreaseLoad {
             load: wave.reduced_load(strain),
-            stiffness: wave.crease_stiffness(WIDTH, spec.law.stiffness),
+            stiffness: wave.crease_stiffness(spec.softness()),
             rest_angle: spec.law.angle,
             anchor: anchor.map_or(0.0, |anchor| anchor.stiffness),
             anchor_depth: anchor.map_or(0.0, |anchor| anchor.depth * wave.wave_number),

@@ -4,6 +4,7 @@ mod job_template;
 mod plan_json;
 mod scene_for_mesh;
 
+pub(crate) mod age;
 pub(crate) mod bake;
 pub(crate) mod check;
 pub(crate) mod completions;

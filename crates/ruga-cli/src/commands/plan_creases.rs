@@ -33,12 +33,12 @@ pub(super) fn creases<'a>(scene: &'a Scene, waves: &[Wrinkling]) -> Vec<CreaseJs
 
 impl<'a> CreaseJson<'a> {
     fn new(layer: &'a str, crease: &'a CreaseSpec, waves: &Wrinkling) -> Self {
-        let kappa = waves.crease_stiffness(crease.law.width, crease.law.stiffness);
+        let kappa = waves.crease_stiffness(crease.softness());
         let depth = crease_depth(&CreaseLoad {
             load: waves.reduced_load(0.0),
             // Without softness it is as any other line, and folds with the layer.
             stiffness: kappa.min(1e6),
-            rest_angle: crease.law.angle,
+            rest_angle: crease.law.angle + crease.memory.largest_angle().abs(),
             anchor: crease.anchor.map_or(0.0, |anchor| anchor.stiffness),
             anchor_depth: crease
                 .anchor

@@ -74,6 +74,11 @@ impl SceneFile {
         for crease in &mut self.creases {
             crease.image.iter_mut().for_each(resolve);
         }
+        let network = self
+            .memory
+            .iter_mut()
+            .flat_map(|memory| &mut memory.network);
+        network.for_each(resolve);
     }
 }
 

@@ -135,6 +135,7 @@ impl SceneFile {
         self.driver.faults(self.length_unit)?;
         self.layer_faults()?;
         self.crease_faults()?;
+        self.memory_faults()?;
         // Before the poses, which name its parts.
         if let Some(interior) = &self.interior {
             interior.faults(self.layers.len())?;

@@ -73,7 +73,7 @@ impl CreasedFaces {
         let folding = creases.map(|(crease, faces)| {
             // The last key draws it most.
             let is_drawn = crease.is_drawn(crease.strength(&pose.weights, last));
-            let gives_way = match crease.law.stiffness < 1.0 {
+            let gives_way = match crease.softness() > 0.0 {
                 true => ACTIVE_FRACTION * crease.onset_ratio(layer.wrinkling),
                 false => f64::INFINITY,
             };

@@ -284,8 +284,7 @@ impl Layer {
             pattern,
         };
         layer.add_noise(seed);
-        let undrawn = vec![0.0; layer.spec.creases.len()];
-        layer.set_crease_strengths(undrawn)?;
+        layer.set_crease_strengths(layer.undrawn())?;
         Ok(layer)
     }
 

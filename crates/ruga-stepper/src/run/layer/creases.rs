@@ -7,7 +7,7 @@ use ruga_shell::LineAnchor;
 
 use super::Layer;
 use crate::skin::fading::{distances_from, faded};
-use crate::{CreaseReport, StepperError};
+use crate::{CreaseReport, FoldSample, StepperError};
 
 /// Distance from a crease (wavelengths) within which skin that it draws shows relief. What it raises beside it
 /// dies out within three quarters of a wavelength, and relief fades over the half before the end.
@@ -30,11 +30,17 @@ impl Layer {
     ) -> Result<(), StepperError> {
         let creases = self.spec.creases.iter();
         let strengths = creases.map(|crease| crease.strength(weights, load));
-        let strengths: Vec<f64> = strengths.collect();
+        // What is kept of earlier folds is there in every pose.
+        let strengths: Vec<f64> = strengths.chain([1.0]).collect();
         self.set_crease_strengths(strengths)
     }
 
-    /// Strength with which every crease is drawn.
+    /// Strengths of creases that are not drawn, and keep nothing.
+    pub(super) fn undrawn(&self) -> Vec<f64> {
+        vec![0.0; self.spec.creases.len() + 1]
+    }
+
+    /// Strength with which every crease is drawn, and last the share of what they keep.
     pub(crate) fn crease_strengths(&self) -> &[f64] {
         &self.crease_strengths
     }
@@ -58,6 +64,7 @@ impl Layer {
         if self.skin.creases.is_empty() || self.crease_strengths == strengths {
             return Ok(());
         }
+        let remembered = strengths[self.spec.creases.len()];
         let mut creases = Vec::new();
         let mut anchors = Vec::new();
         for on_edge in &self.skin.creases {
@@ -65,7 +72,8 @@ impl Layer {
             let tapers = on_edge.at.map(|at| spec.taper(at));
             let taper = 0.5 * (tapers[0] + tapers[1]);
             let modulus = self.beside(on_edge.edge, |wave| wave.bending_stiffness);
-            creases.push((on_edge.edge, spec.on_edge(taper, strength, modulus)));
+            let drawn = (strength, remembered);
+            creases.push((on_edge.edge, spec.on_edge(on_edge.at, drawn, modulus)));
             if let Some(anchor) = spec.anchor {
                 let unit = |wave: &Wrinkling| wave.normal_stiffness / wave.wave_number;
                 anchors.push(LineAnchor {
@@ -147,7 +155,18 @@ impl Layer {
                     (state.angle, 0.5 * (depth[0] + depth[1])),
                     state.energy,
                 );
+                let middle = 0.5 * (crease.at[0] + crease.at[1]);
+                let taper = spec.taper(middle);
+                let modulus = self.beside(crease.edge, |wave| wave.bending_stiffness);
+                let drawn = (self.crease_strengths[line], 1.0);
+                report.along.push(FoldSample {
+                    share: spec.share(middle),
+                    fold: state.angle,
+                    rest: spec.on_edge(crease.at, drawn, modulus).rest_angle,
+                    softness: spec.law.softness(taper),
+                });
             }
+            report.along.sort_by(|a, b| a.share.total_cmp(&b.share));
             if report.length > 0.0 {
                 reports.push(report.finished());
             }

@@ -1,0 +1,165 @@
+//! `ruga age`: the creases that poses leave in the skin.
+
+use ruga_io::{IoError, write_atomically};
+use ruga_scene::{CreaseNetwork, PoseFolds, Scene, SceneFile, SceneOptions, counted};
+use ruga_stepper::{Frame, PoseResult, PoseSpec};
+
+use crate::arguments::RunArguments;
+use crate::error::CliError;
+use crate::folder_results::FolderResults;
+use crate::memory_limit::refuse_too_little;
+use crate::outcome::Outcome;
+use crate::output_folder::OutputFolder;
+use crate::pose_record::{PoseRecord, Records};
+use crate::pose_runs::{PoseFiles, Product, run_poses};
+use crate::summary::{self, ALL_IN_REPORT};
+use crate::table::{number, table};
+use crate::{interrupt, messages};
+
+/// Simulates the poses of a scene and writes what they leave in the skin.
+///
+/// # Errors
+/// Whatever keeps a pose from being planned, simulated or written.
+pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
+    let options = options(arguments)?;
+    let mut scene = Scene::read_with(&arguments.scene, &options)?;
+    // Lines of both sides are looked for, each in its own pose.
+    scene.mirror = None;
+    let plan = scene.plan()?;
+    let records = Records::of_age(&arguments.output);
+    let earlier = arguments.resume.then_some(&records);
+    refuse_too_little(arguments.memory.as_ref(), &scene, &plan, earlier)?;
+    // Until here nothing is written and Ctrl-C may end the process.
+    interrupt::listen();
+    let folder = OutputFolder::open(&scene, arguments, "age")?;
+    let warnings = scene.warnings.iter().chain(plan.warnings());
+    messages::warnings(warnings, ALL_IN_REPORT);
+    let folds = Folds {
+        scene: &scene,
+        arguments,
+        records,
+    };
+    let poses = run_poses(&scene, &plan, arguments, &folder, &folds);
+    let results = FolderResults::read(&folds.records, &folder.poses);
+    let poses = summary::unless_nothing_is_there(poses, arguments, &results)?;
+    let network = match &poses {
+        Ok(poses) => folds.network(poses)?,
+        Err(_) => None,
+    };
+    let outcome = summary::conclude(&scene, &plan, arguments, poses, &results)?;
+    match network {
+        Some(network) if !arguments.json => messages::result(&network_table(&network)),
+        Some(_) => {}
+        None => messages::note(
+            "creases.json is not written, because poses are not finished; `--resume` continues",
+        ),
+    }
+    Ok(outcome)
+}
+
+/// The poses that are asked for, or else those that the scene wants to be held.
+fn options(arguments: &RunArguments) -> Result<SceneOptions, CliError> {
+    let mut options = arguments.scene_options();
+    if options.poses.is_empty() {
+        let file = SceneFile::read(&arguments.scene)?;
+        options.poses = file.memory.map_or_else(Vec::new, |memory| memory.poses);
+    }
+    Ok(options)
+}
+
+struct Folds<'a> {
+    scene: &'a Scene,
+    arguments: &'a RunArguments,
+    records: Records,
+}
+
+impl Product for Folds<'_> {
+    const WANTS_FRAMES: bool = false;
+
+    fn records(&self) -> &Records {
+        &self.records
+    }
+
+    /// They have the wavelength of every place.
+    fn wants_face_states(&self) -> bool {
+        true
+    }
+
+    fn begin(&self, _: &PoseSpec) {}
+
+    fn frame(&self, _: &PoseSpec, _: &Frame<'_>) -> Result<Vec<String>, CliError> {
+        Ok(Vec::new())
+    }
+
+    fn pose(&self, pose: &PoseSpec, result: &PoseResult) -> Result<PoseFiles, CliError> {
+        let file = format!("folds/{}.json", pose.name);
+        let folds = self.scene.folds(pose, result);
+        let text = serde_json::to_vec(&folds)
+            .expect("structs of numbers, strings and lists always serialise");
+        write_atomically(&self.arguments.output.join(&file), &text)?;
+        Ok(PoseFiles {
+            files: vec![file],
+            ..PoseFiles::default()
+        })
+    }
+}
+
+impl Folds<'_> {
+    /// Writes the network that all poses leave, if they are finished.
+    fn network(&self, poses: &[Option<PoseRecord>]) -> Result<Option<CreaseNetwork>, CliError> {
+        let mut folds = Vec::new();
+        for pose in poses {
+            let Some(record) = pose.as_ref().filter(|pose| !pose.report.interrupted) else {
+                return Ok(None);
+            };
+            for file in &record.files {
+                folds.push(self.read(file)?);
+            }
+        }
+        let network = self.scene.network(&folds);
+        network.write(&self.arguments.output.join("creases.json"))?;
+        Ok(Some(network))
+    }
+
+    fn read(&self, file: &str) -> Result<PoseFolds, CliError> {
+        let path = self.arguments.output.join(file);
+        let bytes = ruga_io::read_bytes(&path)?;
+        serde_json::from_slice(&bytes).map_err(|error| {
+            let reason = "; remove it, and `--resume` simulates the pose again";
+            CliError::from(IoError::malformed(
+                &path,
+                "folds of a pose",
+                format!("{error}{reason}"),
+            ))
+        })
+    }
+}
+
+/// Table of what the skin keeps.
+fn network_table(network: &CreaseNetwork) -> String {
+    if network.creases.is_empty() {
+        return "The poses leave no lines: no crease is folded by more than its `yield`, and no wrinkle by more \
+                than `wrinkle_yield`, over two wavelengths."
+            .to_owned();
+    }
+    let new = network
+        .creases
+        .iter()
+        .filter(|crease| !crease.points_m.is_empty());
+    let row = |crease: &ruga_scene::KeptCrease| {
+        let memory = crease.memory();
+        vec![
+            crease.name.clone(),
+            crease.layer.clone(),
+            number(1e3 * crease.length_m, 1, "mm"),
+            number(memory.largest_angle().to_degrees(), 0, "°"),
+        ]
+    };
+    let rows: Vec<_> = network.creases.iter().map(row).collect();
+    let headings = ["crease", "layer", "length", "keeps up to"];
+    format!(
+        "{}\n{} left by wrinkles. They are in creases.json: `network` under [memory] names it in a scene.",
+        table(&headings, &rows),
+        counted(new.count(), "line")
+    )
+}

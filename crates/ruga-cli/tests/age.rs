@@ -1,0 +1,204 @@
+//! `ruga age` and scenes that have aged.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+mod fixture;
+
+use std::fmt::Write;
+
+use fixture::Folder;
+use serde_json::{Value, json};
+
+/// Vertices along and across a strip of skin 16 cm long.
+const COUNT: [usize; 2] = [17, 5];
+
+/// A strip as OBJ, shortened by a share along its length and by another across it.
+fn strip([along, across]: [f64; 2]) -> String {
+    let [columns, rows] = COUNT;
+    let mut text = String::new();
+    for row in 0..rows {
+        for column in 0..columns {
+            let [x, y] = [column, row].map(|i| 0.01 * i as f64);
+            writeln!(
+                text,
+                "v {:.6} {:.6} 0",
+                (1.0 - along) * x,
+                (1.0 - across) * y
+            )
+            .unwrap();
+            let [u, v] = [x / 0.16, 0.25 * y / 0.04];
+            writeln!(text, "vt {u:.6} {v:.6}").unwrap();
+        }
+    }
+    for row in 0..rows - 1 {
+        for column in 0..columns - 1 {
+            let a = 1 + row * columns + column;
+            let [b, c, d] = [a + 1, a + 1 + columns, a + columns];
+            writeln!(text, "f {a}/{a} {b}/{b} {c}/{c}\nf {a}/{a} {c}/{c} {d}/{d}").unwrap();
+        }
+    }
+    text
+}
+
+const POSES: [&str; 2] = [
+    "[[poses]]\nname = \"weak\"\nweights = { press = 0.5 }\nkeys = [1.0]\n",
+    "[[poses]]\nname = \"strong\"\nweights = { press = 1.0 }\nkeys = [1.0]\n",
+];
+
+/// A strip with a crease across it.
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("strip.obj", strip([0.0; 2]));
+    folder.write("press.obj", strip([0.13, 0.0]));
+    folder.write("scene.toml", scene(POSES, ""));
+    folder
+}
+
+fn scene(poses: [&str; 2], memory: &str) -> String {
+    format!(
+        "version = 1\n[driver]\nmesh = \"strip.obj\"\ntargets = {{ press = \"press.obj\" }}\n\
+         [[layers]]\nname = \"skin\"\npreset = \"forehead-furrow\"\nvariation = 0.0\n\
+         [[creases]]\nname = \"line\"\npreset = \"frown-line\"\nuv = [[0.5, 0.97], [0.5, 0.78]]\n{memory}\n\
+         {}{}\
+         [bake]\nsize = 64\nmaps = [\"normal\"]\nformat = \"png8\"\npadding = 0\n",
+        poses[0], poses[1]
+    )
+}
+
+const REST: &str = "[[poses]]\nname = \"rest\"\nweights = { press = 0.0 }\nkeys = [1.0]\n";
+
+#[test]
+fn poses_leave_lines_and_an_aged_face_has_them_at_rest() {
+    let folder = folder();
+    let run = "age scene.toml -o aged --quality draft";
+    let said = folder.ruga(run).exits(0);
+    assert!(said.stdout.contains("left by wrinkles"), "{}", said.stdout);
+    let network = folder.json("aged/creases.json");
+    let creases = network["creases"].as_array().unwrap();
+    assert_eq!(creases[0]["name"], "line");
+    assert!(
+        creases.len() > 2,
+        "wrinkles left {} lines",
+        creases.len() - 1
+    );
+    // Across the strip, as its wrinkles are, and not at its borders.
+    for crease in &creases[1..] {
+        let points = crease["points_m"].as_array().unwrap();
+        let at = |i: usize, axis: usize| points[i][axis].as_f64().unwrap();
+        let last = points.len() - 1;
+        assert!((at(0, 0) - at(last, 0)).abs() < 0.01, "{}", crease["name"]);
+        assert!((at(0, 1) - at(last, 1)).abs() > 0.02, "{}", crease["name"]);
+    }
+
+    // The order of poses does not matter, nor whether one was there before.
+    folder.write("turned.toml", scene([POSES[1], POSES[0]], ""));
+    folder
+        .ruga("age turned.toml -o turned --quality draft --threads 1")
+        .exits(0);
+    let text = |name: &str| folder.read(&format!("{name}/creases.json"));
+    assert_eq!(text("aged"), text("turned"));
+    folder
+        .ruga("age scene.toml -o some --quality draft --pose strong")
+        .exits(0);
+    let resumed = folder
+        .ruga("age scene.toml -o some --quality draft --resume")
+        .exits(0);
+    assert!(
+        resumed
+            .stderr
+            .contains("`strong` is there from an earlier run"),
+        "{}",
+        resumed.stderr
+    );
+    assert_eq!(text("aged"), text("some"));
+
+    let memory = "[memory]\nnetwork = \"aged/creases.json\"";
+    for (name, memory) in [("old", memory), ("young", "")] {
+        let text = scene([REST, ""], memory);
+        let text = text.replace("preset = \"frown-line\"", "");
+        folder.write(&format!("{name}.toml"), text);
+        folder
+            .ruga(&format!(
+                "bake {name}.toml -o {name} --quality draft --maps-only"
+            ))
+            .exits(0);
+    }
+    let folds = |name: &str| {
+        folder.json(&format!("{name}/report.json"))["poses"][0]["layers"][0]["creases"].clone()
+    };
+    // Drawn by the load of its pose.
+    assert_eq!(folds("young").as_array().unwrap().len(), 1);
+    let old = folds("old");
+    let kept = old.as_array().unwrap().iter();
+    let kept = kept.filter(|crease| crease["fold_deg"]["mean"].as_f64().unwrap() > 2.0);
+    assert!(kept.count() > 2, "{old}");
+}
+
+#[test]
+fn what_is_wrong_with_a_network_is_told() {
+    let folder = folder();
+    let memory = "[memory]\nnetwork = \"net.json\"";
+    folder.write("old.toml", scene(POSES, memory));
+    let says = |network: &Value, words: &[&str]| {
+        folder.write("net.json", network.to_string());
+        let said = folder.ruga("plan old.toml --quality draft").exits(2).stderr;
+        for word in words.iter().chain(&["memory.network", "net.json"]) {
+            assert!(said.contains(word), "`{word}` is missing in {said}");
+        }
+    };
+    let sample = json!({"share": 0.5, "angle_deg": 30.0, "softness_m": 0.0});
+    let line = json!({"name": "line", "layer": "skin", "length_m": 0.0304, "along": [sample]});
+    let with = |key: &str, value: Value| {
+        let mut crease = line.clone();
+        crease[key] = value;
+        json!({"version": 1, "mesh": "Strip", "poses": [], "creases": [crease]})
+    };
+    let angle = json!([{"share": 0.5, "angle_deg": 200.0, "softness_m": 0.0}]);
+    says(&with("along", angle), &["`line`", "200", "-150 to 150"]);
+    says(
+        &with("layer", json!("sole")),
+        &["`line`", "no layer `sole`"],
+    );
+    says(
+        &with("name", json!("gone")),
+        &["`gone`", "no crease of this name", "ruga age"],
+    );
+    says(
+        &with("length_m", json!(0.02)),
+        &["20.00 mm long", "30.40 mm"],
+    );
+    let far = json!([[0.0, 0.0, 0.5], [0.1, 0.0, 0.5]]);
+    says(
+        &with("points_m", far.clone()),
+        &["a crease of this name", "rename"],
+    );
+    let mut new = with("points_m", far);
+    new["creases"][0]["name"] = json!("new");
+    says(&new, &["`new`", "of another mesh?"]);
+    says(
+        &with("points_m", json!([[0.0, 0.0, 0.0]])),
+        &["1 point", "at least 2"],
+    );
+    says(
+        &json!({"version": 2, "mesh": "", "poses": [], "creases": []}),
+        &["version", "found 2"],
+    );
+    says(&json!([1, 2]), &["no network of creases", "ruga age"]);
+
+    for (memory, words) in [
+        ("network = \"none.json\"", "cannot be read"),
+        ("yield = 0.0", "memory.yield | above 0, up to 150"),
+        ("wrinkle_yield = 400.0", "memory.wrinkle_yield | up to 180"),
+        ("weakening = -1.0", "memory.weakening"),
+        ("poses = [\"grin\"]", "grin"),
+    ] {
+        folder.write("old.toml", scene(POSES, &format!("[memory]\n{memory}")));
+        let said = folder
+            .ruga("age old.toml -o out --quality draft")
+            .exits(2)
+            .stderr;
+        for word in words.split(" | ") {
+            assert!(said.contains(word), "`{word}` is missing in {said}");
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! `[memory]`: what the skin keeps of its poses.
+
+use std::path::PathBuf;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::SceneFile;
+use super::fault::{Checked, fault, not_negative};
+
+/// `[memory]`: folds that stay. `ruga age` finds what poses leave in the skin and writes it into a file; a scene
+/// that names the file has these folds in every pose.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Memory {
+    /// File that `ruga age` has written. Its lines are creases in every pose, and creases of the scene have in every
+    /// pose what they keep.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub network: Option<PathBuf>,
+    /// Poses that `ruga age` holds, each for itself; none: every pose of the scene.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub poses: Vec<String>,
+    /// What a crease gives back: it keeps what a pose folds it beyond this, degrees, above 0 and up to 150.
+    #[serde(rename = "yield")]
+    pub yield_angle: f64,
+    /// The same of wrinkles: skin that turns by more than this across a valley, from flank to flank, keeps a line
+    /// there, and of the angle what is beyond; degrees, above 0 and up to 180, where no wrinkle does.
+    pub wrinkle_yield: f64,
+    /// How much softer a line becomes: a crease that is folded by twice its `yield` gains this share of its
+    /// softness. Without any, 0, lines keep angles alone.
+    pub weakening: f64,
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        Self {
+            network: None,
+            poses: Vec::new(),
+            yield_angle: 20.0,
+            wrinkle_yield: 45.0,
+            weakening: 0.5,
+        }
+    }
+}
+
+impl SceneFile {
+    pub(super) fn memory_faults(&self) -> Checked {
+        let Some(memory) = &self.memory else {
+            return Ok(());
+        };
+        let angles = [
+            ("memory.yield", memory.yield_angle, 150.0),
+            ("memory.wrinkle_yield", memory.wrinkle_yield, 180.0),
+        ];
+        for (key, angle, most) in angles {
+            if !(angle > 0.0 && angle <= most) {
+                return fault(key, angle, &format!("degrees above 0, up to {most}"));
+            }
+        }
+        not_negative("memory.weakening", memory.weakening)?;
+        if memory.network.is_some() && self.driver.symmetry.is_some() {
+            let accepted =
+                "no `symmetry` with a network of creases, which may differ from side to side";
+            return fault("driver.symmetry", "\"x\"", accepted);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,382 @@
+//! How a pose folds the skin, and what many poses leave in it.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Vector3;
+use ruga_crease::{
+    CreaseMemory, FoldedLine, Kept, LARGEST_ANGLE, NewLines, Relief, YieldLaw, valleys,
+};
+use ruga_material::wrinkling;
+use ruga_mesh::{FaceId, TriMesh, vertex_means};
+use ruga_stepper::{FoldSample, LayerSpec, LayerSurface, PoseResult, PoseSpec};
+use serde::{Deserialize, Serialize};
+
+use crate::Scene;
+use crate::file::Memory;
+use crate::network::{CreaseNetwork, KeptCrease};
+
+/// Distance of new lines from each other and from creases, in wavelengths: half of it would be the next valley's
+/// ridge.
+const APART: f64 = 0.5;
+
+/// Length of a new line, in wavelengths, from which on it is kept.
+const SHORTEST: f64 = 2.0;
+
+/// Samples of a crease per wavelength.
+const SAMPLES: f64 = 8.0;
+
+/// Share of the limit up to which a valley belongs to a line.
+const FOLLOWED: f64 = 0.75;
+
+/// How a pose folds the layers that can have creases.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PoseFolds {
+    /// Name of the pose.
+    pub pose: String,
+    /// The layers.
+    pub layers: Vec<LayerFolds>,
+}
+
+/// How a pose folds a layer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LayerFolds {
+    /// Name of the layer.
+    pub layer: String,
+    /// Creases that are simulated in the pose.
+    pub creases: Vec<CreaseFolds>,
+    /// Valleys of wrinkles that turn the skin by what the scene asks of new lines, or nearly.
+    pub valleys: Vec<ValleyFold>,
+}
+
+/// How a pose folds a crease.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CreaseFolds {
+    /// Name of the crease.
+    pub name: String,
+    /// Share of the line's length, fold angle and angle without moment (rad), and softness without memory (m).
+    pub along: Vec<[f64; 4]>,
+}
+
+/// A valley between wrinkles.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ValleyFold {
+    /// Its points, on the mesh at rest, m.
+    pub points_m: Vec<[f64; 3]>,
+    /// Angle from flank to flank at every point, rad.
+    pub turns: Vec<f64>,
+    /// Whether the last of the points is joined to the first.
+    pub closed: bool,
+}
+
+impl Scene {
+    /// How a simulated pose folds the skin at its last key; the states of the layers' faces are used where they are
+    /// there.
+    pub fn folds(&self, pose: &PoseSpec, result: &PoseResult) -> PoseFolds {
+        let surfaces = result.keys.last().map_or(&[][..], |key| &key.layers[..]);
+        let reports = result.layers.iter();
+        let mut layers = Vec::new();
+        for layer in self
+            .layers
+            .iter()
+            .filter(|layer| self.can_be_creased(layer))
+        {
+            let of_layer = |name: &String| *name == layer.name;
+            let report = reports.clone().find(|report| of_layer(&report.name));
+            let surface = surfaces.iter().find(|surface| of_layer(&surface.name));
+            let creases = report.iter().flat_map(|report| &report.creases);
+            let creases = creases.map(|crease| CreaseFolds {
+                name: crease.name.clone(),
+                along: crease.along.iter().map(in_numbers).collect(),
+            });
+            layers.push(LayerFolds {
+                layer: layer.name.clone(),
+                creases: creases.collect(),
+                valleys: surface.map_or(Vec::new(), |surface| self.valleys(layer, surface)),
+            });
+        }
+        PoseFolds {
+            pose: pose.name.clone(),
+            layers,
+        }
+    }
+
+    /// Whether a layer is alone, as creases need it.
+    fn can_be_creased(&self, layer: &LayerSpec) -> bool {
+        let index = self.layers.iter().position(|own| own.name == layer.name);
+        let mut zones = self.file.zones().into_iter();
+        let alone = zones.any(|zone| zone.layers.len() == 1 && Some(zone.layers[0]) == index);
+        alone || (self.body.is_some() && self.layers.len() == 1)
+    }
+
+    /// What `[memory]` says, or its defaults.
+    fn memory(&self) -> Memory {
+        self.file.memory.clone().unwrap_or_default()
+    }
+
+    fn valleys(&self, layer: &LayerSpec, surface: &LayerSurface) -> Vec<ValleyFold> {
+        let count = surface.positions.len();
+        let Ok(mesh) = TriMesh::new(count, surface.faces.clone()) else {
+            return Vec::new();
+        };
+        let nominal = wrinkling(&layer.material, &layer.substrate, layer.model);
+        let nominal = nominal.map_or(0.0, |waves| waves.wavelength);
+        let wavelength = |face: FaceId| {
+            let states = surface.face_states.as_ref();
+            let state = states.and_then(|states| states.get(face.0 as usize));
+            state.map_or(nominal, |state| state.wavelength)
+        };
+        // A sine of wave number k that is bent by c at its bottom turns by 2 c/k from flank to flank.
+        let turn = vertex_means(&mesh, |face| wavelength(face) / std::f64::consts::PI);
+        let turn = turn.as_slice();
+        let limit = FOLLOWED * self.memory().wrinkle_yield.to_radians();
+        let least: Vec<f64> = turn
+            .iter()
+            .map(|per_curvature| limit / per_curvature)
+            .collect();
+        let base = surface.driver_positions.iter().zip(&surface.driver_normals);
+        let base: Vec<Vector3<f64>> = base.map(|(p, n)| p + n * surface.offset).collect();
+        let heights = surface
+            .relief
+            .iter()
+            .zip(&base)
+            .zip(&surface.driver_normals);
+        let heights: Vec<f64> = heights.map(|((x, p), n)| (x - p).dot(n)).collect();
+        let relief = Relief {
+            mesh: &mesh,
+            positions: &base,
+            heights: &heights,
+        };
+        let rest = self.rest_places(surface);
+        let found = valleys(&relief, &least).into_iter().map(|valley| {
+            let points = valley.points.iter().map(|point| {
+                let [a, b] = point.vertices.map(|v| v.0 as usize);
+                let between = |a: f64, b: f64| a + (b - a) * point.fraction;
+                let place = rest[a] + (rest[b] - rest[a]) * point.fraction;
+                let turn = point.curvature * between(turn[a], turn[b]);
+                (<[f64; 3]>::from(place), turn)
+            });
+            let (points_m, turns) = points.unzip();
+            ValleyFold {
+                points_m,
+                turns,
+                closed: valley.is_closed,
+            }
+        });
+        found.collect()
+    }
+
+    /// Where the vertices of a surface lie on the mesh at rest.
+    fn rest_places(&self, surface: &LayerSurface) -> Vec<Vector3<f64>> {
+        let driver = &self.driver;
+        let triangles = driver.triangles().iter();
+        let faces: BTreeMap<u32, FaceId> = triangles.map(|(face, &file)| (file, face)).collect();
+        let mut places = vec![Vector3::zeros(); surface.positions.len()];
+        for (corners, (triangle, weights)) in surface.faces.iter().zip(&surface.artist) {
+            let Some(&face) = faces.get(triangle) else {
+                continue;
+            };
+            let ends = driver.topology().faces()[face].map(|v| driver.rest()[v.0 as usize]);
+            for (&vertex, weights) in corners.iter().zip(weights) {
+                let terms = ends.iter().zip(weights);
+                places[vertex as usize] = terms.map(|(end, weight)| end * *weight).sum();
+            }
+        }
+        places
+    }
+
+    /// The creases that poses leave in the skin. Their order does not matter: of several poses the one that folds a
+    /// place most decides.
+    pub fn network(&self, poses: &[PoseFolds]) -> CreaseNetwork {
+        let mut poses: Vec<&PoseFolds> = poses.iter().collect();
+        poses.sort_by(|a, b| a.pose.cmp(&b.pose));
+        let mut creases = Vec::new();
+        for layer in self
+            .layers
+            .iter()
+            .filter(|layer| self.can_be_creased(layer))
+        {
+            let of_layer = poses.iter().flat_map(|pose| &pose.layers);
+            let folds = of_layer.filter(|folds| folds.layer == layer.name);
+            let folds: Vec<&LayerFolds> = folds.collect();
+            creases.extend(self.kept_of_creases(layer, &folds));
+            creases.extend(self.new_creases(layer, &folds));
+        }
+        let names = poses.iter().map(|pose| pose.pose.clone());
+        CreaseNetwork::new(&self.mesh.mesh.name, names.collect(), creases)
+    }
+
+    /// What the creases of a layer keep.
+    fn kept_of_creases(&self, layer: &LayerSpec, folds: &[&LayerFolds]) -> Vec<KeptCrease> {
+        let memory = self.memory();
+        let law = YieldLaw {
+            limit: memory.yield_angle.to_radians(),
+            weakening: memory.weakening,
+        };
+        let nominal = wrinkling(&layer.material, &layer.substrate, layer.model);
+        let Ok(waves) = nominal else {
+            return Vec::new();
+        };
+        let kept = layer.creases.iter().filter_map(|crease| {
+            let length = crease.line.length();
+            let steps = (SAMPLES * length / waves.wavelength).ceil().max(2.0) as u32;
+            let own = folds.iter().flat_map(|folds| &folds.creases);
+            let own = own.filter(|folds| folds.name == crease.name);
+            let held: Vec<CreaseMemory> = own.map(|folds| kept_by(&law, folds)).collect();
+            let samples = (0..=steps).map(|step| {
+                let share = f64::from(step) / f64::from(steps);
+                let before = crease.memory.at(share);
+                let added = held.iter().filter_map(|held| within(held, share));
+                let most = added.fold(Kept::default(), |a, b| Kept {
+                    angle: if b.angle.abs() > a.angle.abs() {
+                        b.angle
+                    } else {
+                        a.angle
+                    },
+                    softness: a.softness.max(b.softness),
+                });
+                let angle = before.angle + most.angle;
+                let kept = Kept {
+                    angle: angle.clamp(-LARGEST_ANGLE, LARGEST_ANGLE),
+                    softness: before.softness + most.softness,
+                };
+                (share, kept)
+            });
+            let memory = CreaseMemory::new(samples.collect());
+            let is_new = self
+                .file
+                .creases
+                .iter()
+                .all(|own| !is_line_of(&crease.name, &own.name));
+            if !is_new && !memory.is_folded() && memory.largest_softness() == 0.0 {
+                return None;
+            }
+            Some(KeptCrease {
+                name: crease.name.clone(),
+                layer: layer.name.clone(),
+                length_m: length,
+                points_m: if is_new {
+                    self.points(crease)
+                } else {
+                    Vec::new()
+                },
+                closed: is_new && crease.line.is_closed(),
+                along: KeptCrease::samples(&memory),
+            })
+        });
+        kept.collect()
+    }
+
+    /// Points of a line of the present network, at rest.
+    fn points(&self, crease: &ruga_stepper::CreaseSpec) -> Vec<[f64; 3]> {
+        let (mesh, rest) = (self.driver.topology(), self.driver.rest());
+        let mut places = crease.line.places();
+        if crease.line.is_closed() {
+            places.pop();
+        }
+        let points = places
+            .iter()
+            .map(|place| place.interpolate(mesh, rest).into());
+        points.collect()
+    }
+
+    /// The lines that wrinkles of a layer leave.
+    fn new_creases(&self, layer: &LayerSpec, folds: &[&LayerFolds]) -> Vec<KeptCrease> {
+        let memory = self.memory();
+        let law = YieldLaw {
+            limit: memory.wrinkle_yield.to_radians(),
+            weakening: memory.weakening,
+        };
+        let nominal = wrinkling(&layer.material, &layer.substrate, layer.model);
+        let Ok(waves) = nominal else {
+            return Vec::new();
+        };
+        let there = layer
+            .creases
+            .iter()
+            .flat_map(|crease| self.spaced(crease, APART * waves.wavelength));
+        let mut lines = NewLines::new(
+            APART * waves.wavelength,
+            SHORTEST * waves.wavelength,
+            law.limit,
+            there,
+        );
+        let found = folds.iter().flat_map(|folds| &folds.valleys);
+        let found: Vec<FoldedLine> = found
+            .map(|valley| FoldedLine {
+                points: valley
+                    .points_m
+                    .iter()
+                    .map(|point| (*point).into())
+                    .collect(),
+                turns: valley.turns.clone(),
+                is_closed: valley.closed,
+            })
+            .collect();
+        let is_taken = |name: &str| {
+            self.layers
+                .iter()
+                .flat_map(|l| &l.creases)
+                .any(|c| c.name == name)
+        };
+        let mut names = (1..).map(|number| format!("{}-line-{number}", layer.name));
+        let kept = lines.choose(&found).into_iter().map(|line| {
+            let shares = line.shares();
+            let samples = shares
+                .iter()
+                .zip(&line.turns)
+                .map(|(&share, &turn)| (share, law.kept(turn, layer.material.thickness)));
+            let memory = CreaseMemory::new(samples.collect());
+            KeptCrease {
+                name: names.find(|name| !is_taken(name)).unwrap_or_default(),
+                layer: layer.name.clone(),
+                length_m: line.length(),
+                points_m: line.points.iter().map(|point| (*point).into()).collect(),
+                closed: line.is_closed,
+                along: KeptCrease::samples(&memory),
+            }
+        });
+        kept.collect()
+    }
+
+    /// Places of a crease at rest, at most `spacing` (m) apart.
+    fn spaced(&self, crease: &ruga_stepper::CreaseSpec, spacing: f64) -> Vec<Vector3<f64>> {
+        let (mesh, rest) = (self.driver.topology(), self.driver.rest());
+        let length = crease.line.length();
+        let steps = (2.0 * length / spacing).ceil().max(1.0) as u32;
+        let places = (0..=steps).filter_map(|step| {
+            crease
+                .line
+                .place(length * f64::from(step) / f64::from(steps))
+        });
+        places.map(|place| place.interpolate(mesh, rest)).collect()
+    }
+}
+
+fn in_numbers(sample: &FoldSample) -> [f64; 4] {
+    [sample.share, sample.fold, sample.rest, sample.softness]
+}
+
+/// Whether a line is the crease of this name, or one of its strokes.
+fn is_line_of(line: &str, crease: &str) -> bool {
+    let rest = line.strip_prefix(crease);
+    let is_number = |text: &str| {
+        text.strip_prefix('-')
+            .is_some_and(|n| n.parse::<u32>().is_ok())
+    };
+    rest.is_some_and(|rest| rest.is_empty() || is_number(rest))
+}
+
+/// What a crease keeps of one pose.
+fn kept_by(law: &YieldLaw, folds: &CreaseFolds) -> CreaseMemory {
+    let samples = folds
+        .along
+        .iter()
+        .map(|&[share, fold, rest, softness]| (share, law.kept(fold - rest, softness)));
+    CreaseMemory::new(samples.collect())
+}
+
+/// What is kept at a share of the line that was simulated.
+fn within(memory: &CreaseMemory, share: f64) -> Option<Kept> {
+    let (first, last) = (memory.samples().first()?.0, memory.samples().last()?.0);
+    (first..=last).contains(&share).then(|| memory.at(share))
+}

@@ -1,0 +1,122 @@
+//! What a network of creases adds to the layers of a scene.
+
+use std::path::Path;
+
+use ruga_crease::{Corners, Drive, LineInput, LineLaw, TracedLine};
+use ruga_material::wrinkling;
+use ruga_stepper::{CreaseSpec, FoldSense, LayerSpec};
+
+use crate::SceneError;
+use crate::creases::CreasedMesh;
+use crate::network::{CreaseNetwork, KeptCrease};
+
+/// Key of the file.
+pub(crate) const NETWORK: &str = "memory.network";
+
+/// Share of a wavelength over which a line that wrinkles have left fades towards its ends.
+const FADE: f64 = 0.5;
+
+/// Share by which the length of a line may differ from what it was.
+const SAME_LENGTH: f64 = 0.01;
+
+impl CreasedMesh<'_> {
+    /// Gives the layers what the network of the scene keeps: memory to their creases, and new ones.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or is of another mesh or scene.
+    pub(crate) fn add_network(&self, layers: &mut [LayerSpec]) -> Result<(), SceneError> {
+        let memory = self.scene.memory.as_ref();
+        let Some(path) = memory.and_then(|memory| memory.network.as_deref()) else {
+            return Ok(());
+        };
+        let network = CreaseNetwork::read(path);
+        let network = network.map_err(|reason| self.bad_network(path, reason))?;
+        for (number, crease) in network.creases.iter().enumerate() {
+            let added = self.add_kept(crease, layers);
+            added.map_err(|reason| {
+                let reason = format!("`creases[{number}]`, `{}`: {reason}", crease.name);
+                self.bad_network(path, reason)
+            })?;
+        }
+        Ok(())
+    }
+
+    fn bad_network(&self, path: &Path, reason: String) -> SceneError {
+        let reason = format!("{}: {reason}", path.display());
+        self.fault(NETWORK.to_owned(), reason, None)
+    }
+
+    fn add_kept(&self, kept: &KeptCrease, layers: &mut [LayerSpec]) -> Result<(), String> {
+        let anew = "let `ruga age` find anew what poses leave";
+        let index = layers.iter().position(|layer| layer.name == kept.layer);
+        let Some(index) = index else {
+            return Err(format!("the scene has no layer `{}`; {anew}", kept.layer));
+        };
+        let alone = self.scene.zones().iter().any(|zone| zone.layers == [index]);
+        let is_body = self.scene.interior.is_some() && layers.len() == 1;
+        if !(alone || is_body) {
+            return Err(format!(
+                "layer `{}` carries another one, or lies on one; accepted: a layer that is alone",
+                kept.layer
+            ));
+        }
+        let layer = &mut layers[index];
+        let mut own = layer.creases.iter_mut();
+        let found = own.find(|crease| crease.name == kept.name);
+        match (found, kept.points_m.is_empty()) {
+            (Some(crease), true) => {
+                let length = crease.line.length();
+                if (length / kept.length_m - 1.0).abs() > SAME_LENGTH {
+                    return Err(format!(
+                        "was {:.2} mm long and is {:.2} mm; {anew}",
+                        1e3 * kept.length_m,
+                        1e3 * length
+                    ));
+                }
+                crease.memory = kept.memory();
+            }
+            (Some(_), false) => {
+                return Err("the scene has a crease of this name, too; rename that".to_owned());
+            }
+            (None, true) => {
+                return Err(format!("the scene has no crease of this name; {anew}"));
+            }
+            (None, false) => {
+                let spec = self.of_wrinkles(kept, layer)?;
+                layer.creases.push(spec);
+            }
+        }
+        Ok(())
+    }
+
+    /// A line that wrinkles have left: as soft and as folded as it keeps, and no more.
+    fn of_wrinkles(&self, kept: &KeptCrease, layer: &LayerSpec) -> Result<CreaseSpec, String> {
+        let waves = wrinkling(&layer.material, &layer.substrate, layer.model);
+        let wavelength = waves.map_err(|error| error.to_string())?.wavelength;
+        let line = LineInput::Positions {
+            points: kept.points_m.iter().map(|point| (*point).into()).collect(),
+            is_closed: kept.closed,
+            reach: wavelength,
+            corners: Corners::Round,
+        };
+        let line: TracedLine = self
+            .tracer()
+            .trace(&line)
+            .map_err(|error| format!("{error}; is it of another mesh?"))?;
+        Ok(CreaseSpec {
+            name: kept.name.clone(),
+            line,
+            law: LineLaw {
+                width: layer.material.thickness,
+                stiffness: 1.0,
+                angle: 0.0,
+                fade: [FADE * wavelength; 2],
+            },
+            is_ridge: false,
+            sense: FoldSense::Valley,
+            drive: Drive::Always,
+            anchor: None,
+            memory: kept.memory(),
+        })
+    }
+}
