@@ -10,9 +10,15 @@ use ruga_mesh::{
 
 use crate::crossings::meet_in_face;
 use crate::{CreaseWarning, LineSegment, TracedLine};
+use moved_vertices::{MovedVertex, move_onto_lines, parts_of};
 
-/// Distance of a crossing from a vertex, in edges, up to which the line goes through the vertex.
-const SNAP: f64 = 0.02;
+mod moved_vertices;
+
+/// Distance of a crossing from a vertex that stays where it is, in edges, up to which the line goes through it.
+///
+/// A vertex beside its line bends the normals there by as much as the distance over an edge: half a degree in a fold of
+/// 90. Less than this would leave triangles so thin that texture coordinates on smooth surfaces turn them over.
+const SNAP: f64 = 0.01;
 
 /// Distance of a crossing, in edges, up to which the line goes through a vertex that is on it already. Without it the
 /// line would leave along one edge of a vertex that another edge has drawn it to, and turn by a right angle.
@@ -56,9 +62,8 @@ pub struct LineVertex {
     pub line: usize,
     /// Arc length along it (m).
     pub at: f64,
-    /// The place of the line itself, on the mesh that it was traced over. A vertex of the piece that
-    /// the line passes closely lies up to a fiftieth of an edge beside it: whoever may move vertices, as on
-    /// the way to a fitted mesh, moves it here.
+    /// The place of the line itself, on the mesh that it was traced over. A vertex that stays where it was, at a corner
+    /// of that mesh or at the border, lies up to a hundredth of an edge beside it.
     pub place: MaterialPoint,
 }
 
@@ -77,7 +82,7 @@ pub struct CreaseEdge {
 /// A mesh with edges on lines.
 #[derive(Clone, Debug)]
 pub struct LineCut {
-    /// The cut mesh; its first vertices are those of the piece before.
+    /// The cut mesh; its first vertices are those of the piece before, of which some have been moved onto lines.
     pub piece: MeshPiece,
     /// Where every face lies in which face of the piece before, for what else its corners carry.
     pub parts: PerFace<FaceOrigin>,
@@ -90,6 +95,15 @@ pub struct LineCut {
 }
 
 impl LineCut {
+    /// Cuts a mesh as [`cut_lines`] does, leaving the vertices of which `is_kept` says so where they are.
+    pub fn keeping(
+        lines: &[TracedLine],
+        piece: MeshPiece,
+        is_kept: &dyn Fn(VertexId) -> bool,
+    ) -> Self {
+        cut_passes(Cutter::new(lines, piece, is_kept))
+    }
+
     /// The `lines` as they lie on the cut mesh: segments along its edges, with arc lengths of the lines
     /// themselves; those of a closed line count from its first vertex here. Stretches without an edge are
     /// left out, and those whose edges an earlier line has.
@@ -127,12 +141,17 @@ impl LineCut {
 
 /// Gives a mesh edges along lines.
 ///
-/// Every edge that a line crosses gets a vertex there, and the faces around it are split. Where a line passes a
-/// vertex closely, it goes through it: faces far smaller than the rest would help nobody. A line that
-/// ends inside a face ends at the last edge or vertex before. Between the vertices on it a line is straight:
-/// what it does inside a face becomes a chord.
+/// Vertices within a quarter of an edge of a line are moved onto it first, inside the triangles that they were traced
+/// over and along their edges. Then every edge that a line crosses gets a vertex there, and the faces around it
+/// are split. Where a line passes a vertex that cannot move within a hundredth of an edge, it goes through it. A
+/// line that ends inside a face ends at the last edge or vertex before. Between the vertices on it a line is
+/// straight: what it does inside a face becomes a chord.
 pub fn cut_lines(lines: &[TracedLine], piece: MeshPiece) -> LineCut {
-    let mut cutter = Cutter::new(lines, piece);
+    LineCut::keeping(lines, piece, &|_| false)
+}
+
+/// Snaps and cuts until no line crosses an edge any more.
+fn cut_passes(mut cutter: Cutter<'_>) -> LineCut {
     for _ in 0..MOST_PASSES {
         let crossings = cutter.crossings();
         // Before any edge is cut, or one would be cut beside a vertex that the line goes through.
@@ -178,7 +197,11 @@ struct Cutter<'a> {
 }
 
 impl<'a> Cutter<'a> {
-    fn new(lines: &'a [TracedLine], piece: MeshPiece) -> Self {
+    fn new(
+        lines: &'a [TracedLine],
+        mut piece: MeshPiece,
+        is_kept: &dyn Fn(VertexId) -> bool,
+    ) -> Self {
         let mut segments: Vec<Vec<(u32, u32)>> = Vec::new();
         for (line, traced) in (0..).zip(lines) {
             for (number, segment) in (0..).zip(traced.segments()) {
@@ -189,13 +212,20 @@ impl<'a> Cutter<'a> {
                 segments[face].push((line, number));
             }
         }
+        let sizes = mean_edge_lengths(&piece.mesh, &piece.positions);
+        let before = piece.origins.clone();
+        let moved = move_onto_lines((lines, &segments), &mut piece, &sizes, is_kept);
+        let mut on_line = vec![Vec::new(); piece.positions.len()];
+        for MovedVertex { vertex, line, at } in moved {
+            on_line[vertex].push(OnLine { line, at, off: 0.0 });
+        }
         Self {
             lines,
             segments,
-            sizes: mean_edge_lengths(&piece.mesh, &piece.positions),
-            on_line: vec![Vec::new(); piece.positions.len()],
+            sizes,
+            on_line,
             is_new: vec![true; piece.mesh.face_count()],
-            parts: MeshPiece::whole(&piece.mesh, &piece.positions).origins,
+            parts: parts_of(&before, &piece.origins),
             piece,
         }
     }
@@ -379,6 +409,7 @@ impl<'a> Cutter<'a> {
             warnings,
         }
     }
+
     /// The edges between vertices that follow each other on a line, each for the first line that has it.
     fn edges(&self, vertices: &[LineVertex]) -> (Vec<CreaseEdge>, Vec<CreaseWarning>) {
         let mesh = &self.piece.mesh;

@@ -179,7 +179,7 @@ fn curves_rings_and_crossings() {
     ];
     for levels in [1, 2, 3] {
         let cut = cut_and_check(&sheet, levels, &lines);
-        // Lines that cross share a vertex, or two pass it within a fiftieth of an edge.
+        // Lines that cross share a vertex, or two pass it within a hundredth of an edge.
         let junctions = cut.vertices.iter().filter(|a| {
             cut.vertices
                 .iter()
@@ -343,4 +343,89 @@ fn a_hairpin_inside_a_face_has_no_edge() {
     }
     // In the face that has both edges the vertex is passed but once.
     assert!(gaps > 12, "{gaps}");
+}
+
+/// Least angle of a triangle of a flat piece (degrees).
+fn least_angle(piece: &MeshPiece) -> f64 {
+    let angles = piece.mesh.faces().as_slice().iter().flat_map(|corners| {
+        let [a, b, c] = corners.map(|v| piece.positions[v.index()]);
+        [[a, b, c], [b, c, a], [c, a, b]].map(|[a, b, c]| (b - a).angle(&(c - a)))
+    });
+    angles.fold(TAU, f64::min).to_degrees()
+}
+
+/// Largest turn of a line from edge to edge (degrees), and the length of its edges over its own.
+fn kink_and_length(cut: &LineCut) -> [f64; 2] {
+    let step = |edge: &ruga_crease::CreaseEdge| {
+        let [a, b] = cut.piece.mesh.edges()[edge.edge].vertices;
+        let way = cut.piece.positions[b.index()] - cut.piece.positions[a.index()];
+        if edge.at[0] < edge.at[1] { way } else { -way }
+    };
+    let steps: Vec<_> = cut.edges.iter().map(step).collect();
+    let kinks = steps.windows(2).map(|pair| pair[0].angle(&pair[1]));
+    let length: f64 = steps.iter().map(Vector3::norm).sum();
+    let wanted = cut.edges.iter().map(|edge| (edge.at[1] - edge.at[0]).abs());
+    [
+        kinks.fold(0.0, f64::max).to_degrees(),
+        length / wanted.sum::<f64>(),
+    ]
+}
+
+/// Beside a row of edges, and at small angles to it, vertices go onto the line: nothing thin is left, and the line is
+/// as long and as straight as it was.
+#[test]
+fn lines_beside_edges_leave_no_thin_triangles() {
+    let sheet = square(1, 0.0, 11);
+    let edge = 1.0 / 16.0;
+    let offs = [0.0, 1e-5, 1e-3, 1e-2, 3e-2, 0.1, 0.2, 0.3];
+    let angles = [0.0_f64, 0.1, 1.0, 3.0, 20.0];
+    for (off, angle) in offs
+        .iter()
+        .flat_map(|off| angles.map(|angle| (*off, angle)))
+    {
+        let rise = 0.2 * angle.to_radians().tan();
+        let y = (3.0 + off) * edge;
+        let line = uv(&[[0.3, y - rise], [0.7, y + rise]], false);
+        let cut = cut_and_check(&sheet, 4, &[line]);
+        let [kink, length] = kink_and_length(&cut);
+        let least = least_angle(&cut.piece);
+        println!("{off} {angle}: {least:.1}, {kink:.2} degrees, {length:.6}");
+        assert!(least > 8.0, "{off} {angle}: {least}");
+        assert!(kink < 1e-3, "{off} {angle}: {kink}");
+    }
+}
+
+/// Where vertices cannot go, as at corners of the traced mesh, a line is off by less than a hundredth of an edge.
+#[test]
+fn lines_stay_on_their_curves() {
+    let sheet = square(6, 0.25, 12);
+    for i in 0..12 {
+        let angle = 0.5 + 0.1 * f64::from(i);
+        let (sin, cos) = angle.sin_cos();
+        let arc: Vec<_> = (0..=60)
+            .map(|k| {
+                let t = f64::from(k) / 60.0 - 0.5;
+                let bow = 0.3 * t * t;
+                [
+                    0.5 + 0.8 * t * cos - bow * sin,
+                    0.5 + 0.8 * t * sin + bow * cos,
+                ]
+            })
+            .collect();
+        let before = piece(&sheet, 3);
+        let line = traced(&sheet, &uv(&arc, false));
+        let cut = cut_lines(std::slice::from_ref(&line), before.clone());
+        for vertex in &cut.vertices {
+            let on = vertex.place.interpolate(&sheet.mesh, &sheet.positions);
+            let off = (on - cut.piece.positions[vertex.vertex.index()]).norm();
+            assert!(off < 0.011 * edge_length(&before), "{off}");
+        }
+        let [kink, length] = kink_and_length(&cut);
+        println!(
+            "{angle:.1}: {kink:.2} degrees, {length:.6}, {:.2}",
+            least_angle(&cut.piece)
+        );
+        assert!(kink < 10.0, "{kink}");
+        assert!((length - 1.0).abs() < 5e-3, "{length}");
+    }
 }

@@ -1,8 +1,8 @@
 //! Edges along crease lines: in the mesh of a region, and in those that are fitted from it.
 
 use ruga_blend::Driver;
-use ruga_crease::{CreaseEdge, CreaseWarning, MeshPiece, TracedLine, cut_lines};
-use ruga_mesh::{FaceOrigin, Id, MaterialPoint, PerEdge, PerFace, TriMesh, VertexId};
+use ruga_crease::{CreaseEdge, CreaseWarning, LineCut, MeshPiece, TracedLine};
+use ruga_mesh::{FaceOrigin, Id, MaterialPoint, PerEdge, PerFace, PerVertex, TriMesh, VertexId};
 
 use crate::CreaseSpec;
 use crate::skin::boundary_cut::Cut;
@@ -37,13 +37,15 @@ pub(crate) fn cut_along_creases(driver: &Driver, creases: &[CreaseSpec], cut: Cu
         };
     }
     let lines: Vec<TracedLine> = creases.iter().map(|crease| crease.line.clone()).collect();
-    let cut = cut_lines(
+    let is_on_boundary = ends_of(&piece.mesh, &features);
+    let cut = LineCut::keeping(
         &lines,
         MeshPiece {
             positions: piece.flat_positions(driver),
             mesh: piece.mesh.clone(),
             origins: piece.origins.clone(),
         },
+        &|v| is_on_boundary[v],
     );
     let lines = cut.lines(&lines);
     let uvs = cut.parts.as_slice().iter().map(|part| {
@@ -67,6 +69,18 @@ pub(crate) fn cut_along_creases(driver: &Driver, creases: &[CreaseSpec], cut: Cu
             origins: cut.piece.origins,
         },
     }
+}
+
+/// Which vertices marked edges end at.
+fn ends_of(mesh: &TriMesh, marked: &PerEdge<bool>) -> PerVertex<bool> {
+    let mut ends = PerVertex::filled(mesh.vertex_count(), false);
+    for (edge, _) in marked.iter().filter(|(_, is_marked)| **is_marked) {
+        mesh.edges()[edge]
+            .vertices
+            .iter()
+            .for_each(|&v| ends[v] = true);
+    }
+    ends
 }
 
 /// The place on the driver of every vertex.

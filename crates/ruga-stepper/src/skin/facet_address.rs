@@ -33,6 +33,12 @@ const MOST_FACES: usize = 16;
 const LEAST_AREA: f64 = 1e-3;
 const ATTEMPTS: usize = 8;
 
+/// Height of a face over its longest edge, in the texture, up to which it is a thin one that a crease has left.
+const THIN: f64 = 0.1;
+
+/// Fraction of its area in the texture that a thin face keeps, and one over that by which it may grow.
+const KEPT: f64 = 0.5;
+
 /// A mesh of places of the smooth surface, none of its faces across an edge of the driver.
 pub(crate) struct Piece<'a> {
     pub(crate) mesh: &'a TriMesh,
@@ -58,14 +64,20 @@ impl FacetAddresses {
     pub(crate) fn new(driver: &Driver, piece: &Piece<'_>) -> Self {
         let ways = ways(driver, piece);
         // A shift that ended abruptly at a seam could fold the triangles beside it.
-        let mut weights = faded(piece, &ways);
+        let mut shifts = faded(piece, &ways);
+        let is_held: Vec<bool> = ways.iter().map(Option::is_none).collect();
         for _ in 0..ATTEMPTS {
-            if !halve_where_folded(piece, &ways, &mut weights) {
+            if !straighten_thin(piece, &is_held, &mut shifts) {
+                break;
+            }
+        }
+        for _ in 0..ATTEMPTS {
+            if !halve_where_folded(piece, &mut shifts) {
                 break;
             }
         }
         let uvs: Vec<_> = (0..piece.uvs.len())
-            .map(|face| shifted(piece, &ways, &weights, face))
+            .map(|face| shifted(piece, &shifts, face))
             .collect();
         let corners = uvs.iter().enumerate().map(|(face, uvs)| {
             let origin = &piece.origins[FaceId::from_index(face)];
@@ -180,39 +192,75 @@ fn seam_vertices(piece: &Piece<'_>) -> Vec<bool> {
     seams
 }
 
-/// The fraction of its way that every vertex takes: rising with the distance from those with none.
-fn faded(piece: &Piece<'_>, ways: &[Way]) -> Vec<f64> {
+/// The shift of every vertex in the texture: more of its way with the distance from those with none.
+fn faded(piece: &Piece<'_>, ways: &[Way]) -> Vec<Vector2<f64>> {
     let reach = FADE * ways.iter().flatten().map(|way| way.0).fold(0.0, f64::max);
     if reach == 0.0 {
-        return vec![0.0; ways.len()];
+        return vec![Vector2::zeros(); ways.len()];
     }
     let held: Vec<bool> = ways.iter().map(Option::is_none).collect();
-    faded_from(piece.mesh, piece.positions, &held, reach)
+    let weights = faded_from(piece.mesh, piece.positions, &held, reach);
+    let shifts = ways.iter().zip(weights);
+    shifts
+        .map(|(way, weight)| way.map_or_else(Vector2::zeros, |way| way.1 * weight))
+        .collect()
 }
 
-fn shifted(piece: &Piece<'_>, ways: &[Way], weights: &[f64], face: usize) -> [Vector2<f64>; 3] {
+fn shifted(piece: &Piece<'_>, shifts: &[Vector2<f64>], face: usize) -> [Vector2<f64>; 3] {
     let corners = piece.mesh.faces()[FaceId::from_index(face)];
-    std::array::from_fn(|k| {
-        let i = corners[k].index();
-        let way = ways[i].map_or_else(Vector2::zeros, |way| way.1);
-        piece.uvs[face][k] + way * weights[i]
-    })
+    std::array::from_fn(|k| piece.uvs[face][k] + shifts[corners[k].index()])
 }
 
-/// Halves the weights at the corners of faces that have all but lost their area; whether there were
+/// Twice the area of a face in the texture.
+fn area([a, b, c]: &[Vector2<f64>; 3]) -> f64 {
+    (b - a).perp(&(c - a))
+}
+
+/// Lets the corner opposite the longest edge of a thin face go with that edge, where the face would lose much of its
+/// area; whether there were any.
+///
+/// Shifts bend at edges of the driver. A crease that runs closely beside one leaves faces so thin that the bend alone
+/// turns them over; halved shifts would then dent the line by as much as the shift is long.
+fn straighten_thin(piece: &Piece<'_>, is_held: &[bool], shifts: &mut [Vector2<f64>]) -> bool {
+    let mut found = false;
+    for (face, uvs) in piece.uvs.iter().enumerate() {
+        let (start, longest) = (0..3)
+            .map(|k| (k, (uvs[(k + 1) % 3] - uvs[k]).norm_squared()))
+            .fold(
+                (0, 0.0),
+                |most, side| if side.1 > most.1 { side } else { most },
+            );
+        let before = area(uvs);
+        if before.abs() > THIN * longest {
+            continue;
+        }
+        let after = area(&shifted(piece, shifts, face)) / before;
+        let corners = piece.mesh.faces()[FaceId::from_index(face)].map(Id::index);
+        let [a, b, c] = std::array::from_fn(|k| (start + k) % 3);
+        if (KEPT..=1.0 / KEPT).contains(&after) || is_held[corners[c]] {
+            continue;
+        }
+        let along = uvs[b] - uvs[a];
+        let share = (uvs[c] - uvs[a]).dot(&along) / longest;
+        shifts[corners[c]] = shifts[corners[a]].lerp(&shifts[corners[b]], share);
+        found = true;
+    }
+    found
+}
+
+/// Halves the shifts at the corners of faces that have all but lost their area; whether there were
 /// any.
-fn halve_where_folded(piece: &Piece<'_>, ways: &[Way], weights: &mut [f64]) -> bool {
-    let area = |[a, b, c]: &[Vector2<f64>; 3]| (b - a).perp(&(c - a));
+fn halve_where_folded(piece: &Piece<'_>, shifts: &mut [Vector2<f64>]) -> bool {
     let is_folded = |face: usize| {
         let before = area(&piece.uvs[face]);
-        let after = area(&shifted(piece, ways, weights, face));
+        let after = area(&shifted(piece, shifts, face));
         after * before.signum() < LEAST_AREA * before.abs()
     };
     let folded: Vec<usize> = (0..piece.uvs.len()).filter(|&f| is_folded(f)).collect();
     for &face in &folded {
         for vertex in piece.mesh.faces()[FaceId::from_index(face)] {
-            // Weights are halved and looked at again, because neighbours share the vertices.
-            weights[vertex.index()] *= 0.5;
+            // Shifts are halved and looked at again, because neighbours share the vertices.
+            shifts[vertex.index()] *= 0.5;
         }
     }
     !folded.is_empty()

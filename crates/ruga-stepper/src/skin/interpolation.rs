@@ -10,6 +10,9 @@ use ruga_mesh::{
 
 use crate::skin::fans::open_along;
 use crate::skin::skin_mesh::SkinMesh;
+use line_shift::LineShift;
+
+mod line_shift;
 
 /// Corrections of control points towards a limit surface that passes through the vertices. The
 /// limit alone loses some 4 % of a wave's amplitude at 12 points per wavelength; one correction
@@ -96,8 +99,8 @@ pub(crate) fn through_vertices(
 
 /// The place of `layer` under every vertex of `region`, both at rest.
 ///
-/// Found from neighbour to neighbour along the region, so that parts that touch are not confused;
-/// `None` as soon as `goes_on` says no.
+/// Found from neighbour to neighbour along the region, so that parts that touch are not confused, and on the
+/// same side of creases; `None` as soon as `goes_on` says no.
 fn places_on(
     layer: &SkinMesh,
     region: &SkinMesh,
@@ -105,6 +108,9 @@ fn places_on(
 ) -> Option<Vec<MaterialPoint>> {
     let lookup = SurfaceLookup::new(&layer.mesh, &layer.rest.positions);
     let mesh = &region.mesh;
+    let LineShift { shifts, on_line } = LineShift::new(layer, region);
+    let positions = region.rest.positions.iter().zip(&shifts);
+    let targets: PerVertex<Vector3<f64>> = positions.map(|(x, shift)| x + shift).collect();
     let mut places: PerVertex<Option<MaterialPoint>> = PerVertex::filled(mesh.vertex_count(), None);
     let mut queue = VecDeque::new();
     let mut visited = 0;
@@ -112,9 +118,7 @@ fn places_on(
         if places[seed].is_some() {
             continue;
         }
-        places[seed] = lookup
-            .closest(&region.rest.positions[seed.index()])
-            .map(|found| found.point);
+        places[seed] = lookup.closest(&targets[seed]).map(|found| found.point);
         queue.push_back(seed);
         while let Some(vertex) = queue.pop_front() {
             visited += 1;
@@ -125,12 +129,17 @@ fn places_on(
             for &face in mesh.vertex_faces(vertex) {
                 for next in mesh.faces()[face] {
                     if places[next].is_none() {
-                        places[next] = place_near(&lookup, region, near.face, vertex, next);
+                        places[next] =
+                            place_near(&lookup, near.face, [targets[vertex], targets[next]]);
                         queue.push_back(next);
                     }
                 }
             }
         }
+    }
+    // Rounding alone would decide on which side of the line they are.
+    for (v, place) in on_line {
+        places[v] = Some(place);
     }
     let anywhere = MaterialPoint::at_corner(FaceId(0), 0);
     let found = places.into_vec().into_iter();
@@ -139,12 +148,9 @@ fn places_on(
 
 fn place_near(
     lookup: &SurfaceLookup<'_>,
-    region: &SkinMesh,
     start: FaceId,
-    from: VertexId,
-    to: VertexId,
+    [from, to]: [Vector3<f64>; 2],
 ) -> Option<MaterialPoint> {
-    let [from, to] = [from, to].map(|v| region.rest.positions[v.index()]);
     // The reach is twice the edge: on another mesh, whose facets cut corners elsewhere, two
     // neighbours' places may be farther apart than they are.
     let reach = 2.0 * (to - from).norm();
