@@ -100,12 +100,11 @@ impl Scene {
         }
     }
 
-    /// Whether a layer is alone, as creases need it.
+    /// Whether a layer lies on no other one, as creases need it.
     fn can_be_creased(&self, layer: &LayerSpec) -> bool {
-        let index = self.layers.iter().position(|own| own.name == layer.name);
-        let mut zones = self.file.zones().into_iter();
-        let alone = zones.any(|zone| zone.layers.len() == 1 && Some(zone.layers[0]) == index);
-        alone || (self.body.is_some() && self.layers.len() == 1)
+        let mut layers = self.layers.iter();
+        let index = layers.position(|own| own.name == layer.name);
+        index.is_some_and(|index| self.file.is_lowest(index))
     }
 
     /// What `[memory]` says, or its defaults.

@@ -52,11 +52,9 @@ impl CreasedMesh<'_> {
         let Some(index) = index else {
             return Err(format!("the scene has no layer `{}`; {anew}", kept.layer));
         };
-        let alone = self.scene.zones().iter().any(|zone| zone.layers == [index]);
-        let is_body = self.scene.interior.is_some() && layers.len() == 1;
-        if !(alone || is_body) {
+        if !self.scene.is_lowest(index) {
             return Err(format!(
-                "layer `{}` carries another one, or lies on one; accepted: a layer that is alone",
+                "layer `{}` lies on another one; accepted: the lowest layer",
                 kept.layer
             ));
         }

@@ -394,14 +394,24 @@ fn scene_creases_with_impossible_properties_are_refused() {
 }
 
 #[test]
-fn scene_creases_belong_to_a_layer_alone() {
+fn scene_creases_belong_to_the_lowest_layer() {
     let site = Site::new();
     let top = "[[layers]]\nname = \"top\"\nyoung = 2e6\nthickness = 1e-4\n";
     let two = |more: &str| format!("{top}{}", crease("line", more));
     let words = "creases[0].layer | `top`, which lies on another layer | `skin`";
     site.refuses(&two("layer = \"top\""), words);
-    let words = "creases[0].layer | `skin`, which carries another layer";
-    site.refuses(&two(""), words);
+    assert_eq!(site.read(&two("")).unwrap().layers[0].creases.len(), 1);
+    let joint = format!("stack = \"joint\"\n{LAYER}{}", two(""));
+    let joint = format!(
+        "version = 1\n{}",
+        joint.replacen(
+            "[substrate]",
+            "[driver]\nmesh = \"skin.gltf\"\n[substrate]",
+            1
+        )
+    );
+    let words = "stack | found \"joint\" | \"nominal\" or \"composite\"";
+    says(Scene::read(&site.0.file("scene.toml", joint)), words);
     let body = |more: &str| crease("line", more) + "[interior]\ncells = 4\nfollow = 1e6\n";
     let words = "creases[0].anchor | no anchor with [interior]";
     site.refuses(&body("anchor = { depth = 1e-4 }"), words);

@@ -95,7 +95,8 @@ pub use model::{
     Coupling, Dynamics, EdgeLimits, LayerSpec, Modelling, PoseSpec, Presence, Region, Stack,
 };
 pub use result::{
-    ComputedMesh, CreaseReport, FoldSample, FaceState, KeyResult, LayerReport, LayerSurface, PoseResult,
+    ComputedMesh, CreaseReport, FaceState, FoldSample, KeyResult, LayerReport, LayerSurface,
+    PoseResult,
 };
 
 pub use support::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape};

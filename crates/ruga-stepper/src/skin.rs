@@ -7,6 +7,7 @@ pub(crate) mod crease_neighbours;
 mod facet_address;
 pub(crate) mod fading;
 pub(crate) mod fans;
+mod folds_below;
 pub(crate) mod identity;
 pub(crate) mod interpolation;
 pub(crate) mod local_skin;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use bodies::{free_body, layer, modelling, pose, push, slab, slice, top};
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::Driver;
-use ruga_crease::{Corners, Drive, LineInput, LineLaw, LineTracer};
+use ruga_crease::{Corners, CreaseMemory, Drive, LineInput, LineLaw, LineTracer};
 use ruga_stepper::{CreaseSpec, FoldSense, LayerSpec, Plan, Silent, plan_body};
 
 const SIZE: Vector3<f64> = Vector3::new(0.08, 0.02, 0.02);
@@ -71,6 +71,7 @@ fn a_soft_line_folds_on_a_body() {
         sense: FoldSense::Valley,
         drive: Drive::Load,
         anchor: None,
+        memory: CreaseMemory::default(),
     }];
     let plan = pressed(&driver, &[skin], (6, 0.02 * 0.03));
     let result = plan.simulate(0, &mut Silent).expect("a run");

@@ -4,7 +4,7 @@ use ruga_blend::nearest;
 
 use super::fault::{Checked, Fault, fault, names_given, not_negative, positive, unique_name};
 use super::validate::has_extension;
-use super::{Anchor, Crease, Drive, SceneFile};
+use super::{Anchor, Crease, Drive, SceneFile, Stack};
 use crate::crease_presets::{CREASE_PRESETS, crease_preset};
 
 /// Angle of a fold beyond which its sides touch, degrees.
@@ -48,6 +48,18 @@ impl SceneFile {
         self.layers.iter().position(|layer| layer.name == *name)
     }
 
+    /// Number of the lowest layer of the zone that a layer is in.
+    fn lowest_below(&self, layer: usize) -> usize {
+        let zones = self.zones();
+        let zone = zones.iter().find(|zone| zone.layers.contains(&layer));
+        zone.map_or(layer, |zone| zone.layers[0])
+    }
+
+    /// Whether a layer lies on no other one.
+    pub(crate) fn is_lowest(&self, layer: usize) -> bool {
+        self.lowest_below(layer) == layer
+    }
+
     /// Vertices of OBJ files are numbered anew when they are read.
     fn vertex_faults(&self, key: &str, crease: &Crease) -> Checked {
         if crease.edges.is_empty() || !has_extension(&self.driver.mesh, "obj") {
@@ -73,17 +85,18 @@ impl SceneFile {
                 suggestion: nearest(name, names()),
             });
         };
-        let zones = self.zones();
-        let zone = zones.iter().find(|zone| zone.layers.contains(&layer));
-        let lowest = zone.map_or(layer, |zone| zone.layers[0]);
-        if lowest != layer {
+        if !self.is_lowest(layer) {
+            let lowest = self.lowest_below(layer);
             let found = format!("`{}`, which lies on another layer", self.layers[layer].name);
             let accepted = format!("`{}`, the lowest layer there", self.layers[lowest].name);
             return fault(&key, found, &accepted);
         }
-        if zone.is_some_and(|zone| zone.layers.len() > 1) {
-            let found = format!("`{}`, which carries another layer", self.layers[layer].name);
-            return fault(&key, found, "a layer that carries none");
+        let mut zones = self.zones().into_iter();
+        let carries = zones.any(|zone| zone.layers.len() > 1 && zone.layers[0] == layer);
+        if carries && self.stack == Stack::Joint {
+            let accepted =
+                "\"nominal\" or \"composite\" with a crease in a layer that carries another";
+            return fault("stack", "\"joint\"", accepted);
         }
         Ok(())
     }

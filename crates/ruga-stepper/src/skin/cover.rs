@@ -11,6 +11,7 @@ use ruga_mesh::{
 };
 
 use crate::skin::fading::faded_from;
+use crate::skin::folds_below::{FoldBelow, folds_below};
 use crate::skin::identity::Mark;
 use crate::skin::interpolation::through_vertices;
 use crate::skin::material_places::is_on_border;
@@ -30,6 +31,8 @@ pub(crate) struct Cover {
     rows: LimitPointRows,
     /// Limit surface of the lower layer at its own vertices.
     at_vertices: SparseRows,
+    /// Per covered vertex the fold of the lower layer that it lies close to.
+    folds: Vec<Option<FoldBelow>>,
     /// Per covered vertex the upper mesh's tangents at rest, as columns, in the lower one's.
     tangents: Vec<Matrix2<f64>>,
 }
@@ -43,6 +46,7 @@ impl Cover {
             .zip(places)
             .filter_map(|(vertex, place)| Some((vertex, place?)))
             .unzip();
+        let folds = folds_below(lower, &inside, rim);
         let corners = PerVertex::filled(lower.mesh.vertex_count(), false);
         let rows = LoopSurface::new(&lower.mesh, &corners).rows(&inside);
         let rest = skin.points.derivatives(driver.rest());
@@ -57,6 +61,7 @@ impl Cover {
         });
         Self {
             tangents: tangents.collect(),
+            folds,
             at_vertices: limit_rows(&lower.mesh, &corners).position,
             rows,
             weights: vertices.iter().map(|&v| weights[v as usize]).collect(),
@@ -73,6 +78,11 @@ impl Cover {
     /// that are not.
     pub(crate) fn weights(&self) -> &[f64] {
         &self.weights
+    }
+
+    /// Per covered vertex the fold of the layer below that is closer than the rim is wide.
+    pub(crate) fn folds(&self) -> &[Option<FoldBelow>] {
+        &self.folds
     }
 
     /// Interpolates values at the lower layer's vertices to every covered vertex, with their

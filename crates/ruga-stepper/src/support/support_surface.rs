@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, SymmetricEigen, Vector3};
 use ruga_blend::{Driver, FaceStrain, PosedSurface, face_strains};
-use ruga_mesh::PerFace;
+use ruga_mesh::{PerFace, vertex_normals};
 
 use crate::skin::cover::{Cover, Covers};
 use crate::skin::skin_mesh::SkinMesh;
@@ -12,6 +12,10 @@ use crate::support::Support;
 /// distance between the two layers. That layer ends in a hinge; above a kink of 36 degrees, which a
 /// real forehead has, skin would be stretched to twice its length or turned inside out.
 const RIM: f64 = 4.0;
+
+/// Cosine of half of a fold from which on the layer above does not rise with it any more: its edge would be as high
+/// as a needle.
+const LEAST_COSINE: f64 = 0.5;
 
 /// Squared stretches by which the bending of the layer below may change a rest metric: where that
 /// layer bends within twice its offset, the offset surface is about to turn inside out.
@@ -78,8 +82,9 @@ pub(crate) fn support_surface(
     for lower in lower {
         let rim = RIM * (attachment.offset - lower.offset);
         let cover = lower.covers.of(driver, skin, lower.skin, rim);
-        for &vertex in lay_on(&cover, (skin, &on_support), support, lower, &mut middle) {
-            distance[vertex as usize] = attachment.offset - lower.offset;
+        let rises = lay_on(&cover, (skin, &on_support), support, lower, &mut middle);
+        for (&vertex, rise) in cover.vertices().iter().zip(rises) {
+            distance[vertex as usize] = rise * (attachment.offset - lower.offset);
         }
     }
     let lifted = |fraction: f64| -> Vec<Vector3<f64>> {
@@ -136,18 +141,22 @@ fn power(matrix: &Matrix2<f64>, exponent: f64, [low, high]: [f64; 2]) -> Matrix2
     vectors * Matrix2::from_diagonal(&values) * vectors.transpose()
 }
 
-/// Puts a layer below in the place of what lies below it, wherever that layer is; returns where.
-/// Over a rim its normals turn into those of what is there without it.
+/// Puts a layer below in the place of what lies below it, wherever that layer is; returns how far along its normals
+/// a unit of height above it is, for every covered vertex. Over a rim its normals turn into those of what is there
+/// without it.
+///
+/// Beside a fold they turn into the one between its two sides, which would cross each other above it: the layer
+/// above then has a fold of its own, as high above both sides as elsewhere.
 ///
 /// Deviations, not positions, are interpolated: they vanish at the layer's ragged border, where a
 /// smooth surface through positions would cut the corners.
-fn lay_on<'c>(
-    cover: &'c Cover,
+fn lay_on(
+    cover: &Cover,
     (skin, on_support): (&SkinMesh, &[Vector3<f64>]),
     support: &dyn Support,
     lower: &LowerLayer<'_>,
     middle: &mut PosedSurface,
-) -> &'c [u32] {
+) -> Vec<f64> {
     // The base is without any offset, so that a deviation includes the lower layer's.
     let base = support.pose(lower.skin).positions;
     let deviations = lower.positions.iter().zip(&base);
@@ -156,7 +165,14 @@ fn lay_on<'c>(
     let posed = support.derivatives(skin);
     let changes = change.iter().zip(along_u.iter().zip(&along_v));
     let vertices = cover.vertices().iter().zip(cover.weights());
-    for ((&vertex, fraction), (change, (along_u, along_v))) in vertices.zip(changes) {
+    let folds = cover.folds();
+    let between = match folds.iter().any(Option::is_some) {
+        true => vertex_normals(&lower.skin.mesh, lower.positions),
+        false => Vec::new(),
+    };
+    let mut rises = vec![1.0; folds.len()];
+    let numbered = vertices.zip(changes).zip(folds).zip(&mut rises);
+    for ((((&vertex, fraction), (change, (along_u, along_v))), fold), rise) in numbered {
         let i = vertex as usize;
         // It is added to the driver's or body's own place, because the deviation of a layer counts
         // from there and not from another layer that is covered too.
@@ -164,6 +180,16 @@ fn lay_on<'c>(
         let first = posed[i][0] + along_u;
         let second = posed[i][1] + along_v;
         let normal = first.cross(&second).try_normalize(0.0);
+        let normal = normal.map(|normal| match fold {
+            None => normal,
+            Some(fold) => {
+                let [a, b] = fold.ends.map(|v| between[v]);
+                let turned = a.lerp(&b, fold.fraction).lerp(&normal, fold.beside);
+                let turned = turned.try_normalize(0.0).unwrap_or(normal);
+                *rise = 1.0 + fraction * (1.0 / turned.dot(&normal).max(LEAST_COSINE) - 1.0);
+                turned
+            }
+        });
         let normal = normal.map(|normal| middle.normals[i].lerp(&normal, *fraction));
         if let Some(normal) = normal.and_then(|normal| normal.try_normalize(0.0)) {
             // The normal has been turned in the rim, so that the first tangent is no longer at
@@ -173,7 +199,7 @@ fn lay_on<'c>(
             middle.normals[i] = normal;
         }
     }
-    cover.vertices()
+    rises
 }
 
 #[cfg(test)]
@@ -181,7 +207,8 @@ mod tests {
     use std::f64::consts::PI;
 
     use nalgebra::Vector2;
-    use ruga_mesh::Id;
+    use ruga_crease::CreaseEdge;
+    use ruga_mesh::{Id, VertexId};
 
     use super::*;
     use crate::support::PosedDriver;
@@ -275,6 +302,69 @@ mod tests {
         assert!(low > low_below - 0.1, "stretched by {}", -low);
         // Without the rim 0.68.
         assert!(high < high_below + 0.2, "squeezed by {high}");
+    }
+
+    /// Above a valley of 100 degrees a layer keeps its distance from both sides and does not go through itself.
+    #[test]
+    fn a_layer_goes_into_a_fold_of_the_one_below() {
+        let flat = |p: Vector2<f64>| Vector3::new(p.x, p.y, 0.0);
+        let driver = square(&flat, &flat);
+        let (mut lower, upper) = (skin(&driver, 1, 0.0), skin(&driver, 3, OFFSET));
+        let (sin, cos) = 50_f64.to_radians().sin_cos();
+        let folded = |x: &Vector3<f64>| Vector3::new(cos * x.x, x.y, sin * x.x.abs());
+        let positions: Vec<_> = lower.rest.positions.iter().map(folded).collect();
+        let on_line = |v: VertexId| lower.rest.positions[v.index()].x.abs() < 1e-9;
+        let edges = lower.mesh.edges().iter();
+        let line = edges.filter(|(_, edge)| edge.vertices.into_iter().all(on_line));
+        let line = line.map(|(edge, _)| CreaseEdge {
+            edge,
+            line: 0,
+            at: [0.0; 2],
+        });
+        let line: Vec<CreaseEdge> = line.collect();
+        assert!(!line.is_empty());
+        let attachment = Attachment {
+            offset: OFFSET,
+            bending_transfer: 1.0,
+            tangential_stiffness: None,
+        };
+        let control = driver.rest().to_vec();
+        let support = PosedDriver { control };
+        let mut backwards = [0; 2];
+        let mut heights = [0.0; 2];
+        for (creases, backwards) in [Vec::new(), line].into_iter().zip(&mut backwards) {
+            lower.creases = creases;
+            heights = [f64::MAX, f64::MIN];
+            let below = LowerLayer {
+                skin: &lower,
+                positions: &positions,
+                shown: &positions,
+                offset: 0.0,
+                covers: &Covers::default(),
+            };
+            let surface = support_surface((&driver, &support), &upper, attachment, &[below]);
+            let places = &surface.posed.positions;
+            let faces = upper.mesh.faces().as_slice().iter();
+            // The driver stays where it is, so that the border is another matter.
+            let inside = faces.filter(|face| {
+                face.iter()
+                    .all(|v| upper.rest.positions[v.index()].xy().amax() < 0.25 * SIDE)
+            });
+            for face in inside {
+                let [a, b, c] = face.map(|v| places[v.index()]);
+                if (b - a).cross(&(c - a)).z <= 0.0 {
+                    *backwards += 1;
+                }
+                let height = (cos * a.z - sin * a.x.abs()) / OFFSET;
+                heights = [heights[0].min(height), heights[1].max(height)];
+            }
+            println!("{backwards} triangles lie backwards, heights {heights:?}");
+        }
+        // Over the bottom, which is rounded over an edge of the lower mesh, it is nearer to where the sides
+        // would meet.
+        assert!(heights[0] > 0.7 && heights[1] < 1.05, "{heights:?}");
+        assert!(backwards[0] > 0, "nothing to mend");
+        assert_eq!(backwards[1], 0);
     }
 
     /// Round the cylinder the rest metric takes up what is not transferred, along it nothing.
