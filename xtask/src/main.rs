@@ -47,7 +47,7 @@ enum Task {
         /// Takes coarser meshes, fewer samples and fewer load steps
         #[arg(long)]
         quick: bool,
-        /// Draws what an earlier run measured: chart and bodies
+        /// Draws what an earlier run measured: chart, bodies and creases
         #[arg(long)]
         redraw: bool,
     },

@@ -21,6 +21,9 @@ pub(crate) enum Study {
     /// What skins on soft bodies must show, measured and drawn: half an hour of processor time, two
     /// minutes if quick
     Bodies,
+    /// Sharp creases, ours and the paper's, measured and drawn, with pictures of folded sheets; a minute or
+    /// two
+    Creases,
     /// Error against cost, measured and drawn; many minutes
     Chart,
     /// The papers' figures and their table of times, from the scenes under assets/
@@ -62,6 +65,7 @@ impl Study {
             Self::Stability => return stability(),
             Self::Patterns => return run(&[], &[PROGRAM.as_slice(), &["patterns"]].concat()),
             Self::Bodies => "bodies",
+            Self::Creases => "creases",
             Self::Chart => "chart",
             Self::Figures => "figures",
         };

@@ -4,6 +4,7 @@
 //! bases of any shape, rows that no product would make, and a solve by itself.
 
 mod film_spec;
+mod links;
 mod objective;
 mod rows;
 mod strip;
@@ -17,17 +18,19 @@ use ruga_shell::{
     BendingModel, Crease, CreaseState, EnergyParts, LayerEnergy, LayerParameters, LineAnchor,
 };
 use ruga_solver::{
-    Inertia, Kkt, LowerPattern, Minimise, NewtonSettings, SolveReport, inertia_at, minimise,
+    FactorCost, Inertia, Kkt, Minimise, NewtonSettings, SolveReport, inertia_at, minimise,
 };
 
 use crate::baselines::by_residual;
 
 pub use film_spec::{FilmCoupling, FilmSpec};
+pub use links::Link;
 pub use strip::{Strip, equilateral, upright};
 
 pub(crate) use objective::{gather, scatter};
 pub(crate) use rows::{Row, to_constraint_rows};
 
+use links::Links;
 use objective::SheetObjective;
 use rows::{averages, side_rollers};
 
@@ -50,6 +53,10 @@ pub struct SheetSpec {
     pub pinned: Vec<bool>,
     /// More averages that are held at those of the base: vertex and weight.
     pub averages: Vec<Vec<(u32, f64)>>,
+    /// Combinations of vertices that are held at zero, whatever those of the base: what is sewn together.
+    pub ties: Vec<Vec<(u32, f64)>>,
+    /// Springs between vertices.
+    pub links: Vec<Link>,
     /// Rows of the film's coupling, on unknowns.
     coupling: Vec<Row>,
     /// Rows of the sides that slide, on unknowns.
@@ -67,6 +74,8 @@ impl SheetSpec {
             faces: strip.faces.clone(),
             parameters: spec.parameters(strip),
             averages: Vec::new(),
+            ties: Vec::new(),
+            links: Vec::new(),
             coupling: averages(strip, (&rest, &pinned, &free), &theory, spec.coupling),
             bending: spec.bending,
             rollers: side_rollers(strip, &free),
@@ -91,6 +100,8 @@ impl SheetSpec {
             bending: BendingModel::VertexCurvature,
             pinned,
             averages: Vec::new(),
+            ties: Vec::new(),
+            links: Vec::new(),
             coupling: Vec::new(),
             rollers: Vec::new(),
         }
@@ -104,7 +115,7 @@ impl SheetSpec {
         }
     }
 
-    /// One row per coordinate of each average, over the vertices that move, and the rollers.
+    /// One row per coordinate of each average, over the vertices that move, the rollers, and ties.
     fn rows(&self, free: &[u32]) -> Vec<Row> {
         let moving = |average: &Vec<(u32, f64)>| -> Row {
             let terms = average.iter();
@@ -117,12 +128,14 @@ impl SheetSpec {
         };
         let averages = self.averages.iter().map(moving);
         let averages = averages.filter(|row| !row.is_empty()).flat_map(axes);
+        let ties = self.ties.iter().map(moving).flat_map(axes);
         let rollers = self.rollers.iter().cloned();
         self.coupling
             .iter()
             .cloned()
             .chain(averages)
             .chain(rollers)
+            .chain(ties)
             .collect()
     }
 }
@@ -131,6 +144,7 @@ impl SheetSpec {
 pub struct Sheet {
     spec: SheetSpec,
     energy: LayerEnergy,
+    links: Links,
     free: Vec<u32>,
     kkt: Kkt,
     damping: Vec<f64>,
@@ -156,9 +170,7 @@ impl Sheet {
         )
         .expect("a valid layer");
         let free = energy.free_vertices().to_vec();
-        let (starts, entries) = energy.pattern();
-        let pattern =
-            LowerPattern::new(starts.to_vec(), entries.to_vec()).expect("a valid pattern");
+        let links = Links::new(&spec.links, &free, energy.pattern());
         let rows = to_constraint_rows(&spec.rows(&free), 3 * free.len());
         let areas = energy.vertex_areas();
         let damping = free
@@ -166,12 +178,13 @@ impl Sheet {
             .flat_map(|&v| [1e-6 * spec.theory.normal_stiffness * areas[v as usize]; 3])
             .collect();
         Self {
-            kkt: Kkt::new(&pattern, &rows, 3).expect("a valid system"),
+            kkt: Kkt::new(links.pattern(), &rows, 3).expect("a valid system"),
             positions: spec.rest.clone(),
             base: spec.rest.clone(),
             load: vec![0.0; 3 * free.len()],
             spec,
             energy,
+            links,
             free,
             damping,
         }
@@ -237,6 +250,13 @@ impl Sheet {
         }
     }
 
+    /// Loads vertices with forces (N), those that move.
+    pub fn load(&mut self, force: impl Fn(&Vector3<f64>) -> Vector3<f64>) {
+        for (&v, load) in self.free.iter().zip(self.load.chunks_exact_mut(3)) {
+            load.copy_from_slice(force(&self.spec.rest[v as usize]).as_slice());
+        }
+    }
+
     /// Solves as the product does.
     ///
     /// # Panics
@@ -278,18 +298,32 @@ impl Sheet {
         inertia_at(&objective, &x, kkt).expect("factorisable")
     }
 
-    /// Averages of the base.
+    /// Size and cost of a factorisation.
+    pub fn factor_cost(&self) -> FactorCost {
+        self.kkt.cost()
+    }
+
+    /// The energy as it is now.
+    pub fn layer(&self) -> &LayerEnergy {
+        &self.energy
+    }
+
+    /// Averages of the base, and zero for ties.
     fn targets(&self) -> Vec<f64> {
         let mut targets = vec![0.0; self.kkt.rows().count()];
         let base = gather(&self.free, &self.base);
         let rows = self.kkt.rows();
         rows.mul(&base, &mut targets).expect("sizes match");
+        // The last rows, three for every tie.
+        let ties = targets.len() - 3 * self.spec.ties.len();
+        targets[ties..].fill(0.0);
         targets
     }
 
     fn objective<'a>(&'a mut self, base: &'a [f64]) -> (SheetObjective<'a>, &'a mut Kkt) {
         let objective = SheetObjective {
             energy: &self.energy,
+            links: &self.links,
             free: &self.free,
             positions: &self.positions,
             pattern: self.kkt.pattern().clone(),

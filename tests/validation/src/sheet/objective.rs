@@ -5,9 +5,12 @@ use ruga_material::Wrinkling;
 use ruga_shell::LayerEnergy;
 use ruga_solver::{LowerPattern, Objective};
 
+use super::links::Links;
+
 /// Energy of the coordinates that move, less the work of a dead load.
 pub(super) struct SheetObjective<'a> {
     pub(super) energy: &'a LayerEnergy,
+    pub(super) links: &'a Links,
     pub(super) free: &'a [u32],
     /// Where pinned vertices are.
     pub(super) positions: &'a [Vector3<f64>],
@@ -44,7 +47,8 @@ impl Objective for SheetObjective<'_> {
     }
 
     fn value(&self, x: &[f64]) -> f64 {
-        self.energy.value(&self.all(x)) - self.work(x)
+        let positions = self.all(x);
+        self.energy.value(&positions) + self.links.value(&positions) - self.work(x)
     }
 
     fn gradient(&self, x: &[f64], gradient: &mut [f64]) -> f64 {
@@ -53,11 +57,15 @@ impl Objective for SheetObjective<'_> {
         for (gradient, force) in gradient.iter_mut().zip(self.reaction) {
             *gradient -= force;
         }
-        self.energy.value(&positions) - self.work(x)
+        self.links.add_gradient(x, gradient);
+        self.energy.value(&positions) + self.links.value(&positions) - self.work(x)
     }
 
     fn hessian(&self, x: &[f64], exact: &mut [f64], relaxed: &mut [f64]) {
-        self.energy.hessian(&self.all(x), exact, Some(relaxed));
+        let layer = |exact: &mut [f64], relaxed: &mut [f64]| {
+            self.energy.hessian(&self.all(x), exact, Some(relaxed));
+        };
+        self.links.hessian(layer, exact, relaxed);
     }
 
     fn damping(&self) -> &[f64] {

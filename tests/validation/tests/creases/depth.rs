@@ -6,9 +6,11 @@ use nalgebra::Vector3;
 use ruga_material::{CreaseLoad, Wrinkling, crease_depth, crease_profile};
 use ruga_mesh::EdgeId;
 use ruga_shell::{BendingModel, Crease, FoldSense, LayerParameters, LineAnchor};
-use ruga_validation::{FilmCoupling, FilmSpec, Sheet, SheetSpec, Strip, upright};
+use ruga_validation::{
+    FilmCoupling, FilmSpec, Sheet, SheetSpec, Strip, edges_within, unit_face, unit_film, upright,
+};
 
-use crate::{edges_within, exact, film, film_face};
+use crate::exact;
 
 /// Wavelengths from end to end; the crease is in the middle.
 const WAVES: usize = 8;
@@ -24,9 +26,9 @@ struct CreasedFilm {
 
 impl CreasedFilm {
     fn new(critical_strain: f64, points: usize) -> Self {
-        let (theory, thickness) = film(critical_strain);
+        let (theory, thickness) = unit_film(critical_strain);
         let strip = upright(WAVES as f64, WAVES * points, 4);
-        let face = film_face((&theory, thickness));
+        let face = unit_face((&theory, thickness));
         let (faces, vertices) = (strip.faces.len(), strip.points.len());
         let tie = theory.tangential_stiffness;
         let spec = FilmSpec {

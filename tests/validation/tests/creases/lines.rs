@@ -3,177 +3,21 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use nalgebra::{Matrix3, Vector3};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
-use ruga_crease::{Corners, LineInput, LinePlaces, LineTracer, MeshPiece, TracedLine, cut_lines};
+use nalgebra::Vector3;
+use ruga_crease::{LinePlaces, TracedLine};
 use ruga_material::crease_onset;
-use ruga_mesh::{EdgeId, Id, MaterialPoint, PerEdge, PerVertex, TriMesh, VertexId, subdivide};
-use ruga_remesh::{
-    FeatureCurve, FeatureCurves, PolyhedralSurface, RemeshSettings, Sizing, SurfaceMesh, remesh,
-};
+use ruga_mesh::{EdgeId, Id, VertexId};
+use ruga_remesh::SurfaceMesh;
 use ruga_shell::{
     BendingModel, Crease, FoldSense, HINGE_EXPONENT, LayerParameters, ResponseQuery,
     creased_response, face_corners,
 };
-use ruga_validation::{Sheet, SheetSpec};
+use ruga_validation::{DrawnSheet, Sheet, SheetSpec, feature_edges, unit_face, unit_film};
 
-use crate::{exact, film, film_face};
+use crate::exact;
 
 /// Side of the square film, wavelengths.
 const SIDE: f64 = 8.0;
-
-/// A flat film as an artist would draw it: squares of a wavelength, vertices moved about.
-struct Drawn {
-    mesh: TriMesh,
-    positions: Vec<Vector3<f64>>,
-}
-
-impl Drawn {
-    fn new(seed: u64) -> Self {
-        let mut random = Pcg64Mcg::seed_from_u64(seed);
-        let n = SIDE as usize;
-        let mut positions = Vec::new();
-        for j in 0..=n {
-            for i in 0..=n {
-                let inner = i > 0 && j > 0 && i < n && j < n;
-                let mut shift = || {
-                    if inner {
-                        0.3 * random.random_range(-1.0..1.0)
-                    } else {
-                        0.0
-                    }
-                };
-                positions.push(Vector3::new(i as f64 + shift(), j as f64 + shift(), 0.0));
-            }
-        }
-        let at = |i: usize, j: usize| (j * (n + 1) + i) as u32;
-        let square = |k: usize| {
-            let (i, j) = (k % n, k / n);
-            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-            [[a, b, c], [a, c, d]]
-        };
-        let faces = (0..n * n).flat_map(square).collect();
-        Self {
-            mesh: TriMesh::new(positions.len(), faces).expect("a valid grid"),
-            positions,
-        }
-    }
-
-    fn trace(&self, points: Vec<Vector3<f64>>) -> TracedLine {
-        let input = LineInput::Positions {
-            points,
-            is_closed: false,
-            reach: 0.1,
-            corners: Corners::Round,
-        };
-        let traced = LineTracer::new(&self.mesh, &self.positions).trace(&input);
-        traced.expect("a line on the film")
-    }
-
-    /// Position on a line, wavelengths.
-    fn on(&self, line: &TracedLine, at: f64) -> Vector3<f64> {
-        let place = line.place(at).expect("a line has segments");
-        place.interpolate(&self.mesh, &self.positions)
-    }
-
-    /// The film in faces of an eighth of a wavelength, cut along a line whose edges are features.
-    fn cut(&self, lines: &[TracedLine]) -> SurfaceMesh {
-        let corners = PerVertex::filled(self.mesh.vertex_count(), true);
-        let fine = subdivide(&self.mesh, 3, &corners);
-        let mut positions = vec![Vector3::zeros(); fine.mesh.vertex_count()];
-        for (face, origin) in fine
-            .mesh
-            .faces()
-            .as_slice()
-            .iter()
-            .zip(fine.origins.as_slice())
-        {
-            for (v, barycentric) in face.iter().zip(origin.corners) {
-                let face = origin.face;
-                let place = MaterialPoint { face, barycentric };
-                positions[v.index()] = place.interpolate(&self.mesh, &self.positions);
-            }
-        }
-        let piece = MeshPiece {
-            mesh: fine.mesh,
-            origins: fine.origins,
-            positions,
-        };
-        let cut = cut_lines(lines, piece);
-        assert_eq!(cut.warnings, []);
-        let mesh = cut.piece.mesh;
-        let mut points: Vec<Option<MaterialPoint>> = vec![None; mesh.vertex_count()];
-        for (face, corners) in mesh.faces().iter() {
-            for (corner, v) in corners.iter().enumerate() {
-                let at = MaterialPoint::at_corner(face, corner);
-                points[v.index()] = Some(cut.piece.origins[face].place(at.barycentric));
-            }
-        }
-        // Vertices that a line passes closely are moved onto it.
-        for vertex in &cut.vertices {
-            points[vertex.vertex.index()] = Some(vertex.place);
-        }
-        let points: PerVertex<_> = points
-            .into_iter()
-            .map(|p| p.expect("no lonely vertex"))
-            .collect();
-        let positions = points
-            .iter()
-            .map(|(_, p)| p.interpolate(&self.mesh, &self.positions));
-        let mut features = PerEdge::filled(mesh.edges().len(), false);
-        for crease in &cut.edges {
-            features[crease.edge] = true;
-        }
-        SurfaceMesh {
-            positions: positions.collect(),
-            fixed: PerVertex::filled(mesh.vertex_count(), false),
-            mesh,
-            points,
-            features,
-        }
-    }
-
-    /// The film fitted to edges of `edge` wavelengths along and across the lines, `times` over, of which every
-    /// vertex wants up to a tenth more or less.
-    fn fitted(&self, lines: &[TracedLine], edge: f64, times: u64) -> Vec<SurfaceMesh> {
-        let plain = PerEdge::filled(self.mesh.edges().len(), false);
-        let surface = PolyhedralSurface::new(&self.mesh, &self.positions, &plain);
-        let surface = surface.expect("arrays fit");
-        let curves = lines.iter().map(|line| FeatureCurve {
-            pieces: line
-                .segments()
-                .iter()
-                .map(|s| [0.0, 1.0].map(|share| s.place(share)))
-                .collect(),
-            is_closed: line.is_closed(),
-        });
-        let surface = FeatureCurves::new(&surface, &curves.collect::<Vec<_>>());
-        let mut mesh = self.cut(lines);
-        let mut fits = Vec::new();
-        for seed in 0..times {
-            let mut random = Pcg64Mcg::seed_from_u64(seed);
-            let tensor = |_| {
-                let wanted = edge * (1.0 + 0.1 * random.random_range(-1.0..1.0));
-                Matrix3::identity() / (wanted * wanted)
-            };
-            let sizing = Sizing {
-                tensors: (0..mesh.mesh.vertex_count()).map(tensor).collect(),
-            };
-            let made = remesh(&mesh, &sizing, &surface, &RemeshSettings::default());
-            mesh = made.expect("a valid sizing").mesh;
-            fits.push(mesh.clone());
-        }
-        fits
-    }
-}
-
-/// The edges of a fitted mesh that are features inside.
-fn feature_edges(mesh: &SurfaceMesh) -> Vec<EdgeId> {
-    let edges = mesh.mesh.edges().iter();
-    let inner = edges.filter(|(id, edge)| mesh.features[*id] && !edge.is_border());
-    inner.map(|(id, _)| id).collect()
-}
 
 /// Reduced load at which a film, held at its border and compressed along `direction`, folds along edges with
 /// this reduced stiffness.
@@ -222,7 +66,7 @@ fn a_line_at_any_angle_gives_way_at_the_closed_form() {
     for (kappa, bound) in CASES {
         let ratio = |degrees: f64| {
             let (points, across) = straight(degrees);
-            let drawn = Drawn::new(3);
+            let drawn = DrawnSheet::new(SIDE as usize, 3);
             let fits = drawn.fitted(&[drawn.trace(points)], 1.0 / 12.0, 3);
             onset(&fits[2], &feature_edges(&fits[2]), across, kappa) / crease_onset(kappa)
         };
@@ -300,7 +144,7 @@ fn zigzag(mesh: &SurfaceMesh, ends: [Vector3<f64>; 2]) -> Vec<EdgeId> {
 /// nearer to the line turns more at its vertices and is stiffer still.
 #[test]
 fn a_zigzag_of_existing_edges_is_too_stiff() {
-    let drawn = Drawn::new(3);
+    let drawn = DrawnSheet::new(SIDE as usize, 3);
     let (points, across) = straight(15.0);
     let bare = &drawn.fitted(&[], 1.0 / 12.0, 3)[2];
     let path = zigzag(bare, [points[0], points[1]]);
@@ -315,7 +159,7 @@ fn a_zigzag_of_existing_edges_is_too_stiff() {
 }
 
 /// An arc that turns by 137 degrees.
-fn arc(drawn: &Drawn) -> TracedLine {
+fn arc(drawn: &DrawnSheet) -> TracedLine {
     let point = |i: i32| {
         let (sin, cos) = (2.4 * f64::from(i) / 16.0 + 0.4).sin_cos();
         Vector3::new(0.5 * SIDE + 2.6 * cos, 2.6 * sin + 1.5, 0.0)
@@ -325,7 +169,7 @@ fn arc(drawn: &Drawn) -> TracedLine {
 
 /// Length of a fitted line, largest distance of a vertex from where it was drawn, and largest turn at a vertex
 /// (degrees).
-fn shape(drawn: &Drawn, line: &TracedLine, mesh: &SurfaceMesh) -> [f64; 3] {
+fn shape(drawn: &DrawnSheet, line: &TracedLine, mesh: &SurfaceMesh) -> [f64; 3] {
     let edges = feature_edges(mesh);
     let ends = |edge: EdgeId| mesh.mesh.edges()[edge].vertices;
     let samples = (0..40_000).map(|i| drawn.on(line, line.length() * f64::from(i) / 39_999.0));
@@ -350,7 +194,7 @@ fn shape(drawn: &Drawn, line: &TracedLine, mesh: &SurfaceMesh) -> [f64; 3] {
 /// 0.2 %, what two meshes of this fineness differ by; length 0.002 %.
 #[test]
 fn refits_keep_a_curve_and_what_it_does() {
-    let drawn = Drawn::new(5);
+    let drawn = DrawnSheet::new(SIDE as usize, 5);
     let line = arc(&drawn);
     let edge = 1.0 / 12.0;
     let fits = drawn.fitted(std::slice::from_ref(&line), edge, 5);
@@ -386,8 +230,8 @@ fn refits_keep_a_curve_and_what_it_does() {
 
 /// Energy, and mean depth over the vertices of the line, of a film at rest whose crease wants 30 degrees.
 fn folded(mesh: &SurfaceMesh) -> [f64; 2] {
-    let (theory, thickness) = film(0.05);
-    let face = film_face((&theory, thickness));
+    let (theory, thickness) = unit_film(0.05);
+    let face = unit_face((&theory, thickness));
     let faces: Vec<_> = mesh
         .mesh
         .faces()

@@ -3,7 +3,7 @@
 //! Combinations of resolution, coupling, sampling, mesh and solver are run on a film whose wrinkles are
 //! known, and some of them on a patch that is compressed unevenly, all through the product. Runs are kept in
 //! `runs.jsonl`, and a later chart into the same folder goes on from there, so a changed solver wants
-//! a new folder. What they say together is in `chart.json` and the page `chart.png`;
+//! a new folder. Crease elements, ours and the paper's, are in `folds.json`. What they say together is in `chart.json` and the page `chart.png`;
 //! `summary.png` is the picture in the README.
 
 #![allow(
@@ -28,9 +28,11 @@ mod words;
 
 use std::error::Error;
 use std::fs;
+use std::path::Path;
 
 use clap::Parser;
 use ruga_validation::Drawing;
+use ruga_validation::fold_panel::{FoldRun, measure_folds};
 use ruga_validation::plot::write_page;
 
 use page::{PAGE, SUMMARY, page, summary};
@@ -48,14 +50,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         measure::measure(&runs, &file)?;
     }
     let points = results::points(&runs, &measure::measured(&runs, &file)?);
-    let json = format!("{:#}\n", tables::json(&points));
+    let folds = folds(&folder, quick, redraw)?;
+    let json = format!("{:#}\n", tables::json(&points, &folds));
     fs::write(folder.join("chart.json"), json)?;
     let command = match quick {
         true => "cargo xtask validate chart --quick",
         false => "cargo xtask validate chart",
     };
     write_page(&folder.join("chart.png"), PAGE.size, 2, |own| {
-        page(own, &points, command)
+        page(own, (&points, &folds), command)
     })?;
     write_page(&folder.join("summary.png"), SUMMARY.size, 3, |own| {
         summary(own, &points, command)
@@ -63,4 +66,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     print!("\n{}", words::words(&points));
     println!("\nChart and tables are in {}", folder.display());
     Ok(())
+}
+
+/// Crease elements, from the file of an earlier chart into the same folder if there is one.
+fn folds(folder: &Path, quick: bool, redraw: bool) -> Result<Vec<FoldRun>, Box<dyn Error>> {
+    let file = folder.join("folds.json");
+    match fs::read_to_string(&file) {
+        Ok(text) => Ok(serde_json::from_str(&text)?),
+        Err(_) if redraw => Ok(Vec::new()),
+        Err(_) => {
+            let folds = measure_folds(quick);
+            fs::write(&file, serde_json::to_string_pretty(&folds)?)?;
+            Ok(folds)
+        }
+    }
 }

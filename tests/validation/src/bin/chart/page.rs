@@ -1,6 +1,7 @@
 //! The pages: panels of a film and of a patch, a key, what they say, and where they come from; and a
 //! summary of that.
 
+use ruga_validation::fold_panel::{FoldCost, FoldRun, draw_folds};
 use ruga_validation::plot::{Drawn, Lettering, NOTE, PLAIN, Page};
 
 use crate::key::key;
@@ -43,7 +44,11 @@ const LEFT: f64 = 72.0;
 const MARGIN: f64 = 32.0;
 
 /// Draws all of it.
-pub(crate) fn page(page: &Page<'_>, points: &[Point], command: &str) -> Drawn {
+pub(crate) fn page(
+    page: &Page<'_>,
+    (points, folds): (&[Point], &[FoldRun]),
+    command: &str,
+) -> Drawn {
     let lines = [
         "Above: a stiff film on a soft base (150 : 1), compressed to two and to four critical strains. Below: a patch, \
          as a user has it. Down and to the left is better. Medians over seeds, whiskers to the best and the worst.",
@@ -64,6 +69,7 @@ pub(crate) fn page(page: &Page<'_>, points: &[Point], command: &str) -> Drawn {
     panels(page, PAGE, points, (&film, 0))?;
     panels(page, PAGE, points, (&patch, 6))?;
     key(page, PAGE.corner(4), points)?;
+    draw_folds(page, PAGE.frame(5), folds, FoldCost::Seconds)?;
     caption(page, points, command)
 }
 
@@ -92,8 +98,7 @@ fn panels(
     (measures, first): (&[Measure], usize),
 ) -> Drawn {
     for (i, &measure) in measures.iter().enumerate() {
-        let [left, top] = layout.corner(first + i);
-        let frame = [left, top, left + FIELD[0], top + FIELD[1]];
+        let frame = layout.frame(first + i);
         let costs = panel::costs(points, measure);
         panel::draw(page, frame, costs, points, measure)?;
     }
@@ -104,6 +109,12 @@ impl Layout {
     fn corner(self, cell: usize) -> [f64; 2] {
         let [column, row] = [cell % self.columns, cell / self.columns].map(|n| n as f64);
         [LEFT + column * PITCH, self.top + row * self.pitch]
+    }
+
+    /// Of a field: left, top, right, bottom.
+    fn frame(self, cell: usize) -> [f64; 4] {
+        let [left, top] = self.corner(cell);
+        [left, top, left + FIELD[0], top + FIELD[1]]
     }
 }
 
@@ -160,7 +171,8 @@ fn caption(page: &Page<'_>, points: &[Point], command: &str) -> Drawn {
          not set its wavelength; the border takes half a per cent of the onset.",
         "Normals: along lines across the wrinkles, each shifted to its best. Patch: three critical strains in its middle, \
          none at its ends, against an even hybrid mesh of 32 edges per wavelength.",
-        "Times: one thread, everything but measuring.",
+        "Creases: a skin pressed onto a ridge whose angle grows along its line, 8 edges along a side and more; the paper is Patkar, \
+         Jin and Fedkiw 2014. Times: one thread, everything but measuring, and of creases meshing.",
         &last,
     ];
     notes(page, PAGE.size[1] - 100.0, &lines)
@@ -177,7 +189,7 @@ mod tests {
     fn pages_without_a_single_run_are_pages() {
         let folder = tempfile::tempdir().expect("a folder");
         let (path, none) = (folder.path().join("page.png"), points(&[], &[]));
-        write_page(&path, PAGE.size, 3, |own| page(own, &none, "")).expect("a page");
+        write_page(&path, PAGE.size, 3, |own| page(own, (&none, &[]), "")).expect("a page");
         write_page(&path, SUMMARY.size, 3, |own| summary(own, &none, "")).expect("a summary");
     }
 }
