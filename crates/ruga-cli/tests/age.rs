@@ -92,25 +92,13 @@ fn poses_leave_lines_and_an_aged_face_has_them_at_rest() {
 
     // The order of poses does not matter, nor whether one was there before.
     folder.write("turned.toml", scene([POSES[1], POSES[0]], ""));
-    folder
-        .ruga("age turned.toml -o turned --quality draft --threads 1")
-        .exits(0);
+    let turned = "age turned.toml -o turned --quality draft --threads 1";
+    folder.ruga(&format!("{turned} --pose strong")).exits(0);
+    let resumed = folder.ruga(&format!("{turned} --resume")).exits(0);
+    let there = "`strong` is there from an earlier run";
+    assert!(resumed.stderr.contains(there), "{}", resumed.stderr);
     let text = |name: &str| folder.read(&format!("{name}/creases.json"));
     assert_eq!(text("aged"), text("turned"));
-    folder
-        .ruga("age scene.toml -o some --quality draft --pose strong")
-        .exits(0);
-    let resumed = folder
-        .ruga("age scene.toml -o some --quality draft --resume")
-        .exits(0);
-    assert!(
-        resumed
-            .stderr
-            .contains("`strong` is there from an earlier run"),
-        "{}",
-        resumed.stderr
-    );
-    assert_eq!(text("aged"), text("some"));
 
     let memory = "[memory]\nnetwork = \"aged/creases.json\"";
     for (name, memory) in [("old", memory), ("young", "")] {

@@ -81,7 +81,7 @@ fn shells_and_readers_of_manuals_get_every_command() {
         assert!(page.contains(&format!("ruga {command}")), "{page}");
     }
     let pages = folder.files("pages");
-    assert_eq!(pages.len(), 11, "{pages:?}");
+    assert_eq!(pages.len(), 12, "{pages:?}");
     folder
         .ruga("completions tcsh")
         .exits(2)
