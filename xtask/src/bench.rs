@@ -35,7 +35,7 @@ pub(crate) enum Part {
     /// Bakes faces, a hand and patches of skin, and compares what that took with goals: hours. What is in
     /// target/faces is not measured again; remove it to measure changed code
     Faces {
-        /// Rows of the table: smile, shapes, brows, hand, area, mixtures, mirror, retouching [default: all]
+        /// Rows of the table: smile, shapes, brows, hand, area, mixtures, mirror, retouching, creases [default: all]
         #[arg(value_name = "ROW")]
         rows: Vec<String>,
         /// draft, standard or fine [default: draft for the mixtures, standard for all others]

@@ -6,7 +6,7 @@ use ruga_remesh::{FaceDriver, Refinement, SizeLimits};
 
 use crate::EdgeLimits;
 use crate::plan::region::{ACTIVE_FRACTION, PoseStrains};
-use crate::run::adaptivity::{COARSEST, CREASE_REACH, aspect, crease_aspect};
+use crate::run::adaptivity::{COARSEST, CREASE_FILLING, CREASE_REACH, aspect, crease_aspect};
 
 /// Edges beside the wrinkles over those across them, where a fitted mesh grows coarser.
 pub(crate) const GRADED: f64 = 3.0;
@@ -72,7 +72,8 @@ pub(crate) fn creased_vertices(length: f64, wavelength: f64, points: f64) -> f64
     let across = wavelength / points;
     let band = 2.0 * CREASE_REACH * wavelength;
     // A vertex of a mesh of stretched equilateral triangles has the area of two of them.
-    length * band / (0.75f64.sqrt() * across * across * crease_aspect(points))
+    let even = length * band / (0.75f64.sqrt() * across * across * crease_aspect(points));
+    CREASE_FILLING * even
 }
 
 /// Vertices between a border of `edges` of a mean length (m), which meshes keep as it is, and edges of

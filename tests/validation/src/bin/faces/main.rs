@@ -12,6 +12,7 @@
 )]
 
 mod baking;
+mod creases;
 mod factorisation;
 mod mixtures;
 mod process;
@@ -49,7 +50,7 @@ struct Arguments {
 type Measure = fn(&Bench) -> Lines;
 
 /// The rows by name.
-const ROWS: [(&str, Measure); 8] = [
+const ROWS: [(&str, Measure); 9] = [
     ("smile", Bench::smile),
     ("shapes", Bench::shapes),
     ("brows", Bench::brows),
@@ -58,6 +59,7 @@ const ROWS: [(&str, Measure); 8] = [
     ("mixtures", Bench::mixtures),
     ("mirror", Bench::mirror),
     ("retouching", Bench::retouching),
+    ("creases", Bench::creases),
 ];
 
 /// Measures the rows that are asked for and prints the table.
