@@ -49,8 +49,9 @@ The file:
   the scene, or in a copy of it, and bake that:
     [memory]
     network = \"DIR/creases.json\"
-  `[memory]` also says what skin gives back, and which poses are held; see `ruga help scene`. DIR/folds has
-  how every pose folds the skin.";
+  `[memory]` also says what skin gives back, and which poses are held; see `ruga help scene`. Both sides of
+  a mesh with `symmetry` are looked at; a scene with a network has no such key. DIR/folds has how every
+  pose folds the skin. A run with `--pose` adds to what earlier runs have left in DIR.";
 
 const FARM: &str = "\
 Several machines:

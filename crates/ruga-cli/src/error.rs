@@ -112,6 +112,13 @@ pub(crate) enum CliError {
         count: usize,
         poses: String,
     },
+    /// `ruga age` would write over the network that the scene has aged by.
+    #[error("{}: `memory.network`: found {}, the file that this run writes", scene.display(), path.display())]
+    #[diagnostic(help(
+        "leave `network` out to find anew what poses leave in young skin, or give another folder with `--output` \
+         to let aged skin age further"
+    ))]
+    OwnNetwork { scene: PathBuf, path: PathBuf },
     /// `ruga job` would overwrite another job.
     #[error("{}: is there already and is another job: {difference}; nothing was written", path.display())]
     #[diagnostic(help(

@@ -64,8 +64,8 @@ impl PoseRecord {
 }
 
 /// The records of what one command made in an output folder: `poses/<pose>.json` of `bake`,
-/// `poses/frames/<pose>.json` of `simulate`, `poses/age/<pose>.json` of `age`. Each command has its own, so that neither loses what the
-/// other has made.
+/// `poses/frames/<pose>.json` of `simulate`, `poses/age/<pose>.json` of `age`. Each command has its own, so that
+/// none loses what another has made.
 #[derive(Clone, Debug)]
 pub(crate) struct Records {
     /// The output folder.

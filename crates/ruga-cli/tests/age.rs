@@ -101,6 +101,15 @@ fn poses_leave_lines_and_an_aged_face_has_them_at_rest() {
     assert_eq!(text("aged"), text("turned"));
 
     let memory = "[memory]\nnetwork = \"aged/creases.json\"";
+    folder.write("again.toml", scene(POSES, memory));
+    let own = folder
+        .ruga("age again.toml -o aged --quality draft")
+        .exits(2);
+    assert!(
+        own.stderr.contains("the file that this run writes"),
+        "{}",
+        own.stderr
+    );
     for (name, memory) in [("old", memory), ("young", "")] {
         let text = scene([REST, ""], memory);
         let text = text.replace("preset = \"frown-line\"", "");
@@ -171,12 +180,20 @@ fn what_is_wrong_with_a_network_is_told() {
         &json!({"version": 2, "mesh": "", "poses": [], "creases": []}),
         &["version", "found 2"],
     );
+    says(&with("along", json!([])), &["`along`", "at least one"]);
+    let mut twice = with("length_m", json!(0.0304));
+    let again = twice["creases"][0].clone();
+    twice["creases"].as_array_mut().unwrap().push(again);
+    says(&twice, &["`line` is there twice"]);
     says(&json!([1, 2]), &["no network of creases", "ruga age"]);
 
     for (memory, words) in [
         ("network = \"none.json\"", "cannot be read"),
-        ("yield = 0.0", "memory.yield | above 0, up to 150"),
-        ("wrinkle_yield = 400.0", "memory.wrinkle_yield | up to 180"),
+        ("yield = 0.0", "memory.yield | from 1 to 150"),
+        (
+            "wrinkle_yield = 400.0",
+            "memory.wrinkle_yield | from 10 to 180",
+        ),
         ("weakening = -1.0", "memory.weakening"),
         ("poses = [\"grin\"]", "grin"),
     ] {

@@ -24,7 +24,7 @@ pub struct Kept {
 /// What a crease keeps in every pose, along its line.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CreaseMemory {
-    /// Share of the line's length, ascending in 0 to 1, and what it keeps there.
+    /// Share of the line's length, ascending, and what it keeps there.
     samples: Vec<(f64, Kept)>,
 }
 
@@ -49,6 +49,16 @@ impl CreaseMemory {
     pub fn new(mut samples: Vec<(f64, Kept)>) -> Self {
         samples.sort_by(|a, b| a.0.total_cmp(&b.0));
         Self { samples }
+    }
+
+    /// A memory by samples along a closed line, on which the last one is followed by the first.
+    pub fn around(samples: Vec<(f64, Kept)>) -> Self {
+        let mut memory = Self::new(samples);
+        if let (Some(&first), Some(&last)) = (memory.samples.first(), memory.samples.last()) {
+            memory.samples.insert(0, (last.0 - 1.0, last.1));
+            memory.samples.push((first.0 + 1.0, first.1));
+        }
+        memory
     }
 
     /// The samples in order: share of the line's length and what it keeps there.
@@ -122,5 +132,7 @@ mod tests {
         assert_eq!(memory.at(1.0), kept(1.0));
         assert_eq!(CreaseMemory::default().at(0.5), Kept::default());
         assert_eq!(memory.largest_angle(), 1.0);
+        let ring = CreaseMemory::around(vec![(0.25, kept(0.0)), (0.75, kept(1.0))]);
+        assert_eq!([ring.at(0.0), ring.at(1.0)], [kept(0.5); 2]);
     }
 }

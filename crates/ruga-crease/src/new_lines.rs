@@ -8,6 +8,9 @@ use nalgebra::Vector3;
 /// of the mesh.
 const ROUNDS: usize = 8;
 
+/// Share of the limit up to which a valley belongs to a line.
+const FOLLOWED: f64 = 0.75;
+
 /// Spacing of the points of a new line, in its distance from others.
 const SPACING: f64 = 0.25;
 
@@ -143,13 +146,12 @@ impl NewLines {
         })
     }
 
-    /// The parts of a line whose points are free.
+    /// The parts of a line that turn enough and whose points are free.
     fn free_parts(&self, line: &FoldedLine) -> Vec<FoldedLine> {
-        let free: Vec<bool> = line
-            .points
-            .iter()
-            .map(|point| self.is_free(point))
-            .collect();
+        let turned = line.turns.iter().map(|turn| *turn >= FOLLOWED * self.limit);
+        let free = line.points.iter().zip(turned);
+        let free = free.map(|(point, is_turned)| is_turned && self.is_free(point));
+        let free: Vec<bool> = free.collect();
         if !free.contains(&false) {
             return vec![line.clone()];
         }

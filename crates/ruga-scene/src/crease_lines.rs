@@ -100,9 +100,11 @@ impl CreasedMesh<'_> {
         })
     }
 
-    pub(crate) fn tracer(&self) -> LineTracer<'_> {
+    pub(crate) fn tracer(&self) -> &LineTracer<'_> {
         let driver = self.driver;
-        LineTracer::new(driver.topology(), driver.rest()).with_uvs(driver.uvs())
+        self.tracer.get_or_init(|| {
+            LineTracer::new(driver.topology(), driver.rest()).with_uvs(driver.uvs())
+        })
     }
 
     /// The welded vertices of some of the file's.

@@ -1,10 +1,11 @@
 //! The creases of a scene on its mesh.
 
+use std::cell::OnceCell;
 use std::path::Path;
 
 use nalgebra::Vector3;
 use ruga_blend::{Driver, nearest};
-use ruga_crease::{CreaseError, CreaseMemory, LineLaw, TracedLine, check_lines};
+use ruga_crease::{CreaseError, CreaseMemory, LineLaw, LineTracer, TracedLine, check_lines};
 use ruga_io::MeshFile;
 use ruga_material::{UvTile, Wrinkling, wrinkling};
 use ruga_stepper::{CreaseAnchor, CreaseSpec, FoldSense, LayerSpec};
@@ -31,13 +32,14 @@ const LEAST_STRENGTH: f64 = 0.5;
 const FADE: f64 = 3.0;
 
 /// The mesh that creases lie on, and the file that names them.
-#[derive(Clone, Copy)]
 pub(crate) struct CreasedMesh<'a> {
     pub(crate) scene: &'a SceneFile,
     pub(crate) path: &'a Path,
     pub(crate) mesh: &'a MeshFile,
     pub(crate) driver: &'a Driver,
     pub(crate) tiles: &'a [UvTile],
+    /// Made for the first line: finding places takes a search structure of the whole mesh.
+    pub(crate) tracer: OnceCell<LineTracer<'a>>,
 }
 
 /// Adds the creases of a scene to its layers, whose meshes have `points` vertices per wavelength; returns
@@ -46,7 +48,7 @@ pub(crate) struct CreasedMesh<'a> {
 /// # Errors
 /// What is wrong with a line, its properties or its image, naming the key.
 pub(crate) fn add_creases(
-    on: CreasedMesh<'_>,
+    on: &CreasedMesh<'_>,
     points: f64,
     layers: &mut [LayerSpec],
 ) -> Result<Vec<String>, SceneError> {
@@ -93,7 +95,7 @@ pub(crate) fn add_creases(
                 spec
             }));
     }
-    on.add_network(layers)?;
+    warnings.extend(on.add_network(layers)?);
     for (layer, keys) in layers.iter().zip(&mut keys) {
         keys.resize(layer.creases.len(), NETWORK.to_owned());
     }

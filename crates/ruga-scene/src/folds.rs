@@ -1,6 +1,6 @@
 //! How a pose folds the skin, and what many poses leave in it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Vector3;
 use ruga_crease::{
@@ -25,8 +25,9 @@ const SHORTEST: f64 = 2.0;
 /// Samples of a crease per wavelength.
 const SAMPLES: f64 = 8.0;
 
-/// Share of the limit up to which a valley belongs to a line.
-const FOLLOWED: f64 = 0.75;
+/// Angle from flank to flank of the flattest valleys that are kept of a pose (rad): `wrinkle_yield` can ask for no
+/// less.
+const FLATTEST: f64 = 7.5 * std::f64::consts::PI / 180.0;
 
 /// How a pose folds the layers that can have creases.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,7 +45,7 @@ pub struct LayerFolds {
     pub layer: String,
     /// Creases that are simulated in the pose.
     pub creases: Vec<CreaseFolds>,
-    /// Valleys of wrinkles that turn the skin by what the scene asks of new lines, or nearly.
+    /// Valleys of wrinkles.
     pub valleys: Vec<ValleyFold>,
 }
 
@@ -124,14 +125,11 @@ impl Scene {
             let state = states.and_then(|states| states.get(face.0 as usize));
             state.map_or(nominal, |state| state.wavelength)
         };
-        // A sine of wave number k that is bent by c at its bottom turns by 2 c/k from flank to flank.
-        let turn = vertex_means(&mesh, |face| wavelength(face) / std::f64::consts::PI);
-        let turn = turn.as_slice();
-        let limit = FOLLOWED * self.memory().wrinkle_yield.to_radians();
-        let least: Vec<f64> = turn
-            .iter()
-            .map(|per_curvature| limit / per_curvature)
-            .collect();
+        // A sine of wave number k that is bent by c at its bottom turns by 2 atan(c/k) from flank to flank.
+        let wave_number = vertex_means(&mesh, |face| std::f64::consts::TAU / wavelength(face));
+        let wave_number = wave_number.as_slice();
+        let slope = (0.5 * FLATTEST).tan();
+        let least: Vec<f64> = wave_number.iter().map(|k| slope * k).collect();
         let base = surface.driver_positions.iter().zip(&surface.driver_normals);
         let base: Vec<Vector3<f64>> = base.map(|(p, n)| p + n * surface.offset).collect();
         let heights = surface
@@ -151,7 +149,7 @@ impl Scene {
                 let [a, b] = point.vertices.map(|v| v.0 as usize);
                 let between = |a: f64, b: f64| a + (b - a) * point.fraction;
                 let place = rest[a] + (rest[b] - rest[a]) * point.fraction;
-                let turn = point.curvature * between(turn[a], turn[b]);
+                let turn = 2.0 * (point.curvature / between(wave_number[a], wave_number[b])).atan();
                 (<[f64; 3]>::from(place), turn)
             });
             let (points_m, turns) = points.unzip();
@@ -215,12 +213,18 @@ impl Scene {
         let Ok(waves) = nominal else {
             return Vec::new();
         };
+        let old = self.lines_of_wrinkles();
+        let mut by_name: BTreeMap<&str, Vec<&CreaseFolds>> = BTreeMap::new();
+        for folds in folds.iter().flat_map(|folds| &folds.creases) {
+            by_name.entry(&folds.name).or_default().push(folds);
+        }
         let kept = layer.creases.iter().filter_map(|crease| {
             let length = crease.line.length();
             let steps = (SAMPLES * length / waves.wavelength).ceil().max(2.0) as u32;
-            let own = folds.iter().flat_map(|folds| &folds.creases);
-            let own = own.filter(|folds| folds.name == crease.name);
-            let held: Vec<CreaseMemory> = own.map(|folds| kept_by(&law, folds)).collect();
+            let own = by_name.get(crease.name.as_str()).into_iter().flatten();
+            let is_closed = crease.line.is_closed();
+            let held = own.map(|folds| kept_by(&law, folds, is_closed));
+            let held: Vec<CreaseMemory> = held.collect();
             let samples = (0..=steps).map(|step| {
                 let share = f64::from(step) / f64::from(steps);
                 let before = crease.memory.at(share);
@@ -233,49 +237,39 @@ impl Scene {
                     },
                     softness: a.softness.max(b.softness),
                 });
-                let angle = before.angle + most.angle;
                 let kept = Kept {
-                    angle: angle.clamp(-LARGEST_ANGLE, LARGEST_ANGLE),
+                    angle: before.angle + most.angle,
                     softness: before.softness + most.softness,
                 };
-                (share, kept)
+                (share, not_shut(kept))
             });
             let memory = CreaseMemory::new(samples.collect());
-            let is_new = self
-                .file
-                .creases
-                .iter()
-                .all(|own| !is_line_of(&crease.name, &own.name));
-            if !is_new && !memory.is_folded() && memory.largest_softness() == 0.0 {
+            let old = old.get(&crease.name);
+            if old.is_none() && !memory.is_folded() && memory.largest_softness() == 0.0 {
                 return None;
             }
             Some(KeptCrease {
                 name: crease.name.clone(),
                 layer: layer.name.clone(),
                 length_m: length,
-                points_m: if is_new {
-                    self.points(crease)
-                } else {
-                    Vec::new()
-                },
-                closed: is_new && crease.line.is_closed(),
+                points_m: old.map_or(Vec::new(), |old| old.points_m.clone()),
+                closed: old.is_some_and(|old| old.closed),
                 along: KeptCrease::samples(&memory),
             })
         });
         kept.collect()
     }
 
-    /// Points of a line of the present network, at rest.
-    fn points(&self, crease: &ruga_stepper::CreaseSpec) -> Vec<[f64; 3]> {
-        let (mesh, rest) = (self.driver.topology(), self.driver.rest());
-        let mut places = crease.line.places();
-        if crease.line.is_closed() {
-            places.pop();
-        }
-        let points = places
-            .iter()
-            .map(|place| place.interpolate(mesh, rest).into());
-        points.collect()
+    /// The lines of the present network that wrinkles have left, by name.
+    fn lines_of_wrinkles(&self) -> BTreeMap<String, KeptCrease> {
+        let path = self.memory().network;
+        // A file that could not be read has been refused with the scene.
+        let network = path.and_then(|path| CreaseNetwork::read(&path).ok());
+        let creases = network.into_iter().flat_map(|network| network.creases);
+        let of_wrinkles = creases.filter(|crease| !crease.points_m.is_empty());
+        of_wrinkles
+            .map(|crease| (crease.name.clone(), crease))
+            .collect()
     }
 
     /// The lines that wrinkles of a layer leave.
@@ -311,27 +305,27 @@ impl Scene {
                 is_closed: valley.closed,
             })
             .collect();
-        let is_taken = |name: &str| {
-            self.layers
-                .iter()
-                .flat_map(|l| &l.creases)
-                .any(|c| c.name == name)
-        };
-        let mut names = (1..).map(|number| format!("{}-line-{number}", layer.name));
-        let kept = lines.choose(&found).into_iter().map(|line| {
+        let taken = self.layers.iter().flat_map(|layer| &layer.creases);
+        let taken: BTreeSet<&str> = taken.map(|crease| crease.name.as_str()).collect();
+        let names = (1_u64..).map(|number| format!("{}-line-{number}", layer.name));
+        let names = names.filter(|name| !taken.contains(name.as_str()));
+        let kept = names.zip(lines.choose(&found)).map(|(name, line)| {
             let shares = line.shares();
             let samples = shares
                 .iter()
                 .zip(&line.turns)
-                .map(|(&share, &turn)| (share, law.kept(turn, layer.material.thickness)));
-            let memory = CreaseMemory::new(samples.collect());
+                .map(|(&share, &turn)| (share, not_shut(law.kept(turn, layer.material.thickness))));
+            let mut samples: Vec<(f64, Kept)> = samples.collect();
+            if let (true, Some(&(_, first))) = (line.is_closed, samples.first()) {
+                samples.push((1.0, first));
+            }
             KeptCrease {
-                name: names.find(|name| !is_taken(name)).unwrap_or_default(),
+                name,
                 layer: layer.name.clone(),
                 length_m: line.length(),
                 points_m: line.points.iter().map(|point| (*point).into()).collect(),
                 closed: line.is_closed,
-                along: KeptCrease::samples(&memory),
+                along: KeptCrease::samples(&CreaseMemory::new(samples)),
             }
         });
         kept.collect()
@@ -355,27 +349,50 @@ fn in_numbers(sample: &FoldSample) -> [f64; 4] {
     [sample.share, sample.fold, sample.rest, sample.softness]
 }
 
-/// Whether a line is the crease of this name, or one of its strokes.
-fn is_line_of(line: &str, crease: &str) -> bool {
-    let rest = line.strip_prefix(crease);
-    let is_number = |text: &str| {
-        text.strip_prefix('-')
-            .is_some_and(|n| n.parse::<u32>().is_ok())
-    };
-    rest.is_some_and(|rest| rest.is_empty() || is_number(rest))
+/// What is kept, but for angles at which the sides would touch.
+fn not_shut(kept: Kept) -> Kept {
+    Kept {
+        angle: kept.angle.clamp(-LARGEST_ANGLE, LARGEST_ANGLE),
+        ..kept
+    }
 }
 
 /// What a crease keeps of one pose.
-fn kept_by(law: &YieldLaw, folds: &CreaseFolds) -> CreaseMemory {
+fn kept_by(law: &YieldLaw, folds: &CreaseFolds, is_closed: bool) -> CreaseMemory {
     let samples = folds
         .along
         .iter()
         .map(|&[share, fold, rest, softness]| (share, law.kept(fold - rest, softness)));
-    CreaseMemory::new(samples.collect())
+    match is_closed {
+        true => CreaseMemory::around(samples.collect()),
+        false => CreaseMemory::new(samples.collect()),
+    }
 }
 
 /// What is kept at a share of the line that was simulated.
 fn within(memory: &CreaseMemory, share: f64) -> Option<Kept> {
     let (first, last) = (memory.samples().first()?.0, memory.samples().last()?.0);
     (first..=last).contains(&share).then(|| memory.at(share))
+}
+
+impl PoseFolds {
+    /// Whether it can have been written by [`Scene::folds`]: every place of a valley has its angle, and all numbers
+    /// are finite.
+    pub fn is_whole(&self) -> bool {
+        let valleys = self.layers.iter().flat_map(|layer| &layer.valleys);
+        let mut creases = self.layers.iter().flat_map(|layer| &layer.creases);
+        let is_valley = |valley: &ValleyFold| {
+            let count = valley.points_m.len();
+            let mut numbers = valley.points_m.iter().flatten().chain(&valley.turns);
+            count > 1 && count == valley.turns.len() && numbers.all(|number| number.is_finite())
+        };
+        valleys.clone().all(is_valley)
+            && creases.all(|crease| {
+                crease
+                    .along
+                    .iter()
+                    .flatten()
+                    .all(|number| number.is_finite())
+            })
+    }
 }

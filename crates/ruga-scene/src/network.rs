@@ -1,8 +1,9 @@
 //! Files of creases that poses have left in the skin.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
-use ruga_crease::{CreaseMemory, Kept};
+use ruga_crease::{CreaseMemory, Kept, LARGEST_ANGLE};
 use ruga_io::{IoError, write_atomically};
 use serde::{Deserialize, Serialize};
 
@@ -92,7 +93,7 @@ impl KeptCrease {
                 (
                     "angle_deg",
                     angle_deg,
-                    angle_deg.abs() <= 150.0,
+                    angle_deg.abs() <= LARGEST_ANGLE.to_degrees() + 1e-9,
                     "-150 to 150",
                 ),
                 (
@@ -113,6 +114,13 @@ impl KeptCrease {
             wrong.map(|c| format!("`points_m`: found {c}; accepted: finite numbers"))
         });
         wrong.or_else(|| match self.points_m.len() {
+            _ if self.along.is_empty() => {
+                Some("`along`: found none; accepted: at least one sample".to_owned())
+            }
+            _ if !(self.length_m > 0.0 && self.length_m.is_finite()) => Some(format!(
+                "`length_m`: found {}; accepted: a length above 0",
+                self.length_m
+            )),
             1 => Some("`points_m`: found 1 point; accepted: none, or at least 2".to_owned()),
             _ => None,
         })
@@ -138,7 +146,8 @@ impl CreaseNetwork {
         let bytes = std::fs::read(path).map_err(|error| format!("cannot be read: {error}"))?;
         let network: Self = serde_json::from_slice(&bytes).map_err(|error| {
             format!(
-                "is no network of creases: {error}; accepted: a file that `ruga age` has written"
+                "is no network of creases, from line {} on; accepted: a file that `ruga age` has written",
+                error.line().max(1)
             )
         })?;
         if network.version != VERSION {
@@ -147,9 +156,16 @@ impl CreaseNetwork {
                 network.version
             ));
         }
+        let mut names = BTreeSet::new();
         for crease in &network.creases {
             if let Some(fault) = crease.fault() {
                 return Err(format!("crease `{}`: {fault}", crease.name));
+            }
+            if !names.insert(&crease.name) {
+                return Err(format!(
+                    "crease `{}` is there twice; leave one out",
+                    crease.name
+                ));
             }
         }
         Ok(network)

@@ -16,6 +16,12 @@ pub(crate) const NETWORK: &str = "memory.network";
 /// Share of a wavelength over which a line that wrinkles have left fades towards its ends.
 const FADE: f64 = 0.5;
 
+/// Distance of the points of a new line from the mesh, in wavelengths, up to which they are of it.
+const REACH: f64 = 0.1;
+
+/// Share by which the length of a new line, which is rounded between its points, may differ from what it was.
+const LIKE_LENGTH: f64 = 0.05;
+
 /// Share by which the length of a line may differ from what it was.
 const SAME_LENGTH: f64 = 0.01;
 
@@ -24,10 +30,13 @@ impl CreasedMesh<'_> {
     ///
     /// # Errors
     /// A file that cannot be read, or is of another mesh or scene.
-    pub(crate) fn add_network(&self, layers: &mut [LayerSpec]) -> Result<(), SceneError> {
+    pub(crate) fn add_network(
+        &self,
+        layers: &mut [LayerSpec],
+    ) -> Result<Option<String>, SceneError> {
         let memory = self.scene.memory.as_ref();
         let Some(path) = memory.and_then(|memory| memory.network.as_deref()) else {
-            return Ok(());
+            return Ok(None);
         };
         let network = CreaseNetwork::read(path);
         let network = network.map_err(|reason| self.bad_network(path, reason))?;
@@ -38,11 +47,22 @@ impl CreasedMesh<'_> {
                 self.bad_network(path, reason)
             })?;
         }
-        Ok(())
+        let own = &self.mesh.mesh.name;
+        Ok((network.mesh != *own).then(|| {
+            format!(
+                "{}: was made for the mesh `{}`, and this scene's is `{own}`; if that is another one, let `ruga age` \
+                 find anew what poses leave",
+                path.display(),
+                network.mesh
+            )
+        }))
     }
 
     fn bad_network(&self, path: &Path, reason: String) -> SceneError {
-        let reason = format!("{}: {reason}", path.display());
+        let reason = match path.as_os_str().is_empty() {
+            true => "found nothing; accepted: a file that `ruga age` has written".to_owned(),
+            false => format!("{}: {reason}", path.display()),
+        };
         self.fault(NETWORK.to_owned(), reason, None)
     }
 
@@ -94,13 +114,20 @@ impl CreasedMesh<'_> {
         let line = LineInput::Positions {
             points: kept.points_m.iter().map(|point| (*point).into()).collect(),
             is_closed: kept.closed,
-            reach: wavelength,
+            reach: REACH * wavelength,
             corners: Corners::Round,
         };
         let line: TracedLine = self
             .tracer()
             .trace(&line)
             .map_err(|error| format!("{error}; is it of another mesh?"))?;
+        if (line.length() / kept.length_m - 1.0).abs() > LIKE_LENGTH {
+            return Err(format!(
+                "was {:.2} mm long and is {:.2} mm; is it of another mesh?",
+                1e3 * kept.length_m,
+                1e3 * line.length()
+            ));
+        }
         Ok(CreaseSpec {
             name: kept.name.clone(),
             line,

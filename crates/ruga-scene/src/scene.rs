@@ -3,6 +3,7 @@
 mod mask_warnings;
 mod zone_overlap;
 
+use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -315,10 +316,11 @@ impl Inspection {
             mesh,
             driver,
             tiles: &self.tiles,
+            tracer: OnceCell::new(),
         };
         let points = self.points_per_wavelength;
         let points = points.unwrap_or(self.file.remesh.points_per_wavelength);
-        let added = add_creases(on, points, layers);
+        let added = add_creases(&on, points, layers);
         let told = self.keep(added);
         self.warnings.extend(told.into_iter().flatten());
     }

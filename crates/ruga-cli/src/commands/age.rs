@@ -1,5 +1,7 @@
 //! `ruga age`: the creases that poses leave in the skin.
 
+use std::path::Path;
+
 use ruga_io::{IoError, write_atomically};
 use ruga_scene::{CreaseNetwork, PoseFolds, Scene, SceneFile, SceneOptions, counted};
 use ruga_stepper::{Frame, PoseResult, PoseSpec};
@@ -16,6 +18,9 @@ use crate::summary::{self, ALL_IN_REPORT};
 use crate::table::{number, table};
 use crate::{interrupt, messages};
 
+/// File of what poses leave, in the output folder.
+const FILE: &str = "creases.json";
+
 /// Simulates the poses of a scene and writes what they leave in the skin.
 ///
 /// # Errors
@@ -25,6 +30,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     let mut scene = Scene::read_with(&arguments.scene, &options)?;
     // Lines of both sides are looked for, each in its own pose.
     scene.mirror = None;
+    refuse_own_network(&scene, &arguments.output)?;
     let plan = scene.plan()?;
     let records = Records::of_age(&arguments.output);
     let earlier = arguments.resume.then_some(&records);
@@ -43,7 +49,8 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     let results = FolderResults::read(&folds.records, &folder.poses);
     let poses = summary::unless_nothing_is_there(poses, arguments, &results)?;
     let network = match &poses {
-        Ok(poses) => folds.network(poses)?,
+        Ok(poses) if poses.iter().all(is_finished) => Some(folds.network(&results)?),
+        Ok(_) => None,
         Err(_) => None,
     };
     let outcome = summary::conclude(&scene, &plan, arguments, poses, &results)?;
@@ -51,7 +58,8 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
         Some(network) if !arguments.json => messages::result(&network_table(&network)),
         Some(_) => {}
         None => messages::note(
-            "creases.json is not written, because poses are not finished; `--resume` continues",
+            "creases.json is not written, because poses are not finished; one that is there is of an earlier run. \
+             `--resume` continues",
         ),
     }
     Ok(outcome)
@@ -65,6 +73,30 @@ fn options(arguments: &RunArguments) -> Result<SceneOptions, CliError> {
         options.poses = file.memory.map_or_else(Vec::new, |memory| memory.poses);
     }
     Ok(options)
+}
+
+/// Refuses a scene that would age further with each run.
+fn refuse_own_network(scene: &Scene, output: &Path) -> Result<(), CliError> {
+    let network = scene.file.memory.as_ref();
+    let Some(network) = network.and_then(|memory| memory.network.as_ref()) else {
+        return Ok(());
+    };
+    let same = |a: &Path, b: &Path| {
+        let [a, b] = [a, b].map(|path| path.canonicalize());
+        matches!((a, b), (Ok(a), Ok(b)) if a == b)
+    };
+    if same(network, &output.join(FILE)) {
+        return Err(CliError::OwnNetwork {
+            scene: scene.path.clone(),
+            path: network.clone(),
+        });
+    }
+    messages::note("the scene has aged already: what is found is added to what its network keeps");
+    Ok(())
+}
+
+fn is_finished(pose: &Option<PoseRecord>) -> bool {
+    pose.as_ref().is_some_and(|pose| !pose.report.interrupted)
 }
 
 struct Folds<'a> {
@@ -105,32 +137,34 @@ impl Product for Folds<'_> {
 }
 
 impl Folds<'_> {
-    /// Writes the network that all poses leave, if they are finished.
-    fn network(&self, poses: &[Option<PoseRecord>]) -> Result<Option<CreaseNetwork>, CliError> {
+    /// Writes the network that the poses leave: those of this run, and those of earlier ones that the scene wants
+    /// to be held.
+    fn network(&self, results: &FolderResults) -> Result<CreaseNetwork, CliError> {
+        let memory = self.scene.file.memory.as_ref();
+        let held = memory.map_or(&[][..], |memory| &memory.poses);
+        let of_run = |name: &str| self.scene.poses.iter().any(|pose| pose.name == name);
+        let is_wanted = |pose: &&PoseRecord| {
+            let name = &pose.report.name;
+            !pose.report.interrupted && (held.is_empty() || held.contains(name) || of_run(name))
+        };
         let mut folds = Vec::new();
-        for pose in poses {
-            let Some(record) = pose.as_ref().filter(|pose| !pose.report.interrupted) else {
-                return Ok(None);
-            };
+        for record in results.current.iter().filter(is_wanted) {
             for file in &record.files {
                 folds.push(self.read(file)?);
             }
         }
         let network = self.scene.network(&folds);
-        network.write(&self.arguments.output.join("creases.json"))?;
-        Ok(Some(network))
+        network.write(&self.arguments.output.join(FILE))?;
+        Ok(network)
     }
 
     fn read(&self, file: &str) -> Result<PoseFolds, CliError> {
         let path = self.arguments.output.join(file);
         let bytes = ruga_io::read_bytes(&path)?;
-        serde_json::from_slice(&bytes).map_err(|error| {
-            let reason = "; remove it, and `--resume` simulates the pose again";
-            CliError::from(IoError::malformed(
-                &path,
-                "folds of a pose",
-                format!("{error}{reason}"),
-            ))
+        let folds = serde_json::from_slice(&bytes).ok();
+        folds.filter(PoseFolds::is_whole).ok_or_else(|| {
+            let reason = "was changed; remove it, and `--resume` simulates the pose again";
+            IoError::malformed(&path, "folds of a pose", reason).into()
         })
     }
 }
@@ -138,8 +172,8 @@ impl Folds<'_> {
 /// Table of what the skin keeps.
 fn network_table(network: &CreaseNetwork) -> String {
     if network.creases.is_empty() {
-        return "The poses leave no lines: no crease is folded by more than its `yield`, and no wrinkle by more \
-                than `wrinkle_yield`, over two wavelengths."
+        return "The poses leave no lines: no crease is folded by more than its `yield`, and no wrinkle turns the skin \
+                by more than `wrinkle_yield` along two wavelengths of its valley."
             .to_owned();
     }
     let new = network
@@ -157,9 +191,12 @@ fn network_table(network: &CreaseNetwork) -> String {
     };
     let rows: Vec<_> = network.creases.iter().map(row).collect();
     let headings = ["crease", "layer", "length", "keeps up to"];
+    let new = match new.count() {
+        0 => "No new lines.".to_owned(),
+        count => format!("{} left by wrinkles.", counted(count, "line")),
+    };
     format!(
-        "{}\n{} left by wrinkles. They are in creases.json: `network` under [memory] names it in a scene.",
-        table(&headings, &rows),
-        counted(new.count(), "line")
+        "{}\n{new} All is in creases.json: `network` under [memory] names it in a scene.",
+        table(&headings, &rows)
     )
 }

@@ -38,7 +38,10 @@ impl<'a> CreaseJson<'a> {
             load: waves.reduced_load(0.0),
             // Without softness it is as any other line, and folds with the layer.
             stiffness: kappa.min(1e6),
-            rest_angle: crease.law.angle + crease.memory.largest_angle().abs(),
+            rest_angle: {
+                let kept = crease.memory.largest_angle();
+                crease.law.angle + if crease.is_ridge { -kept } else { kept }
+            },
             anchor: crease.anchor.map_or(0.0, |anchor| anchor.stiffness),
             anchor_depth: crease
                 .anchor

@@ -20,11 +20,11 @@ pub struct Memory {
     /// Poses that `ruga age` holds, each for itself; none: every pose of the scene.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub poses: Vec<String>,
-    /// What a crease gives back: it keeps what a pose folds it beyond this, degrees, above 0 and up to 150.
+    /// What a crease gives back: it keeps what a pose folds it beyond this, degrees, from 1 to 150.
     #[serde(rename = "yield")]
     pub yield_angle: f64,
     /// The same of wrinkles: skin that turns by more than this across a valley, from flank to flank, keeps a line
-    /// there, and of the angle what is beyond; degrees, above 0 and up to 180, where no wrinkle does.
+    /// there, and of the angle what is beyond; degrees, from 10 to 180, where no wrinkle does.
     pub wrinkle_yield: f64,
     /// How much softer a line becomes: a crease that is folded by twice its `yield` gains this share of its
     /// softness. Without any, 0, lines keep angles alone.
@@ -49,12 +49,12 @@ impl SceneFile {
             return Ok(());
         };
         let angles = [
-            ("memory.yield", memory.yield_angle, 150.0),
-            ("memory.wrinkle_yield", memory.wrinkle_yield, 180.0),
+            ("memory.yield", memory.yield_angle, [1.0, 150.0]),
+            ("memory.wrinkle_yield", memory.wrinkle_yield, [10.0, 180.0]),
         ];
-        for (key, angle, most) in angles {
-            if !(angle > 0.0 && angle <= most) {
-                return fault(key, angle, &format!("degrees above 0, up to {most}"));
+        for (key, angle, [least, most]) in angles {
+            if !(least..=most).contains(&angle) {
+                return fault(key, angle, &format!("degrees from {least} to {most}"));
             }
         }
         not_negative("memory.weakening", memory.weakening)?;

@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, VecDeque};
 
 use nalgebra::Vector3;
-use ruga_mesh::{Id, MaterialPoint, VertexId};
+use ruga_mesh::{EdgeId, Id, MaterialPoint, VertexId};
 
 use crate::skin::fading::faded;
 use crate::skin::skin_mesh::SkinMesh;
@@ -69,6 +69,13 @@ impl LineShift {
 
     /// The shifts of the vertices on lines that the other mesh has as well.
     fn sources(&mut self, from: &SkinMesh, to: &SkinMesh) -> BTreeMap<VertexId, Source> {
+        let mut chords: BTreeMap<usize, Vec<Chord>> = BTreeMap::new();
+        for crease in &from.creases {
+            let ends = from.mesh.edges()[crease.edge].vertices;
+            let ends = ends.map(|v| from.rest.positions[v.index()]);
+            let chord = (crease.edge, ends);
+            chords.entry(crease.line).or_default().push(chord);
+        }
         let mut sources = BTreeMap::new();
         for crease in &to.creases {
             for v in to.mesh.edges()[crease.edge].vertices {
@@ -76,7 +83,8 @@ impl LineShift {
                     continue;
                 }
                 let here = to.rest.positions[v.index()];
-                if let Some((place, shift, length)) = nearest_on_line(from, crease.line, &here) {
+                let on_line = chords.get(&crease.line).map_or(&[][..], Vec::as_slice);
+                if let Some((place, shift, length)) = nearest_on_line(from, on_line, &here) {
                     let reach = REACH * length;
                     sources.insert(v, Source { shift, reach });
                     self.on_line.push((v, place));
@@ -87,18 +95,18 @@ impl LineShift {
     }
 }
 
+/// An edge on a crease line, and the places of its ends.
+type Chord = (EdgeId, [Vector3<f64>; 2]);
+
 /// The nearest place on the edges that a mesh has on a line, the way there (m), and the length of the edge (m).
 fn nearest_on_line(
     skin: &SkinMesh,
-    line: usize,
+    chords: &[Chord],
     here: &Vector3<f64>,
 ) -> Option<(MaterialPoint, Vector3<f64>, f64)> {
-    let edges = skin.creases.iter().filter(|crease| crease.line == line);
-    let found = edges.map(|crease| {
-        let chord = skin.mesh.edges()[crease.edge].vertices;
-        let chord = chord.map(|v| skin.rest.positions[v.index()]);
-        (crease.edge, chord, foot(here, chord))
-    });
+    let found = chords
+        .iter()
+        .map(|&(edge, chord)| (edge, chord, foot(here, chord)));
     let (edge, [a, b], (_, share)) = found.min_by(|a, b| a.2.0.total_cmp(&b.2.0))?;
     let (shift, length) = (a.lerp(&b, share) - here, (b - a).norm());
     let (face, corner) = skin.mesh.edge_sides(edge)[0]?;
