@@ -134,8 +134,12 @@ fn a_body_is_planned_checked_simulated_and_baked() {
     assert!((measured / 0.04 - 1.0).abs() < 0.25, "{layer}");
     assert!(layer["amplitude_m"].as_f64().unwrap() > 2e-4, "{layer}");
 
-    folder.ruga("bake body.toml -o out --threads 1").exits(0);
-    folder.ruga("bake body.toml -o two --threads 2").exits(0);
+    folder
+        .ruga("bake body.toml -o out --quality draft --threads 1")
+        .exits(0);
+    folder
+        .ruga("bake body.toml -o two --quality draft --threads 2")
+        .exits(0);
     for file in [
         "press_50_normal.png",
         "press_100_normal.png",
@@ -159,7 +163,9 @@ fn a_body_is_planned_checked_simulated_and_baked() {
         "keys = [0.5, 1.0]\nsteps = 2",
         "keys = [0.5]\nsteps = 2",
     );
-    folder.ruga("bake body.toml -o mesh --threads 1").exits(0);
+    folder
+        .ruga("bake body.toml -o mesh --quality draft --threads 1")
+        .exits(0);
     let of = |run: &str| folder.read(&format!("{run}/maps/press_50_normal.png"));
     assert_ne!(of("out"), of("mesh"), "the block's own facets");
 }
