@@ -9,7 +9,7 @@ use ruga_crease::{Corners, CreaseMemory, Drive, LineInput, LineLaw, LineTracer};
 use ruga_material::{CreaseLoad, crease_depth, wrinkling};
 use ruga_stepper::{
     Coupling, CreaseAnchor, CreaseSpec, FoldSense, Frame, LayerSpec, Modelling, Observer,
-    PoseResult, PoseSpec, Region, Silent, plan,
+    PoseResult, PoseSpec, Region, Silent, Stack, plan,
 };
 
 /// Thickness of the forehead preset's layer over its bending length, roughly: widths are of this order.
@@ -270,4 +270,23 @@ fn a_line_as_stiff_as_the_skin_is_none() {
     assert!((energy - 1.0).abs() < 0.005, "{energy}");
     let amplitude = hardly.amplitude / without.amplitude;
     assert!((amplitude - 1.0).abs() < 0.08, "{amplitude}");
+}
+
+/// A layer that lies on another one has no lines of its own, and a joint pair none at all.
+#[test]
+fn lines_are_refused_where_nothing_would_fold() {
+    let driver = driver();
+    let lined = creased(crease(&driver, 0.0), Coupling::Elastic);
+    let mut plain = skin("forehead-furrow", Coupling::Elastic);
+    plain.name = "other".into();
+    let poses = [pose(&driver, "press", 1.0)];
+    for (layers, stack) in [
+        ([plain.clone(), lined.clone()], Stack::Nominal),
+        ([lined, plain], Stack::Joint),
+    ] {
+        let modelling = Modelling { stack, ..draft() };
+        let refused = plan(&driver, &layers, &poses, &modelling, 1024).map(|_| ());
+        let said = refused.expect_err("creases that cannot be").to_string();
+        assert!(said.contains("`creases` is 1; accepted: none"), "{said}");
+    }
 }

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use ruga_material::{StackLayer, StackPair, Wrinkling, composite_layers, wrinkling};
 
+use crate::error::{Checked, refuse};
 use crate::skin::upper_shell::UpperShell;
 use crate::support::support_surface::Attachment;
 use crate::{Coupling, LayerSpec, Stack, StepperError};
@@ -24,9 +25,29 @@ pub(crate) struct Stacking {
     pub(crate) joint: Option<UpperShell>,
 }
 
+/// Refuses creases but in the lowest of layers that do not move together.
+fn check_creases(layers: &[LayerSpec], stack: Stack) -> Checked {
+    let creased = |layer: &&LayerSpec| !layer.creases.is_empty();
+    let (refused, accepted) = match stack {
+        Stack::Joint => (layers.iter().find(creased), "none in a joint pair"),
+        Stack::Nominal | Stack::Composite => (
+            layers.iter().skip(1).find(creased),
+            "none but in the lowest layer",
+        ),
+    };
+    match refused {
+        None => Ok(()),
+        Some(layer) => {
+            let of = format!("layer '{}'", layer.name);
+            refuse(of, "creases", layer.creases.len(), accepted)
+        }
+    }
+}
+
 impl Stacking {
     /// Applies the meaning of the stack to `layers`.
     pub(crate) fn new(layers: &[LayerSpec], stack: Stack) -> Result<Self, StepperError> {
+        check_creases(layers, stack)?;
         let alone = layers.iter().map(alone).collect::<Result<Vec<_>, _>>()?;
         let pairs = (1..layers.len())
             .map(|k| {
