@@ -4,40 +4,17 @@
 
 mod fixture;
 
-use std::fmt::Write;
-
-use fixture::Folder;
+use fixture::{Folder, strip};
 use serde_json::{Value, json};
 
 /// Vertices along and across a strip of skin 16 cm long.
 const COUNT: [usize; 2] = [17, 5];
 
-/// A strip as OBJ, shortened by a share along its length and by another across it.
-fn strip([along, across]: [f64; 2]) -> String {
-    let [columns, rows] = COUNT;
-    let mut text = String::new();
-    for row in 0..rows {
-        for column in 0..columns {
-            let [x, y] = [column, row].map(|i| 0.01 * i as f64);
-            writeln!(
-                text,
-                "v {:.6} {:.6} 0",
-                (1.0 - along) * x,
-                (1.0 - across) * y
-            )
-            .unwrap();
-            let [u, v] = [x / 0.16, 0.25 * y / 0.04];
-            writeln!(text, "vt {u:.6} {v:.6}").unwrap();
-        }
-    }
-    for row in 0..rows - 1 {
-        for column in 0..columns - 1 {
-            let a = 1 + row * columns + column;
-            let [b, c, d] = [a + 1, a + 1 + columns, a + columns];
-            writeln!(text, "f {a}/{a} {b}/{b} {c}/{c}\nf {a}/{a} {c}/{c} {d}/{d}").unwrap();
-        }
-    }
-    text
+/// A strip shortened by a share along its length.
+fn shortened(along: f64) -> String {
+    strip(COUNT, 0.25, |column, row| {
+        [(1.0 - along) * 0.01 * column as f64, 0.01 * row as f64]
+    })
 }
 
 const POSES: [&str; 2] = [
@@ -48,8 +25,8 @@ const POSES: [&str; 2] = [
 /// A strip with a crease across it.
 fn folder() -> Folder {
     let folder = Folder::new();
-    folder.write("strip.obj", strip([0.0; 2]));
-    folder.write("press.obj", strip([0.13, 0.0]));
+    folder.write("strip.obj", shortened(0.0));
+    folder.write("press.obj", shortened(0.13));
     folder.write("scene.toml", scene(POSES, ""));
     folder
 }

@@ -4,47 +4,26 @@
 
 mod fixture;
 
-use std::fmt::Write;
-
-use fixture::Folder;
+use fixture::{Folder, strip};
 
 /// Vertices along and across a strip of skin whose middle is at x = 0.
 const COUNT: [usize; 2] = [13, 5];
 
-/// A strip as OBJ, with the part beyond `side` squeezed towards the middle: -1 left, 1 right, 0 none.
-fn strip(side: f64) -> String {
-    let [columns, rows] = COUNT;
-    let mut text = String::new();
-    for row in 0..rows {
-        for column in 0..columns {
-            let x = -0.06 + 0.01 * column as f64;
-            let squeezed = if x * side > 0.0 { 0.88 * x } else { x };
-            writeln!(text, "v {squeezed:.6} {:.6} 0", 0.01 * row as f64).unwrap();
-            let v = 0.3 * row as f64 / (rows - 1) as f64;
-            writeln!(
-                text,
-                "vt {:.6} {v:.6}",
-                column as f64 / (columns - 1) as f64
-            )
-            .unwrap();
-        }
-    }
-    for row in 0..rows - 1 {
-        for column in 0..columns - 1 {
-            let a = 1 + row * columns + column;
-            let [b, c, d] = [a + 1, a + 1 + columns, a + columns];
-            // The same diagonal everywhere, as exporters do: it is the other one on the other side.
-            writeln!(text, "f {a}/{a} {b}/{b} {c}/{c}\nf {a}/{a} {c}/{c} {d}/{d}").unwrap();
-        }
-    }
-    text
+/// A strip with the part beyond `side` squeezed towards the middle: -1 left, 1 right, 0 none. Its diagonals are other
+/// ones on the other side.
+fn squeezed(side: f64) -> String {
+    strip(COUNT, 0.3, |column, row| {
+        let x = -0.06 + 0.01 * column as f64;
+        let x = if x * side > 0.0 { 0.88 * x } else { x };
+        [x, 0.01 * row as f64]
+    })
 }
 
 /// A scene of a left and a right pose.
 fn folder() -> Folder {
     let folder = Folder::new();
     for (name, side) in [("strip.obj", 0.0), ("left.obj", -1.0), ("right.obj", 1.0)] {
-        folder.write(name, strip(side));
+        folder.write(name, squeezed(side));
     }
     let scene = "version = 1\n[driver]\nmesh = \"strip.obj\"\nsymmetry = \"x\"\n\
                  targets = { left = \"left.obj\", right = \"right.obj\" }\n\

@@ -6,17 +6,17 @@ use nalgebra::Vector3;
 use ruga_crease::{
     CreaseMemory, FoldedLine, Kept, LARGEST_ANGLE, NewLines, Relief, YieldLaw, valleys,
 };
-use ruga_material::wrinkling;
+use ruga_material::{Wrinkling, wrinkling};
 use ruga_mesh::{FaceId, TriMesh, vertex_means};
-use ruga_stepper::{FoldSample, LayerSpec, LayerSurface, PoseResult, PoseSpec};
+use ruga_stepper::{CreaseSpec, FoldSample, LayerSpec, LayerSurface, PoseResult, PoseSpec};
 use serde::{Deserialize, Serialize};
 
 use crate::Scene;
 use crate::file::Memory;
 use crate::network::{CreaseNetwork, KeptCrease};
 
-/// Distance of new lines from each other and from creases, in wavelengths: half of it would be the next valley's
-/// ridge.
+/// Distance of new lines from each other and from creases, in wavelengths: valleys of one pose are a whole one
+/// apart, and what is nearer is the same valley in another pose.
 const APART: f64 = 0.5;
 
 /// Length of a new line, in wavelengths, from which on it is kept.
@@ -72,6 +72,9 @@ pub struct ValleyFold {
 impl Scene {
     /// How a simulated pose folds the skin at its last key; the states of the layers' faces are used where they are
     /// there.
+    ///
+    /// # Panics
+    /// When a layer cannot be, which planning refuses.
     pub fn folds(&self, pose: &PoseSpec, result: &PoseResult) -> PoseFolds {
         let surfaces = result.keys.last().map_or(&[][..], |key| &key.layers[..]);
         let reports = result.layers.iter();
@@ -118,8 +121,7 @@ impl Scene {
         let Ok(mesh) = TriMesh::new(count, surface.faces.clone()) else {
             return Vec::new();
         };
-        let nominal = wrinkling(&layer.material, &layer.substrate, layer.model);
-        let nominal = nominal.map_or(0.0, |waves| waves.wavelength);
+        let nominal = waves(layer).wavelength;
         let wavelength = |face: FaceId| {
             let states = surface.face_states.as_ref();
             let state = states.and_then(|states| states.get(face.0 as usize));
@@ -183,9 +185,13 @@ impl Scene {
 
     /// The creases that poses leave in the skin. Their order does not matter: of several poses the one that folds a
     /// place most decides.
+    ///
+    /// # Panics
+    /// When a layer cannot be, which planning refuses.
     pub fn network(&self, poses: &[PoseFolds]) -> CreaseNetwork {
         let mut poses: Vec<&PoseFolds> = poses.iter().collect();
         poses.sort_by(|a, b| a.pose.cmp(&b.pose));
+        let old = self.lines_of_wrinkles();
         let mut creases = Vec::new();
         for layer in self
             .layers
@@ -195,7 +201,8 @@ impl Scene {
             let of_layer = poses.iter().flat_map(|pose| &pose.layers);
             let folds = of_layer.filter(|folds| folds.layer == layer.name);
             let folds: Vec<&LayerFolds> = folds.collect();
-            creases.extend(self.kept_of_creases(layer, &folds));
+            let layer = (layer, waves(layer).wavelength);
+            creases.extend(self.kept_of_creases(layer, &folds, &old));
             creases.extend(self.new_creases(layer, &folds));
         }
         let names = poses.iter().map(|pose| pose.pose.clone());
@@ -203,24 +210,24 @@ impl Scene {
     }
 
     /// What the creases of a layer keep.
-    fn kept_of_creases(&self, layer: &LayerSpec, folds: &[&LayerFolds]) -> Vec<KeptCrease> {
+    fn kept_of_creases(
+        &self,
+        (layer, wavelength): (&LayerSpec, f64),
+        folds: &[&LayerFolds],
+        old: &BTreeMap<String, KeptCrease>,
+    ) -> Vec<KeptCrease> {
         let memory = self.memory();
         let law = YieldLaw {
             limit: memory.yield_angle.to_radians(),
             weakening: memory.weakening,
         };
-        let nominal = wrinkling(&layer.material, &layer.substrate, layer.model);
-        let Ok(waves) = nominal else {
-            return Vec::new();
-        };
-        let old = self.lines_of_wrinkles();
         let mut by_name: BTreeMap<&str, Vec<&CreaseFolds>> = BTreeMap::new();
         for folds in folds.iter().flat_map(|folds| &folds.creases) {
             by_name.entry(&folds.name).or_default().push(folds);
         }
         let kept = layer.creases.iter().filter_map(|crease| {
             let length = crease.line.length();
-            let steps = (SAMPLES * length / waves.wavelength).ceil().max(2.0) as u32;
+            let steps = (SAMPLES * length / wavelength).ceil().max(2.0) as u32;
             let own = by_name.get(crease.name.as_str()).into_iter().flatten();
             let is_closed = crease.line.is_closed();
             let held = own.map(|folds| kept_by(&law, folds, is_closed));
@@ -273,26 +280,21 @@ impl Scene {
     }
 
     /// The lines that wrinkles of a layer leave.
-    fn new_creases(&self, layer: &LayerSpec, folds: &[&LayerFolds]) -> Vec<KeptCrease> {
+    fn new_creases(
+        &self,
+        (layer, wavelength): (&LayerSpec, f64),
+        folds: &[&LayerFolds],
+    ) -> Vec<KeptCrease> {
         let memory = self.memory();
         let law = YieldLaw {
             limit: memory.wrinkle_yield.to_radians(),
             weakening: memory.weakening,
         };
-        let nominal = wrinkling(&layer.material, &layer.substrate, layer.model);
-        let Ok(waves) = nominal else {
-            return Vec::new();
-        };
         let there = layer
             .creases
             .iter()
-            .flat_map(|crease| self.spaced(crease, APART * waves.wavelength));
-        let mut lines = NewLines::new(
-            APART * waves.wavelength,
-            SHORTEST * waves.wavelength,
-            law.limit,
-            there,
-        );
+            .flat_map(|crease| self.spaced(crease, APART * wavelength));
+        let mut lines = NewLines::new(APART * wavelength, SHORTEST * wavelength, law.limit, there);
         let found = folds.iter().flat_map(|folds| &folds.valleys);
         let found: Vec<FoldedLine> = found
             .map(|valley| FoldedLine {
@@ -332,7 +334,7 @@ impl Scene {
     }
 
     /// Places of a crease at rest, at most `spacing` (m) apart.
-    fn spaced(&self, crease: &ruga_stepper::CreaseSpec, spacing: f64) -> Vec<Vector3<f64>> {
+    fn spaced(&self, crease: &CreaseSpec, spacing: f64) -> Vec<Vector3<f64>> {
         let (mesh, rest) = (self.driver.topology(), self.driver.rest());
         let length = crease.line.length();
         let steps = (2.0 * length / spacing).ceil().max(1.0) as u32;
@@ -343,6 +345,12 @@ impl Scene {
         });
         places.map(|place| place.interpolate(mesh, rest)).collect()
     }
+}
+
+/// How a layer wrinkles by its own numbers.
+fn waves(layer: &LayerSpec) -> Wrinkling {
+    let waves = wrinkling(&layer.material, &layer.substrate, layer.model);
+    waves.expect("planning refuses a layer that cannot be")
 }
 
 fn in_numbers(sample: &FoldSample) -> [f64; 4] {

@@ -113,16 +113,27 @@ impl KeptCrease {
             let wrong = points.clone().find(|c| !c.is_finite());
             wrong.map(|c| format!("`points_m`: found {c}; accepted: finite numbers"))
         });
-        wrong.or_else(|| match self.points_m.len() {
-            _ if self.along.is_empty() => {
-                Some("`along`: found none; accepted: at least one sample".to_owned())
-            }
-            _ if !(self.length_m > 0.0 && self.length_m.is_finite()) => Some(format!(
-                "`length_m`: found {}; accepted: a length above 0",
-                self.length_m
-            )),
-            1 => Some("`points_m`: found 1 point; accepted: none, or at least 2".to_owned()),
-            _ => None,
+        let is_length = self.length_m > 0.0 && self.length_m.is_finite();
+        let checks = [
+            (
+                !self.along.is_empty(),
+                "`along`: found none; accepted: at least one sample".to_owned(),
+            ),
+            (
+                is_length,
+                format!(
+                    "`length_m`: found {}; accepted: a length above 0",
+                    self.length_m
+                ),
+            ),
+            (
+                self.points_m.len() != 1,
+                "`points_m`: found 1 point; accepted: none, or at least 2".to_owned(),
+            ),
+        ];
+        wrong.or_else(|| {
+            let wrong = checks.into_iter().find(|(holds, _)| !holds);
+            wrong.map(|(_, reason)| reason)
         })
     }
 }

@@ -52,7 +52,7 @@ impl CreaseSpec {
         self.drive.strength(load, &by_shape)
     }
 
-    /// Whether the line is drawn into a fold at a strength, and does not only give way.
+    /// Whether the line is folded at a strength by what draws it or by what it keeps, and does not only give way.
     pub(crate) fn is_drawn(&self, strength: f64) -> bool {
         let depth = self.anchor.map_or(0.0, |anchor| anchor.depth);
         let is_drawn = strength > 0.0 && (self.law.angle > 0.0 || depth > 0.0);
@@ -94,10 +94,11 @@ impl CreaseSpec {
         (strength, remembered): (f64, f64),
         modulus: f64,
     ) -> Crease {
-        let mean = |value: &dyn Fn(f64) -> f64| 0.5 * (value(ends[0]) + value(ends[1]));
-        let taper = mean(&|at| self.taper(at));
-        let kept_angle = mean(&|at| self.memory.at(self.share(at)).angle);
-        let kept_softness = mean(&|at| self.memory.at(self.share(at)).softness);
+        let mean = |[from, to]: [f64; 2]| 0.5 * (from + to);
+        let taper = mean(ends.map(|at| self.taper(at)));
+        let kept = ends.map(|at| self.memory.at(self.share(at)));
+        let kept_angle = mean(kept.map(|kept| kept.angle));
+        let kept_softness = mean(kept.map(|kept| kept.softness));
         let angle = self.law.rest_angle(taper * strength);
         let drawn = if self.is_ridge { -angle } else { angle };
         Crease {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use ruga_io::{IoError, write_atomically};
-use ruga_scene::{CreaseNetwork, PoseFolds, Scene, SceneFile, SceneOptions, counted};
+use ruga_scene::{CreaseNetwork, KeptCrease, PoseFolds, Scene, SceneFile, SceneOptions, counted};
 use ruga_stepper::{Frame, PoseResult, PoseSpec};
 
 use crate::arguments::RunArguments;
@@ -50,8 +50,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     let poses = summary::unless_nothing_is_there(poses, arguments, &results)?;
     let network = match &poses {
         Ok(poses) if poses.iter().all(is_finished) => Some(folds.network(&results)?),
-        Ok(_) => None,
-        Err(_) => None,
+        _ => None,
     };
     let outcome = summary::conclude(&scene, &plan, arguments, poses, &results)?;
     match network {
@@ -180,7 +179,7 @@ fn network_table(network: &CreaseNetwork) -> String {
         .creases
         .iter()
         .filter(|crease| !crease.points_m.is_empty());
-    let row = |crease: &ruga_scene::KeptCrease| {
+    let row = |crease: &KeptCrease| {
         let memory = crease.memory();
         vec![
             crease.name.clone(),

@@ -36,7 +36,7 @@ pub(crate) const CREASE_REACH: f64 = 0.5;
 pub(crate) const CREASE_FILLING: f64 = 0.5;
 
 /// Edges at a share of the reach over those on the line, which are as short as wrinkles need. Of a furrow
-/// no less than with short edges everywhere is found, with an eighth less of a layer's vertices.
+/// no less than with short edges everywhere is found, with a twelfth less of a cheek's vertices.
 fn crease_edges(share: f64) -> f64 {
     1.0 + 2.0 * share * share
 }
