@@ -72,7 +72,10 @@ fn shared_inputs(scene: &Scene) -> Result<Fingerprint, CliError> {
         let maps = layer.map.iter().flat_map(|map| map.images());
         maps.chain(layer.mask.as_deref())
     });
-    for image in painted {
+    let growths = scene.file.growths.iter();
+    let grown = growths.flat_map(|growth| [&growth.image, &growth.direction_image]);
+    let grown = grown.filter_map(Option::as_deref);
+    for image in painted.chain(grown) {
         for file in scene.image_files(image) {
             // Which of the tiles a file is of counts, too.
             if scene.is_tiled() {

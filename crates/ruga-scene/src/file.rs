@@ -5,6 +5,7 @@
 
 mod creases;
 mod fault;
+mod growths;
 mod interior;
 mod memory;
 mod names;
@@ -28,6 +29,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use creases::{Anchor, Corners, Crease, Drive, Fold};
+pub use growths::Growth;
 pub use interior::{Cylinder, Handle, Interior, Motion, Obstacle, Plane, Sphere};
 pub use memory::Memory;
 pub use names::{is_usable_file_name, usable_file_name};
@@ -67,11 +69,14 @@ pub struct SceneFile {
     /// Lines along which layers fold.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub creases: Vec<Crease>,
+    /// Layers that grow or shrink.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub growths: Vec<Growth>,
     /// If given, what the skin keeps of its poses.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub memory: Option<Memory>,
-    /// The poses; none means every blend shape at weight 1, or a body without shapes under its own
-    /// weight.
+    /// The poses; none means every blend shape and every growth at weight 1, or a body without shapes
+    /// under its own weight.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub poses: Vec<Pose>,
     /// How frames are solved.
@@ -188,16 +193,19 @@ impl From<Region> for String {
     }
 }
 
-/// A set of weights and motions, and where on the way to it maps are baked.
+/// A set of weights, growths and motions, and where on the way to it maps are baked.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Pose {
     /// Its name, also in file names.
     pub name: String,
     /// Weight of each blend shape that takes part, from -10 to 10; 1 is the whole shape. May be left
-    /// out when there is an `[interior]`.
+    /// out when there are `growths` or an `[interior]`.
     #[serde(default)]
     pub weights: BTreeMap<String, f64>,
+    /// Strength of each of `[[growths]]` that takes part, as `{ dry = 1.0 }`; 1 is the whole growth.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub growths: BTreeMap<String, f64>,
     /// Fractions of the weights at which maps are baked, above 0 and up to 1: 0.5 is half way.
     #[serde(default = "default_keys")]
     pub keys: Vec<f64>,
@@ -227,11 +235,20 @@ impl Pose {
         }
     }
 
+    /// One growth at strength 1, with the default keys and steps.
+    pub fn of_growth(name: impl Into<String>, growth: &str) -> Self {
+        Self {
+            growths: BTreeMap::from([(growth.to_owned(), 1.0)]),
+            ..Self::at_rest(name)
+        }
+    }
+
     /// Neither shapes nor motions, with the default keys and steps: a body under its own weight.
     pub fn at_rest(name: impl Into<String>) -> Self {
         Self {
             name: name.into(),
             weights: BTreeMap::new(),
+            growths: BTreeMap::new(),
             keys: default_keys(),
             steps: default_steps(),
             motions: Vec::new(),

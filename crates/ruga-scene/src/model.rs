@@ -357,6 +357,11 @@ fn pose_spec(pose: &file::Pose, driver: &Driver, path: &Path) -> Result<PoseSpec
     keys.sort_by(f64::total_cmp);
     Ok(PoseSpec {
         motions: Vec::new(),
+        growths: pose
+            .growths
+            .iter()
+            .map(|(name, s)| (name.clone(), *s))
+            .collect(),
         name: pose.name.clone(),
         weights,
         keys,

@@ -66,7 +66,18 @@ pub(crate) fn warnings(scene: &SceneFile, tiles: &[UvTile]) -> Vec<String> {
             (key, image, "the layer keeps its own values there")
         })
     });
-    let all = masks.chain(painted);
+    let growths = scene.growths.iter().enumerate().flat_map(|(i, growth)| {
+        let black = "it is black there";
+        let image = growth.image.as_deref();
+        let image = image.map(|image| (format!("growths[{i}].image"), image, black));
+        let direction = growth.direction_image.as_deref();
+        let direction = direction.map(|image| {
+            let key = format!("growths[{i}].direction_image");
+            (key, image, black)
+        });
+        image.into_iter().chain(direction)
+    });
+    let all = masks.chain(painted).chain(growths);
     all.filter_map(|(key, image, meaning)| warning((&key, image), meaning, tiles))
         .collect()
 }

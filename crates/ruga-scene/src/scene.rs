@@ -17,6 +17,7 @@ use ruga_stepper::{
 
 use crate::creases::{CreasedMesh, add_creases, texel_warning};
 use crate::file::{self, SceneFile};
+use crate::growths::add_growths;
 use crate::mask_image::mask;
 use crate::painted_files::tile_files;
 use crate::placement::Placement;
@@ -270,6 +271,10 @@ impl Inspection {
         self.problems.extend(refused);
         let layers = model::layers(&self.file, &self.path, &self.tiles);
         self.layers = self.keep(layers);
+        if let Some(layers) = &mut self.layers {
+            let added = add_growths(&self.file, &self.path, &self.tiles, layers);
+            self.keep(added);
+        }
         if let Some(layers) = &self.layers {
             let presets = model::preset_warnings(&self.file, layers);
             self.warnings.extend(presets);

@@ -156,6 +156,7 @@ fn run(driver: &Arc<Driver>, steps: u32, watch: &mut Watch) -> PoseResult {
         variation: None,
         presence: Presence::default(),
         creases: Vec::new(),
+        growths: Vec::new(),
     }];
     let weight = f64::from(steps) / f64::from(STEPS);
     let poses = [PoseSpec {
@@ -164,6 +165,7 @@ fn run(driver: &Arc<Driver>, steps: u32, watch: &mut Watch) -> PoseResult {
         keys: vec![1.0],
         steps,
         motions: Vec::new(),
+        growths: Vec::new(),
     }];
     let modelling = Modelling {
         // The planner counts the longest edges, the diagonals.

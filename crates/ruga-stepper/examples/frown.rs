@@ -38,6 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         keys: vec![0.25, 0.5, 0.75, 1.0],
         steps: 4,
         motions: Vec::new(),
+        growths: Vec::new(),
     }];
     let plan = plan(&driver, &layers, &poses, &Modelling::draft(), 1024)?;
     for warning in &plan.warnings {

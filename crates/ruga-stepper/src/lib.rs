@@ -58,6 +58,7 @@
 //!     keys: vec![1.0],
 //!     steps: 3,
 //!     motions: Vec::new(),
+//!     growths: Vec::new(),
 //! }];
 //!
 //! let plan = plan(&driver, &layers, &poses, &Modelling::draft(), 1024)?;
@@ -69,6 +70,7 @@
 //! ```
 
 mod crease;
+mod growth;
 mod mask;
 mod model;
 mod plan;
@@ -90,6 +92,7 @@ pub use plan::{
 };
 
 pub use crease::{CreaseAnchor, CreaseSpec};
+pub use growth::{GROWTH_RANGE, Grows, GrowthDirection, GrowthPaint, GrowthSpec};
 pub use mask::Mask;
 pub use model::{
     Coupling, Dynamics, EdgeLimits, LayerSpec, Modelling, PoseSpec, Presence, Region, Stack,

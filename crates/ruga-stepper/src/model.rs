@@ -13,7 +13,7 @@ use ruga_shell::BendingModel;
 use ruga_solver::{Minimise, minimise};
 
 use crate::mask::Mask;
-use crate::{CreaseSpec, Motion};
+use crate::{CreaseSpec, GrowthSpec, Motion};
 
 /// Energies and constraints that hold a layer on its support surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -74,6 +74,8 @@ pub struct LayerSpec {
     pub presence: Presence,
     /// Lines along which it folds.
     pub creases: Vec<CreaseSpec>,
+    /// Changes of its rest lengths that poses switch on ([`PoseSpec::growths`]).
+    pub growths: Vec<GrowthSpec>,
 }
 
 impl LayerSpec {
@@ -93,6 +95,7 @@ impl LayerSpec {
             variation: None,
             presence: Presence::default(),
             creases: Vec::new(),
+            growths: Vec::new(),
         }
     }
 
@@ -198,6 +201,9 @@ pub struct PoseSpec {
     /// Motions of handles and obstacles of a [`Body`](crate::Body); what is not named stands
     /// still. A keyframe between two load steps is one of its own.
     pub motions: Vec<Motion>,
+    /// Strengths at load 1 of the layers' growths, by name ([`LayerSpec::growths`]); 1 is the whole growth. Names
+    /// that no layer has say nothing.
+    pub growths: Vec<(String, f64)>,
 }
 
 impl PoseSpec {

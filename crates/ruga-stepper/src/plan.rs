@@ -32,7 +32,7 @@ use crate::skin::refined::refined;
 use crate::skin::skin_mesh::{check_boundaries, sharp_map};
 use crate::support::Interior;
 use crate::validation::{
-    check_layer, check_map_size, check_modelling, check_motionless, check_pose,
+    check_growth, check_layer, check_map_size, check_modelling, check_motionless, check_pose,
 };
 use crate::{LayerSpec, Mask, Modelling, PoseSpec, StepperError};
 
@@ -212,6 +212,9 @@ pub fn plan(
     for pose in poses {
         check_pose(driver, pose)?;
         check_motionless(pose)?;
+        layers
+            .iter()
+            .try_for_each(|layer| check_growth(layer, pose))?;
     }
     let region = modelling.region.mask();
     // The region's mask becomes one of every layer's, so that both kinds cut and fade alike.

@@ -11,5 +11,5 @@ mod neighbourhood;
 pub(crate) mod patches;
 mod run_ahead;
 mod stack_run;
-mod strain_ratio;
+pub(crate) mod strain_ratio;
 mod upper_layers;

@@ -8,7 +8,10 @@ use std::ops::RangeInclusive;
 use ruga_blend::Driver;
 
 use crate::error::{Checked, refuse};
-use crate::{EdgeLimits, LayerSpec, Modelling, PoseSpec, StepperError};
+use crate::growth::PoseGrowth;
+use crate::{
+    EdgeLimits, GROWTH_RANGE, Grows, GrowthSpec, LayerSpec, Modelling, PoseSpec, StepperError,
+};
 
 /// Load steps of a pose: every one is kept in a list and solved, and ten are usual.
 const STEPS: RangeInclusive<u32> = 1..=100_000;
@@ -60,6 +63,18 @@ pub(crate) fn check_unanchored(layer: &LayerSpec) -> Checked {
     }
 }
 
+/// Refuses growths of what lies below a layer on a body, which has a size of its own.
+pub(crate) fn check_grows(layer: &LayerSpec) -> Checked {
+    let below = |growth: &&GrowthSpec| growth.grows == Grows::Below;
+    match layer.growths.iter().find(below) {
+        None => Ok(()),
+        Some(growth) => {
+            let of = format!("layer '{}', growth '{}'", layer.name, growth.name);
+            refuse(of, "grows", "what lies below", "the layer on a soft body")
+        }
+    }
+}
+
 /// Checks the side of the maps in texels.
 pub(crate) fn check_map_size(map_size: u32) -> Checked {
     match map_size {
@@ -93,6 +108,20 @@ pub(crate) fn check_pose(driver: &Driver, pose: &PoseSpec) -> Checked {
         return refuse(of, "steps", pose.steps, accepted);
     }
     check_keys(&of, &pose.keys)
+}
+
+/// Refuses growths of a layer that together leave no length, or more than film theory is good for, in a pose.
+pub(crate) fn check_growth(layer: &LayerSpec, pose: &PoseSpec) -> Checked {
+    let of = format!("pose '{}', layer '{}'", pose.name, layer.name);
+    let [least, most] = GROWTH_RANGE;
+    let [low, high] = PoseGrowth::new(layer, pose).changes();
+    // Asked like this, what is no number is refused too.
+    if low >= least && high <= most {
+        return Ok(());
+    }
+    let accepted =
+        format!("changes of length from {least} to {most} of the layer against what lies below");
+    refuse(of, "growths", format!("{low:.3} to {high:.3}"), accepted)
 }
 
 /// Refuses motions of a pose that has no body to move.

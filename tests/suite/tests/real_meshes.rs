@@ -231,6 +231,7 @@ fn plan_every_shape(path: &Path) -> Result<Vec<f64>, String> {
             keys: vec![1.0],
             steps: 1,
             motions: Vec::new(),
+            growths: Vec::new(),
         })
         .collect();
     // The cubes are two metres wide: under thin skin their planning meshes grow to the limit.

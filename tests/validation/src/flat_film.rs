@@ -5,7 +5,8 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{Vector2, Vector3};
 use ruga_material::{LayerMaterial, Substrate, WavelengthModel, Wrinkling, wrinkling};
 use ruga_stepper::{
-    LayerSpec, LayerSurface, Modelling, Observer, PoseResult, Progress, Silent, StepperError, plan,
+    Grows, GrowthDirection, GrowthPaint, GrowthSpec, LayerSpec, LayerSurface, Mask, Modelling,
+    Observer, PoseResult, Progress, Silent, StepperError, plan,
 };
 
 use crate::{FlatSurface, Lines, patch_driver, patch_pose};
@@ -22,6 +23,9 @@ const SAMPLES: f64 = 32.0;
 /// Wavelengths, over the critical one, between which the film's is looked for.
 const RANGE: [f64; 2] = [0.6, 1.6];
 
+/// Texels of a painted growth.
+const PAINTED: u32 = 512;
+
 /// Distance of the loads at which the onset is looked for, as a share of them, and how many there are
 /// in the bracket of 1.1/1.05 that a run leaves.
 const ONSET_STEP: f64 = 0.004;
@@ -29,8 +33,8 @@ const ONSET_LOADS: i32 = 13;
 /// Load far above any onset, in critical strains.
 const BRACKETED: f64 = 1.5;
 
-/// A film 0.1 mm thick on a half-space, on a rectangular patch that a blend shape compresses along x:
-/// evenly, but for both ends, towards which the compression fades out.
+/// A film 0.1 mm thick on a half-space, on a rectangular patch that a blend shape compresses along x, or that
+/// grows against its base as much: evenly, but for both ends, towards which the compression fades out.
 ///
 /// The product holds the film at the border of the patch. Where the compression fades, wrinkles end by
 /// themselves, so that no end makes them a whole number of half-waves. The sides flatten them; what is
@@ -50,6 +54,17 @@ pub struct FlatFilm {
     /// Radius of the cylinder about an axis along y on which the patch lies, in critical wavelengths; flat
     /// without.
     pub radius: Option<f64>,
+    /// Cause of its compression.
+    pub cause: Cause,
+}
+
+/// What compresses a film.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// A blend shape.
+    Shape,
+    /// Its own growth on a base that stays as it is.
+    Growth,
 }
 
 /// Length of either end over which the compression fades, in critical wavelengths.
@@ -111,6 +126,7 @@ impl FlatFilm {
             squares: 1.0,
             mesh_seed: None,
             radius: None,
+            cause: Cause::Shape,
         }
     }
 
@@ -140,14 +156,68 @@ impl FlatFilm {
         [0, 1].map(|i| (self.waves[i] - 2.0 * MARGINS[i]) * wavelength)
     }
 
+    /// Half of the even part, the length over which the compression fades, and how far beyond the even part `x` is, m.
+    fn fading(&self, x: f64) -> [f64; 3] {
+        let wavelength = self.theory().wavelength;
+        let [even, fading] = [0.5 * self.waves[0], FADING].map(|waves| waves * wavelength);
+        [even, fading, (x.abs() - even).clamp(0.0, fading)]
+    }
+
     /// Where the full pose puts what is at `x`, m.
     fn posed(&self, x: f64) -> f64 {
-        let theory = self.theory();
-        let [even, fading] = [0.5 * self.waves[0], FADING].map(|waves| waves * theory.wavelength);
+        if self.cause == Cause::Growth {
+            return x;
+        }
+        let [even, fading, beyond] = self.fading(x);
         // The integral of a cosine's half-wave from 1 to 0.
-        let beyond = (x.abs() - even).clamp(0.0, fading);
         let wave = 0.5 * (beyond + fading / PI * (PI * beyond / fading).sin());
-        x - self.load * theory.critical_strain * (x.abs().min(even) + wave).copysign(x)
+        x - self.load * self.theory().critical_strain * (x.abs().min(even) + wave).copysign(x)
+    }
+
+    /// Growth of the film that compresses it as a blend shape does at a load, in critical strains.
+    fn growth_at(&self, load: f64) -> f64 {
+        1.0 / (1.0 - load * self.theory().critical_strain) - 1.0
+    }
+
+    /// The growth that compresses the film as the blend shape would, painted where it fades.
+    fn growth(&self) -> GrowthSpec {
+        let share = |i: u32| {
+            let u = (f64::from(i) + 0.5) / f64::from(PAINTED);
+            let [_, fading, beyond] = self.fading((u - 0.5) * self.extent()[0]);
+            let load = 0.5 * self.load * (1.0 + (PI * beyond / fading).cos());
+            (self.growth_at(load) / self.growth_at(self.load)) as f32
+        };
+        let image = Mask::new(PAINTED, 1, (0..PAINTED).map(share).collect());
+        GrowthSpec {
+            name: "growth".to_owned(),
+            grows: Grows::Layer,
+            along: self.growth_at(self.load),
+            across: 0.0,
+            direction: GrowthDirection::Angle(0.0),
+            paint: Some(GrowthPaint {
+                image: image.expect("greys from 0 to 1"),
+                range: [0.0, 1.0],
+            }),
+        }
+    }
+
+    /// Fraction of the pose at which the film is compressed by a load, in critical strains.
+    fn fraction(&self, load: f64) -> f64 {
+        match self.cause {
+            Cause::Shape => load / self.load,
+            Cause::Growth => self.growth_at(load) / self.growth_at(self.load),
+        }
+    }
+
+    /// Load (critical strains) at a fraction of the pose.
+    fn load_at(&self, fraction: f64) -> f64 {
+        match self.cause {
+            Cause::Shape => fraction * self.load,
+            Cause::Growth => {
+                let growth = fraction * self.growth_at(self.load);
+                growth / (1.0 + growth) / self.theory().critical_strain
+            }
+        }
     }
 
     /// Where `x`, an arc on a cylinder, and `y` are in space, m.
@@ -176,10 +246,15 @@ impl FlatFilm {
         let squares = extent.map(|m| (squares * m - 1e-9).ceil() as usize);
         let shape = |p: Vector2<f64>| [p.x, self.posed(p.x)].map(|x| self.place(x, p.y));
         let driver = patch_driver(extent, squares, self.mesh_seed, shape);
-        let keys = loads.iter().map(|load| load / self.load).collect();
-        let pose = patch_pose(&driver, keys, steps);
-        let (layers, poses) = (std::slice::from_ref(&self.layer), [pose]);
-        plan(&driver, layers, &poses, modelling, TEXELS)?.simulate(0, observer)
+        let keys = loads.iter().map(|load| self.fraction(*load)).collect();
+        let mut pose = patch_pose(&driver, keys, steps);
+        let mut layer = self.layer.clone();
+        if self.cause == Cause::Growth {
+            let growth = self.growth();
+            pose.growths = vec![(growth.name.clone(), 1.0)];
+            layer.growths.push(growth);
+        }
+        plan(&driver, &[layer], &[pose], modelling, TEXELS)?.simulate(0, observer)
     }
 
     /// Results at `loads`, in critical strains, reached in no more steps than they are, and the state
@@ -206,13 +281,13 @@ impl FlatFilm {
     /// What planner and stepper refuse.
     pub fn onset(&self, modelling: &Modelling) -> Result<Option<f64>, StepperError> {
         // The mesh is fitted to the last key, and ought to be the same in all runs.
-        let last = BRACKETED / self.load;
+        let last = self.fraction(BRACKETED);
         let loads = [BRACKETED, self.load];
         let bracketed = self.simulate(modelling, (&loads, 1), &mut UpTo(last))?;
         let Some(bound) = bracketed.layers[0].onset_load else {
             return Ok(None);
         };
-        let load = |i: i32| bound * self.load * (1.0 + ONSET_STEP).powi(i);
+        let load = |i: i32| self.load_at(bound) * (1.0 + ONSET_STEP).powi(i);
         let mut loads: Vec<f64> = (-ONSET_LOADS..=0).map(load).collect();
         if bound < 1.0 - 1e-9 {
             loads.push(self.load);
@@ -221,7 +296,7 @@ impl FlatFilm {
         let result = self.simulate(modelling, (&loads, 1), &mut watch)?;
         let buckled = result.layers[0].onset_load;
         // A trial that buckles lies half a step above the onset in the mean.
-        Ok(buckled.map(|load| load * self.load * (1.0 - 0.5 * ONSET_STEP)))
+        Ok(buckled.map(|load| self.load_at(load) * (1.0 - 0.5 * ONSET_STEP)))
     }
 
     /// Measures the film at `load` critical strains.

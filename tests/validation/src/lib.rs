@@ -37,7 +37,7 @@ pub use drawing::Drawing;
 pub use drawn_sheet::{DrawnSheet, feature_edges};
 pub use film_anchor::{Anchor, SOFTER, STIFFER, check_film};
 pub use finding::{Finding, table_line};
-pub use flat_film::{FilmState, FlatFilm};
+pub use flat_film::{Cause, FilmState, FlatFilm};
 pub use flat_surface::{FlatSurface, Lines, baked_lines};
 pub use folded_paper::{FoldedPaper, edges_within};
 pub use patch::{Patch, patch_driver, patch_pose};

@@ -61,6 +61,7 @@ pub fn patch_pose(driver: &Driver, keys: Vec<f64>, steps: u32) -> PoseSpec {
         keys,
         steps,
         motions: Vec::new(),
+        growths: Vec::new(),
     }
 }
 

@@ -67,6 +67,7 @@ pub fn skin_layer(name: &str, preset_name: &str) -> LayerSpec {
         variation: None,
         presence: Presence::default(),
         creases: Vec::new(),
+        growths: Vec::new(),
     }
 }
 
@@ -135,6 +136,7 @@ impl Skin {
             keys: vec![1.0],
             steps,
             motions: Vec::new(),
+            growths: Vec::new(),
         }
     }
 

@@ -60,6 +60,7 @@ fn a_blend_shape_that_shrinks_a_square_makes_a_labyrinth() {
         keys: vec![1.0],
         steps: 4,
         motions: Vec::new(),
+        growths: Vec::new(),
     }];
     let modelling = Modelling {
         points_per_wavelength: 10.0,

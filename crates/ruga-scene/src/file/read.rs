@@ -74,6 +74,10 @@ impl SceneFile {
         for crease in &mut self.creases {
             crease.image.iter_mut().for_each(resolve);
         }
+        for growth in &mut self.growths {
+            let images = [&mut growth.image, &mut growth.direction_image];
+            images.into_iter().flatten().for_each(resolve);
+        }
         let network = self
             .memory
             .iter_mut()

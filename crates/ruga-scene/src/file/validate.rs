@@ -34,15 +34,15 @@ impl SceneFile {
         self.faults().map_err(|fault| fault.at(path))
     }
 
-    /// The poses of the scene; when it has none, one per blend shape; when there is none of these
-    /// either, one pose `rest` of a body on which gravity acts.
+    /// The poses of the scene; when it has none, one per blend shape and one per growth; when there is
+    /// none of these either, one pose `rest` of a body on which gravity acts.
     ///
     /// Names made from shapes are usable as file names: what is not becomes `_`.
     ///
     /// # Errors
     /// [`SceneError::Key`] when a pose weighs a blend shape that is not among `shapes`, when blend
     /// shapes are to move a body that does not follow them, or when there is neither pose nor shape
-    /// nor gravity; `path` is for messages.
+    /// nor growth nor gravity; `path` is for messages.
     pub fn poses_or_shapes(&self, shapes: &[String], path: &Path) -> Result<Vec<Pose>, SceneError> {
         let fault = (self.nothing_moves(shapes))
             .or_else(|| self.unknown_shape(shapes))
@@ -53,22 +53,23 @@ impl SceneFile {
         if !self.poses.is_empty() {
             return Ok(self.poses.clone());
         }
-        if shapes.is_empty() {
+        if shapes.is_empty() && self.growths.is_empty() {
             return Ok(vec![Pose::at_rest("rest")]);
         }
         let mut names = Vec::new();
-        for shape in shapes {
-            names.push(usable_file_name(shape, &names));
+        let growths = self.growths.iter().map(|growth| &growth.name);
+        for name in shapes.iter().chain(growths.clone()) {
+            names.push(usable_file_name(name, &names));
         }
-        Ok(names
-            .into_iter()
-            .zip(shapes)
-            .map(|(name, shape)| Pose::of_shape(name, shape))
-            .collect())
+        let of_growths = names.split_off(shapes.len()).into_iter().zip(growths);
+        let of_shapes = names.into_iter().zip(shapes);
+        let of_shapes = of_shapes.map(|(name, shape)| Pose::of_shape(name, shape));
+        let of_growths = of_growths.map(|(name, growth)| Pose::of_growth(name, growth));
+        Ok(of_shapes.chain(of_growths).collect())
     }
 
     fn nothing_moves(&self, shapes: &[String]) -> Option<Fault> {
-        if !self.poses.is_empty() || !shapes.is_empty() {
+        if !self.poses.is_empty() || !shapes.is_empty() || !self.growths.is_empty() {
             return None;
         }
         let (key, reason) = match &self.interior {
@@ -135,6 +136,7 @@ impl SceneFile {
         self.driver.faults(self.length_unit)?;
         self.layer_faults()?;
         self.crease_faults()?;
+        self.growth_faults()?;
         self.memory_faults()?;
         // Before the poses, which name its parts.
         if let Some(interior) = &self.interior {
@@ -163,6 +165,7 @@ impl SceneFile {
         for (i, pose) in self.poses.iter().enumerate() {
             let key = format!("poses[{i}]");
             pose.faults(&key, self.interior.as_ref())?;
+            self.pose_growth_faults(&key, pose)?;
             let earlier = self.poses.iter().take(i).map(|other| &other.name);
             unique_name(&format!("{key}.name"), &pose.name, earlier)?;
         }
@@ -261,12 +264,13 @@ impl Driver {
 impl Pose {
     fn faults(&self, key: &str, interior: Option<&Interior>) -> Checked {
         within(&format!("{key}.steps"), u64::from(self.steps), 1, 100_000)?;
-        if self.weights.is_empty() && interior.is_none() {
+        let grows = !self.growths.is_empty();
+        if self.weights.is_empty() && !grows && interior.is_none() {
             return fault(&format!("{key}.weights"), "{}", "at least one blend shape");
         }
         let weighs = interior.is_some_and(|interior| interior.gravity != [0.0; 3]);
-        if self.weights.is_empty() && self.motions.is_empty() && !weighs {
-            let accepted = "`motions` or `weights` here, or `gravity` in [interior]";
+        if self.weights.is_empty() && self.motions.is_empty() && !weighs && !grows {
+            let accepted = "`motions`, `weights` or `growths` here, or `gravity` in [interior]";
             return fault(key, "nothing that moves the body", accepted);
         }
         for (shape, weight) in &self.weights {

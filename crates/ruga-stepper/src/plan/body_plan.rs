@@ -22,7 +22,8 @@ use crate::support::handles::{HeldNodes, Moves};
 use crate::support::lattice_size::lattice_warnings;
 use crate::support::obstacle::{self, distance};
 use crate::validation::{
-    check_body_modelling, check_layer, check_map_size, check_pose, check_unanchored,
+    check_body_modelling, check_grows, check_growth, check_layer, check_map_size, check_pose,
+    check_unanchored,
 };
 use crate::{
     Body, InteriorPlan, LayerPlan, LayerSpec, LoadPath, Modelling, Plan, PosePlan, PoseSpec,
@@ -64,7 +65,13 @@ pub fn plan_body(
     }
     layers.iter().try_for_each(check_layer)?;
     layers.iter().try_for_each(check_unanchored)?;
-    poses.iter().try_for_each(|pose| check_pose(driver, pose))?;
+    for pose in poses {
+        check_pose(driver, pose)?;
+        layers
+            .iter()
+            .try_for_each(|layer| check_growth(layer, pose))?;
+    }
+    layers.iter().try_for_each(check_grows)?;
     let region = modelling.region.mask();
     let layers: Vec<LayerSpec> = layers.iter().map(|layer| within(layer, region)).collect();
     let mut stacking = Stacking::new(&layers, modelling.stack)?;

@@ -168,9 +168,10 @@ impl<'a> PlanningSurface<'a> {
         warnings: &mut Vec<String>,
     ) -> PosePlan {
         let (keys, passing) = self.posed(pose);
+        let on = (self.driver, &self.surface, &self.rest);
         let mut pose_strains: Vec<PoseStrains> = layers
             .iter()
-            .map(|layer| PoseStrains::new(&self.surface, &self.rest, &keys, &passing, layer))
+            .map(|layer| PoseStrains::new(on, pose, &keys, &passing, layer))
             .collect();
         let about = PosedPlan {
             driver: self.driver,

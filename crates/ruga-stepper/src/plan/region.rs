@@ -1,11 +1,13 @@
 //! Where a pose can wrinkle a layer: the active region.
 
 use nalgebra::{Matrix2, Matrix3, Vector3};
-use ruga_blend::{BaseSurface, FaceStrain, PosedSurface, face_strains};
+use ruga_blend::{BaseSurface, Driver, FaceStrain, PosedSurface, face_strains};
 use ruga_mesh::{FaceId, Id, PerFace, TriMesh, edge_distances, face_normals, triangle_frame};
 
+use crate::growth::PoseGrowth;
 use crate::plan::pose_plan::{LoadPath, PlannedLayer};
-use crate::{Presence, Region};
+use crate::run::strain_ratio::relative_to;
+use crate::{PoseSpec, Presence, Region};
 
 /// A face is active where the effective strain passes this fraction of the critical one.
 pub(crate) const ACTIVE_FRACTION: f64 = 0.8;
@@ -53,16 +55,19 @@ impl PoseStrains {
         folded.fold(0.0, |sum, (face, _)| sum + self.areas[face])
     }
 
-    /// Measures what the `keys` of a pose ask of `surface`.
+    /// Measures what the keys of a pose ask of `surface`, which is posed at each of them in `keys`.
     ///
     /// `passing` are surfaces on the way to the last key, each after a fraction of it, ascending.
     pub(crate) fn new(
-        surface: &BaseSurface,
-        rest: &PosedSurface,
+        on: (&Driver, &BaseSurface, &PosedSurface),
+        pose: &PoseSpec,
         keys: &[PosedSurface],
         passing: &[(f64, PosedSurface)],
         layer: &PlannedLayer<'_>,
     ) -> Self {
+        let (_, surface, rest) = on;
+        let growth = PoseGrowth::new(layer.spec, pose);
+        let last = pose.keys.iter().copied().fold(0.0, f64::max);
         let poisson = layer.spec.material.poisson;
         let local = layer.local.as_slice().iter();
         let mesh = surface.mesh();
@@ -90,7 +95,7 @@ impl PoseStrains {
         for (fraction, pose) in passing {
             let strains = face_strains(mesh, &rest.positions, &pose.positions);
             mark_folded(mesh, pose, &strains, &mut pose_strains.passing_folded);
-            let strains: PerFace<f64> = strains
+            let strains: PerFace<f64> = felt(on, strains, &growth, fraction * last)
                 .iter()
                 .map(|(_, strain)| strain.effective(poisson))
                 .collect();
@@ -106,9 +111,10 @@ impl PoseStrains {
             }
             before = (*fraction, strains);
         }
-        for pose in keys {
+        for (pose, load) in keys.iter().zip(&pose.keys) {
             let strains = face_strains(mesh, &rest.positions, &pose.positions);
             mark_folded(mesh, pose, &strains, &mut pose_strains.folded);
+            let strains = felt(on, strains, &growth, *load);
             let smooth = smoothed_strains(mesh, &rest.positions, &strains, &normals, width);
             for face in pose_strains.areas.ids() {
                 let first = strains[face].first;
@@ -273,6 +279,26 @@ impl PoseStrains {
             .map(|(face, _)| face)
             .collect()
     }
+}
+
+/// The strains of a layer that has grown, at a load, on a surface with these ones.
+pub(crate) fn felt(
+    (driver, surface, rest): (&Driver, &BaseSurface, &PosedSurface),
+    strains: PerFace<FaceStrain>,
+    growth: &PoseGrowth<'_>,
+    load: f64,
+) -> PerFace<FaceStrain> {
+    if growth.is_none() {
+        return strains;
+    }
+    let faces = surface.mesh().faces();
+    let grown = strains.iter().map(|(face, strain)| {
+        let corners = faces[face].map(|v| rest.positions[v.index()]);
+        let whole = (driver, surface.origins()[face].face);
+        let stretch = growth.on_part(whole, &surface.uvs()[face], &corners, load);
+        relative_to(strain, &stretch)
+    });
+    grown.collect()
 }
 
 /// Notes on which faces the effective strain first becomes critical between two fractions of the last

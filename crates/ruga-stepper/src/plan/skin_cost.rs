@@ -136,6 +136,7 @@ mod tests {
             keys,
             steps: 6,
             motions: Vec::new(),
+            growths: Vec::new(),
         };
         let of = |onset, bend, spread, pose: &PoseSpec, path| {
             factorisations(

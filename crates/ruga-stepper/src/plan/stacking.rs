@@ -7,7 +7,7 @@ use ruga_material::{StackLayer, StackPair, Wrinkling, composite_layers, wrinklin
 use crate::error::{Checked, refuse};
 use crate::skin::upper_shell::UpperShell;
 use crate::support::support_surface::Attachment;
-use crate::{Coupling, LayerSpec, Stack, StepperError};
+use crate::{Coupling, Grows, GrowthSpec, LayerSpec, Stack, StepperError};
 
 /// The layers as they are simulated, bottom first.
 #[derive(Clone, Debug)]
@@ -44,10 +44,23 @@ fn check_creases(layers: &[LayerSpec], stack: Stack) -> Checked {
     }
 }
 
+/// Refuses growths in a joint pair, whose sheets share one rest metric.
+fn check_growths(layers: &[LayerSpec], stack: Stack) -> Checked {
+    let grows = |layer: &&LayerSpec| !layer.growths.is_empty();
+    match layers.iter().find(grows).filter(|_| stack == Stack::Joint) {
+        None => Ok(()),
+        Some(layer) => {
+            let of = format!("layer '{}'", layer.name);
+            refuse(of, "growths", layer.growths.len(), "none in a joint pair")
+        }
+    }
+}
+
 impl Stacking {
     /// Applies the meaning of the stack to `layers`.
     pub(crate) fn new(layers: &[LayerSpec], stack: Stack) -> Result<Self, StepperError> {
         check_creases(layers, stack)?;
+        check_growths(layers, stack)?;
         let alone = layers.iter().map(alone).collect::<Result<Vec<_>, _>>()?;
         let pairs = (1..layers.len())
             .map(|k| {
@@ -96,6 +109,7 @@ impl Stacking {
         for (k, composite) in composites.into_iter().enumerate() {
             self.specs[k].material = composite.material;
             self.wrinkling[k] = composite.wrinkling;
+            self.specs[k].growths = composite_growths(&self.specs[k..], &alone[k..]);
         }
         Ok(())
     }
@@ -199,6 +213,31 @@ impl Stacking {
             })
             .collect()
     }
+}
+
+/// Growths of a layer that stands for itself and those above it: where one of them grows, all of them take the
+/// share that its stiffness enforces.
+fn composite_growths(layers: &[LayerSpec], alone: &[StackLayer]) -> Vec<GrowthSpec> {
+    let stiffness = |layer: &StackLayer| layer.wrinkling.membrane_stiffness;
+    let whole: f64 = alone.iter().map(stiffness).sum();
+    let of_layers = layers.iter().zip(alone).flat_map(|(layer, alone)| {
+        let share = stiffness(alone) / whole;
+        let own = layer
+            .growths
+            .iter()
+            .filter(|growth| growth.grows == Grows::Layer);
+        own.map(move |growth| GrowthSpec {
+            along: share * growth.along,
+            across: share * growth.across,
+            ..growth.clone()
+        })
+    });
+    // What lies below all of them is the same for each.
+    let below = layers[0]
+        .growths
+        .iter()
+        .filter(|growth| growth.grows == Grows::Below);
+    of_layers.chain(below.cloned()).collect()
 }
 
 fn alone(layer: &LayerSpec) -> Result<StackLayer, StepperError> {

@@ -77,8 +77,11 @@ pub(crate) struct Layer {
     pub(crate) bending_ratio: Option<f64>,
     areas: Vec<f64>,
     support: SupportSurface,
-    /// Strains of the support surface, relative to the rest metric with its transfer.
+    /// Strains that the support surface applies to the layer as it has grown.
     strains: PerFace<FaceStrain>,
+    /// Strains of the support surface alone, relative to the rest metric with its transfer; `None` where they
+    /// are those of the layer.
+    driven: Option<PerFace<FaceStrain>>,
     /// Fraction of its strain that every face feels, in (0, 1].
     fractions: PerFace<f64>,
     /// Positions of the layer's vertices, then of those of a layer that moves together with it, m.
@@ -248,10 +251,12 @@ impl Layer {
             spec: spec.clone(),
             wrinkling: *wrinkling,
             strains: face_strains(&skin.mesh, &rest.positions, &rest.positions),
+            driven: None,
             base: positions.clone(),
             support: SupportSurface {
                 posed: rest.clone(),
                 transfer: None,
+                growth: None,
             },
             fractions: PerFace::filled(skin.mesh.face_count(), 1.0),
             held_normals: rest.normals.clone(),

@@ -5,6 +5,7 @@ use std::rc::Rc;
 use nalgebra::Vector3;
 
 use crate::error::Halt;
+use crate::growth::PoseGrowth;
 use crate::run::layer::Layer;
 use crate::run::layer_run::{Ending, LayerRun, Loading};
 use crate::skin::cover::Covers;
@@ -169,7 +170,7 @@ impl<'a> StackRun<'a> {
         let keys = self.spec().keys.iter();
         let (supports, before) = match &self.plan.body {
             None => {
-                let posed = keys.map(|&key| self.posed_driver(key));
+                let posed = keys.map(|&key| (key, self.posed_driver(key)));
                 (posed.collect(), None)
             }
             Some(interior) => {
@@ -182,7 +183,8 @@ impl<'a> StackRun<'a> {
                     }
                     false => (Vec::new(), None),
                 };
-                let posed = places.into_iter().map(|q| self.posed_body(interior, q));
+                let posed = keys.zip(places);
+                let posed = posed.map(|(&key, q)| (key, self.posed_body(interior, q)));
                 (posed.collect::<Vec<_>>(), before)
             }
         };
@@ -200,18 +202,28 @@ impl<'a> StackRun<'a> {
         Ok(run)
     }
 
-    /// The surfaces of `supports` below the lowest layer.
+    /// The surfaces of `supports`, each at a fraction of the pose, below the lowest layer.
     fn surfaces<'s>(
         &'s self,
         lowest: usize,
-        supports: &'s [Box<dyn Support + 'a>],
+        supports: &'s [(f64, Box<dyn Support + 'a>)],
     ) -> Vec<SupportOf<'s>> {
         let (driver, attachment) = (&self.plan.driver, self.plan.stacking.attachments[lowest]);
-        let surface = |support: &'s (dyn Support + 'a)| -> SupportOf<'s> {
-            let on = (driver.as_ref(), support);
-            Box::new(move |skin| support_surface(on, skin, attachment, &[]))
+        let growth = self.growth(lowest);
+        let surface = |(weight, support): &'s (f64, Box<dyn Support + 'a>)| -> SupportOf<'s> {
+            let on = (driver.as_ref(), &**support);
+            let growth = growth.clone();
+            Box::new(move |skin| {
+                let surface = support_surface(on, skin, attachment, &[]);
+                surface.grown(growth.on_skin(driver, skin, *weight))
+            })
         };
-        supports.iter().map(|support| surface(&**support)).collect()
+        supports.iter().map(surface).collect()
+    }
+
+    /// What the pose lets layer number `index` grow.
+    pub(crate) fn growth(&self, index: usize) -> PoseGrowth<'a> {
+        PoseGrowth::new(&self.plan.stacking.specs[index], self.spec())
     }
 
     fn posed_driver(&self, weight: f64) -> Box<dyn Support + 'a> {
@@ -292,7 +304,7 @@ impl<'a> StackRun<'a> {
             true => {
                 // Only the one key where each has a sequence of its own.
                 let wanted = key.map_or_else(|| self.spec().keys.clone(), |key| vec![key]);
-                let posed = wanted.iter().map(|&key| self.posed_driver(key));
+                let posed = wanted.iter().map(|&key| (key, self.posed_driver(key)));
                 let supports: Vec<_> = posed.collect();
                 let surfaces = self.surfaces(lowest, &supports);
                 match self.coarser(run, &surfaces, observer) {
@@ -336,7 +348,11 @@ impl<'a> StackRun<'a> {
     ) -> Result<(), StepperError> {
         let load = point.weight_fraction * point.strain_fraction;
         layer.draw_creases(&self.spec().weights, load)?;
+        let driver = self.plan.driver.as_ref();
+        let growth = self.growth(lowest);
+        let growth = growth.on_skin(driver, layer.skin(), point.weight_fraction);
         if let Some(moves) = &self.moves {
+            layer.grow(growth);
             return layer.place_solid(
                 (moves, &self.spec().weights),
                 point.weight_fraction,
@@ -345,9 +361,9 @@ impl<'a> StackRun<'a> {
         }
         let attachment = self.plan.stacking.attachments[lowest];
         let support = self.posed_driver(point.weight_fraction);
-        let on = (self.plan.driver.as_ref(), support.as_ref());
+        let on = (driver, support.as_ref());
         let surface = support_surface(on, layer.skin(), attachment, &[]);
-        layer.set_support(surface, point.strain_fraction)
+        layer.set_support(surface.grown(growth), point.strain_fraction)
     }
 
     fn is_key(&self, point: LoadPoint) -> bool {

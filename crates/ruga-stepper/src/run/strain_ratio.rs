@@ -99,21 +99,42 @@ impl StrainRatios<'_> {
     }
 }
 
-/// The strains that the surface below applies to every face, the untransferred part of its bending
-/// taken away.
-pub(crate) fn applied_strains(skin: &SkinMesh, support: &SupportSurface) -> PerFace<FaceStrain> {
+/// The strains of the surface below on every face, the untransferred part of its bending taken away.
+pub(crate) fn driven_strains(skin: &SkinMesh, support: &SupportSurface) -> PerFace<FaceStrain> {
     let strains = face_strains(&skin.mesh, &skin.rest.positions, &support.posed.positions);
     let Some(transfer) = &support.transfer else {
         return strains;
     };
     let pairs = strains.as_slice().iter().zip(transfer);
-    pairs
-        .map(|(strain, stretch)| {
-            // Transfers are held to stretches of at least a half, so that they have an inverse.
-            let inverse = stretch.try_inverse().unwrap_or_else(Matrix2::identity);
-            FaceStrain::from_cauchy_green(inverse.transpose() * strain.cauchy_green * inverse)
-        })
+    let strains = pairs.map(|(strain, stretch)| relative_to(strain, stretch));
+    strains.collect()
+}
+
+/// The strains that the surface below applies to every face of the layer as it has grown.
+pub(crate) fn applied_strains(skin: &SkinMesh, support: &SupportSurface) -> PerFace<FaceStrain> {
+    let driven = driven_strains(skin, support);
+    match &support.growth {
+        None => driven,
+        Some(growth) => relative_to_growth(&driven, growth),
+    }
+}
+
+/// These strains of a surface below, as a layer with such growth feels them.
+pub(crate) fn relative_to_growth(
+    driven: &PerFace<FaceStrain>,
+    growth: &PerFace<Matrix2<f64>>,
+) -> PerFace<FaceStrain> {
+    let faces = driven.iter();
+    faces
+        .map(|(face, strain)| relative_to(strain, &growth[face]))
         .collect()
+}
+
+/// The strain of a face whose rest lengths have changed by a stretch.
+pub(crate) fn relative_to(strain: &FaceStrain, stretch: &Matrix2<f64>) -> FaceStrain {
+    // Transfer and growth are held to stretches that have an inverse.
+    let inverse = stretch.try_inverse().unwrap_or_else(Matrix2::identity);
+    FaceStrain::from_cauchy_green(inverse.transpose() * strain.cauchy_green * inverse)
 }
 
 /// Principal strains, capped, of which only a part is loaded: `fraction` times their Green strain.

@@ -91,8 +91,11 @@ impl<'a> StackRun<'a> {
         let attachment = self.plan.stacking.attachments[index];
         let last = self.upper[index].take();
         let driver = &self.plan.driver;
-        let support_of: SupportOf<'_> =
-            Box::new(move |skin| support_surface((driver, support), skin, attachment, lower));
+        let growth = self.growth(index);
+        let support_of: SupportOf<'_> = Box::new(move |skin| {
+            let surface = support_surface((driver, support), skin, attachment, lower);
+            surface.grown(growth.on_skin(driver, skin, point.weight_fraction))
+        });
         let mut history = None;
         // From its last shape a layer takes some thirty factorisations, from none sixty.
         if let Some(last) = last {

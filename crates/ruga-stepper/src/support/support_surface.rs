@@ -21,7 +21,8 @@ const LEAST_COSINE: f64 = 0.5;
 /// layer bends within twice its offset, the offset surface is about to turn inside out.
 const TRANSFER_RANGE: [f64; 2] = [0.25, 2.25];
 
-/// Surface that a layer lies on, and the part of its bending that the layer does not take over.
+/// Surface that a layer lies on, the part of its bending that the layer does not take over, and what the layer has
+/// grown there.
 #[derive(Clone, Debug)]
 pub(crate) struct SupportSurface {
     /// Positions and normals at the layer's vertices; offsets are included.
@@ -29,6 +30,15 @@ pub(crate) struct SupportSurface {
     /// Per face the symmetric stretch of the rest metric, in the face's rest frame, that takes the
     /// untransferred part of the bending strain away.
     pub(crate) transfer: Option<Vec<Matrix2<f64>>>,
+    /// Per face the symmetric stretch by which the layer's own lengths have changed, in the face's rest frame.
+    pub(crate) growth: Option<PerFace<Matrix2<f64>>>,
+}
+
+impl SupportSurface {
+    /// The surface below a layer that has grown like this.
+    pub(crate) fn grown(self, growth: Option<PerFace<Matrix2<f64>>>) -> Self {
+        Self { growth, ..self }
+    }
 }
 
 /// Gives the support surface of a mesh.
@@ -112,6 +122,7 @@ pub(crate) fn support_surface(
             ..middle
         },
         transfer,
+        growth: None,
     }
 }
 

@@ -45,6 +45,7 @@ pub(crate) fn layer(ratio: f64) -> LayerSpec {
         variation: None,
         presence: Presence::default(),
         creases: Vec::new(),
+        growths: Vec::new(),
     }
 }
 
@@ -150,6 +151,7 @@ pub(crate) fn pose(motions: Vec<Motion>, keys: &[f64], steps: u32) -> PoseSpec {
         keys: keys.to_vec(),
         steps,
         motions,
+        growths: Vec::new(),
     }
 }
 

@@ -89,6 +89,7 @@ pub(crate) fn skin(name: &str, coupling: Coupling) -> LayerSpec {
         variation: None,
         presence: Presence::default(),
         creases: Vec::new(),
+        growths: Vec::new(),
     }
 }
 
@@ -100,6 +101,7 @@ pub(crate) fn pose(driver: &Driver, shape: &str, weight: f64) -> PoseSpec {
         keys: vec![0.5, 1.0],
         steps: 4,
         motions: Vec::new(),
+        growths: Vec::new(),
     }
 }
 

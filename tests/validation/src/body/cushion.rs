@@ -164,6 +164,7 @@ impl Cushion {
             keys: vec![1.0],
             steps: self.steps,
             motions: vec![self.presses()],
+            growths: Vec::new(),
         };
         Ok(plan_body(
             driver,

@@ -150,6 +150,7 @@ impl Slab {
             keys: keys.to_vec(),
             steps,
             motions,
+            growths: Vec::new(),
         };
         let layer = skin_of(self.materials(), self.coupling);
         let plan = plan_body(&driver, &[layer], &self.body(), &[pose], &modelling, 1024)?;
@@ -274,6 +275,7 @@ pub(super) fn skin_of(
         variation: None,
         presence: Presence::default(),
         creases: Vec::new(),
+        growths: Vec::new(),
     }
 }
 

@@ -7,5 +7,6 @@
 
 mod constraint;
 mod cylinder;
+mod growth;
 mod meshes;
 mod selection;

@@ -6,8 +6,9 @@ use ruga_material::CAP_START;
 use ruga_mesh::{FaceId, Id, PerFace, triangle_frame};
 
 use super::PlanningSurface;
+use crate::growth::PoseGrowth;
 use crate::plan::pose_plan::{LoadPath, PlannedLayer};
-use crate::plan::region::PoseStrains;
+use crate::plan::region::{PoseStrains, felt};
 use crate::{LayerPlan, PoseSpec};
 
 /// What a pose asks of a layer on one triangle of its skin.
@@ -49,15 +50,18 @@ impl PlanningSurface<'_> {
         plan: &LayerPlan,
     ) -> Vec<PlannedFace> {
         let (keys, passing) = self.posed(pose);
-        let mut strains = PoseStrains::new(&self.surface, &self.rest, &keys, &passing, layer);
+        let on = (self.driver, &self.surface, &self.rest);
+        let mut strains = PoseStrains::new(on, pose, &keys, &passing, layer);
         if path == LoadPath::Weight {
             strains.exclude_passing_folds();
         }
         let mesh = self.surface.mesh();
         let poisson = layer.spec.material.poisson;
         let mut strongest: PerFace<Option<FaceStrain>> = PerFace::filled(mesh.face_count(), None);
-        for key in &keys {
-            for (face, strain) in face_strains(mesh, &self.rest.positions, &key.positions).iter() {
+        let growth = PoseGrowth::new(layer.spec, pose);
+        for (key, load) in keys.iter().zip(&pose.keys) {
+            let driven = face_strains(mesh, &self.rest.positions, &key.positions);
+            for (face, strain) in felt(on, driven, &growth, *load).iter() {
                 let before = strongest[face].map_or(f64::NEG_INFINITY, |s| s.effective(poisson));
                 if strain.effective(poisson) > before {
                     strongest[face] = Some(*strain);

@@ -6,7 +6,6 @@ use ruga_solver::{Iteration, Kkt, Minimise, NewtonSettings, SolveReport, SolverE
 use super::{Layer, laid_on};
 use crate::run::layer_objective::{LayerObjective, gather, scatter};
 use crate::run::patches::{Patches, Scales, Whole, Width};
-use crate::run::strain_ratio::applied_strains;
 use crate::support::motion::{Inertia, velocities};
 use crate::{Dynamics, Modelling, StepperError};
 
@@ -153,7 +152,7 @@ impl Layer {
         // is the lag.
         self.support.posed = solid.surface(&self.support.posed);
         self.base = laid_on(&self.support.posed, self.upper.as_ref());
-        self.strains = applied_strains(&self.skin, &self.support);
+        self.measure_strains();
     }
 
     /// The energy that the next solve minimises; the free vertices would be at `base` (m) without

@@ -8,7 +8,7 @@ use ruga_shell::ShellError;
 
 use super::{Layer, laid_on};
 use crate::StepperError;
-use crate::run::strain_ratio::{applied, applied_strains, green_strain};
+use crate::run::strain_ratio::{applied, driven_strains, green_strain, relative_to_growth};
 use crate::skin::interpolation::Interpolation;
 use crate::skin::relief::turn_between;
 use crate::support::motion::Inertia;
@@ -59,10 +59,26 @@ impl Layer {
             self.positions[i] = base + turn_between(old, new, i % vertices) * deviation;
         }
         self.base = base;
-        self.strains = applied_strains(&self.skin, &support);
         self.support = support;
+        self.measure_strains();
         self.fractions = fractions;
         self.hold()
+    }
+
+    /// Measures what the surface below asks of the layer.
+    pub(super) fn measure_strains(&mut self) {
+        let driven = driven_strains(&self.skin, &self.support);
+        let growth = self.support.growth.as_ref();
+        let own = growth.map(|growth| relative_to_growth(&driven, growth));
+        (self.strains, self.driven) = match own {
+            Some(own) => (own, Some(driven)),
+            None => (driven, None),
+        };
+    }
+
+    /// Strains of the surface below.
+    fn driven_strains(&self) -> &PerFace<FaceStrain> {
+        self.driven.as_ref().unwrap_or(&self.strains)
     }
 
     /// Loads every face with no more of its strain than gives it the strain ratio `most`.
@@ -129,11 +145,12 @@ impl Layer {
     /// Shrinks the rest metric with the surface below, face by face, where that asks for more than
     /// 15 %, and takes out what of its bending is not transferred.
     fn set_rest_metric(&mut self) -> Result<(), StepperError> {
-        let capped = self.strains.as_slice().iter().any(|s| s.first > CAP_START);
+        let driven = self.driven_strains();
+        let capped = driven.as_slice().iter().any(|s| s.first > CAP_START);
         let changed = capped || self.support.transfer.is_some();
         // After the last change the metric is set once more, to take it back.
         if changed || self.is_metric_changed {
-            let strains = self.strains.iter();
+            let strains = driven.iter();
             let stretches: Vec<_> = strains.map(|(f, s)| self.rest_stretch(f, s)).collect();
             let outcome = self.energy.set_rest_metric(&stretches);
             outcome.map_err(|source| self.shell_error(source))?;
@@ -158,7 +175,8 @@ impl Layer {
     }
 
     fn metric_ratios(&self) -> impl Iterator<Item = f64> + '_ {
-        self.strains.as_slice().iter().map(metric_ratio)
+        let driven = self.driven_strains();
+        driven.as_slice().iter().map(metric_ratio)
     }
 
     /// Lag of the energy behind the support surface as a solve has left that: the largest angle (rad) by
@@ -179,13 +197,14 @@ impl Layer {
         &mut self,
         wanted: impl Fn(f64, [f64; 2]) -> [f64; 2],
     ) -> Result<(), StepperError> {
-        let strains = self.strains.iter();
+        let (strains, driven) = (self.strains.iter(), self.driven_strains());
         let natural: Vec<_> = strains
             .map(|(face, strain)| {
                 let critical = self.properties.faces[face].wrinkling.critical_strain;
                 let effective = wanted(critical, applied(strain, self.fractions[face]));
-                // What the layer is not to feel is strain without stress.
-                green_strain(strain, applied(strain, 1.0)) - green_strain(strain, effective)
+                // What the layer is not to feel, and what it has grown, is strain without stress.
+                let whole = &driven[face];
+                green_strain(whole, applied(whole, 1.0)) - green_strain(strain, effective)
             })
             .collect();
         let outcome = self.energy.set_natural_strains(&natural);
@@ -197,6 +216,11 @@ impl Layer {
             layer: self.spec.name.clone(),
             source,
         }
+    }
+
+    /// Lets a layer on a body have grown by these stretches, from when the body is placed next.
+    pub(crate) fn grow(&mut self, growth: Option<PerFace<Matrix2<f64>>>) {
+        self.support.growth = growth;
     }
 
     /// Puts everything around the body below where it is at `time`; the inside moves with the handles,
@@ -224,8 +248,12 @@ impl Layer {
         }
         let posed = solid.surface(&self.support.posed);
         // Only upper layers leave a part of the bending below out. A body carries the lowest one.
-        let transfer = None;
-        self.set_support(SupportSurface { posed, transfer }, 1.0)
+        let surface = SupportSurface {
+            posed,
+            transfer: None,
+            growth: self.support.growth.take(),
+        };
+        self.set_support(surface, 1.0)
     }
 
     /// Takes over how `other`, the same layer on another mesh, deviates from the surface below, and of the

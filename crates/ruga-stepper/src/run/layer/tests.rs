@@ -77,6 +77,7 @@ fn still(driver: &Driver) -> PoseSpec {
         keys: vec![1.0],
         steps: 1,
         motions: Vec::new(),
+        growths: Vec::new(),
     }
 }
 

@@ -1,0 +1,199 @@
+//! `[[growths]]`: layers whose rest lengths change, as skin does that ages or dries.
+
+use std::path::PathBuf;
+
+use ruga_blend::nearest;
+use ruga_stepper::GROWTH_RANGE;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::fault::{Checked, Fault, fault, unique_name};
+use super::{SceneFile, Stack};
+use crate::growth_presets::{GROWTH_PRESETS, growth_preset};
+
+/// What a growth may name in place of a layer.
+pub(crate) const SUBSTRATE: &str = "substrate";
+
+/// One of `[[growths]]`: a change of the size that a layer would have by itself, which poses switch on like a blend
+/// shape, by `growths`. What carries the layer keeps the shape of the posed mesh, so that a layer that
+/// grows is squeezed and wrinkles, and one that shrinks is stretched.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Growth {
+    /// Its name in poses and messages.
+    pub name: String,
+    /// What changes its size: the name of a layer, or `"substrate"` for all that lies below the layers: where that
+    /// shrinks, every layer is squeezed. If left out, what the preset is for, and without one the first layer.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub layer: Option<String>,
+    /// `"ageing"` or `"drying"`: the layer, `along` and `across` of such a change; `ruga help presets` lists them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub preset: Option<String>,
+    /// Change of length at strength 1, from -0.6 to 1: 0.05 makes the layer 5 % longer, -0.05 shorter. Needed
+    /// without a preset.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub along: Option<f64>,
+    /// The same across the direction of `along`; equal to it if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub across: Option<f64>,
+    /// Direction of `along` in the texture, degrees counter-clockwise from its right.
+    #[serde(default)]
+    pub direction: f64,
+    /// Image of the direction in place of one number: red is its part to the right and green its part up, from
+    /// -1 (black) to 1 (white), as in anisotropy textures of glTF.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direction_image: Option<PathBuf>,
+    /// Grey image over the UV square that says how much of it there is where.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub image: Option<PathBuf>,
+    /// Shares of it where `image` is black and where it is white, from -1 to 1.
+    #[serde(default = "none_to_all")]
+    pub range: [f64; 2],
+}
+
+fn none_to_all() -> [f64; 2] {
+    [0.0, 1.0]
+}
+
+impl Growth {
+    /// Changes of length along its direction and across it, those of a preset filled in.
+    pub(crate) fn changes(&self) -> [f64; 2] {
+        let preset = self.preset.as_deref().and_then(growth_preset);
+        let along = self.along.or(preset.map(|preset| preset.along));
+        let along = along.unwrap_or_default();
+        // A preset's own ratio holds only with its own length.
+        let of_preset = preset.filter(|_| self.along.is_none());
+        let across = self.across.or(of_preset.map(|preset| preset.across));
+        [along, across.unwrap_or(along)]
+    }
+
+    fn faults(&self, key: &str) -> Checked {
+        if let Some(name) = &self.preset
+            && growth_preset(name).is_none()
+        {
+            let names = || GROWTH_PRESETS.iter().map(|preset| preset.name);
+            let listed: Vec<String> = names().map(|name| format!("\"{name}\"")).collect();
+            return Err(Fault {
+                key: format!("{key}.preset"),
+                reason: format!("found \"{name}\"; accepted: {}", listed.join(", ")),
+                suggestion: nearest(name, names()),
+            });
+        }
+        if self.along.is_none() && self.preset.is_none() {
+            let accepted = "a change of length, such as `along = 0.05`, or a `preset`";
+            return fault(&format!("{key}.along"), "nothing", accepted);
+        }
+        let [least, most] = GROWTH_RANGE;
+        for (name, change) in ["along", "across"].into_iter().zip(self.changes()) {
+            if !(least..=most).contains(&change) {
+                let accepted = format!("from {least} to {most}; 0.05 makes it 5 % longer");
+                return fault(&format!("{key}.{name}"), change, &accepted);
+            }
+        }
+        if !self.direction.is_finite() {
+            return fault(&format!("{key}.direction"), self.direction, "degrees");
+        }
+        if self.direction != 0.0 && self.direction_image.is_some() {
+            let accepted = "either a number or `direction_image`";
+            return fault(&format!("{key}.direction"), self.direction, accepted);
+        }
+        let is_share = |share: &f64| (-1.0..=1.0).contains(share);
+        if !self.range.iter().all(is_share) {
+            let found = format!("{:?}", self.range);
+            let accepted = "shares from -1 to 1 for black and white, such as `[0.0, 1.0]`";
+            return fault(&format!("{key}.range"), found, accepted);
+        }
+        if self.range != none_to_all() && self.image.is_none() {
+            let found = format!("{:?} without `image`", self.range);
+            return fault(&format!("{key}.range"), found, "a range for an `image`");
+        }
+        Ok(())
+    }
+}
+
+impl SceneFile {
+    /// Number of the layer that a growth changes; `None` for what lies below all of them, and for a layer that is
+    /// not there.
+    pub(crate) fn grown_layer(&self, growth: &Growth) -> Option<usize> {
+        let preset = growth.preset.as_deref().and_then(growth_preset);
+        match (&growth.layer, preset) {
+            (Some(name), _) => self.layers.iter().position(|layer| layer.name == *name),
+            (None, Some(preset)) if preset.is_below => None,
+            (None, _) => Some(0),
+        }
+    }
+
+    pub(super) fn growth_faults(&self) -> Checked {
+        if self.growths.is_empty() {
+            return Ok(());
+        }
+        if self.driver.symmetry.is_some() {
+            let accepted = "no `symmetry` with [[growths]], which may differ from side to side";
+            return fault("driver.symmetry", "\"x\"", accepted);
+        }
+        if self.stack == Stack::Joint {
+            let accepted = "\"nominal\" or \"composite\" with [[growths]]";
+            return fault("stack", "\"joint\"", accepted);
+        }
+        for (i, growth) in self.growths.iter().enumerate() {
+            let key = format!("growths[{i}]");
+            growth.faults(&key)?;
+            self.grown_layer_faults(&key, growth)?;
+            let earlier = self.growths.iter().take(i).map(|other| &other.name);
+            unique_name(&format!("{key}.name"), &growth.name, earlier)?;
+        }
+        Ok(())
+    }
+
+    fn grown_layer_faults(&self, key: &str, growth: &Growth) -> Checked {
+        let key = format!("{key}.layer");
+        let is_below = self.grown_layer(growth).is_none();
+        if is_below && self.interior.is_some() {
+            let accepted = "a layer with [interior]: a soft body keeps its size";
+            return fault(&key, format!("\"{SUBSTRATE}\""), accepted);
+        }
+        let Some(name) = growth.layer.as_ref().filter(|name| *name != SUBSTRATE) else {
+            return Ok(());
+        };
+        if !is_below {
+            return Ok(());
+        }
+        let names = || self.layers.iter().map(|layer| layer.name.as_str());
+        let names = || names().chain([SUBSTRATE]);
+        let listed: Vec<String> = names().map(|name| format!("`{name}`")).collect();
+        let listed = listed.join(", ");
+        Err(Fault {
+            key,
+            reason: format!("there is no layer `{name}`; accepted: {listed}"),
+            suggestion: nearest(name, names()),
+        })
+    }
+
+    /// Refuses growths of a pose that the scene does not have, and strengths that are no numbers.
+    pub(super) fn pose_growth_faults(&self, key: &str, pose: &super::Pose) -> Checked {
+        for (name, strength) in &pose.growths {
+            let key = format!("{key}.growths.{name}");
+            let names = || self.growths.iter().map(|growth| growth.name.as_str());
+            if !names().any(|other| other == name) {
+                let listed: Vec<String> = names().map(|name| format!("`{name}`")).collect();
+                let listed = match listed.is_empty() {
+                    true => "none, as there are no [[growths]]".to_owned(),
+                    false => listed.join(", "),
+                };
+                return Err(Fault {
+                    key,
+                    reason: format!("there is no growth `{name}`; accepted: {listed}"),
+                    suggestion: nearest(name, names()),
+                });
+            }
+            if !strength.is_finite() {
+                return fault(
+                    &key,
+                    strength,
+                    "a finite number, where 1 is the whole growth",
+                );
+            }
+        }
+        Ok(())
+    }
+}

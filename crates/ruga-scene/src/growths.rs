@@ -1,0 +1,72 @@
+//! The growths of a scene on its layers.
+
+use std::path::Path;
+
+use ruga_material::UvTile;
+use ruga_stepper::{Grows, GrowthDirection, GrowthPaint, GrowthSpec, LayerSpec};
+
+use crate::SceneError;
+use crate::file::{Growth, SceneFile};
+use crate::mask_image::{channel_masks, mask};
+
+/// Adds the growths of a scene to its layers.
+///
+/// # Errors
+/// What is wrong with an image, naming its key.
+pub(crate) fn add_growths(
+    scene: &SceneFile,
+    path: &Path,
+    tiles: &[UvTile],
+    layers: &mut [LayerSpec],
+) -> Result<(), SceneError> {
+    for (number, growth) in scene.growths.iter().enumerate() {
+        let key = format!("growths[{number}]");
+        let spec = spec_of(growth, (path, &key), tiles)?;
+        match scene.grown_layer(growth) {
+            Some(layer) => layers[layer].growths.push(spec),
+            None => layers.iter_mut().for_each(|layer| {
+                layer.growths.push(GrowthSpec {
+                    grows: Grows::Below,
+                    ..spec.clone()
+                });
+            }),
+        }
+    }
+    Ok(())
+}
+
+fn spec_of(
+    growth: &Growth,
+    (path, key): (&Path, &str),
+    tiles: &[UvTile],
+) -> Result<GrowthSpec, SceneError> {
+    let [along, across] = growth.changes();
+    let paint = |image: &Path| -> Result<GrowthPaint, SceneError> {
+        Ok(GrowthPaint {
+            image: mask(image, (path, &format!("{key}.image")), tiles)?,
+            range: growth.range,
+        })
+    };
+    let direction = match &growth.direction_image {
+        None => GrowthDirection::Angle(growth.direction.to_radians()),
+        Some(image) => direction(image, (path, &format!("{key}.direction_image")), tiles)?,
+    };
+    Ok(GrowthSpec {
+        name: growth.name.clone(),
+        grows: Grows::Layer,
+        along,
+        across,
+        direction,
+        paint: growth.image.as_deref().map(paint).transpose()?,
+    })
+}
+
+/// The direction in an image of which red is the part to the right and green the part up.
+fn direction(
+    image: &Path,
+    named: (&Path, &str),
+    tiles: &[UvTile],
+) -> Result<GrowthDirection, SceneError> {
+    let [right, up] = channel_masks(image, named, tiles)?;
+    Ok(GrowthDirection::Painted { right, up })
+}

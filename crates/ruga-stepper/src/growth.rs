@@ -1,0 +1,267 @@
+//! Growth of a layer: rest lengths that a pose changes.
+
+use nalgebra::{Matrix2, SymmetricEigen, Vector2, Vector3};
+use ruga_blend::Driver;
+use ruga_mesh::{FaceId, Id, PerFace, VertexId, triangle_frame};
+
+use crate::skin::material_places::uv;
+use crate::skin::skin_mesh::SkinMesh;
+use crate::{LayerSpec, Mask, PoseSpec};
+
+/// Changes of rest lengths that a layer can have in a pose, all of its growths together: an isotropic shrinkage
+/// to two fifths of the length leaves a sixth of the area, and beyond twice the length film theory, which caps
+/// compressions from 15 % on, says nothing more.
+pub const GROWTH_RANGE: [f64; 2] = [-0.6, 1.0];
+
+/// A change of the rest lengths of a layer, or of what lies below it, that poses switch on.
+///
+/// At a strength `s` lengths along the direction are `1 + s p along` times what they were, and across it
+/// `1 + s p across`, with the painted `p`. A surface that carries a layer keeps its shape: only the difference
+/// between the layer and what is below counts, as if a blend shape had compressed the skin by it.
+#[derive(Clone, Debug)]
+pub struct GrowthSpec {
+    /// Name by which poses switch it on ([`PoseSpec::growths`]).
+    pub name: String,
+    /// What grows.
+    pub grows: Grows,
+    /// Change of length along the direction, a share of it; negative for shrinkage.
+    pub along: f64,
+    /// Change of length across the direction.
+    pub across: f64,
+    /// Direction of `along`.
+    pub direction: GrowthDirection,
+    /// Painted share of it, everywhere 1 without paint.
+    pub paint: Option<GrowthPaint>,
+}
+
+/// What a [`GrowthSpec`] changes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Grows {
+    /// The layer itself.
+    #[default]
+    Layer,
+    /// What lies below all layers; where it shrinks, layers are compressed.
+    Below,
+}
+
+/// Direction of a growth in the texture.
+#[derive(Clone, Debug)]
+pub enum GrowthDirection {
+    /// Angle from the texture's right, counter-clockwise as one looks at the image, rad.
+    Angle(f64),
+    /// Painted parts to the right and up, from -1 (black) to 1 (white), as in glTF's anisotropy textures;
+    /// their length does not count.
+    Painted {
+        /// Part to the right.
+        right: Mask,
+        /// Part up.
+        up: Mask,
+    },
+}
+
+/// Painted share of a growth.
+#[derive(Clone, Debug)]
+pub struct GrowthPaint {
+    /// Grey image; black where it is not.
+    pub image: Mask,
+    /// Shares at black and at white.
+    pub range: [f64; 2],
+}
+
+impl GrowthSpec {
+    /// Range of the changes of length that a strength of it may bring anywhere, of the layer against what is below;
+    /// no numbers where one of its own is none.
+    pub fn changes(&self, strength: f64) -> [f64; 2] {
+        let shares = self.paint.as_ref().map_or([1.0, 1.0], |paint| paint.range);
+        let changes = shares.map(|share| [self.along, self.across].map(|c| strength * share * c));
+        let changes = changes.as_flattened();
+        if changes.iter().any(|change| change.is_nan()) {
+            return [f64::NAN; 2];
+        }
+        let against = changes.iter().map(|c| self.grows.against_below(*c));
+        let low = against.clone().fold(f64::INFINITY, f64::min);
+        [low, against.fold(f64::NEG_INFINITY, f64::max)]
+    }
+
+    /// Direction in the texture, of any length; without one where the paint has none.
+    fn direction_at(&self, uv: Vector2<f64>) -> Vector2<f64> {
+        // V points down in the texture.
+        match &self.direction {
+            GrowthDirection::Angle(angle) => Vector2::new(angle.cos(), -angle.sin()),
+            GrowthDirection::Painted { right, up } => {
+                let part = |mask: &Mask| 2.0 * mask.grey(uv) - 1.0;
+                Vector2::new(part(right), -part(up))
+            }
+        }
+    }
+
+    /// Share of it that is painted at a texture coordinate.
+    fn share(&self, uv: Vector2<f64>) -> f64 {
+        self.paint.as_ref().map_or(1.0, |paint| {
+            let [low, high] = paint.range;
+            low + (high - low) * paint.image.grey(uv)
+        })
+    }
+
+    /// Change of lengths at a texture coordinate of a driver's face, in a plane with these axes.
+    fn at(&self, uv: Vector2<f64>, facet: &Facet, [x, y]: &[Vector3<f64>; 2]) -> Matrix2<f64> {
+        let direction = facet.in_space(&self.direction_at(uv));
+        let direction = Vector2::new(direction.dot(x), direction.dot(y));
+        let tensor = match direction.try_normalize(0.0) {
+            Some(along) => {
+                let along = along * along.transpose();
+                along * self.along + (Matrix2::identity() - along) * self.across
+            }
+            None => Matrix2::identity() * (0.5 * (self.along + self.across)),
+        };
+        tensor * self.share(uv)
+    }
+}
+
+impl Grows {
+    /// Change of length of the layer against what is below, where this changes by `change`.
+    fn against_below(self, change: f64) -> f64 {
+        match self {
+            Self::Layer => change,
+            // Nothing shrinks to less than nothing.
+            Self::Below if change <= -1.0 => f64::INFINITY,
+            Self::Below => 1.0 / (1.0 + change) - 1.0,
+        }
+    }
+}
+
+/// The growths of a layer that one pose switches on.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PoseGrowth<'a> {
+    growths: Vec<(&'a GrowthSpec, f64)>,
+}
+
+impl<'a> PoseGrowth<'a> {
+    pub(crate) fn new(layer: &'a LayerSpec, pose: &PoseSpec) -> Self {
+        let strength = |growth: &&'a GrowthSpec| {
+            let named = pose.growths.iter().filter(|(name, _)| *name == growth.name);
+            named.map(|(_, strength)| strength).sum::<f64>()
+        };
+        let growths = layer.growths.iter();
+        let growths = growths.map(|growth| (growth, strength(&growth)));
+        Self {
+            growths: growths.filter(|(_, strength)| *strength != 0.0).collect(),
+        }
+    }
+
+    /// Range of the changes of length at full load, anywhere; no numbers where one of them is none.
+    pub(crate) fn changes(&self) -> [f64; 2] {
+        let mut range = [0.0, 0.0];
+        for (growth, strength) in &self.growths {
+            let [low, high] = growth.changes(*strength);
+            // Where one of them is not painted, the others are alone. Not `min`, which would make a number of none.
+            range[0] += if low > 0.0 { 0.0 } else { low };
+            range[1] += if high < 0.0 { 0.0 } else { high };
+        }
+        range
+    }
+
+    /// Whether nothing grows.
+    pub(crate) fn is_none(&self) -> bool {
+        self.growths.is_empty()
+    }
+
+    /// Stretches of the rest metric of `skin` at a load, one per face in its rest frame; `None` without growth.
+    pub(crate) fn on_skin(
+        &self,
+        driver: &Driver,
+        skin: &SkinMesh,
+        load: f64,
+    ) -> Option<PerFace<Matrix2<f64>>> {
+        if self.is_none() {
+            return None;
+        }
+        let (points, rest) = (skin.points.points(), &skin.rest.positions);
+        let faces = skin.mesh.faces().as_slice().iter();
+        let stretch = |corners: &[VertexId; 3]| {
+            let frame = triangle_frame(&corners.map(|v| rest[v.index()]));
+            let places = corners.map(|v| {
+                let point = &points[v.index()];
+                (uv(driver, point), Facet::new(driver, point.face))
+            });
+            self.stretch(&places, &frame, load)
+        };
+        Some(faces.map(stretch).collect())
+    }
+
+    /// The stretch of the rest metric of a part of a driver's face at a load, from its corners in the texture and
+    /// at rest (m).
+    pub(crate) fn on_part(
+        &self,
+        (driver, face): (&Driver, FaceId),
+        uvs: &[Vector2<f64>; 3],
+        corners: &[Vector3<f64>; 3],
+        load: f64,
+    ) -> Matrix2<f64> {
+        let places = uvs.map(|uv| (uv, Facet::new(driver, face)));
+        self.stretch(&places, &triangle_frame(corners), load)
+    }
+
+    /// The stretch in a plane: a face takes the mean of its corners (Li 2014, 5.2).
+    fn stretch(
+        &self,
+        places: &[(Vector2<f64>, Facet); 3],
+        frame: &[Vector3<f64>; 2],
+        load: f64,
+    ) -> Matrix2<f64> {
+        let changes = places.iter().map(|place| self.change(place, frame, load));
+        Matrix2::identity() + changes.sum::<Matrix2<f64>>() / 3.0
+    }
+
+    /// Change of the layer's lengths against what is below, in a plane.
+    fn change(
+        &self,
+        (uv, facet): &(Vector2<f64>, Facet),
+        frame: &[Vector3<f64>; 2],
+        load: f64,
+    ) -> Matrix2<f64> {
+        let changes = self.growths.iter().map(|(growth, strength)| {
+            let change = growth.at(*uv, facet, frame) * (load * strength);
+            if growth.grows == Grows::Layer {
+                return change;
+            }
+            let eigen = SymmetricEigen::new(change);
+            let values = eigen.eigenvalues;
+            let values = values.map(|change| growth.grows.against_below(change));
+            let vectors = eigen.eigenvectors;
+            vectors * Matrix2::from_diagonal(&values) * vectors.transpose()
+        });
+        changes.sum()
+    }
+}
+
+/// How a driver's face lies in space over its texture.
+///
+/// Directions in the texture are those on the artist's own facets. Derivatives of the smooth surface would turn
+/// them by up to ten degrees around vertices with more or fewer than six edges, because texture coordinates are
+/// linear on a facet and places on the smooth surface are not.
+struct Facet {
+    by_u: Vector3<f64>,
+    by_v: Vector3<f64>,
+}
+
+impl Facet {
+    fn new(driver: &Driver, face: FaceId) -> Self {
+        let [a, b, c] = driver.topology().faces()[face].map(|v| driver.rest()[v.index()]);
+        let [p, q, r] = driver.uvs()[face];
+        let edges = Matrix2::from_columns(&[q - p, r - p]);
+        // A face without an area in the texture has no directions there.
+        let inverse = edges.try_inverse().unwrap_or_else(Matrix2::zeros);
+        // x = a + [b - a, c - a] t with uv = p + edges t: the columns of the inverse say how t changes
+        // with u and v.
+        let by = |k: usize| (b - a) * inverse[(0, k)] + (c - a) * inverse[(1, k)];
+        Self {
+            by_u: by(0),
+            by_v: by(1),
+        }
+    }
+
+    fn in_space(&self, direction: &Vector2<f64>) -> Vector3<f64> {
+        self.by_u * direction.x + self.by_v * direction.y
+    }
+}
