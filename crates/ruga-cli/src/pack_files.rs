@@ -244,6 +244,7 @@ impl Packer<'_> {
                     channel: ["r", "g", "b", "a"][place % POSES_PER_MASK].to_owned(),
                     curve: self.curve(record)?,
                     weights: own.map_or_else(Default::default, |pose| pose.weights.clone()),
+                    growths: own.map_or_else(Default::default, |pose| pose.growths.clone()),
                 };
                 manifest.poses.insert(name.clone(), packed);
             }

@@ -16,6 +16,8 @@ pub(crate) struct ScenePose {
     pub(crate) name: String,
     /// Weight of each blend shape.
     pub(crate) weights: BTreeMap<String, f64>,
+    /// Strength of each growth.
+    pub(crate) growths: BTreeMap<String, f64>,
     /// Fingerprint of all that its results depend on but how fine the meshes are.
     pub(crate) inputs: Fingerprint,
 }
@@ -34,6 +36,7 @@ pub(crate) fn scene_poses(scene: &Scene) -> Result<Vec<ScenePose>, CliError> {
     let pose = |pose: &file::Pose| ScenePose {
         name: pose.name.clone(),
         weights: pose.weights.clone(),
+        growths: pose.growths.clone(),
         inputs: shared.with(format!("{pose:?}").as_bytes()),
     };
     Ok(poses.iter().map(pose).collect())

@@ -77,6 +77,9 @@ pub struct PackedPose {
     pub curve: Vec<[f64; 2]>,
     /// Weights of the blend shapes that make the pose.
     pub weights: BTreeMap<String, f64>,
+    /// Strengths of the growths that take part in it; left out without any.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub growths: BTreeMap<String, f64>,
 }
 
 impl PackManifest {

@@ -28,6 +28,9 @@ pub struct Wrinkles {
     pub glb: Option<GlbReference>,
     /// Weights of the blend shapes that make each pose.
     pub poses: BTreeMap<String, BTreeMap<String, f64>>,
+    /// Strengths of the growths that take part in each pose; poses without any are left out, and so is an empty list.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub growths: BTreeMap<String, BTreeMap<String, f64>>,
     /// One entry per pose, key and kind. Every pose in the folder that was made from this version of the scene is
     /// listed, whichever run made it; an interrupted one with the keys that were finished.
     pub maps: Vec<WrinkleMap>,
@@ -281,6 +284,7 @@ impl Wrinkles {
             blend: Blend::default(),
             glb: None,
             poses: BTreeMap::new(),
+            growths: BTreeMap::new(),
             maps: Vec::new(),
         }
     }

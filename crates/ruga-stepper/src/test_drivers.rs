@@ -81,6 +81,7 @@ pub(crate) fn knuckle() -> LayerSpec {
         variation: None,
         presence: Presence::default(),
         creases: Vec::new(),
+        growths: Vec::new(),
     }
 }
 

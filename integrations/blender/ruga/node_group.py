@@ -141,30 +141,50 @@ def add_pose(
         # from key to key.
         node = nodes.mix(mixed, normal, 0.0, f"{pose.name} to {100 * found.key:g} %")
         node["ruga_pose"], node["ruga_key"] = pose.name, found.key
-        drive(node.inputs[0], subject.data.shape_keys, pose, start, found.key)
+        drive(node.inputs[0], subject, pose, start, found.key)
         start, mixed = found.key, node.outputs[1]
     return mixed
 
 
-def drive(socket: bpy.types.NodeSocket, keys: bpy.types.Key, pose: PoseMaps, start: float, end: float) -> None:
+def drive(socket: bpy.types.NodeSocket, subject: bpy.types.Object, pose: PoseMaps, start: float, end: float) -> None:
     """Drives a factor from 0 to 1 while the pose goes from `start` to `end`.
 
-    A pose of several shapes is as far as the shape that is least far. The expression is one that
-    Blender evaluates without Python, so that no permission to run scripts is needed.
+    A pose of several shapes is as far as the shape that is least far; a growth counts like a shape, by a property
+    of the object. The expression is one that Blender evaluates without Python, so that no permission to run
+    scripts is needed.
     """
     curve = socket.driver_add("default_value")
     curve.driver.type = "SCRIPTED"
-    for number, shape in enumerate(pose.weights):
+    shapes = [("KEY", f'key_blocks["{bpy.utils.escape_identifier(shape)}"].value') for shape in pose.weights]
+    properties = [growth_property(subject, name) for name in pose.growths]
+    growths = [("OBJECT", f'["{bpy.utils.escape_identifier(name)}"]') for name in properties]
+    for number, (kind, path) in enumerate(shapes + growths):
         variable = curve.driver.variables.new()
         variable.name, variable.type = f"v{number}", "SINGLE_PROP"
         target = variable.targets[0]
-        target.id_type, target.id = "KEY", keys
-        target.data_path = f'key_blocks["{bpy.utils.escape_identifier(shape)}"].value'
-    curve.driver.expression = expression_of(list(pose.weights.values()), start, end)
+        target.id_type, target.id = kind, subject.data.shape_keys if kind == "KEY" else subject
+        target.data_path = path
+    curve.driver.expression = expression_of(strengths_of(pose), start, end)
+
+
+def growth_property(subject: bpy.types.Object, growth: str) -> str:
+    """The object's property that says how much of a growth there is, made if it has none; its name."""
+    name = f"ruga {growth}"
+    if name not in subject:
+        subject[name] = 0.0
+        subject.id_properties_ui(name).update(
+            soft_min=0.0, soft_max=1.0, description="How much of this growth there is: 0 none, 1 all of it"
+        )
+    return name
+
+
+def strengths_of(pose: PoseMaps) -> list[float]:
+    """Weights of the shapes of a pose, then strengths of its growths."""
+    return [*pose.weights.values(), *pose.growths.values()]
 
 
 def expression_of(weights: list[float], start: float, end: float) -> str:
-    """The driver's expression; the variables `v0`, `v1`, ... are the values of the shapes."""
+    """The driver's expression; the variables `v0`, `v1`, ... are the values of shapes, then of growths."""
     terms = [f"v{n}" if weight == 1.0 else f"v{n}/{weight:.6g}" for n, weight in enumerate(weights)]
     reached = terms[0] if len(terms) == 1 else f"min({','.join(terms)})"
     return f"clamp(({reached}-{start:.6g})/{end - start:.6g})"
@@ -175,7 +195,7 @@ def check_poses(poses: list[PoseMaps]) -> None:
     for pose in poses:
         start = 0.0
         for found in pose.maps:
-            if len(expression_of(list(pose.weights.values()), start, found.key)) > LONGEST_EXPRESSION:
+            if len(expression_of(strengths_of(pose), start, found.key)) > LONGEST_EXPRESSION:
                 raise RugaError(f"Pose `{pose.name}` is made of more shapes than a driver of Blender can read")
             if 0 in load_map(found).size:
                 raise RugaError(f"{found.file} cannot be read: bake again; the material was not changed")

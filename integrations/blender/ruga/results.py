@@ -35,10 +35,11 @@ class KeyMap:
 
 @dataclass
 class PoseMaps:
-    """The maps of one pose, keys ascending, and the weights of the shapes that make it."""
+    """The maps of one pose, keys ascending, and the weights of the shapes and growths that make it."""
 
     name: str
     weights: dict[str, float]
+    growths: dict[str, float]
     maps: list[KeyMap]
 
 
@@ -56,8 +57,9 @@ def read_results(folder: Path) -> list[PoseMaps]:
                 "update the extension"
             )
         still = still_poses(folder)
+        growths = manifest.get("growths", {})
         poses = {
-            name: PoseMaps(name, {shape: float(w) for shape, w in weights.items() if w}, [])
+            name: PoseMaps(name, nonzero(weights), nonzero(growths.get(name, {})), [])
             for name, weights in manifest["poses"].items()
             if name not in still
         }
@@ -71,9 +73,14 @@ def read_results(folder: Path) -> list[PoseMaps]:
         raise RugaError(f"{folder / 'wrinkles.json'} is not as ruga writes it ({error!r}): bake again") from error
     for pose in poses.values():
         pose.maps.sort(key=lambda found: found.key)
-    usable = [pose for pose in poses.values() if pose.maps and pose.weights]
+    usable = [pose for pose in poses.values() if pose.maps and (pose.weights or pose.growths)]
     check_files(usable)
     return usable
+
+
+def nonzero(strengths: dict) -> dict[str, float]:
+    """What takes part of shapes or growths."""
+    return {name: float(strength) for name, strength in strengths.items() if strength}
 
 
 def check_files(poses: list[PoseMaps]) -> None:

@@ -189,6 +189,10 @@ impl WrinkleMaps<'_> {
         for pose in folder.poses.iter().filter(is_there) {
             let weights = pose.weights.clone();
             manifest.poses.insert(pose.name.clone(), weights);
+            if !pose.growths.is_empty() {
+                let growths = pose.growths.clone();
+                manifest.growths.insert(pose.name.clone(), growths);
+            }
         }
         manifest.maps = maps;
         manifest.write(&self.arguments.output.join("wrinkles.json"))?;

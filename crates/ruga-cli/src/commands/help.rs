@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use clap::{Parser, ValueEnum};
 use ruga_material::{PRESETS, Preset, Variation, WavelengthModel, wrinkling};
 use ruga_scene::file::{Key, Table, reference};
-use ruga_scene::{CREASE_PRESETS, CreasePreset};
+use ruga_scene::{CREASE_PRESETS, CreasePreset, GROWTH_PRESETS, GrowthPreset};
 
 use crate::arguments::{Arguments, HelpArguments, Topic};
 use crate::messages;
@@ -124,7 +124,32 @@ fn presets_page() -> String {
     for preset in &CREASE_PRESETS {
         write_crease(&mut page, preset);
     }
+    page.push_str("\n# Presets of growths\n\n");
+    wrap(
+        &mut page,
+        "",
+        "",
+        "`preset = \"NAME\"` in `[[growths]]` fills in what is left out. The amounts are chosen so that maps look \
+         right.",
+    );
+    for preset in &GROWTH_PRESETS {
+        write_growth(&mut page, preset);
+    }
     page
+}
+
+fn write_growth(page: &mut String, preset: &GrowthPreset) {
+    let _ = write!(page, "\n## `{}`\n\n", preset.name);
+    wrap(page, "", "", &format!("{}.", preset.description));
+    let layer = match preset.is_below {
+        true => "`layer = \"substrate\"`",
+        false => "the first layer",
+    };
+    let _ = writeln!(
+        page,
+        "\n- {layer}, `along = {}`, `across = {}`",
+        preset.along, preset.across
+    );
 }
 
 fn write_crease(page: &mut String, preset: &CreasePreset) {

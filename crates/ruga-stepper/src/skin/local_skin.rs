@@ -258,6 +258,7 @@ mod tests {
             variation: None,
             presence: Presence::default(),
             creases: Vec::new(),
+            growths: Vec::new(),
         }
     }
 

@@ -43,6 +43,7 @@ fn skin(coupling: Coupling) -> LayerSpec {
         variation: None,
         presence: Presence::default(),
         creases: Vec::new(),
+        growths: Vec::new(),
     }
 }
 
