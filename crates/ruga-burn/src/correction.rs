@@ -18,31 +18,42 @@ pub(crate) struct CorrectionTable {
     entries: Vec<Entry>,
 }
 
-/// What the front of one speed factor needs of the time step; the mesh comes in by each vertex' spacing.
+/// The correction for one speed factor, without that of the mesh, which each vertex adds by its spacing.
 #[derive(Clone, Copy)]
 struct Entry {
+    /// Width of the front (m).
     width: f64,
     diffusivity: f64,
     burn_rate: f64,
+    /// Growth of the rate per square of rows per width.
+    rate_growth: f64,
 }
 
 /// Entries of a table of factors that differ.
 const ENTRIES: usize = 17;
-/// Height of an equilateral triangle of edge 1: the distance of its rows, to which the error of a mesh
-/// of about equilateral triangles belongs. On a square grid with diagonals it is that of the grid lines.
+/// Distance of the rows in a mesh of equilateral triangles of edge 1. Rows make up the error of a front along
+/// them; in every other direction of such a mesh it has the same leading term. On a square grid with
+/// diagonals, mean edges times this number are the grid lines' distance.
 const ROW: f64 = 0.866;
 
 impl CorrectionTable {
-    /// Corrections for substeps of `substep` (s), of sheets whose speed factors lie between `least` and `most`.
-    pub(crate) fn new(law: &BurnLaw, substep: f64, [least, most]: [f64; 2]) -> Self {
+    /// Corrections for substeps of `substep` (s) on a mesh with a mean edge of `mean_edge` (m), of sheets
+    /// whose speed factors lie between `least` and `most`.
+    pub(crate) fn new(
+        law: &BurnLaw,
+        substep: f64,
+        mean_edge: f64,
+        [least, most]: [f64; 2],
+    ) -> Self {
         let count = if most > least { ENTRIES } else { 1 };
         let start = least.ln();
         let stride = (most.ln() - start) / (count.max(2) - 1) as f64;
         let factors = (0..count).map(|k| (start + k as f64 * stride).exp());
+        let entry = |factor| Entry::new(&law.faster(factor), substep, mean_edge);
         Self {
             start,
             stride,
-            entries: factors.map(|f| Entry::new(law, f, substep)).collect(),
+            entries: factors.map(entry).collect(),
         }
     }
 
@@ -64,54 +75,52 @@ impl CorrectionTable {
 }
 
 impl Entry {
-    fn new(law: &BurnLaw, factor: f64, substep: f64) -> Self {
-        let local = law.faster(factor);
-        // Where no front lives there is none to correct.
-        Front::of(&local)
-            .ok()
-            .and_then(|front| Self::of_front(&local, &front, substep))
-            .unwrap_or(Self {
-                width: f64::INFINITY,
-                diffusivity: 1.0,
-                burn_rate: 1.0,
-            })
+    fn new(law: &BurnLaw, substep: f64, mean_edge: f64) -> Self {
+        let front = Front::of(law).ok();
+        let entry = front.and_then(|front| Self::of_front(law, &front, substep, mean_edge));
+        // Where no front lives, or the substep is too long for one, there is none to correct.
+        entry.unwrap_or(Self {
+            width: f64::INFINITY,
+            diffusivity: 1.0,
+            burn_rate: 1.0,
+            rate_growth: 0.0,
+        })
     }
 
-    fn of_front(law: &BurnLaw, front: &Front, substep: f64) -> Option<Self> {
+    fn of_front(law: &BurnLaw, front: &Front, substep: f64, mean_edge: f64) -> Option<Self> {
         let loss_rate = law.loss_time.map_or(0.0, f64::recip);
         let (speed, width) = (front.speed, front.width);
-        let unit_time = law.diffusivity / (speed * speed);
-        let wave = Wave {
-            heat_ratio: law.heat_ratio(),
-            loss: unit_time * loss_rate,
-            step: 0.0,
-        };
+        let unit = law.diffusivity / speed;
+        let exact = Wave::exact(law.heat_ratio(), unit / speed * loss_rate);
         let stepped = Wave {
-            step: substep / unit_time,
-            ..wave
+            step: substep * speed / unit,
+            ..exact
         };
+        let row = ROW * mean_edge;
+        let meshed = Wave {
+            spread: (row / unit).powi(2) / 12.0,
+            ..stepped
+        };
+        let [exact, stepped, meshed] = [exact, stepped, meshed].map(|wave| wave.burning_number());
         // The implicit step sees exp(-x/w) rise by this rate where the front moves, instead of c/w.
         let rise = -(-speed * substep / width).exp_m1() / substep;
         Some(Self {
             width,
             diffusivity: (rise + loss_rate) / (speed / width + loss_rate),
-            burn_rate: stepped.burning_number()? / wave.burning_number()?,
+            burn_rate: stepped? / exact?,
+            rate_growth: (meshed? / stepped? - 1.0) * (width / row).powi(2),
         })
     }
 
     /// Adds what a mesh of mean edge `spacing` (m) needs.
     fn on_mesh(&self, spacing: f64) -> Correction {
         let row = ROW * spacing / self.width;
-        // exp(-x/w) on rows: (2 cosh(row) - 2)/row² times its second derivative.
+        // On rows, the second difference of exp(-x/w) is (2 cosh(row) - 2)/row² times its derivative.
         let half = 0.5 * row;
-        let conduction = if half > 0.0 {
-            (half / half.sinh()).powi(2)
-        } else {
-            1.0
-        };
+        let conduction = if half > 0.0 { half / half.sinh() } else { 1.0 };
         Correction {
-            diffusivity: self.diffusivity * conduction,
-            burn_rate: self.burn_rate,
+            diffusivity: self.diffusivity * conduction * conduction,
+            burn_rate: self.burn_rate * (1.0 + self.rate_growth * row * row),
         }
     }
 }

@@ -46,11 +46,7 @@ impl FrontDesign {
         check_loss_time(self.loss_time)?;
         let adiabatic_rise = self.burning - self.surroundings;
         let heat_ratio = adiabatic_rise / (self.ignition - self.surroundings);
-        let wave = Wave {
-            heat_ratio,
-            loss: self.loss(heat_ratio)?,
-            step: 0.0,
-        };
+        let wave = Wave::exact(heat_ratio, self.loss(heat_ratio)?);
         let number = wave.burning_number().ok_or(unresolved(heat_ratio))?;
         // The unit of length is `a/c = w (1 + w/(c tau))`.
         let diffusivity = self.speed * self.width * wave.decay().0;

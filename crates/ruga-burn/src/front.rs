@@ -48,11 +48,7 @@ impl Front {
                 least: least_loss_time(heat_ratio, rate),
             })?,
         };
-        let wave = Wave {
-            heat_ratio,
-            loss,
-            step: 0.0,
-        };
+        let wave = Wave::exact(heat_ratio, loss);
         Self::of_wave(law, &wave).ok_or(unresolved(heat_ratio))
     }
 

@@ -240,7 +240,7 @@ impl BurnSolver {
         let least = self.factors.iter().copied().fold(f64::INFINITY, f64::min);
         let most = self.factors.iter().copied().fold(0.0, f64::max);
         (self.settings.correction == FrontCorrection::Corrected)
-            .then(|| CorrectionTable::new(&self.law, substep, [least, most]))
+            .then(|| CorrectionTable::new(&self.law, substep, self.mesh.mean_edge(), [least, most]))
     }
 
     /// Substep in loss times.

@@ -5,28 +5,42 @@ use crate::root::{minimum, root};
 /// Steps in which the end of the burning zone is looked for, over a whole turn of its oscillation.
 const SCAN_STEPS: usize = 64;
 
-/// A straight front in the frame that moves with it.
+/// A straight front in the frame that moves with it, of the exact law or of the scheme in
+/// [`BurnSolver`](crate::BurnSolver) to leading order in time step and mesh.
 ///
-/// With `x` ahead, `v` the temperature above the surroundings in `T_i - T_a`, ignition at `x = 0`:
+/// With `x` ahead, `v` the temperature above the surroundings in `T_i - T_a`, ignition at `x = 0`,
+/// the exact front is
 /// ```text
-/// ahead    v'' + v' - l v = 0,                    v(0) = 1
-/// burning  v'' + q v' + m (v - 1) - l v = 0       from x = -L to 0
-/// behind   v'' + v' - l v = 0                     bounded
-/// fuel     m (integral of v - 1 over the zone - s/2 (v - 1)(-L)) = p
+/// ahead    v'' + v' - l v = 0                 v(0) = 1
+/// burning  v'' + v' - l v + m (v - 1) = 0     from x = -L to 0, v and v' continuous at both ends
+/// behind   v'' + v' - l v = 0                 bounded
+/// fuel     m (integral of v - 1 over the burning zone) = p
 /// ```
-/// `l = a/(c² tau)` is the loss, `m = a dT_ad mu/c²` the burning number. `s = c² dt/a` is a time step of
-/// the scheme in [`BurnSolver`](crate::BurnSolver), whose leading error (burning taken from the old
-/// temperature, conduction from the new) makes `q = 1 + s m` and, as burning lasts half a step
-/// too long, a kink `v'(-L + 0) - v'(-L - 0) = -s m (v - 1)/2`. The exact front has `s = 0`; without loss
-/// it is the closed form `m = 1/(4 g²)`, `p - 1 = 2 g exp(g (pi - acos g)/sqrt(1 - g²))`.
+/// with the loss `l = a/(c² tau)` and the burning number `m = a dT_ad mu/c²`. Without loss this is the closed
+/// form `m = 1/(4 g²)`, `p - 1 = 2 g exp(g (pi - acos g)/sqrt(1 - g²))`.
+///
+/// The scheme burns by the old temperature and conducts by the new one, with a step `s = c² dt/a`; for
+/// `v''` it sees `v''` and `d` times the fourth derivative, on rows that are `sqrt(12 d) a/c` apart. Its
+/// diffusivity is such that the zone ahead is exact, with decay `k`. Then, with fourth derivatives and the
+/// next order in `dt` replaced by the equation itself,
+/// ```text
+/// burning  A v'' + C v' - l v + m (v - 1) = 0,     A = 1 + d (1 + l - m - k²),  C = 1 + s m + d (m - l)
+/// at 0     v'(0) = -k (1 + d m)
+/// at -L    v jumps by d m (v - 1), v' by d m v' - (s/2 + 2 d) m (v - 1), upwards in x
+/// fuel     m (integral of v - 1, less s/2 (v - 1)(-L)) = p
+/// ```
+/// The jumps come from those of the burning rate: burning goes on half a step longer, and a difference
+/// quotient across a jump of `v''` is off.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wave {
     /// Heat ratio `p`, above 1.
     pub(crate) heat_ratio: f64,
     /// Loss `l`.
     pub(crate) loss: f64,
-    /// Time step `s`.
+    /// Time step `s`, 0 for the exact front.
     pub(crate) step: f64,
+    /// Spread `d` of the mesh, 0 for the exact front.
+    pub(crate) spread: f64,
 }
 
 /// The burning zone of a wave.
@@ -41,6 +55,16 @@ pub(crate) struct BurningZone {
 }
 
 impl Wave {
+    /// The exact front.
+    pub(crate) fn exact(heat_ratio: f64, loss: f64) -> Self {
+        Self {
+            heat_ratio,
+            loss,
+            step: 0.0,
+            spread: 0.0,
+        }
+    }
+
     /// The burning number `m` with which the front moves at the speed of the frame; none if no
     /// burning is fast enough.
     pub(crate) fn burning_number(&self) -> Option<f64> {
@@ -62,62 +86,68 @@ impl Wave {
 
     /// The zone of a burning number; none where it has no end.
     pub(crate) fn burning_zone(&self, m: f64) -> Option<BurningZone> {
-        let (loss, q) = (self.loss, 1.0 + self.step * m);
+        let (s, d, net) = (self.step, self.spread, m - self.loss);
         let (ahead, behind) = self.decay();
-        let omega = (m - loss - 0.25 * q * q).sqrt();
+        let (a, c) = (1.0 + d * (1.0 - net - ahead * ahead), 1.0 + s * m + d * net);
+        let decay = 0.5 * c / a;
+        let omega = (net / a - decay * decay).sqrt();
         if omega.is_nan() || omega == 0.0 {
             return None;
         }
-        // v = rest + y; y starts from y0 with slope -ahead and oscillates as it grows towards -x.
-        let rest = m / (m - loss);
+        // v = rest + y; y starts from y0 with `slope` and oscillates as it grows towards -x.
+        let (rest, slope) = (m / net, -ahead * (1.0 + d * m));
         let y0 = 1.0 - rest;
-        let sine_part = (-ahead + 0.5 * q * y0) / omega;
+        let sine_part = (slope + decay * y0) / omega;
         let y = |length: f64| {
             let (sin, cos) = (omega * length).sin_cos();
             let value = y0 * cos - sine_part * sin;
-            [
-                value,
-                -0.5 * q * value + omega * (y0 * sin + sine_part * cos),
-            ]
+            [value, omega * (y0 * sin + sine_part * cos) - decay * value]
         };
-        // Divided by exp(q L/2), so that long zones do not overflow.
         let kink = |length: f64| {
+            // Divided by exp(decay L), so that long zones do not overflow.
+            let shrink = (-decay * length).exp();
             let [value, slope] = y(length);
-            let shrink = (-0.5 * q * length).exp();
-            let late = 0.5 * self.step * m;
-            slope - behind * (value + rest * shrink) + late * (value + (rest - 1.0) * shrink)
+            let (v, above) = (value + rest * shrink, value + (rest - 1.0) * shrink);
+            let slope_behind = slope + m * ((0.5 * s + 2.0 * d) * above - d * slope);
+            slope_behind - behind * (v - d * m * above)
         };
         let stride = std::f64::consts::TAU / omega / SCAN_STEPS as f64;
         let after = (1..=SCAN_STEPS).find(|&k| kink(k as f64 * stride) >= 0.0)? as f64;
         let length = root(kink, (after - 1.0) * stride, after * stride);
-        let [value, slope] = y(length).map(|part| part * (0.5 * q * length).exp());
+        let [value, end_slope] = y(length).map(|part| part * (decay * length).exp());
         // Integral of the differential equation over the zone.
-        let area = (slope + q * value + ahead - q * y0) / (m - loss) + length * (rest - 1.0);
+        let integral = (a * (end_slope - slope) + c * (value - y0)) / net;
         let end = value + rest;
         Some(BurningZone {
             length,
             end,
-            fuel: m * (area - 0.5 * self.step * (end - 1.0)),
+            fuel: m * (integral + length * (rest - 1.0) - 0.5 * s * (end - 1.0)),
         })
     }
 
     /// Decay of the temperature ahead of the front and behind it, per `a/c`.
     pub(crate) fn decay(&self) -> (f64, f64) {
         let root = (1.0 + 4.0 * self.loss).sqrt();
-        (0.5 * (root + 1.0), 2.0 * self.loss / (root + 1.0))
+        let behind = 2.0 * self.loss / (root + 1.0);
+        let spread = self.spread * behind * (behind * behind + self.loss) / root;
+        (0.5 * (root + 1.0), behind + spread)
     }
 
-    /// Least and largest burning number for which the burning zone oscillates: `m - l > q²/4`.
+    /// Least and largest burning number for which the burning zone oscillates, `4 A (m - l) > C²`.
     fn oscillating(&self) -> Option<(f64, f64)> {
-        let (constant, linear) = (1.0 + 4.0 * self.loss, 2.0 - self.step);
-        let under_root = linear * linear - self.step * self.step * constant;
-        if under_root <= 0.0 {
+        let (s, d, k) = (self.step, self.spread, self.decay().0);
+        let (constant, slope) = (1.0 + s * self.loss, s + d);
+        let square = 4.0 * d + slope * slope;
+        let linear = 4.0 * (1.0 + d * (1.0 - k * k)) - 2.0 * constant * slope;
+        let under_root = linear * linear - 4.0 * square * constant * constant;
+        if linear <= 0.0 || under_root <= 0.0 {
             return None;
         }
-        let low = constant / (linear + under_root.sqrt());
-        let high = constant / (low * self.step * self.step);
-        // A step of zero has no upper bound; a burning zone of a thousandth of the width is enough.
-        Some((low.max(self.loss) * (1.0 + 1e-9), high.min(1e8)))
+        let low = 2.0 * constant * constant / (linear + under_root.sqrt());
+        let high = constant * constant / (square * low);
+        // Without step and spread there is no upper bound; such a zone is shorter than 1e-3.
+        let shift = |net: f64| (self.loss + net).min(1e8);
+        Some((shift(low) * (1.0 + 1e-9), shift(high)))
     }
 }
 
@@ -126,14 +156,7 @@ impl Wave {
 /// Along the fronts of one material `m/l = tau dT_ad mu` is its loss time; two fronts, a fast and a slow
 /// one, belong to each, and meet where it is least.
 pub(crate) fn death(heat_ratio: f64) -> Option<(f64, f64)> {
-    let number = |loss: f64| {
-        let wave = Wave {
-            heat_ratio,
-            loss,
-            step: 0.0,
-        };
-        wave.burning_number()
-    };
+    let number = |loss: f64| Wave::exact(heat_ratio, loss).burning_number();
     // Even all fuel burning at once heats its place to `p/sqrt(1 + 4 l)` only, which must be above 1.
     let most = (0.25 * (heat_ratio * heat_ratio - 1.0)).ln();
     let loss_time = |log: f64| number(log.exp()).map_or(f64::INFINITY, |m| m.ln() - log);
@@ -148,12 +171,8 @@ pub(crate) fn loss_of(heat_ratio: f64, loss_time: f64) -> Option<f64> {
         return None;
     }
     let excess = |loss: f64| {
-        let wave = Wave {
-            heat_ratio,
-            loss,
-            step: 0.0,
-        };
-        wave.burning_number().map_or(-1.0, |m| m - loss * loss_time)
+        let number = Wave::exact(heat_ratio, loss).burning_number();
+        number.map_or(-1.0, |m| m - loss * loss_time)
     };
     // Towards no loss, `m` tends to that of the closed form, and the excess is positive.
     Some(root(excess, 0.0, most))
