@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use ruga_mesh::{Id, PerEdge, PerVertex, TriMesh};
 
 use crate::error::check_field;
-use crate::intrinsic::{IntrinsicEdge, IntrinsicMesh};
+use crate::intrinsic::{FLIP_TOLERANCE, IntrinsicEdge, IntrinsicMesh};
 use crate::{BurnError, BurnLaw};
 
 /// Areas and cotangent weights of a triangulation in its rest metric.
@@ -101,7 +101,7 @@ impl FieldMesh {
         let mean_edge =
             all_edges.iter().map(|edge| edge.length).sum::<f64>() / all_edges.len() as f64;
         let edges: Vec<FieldEdge> = all_edges.into_iter().filter_map(FieldEdge::new).collect();
-        let clipped = edges.iter().filter(|edge| edge.weight() < 0.0).count();
+        let clipped = edges.iter().filter(|edge| edge.is_clipped()).count();
         Ok(Self {
             faces,
             areas,
@@ -199,9 +199,10 @@ impl FieldEdge {
         })
     }
 
-    /// Half the sum of the cotangents opposite the edge.
-    fn weight(&self) -> f64 {
-        self.sides.iter().flatten().map(|side| side.1).sum()
+    /// Whether heat would flow against the difference of temperature, by more than rounding.
+    fn is_clipped(&self) -> bool {
+        let halves = || self.sides.iter().flatten().map(|side| side.1);
+        halves().sum::<f64>() < -FLIP_TOLERANCE * halves().map(f64::abs).sum::<f64>()
     }
 
     /// Conductance of the edge per diffusivity, where `shares` of the flipped triangles are left; not negative.

@@ -8,11 +8,14 @@ use faer::{MatMut, Side};
 /// Iterations after which a factor of an earlier matrix is no longer worth keeping: a back-substitution
 /// takes about a tenth of the time of a factorisation.
 const MOST_ITERATIONS: u32 = 8;
-/// Residual, as a share of the right-hand side, at which the heat equation counts as solved. Heat and
-/// mass must balance to 1e-10 over thousands of substeps.
-const TOLERANCE: f64 = 1e-14;
-/// Residual that is accepted when rounding keeps it from falling to [`TOLERANCE`].
-const ROUNDING: f64 = 1e-11;
+/// Residual at which the heat equation counts as solved, as a share of the right-hand side. Temperatures are
+/// then right to a hundred-millionth of a kelvin; that heat balances is seen to apart.
+const TOLERANCE: f64 = 1e-13;
+/// Residual that rounding of the temperatures alone makes, as a share of the matrix' diagonal times them. In
+/// stiff steps it is more than [`TOLERANCE`].
+const ROUNDING: f64 = 2e-15;
+/// Imbalance of heat that is not worth mending, as a share of the whole.
+const BALANCED: f64 = 1e-15;
 
 /// The matrix `D + G` of capacities and losses `D` and conductances `G`, with a factor of it or of an
 /// earlier one.
@@ -63,38 +66,41 @@ impl HeatMatrix {
     /// the difference to the old temperatures on, so that an even temperature stays even to the last digit.
     pub(crate) fn solve(&mut self, right: &[f64], x: &mut [f64]) -> Option<SolveWork> {
         let start = x.to_vec();
-        let (mut iterations, residual) = self.iterate(right, x);
-        if residual <= TOLERANCE {
-            return Some(SolveWork {
-                iterations,
-                factorisations: 0,
-            });
+        let mut work = SolveWork {
+            iterations: 0,
+            factorisations: 0,
+        };
+        if !self.iterate(right, x, &mut work.iterations) {
+            let lower = lower_triangle(&self.diagonal, &self.ends, &self.conductances)?;
+            let symbolic = self.symbolic.clone();
+            self.factor = Llt::try_new_with_symbolic(symbolic, lower.as_ref(), Side::Lower).ok()?;
+            work.factorisations = 1;
+            x.copy_from_slice(&start);
+            if !self.iterate(right, x, &mut work.iterations) {
+                return None;
+            }
         }
-        let lower = lower_triangle(&self.diagonal, &self.ends, &self.conductances)?;
-        let symbolic = self.symbolic.clone();
-        self.factor = Llt::try_new_with_symbolic(symbolic, lower.as_ref(), Side::Lower).ok()?;
-        x.copy_from_slice(&start);
-        let (more, residual) = self.iterate(right, x);
-        iterations += more;
-        (residual <= ROUNDING).then_some(SolveWork {
-            iterations,
-            factorisations: 1,
-        })
+        self.balance(right, x);
+        Some(work)
     }
 
-    /// Iterations and the residual that is left, as a share of the right-hand side.
-    fn iterate(&self, right: &[f64], x: &mut [f64]) -> (u32, f64) {
-        let scale = dot(right, right).sqrt();
+    /// Iterates to the tolerance; false if that takes too long.
+    fn iterate(&self, right: &[f64], x: &mut [f64], iterations: &mut u32) -> bool {
+        let enough = TOLERANCE * dot(right, right).sqrt() + ROUNDING * self.diagonal_norm(x);
+        if !enough.is_finite() {
+            return false;
+        }
         let mut residual = self.times(x);
         for (r, b) in residual.iter_mut().zip(right) {
             *r = b - *r;
         }
         let (mut direction, mut last) = (Vec::new(), 0.0);
-        for iteration in 0..MOST_ITERATIONS {
-            let left = dot(&residual, &residual).sqrt() / scale;
-            if left <= TOLERANCE {
-                return (iteration, left);
+        for iteration in 0..=MOST_ITERATIONS {
+            let left = dot(&residual, &residual).sqrt();
+            if left <= enough || iteration == MOST_ITERATIONS || left.is_nan() {
+                return left <= enough;
             }
+            *iterations += 1;
             let mut preconditioned = residual.clone();
             let size = preconditioned.len();
             let column = MatMut::from_column_major_slice_mut(&mut preconditioned, size, 1);
@@ -109,7 +115,28 @@ impl HeatMatrix {
             add(x, way, &direction);
             add(&mut residual, -way, &image);
         }
-        (MOST_ITERATIONS, dot(&residual, &residual).sqrt() / scale)
+        false
+    }
+
+    /// Shifts all temperatures so that none of the heat is lost: flows cancel, so that `D x` must sum to the
+    /// right-hand side. In steps so stiff that one evens out the sheet, rounding of the flows hides this sum.
+    fn balance(&self, right: &[f64], x: &mut [f64]) {
+        let whole: f64 = right.iter().sum();
+        let capacity: f64 = self.diagonal.iter().sum();
+        let excess = whole - dot(&self.diagonal, x);
+        if excess.abs() > BALANCED * whole.abs() {
+            x.iter_mut().for_each(|x| *x += excess / capacity);
+        }
+    }
+
+    /// Norm of the diagonal times a vector.
+    fn diagonal_norm(&self, x: &[f64]) -> f64 {
+        let mut sums = self.diagonal.clone();
+        for (ends, conductance) in self.ends.iter().zip(&self.conductances) {
+            ends.iter().for_each(|&v| sums[v as usize] += conductance);
+        }
+        let terms = sums.iter().zip(x).map(|(sum, x)| (sum * x).powi(2));
+        terms.sum::<f64>().sqrt()
     }
 
     /// The matrix times a vector; flows along edges are equal and opposite, so that none is lost.

@@ -12,7 +12,7 @@ const BORDER: u32 = u32::MAX;
 /// decides the angles.
 const LEAST_SHAPE: f64 = 1e-6;
 /// A sum of cotangents this far below zero, as a share of its terms, is rounding and not an edge to flip.
-const FLIP_TOLERANCE: f64 = 1e-10;
+pub(crate) const FLIP_TOLERANCE: f64 = 1e-10;
 /// Flips per edge after which flipping stops. Delaunay flipping ends by itself; this bounds what
 /// rounding may do in meshes of slivers.
 const MOST_FLIPS_PER_EDGE: usize = 50;

@@ -117,7 +117,9 @@ impl BurnState {
         }
         // Heat flows, so that a source anywhere on the sheet may ignite fuel elsewhere.
         let heats = |source: &Source| {
-            source.temperature > law.ignition && source.weights.as_slice().iter().any(|&w| w > 0.0)
+            source.temperature > law.ignition
+                && source.coefficient > 0.0
+                && source.weights.as_slice().iter().any(|&w| w > 0.0)
         };
         let mut anywhere = self.temperature.as_slice().iter();
         if sources.iter().any(heats) || anywhere.any(|&t| t > law.ignition) {
