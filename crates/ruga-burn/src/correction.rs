@@ -11,6 +11,21 @@ pub(crate) struct Correction {
 }
 
 /// Corrections for speed factors between two bounds, tabulated because each takes a root.
+///
+/// Both come from the leading error terms of the scheme, which [`Wave`] solves for. Errors of the speed on
+/// strips, in per cent, at `n` cells per width, without and with correction, in substeps in which the front goes
+/// 0.2 and 0.5 cells:
+/// ```text
+/// p        n    0.2            0.5           |  p        n    0.2            0.5
+/// 2.00     2   -10.0   -0.8   -19     -19 *  |  5.71     2    -3.6    0.4    -7.6   2.9
+/// 2.00     4    -4.9    0.0   -10.7    1.5   |  5.71     4    -1.7    0.1    -4.0   0.5
+/// 2.00     8    -2.5    0.0    -5.7    0.3   |  5.71     8    -0.9    0.0    -2.0   0.1
+/// 3.43     2    -5.5    0.3   -11.1    4.8   |  14.3     2    -2.0    0.3    -4.4   1.9
+/// 3.43     4    -2.6    0.1    -5.9    0.7   |  14.3     4    -1.0    0.1    -2.3   0.4
+/// 3.43     8    -1.3    0.0    -3.1    0.1   |  14.3     8    -0.5    0.0    -1.1   0.1
+/// * the fuel of a vertex burns in a few substeps: no correction is found
+/// ```
+/// At 1.5, where the burning zone is 0.6 widths long, 2 cells leave 9 and 4 cells leave 0.5.
 pub(crate) struct CorrectionTable {
     /// Natural logarithm of the least speed factor and of the ratio between entries.
     start: f64,
