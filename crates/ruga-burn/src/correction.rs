@@ -50,6 +50,12 @@ const ENTRIES: usize = 17;
 /// them; in every other direction of such a mesh it has the same leading term. On a square grid with
 /// diagonals, mean edges times this number are the grid lines' distance.
 const ROW: f64 = 0.866;
+/// Widest row that is corrected, in widths of the front. A front that is narrower is not resolved, and terms of second
+/// order in the row say nothing of it.
+const WIDEST_ROW: f64 = 0.7;
+/// Factors on the rate within which corrections are kept, for the same reason: at heat ratios near 1 the
+/// burning zone may be shorter than a row although the width is not.
+const RATES: [f64; 2] = [0.5, 2.0];
 
 impl CorrectionTable {
     /// Corrections for substeps of `substep` (s) on a mesh with a mean edge of `mean_edge` (m), of sheets
@@ -111,7 +117,7 @@ impl Entry {
             step: substep * speed / unit,
             ..exact
         };
-        let row = ROW * mean_edge;
+        let row = (ROW * mean_edge).min(WIDEST_ROW * width);
         let meshed = Wave {
             spread: (row / unit).powi(2) / 12.0,
             ..stepped
@@ -129,13 +135,14 @@ impl Entry {
 
     /// Adds what a mesh of mean edge `spacing` (m) needs.
     fn on_mesh(&self, spacing: f64) -> Correction {
-        let row = ROW * spacing / self.width;
+        let row = (ROW * spacing / self.width).min(WIDEST_ROW);
         // On rows, the second difference of exp(-x/w) is (2 cosh(row) - 2)/row² times its derivative.
         let half = 0.5 * row;
         let conduction = if half > 0.0 { half / half.sinh() } else { 1.0 };
         Correction {
             diffusivity: self.diffusivity * conduction * conduction,
-            burn_rate: self.burn_rate * (1.0 + self.rate_growth * row * row),
+            burn_rate: (self.burn_rate * (1.0 + self.rate_growth * row * row))
+                .clamp(RATES[0], RATES[1]),
         }
     }
 }

@@ -31,6 +31,7 @@ mod field_mesh;
 mod front;
 mod law;
 mod report;
+mod settings;
 mod solver;
 mod source;
 mod state;
@@ -47,7 +48,8 @@ pub use design::FrontDesign;
 pub use field_mesh::FieldMesh;
 pub use front::{Front, FrontDeath};
 pub use law::{BurnLaw, Radiation, StarterCheck};
-pub use solver::{BurnSettings, BurnSolver, FrontCorrection};
+pub use settings::{BurnSettings, FrontCorrection};
+pub use solver::BurnSolver;
 pub use source::Source;
 pub use state::{BurnState, Prospect};
 

@@ -1,6 +1,6 @@
 //! Temperature and fuel of a sheet.
 
-use ruga_mesh::PerVertex;
+use ruga_mesh::{PerVertex, VertexId};
 
 use crate::error::{TEMPERATURES, check_field, is_temperature};
 use crate::{BurnError, BurnLaw, FieldMesh, Source};
@@ -29,12 +29,28 @@ pub enum Prospect {
 }
 
 impl BurnState {
-    /// A state of the given temperatures (K) and fuel shares. Painting hot places into the
+    /// The start of a fire: temperatures (K) and fuel shares. Painting hot places into the
     /// temperatures is one way to set a sheet on fire; a [`Source`] is the other.
     ///
     /// # Errors
-    /// [`BurnError::FieldSize`], [`BurnError::FieldOutOfRange`] or [`BurnError::NoFuel`].
+    /// Those of [`BurnState::restored`], and [`BurnError::NoFuel`].
     pub fn new(
+        mesh: &FieldMesh,
+        temperature: PerVertex<f64>,
+        fuel: PerVertex<f64>,
+    ) -> Result<Self, BurnError> {
+        let state = Self::restored(mesh, temperature, fuel)?;
+        if state.is_burnt_out() {
+            return Err(BurnError::NoFuel);
+        }
+        Ok(state)
+    }
+
+    /// A state from what [`BurnState::into_parts`] gave, which may be burnt out.
+    ///
+    /// # Errors
+    /// [`BurnError::FieldSize`] or [`BurnError::FieldOutOfRange`].
+    pub fn restored(
         mesh: &FieldMesh,
         temperature: PerVertex<f64>,
         fuel: PerVertex<f64>,
@@ -50,11 +66,7 @@ impl BurnState {
         check_field("fuel share", fuel.as_slice(), count, "0 to 1", |share| {
             (0.0..=1.0).contains(&share)
         })?;
-        let state = Self { temperature, fuel };
-        if state.is_burnt_out() {
-            return Err(BurnError::NoFuel);
-        }
-        Ok(state)
+        Ok(Self { temperature, fuel })
     }
 
     /// A fresh sheet at one temperature (K).
@@ -77,7 +89,16 @@ impl BurnState {
         &self.fuel
     }
 
-    /// Temperatures (K) and fuel shares, as [`BurnState::new`] takes them.
+    /// Takes the fuel of vertices away, as of pieces that have fallen off, and returns how much it was (m²).
+    ///
+    /// # Panics
+    /// When a vertex is none of this state's, or `mesh` has not its vertices.
+    pub fn drop_fuel(&mut self, mesh: &FieldMesh, vertices: &[VertexId]) -> f64 {
+        let drop = |&v: &VertexId| mesh.areas()[v] * std::mem::take(&mut self.fuel[v]);
+        vertices.iter().map(drop).sum()
+    }
+
+    /// Temperatures (K) and fuel shares, as [`BurnState::restored`] takes them.
     pub fn into_parts(self) -> (PerVertex<f64>, PerVertex<f64>) {
         (self.temperature, self.fuel)
     }

@@ -274,6 +274,8 @@ fn states() {
     assert_eq!(wrong_size(refused), ("fuel share", count - 1, count));
     let refused = BurnState::new(&field, filled(300.0), filled(0.0));
     assert_eq!(refused, Err(BurnError::NoFuel));
+    let burnt_out = BurnState::restored(&field, filled(300.0), filled(0.0)).unwrap();
+    assert!(burnt_out.is_burnt_out());
     assert!(BurnState::fresh(&field, 0.0).is_ok());
 }
 

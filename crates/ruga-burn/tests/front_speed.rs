@@ -179,3 +179,32 @@ fn painted_speed_scales_the_front_at_the_same_width() {
     let front = Front::of(&faster).unwrap();
     assert!((front.speed - 1.5).abs() < 1e-9 && (front.width - 1.0).abs() < 1e-9);
 }
+
+#[test]
+fn meshes_too_coarse_for_a_front_still_burn() {
+    // One cell per width, a third, and a burning zone of a tenth of a width.
+    for (heat_ratio, cells) in [(3.43, 1.0), (3.43, 0.3), (1.05, 4.0)] {
+        let edge = 1.0 / cells;
+        let sheet = strip(40, edge);
+        let law = unit_front(heat_ratio).law().unwrap();
+        let settings = settings(0.2, FrontCorrection::Corrected);
+        let mut solver = BurnSolver::new(sheet.field(), law, settings).unwrap();
+        let mut state = lit(&sheet, 4.0 * law.burning(), |x| x.x - 10.0 * edge);
+        let whole = state.fuel_left(solver.mesh());
+        for _ in 0..20 {
+            solver.step(&mut state, &[], 0.1 * edge).unwrap();
+        }
+        let burnt = whole - state.fuel_left(solver.mesh());
+        assert!(
+            burnt > 0.0 && burnt.is_finite(),
+            "{heat_ratio} {cells} {burnt}"
+        );
+        let hottest = state
+            .temperature()
+            .as_slice()
+            .iter()
+            .copied()
+            .fold(0.0, f64::max);
+        assert!(hottest <= 4.0 * law.burning() + law.adiabatic_rise);
+    }
+}

@@ -6,7 +6,7 @@ mod sheets;
 
 use nalgebra::Vector3;
 use ruga_burn::{BurnLaw, BurnSettings, BurnSolver, BurnState, FrontCorrection};
-use ruga_mesh::{PerFace, PerVertex};
+use ruga_mesh::{PerFace, PerVertex, VertexId};
 use sheets::{Sheet, irregular, unit_front};
 
 const SETTINGS: BurnSettings = BurnSettings {
@@ -137,4 +137,43 @@ fn a_torn_sheet_makes_no_new_extreme() {
             assert!(values.iter().all(|&t| t > 310.0 - 1e-9 && t < 490.0 + 1e-9));
         }
     }
+}
+
+#[test]
+fn resumed_after_forgetting_is_the_same_to_the_last_bit() {
+    let sheet = irregular([30, 30], 0.25, 0.3, 8);
+    let thinned = shares(&sheet, |x| if x.norm() < 0.5 { 0.9 } else { 1.0 });
+    let start = warm(&sheet, |x| 400.0 + 150.0 * (x.x + 2.0 * x.y).sin());
+    let run = |solver: &mut BurnSolver, state: &mut BurnState| {
+        for _ in 0..5 {
+            solver.step(state, &[], 0.02).unwrap();
+        }
+    };
+    let mut solver = BurnSolver::new(sheet.field(), law(), SETTINGS).unwrap();
+    let mut through = start;
+    run(&mut solver, &mut through);
+    solver.set_conducting(&thinned).unwrap();
+    solver.forget();
+    let (temperature, fuel) = through.clone().into_parts();
+    run(&mut solver, &mut through);
+
+    let mut solver = BurnSolver::new(sheet.field(), law(), SETTINGS).unwrap();
+    solver.set_conducting(&thinned).unwrap();
+    let mut resumed = BurnState::restored(solver.mesh(), temperature, fuel).unwrap();
+    run(&mut solver, &mut resumed);
+    assert_eq!(resumed, through);
+}
+
+#[test]
+fn dropped_fuel_is_told_and_gone() {
+    let sheet = irregular([6, 6], 0.25, 0.3, 8);
+    let field = sheet.field();
+    let mut state = warm(&sheet, |_| 400.0);
+    let whole = state.fuel_left(&field);
+    let fallen = [3, 17, 3].map(VertexId);
+    let dropped = state.drop_fuel(&field, &fallen);
+    let areas = field.areas();
+    assert!((dropped - areas[fallen[0]] - areas[fallen[1]]).abs() < 1e-15);
+    assert!((whole - dropped - state.fuel_left(&field)).abs() < 1e-13);
+    assert_eq!(state.fuel()[fallen[1]], 0.0);
 }
