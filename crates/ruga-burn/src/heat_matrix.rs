@@ -59,28 +59,26 @@ impl HeatMatrix {
         self.conductances = conductances;
     }
 
-    /// Solves for `x`, starting from what it holds; none where rounding prevents it.
+    /// Solves for `x`, starting from what it holds and leaving that where rounding prevents a solution.
     ///
     /// Conjugate gradients with the factor as preconditioner: with a factor of this very matrix one
     /// iteration is the back-substitution, and a second one, where the step is stiff, its refinement. From
     /// the difference to the old temperatures on, so that an even temperature stays even to the last digit.
     pub(crate) fn solve(&mut self, right: &[f64], x: &mut [f64]) -> Option<SolveWork> {
-        let start = x.to_vec();
-        let mut work = SolveWork {
-            iterations: 0,
-            factorisations: 0,
-        };
-        if !self.iterate(right, x, &mut work.iterations) {
+        let mut work = SolveWork::default();
+        let mut solution = x.to_vec();
+        if !self.iterate(right, &mut solution, &mut work.iterations) {
             let lower = lower_triangle(&self.diagonal, &self.ends, &self.conductances)?;
             let symbolic = self.symbolic.clone();
             self.factor = Llt::try_new_with_symbolic(symbolic, lower.as_ref(), Side::Lower).ok()?;
             work.factorisations = 1;
-            x.copy_from_slice(&start);
-            if !self.iterate(right, x, &mut work.iterations) {
+            solution.copy_from_slice(x);
+            if !self.iterate(right, &mut solution, &mut work.iterations) {
                 return None;
             }
         }
-        self.balance(right, x);
+        self.balance(right, &mut solution);
+        x.copy_from_slice(&solution);
         Some(work)
     }
 

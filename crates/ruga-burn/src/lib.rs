@@ -15,16 +15,16 @@
 //! dT/dt = a Lap T + dT_ad r - (T - T_a)/tau + sources - radiation
 //! dY/dt = -r,     r = mu (T - T_i)  while T > T_i and Y > 0
 //! ```
-//! after Jeong, Kim, Kim 2011, *Shrinkage, wrinkling and ablation of burning cloth and paper*, eq. (1) to (4), with what
-//! is amiss there mended; see [`BurnLaw`]. Burning is of zeroth order in the fuel, because then the speed of the
-//! front has a closed form. The scheme is first order in time and second in space; [`FrontCorrection`] makes up for
-//! its errors at the front.
+//! after Jeong, Kim, Kim 2011, *Shrinkage, wrinkling and ablation of burning cloth and paper*, eq. (1) to (4),
+//! with what is amiss there mended; see [`BurnLaw`]. Burning is of zeroth order in the fuel, because then the
+//! speed of the front has a closed form. The scheme is first order in time and second in space;
+//! [`FrontCorrection`] makes up for its errors at the front.
 //!
 //! ## Units and spaces
 //!
 //! SI units: metres, seconds, kelvin. Fields live on vertices, and the surface is the one at rest: nothing here
-//! knows where the sheet is in space. Heat is counted in K m², which the areal heat capacity turns into joules, and fuel
-//! in m² of fresh sheet.
+//! knows where the sheet is in space. Heat is counted in K m², which the areal heat capacity turns into joules,
+//! and fuel in m² of fresh sheet.
 
 mod design;
 mod field_mesh;

@@ -151,7 +151,7 @@ impl BurnSolver {
     /// # Errors
     /// [`BurnError::OutOfRange`] or [`BurnError::TooManySubsteps`] for the time step, those of
     /// [`Source::check`], [`BurnError::FieldSize`] for a state of another mesh, and
-    /// [`BurnError::Unsolvable`]. After an error in the middle of a step the state is that of the last substep.
+    /// [`BurnError::Unsolvable`]. After an error the state is that of the last substep that was done.
     pub fn step(
         &mut self,
         state: &mut BurnState,
@@ -246,11 +246,12 @@ impl BurnSolver {
         let areas = self.mesh.areas().as_slice();
         let temperatures = state.temperature.as_mut_slice();
         let mut right = Vec::with_capacity(areas.len());
-        for (v, fuel) in state.fuel.as_mut_slice().iter_mut().enumerate() {
+        let mut left = Vec::with_capacity(areas.len());
+        for (v, &fuel) in state.fuel.as_slice().iter().enumerate() {
             let (area, mut temperature) = (areas[v], temperatures[v]);
             let above = (temperature - law.ignition).max(0.0);
-            let burnt = (substep * prepared.rates[v] * above).min(*fuel);
-            *fuel -= burnt;
+            let burnt = (substep * prepared.rates[v] * above).min(fuel);
+            left.push(fuel - burnt);
             let fire = law.adiabatic_rise * burnt;
             let heated = heating.rise(v, temperature + fire);
             temperature += fire + heated;
@@ -266,6 +267,7 @@ impl BurnSolver {
             iterations,
             factorisations,
         } = work.ok_or(BurnError::Unsolvable { substep })?;
+        state.fuel = left.into();
         report.iterations += iterations;
         report.factorisations += factorisations;
         let excess = areas.iter().zip(&*temperatures);

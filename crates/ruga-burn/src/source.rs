@@ -8,8 +8,8 @@ use crate::{BurnError, FieldMesh};
 /// A hot (or cold) thing that draws the sheet to its temperature where it touches it: an ember, a
 /// flame, an iron.
 ///
-/// Adds `coefficient × weight × (temperature - T)` to the law of [`BurnLaw`](crate::BurnLaw). One that moves gets new weights
-/// before each step.
+/// Adds `coefficient × weight × (temperature - T)` to the heat equation of [`BurnLaw`](crate::BurnLaw). One
+/// that moves gets new weights before each step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
     /// Temperature of the source (K); at least 0.

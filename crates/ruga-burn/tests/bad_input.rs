@@ -316,11 +316,13 @@ fn steps() {
         correction: FrontCorrection::Uncorrected,
     };
     let mut solver = BurnSolver::new(sheet.field(), law(), whole).unwrap();
-    let uneven = sheet.per_vertex(|x| 300.0 + x.x);
+    let uneven = sheet.per_vertex(|x| 600.0 + x.x);
     let fuel = sheet.per_vertex(|_| 1.0);
     let mut state = BurnState::new(solver.mesh(), uneven, fuel).unwrap();
+    let before = state.clone();
     let error = solver.step(&mut state, &[], 1e308).unwrap_err();
     assert_eq!(error, BurnError::Unsolvable { substep: 1e308 });
+    assert_eq!(state, before);
 }
 
 #[test]
