@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Matrix2, SMatrix, SVector, SymmetricEigen, Vector2, Vector3};
 use ruga_shell::{BendingModel, FaceParameters, LayerEnergy};
 use ruga_solver::{
-    ConstraintRows, Iteration, Kkt, LowerPattern, NewtonSettings, Objective, minimise,
+    ConstraintRows, Iteration, Kkt, LowerPattern, NewtonSettings, Objective, minimise, softest_mode,
 };
 
 use crate::meshes::{Mesh, rng, symmetric};
@@ -31,18 +31,9 @@ pub(crate) fn disc(edges: usize, outer: usize, jitter: f64, seed: u64) -> Mesh {
 /// Irregular triangles between the radii `first/edges` and 1.
 pub(crate) fn annulus(first: usize, edges: usize, jitter: f64, seed: u64) -> Mesh {
     let mut mesh = ring_mesh(first..=edges, edges, jitter, seed);
-    let inner = first as f64 / edges as f64;
-    let centre = |face: &[u32; 3]| {
-        let sum: Vector3<f64> = face.iter().map(|&v| mesh.positions[v as usize]).sum();
-        (sum / 3.0).norm()
-    };
-    // Delaunay triangles fill the hole as well.
-    mesh.faces = mesh
-        .faces
-        .iter()
-        .copied()
-        .filter(|face| centre(face) > inner * (1.0 - 0.3 / first as f64))
-        .collect();
+    // Delaunay triangles fill the hole as well, between vertices of the inner rim, which come first.
+    let rim = 6 * first as u32;
+    mesh.faces.retain(|face| face.iter().any(|&v| v >= rim));
     mesh
 }
 
@@ -158,27 +149,50 @@ pub(crate) struct Free<'a> {
 }
 
 impl Free<'_> {
+    /// Three coordinates of one corner of the first face, two of the next and one of the last: as many as a
+    /// rigid body has, of a sheet that lies in the plane z = 0.
+    fn held(&self) -> [usize; 6] {
+        let [a, b, c] = self.mesh.faces[0].map(|v| v as usize);
+        let along = self.mesh.positions[b] - self.mesh.positions[a];
+        // A turn about z moves the second corner across the edge to it.
+        let across = usize::from(along.x.abs() > along.y.abs());
+        [
+            3 * a,
+            3 * a + 1,
+            3 * a + 2,
+            3 * b + across,
+            3 * b + 2,
+            3 * c + 2,
+        ]
+    }
+
+    /// The objective, and the factorisation in which the first face stays in its place.
+    fn system(&self) -> (FreeSheet<'_>, Kkt) {
+        let (starts, rows) = self.layer.pattern();
+        let positions = &self.mesh.positions;
+        let [a, b, _] = self.mesh.faces[0].map(|v| positions[v as usize]);
+        let sheet = FreeSheet {
+            layer: self.layer,
+            pattern: LowerPattern::new(starts, rows).expect("a pattern of the layer"),
+            energy: self.energy,
+            edge: (a - b).norm(),
+        };
+        let unknowns = self.layer.dof_count();
+        let columns = self.held().to_vec();
+        let rows = ConstraintRows::new((0..=6).collect(), columns, vec![1.0; 6], unknowns);
+        let rows = rows.expect("valid rows");
+        let kkt = Kkt::new(&sheet.pattern, &rows, 3).expect("a valid system");
+        (sheet, kkt)
+    }
+
     /// Brings the sheet to rest from `x`. The first face stays in its place, held without force.
     ///
     /// It stops at a millionth of the energy: a disc that has rolled up turns its axis for a long time, for
     /// nothing that can be seen.
     pub(crate) fn settle(&self, x: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-        let (starts, rows) = self.layer.pattern();
-        let [a, b, c] = self.mesh.faces[0].map(|v| 3 * v as usize);
-        let sheet = FreeSheet {
-            layer: self.layer,
-            pattern: LowerPattern::new(starts, rows).expect("a pattern of the layer"),
-            energy: self.energy,
-            edge: (x[a / 3] - x[b / 3]).norm(),
-        };
-        // Three coordinates of one corner, two of the next and one of the last: as many as a rigid body
-        // has.
-        let columns = vec![a, a + 1, a + 2, b + 1, b + 2, c + 2];
-        let mut unknowns: Vec<f64> = x.iter().flatten().copied().collect();
-        let targets: Vec<_> = columns.iter().map(|&column| unknowns[column]).collect();
-        let held = ConstraintRows::new((0..=6).collect(), columns, vec![1.0; 6], unknowns.len());
-        let held = held.expect("valid rows");
-        let mut kkt = Kkt::new(&sheet.pattern, &held, 3).expect("a valid system");
+        let (sheet, mut kkt) = self.system();
+        let mut unknowns = unknowns(x);
+        let targets = self.held().map(|column| unknowns[column]);
         let settings = NewtonSettings {
             residual_tolerance: 1e-9,
             max_iterations: 200,
@@ -190,6 +204,21 @@ impl Free<'_> {
         assert!(report.converged, "{report:?}");
         sheet.positions(&unknowns)
     }
+
+    /// The motion from the equilibrium `x` that the sheet resists least, with its stiffness (N/m): negative
+    /// just past the onset of buckling.
+    ///
+    /// The stiffness, and not the signs of the factor's pivots: those are of a matrix with a hundred-millionth of
+    /// the median diagonal more on its own, which moves the onset of a thin plate by several per cent.
+    pub(crate) fn softest_mode(&self, x: &[Vector3<f64>]) -> (f64, Vec<Vector3<f64>>) {
+        let (sheet, mut kkt) = self.system();
+        let mode = softest_mode(&sheet, &unknowns(x), &mut kkt, 1, 20).expect("a valid system");
+        (mode.rayleigh_quotient, sheet.positions(&mode.mode))
+    }
+}
+
+fn unknowns(x: &[Vector3<f64>]) -> Vec<f64> {
+    x.iter().flatten().copied().collect()
 }
 
 /// Principal curvatures (crest-positive, the larger first) of the quadratic surface through the vertices whose
