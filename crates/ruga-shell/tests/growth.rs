@@ -195,3 +195,39 @@ fn a_ring_whose_inner_rim_shrinks_buckles_where_theory_says() {
     assert_eq!(waves_along_rim(&ring.mesh, &mode), waves);
 }
 
+/// The lengths of a surface of constant negative curvature: a rim that has grown. Thick it stays flat; thinner
+/// it makes waves, and the more the thinner it is.
+#[test]
+fn a_rim_that_grows_makes_more_waves_the_thinner_it_is() {
+    let radius = 0.7_f64;
+    let mesh = disc(16, 0, 0.2, 3);
+    let settled = |thickness: f64, raised: f64| {
+        let face = bare(1.0, 0.3, thickness);
+        let mut layer = free_layer(&mesh, face);
+        let scale = |r: f64| 1.0 / (1.0 - r * r / (4.0 * radius * radius));
+        grow(&mut layer, &mesh, scale);
+        let sheet = Free {
+            mesh: &mesh,
+            layer: &layer,
+            energy: 100.0 * face.bending_modulus(),
+        };
+        let mut rng = meshes::rng(1);
+        let start = mesh.positions.iter().map(|p| {
+            let height = raised * meshes::symmetric(&mut rng) * p.norm();
+            1.05 * p + Vector3::z() * height
+        });
+        let x = sheet.settle(&start.collect::<Vec<_>>());
+        let middle = x.iter().sum::<Vector3<f64>>() / x.len() as f64;
+        let mode: Vec<_> = x.iter().map(|x| x - middle).collect();
+        (waves_along_rim(&mesh, &mode), layer.value(&x) / thickness)
+    };
+    // As a membrane alone the flat disc has the same energy over thickness at any thickness.
+    let (_, flat) = settled(1.0, 0.0);
+    let (coarse, first) = settled(0.16, 0.05);
+    let (fine, second) = settled(0.04, 0.05);
+    assert!(fine > coarse, "{coarse} {fine}");
+    assert!(
+        second < 0.2 * flat && first < flat,
+        "{flat} {first} {second}"
+    );
+}
