@@ -60,7 +60,8 @@ impl LayerEnergy {
         Ok(())
     }
 
-    /// Makes the angles of `positions` (m) the rest angles: the layer is not bent there.
+    /// Makes the angles of `positions` (m) the rest angles: the layer is not bent there, unless it has a
+    /// natural curvature, which comes on top.
     ///
     /// # Errors
     /// [`ShellError::LengthMismatch`] for an array of another size; [`ShellError::NotFinite`].
@@ -114,7 +115,8 @@ impl LayerEnergy {
     }
 
     /// Number of faces that ask for a natural angle above [`MAX_NATURAL_ANGLE`](crate::MAX_NATURAL_ANGLE) at
-    /// one of their edges, under the present rest metric, and bend less than they ask for.
+    /// one of their edges, under the present rest metric, and bend less than they ask for; 0 in a
+    /// [`crate::LayerPart`].
     pub fn capped_faces(&self) -> usize {
         self.lower().capped_faces()
     }
