@@ -58,16 +58,16 @@ fn bent_strip(across: usize, modulus: f64, strain: f64) -> [f64; 2] {
         energy: 1e-3 * face.bending_modulus() * WIDTH,
     };
     let x = sheet.settle(&mesh.positions);
-    let [found, _] = principal_curvatures(&mesh.positions, &x, |p| p.x.abs() < 0.1);
+    let [found, _] = principal_curvatures(&mesh.positions, &x, |p| p.x.abs() < 0.05);
     [found, laminate.natural_curvature]
 }
 
-/// At 24 edges across it is 0.06 % off.
+/// To half a per mille at 4, 8 and 24 edges across, of which the fit of a parabola to a circle makes most.
 #[test]
 fn a_strip_bends_to_the_curvature_of_its_laminate() {
     let [found, expected] = bent_strip(8, 1e9, 2.5e-3);
     assert!(expected > 1.0, "a radian or more over its length");
-    assert!((found / expected - 1.0).abs() < 0.003, "{found} {expected}");
+    assert!((found / expected - 1.0).abs() < 0.001, "{found} {expected}");
     // Whatever the modulus.
     let [stiff, _] = bent_strip(8, 1e11, 2.5e-3);
     assert!((stiff / found - 1.0).abs() < 1e-6, "{stiff} {found}");
@@ -139,9 +139,8 @@ fn a_disc_that_bends_little_is_a_bowl() {
 
 /// A disc that bends much rolls up about one axis and keeps the moment of the other direction: `(1 + nu) k0`
 /// but for the rim, where that moment vanishes. The rim is as wide as the root of thickness over curvature,
-/// so that it counts for less and less: at loads of 50, 100, 200, 800 the curvature is 1.234, 1.272,
-/// 1.287 and 1.30 k0 for a Poisson ratio of .3, whatever the mesh from 14 edges on and the thickness from 1/200 of
-/// the radius.
+/// so that it counts for less and less: at loads of 50, 100, 200, 800 the curvature is 1.234, 1.273,
+/// 1.287 and 1.30 k0 for a Poisson ratio of .3, to half a per cent from 14 edges per radius on.
 #[test]
 fn a_disc_that_bends_much_rolls_up() {
     for (poisson, seed) in [(0.0, 1), (0.3, 2), (0.48, 3)] {

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-/// Polynomials in the radius that deflections are made of. Eight give five digits.
+/// Polynomials in the radius that deflections are made of. Six give four digits of the onset, nine seven.
 const TERMS: usize = 9;
 /// Midpoints of the integrals over the radius.
 const POINTS: usize = 2000;
