@@ -22,6 +22,19 @@ pub enum MaterialError {
         /// The value found.
         value: f64,
     },
+    /// A parameter outside its range.
+    #[error("{parameter} is {value}, but must be {range}")]
+    OutOfRange {
+        /// Name of the parameter with its unit, if it has one.
+        parameter: &'static str,
+        /// The value found.
+        value: f64,
+        /// What is accepted.
+        range: &'static str,
+    },
+    /// A laminate without plies.
+    #[error("the laminate has no plies, but must have at least one")]
+    NoPlies,
     /// A target strain that no compression can have.
     #[error("critical strain is {value}, but must lie strictly between 0 and 1")]
     StrainOutOfRange {
@@ -130,6 +143,15 @@ pub(crate) fn require_positive(parameter: &'static str, value: f64) -> Result<()
         Ok(())
     } else {
         Err(MaterialError::NotPositive { parameter, value })
+    }
+}
+
+/// Accepts a computed quantity that may have either sign, or none.
+pub(crate) fn require_finite(quantity: &'static str, value: f64) -> Result<(), MaterialError> {
+    if value.is_finite() {
+        Ok(())
+    } else {
+        Err(MaterialError::Overflow { quantity, value })
     }
 }
 

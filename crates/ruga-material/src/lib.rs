@@ -20,6 +20,9 @@
 //! A straight crease in a film folds before the film wrinkles: [`crease_onset`], [`crease_depth`] and
 //! [`crease_profile`] say at what load and how far.
 //!
+//! A sheet whose plies shrink unequally bends by itself: [`Laminate`] says how much, and [`ShrinkLaw`] what
+//! burning or drying makes of lengths, stiffness and curvature.
+//!
 //! SI units; lengths in the rest configuration; compressive strain is positive. All is linear film
 //! theory, which fades above a critical strain of about 10 % (a modulus ratio below 50).
 
@@ -27,11 +30,13 @@ mod crease;
 mod design;
 mod error;
 mod foundation;
+mod laminate;
 mod material;
 mod preset;
 mod property_map;
 mod relative;
 mod sharp_boundary;
+mod shrink_law;
 mod stack;
 mod strain;
 mod two_shells;
@@ -43,11 +48,13 @@ pub use crease::{CreaseLoad, crease_depth, crease_onset, crease_profile};
 pub use design::design_layer;
 pub use error::MaterialError;
 pub use foundation::substrate_stiffness;
+pub use laminate::{Laminate, Ply, linear_profile_curvature};
 pub use material::{LayerMaterial, Substrate};
 pub use preset::{PRESETS, Preset, preset};
 pub use property_map::{PropertyImage, PropertyMap, PropertyPaint, PropertyRanges, Wrap};
 pub use relative::{RelativeProperties, local_wrinkling};
 pub use sharp_boundary::{BoundaryCrossing, SHARP_RATIO, sharp_edges};
+pub use shrink_law::{FreshSheet, ShrinkLaw, ShrunkSheet};
 pub use stack::{CompositeLayer, FirstScale, JointMode, StackLayer, StackPair, composite_layers};
 pub use strain::{CAP_START, capped_strain, effective_strain};
 pub use uv_tile::UvTile;

@@ -72,6 +72,28 @@ pub enum ShellError {
         /// The determinant.
         determinant: f64,
     },
+    /// A natural curvature is set on a layer that bends in hinges.
+    #[error(
+        "hinges cannot have a natural curvature, because their Poisson ratio is -1/3 whatever the \
+         material's; build the layer with BendingModel::VertexCurvature"
+    )]
+    CurvatureOnHinges,
+    /// A natural curvature has components that are not a symmetric tensor's.
+    #[error("the natural curvature of face {face} is not symmetric: {xy} and {yx} 1/m")]
+    AsymmetricCurvature {
+        /// Index of the face.
+        face: usize,
+        /// First row, second column (1/m).
+        xy: f64,
+        /// Second row, first column (1/m).
+        yx: f64,
+    },
+    /// What a layer of one sheet may change is asked of a pair.
+    #[error("{what} can be set on a layer of one sheet only, and this one is a pair")]
+    PairOfSheets {
+        /// What was to be set.
+        what: &'static str,
+    },
     /// A factor of the bending stiffness is out of range.
     #[error("bending factor {value}, expected a positive number")]
     BendingFactor {

@@ -1,8 +1,10 @@
 //! The stiffness that makes hinges bend like a plate.
 
+use nalgebra::{Vector2, Vector3};
 use ruga_mesh::{FaceId, Id};
 
 use crate::RestTriangle;
+use crate::natural_curvature::side_fold;
 
 /// Default exponent of the per-hinge factor.
 ///
@@ -65,6 +67,16 @@ impl HingeShape {
         let [left, right] = self.heights.map(|height| 1.0 / height);
         let head = -(self.feet[0] * left + self.feet[1] * right);
         [-(head + left + right), head, left, right]
+    }
+
+    /// Angle (rad m), positive on crests, of the piecewise linear surfaces through quadratic ones: one per
+    /// unit component of curvature, see [`StarShape`](crate::StarShape), along the edge and to its left.
+    pub(crate) fn quadratic_fold(&self) -> Vector3<f64> {
+        let edge = Vector2::new(self.length, 0.0);
+        let [left, right] = self.heights;
+        let apex = |foot: f64, y: f64| Vector2::new(foot * self.length, y);
+        side_fold(&edge, &apex(self.feet[0], left), left)
+            + side_fold(&edge, &apex(self.feet[1], -right), right)
     }
 
     /// Hinge stiffness `k` (J) for the plate modulus `modulus` (N m).

@@ -3,7 +3,7 @@
 mod creases;
 mod elements;
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix2, Matrix3, Vector3};
 
 use ruga_mesh::{BlockPattern, EdgeId, FaceId, Id, PerEdge, TriMesh};
 
@@ -11,6 +11,7 @@ use crate::hinge::{Hinge, HingeState};
 use crate::hinge_stiffness::{HINGE_EXPONENT, HingeShape};
 use crate::layer_creases::HingeCrease;
 use crate::layer_part::{PartNumbers, marked, ranks};
+use crate::natural_curvature::NaturalAngles;
 use crate::sharp_fold::SharpFold;
 use crate::stars::Star;
 use crate::stencil::{NO_FACE, add_blocks, gather, slots, touches};
@@ -80,16 +81,21 @@ impl LayerBending {
                          sides,
                          vertices,
                          edge,
-                     }: &InnerEdge| HingeElement {
-            hinge: Hinge {
-                stiffness: 0.0,
-                rest_angle: HingeState::new(&gather(rest, &vertices)).angle(),
-            },
-            crease: None,
-            edge,
-            vertices,
-            sides,
-            slots: slots(pattern, &vertices),
+                     }: &InnerEdge| {
+            let surface_angle = HingeState::new(&gather(rest, &vertices)).angle();
+            HingeElement {
+                hinge: Hinge {
+                    stiffness: 0.0,
+                    rest_angle: surface_angle,
+                },
+                surface_angle,
+                natural_angle: 0.0,
+                crease: None,
+                edge,
+                vertices,
+                sides,
+                slots: slots(pattern, &vertices),
+            }
         };
         Self {
             stars: stars
@@ -173,8 +179,14 @@ impl LayerBending {
     pub(crate) fn follow(&mut self, whole: &Self, numbers: &PartNumbers) {
         self.factor = whole.factor;
         for (element, &number) in self.hinges.iter_mut().zip(&numbers.hinges) {
-            let HingeElement { hinge, crease, .. } = whole.hinges[number as usize];
-            (element.hinge, element.crease) = (hinge, crease);
+            // Its place in the matrix and its vertices are the part's own.
+            *element = HingeElement {
+                edge: element.edge,
+                vertices: element.vertices,
+                sides: element.sides,
+                slots: element.slots,
+                ..whole.hinges[number as usize]
+            };
         }
         for (element, &number) in self.stars.iter_mut().zip(&numbers.stars) {
             let StarElement { rows, branches, .. } = &whole.stars[number as usize];
@@ -187,9 +199,15 @@ impl LayerBending {
         self.factor = factor;
     }
 
-    /// Recomputes every stiffness for another rest metric or factor.
-    pub(crate) fn set_rest(&mut self, rest: &[RestTriangle], parameters: &[FaceParameters]) {
-        let modulus = |face: usize| parameters[face].bending_modulus();
+    /// Recomputes every stiffness for another rest metric, factor or material, with the share of each
+    /// face's area that is left.
+    pub(crate) fn set_rest(
+        &mut self,
+        rest: &[RestTriangle],
+        (parameters, area_left): (&[FaceParameters], &[f64]),
+    ) {
+        // A face that is partly gone bends as it did, with less stiffness: its shape is that of the whole.
+        let modulus = |face: usize| area_left[face] * parameters[face].bending_modulus();
         let factor = self.factor;
         // With stars a hinge measures its angle, and its stiffness is that of a sharp fold alone.
         for element in &mut self.hinges {
@@ -211,8 +229,23 @@ impl LayerBending {
 
     pub(crate) fn set_rest_angles(&mut self, positions: &[Vector3<f64>]) {
         for element in &mut self.hinges {
-            element.hinge.rest_angle = element.state(positions).angle();
+            element.set_angles(element.state(positions).angle(), element.natural_angle);
         }
+    }
+
+    /// Replaces the angles that a natural curvature (1/m) per face adds, and returns how many faces are
+    /// capped.
+    pub(crate) fn set_natural_curvatures(
+        &mut self,
+        rest: &[RestTriangle],
+        curvatures: &[Matrix2<f64>],
+    ) -> usize {
+        let sides = self.hinges.iter().map(|element| element.sides);
+        let natural = NaturalAngles::new(sides, rest, curvatures);
+        for (element, angle) in self.hinges.iter_mut().zip(natural.angles) {
+            element.set_angles(element.surface_angle, angle);
+        }
+        natural.capped_faces
     }
 
     pub(crate) fn value(&self, x: &[Vector3<f64>]) -> f64 {

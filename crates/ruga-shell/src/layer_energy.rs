@@ -2,10 +2,12 @@
 
 mod by_face;
 mod creases;
+mod material;
+mod rest_shape;
 
 use std::sync::OnceLock;
 
-use nalgebra::{Matrix2, Vector3};
+use nalgebra::Vector3;
 
 use ruga_mesh::{BlockPattern, PerVertex, TriMesh, vertex_normals};
 
@@ -200,96 +202,9 @@ impl LayerEnergy {
         Ok(())
     }
 
-    /// Stretches every rest triangle, as built, by a 2×2 matrix in its local frame
-    /// ([`ruga_mesh::triangle_frame`]): the rest metric becomes `S^T S`. Replaces any earlier stretch.
-    ///
-    /// Membrane, bending stiffness and springs all follow, of a pair in both sheets; rest angles stay, and natural strains
-    /// are zero again.
-    ///
-    /// # Errors
-    /// [`ShellError::LengthMismatch`], [`ShellError::InvertedStretch`],
-    /// [`ShellError::DegenerateFace`]; the layer is then unchanged.
-    pub fn set_rest_metric(&mut self, stretches: &[Matrix2<f64>]) -> Result<(), ShellError> {
-        check_length(
-            "rest stretches",
-            self.lower().faces().len(),
-            stretches.len(),
-        )?;
-        // All rest triangles are made before any is put in place: after an error nothing has
-        // changed.
-        let stretched = self.sheets.iter().map(|sheet| sheet.stretched(stretches));
-        let stretched = stretched.collect::<Result<Vec<_>, _>>()?;
-        for (sheet, rest) in self.sheets.iter_mut().zip(stretched) {
-            sheet.set_rest(rest);
-        }
-        if let Some(springs) = &mut self.springs {
-            springs.set_rest(self.sheets[0].rest());
-        }
-        self.foundation.set_rest(&self.sheets[0]);
-        self.foundation_hessian = OnceLock::new();
-        Ok(())
-    }
-
-    /// Sets every face's Green strain without stress, in the frame of its stretched rest triangle.
-    ///
-    /// With `(1 - s)` times the strain of a surface the layer on it has `s` times its strain, while
-    /// bending and foundation, and so the length of the waves, stay those of the rest metric.
-    ///
-    /// # Errors
-    /// [`ShellError::LengthMismatch`] for an array of another size;
-    /// [`ShellError::ParameterOutOfRange`] for a strain that is not finite.
-    pub fn set_natural_strains(&mut self, strains: &[Matrix2<f64>]) -> Result<(), ShellError> {
-        check_length("natural strains", self.lower().faces().len(), strains.len())?;
-        let mut values = strains.iter().flatten().enumerate();
-        if let Some((index, &value)) = values.find(|(_, value)| !value.is_finite()) {
-            return Err(ShellError::ParameterOutOfRange {
-                element: "face",
-                index: index / 4,
-                name: "natural strain",
-                value,
-                range: "finite",
-            });
-        }
-        for sheet in &mut self.sheets {
-            sheet.set_natural_strains(strains);
-        }
-        Ok(())
-    }
-
-    /// Makes the angles of `positions` (m) the rest angles: the layer is not bent there.
-    ///
-    /// # Errors
-    /// [`ShellError::LengthMismatch`] for an array of another size; [`ShellError::NotFinite`].
-    pub fn set_rest_angles(&mut self, positions: &[Vector3<f64>]) -> Result<(), ShellError> {
-        check_length("positions", self.vertex_count(), positions.len())?;
-        check_finite("position", positions.iter().flatten(), 3)?;
-        for sheet in &mut self.sheets {
-            sheet.set_rest_angles(positions);
-        }
-        Ok(())
-    }
-
     /// The model that the layer was built with.
     pub fn bending_model(&self) -> BendingModel {
         self.bending_model
-    }
-
-    /// Scales the bending stiffness, 1 when built.
-    ///
-    /// Triangles that are not equilateral bend more or less easily than the material; the
-    /// inverse of their [`response_modulus`](crate::response_modulus), as a share of the
-    /// material's, makes up for it on average.
-    ///
-    /// # Errors
-    /// [`ShellError::BendingFactor`] unless the factor is positive and finite.
-    pub fn set_bending_factor(&mut self, factor: f64) -> Result<(), ShellError> {
-        if !(factor > 0.0 && factor.is_finite()) {
-            return Err(ShellError::BendingFactor { value: factor });
-        }
-        for sheet in &mut self.sheets {
-            sheet.set_bending_factor(factor);
-        }
-        Ok(())
     }
 
     /// Number of vertices, pinned ones included, of both sheets of a pair.
@@ -447,8 +362,8 @@ impl LayerEnergy {
         }
     }
 
-    /// Rest area of each vertex of the lower sheet (m²): a third of its faces, under the present rest
-    /// metric.
+    /// Rest area of each vertex of the lower sheet (m²): a third of what is left of its faces, under the
+    /// present rest metric.
     pub fn vertex_areas(&self) -> &[f64] {
         self.foundation.vertex_areas()
     }

@@ -9,7 +9,7 @@ use crate::layer_part::{PartNumbers, marked, pick};
 use crate::parameters::{check_finite, check_length};
 use crate::sheet::Sheet;
 use crate::stencil::{NO_FACE, touches};
-use crate::{EnergyParts, LineAnchor, RestTriangle, ShellError};
+use crate::{EnergyParts, FaceParameters, LineAnchor, RestTriangle, ShellError};
 
 /// Tolerance on the length of a base normal.
 const UNIT_TOLERANCE: f64 = 1e-6;
@@ -99,17 +99,23 @@ impl LayerFoundation {
     /// Recomputes every stiffness for the sheet's present rest metric.
     pub(crate) fn set_rest(&mut self, sheet: &Sheet) {
         let (faces, rest) = (sheet.faces(), sheet.rest());
-        self.normal = rest
-            .iter()
-            .zip(sheet.parameters())
-            .map(|(rest, p)| NormalFoundation::new(rest, p.normal_stiffness, p.gradient_stiffness))
-            .collect();
+        let materials = sheet.parameters().iter().zip(sheet.area_left());
+        let stencil = |(rest, (p, left)): (&RestTriangle, (&FaceParameters, &f64))| {
+            // What is gone is held by nothing.
+            let [normal, gradient] = [p.normal_stiffness, p.gradient_stiffness].map(|k| left * k);
+            NormalFoundation::new(rest, normal, gradient)
+        };
+        self.normal = rest.iter().zip(materials).map(stencil).collect();
         let mut areas = vec![0.0; self.anchors.len()];
         let mut diagonal = vec![0.0; self.anchors.len()];
         let matrices: Vec<_> = self.normal.iter().map(NormalFoundation::matrix).collect();
-        for ((face, rest), matrix) in faces.iter().zip(rest).zip(&matrices) {
+        let areas_left = rest
+            .iter()
+            .zip(sheet.area_left())
+            .map(|(rest, left)| left * rest.area());
+        for ((face, area), matrix) in faces.iter().zip(areas_left).zip(&matrices) {
             for (corner, &vertex) in face.iter().enumerate() {
-                areas[vertex as usize] += rest.area() / 3.0;
+                areas[vertex as usize] += area / 3.0;
                 diagonal[vertex as usize] += matrix[(corner, corner)];
             }
         }
@@ -316,14 +322,16 @@ impl LayerFoundation {
         parts: &mut [EnergyParts],
     ) {
         let w = deviations(anchors, x);
-        let faces = sheet.faces().iter().zip(sheet.rest()).zip(&self.normal);
-        for (((face, rest), stencil), parts) in faces.zip(parts) {
+        let areas = sheet.rest().iter().zip(sheet.area_left());
+        let areas = areas.map(|(rest, left)| left * rest.area());
+        let faces = sheet.faces().iter().zip(areas).zip(&self.normal);
+        for (((face, area), stencil), parts) in faces.zip(parts) {
             let [k0, k1] = stencil.values(face.map(|v| w[v as usize]));
             parts.normal += k0;
             parts.gradient += k1;
             for v in face.map(|v| v as usize) {
                 // A vertex has a third of the area of each of its faces.
-                let share = rest.area() / 3.0 / self.vertex_areas[v];
+                let share = area / 3.0 / self.vertex_areas[v];
                 parts.tangential += share * self.tangential_springs[v].value(&anchors[v], &x[v]);
             }
         }

@@ -21,6 +21,10 @@
 //! A [`Crease`] on an edge adds compliance and a rest angle in series with the bending there
 //! ([`LayerEnergy::set_creases`]), and a [`LineAnchor`] draws a line to a depth.
 //!
+//! The rest shape may change: [`LayerEnergy::set_rest_metric`] for lengths and
+//! [`LayerEnergy::set_natural_curvatures`] for a sheet that bends by itself; and so may stiffness and what is
+//! left of a face ([`LayerEnergy::set_face_parameters`], [`LayerEnergy::set_area_left`]).
+//!
 //! SI units: metres, newtons, joules. Positions are in space; everything marked *rest* refers to
 //! the rest metric. The Hessian is symmetric, its lower triangle in compressed columns over the
 //! vertices that are not pinned.
@@ -67,6 +71,7 @@ mod layer_energy;
 mod layer_foundation;
 mod layer_part;
 mod line_anchor;
+mod natural_curvature;
 mod parameters;
 mod sharp_fold;
 mod sheet;
@@ -95,7 +100,8 @@ pub use layer_energy::LayerEnergy;
 pub use layer_foundation::FoundationStiffness;
 pub use layer_part::LayerPart;
 pub use line_anchor::LineAnchor;
-pub use parameters::{FaceParameters, LayerParameters};
+pub use natural_curvature::MAX_NATURAL_ANGLE;
+pub use parameters::{FaceParameters, LayerParameters, MIN_AREA_LEFT};
 pub use upper_sheet::UpperSheet;
 
 pub use foundation::{Anchor, NormalFoundation, TangentialSpring};

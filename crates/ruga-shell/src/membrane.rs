@@ -74,6 +74,11 @@ impl Membrane {
         }
     }
 
+    /// The stress-free Green strain, in the rest frame.
+    pub fn natural_strain(&self) -> Matrix2<f64> {
+        self.natural
+    }
+
     /// Deformation gradient, strain and stress at `x`.
     #[inline]
     pub fn state(&self, x: &[Vector3<f64>; 3]) -> MembraneState {

@@ -2,6 +2,10 @@
 
 use crate::ShellError;
 
+/// Least share of a face's area that may be left of it. A face with less leaves the mesh: it holds nothing,
+/// and its stiffness would spoil the factorisation.
+pub const MIN_AREA_LEFT: f64 = 0.02;
+
 /// Material and normal coupling of one face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceParameters {

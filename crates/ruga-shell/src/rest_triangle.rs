@@ -103,6 +103,13 @@ impl RestTriangle {
             / lengths.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
+    /// Unit vectors along the edge that begins at corner `tail`, and from it into the triangle, as columns.
+    pub(crate) fn edge_frame(&self, tail: usize) -> Matrix2<f64> {
+        let corner = [Vector2::zeros(), self.edges[0], self.edges[1]];
+        let along = (corner[(tail + 1) % 3] - corner[tail]).normalize();
+        Matrix2::from_columns(&[along, Vector2::new(-along.y, along.x)])
+    }
+
     /// The corner opposite an edge, seen from that edge: `(length, foot, height)`.
     ///
     /// The edge runs from corner `tail` to the next one; `foot` is the fraction of the edge at

@@ -57,6 +57,12 @@ impl<'a> SheetTopology<'a> {
 pub(crate) struct Sheet {
     faces: Vec<[u32; 3]>,
     parameters: Vec<FaceParameters>,
+    /// Share of each face's area that is left.
+    area_left: Vec<f64>,
+    /// Natural curvature of each face (1/m); empty for a sheet that has none.
+    natural_curvatures: Vec<Matrix2<f64>>,
+    /// Number of faces whose natural curvature is scaled down.
+    capped_faces: usize,
     /// Rest triangles without any stretch, and as they are now.
     unstretched: Vec<RestTriangle>,
     rest: Vec<RestTriangle>,
@@ -86,8 +92,12 @@ impl Sheet {
             .enumerate()
             .map(|(index, corners)| RestTriangle::new(&corners, index))
             .collect::<Result<Vec<_>, _>>()?;
+        let area_left = vec![1.0; faces.len()];
         let mut this = Self {
-            membranes: membranes(&rest, &parameters),
+            membranes: membranes(&rest, &parameters, &area_left),
+            area_left,
+            natural_curvatures: Vec::new(),
+            capped_faces: 0,
             membrane_slots: faces.iter().map(|face| slots(pattern, face)).collect(),
             bending: LayerBending::new(stars, (mesh, &inner), positions, pattern),
             unstretched: rest.clone(),
@@ -119,6 +129,9 @@ impl Sheet {
         Self {
             faces: numbers.faces.iter().map(face).collect(),
             parameters: Vec::new(),
+            area_left: Vec::new(),
+            natural_curvatures: Vec::new(),
+            capped_faces: 0,
             unstretched: Vec::new(),
             rest: Vec::new(),
             membranes: Vec::new(),
@@ -138,6 +151,7 @@ impl Sheet {
     pub(crate) fn follow(&mut self, whole: &Self, numbers: &PartNumbers) {
         let faces = &numbers.faces;
         pick(&mut self.parameters, &whole.parameters, faces);
+        pick(&mut self.area_left, &whole.area_left, faces);
         pick(&mut self.unstretched, &whole.unstretched, faces);
         pick(&mut self.rest, &whole.rest, faces);
         pick(&mut self.membranes, &whole.membranes, faces);
@@ -150,6 +164,16 @@ impl Sheet {
 
     pub(crate) fn parameters(&self) -> &[FaceParameters] {
         &self.parameters
+    }
+
+    /// Share of each face's area that is left.
+    pub(crate) fn area_left(&self) -> &[f64] {
+        &self.area_left
+    }
+
+    /// Number of faces whose natural curvature is scaled down.
+    pub(crate) fn capped_faces(&self) -> usize {
+        self.capped_faces
     }
 
     /// Rest triangles under the present rest metric.
@@ -172,9 +196,35 @@ impl Sheet {
     pub(crate) fn set_rest(&mut self, rest: Vec<RestTriangle>) {
         // New membranes have no natural strain: the former one was written in the frame of the
         // former rest triangles.
-        self.membranes = membranes(&rest, &self.parameters);
+        self.membranes = membranes(&rest, &self.parameters, &self.area_left);
         self.rest = rest;
         self.set_bending_stiffness();
+        self.bend_naturally();
+    }
+
+    /// Replaces material and springs, and the share of each face's area that is left.
+    pub(crate) fn set_material(&mut self, parameters: Vec<FaceParameters>, area_left: Vec<f64>) {
+        (self.parameters, self.area_left) = (parameters, area_left);
+        let membranes = membranes(&self.rest, &self.parameters, &self.area_left);
+        let pairs = self.membranes.iter_mut().zip(membranes);
+        for (old, new) in pairs {
+            *old = new.with_natural_strain(old.natural_strain());
+        }
+        self.set_bending_stiffness();
+    }
+
+    /// Sets every face's natural curvature (1/m).
+    pub(crate) fn set_natural_curvatures(&mut self, curvatures: &[Matrix2<f64>]) {
+        self.natural_curvatures = curvatures.to_vec();
+        self.bend_naturally();
+    }
+
+    /// Recomputes the angles of the natural curvature for the present rest triangles.
+    fn bend_naturally(&mut self) {
+        if !self.natural_curvatures.is_empty() {
+            let curvatures = &self.natural_curvatures;
+            self.capped_faces = self.bending.set_natural_curvatures(&self.rest, curvatures);
+        }
     }
 
     /// Sets every face's Green strain without stress.
@@ -205,7 +255,8 @@ impl Sheet {
     }
 
     fn set_bending_stiffness(&mut self) {
-        self.bending.set_rest(&self.rest, &self.parameters);
+        let material = (self.parameters.as_slice(), self.area_left.as_slice());
+        self.bending.set_rest(&self.rest, material);
     }
 
     /// Energies of membrane and bending (J).
@@ -261,9 +312,13 @@ impl Sheet {
     }
 }
 
-fn membranes(rest: &[RestTriangle], parameters: &[FaceParameters]) -> Vec<Membrane> {
-    let faces = rest.iter().zip(parameters);
+fn membranes(
+    rest: &[RestTriangle],
+    parameters: &[FaceParameters],
+    area_left: &[f64],
+) -> Vec<Membrane> {
+    let faces = rest.iter().zip(parameters).zip(area_left);
     faces
-        .map(|(rest, p)| Membrane::new(rest, p.tension_modulus(), p.poisson))
+        .map(|((rest, p), left)| Membrane::new(rest, left * p.tension_modulus(), p.poisson))
         .collect()
 }

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 use crate::RestTriangle;
+use crate::natural_curvature::side_fold;
 
 /// Smallest singular value of the mean map, see [`StarShape`], that is inverted as it is.
 ///
@@ -233,11 +234,6 @@ fn weights(points: &[Vector2<f64>], area: f64) -> Vec<Vector3<f64>> {
 /// curvature. None if a triangle is flat or turned over in the plane.
 fn quadratic_response(points: &[Vector2<f64>], weights: &[Vector3<f64>]) -> Option<Matrix3<f64>> {
     let count = points.len();
-    // Depths of the three unit curvatures, crests positive.
-    let depths = |p: &Vector2<f64>| {
-        Vector3::new(p.norm_squared(), p.x * p.x - p.y * p.y, 2.0 * p.x * p.y)
-            * (0.5 * std::f64::consts::FRAC_1_SQRT_2)
-    };
     let mut response = Matrix3::zeros();
     for (k, (spoke, weight)) in points.iter().zip(weights).enumerate() {
         let length = spoke.norm();
@@ -248,10 +244,7 @@ fn quadratic_response(points: &[Vector2<f64>], weights: &[Vector3<f64>]) -> Opti
             if height.is_nan() || height < MIN_HEIGHT_RATIO * length {
                 return None;
             }
-            let foot = spoke.dot(apex) / (length * length);
-            // The centre stays at depth zero: under the apex's foot the spoke is at that share of
-            // its own depth.
-            angles += (depths(apex) - depths(spoke) * foot) / height;
+            angles += side_fold(spoke, apex, height);
         }
         response += weight * angles.transpose();
     }

@@ -16,6 +16,14 @@ use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters, Lay
 const COLUMNS: usize = 11;
 const ROWS: usize = 10;
 
+const FACE: FaceParameters = FaceParameters {
+    young: 8.0,
+    poisson: 0.4,
+    thickness: 0.4,
+    normal_stiffness: 1.5,
+    gradient_stiffness: -0.4,
+};
+
 /// Rounding of a sum over the layer, as a share of its energy.
 const TOLERANCE: f64 = 1e-12;
 
@@ -49,15 +57,8 @@ fn irregular() -> Mesh {
 fn posed(model: BendingModel, pinned: &[bool]) -> Posed {
     let mesh = irregular();
     let mut rng = rng(22);
-    let face = FaceParameters {
-        young: 8.0,
-        poisson: 0.4,
-        thickness: 0.4,
-        normal_stiffness: 1.5,
-        gradient_stiffness: -0.4,
-    };
     let (faces, count) = (mesh.faces.len(), mesh.positions.len());
-    let mut parameters = LayerParameters::uniform(face, faces, 0.0, count);
+    let mut parameters = LayerParameters::uniform(FACE, faces, 0.0, count);
     for face in &mut parameters.faces {
         face.thickness += 0.1 * symmetric(&mut rng);
         face.poisson += 0.05 * symmetric(&mut rng);
@@ -92,7 +93,8 @@ fn some_pinned() -> Vec<bool> {
 }
 
 impl Posed {
-    /// Gives the layer another rest metric, natural strains, rest angles, bending factor and base.
+    /// Gives the layer another rest metric, natural strains and curvatures, rest angles, bending factor,
+    /// material and base.
     fn change(&mut self) {
         let Self { layer, rng, .. } = self;
         let mut matrices = |scale: f64| -> Vec<_> {
@@ -108,6 +110,9 @@ impl Posed {
         }
         layer.set_rest_metric(&stretches).unwrap();
         layer.set_natural_strains(&matrices(0.03)).unwrap();
+        if layer.bending_model() == BendingModel::VertexCurvature {
+            layer.set_natural_curvatures(&matrices(0.2)).unwrap();
+        }
         let mut moved = |by: f64| -> Vec<_> {
             let rest = self.rest.iter();
             rest.map(|p| p + by * random_vector(rng)).collect()
@@ -117,6 +122,15 @@ impl Posed {
         layer
             .set_bending_factor(rng.random_range(0.5..2.0))
             .unwrap();
+        let mut faces = vec![FACE; self.faces];
+        for face in &mut faces {
+            face.young += symmetric(rng);
+            face.thickness += 0.1 * symmetric(rng);
+            face.normal_stiffness += 0.5 * symmetric(rng);
+        }
+        layer.set_face_parameters(&faces).unwrap();
+        let left: Vec<_> = faces.iter().map(|_| rng.random_range(0.02..1.0)).collect();
+        layer.set_area_left(&left).unwrap();
         let tilted = |_: &_| (Vector3::z() + 0.4 * random_vector(rng)).normalize();
         let normals: Vec<_> = points.iter().map(tilted).collect();
         let offsets: Vec<_> = points.iter().map(|_| rng.random_range(0.0..0.1)).collect();

@@ -12,7 +12,12 @@ use crate::vertex_curvature::weighted;
 /// The hinge on an inner edge of a layer.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HingeElement {
+    /// Its rest angle is the sum of the next two.
     pub(super) hinge: Hinge,
+    /// Angle of the rest surface (rad).
+    pub(super) surface_angle: f64,
+    /// Angle that the natural curvature adds (rad).
+    pub(super) natural_angle: f64,
     /// A crease in series with the hinge; none where there are stars.
     pub(super) crease: Option<Branch>,
     pub(super) edge: EdgeId,
@@ -35,6 +40,11 @@ pub(super) struct StarElement {
 }
 
 impl HingeElement {
+    pub(super) fn set_angles(&mut self, surface: f64, natural: f64) {
+        (self.surface_angle, self.natural_angle) = (surface, natural);
+        self.hinge.rest_angle = surface + natural;
+    }
+
     pub(super) fn state(&self, x: &[Vector3<f64>]) -> HingeState {
         HingeState::new(&gather(x, &self.vertices))
     }
