@@ -28,6 +28,9 @@ pub struct GrowthSpec {
     pub along: f64,
     /// Change of length across the direction.
     pub across: f64,
+    /// Curvatures along the direction and across it to which it bends a free sheet at a strength of 1, positive
+    /// where the outer side bulges, 1/m; none for a layer that something carries, which holds it flat.
+    pub curl: [f64; 2],
     /// Direction of `along`.
     pub direction: GrowthDirection,
     /// Painted share of it, everywhere 1 without paint.
@@ -103,16 +106,22 @@ impl GrowthSpec {
         })
     }
 
-    /// Change of lengths at a texture coordinate of a driver's face, in a plane with these axes.
-    fn at(&self, uv: Vector2<f64>, facet: &Facet, [x, y]: &[Vector3<f64>; 2]) -> Matrix2<f64> {
+    /// A tensor with these values along the direction and across it, as it is painted at a texture coordinate of a
+    /// driver's face, in a plane with these axes.
+    fn tensor(
+        &self,
+        [along, across]: [f64; 2],
+        (uv, facet): (Vector2<f64>, &Facet),
+        [x, y]: &[Vector3<f64>; 2],
+    ) -> Matrix2<f64> {
         let direction = facet.in_space(&self.direction_at(uv));
         let direction = Vector2::new(direction.dot(x), direction.dot(y));
         let tensor = match direction.try_normalize(0.0) {
-            Some(along) => {
-                let along = along * along.transpose();
-                along * self.along + (Matrix2::identity() - along) * self.across
+            Some(direction) => {
+                let parallel = direction * direction.transpose();
+                parallel * along + (Matrix2::identity() - parallel) * across
             }
-            None => Matrix2::identity() * (0.5 * (self.along + self.across)),
+            None => Matrix2::identity() * (0.5 * (along + across)),
         };
         tensor * self.share(uv)
     }
@@ -176,17 +185,30 @@ impl<'a> PoseGrowth<'a> {
         if self.is_none() {
             return None;
         }
-        let (points, rest) = (skin.points.points(), &skin.rest.positions);
-        let faces = skin.mesh.faces().as_slice().iter();
-        let stretch = |corners: &[VertexId; 3]| {
-            let frame = triangle_frame(&corners.map(|v| rest[v.index()]));
-            let places = corners.map(|v| {
-                let point = &points[v.index()];
-                (uv(driver, point), Facet::new(driver, point.face))
-            });
-            self.stretch(&places, &frame, load)
-        };
-        Some(faces.map(stretch).collect())
+        let of_face = |places: &[_; 3], frame: &_| self.stretch(places, frame, load);
+        Some(on_faces(driver, skin, of_face))
+    }
+
+    /// Natural curvatures of the faces of `skin` at a load, in their rest frames, 1/m.
+    pub(crate) fn curls_on_skin(
+        &self,
+        driver: &Driver,
+        skin: &SkinMesh,
+        load: f64,
+    ) -> PerFace<Matrix2<f64>> {
+        on_faces(
+            driver,
+            skin,
+            |places: &[(Vector2<f64>, Facet); 3], frame| {
+                let curls = self.growths.iter().flat_map(|(growth, strength)| {
+                    let of_corner = places.iter().map(|(uv, facet)| {
+                        growth.tensor(growth.curl, (*uv, facet), frame) * (load * strength / 3.0)
+                    });
+                    of_corner.collect::<Vec<_>>()
+                });
+                curls.sum()
+            },
+        )
     }
 
     /// The stretch of the rest metric of a part of a driver's face at a load, from its corners in the texture and
@@ -221,7 +243,8 @@ impl<'a> PoseGrowth<'a> {
         load: f64,
     ) -> Matrix2<f64> {
         let changes = self.growths.iter().map(|(growth, strength)| {
-            let change = growth.at(*uv, facet, frame) * (load * strength);
+            let lengths = [growth.along, growth.across];
+            let change = growth.tensor(lengths, (*uv, facet), frame) * (load * strength);
             if growth.grows == Grows::Layer {
                 return change;
             }
@@ -233,6 +256,26 @@ impl<'a> PoseGrowth<'a> {
         });
         changes.sum()
     }
+}
+
+/// A value for every face of `skin` from its corners, each with its texture coordinate and the driver's face that
+/// it lies on, and its rest frame.
+fn on_faces<T>(
+    driver: &Driver,
+    skin: &SkinMesh,
+    of_face: impl Fn(&[(Vector2<f64>, Facet); 3], &[Vector3<f64>; 2]) -> T,
+) -> PerFace<T> {
+    let (points, rest) = (skin.points.points(), &skin.rest.positions);
+    let faces = skin.mesh.faces().as_slice().iter();
+    let values = faces.map(|corners: &[VertexId; 3]| {
+        let frame = triangle_frame(&corners.map(|v| rest[v.index()]));
+        let places = corners.map(|v| {
+            let point = &points[v.index()];
+            (uv(driver, point), Facet::new(driver, point.face))
+        });
+        of_face(&places, &frame)
+    });
+    values.collect()
 }
 
 /// How a driver's face lies in space over its texture.

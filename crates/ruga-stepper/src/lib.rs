@@ -76,6 +76,7 @@ mod model;
 mod plan;
 mod result;
 mod run;
+mod sheet;
 mod skin;
 mod support;
 
@@ -101,6 +102,8 @@ pub use result::{
     ComputedMesh, CreaseReport, FaceState, FoldSample, KeyResult, LayerReport, LayerSurface,
     PoseResult,
 };
+
+pub use sheet::{Sheet, plan_sheet};
 
 pub use support::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape};
 

@@ -1,6 +1,6 @@
 //! What will be modelled, where, how fine and at what cost; nothing is simulated here.
 
-mod body_cost;
+pub(crate) mod body_cost;
 mod body_plan;
 mod crease_places;
 mod creased_faces;
@@ -11,7 +11,7 @@ mod pose_plan;
 mod region;
 mod skin_cost;
 pub(crate) mod stacking;
-mod surface_measures;
+pub(crate) mod surface_measures;
 mod warnings;
 mod waves;
 
@@ -33,8 +33,9 @@ use crate::skin::skin_mesh::{check_boundaries, sharp_map};
 use crate::support::Interior;
 use crate::validation::{
     check_growth, check_layer, check_map_size, check_modelling, check_motionless, check_pose,
+    check_uncurled,
 };
-use crate::{LayerSpec, Mask, Modelling, PoseSpec, StepperError};
+use crate::{LayerSpec, Mask, Modelling, PoseSpec, Sheet, StepperError};
 
 pub use body_plan::plan_body;
 pub use planned_surface::PlannedSurface;
@@ -61,6 +62,8 @@ pub struct Plan {
     pub(crate) planning_levels: u32,
     /// The body below the layers, where there is one.
     pub(crate) body: Option<Arc<Interior>>,
+    /// What acts on a layer that lies on nothing.
+    pub(crate) sheet: Option<Arc<Sheet>>,
 }
 
 /// The lattice inside a soft body.
@@ -209,6 +212,7 @@ pub fn plan(
     check_modelling(modelling)?;
     check_map_size(map_size)?;
     layers.iter().try_for_each(check_layer)?;
+    layers.iter().try_for_each(check_uncurled)?;
     for pose in poses {
         check_pose(driver, pose)?;
         check_motionless(pose)?;
@@ -242,6 +246,7 @@ pub fn plan(
         specs: poses.to_vec(),
         stacking,
         body: None,
+        sheet: None,
     };
     // Only a run cuts the meshes, but there an error would come minutes later, with the layer.
     plan.check_boundaries()?;

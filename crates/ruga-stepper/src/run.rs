@@ -3,13 +3,13 @@
 pub(crate) mod adaptivity;
 mod coarser;
 mod layer;
-mod layer_objective;
-mod layer_run;
+pub(crate) mod layer_objective;
+pub(crate) mod layer_run;
 mod layer_setup;
 mod low_pass_rows;
 mod neighbourhood;
 pub(crate) mod patches;
 mod run_ahead;
-mod stack_run;
+pub(crate) mod stack_run;
 pub(crate) mod strain_ratio;
 mod upper_layers;

@@ -1,7 +1,7 @@
 //! What layers lie on: the posed driver, or a soft body that moves with them.
 
 mod body;
-mod contact;
+pub(crate) mod contact;
 pub(crate) mod embedding_lattice;
 pub(crate) mod handles;
 mod interior;

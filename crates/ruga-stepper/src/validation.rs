@@ -75,6 +75,44 @@ pub(crate) fn check_grows(layer: &LayerSpec) -> Checked {
     }
 }
 
+/// Refuses curl of a layer that is carried.
+pub(crate) fn check_uncurled(layer: &LayerSpec) -> Checked {
+    let curled = |growth: &&GrowthSpec| growth.curl != [0.0; 2];
+    match layer.growths.iter().find(curled) {
+        None => Ok(()),
+        Some(growth) => {
+            let of = format!("layer '{}', growth '{}'", layer.name, growth.name);
+            let accepted = "none but in a free sheet: what carries a layer holds it";
+            refuse(of, "curl", format!("{:?}", growth.curl), accepted)
+        }
+    }
+}
+
+/// Refuses what a free sheet cannot have.
+pub(crate) fn check_sheet_layer(layer: &LayerSpec) -> Checked {
+    check_unanchored(layer)?;
+    check_grows(layer)?;
+    let of = |growth: &GrowthSpec| format!("layer '{}', growth '{}'", layer.name, growth.name);
+    let strange = |growth: &&GrowthSpec| growth.curl.iter().any(|curl| !curl.is_finite());
+    match layer.growths.iter().find(strange) {
+        None => Ok(()),
+        Some(growth) => {
+            let found = format!("{:?}", growth.curl);
+            refuse(of(growth), "curl", found, "finite numbers, in 1/m")
+        }
+    }
+}
+
+/// Refuses blend shapes of a pose of a sheet, which nothing draws to them.
+pub(crate) fn check_sheet_pose(pose: &PoseSpec) -> Checked {
+    if pose.weights.iter().all(|(_, weight)| weight == 0.0) {
+        return Ok(());
+    }
+    let of = format!("pose '{}'", pose.name);
+    let accepted = "none on a free sheet: handles, obstacles, gravity and growth move it";
+    refuse(of, "weights", "a blend shape", accepted)
+}
+
 /// Checks the side of the maps in texels.
 pub(crate) fn check_map_size(map_size: u32) -> Checked {
     match map_size {

@@ -17,6 +17,7 @@ fn growth(along: f64, across: f64) -> GrowthSpec {
         grows: Grows::Layer,
         along,
         across,
+        curl: [0.0; 2],
         direction: GrowthDirection::Angle(0.0),
         paint: None,
     }

@@ -193,6 +193,7 @@ impl FlatFilm {
             grows: Grows::Layer,
             along: self.growth_at(self.load),
             across: 0.0,
+            curl: [0.0; 2],
             direction: GrowthDirection::Angle(0.0),
             paint: Some(GrowthPaint {
                 image: image.expect("greys from 0 to 1"),

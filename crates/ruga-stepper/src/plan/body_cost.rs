@@ -13,7 +13,7 @@ const BYTES: [f64; 2] = [65e3, 30e3];
 
 /// Expected time (s) of a load step on one core, and expected memory (bytes), of a layer with so many
 /// vertices and of the interior that is solved together with it.
-pub(super) fn cost(vertices: usize, interior: Option<&InteriorPlan>) -> (f64, f64) {
+pub(crate) fn cost(vertices: usize, interior: Option<&InteriorPlan>) -> (f64, f64) {
     let vertices = vertices as f64;
     let layer = FACTOR[0] * vertices.powf(1.5) + FACTOR[1] * vertices;
     let [cells, nodes] = interior.map_or([0.0; 2], |i| [i.cells as f64, i.nodes as f64]);

@@ -23,7 +23,7 @@ use crate::support::lattice_size::lattice_warnings;
 use crate::support::obstacle::{self, distance};
 use crate::validation::{
     check_body_modelling, check_grows, check_growth, check_layer, check_map_size, check_pose,
-    check_unanchored,
+    check_unanchored, check_uncurled,
 };
 use crate::{
     Body, InteriorPlan, LayerPlan, LayerSpec, LoadPath, Modelling, Plan, PosePlan, PoseSpec,
@@ -72,6 +72,7 @@ pub fn plan_body(
             .try_for_each(|layer| check_growth(layer, pose))?;
     }
     layers.iter().try_for_each(check_grows)?;
+    layers.iter().try_for_each(check_uncurled)?;
     let region = modelling.region.mask();
     let layers: Vec<LayerSpec> = layers.iter().map(|layer| within(layer, region)).collect();
     let mut stacking = Stacking::new(&layers, modelling.stack)?;
@@ -80,7 +81,7 @@ pub fn plan_body(
     body.obstacles.iter().try_for_each(obstacle::check)?;
     for pose in poses {
         // Every run makes them again. Here they only show that names and keyframes are right.
-        Moves::new(body, pose)?;
+        Moves::of_body(body, pose)?;
     }
     let meshes = (0..stacking.meshes())
         .map(|index| LayerMesh::new(driver, &stacking, index, modelling))
@@ -134,6 +135,7 @@ pub fn plan_body(
             embedding_lattice,
             held,
         })),
+        sheet: None,
     };
     plan.check_boundaries()?;
     Ok(plan)

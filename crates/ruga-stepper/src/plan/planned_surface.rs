@@ -13,13 +13,13 @@ pub struct PlannedSurface<'a> {
 }
 
 impl Plan {
-    /// The surface that the plan was made on, measured anew; `None` on a soft body, whose strain is known
+    /// The surface that the plan was made on, measured anew; `None` on a soft body and of a sheet, whose strain is known
     /// only when it is simulated.
     ///
     /// # Errors
     /// As [`plan`](crate::plan), which has found none.
     pub fn surface(&self) -> Result<Option<PlannedSurface<'_>>, StepperError> {
-        if self.body.is_some() {
+        if self.body.is_some() || self.sheet.is_some() {
             return Ok(None);
         }
         // The size of maps is not asked for here.

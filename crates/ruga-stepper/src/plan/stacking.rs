@@ -91,6 +91,18 @@ impl Stacking {
         Ok(stacking)
     }
 
+    /// A layer that lies on nothing and has no wave of its own.
+    pub(crate) fn of_sheet(layer: &LayerSpec) -> Self {
+        Self {
+            specs: vec![layer.clone()],
+            wrinkling: Vec::new(),
+            simulated: Vec::new(),
+            attachments: vec![Attachment::default()],
+            pairs: Vec::new(),
+            joint: None,
+        }
+    }
+
     /// Number of layers with a mesh of their own: one that moves together with the lowest has none.
     pub(crate) fn meshes(&self) -> usize {
         match self.joint {

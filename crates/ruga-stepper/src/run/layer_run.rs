@@ -3,7 +3,7 @@
 mod in_time;
 mod loading;
 mod reach;
-mod warnings;
+pub(crate) mod warnings;
 
 use ruga_solver::{
     AtSaddle, Kkt, LoadSettings, LoadStepper, NewtonSettings, Outcome, SolveReport, SolverError,

@@ -36,6 +36,9 @@ impl Plan {
     /// whole where the solver finds its end, or else in shorter ones, and nothing waits at keys for
     /// rest.
     ///
+    /// A free sheet goes from load to load: from equilibrium to equilibrium, or in time. A step that has no end is
+    /// divided.
+    ///
     /// Not converging is reported, not an error; the results reached until then are kept. An observer
     /// may end the work at any time, also before the first step, while meshes and constraints are made
     /// ([`Observer::preparing`]); the result then says that it was interrupted.
@@ -53,6 +56,9 @@ impl Plan {
                 pose,
                 poses: self.specs.len(),
             });
+        }
+        if let Some(sheet) = &self.sheet {
+            return self.simulate_sheet(sheet, pose, observer);
         }
         let mut run = StackRun::new(self, pose)?;
         run.follow(observer)?;
@@ -104,7 +110,7 @@ impl<'a> StackRun<'a> {
     /// The layers of pose number `pose` at rest, none of them built.
     pub(crate) fn new(plan: &'a Plan, pose: usize) -> Result<Self, StepperError> {
         let interior = plan.body.as_ref();
-        let moves = interior.map(|interior| Moves::new(&interior.body, &plan.specs[pose]));
+        let moves = interior.map(|interior| Moves::of_body(&interior.body, &plan.specs[pose]));
         Ok(Self {
             plan,
             pose,

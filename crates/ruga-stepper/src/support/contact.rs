@@ -42,10 +42,16 @@ impl Contact {
         [interior, layer]: [f64; 2],
         thickness: f64,
     ) -> Self {
+        let stiffness = (interior / GIVE[0] + layer / GIVE[1]) / thickness;
+        Self::of_stiffness(obstacles, stiffness, REACH * thickness)
+    }
+
+    /// Obstacles that push from a distance `reach` (m) on with a pressure per depth (Pa/m).
+    pub(crate) fn of_stiffness(obstacles: Vec<PlacedObstacle>, stiffness: f64, reach: f64) -> Self {
         Self {
             obstacles,
-            stiffness: (interior / GIVE[0] + layer / GIVE[1]) / thickness,
-            reach: REACH * thickness,
+            stiffness,
+            reach,
         }
     }
 

@@ -6,7 +6,7 @@ use ruga_mesh::Id;
 
 use super::obstacle::{PlacedObstacle, check};
 use super::placement::Placement;
-use crate::{Body, Handle, Keyframe, Motion, PoseSpec, StepperError};
+use crate::{Body, Handle, Keyframe, Motion, Obstacle, PoseSpec, StepperError};
 
 /// The nodes of every handle, and who holds them.
 #[derive(Clone, Debug)]
@@ -61,16 +61,20 @@ impl HeldNodes {
 /// Everything that moves in one pose.
 #[derive(Clone, Debug)]
 pub(crate) struct Moves<'a> {
-    body: &'a Body,
+    handles: &'a [Handle],
+    obstacles: &'a [Obstacle],
     motions: &'a [Motion],
 }
 
 impl<'a> Moves<'a> {
-    pub(crate) fn new(body: &'a Body, pose: &'a PoseSpec) -> Result<Self, StepperError> {
-        body.obstacles.iter().try_for_each(check)?;
+    pub(crate) fn new(
+        (handles, obstacles): (&'a [Handle], &'a [Obstacle]),
+        pose: &'a PoseSpec,
+    ) -> Result<Self, StepperError> {
+        obstacles.iter().try_for_each(check)?;
         for motion in &pose.motions {
-            let handles = body.handles.iter().map(|handle| &handle.name);
-            let mut names = handles.chain(body.obstacles.iter().map(|obstacle| &obstacle.name));
+            let held = handles.iter().map(|handle| &handle.name);
+            let mut names = held.chain(obstacles.iter().map(|obstacle| &obstacle.name));
             if !names.any(|name| *name == motion.of) {
                 return Err(StepperError::UnknownMover {
                     pose: pose.name.clone(),
@@ -90,18 +94,24 @@ impl<'a> Moves<'a> {
             }
         }
         Ok(Self {
-            body,
+            handles,
+            obstacles,
             motions: &pose.motions,
         })
     }
 
+    /// What can be moved of a body.
+    pub(crate) fn of_body(body: &'a Body, pose: &'a PoseSpec) -> Result<Self, StepperError> {
+        Self::new((&body.handles, &body.obstacles), pose)
+    }
+
     /// Placement of handle number `handle`.
     pub(crate) fn handle(&self, handle: usize, time: f64) -> Placement {
-        Placement::at(self.motion_of(&self.body.handles[handle].name), time)
+        Placement::at(self.motion_of(&self.handles[handle].name), time)
     }
 
     pub(crate) fn obstacles(&self, time: f64) -> Vec<PlacedObstacle> {
-        let obstacles = self.body.obstacles.iter();
+        let obstacles = self.obstacles.iter();
         obstacles
             .map(|obstacle| PlacedObstacle {
                 shape: obstacle.shape,

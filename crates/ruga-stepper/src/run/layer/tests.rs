@@ -124,7 +124,7 @@ fn crumpled(plan: &Plan) -> Layer {
     let mut random = Pcg64Mcg::seed_from_u64(7);
     let mut layer = at_rest(plan);
     let (interior, pose) = (interior(plan), &plan.specs[0]);
-    let moves = Moves::new(&interior.body, pose).expect("fitting motions");
+    let moves = Moves::of_body(&interior.body, pose).expect("fitting motions");
     layer
         .place_solid((&moves, &pose.weights), 0.5, None)
         .expect("a placed body");
@@ -208,7 +208,7 @@ fn the_whole_objective_has_its_derivatives() {
             time_step: 0.01,
             damping: 3.0,
         });
-        let moves = Moves::new(&interior(&plan).body, &pose).expect("fitting motions");
+        let moves = Moves::of_body(&interior(&plan).body, &pose).expect("fitting motions");
         let before = layer.positions.clone();
         let q = solid(&mut layer).state.q.clone();
         let around = (&moves, &pose.weights);
@@ -348,7 +348,7 @@ fn a_layer_on_a_body_feels_its_strain_capped() {
 fn step(layer: &mut Layer, driver: &Driver, dynamics: Dynamics) {
     let pose = still(driver);
     let free = body();
-    let moves = Moves::new(&free, &pose).expect("nothing moves");
+    let moves = Moves::of_body(&free, &pose).expect("nothing moves");
     let step = layer.time_step(dynamics);
     let placed = layer.place_solid((&moves, &pose.weights), 1.0, Some(&step.inertia));
     placed.expect("a placed body");
@@ -482,7 +482,7 @@ fn what_passes_through_in_the_first_step_is_seen() {
     .expect("a body");
     let mut layer = at_rest(&plan);
     let before = layer.state();
-    let moves = Moves::new(&interior(&plan).body, &pose).expect("fitting motions");
+    let moves = Moves::of_body(&interior(&plan).body, &pose).expect("fitting motions");
     let around = (&moves, &pose.weights);
     layer.place_solid(around, 1.0, None).expect("a placed body");
     assert!(layer.has_passed(&before));

@@ -21,16 +21,14 @@ fn unverified_stability(solve: &SolveReport) -> Option<&'static str> {
 }
 
 /// Why a solve ended without an equilibrium, and how far it was from one.
-fn why_stopped(stop: StopRule, (iterations, residual): (usize, f64)) -> String {
+pub(crate) fn why_stopped(stop: StopRule, (iterations, residual): (usize, f64)) -> String {
     let why = match stop {
-        StopRule::IterationLimit => format!("the skin still moved after {iterations} iterations"),
+        StopRule::IterationLimit => format!("it still moved after {iterations} iterations"),
         StopRule::LineSearch => {
-            format!("after {iterations} iterations no movement of the skin brought it nearer")
+            format!("after {iterations} iterations no movement brought it nearer")
         }
         StopRule::Saddle => "the state that was found is an unstable one".to_owned(),
-        StopRule::Infeasible => {
-            "the constraints that hold the skin contradict each other".to_owned()
-        }
+        StopRule::Infeasible => "the constraints that hold it contradict each other".to_owned(),
         StopRule::Breakdown => "some parts are too much stiffer than others".to_owned(),
         StopRule::OutsideDomain => "triangles are collapsed or turned over".to_owned(),
         // A converged solve has found one, and nobody is told of an interrupted one.
@@ -126,7 +124,7 @@ mod tests {
         let limit = why_stopped(StopRule::IterationLimit, (60, 2.5e-3));
         assert_eq!(
             limit,
-            "the skin still moved after 60 iterations; forces were out of balance by 2.5e-3 of their scale"
+            "it still moved after 60 iterations; forces were out of balance by 2.5e-3 of their scale"
         );
         let start = why_stopped(StopRule::OutsideDomain, (0, f64::INFINITY));
         assert_eq!(start, "triangles are collapsed or turned over");

@@ -1,0 +1,26 @@
+//! A free thin sheet: a layer that lies on nothing, held by handles and pushed by obstacles.
+
+mod carried;
+mod objective;
+mod plan;
+mod run;
+mod state;
+
+use nalgebra::Vector3;
+
+use crate::{Handle, Obstacle};
+
+pub use plan::plan_sheet;
+
+/// What acts on a sheet without a substrate.
+#[derive(Clone, Debug)]
+pub struct Sheet {
+    /// Acceleration of its mass, m/s2. It acts in full from the first load step on.
+    pub gravity: Vector3<f64>,
+    /// Parts of the sheet that are held and moved: vertices at rest in a box.
+    pub handles: Vec<Handle>,
+    /// What it cannot enter.
+    pub obstacles: Vec<Obstacle>,
+    /// Longest edge of its mesh, m; `None` for a sixtieth of its longest side.
+    pub edge: Option<f64>,
+}

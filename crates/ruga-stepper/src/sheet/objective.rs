@@ -1,0 +1,151 @@
+//! The energy of a sheet as the solver sees it.
+
+use nalgebra::Vector3;
+use ruga_mesh::VertexId;
+use ruga_shell::LayerEnergy;
+use ruga_solver::{LowerPattern, Objective};
+
+use crate::run::layer_objective::scatter;
+use crate::support::contact::Contact;
+use crate::support::motion::Inertia;
+
+/// Elastic energy, weight, contact and inertia as a function of the coordinates of the free vertices.
+///
+/// ```text
+/// E(x) = shell(x) - m g . x + contact(x) + w/2 m (x - c)^2
+/// ```
+pub(super) struct SheetObjective<'a> {
+    pub(super) energy: &'a LayerEnergy,
+    pub(super) free: &'a [VertexId],
+    /// Positions of all vertices, of which only the held ones are read, m.
+    pub(super) positions: &'a [Vector3<f64>],
+    pub(super) pattern: &'a LowerPattern,
+    /// Levenberg damping, N/m.
+    pub(super) damping: &'a [f64],
+    /// Mass (kg), and rest area (m²), of every vertex.
+    pub(super) masses: &'a [f64],
+    pub(super) areas: &'a [f64],
+    pub(super) gravity: Vector3<f64>,
+    pub(super) contact: Contact,
+    pub(super) inertia: Option<&'a Inertia>,
+    pub(super) scales: Scales,
+}
+
+/// Sizes that tolerances are relative to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scales {
+    /// Energy, J.
+    pub(super) energy: f64,
+    /// Force on a vertex, N.
+    pub(super) force: f64,
+    /// Length, m.
+    pub(super) length: f64,
+}
+
+impl Scales {
+    /// Those of a sheet of a bending modulus `D` (J), mesh edges and a longest side (m) under a weight `F` (N):
+    /// `D` and `D/edge`, or what the weight does, the energy `(F L)²/D` of a beam that it bends, where that is less.
+    pub(super) fn new(
+        bending: f64,
+        [edge, side]: [f64; 2],
+        (weight, vertices): (f64, f64),
+    ) -> Self {
+        let (mut energy, mut force) = (bending, bending / edge);
+        if weight > 0.0 {
+            energy = energy.min((weight * side).powi(2) / bending);
+            force = force.min(weight / vertices);
+        }
+        Self {
+            energy,
+            force,
+            length: edge,
+        }
+    }
+}
+
+impl SheetObjective<'_> {
+    fn all_positions(&self, unknowns: &[f64]) -> Vec<Vector3<f64>> {
+        let mut positions = self.positions.to_vec();
+        scatter(self.free, unknowns, &mut positions);
+        positions
+    }
+
+    /// Energy of weight, contact and inertia, J.
+    fn loads(&self, x: &[Vector3<f64>]) -> f64 {
+        let pairs = || x.iter().zip(self.masses);
+        // Against where it began, the work of the weight keeps its digits.
+        let work: f64 = pairs().map(|(x, m)| m * self.gravity.dot(x)).sum();
+        let kinetic = self.inertia.map_or(0.0, |inertia| {
+            let centres = pairs().zip(&inertia.centres);
+            let terms =
+                centres.map(|((x, m), c)| 0.5 * inertia.weight(*m) * (x - c).norm_squared());
+            terms.sum()
+        });
+        kinetic - work + self.contact.value(x, self.areas)
+    }
+}
+
+impl Objective for SheetObjective<'_> {
+    fn pattern(&self) -> &LowerPattern {
+        self.pattern
+    }
+
+    fn value(&self, unknowns: &[f64]) -> f64 {
+        let x = self.all_positions(unknowns);
+        self.energy.value(&x) + self.loads(&x)
+    }
+
+    fn gradient(&self, unknowns: &[f64], gradient: &mut [f64]) -> f64 {
+        let x = self.all_positions(unknowns);
+        self.energy.gradient(&x, gradient);
+        for (v, entries) in self.free.iter().zip(gradient.chunks_exact_mut(3)) {
+            let i = v.0 as usize;
+            let mut force = self.contact.gradient(&x[i], self.areas[i]);
+            force -= self.gravity * self.masses[i];
+            if let Some(inertia) = self.inertia {
+                force += (x[i] - inertia.centres[i]) * inertia.weight(self.masses[i]);
+            }
+            for c in 0..3 {
+                entries[c] += force[c];
+            }
+        }
+        self.energy.value(&x) + self.loads(&x)
+    }
+
+    fn hessian(&self, unknowns: &[f64], exact: &mut [f64], relaxed: &mut [f64]) {
+        let x = self.all_positions(unknowns);
+        self.energy.hessian(&x, exact, Some(&mut *relaxed));
+        for (number, v) in self.free.iter().enumerate() {
+            let i = v.0 as usize;
+            let weight = self.inertia.map(|inertia| inertia.weight(self.masses[i]));
+            for axis in 0..3 {
+                // A column of the lower triangle begins with its diagonal.
+                let diagonal = self.pattern.column_starts()[3 * number + axis];
+                exact[diagonal] += weight.unwrap_or(0.0);
+                relaxed[diagonal] += weight.unwrap_or(0.0);
+            }
+            // Contact only stiffens, and is the same in the relaxed matrix.
+            if let Some(block) = self.contact.hessian(&x[i], self.areas[i]) {
+                let slot = self.energy.blocks().slot(v.0, v.0);
+                slot.add(exact, &block);
+                slot.add(relaxed, &block);
+            }
+        }
+    }
+
+    fn damping(&self) -> &[f64] {
+        self.damping
+    }
+
+    fn energy_scale(&self) -> f64 {
+        self.scales.energy
+    }
+
+    fn force_scale(&self) -> f64 {
+        self.scales.force
+    }
+
+    fn length_scale(&self) -> f64 {
+        self.scales.length
+    }
+}

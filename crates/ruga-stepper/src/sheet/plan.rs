@@ -1,0 +1,160 @@
+//! What a sheet's simulation will be made of.
+
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+use ruga_blend::Driver;
+use ruga_mesh::{FaceId, face_areas};
+
+use super::Sheet;
+use crate::error::refuse;
+use crate::plan::body_cost::cost;
+use crate::plan::stacking::Stacking;
+use crate::plan::surface_measures::faces_within;
+use crate::support::Moves;
+use crate::support::obstacle;
+use crate::validation::{
+    check_growth, check_layer, check_map_size, check_modelling, check_pose, check_sheet_layer,
+    check_sheet_pose,
+};
+use crate::{LayerPlan, LayerSpec, LoadPath, Modelling, Plan, PosePlan, PoseSpec, StepperError};
+
+/// Edges along the longest side of a sheet that says nothing of them.
+const EDGES: f64 = 60.0;
+
+/// Edges of triangles that are halved until none is too long, over the longest allowed: they end between half
+/// and all of it.
+const MEAN_EDGE: f64 = 0.75;
+
+/// Finds out what a free sheet of one `layer` will be made of.
+///
+/// Nothing carries it: of the layer only material, map, variation, growths and creases count; the map's wavelength
+/// does not. It covers all of the driver, which is its rest shape, flat or curved. Every load step begins where the
+/// last one ended and ends in an equilibrium, or with [`Modelling::dynamics`] one step in time later.
+///
+/// # Errors
+/// [`StepperError::Setting`] for a value out of range or that is no number, for blend-shape weights, anchors of
+/// creases or growth of what lies below, and for a sheet that nothing holds where it is to be in equilibrium under
+/// gravity; motions of something that is not there; an obstacle without a shape.
+pub fn plan_sheet(
+    driver: &Arc<Driver>,
+    layer: &LayerSpec,
+    sheet: &Sheet,
+    poses: &[PoseSpec],
+    modelling: &Modelling,
+    map_size: u32,
+) -> Result<Plan, StepperError> {
+    check_modelling(modelling)?;
+    check_map_size(map_size)?;
+    check_layer(layer)?;
+    check_sheet_layer(layer)?;
+    for pose in poses {
+        check_pose(driver, pose)?;
+        check_sheet_pose(pose)?;
+        check_growth(layer, pose)?;
+    }
+    sheet.obstacles.iter().try_for_each(obstacle::check)?;
+    check(sheet, modelling)?;
+    for pose in poses {
+        Moves::new((&sheet.handles, &sheet.obstacles), pose)?;
+    }
+    let edge = sheet.edge.unwrap_or(longest_side(driver.rest()) / EDGES);
+    let topology = driver.topology();
+    let areas = face_areas(topology, driver.rest());
+    let area: f64 = areas.as_slice().iter().sum();
+    // A sheet has two triangles to a vertex, but for its border.
+    let vertices = 0.5 * faces_within(area, MEAN_EDGE * edge);
+    let vertices = (vertices as usize).max(topology.vertex_count());
+    if vertices > modelling.vertex_budget {
+        let accepted = format!(
+            "longer edges: this takes about {vertices} vertices, and the vertex budget is {}",
+            modelling.vertex_budget
+        );
+        refuse("sheet", "edge", format!("{edge} m"), accepted)?;
+    }
+    let faces: Vec<FaceId> = topology.faces().ids().collect();
+    let pose_plan = |pose: &PoseSpec| {
+        let (per_step, memory) = cost(vertices, None);
+        PosePlan {
+            name: pose.name.clone(),
+            path: LoadPath::Weight,
+            layers: vec![LayerPlan {
+                name: layer.name.clone(),
+                // A free sheet has no wavelength of its own.
+                wavelength: f64::NAN,
+                critical_strain: f64::NAN,
+                painted: None,
+                applied: None,
+                active_area: area,
+                vertices,
+                levels: 0,
+                points_per_wavelength: f64::NAN,
+                texels_per_wavelength: f64::NAN,
+                seconds: per_step * f64::from(pose.steps),
+                memory,
+                asked_points: f64::NAN,
+                needed: vertices as f64,
+                region: faces.iter().map(|face| u64::from(face.0)).collect(),
+                output_edges: vec![edge; faces.len()],
+                creases: vec![true; layer.creases.len()],
+            }],
+        }
+    };
+    let plan = Plan {
+        poses: poses.iter().map(pose_plan).collect(),
+        warnings: warnings(sheet, modelling),
+        interior: None,
+        driver: Arc::clone(driver),
+        modelling: modelling.clone(),
+        specs: poses.to_vec(),
+        stacking: Stacking::of_sheet(layer),
+        planning_levels: 0,
+        body: None,
+        sheet: Some(Arc::new(Sheet {
+            edge: Some(edge),
+            ..sheet.clone()
+        })),
+    };
+    plan.check_boundaries()?;
+    Ok(plan)
+}
+
+fn check(sheet: &Sheet, modelling: &Modelling) -> Result<(), StepperError> {
+    let of = "sheet";
+    if let Some(value) = sheet.gravity.iter().find(|c| !c.is_finite()) {
+        return refuse(of, "gravity", value, "finite numbers");
+    }
+    if let Some(edge) = sheet.edge.filter(|edge| !(*edge > 0.0 && edge.is_finite())) {
+        return refuse(of, "edge", edge, "a length above 0, in metres");
+    }
+    let falls = sheet.gravity.norm() > 0.0 && sheet.handles.is_empty();
+    if falls && modelling.dynamics.is_none() {
+        let accepted = "a part of it that is held, or motion in time: without a handle it has no equilibrium under gravity";
+        return refuse(of, "handles", "none", accepted);
+    }
+    Ok(())
+}
+
+fn warnings(sheet: &Sheet, modelling: &Modelling) -> Vec<String> {
+    let is_loose = sheet.handles.is_empty() && sheet.obstacles.is_empty();
+    let falls = sheet.gravity.norm() > 0.0 && is_loose && modelling.dynamics.is_some();
+    let falling = falls.then(|| {
+        let [x, y, z]: [f64; 3] = sheet.gravity.normalize().into();
+        format!(
+            "sheet: it is held nowhere and nothing is in its way, so that it falls for ever, towards [{x:.2}, {y:.2}, {z:.2}]; give it handles or obstacles"
+        )
+    });
+    falling.into_iter().collect()
+}
+
+/// Longest side of the upright box around some places, m.
+pub(super) fn longest_side(places: &[Vector3<f64>]) -> f64 {
+    let places = places.iter();
+    let start = [f64::INFINITY, f64::NEG_INFINITY];
+    let sides = (0..3).map(|axis| {
+        let along = places.clone().map(|x| x[axis]);
+        let [low, high] = along.fold(start, |[low, high], x| [low.min(x), high.max(x)]);
+        high - low
+    });
+    sides.fold(0.0, f64::max)
+}

@@ -1,0 +1,253 @@
+//! One pose of a sheet from rest to its keys.
+
+use ruga_solver::{NewtonSettings, SolveReport, StopRule};
+
+use super::Sheet;
+use super::state::{Moving, SheetState};
+use crate::error::Halt;
+use crate::preparing::Preparing;
+use crate::run::layer_run::Ending;
+use crate::run::layer_run::warnings::why_stopped;
+use crate::run::stack_run::loads_up_to;
+use crate::skin::skin_mesh::RegionMesh;
+use crate::support::Moves;
+use crate::{
+    Dynamics, Frame, KeyResult, LayerReport, Observer, Phase, Plan, PoseResult, PoseSpec, Progress,
+    StepperError,
+};
+
+/// Newton decrement of a result, and of a state that is only passed, in bending moduli.
+const RESULT: f64 = 1e-6;
+const PASSING: f64 = 1e-4;
+
+/// Iterations of one solve: a disc that rolls up turns its axis slowly.
+const MOST_ITERATIONS: usize = 300;
+
+/// Halvings of a step before it counts as impossible.
+const HALVINGS: u32 = 6;
+
+/// Share of the faces with a curl that edges cannot show from which on it is told.
+const CAPPED: f64 = 0.05;
+
+impl Plan {
+    /// Simulates pose number `pose` of a sheet.
+    pub(crate) fn simulate_sheet(
+        &self,
+        sheet: &Sheet,
+        pose: usize,
+        observer: &mut dyn Observer,
+    ) -> Result<PoseResult, StepperError> {
+        let mut result = PoseResult {
+            layers: self.reports(pose),
+            converged: true,
+            ..PoseResult::default()
+        };
+        let made = self.sheet_state(sheet, pose, observer);
+        let Some(state) = Halt::unless_interrupted(made)? else {
+            result.converged = false;
+            result.interrupted = true;
+            return Ok(result);
+        };
+        let spec = &self.specs[pose];
+        let moves = Moves::new((&sheet.handles, &sheet.obstacles), spec)?;
+        let report = LayerReport {
+            vertices: state.vertex_count(),
+            faces: state.region.skin.mesh.face_count(),
+            ..result.layers[0].clone()
+        };
+        let mut run = SheetRun {
+            plan: self,
+            pose: spec,
+            moves,
+            state,
+            report,
+            result,
+            halved: 0,
+        };
+        let ending = run.follow(observer)?;
+        Ok(run.finished(ending))
+    }
+
+    fn sheet_state<'a>(
+        &'a self,
+        sheet: &'a Sheet,
+        pose: usize,
+        observer: &mut dyn Observer,
+    ) -> Result<SheetState<'a>, Halt> {
+        let mut preparing = Preparing::new(observer, 0, Phase::Sampling);
+        let layer = &self.poses[pose].layers[0];
+        let piece = preparing.while_wanted(|goes_on| self.layer_piece(layer, goes_on))?;
+        let on = (piece, self.modelling.smoothing, 0.0);
+        let spec = &self.stacking.specs[0];
+        let region = RegionMesh::new(&self.driver, spec, on, &mut || preparing.goes_on())?;
+        preparing.step()?;
+        let state = SheetState::new(&self.driver, (spec, sheet), region, &self.modelling)?;
+        preparing.step()?;
+        Ok(state)
+    }
+}
+
+/// A sheet on its way.
+struct SheetRun<'a> {
+    plan: &'a Plan,
+    pose: &'a PoseSpec,
+    moves: Moves<'a>,
+    state: SheetState<'a>,
+    report: LayerReport,
+    result: PoseResult,
+    /// Steps that were divided.
+    halved: usize,
+}
+
+impl SheetRun<'_> {
+    fn follow(&mut self, observer: &mut dyn Observer) -> Result<Ending, StepperError> {
+        let last = self.pose.keys.iter().copied().fold(0.0, f64::max);
+        // Between keyframes motions are linear. A step across one would cut the corner.
+        let keyframes = self.moves.keyframes().filter(|&at| at < last);
+        let keys = self.pose.keys.iter().copied();
+        let loads = loads_up_to(last, self.pose.steps, keys.chain(keyframes));
+        let mut from = 0.0;
+        for load in loads {
+            match self.step([from, load], HALVINGS, observer)? {
+                Ending::Reached => {}
+                ending => return Ok(ending),
+            }
+            self.frame(load, observer);
+            from = load;
+        }
+        Ok(Ending::Reached)
+    }
+
+    /// The dynamics of a step between two fractions of the pose, which takes its share of the time.
+    fn dynamics(&self, [from, to]: [f64; 2]) -> Option<Dynamics> {
+        let dynamics = self.plan.modelling.dynamics?;
+        Some(Dynamics {
+            time_step: f64::from(self.pose.steps) * (to - from) * dynamics.time_step,
+            ..dynamics
+        })
+    }
+
+    /// One step between two fractions of the pose, in halves where it cannot be made at once.
+    fn step(
+        &mut self,
+        [from, to]: [f64; 2],
+        halvings: u32,
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        let before = self.state.moving.clone();
+        let solve = self.step_at_once([from, to], &before, observer)?;
+        if solve.stop == StopRule::Interrupted {
+            return Ok(Ending::Interrupted);
+        }
+        if solve.converged && !self.state.has_passed(&before) {
+            return Ok(Ending::Reached);
+        }
+        self.state.moving = before;
+        if halvings == 0 {
+            self.warn(&format!(
+                "no way on was found at {:.1} % of the pose, and it ends there: {}; take more `steps`, a shorter `edge` or motion in time",
+                100.0 * from,
+                why_stopped(solve.stop, (solve.iterations, solve.residual))
+            ));
+            return Ok(Ending::GaveUp);
+        }
+        self.halved += 1;
+        let middle = 0.5 * (from + to);
+        match self.step([from, middle], halvings - 1, observer)? {
+            Ending::Reached => self.step([middle, to], halvings - 1, observer),
+            ending => Ok(ending),
+        }
+    }
+
+    fn step_at_once(
+        &mut self,
+        [from, to]: [f64; 2],
+        before: &Moving,
+        observer: &mut dyn Observer,
+    ) -> Result<SolveReport, StepperError> {
+        observer.phase(0, Phase::Sampling);
+        let dynamics = self.dynamics([from, to]);
+        let inertia = dynamics.map(|dynamics| self.state.inertia(dynamics));
+        let around = (self.pose, &self.moves);
+        let driver = &self.plan.driver;
+        self.state.place(driver, around, to, inertia.as_ref())?;
+        observer.phase(0, Phase::Integration);
+        let modelling = &self.plan.modelling;
+        // What a step in time leaves out of balance the next one inherits.
+        let is_result = dynamics.is_some() || self.pose.has_key(to) || observer.wants_frames();
+        let settings = NewtonSettings {
+            max_iterations: MOST_ITERATIONS,
+            energy_tolerance: if is_result { RESULT } else { PASSING },
+            residual_tolerance: modelling.tolerance,
+            seed: modelling.seed,
+            ..NewtonSettings::default()
+        };
+        let vertices = self.state.vertex_count();
+        let mut keep_going = |iteration: &ruga_solver::Iteration| {
+            observer.progress(Progress {
+                load: to,
+                iteration: iteration.index,
+                vertices,
+            })
+        };
+        let how = (modelling, &settings);
+        let solve = self
+            .state
+            .minimise(inertia.as_ref(), how, &mut keep_going)?;
+        self.report.take(&solve);
+        if let Some(dynamics) = dynamics {
+            self.state.end_step(before, dynamics.time_step);
+        }
+        Ok(solve)
+    }
+
+    /// Hands out what was reached at a fraction of the pose.
+    fn frame(&mut self, load: f64, observer: &mut dyn Observer) {
+        let is_key = self.pose.has_key(load);
+        if is_key || observer.wants_frames() {
+            let driver = &self.plan.driver;
+            let artist = self.state.artist_positions(driver);
+            let layers = vec![self.state.surface(driver, &artist)];
+            observer.frame(&Frame {
+                index: self.result.frames,
+                load,
+                layers: &layers,
+            });
+            if is_key {
+                self.result.keys.push(KeyResult {
+                    load,
+                    layers,
+                    artist_positions: Some(artist),
+                });
+            }
+        }
+        self.result.frames += 1;
+    }
+
+    fn warn(&mut self, warning: &str) {
+        let (pose, layer) = (&self.pose.name, &self.state.spec.name);
+        self.result.warn(pose, layer, warning);
+    }
+
+    fn finished(mut self, ending: Ending) -> PoseResult {
+        self.result.converged &= ending == Ending::Reached;
+        self.result.interrupted = ending == Ending::Interrupted;
+        let capped = self.state.capped as f64 / self.report.faces.max(1) as f64;
+        if capped > CAPPED {
+            self.warn(&format!(
+                "{:.0} % of its triangles are too large for its curl, which is cut to 20 degrees over an edge there; take a smaller `edge` of the sheet",
+                100.0 * capped
+            ));
+        }
+        if self.halved > 0 {
+            let divided = format!(
+                "{} of its steps were divided; take more `steps`",
+                self.halved
+            );
+            self.warn(&divided);
+        }
+        self.report.energy = self.state.elastic_energy();
+        self.result.layers = vec![self.report];
+        self.result
+    }
+}

@@ -1,0 +1,350 @@
+//! A sheet on its mesh: what it is made of, where it is, and what holds it.
+
+use nalgebra::Vector3;
+use ruga_blend::Driver;
+use ruga_material::LayerMaterial;
+use ruga_mesh::{Id, VertexId};
+use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters, ShellError};
+use ruga_solver::{Iteration, Kkt, LowerPattern, NewtonSettings, SolveReport, SolverError};
+
+use super::Sheet;
+use super::objective::{Scales, SheetObjective};
+use super::plan::longest_side;
+use crate::growth::PoseGrowth;
+use crate::run::layer_objective::{gather, scatter};
+use crate::skin::local_skin::{painted, uneven};
+use crate::skin::material_places::uv;
+use crate::skin::skin_mesh::RegionMesh;
+use crate::support::Moves;
+use crate::support::contact::Contact;
+use crate::support::motion::{Inertia, velocities};
+use crate::support::obstacle::PlacedObstacle;
+use crate::{Dynamics, LayerSpec, Modelling, PoseSpec, StepperError};
+
+/// Distance at which an obstacle begins to push, in shortest edges of the mesh: what it holds off lies on chords
+/// between its vertices, which are about as far from a round obstacle.
+const REACH: f64 = 0.1;
+
+/// Levenberg damping in units of the mean membrane stiffness of a vertex: gives motions of a loose sheet a sign.
+const DAMPING: f64 = 1e-10;
+
+/// A sheet that moves.
+pub(super) struct SheetState<'a> {
+    pub(super) spec: &'a LayerSpec,
+    sheet: &'a Sheet,
+    pub(super) region: RegionMesh,
+    energy: LayerEnergy,
+    pattern: LowerPattern,
+    kkt: Kkt,
+    free: Vec<VertexId>,
+    /// The handle that holds a vertex.
+    holders: Vec<Option<usize>>,
+    masses: Vec<f64>,
+    areas: Vec<f64>,
+    damping: Vec<f64>,
+    /// Mean bending modulus, J.
+    bending: f64,
+    /// Shortest edge, m.
+    edge: f64,
+    scales: Scales,
+    /// Pressure of an obstacle per depth, Pa/m.
+    stiffness: f64,
+    pub(super) moving: Moving,
+    /// Faces whose natural curvature is more than their edges can show.
+    pub(super) capped: usize,
+}
+
+/// What changes from step to step.
+#[derive(Clone, Debug)]
+pub(super) struct Moving {
+    pub(super) positions: Vec<Vector3<f64>>,
+    velocities: Vec<Vector3<f64>>,
+    obstacles: Vec<PlacedObstacle>,
+}
+
+impl<'a> SheetState<'a> {
+    /// The sheet at rest on the mesh of `region`.
+    pub(super) fn new(
+        driver: &Driver,
+        (spec, sheet): (&'a LayerSpec, &'a Sheet),
+        region: RegionMesh,
+        modelling: &Modelling,
+    ) -> Result<Self, StepperError> {
+        let shell = |source| shell_error(spec, source);
+        let skin = &region.skin;
+        let holders = holders(sheet, &skin.rest.positions)?;
+        let held: Vec<bool> = holders.iter().map(Option::is_some).collect();
+        let faces = face_parameters(spec, driver, &region);
+        let parameters = LayerParameters {
+            tangential_stiffness: vec![0.0; skin.mesh.vertex_count()],
+            faces,
+        };
+        let (mesh, rest) = (&skin.mesh, skin.rest.positions.as_slice());
+        let faces = &parameters.faces;
+        let count = faces.len().max(1) as f64;
+        let mean =
+            |value: &dyn Fn(&FaceParameters) -> f64| faces.iter().map(value).sum::<f64>() / count;
+        let membrane = mean(&|face| face.young * face.thickness);
+        let bending = mean(&|face| {
+            face.young * face.thickness.powi(3) / (12.0 * (1.0 - face.poisson * face.poisson))
+        });
+        let per_area: Vec<f64> = faces
+            .iter()
+            .map(|face| spec.material.density * face.thickness)
+            .collect();
+        let mut energy =
+            LayerEnergy::with_bending(mesh, rest, parameters, &held, modelling.bending)
+                .map_err(shell)?;
+        // A curved sheet has no stress where it is at rest.
+        energy.set_rest_angles(rest).map_err(shell)?;
+        let areas = energy.vertex_areas().to_vec();
+        let mut masses = vec![0.0; areas.len()];
+        let of_faces = ruga_mesh::face_areas(mesh, rest);
+        for ((face, corners), density) in mesh.faces().iter().zip(per_area) {
+            for v in corners {
+                masses[v.index()] += of_faces[face] * density / 3.0;
+            }
+        }
+        let edges = mesh.edges().as_slice().iter();
+        let lengths = edges.map(|edge| {
+            let [a, b] = edge.vertices.map(|v| rest[v.index()]);
+            (b - a).norm()
+        });
+        let shortest = lengths.fold(f64::INFINITY, f64::min);
+        let free: Vec<VertexId> = (0..held.len())
+            .map(VertexId::from_index)
+            .filter(|v| !held[v.index()])
+            .collect();
+        if free.is_empty() {
+            return Err(StepperError::NoRoom {
+                layer: spec.name.clone(),
+            });
+        }
+        let solver = |source| solver_error(spec, source);
+        let (starts, entries) = energy.blocks().shared();
+        let pattern = LowerPattern::new(starts, entries).map_err(solver)?;
+        let unknowns = 3 * free.len();
+        let weight = masses.iter().sum::<f64>() * sheet.gravity.norm();
+        let rows = ruga_solver::ConstraintRows::new(vec![0], Vec::new(), Vec::new(), unknowns);
+        let rows = rows.map_err(solver)?;
+        let kkt = Kkt::new(&pattern, &rows, 3).map_err(solver)?;
+        Ok(Self {
+            damping: vec![DAMPING * membrane; unknowns],
+            bending,
+            edge: shortest,
+            scales: Scales::new(
+                bending,
+                [shortest, longest_side(rest)],
+                (weight, masses.len() as f64),
+            ),
+            stiffness: membrane / (shortest * shortest),
+            moving: Moving {
+                positions: rest.to_vec(),
+                velocities: vec![Vector3::zeros(); rest.len()],
+                obstacles: sheet
+                    .obstacles
+                    .iter()
+                    .map(PlacedObstacle::at_rest)
+                    .collect(),
+            },
+            capped: 0,
+            spec,
+            sheet,
+            region,
+            energy,
+            pattern,
+            kkt,
+            free,
+            holders,
+            masses,
+            areas,
+        })
+    }
+
+    pub(super) fn vertex_count(&self) -> usize {
+        self.masses.len()
+    }
+
+    /// Puts handles, obstacles, growth and creases where they are at a fraction of a pose; with a step in time,
+    /// free vertices go where their velocity takes them.
+    pub(super) fn place(
+        &mut self,
+        driver: &Driver,
+        (pose, moves): (&PoseSpec, &Moves<'_>),
+        time: f64,
+        inertia: Option<&Inertia>,
+    ) -> Result<(), StepperError> {
+        let rest = &self.region.skin.rest.positions;
+        let placements: Vec<_> = (0..self.sheet.handles.len())
+            .map(|handle| moves.handle(handle, time))
+            .collect();
+        for (i, holder) in self.holders.iter().enumerate() {
+            if let Some(handle) = holder {
+                self.moving.positions[i] = placements[*handle].apply(&rest[i]);
+            }
+        }
+        self.moving.obstacles = moves.obstacles(time);
+        if let Some(inertia) = inertia.filter(|_| !self.is_touched()) {
+            for v in &self.free {
+                self.moving.positions[v.index()] = inertia.centres[v.index()];
+            }
+        }
+        self.grow(driver, pose, time)?;
+        self.fold(pose, time)
+    }
+
+    fn grow(&mut self, driver: &Driver, pose: &PoseSpec, time: f64) -> Result<(), StepperError> {
+        let growth = PoseGrowth::new(self.spec, pose);
+        let Some(stretches) = growth.on_skin(driver, &self.region.skin, time) else {
+            return Ok(());
+        };
+        let curvatures = growth.curls_on_skin(driver, &self.region.skin, time);
+        let outcome = self.energy.set_rest_metric(stretches.as_slice());
+        let outcome =
+            outcome.and_then(|()| self.energy.set_natural_curvatures(curvatures.as_slice()));
+        self.capped = outcome.map_err(|source| shell_error(self.spec, source))?;
+        Ok(())
+    }
+
+    fn fold(&mut self, pose: &PoseSpec, time: f64) -> Result<(), StepperError> {
+        if self.region.skin.creases.is_empty() {
+            return Ok(());
+        }
+        let mut creases = Vec::new();
+        for on_edge in &self.region.skin.creases {
+            let crease = &self.spec.creases[on_edge.line];
+            let strength = crease.strength(&pose.weights, time);
+            let made = crease.on_edge(on_edge.at, (strength, 1.0), self.bending);
+            creases.push((on_edge.edge, made));
+        }
+        let outcome = self.energy.set_creases(&creases);
+        outcome.map_err(|source| shell_error(self.spec, source))
+    }
+
+    fn contact(&self) -> Contact {
+        let reach = REACH * self.edge;
+        Contact::of_stiffness(self.moving.obstacles.clone(), self.stiffness, reach)
+    }
+
+    fn is_touched(&self) -> bool {
+        self.contact().value(&self.moving.positions, &self.areas) > 0.0
+    }
+
+    /// Whether a vertex got through an obstacle on its way from an earlier state.
+    pub(super) fn has_passed(&self, before: &Moving) -> bool {
+        let start = (before.obstacles.as_slice(), before.positions.as_slice());
+        let contact = self.contact();
+        contact.is_passed(start, &self.moving.positions, self.edge)
+    }
+
+    /// Finds the equilibrium near the present state, or the end of a step in time, and moves there.
+    pub(super) fn minimise(
+        &mut self,
+        inertia: Option<&Inertia>,
+        (modelling, settings): (&Modelling, &NewtonSettings),
+        keep_going: &mut dyn FnMut(&Iteration) -> bool,
+    ) -> Result<SolveReport, StepperError> {
+        let mut unknowns = gather(&self.free, &self.moving.positions);
+        let objective = SheetObjective {
+            energy: &self.energy,
+            free: &self.free,
+            positions: &self.moving.positions,
+            pattern: &self.pattern,
+            damping: &self.damping,
+            masses: &self.masses,
+            areas: &self.areas,
+            gravity: self.sheet.gravity,
+            contact: self.contact(),
+            inertia,
+            scales: self.scales,
+        };
+        let settings = NewtonSettings {
+            overshoot: self.is_touched(),
+            ..*settings
+        };
+        let minimise = modelling.minimise;
+        let kkt = &mut self.kkt;
+        let solved = minimise(&objective, &[], &mut unknowns, kkt, &settings, keep_going);
+        let report = solved.map_err(|source| solver_error(self.spec, source))?;
+        scatter(&self.free, &unknowns, &mut self.moving.positions);
+        Ok(report)
+    }
+
+    /// The term of a step in time that begins here.
+    pub(super) fn inertia(&self, dynamics: Dynamics) -> Inertia {
+        Inertia::new(dynamics, &self.moving.positions, &self.moving.velocities)
+    }
+
+    /// Takes over the velocities of a step from `before` that took so many seconds.
+    pub(super) fn end_step(&mut self, before: &Moving, seconds: f64) {
+        self.moving.velocities = velocities(&before.positions, &self.moving.positions, seconds);
+    }
+
+    /// Elastic energy, J.
+    pub(super) fn elastic_energy(&self) -> f64 {
+        self.energy.value(&self.moving.positions)
+    }
+}
+
+/// The handle of every vertex; of the first in whose box it is at rest.
+fn holders(sheet: &Sheet, rest: &[Vector3<f64>]) -> Result<Vec<Option<usize>>, StepperError> {
+    let mut holders = vec![None; rest.len()];
+    for (number, handle) in sheet.handles.iter().enumerate() {
+        let mut is_empty = true;
+        let (mut low, mut high) = (Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN));
+        for (holder, x) in holders.iter_mut().zip(rest) {
+            let place = handle.turn * x + handle.shift;
+            (low, high) = (low.inf(&place), high.sup(&place));
+            if (0..3).all(|c| (handle.min[c]..=handle.max[c]).contains(&place[c])) {
+                is_empty &= holder.is_some();
+                holder.get_or_insert(number);
+            }
+        }
+        if is_empty {
+            return Err(StepperError::EmptySheetHandle {
+                handle: handle.name.clone(),
+                asked: [handle.min, handle.max],
+                found: [low, high],
+            });
+        }
+    }
+    Ok(holders)
+}
+
+/// The material on every face, by the map and the variation of the layer.
+fn face_parameters(spec: &LayerSpec, driver: &Driver, region: &RegionMesh) -> Vec<FaceParameters> {
+    let skin = &region.skin;
+    let points = skin.points.points();
+    let rest = &skin.rest.positions;
+    let of_face = |corners: &[VertexId; 3]| {
+        let relative = corners.map(|v| {
+            let i = v.index();
+            uneven(spec, painted(spec, &uv(driver, &points[i])), &rest[i])
+        });
+        let local = relative.map(|relative| relative.scaled(&spec.material));
+        let mean = |value: fn(&LayerMaterial) -> f64| local.iter().map(value).sum::<f64>() / 3.0;
+        FaceParameters {
+            young: mean(|material| material.young),
+            poisson: spec.material.poisson,
+            thickness: mean(|material| material.thickness),
+            normal_stiffness: 0.0,
+            gradient_stiffness: 0.0,
+        }
+    };
+    let faces = skin.mesh.faces().as_slice().iter();
+    faces.map(of_face).collect()
+}
+
+fn shell_error(spec: &LayerSpec, source: ShellError) -> StepperError {
+    StepperError::Shell {
+        layer: spec.name.clone(),
+        source,
+    }
+}
+
+fn solver_error(spec: &LayerSpec, source: SolverError) -> StepperError {
+    StepperError::Solver {
+        layer: spec.name.clone(),
+        source,
+    }
+}

@@ -1,0 +1,323 @@
+//! Free sheets: held, falling, growing, curling, on obstacles.
+
+use std::sync::Arc;
+
+use nalgebra::{Vector2, Vector3};
+use ruga_blend::{ArtistMesh, Driver, Smoothing};
+use ruga_material::{LayerMaterial, Substrate};
+use ruga_stepper::{
+    Dynamics, Grows, GrowthDirection, GrowthSpec, Handle, LayerSpec, Modelling, Obstacle,
+    ObstacleShape, PoseResult, PoseSpec, Sheet, Silent, StepperError, plan_sheet,
+};
+
+/// A flat rectangle from the origin in the plane z = 0, m, of about square cells.
+fn rectangle([length, width]: [f64; 2], [columns, rows]: [u32; 2]) -> Arc<Driver> {
+    let corner = |i: u32, j: u32| j * (columns + 1) + i;
+    let places = (0..=rows).flat_map(|j| (0..=columns).map(move |i| [i, j]));
+    let share = |[i, j]: [u32; 2]| {
+        [
+            f64::from(i) / f64::from(columns),
+            f64::from(j) / f64::from(rows),
+        ]
+    };
+    let shares: Vec<[f64; 2]> = places.map(share).collect();
+    let cells = (0..rows).flat_map(|j| (0..columns).map(move |i| [i, j]));
+    let triangles = cells.flat_map(|[i, j]| {
+        let [a, b] = [corner(i, j), corner(i + 1, j)];
+        let [d, c] = [corner(i, j + 1), corner(i + 1, j + 1)];
+        match (i + j) % 2 {
+            0 => [[a, b, c], [a, c, d]],
+            _ => [[a, b, d], [b, c, d]],
+        }
+    });
+    let mesh = ArtistMesh {
+        name: "sheet".into(),
+        positions: shares
+            .iter()
+            .map(|[u, v]| Vector3::new(length * u, width * v, 0.0))
+            .collect(),
+        uvs: Some(
+            shares
+                .iter()
+                .map(|[u, v]| Vector2::new(*u, 1.0 - v))
+                .collect(),
+        ),
+        triangles: triangles.collect(),
+        ..ArtistMesh::default()
+    };
+    Arc::new(Driver::new(&mesh).expect("a rectangle"))
+}
+
+/// Paper without a Poisson ratio, .1 mm thick.
+fn paper(growths: Vec<GrowthSpec>) -> LayerSpec {
+    let material = LayerMaterial {
+        young: 3e9,
+        poisson: 0.0,
+        thickness: 1e-4,
+        density: 800.0,
+    };
+    let nothing = Substrate {
+        young: 1.0,
+        poisson: 0.0,
+        thickness: 1.0,
+    };
+    LayerSpec {
+        growths,
+        ..LayerSpec::new("paper", material, nothing)
+    }
+}
+
+fn growth(along: f64, across: f64, curl: [f64; 2]) -> GrowthSpec {
+    GrowthSpec {
+        name: "grow".into(),
+        grows: Grows::Layer,
+        along,
+        across,
+        curl,
+        direction: GrowthDirection::Angle(0.0),
+        paint: None,
+    }
+}
+
+fn pose(steps: u32) -> PoseSpec {
+    PoseSpec {
+        name: "pose".into(),
+        weights: Default::default(),
+        keys: vec![1.0],
+        steps,
+        motions: Vec::new(),
+        growths: vec![("grow".into(), 1.0)],
+    }
+}
+
+fn free() -> Sheet {
+    Sheet {
+        gravity: Vector3::zeros(),
+        handles: Vec::new(),
+        obstacles: Vec::new(),
+        edge: Some(1.0),
+    }
+}
+
+/// The end of a strip at x = 0, held.
+fn clamp(length: f64) -> Handle {
+    let box_ = [
+        Vector3::new(-1.0, -1.0, -1.0),
+        Vector3::new(length, 1.0, 1.0),
+    ];
+    Handle::new("clamp", box_)
+}
+
+fn modelling(dynamics: Option<Dynamics>) -> Modelling {
+    Modelling {
+        dynamics,
+        smoothing: Smoothing::None,
+        ..Modelling::default()
+    }
+}
+
+fn run(
+    driver: &Arc<Driver>,
+    layer: &LayerSpec,
+    sheet: &Sheet,
+    pose: PoseSpec,
+    modelling: &Modelling,
+) -> Result<PoseResult, StepperError> {
+    plan_sheet(driver, layer, sheet, &[pose], modelling, 512)?.simulate(0, &mut Silent)
+}
+
+/// Positions of the artist's vertices at the last key, which has to be reached.
+fn end(result: PoseResult) -> Vec<Vector3<f64>> {
+    assert!(result.converged, "{:?}", result.warnings);
+    let key = result.keys.last().expect("a key");
+    key.artist_positions.clone().expect("a sheet carries them")
+}
+
+#[test]
+fn a_strip_sags_as_a_beam_under_its_weight() {
+    let length = 0.05;
+    let driver = rectangle([length, 0.01], [40, 8]);
+    let layer = paper(Vec::new());
+    let gravity = 0.5;
+    let sheet = Sheet {
+        gravity: Vector3::new(0.0, 0.0, -gravity),
+        handles: vec![clamp(0.0026)],
+        ..free()
+    };
+    let places = end(run(&driver, &layer, &sheet, pose(2), &modelling(None)).expect("a run"));
+    let tip = places
+        .iter()
+        .zip(driver.rest())
+        .filter(|(_, rest)| rest.x > 0.999 * length);
+    let sag: Vec<f64> = tip.map(|(x, _)| -x.z).collect();
+    let sag = sag.iter().sum::<f64>() / sag.len() as f64;
+    // Held up to the second row of vertices, it bends from there on; nearly half a face beyond that is held, too.
+    let material = layer.material;
+    let modulus = material.young * material.thickness.powi(3) / 12.0;
+    let load = material.density * material.thickness * gravity;
+    let beam = |free: f64| load * free.powi(4) / (8.0 * modulus);
+    let expected = [beam(length - 0.0025), beam(length - 0.00125)];
+    assert!(
+        expected[0] * 0.98 < sag && sag < expected[1],
+        "{sag} of {expected:?}"
+    );
+}
+
+#[test]
+fn curl_bends_a_strip_into_an_arc() {
+    let length = 0.04;
+    let driver = rectangle([length, 0.008], [40, 8]);
+    let curl = 40.0;
+    let layer = paper(vec![growth(0.0, 0.0, [curl, 0.0])]);
+    let sheet = Sheet {
+        handles: vec![clamp(0.0011)],
+        ..free()
+    };
+    let places = end(run(&driver, &layer, &sheet, pose(4), &modelling(None)).expect("a run"));
+    let tip = places
+        .iter()
+        .zip(driver.rest())
+        .find(|(_, rest)| rest.x > 0.999 * length);
+    let (tip, _) = tip.expect("an end");
+    // The outer side, up, bulges: the strip bends down.
+    let arc = curl * (length - 0.0005);
+    let expected = [0.0005 + arc.sin() / curl, -(1.0 - arc.cos()) / curl];
+    let error = ((tip.x - expected[0]).hypot(tip.z - expected[1])) / length;
+    assert!(error < 0.02, "{tip:?} of {expected:?}");
+}
+
+#[test]
+fn a_loose_sheet_grows_in_place_without_stress() {
+    let driver = rectangle([0.02, 0.02], [8, 8]);
+    let layer = paper(vec![growth(0.2, -0.1, [0.0; 2])]);
+    let result = run(&driver, &layer, &free(), pose(2), &modelling(None)).expect("a run");
+    let energy = result.layers[0].energy;
+    let places = end(result);
+    let [low, high] = [f64::min, f64::max].map(|pick| {
+        let bound = |axis: usize| places.iter().map(|x| x[axis]).reduce(pick).expect("some");
+        [bound(0), bound(1)]
+    });
+    let sides = [0, 1].map(|axis| (high[axis] - low[axis]) / 0.02);
+    assert!(
+        (sides[0] - 1.2).abs() < 1e-6 && (sides[1] - 0.9).abs() < 1e-6,
+        "{sides:?}"
+    );
+    assert!(energy < 1e-9 * 3e9 * 1e-4 * 4e-4, "{energy}");
+}
+
+#[test]
+fn what_nothing_holds_falls_as_implicit_euler_does() {
+    let driver = rectangle([0.02, 0.02], [4, 4]);
+    let time_step = 0.01;
+    let sheet = Sheet {
+        gravity: Vector3::new(0.0, -9.81, 0.0),
+        ..free()
+    };
+    let dynamics = Dynamics {
+        time_step,
+        damping: 0.0,
+    };
+    let how = modelling(Some(dynamics));
+    let places = end(run(&driver, &paper(Vec::new()), &sheet, pose(10), &how).expect("a run"));
+    let expected = -9.81 * time_step * time_step * 55.0;
+    for (x, rest) in places.iter().zip(driver.rest()) {
+        let way = x - rest;
+        assert!(
+            (way.y / expected - 1.0).abs() < 1e-6,
+            "{way:?} of {expected}"
+        );
+        assert!(way.x.abs() < 1e-9 && way.z.abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_sheet_that_falls_onto_a_ball_lies_on_it() {
+    let driver = rectangle([0.03, 0.03], [12, 12]);
+    let ball = ObstacleShape::Sphere {
+        centre: Vector3::new(0.015, 0.015, -0.012),
+        radius: 0.01,
+    };
+    let floor = ObstacleShape::Plane {
+        point: Vector3::new(0.0, 0.0, -0.013),
+        normal: Vector3::z(),
+    };
+    let obstacle = |name: &str, shape| Obstacle {
+        name: name.into(),
+        shape,
+    };
+    let sheet = Sheet {
+        gravity: Vector3::new(0.0, 0.0, -9.81),
+        obstacles: vec![obstacle("ball", ball), obstacle("floor", floor)],
+        ..free()
+    };
+    let how = modelling(Some(Dynamics {
+        time_step: 5e-3,
+        damping: 2.0,
+    }));
+    // Cloth: a thousandth of paper's modulus.
+    let mut layer = paper(Vec::new());
+    layer.material.young = 3e6;
+    let result = run(&driver, &layer, &sheet, pose(40), &how).expect("a run");
+    let places = end(result);
+    let lowest = places.iter().map(|x| x.z).fold(f64::INFINITY, f64::min);
+    let highest = places.iter().map(|x| x.z).fold(f64::NEG_INFINITY, f64::max);
+    let centre = Vector3::new(0.015, 0.015, -0.012);
+    let closest = places
+        .iter()
+        .map(|x| (x - centre).norm())
+        .fold(f64::INFINITY, f64::min);
+    assert!((-0.0021..-0.0015).contains(&highest), "{highest}");
+    assert!(closest > 0.0099, "{closest}");
+    assert!((-0.0131..-0.004).contains(&lowest), "{lowest}");
+}
+
+#[test]
+fn what_a_sheet_cannot_be_is_refused() {
+    let driver = rectangle([0.02, 0.02], [4, 4]);
+    let weight = Vector3::new(0.0, 0.0, -9.81);
+    let told = |layer: &LayerSpec, sheet: &Sheet| match run(
+        &driver,
+        layer,
+        sheet,
+        pose(1),
+        &modelling(None),
+    ) {
+        Ok(_) => panic!("{sheet:?} was accepted"),
+        Err(error) => error.to_string(),
+    };
+    let plain = paper(Vec::new());
+    let falling = Sheet {
+        gravity: weight,
+        ..free()
+    };
+    let missed = Sheet {
+        handles: vec![Handle::new(
+            "pin",
+            [Vector3::repeat(1.0), Vector3::repeat(2.0)],
+        )],
+        ..free()
+    };
+    let fine = Sheet {
+        edge: Some(1e-6),
+        ..free()
+    };
+    let huge = Sheet {
+        edge: Some(f64::NAN),
+        ..free()
+    };
+    for (layer, sheet, words) in [
+        (&plain, falling, "`handles` is none"),
+        (&plain, missed, "handle 'pin'"),
+        (&plain, fine, "vertex budget"),
+        (&plain, huge, "`edge` is NaN"),
+        (
+            &paper(vec![growth(0.0, 0.0, [f64::INFINITY, 0.0])]),
+            free(),
+            "`curl` is [inf, 0.0]",
+        ),
+        (&paper(vec![growth(-0.7, 0.0, [0.0; 2])]), free(), "-0.7"),
+    ] {
+        let told = told(layer, &sheet);
+        assert!(told.contains(words), "{told}");
+    }
+}
