@@ -1,27 +1,13 @@
-//! From a scene's `[interior]` and motions to what the stepper simulates.
+//! From a scene's `[interior]` or `[sheet]` and motions to what the stepper simulates.
 
 use ruga_material::Substrate;
-use ruga_stepper::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape, SolidMaterial};
+use ruga_stepper::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape, Sheet, SolidMaterial};
 
 use crate::file::{self, SceneFile};
 use crate::placement::Placement;
 
 /// The body that `interior` describes, made of what carries its layer.
 pub(crate) fn body(interior: &file::Interior, inside: &Substrate, placement: &Placement) -> Body {
-    let obstacles = interior.obstacles.iter();
-    let obstacles = obstacles.filter_map(|obstacle| {
-        Some(Obstacle {
-            name: obstacle.name.clone(),
-            shape: obstacle_shape(obstacle, placement)?,
-        })
-    });
-    let handle = |handle: &file::Handle| Handle {
-        name: handle.name.clone(),
-        min: handle.min.into(),
-        max: handle.max.into(),
-        turn: placement.turn,
-        shift: placement.shift,
-    };
     Body {
         cells: interior.cells,
         shape: interior.shape,
@@ -31,10 +17,41 @@ pub(crate) fn body(interior: &file::Interior, inside: &Substrate, placement: &Pl
         },
         density: interior.density,
         gravity: placement.way_in_file(interior.gravity),
-        handles: interior.handles.iter().map(handle).collect(),
-        obstacles: obstacles.collect(),
+        handles: handles(&interior.handles, placement),
+        obstacles: obstacles(&interior.obstacles, placement),
         follow: interior.follow,
     }
+}
+
+/// What acts on the sheet that `sheet` describes.
+pub(crate) fn sheet(sheet: &file::Sheet, placement: &Placement) -> Sheet {
+    Sheet {
+        gravity: placement.way_in_file(sheet.gravity),
+        handles: handles(&sheet.handles, placement),
+        obstacles: obstacles(&sheet.obstacles, placement),
+        edge: sheet.edge,
+    }
+}
+
+fn handles(handles: &[file::Handle], placement: &Placement) -> Vec<Handle> {
+    let handle = |handle: &file::Handle| Handle {
+        name: handle.name.clone(),
+        min: handle.min.into(),
+        max: handle.max.into(),
+        turn: placement.turn,
+        shift: placement.shift,
+    };
+    handles.iter().map(handle).collect()
+}
+
+fn obstacles(obstacles: &[file::Obstacle], placement: &Placement) -> Vec<Obstacle> {
+    let obstacles = obstacles.iter().filter_map(|obstacle| {
+        Some(Obstacle {
+            name: obstacle.name.clone(),
+            shape: obstacle_shape(obstacle, placement)?,
+        })
+    });
+    obstacles.collect()
 }
 
 /// The shape that is given; reading a scene has refused obstacles with none or several.

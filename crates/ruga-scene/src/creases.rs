@@ -8,13 +8,13 @@ use ruga_blend::{Driver, nearest};
 use ruga_crease::{CreaseError, CreaseMemory, LineLaw, LineTracer, TracedLine, check_lines};
 use ruga_io::MeshFile;
 use ruga_material::{UvTile, Wrinkling, wrinkling};
-use ruga_stepper::{CreaseAnchor, CreaseSpec, FoldSense, LayerSpec};
+use ruga_stepper::{CreaseAnchor, CreaseSpec, FoldSense, LayerSpec, SHEET_EDGES};
 
-use crate::SceneError;
 use crate::crease_lines::source_of;
 use crate::crease_presets::{CreasePreset, crease_preset};
 use crate::file::{Crease, Drive, Fold, SceneFile};
 use crate::network_creases::NETWORK;
+use crate::{SceneError, mesh_size};
 
 /// Width in thicknesses of the layer, share of its stiffness and angle (degrees) of a crease that says
 /// nothing of them.
@@ -66,13 +66,16 @@ pub(crate) fn add_creases(
             source,
         })?;
         let spec = on.kind((number, crease), layer)?;
-        warnings.extend(band_warning(crease, &spec, &waves));
+        // A free sheet has no wave that a band could be too wide for.
+        let carried = on.scene.sheet.is_none().then_some(&waves);
+        warnings.extend(carried.and_then(|waves| band_warning(crease, &spec, waves)));
         warnings.extend(on.anchor_warning(crease));
-        let sizes = [waves.wavelength, waves.wavelength / points];
+        let wavelength = on.wavelength(&waves, points);
+        let sizes = [wavelength, wavelength / points];
         let (lines, warning) = on.lines((number, crease), sizes)?;
         warnings.extend(warning);
         warnings.extend(fade_warning(crease, &spec.law, &lines));
-        let joined = on.joined_ends(&lines, waves.wavelength / points);
+        let joined = on.joined_ends(&lines, wavelength / points);
         let names = on.names((number, crease), lines.len(), layers)?;
         let key = source_of(crease);
         keys[index].resize(
@@ -199,13 +202,31 @@ impl CreasedMesh<'_> {
         }
     }
 
-    /// Warning of a preset's anchor, which has nothing to hold to on a soft body.
+    /// Wavelength of a layer; of a free sheet the length of so many `points` edges.
+    fn wavelength(&self, waves: &Wrinkling, points: f64) -> f64 {
+        let of_sheet = self.scene.sheet.as_ref().map(|sheet| {
+            let edge = sheet
+                .edge
+                .unwrap_or(mesh_size::width(self.mesh) / SHEET_EDGES);
+            points * edge
+        });
+        of_sheet.unwrap_or(waves.wavelength)
+    }
+
+    /// Whether the layer has nothing below it that stays where it is.
+    fn is_free(&self) -> bool {
+        self.scene.interior.is_some() || self.scene.sheet.is_some()
+    }
+
+    /// Warning of a preset's anchor, which has nothing to hold to on a soft body or a sheet.
     fn anchor_warning(&self, crease: &Crease) -> Option<String> {
-        self.scene.interior.as_ref()?;
+        if !self.is_free() {
+            return None;
+        }
         let preset = crease.preset.as_deref().and_then(crease_preset)?;
         preset.depth?;
         Some(format!(
-            "crease `{}`: the anchor of its preset is left out, because what is below a body's skin moves with it",
+            "crease `{}`: the anchor of its preset is left out, because nothing below holds it",
             crease.name
         ))
     }
@@ -227,7 +248,7 @@ impl CreasedMesh<'_> {
             stiffness: anchor.stiffness,
         });
         let usual = preset.and_then(|preset| preset.depth);
-        let usual = usual.filter(|_| self.scene.interior.is_none());
+        let usual = usual.filter(|_| !self.is_free());
         let anchor = own.or(usual.map(|depth| CreaseAnchor {
             depth,
             stiffness: ANCHOR_STIFFNESS,

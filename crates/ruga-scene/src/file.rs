@@ -13,6 +13,7 @@ mod pack;
 mod read;
 mod reference;
 mod settings;
+mod sheet;
 mod skin;
 mod slips;
 mod toml_words;
@@ -30,12 +31,13 @@ use serde::{Deserialize, Serialize};
 
 pub use creases::{Anchor, Corners, Crease, Drive, Fold};
 pub use growths::Growth;
-pub use interior::{Cylinder, Handle, Interior, Motion, Obstacle, Plane, Sphere};
+pub use interior::{Cylinder, Handle, Interior, Motion, Movers, Obstacle, Plane, Sphere};
 pub use memory::Memory;
 pub use names::{is_usable_file_name, usable_file_name};
 pub use pack::{Pack, PoseNames};
 pub use reference::{Key, Table, reference};
 pub use settings::{Bake, Remesh, Solver, SolverMode};
+pub use sheet::Sheet;
 pub use skin::{Layer, LayerDefinition, PropertyMap, Substrate, SubstrateDefinition};
 pub use zones::Zone;
 
@@ -76,7 +78,7 @@ pub struct SceneFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub memory: Option<Memory>,
     /// The poses; none means every blend shape and every growth at weight 1, or a body without shapes
-    /// under its own weight.
+    /// or a sheet under its own weight.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub poses: Vec<Pose>,
     /// How frames are solved.
@@ -94,6 +96,9 @@ pub struct SceneFile {
     /// If given, the layers lie on a soft body instead of on the posed mesh.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub interior: Option<Interior>,
+    /// If given, the layer is a thin sheet that lies on nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sheet: Option<Sheet>,
 }
 
 /// The mesh and the part of it that is simulated.
@@ -200,7 +205,7 @@ pub struct Pose {
     /// Its name, also in file names.
     pub name: String,
     /// Weight of each blend shape that takes part, from -10 to 10; 1 is the whole shape. May be left
-    /// out when there are `growths` or an `[interior]`.
+    /// out when there are `growths`, an `[interior]` or a `[sheet]`.
     #[serde(default)]
     pub weights: BTreeMap<String, f64>,
     /// Strength of each of `[[growths]]` that takes part, as `{ dry = 1.0 }`; 1 is the whole growth.
@@ -213,7 +218,7 @@ pub struct Pose {
     /// from key to key on a posed mesh that does not move in time.
     #[serde(default = "default_steps")]
     pub steps: u32,
-    /// Where handles and obstacles of `[interior]` go; what is not named stands still.
+    /// Where handles and obstacles of `[interior]` or `[sheet]` go; what is not named stands still.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub motions: Vec<Motion>,
 }

@@ -56,7 +56,7 @@ fn spec_of(
         grows: Grows::Layer,
         along,
         across,
-        curl: [0.0; 2],
+        curl: growth.curl,
         direction,
         paint: growth.image.as_deref().map(paint).transpose()?,
     })

@@ -50,6 +50,8 @@ pub(crate) fn check(
     layers: &[LayerSpec],
 ) -> Result<Option<String>, SceneError> {
     let width = width(mesh);
+    // A sheet has no wave to compare with.
+    let layers = if scene.sheet.is_some() { &[] } else { layers };
     let Some(wavelength) = shortest_wavelength(layers).filter(|_| width > 0.0) else {
         return Ok(None);
     };

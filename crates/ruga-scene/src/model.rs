@@ -52,12 +52,20 @@ pub(crate) fn layers(
         let lower = (0..index).rfind(|&other| scene.layers[other].zone == upper.zone);
         let below = match lower {
             Some(lower) => Some(layers[lower].material.as_substrate()),
+            None if scene.sheet.is_some() => Some(NOTHING),
             None => substrate(scene, path)?,
         };
         layers.push(layer(scene, index, below, (path, tiles))?);
     }
     Ok(layers)
 }
+
+/// Stands where a layer needs something below it; of a free sheet nobody reads it.
+const NOTHING: Substrate = Substrate {
+    young: 1.0,
+    poisson: 0.0,
+    thickness: 1.0,
+};
 
 /// Difference of wavelengths, as a fraction, from which on a preset is not what it promises.
 const OTHER_WAVE: f64 = 0.1;

@@ -11,8 +11,8 @@ use ruga_blend::{Driver, nearest};
 use ruga_io::{IoError, MeshFile, ObjOptions, read_mesh};
 use ruga_material::UvTile;
 use ruga_stepper::{
-    BYTES_PER_TEXEL, Body, LatticeError, LayerSpec, Modelling, PoseSpec, Region, StepperError,
-    plan, plan_body,
+    BYTES_PER_TEXEL, Body, LatticeError, LayerSpec, Modelling, PoseSpec, Region, Sheet,
+    StepperError, plan, plan_body, plan_sheet,
 };
 
 use crate::creases::{CreasedMesh, add_creases, texel_warning};
@@ -59,6 +59,8 @@ pub struct Scene {
     pub mirror: Option<Arc<Mirror>>,
     /// The body that the layer lies on, if it is one.
     pub body: Option<Body>,
+    /// What acts on the layer, if it lies on nothing.
+    pub sheet: Option<Sheet>,
     /// The choices that are not physics.
     pub modelling: Modelling,
     /// Warnings: what was assumed or left out while reading.
@@ -136,6 +138,13 @@ impl Scene {
         let (images, poses) = PoseImages::new(self.mirror.as_ref(), driver, &self.poses);
         let poses = &poses;
         let size = self.file.bake.size;
+        if let Some(sheet) = &self.sheet {
+            let zone = ZonePlan {
+                plan: plan_sheet(driver, &self.layers[0], sheet, poses, modelling, size)?,
+                layers: vec![0],
+            };
+            return Ok(ScenePlan::new(vec![zone], images));
+        }
         if let Some(body) = &self.body {
             let zone = ZonePlan {
                 plan: plan_body(driver, &self.layers, body, poses, modelling, size)?,
@@ -248,6 +257,11 @@ impl Inspection {
         let region = self.region.expect(whole);
         Ok(Scene {
             body: body_of(&self.file, &mesh, &layers),
+            sheet: self
+                .file
+                .sheet
+                .as_ref()
+                .map(|sheet| body::sheet(sheet, &Placement::of(&mesh))),
             modelling: model::modelling(&self.file, region, self.points_per_wavelength),
             path: self.path,
             file: self.file,

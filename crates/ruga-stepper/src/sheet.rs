@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 
 use crate::{Handle, Obstacle};
 
-pub use plan::plan_sheet;
+pub use plan::{SHEET_EDGES, plan_sheet};
 
 /// What acts on a sheet without a substrate.
 #[derive(Clone, Debug)]

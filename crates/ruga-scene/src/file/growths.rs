@@ -36,6 +36,10 @@ pub struct Growth {
     /// The same across the direction of `along`; equal to it if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub across: Option<f64>,
+    /// Curvature of a `[sheet]` along that direction and across it at strength 1, 1/m: 50 makes an arc of 20 mm
+    /// radius, positive where the outer side bulges.
+    #[serde(default, skip_serializing_if = "is_flat")]
+    pub curl: [f64; 2],
     /// Direction of `along` in the texture, degrees counter-clockwise from its right.
     #[serde(default)]
     pub direction: f64,
@@ -49,6 +53,10 @@ pub struct Growth {
     /// Shares of it where `image` is black and where it is white, from -1 to 1.
     #[serde(default = "none_to_all")]
     pub range: [f64; 2],
+}
+
+fn is_flat(curl: &[f64; 2]) -> bool {
+    *curl == [0.0; 2]
 }
 
 fn none_to_all() -> [f64; 2] {
@@ -79,7 +87,7 @@ impl Growth {
                 suggestion: nearest(name, names()),
             });
         }
-        if self.along.is_none() && self.preset.is_none() {
+        if self.along.is_none() && self.preset.is_none() && self.curl == [0.0; 2] {
             let accepted = "a change of length, such as `along = 0.05`, or a `preset`";
             return fault(&format!("{key}.along"), "nothing", accepted);
         }
@@ -89,6 +97,13 @@ impl Growth {
                 let accepted = format!("from {least} to {most}; 0.05 makes it 5 % longer");
                 return fault(&format!("{key}.{name}"), change, &accepted);
             }
+        }
+        if !self.curl.iter().all(|curl| curl.is_finite()) {
+            return fault(
+                &format!("{key}.curl"),
+                format!("{:?}", self.curl),
+                "two curvatures, 1/m",
+            );
         }
         if !self.direction.is_finite() {
             return fault(&format!("{key}.direction"), self.direction, "degrees");
@@ -139,6 +154,14 @@ impl SceneFile {
             let key = format!("growths[{i}]");
             growth.faults(&key)?;
             self.grown_layer_faults(&key, growth)?;
+            if growth.curl != [0.0; 2] && self.sheet.is_none() {
+                let accepted = "none without [sheet]: what carries a layer holds it flat";
+                return fault(
+                    &format!("{key}.curl"),
+                    format!("{:?}", growth.curl),
+                    accepted,
+                );
+            }
             let earlier = self.growths.iter().take(i).map(|other| &other.name);
             unique_name(&format!("{key}.name"), &growth.name, earlier)?;
         }
@@ -148,8 +171,8 @@ impl SceneFile {
     fn grown_layer_faults(&self, key: &str, growth: &Growth) -> Checked {
         let key = format!("{key}.layer");
         let is_below = self.grown_layer(growth).is_none();
-        if is_below && self.interior.is_some() {
-            let accepted = "a layer with [interior]: a soft body keeps its size";
+        if is_below && (self.interior.is_some() || self.sheet.is_some()) {
+            let accepted = "a layer: a soft body keeps its size, and a sheet lies on nothing";
             return fault(&key, format!("\"{SUBSTRATE}\""), accepted);
         }
         let Some(name) = growth.layer.as_ref().filter(|name| *name != SUBSTRATE) else {

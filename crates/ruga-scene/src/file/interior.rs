@@ -53,14 +53,36 @@ impl Default for Interior {
 }
 
 impl Interior {
-    /// Names of what a pose can move: handles, then obstacles.
-    pub fn movable(&self) -> impl Iterator<Item = &str> {
+    pub(super) fn movers(&self) -> Movers<'_> {
+        Movers {
+            table: "interior",
+            handles: &self.handles,
+            obstacles: &self.obstacles,
+        }
+    }
+}
+
+/// What poses can move.
+#[derive(Clone, Copy, Debug)]
+pub struct Movers<'a> {
+    /// The table that lists it.
+    pub table: &'static str,
+    /// Parts that are held.
+    pub handles: &'a [Handle],
+    /// What nothing can enter.
+    pub obstacles: &'a [Obstacle],
+}
+
+impl<'a> Movers<'a> {
+    /// Names of handles, then of obstacles.
+    pub fn names(&self) -> impl Iterator<Item = &'a str> + use<'a> {
         let handles = self.handles.iter().map(|handle| handle.name.as_str());
         handles.chain(self.obstacles.iter().map(|obstacle| obstacle.name.as_str()))
     }
 }
 
-/// One of `[[interior.handles]]`: the part of the body in a box, which moves as poses tell it.
+/// One of `[[interior.handles]]` or `[[sheet.handles]]`: the part of a body or sheet in a box, which moves as poses
+/// tell it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Handle {
@@ -72,7 +94,8 @@ pub struct Handle {
     pub max: [f64; 3],
 }
 
-/// One of `[[interior.obstacles]]`: a rigid thing without friction. Exactly one shape is given.
+/// One of `[[interior.obstacles]]` or `[[sheet.obstacles]]`: a rigid thing without friction. Exactly one shape is
+/// given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Obstacle {

@@ -7,7 +7,7 @@ use super::fault::{
 };
 use super::names::usable_file_name;
 use super::validate_interior::motion_faults;
-use super::{Driver, Interior, Pose, SceneFile};
+use super::{Driver, Movers, Pose, SceneFile};
 use ruga_blend::nearest;
 use ruga_io::LengthUnit;
 use ruga_io::key_percent;
@@ -73,6 +73,13 @@ impl SceneFile {
             return None;
         }
         let (key, reason) = match &self.interior {
+            None if self.sheet.is_some() => match self.weighs() {
+                true => return None,
+                false => (
+                    "sheet",
+                    "nothing moves the sheet: give [[poses]] with motions, [[growths]], or gravity",
+                ),
+            },
             None => (
                 "driver.mesh",
                 "the mesh has no blend shapes, so there is nothing to pose",
@@ -146,6 +153,7 @@ impl SceneFile {
                 return fault("driver.symmetry", "\"x\"", accepted);
             }
         }
+        self.sheet_faults()?;
         self.pose_faults()?;
         self.solver_faults()?;
         self.remesh_faults()?;
@@ -161,10 +169,25 @@ impl SceneFile {
         Ok(())
     }
 
+    /// What poses can move, in a scene with a body or a sheet.
+    fn movers(&self) -> Option<Movers<'_>> {
+        let of_body = self.interior.as_ref().map(|interior| interior.movers());
+        of_body.or(self.sheet.as_ref().map(|sheet| sheet.movers()))
+    }
+
+    /// Whether gravity acts on a body or a sheet.
+    fn weighs(&self) -> bool {
+        let of_body = self.interior.as_ref().map(|interior| interior.gravity);
+        let of_sheet = self.sheet.as_ref().map(|sheet| sheet.gravity);
+        of_body
+            .or(of_sheet)
+            .is_some_and(|gravity| gravity != [0.0; 3])
+    }
+
     fn pose_faults(&self) -> Checked {
         for (i, pose) in self.poses.iter().enumerate() {
             let key = format!("poses[{i}]");
-            pose.faults(&key, self.interior.as_ref())?;
+            pose.faults(&key, self.movers(), self.weighs())?;
             self.pose_growth_faults(&key, pose)?;
             let earlier = self.poses.iter().take(i).map(|other| &other.name);
             unique_name(&format!("{key}.name"), &pose.name, earlier)?;
@@ -262,16 +285,17 @@ impl Driver {
 }
 
 impl Pose {
-    fn faults(&self, key: &str, interior: Option<&Interior>) -> Checked {
+    fn faults(&self, key: &str, movers: Option<Movers<'_>>, weighs: bool) -> Checked {
         within(&format!("{key}.steps"), u64::from(self.steps), 1, 100_000)?;
         let grows = !self.growths.is_empty();
-        if self.weights.is_empty() && !grows && interior.is_none() {
+        if self.weights.is_empty() && !grows && movers.is_none() {
             return fault(&format!("{key}.weights"), "{}", "at least one blend shape");
         }
-        let weighs = interior.is_some_and(|interior| interior.gravity != [0.0; 3]);
         if self.weights.is_empty() && self.motions.is_empty() && !weighs && !grows {
-            let accepted = "`motions`, `weights` or `growths` here, or `gravity` in [interior]";
-            return fault(key, "nothing that moves the body", accepted);
+            let table = movers.map_or("interior", |movers| movers.table);
+            let accepted =
+                format!("`motions`, `weights` or `growths` here, or `gravity` in [{table}]");
+            return fault(key, "nothing that moves it", &accepted);
         }
         for (shape, weight) in &self.weights {
             if !weight.is_finite() {
@@ -309,7 +333,7 @@ impl Pose {
                 );
             }
         }
-        motion_faults(key, &self.motions, interior)
+        motion_faults(key, &self.motions, movers)
     }
 }
 

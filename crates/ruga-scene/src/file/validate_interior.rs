@@ -1,7 +1,7 @@
 //! What `[interior]` and the motions of poses must mean, beyond being well-formed.
 
 use super::fault::{Checked, Fault, fault, fraction_of_pose, names_given, positive, within};
-use super::{Cylinder, Handle, Interior, Motion, Obstacle, Plane, Sphere};
+use super::{Cylinder, Handle, Interior, Motion, Movers, Obstacle, Plane, Sphere};
 use ruga_blend::nearest;
 
 impl Interior {
@@ -13,38 +13,45 @@ impl Interior {
         finite("interior.gravity", &self.gravity)?;
         self.follow
             .map_or(Ok(()), |stiffness| positive("interior.follow", stiffness))?;
-        for (i, handle) in self.handles.iter().enumerate() {
-            let key = format!("interior.handles[{i}]");
-            self.name_fault(&key, i)?;
-            handle.faults(&key)?;
-        }
-        for (i, obstacle) in self.obstacles.iter().enumerate() {
-            let key = format!("interior.obstacles[{i}]");
-            self.name_fault(&key, self.handles.len() + i)?;
-            obstacle.faults(&key)?;
-        }
+        mover_faults(&self.movers())?;
         if layers == 0 {
             return fault("interior", "no layer", "at least one layer on a lattice");
         }
         Ok(())
     }
+}
 
-    /// Whether what stands at `place` among all that can be moved has a name of its own.
-    fn name_fault(&self, key: &str, place: usize) -> Checked {
-        let names: Vec<&str> = self.movable().take(place + 1).collect();
-        let Some((name, earlier)) = names.split_last() else {
-            return Ok(());
-        };
-        let key = format!("{key}.name");
-        if name.trim().is_empty() {
-            return fault(&key, format!("`{name}`"), "a name that motions can give");
-        }
-        if earlier.contains(name) {
-            let accepted = "a different name for each handle and obstacle";
-            return fault(&key, format!("`{name}` twice"), accepted);
-        }
-        Ok(())
+/// Checks handles and obstacles.
+pub(super) fn mover_faults(movers: &Movers<'_>) -> Checked {
+    let table = movers.table;
+    for (i, handle) in movers.handles.iter().enumerate() {
+        let key = format!("{table}.handles[{i}]");
+        name_fault(movers, &key, i)?;
+        handle.faults(&key)?;
     }
+    for (i, obstacle) in movers.obstacles.iter().enumerate() {
+        let key = format!("{table}.obstacles[{i}]");
+        name_fault(movers, &key, movers.handles.len() + i)?;
+        obstacle.faults(&key)?;
+    }
+    Ok(())
+}
+
+/// Whether what stands at `place` among all that can be moved has a name of its own.
+fn name_fault(movers: &Movers<'_>, key: &str, place: usize) -> Checked {
+    let names: Vec<&str> = movers.names().take(place + 1).collect();
+    let Some((name, earlier)) = names.split_last() else {
+        return Ok(());
+    };
+    let key = format!("{key}.name");
+    if name.trim().is_empty() {
+        return fault(&key, format!("`{name}`"), "a name that motions can give");
+    }
+    if earlier.contains(name) {
+        let accepted = "a different name for each handle and obstacle";
+        return fault(&key, format!("`{name}` twice"), accepted);
+    }
+    Ok(())
 }
 
 impl Handle {
@@ -109,18 +116,19 @@ impl Cylinder {
 }
 
 /// Checks the motions of the pose at `key`.
-pub(super) fn motion_faults(key: &str, motions: &[Motion], interior: Option<&Interior>) -> Checked {
+pub(super) fn motion_faults(key: &str, motions: &[Motion], movers: Option<Movers<'_>>) -> Checked {
     if motions.is_empty() {
         return Ok(());
     }
-    let Some(interior) = interior else {
-        let accepted = "motions of handles and obstacles of an [interior] table, which is missing";
+    let Some(movers) = movers else {
+        let accepted =
+            "motions of handles and obstacles of an [interior] or [sheet] table, which is missing";
         let found = format!("{} of them", motions.len());
         return fault(&format!("{key}.motions"), found, accepted);
     };
     for (i, motion) in motions.iter().enumerate() {
         let key = format!("{key}.motions[{i}]");
-        motion.faults(&key, interior)?;
+        motion.faults(&key, &movers)?;
         let before = motions.iter().take(i).rfind(|other| other.of == motion.of);
         if let Some(before) = before.filter(|before| before.at >= motion.at) {
             let accepted = format!(
@@ -134,9 +142,9 @@ pub(super) fn motion_faults(key: &str, motions: &[Motion], interior: Option<&Int
 }
 
 impl Motion {
-    fn faults(&self, key: &str, interior: &Interior) -> Checked {
-        if !interior.movable().any(|name| name == self.of) {
-            return unknown_name(&format!("{key}.of"), &self.of, interior);
+    fn faults(&self, key: &str, movers: &Movers<'_>) -> Checked {
+        if !movers.names().any(|name| name == self.of) {
+            return unknown_name(&format!("{key}.of"), &self.of, movers);
         }
         fraction_of_pose(&format!("{key}.at"), self.at)?;
         finite(&format!("{key}.move"), &self.translation)?;
@@ -145,20 +153,23 @@ impl Motion {
     }
 }
 
-fn unknown_name(key: &str, name: &str, interior: &Interior) -> Checked {
-    let names: Vec<String> = interior.movable().map(|n| format!("`{n}`")).collect();
+fn unknown_name(key: &str, name: &str, movers: &Movers<'_>) -> Checked {
+    let names: Vec<String> = movers.names().map(|n| format!("`{n}`")).collect();
     let accepted = match names.as_slice() {
-        [] => "the name of a handle or an obstacle, of which [interior] has none".to_owned(),
+        [] => format!(
+            "the name of a handle or an obstacle, of which [{}] has none",
+            movers.table
+        ),
         names => format!("a handle or an obstacle: {}", names.join(", ")),
     };
     Err(Fault {
         key: key.to_owned(),
         reason: format!("found `{name}`; accepted: {accepted}"),
-        suggestion: nearest(name, interior.movable()),
+        suggestion: nearest(name, movers.names()),
     })
 }
 
-fn finite(key: &str, values: &[f64; 3]) -> Checked {
+pub(super) fn finite(key: &str, values: &[f64; 3]) -> Checked {
     match values.iter().position(|value| !value.is_finite()) {
         Some(i) => fault(&format!("{key}[{i}]"), values[i], "a finite number"),
         None => Ok(()),

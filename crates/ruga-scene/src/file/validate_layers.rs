@@ -45,7 +45,7 @@ impl SceneFile {
             let whose = zone
                 .name
                 .map_or_else(String::new, |n| format!(" of zone `{n}`"));
-            if self.substrate.is_none() && layer.preset.is_none() {
+            if self.substrate.is_none() && layer.preset.is_none() && self.sheet.is_none() {
                 let accepted =
                     format!("a [substrate] table, unless the lowest layer{whose} is a preset");
                 return fault("substrate", "none", &accepted);

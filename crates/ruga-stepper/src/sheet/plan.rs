@@ -19,8 +19,8 @@ use crate::validation::{
 };
 use crate::{LayerPlan, LayerSpec, LoadPath, Modelling, Plan, PosePlan, PoseSpec, StepperError};
 
-/// Edges along the longest side of a sheet that says nothing of them.
-const EDGES: f64 = 60.0;
+/// Edges along the longest side of a sheet that says nothing of them ([`Sheet::edge`]).
+pub const SHEET_EDGES: f64 = 60.0;
 
 /// Edges of triangles that are halved until none is too long, over the longest allowed: they end between half
 /// and all of it.
@@ -58,7 +58,9 @@ pub fn plan_sheet(
     for pose in poses {
         Moves::new((&sheet.handles, &sheet.obstacles), pose)?;
     }
-    let edge = sheet.edge.unwrap_or(longest_side(driver.rest()) / EDGES);
+    let edge = sheet
+        .edge
+        .unwrap_or(longest_side(driver.rest()) / SHEET_EDGES);
     let topology = driver.topology();
     let areas = face_areas(topology, driver.rest());
     let area: f64 = areas.as_slice().iter().sum();
