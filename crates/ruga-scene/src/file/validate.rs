@@ -73,11 +73,11 @@ impl SceneFile {
             return None;
         }
         let (key, reason) = match &self.interior {
-            None if self.sheet.is_some() => match self.weighs() {
+            None if self.sheet.is_some() => match self.moves_by_itself() {
                 true => return None,
                 false => (
                     "sheet",
-                    "nothing moves the sheet: give [[poses]] with motions, [[growths]], or gravity",
+                    "nothing moves the sheet: give [[poses]] with motions, [[growths]], [[creases]] or gravity",
                 ),
             },
             None => (
@@ -175,19 +175,19 @@ impl SceneFile {
         of_body.or(self.sheet.as_ref().map(|sheet| sheet.movers()))
     }
 
-    /// Whether gravity acts on a body or a sheet.
-    fn weighs(&self) -> bool {
+    /// Whether a body or a sheet moves without anything of a pose: gravity acts on it, or creases fold it.
+    fn moves_by_itself(&self) -> bool {
         let of_body = self.interior.as_ref().map(|interior| interior.gravity);
         let of_sheet = self.sheet.as_ref().map(|sheet| sheet.gravity);
-        of_body
-            .or(of_sheet)
-            .is_some_and(|gravity| gravity != [0.0; 3])
+        let gravity = of_body.or(of_sheet);
+        let is_creased = self.sheet.is_some() && !self.creases.is_empty();
+        is_creased || gravity.is_some_and(|gravity| gravity != [0.0; 3])
     }
 
     fn pose_faults(&self) -> Checked {
         for (i, pose) in self.poses.iter().enumerate() {
             let key = format!("poses[{i}]");
-            pose.faults(&key, self.movers(), self.weighs())?;
+            pose.faults(&key, self.movers(), self.moves_by_itself())?;
             self.pose_growth_faults(&key, pose)?;
             let earlier = self.poses.iter().take(i).map(|other| &other.name);
             unique_name(&format!("{key}.name"), &pose.name, earlier)?;
@@ -285,13 +285,13 @@ impl Driver {
 }
 
 impl Pose {
-    fn faults(&self, key: &str, movers: Option<Movers<'_>>, weighs: bool) -> Checked {
+    fn faults(&self, key: &str, movers: Option<Movers<'_>>, moves: bool) -> Checked {
         within(&format!("{key}.steps"), u64::from(self.steps), 1, 100_000)?;
         let grows = !self.growths.is_empty();
         if self.weights.is_empty() && !grows && movers.is_none() {
             return fault(&format!("{key}.weights"), "{}", "at least one blend shape");
         }
-        if self.weights.is_empty() && self.motions.is_empty() && !weighs && !grows {
+        if self.weights.is_empty() && self.motions.is_empty() && !moves && !grows {
             let table = movers.map_or("interior", |movers| movers.table);
             let accepted =
                 format!("`motions`, `weights` or `growths` here, or `gravity` in [{table}]");

@@ -6,8 +6,8 @@ use super::Sheet;
 use super::state::{Moving, SheetState};
 use crate::error::Halt;
 use crate::preparing::Preparing;
-use crate::run::layer_run::Ending;
 use crate::run::layer_run::warnings::why_stopped;
+use crate::run::layer_run::{Ending, SLOWLY_LESS};
 use crate::run::stack_run::loads_up_to;
 use crate::skin::skin_mesh::RegionMesh;
 use crate::support::Moves;
@@ -63,6 +63,7 @@ impl Plan {
             report,
             result,
             halved: 0,
+            relaxation: 0.0,
         };
         let ending = run.follow(observer)?;
         Ok(run.finished(ending))
@@ -97,6 +98,8 @@ struct SheetRun<'a> {
     result: PoseResult,
     /// Steps that were divided.
     halved: usize,
+    /// Share of the compressive stress stiffness that the last step left out at first.
+    relaxation: f64,
 }
 
 impl SheetRun<'_> {
@@ -170,7 +173,8 @@ impl SheetRun<'_> {
         let inertia = dynamics.map(|dynamics| self.state.inertia(dynamics));
         let around = (self.pose, &self.moves);
         let driver = &self.plan.driver;
-        self.state.place(driver, around, to, inertia.as_ref())?;
+        let times = [from, to];
+        self.state.place(driver, around, times, inertia.as_ref())?;
         observer.phase(0, Phase::Integration);
         let modelling = &self.plan.modelling;
         // What a step in time leaves out of balance the next one inherits.
@@ -179,6 +183,7 @@ impl SheetRun<'_> {
             max_iterations: MOST_ITERATIONS,
             energy_tolerance: if is_result { RESULT } else { PASSING },
             residual_tolerance: modelling.tolerance,
+            first_relaxation: SLOWLY_LESS * self.relaxation,
             seed: modelling.seed,
             ..NewtonSettings::default()
         };
@@ -195,8 +200,10 @@ impl SheetRun<'_> {
             .state
             .minimise(inertia.as_ref(), how, &mut keep_going)?;
         self.report.take(&solve);
-        if let Some(dynamics) = dynamics {
-            self.state.end_step(before, dynamics.time_step);
+        let time = dynamics.map_or(to - from, |dynamics| dynamics.time_step);
+        self.state.end_step(before, time);
+        if solve.converged {
+            self.relaxation = solve.first_relaxation;
         }
         Ok(solve)
     }

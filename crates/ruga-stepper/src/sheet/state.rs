@@ -58,6 +58,7 @@ pub(super) struct SheetState<'a> {
 #[derive(Clone, Debug)]
 pub(super) struct Moving {
     pub(super) positions: Vec<Vector3<f64>>,
+    /// Per second, or where a step is an equilibrium per whole pose.
     velocities: Vec<Vector3<f64>>,
     obstacles: Vec<PlacedObstacle>,
 }
@@ -165,13 +166,13 @@ impl<'a> SheetState<'a> {
         self.masses.len()
     }
 
-    /// Puts handles, obstacles, growth and creases where they are at a fraction of a pose; with a step in time,
-    /// free vertices go where their velocity takes them.
+    /// Puts handles, obstacles, growth and creases where they are at a fraction of a pose, and free vertices where
+    /// their velocity takes them from an earlier one.
     pub(super) fn place(
         &mut self,
         driver: &Driver,
         (pose, moves): (&PoseSpec, &Moves<'_>),
-        time: f64,
+        [from, time]: [f64; 2],
         inertia: Option<&Inertia>,
     ) -> Result<(), StepperError> {
         let rest = &self.region.skin.rest.positions;
@@ -184,9 +185,14 @@ impl<'a> SheetState<'a> {
             }
         }
         self.moving.obstacles = moves.obstacles(time);
-        if let Some(inertia) = inertia.filter(|_| !self.is_touched()) {
+        if !self.is_touched() {
             for v in &self.free {
-                self.moving.positions[v.index()] = inertia.centres[v.index()];
+                let i = v.index();
+                self.moving.positions[i] = match inertia {
+                    Some(inertia) => inertia.centres[i],
+                    // Where equilibria follow each other they go on as before.
+                    None => self.moving.positions[i] + self.moving.velocities[i] * (time - from),
+                };
             }
         }
         self.grow(driver, pose, time)?;
@@ -275,9 +281,9 @@ impl<'a> SheetState<'a> {
         Inertia::new(dynamics, &self.moving.positions, &self.moving.velocities)
     }
 
-    /// Takes over the velocities of a step from `before` that took so many seconds.
-    pub(super) fn end_step(&mut self, before: &Moving, seconds: f64) {
-        self.moving.velocities = velocities(&before.positions, &self.moving.positions, seconds);
+    /// Takes over the velocities of a step from `before` that took so much time.
+    pub(super) fn end_step(&mut self, before: &Moving, time: f64) {
+        self.moving.velocities = velocities(&before.positions, &self.moving.positions, time);
     }
 
     /// Elastic energy, J.
