@@ -305,7 +305,8 @@ along = 0.1; image = "none.png" => growths[0].image | none.png | no such file
 along = 0.1; direction_image = "none.png" => growths[0].direction_image | none.png | no such file
 along = 0.1; direction_image = "grey.png" => growths[0].direction_image | grey.png | 1 channel | red, the part to the right, and green, the part up
 along = 0.1; image = "skin.obj" => growths[0].image | skin.obj
-amount = 0.1 => growths[0] | amount | `along`
+alon = 0.1 => growths[0] | `alon` is not a key of `[[growths]]` | did you mean `along`
+young = 1e6 => `young` is not a key of `[[growths]]` | `[[layers]]`
 "#;
 
 #[test]

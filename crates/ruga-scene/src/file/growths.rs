@@ -18,8 +18,8 @@ pub(crate) const SUBSTRATE: &str = "substrate";
 const STRONGEST: f64 = 10.0;
 
 /// One of `[[growths]]`: a change of the size that a layer would have by itself, which poses switch on like a blend
-/// shape, by `growths`. What carries the layer keeps the shape of the posed mesh, so that a layer that
-/// grows is squeezed and wrinkles, and one that shrinks is stretched.
+/// shape, by `growths` with a strength from -10 to 10. What carries the layer keeps the shape of the posed mesh, so
+/// that a layer that grows is squeezed and wrinkles, and one that shrinks is stretched.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Growth {

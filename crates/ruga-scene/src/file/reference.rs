@@ -7,8 +7,8 @@ use serde::de::{Deserialize, Deserializer, Error, Visitor};
 use serde_json::{Map, Value};
 
 use super::{
-    Anchor, Bake, Crease, Cylinder, Driver, Handle, Interior, Layer, Memory, Motion, Obstacle,
-    Pack, Plane, Pose, PropertyMap, Remesh, SceneFile, Solver, Sphere, Substrate,
+    Anchor, Bake, Crease, Cylinder, Driver, Growth, Handle, Interior, Layer, Memory, Motion,
+    Obstacle, Pack, Plane, Pose, PropertyMap, Remesh, SceneFile, Solver, Sphere, Substrate,
 };
 
 /// One table of a scene.
@@ -52,6 +52,7 @@ pub fn reference() -> Vec<Table> {
         table::<PropertyMap>("layers.map", "[layers.map]"),
         table::<Crease>("creases", "[[creases]]"),
         table::<Anchor>("creases.anchor", "[creases.anchor]"),
+        table::<Growth>("growths", "[[growths]]"),
         table::<Memory>("memory", "[memory]"),
         table::<Pose>("poses", "[[poses]]"),
         table::<Motion>("poses.motions", "[[poses.motions]]"),
