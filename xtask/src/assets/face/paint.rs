@@ -83,7 +83,7 @@ fn age(p: Point) -> f64 {
         [[0.024, -0.016, 0.078], [0.046, -0.016, 0.070]],
         [0.002, 0.013],
     );
-    let eyes = outward.max(0.8 * below) * off_lids;
+    let eyes = outward.max(0.72 * below) * off_lids;
     // From beside the wing of the nose to below the corner of the mouth.
     let cheek = beside(
         p,
