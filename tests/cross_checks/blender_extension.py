@@ -10,6 +10,7 @@ into the folder PICTURES, if one is given. Checked are, each with what it measur
 - bake, and drivers on the way from 0 to 1; poses of two shapes;
 - the blend of two poses and a base map as Cycles sees it, against reoriented normal mapping;
 - a rendered frame, which changes with a shape key and is plain at rest;
+- growths of poses, which properties of the object drive, alone and with a shape, also without shape keys;
 - baking again, taking out; a mask from a vertex group; UDIM tiles in and out;
 - a bake that is stopped half way, and the next one, which goes on;
 - bad input: a message each, with materials and files as they were.
@@ -98,7 +99,9 @@ def check_package(checks, folder):
     bpy.ops.extensions.package_install_files(filepath=str(archive), repo="user_default", enable_on_install=True)
     checks.that("bl_ext.user_default.ruga" in bpy.context.preferences.addons.keys(), "installed and switched on")
     listed = subprocess.run([RUGA, "help", "presets"], capture_output=True, text=True, check=True).stdout
-    names = set(re.findall(r"^## `(.+)`", listed, re.MULTILINE))
+    # Those of creases and growths follow under headings of their own.
+    of_layers = listed.partition("\n# Presets of creases")[0]
+    names = set(re.findall(r"^## `(.+)`", of_layers, re.MULTILINE))
     own = {name for name, _ in addon(".presets").PRESETS}
     checks.that(own == names, f"{len(own)} presets, those of `ruga help presets`")
     preferences().program = str(RUGA)
@@ -498,6 +501,60 @@ def check_tiles(checks, folder):
     )
 
 
+def check_growth(checks, folder):
+    """A growth alone and with a shape, baked elsewhere: a property of the object is how much of it there is."""
+    subject = fresh(folder, "growth")
+    choose(subject, "compress")
+    bpy.ops.ruga.export()
+    work = addon(".bake").work_folder(subject)
+    scene = work / "scene.toml"
+    with scene.open("a") as file:
+        file.write(
+            '\n[[growths]]\nname = "dry \'out\'"\nalong = 0.08\nacross = 0.0\n'
+            '\n[[poses]]\nname = "dry"\ngrowths = { "dry \'out\'" = 1.0 }\n'
+            '\n[[poses]]\nname = "both"\nweights = { compress = 0.5 }\ngrowths = { "dry \'out\'" = 1.0 }\n'
+        )
+    said = subprocess.run(
+        [RUGA, "bake", scene, "-o", out_folder(subject), "--quality", "draft", "--threads", "1", "--pose", "dry", "--pose", "both"],
+        capture_output=True, text=True,
+    )
+    checks.that(said.returncode == 0, f"baked: {said.stderr.strip().splitlines()[-1]}")
+    bpy.ops.ruga.load(directory=str(out_folder(subject)))
+    name, blocks = "ruga dry 'out'", subject.data.shape_keys.key_blocks
+    checks.that(subject.get(name) == 0.0, f"the object has the property `{name}`, at 0")
+    worst = 0.0
+    for growth, shape, dry, both in ((0, 0, 0, 0), (0.25, 0, 0.5, 0), (0.75, 0.125, 1.5, 0.5), (1, 0.5, 2, 2), (1, 0.2, 2, 0.8)):
+        subject[name], blocks["compress"].value = float(growth), shape
+        subject.update_tag()
+        found = factors(subject.ruga.group)
+        # The factors of both keys add up to twice the way.
+        ways = {pose: found[pose, 0.5] + found[pose, 1.0] for pose in ("dry", "both")}
+        worst = max(worst, abs(ways["dry"] - dry), abs(ways["both"] - both))
+    checks.that(worst < 1e-6, f"factors of the growth, alone and with a shape, are off by {worst:.1e}")
+    curves = subject.ruga.group.animation_data.drivers
+    simple = all(curve.is_valid and curve.driver.is_simple_expression for curve in curves)
+    checks.that(simple, f"{len(curves)} drivers, all simple expressions")
+    blocks["compress"].value = 0.0
+    seen, skin = seen_by_cycles(subject)
+    wanted = unit(read_map(subject, "dry_100_normal.png"))
+    angles = np.degrees(2.0 * np.arcsin(np.linalg.norm(seen - wanted, axis=-1)[skin] / 2))
+    tilt = np.degrees(np.arccos(wanted[skin][..., 2].min()))
+    checks.that(angles.max() < BLEND_LIMIT and tilt > 10.0, f"Cycles - map: {angles.max():.5f} degrees at most; it tilts by {tilt:.0f}")
+    bpy.ops.ruga.load(directory=str(out_folder(subject)))
+    checks.that(subject[name] == 1.0, "loaded again, the property keeps its value")
+
+    subject.shape_key_clear()
+    checks.refused("no shape key `compress`", lambda: bpy.ops.ruga.load(directory=str(out_folder(subject))))
+    manifest = json.loads((out_folder(subject) / "wrinkles.json").read_text())
+    manifest["maps"] = [entry for entry in manifest["maps"] if entry["pose"] == "dry"]
+    for table_of in ("poses", "growths"):
+        manifest[table_of].pop("both")
+    (out_folder(subject) / "wrinkles.json").write_text(json.dumps(manifest))
+    bpy.ops.ruga.load(directory=str(out_folder(subject)))
+    found = factors(subject.ruga.group)
+    checks.that(found == {("dry", 0.5): 1.0, ("dry", 1.0): 1.0}, "a mesh without shape keys shows it, too")
+
+
 def check_stop(checks, folder):
     """Stops after the first of three poses; the next bake makes the others alone."""
     subject = fresh(folder, "stop")
@@ -586,7 +643,7 @@ def main(pictures):
     pictures = pictures or folder
     pictures.mkdir(parents=True, exist_ok=True)
     checks = Checks()
-    parts = (check_package, check_export, check_work, check_panel, check_mask, check_tiles, check_stop, check_refusals)
+    parts = (check_package, check_export, check_work, check_panel, check_mask, check_tiles, check_growth, check_stop, check_refusals)
     for part in parts:
         print(part.__name__.removeprefix("check_"))
         part(checks, folder, *([pictures] if part is check_work else []))

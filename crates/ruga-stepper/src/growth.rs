@@ -13,6 +13,10 @@ use crate::{LayerSpec, Mask, PoseSpec};
 /// compressions from 15 % on, says nothing more.
 pub const GROWTH_RANGE: [f64; 2] = [-0.6, 1.0];
 
+/// A painted direction whose parts are shorter than this has none: middle grey of 8 bits, 128 of 255, is off by
+/// 0.004 in each, and filtering and compression of images add a step or two.
+const FAINTEST_DIRECTION: f64 = 0.02;
+
 /// A change of the rest lengths of a layer, or of what lies below it, that poses switch on.
 ///
 /// At a strength `s` lengths along the direction are `1 + s p along` times what they were, and across it
@@ -53,7 +57,7 @@ pub enum GrowthDirection {
     /// Angle from the texture's right, counter-clockwise as one looks at the image, rad.
     Angle(f64),
     /// Painted parts to the right and up, from -1 (black) to 1 (white), as in glTF's anisotropy textures;
-    /// their length does not count.
+    /// their length does not count. Middle grey has no direction: it grows by the mean of both changes.
     Painted {
         /// Part to the right.
         right: Mask,
@@ -86,14 +90,18 @@ impl GrowthSpec {
         [low, against.fold(f64::NEG_INFINITY, f64::max)]
     }
 
-    /// Direction in the texture, of any length; without one where the paint has none.
+    /// Direction in the texture, of any length; zero where the paint has none.
     fn direction_at(&self, uv: Vector2<f64>) -> Vector2<f64> {
         // V points down in the texture.
         match &self.direction {
             GrowthDirection::Angle(angle) => Vector2::new(angle.cos(), -angle.sin()),
             GrowthDirection::Painted { right, up } => {
                 let part = |mask: &Mask| 2.0 * mask.grey(uv) - 1.0;
-                Vector2::new(part(right), -part(up))
+                let direction = Vector2::new(part(right), -part(up));
+                match direction.norm() < FAINTEST_DIRECTION {
+                    true => Vector2::zeros(),
+                    false => direction,
+                }
             }
         }
     }

@@ -144,6 +144,14 @@ fn its_direction_is_that_of_the_texture() {
     });
     assert!((painted.0 / ratio - 1.0).abs() < 1e-6);
     assert!((painted.1[1] - y).abs() < 1e-6);
+    // Middle grey of 8 bits has no direction.
+    let grey = 128.0 / 255.0;
+    let without = turned(GrowthDirection::Painted {
+        right: plane(grey),
+        up: plane(grey),
+    });
+    let even = mean(&planned(grown(vec![growth(0.05, 0.05)]), 1.0));
+    assert!((without.0 / even.0 - 1.0).abs() < 1e-9);
 }
 
 #[test]

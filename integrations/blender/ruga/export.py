@@ -47,13 +47,19 @@ def export(context: bpy.types.Context, subject: bpy.types.Object, folder: Path) 
 
 
 def check_subject(subject: bpy.types.Object | None) -> None:
-    """Refuses what has no shapes, no texture coordinates or nothing chosen."""
+    """Refuses to bake what has no shapes or no texture coordinates."""
     if subject is None or subject.type != "MESH":
         raise RugaError("Select a mesh object with shape keys")
     keys = subject.data.shape_keys
     if keys is None or len(keys.key_blocks) < 2:
         raise RugaError(f"`{subject.name}` has no shape keys: wrinkles are those of its shape keys")
-    if not keys.use_relative:
+    check_shown(subject)
+
+
+def check_shown(subject: bpy.types.Object) -> None:
+    """Refuses to show maps on a mesh without texture coordinates; growths need no shape keys."""
+    keys = subject.data.shape_keys
+    if keys is not None and not keys.use_relative:
         raise RugaError(f"`{subject.name}` has absolute shape keys: switch on Relative under Shape Keys")
     if not subject.data.uv_layers:
         raise RugaError(f"`{subject.name}` has no UV map: unwrap it, as maps are baked into its UV map")

@@ -175,6 +175,8 @@ def growth_property(subject: bpy.types.Object, growth: str) -> str:
         subject.id_properties_ui(name).update(
             soft_min=0.0, soft_max=1.0, description="How much of this growth there is: 0 none, 1 all of it"
         )
+        # A driver that meets the object before Blender has copied the property fails once and stays off.
+        subject.update_tag()
     return name
 
 

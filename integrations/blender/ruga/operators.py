@@ -6,7 +6,7 @@ import bpy
 
 from .bake import RUNNING, Bake, work_folder
 from .errors import RugaError
-from .export import check_subject, chosen_uv_map, export
+from .export import check_shown, chosen_uv_map, export
 from .properties import refresh_shapes
 from .wiring import disconnect, load_results
 
@@ -146,7 +146,7 @@ class RUGA_OT_load(ObjectOperator, bpy.types.Operator):
 
     def act(self, context: bpy.types.Context, subject: bpy.types.Object) -> None:
         """Wires the maps that are there."""
-        check_subject(subject)
+        check_shown(subject)
         names = load_results(subject, Path(bpy.path.abspath(self.directory)).resolve(), chosen_uv_map(subject))
         self.report({"INFO"}, f"{len(names)} poses wrinkle: {', '.join(names)}")
 

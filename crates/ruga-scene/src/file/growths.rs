@@ -14,9 +14,12 @@ use crate::growth_presets::{GROWTH_PRESETS, growth_preset};
 /// What a growth may name in place of a layer.
 pub(crate) const SUBSTRATE: &str = "substrate";
 
+/// Largest strength of a growth in a pose, as of a blend shape's weight.
+const STRONGEST: f64 = 10.0;
+
 /// One of `[[growths]]`: a change of the size that a layer would have by itself, which poses switch on like a blend
-/// shape, by `growths`. What carries the layer keeps the shape of the posed mesh, so that a layer that
-/// grows is squeezed and wrinkles, and one that shrinks is stretched.
+/// shape, by `growths` with a strength from -10 to 10. What carries the layer keeps the shape of the posed mesh, so
+/// that a layer that grows is squeezed and wrinkles, and one that shrinks is stretched.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Growth {
@@ -106,11 +109,12 @@ impl Growth {
             );
         }
         if !self.direction.is_finite() {
-            return fault(&format!("{key}.direction"), self.direction, "degrees");
+            let accepted = "degrees, counter-clockwise from the right of the texture";
+            return fault(&format!("{key}.direction"), self.direction, accepted);
         }
         if self.direction != 0.0 && self.direction_image.is_some() {
-            let accepted = "either a number or `direction_image`";
-            return fault(&format!("{key}.direction"), self.direction, accepted);
+            let found = format!("{} beside `direction_image`", self.direction);
+            return fault(&format!("{key}.direction"), found, "one of the two");
         }
         let is_share = |share: &f64| (-1.0..=1.0).contains(share);
         if !self.range.iter().all(is_share) {
@@ -170,17 +174,27 @@ impl SceneFile {
 
     fn grown_layer_faults(&self, key: &str, growth: &Growth) -> Checked {
         let key = format!("{key}.layer");
-        let is_below = self.grown_layer(growth).is_none();
+        let is_layer = |name: &str| self.layers.iter().any(|layer| layer.name == name);
+        let is_below = match growth.layer.as_deref() {
+            Some(SUBSTRATE) if is_layer(SUBSTRATE) => {
+                let found = format!("\"{SUBSTRATE}\", which also is the name of a layer");
+                return fault(&key, found, "it when that layer has another name");
+            }
+            Some(name) => name == SUBSTRATE,
+            None => self.grown_layer(growth).is_none(),
+        };
         if is_below && (self.interior.is_some() || self.sheet.is_some()) {
+            let found = match growth.layer {
+                Some(_) => format!("\"{SUBSTRATE}\""),
+                None => format!("\"{SUBSTRATE}\", for which the preset is"),
+            };
             let accepted = "a layer: a soft body keeps its size, and a sheet lies on nothing";
-            return fault(&key, format!("\"{SUBSTRATE}\""), accepted);
+            return fault(&key, found, accepted);
         }
-        let Some(name) = growth.layer.as_ref().filter(|name| *name != SUBSTRATE) else {
+        let unknown = |name: &&String| !is_below && !is_layer(name);
+        let Some(name) = growth.layer.as_ref().filter(unknown) else {
             return Ok(());
         };
-        if !is_below {
-            return Ok(());
-        }
         let names = || self.layers.iter().map(|layer| layer.name.as_str());
         let names = || names().chain([SUBSTRATE]);
         let listed: Vec<String> = names().map(|name| format!("`{name}`")).collect();
@@ -209,12 +223,10 @@ impl SceneFile {
                     suggestion: nearest(name, names()),
                 });
             }
-            if !strength.is_finite() {
-                return fault(
-                    &key,
-                    strength,
-                    "a finite number, where 1 is the whole growth",
-                );
+            if !(-STRONGEST..=STRONGEST).contains(strength) {
+                let accepted =
+                    format!("a number from -{STRONGEST} to {STRONGEST}; 1 is the whole growth");
+                return fault(&key, strength, &accepted);
             }
         }
         Ok(())

@@ -1,10 +1,10 @@
-//! Painted images of the face: where each kind of skin is, and how thick skin is.
+//! Painted images of the face: where each kind of skin is, how thick skin is, and where it ages.
 
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::ArtistMesh;
 use ruga_mesh::barycentric;
 
-use super::solid::Point;
+use super::solid::{EYE, Point};
 use crate::assets::paint::smooth_step;
 
 /// Texels along a side: 1.6 mm each.
@@ -13,10 +13,10 @@ pub(in crate::assets) const TEXELS: usize = 256;
 /// Grey images over the texture, the top row first.
 pub(in crate::assets) struct Painted {
     /// Name and texels.
-    pub(in crate::assets) images: [(&'static str, Vec<u8>); 4],
+    pub(in crate::assets) images: [(&'static str, Vec<u8>); 5],
 }
 
-/// Paints the zones' masks, which add up to white at most, and the thickness of the skin.
+/// Paints the zones' masks, which add up to white at most, the thickness of the skin, and where it ages.
 pub(in crate::assets) fn paint(mesh: &ArtistMesh) -> Painted {
     let places = places(mesh);
     let image = |value: fn(Point) -> f64| -> Vec<u8> {
@@ -32,6 +32,7 @@ pub(in crate::assets) fn paint(mesh: &ArtistMesh) -> Painted {
                 image(|p| cheeks(p) * (1.0 - eyes(p)) * (1.0 - forehead(p))),
             ),
             ("thickness.png", image(thickness)),
+            ("age.png", image(age)),
         ],
     }
 }
@@ -60,6 +61,44 @@ fn thickness(p: Point) -> f64 {
     let cheek = fading(p, [0.040, -0.048, 0.052], 0.040);
     let chin = fading(p, [0.0, -0.095, 0.070], 0.035);
     0.5 * (1.0 - lids) + 0.5 * cheek.max(chin)
+}
+
+/// Where an old face wrinkles by itself: forehead, outward of the eyes, lightly below them, and beside nose and mouth.
+///
+/// Edges are softer than a wavelength of the skin that is there, so that wrinkles run out instead of ending.
+fn age(p: Point) -> f64 {
+    let p = Point::new(p.x.abs(), p.y, p.z);
+    let temples = 1.0 - smooth_step(p.x, [0.040, 0.078]);
+    let forehead =
+        window(p.y, [0.016, 0.040], [0.056, 0.094]) * temples * smooth_step(p.z, [0.02, 0.04]);
+    // Skin slides smoothly over the eyeball as far as the rim of its socket.
+    let off_lids = smooth_step((p - EYE).norm(), [0.0145, 0.0225]);
+    let outward = beside(
+        p,
+        [[0.052, 0.002, 0.062], [0.066, -0.003, 0.047]],
+        [0.003, 0.022],
+    );
+    let below = beside(
+        p,
+        [[0.024, -0.016, 0.078], [0.046, -0.016, 0.070]],
+        [0.002, 0.013],
+    );
+    let eyes = outward.max(0.72 * below) * off_lids;
+    // From beside the wing of the nose to below the corner of the mouth.
+    let cheek = beside(
+        p,
+        [[0.036, -0.044, 0.072], [0.046, -0.078, 0.058]],
+        [0.001, 0.026],
+    );
+    forehead.max(eyes).max(cheek)
+}
+
+/// 1 next to a line between two places, 0 from the second distance on.
+fn beside(p: Point, line: [[f64; 3]; 2], distances: [f64; 2]) -> f64 {
+    let [from, to] = line.map(Point::from);
+    let along = to - from;
+    let share = (p - from).dot(&along) / along.norm_squared();
+    1.0 - smooth_step((p - from - along * share.clamp(0.0, 1.0)).norm(), distances)
 }
 
 fn fading(p: Point, centre: [f64; 3], radius: f64) -> f64 {

@@ -177,3 +177,39 @@ fn masks_add_up_to_white_at_most() {
         assert!(sum <= 255);
     }
 }
+
+/// An old face wrinkles on forehead, temples and cheeks, and nowhere on eyeballs, lids, lips, nose, ears and neck.
+#[test]
+fn age_spares_what_does_not_wrinkle() {
+    let head = head().unwrap();
+    let painted = paint(&head.mesh);
+    let (name, texels) = &painted.images[4];
+    assert_eq!(*name, "age.png");
+    let uvs = head.mesh.uvs.as_ref().unwrap();
+    let mut white = [0; 3];
+    for (id, p) in head.mesh.positions.iter().enumerate() {
+        let texel = uvs[id].map(|c| (c * TEXELS as f64) as usize);
+        let grey = texels[texel.y * TEXELS + texel.x];
+        let aside = p.x.abs();
+        let spared = [
+            (p - super::solid::EYE).norm() < 0.0135
+                || (p + Point::new(0.0312, 0.0, -0.061)).norm() < 0.0135,
+            aside < 0.014 && (-0.06..0.012).contains(&p.y),
+            aside < 0.018 && (-0.08..-0.06).contains(&p.y),
+            aside > 0.074 || p.y < -0.11 || p.z < 0.02,
+        ];
+        assert!(
+            spared.iter().all(|spared| !spared) || grey < 5,
+            "{p:?}: {grey}"
+        );
+        let places = [
+            p.y > 0.03,
+            aside > 0.05 && p.y.abs() < 0.01,
+            aside > 0.03 && p.y < -0.04,
+        ];
+        for (count, place) in white.iter_mut().zip(places) {
+            *count += usize::from(place && grey > 230);
+        }
+    }
+    assert!(white.iter().all(|count| *count > 3), "{white:?}");
+}
