@@ -28,6 +28,7 @@ pub mod ridge;
 mod sheet;
 mod skin;
 pub mod small_patch;
+pub mod spring_sheet;
 mod two_scales;
 mod unit_film;
 pub mod virtual_nodes;
