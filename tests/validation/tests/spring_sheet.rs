@@ -7,6 +7,7 @@
 )]
 
 use nalgebra::Vector3;
+use ruga_validation::curling_strip::curling_strip;
 use ruga_validation::spring_sheet::curl::CurlStrip;
 use ruga_validation::spring_sheet::{
     Mobility, Projection, Solver, SpringColour, SpringError, SpringLattice, SpringMotion,
@@ -106,6 +107,23 @@ fn a_strip_curls_as_far_as_it_is_projected() {
     };
     assert!((seven - 0.14).abs() < 0.02, "{seven}");
     assert!((all - 0.25).abs() < 0.06, "{all}");
+}
+
+/// A strip ten times as long as wide, in which the product's coarsest mesh is what springs would be if they could.
+#[test]
+fn the_product_bends_as_far_as_springs_want() {
+    let springs = CurlStrip::new([40, 4], 0.025, 0.25 * 0.025, 0.02).unwrap();
+    let found = curling_strip(2, springs.wanted, 0.25 * 0.025).unwrap();
+    println!(
+        "2 triangles across: {:.4} of what is wanted in {} Newton steps",
+        found.curl(),
+        found.steps
+    );
+    assert!(found.converged && found.capped == 0);
+    assert!((found.curl() - 1.0).abs() < 0.01, "{}", found.curl());
+    assert!(curling_strip(2, 0.0, 1e-3).is_err());
+    assert!(curling_strip(2, f64::NAN, 1e-3).is_err());
+    assert!(curling_strip(2, 1.0, -1e-3).is_err());
 }
 
 /// Strain (%) of red, green, blue and yellow springs of a sheet after many projections.
