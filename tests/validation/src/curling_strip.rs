@@ -50,7 +50,7 @@ impl StripCurl {
 /// Lets a flat strip of so many triangles across go to its natural `curvature` (1/m) along x.
 ///
 /// # Errors
-/// What shell and solver refuse: no triangles, a curvature that is no number or zero, a thickness (m) that is not positive.
+/// What shell and solver refuse: a curvature that is no number or zero, a thickness (m) that is not positive.
 pub fn curling_strip(
     across: usize,
     curvature: f64,

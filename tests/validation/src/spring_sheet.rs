@@ -17,8 +17,8 @@
 //! [`Remnant`] is what marching triangles leave of the drawn mesh where material has burnt away.
 //!
 //! The paper contradicts itself or is silent in places. Each has a name here, the printed way beside the mended one:
-//! [`Mobility`] (masses, and particles that are held), [`TimeRule`] (the factor `h`). Nothing of this is in the product, which has one energy with a rest metric and a
-//! natural curvature in place of two layers of springs.
+//! [`Mobility`] (masses, and particles that are held), [`TimeRule`] (the factor `h`). Nothing of this is in the
+//! product, which has one energy with a rest metric and a natural curvature in place of two layers of springs.
 //!
 //! Lengths in metres, masses in kilograms, times in seconds.
 

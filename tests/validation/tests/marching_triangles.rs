@@ -110,8 +110,8 @@ fn springs_go_when_no_triangle_is_beside_them() {
     assert_eq!(kept.spring_count(), lattice.spring_count());
     let (lattice, none) = cut(6, |_| -1.0);
     assert_eq!(none.springs(&lattice).unwrap().spring_count(), 0);
-    // The right half, through corners: columns of cells 3 to 5 stay, with the blue springs on the cut and the green ones
-    // across it, of which one triangle is left and one end is burnt.
+    // The right half, through corners: columns of cells 3 to 5 stay, with the blue springs on the cut and the
+    // green ones across it, of which one triangle is left and one end is burnt.
     let (lattice, half) = cut(6, |p| p.x);
     let kept = half.springs(&lattice).unwrap();
     let counts = SpringColour::ALL.map(|colour| kept.set(colour).ends().len());

@@ -10,8 +10,8 @@ use nalgebra::Vector3;
 use ruga_validation::curling_strip::curling_strip;
 use ruga_validation::spring_sheet::curl::CurlStrip;
 use ruga_validation::spring_sheet::{
-    Mobility, Projection, Solver, SpringColour, SpringError, SpringLattice, SpringMotion,
-    SpringSet, TimeRule,
+    Mobility, Projection, ProjectionReport, Solver, SpringColour, SpringError, SpringLattice,
+    SpringMotion, SpringSet, TimeRule, fast_projection,
 };
 
 /// Two springs of the paper's figure 9, from held points at -1 and 1 to a point at 0: positions after each
@@ -55,8 +55,8 @@ fn table_one_comes_out_when_held_ends_count_as_movable() {
     assert!((green - 0.5811).abs() < 1e-4, "{green}");
     assert!((blue - 0.5053).abs() < 1e-4, "{blue}");
 
-    // With the matrix that the paper's equation has, each projection is a Newton step. Within the paper's seven steps the
-    // point leaves the figure on both sides; from the 25th on it is in another cycle of two states.
+    // With the matrix that the paper's equation has, each projection is a Newton step. Within the paper's seven
+    // steps the point leaves the figure on both sides; from the 25th on it is in another cycle of two states.
     let right = two_springs(&Mobility::without_held(&held), 200);
     println!("held ends left out: {:.4?}", &right[..7]);
     let early = right[..7].iter().flatten();
@@ -166,7 +166,8 @@ fn the_sum_of_the_errors_rises_in_some_steps() {
     assert!(!report.converged);
 }
 
-/// A free sheet whose particles weigh differently, as they do while it burns, and that shrinks by half as much as they have lost.
+/// Momentum of a free sheet, over its mass and its fastest particle: its particles weigh differently, as they do
+/// while it burns, and its springs shrink by what their ends have lost.
 fn momentum_of_free_sheet(rule: TimeRule) -> f64 {
     let (mut lattice, positions) = SpringLattice::rectangle([8, 8], 1.0, 0.25).unwrap();
     let shares: Vec<f64> = positions.iter().map(|p| 0.9 + 0.02 * p.x).collect();
@@ -177,7 +178,6 @@ fn momentum_of_free_sheet(rule: TimeRule) -> f64 {
     for _ in 0..10 {
         motion.step(&lattice, &Projection::default(), &forces);
     }
-    // Fastest particle, so that the share is one of what is going on.
     let speeds = motion.velocities.iter().map(|v| v.norm());
     motion.momentum().norm() / (total * speeds.fold(0.0, f64::max))
 }
@@ -276,6 +276,17 @@ fn what_is_no_lattice_is_refused() {
     assert!(SpringLattice::rectangle([2, 2], f64::NAN, 0.1).is_err());
     let (mut lattice, _) = SpringLattice::rectangle([2, 2], 1.0, 0.1).unwrap();
     assert!(lattice.set_volume_shares(&[1.0]).is_err());
+    assert!(lattice.set_volume_shares(&[f64::NAN; 13]).is_err());
+    let nothing = &Mobility::printed(&[]);
+    let settings = Projection::default();
+    let report = fast_projection(
+        &lattice,
+        nothing,
+        &settings,
+        &mut [],
+        &mut Solver::default(),
+    );
+    assert_eq!(report, ProjectionReport::default());
     // Shares of nothing are held above zero.
     lattice.set_volume_shares(&[0.0; 13]).unwrap();
     assert!(

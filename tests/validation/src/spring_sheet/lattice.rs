@@ -20,14 +20,15 @@ pub struct SpringLattice {
     beside: [Vec<Beside>; 4],
 }
 
-/// Drawn triangles that a spring lies between or above: two, or all four of its cell if it is yellow, or one at a border. Number
-/// `4 c + k` lies at side `k` of cell `c`.
+/// Drawn triangles that a spring lies between or above: two, or all four of its cell if it is yellow, or one at a
+/// border. Number `4 c + k` lies at side `k` of cell `c`.
 pub(super) type Beside = [Option<u32>; 4];
 
 impl SpringLattice {
     /// Turns quadrilaterals into a lattice and gives its particles' positions (m).
     ///
-    /// Centres lie above the mean of their corners by `thickness` (m), along the normal of the two diagonals; corners go round a cell.
+    /// Centres lie above the mean of their corners by `thickness` (m), along the normal of the two diagonals; corners go
+    /// round a cell.
     ///
     /// # Errors
     /// [`SpringError`], also for quadrilateral meshes with more than four edges at a corner.
@@ -144,7 +145,7 @@ impl SpringLattice {
         for (set, beside) in lattice.sets.iter_mut().zip(&mut lattice.beside) {
             let is_kept = |own: &Beside| own.iter().flatten().any(|&triangle| is_there(triangle));
             let kept: Vec<bool> = beside.iter().map(is_kept).collect();
-            *set = set.retain(&kept, self.particle_count())?;
+            *set = set.retain(&kept)?;
             beside.retain(is_kept);
         }
         Ok(lattice)
@@ -156,14 +157,18 @@ impl SpringLattice {
     /// the share of mass. Shares are taken within [`LEAST_SHARE`] and 1.
     ///
     /// # Errors
-    /// [`SpringError::Ends`] when there are not as many shares as particles.
+    /// [`SpringError::Ends`] when there are not as many shares as particles, [`SpringError::Share`] for one that is no
+    /// number.
     pub fn set_volume_shares(&mut self, shares: &[f64]) -> Result<(), SpringError> {
         let particles = self.particle_count();
         if shares.len() != particles {
             let element = shares.len();
             return Err(SpringError::Ends { element, particles });
         }
-        let within = |share: &f64| share.max(LEAST_SHARE).min(1.0);
+        if let Some(particle) = shares.iter().position(|share| share.is_nan()) {
+            return Err(SpringError::Share { particle });
+        }
+        let within = |share: &f64| share.clamp(LEAST_SHARE, 1.0);
         let shares: Vec<f64> = shares.iter().map(within).collect();
         for set in &mut self.sets {
             set.shrink(&shares);
@@ -188,7 +193,8 @@ fn cell_triangles(cells: usize) -> Vec<Beside> {
     (0..cells as u32).flat_map(|c| [all(c); 2]).collect()
 }
 
-/// Edges of quadrilaterals with the sides that lie along each: number `4 c + k` is the side of cell `c` after its corner `k`.
+/// Edges of quadrilaterals with the sides that lie along each: number `4 c + k` is the side of cell `c` after its
+/// corner `k`.
 type Edges = (Vec<[u32; 2]>, Vec<[Option<u32>; 2]>);
 
 fn edges(cells: &[[u32; 4]]) -> Result<Edges, SpringError> {

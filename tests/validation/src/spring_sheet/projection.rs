@@ -108,6 +108,8 @@ impl ProjectionReport {
 }
 
 /// Projects positions (m) on to the four sets of a lattice in turn, eq. (18).
+///
+/// Does nothing when there are fewer positions or mobilities than particles.
 pub fn fast_projection(
     lattice: &SpringLattice,
     mobility: &Mobility,
@@ -116,6 +118,9 @@ pub fn fast_projection(
     solver: &mut Solver,
 ) -> ProjectionReport {
     let mut report = ProjectionReport::default();
+    if positions.len().min(mobility.moved.len()) < lattice.particle_count() {
+        return report;
+    }
     let mut is_done = report.record(lattice, positions, settings.threshold);
     for _ in 0..settings.steps {
         if is_done {

@@ -33,6 +33,12 @@ pub enum SpringError {
         /// Its ends.
         edge: [u32; 2],
     },
+    /// A share of volume is no number.
+    #[error("the share of volume of particle {particle} is no number")]
+    Share {
+        /// The particle.
+        particle: usize,
+    },
     /// A spring has no length, or one that is not a number.
     #[error("spring {spring} has no length")]
     Length {
@@ -44,6 +50,8 @@ pub enum SpringError {
 /// Springs whose constraints are solved at once.
 #[derive(Clone, Debug)]
 pub struct SpringSet {
+    /// Particles between which there are springs.
+    particles: usize,
     ends: Vec<[u32; 2]>,
     initial: Vec<f64>,
     target: Vec<f64>,
@@ -100,6 +108,7 @@ impl SpringSet {
             signs.push(factors);
         }
         Ok(Self {
+            particles,
             ends,
             target: lengths.clone(),
             initial: lengths,
@@ -147,17 +156,20 @@ impl SpringSet {
     ///
     /// # Errors
     /// None for a set that was valid; the type is that of [`SpringSet::new`], which this calls.
-    pub(super) fn retain(&self, kept: &[bool], particles: usize) -> Result<Self, SpringError> {
+    pub(super) fn retain(&self, kept: &[bool]) -> Result<Self, SpringError> {
         let is_kept = |i: &usize| kept.get(*i).copied().unwrap_or(true);
         let springs: Vec<usize> = (0..self.ends.len()).filter(is_kept).collect();
         let ends = springs.iter().map(|&i| self.ends[i]).collect();
         let initial = springs.iter().map(|&i| self.initial[i]).collect();
-        let mut set = Self::new(ends, initial, particles)?;
+        let mut set = Self::new(ends, initial, self.particles)?;
         set.target = springs.iter().map(|&i| self.target[i]).collect();
         Ok(set)
     }
 
     /// Constraints, eq. (10), at positions (m).
+    ///
+    /// # Panics
+    /// When there are fewer positions than particles.
     pub fn constraints<'a>(
         &'a self,
         positions: &'a [Vector3<f64>],
@@ -169,6 +181,9 @@ impl SpringSet {
     }
 
     /// Root of the mean square of length over target, less one.
+    ///
+    /// # Panics
+    /// When there are fewer positions than particles.
     pub fn strain(&self, positions: &[Vector3<f64>]) -> f64 {
         let springs = self.ends.iter().zip(&self.target);
         let squares = springs.map(|(ends, length)| {
@@ -182,6 +197,8 @@ impl SpringSet {
     ///
     /// `weight` is the paper's W. Its text divides by it, its formula multiplies; only multiplying makes a sheet
     /// of small weights soft, as its figure 10 has it.
+    ///
+    /// Does nothing when there are fewer positions or mobilities than particles.
     pub fn project(
         &self,
         positions: &mut [Vector3<f64>],
@@ -189,6 +206,9 @@ impl SpringSet {
         weight: f64,
         solver: &mut Solver,
     ) -> usize {
+        if positions.len().min(mobility.moved.len()) < self.particles {
+            return 0;
+        }
         self.linearise(positions, mobility, weight, solver);
         let iterations = solver.solve(&self.neighbours);
         let moves = solver.gradients.iter().zip(&solver.solution);

@@ -48,7 +48,9 @@ impl SpringMotion {
         }
     }
 
-    /// One step in time under forces (N) on the particles, eq. (8) to (13). Collisions, eq. (14) and (15), are left out.
+    /// One step in time under forces (N) on the particles, eq. (8) to (13).
+    ///
+    /// Collisions, eq. (14) and (15), are left out.
     pub fn step(
         &mut self,
         lattice: &SpringLattice,
@@ -58,14 +60,16 @@ impl SpringMotion {
         let h = self.time_step;
         let is_printed = self.rule == TimeRule::Printed;
         let of_velocity = if is_printed { 1.0 } else { h };
-        for (i, force) in forces.iter().enumerate().take(self.positions.len()) {
-            if self.held[i] {
-                self.velocities[i] = Vector3::zeros();
+        let places = self.positions.iter_mut().zip(&mut self.velocities);
+        let particles = self.masses.iter().zip(&self.held).zip(forces);
+        for ((position, velocity), ((&mass, &held), force)) in places.zip(particles) {
+            if held {
+                *velocity = Vector3::zeros();
                 continue;
             }
-            let mass = if is_printed { 1.0 } else { self.masses[i] };
-            self.velocities[i] += force * (h / mass);
-            self.positions[i] += self.velocities[i] * of_velocity;
+            let inertia = if is_printed { 1.0 } else { mass };
+            *velocity += force * (h / inertia);
+            *position += *velocity * of_velocity;
         }
         let before = self.positions.clone();
         let mobility = self.mobility();

@@ -69,47 +69,12 @@ fn nearest(springs: usize) -> (usize, f64) {
 
 /// The short lines of the page.
 pub(crate) fn lines(findings: &Findings) -> Vec<String> {
-    let mut lines = Vec::new();
-    for thickness in THICKNESSES {
-        let own = |is_springs: bool| {
-            let all = findings.curls.iter();
-            all.filter(move |c| c.thickness == thickness && c.is_springs == is_springs)
-        };
-        let after = |number: usize| own(true).find(|c| c.number == number);
-        if let (Some(seven), Some(last)) = (after(PROJECTIONS[1]), own(true).last()) {
-            lines.push(format!(
-                "Layers {thickness} of a cell apart: the springs bend to {:.0} % of what they want",
-                100.0 * seven.curl
-            ));
-            lines.push(format!(
-                "    after 7 projections, to {:.0} % after {} ({:.0} ms)",
-                100.0 * last.curl,
-                last.number,
-                1e3 * last.seconds
-            ));
-        }
-        if let (Some(first), Some(last)) = (own(false).next(), own(true).last()) {
-            lines.push(format!(
-                "    ruga, {} triangles across: {:.2} % off after {:.0} ms",
-                first.number,
-                100.0 * first.error(),
-                1e3 * first.seconds
-            ));
-            if let Some(seconds) = first.as_near {
-                lines.push(format!(
-                    "    and as near as the springs after {:.1} ms, {:.0} times sooner",
-                    1e3 * seconds,
-                    last.seconds / seconds
-                ));
-            }
-        }
-    }
+    let of = |&thickness: &f64| curl_lines(findings, thickness);
+    let mut lines: Vec<String> = THICKNESSES.iter().flat_map(of).collect();
     if let Some(own) = findings.speeds.last() {
         let (springs, printed) = nearest(own.springs);
-        let [found, printed] = [
-            1e6 * own.seconds / own.springs as f64,
-            1e3 * printed / springs as f64,
-        ];
+        let found = 1e6 * own.seconds / own.springs as f64;
+        let printed = 1e3 * printed / springs as f64;
         lines.push(format!(
             "Seven projection steps: {found:.1} µs per spring ({} springs, one thread);",
             own.springs
@@ -117,6 +82,45 @@ pub(crate) fn lines(findings: &Findings) -> Vec<String> {
         lines.push(format!(
             "    the paper prints {printed:.0} µs (quad-core machine of 2011)"
         ));
+    }
+    lines
+}
+
+/// How far springs at a distance of their layers bend, and the product's coarsest mesh beside them.
+fn curl_lines(findings: &Findings, thickness: f64) -> Vec<String> {
+    let all = findings.curls.iter();
+    let alike = all.filter(|own| own.thickness == thickness);
+    let (springs, product): (Vec<&Curl>, Vec<&Curl>) = alike.partition(|own| own.is_springs);
+    let seven = springs.iter().find(|own| own.number == PROJECTIONS[1]);
+    let (Some(seven), Some(last)) = (seven, springs.last()) else {
+        return Vec::new();
+    };
+    let mut lines = vec![
+        format!(
+            "Layers {thickness} of a cell apart: the springs bend to {:.0} % of what they want",
+            100.0 * seven.curl
+        ),
+        format!(
+            "    after 7 projections, to {:.0} % after {} ({:.0} ms)",
+            100.0 * last.curl,
+            last.number,
+            1e3 * last.seconds
+        ),
+    ];
+    if let Some(first) = product.first() {
+        lines.push(format!(
+            "    ruga, {} triangles across: {:.2} % off after {:.0} ms",
+            first.number,
+            100.0 * first.error(),
+            1e3 * first.seconds
+        ));
+        lines.extend(first.as_near.map(|seconds| {
+            let sooner = last.seconds / seconds;
+            format!(
+                "    and as near as the springs after {:.1} ms, {sooner:.0} times sooner",
+                1e3 * seconds
+            )
+        }));
     }
     lines
 }
