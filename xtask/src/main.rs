@@ -47,7 +47,7 @@ enum Task {
         /// Takes coarser meshes, fewer samples and fewer load steps
         #[arg(long)]
         quick: bool,
-        /// Draws what an earlier run measured: chart, bodies and creases
+        /// Draws what an earlier run measured: chart, bodies, creases and burning
         #[arg(long)]
         redraw: bool,
     },

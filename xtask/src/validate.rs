@@ -24,6 +24,8 @@ pub(crate) enum Study {
     /// Sharp creases, ours and the paper's, measured and drawn, with pictures of folded sheets; a minute or
     /// two
     Creases,
+    /// Curl of a burning sheet by natural curvature and by the paper's springs, measured and drawn; a minute
+    Burning,
     /// Error against cost, measured and drawn; many minutes
     Chart,
     /// The papers' figures and their table of times, from the scenes under assets/
@@ -66,6 +68,7 @@ impl Study {
             Self::Patterns => return run(&[], &[PROGRAM.as_slice(), &["patterns"]].concat()),
             Self::Bodies => "bodies",
             Self::Creases => "creases",
+            Self::Burning => "burning",
             Self::Chart => "chart",
             Self::Figures => "figures",
         };
