@@ -8,6 +8,7 @@ mod face;
 mod finger;
 mod forearm;
 mod paint;
+mod paper;
 
 #[cfg(test)]
 mod tests;
@@ -42,13 +43,14 @@ fn written(folder: &Path) -> Result<Vec<String>, Box<dyn Error>> {
 }
 
 /// Writes the meshes below `folder`; gives their paths in it.
-fn write_meshes(folder: &Path) -> Result<[&'static str; 5], Box<dyn Error>> {
+fn write_meshes(folder: &Path) -> Result<[&'static str; 6], Box<dyn Error>> {
     let names = [
         "forearm/forearm.glb",
         "finger/finger.glb",
         "pillow/pillow.glb",
         "slab/slab.glb",
         "bar/bar.glb",
+        "paper/paper.glb",
     ];
     for (name, mesh) in names.into_iter().zip(meshes()?) {
         let path = in_its_folder(folder, name)?;
@@ -57,14 +59,15 @@ fn write_meshes(folder: &Path) -> Result<[&'static str; 5], Box<dyn Error>> {
     Ok(names)
 }
 
-/// The meshes: two pieces of skin that blend shapes move, then three soft bodies.
-fn meshes() -> Result<[ArtistMesh; 5], BlendError> {
+/// The meshes: two pieces of skin that blend shapes move, then three soft bodies, then a sheet.
+fn meshes() -> Result<[ArtistMesh; 6], BlendError> {
     Ok([
         forearm::mesh()?,
         finger::mesh()?,
         boxed::pillow()?,
         boxed::slab()?,
         boxed::bar()?,
+        paper::mesh()?,
     ])
 }
 
