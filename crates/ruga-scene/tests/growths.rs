@@ -373,6 +373,7 @@ drt = 1.0 => poses[0].growths.drt | did you mean `dry`
 dry = nan => poses[0].growths.dry | found NaN; accepted: a number from -10 to 10; 1 is the whole growth
 dry = inf => poses[0].growths.dry | found inf
 old = -10.5 => poses[0].growths.old | found -10.5
+old = 1e300 => poses[0].growths.old | found 1e300; accepted
 old = 'x' => poses[0].growths.old | a number
 ";
 

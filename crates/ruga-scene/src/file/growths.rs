@@ -226,7 +226,7 @@ impl SceneFile {
             if !(-STRONGEST..=STRONGEST).contains(strength) {
                 let accepted =
                     format!("a number from -{STRONGEST} to {STRONGEST}; 1 is the whole growth");
-                return fault(&key, strength, &accepted);
+                return fault(&key, format!("{strength:?}"), &accepted);
             }
         }
         Ok(())
