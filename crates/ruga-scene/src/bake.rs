@@ -36,7 +36,7 @@ impl Scene {
         let mut maps = self.composed(key, &frames).map_err(baking)?;
         let blended = || driver.pose(&pose.weights.scaled(key.load));
         let posed = key.artist_positions.clone().unwrap_or_else(blended);
-        self.add_mesh_details(&mut maps, &frames, &posed)
+        self.add_mesh_details(&mut maps, &frames, &posed, (pose, key.load))
             .map_err(baking)?;
         let corners = artist.triangles.iter();
         let welded = |vertex: u32| driver.welded()[vertex as usize].0;

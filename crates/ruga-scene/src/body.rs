@@ -1,13 +1,43 @@
 //! From a scene's `[interior]` or `[sheet]` and motions to what the stepper simulates.
 
+use ruga_io::MeshFile;
 use ruga_material::Substrate;
-use ruga_stepper::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape, Sheet, SolidMaterial};
+use ruga_stepper::{
+    Body, Handle, Keyframe, LayerSpec, Motion, Obstacle, ObstacleShape, PoseSpec, Sheet,
+    SolidMaterial,
+};
 
 use crate::file::{self, SceneFile};
 use crate::placement::Placement;
 
+/// The body below the layer, where the scene has one.
+pub(crate) fn body_of(scene: &SceneFile, mesh: &MeshFile, layers: &[LayerSpec]) -> Option<Body> {
+    let (interior, layer) = (scene.interior.as_ref()?, layers.first()?);
+    Some(body(interior, &layer.substrate, &Placement::of(mesh)))
+}
+
+/// Gives each of `poses` the motions that the scene lists for it.
+pub(crate) fn set_motions(scene: &SceneFile, mesh: &MeshFile, poses: &mut [PoseSpec]) {
+    let placement = Placement::of(mesh);
+    for pose in poses {
+        pose.motions = motions(scene, &pose.name, &placement);
+    }
+}
+
+/// What acts on the layer, where it is a free sheet.
+pub(crate) fn sheet_of(scene: &SceneFile, mesh: &MeshFile) -> Option<Sheet> {
+    let sheet = scene.sheet.as_ref()?;
+    let placement = Placement::of(mesh);
+    Some(Sheet {
+        gravity: placement.way_in_file(sheet.gravity),
+        handles: handles(&sheet.handles, &placement),
+        obstacles: obstacles(&sheet.obstacles, &placement),
+        edge: sheet.edge,
+    })
+}
+
 /// The body that `interior` describes, made of what carries its layer.
-pub(crate) fn body(interior: &file::Interior, inside: &Substrate, placement: &Placement) -> Body {
+fn body(interior: &file::Interior, inside: &Substrate, placement: &Placement) -> Body {
     Body {
         cells: interior.cells,
         shape: interior.shape,
@@ -20,16 +50,6 @@ pub(crate) fn body(interior: &file::Interior, inside: &Substrate, placement: &Pl
         handles: handles(&interior.handles, placement),
         obstacles: obstacles(&interior.obstacles, placement),
         follow: interior.follow,
-    }
-}
-
-/// What acts on the sheet that `sheet` describes.
-pub(crate) fn sheet(sheet: &file::Sheet, placement: &Placement) -> Sheet {
-    Sheet {
-        gravity: placement.way_in_file(sheet.gravity),
-        handles: handles(&sheet.handles, placement),
-        obstacles: obstacles(&sheet.obstacles, placement),
-        edge: sheet.edge,
     }
 }
 
@@ -75,7 +95,7 @@ fn obstacle_shape(obstacle: &file::Obstacle, placement: &Placement) -> Option<Ob
 
 /// Motions of handles and obstacles in the pose named `pose`; one that the scene does not list has
 /// none.
-pub(crate) fn motions(scene: &SceneFile, pose: &str, placement: &Placement) -> Vec<Motion> {
+fn motions(scene: &SceneFile, pose: &str, placement: &Placement) -> Vec<Motion> {
     let mut motions: Vec<Motion> = Vec::new();
     let listed = scene.poses.iter().find(|listed| listed.name == pose);
     for step in listed.iter().flat_map(|listed| &listed.motions) {

@@ -3,9 +3,9 @@
 use nalgebra::{Vector2, Vector3};
 use ruga_bake::{BakeError, Detail, TangentFrame, WrinkleMap};
 use ruga_blend::face_strains;
-use ruga_material::{effective_strain, local_wrinkling};
+use ruga_material::local_wrinkling;
 use ruga_mesh::{Id, face_areas};
-use ruga_stepper::LayerSpec;
+use ruga_stepper::{LayerSpec, PoseSpec};
 
 use crate::{Scene, texture_space};
 
@@ -16,12 +16,14 @@ impl Scene {
         kinds.filter_map(|kind| kind.detail()).collect()
     }
 
-    /// Adds the details of the posed mesh to the maps of all layers; `posed` are its welded vertices, m.
+    /// Adds the details of the posed mesh to the maps of all layers; `posed` are its welded vertices (m) at a
+    /// load of a pose.
     pub(crate) fn add_mesh_details(
         &self,
         maps: &mut [WrinkleMap],
         frames: &[[TangentFrame; 3]],
         posed: &[Vector3<f64>],
+        (pose, load): (&PoseSpec, f64),
     ) -> Result<(), BakeError> {
         let details = self.details();
         let uvs = texture_space::corners(&self.mesh).unwrap_or_default();
@@ -31,7 +33,7 @@ impl Scene {
             }
         }
         if details.contains(&Detail::Compression) {
-            let ratios = self.compression(posed);
+            let ratios = self.compression(posed, (pose, load));
             for map in maps {
                 map.paint_compression(&uvs, &ratios)?;
             }
@@ -41,10 +43,10 @@ impl Scene {
 
     /// Compression over the critical one at the corners of the file's triangles.
     ///
-    /// A triangle has the largest ratio of all layers that lie on it, by its principal strains and
-    /// what is painted at its middle; a corner the mean of the triangles around its place in space,
+    /// A triangle has the largest ratio of all layers that lie on it, by its principal strains, what
+    /// it has grown there and what is painted at its middle; a corner the mean of the triangles around its place in space,
     /// by area, so that the mask is continuous across UV seams.
-    fn compression(&self, posed: &[Vector3<f64>]) -> Vec<[f64; 3]> {
+    fn compression(&self, posed: &[Vector3<f64>], (pose, load): (&PoseSpec, f64)) -> Vec<[f64; 3]> {
         let driver = &self.driver;
         let strains = face_strains(driver.topology(), driver.rest(), posed);
         let areas = face_areas(driver.topology(), driver.rest());
@@ -52,10 +54,10 @@ impl Scene {
         for (face, corners) in driver.topology().faces().iter() {
             let uvs = &driver.uvs()[face];
             let middle = (uvs[0] + uvs[1] + uvs[2]) / 3.0;
-            let strain = [strains[face].first, strains[face].second];
             let ratios = self.layers.iter().map(|layer| {
                 let critical = critical_strain(layer, &middle);
-                let effective = effective_strain(strain[0], strain[1], layer.material.poisson);
+                let strain = layer.felt(pose, load, (driver, face), &strains[face]);
+                let effective = strain.effective(layer.material.poisson);
                 // What fades the layer fades the mask.
                 critical.map_or(0.0, |critical| {
                     effective.max(0.0) / critical * layer.presence.grey(middle)

@@ -2,7 +2,7 @@
 
 use ruga_stepper::{
     Frame, InteriorPlan, KeyResult, LayerPlan, Observer, Phase, Plan, PoseResult, Preparation,
-    Progress, StepperError,
+    Progress, Sheet, StepperError,
 };
 
 use crate::symmetry::PoseImages;
@@ -68,6 +68,11 @@ impl ScenePlan {
         self.zones
             .iter()
             .find_map(|zone| zone.plan.interior.as_ref())
+    }
+
+    /// What acts on the layer, if it is a free sheet.
+    pub fn sheet(&self) -> Option<&Sheet> {
+        self.zones.iter().find_map(|zone| zone.plan.sheet())
     }
 
     /// Warnings for the user before anything is simulated.

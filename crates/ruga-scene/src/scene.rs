@@ -20,7 +20,6 @@ use crate::file::{self, SceneFile};
 use crate::growths::add_growths;
 use crate::mask_image::mask;
 use crate::painted_files::tile_files;
-use crate::placement::Placement;
 use crate::plan::{ScenePlan, ZonePlan};
 use crate::scene::mask_warnings::mask_warnings;
 use crate::symmetry::PoseImages;
@@ -256,12 +255,8 @@ impl Inspection {
         let layers = self.layers.expect(whole);
         let region = self.region.expect(whole);
         Ok(Scene {
-            body: body_of(&self.file, &mesh, &layers),
-            sheet: self
-                .file
-                .sheet
-                .as_ref()
-                .map(|sheet| body::sheet(sheet, &Placement::of(&mesh))),
+            body: body::body_of(&self.file, &mesh, &layers),
+            sheet: body::sheet_of(&self.file, &mesh),
             modelling: model::modelling(&self.file, region, self.points_per_wavelength),
             path: self.path,
             file: self.file,
@@ -316,7 +311,7 @@ impl Inspection {
             self.warnings.extend(size.flatten());
         }
         if let Some(poses) = &mut self.poses {
-            set_motions(&self.file, &mesh, poses);
+            body::set_motions(&self.file, &mesh, poses);
             let weights = model::weight_warnings(&self.file, poses);
             self.warnings.extend(weights);
         }
@@ -369,20 +364,6 @@ impl Inspection {
         self.warnings.extend(mask_warnings(&self.file, &self.tiles));
         let uncovered = painted_files::warnings(&self.file, &self.tiles);
         self.warnings.extend(uncovered);
-    }
-}
-
-/// The body below the layer, where the scene has one.
-fn body_of(scene: &SceneFile, mesh: &MeshFile, layers: &[LayerSpec]) -> Option<Body> {
-    let (interior, layer) = (scene.interior.as_ref()?, layers.first()?);
-    Some(body::body(interior, &layer.substrate, &Placement::of(mesh)))
-}
-
-/// Gives each of `poses` the motions that the scene lists for it.
-fn set_motions(scene: &SceneFile, mesh: &MeshFile, poses: &mut [PoseSpec]) {
-    let placement = Placement::of(mesh);
-    for pose in poses {
-        pose.motions = body::motions(scene, &pose.name, &placement);
     }
 }
 

@@ -105,7 +105,7 @@ fn a_body_is_what_the_file_says() {
         (None, None, Some(floor)),
     ];
     assert_eq!(shapes, wanted);
-    let movable: Vec<_> = interior.movable().collect();
+    let movable: Vec<_> = interior.movers().names().collect();
     assert_eq!(movable, ["left", "button", "ball", "floor"]);
 }
 

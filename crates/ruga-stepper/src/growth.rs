@@ -1,9 +1,10 @@
 //! Growth of a layer: rest lengths that a pose changes.
 
 use nalgebra::{Matrix2, SymmetricEigen, Vector2, Vector3};
-use ruga_blend::Driver;
+use ruga_blend::{Driver, FaceStrain};
 use ruga_mesh::{FaceId, Id, PerFace, VertexId, triangle_frame};
 
+use crate::run::strain_ratio::relative_to;
 use crate::skin::material_places::uv;
 use crate::skin::skin_mesh::SkinMesh;
 use crate::{LayerSpec, Mask, PoseSpec};
@@ -144,6 +145,25 @@ impl Grows {
             Self::Below if change <= -1.0 => f64::INFINITY,
             Self::Below => 1.0 / (1.0 + change) - 1.0,
         }
+    }
+}
+
+impl LayerSpec {
+    /// The strain of a driver's face as this layer feels it at a load of a pose: relative to what it has grown.
+    pub fn felt(
+        &self,
+        pose: &PoseSpec,
+        load: f64,
+        (driver, face): (&Driver, FaceId),
+        strain: &FaceStrain,
+    ) -> FaceStrain {
+        let growth = PoseGrowth::new(self, pose);
+        if growth.is_none() {
+            return *strain;
+        }
+        let corners = driver.topology().faces()[face].map(|v| driver.rest()[v.index()]);
+        let stretch = growth.on_part((driver, face), &driver.uvs()[face], &corners, load);
+        relative_to(strain, &stretch)
     }
 }
 

@@ -99,6 +99,11 @@ impl Plan {
         self.stacking.attachments[layer].bending_transfer
     }
 
+    /// What acts on the layer where it is a free sheet, with the edge that its mesh will have.
+    pub fn sheet(&self) -> Option<&Sheet> {
+        self.sheet.as_deref()
+    }
+
     /// The file's triangles that have a simulated part in pose number `pose`, ascending.
     ///
     /// # Panics

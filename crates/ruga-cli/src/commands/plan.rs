@@ -2,7 +2,7 @@
 
 use ruga_material::Wrinkling;
 use ruga_scene::{Scene, SceneOptions, ScenePlan, counted};
-use ruga_stepper::InteriorPlan;
+use ruga_stepper::{InteriorPlan, LayerSpec, Sheet};
 
 use super::plan_creases::creases_table;
 use super::plan_json::{Totals, json, pairs};
@@ -74,7 +74,10 @@ fn alike(scene: &Scene, plan: &ScenePlan) -> Vec<String> {
 
 fn print(scene: &Scene, plan: &ScenePlan) {
     let waves = waves(scene, plan);
-    messages::result(&layers_table(scene, &waves));
+    match plan.sheet() {
+        Some(free) => messages::result(&sheet(&scene.layers[0], free)),
+        None => messages::result(&layers_table(scene, &waves)),
+    }
     messages::result("");
     let creases = creases_table(scene, &waves);
     if !creases.is_empty() {
@@ -138,6 +141,19 @@ fn layers_table(scene: &Scene, waves: &[Wrinkling]) -> String {
         "thickness",
     ];
     table(&headings, &rows)
+}
+
+/// A free sheet in words.
+fn sheet(layer: &LayerSpec, free: &Sheet) -> String {
+    format!(
+        "sheet: {}, {} of {}, edges up to {}, {}, {}",
+        layer.name,
+        number(1e3 * layer.material.thickness, 3, "mm"),
+        number(layer.material.young / 1e6, 3, "MPa"),
+        number(1e3 * free.edge.unwrap_or(f64::NAN), 2, "mm"),
+        counted(free.handles.len(), "handle"),
+        counted(free.obstacles.len(), "obstacle"),
+    )
 }
 
 /// The lattice of a body in words.
@@ -270,9 +286,10 @@ fn totals(plan: &ScenePlan) -> String {
         let mut layers = plan.pose_layers(*pose).into_iter();
         layers.any(|layer| layer.vertices > 0)
     };
-    let poses = match plan.interior() {
-        Some(_) => counted(poses, "pose"),
-        None => {
+    let is_free = plan.interior().is_some() || plan.sheet().is_some();
+    let poses = match is_free {
+        true => counted(poses, "pose"),
+        false => {
             let wrinkling = (0..poses).filter(wrinkles).count();
             format!("{wrinkling} of {poses} poses wrinkle")
         }

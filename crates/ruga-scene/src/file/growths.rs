@@ -17,6 +17,9 @@ pub(crate) const SUBSTRATE: &str = "substrate";
 /// Largest strength of a growth in a pose, as of a blend shape's weight.
 const STRONGEST: f64 = 10.0;
 
+/// Changes of length of what lies below, at which layers are from 0.6 shorter than it to twice as long.
+const BELOW: std::ops::RangeInclusive<f64> = -0.5..=1.5;
+
 /// One of `[[growths]]`: a change of the size that a layer would have by itself, which poses switch on like a blend
 /// shape, by `growths` with a strength from -10 to 10. What carries the layer keeps the shape of the posed mesh, so
 /// that a layer that grows is squeezed and wrinkles, and one that shrinks is stretched.
@@ -190,6 +193,20 @@ impl SceneFile {
             };
             let accepted = "a layer: a soft body keeps its size, and a sheet lies on nothing";
             return fault(&key, found, accepted);
+        }
+        let shrinks = |change: &f64| !BELOW.contains(change);
+        if let Some(change) = growth
+            .changes()
+            .into_iter()
+            .find(shrinks)
+            .filter(|_| is_below)
+        {
+            let accepted = format!(
+                "from {} to {} of what lies below",
+                BELOW.start(),
+                BELOW.end()
+            );
+            return fault(&key.replace(".layer", ".along"), change, &accepted);
         }
         let unknown = |name: &&String| !is_below && !is_layer(name);
         let Some(name) = growth.layer.as_ref().filter(unknown) else {

@@ -53,7 +53,8 @@ impl Default for Interior {
 }
 
 impl Interior {
-    pub(super) fn movers(&self) -> Movers<'_> {
+    /// What poses can move.
+    pub fn movers(&self) -> Movers<'_> {
         Movers {
             table: "interior",
             handles: &self.handles,

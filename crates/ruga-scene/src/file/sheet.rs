@@ -1,5 +1,6 @@
 //! `[sheet]`: a layer that lies on nothing.
 
+use ruga_io::MapKind;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -30,7 +31,8 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    pub(super) fn movers(&self) -> Movers<'_> {
+    /// What poses can move.
+    pub fn movers(&self) -> Movers<'_> {
         Movers {
             table: "sheet",
             handles: &self.handles,
@@ -90,6 +92,10 @@ impl SceneFile {
                 "another",
                 "\"nominal\" with [sheet], which has one layer",
             );
+        }
+        if self.bake.maps.contains(&MapKind::Compression) {
+            let accepted = "other maps with [sheet], which has no compression that wrinkles it";
+            return fault("bake.maps", "\"compression\"", accepted);
         }
         if self.memory.is_some() {
             return fault("memory", "one", "no [memory] with [sheet]");

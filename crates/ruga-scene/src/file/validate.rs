@@ -289,7 +289,8 @@ impl Pose {
         within(&format!("{key}.steps"), u64::from(self.steps), 1, 100_000)?;
         let grows = !self.growths.is_empty();
         if self.weights.is_empty() && !grows && movers.is_none() {
-            return fault(&format!("{key}.weights"), "{}", "at least one blend shape");
+            let accepted = "at least one blend shape, or `growths`";
+            return fault(&format!("{key}.weights"), "{}", accepted);
         }
         if self.weights.is_empty() && self.motions.is_empty() && !moves && !grows {
             let table = movers.map_or("interior", |movers| movers.table);
