@@ -25,6 +25,12 @@ pub(crate) enum CliError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Preview(#[from] PreviewFault),
+    /// A scene of a free sheet is to age.
+    #[error("{}: `[sheet]`: `ruga age` finds folds that stay in skin; accepted: scenes without it", scene.display())]
+    AgedSheet {
+        /// The scene file.
+        scene: PathBuf,
+    },
     /// `ruga new --mesh` with a mesh that nothing moves.
     #[error("{}: the mesh has no blend shapes, so there is nothing to pose", mesh.display())]
     #[diagnostic(help(

@@ -22,7 +22,7 @@ const LINE: f64 = 1.5 / 600.0;
 const PADDING: f64 = 6.0 / 1024.0;
 
 /// Why a body has no picture.
-const ON_A_BODY: &str = "the strain on a soft body is known only when it is simulated; a picture shows layers on a posed mesh";
+const ON_A_BODY: &str = "the strain of a sheet, or of skin on a soft body, is known only when it is simulated; a picture shows layers on a posed mesh";
 
 /// Skin that is not simulated.
 const SMOOTH: Colour = [232, 232, 232];

@@ -179,8 +179,8 @@ fn convergence<'a>(poses: impl Iterator<Item = &'a PoseReport>) -> Outcome {
         return Outcome::Done;
     }
     messages::warning(&format!(
-        "{} did not converge: {}; there wrinkles may be too shallow, too deep or in the wrong place. \
-         The results are written and marked in report.json; `keys` closer together may help, or on a soft body more `steps`",
+        "{} did not converge: {}; there results may be too shallow, too deep or in the wrong place. \
+         The results are written and marked in report.json; `keys` closer together may help, or on a soft body or a sheet more `steps`",
         counted(failed.len(), "pose"),
         failed.join(", ")
     ));

@@ -362,7 +362,7 @@ impl CreasedMesh<'_> {
         let lines: Vec<TracedLine> = layer.creases.iter().map(|spec| spec.line.clone()).collect();
         let name = |line: usize| format!("crease `{}`", layer.creases[line].name);
         let on = (self.driver.topology(), self.driver.rest());
-        let found = check_lines(&lines, on, waves.wavelength / points);
+        let found = check_lines(&lines, on, self.wavelength(&waves, points) / points);
         let found = found.map_err(|error| {
             let (line, reason) = match error {
                 CreaseError::TooShort { line, length, edge } => {

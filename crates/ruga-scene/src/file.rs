@@ -248,7 +248,7 @@ impl Pose {
         }
     }
 
-    /// Neither shapes nor motions, with the default keys and steps: a body under its own weight.
+    /// Neither shapes nor motions, with the default keys and steps: a body or sheet under its own weight.
     pub fn at_rest(name: impl Into<String>) -> Self {
         Self {
             name: name.into(),

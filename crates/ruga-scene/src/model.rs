@@ -52,7 +52,7 @@ pub(crate) fn layers(
         let lower = (0..index).rfind(|&other| scene.layers[other].zone == upper.zone);
         let below = match lower {
             Some(lower) => Some(layers[lower].material.as_substrate()),
-            None if scene.sheet.is_some() => Some(NOTHING),
+            None if scene.sheet.is_some() => Some(UNUSED),
             None => substrate(scene, path)?,
         };
         layers.push(layer(scene, index, below, (path, tiles))?);
@@ -60,8 +60,8 @@ pub(crate) fn layers(
     Ok(layers)
 }
 
-/// Stands where a layer needs something below it; of a free sheet nobody reads it.
-const NOTHING: Substrate = Substrate {
+/// Substrate in the specification of a free sheet, which lies on nothing: no result depends on it.
+const UNUSED: Substrate = Substrate {
     young: 1.0,
     poisson: 0.0,
     thickness: 1.0,

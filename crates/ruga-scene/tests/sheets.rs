@@ -61,6 +61,25 @@ fn a_sheet_curls_by_a_growth_and_bakes() {
     assert!(map.normals.iter().all(|[_, _, z]| *z > 0.9));
 }
 
+/// A crease far shorter than the paper would wrinkle on anything, on a mesh with blend shapes that nobody asks for.
+#[test]
+fn a_short_crease_folds_a_sheet() {
+    let folder = folder();
+    let crease = "[[creases]]\nname = \"line\"\nuv = [[0.25, 0.5], [0.75, 0.5]]\nangle = 60.0\nstiffness = 0.001\n";
+    let targets = TOP.to_owned() + "targets = { lift = \"paper.obj\" }\n";
+    let text = format!("{targets}{LAYER}{crease}{}", SHEET.replace("0.01", "0.004"));
+    let scene = read(&folder, &text).unwrap();
+    assert_eq!(scene.poses.len(), 1);
+    let plan = scene.plan().unwrap();
+    let result = plan.simulate(0, &mut Silent).unwrap();
+    assert!(result.converged, "{:?}", result.warnings);
+    let fold = &result.layers[0].creases[0];
+    assert!(fold.largest_fold > 0.02 && fold.length > 0.019, "{fold:?}");
+    // Both sides of the line have vertices of their own, in the same places.
+    let layer = &result.keys[0].layers[0];
+    assert!(layer.positions.len() > layer.computed.positions.len());
+}
+
 #[test]
 fn what_a_sheet_says_is_read_back() {
     let text = format!("{TOP}{LAYER}{CURL}{SHEET}");

@@ -120,10 +120,10 @@ impl GrowthSpec {
     fn tensor(
         &self,
         [along, across]: [f64; 2],
-        (uv, facet): (Vector2<f64>, &Facet),
+        (place, facet): (&Place, &Facet),
         [x, y]: &[Vector3<f64>; 2],
     ) -> Matrix2<f64> {
-        let direction = facet.in_space(&self.direction_at(uv));
+        let direction = facet.in_space(&self.direction_at(place.direction_at));
         let direction = Vector2::new(direction.dot(x), direction.dot(y));
         let tensor = match direction.try_normalize(0.0) {
             Some(direction) => {
@@ -132,7 +132,7 @@ impl GrowthSpec {
             }
             None => Matrix2::identity() * (0.5 * (along + across)),
         };
-        tensor * self.share(uv)
+        tensor * self.share(place.uv)
     }
 }
 
@@ -213,8 +213,9 @@ impl<'a> PoseGrowth<'a> {
         if self.is_none() {
             return None;
         }
-        let of_face = |places: &[_; 3], frame: &_| self.stretch(places, frame, load);
-        Some(on_faces(driver, skin, of_face))
+        Some(on_faces(driver, skin, |on, frame| {
+            self.stretch(on, frame, load)
+        }))
     }
 
     /// Natural curvatures of the faces of `skin` at a load, in their rest frames, 1/m.
@@ -224,19 +225,15 @@ impl<'a> PoseGrowth<'a> {
         skin: &SkinMesh,
         load: f64,
     ) -> PerFace<Matrix2<f64>> {
-        on_faces(
-            driver,
-            skin,
-            |places: &[(Vector2<f64>, Facet); 3], frame| {
-                let curls = self.growths.iter().flat_map(|(growth, strength)| {
-                    let of_corner = places.iter().map(|(uv, facet)| {
-                        growth.tensor(growth.curl, (*uv, facet), frame) * (load * strength / 3.0)
-                    });
-                    of_corner.collect::<Vec<_>>()
+        on_faces(driver, skin, |(places, facet), frame| {
+            let curls = self.growths.iter().flat_map(|(growth, strength)| {
+                let of_corner = places.iter().map(|place| {
+                    growth.tensor(growth.curl, (place, facet), frame) * (load * strength / 3.0)
                 });
-                curls.sum()
-            },
-        )
+                of_corner.collect::<Vec<_>>()
+            });
+            curls.sum()
+        })
     }
 
     /// The stretch of the rest metric of a part of a driver's face at a load, from its corners in the texture and
@@ -248,31 +245,32 @@ impl<'a> PoseGrowth<'a> {
         corners: &[Vector3<f64>; 3],
         load: f64,
     ) -> Matrix2<f64> {
-        let places = uvs.map(|uv| (uv, Facet::new(driver, face)));
-        self.stretch(&places, &triangle_frame(corners), load)
+        let places = uvs.map(|uv| Place {
+            uv,
+            direction_at: uv,
+        });
+        let facet = Facet::new(driver, face);
+        self.stretch((&places, &facet), &triangle_frame(corners), load)
     }
 
     /// The stretch in a plane: a face takes the mean of its corners (Li 2014, 5.2).
     fn stretch(
         &self,
-        places: &[(Vector2<f64>, Facet); 3],
+        (places, facet): (&[Place; 3], &Facet),
         frame: &[Vector3<f64>; 2],
         load: f64,
     ) -> Matrix2<f64> {
-        let changes = places.iter().map(|place| self.change(place, frame, load));
+        let changes = places
+            .iter()
+            .map(|place| self.change((place, facet), frame, load));
         Matrix2::identity() + changes.sum::<Matrix2<f64>>() / 3.0
     }
 
     /// Change of the layer's lengths against what is below, in a plane.
-    fn change(
-        &self,
-        (uv, facet): &(Vector2<f64>, Facet),
-        frame: &[Vector3<f64>; 2],
-        load: f64,
-    ) -> Matrix2<f64> {
+    fn change(&self, on: (&Place, &Facet), frame: &[Vector3<f64>; 2], load: f64) -> Matrix2<f64> {
         let changes = self.growths.iter().map(|(growth, strength)| {
             let lengths = [growth.along, growth.across];
-            let change = growth.tensor(lengths, (*uv, facet), frame) * (load * strength);
+            let change = growth.tensor(lengths, on, frame) * (load * strength);
             if growth.grows == Grows::Layer {
                 return change;
             }
@@ -286,27 +284,47 @@ impl<'a> PoseGrowth<'a> {
     }
 }
 
-/// A value for every face of `skin` from its corners, each with its texture coordinate and the driver's face that
-/// it lies on, and its rest frame.
+/// A value for every face of `skin` from its corners, the driver's face whose directions it has, and its rest frame.
 fn on_faces<T>(
     driver: &Driver,
     skin: &SkinMesh,
-    of_face: impl Fn(&[(Vector2<f64>, Facet); 3], &[Vector3<f64>; 2]) -> T,
+    of_face: impl Fn((&[Place; 3], &Facet), &[Vector3<f64>; 2]) -> T,
 ) -> PerFace<T> {
     let (points, rest) = (skin.points.points(), &skin.rest.positions);
     let faces = skin.mesh.faces().as_slice().iter();
     let values = faces.map(|corners: &[VertexId; 3]| {
         let frame = triangle_frame(&corners.map(|v| rest[v.index()]));
-        let places = corners.map(|v| {
-            let point = &points[v.index()];
-            (uv(driver, point), Facet::new(driver, point.face))
+        // Directions are those at the corner farthest inside a face of the driver. At a seam of the texture another
+        // corner may be addressed in the island beside, which may lie turned in the texture.
+        let inside = |v: &VertexId| {
+            points[v.index()]
+                .barycentric
+                .into_iter()
+                .fold(1.0, f64::min)
+        };
+        let [a, b, c] = corners;
+        let farthest = [b, c]
+            .into_iter()
+            .fold(a, |best, v| if inside(v) > inside(best) { v } else { best });
+        let at = &points[farthest.index()];
+        let facet = Facet::new(driver, at.face);
+        let direction_at = uv(driver, at);
+        let places = corners.map(|v| Place {
+            uv: uv(driver, &points[v.index()]),
+            direction_at,
         });
-        of_face(&places, &frame)
+        of_face((&places, &facet), &frame)
     });
     values.collect()
 }
 
-/// How a driver's face lies in space over its texture.
+/// Texture coordinates of a corner: its own, and those at which directions are read.
+struct Place {
+    uv: Vector2<f64>,
+    direction_at: Vector2<f64>,
+}
+
+/// Derivatives of places in space by texture coordinates on one of the driver's faces.
 ///
 /// Directions in the texture are those on the artist's own facets. Derivatives of the smooth surface would turn
 /// them by up to ten degrees around vertices with more or fewer than six edges, because texture coordinates are

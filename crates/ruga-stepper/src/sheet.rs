@@ -12,14 +12,14 @@ use crate::{Handle, Obstacle};
 
 pub use plan::{SHEET_EDGES, plan_sheet};
 
-/// What acts on a sheet without a substrate.
+/// A free sheet's surroundings and the resolution of its mesh.
 #[derive(Clone, Debug)]
 pub struct Sheet {
     /// Acceleration of its mass, m/s2. It acts in full from the first load step on.
     pub gravity: Vector3<f64>,
     /// Parts of the sheet that are held and moved: vertices at rest in a box.
     pub handles: Vec<Handle>,
-    /// What it cannot enter.
+    /// Obstacles that the sheet cannot enter.
     pub obstacles: Vec<Obstacle>,
     /// Longest edge of its mesh, m; `None` for a sixtieth of its longest side.
     pub edge: Option<f64>,

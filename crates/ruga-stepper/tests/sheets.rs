@@ -6,8 +6,8 @@ use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, Driver, Smoothing};
 use ruga_material::{LayerMaterial, Substrate};
 use ruga_stepper::{
-    Dynamics, Grows, GrowthDirection, GrowthSpec, Handle, LayerSpec, Modelling, Obstacle,
-    ObstacleShape, PoseResult, PoseSpec, Sheet, Silent, StepperError, plan_sheet,
+    Dynamics, Grows, GrowthDirection, GrowthSpec, Handle, Keyframe, LayerSpec, Modelling, Motion,
+    Obstacle, ObstacleShape, PoseResult, PoseSpec, Sheet, Silent, StepperError, plan_sheet,
 };
 
 /// A flat rectangle from the origin in the plane z = 0, m, of about square cells.
@@ -269,6 +269,103 @@ fn a_sheet_that_falls_onto_a_ball_lies_on_it() {
     assert!((-0.0021..-0.0015).contains(&highest), "{highest}");
     assert!(closest > 0.0099, "{closest}");
     assert!((-0.0131..-0.004).contains(&lowest), "{lowest}");
+}
+
+/// Ends moved towards each other within one step: the step is divided where it has to be, the held vertices are where
+/// the motion puts them, and what is between bulges by the length that is left over.
+#[test]
+fn handles_take_their_vertices_along() {
+    let driver = rectangle([0.04, 0.01], [24, 6]);
+    let ends = |x: f64| {
+        [
+            Vector3::new(x - 1e-4, -1.0, -1.0),
+            Vector3::new(x + 1e-4, 1.0, 1.0),
+        ]
+    };
+    // A little curl says to which side.
+    let layer = paper(vec![growth(0.0, 0.0, [1.0, 0.0])]);
+    let sheet = Sheet {
+        handles: vec![
+            Handle::new("left", ends(0.0)),
+            Handle::new("right", ends(0.04)),
+        ],
+        ..free()
+    };
+    let shift = Vector3::new(-0.004, 0.0, 0.0);
+    let keyframe = |at: f64, translation| Keyframe {
+        at,
+        translation,
+        turn: Vector3::zeros(),
+        about: Vector3::zeros(),
+    };
+    let motion = Motion {
+        of: "right".into(),
+        keyframes: vec![keyframe(0.3, 0.2 * shift), keyframe(1.0, shift)],
+    };
+    let pose = PoseSpec {
+        motions: vec![motion],
+        ..pose(1)
+    };
+    let places = end(run(&driver, &layer, &sheet, pose, &modelling(None)).expect("a run"));
+    let pairs = || places.iter().zip(driver.rest());
+    for (x, rest) in pairs().filter(|(_, rest)| rest.x > 0.0399) {
+        assert!((x - rest - shift).norm() < 1e-12);
+    }
+    let height = pairs().map(|(x, _)| x.z).fold(0.0, f64::max);
+    // Of a sine of length L shortened by d: (2/pi) sqrt(L d), here by a tenth.
+    let expected = 2.0 / std::f64::consts::PI * (0.04f64 * 0.004).sqrt();
+    assert!(
+        (height / expected - 1.0).abs() < 0.1,
+        "{height} of {expected}"
+    );
+}
+
+/// One island of the texture lies turned by a right angle: its direction to the right is up on the sheet, and across
+/// the seam nothing is mixed.
+#[test]
+fn directions_keep_to_their_island() {
+    let cells = 8;
+    let (mut positions, mut uvs, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
+    for half in 0..2u32 {
+        let first = positions.len() as u32;
+        for (i, j) in (0..=cells).flat_map(|j| (0..=cells).map(move |i| (i, j))) {
+            let [x, y] = [i, j].map(|c| f64::from(c) / f64::from(cells));
+            positions.push(0.02 * Vector3::new(x + f64::from(half), y, 0.0));
+            uvs.push(match half {
+                0 => Vector2::new(0.4 * x, 1.0 - 0.4 * y),
+                _ => Vector2::new(0.5 + 0.4 * y, 1.0 - 0.4 * (1.0 - x)),
+            });
+        }
+        for (i, j) in (0..cells).flat_map(|j| (0..cells).map(move |i| (i, j))) {
+            let a = first + j * (cells + 1) + i;
+            let [b, c, d] = [a + 1, a + cells + 2, a + cells + 1];
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    let mesh = ArtistMesh {
+        name: "islands".into(),
+        positions,
+        uvs: Some(uvs),
+        triangles,
+        ..ArtistMesh::default()
+    };
+    let driver = Arc::new(Driver::new(&mesh).expect("two squares"));
+    // Nothing is held: each half grows its own way, and only along the seam do they differ.
+    let layer = paper(vec![growth(0.002, 0.0, [0.0; 2])]);
+    let places = end(run(&driver, &layer, &free(), pose(1), &modelling(None)).expect("a run"));
+    let size = |rest: &dyn Fn(&Vector3<f64>) -> bool, axis: usize| {
+        let inside = places.iter().zip(driver.rest()).filter(|(_, x)| rest(x));
+        let values: Vec<f64> = inside.map(|(x, _)| x[axis]).collect();
+        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        most - values.iter().copied().fold(f64::INFINITY, f64::min)
+    };
+    let at = |wanted: f64| move |x: &Vector3<f64>| (x.x - wanted).abs() < 1e-6;
+    // The left border keeps its length, the right one grows along y.
+    let [left, right] = [size(&at(0.0), 1), size(&at(0.04), 1)].map(|side| side / 0.02 - 1.0);
+    assert!(
+        left.abs() < 3e-4 && (right - 0.002).abs() < 3e-4,
+        "{left} {right}"
+    );
 }
 
 #[test]

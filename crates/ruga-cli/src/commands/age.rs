@@ -30,6 +30,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     let mut scene = Scene::read_with(&arguments.scene, &options)?;
     // Lines of both sides are looked for, each in its own pose.
     scene.mirror = None;
+    refuse_sheet(&scene)?;
     refuse_own_network(&scene, &arguments.output)?;
     let plan = scene.plan()?;
     let records = Records::of_age(&arguments.output);
@@ -75,6 +76,16 @@ fn options(arguments: &RunArguments) -> Result<SceneOptions, CliError> {
 }
 
 /// Refuses a scene that would age further with each run.
+/// Refuses a free sheet: what is looked for are wrinkles of skin, in wavelengths.
+fn refuse_sheet(scene: &Scene) -> Result<(), CliError> {
+    match &scene.sheet {
+        None => Ok(()),
+        Some(_) => Err(CliError::AgedSheet {
+            scene: scene.path.clone(),
+        }),
+    }
+}
+
 fn refuse_own_network(scene: &Scene, output: &Path) -> Result<(), CliError> {
     let network = scene.file.memory.as_ref();
     let Some(network) = network.and_then(|memory| memory.network.as_ref()) else {

@@ -98,7 +98,7 @@ fn description(found: &Inspection) -> Vec<String> {
 
 fn region_words(region: &Region, scene: &SceneFile) -> String {
     match region {
-        Region::Auto if scene.interior.is_none() => {
+        Region::Auto if scene.interior.is_none() && scene.sheet.is_none() => {
             "where the poses compress the skin enough".to_owned()
         }
         Region::Auto | Region::All => "everywhere".to_owned(),

@@ -53,6 +53,8 @@ impl SceneFile {
         if !self.poses.is_empty() {
             return Ok(self.poses.clone());
         }
+        // Nothing draws a sheet to blend shapes.
+        let shapes = if self.sheet.is_some() { &[] } else { shapes };
         if shapes.is_empty() && self.growths.is_empty() {
             return Ok(vec![Pose::at_rest("rest")]);
         }

@@ -12,8 +12,8 @@ use crate::{ComputedMesh, LayerSurface};
 const ON_VERTEX: f64 = 1.0 - 1e-9;
 
 impl SheetState<'_> {
-    /// Positions of the driver's vertices, in the order of [`Driver::pose`], m: each goes the way of the sheet's
-    /// vertex at its place.
+    /// Positions of the driver's vertices, in the order of [`Driver::pose`], m: each moves with the sheet's vertex
+    /// at its place.
     pub(super) fn artist_positions(&self, driver: &Driver) -> Vec<Vector3<f64>> {
         let mut positions = driver.rest().to_vec();
         let skin = &self.region.skin;
@@ -25,8 +25,8 @@ impl SheetState<'_> {
             if let Some(corner) = on {
                 let v = driver.topology().faces()[point.face][corner].index();
                 // Of a curved mesh the smooth surface lies beside its vertices, and stays so far beside them.
-                let way = self.moving.positions[i] - skin.rest.positions[i];
-                positions[v] = driver.rest()[v] + way;
+                let displacement = self.moving.positions[i] - skin.rest.positions[i];
+                positions[v] = driver.rest()[v] + displacement;
             }
         }
         positions

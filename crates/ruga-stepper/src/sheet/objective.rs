@@ -31,6 +31,9 @@ pub(super) struct SheetObjective<'a> {
     pub(super) scales: Scales,
 }
 
+/// Least scale of energies and forces, in those of bending by one radian.
+const LEAST: f64 = 1e-5;
+
 /// Sizes that tolerances are relative to.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scales {
@@ -52,8 +55,10 @@ impl Scales {
     ) -> Self {
         let (mut energy, mut force) = (bending, bending / edge);
         if weight > 0.0 {
-            energy = energy.min((weight * side).powi(2) / bending);
-            force = force.min(weight / vertices);
+            // A floor, or what curls a sheet that weighs next to nothing would have to be exact beyond rounding.
+            let of_weight = (weight * side).powi(2) / bending;
+            energy = energy.min(of_weight.max(LEAST * bending));
+            force = force.min((weight / vertices).max(LEAST * bending / edge));
         }
         Self {
             energy,

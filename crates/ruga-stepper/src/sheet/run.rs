@@ -1,5 +1,6 @@
 //! One pose of a sheet from rest to its keys.
 
+use ruga_shell::MAX_NATURAL_ANGLE;
 use ruga_solver::{NewtonSettings, SolveReport, StopRule};
 
 use super::Sheet;
@@ -62,9 +63,14 @@ impl Plan {
             state,
             report,
             result,
-            halved: 0,
+            divided: 0,
+            solves: 0,
             relaxation: 0.0,
         };
+        let name = |line: usize| format!("crease '{}'", run.state.spec.creases[line].name);
+        let shared = run.state.region.shared.iter();
+        let shared: Vec<String> = shared.map(|warning| warning.told(&name)).collect();
+        shared.iter().for_each(|warning| run.warn(warning));
         let ending = run.follow(observer)?;
         Ok(run.finished(ending))
     }
@@ -88,7 +94,7 @@ impl Plan {
     }
 }
 
-/// A sheet on its way.
+/// Simulation of one pose of a sheet, with what it has found so far.
 struct SheetRun<'a> {
     plan: &'a Plan,
     pose: &'a PoseSpec,
@@ -97,7 +103,8 @@ struct SheetRun<'a> {
     report: LayerReport,
     result: PoseResult,
     /// Steps that were divided.
-    halved: usize,
+    divided: usize,
+    solves: usize,
     /// Share of the compressive stress stiffness that the last step left out at first.
     relaxation: f64,
 }
@@ -111,9 +118,13 @@ impl SheetRun<'_> {
         let loads = loads_up_to(last, self.pose.steps, keys.chain(keyframes));
         let mut from = 0.0;
         for load in loads {
+            let solves = self.solves;
             match self.step([from, load], HALVINGS, observer)? {
                 Ending::Reached => {}
                 ending => return Ok(ending),
+            }
+            if self.solves > solves + 1 {
+                self.divided += 1;
             }
             self.frame(load, observer);
             from = load;
@@ -154,7 +165,6 @@ impl SheetRun<'_> {
             ));
             return Ok(Ending::GaveUp);
         }
-        self.halved += 1;
         let middle = 0.5 * (from + to);
         match self.step([from, middle], halvings - 1, observer)? {
             Ending::Reached => self.step([middle, to], halvings - 1, observer),
@@ -200,6 +210,7 @@ impl SheetRun<'_> {
             .state
             .minimise(inertia.as_ref(), how, &mut keep_going)?;
         self.report.take(&solve);
+        self.solves += 1;
         let time = dynamics.map_or(to - from, |dynamics| dynamics.time_step);
         self.state.end_step(before, time);
         if solve.converged {
@@ -208,13 +219,17 @@ impl SheetRun<'_> {
         Ok(solve)
     }
 
-    /// Hands out what was reached at a fraction of the pose.
+    /// Reports the frame at a fraction of the pose.
     fn frame(&mut self, load: f64, observer: &mut dyn Observer) {
         let is_key = self.pose.has_key(load);
         if is_key || observer.wants_frames() {
             let driver = &self.plan.driver;
             let artist = self.state.artist_positions(driver);
-            let layers = vec![self.state.surface(driver, &artist)];
+            let mut surface = self.state.surface(driver, &artist);
+            if observer.wants_face_states() {
+                surface.face_states = Some(self.state.face_states());
+            }
+            let layers = vec![surface];
             observer.frame(&Frame {
                 index: self.result.frames,
                 load,
@@ -242,18 +257,22 @@ impl SheetRun<'_> {
         let capped = self.state.capped as f64 / self.report.faces.max(1) as f64;
         if capped > CAPPED {
             self.warn(&format!(
-                "{:.0} % of its triangles are too large for its curl, which is cut to 20 degrees over an edge there; take a smaller `edge` of the sheet",
-                100.0 * capped
+                "{:.0} % of its triangles are too large for its curl, which is cut to {:.0} degrees over an edge there; take a smaller `edge` of the sheet",
+                100.0 * capped,
+                MAX_NATURAL_ANGLE.to_degrees()
             ));
         }
-        if self.halved > 0 {
-            let divided = format!(
-                "{} of its steps were divided; take more `steps`",
-                self.halved
-            );
-            self.warn(&divided);
+        let divided = self.divided;
+        if divided > 0 && ending == Ending::Reached {
+            self.warn(&format!(
+                "{divided} of its steps had to be divided; take more `steps`"
+            ));
         }
-        self.report.energy = self.state.elastic_energy();
+        // Where the pose ended early, growth and folds of the step that failed are still in place.
+        if ending == Ending::Reached {
+            self.report.energy = self.state.elastic_energy();
+            self.report.creases = self.state.crease_reports();
+        }
         self.result.layers = vec![self.report];
         self.result
     }

@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 use ruga_blend::Driver;
-use ruga_material::LayerMaterial;
-use ruga_mesh::{Id, VertexId};
+use ruga_material::RelativeProperties;
+use ruga_mesh::{EdgeId, Id, VertexId, face_areas, mean_edge_lengths};
 use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters, ShellError};
 use ruga_solver::{Iteration, Kkt, LowerPattern, NewtonSettings, SolveReport, SolverError};
 
@@ -12,23 +12,22 @@ use super::objective::{Scales, SheetObjective};
 use super::plan::longest_side;
 use crate::growth::PoseGrowth;
 use crate::run::layer_objective::{gather, scatter};
-use crate::skin::local_skin::{painted, uneven};
-use crate::skin::material_places::uv;
+use crate::skin::local_skin::{relative_at_vertices, relative_on_faces};
 use crate::skin::skin_mesh::RegionMesh;
 use crate::support::Moves;
 use crate::support::contact::Contact;
 use crate::support::motion::{Inertia, velocities};
 use crate::support::obstacle::PlacedObstacle;
-use crate::{Dynamics, LayerSpec, Modelling, PoseSpec, StepperError};
+use crate::{CreaseReport, Dynamics, FaceState, LayerSpec, Modelling, PoseSpec, StepperError};
 
-/// Distance at which an obstacle begins to push, in shortest edges of the mesh: what it holds off lies on chords
+/// Distance at which an obstacle begins to push, in mean edges of the mesh: what it holds off lies on chords
 /// between its vertices, which are about as far from a round obstacle.
 const REACH: f64 = 0.1;
 
 /// Levenberg damping in units of the mean membrane stiffness of a vertex: gives motions of a loose sheet a sign.
 const DAMPING: f64 = 1e-10;
 
-/// A sheet that moves.
+/// State of a free sheet during one pose: its mesh, its energy, what holds it, and where it is.
 pub(super) struct SheetState<'a> {
     pub(super) spec: &'a LayerSpec,
     sheet: &'a Sheet,
@@ -42,9 +41,10 @@ pub(super) struct SheetState<'a> {
     masses: Vec<f64>,
     areas: Vec<f64>,
     damping: Vec<f64>,
-    /// Mean bending modulus, J.
-    bending: f64,
-    /// Shortest edge, m.
+    /// Material on every face, and its bending modulus, J.
+    materials: Vec<FaceParameters>,
+    moduli: Vec<f64>,
+    /// Mean edge, m.
     edge: f64,
     scales: Scales,
     /// Pressure of an obstacle per depth, Pa/m.
@@ -54,7 +54,7 @@ pub(super) struct SheetState<'a> {
     pub(super) capped: usize,
 }
 
-/// What changes from step to step.
+/// Positions and velocities of a sheet, and places of obstacles.
 #[derive(Clone, Debug)]
 pub(super) struct Moving {
     pub(super) positions: Vec<Vector3<f64>>,
@@ -75,24 +75,20 @@ impl<'a> SheetState<'a> {
         let skin = &region.skin;
         let holders = holders(sheet, &skin.rest.positions)?;
         let held: Vec<bool> = holders.iter().map(Option::is_some).collect();
-        let faces = face_parameters(spec, driver, &region);
+        let materials = face_parameters(spec, driver, &region);
         let parameters = LayerParameters {
             tangential_stiffness: vec![0.0; skin.mesh.vertex_count()],
-            faces,
+            faces: materials.clone(),
         };
         let (mesh, rest) = (&skin.mesh, skin.rest.positions.as_slice());
-        let faces = &parameters.faces;
-        let count = faces.len().max(1) as f64;
-        let mean =
-            |value: &dyn Fn(&FaceParameters) -> f64| faces.iter().map(value).sum::<f64>() / count;
-        let membrane = mean(&|face| face.young * face.thickness);
-        let bending = mean(&|face| {
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
+        let of_faces = |value: fn(&FaceParameters) -> f64| -> Vec<f64> {
+            materials.iter().map(value).collect()
+        };
+        let membrane = mean(&of_faces(|face| face.young * face.thickness));
+        let moduli = of_faces(|face| {
             face.young * face.thickness.powi(3) / (12.0 * (1.0 - face.poisson * face.poisson))
         });
-        let per_area: Vec<f64> = faces
-            .iter()
-            .map(|face| spec.material.density * face.thickness)
-            .collect();
         let mut energy =
             LayerEnergy::with_bending(mesh, rest, parameters, &held, modelling.bending)
                 .map_err(shell)?;
@@ -100,18 +96,15 @@ impl<'a> SheetState<'a> {
         energy.set_rest_angles(rest).map_err(shell)?;
         let areas = energy.vertex_areas().to_vec();
         let mut masses = vec![0.0; areas.len()];
-        let of_faces = ruga_mesh::face_areas(mesh, rest);
-        for ((face, corners), density) in mesh.faces().iter().zip(per_area) {
+        let face_areas = face_areas(mesh, rest);
+        for ((face, corners), material) in mesh.faces().iter().zip(&materials) {
             for v in corners {
-                masses[v.index()] += of_faces[face] * density / 3.0;
+                let density = spec.material.density * material.thickness;
+                masses[v.index()] += face_areas[face] * density / 3.0;
             }
         }
-        let edges = mesh.edges().as_slice().iter();
-        let lengths = edges.map(|edge| {
-            let [a, b] = edge.vertices.map(|v| rest[v.index()]);
-            (b - a).norm()
-        });
-        let shortest = lengths.fold(f64::INFINITY, f64::min);
+        // Not the shortest edge: what is cut along a crease may be as small as it likes.
+        let edge = mean(&mean_edge_lengths(mesh, rest));
         let free: Vec<VertexId> = (0..held.len())
             .map(VertexId::from_index)
             .filter(|v| !held[v.index()])
@@ -131,14 +124,15 @@ impl<'a> SheetState<'a> {
         let kkt = Kkt::new(&pattern, &rows, 3).map_err(solver)?;
         Ok(Self {
             damping: vec![DAMPING * membrane; unknowns],
-            bending,
-            edge: shortest,
+            materials,
             scales: Scales::new(
-                bending,
-                [shortest, longest_side(rest)],
+                mean(&moduli),
+                [edge, longest_side(rest)],
                 (weight, masses.len() as f64),
             ),
-            stiffness: membrane / (shortest * shortest),
+            moduli,
+            edge,
+            stiffness: membrane / (edge * edge),
             moving: Moving {
                 positions: rest.to_vec(),
                 velocities: vec![Vector3::zeros(); rest.len()],
@@ -220,11 +214,60 @@ impl<'a> SheetState<'a> {
         for on_edge in &self.region.skin.creases {
             let crease = &self.spec.creases[on_edge.line];
             let strength = crease.strength(&pose.weights, time);
-            let made = crease.on_edge(on_edge.at, (strength, 1.0), self.bending);
+            let modulus = self.modulus_beside(on_edge.edge);
+            let made = crease.on_edge(on_edge.at, (strength, 1.0), modulus);
             creases.push((on_edge.edge, made));
         }
         let outcome = self.energy.set_creases(&creases);
         outcome.map_err(|source| shell_error(self.spec, source))
+    }
+
+    /// Mean bending modulus of the faces beside an edge, J.
+    fn modulus_beside(&self, edge: EdgeId) -> f64 {
+        let faces = self.region.skin.mesh.edges()[edge].faces.into_iter();
+        let moduli: Vec<f64> = faces
+            .flatten()
+            .map(|face| self.moduli[face.index()])
+            .collect();
+        moduli.iter().sum::<f64>() / moduli.len().max(1) as f64
+    }
+
+    /// How every crease has folded that has edges on the mesh.
+    pub(super) fn crease_reports(&self) -> Vec<CreaseReport> {
+        let states = self.energy.crease_states(&self.moving.positions);
+        let rest = &self.region.skin.rest.positions;
+        let mesh = &self.region.skin.mesh;
+        let reports = self.spec.creases.iter().enumerate().map(|(line, spec)| {
+            let own = self.region.skin.creases.iter().zip(&states);
+            let mut report = CreaseReport::of(spec);
+            for (crease, state) in own.filter(|(crease, _)| crease.line == line) {
+                let [a, b] = mesh.edges()[crease.edge].vertices.map(|v| rest[v.index()]);
+                // There is no surface below that it could be deep in.
+                report.add((b - a).norm(), (state.angle, 0.0), state.energy);
+            }
+            report
+        });
+        let made = reports.filter(|report| report.length > 0.0);
+        made.map(CreaseReport::finished).collect()
+    }
+
+    /// States of the faces: material and energies; a sheet has no compression that wrinkles it.
+    pub(super) fn face_states(&self) -> Vec<FaceState> {
+        let positions = &self.moving.positions;
+        let energies = self.energy.face_energies(positions, positions);
+        let skin = &self.region.skin;
+        let areas = face_areas(&skin.mesh, &skin.rest.positions);
+        let faces = energies.iter().flatten().zip(areas.as_slice());
+        let states = faces
+            .zip(&self.materials)
+            .map(|((energy, area), material)| FaceState {
+                young: material.young,
+                thickness: material.thickness,
+                membrane_energy: energy.membrane / area,
+                bending_energy: energy.bending / area,
+                ..FaceState::default()
+            });
+        states.collect()
     }
 
     fn contact(&self) -> Contact {
@@ -320,25 +363,19 @@ fn holders(sheet: &Sheet, rest: &[Vector3<f64>]) -> Result<Vec<Option<usize>>, S
 /// The material on every face, by the map and the variation of the layer.
 fn face_parameters(spec: &LayerSpec, driver: &Driver, region: &RegionMesh) -> Vec<FaceParameters> {
     let skin = &region.skin;
-    let points = skin.points.points();
-    let rest = &skin.rest.positions;
-    let of_face = |corners: &[VertexId; 3]| {
-        let relative = corners.map(|v| {
-            let i = v.index();
-            uneven(spec, painted(spec, &uv(driver, &points[i])), &rest[i])
-        });
-        let local = relative.map(|relative| relative.scaled(&spec.material));
-        let mean = |value: fn(&LayerMaterial) -> f64| local.iter().map(value).sum::<f64>() / 3.0;
+    let relative = relative_at_vertices(spec, driver, skin);
+    let relative = relative_on_faces(spec, skin, &relative);
+    let of_face = |relative: &RelativeProperties| {
+        let local = relative.scaled(&spec.material);
         FaceParameters {
-            young: mean(|material| material.young),
-            poisson: spec.material.poisson,
-            thickness: mean(|material| material.thickness),
+            young: local.young,
+            poisson: local.poisson,
+            thickness: local.thickness,
             normal_stiffness: 0.0,
             gradient_stiffness: 0.0,
         }
     };
-    let faces = skin.mesh.faces().as_slice().iter();
-    faces.map(of_face).collect()
+    relative.as_slice().iter().map(of_face).collect()
 }
 
 fn shell_error(spec: &LayerSpec, source: ShellError) -> StepperError {

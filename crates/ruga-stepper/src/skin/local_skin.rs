@@ -54,7 +54,6 @@ impl SkinProperties {
                 faces: PerFace::filled(faces, everywhere),
             });
         }
-        let rest = &skin.rest.positions;
         let relative = relative_at_vertices(spec, driver, skin);
         let local = |relative: &RelativeProperties| -> Result<LocalSkin, StepperError> {
             let mut local = local_skin(spec, relative)?;
@@ -63,16 +62,7 @@ impl SkinProperties {
             }
             Ok(local)
         };
-        let corners = skin.mesh.faces().as_slice().iter();
-        let mut of_faces: PerFace<RelativeProperties> = corners
-            .map(|corners| mean(corners.map(|v| relative[v.index()])))
-            .collect();
-        // Corners of such a face lie on the boundary, where paint of both sides is mixed.
-        for (face, inside) in &skin.beside {
-            let corners = skin.mesh.faces()[*face].map(|v| rest[v.index()]);
-            let centre = corners.iter().sum::<Vector3<f64>>() / 3.0;
-            of_faces[*face] = uneven(spec, painted(spec, inside), &centre);
-        }
+        let of_faces = relative_on_faces(spec, skin, &relative);
         Ok(Self {
             faces: of_faces
                 .as_slice()
@@ -84,8 +74,28 @@ impl SkinProperties {
     }
 }
 
+/// Properties on the faces of a mesh, from those at its vertices: the means of their corners (Li 2014, 5.2), except
+/// beside a sharp boundary, where a face has those of a place inside.
+pub(crate) fn relative_on_faces(
+    spec: &LayerSpec,
+    skin: &SkinMesh,
+    at_vertices: &[RelativeProperties],
+) -> PerFace<RelativeProperties> {
+    let corners = skin.mesh.faces().as_slice().iter();
+    let mut of_faces: PerFace<RelativeProperties> = corners
+        .map(|corners| mean(corners.map(|v| at_vertices[v.index()])))
+        .collect();
+    // Corners of such a face lie on the boundary, where paint of both sides is mixed.
+    for (face, inside) in &skin.beside {
+        let corners = skin.mesh.faces()[*face].map(|v| skin.rest.positions[v.index()]);
+        let centre = corners.iter().sum::<Vector3<f64>>() / 3.0;
+        of_faces[*face] = uneven(spec, painted(spec, inside), &centre);
+    }
+    of_faces
+}
+
 /// Properties by the layer's map and its variation at the vertices of a mesh.
-fn relative_at_vertices(
+pub(crate) fn relative_at_vertices(
     spec: &LayerSpec,
     driver: &Driver,
     skin: &SkinMesh,
