@@ -115,16 +115,14 @@ pub enum StepperError {
     /// A handle of a sheet holds nothing.
     #[error(
         "handle '{handle}' from {} m holds no vertex of the sheet, or only what handles before it hold: at rest these reach from {} m; enlarge the box",
-        corners(asked),
-        corners(found)
+        corners(&boxes[0]),
+        corners(&boxes[1])
     )]
     EmptySheetHandle {
         /// Name of the handle.
         handle: String,
-        /// Lowest and highest corner of its box, m.
-        asked: [Vector3<f64>; 2],
-        /// Lowest and highest corner of the box around the sheet's vertices, m.
-        found: [Vector3<f64>; 2],
+        /// Lowest and highest corner of its box, and of the box around the sheet's vertices at rest, m.
+        boxes: Box<[[Vector3<f64>; 2]; 2]>,
     },
     /// Handles hold all of a body.
     #[error("the handles hold every node of the lattice; make them smaller or take more cells")]

@@ -352,8 +352,7 @@ fn holders(sheet: &Sheet, rest: &[Vector3<f64>]) -> Result<Vec<Option<usize>>, S
         if is_empty {
             return Err(StepperError::EmptySheetHandle {
                 handle: handle.name.clone(),
-                asked: [handle.min, handle.max],
-                found: [low, high],
+                boxes: Box::new([[handle.min, handle.max], [low, high]]),
             });
         }
     }
