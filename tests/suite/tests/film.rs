@@ -1,12 +1,7 @@
-//! A film on a half-space against the exact continuum: onset, wavelength, amplitude. On other meshes, on
-//! cylinders and held by rows alone: `cargo xtask validate tests`.
+//! A film on a half-space against the exact continuum: onset, wavelength, amplitude. A softer film, other meshes,
+//! cylinders, films held by rows alone, and films that grow: `cargo xtask validate tests`.
 
-use ruga_validation::{SOFTER, STIFFER, check_film};
-
-#[test]
-fn film_150_times_as_stiff_as_its_base() {
-    check_film(SOFTER, None);
-}
+use ruga_validation::{STIFFER, check_film};
 
 #[test]
 fn film_1000_times_as_stiff_as_its_base() {

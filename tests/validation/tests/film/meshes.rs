@@ -1,6 +1,11 @@
-//! Films on uneven meshes against the exact continuum.
+//! Films on squares and on uneven meshes against the exact continuum.
 
 use ruga_validation::{SOFTER, STIFFER, check_film};
+
+#[test]
+fn squares_150() {
+    check_film(SOFTER, None);
+}
 
 #[test]
 fn uneven_meshes_150() {
