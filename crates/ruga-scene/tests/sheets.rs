@@ -150,7 +150,7 @@ fn mistakes_are_told_in_the_words_of_the_scene() {
         ),
         (
             with(&[LAYER, falling, pose]),
-            ["`handles` is none", "motion in time"],
+            ["holds 0 of 1 parts", "motion in time"],
         ),
         (
             with(&[LAYER, CURL, &far]),

@@ -403,7 +403,7 @@ fn what_a_sheet_cannot_be_is_refused() {
         ..free()
     };
     for (layer, sheet, words) in [
-        (&plain, falling, "`handles` is none"),
+        (&plain, falling, "holds 0 of 1 parts"),
         (&plain, missed, "handle 'pin'"),
         (&plain, fine, "vertex budget"),
         (&plain, huge, "`edge` is NaN"),

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 use ruga_blend::Driver;
-use ruga_mesh::{FaceId, face_areas};
+use ruga_mesh::{FaceId, Id, face_areas};
 
 use super::Sheet;
 use crate::error::refuse;
@@ -34,8 +34,8 @@ const MEAN_EDGE: f64 = 0.75;
 ///
 /// # Errors
 /// [`StepperError::Setting`] for a value out of range or that is no number, for blend-shape weights, anchors of
-/// creases or growth of what lies below, and for a sheet that nothing holds where it is to be in equilibrium under
-/// gravity; motions of something that is not there; an obstacle without a shape.
+/// creases or growth of what lies below, and for a part of the sheet that nothing keeps from falling where it is to be in
+/// equilibrium; motions of something that is not there; an obstacle without a shape.
 pub fn plan_sheet(
     driver: &Arc<Driver>,
     layer: &LayerSpec,
@@ -54,7 +54,7 @@ pub fn plan_sheet(
         check_growth(layer, pose)?;
     }
     sheet.obstacles.iter().try_for_each(obstacle::check)?;
-    check(sheet, modelling)?;
+    check(driver, sheet, modelling)?;
     for pose in poses {
         Moves::new((&sheet.handles, &sheet.obstacles), pose)?;
     }
@@ -121,7 +121,7 @@ pub fn plan_sheet(
     Ok(plan)
 }
 
-fn check(sheet: &Sheet, modelling: &Modelling) -> Result<(), StepperError> {
+fn check(driver: &Driver, sheet: &Sheet, modelling: &Modelling) -> Result<(), StepperError> {
     let of = "sheet";
     if let Some(value) = sheet.gravity.iter().find(|c| !c.is_finite()) {
         return refuse(of, "gravity", value, "finite numbers");
@@ -129,10 +129,23 @@ fn check(sheet: &Sheet, modelling: &Modelling) -> Result<(), StepperError> {
     if let Some(edge) = sheet.edge.filter(|edge| !(*edge > 0.0 && edge.is_finite())) {
         return refuse(of, "edge", edge, "a length above 0, in metres");
     }
-    let falls = sheet.gravity.norm() > 0.0 && sheet.handles.is_empty();
-    if falls && modelling.dynamics.is_none() {
-        let accepted = "a part of it that is held, or motion in time: without a handle it has no equilibrium under gravity";
-        return refuse(of, "handles", "none", accepted);
+    // What lies in the way may hold what nothing else does.
+    let may_fall = sheet.gravity.norm() > 0.0 && sheet.obstacles.is_empty();
+    if may_fall && modelling.dynamics.is_none() {
+        let parts = driver.topology().connected_parts(|_| true);
+        let is_held = |part: &&Vec<FaceId>| {
+            let corners = part
+                .iter()
+                .flat_map(|&face| driver.topology().faces()[face]);
+            let mut places = corners.map(|v| &driver.rest()[v.index()]);
+            places.any(|x| sheet.handles.iter().any(|handle| handle.holds(x)))
+        };
+        let held = parts.iter().filter(is_held).count();
+        if held < parts.len() {
+            let found = format!("what holds {held} of {} parts of the sheet", parts.len());
+            let accepted = "a handle for each part, obstacles in its way, or motion in time: nothing else keeps it from falling";
+            return refuse(of, "handles", found, accepted);
+        }
     }
     Ok(())
 }

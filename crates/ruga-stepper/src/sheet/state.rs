@@ -344,7 +344,7 @@ fn holders(sheet: &Sheet, rest: &[Vector3<f64>]) -> Result<Vec<Option<usize>>, S
         for (holder, x) in holders.iter_mut().zip(rest) {
             let place = handle.turn * x + handle.shift;
             (low, high) = (low.inf(&place), high.sup(&place));
-            if (0..3).all(|c| (handle.min[c]..=handle.max[c]).contains(&place[c])) {
+            if handle.holds(x) {
                 is_empty &= holder.is_some();
                 holder.get_or_insert(number);
             }

@@ -44,6 +44,12 @@ pub struct Handle {
 }
 
 impl Handle {
+    /// Whether a place at rest (m) lies in its box.
+    pub(crate) fn holds(&self, place: &Vector3<f64>) -> bool {
+        let place = self.turn * place + self.shift;
+        (0..3).all(|c| (self.min[c]..=self.max[c]).contains(&place[c]))
+    }
+
     /// A handle whose box lies along the body's own axes.
     pub fn new(name: impl Into<String>, [min, max]: [Vector3<f64>; 2]) -> Self {
         Self {

@@ -26,8 +26,7 @@ impl HeldNodes {
             for element in lattice.elements() {
                 let centre = handle.turn * lattice.element_centre(element) + handle.shift;
                 (low, high) = (low.inf(&centre), high.sup(&centre));
-                let inside = (0..3).all(|c| (handle.min[c]..=handle.max[c]).contains(&centre[c]));
-                if !inside {
+                if !handle.holds(&lattice.element_centre(element)) {
                     continue;
                 }
                 for node in lattice.element_nodes(element) {
