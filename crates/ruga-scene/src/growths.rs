@@ -35,6 +35,29 @@ pub(crate) fn add_growths(
     Ok(())
 }
 
+/// Warnings of growths that no pose switches on; a scene without poses has one for each.
+pub(crate) fn unused_growths(scene: &SceneFile) -> Vec<String> {
+    if scene.poses.is_empty() {
+        return Vec::new();
+    }
+    let is_unused = |growth: &&Growth| {
+        let mut strengths = scene
+            .poses
+            .iter()
+            .filter_map(|pose| pose.growths.get(&growth.name));
+        strengths.all(|strength| *strength == 0.0)
+    };
+    let unused = scene.growths.iter().filter(is_unused);
+    unused
+        .map(|growth| {
+            let name = &growth.name;
+            format!(
+                "growth `{name}`: no pose switches it on, so that it changes nothing; add `growths = {{ {name} = 1.0 }}` to one"
+            )
+        })
+        .collect()
+}
+
 fn spec_of(
     growth: &Growth,
     (path, key): (&Path, &str),

@@ -17,7 +17,7 @@ use ruga_stepper::{
 
 use crate::creases::{CreasedMesh, add_creases, texel_warning};
 use crate::file::{self, SceneFile};
-use crate::growths::add_growths;
+use crate::growths::{add_growths, unused_growths};
 use crate::mask_image::mask;
 use crate::painted_files::tile_files;
 use crate::plan::{ScenePlan, ZonePlan};
@@ -283,6 +283,7 @@ impl Inspection {
         if let Some(layers) = &mut self.layers {
             let added = add_growths(&self.file, &self.path, &self.tiles, layers);
             self.keep(added);
+            self.warnings.extend(unused_growths(&self.file));
         }
         if let Some(layers) = &self.layers {
             let presets = model::preset_warnings(&self.file, layers);

@@ -271,6 +271,18 @@ fn growths_that_are_not_switched_on_change_no_map() {
     assert!(mean > 5e-5, "{mean}");
     let unused = site.maps(&[quick, &grows, &press("")].concat());
     assert!(unused == without);
+    let told = site
+        .read(&[quick, &grows, &press("")].concat())
+        .unwrap()
+        .warnings;
+    let told: Vec<_> = told
+        .iter()
+        .filter(|text| text.contains("no pose switches it on"))
+        .collect();
+    assert!(
+        told.len() == 2 && told[0].starts_with("growth `dry`"),
+        "{told:?}"
+    );
     let off = site.maps(
         &[
             quick,
