@@ -7,7 +7,7 @@ mod sheets;
 use nalgebra::Vector3;
 use ruga_burn::{BurnSettings, BurnSolver, BurnState, FieldMesh, FrontCorrection};
 use ruga_mesh::{Id, PerVertex, TriMesh, face_areas, subdivide};
-use sheets::{Sheet, irregular, unit_front};
+use sheets::{Sheet, delaunay, irregular, unit_front};
 
 const HEAT: BurnSettings = BurnSettings {
     advance: None,
@@ -25,26 +25,10 @@ fn conducted(sheet: &Sheet, step: f64) -> PerVertex<f64> {
     state.into_parts().0
 }
 
-/// The Delaunay triangulation of a sheet's vertices in the plane.
-fn planar_delaunay(sheet: &Sheet) -> Sheet {
-    let points = sheet.positions.iter();
-    let sites: Vec<_> = points
-        .map(|p| delaunator::Point { x: p.x, y: p.y })
-        .collect();
-    let corners = delaunator::triangulate(&sites).triangles;
-    let faces = corners
-        .chunks_exact(3)
-        .map(|f| [f[0], f[2], f[1]].map(|v| v as u32));
-    Sheet {
-        mesh: TriMesh::new(sites.len(), faces.collect()).unwrap(),
-        positions: sheet.positions.clone(),
-    }
-}
-
 #[test]
 fn a_flat_sheet_becomes_the_planar_delaunay_triangulation() {
     let sheet = irregular([16, 12], 0.2, 0.35, 21);
-    let delaunay = planar_delaunay(&sheet);
+    let delaunay = delaunay(sheet.positions.clone());
     let [given, wanted] = [&sheet, &delaunay].map(Sheet::field);
     assert!(given.flips() > 20 && wanted.flips() == 0);
     for (v, area) in given.areas().iter() {

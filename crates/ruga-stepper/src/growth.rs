@@ -294,8 +294,9 @@ fn on_faces<T>(
     let faces = skin.mesh.faces().as_slice().iter();
     let values = faces.map(|corners: &[VertexId; 3]| {
         let frame = triangle_frame(&corners.map(|v| rest[v.index()]));
-        // Directions are those at the corner farthest inside a face of the driver. At a seam of the texture another
-        // corner may be addressed in the island beside, which may lie turned in the texture.
+        // Directions are those at the corner farthest inside a face of the driver. At a seam of the texture a corner
+        // may be addressed in the island beside, which may lie turned in the texture; where all three lie on
+        // edges of the driver, the first one decides, and may be such a corner.
         let inside = |v: &VertexId| {
             points[v.index()]
                 .barycentric

@@ -320,10 +320,10 @@ fn handles_take_their_vertices_along() {
     );
 }
 
-/// One island of the texture lies turned by a right angle: its direction to the right is up on the sheet, and across
-/// the seam nothing is mixed.
+/// One island of the texture lies turned by a right angle: its direction to the right is up on the sheet. Away from
+/// the seam, which this says nothing about, each half grows its own way.
 #[test]
-fn directions_keep_to_their_island() {
+fn directions_are_those_of_the_island() {
     let cells = 8;
     let (mut positions, mut uvs, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
     for half in 0..2u32 {

@@ -88,20 +88,23 @@ pub fn turned(size: [f64; 2], edge: f64, angle: f64, seed: u64) -> Sheet {
             }
         }
     }
-    let sites: Vec<_> = points
-        .iter()
-        .map(|p| delaunator::Point { x: p[0], y: p[1] })
+    let places = points.iter().map(|p| Vector3::new(p[0], p[1], 0.0));
+    delaunay(places.collect())
+}
+
+/// The Delaunay triangulation of places in the plane.
+pub fn delaunay(positions: Vec<Vector3<f64>>) -> Sheet {
+    let sites = positions.iter();
+    let sites: Vec<_> = sites
+        .map(|p| delaunator::Point { x: p.x, y: p.y })
         .collect();
     let corners = delaunator::triangulate(&sites).triangles;
     let faces = corners
         .chunks_exact(3)
         .map(|f| [f[0], f[2], f[1]].map(|v| v as u32));
     Sheet {
-        mesh: TriMesh::new(points.len(), faces.collect()).unwrap(),
-        positions: points
-            .iter()
-            .map(|p| Vector3::new(p[0], p[1], 0.0))
-            .collect(),
+        mesh: TriMesh::new(sites.len(), faces.collect()).unwrap(),
+        positions,
     }
 }
 

@@ -17,7 +17,7 @@ use crate::{
     StepperError,
 };
 
-/// Newton decrement of a result, and of a state that is only passed, in bending moduli.
+/// Newton decrement of a result, and of a state that is only passed, in the sheet's energy scale.
 const RESULT: f64 = 1e-6;
 const PASSING: f64 = 1e-4;
 
@@ -104,6 +104,7 @@ struct SheetRun<'a> {
     result: PoseResult,
     /// Steps that were divided.
     divided: usize,
+    /// Solves of all steps, whole and divided.
     solves: usize,
     /// Share of the compressive stress stiffness that the last step left out at first.
     relaxation: f64,
