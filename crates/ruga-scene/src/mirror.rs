@@ -180,6 +180,8 @@ impl Mirror {
             artist,
             face_states: layer.face_states.clone(),
             computed: ComputedMesh::default(),
+            // Sheets are simulated whole.
+            burnt: None,
         }
     }
 

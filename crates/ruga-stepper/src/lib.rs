@@ -103,7 +103,7 @@ pub use result::{
     PoseResult,
 };
 
-pub use sheet::{SHEET_EDGES, Sheet, plan_sheet};
+pub use sheet::{BurntSurface, SHEET_EDGES, Sheet, plan_sheet};
 
 pub use support::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape};
 

@@ -7,7 +7,7 @@ use ruga_solver::{SolveReport, StopRule};
 use crate::skin::material_places::uv;
 use crate::skin::measure::waviness;
 use crate::skin::skin_mesh::SkinMesh;
-use crate::{CreaseSpec, LayerPlan, PaintedRanges};
+use crate::{BurntSurface, CreaseSpec, LayerPlan, PaintedRanges};
 
 /// One layer in one load step, with the smooth driver under each of its vertices.
 #[derive(Clone, Debug, Default)]
@@ -38,6 +38,8 @@ pub struct LayerSurface {
     /// State of every triangle, for an observer who wants it
     /// ([`Observer::wants_face_states`](crate::Observer::wants_face_states)).
     pub face_states: Option<Vec<FaceState>>,
+    /// Temperature and fuel of a sheet that burns; the triangles above are then what is left of it.
+    pub burnt: Option<BurntSurface>,
 }
 
 /// Material and load of a layer on one triangle of its output mesh: means over the triangles of the mesh that it

@@ -1,5 +1,6 @@
 //! A free thin sheet: a layer that lies on nothing, held by handles and pushed by obstacles.
 
+mod burnt;
 mod carried;
 mod objective;
 mod plan;
@@ -10,6 +11,7 @@ use nalgebra::Vector3;
 
 use crate::{Handle, Obstacle};
 
+pub use burnt::BurntSurface;
 pub use plan::{SHEET_EDGES, plan_sheet};
 
 /// A free sheet's surroundings and the resolution of its mesh.

@@ -52,6 +52,7 @@ impl SheetState<'_> {
             artist: region.artist(),
             computed: ComputedMesh::new(driver, &region.skin, own),
             face_states: None,
+            burnt: None,
         }
     }
 }

@@ -42,6 +42,7 @@ impl Layer {
             artist: self.region.artist(),
             computed,
             face_states: None,
+            burnt: None,
         }
     }
 
