@@ -78,7 +78,9 @@ fn shared_inputs(scene: &Scene) -> Result<Fingerprint, CliError> {
     let growths = scene.file.growths.iter();
     let grown = growths.flat_map(|growth| [&growth.image, &growth.direction_image]);
     let grown = grown.filter_map(Option::as_deref);
-    for image in painted.chain(grown) {
+    let burnt = scene.file.burn.iter().flat_map(|burn| burn.images());
+    let burnt = burnt.map(|(_, image)| image);
+    for image in painted.chain(grown).chain(burnt) {
         for file in scene.image_files(image) {
             // Which of the tiles a file is of counts, too.
             if scene.is_tiled() {

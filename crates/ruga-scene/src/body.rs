@@ -3,7 +3,7 @@
 use ruga_io::MeshFile;
 use ruga_material::Substrate;
 use ruga_stepper::{
-    Body, Handle, Keyframe, LayerSpec, Motion, Obstacle, ObstacleShape, PoseSpec, Sheet,
+    Body, Fire, Handle, Keyframe, LayerSpec, Motion, Obstacle, ObstacleShape, PoseSpec, Sheet,
     SolidMaterial,
 };
 
@@ -25,7 +25,7 @@ pub(crate) fn set_motions(scene: &SceneFile, mesh: &MeshFile, poses: &mut [PoseS
 }
 
 /// What acts on the layer, where it is a free sheet.
-pub(crate) fn sheet_of(scene: &SceneFile, mesh: &MeshFile) -> Option<Sheet> {
+pub(crate) fn sheet_of(scene: &SceneFile, mesh: &MeshFile, fire: Option<Fire>) -> Option<Sheet> {
     let sheet = scene.sheet.as_ref()?;
     let placement = Placement::of(mesh);
     Some(Sheet {
@@ -33,6 +33,7 @@ pub(crate) fn sheet_of(scene: &SceneFile, mesh: &MeshFile) -> Option<Sheet> {
         handles: handles(&sheet.handles, &placement),
         obstacles: obstacles(&sheet.obstacles, &placement),
         edge: sheet.edge,
+        fire,
     })
 }
 

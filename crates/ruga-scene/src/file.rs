@@ -3,6 +3,7 @@
 //! The structs keep the raw values of the file, defaults filled in; [`Layer::definition`] and
 //! [`Substrate::definition`] say which of the ways to describe a material was used.
 
+mod burn;
 mod creases;
 mod fault;
 mod growths;
@@ -29,6 +30,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use burn::{Burn, BurnMap, BurnSource, Char};
 pub use creases::{Anchor, Corners, Crease, Drive, Fold};
 pub use growths::Growth;
 pub use interior::{Cylinder, Handle, Interior, Motion, Movers, Obstacle, Plane, Sphere};
@@ -99,6 +101,9 @@ pub struct SceneFile {
     /// If given, the layer is a thin sheet that lies on nothing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sheet: Option<Sheet>,
+    /// If given, the sheet burns.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub burn: Option<Burn>,
 }
 
 /// The mesh and the part of it that is simulated.

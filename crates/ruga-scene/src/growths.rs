@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use ruga_material::UvTile;
-use ruga_stepper::{Grows, GrowthDirection, GrowthPaint, GrowthSpec, LayerSpec};
+use ruga_stepper::{Grows, GrowthDirection, GrowthSpec, LayerSpec, PaintedNumber};
 
 use crate::SceneError;
 use crate::file::{Growth, SceneFile};
@@ -64,8 +64,8 @@ fn spec_of(
     tiles: &[UvTile],
 ) -> Result<GrowthSpec, SceneError> {
     let [along, across] = growth.changes();
-    let paint = |image: &Path| -> Result<GrowthPaint, SceneError> {
-        Ok(GrowthPaint {
+    let paint = |image: &Path| -> Result<PaintedNumber, SceneError> {
+        Ok(PaintedNumber {
             image: mask(image, (path, &format!("{key}.image")), tiles)?,
             range: growth.range,
         })
@@ -91,6 +91,11 @@ fn direction(
     named: (&Path, &str),
     tiles: &[UvTile],
 ) -> Result<GrowthDirection, SceneError> {
-    let [right, up] = channel_masks(image, named, tiles)?;
+    let [right, up] = channel_masks(
+        image,
+        named,
+        tiles,
+        "red, the part to the right, and green, the part up",
+    )?;
     Ok(GrowthDirection::Painted { right, up })
 }

@@ -43,6 +43,7 @@ mod details;
 mod engine_names;
 mod error;
 pub mod file;
+mod fire;
 mod folds;
 mod growth_presets;
 mod growths;

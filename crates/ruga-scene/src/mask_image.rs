@@ -25,17 +25,19 @@ pub(crate) fn mask(
     })
 }
 
-/// The red and the green channel of a file that `key` of a scene names, on a mesh with these tiles.
-pub(crate) fn channel_masks(
+/// The first `N` of the red, the green and the blue channel of a file that `key` of a scene names, on a mesh with
+/// these tiles; of a grey image the refusal tells what they mean.
+pub(crate) fn channel_masks<const N: usize>(
     file: &Path,
     named: (&Path, &str),
     tiles: &[UvTile],
-) -> Result<[Mask; 2], SceneError> {
+    meaning: &str,
+) -> Result<[Mask; N], SceneError> {
     let files = tile_files(file, tiles).into_iter();
-    let pairs = files.map(|(tile, file)| Ok((tile, square_channels(&file, named)?)));
+    let pairs = files.map(|(tile, file)| Ok((tile, square_channels(&file, named, meaning)?)));
     let mut pairs = pairs.collect::<Result<Vec<_>, SceneError>>()?;
     Ok(match are_tiled(tiles) {
-        true => [0, 1].map(|channel| {
+        true => std::array::from_fn(|channel| {
             let of_tiles = pairs.iter();
             Mask::of_tiles(of_tiles.map(|(tile, masks)| (*tile, masks[channel].clone())))
         }),
@@ -49,12 +51,15 @@ fn square_mask(file: &Path, named: (&Path, &str)) -> Result<Mask, SceneError> {
     square([image.width, image.height], image.values, named)
 }
 
-/// Red and green in one file, over a unit square.
-fn square_channels(file: &Path, named: (&Path, &str)) -> Result<[Mask; 2], SceneError> {
+/// Channels in one file, over a unit square.
+fn square_channels<const N: usize>(
+    file: &Path,
+    named: (&Path, &str),
+    meaning: &str,
+) -> Result<[Mask; N], SceneError> {
     let image = read_image(file).map_err(|source| unreadable(named, source))?;
     if image.channels != 3 {
-        let reason =
-            "found 1 channel; accepted: red, the part to the right, and green, the part up";
+        let reason = format!("found 1 channel; accepted: {meaning}");
         let source = IoError::malformed(file, "channels", reason);
         return Err(unreadable(named, source));
     }
@@ -67,7 +72,9 @@ fn square_channels(file: &Path, named: (&Path, &str)) -> Result<[Mask; 2], Scene
         });
         square([image.width, image.height], values.collect(), named)
     };
-    Ok([plane(0)?, plane(1)?])
+    let planes = (0..N).map(plane).collect::<Result<Vec<_>, _>>()?;
+    let planes = <[Mask; N]>::try_from(planes);
+    Ok(planes.unwrap_or_else(|_| unreachable!("one mask for each of N channels")))
 }
 
 fn unreadable((scene, key): (&Path, &str), source: IoError) -> SceneError {

@@ -77,7 +77,11 @@ pub(crate) fn warnings(scene: &SceneFile, tiles: &[UvTile]) -> Vec<String> {
         });
         image.into_iter().chain(direction)
     });
-    let all = masks.chain(painted).chain(growths);
+    let burnt = scene.burn.iter().flat_map(|burn| {
+        let images = burn.images().into_iter();
+        images.map(|(key, image)| (key, image, "it is black there"))
+    });
+    let all = masks.chain(painted).chain(growths).chain(burnt);
     all.filter_map(|(key, image, meaning)| warning((&key, image), meaning, tiles))
         .collect()
 }

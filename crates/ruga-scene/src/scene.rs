@@ -11,7 +11,7 @@ use ruga_blend::{Driver, nearest};
 use ruga_io::{IoError, MeshFile, ObjOptions, read_mesh};
 use ruga_material::UvTile;
 use ruga_stepper::{
-    BYTES_PER_TEXEL, Body, LatticeError, LayerSpec, Modelling, PoseSpec, Region, Sheet,
+    BYTES_PER_TEXEL, Body, Fire, LatticeError, LayerSpec, Modelling, PoseSpec, Region, Sheet,
     StepperError, plan, plan_body, plan_sheet,
 };
 
@@ -208,6 +208,7 @@ pub struct Inspection {
     pub warnings: Vec<String>,
     /// Errors that keep the scene from being planned.
     pub problems: Vec<SceneError>,
+    pub(crate) fire: Option<Fire>,
     points_per_wavelength: Option<f64>,
 }
 
@@ -228,6 +229,7 @@ impl Inspection {
             poses: None,
             warnings: Vec::new(),
             problems: Vec::new(),
+            fire: None,
             points_per_wavelength: options.points_per_wavelength,
         };
         // Read first, because images are read for its tiles; what is wrong with it is told after the layers.
@@ -237,6 +239,7 @@ impl Inspection {
         }
         inspection.look_at_layers();
         inspection.look_at_mesh(mesh, &options.poses);
+        inspection.look_at_fire();
         inspection.look_at_masks();
         inspection.look_at_symmetry();
         Ok(inspection)
@@ -256,7 +259,7 @@ impl Inspection {
         let region = self.region.expect(whole);
         Ok(Scene {
             body: body::body_of(&self.file, &mesh, &layers),
-            sheet: body::sheet_of(&self.file, &mesh),
+            sheet: body::sheet_of(&self.file, &mesh, self.fire),
             modelling: model::modelling(&self.file, region, self.points_per_wavelength),
             path: self.path,
             file: self.file,

@@ -148,6 +148,18 @@ pub struct SolveReport {
 }
 
 impl SolveReport {
+    /// The report of a solve without unknowns, which is solved as it is.
+    pub fn nothing_to_solve() -> Self {
+        Self {
+            converged: true,
+            stop: StopRule::Residual,
+            energy: 0.0,
+            residual: 0.0,
+            decrement: 0.0,
+            ..Self::empty()
+        }
+    }
+
     /// The report of a solve that has not begun.
     pub(crate) fn empty() -> Self {
         Self {

@@ -4,6 +4,7 @@ use std::fmt::Display;
 
 use nalgebra::Vector3;
 use ruga_blend::BlendError;
+use ruga_burn::BurnError;
 use ruga_constraint::ConstraintError;
 use ruga_lattice::LatticeError;
 use ruga_material::MaterialError;
@@ -124,6 +125,12 @@ pub enum StepperError {
         /// Lowest and highest corner of its box, and of the box around the sheet's vertices at rest, m.
         boxes: Box<[[Vector3<f64>; 2]; 2]>,
     },
+    /// A sheet cannot burn as it is asked to.
+    #[error("burn: {source}")]
+    Burn {
+        /// Description of the mistake.
+        source: Box<BurnError>,
+    },
     /// Handles hold all of a body.
     #[error("the handles hold every node of the lattice; make them smaller or take more cells")]
     HeldBody,
@@ -209,6 +216,14 @@ impl Halt {
             Err(Self::Interrupted) => Ok(None),
             Err(Self::Failed(error)) => Err(error),
         }
+    }
+}
+
+impl StepperError {
+    /// What is wrong with a fire.
+    pub(crate) fn burn(source: BurnError) -> Self {
+        let source = Box::new(source);
+        Self::Burn { source }
     }
 }
 

@@ -7,7 +7,7 @@ use ruga_mesh::{FaceId, Id, PerFace, VertexId, triangle_frame};
 use crate::run::strain_ratio::relative_to;
 use crate::skin::material_places::uv;
 use crate::skin::skin_mesh::SkinMesh;
-use crate::{LayerSpec, Mask, PoseSpec};
+use crate::{LayerSpec, Mask, PaintedNumber, PoseSpec};
 
 /// Changes of rest lengths that a layer can have in a pose, all of its growths together: an isotropic shrinkage
 /// to two fifths of the length leaves a sixth of the area, and beyond twice the length film theory, which caps
@@ -39,7 +39,7 @@ pub struct GrowthSpec {
     /// Direction of `along`.
     pub direction: GrowthDirection,
     /// Painted share of it, everywhere 1 without paint.
-    pub paint: Option<GrowthPaint>,
+    pub paint: Option<PaintedNumber>,
 }
 
 /// What a [`GrowthSpec`] changes.
@@ -67,15 +67,6 @@ pub enum GrowthDirection {
     },
 }
 
-/// Painted share of a growth.
-#[derive(Clone, Debug)]
-pub struct GrowthPaint {
-    /// Grey image; black where it is not.
-    pub image: Mask,
-    /// Shares at black and at white.
-    pub range: [f64; 2],
-}
-
 impl GrowthSpec {
     /// Range of the changes of length that a strength of it may bring anywhere, of the layer against what is below;
     /// no numbers where one of its own is none.
@@ -91,28 +82,9 @@ impl GrowthSpec {
         [low, against.fold(f64::NEG_INFINITY, f64::max)]
     }
 
-    /// Direction in the texture, of any length; zero where the paint has none.
-    fn direction_at(&self, uv: Vector2<f64>) -> Vector2<f64> {
-        // V points down in the texture.
-        match &self.direction {
-            GrowthDirection::Angle(angle) => Vector2::new(angle.cos(), -angle.sin()),
-            GrowthDirection::Painted { right, up } => {
-                let part = |mask: &Mask| 2.0 * mask.grey(uv) - 1.0;
-                let direction = Vector2::new(part(right), -part(up));
-                match direction.norm() < FAINTEST_DIRECTION {
-                    true => Vector2::zeros(),
-                    false => direction,
-                }
-            }
-        }
-    }
-
     /// Share of it that is painted at a texture coordinate.
     fn share(&self, uv: Vector2<f64>) -> f64 {
-        self.paint.as_ref().map_or(1.0, |paint| {
-            let [low, high] = paint.range;
-            low + (high - low) * paint.image.grey(uv)
-        })
+        self.paint.as_ref().map_or(1.0, |paint| paint.at(uv))
     }
 
     /// A tensor with these values along the direction and across it, as it is painted at a texture coordinate of a
@@ -123,7 +95,7 @@ impl GrowthSpec {
         (place, facet): (&Place, &Facet),
         [x, y]: &[Vector3<f64>; 2],
     ) -> Matrix2<f64> {
-        let direction = facet.in_space(&self.direction_at(place.direction_at));
+        let direction = facet.in_space(&self.direction.at(place.direction_at));
         let direction = Vector2::new(direction.dot(x), direction.dot(y));
         let tensor = match direction.try_normalize(0.0) {
             Some(direction) => {
@@ -133,6 +105,37 @@ impl GrowthSpec {
             None => Matrix2::identity() * (0.5 * (along + across)),
         };
         tensor * self.share(place.uv)
+    }
+}
+
+impl GrowthDirection {
+    /// Direction in the texture, of any length; zero where the paint has none.
+    fn at(&self, uv: Vector2<f64>) -> Vector2<f64> {
+        // V points down in the texture.
+        match self {
+            Self::Angle(angle) => Vector2::new(angle.cos(), -angle.sin()),
+            Self::Painted { right, up } => {
+                let part = |mask: &Mask| 2.0 * mask.grey(uv) - 1.0;
+                let direction = Vector2::new(part(right), -part(up));
+                match direction.norm() < FAINTEST_DIRECTION {
+                    true => Vector2::zeros(),
+                    false => direction,
+                }
+            }
+        }
+    }
+
+    /// Unit directions on the faces of `skin`, in their rest frames; `None` where the paint has none, or the texture
+    /// no area.
+    pub(crate) fn on_skin(
+        &self,
+        driver: &Driver,
+        skin: &SkinMesh,
+    ) -> PerFace<Option<Vector2<f64>>> {
+        on_faces(driver, skin, |(places, facet), [x, y]| {
+            let direction = facet.in_space(&self.at(places[0].direction_at));
+            Vector2::new(direction.dot(x), direction.dot(y)).try_normalize(0.0)
+        })
     }
 }
 

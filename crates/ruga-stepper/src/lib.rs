@@ -93,17 +93,17 @@ pub use plan::{
 };
 
 pub use crease::{CreaseAnchor, CreaseSpec};
-pub use growth::{GROWTH_RANGE, Grows, GrowthDirection, GrowthPaint, GrowthSpec};
-pub use mask::Mask;
+pub use growth::{GROWTH_RANGE, Grows, GrowthDirection, GrowthSpec};
+pub use mask::{Mask, PaintedNumber};
 pub use model::{
     Coupling, Dynamics, EdgeLimits, LayerSpec, Modelling, PoseSpec, Presence, Region, Stack,
 };
 pub use result::{
-    ComputedMesh, CreaseReport, FaceState, FoldSample, KeyResult, LayerReport, LayerSurface,
-    PoseResult,
+    ComputedMesh, CreaseReport, FaceState, FireReport, FoldSample, KeyResult, LayerReport,
+    LayerSurface, PoseResult,
 };
 
-pub use sheet::{BurntSurface, SHEET_EDGES, Sheet, plan_sheet};
+pub use sheet::{BurntSurface, Fire, FireSource, Heats, SHEET_EDGES, Sheet, plan_sheet};
 
 pub use support::{Body, Handle, Keyframe, Motion, Obstacle, ObstacleShape};
 
@@ -112,6 +112,7 @@ pub use observer::{Frame, Observer, Phase, Preparation, Progress, Silent};
 pub use error::StepperError;
 // A layer and its modelling are chosen, and refused, in these words; a caller needs no other crate for
 // them.
+pub use ruga_burn::FrontDesign;
 pub use ruga_constraint::Sampling;
 pub use ruga_lattice::{LatticeError, Shape as CellShape, SolidMaterial};
 pub use ruga_shell::{BendingModel, FoldSense};

@@ -23,6 +23,23 @@ enum Tiles {
     Udim(BTreeMap<UvTile, Picture>),
 }
 
+/// A number that is painted as grey.
+#[derive(Clone, Debug)]
+pub struct PaintedNumber {
+    /// Grey image; black where it is not.
+    pub image: Mask,
+    /// Numbers at black and at white.
+    pub range: [f64; 2],
+}
+
+impl PaintedNumber {
+    /// The number at a texture coordinate.
+    pub(crate) fn at(&self, uv: Vector2<f64>) -> f64 {
+        let [low, high] = self.range;
+        low + (high - low) * self.image.grey(uv)
+    }
+}
+
 /// A grey image over a unit square.
 #[derive(Clone, Debug)]
 struct Picture {

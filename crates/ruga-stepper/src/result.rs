@@ -150,6 +150,27 @@ pub struct LayerReport {
     pub onset_load: Option<f64>,
     /// Creases that have edges on its mesh.
     pub creases: Vec<CreaseReport>,
+    /// What its fire has done, of a sheet that burns.
+    pub fire: Option<FireReport>,
+}
+
+/// What a fire on a sheet has done.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FireReport {
+    /// Vertices of the mesh of temperature and fuel.
+    pub field_vertices: usize,
+    /// Share of the fuel that is left.
+    pub fuel_left: f64,
+    /// Mass that is left, kg.
+    pub mass: f64,
+    /// Median speed of the front where it has passed, m/s.
+    pub front_speed: Option<f64>,
+    /// Pieces that the sheet is in.
+    pub pieces: usize,
+    /// Pieces that have vanished: they were too small, or had fallen far.
+    pub vanished: usize,
+    /// Area of these when fresh, m².
+    pub vanished_area: f64,
 }
 
 /// How a crease has folded, at the last load.

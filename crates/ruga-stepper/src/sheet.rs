@@ -1,17 +1,25 @@
 //! A free thin sheet: a layer that lies on nothing, held by handles and pushed by obstacles.
 
+mod burning;
 mod burnt;
 mod carried;
+mod cut_surface;
+mod field_grid;
+mod fire;
 mod objective;
+mod pieces;
 mod plan;
 mod run;
+mod standing;
 mod state;
 
 use nalgebra::Vector3;
 
-use crate::{Handle, Obstacle};
+use crate::support::Moves;
+use crate::{Handle, Obstacle, PoseSpec, StepperError};
 
 pub use burnt::BurntSurface;
+pub use fire::{Fire, FireSource, Heats};
 pub use plan::{SHEET_EDGES, plan_sheet};
 
 /// A free sheet's surroundings and the resolution of its mesh.
@@ -25,4 +33,14 @@ pub struct Sheet {
     pub obstacles: Vec<Obstacle>,
     /// Longest edge of its mesh, m; `None` for a sixtieth of its longest side.
     pub edge: Option<f64>,
+    /// Fire on it.
+    pub fire: Option<Fire>,
+}
+
+impl Sheet {
+    /// The motions of a pose, checked.
+    fn moves<'a>(&'a self, pose: &'a PoseSpec) -> Result<Moves<'a>, StepperError> {
+        let balls: Vec<&str> = self.fire.iter().flat_map(Fire::movers).collect();
+        Moves::new((&self.handles, &self.obstacles), &balls, pose)
+    }
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use patch::{draft, driver, skin};
 use ruga_stepper::{
-    Coupling, Grows, GrowthDirection, GrowthPaint, GrowthSpec, LayerSpec, Mask, Modelling, Plan,
+    Coupling, Grows, GrowthDirection, GrowthSpec, LayerSpec, Mask, Modelling, PaintedNumber, Plan,
     PlannedFace, PoseSpec, Silent, Stack, plan,
 };
 
@@ -158,7 +158,7 @@ fn its_direction_is_that_of_the_texture() {
 fn it_is_where_it_is_painted() {
     let image = Mask::new(4, 1, vec![0.0, 0.0, 1.0, 1.0]).expect("a mask");
     let spec = GrowthSpec {
-        paint: Some(GrowthPaint {
+        paint: Some(PaintedNumber {
             image,
             range: [-0.5, 1.0],
         }),

@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{Vector2, Vector3};
 use ruga_material::{LayerMaterial, Substrate, WavelengthModel, Wrinkling, wrinkling};
 use ruga_stepper::{
-    Grows, GrowthDirection, GrowthPaint, GrowthSpec, LayerSpec, LayerSurface, Mask, Modelling,
-    Observer, PoseResult, Progress, Silent, StepperError, plan,
+    Grows, GrowthDirection, GrowthSpec, LayerSpec, LayerSurface, Mask, Modelling, Observer,
+    PaintedNumber, PoseResult, Progress, Silent, StepperError, plan,
 };
 
 use crate::{FlatSurface, Lines, patch_driver, patch_pose};
@@ -195,7 +195,7 @@ impl FlatFilm {
             across: 0.0,
             curl: [0.0; 2],
             direction: GrowthDirection::Angle(0.0),
-            paint: Some(GrowthPaint {
+            paint: Some(PaintedNumber {
                 image: image.expect("greys from 0 to 1"),
                 range: [0.0, 1.0],
             }),

@@ -5,6 +5,8 @@ use ruga_stepper::CellShape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::BurnSource;
+
 /// `[interior]`: layers on an embedded lattice (Rémillard and Kry 2013).
 ///
 /// What lies inside has the Young's modulus and the Poisson ratio of `[substrate]`. All lengths are
@@ -59,6 +61,7 @@ impl Interior {
             table: "interior",
             handles: &self.handles,
             obstacles: &self.obstacles,
+            sources: &[],
         }
     }
 }
@@ -72,13 +75,19 @@ pub struct Movers<'a> {
     pub handles: &'a [Handle],
     /// What nothing can enter.
     pub obstacles: &'a [Obstacle],
+    /// What is hot; only balls move.
+    pub sources: &'a [BurnSource],
 }
 
 impl<'a> Movers<'a> {
-    /// Names of handles, then of obstacles.
+    /// Names of handles, of obstacles, then of hot balls.
     pub fn names(&self) -> impl Iterator<Item = &'a str> + use<'a> {
         let handles = self.handles.iter().map(|handle| handle.name.as_str());
-        handles.chain(self.obstacles.iter().map(|obstacle| obstacle.name.as_str()))
+        let obstacles = self.obstacles.iter().map(|obstacle| obstacle.name.as_str());
+        let balls = self.sources.iter().filter(|source| source.sphere.is_some());
+        handles
+            .chain(obstacles)
+            .chain(balls.map(|source| source.name.as_str()))
     }
 }
 

@@ -78,6 +78,12 @@ impl SceneFile {
             let images = [&mut growth.image, &mut growth.direction_image];
             images.into_iter().flatten().for_each(resolve);
         }
+        if let Some(burn) = &mut self.burn {
+            burn.ash_image.iter_mut().for_each(resolve);
+            burn.map.iter_mut().for_each(|map| resolve(&mut map.image));
+            let images = burn.sources.iter_mut().flat_map(|source| &mut source.image);
+            images.for_each(resolve);
+        }
         let network = self
             .memory
             .iter_mut()

@@ -7,8 +7,9 @@ use serde::de::{Deserialize, Deserializer, Error, Visitor};
 use serde_json::{Map, Value};
 
 use super::{
-    Anchor, Bake, Crease, Cylinder, Driver, Growth, Handle, Interior, Layer, Memory, Motion,
-    Obstacle, Pack, Plane, Pose, PropertyMap, Remesh, SceneFile, Sheet, Solver, Sphere, Substrate,
+    Anchor, Bake, Burn, BurnMap, BurnSource, Char, Crease, Cylinder, Driver, Growth, Handle,
+    Interior, Layer, Memory, Motion, Obstacle, Pack, Plane, Pose, PropertyMap, Remesh, SceneFile,
+    Sheet, Solver, Sphere, Substrate,
 };
 
 /// One table of a scene.
@@ -70,6 +71,10 @@ pub fn reference() -> Vec<Table> {
             "[interior.obstacles.cylinder]",
         ),
         table::<Sheet>("sheet", "[sheet]"),
+        table::<Burn>("burn", "[burn]"),
+        table::<Char>("burn.char", "[burn.char]"),
+        table::<BurnMap>("burn.map", "[burn.map]"),
+        table::<BurnSource>("burn.sources", "[[burn.sources]]"),
     ]
 }
 

@@ -37,6 +37,7 @@ impl Sheet {
             table: "sheet",
             handles: &self.handles,
             obstacles: &self.obstacles,
+            sources: &[],
         }
     }
 }

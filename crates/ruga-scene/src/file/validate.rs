@@ -156,6 +156,7 @@ impl SceneFile {
             }
         }
         self.sheet_faults()?;
+        self.burn_faults()?;
         self.pose_faults()?;
         self.solver_faults()?;
         self.remesh_faults()?;
@@ -174,7 +175,12 @@ impl SceneFile {
     /// What poses can move, in a scene with a body or a sheet.
     fn movers(&self) -> Option<Movers<'_>> {
         let of_body = self.interior.as_ref().map(|interior| interior.movers());
-        of_body.or(self.sheet.as_ref().map(|sheet| sheet.movers()))
+        let sources = self.burn.as_ref().map_or(&[][..], |burn| &burn.sources);
+        let of_sheet = self.sheet.as_ref().map(|sheet| Movers {
+            sources,
+            ..sheet.movers()
+        });
+        of_body.or(of_sheet)
     }
 
     /// Whether a body or a sheet moves without anything of a pose: gravity acts on it, or creases fold it.
@@ -183,7 +189,7 @@ impl SceneFile {
         let of_sheet = self.sheet.as_ref().map(|sheet| sheet.gravity);
         let gravity = of_body.or(of_sheet);
         let is_creased = self.sheet.is_some() && !self.creases.is_empty();
-        is_creased || gravity.is_some_and(|gravity| gravity != [0.0; 3])
+        is_creased || self.burn.is_some() || gravity.is_some_and(|gravity| gravity != [0.0; 3])
     }
 
     fn pose_faults(&self) -> Checked {

@@ -95,7 +95,7 @@ impl Plane {
 }
 
 impl Sphere {
-    fn faults(&self, key: &str) -> Checked {
+    pub(super) fn faults(&self, key: &str) -> Checked {
         finite(&format!("{key}.centre"), &self.centre)?;
         positive(&format!("{key}.radius"), self.radius)
     }

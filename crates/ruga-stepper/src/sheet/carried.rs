@@ -16,6 +16,7 @@ impl SheetState<'_> {
     /// at its place.
     pub(super) fn artist_positions(&self, driver: &Driver) -> Vec<Vector3<f64>> {
         let mut positions = driver.rest().to_vec();
+        let carried = self.carried_positions();
         let skin = &self.region.skin;
         for (i, point) in skin.points.points().iter().enumerate() {
             let on = point
@@ -25,7 +26,7 @@ impl SheetState<'_> {
             if let Some(corner) = on {
                 let v = driver.topology().faces()[point.face][corner].index();
                 // Of a curved mesh the smooth surface lies beside its vertices, and stays so far beside them.
-                let displacement = self.moving.positions[i] - skin.rest.positions[i];
+                let displacement = carried[i] - skin.rest.positions[i];
                 positions[v] = driver.rest()[v] + displacement;
             }
         }

@@ -6,12 +6,12 @@ use nalgebra::Vector3;
 use ruga_blend::Driver;
 use ruga_mesh::{FaceId, Id, face_areas};
 
-use super::Sheet;
-use crate::error::refuse;
+use super::field_grid::levels;
+use super::{Fire, Sheet};
+use crate::error::{Checked, refuse};
 use crate::plan::body_cost::cost;
 use crate::plan::stacking::Stacking;
 use crate::plan::surface_measures::faces_within;
-use crate::support::Moves;
 use crate::support::obstacle;
 use crate::validation::{
     check_growth, check_layer, check_map_size, check_modelling, check_pose, check_sheet_layer,
@@ -21,6 +21,10 @@ use crate::{LayerPlan, LayerSpec, LoadPath, Modelling, Plan, PosePlan, PoseSpec,
 
 /// Edges along the longest side of a sheet that says nothing of them ([`Sheet::edge`]).
 pub const SHEET_EDGES: f64 = 60.0;
+
+/// Longest edges of a sheet that burns, over the width of the front, unless it says something else of them: across the
+/// burning zone, of about two widths, its shrinkage then has four.
+const FRONT_EDGES: f64 = 0.5;
 
 /// Edges of triangles that are halved until none is too long, over the longest allowed: they end between half
 /// and all of it.
@@ -53,14 +57,21 @@ pub fn plan_sheet(
         check_sheet_pose(pose)?;
         check_growth(layer, pose)?;
     }
+    if let Some(fire) = &sheet.fire {
+        check_fire(driver, layer, fire, poses, modelling)?;
+    }
     sheet.obstacles.iter().try_for_each(obstacle::check)?;
     check(driver, sheet, modelling)?;
     for pose in poses {
-        Moves::new((&sheet.handles, &sheet.obstacles), pose)?;
+        sheet.moves(pose)?;
     }
-    let edge = sheet
-        .edge
-        .unwrap_or(longest_side(driver.rest()) / SHEET_EDGES);
+    let even = longest_side(driver.rest()) / SHEET_EDGES;
+    let of_front = |fire: &Fire| FRONT_EDGES * fire.front.width;
+    let finest = sheet
+        .fire
+        .as_ref()
+        .map_or(even, |fire| even.min(of_front(fire)));
+    let edge = sheet.edge.unwrap_or(finest);
     let topology = driver.topology();
     let areas = face_areas(topology, driver.rest());
     let area: f64 = areas.as_slice().iter().sum();
@@ -73,6 +84,9 @@ pub fn plan_sheet(
             modelling.vertex_budget
         );
         refuse("sheet", "edge", format!("{edge} m"), accepted)?;
+    }
+    if let Some(fire) = &sheet.fire {
+        check_fields(fire, (MEAN_EDGE * edge, vertices), modelling.vertex_budget)?;
     }
     let faces: Vec<FaceId> = topology.faces().ids().collect();
     let pose_plan = |pose: &PoseSpec| {
@@ -104,7 +118,7 @@ pub fn plan_sheet(
     };
     let plan = Plan {
         poses: poses.iter().map(pose_plan).collect(),
-        warnings: warnings(sheet, modelling),
+        warnings: warnings((driver, sheet), modelling, map_size),
         interior: None,
         driver: Arc::clone(driver),
         modelling: modelling.clone(),
@@ -150,7 +164,53 @@ fn check(driver: &Driver, sheet: &Sheet, modelling: &Modelling) -> Result<(), St
     Ok(())
 }
 
-fn warnings(sheet: &Sheet, modelling: &Modelling) -> Vec<String> {
+/// Refuses what a fire on a layer cannot be simulated with.
+fn check_fire(
+    driver: &Driver,
+    layer: &LayerSpec,
+    fire: &Fire,
+    poses: &[PoseSpec],
+    modelling: &Modelling,
+) -> Checked {
+    fire.check(driver)?;
+    poses.iter().try_for_each(|pose| fire.check_pose(pose))?;
+    if modelling.dynamics.is_none() {
+        let accepted = "motion in time (`mode = \"dynamic\"`), as a fire takes time";
+        return refuse("burn", "mode", "equilibria", accepted);
+    }
+    if let Some(crease) = layer.creases.first() {
+        let found = format!("crease '{}'", crease.name);
+        return refuse("burn", "creases", found, "none on a sheet that burns");
+    }
+    Ok(())
+}
+
+/// Refuses a mesh of temperature and fuel that is finer than the budget allows; that of the sheet has a mean edge (m)
+/// and so many vertices.
+fn check_fields(fire: &Fire, (edge, vertices): (f64, usize), budget: usize) -> Checked {
+    let wanted = fire.front.width / fire.edges_per_width;
+    let finer = 4_f64.powi(levels(edge, wanted) as i32);
+    let fields = finer * vertices as f64;
+    if fields <= budget as f64 {
+        return Ok(());
+    }
+    let wider = fire.front.width * (fields / budget as f64).sqrt();
+    let accepted = format!(
+        "from about {wider:.1e} m: its mesh takes {fields:.1e} vertices, and the vertex budget is {budget}"
+    );
+    refuse(
+        "burn",
+        "front_width",
+        format!("{} m", fire.front.width),
+        accepted,
+    )
+}
+
+fn warnings(
+    (driver, sheet): (&Driver, &Sheet),
+    modelling: &Modelling,
+    map_size: u32,
+) -> Vec<String> {
     let is_loose = sheet.handles.is_empty() && sheet.obstacles.is_empty();
     let falls = sheet.gravity.norm() > 0.0 && is_loose && modelling.dynamics.is_some();
     let falling = falls.then(|| {
@@ -159,7 +219,11 @@ fn warnings(sheet: &Sheet, modelling: &Modelling) -> Vec<String> {
             "sheet: it is held nowhere and nothing is in its way, so that it falls for ever, towards [{x:.2}, {y:.2}, {z:.2}]; give it handles or obstacles"
         )
     });
-    falling.into_iter().collect()
+    let of_fire = sheet
+        .fire
+        .iter()
+        .flat_map(|fire| fire.warnings(driver, map_size));
+    falling.into_iter().chain(of_fire).collect()
 }
 
 /// Longest side of the upright box around some places, m.

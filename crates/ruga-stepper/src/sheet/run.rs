@@ -50,7 +50,7 @@ impl Plan {
             return Ok(result);
         };
         let spec = &self.specs[pose];
-        let moves = Moves::new((&sheet.handles, &sheet.obstacles), spec)?;
+        let moves = sheet.moves(spec)?;
         let report = LayerReport {
             vertices: state.vertex_count(),
             faces: state.region.skin.mesh.face_count(),
@@ -127,7 +127,7 @@ impl SheetRun<'_> {
             if self.solves > solves + 1 {
                 self.divided += 1;
             }
-            self.frame(load, observer);
+            self.frame(load, observer)?;
             from = load;
         }
         Ok(Ending::Reached)
@@ -221,7 +221,7 @@ impl SheetRun<'_> {
     }
 
     /// Reports the frame at a fraction of the pose.
-    fn frame(&mut self, load: f64, observer: &mut dyn Observer) {
+    fn frame(&mut self, load: f64, observer: &mut dyn Observer) -> Result<(), StepperError> {
         let is_key = self.pose.has_key(load);
         if is_key || observer.wants_frames() {
             let driver = &self.plan.driver;
@@ -229,6 +229,9 @@ impl SheetRun<'_> {
             let mut surface = self.state.surface(driver, &artist);
             if observer.wants_face_states() {
                 surface.face_states = Some(self.state.face_states());
+            }
+            if let Some(fire) = self.state.fire() {
+                surface = self.state.cut(surface, fire)?;
             }
             let layers = vec![surface];
             observer.frame(&Frame {
@@ -245,11 +248,33 @@ impl SheetRun<'_> {
             }
         }
         self.result.frames += 1;
+        Ok(())
     }
 
     fn warn(&mut self, warning: &str) {
         let (pose, layer) = (&self.pose.name, &self.state.spec.name);
         self.result.warn(pose, layer, warning);
+    }
+
+    /// Warns of a fire that has done nothing, or has left nothing where it matters.
+    fn tell_of_fire(&mut self) {
+        let Some((_, burning)) = self.state.fire() else {
+            return;
+        };
+        let has_burnt = burning.has_burnt();
+        if !has_burnt && self.result.converged {
+            self.warn("nothing has burnt: no source has touched the sheet for long enough; bring one nearer, make it hotter or give it a larger `coefficient`");
+        }
+        if self.state.is_gone() {
+            self.warn(
+                "all of it has burnt or fallen off before the end; maps show nothing from there on",
+            );
+            return;
+        }
+        let burnt: Vec<String> = self.state.burnt_handles().map(str::to_owned).collect();
+        for handle in burnt {
+            self.warn(&format!("all that handle '{handle}' held has burnt"));
+        }
     }
 
     fn finished(mut self, ending: Ending) -> PoseResult {
@@ -269,6 +294,8 @@ impl SheetRun<'_> {
                 "{divided} of its steps had to be divided; take more `steps`"
             ));
         }
+        self.report.fire = self.state.fire_report();
+        self.tell_of_fire();
         // Where the pose ended early, growth and folds of the step that failed are still in place.
         if ending == Ending::Reached {
             self.report.energy = self.state.elastic_energy();

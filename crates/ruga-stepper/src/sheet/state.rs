@@ -1,46 +1,48 @@
 //! A sheet on its mesh: what it is made of, where it is, and what holds it.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix2, Vector3};
 use ruga_blend::Driver;
 use ruga_material::RelativeProperties;
-use ruga_mesh::{EdgeId, Id, VertexId, face_areas, mean_edge_lengths};
-use ruga_shell::{FaceParameters, LayerEnergy, LayerParameters, ShellError};
-use ruga_solver::{Iteration, Kkt, LowerPattern, NewtonSettings, SolveReport, SolverError};
+use ruga_mesh::{EdgeId, FaceId, Id, PerFace, face_areas, mean_edge_lengths};
+use ruga_shell::{BendingModel, FaceParameters, ShellError};
+use ruga_solver::{Iteration, NewtonSettings, SolveReport, SolverError};
 
 use super::Sheet;
+use super::burning::{Burning, FireState, Remains};
 use super::objective::{Scales, SheetObjective};
+use super::pieces::{Around, let_go, stands};
 use super::plan::longest_side;
+use super::standing::Standing;
 use crate::growth::PoseGrowth;
 use crate::run::layer_objective::{gather, scatter};
 use crate::skin::local_skin::{relative_at_vertices, relative_on_faces};
-use crate::skin::skin_mesh::RegionMesh;
+use crate::skin::skin_mesh::{RegionMesh, SkinMesh};
 use crate::support::Moves;
 use crate::support::contact::Contact;
 use crate::support::motion::{Inertia, velocities};
 use crate::support::obstacle::PlacedObstacle;
-use crate::{CreaseReport, Dynamics, FaceState, LayerSpec, Modelling, PoseSpec, StepperError};
+use crate::{
+    CreaseReport, Dynamics, FaceState, FireReport, LayerSpec, Modelling, PoseSpec, StepperError,
+};
 
 /// Distance at which an obstacle begins to push, in mean edges of the mesh: what it holds off lies on chords
 /// between its vertices, which are about as far from a round obstacle.
 const REACH: f64 = 0.1;
-
-/// Levenberg damping in units of the mean membrane stiffness of a vertex: gives motions of a loose sheet a sign.
-const DAMPING: f64 = 1e-10;
 
 /// State of a free sheet during one pose: its mesh, its energy, what holds it, and where it is.
 pub(super) struct SheetState<'a> {
     pub(super) spec: &'a LayerSpec,
     sheet: &'a Sheet,
     pub(super) region: RegionMesh,
-    energy: LayerEnergy,
-    pattern: LowerPattern,
-    kkt: Kkt,
-    free: Vec<VertexId>,
-    /// The handle that holds a vertex.
+    bending: BendingModel,
+    standing: Standing,
+    /// The handle that holds a vertex, and whether one does.
     holders: Vec<Option<usize>>,
+    held: Vec<bool>,
     masses: Vec<f64>,
-    areas: Vec<f64>,
-    damping: Vec<f64>,
+    /// Rest area of every face, m², and its mass per area, kg/m².
+    face_areas: PerFace<f64>,
+    densities: Vec<f64>,
     /// Material on every face, and its bending modulus, J.
     materials: Vec<FaceParameters>,
     moduli: Vec<f64>,
@@ -52,15 +54,17 @@ pub(super) struct SheetState<'a> {
     pub(super) moving: Moving,
     /// Faces whose natural curvature is more than their edges can show.
     pub(super) capped: usize,
+    fire: Option<FireState<'a>>,
 }
 
-/// Positions and velocities of a sheet, and places of obstacles.
+/// Positions and velocities of a sheet, places of obstacles, and what has burnt.
 #[derive(Clone, Debug)]
 pub(super) struct Moving {
     pub(super) positions: Vec<Vector3<f64>>,
     /// Per second, or where a step is an equilibrium per whole pose.
     velocities: Vec<Vector3<f64>>,
     obstacles: Vec<PlacedObstacle>,
+    burning: Option<Burning>,
 }
 
 impl<'a> SheetState<'a> {
@@ -71,15 +75,15 @@ impl<'a> SheetState<'a> {
         region: RegionMesh,
         modelling: &Modelling,
     ) -> Result<Self, StepperError> {
-        let shell = |source| shell_error(spec, source);
         let skin = &region.skin;
         let holders = holders(sheet, &skin.rest.positions)?;
         let held: Vec<bool> = holders.iter().map(Option::is_some).collect();
+        if held.iter().all(|held| *held) {
+            return Err(StepperError::NoRoom {
+                layer: spec.name.clone(),
+            });
+        }
         let materials = face_parameters(spec, driver, &region);
-        let parameters = LayerParameters {
-            tangential_stiffness: vec![0.0; skin.mesh.vertex_count()],
-            faces: materials.clone(),
-        };
         let (mesh, rest) = (&skin.mesh, skin.rest.positions.as_slice());
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
         let of_faces = |value: fn(&FaceParameters) -> f64| -> Vec<f64> {
@@ -89,48 +93,33 @@ impl<'a> SheetState<'a> {
         let moduli = of_faces(|face| {
             face.young * face.thickness.powi(3) / (12.0 * (1.0 - face.poisson * face.poisson))
         });
-        let mut energy =
-            LayerEnergy::with_bending(mesh, rest, parameters, &held, modelling.bending)
-                .map_err(shell)?;
-        // A curved sheet has no stress where it is at rest.
-        energy.set_rest_angles(rest).map_err(shell)?;
-        let areas = energy.vertex_areas().to_vec();
-        let mut masses = vec![0.0; areas.len()];
+        let bending = modelling.bending;
+        let part = Standing::whole(skin);
+        let standing = Standing::new(spec, skin, part, &materials, &held, bending)?;
         let face_areas = face_areas(mesh, rest);
-        for ((face, corners), material) in mesh.faces().iter().zip(&materials) {
-            for v in corners {
-                let density = spec.material.density * material.thickness;
-                masses[v.index()] += face_areas[face] * density / 3.0;
-            }
-        }
+        let densities = materials
+            .iter()
+            .map(|face| face.thickness * spec.material.density);
+        let densities: Vec<f64> = densities.collect();
+        let on_faces = face_areas.as_slice().iter().zip(&densities);
+        let on_faces: Vec<f64> = on_faces.map(|(area, density)| area * density).collect();
+        let masses = lumped(skin, &on_faces);
         // Not the shortest edge: what is cut along a crease may be as small as it likes.
         let edge = mean(&mean_edge_lengths(mesh, rest));
-        let free: Vec<VertexId> = (0..held.len())
-            .map(VertexId::from_index)
-            .filter(|v| !held[v.index()])
-            .collect();
-        if free.is_empty() {
-            return Err(StepperError::NoRoom {
-                layer: spec.name.clone(),
-            });
-        }
-        let solver = |source| solver_error(spec, source);
-        let (starts, entries) = energy.blocks().shared();
-        let pattern = LowerPattern::new(starts, entries).map_err(solver)?;
-        let unknowns = 3 * free.len();
         let weight = masses.iter().sum::<f64>() * sheet.gravity.norm();
-        let rows = ruga_solver::ConstraintRows::new(vec![0], Vec::new(), Vec::new(), unknowns);
-        let rows = rows.map_err(solver)?;
-        let kkt = Kkt::new(&pattern, &rows, 3).map_err(solver)?;
+        let fire = sheet
+            .fire
+            .as_ref()
+            .map(|fire| FireState::new(fire, (driver, &region), materials.clone()));
+        let (fire, burning) = fire.transpose()?.unzip();
         Ok(Self {
-            damping: vec![DAMPING * membrane; unknowns],
-            materials,
             scales: Scales::new(
                 mean(&moduli),
                 [edge, longest_side(rest)],
                 (weight, masses.len() as f64),
             ),
             moduli,
+            materials,
             edge,
             stiffness: membrane / (edge * edge),
             moving: Moving {
@@ -141,18 +130,20 @@ impl<'a> SheetState<'a> {
                     .iter()
                     .map(PlacedObstacle::at_rest)
                     .collect(),
+                burning,
             },
             capped: 0,
+            bending,
+            standing,
             spec,
             sheet,
-            region,
-            energy,
-            pattern,
-            kkt,
-            free,
+            held,
             holders,
             masses,
-            areas,
+            face_areas,
+            densities,
+            fire,
+            region,
         })
     }
 
@@ -160,8 +151,8 @@ impl<'a> SheetState<'a> {
         self.masses.len()
     }
 
-    /// Puts handles, obstacles, growth and creases where they are at a fraction of a pose, and free vertices where
-    /// their velocity takes them from an earlier one.
+    /// Puts handles, obstacles, growth, fire and creases where they are at a fraction of a pose, and free vertices
+    /// where their velocity takes them from an earlier one.
     pub(super) fn place(
         &mut self,
         driver: &Driver,
@@ -169,6 +160,7 @@ impl<'a> SheetState<'a> {
         [from, time]: [f64; 2],
         inertia: Option<&Inertia>,
     ) -> Result<(), StepperError> {
+        self.burn((moves, time), inertia)?;
         let rest = &self.region.skin.rest.positions;
         let placements: Vec<_> = (0..self.sheet.handles.len())
             .map(|handle| moves.handle(handle, time))
@@ -180,8 +172,7 @@ impl<'a> SheetState<'a> {
         }
         self.moving.obstacles = moves.obstacles(time);
         if !self.is_touched() {
-            for v in &self.free {
-                let i = v.index();
+            for i in self.free() {
                 self.moving.positions[i] = match inertia {
                     Some(inertia) => inertia.centres[i],
                     // Where equilibria follow each other they go on as before.
@@ -189,19 +180,105 @@ impl<'a> SheetState<'a> {
                 };
             }
         }
-        self.grow(driver, pose, time)?;
+        self.shape(driver, pose, time)?;
         self.fold(pose, time)
     }
 
-    fn grow(&mut self, driver: &Driver, pose: &PoseSpec, time: f64) -> Result<(), StepperError> {
-        let growth = PoseGrowth::new(self.spec, pose);
-        let Some(stretches) = growth.on_skin(driver, &self.region.skin, time) else {
+    /// Lets it burn during a step in time, and takes away what has burnt.
+    fn burn(
+        &mut self,
+        (moves, at): (&Moves<'_>, f64),
+        inertia: Option<&Inertia>,
+    ) -> Result<(), StepperError> {
+        let Moving {
+            positions, burning, ..
+        } = &mut self.moving;
+        let (Some(fire), Some(burning), Some(inertia)) = (&mut self.fire, burning, inertia) else {
             return Ok(());
         };
-        let curvatures = growth.curls_on_skin(driver, &self.region.skin, time);
-        let outcome = self.energy.set_rest_metric(stretches.as_slice());
-        let outcome =
-            outcome.and_then(|()| self.energy.set_natural_curvatures(curvatures.as_slice()));
+        let skin = &self.region.skin;
+        let rest = &skin.rest.positions;
+        fire.advance(
+            burning,
+            (&skin.mesh, positions),
+            (moves, at),
+            inertia.time_step(),
+        )?;
+        let around = Around {
+            mesh: &skin.mesh,
+            rest,
+            positions,
+            held: &self.held,
+            side: longest_side(rest),
+            least: fire.least_piece(),
+        };
+        let remains = let_go(fire, burning, &around)?;
+        let standing = skin
+            .mesh
+            .faces()
+            .ids()
+            .filter(|face| stands(&remains[*face]));
+        let standing: Vec<FaceId> = standing.collect();
+        if !self.standing.is_of(&standing) {
+            let part = skin.mesh.submesh(&standing);
+            let (materials, held) = (&self.materials, &self.held);
+            self.standing = Standing::new(self.spec, skin, part, materials, held, self.bending)?;
+        }
+        Ok(())
+    }
+
+    /// What the fire has left of every face.
+    fn remains(&self) -> Result<Option<(&FireState<'a>, PerFace<Remains>)>, StepperError> {
+        let Some((fire, burning)) = self.fire() else {
+            return Ok(None);
+        };
+        Ok(Some((fire, fire.remains(burning)?)))
+    }
+
+    /// Gives it the rest shape and the material that growth and fire have made.
+    fn shape(&mut self, driver: &Driver, pose: &PoseSpec, time: f64) -> Result<(), StepperError> {
+        let growth = PoseGrowth::new(self.spec, pose);
+        let skin = &self.region.skin;
+        let grown = growth.on_skin(driver, skin, time);
+        if grown.is_none() && self.fire.is_none() {
+            return Ok(());
+        }
+        let faces = skin.mesh.face_count();
+        let one = Matrix2::identity();
+        let mut stretches = grown.unwrap_or_else(|| PerFace::filled(faces, one));
+        let mut curvatures = growth.curls_on_skin(driver, skin, time);
+        if let Some((fire, remains)) = self.remains()? {
+            let mut masses = vec![0.0; faces];
+            let mut materials = self.materials.clone();
+            for face in self.standing.part.faces.as_slice() {
+                let burnt = fire.face(*face, &remains[*face])?;
+                // What has grown burns: fire shrinks the lengths that growth has left.
+                stretches[*face] = burnt.stretch * stretches[*face];
+                curvatures[*face] += burnt.curvature;
+                materials[face.index()] = burnt.material;
+                let left = self.face_areas[*face] * remains[*face].share;
+                masses[face.index()] = left * self.densities[face.index()] * burnt.mass;
+            }
+            let shares: Vec<f64> = self
+                .standing
+                .of_faces(remains.as_slice(), |remains| remains.share);
+            let parameters = self.standing.of_faces(&materials, |material| *material);
+            self.masses = lumped(skin, &masses);
+            self.materials = materials;
+            let energy = &mut self.standing.energy;
+            let set = energy.set_face_parameters(&parameters);
+            let set = set.and_then(|()| energy.set_area_left(&shares));
+            set.map_err(|source| shell_error(self.spec, source))?;
+        }
+        let stretches = self
+            .standing
+            .of_faces(stretches.as_slice(), |stretch| *stretch);
+        let curvatures = self
+            .standing
+            .of_faces(curvatures.as_slice(), |curvature| *curvature);
+        let energy = &mut self.standing.energy;
+        let outcome = energy.set_rest_metric(&stretches);
+        let outcome = outcome.and_then(|()| energy.set_natural_curvatures(&curvatures));
         self.capped = outcome.map_err(|source| shell_error(self.spec, source))?;
         Ok(())
     }
@@ -218,7 +295,7 @@ impl<'a> SheetState<'a> {
             let made = crease.on_edge(on_edge.at, (strength, 1.0), modulus);
             creases.push((on_edge.edge, made));
         }
-        let outcome = self.energy.set_creases(&creases);
+        let outcome = self.standing.energy.set_creases(&creases);
         outcome.map_err(|source| shell_error(self.spec, source))
     }
 
@@ -234,7 +311,7 @@ impl<'a> SheetState<'a> {
 
     /// How every crease has folded that has edges on the mesh.
     pub(super) fn crease_reports(&self) -> Vec<CreaseReport> {
-        let states = self.energy.crease_states(&self.moving.positions);
+        let states = self.standing.energy.crease_states(&self.moving.positions);
         let rest = &self.region.skin.rest.positions;
         let mesh = &self.region.skin.mesh;
         let reports = self.spec.creases.iter().enumerate().map(|(line, spec)| {
@@ -253,21 +330,41 @@ impl<'a> SheetState<'a> {
 
     /// States of the faces: material and energies; a sheet has no compression that wrinkles it.
     pub(super) fn face_states(&self) -> Vec<FaceState> {
-        let positions = &self.moving.positions;
-        let energies = self.energy.face_energies(positions, positions);
-        let skin = &self.region.skin;
-        let areas = face_areas(&skin.mesh, &skin.rest.positions);
-        let faces = energies.iter().flatten().zip(areas.as_slice());
-        let states = faces
-            .zip(&self.materials)
-            .map(|((energy, area), material)| FaceState {
+        let positions = self.standing.of_vertices(&self.moving.positions);
+        let energies = self.standing.energy.face_energies(&positions, &positions);
+        let faces = energies
+            .iter()
+            .flatten()
+            .zip(self.standing.part.faces.as_slice());
+        let mut states = vec![FaceState::default(); self.face_areas.len()];
+        for (energy, face) in faces {
+            let (area, material) = (self.face_areas[*face], &self.materials[face.index()]);
+            states[face.index()] = FaceState {
                 young: material.young,
                 thickness: material.thickness,
                 membrane_energy: energy.membrane / area,
                 bending_energy: energy.bending / area,
                 ..FaceState::default()
-            });
-        states.collect()
+            };
+        }
+        states
+    }
+
+    /// Numbers of the vertices that are there and that nothing holds.
+    fn free(&self) -> impl Iterator<Item = usize> + use<> {
+        let vertices = &self.standing.part.vertices;
+        let free = self.standing.free.iter();
+        let free: Vec<usize> = free.map(|v| vertices[*v].index()).collect();
+        free.into_iter()
+    }
+
+    /// Whether every face is still there.
+    pub(super) fn stands(&self) -> Vec<bool> {
+        let mut stands = vec![false; self.face_areas.len()];
+        for face in self.standing.part.faces.as_slice() {
+            stands[face.index()] = true;
+        }
+        stands
     }
 
     fn contact(&self) -> Contact {
@@ -276,14 +373,18 @@ impl<'a> SheetState<'a> {
     }
 
     fn is_touched(&self) -> bool {
-        self.contact().value(&self.moving.positions, &self.areas) > 0.0
+        let positions = self.standing.of_vertices(&self.moving.positions);
+        let areas = self.standing.energy.vertex_areas();
+        self.contact().value(&positions, areas) > 0.0
     }
 
     /// Whether a vertex got through an obstacle on its way from an earlier state.
     pub(super) fn has_passed(&self, before: &Moving) -> bool {
-        let start = (before.obstacles.as_slice(), before.positions.as_slice());
+        let [start, end] =
+            [before, &self.moving].map(|at| self.standing.of_vertices(&at.positions));
+        let start = (before.obstacles.as_slice(), start.as_slice());
         let contact = self.contact();
-        contact.is_passed(start, &self.moving.positions, self.edge)
+        contact.is_passed(start, &end, self.edge)
     }
 
     /// Finds the equilibrium near the present state, or the end of a step in time, and moves there.
@@ -293,18 +394,25 @@ impl<'a> SheetState<'a> {
         (modelling, settings): (&Modelling, &NewtonSettings),
         keep_going: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Result<SolveReport, StepperError> {
-        let mut unknowns = gather(&self.free, &self.moving.positions);
+        if self.standing.free.is_empty() {
+            return Ok(SolveReport::nothing_to_solve());
+        }
+        let mut positions = self.standing.of_vertices(&self.moving.positions);
+        let free = &self.standing.free;
+        let mut unknowns = gather(free, &positions);
+        let inertia =
+            inertia.map(|inertia| inertia.of_part(self.standing.of_vertices(&inertia.centres)));
         let objective = SheetObjective {
-            energy: &self.energy,
-            free: &self.free,
-            positions: &self.moving.positions,
-            pattern: &self.pattern,
-            damping: &self.damping,
-            masses: &self.masses,
-            areas: &self.areas,
+            energy: &self.standing.energy,
+            free,
+            positions: &positions,
+            pattern: &self.standing.pattern,
+            damping: &self.standing.damping,
+            masses: &self.standing.of_vertices(&self.masses),
+            areas: self.standing.energy.vertex_areas(),
             gravity: self.sheet.gravity,
             contact: self.contact(),
-            inertia,
+            inertia: inertia.as_ref(),
             scales: self.scales,
         };
         let settings = NewtonSettings {
@@ -312,10 +420,11 @@ impl<'a> SheetState<'a> {
             ..*settings
         };
         let minimise = modelling.minimise;
-        let kkt = &mut self.kkt;
+        let kkt = &mut self.standing.kkt;
         let solved = minimise(&objective, &[], &mut unknowns, kkt, &settings, keep_going);
         let report = solved.map_err(|source| solver_error(self.spec, source))?;
-        scatter(&self.free, &unknowns, &mut self.moving.positions);
+        scatter(&self.standing.free, &unknowns, &mut positions);
+        self.standing.put(&positions, &mut self.moving.positions);
         Ok(report)
     }
 
@@ -331,8 +440,61 @@ impl<'a> SheetState<'a> {
 
     /// Elastic energy, J.
     pub(super) fn elastic_energy(&self) -> f64 {
-        self.energy.value(&self.moving.positions)
+        let positions = self.standing.of_vertices(&self.moving.positions);
+        self.standing.energy.value(&positions)
     }
+
+    /// The fire and what it has done.
+    pub(super) fn fire(&self) -> Option<(&FireState<'a>, &Burning)> {
+        self.fire.as_ref().zip(self.moving.burning.as_ref())
+    }
+
+    /// Whether nothing is left of it.
+    pub(super) fn is_gone(&self) -> bool {
+        self.standing.part.faces.is_empty()
+    }
+
+    /// What the fire has done.
+    pub(super) fn fire_report(&self) -> Option<FireReport> {
+        let (fire, burning) = self.fire()?;
+        let pieces = self.standing.part.mesh.connected_parts(|_| true).len();
+        Some(fire.report(burning, (self.masses.iter().sum(), pieces)))
+    }
+
+    /// Handles of which all that they held has burnt or fallen off.
+    pub(super) fn burnt_handles(&self) -> impl Iterator<Item = &str> {
+        let mut holds = vec![false; self.sheet.handles.len()];
+        for v in self.standing.part.vertices.as_slice() {
+            if let Some(handle) = self.holders[v.index()] {
+                holds[handle] = true;
+            }
+        }
+        let handles = self.sheet.handles.iter().zip(holds);
+        handles
+            .filter(|(_, holds)| !holds)
+            .map(|(handle, _)| handle.name.as_str())
+    }
+
+    /// Positions of all vertices, of which those that are gone go with the nearest that is there, m.
+    pub(super) fn carried_positions(&self) -> Vec<Vector3<f64>> {
+        let mesh = &self.region.skin.mesh;
+        self.standing.carried(
+            mesh,
+            &self.region.skin.rest.positions,
+            &self.moving.positions,
+        )
+    }
+}
+
+/// Masses of the vertices from those of the faces.
+fn lumped(skin: &SkinMesh, of_faces: &[f64]) -> Vec<f64> {
+    let mut masses = vec![0.0; skin.mesh.vertex_count()];
+    for (corners, mass) in skin.mesh.faces().as_slice().iter().zip(of_faces) {
+        for v in corners {
+            masses[v.index()] += mass / 3.0;
+        }
+    }
+    masses
 }
 
 /// The handle of every vertex; of the first in whose box it is at rest.
@@ -377,14 +539,14 @@ fn face_parameters(spec: &LayerSpec, driver: &Driver, region: &RegionMesh) -> Ve
     relative.as_slice().iter().map(of_face).collect()
 }
 
-fn shell_error(spec: &LayerSpec, source: ShellError) -> StepperError {
+pub(super) fn shell_error(spec: &LayerSpec, source: ShellError) -> StepperError {
     StepperError::Shell {
         layer: spec.name.clone(),
         source,
     }
 }
 
-fn solver_error(spec: &LayerSpec, source: SolverError) -> StepperError {
+pub(super) fn solver_error(spec: &LayerSpec, source: SolverError) -> StepperError {
     StepperError::Solver {
         layer: spec.name.clone(),
         source,

@@ -66,15 +66,18 @@ pub(crate) struct Moves<'a> {
 }
 
 impl<'a> Moves<'a> {
+    /// The motions of a pose, checked; `others` are names of what can be moved beside handles and obstacles.
     pub(crate) fn new(
         (handles, obstacles): (&'a [Handle], &'a [Obstacle]),
+        others: &[&str],
         pose: &'a PoseSpec,
     ) -> Result<Self, StepperError> {
         obstacles.iter().try_for_each(check)?;
         for motion in &pose.motions {
-            let held = handles.iter().map(|handle| &handle.name);
-            let mut names = held.chain(obstacles.iter().map(|obstacle| &obstacle.name));
-            if !names.any(|name| *name == motion.of) {
+            let held = handles.iter().map(|handle| handle.name.as_str());
+            let in_the_way = obstacles.iter().map(|obstacle| obstacle.name.as_str());
+            let mut names = held.chain(in_the_way).chain(others.iter().copied());
+            if !names.any(|name| name == motion.of) {
                 return Err(StepperError::UnknownMover {
                     pose: pose.name.clone(),
                     name: motion.of.clone(),
@@ -101,7 +104,7 @@ impl<'a> Moves<'a> {
 
     /// What can be moved of a body.
     pub(crate) fn of_body(body: &'a Body, pose: &'a PoseSpec) -> Result<Self, StepperError> {
-        Self::new((&body.handles, &body.obstacles), pose)
+        Self::new((&body.handles, &body.obstacles), &[], pose)
     }
 
     /// Placement of handle number `handle`.
@@ -117,6 +120,11 @@ impl<'a> Moves<'a> {
                 placement: Placement::at(self.motion_of(&obstacle.name), time),
             })
             .collect()
+    }
+
+    /// Where a place of something else that moves, given at rest (m), is.
+    pub(crate) fn place_of(&self, name: &str, rest: &Vector3<f64>, time: f64) -> Vector3<f64> {
+        Placement::at(self.motion_of(name), time).apply(rest)
     }
 
     /// When a keyframe is passed, in no order.

@@ -35,6 +35,17 @@ impl Inertia {
         }
     }
 
+    /// The same step of some of its places, which have these centres (m).
+    pub(crate) fn of_part(&self, centres: Vec<Vector3<f64>>) -> Self {
+        let dynamics = self.dynamics;
+        Self { dynamics, centres }
+    }
+
+    /// Length of the step, s.
+    pub(crate) fn time_step(&self) -> f64 {
+        self.dynamics.time_step
+    }
+
     /// Stiffness that stands for a mass (kg), N/m; of a mass of one, `w`.
     pub(crate) fn weight(&self, mass: f64) -> f64 {
         let Dynamics { time_step, damping } = self.dynamics;

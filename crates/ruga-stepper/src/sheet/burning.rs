@@ -1,0 +1,414 @@
+//! Temperature and fuel of a burning sheet, and what they make of its triangles.
+
+use nalgebra::{Matrix2, Vector2, Vector3};
+use ruga_blend::Driver;
+use ruga_burn::{BurnSettings, BurnSolver, BurnState, FieldMesh, Source};
+use ruga_material::{FreshSheet, ShrinkLaw};
+use ruga_mesh::{FaceId, Id, PerFace, PerVertex, TriMesh, VertexId, triangle_frame};
+use ruga_remesh::shares_left;
+use ruga_shell::FaceParameters;
+
+use super::field_grid::{FieldGrid, levels};
+use super::fire::{Fire, Heats};
+use crate::skin::material_places::uv;
+use crate::skin::skin_mesh::RegionMesh;
+use crate::support::Moves;
+use crate::{BurntSurface, FireReport, PaintedNumber, StepperError};
+
+/// Least fuel share above the one at which a sheet falls off, where it never does.
+const KEPT: f64 = 0.01;
+
+/// Fuel share that is left when the front counts as having passed.
+const PASSED: f64 = 0.5;
+
+/// Fuel share from which on a triangle counts as burning: less is rounding.
+const TOUCHED: f64 = 1e-9;
+
+/// A fire on one sheet: its law, its mesh, and what the sheet is made of.
+pub(super) struct FireState<'a> {
+    fire: &'a Fire,
+    pub(super) grid: FieldGrid,
+    solver: BurnSolver,
+    /// Shares of the field mesh's faces that the solver knows to conduct.
+    conducting: Option<PerFace<f64>>,
+    /// Fuel share at which every vertex of the field mesh falls off.
+    ash: Vec<f64>,
+    /// Per face of the sheet: its material when fresh, how it shrinks, and the direction of its grain.
+    fresh: Vec<FaceParameters>,
+    laws: PerFace<ShrinkLaw>,
+    grains: PerFace<Option<Vector2<f64>>>,
+    /// Rest area of every face of the sheet, m².
+    areas: Vec<f64>,
+}
+
+/// What a fire has done so far.
+#[derive(Clone, Debug)]
+pub(super) struct Burning {
+    state: BurnState,
+    /// Vertices of the field mesh that went with a piece that fell off.
+    fallen: Vec<bool>,
+    /// When the front passed every vertex of the field mesh (s); no number before.
+    passed: Vec<f64>,
+    /// Time since the beginning, s.
+    time: f64,
+    /// Pieces that have vanished, and their area when fresh, m².
+    vanished: (usize, f64),
+}
+
+/// What is left of a triangle of the sheet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Remains {
+    /// Share of its area.
+    pub(super) share: f64,
+    /// Mean fuel share of that.
+    fuel: f64,
+}
+
+/// Rest shape and material of a triangle of the sheet.
+pub(super) struct BurntFace {
+    pub(super) stretch: Matrix2<f64>,
+    /// Natural curvature, 1/m.
+    pub(super) curvature: Matrix2<f64>,
+    pub(super) material: FaceParameters,
+    /// Mass of the whole face over that of the fresh one.
+    pub(super) mass: f64,
+}
+
+impl<'a> FireState<'a> {
+    pub(super) fn new(
+        fire: &'a Fire,
+        (driver, region): (&Driver, &RegionMesh),
+        fresh: Vec<FaceParameters>,
+    ) -> Result<(Self, Burning), StepperError> {
+        let skin = &region.skin;
+        let lengths = skin.mesh.edges().as_slice().iter().map(|edge| {
+            let [a, b] = edge.vertices.map(|v| skin.rest.positions[v.index()]);
+            (b - a).norm()
+        });
+        let mean_edge = lengths.sum::<f64>() / skin.mesh.edges().len().max(1) as f64;
+        let wanted = fire.front.width / fire.edges_per_width;
+        let grid = FieldGrid::new(region, levels(mean_edge, wanted));
+        let uvs = grid.vertex_uvs();
+        let law = fire.law()?;
+        let fields = FieldMesh::new(&grid.mesh, &grid.rest).map_err(StepperError::burn)?;
+        let painted = |paint: &Option<PaintedNumber>, plain: f64| -> Vec<f64> {
+            let at = |uv: &Vector2<f64>| paint.as_ref().map_or(plain, |paint| paint.at(*uv));
+            uvs.iter().map(at).collect()
+        };
+        let surroundings = fire.front.surroundings;
+        let hot = |uv: &Vector2<f64>| {
+            let at = fire.sources.iter().map(|source| match &source.heats {
+                Heats::Start(mask) => {
+                    surroundings + (source.temperature - surroundings) * mask.grey(*uv)
+                }
+                Heats::Ball { .. } => surroundings,
+            });
+            at.fold(surroundings, f64::max)
+        };
+        let start: PerVertex<f64> = uvs.iter().map(hot).collect();
+        let filled = PerVertex::filled(uvs.len(), 1.0);
+        let state = BurnState::new(&fields, start, filled).map_err(StepperError::burn)?;
+        let factors: PerVertex<f64> = painted(&fire.speed, 1.0).into();
+        let settings = BurnSettings::default();
+        let solver = BurnSolver::with_speed_factors(fields, law, factors, settings);
+        let places = skin.points.points();
+        let middle = |corners: &[VertexId; 3], paint: &Option<PaintedNumber>| {
+            let at = |v: &VertexId| {
+                let at = |paint: &PaintedNumber| paint.at(uv(driver, &places[v.index()]));
+                paint.as_ref().map_or(1.0, at)
+            };
+            corners.iter().map(at).sum::<f64>() / 3.0
+        };
+        let laws = skin.mesh.faces().as_slice().iter().map(|corners| {
+            let factors = [&fire.shrink_factor, &fire.asymmetry_factor];
+            fire.shrink_by(factors.map(|paint| middle(corners, paint)))
+        });
+        let mut areas = vec![0.0; skin.mesh.face_count()];
+        for (face, origin) in grid.origins.iter() {
+            areas[origin.face.index()] += grid.areas[face];
+        }
+        let burning = Burning {
+            state,
+            fallen: vec![false; uvs.len()],
+            passed: vec![f64::NAN; uvs.len()],
+            time: 0.0,
+            vanished: (0, 0.0),
+        };
+        let own = Self {
+            ash: painted(&fire.ash_paint, fire.ash_share),
+            solver: solver.map_err(StepperError::burn)?,
+            conducting: None,
+            laws: laws.collect(),
+            grains: fire.grain.on_skin(driver, skin),
+            areas,
+            fresh,
+            grid,
+            fire,
+        };
+        Ok((own, burning))
+    }
+
+    /// Lets the sheet, which is at `positions` (m), burn for a time (s) that ends at a fraction of the pose.
+    pub(super) fn advance(
+        &mut self,
+        burning: &mut Burning,
+        (coarse, positions): (&TriMesh, &[Vector3<f64>]),
+        (moves, at): (&Moves<'_>, f64),
+        time: f64,
+    ) -> Result<(), StepperError> {
+        let shares = self.shares(burning)?;
+        // A matrix that has not changed needs no iterations.
+        let is_whole = |shares: &PerFace<f64>| shares.as_slice().iter().all(|share| *share == 1.0);
+        let is_known = match &self.conducting {
+            Some(known) => *known == shares,
+            None => is_whole(&shares),
+        };
+        if !is_known {
+            let set = self.solver.set_conducting(&shares);
+            set.map_err(StepperError::burn)?;
+            self.conducting = Some(shares);
+        }
+        let sources = self.sources((coarse, positions), (moves, at));
+        let before = burning.state.fuel().clone();
+        let step = self.solver.step(&mut burning.state, &sources, time);
+        step.map_err(StepperError::burn)?;
+        let pairs = before
+            .as_slice()
+            .iter()
+            .zip(burning.state.fuel().as_slice());
+        for (passed, (before, after)) in burning.passed.iter_mut().zip(pairs) {
+            if *before >= PASSED && *after < PASSED {
+                *passed = burning.time + time * (before - PASSED) / (before - after);
+            }
+        }
+        burning.time += time;
+        Ok(())
+    }
+
+    fn sources(
+        &self,
+        (coarse, positions): (&TriMesh, &[Vector3<f64>]),
+        (moves, at): (&Moves<'_>, f64),
+    ) -> Vec<Source> {
+        let balls = self
+            .fire
+            .sources
+            .iter()
+            .filter_map(|source| match source.heats {
+                Heats::Ball {
+                    centre,
+                    radius,
+                    coefficient,
+                } => Some((source, centre, radius, coefficient)),
+                Heats::Start(_) => None,
+            });
+        let mut places = None;
+        let balls = balls.map(|(source, centre, radius, coefficient)| {
+            let places = places.get_or_insert_with(|| self.grid.interpolated(coarse, positions));
+            let centre = moves.place_of(&source.name, &centre, at);
+            // The rim is as soft as the mesh is fine.
+            let edge = self.solver.mesh().mean_edge();
+            let weight =
+                |x: &Vector3<f64>| ((radius - (x - centre).norm()) / edge + 0.5).clamp(0.0, 1.0);
+            Source {
+                temperature: source.temperature,
+                coefficient,
+                weights: places.iter().map(weight).collect(),
+            }
+        });
+        balls.collect()
+    }
+
+    /// Fuel share of every vertex above that at which it falls off.
+    fn level(&self, burning: &Burning) -> Vec<f64> {
+        let fuel = burning.state.fuel().as_slice().iter();
+        let vertices = fuel.zip(&self.ash).zip(&burning.fallen);
+        let level = vertices.map(|((fuel, ash), fallen)| match (fallen, *ash > 0.0) {
+            (true, _) => -1.0,
+            (false, true) => fuel - ash,
+            (false, false) => fuel.max(KEPT),
+        });
+        level.collect()
+    }
+
+    /// Share of every face of the field mesh that is left.
+    fn shares(&self, burning: &Burning) -> Result<PerFace<f64>, StepperError> {
+        let level = PerVertex::from(self.level(burning));
+        shares_left(&self.grid.mesh, &level).map_err(|source| StepperError::Remesh {
+            layer: "burn".to_owned(),
+            source,
+        })
+    }
+
+    /// Rest area of a face of the sheet, m².
+    pub(super) fn area(&self, face: FaceId) -> f64 {
+        self.areas[face.index()]
+    }
+
+    /// Area below which a loose piece vanishes, m².
+    pub(super) fn least_piece(&self) -> f64 {
+        self.fire.least_piece
+    }
+
+    /// What is left of every triangle of the sheet.
+    pub(super) fn remains(&self, burning: &Burning) -> Result<PerFace<Remains>, StepperError> {
+        let shares = self.shares(burning)?;
+        let mut sums = vec![[0.0; 3]; self.areas.len()];
+        for (face, corners) in self.grid.mesh.faces().iter() {
+            let fuel = corners
+                .iter()
+                .map(|v| burning.state.fuel()[*v])
+                .sum::<f64>()
+                / 3.0;
+            let area = self.grid.areas[face];
+            let sums = &mut sums[self.grid.origins[face].face.index()];
+            sums[0] += area * shares[face];
+            sums[1] += area * shares[face] * fuel;
+            sums[2] += area * fuel;
+        }
+        let remains = sums
+            .iter()
+            .zip(&self.areas)
+            .map(|([left, left_fuel, fuel], area)| Remains {
+                // What no piece is missing of is exactly whole.
+                share: if *left > area * (1.0 - 1e-12) {
+                    1.0
+                } else {
+                    left / area
+                },
+                fuel: if *left > 0.0 {
+                    (left_fuel / left).clamp(0.0, 1.0)
+                } else {
+                    fuel / area
+                },
+            });
+        Ok(remains.collect())
+    }
+
+    /// Rest shape and material of a face of which so much is left.
+    pub(super) fn face(&self, face: FaceId, remains: &Remains) -> Result<BurntFace, StepperError> {
+        let fresh = &self.fresh[face.index()];
+        let sheet = FreshSheet {
+            young: fresh.young,
+            thickness: fresh.thickness,
+        };
+        let shrunk = self.laws[face].shrunk(&sheet, remains.fuel);
+        let shrunk = shrunk.map_err(|source| StepperError::Material {
+            layer: "burn".to_owned(),
+            source,
+        })?;
+        let mean = |[along, across]: [f64; 2]| Matrix2::identity() * (0.5 * (along + across));
+        let (stretch, curvature) = match self.grains[face] {
+            Some(grain) => (shrunk.stretch(grain), shrunk.curvature(grain)),
+            None => (mean(shrunk.lengths), mean(shrunk.curvatures)),
+        };
+        let ash = self.fire.char_mass;
+        Ok(BurntFace {
+            stretch,
+            curvature,
+            material: FaceParameters {
+                young: shrunk.young,
+                thickness: shrunk.thickness,
+                ..*fresh
+            },
+            mass: ash + (1.0 - ash) * remains.fuel,
+        })
+    }
+
+    /// Lets a piece of the sheet vanish: triangles of which so much is left.
+    pub(super) fn vanish(
+        &self,
+        burning: &mut Burning,
+        piece: &[FaceId],
+        remains: &PerFace<Remains>,
+    ) {
+        let mut is_in = vec![false; self.areas.len()];
+        let mut area = 0.0;
+        for face in piece {
+            is_in[face.index()] = true;
+            area += self.areas[face.index()] * remains[*face].share;
+        }
+        let mut vertices = Vec::new();
+        for (face, corners) in self.grid.mesh.faces().iter() {
+            if is_in[self.grid.origins[face].face.index()] {
+                for v in corners {
+                    if !std::mem::replace(&mut burning.fallen[v.index()], true) {
+                        vertices.push(*v);
+                    }
+                }
+            }
+        }
+        burning.state.drop_fuel(self.solver.mesh(), &vertices);
+        burning.vanished.0 += 1;
+        burning.vanished.1 += area;
+    }
+
+    /// The fields as maps show them.
+    pub(super) fn surface(&self, burning: &Burning) -> BurntSurface {
+        BurntSurface {
+            faces: self
+                .grid
+                .mesh
+                .faces()
+                .as_slice()
+                .iter()
+                .map(|f| f.map(|v| v.0))
+                .collect(),
+            uvs: self.grid.uvs.clone(),
+            temperature: burning.state.temperature().as_slice().to_vec(),
+            fuel: burning.state.fuel().as_slice().to_vec(),
+            level: self.level(burning),
+            char_thickness: self.fire.shrink.char_thickness,
+        }
+    }
+
+    /// What the fire has done, with the mass that is left (kg) and the pieces that this is in.
+    pub(super) fn report(&self, burning: &Burning, (mass, pieces): (f64, usize)) -> FireReport {
+        let area: f64 = self.areas.iter().sum();
+        FireReport {
+            field_vertices: self.grid.mesh.vertex_count(),
+            fuel_left: burning.state.fuel_left(self.solver.mesh()) / area,
+            mass,
+            front_speed: self.front_speed(burning),
+            pieces,
+            vanished: burning.vanished.0,
+            vanished_area: burning.vanished.1,
+        }
+    }
+
+    /// Median speed of the front over the triangles that it has passed, m/s; `None` where it has passed none.
+    fn front_speed(&self, burning: &Burning) -> Option<f64> {
+        let mut speeds: Vec<f64> = Vec::new();
+        for corners in self.grid.mesh.faces().as_slice() {
+            let times = corners.map(|v| burning.passed[v.index()]);
+            let places = corners.map(|v| self.grid.rest[v.index()]);
+            let [x, y] = triangle_frame(&places);
+            let edge = |k: usize| places[k] - places[0];
+            let edges = Matrix2::new(
+                edge(1).dot(&x),
+                edge(1).dot(&y),
+                edge(2).dot(&x),
+                edge(2).dot(&y),
+            );
+            let changes = Vector2::new(times[1] - times[0], times[2] - times[0]);
+            let gradient = edges
+                .try_inverse()
+                .map(|inverse| (inverse * changes).norm());
+            // No number where the front has not passed all three corners.
+            speeds.extend(gradient.filter(|g| *g > 0.0).map(f64::recip));
+        }
+        speeds.sort_by(f64::total_cmp);
+        speeds.get(speeds.len() / 2).copied()
+    }
+}
+
+impl Burning {
+    /// Whether anything has burnt.
+    pub(super) fn has_burnt(&self) -> bool {
+        self.state
+            .fuel()
+            .as_slice()
+            .iter()
+            .any(|fuel| *fuel < 1.0 - TOUCHED)
+    }
+}
