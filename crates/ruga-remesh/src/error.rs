@@ -1,4 +1,4 @@
-//! Errors in the input of a remesh.
+//! Errors in the input of a remesh or a cut.
 
 use ruga_mesh::{FaceId, MaterialPoint, VertexId};
 
@@ -60,6 +60,14 @@ pub enum RemeshError {
     Position {
         /// The vertex.
         vertex: VertexId,
+    },
+    /// A level that a mesh is to be cut by is infinite or not a number.
+    #[error("vertex {vertex}: level = {value}; accepted: a finite number", vertex = vertex.0)]
+    Level {
+        /// The vertex.
+        vertex: VertexId,
+        /// Its level.
+        value: f64,
     },
     /// A sizing tensor is not finite, not symmetric or has a negative eigenvalue.
     #[error("the sizing tensor of vertex {vertex} must be finite, symmetric and not negative", vertex = vertex.0)]

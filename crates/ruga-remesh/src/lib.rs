@@ -8,7 +8,8 @@
 //! your own; [`FeatureCurves`] adds curves that features follow. A [`Sizing`] says at each vertex how long edges should be in each direction, a [`Metric`]
 //! says it anywhere. [`remesh`] or [`remesh_to_metric`] returns a mesh that follows it and a
 //! [`Transfer`] that turns values of the old mesh, per vertex or per corner, into values of the new
-//! one. [`sizing_field`] derives a sizing from a wrinkled shape and from what drives it.
+//! one. [`sizing_field`] derives a sizing from a wrinkled shape and from what drives it. [`LevelCut`] keeps the
+//! part of a mesh where a level is positive, as of a sheet that burns.
 //!
 //! An edge `e` has the metric length `sqrt(eᵀ M e)` with the mean tensor `M` of its ends and is
 //! wanted near one. Splitting in independent sets, flipping to the anisotropic Delaunay condition
@@ -22,6 +23,7 @@ mod closest;
 mod collapse;
 mod corner_values;
 mod counts;
+mod cut;
 mod error;
 mod feature_curves;
 mod flip;
@@ -39,6 +41,7 @@ mod tensor2;
 mod tensor3;
 mod transfer;
 
+pub use cut::{CutPoint, LevelCut, shares_left};
 pub use feature_curves::{FeatureCurve, FeatureCurves};
 pub use remesh::{RemeshReport, RemeshSettings, Remeshed, remesh, remesh_to_metric};
 pub use sizing::{Metric, SizeLimits, Sizing, size_tensor};
