@@ -78,12 +78,15 @@ impl LevelCut {
     /// A vertex of level zero lies on the line: faces around it with a positive corner stay, others go.
     /// Quadrilaterals get the diagonal that makes the larger least area.
     ///
+    /// # Snapping
     /// A crossing nearer to a vertex than the share `snap` of its edge, 0 to 0.5, makes the level of that
-    /// vertex zero in all faces around it; 0 keeps the exact line. The least height of a face, over its
-    /// longest edge, is then at least `snap (1 - snap)` times that of its parent: with 0.02, above 1 % where
-    /// the parent has more than 51 %. What snapping changes lies in faces around such vertices: the tip
-    /// of a spike goes if its only positive vertex is drawn to the line, and a face that has all three corners
-    /// drawn there stays whole if more than half of it is left, and goes if not.
+    /// vertex zero in all faces around it; 0 keeps the exact line, with the slivers that it makes. The height
+    /// of a face over its longest edge, relative to that edge, is then at least `snap (1 - snap)` times that
+    /// of its parent: with 0.02, above 1 % where the parent has 52 %.
+    ///
+    /// What this changes lies in the faces around such vertices. A face goes if all its positive corners are
+    /// drawn to the line, as the tip of a spike; but one that has all three corners on the line stays as a
+    /// whole if more than half of it was left.
     ///
     /// # Errors
     /// [`RemeshError::Length`] and [`RemeshError::Level`] for the level, [`RemeshError::Setting`] for `snap`,
@@ -132,7 +135,8 @@ impl LevelCut {
 
 /// Share of every face's area where `level`, linear in it, is positive; exact, without snapping.
 ///
-/// With one positive corner `a` it is the product of `a / (a - b)` over the other two.
+/// With one positive corner it is the product, over the two others, of `a / (a - b)` with the levels `a` of
+/// that corner and `b` of the other; with one negative corner it is one less such a product.
 ///
 /// # Errors
 /// [`RemeshError::Length`] and [`RemeshError::Level`].
