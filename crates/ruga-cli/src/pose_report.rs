@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use ruga_io::{
-    CreaseReport, LayerReport, MeanAndMost, PoseReport, Seconds, WrinkleMap, key_percent,
+    CreaseReport, FireReport, LayerReport, MeanAndMost, PoseReport, Seconds, WrinkleMap,
+    key_percent,
 };
 use ruga_stepper::{PoseResult, StopRule};
 
@@ -72,7 +73,21 @@ fn layer_report(layer: &ruga_stepper::LayerReport, seconds: &Seconds) -> LayerRe
             .iter()
             .map(|crease| crease_report(crease, layer.energy))
             .collect(),
+        fire: layer.fire.as_ref().map(fire_report),
         seconds: seconds.clone(),
+    }
+}
+
+fn fire_report(fire: &ruga_stepper::FireReport) -> FireReport {
+    FireReport {
+        field_vertices: fire.field_vertices as u64,
+        fuel_left: fire.fuel_left,
+        mass_kg: fire.mass,
+        front_speed_m_s: fire.front_speed,
+        pieces: fire.pieces as u64,
+        dropped_pieces: fire.vanished as u64,
+        dropped_area_m2: fire.vanished_area,
+        capped_faces: fire.capped as u64,
     }
 }
 

@@ -89,8 +89,32 @@ pub struct LayerReport {
     /// Creases of the layer that lie on its mesh.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub creases: Vec<CreaseReport>,
+    /// What the fire of a sheet has done.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fire: Option<FireReport>,
     /// Time spent, means per frame.
     pub seconds: Seconds,
+}
+
+/// What a fire has done to a sheet, in the last frame.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FireReport {
+    /// Vertices of the mesh of temperature and fuel.
+    pub field_vertices: u64,
+    /// Share of the fuel that is left.
+    pub fuel_left: f64,
+    /// Mass that is left, kg.
+    pub mass_kg: f64,
+    /// Median speed of the front where it has passed, m/s.
+    pub front_speed_m_s: Option<f64>,
+    /// Pieces that the sheet is in.
+    pub pieces: u64,
+    /// Loose pieces that have vanished, because they were small or had fallen far.
+    pub dropped_pieces: u64,
+    /// Their area when fresh, m2.
+    pub dropped_area_m2: f64,
+    /// Triangles whose curl is cut to what their edges can show.
+    pub capped_faces: u64,
 }
 
 /// How a crease has folded in a pose, in the last frame.

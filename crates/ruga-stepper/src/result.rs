@@ -171,6 +171,8 @@ pub struct FireReport {
     pub vanished: usize,
     /// Area of these when fresh, m².
     pub vanished_area: f64,
+    /// Faces whose natural curvature is cut to what their edges can show.
+    pub capped: usize,
 }
 
 /// How a crease has folded, at the last load.

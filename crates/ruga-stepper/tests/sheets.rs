@@ -1,71 +1,16 @@
 //! Free sheets: held, falling, growing, curling, on obstacles.
 
+mod flat_sheet;
+
 use std::sync::Arc;
 
-use nalgebra::{Vector2, Vector3};
-use ruga_blend::{ArtistMesh, Driver, Smoothing};
-use ruga_material::{LayerMaterial, Substrate};
+use flat_sheet::{clamp, paper, rectangle};
+use nalgebra::Vector3;
+use ruga_blend::{Driver, Smoothing};
 use ruga_stepper::{
     Dynamics, Grows, GrowthDirection, GrowthSpec, Handle, Keyframe, LayerSpec, Modelling, Motion,
     Obstacle, ObstacleShape, PoseResult, PoseSpec, Sheet, Silent, StepperError, plan_sheet,
 };
-
-/// A flat rectangle from the origin in the plane z = 0, m, of about square cells.
-fn rectangle([length, width]: [f64; 2], [columns, rows]: [u32; 2]) -> Arc<Driver> {
-    let corner = |i: u32, j: u32| j * (columns + 1) + i;
-    let places = (0..=rows).flat_map(|j| (0..=columns).map(move |i| [i, j]));
-    let share = |[i, j]: [u32; 2]| {
-        [
-            f64::from(i) / f64::from(columns),
-            f64::from(j) / f64::from(rows),
-        ]
-    };
-    let shares: Vec<[f64; 2]> = places.map(share).collect();
-    let cells = (0..rows).flat_map(|j| (0..columns).map(move |i| [i, j]));
-    let triangles = cells.flat_map(|[i, j]| {
-        let [a, b] = [corner(i, j), corner(i + 1, j)];
-        let [d, c] = [corner(i, j + 1), corner(i + 1, j + 1)];
-        match (i + j) % 2 {
-            0 => [[a, b, c], [a, c, d]],
-            _ => [[a, b, d], [b, c, d]],
-        }
-    });
-    let mesh = ArtistMesh {
-        name: "sheet".into(),
-        positions: shares
-            .iter()
-            .map(|[u, v]| Vector3::new(length * u, width * v, 0.0))
-            .collect(),
-        uvs: Some(
-            shares
-                .iter()
-                .map(|[u, v]| Vector2::new(*u, 1.0 - v))
-                .collect(),
-        ),
-        triangles: triangles.collect(),
-        ..ArtistMesh::default()
-    };
-    Arc::new(Driver::new(&mesh).expect("a rectangle"))
-}
-
-/// Paper without a Poisson ratio, .1 mm thick.
-fn paper(growths: Vec<GrowthSpec>) -> LayerSpec {
-    let material = LayerMaterial {
-        young: 3e9,
-        poisson: 0.0,
-        thickness: 1e-4,
-        density: 800.0,
-    };
-    let nothing = Substrate {
-        young: 1.0,
-        poisson: 0.0,
-        thickness: 1.0,
-    };
-    LayerSpec {
-        growths,
-        ..LayerSpec::new("paper", material, nothing)
-    }
-}
 
 fn growth(along: f64, across: f64, curl: [f64; 2]) -> GrowthSpec {
     GrowthSpec {
@@ -96,16 +41,8 @@ fn free() -> Sheet {
         handles: Vec::new(),
         obstacles: Vec::new(),
         edge: Some(1.0),
+        fire: None,
     }
-}
-
-/// The end of a strip at x = 0, held.
-fn clamp(length: f64) -> Handle {
-    let box_ = [
-        Vector3::new(-1.0, -1.0, -1.0),
-        Vector3::new(length, 1.0, 1.0),
-    ];
-    Handle::new("clamp", box_)
 }
 
 fn modelling(dynamics: Option<Dynamics>) -> Modelling {

@@ -373,6 +373,7 @@ impl<'a> FireState<'a> {
             pieces,
             vanished: burning.vanished.0,
             vanished_area: burning.vanished.1,
+            capped: 0,
         }
     }
 

@@ -311,7 +311,8 @@ impl<'a> SheetState<'a> {
 
     /// How every crease has folded that has edges on the mesh.
     pub(super) fn crease_reports(&self) -> Vec<CreaseReport> {
-        let states = self.standing.energy.crease_states(&self.moving.positions);
+        let positions = self.standing.of_vertices(&self.moving.positions);
+        let states = self.standing.energy.crease_states(&positions);
         let rest = &self.region.skin.rest.positions;
         let mesh = &self.region.skin.mesh;
         let reports = self.spec.creases.iter().enumerate().map(|(line, spec)| {
@@ -458,7 +459,10 @@ impl<'a> SheetState<'a> {
     pub(super) fn fire_report(&self) -> Option<FireReport> {
         let (fire, burning) = self.fire()?;
         let pieces = self.standing.part.mesh.connected_parts(|_| true).len();
-        Some(fire.report(burning, (self.masses.iter().sum(), pieces)))
+        Some(FireReport {
+            capped: self.capped,
+            ..fire.report(burning, (self.masses.iter().sum(), pieces))
+        })
     }
 
     /// Handles of which all that they held has burnt or fallen off.

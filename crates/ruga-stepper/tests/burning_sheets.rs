@@ -1,0 +1,296 @@
+//! Sheets that burn: what is left, how fast it goes, how it shrinks, and into what it falls.
+
+mod flat_sheet;
+
+use std::sync::Arc;
+
+use flat_sheet::{clamp, paper, rectangle};
+use nalgebra::Vector3;
+use ruga_blend::{Driver, Smoothing};
+use ruga_material::ShrinkLaw;
+use ruga_stepper::{
+    Dynamics, Fire, FireReport, FireSource, FrontDesign, GrowthDirection, Heats, Modelling,
+    PoseResult, PoseSpec, Sheet, Silent, StepperError, plan_sheet,
+};
+
+/// Temperature of what sets paper on fire, K.
+const EMBER: f64 = 1500.0;
+
+/// A front of 2 mm/s and 4 mm on paper of which nothing falls off, and that neither shrinks nor curls.
+fn fire(sources: Vec<FireSource>) -> Fire {
+    Fire {
+        front: FrontDesign {
+            speed: 2e-3,
+            width: 4e-3,
+            ignition: 573.0,
+            burning: 1100.0,
+            surroundings: 293.0,
+            loss_time: None,
+        },
+        edges_per_width: 2.0,
+        speed: None,
+        shrink: ShrinkLaw {
+            along: 0.0,
+            across: 0.0,
+            asymmetry: 0.0,
+            char_young: 0.1,
+            char_thickness: 0.8,
+        },
+        grain: GrowthDirection::Angle(0.0),
+        shrink_factor: None,
+        asymmetry_factor: None,
+        char_mass: 0.2,
+        ash_share: 0.0,
+        ash_paint: None,
+        least_piece: 1e-6,
+        sources,
+    }
+}
+
+fn ball(x: f64, y: f64, radius: f64) -> FireSource {
+    FireSource {
+        name: format!("ball at {x} {y}"),
+        temperature: EMBER,
+        heats: Heats::Ball {
+            centre: Vector3::new(x, y, 0.0),
+            radius,
+            coefficient: 50.0,
+        },
+    }
+}
+
+fn sheet(fire: Fire) -> Sheet {
+    Sheet {
+        gravity: Vector3::zeros(),
+        handles: vec![clamp(1e-3)],
+        obstacles: Vec::new(),
+        edge: Some(2.1e-3),
+        fire: Some(fire),
+    }
+}
+
+/// A fire of so many steps of so many seconds.
+fn run(
+    driver: &Arc<Driver>,
+    sheet: &Sheet,
+    (steps, time_step): (u32, f64),
+) -> Result<PoseResult, StepperError> {
+    let pose = PoseSpec {
+        name: "burn".into(),
+        weights: Default::default(),
+        keys: vec![1.0],
+        steps,
+        motions: Vec::new(),
+        growths: Vec::new(),
+    };
+    let modelling = Modelling {
+        dynamics: Some(Dynamics {
+            time_step,
+            damping: 2.0,
+        }),
+        smoothing: Smoothing::None,
+        ..Modelling::default()
+    };
+    let plan = plan_sheet(driver, &paper(Vec::new()), sheet, &[pose], &modelling, 512)?;
+    plan.simulate(0, &mut Silent)
+}
+
+fn burnt(result: &PoseResult) -> &FireReport {
+    assert!(result.converged, "{:?}", result.warnings);
+    result.layers[0].fire.as_ref().expect("a fire")
+}
+
+/// Area of what is left at the last key, m².
+fn area_left(result: &PoseResult) -> f64 {
+    let surface = &result.keys.last().expect("a key").layers[0];
+    let areas = surface.faces.iter().map(|corners| {
+        let [a, b, c] = corners.map(|v| surface.positions[v as usize]);
+        0.5 * (b - a).cross(&(c - a)).norm()
+    });
+    areas.sum()
+}
+
+/// Mass of a square metre of the fresh paper, kg.
+const PAPER: f64 = 800.0 * 1e-4;
+
+#[test]
+fn a_strip_burns_at_the_speed_that_is_asked_for_and_keeps_the_mass_of_its_char() {
+    let (length, width) = (0.06, 0.008);
+    let driver = rectangle([length, width], [30, 4]);
+    let end = ball(length, 0.5 * width, 0.012);
+    let result = run(&driver, &sheet(fire(vec![end])), (12, 1.0)).expect("it burns");
+    let report = burnt(&result);
+    let speed = report.front_speed.expect("a front");
+    assert!((speed / 2e-3 - 1.0).abs() < 0.03, "{speed} m/s");
+    assert_eq!((report.pieces, report.vanished), (1, 0));
+    // Nothing falls off, so that a fifth of what has burnt is there.
+    let left = 0.2 + 0.8 * report.fuel_left;
+    let expected = PAPER * length * width * left;
+    assert!(
+        (report.mass / expected - 1.0).abs() < 1e-9,
+        "{}",
+        report.mass
+    );
+    assert!((area_left(&result) / (length * width) - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn what_has_burnt_out_is_as_much_shorter_as_it_shrinks() {
+    let (length, width) = (0.03, 0.006);
+    let driver = rectangle([length, width], [15, 3]);
+    let all = ball(0.5 * length, 0.5 * width, length);
+    let mut shrinking = fire(vec![all]);
+    shrinking.shrink.along = 0.25;
+    shrinking.shrink.across = 0.1;
+    let mut held = sheet(shrinking);
+    // Held at one edge of vertices along x, which keeps its size.
+    held.handles = vec![clamp(1e-4)];
+    let result = run(&driver, &held, (4, 1.0)).expect("it burns");
+    let report = burnt(&result);
+    assert!(report.fuel_left < 1e-9, "{}", report.fuel_left);
+    let surface = &result.keys[0].layers[0];
+    let far = surface.positions.iter().map(|x| x.x).fold(0.0, f64::max);
+    assert!((far / (0.75 * length) - 1.0).abs() < 0.02, "{far} m");
+    let burnt = surface.burnt.as_ref().expect("fields");
+    assert!(burnt.fuel.iter().all(|fuel| *fuel <= 0.0));
+    assert!(
+        burnt.level.iter().all(|level| *level > 0.0),
+        "nothing falls off"
+    );
+}
+
+#[test]
+fn a_hole_is_cut_where_fuel_has_run_out() {
+    let driver = rectangle([0.04, 0.04], [20, 20]);
+    let middle = ball(0.02, 0.02, 0.008);
+    let mut falling = fire(vec![middle]);
+    falling.ash_share = 0.2;
+    let result = run(&driver, &sheet(falling), (4, 1.0)).expect("it burns");
+    let report = burnt(&result);
+    assert_eq!((report.pieces, report.vanished), (1, 0));
+    let surface = &result.keys[0].layers[0];
+    let fields = surface.burnt.as_ref().expect("fields");
+    let hole = 0.04 * 0.04 - area_left(&result);
+    let radius = (hole / std::f64::consts::PI).sqrt();
+    assert!((0.008..0.016).contains(&radius), "a hole of {radius} m");
+    // Nothing of the part that is left is where the level says that it fell off.
+    let is_gone = |v: &u32| fields.level[*v as usize] <= 0.0;
+    let gone = fields.faces.iter().filter(|face| face.iter().all(is_gone));
+    assert!(gone.count() > 50);
+    let rim = |x: &Vector3<f64>| (x - Vector3::new(0.02, 0.02, x.z)).norm();
+    let inner = surface.positions.iter().map(rim).fold(f64::MAX, f64::min);
+    assert!((inner / radius - 1.0).abs() < 0.15, "{inner} {radius}");
+    let mut edges = std::collections::BTreeMap::new();
+    for [a, b, c] in &surface.faces {
+        for [p, q] in [[a, b], [b, c], [c, a]] {
+            *edges.entry([p.min(q), p.max(q)]).or_insert(0) += 1;
+        }
+    }
+    // A ring has as many vertices and faces together as edges.
+    let counts = surface.positions.len() + surface.faces.len();
+    assert_eq!(counts, edges.len());
+}
+
+#[test]
+fn a_piece_that_is_burnt_off_falls() {
+    let (length, width) = (0.04, 0.008);
+    let driver = rectangle([length, width], [20, 4]);
+    let across = ball(0.5 * length, 0.5 * width, 0.006);
+    let mut falling = fire(vec![across]);
+    falling.ash_share = 0.2;
+    let mut hanging = sheet(falling);
+    hanging.gravity = Vector3::new(9.81, 0.0, 0.0);
+    let result = run(&driver, &hanging, (20, 0.1)).expect("it burns");
+    let report = burnt(&result);
+    let surface = &result.keys[0].layers[0];
+    let lowest = surface.positions.iter().map(|x| x.x).fold(0.0, f64::max);
+    // It is far below, or has vanished there.
+    assert!(lowest > 2.0 * length || report.vanished == 1, "{lowest} m");
+    assert!(
+        surface.positions.iter().any(|x| x.x < 1e-6),
+        "the clamp holds the rest"
+    );
+    // All of it is left, has burnt, or has vanished with what fell.
+    let fresh = PAPER * length * width;
+    assert!(report.mass < fresh && report.mass > 0.0);
+}
+
+#[test]
+fn small_loose_pieces_vanish_and_are_counted() {
+    let (length, width) = (0.04, 0.008);
+    let driver = rectangle([length, width], [20, 4]);
+    let across = ball(0.7 * length, 0.5 * width, 0.006);
+    let mut falling = fire(vec![across]);
+    falling.ash_share = 0.2;
+    falling.least_piece = 1e-3;
+    let result = run(&driver, &sheet(falling), (4, 0.5)).expect("it burns");
+    let report = burnt(&result);
+    assert_eq!((report.pieces, report.vanished), (1, 1));
+    assert!(
+        (1e-6..0.3 * length * width).contains(&report.vanished_area),
+        "{report:?}"
+    );
+}
+
+#[test]
+fn a_sheet_that_nothing_sets_on_fire_stays_as_it_is() {
+    let driver = rectangle([0.03, 0.01], [15, 5]);
+    let far = ball(0.5, 0.5, 0.01);
+    let result = run(&driver, &sheet(fire(vec![far])), (3, 1.0)).expect("it may");
+    let report = burnt(&result);
+    assert_eq!(report.fuel_left, 1.0);
+    assert!(
+        result
+            .warnings
+            .iter()
+            .any(|w| w.contains("nothing has burnt"))
+    );
+    let surface = &result.keys[0].layers[0];
+    let moved = surface.positions.iter().zip(&surface.driver_positions);
+    assert!(moved.clone().all(|(x, y)| (x - y).norm() < 1e-12));
+    assert!((area_left(&result) / 3e-4 - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_sheet_may_burn_away_whole() {
+    let driver = rectangle([0.02, 0.01], [10, 5]);
+    let all = ball(0.01, 0.005, 0.03);
+    let mut falling = fire(vec![all]);
+    falling.ash_share = 0.2;
+    let result = run(&driver, &sheet(falling), (4, 1.0)).expect("it burns");
+    let report = burnt(&result);
+    assert_eq!((report.mass, report.pieces), (0.0, 0));
+    assert!(result.keys[0].layers[0].faces.is_empty());
+    assert!(
+        result
+            .warnings
+            .iter()
+            .any(|w| w.contains("all of it has burnt"))
+    );
+}
+
+#[test]
+fn fires_that_cannot_burn_are_refused() {
+    let driver = rectangle([0.03, 0.01], [15, 5]);
+    let refused = |change: &dyn Fn(&mut Fire)| {
+        let mut fire = fire(vec![ball(0.0, 0.0, 0.01)]);
+        change(&mut fire);
+        let error = run(&driver, &sheet(fire), (1, 1.0)).expect_err("a refusal");
+        error.to_string()
+    };
+    let dying = refused(&|fire| fire.front.loss_time = Some(1.0));
+    assert!(
+        dying.contains("the front dies") && dying.contains("loss time above"),
+        "{dying}"
+    );
+    let cold = refused(&|fire| fire.front.burning = 500.0);
+    assert!(cold.contains("not above ignition"), "{cold}");
+    let wide = refused(&|fire| fire.front.width = 0.02);
+    assert!(wide.contains("half the sheet's longest side"), "{wide}");
+    let crumbling = refused(&|fire| fire.ash_share = 1.0);
+    assert!(crumbling.contains("ash_share"), "{crumbling}");
+    let shrunk = refused(&|fire| fire.shrink.along = 0.7);
+    assert!(shrunk.contains("between 0 and 0.6"), "{shrunk}");
+    let fine = refused(&|fire| fire.edges_per_width = 4000.0);
+    assert!(fine.contains("vertex budget"), "{fine}");
+}
