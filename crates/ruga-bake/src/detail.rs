@@ -21,23 +21,43 @@ pub enum Detail {
     /// Way from the driver's own point to the layer, less the layer's distance at rest: along the
     /// tangent, the bitangent (up in the image) and the driver's smooth normal, m.
     Displacement,
+    /// Share of a burning sheet that is left, 0 to 1: 1 where it has not fallen off.
+    Mask,
+    /// Share of the fuel of a burning sheet that has burnt, 0 to 1, also where the sheet is gone.
+    Char,
+    /// Share of a burning sheet that has burnt out, 0 to 1, also where the sheet is gone: 1 where no fuel is
+    /// left.
+    Ash,
+    /// Temperature of a burning sheet, K, also where the sheet is gone.
+    Temperature,
+    /// Thickness of a burning sheet over that of the fresh one; 0 where it is gone.
+    Thickness,
 }
 
 impl Detail {
     /// Numbers per texel.
     pub fn channels(self) -> usize {
         match self {
-            Detail::Occlusion | Detail::Curvature | Detail::Compression => 1,
             Detail::ObjectNormal | Detail::Displacement => 3,
+            Detail::Occlusion
+            | Detail::Curvature
+            | Detail::Compression
+            | Detail::Mask
+            | Detail::Char
+            | Detail::Ash
+            | Detail::Temperature
+            | Detail::Thickness => 1,
         }
     }
 
-    /// Value of each channel of a texel without wrinkles. Object-space normals have none: there it is
-    /// the mesh's own normal, and outside the islands this one.
+    /// Value of each channel of a texel without wrinkles or fire. Object-space normals have none: there it
+    /// is the mesh's own normal, and outside the islands this one. Temperatures are those of the sheet's
+    /// surroundings, and outside the islands 293.15 K.
     pub fn neutral(self) -> &'static [f32] {
         match self {
-            Detail::Occlusion => &[1.0],
-            Detail::Curvature | Detail::Compression => &[0.0],
+            Detail::Occlusion | Detail::Mask | Detail::Thickness => &[1.0],
+            Detail::Curvature | Detail::Compression | Detail::Char | Detail::Ash => &[0.0],
+            Detail::Temperature => &[293.15],
             Detail::ObjectNormal => &[0.0, 0.0, 1.0],
             Detail::Displacement => &[0.0; 3],
         }
@@ -50,7 +70,13 @@ impl Detail {
             Detail::Occlusion => a * b,
             Detail::Curvature | Detail::Displacement => a + b,
             Detail::Compression => a.max(b),
-            Detail::ObjectNormal => b,
+            // Made once for all layers together.
+            Detail::ObjectNormal
+            | Detail::Mask
+            | Detail::Char
+            | Detail::Ash
+            | Detail::Temperature
+            | Detail::Thickness => b,
         }
     }
 }

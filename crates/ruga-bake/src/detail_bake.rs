@@ -14,8 +14,8 @@ use crate::{BakeError, BakeSettings, Detail, Frame, Relief, TangentFrame, Wrinkl
 /// Bakes the normal and height map of one pose, and of `details` those that are the layer's own:
 /// occlusion, curvature, displacement.
 ///
-/// The others are quantities of the artist's mesh, for the map of all layers together:
-/// [`WrinkleMap::paint_object_normals`], [`WrinkleMap::paint_compression`]. All are neutral where nothing
+/// The others are quantities of the artist's mesh or of a fire, for the map of all layers together:
+/// [`WrinkleMap::paint_object_normals`], [`WrinkleMap::paint_compression`], [`WrinkleMap::paint_burnt`]. All are neutral where nothing
 /// is baked, whatever the [`Frame`] of the normals.
 ///
 /// # Errors

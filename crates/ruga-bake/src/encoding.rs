@@ -1,5 +1,9 @@
 //! Numbers as the integers of an image: a middle and a scale.
 
+/// Least temperature that white stands for, K. Hardly a fire is hotter, so that the keys of a pose share one
+/// scale, and a step of 16 bits is 0.03 K.
+const LEAST_WHITE: f64 = 2000.0;
+
 /// Rule for a stored value from 0 to 1: `number = (stored - mid) * scale`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Encoding {
@@ -21,6 +25,14 @@ impl Encoding {
         mid: 0.5,
         scale: 2.0,
     };
+
+    /// Temperatures from 0 K, black, to 2000 K, white, or to `hottest` where that is more.
+    pub fn temperature(hottest: f64) -> Self {
+        Self {
+            mid: 0.0,
+            scale: hottest.max(LEAST_WHITE),
+        }
+    }
 
     /// Numbers of both signs in images of `bits` bits, 8 or 16, over a range of `scale`.
     ///

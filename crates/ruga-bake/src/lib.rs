@@ -9,8 +9,8 @@
 //! (MikkTSpace, glTF's sign). [`bake`] rasterises the triangles in UV, without rays or a cage, and
 //! returns a [`WrinkleMap`] of unit normals and heights, which [`normal_to_png16`] and its
 //! neighbours turn into the integers of an image. [`bake_detailed`] adds maps of further quantities
-//! ([`Detail`]), and [`bake_squares`] bakes the UDIM tiles of a mesh. Maps of several layers are composed, then padded
-//! once ([`WrinkleMap::pad`], or across UV seams [`WrinkleMap::pad_across`]). [`check_uvs`] and
+//! ([`Detail`]), [`WrinkleMap::paint_burnt`] those of a sheet that burns, and [`bake_squares`] bakes the UDIM tiles
+//! of a mesh. Maps of several layers are composed, then padded once ([`WrinkleMap::pad`], or across UV seams [`WrinkleMap::pad_across`]). [`check_uvs`] and
 //! [`uv_layout`] say beforehand whether the UVs can carry a map. [`between_keys`] and [`lay_over`] blend
 //! normal maps as an engine does at run time.
 //!
@@ -28,6 +28,7 @@
 mod artist_details;
 mod bake;
 mod blend;
+mod burnt_details;
 mod detail;
 mod detail_bake;
 mod relief;
@@ -59,6 +60,7 @@ mod triangle_overlap;
 
 pub use bake::{BakeSettings, MAX_SIZE, bake};
 pub use blend::{KeyNormals, between_keys, lay_over};
+pub use burnt_details::BurntFields;
 pub use detail::{Detail, DetailMap};
 pub use detail_bake::{bake_detailed, bake_squares};
 pub use frame::Frame;

@@ -126,7 +126,15 @@ impl WrinkleMap {
                     let length = values.iter().map(|c| c * c).sum::<f64>().sqrt();
                     values.iter_mut().for_each(|c| *c /= length.max(1e-9));
                 }
-                Detail::Occlusion | Detail::Curvature | Detail::Compression => {}
+                // Numbers without a direction.
+                Detail::Occlusion
+                | Detail::Curvature
+                | Detail::Compression
+                | Detail::Mask
+                | Detail::Char
+                | Detail::Ash
+                | Detail::Temperature
+                | Detail::Thickness => {}
             }
             values
         });

@@ -27,19 +27,28 @@ pub(crate) fn write_detail(
         return Ok(None);
     }
     let format = match (bake.format, detail) {
-        // Displacements are 16-bit for the reason that heights are.
-        (MapFormat::Png8, Detail::Displacement) => MapFormat::Png16,
+        // Displacements are 16-bit for the reason that heights are, and 256 steps of temperature are 8 K each.
+        (MapFormat::Png8, Detail::Displacement | Detail::Temperature) => MapFormat::Png16,
         (format, _) => format,
     };
     let bits = if format == MapFormat::Png8 { 8 } else { 16 };
     let encoding = match detail {
-        Detail::Occlusion | Detail::Compression => Encoding::SHARE,
+        Detail::Occlusion
+        | Detail::Compression
+        | Detail::Mask
+        | Detail::Char
+        | Detail::Ash
+        | Detail::Thickness => Encoding::SHARE,
         Detail::ObjectNormal => Encoding::DIRECTION,
         Detail::Curvature => Encoding::signed(bits, 1.0 / bake.curvature_length),
         Detail::Displacement => {
             // One scale for all tiles.
             let holding = of_maps().map(|values| Encoding::holding(values, LEAST_RANGE).scale);
             Encoding::signed(16, holding.fold(0.0, f64::max))
+        }
+        Detail::Temperature => {
+            let hottest = of_maps().flatten().copied().fold(0.0, f32::max);
+            Encoding::temperature(f64::from(hottest))
         }
     };
     let entry = WrinkleMap::detail(baked.pose, baked.key, (kind, detail), format, encoding);

@@ -26,6 +26,17 @@ pub enum MapKind {
     ObjectNormal,
     /// Displacement along tangent, bitangent and normal, m.
     VectorDisplacement,
+    /// What is left of a burning sheet: white where it is, black where it has fallen off.
+    Mask,
+    /// Share of the fuel of a burning sheet that has burnt: black where fresh, white where burnt out, also where
+    /// the sheet is gone.
+    Char,
+    /// Where a burning sheet has burnt out: white there, black elsewhere, also where the sheet is gone.
+    Ash,
+    /// Temperature of a burning sheet, K, also where the sheet is gone.
+    Temperature,
+    /// Thickness of a burning sheet over that of the fresh one: white where fresh, black where the sheet is gone.
+    Thickness,
 }
 
 impl MapKind {
@@ -38,13 +49,30 @@ impl MapKind {
             MapKind::Compression => Some(Detail::Compression),
             MapKind::ObjectNormal => Some(Detail::ObjectNormal),
             MapKind::VectorDisplacement => Some(Detail::Displacement),
+            MapKind::Mask => Some(Detail::Mask),
+            MapKind::Char => Some(Detail::Char),
+            MapKind::Ash => Some(Detail::Ash),
+            MapKind::Temperature => Some(Detail::Temperature),
+            MapKind::Thickness => Some(Detail::Thickness),
         }
     }
 
     /// Whether poses of this kind can share a packed map: its maps are of wrinkles alone, and neutral
     /// elsewhere.
     pub fn is_packed(self) -> bool {
-        !matches!(self, MapKind::Compression | MapKind::ObjectNormal)
+        !matches!(self, MapKind::Compression | MapKind::ObjectNormal) && !self.needs_fire()
+    }
+
+    /// Whether the maps of this kind show a fire: only sheets that burn have them.
+    pub fn needs_fire(self) -> bool {
+        matches!(
+            self,
+            MapKind::Mask
+                | MapKind::Char
+                | MapKind::Ash
+                | MapKind::Temperature
+                | MapKind::Thickness
+        )
     }
 
     /// The word for it in scenes and file names.
@@ -57,6 +85,11 @@ impl MapKind {
             MapKind::Compression => "compression",
             MapKind::ObjectNormal => "object_normal",
             MapKind::VectorDisplacement => "vector_displacement",
+            MapKind::Mask => "mask",
+            MapKind::Char => "char",
+            MapKind::Ash => "ash",
+            MapKind::Temperature => "temperature",
+            MapKind::Thickness => "thickness",
         }
     }
 }

@@ -149,14 +149,14 @@ pub struct WrinkleMap {
     /// Numbers of the UDIM tiles, ascending, each of which has a file; absent where the mesh has no tiles.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub tiles: Vec<u32>,
-    /// Its format. Heights are 16-bit even where the scene asks for 8-bit maps, as 256 steps of height
-    /// show as terraces: their entries say `png16` then.
+    /// Its format. Heights, displacements and temperatures are 16-bit even where the scene asks for 8-bit maps,
+    /// as 256 steps of height show as terraces: their entries say `png16` then.
     pub format: MapFormat,
     /// Normal maps: the sign of the green channel.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub green: Option<NormalY>,
-    /// Unit of `scale`: `m` of heights and displacements, `1/m` of curvature; absent of shares and
-    /// directions.
+    /// Unit of `scale`: `m` of heights and displacements, `1/m` of curvature, `K` of temperatures; absent of
+    /// shares and directions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
     /// All but tangent-space normals: the stored value that means zero; 0.5 in PNG where numbers of both
@@ -164,11 +164,12 @@ pub struct WrinkleMap {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mid: Option<f64>,
     /// All but tangent-space normals: `unit`s per full range of the stored value,
-    /// `number = (value - mid) * scale`; 1 in EXR.
+    /// `number = (value - mid) * scale`; 1 in EXR. Of temperatures black is 0 K, and this is what white stands
+    /// for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<f64>,
-    /// Stored value of a texel without wrinkles, one per channel, 0 to 1; empty for object-space
-    /// normals, which are the mesh's own there.
+    /// Stored value of a texel without wrinkles or fire, one per channel; empty for object-space normals,
+    /// which are the mesh's own there.
     pub neutral: Vec<f64>,
 }
 
@@ -216,7 +217,14 @@ impl WrinkleMap {
             MapFormat::Png8 | MapFormat::Png16 => encoding,
         };
         let unit = match detail {
-            Detail::Occlusion | Detail::Compression | Detail::ObjectNormal => None,
+            Detail::Occlusion
+            | Detail::Compression
+            | Detail::ObjectNormal
+            | Detail::Mask
+            | Detail::Char
+            | Detail::Ash
+            | Detail::Thickness => None,
+            Detail::Temperature => Some("K".to_owned()),
             Detail::Curvature => Some("1/m".to_owned()),
             Detail::Displacement => Some("m".to_owned()),
         };

@@ -10,6 +10,7 @@ use std::io::Write;
 
 use fixture::{Folder, SQUARE_OBJ, assert_says, floats, read, square};
 use nalgebra::{Vector2, Vector3, Vector4};
+use ruga_bake::{Detail, Encoding};
 use ruga_io::{
     AtomicFile, ExrTexels, FrameMesh, GlbAdditions, LayerReport, LengthUnit, ObjOptions, PngTexels,
     PoseReport, Report, WrinkleMap, Wrinkles, map_file, read_mesh, write_atomically, write_exr,
@@ -353,6 +354,47 @@ fn wrinkle_manifest() {
     assert_eq!(json["maps"][2]["mid"], 0.0);
     assert_eq!(json["maps"][2]["scale"], 1.0);
     assert_eq!(serde_json::from_value::<Wrinkles>(json).unwrap(), wrinkles);
+}
+
+#[test]
+fn maps_of_a_fire_say_how_to_read_them() {
+    const FIRE: [MapKind; 5] = [
+        MapKind::Mask,
+        MapKind::Char,
+        MapKind::Ash,
+        MapKind::Temperature,
+        MapKind::Thickness,
+    ];
+    let mut neutral = Vec::new();
+    for kind in FIRE {
+        assert!(kind.needs_fire() && !kind.is_packed());
+        assert_eq!(serde_json::to_value(kind).unwrap(), kind.word());
+        let read: MapKind = serde_json::from_value(json!(kind.word())).unwrap();
+        assert_eq!(read, kind);
+        let detail = kind.detail().unwrap();
+        let share = Encoding::SHARE;
+        let entry = WrinkleMap::detail("burn", 0.5, (kind, detail), MapFormat::Exr, share);
+        neutral.extend(entry.neutral);
+    }
+    for (value, expected) in neutral.into_iter().zip([1.0, 0.0, 0.0, 293.15, 1.0]) {
+        assert!((value - expected).abs() < 1e-4, "{value} {expected}");
+    }
+    assert!(!MapKind::Compression.needs_fire() && MapKind::Height.is_packed());
+    let kelvin = Encoding::temperature(1250.0);
+    let (kind, detail) = (MapKind::Temperature, Detail::Temperature);
+    let entry = WrinkleMap::detail("burn", 0.5, (kind, detail), MapFormat::Png16, kelvin);
+    let mut json = serde_json::to_value(&entry).unwrap();
+    assert_eq!(
+        serde_json::from_value::<WrinkleMap>(json.clone()).unwrap(),
+        entry
+    );
+    let stored = json["neutral"].take()[0].as_f64().unwrap();
+    assert!((stored * 2000.0 - 293.15).abs() < 1e-4, "{stored}");
+    let expected = json!({
+        "pose": "burn", "key": 0.5, "kind": "temperature", "file": "maps/burn_50_temperature.png",
+        "format": "png16", "unit": "K", "mid": 0.0, "scale": 2000.0, "neutral": null,
+    });
+    assert_eq!(json, expected);
 }
 
 #[test]

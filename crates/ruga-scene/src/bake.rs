@@ -38,6 +38,7 @@ impl Scene {
         let posed = key.artist_positions.clone().unwrap_or_else(blended);
         self.add_mesh_details(&mut maps, &frames, &posed, (pose, key.load))
             .map_err(baking)?;
+        self.add_fire_details(&mut maps, key).map_err(baking)?;
         let corners = artist.triangles.iter();
         let welded = |vertex: u32| driver.welded()[vertex as usize].0;
         let corners: Vec<[u32; 3]> = corners.map(|t| t.map(welded)).collect();

@@ -1,11 +1,11 @@
-//! Details of a key's map that belong to the artist's mesh.
+//! Details of a key's map that belong to the artist's mesh or to a fire.
 
 use nalgebra::{Vector2, Vector3};
-use ruga_bake::{BakeError, Detail, TangentFrame, WrinkleMap};
+use ruga_bake::{BakeError, BurntFields, Detail, TangentFrame, WrinkleMap};
 use ruga_blend::face_strains;
 use ruga_material::local_wrinkling;
 use ruga_mesh::{Id, face_areas};
-use ruga_stepper::{LayerSpec, PoseSpec};
+use ruga_stepper::{KeyResult, LayerSpec, PoseSpec};
 
 use crate::{Scene, texture_space};
 
@@ -39,6 +39,30 @@ impl Scene {
             }
         }
         Ok(())
+    }
+
+    /// Adds the details of a fire to the maps of a key; nothing where the sheet does not burn.
+    pub(crate) fn add_fire_details(
+        &self,
+        maps: &mut [WrinkleMap],
+        key: &KeyResult,
+    ) -> Result<(), BakeError> {
+        let mut layers = key.layers.iter();
+        let Some(burnt) = layers.find_map(|layer| layer.burnt.as_ref()) else {
+            return Ok(());
+        };
+        let fields = BurntFields {
+            faces: &burnt.faces,
+            uvs: &burnt.uvs,
+            temperature: &burnt.temperature,
+            fuel: &burnt.fuel,
+            level: &burnt.level,
+            char_thickness: burnt.char_thickness,
+        };
+        let details = self.details();
+        let supersample = self.file.bake.supersample;
+        let mut maps = maps.iter_mut();
+        maps.try_for_each(|map| map.paint_burnt(&fields, &details, supersample))
     }
 
     /// Compression over the critical one at the corners of the file's triangles.
