@@ -93,6 +93,6 @@ fn kinds_and_defaults_are_those_of_the_types() {
     assert_eq!(key("poses", "weights").kind, "table of numbers by name");
     assert_eq!(key("driver", "region").default.as_deref(), Some("\"auto\""));
     assert_eq!(key("driver", "region").kind, "text");
-    assert_eq!(key("bake", "maps").choices.len(), 7);
+    assert_eq!(key("bake", "maps").choices.len(), 12);
     assert_eq!(tables[3].keys[0].name, "name");
 }

@@ -78,7 +78,7 @@ fn run(
     let pose = PoseSpec {
         name: "burn".into(),
         weights: Default::default(),
-        keys: vec![1.0],
+        keys: vec![0.6, 1.0],
         steps,
         motions: Vec::new(),
         growths: Vec::new(),
@@ -115,13 +115,23 @@ const PAPER: f64 = 800.0 * 1e-4;
 
 #[test]
 fn a_strip_burns_at_the_speed_that_is_asked_for_and_keeps_the_mass_of_its_char() {
-    let (length, width) = (0.06, 0.008);
-    let driver = rectangle([length, width], [30, 4]);
-    let end = ball(length, 0.5 * width, 0.012);
-    let result = run(&driver, &sheet(fire(vec![end])), (12, 1.0)).expect("it burns");
+    let (length, width) = (0.09, 0.008);
+    let driver = rectangle([length, width], [45, 4]);
+    let end = ball(length, 0.5 * width, 0.008);
+    let mut standard = fire(vec![end]);
+    standard.edges_per_width = 4.0;
+    let result = run(&driver, &sheet(standard), (25, 1.0)).expect("it burns");
     let report = burnt(&result);
-    let speed = report.front_speed.expect("a front");
-    assert!((speed / 2e-3 - 1.0).abs() < 0.03, "{speed} m/s");
+    // In the last two fifths of the time it is past what the ember has heated.
+    let mean = |fields: &[f64]| fields.iter().sum::<f64>() / fields.len() as f64;
+    let [before, after] = [0, 1].map(|key: usize| {
+        let burnt = result.keys[key].layers[0].burnt.as_ref();
+        mean(&burnt.expect("fields").fuel)
+    });
+    let speed = (before - after) * length / 10.0;
+    assert!((speed / 2e-3 - 1.0).abs() < 0.01, "{speed} m/s");
+    let median = report.front_speed.expect("a front");
+    assert!((median / 2e-3 - 1.0).abs() < 0.06, "{median} m/s");
     assert_eq!((report.pieces, report.vanished), (1, 0));
     // Nothing falls off, so that a fifth of what has burnt is there.
     let left = 0.2 + 0.8 * report.fuel_left;
@@ -148,7 +158,7 @@ fn what_has_burnt_out_is_as_much_shorter_as_it_shrinks() {
     let result = run(&driver, &held, (4, 1.0)).expect("it burns");
     let report = burnt(&result);
     assert!(report.fuel_left < 1e-9, "{}", report.fuel_left);
-    let surface = &result.keys[0].layers[0];
+    let surface = &result.keys[1].layers[0];
     let far = surface.positions.iter().map(|x| x.x).fold(0.0, f64::max);
     assert!((far / (0.75 * length) - 1.0).abs() < 0.02, "{far} m");
     let burnt = surface.burnt.as_ref().expect("fields");
@@ -168,7 +178,7 @@ fn a_hole_is_cut_where_fuel_has_run_out() {
     let result = run(&driver, &sheet(falling), (4, 1.0)).expect("it burns");
     let report = burnt(&result);
     assert_eq!((report.pieces, report.vanished), (1, 0));
-    let surface = &result.keys[0].layers[0];
+    let surface = &result.keys[1].layers[0];
     let fields = surface.burnt.as_ref().expect("fields");
     let hole = 0.04 * 0.04 - area_left(&result);
     let radius = (hole / std::f64::consts::PI).sqrt();
@@ -202,7 +212,7 @@ fn a_piece_that_is_burnt_off_falls() {
     hanging.gravity = Vector3::new(9.81, 0.0, 0.0);
     let result = run(&driver, &hanging, (20, 0.1)).expect("it burns");
     let report = burnt(&result);
-    let surface = &result.keys[0].layers[0];
+    let surface = &result.keys[1].layers[0];
     let lowest = surface.positions.iter().map(|x| x.x).fold(0.0, f64::max);
     // It is far below, or has vanished there.
     assert!(lowest > 2.0 * length || report.vanished == 1, "{lowest} m");
@@ -238,14 +248,14 @@ fn a_sheet_that_nothing_sets_on_fire_stays_as_it_is() {
     let far = ball(0.5, 0.5, 0.01);
     let result = run(&driver, &sheet(fire(vec![far])), (3, 1.0)).expect("it may");
     let report = burnt(&result);
-    assert_eq!(report.fuel_left, 1.0);
+    assert!((report.fuel_left - 1.0).abs() < 1e-12);
     assert!(
         result
             .warnings
             .iter()
             .any(|w| w.contains("nothing has burnt"))
     );
-    let surface = &result.keys[0].layers[0];
+    let surface = &result.keys[1].layers[0];
     let moved = surface.positions.iter().zip(&surface.driver_positions);
     assert!(moved.clone().all(|(x, y)| (x - y).norm() < 1e-12));
     assert!((area_left(&result) / 3e-4 - 1.0).abs() < 1e-12);
@@ -260,7 +270,7 @@ fn a_sheet_may_burn_away_whole() {
     let result = run(&driver, &sheet(falling), (4, 1.0)).expect("it burns");
     let report = burnt(&result);
     assert_eq!((report.mass, report.pieces), (0.0, 0));
-    assert!(result.keys[0].layers[0].faces.is_empty());
+    assert!(result.keys[1].layers[0].faces.is_empty());
     assert!(
         result
             .warnings

@@ -5,8 +5,8 @@ mod flat_sheet;
 use std::sync::Arc;
 
 use flat_sheet::{clamp, paper, rectangle};
-use nalgebra::Vector3;
-use ruga_blend::{Driver, Smoothing};
+use nalgebra::{Vector2, Vector3};
+use ruga_blend::{ArtistMesh, Driver, Smoothing};
 use ruga_stepper::{
     Dynamics, Grows, GrowthDirection, GrowthSpec, Handle, Keyframe, LayerSpec, Modelling, Motion,
     Obstacle, ObstacleShape, PoseResult, PoseSpec, Sheet, Silent, StepperError, plan_sheet,

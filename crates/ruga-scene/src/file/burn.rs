@@ -178,7 +178,11 @@ impl Burn {
 impl SceneFile {
     pub(super) fn burn_faults(&self) -> Checked {
         let Some(burn) = &self.burn else {
-            return Ok(());
+            let of_fire = self.bake.maps.iter().find(|kind| kind.needs_fire());
+            return of_fire.map_or(Ok(()), |kind| {
+                let found = format!("\"{}\"", kind.word());
+                fault("bake.maps", found, "it with [burn], of which it tells")
+            });
         };
         if self.sheet.is_none() {
             return fault("burn", "no [sheet]", "[burn] with [sheet], which burns");

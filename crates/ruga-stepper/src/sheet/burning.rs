@@ -255,11 +255,7 @@ impl<'a> FireState<'a> {
         let shares = self.shares(burning)?;
         let mut sums = vec![[0.0; 3]; self.areas.len()];
         for (face, corners) in self.grid.mesh.faces().iter() {
-            let fuel = corners
-                .iter()
-                .map(|v| burning.state.fuel()[*v])
-                .sum::<f64>()
-                / 3.0;
+            let fuel = mean_fuel(burning, corners);
             let area = self.grid.areas[face];
             let sums = &mut sums[self.grid.origins[face].face.index()];
             sums[0] += area * shares[face];
@@ -365,9 +361,14 @@ impl<'a> FireState<'a> {
     /// What the fire has done, with the mass that is left (kg) and the pieces that this is in.
     pub(super) fn report(&self, burning: &Burning, (mass, pieces): (f64, usize)) -> FireReport {
         let area: f64 = self.areas.iter().sum();
+        let faces = self.grid.mesh.faces().iter();
+        let fuel: f64 = faces
+            .map(|(face, corners)| self.grid.areas[face] * mean_fuel(burning, corners))
+            .sum();
         FireReport {
             field_vertices: self.grid.mesh.vertex_count(),
-            fuel_left: burning.state.fuel_left(self.solver.mesh()) / area,
+            // By the triangles as the mass is, not by the areas of the flipped ones that heat flows on.
+            fuel_left: fuel / area,
             mass,
             front_speed: self.front_speed(burning),
             pieces,
@@ -412,4 +413,13 @@ impl Burning {
             .iter()
             .any(|fuel| *fuel < 1.0 - TOUCHED)
     }
+}
+
+/// Mean fuel share of a triangle of the field mesh.
+fn mean_fuel(burning: &Burning, corners: &[VertexId; 3]) -> f64 {
+    corners
+        .iter()
+        .map(|v| burning.state.fuel()[*v])
+        .sum::<f64>()
+        / 3.0
 }

@@ -16,8 +16,8 @@ const DAMPING: f64 = 1e-10;
 pub(super) struct Standing {
     pub(super) part: Submesh,
     pub(super) energy: LayerEnergy,
-    pub(super) pattern: LowerPattern,
-    pub(super) kkt: Kkt,
+    /// Pattern and factor of its Hessian; `None` where nothing of it can move.
+    pub(super) system: Option<(LowerPattern, Kkt)>,
     /// Vertices of the part that nothing holds.
     pub(super) free: Vec<VertexId>,
     /// Levenberg damping of every unknown, N/m.
@@ -52,19 +52,22 @@ impl Standing {
             .filter(|v| !held[v.index()])
             .collect();
         let solver = |source| solver_error(spec, source);
-        let (starts, entries) = energy.blocks().shared();
-        let pattern = LowerPattern::new(starts, entries).map_err(solver)?;
         let unknowns = 3 * free.len();
-        let rows = ConstraintRows::new(vec![0], Vec::new(), Vec::new(), unknowns);
-        let kkt = Kkt::new(&pattern, &rows.map_err(solver)?, 3).map_err(solver)?;
+        let system = (unknowns > 0).then(|| {
+            let (starts, entries) = energy.blocks().shared();
+            let pattern = LowerPattern::new(starts, entries)?;
+            let rows = ConstraintRows::new(vec![0], Vec::new(), Vec::new(), unknowns)?;
+            let kkt = Kkt::new(&pattern, &rows, 3)?;
+            Ok((pattern, kkt))
+        });
+        let system = system.transpose().map_err(solver)?;
         let membrane = materials.iter().map(|face| face.young * face.thickness);
         let membrane = membrane.sum::<f64>() / materials.len().max(1) as f64;
         Ok(Self {
             damping: vec![DAMPING * membrane; unknowns],
             part,
             energy,
-            pattern,
-            kkt,
+            system,
             free,
         })
     }

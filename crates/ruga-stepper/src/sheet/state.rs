@@ -395,36 +395,44 @@ impl<'a> SheetState<'a> {
         (modelling, settings): (&Modelling, &NewtonSettings),
         keep_going: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Result<SolveReport, StepperError> {
-        if self.standing.free.is_empty() {
-            return Ok(SolveReport::nothing_to_solve());
-        }
+        let is_touched = self.is_touched();
+        let contact = self.contact();
+        let masses = self.standing.of_vertices(&self.masses);
         let mut positions = self.standing.of_vertices(&self.moving.positions);
-        let free = &self.standing.free;
-        let mut unknowns = gather(free, &positions);
         let inertia =
             inertia.map(|inertia| inertia.of_part(self.standing.of_vertices(&inertia.centres)));
+        let Standing {
+            energy,
+            free,
+            damping,
+            system,
+            ..
+        } = &mut self.standing;
+        let Some((pattern, kkt)) = system else {
+            return Ok(SolveReport::nothing_to_solve());
+        };
+        let mut unknowns = gather(free, &positions);
         let objective = SheetObjective {
-            energy: &self.standing.energy,
+            energy,
             free,
             positions: &positions,
-            pattern: &self.standing.pattern,
-            damping: &self.standing.damping,
-            masses: &self.standing.of_vertices(&self.masses),
-            areas: self.standing.energy.vertex_areas(),
+            pattern,
+            damping,
+            masses: &masses,
+            areas: energy.vertex_areas(),
             gravity: self.sheet.gravity,
-            contact: self.contact(),
+            contact,
             inertia: inertia.as_ref(),
             scales: self.scales,
         };
         let settings = NewtonSettings {
-            overshoot: self.is_touched(),
+            overshoot: is_touched,
             ..*settings
         };
         let minimise = modelling.minimise;
-        let kkt = &mut self.standing.kkt;
         let solved = minimise(&objective, &[], &mut unknowns, kkt, &settings, keep_going);
         let report = solved.map_err(|source| solver_error(self.spec, source))?;
-        scatter(&self.standing.free, &unknowns, &mut positions);
+        scatter(free, &unknowns, &mut positions);
         self.standing.put(&positions, &mut self.moving.positions);
         Ok(report)
     }
