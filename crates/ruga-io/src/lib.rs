@@ -71,7 +71,7 @@ pub use mesh_file::{LengthUnit, Material, MeshFile, MeshPart, ObjOptions};
 pub use obj_frame::write_obj_frame;
 pub use pack::{PackManifest, PackedImage, PackedMap, PackedPose};
 pub use read_mesh::read_mesh;
-pub use report::{CreaseReport, LayerReport, MeanAndMost, PoseReport, Report, Seconds};
+pub use report::{CreaseReport, FireReport, LayerReport, MeanAndMost, PoseReport, Report, Seconds};
 pub use ruga_bake::{Frame, NormalY};
 pub use udim::{is_udim_pattern, udim_file, udim_name, udim_pattern};
 pub use usd_series::UsdSeries;

@@ -89,17 +89,24 @@ fn write_face(folder: &Path) -> Result<Vec<String>, Box<dyn Error>> {
 }
 
 /// Writes the painted properties and masks below `folder`; gives their paths in it.
-fn write_images(folder: &Path) -> Result<[&'static str; 3], Box<dyn Error>> {
+fn write_images(folder: &Path) -> Result<[&'static str; 6], Box<dyn Error>> {
     let names = [
         "heterogeneous/stiffness.png",
         "heterogeneous/thickness.png",
         "slab/top.png",
+        "paper/lit.png",
+        "paper/ash.png",
+        "paper/burn.png",
     ];
     let (packed, grey, mask) = (paint::stiffness(), paint::thickness(), paint::slab_top());
+    let (lit, ash, burn) = (paint::lit_end(), paint::ash(), paint::burn());
     let images = [
         PngTexels::Rgb8(&packed),
         PngTexels::Grey8(&grey),
         PngTexels::Grey8(&mask),
+        PngTexels::Grey8(&lit),
+        PngTexels::Grey8(&ash),
+        PngTexels::Rgb8(&burn),
     ];
     for (name, texels) in names.into_iter().zip(images) {
         let path = in_its_folder(folder, name)?;

@@ -1,4 +1,4 @@
-//! Painted properties for the forearm patch, grey and packed 8-bit images, and a mask for the slab.
+//! Painted properties for the forearm patch and the paper, grey and packed 8-bit images, and a mask for the slab.
 //!
 //! Paint changes along the arm and not across it, so that every line across the patch, the
 //! direction in which `compress` presses it, meets skin of one kind and has one wavelength.
@@ -43,6 +43,32 @@ pub(super) fn slab_top() -> Vec<u8> {
     let texel = |index: usize| index / TEXELS >= half && index % TEXELS < half;
     (0..TEXELS * TEXELS)
         .map(|index| if texel(index) { 255 } else { 0 })
+        .collect()
+}
+
+/// White where the paper's far end is hot at the beginning, 6 mm of its length, black elsewhere.
+pub(super) fn lit_end() -> Vec<u8> {
+    square(|u, _| vec![byte(f64::from(u > 0.92))])
+}
+
+/// White along the middle of the paper, the part that falls off as it burns, and black beside it.
+pub(super) fn ash() -> Vec<u8> {
+    square(|_, v| vec![byte(f64::from((v - 0.5).abs() < 0.22))])
+}
+
+/// Speed of a fire in red, highest along the middle of the paper, and asymmetry in green, two waves across it; what is
+/// painted is the same all along the paper.
+pub(super) fn burn() -> Vec<u8> {
+    let wave = |v: f64| 1.0 - (2.0 * (2.0 * v).fract() - 1.0).abs();
+    square(|_, v| vec![byte(1.0 - (2.0 * v - 1.0).abs()), byte(wave(v)), UNUSED])
+}
+
+/// Texels of a square image, each made for its texture coordinates.
+fn square(texel: impl Fn(f64, f64) -> Vec<u8>) -> Vec<u8> {
+    let middle = |index: usize| (index as f64 + 0.5) / TEXELS as f64;
+    let indices = 0..TEXELS * TEXELS;
+    indices
+        .flat_map(|index| texel(middle(index % TEXELS), middle(index / TEXELS)))
         .collect()
 }
 
