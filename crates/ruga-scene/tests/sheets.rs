@@ -4,26 +4,9 @@
 
 mod fixture;
 
-use std::fmt::Write as _;
-
 use fixture::{Folder, assert_says};
 use ruga_scene::{Scene, SceneError, SceneFile};
 use ruga_stepper::Silent;
-
-/// A flat sheet of 4 by 4 cm.
-fn paper() -> String {
-    let mut text = String::from("o Paper\n");
-    for (i, j) in (0..49).map(|v| (v % 7, v / 7)) {
-        let [x, y] = [i, j].map(|c| f64::from(c) / 6.0);
-        let _ = writeln!(text, "v {} {} 0\nvt {x} {y}", 0.04 * x, 0.04 * y);
-    }
-    for (i, j) in (0..36).map(|q| (q % 6, q / 6)) {
-        let a = 7 * j + i + 1;
-        let [b, c, d] = [a + 1, a + 8, a + 7];
-        let _ = writeln!(text, "f {a}/{a} {b}/{b} {c}/{c}\nf {a}/{a} {c}/{c} {d}/{d}");
-    }
-    text
-}
 
 const TOP: &str = "version = 1\n[driver]\nmesh = \"paper.obj\"\nsmoothing = \"none\"\n";
 const LAYER: &str = "[[layers]]\nname = \"paper\"\nyoung = 3e9\npoisson = 0.3\nthickness = 1e-4\n";
@@ -32,7 +15,7 @@ const CURL: &str = "[[growths]]\nname = \"dry\"\ncurl = [0.0, 30.0]\n";
 
 fn folder() -> Folder {
     let folder = Folder::new();
-    folder.file("paper.obj", paper());
+    folder.file("paper.obj", fixture::flat_sheet());
     folder
 }
 

@@ -131,6 +131,12 @@ pub enum StepperError {
         /// Description of the mistake.
         source: Box<BurnError>,
     },
+    /// What has burnt out cannot be like that.
+    #[error("burn: {source}")]
+    Char {
+        /// Description of the mistake.
+        source: MaterialError,
+    },
     /// Handles hold all of a body.
     #[error("the handles hold every node of the lattice; make them smaller or take more cells")]
     HeldBody,

@@ -184,9 +184,9 @@ impl SceneFile {
                 fault("bake.maps", found, "it with [burn], of which it tells")
             });
         };
-        if self.sheet.is_none() {
+        let Some(sheet) = &self.sheet else {
             return fault("burn", "no [sheet]", "[burn] with [sheet], which burns");
-        }
+        };
         if self.solver.mode == SolverMode::Static {
             let accepted = "\"dynamic\" with [burn]: a fire takes time";
             return fault("solver.mode", "\"static\"", accepted);
@@ -213,7 +213,18 @@ impl SceneFile {
             positive("burn.least_piece", area)?;
         }
         for (i, source) in burn.sources.iter().enumerate() {
-            source.faults(&format!("burn.sources[{i}]"))?;
+            let key = format!("burn.sources[{i}]");
+            source.faults(&key)?;
+            let others = sheet.movers().names();
+            let earlier = burn.sources.iter().take(i).map(|other| other.name.as_str());
+            if others.chain(earlier).any(|name| name == source.name) {
+                let accepted = "a different name for each source, handle and obstacle";
+                return fault(
+                    &format!("{key}.name"),
+                    format!("`{}` twice", source.name),
+                    accepted,
+                );
+            }
         }
         let Some(map) = &burn.map else {
             return Ok(());

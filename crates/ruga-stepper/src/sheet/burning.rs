@@ -289,10 +289,7 @@ impl<'a> FireState<'a> {
             thickness: fresh.thickness,
         };
         let shrunk = self.laws[face].shrunk(&sheet, remains.fuel);
-        let shrunk = shrunk.map_err(|source| StepperError::Material {
-            layer: "burn".to_owned(),
-            source,
-        })?;
+        let shrunk = shrunk.map_err(|source| StepperError::Char { source })?;
         let mean = |[along, across]: [f64; 2]| Matrix2::identity() * (0.5 * (along + across));
         let (stretch, curvature) = match self.grains[face] {
             Some(grain) => (shrunk.stretch(grain), shrunk.curvature(grain)),

@@ -89,7 +89,7 @@ impl Fire {
     /// Refuses what no sheet can burn with.
     pub(super) fn check(&self, driver: &Driver) -> Checked {
         let of = "burn";
-        let law = self.law()?;
+        self.law()?;
         let side = longest_side(driver.rest());
         if self.front.width > 0.5 * side {
             let found = format!("{} m", self.front.width);
@@ -110,10 +110,7 @@ impl Fire {
         }
         self.extreme_laws().try_for_each(|law| {
             let check = law.validate();
-            check.map_err(|source| StepperError::Material {
-                layer: of.to_owned(),
-                source,
-            })
+            check.map_err(|source| StepperError::Char { source })
         })?;
         let numbers = |paint: &Option<PaintedNumber>| paint.as_ref().map_or([1.0; 2], |p| p.range);
         let is_outside = |range: [f64; 2], accepted: &dyn Fn(f64) -> bool| {
@@ -142,7 +139,6 @@ impl Fire {
             return refuse(of, "least_piece", self.least_piece, "an area from 0, in m2");
         }
         self.sources.iter().try_for_each(|source| source.check())?;
-        debug_assert!(law.ignition > law.surroundings);
         Ok(())
     }
 

@@ -8,7 +8,7 @@ use ruga_material::{LayerMaterial, Substrate};
 use ruga_stepper::{GrowthSpec, Handle, LayerSpec};
 
 /// A flat rectangle from the origin in the plane z = 0, m, of about square cells.
-pub fn rectangle([length, width]: [f64; 2], [columns, rows]: [u32; 2]) -> Arc<Driver> {
+pub(crate) fn rectangle([length, width]: [f64; 2], [columns, rows]: [u32; 2]) -> Arc<Driver> {
     let corner = |i: u32, j: u32| j * (columns + 1) + i;
     let places = (0..=rows).flat_map(|j| (0..=columns).map(move |i| [i, j]));
     let share = |[i, j]: [u32; 2]| {
@@ -46,7 +46,7 @@ pub fn rectangle([length, width]: [f64; 2], [columns, rows]: [u32; 2]) -> Arc<Dr
 }
 
 /// Paper without a Poisson ratio, .1 mm thick.
-pub fn paper(growths: Vec<GrowthSpec>) -> LayerSpec {
+pub(crate) fn paper(growths: Vec<GrowthSpec>) -> LayerSpec {
     let material = LayerMaterial {
         young: 3e9,
         poisson: 0.0,
@@ -65,7 +65,7 @@ pub fn paper(growths: Vec<GrowthSpec>) -> LayerSpec {
 }
 
 /// The end of a strip at x = 0, held.
-pub fn clamp(length: f64) -> Handle {
+pub(crate) fn clamp(length: f64) -> Handle {
     let box_ = [
         Vector3::new(-1.0, -1.0, -1.0),
         Vector3::new(length, 1.0, 1.0),
