@@ -65,7 +65,8 @@ fn square_channels<const N: usize>(
     }
     let plane = |channel: usize| {
         let values = image.values.iter().skip(channel).step_by(image.channels);
-        // Paint programs leave numbers a little beyond the range behind; one that is none has no direction.
+        // Paint programs leave numbers a little beyond the range behind; one that is none becomes middle grey, which
+        // is no direction and the middle of a range.
         let values = values.map(|value| match value.is_nan() {
             true => 0.5,
             false => value.clamp(0.0, 1.0),

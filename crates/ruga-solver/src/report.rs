@@ -160,6 +160,14 @@ impl SolveReport {
         }
     }
 
+    /// The report of a solve that the caller has stopped before it began.
+    pub fn interrupted() -> Self {
+        Self {
+            stop: StopRule::Interrupted,
+            ..Self::empty()
+        }
+    }
+
     /// The report of a solve that has not begun.
     pub(crate) fn empty() -> Self {
         Self {

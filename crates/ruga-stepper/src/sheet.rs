@@ -31,7 +31,8 @@ pub struct Sheet {
     pub handles: Vec<Handle>,
     /// Obstacles that the sheet cannot enter.
     pub obstacles: Vec<Obstacle>,
-    /// Longest edge of its mesh, m; `None` for a sixtieth of its longest side.
+    /// Longest edge of its mesh, m; `None` for a sixtieth of its longest side, and
+    /// with a fire at most half the width of its front.
     pub edge: Option<f64>,
     /// Fire on it.
     pub fire: Option<Fire>,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::fault::{Checked, fault, names_given, positive};
+use super::fault::{Checked, fault, names_given, not_negative, positive};
 use super::{SceneFile, SolverMode, Sphere};
 
 /// `[burn]`: the sheet burns where its sources set it on fire, shrinks and curls as it chars, and falls off where its
@@ -53,7 +53,7 @@ pub struct Burn {
     /// Share of the fuel at which it falls off, from 0, at which nothing does, to below 1.
     #[serde(default = "ash_share")]
     pub ash_share: f64,
-    /// Grey image of it over the UV square, in place of the one number.
+    /// Grey image over the UV square of the share at which it falls off, in place of one number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ash_image: Option<PathBuf>,
     /// Shares at which it falls off where `ash_image` is black and where it is white.
@@ -62,7 +62,7 @@ pub struct Burn {
     /// Loose pieces that are smaller vanish, m2; a square as wide as the front if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub least_piece: Option<f64>,
-    /// What is painted.
+    /// Image that varies speed, asymmetry and shrinkage over the sheet.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub map: Option<BurnMap>,
     /// What sets it on fire.
@@ -74,11 +74,11 @@ pub struct Burn {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Char {
-    /// Of Young's modulus.
+    /// Young's modulus, a share of the fresh sheet's.
     pub young: f64,
-    /// Of the thickness.
+    /// Thickness, a share of the fresh sheet's.
     pub thickness: f64,
-    /// Of the mass.
+    /// Mass, a share of the fresh sheet's.
     pub mass: f64,
 }
 
@@ -181,7 +181,7 @@ impl SceneFile {
             let of_fire = self.bake.maps.iter().find(|kind| kind.needs_fire());
             return of_fire.map_or(Ok(()), |kind| {
                 let found = format!("\"{}\"", kind.word());
-                fault("bake.maps", found, "it with [burn], of which it tells")
+                fault("bake.maps", found, "this kind with [burn] only")
             });
         };
         let Some(sheet) = &self.sheet else {
@@ -210,7 +210,7 @@ impl SceneFile {
             return fault("burn.ash_range", found, "a range for an `ash_image`");
         }
         if let Some(area) = burn.least_piece {
-            positive("burn.least_piece", area)?;
+            not_negative("burn.least_piece", area)?;
         }
         for (i, source) in burn.sources.iter().enumerate() {
             let key = format!("burn.sources[{i}]");

@@ -1,4 +1,4 @@
-//! Temperature and fuel of a burning sheet, and what they make of its triangles.
+//! Temperature and fuel of a burning sheet, and the rest shape, material and mass of its triangles that follow.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 use ruga_blend::Driver;
@@ -10,18 +10,21 @@ use ruga_shell::FaceParameters;
 
 use super::field_grid::{FieldGrid, levels};
 use super::fire::{Fire, Heats};
-use crate::skin::material_places::uv;
+use super::plan::check_fields;
 use crate::skin::skin_mesh::RegionMesh;
 use crate::support::Moves;
 use crate::{BurntSurface, FireReport, PaintedNumber, StepperError};
 
-/// Least fuel share above the one at which a sheet falls off, where it never does.
+/// Level of a vertex that never falls off, however little fuel it has.
 const KEPT: f64 = 0.01;
+
+/// Most parts of a step for balls that move.
+const MOST_PARTS: f64 = 1000.0;
 
 /// Fuel share that is left when the front counts as having passed.
 const PASSED: f64 = 0.5;
 
-/// Fuel share from which on a triangle counts as burning: less is rounding.
+/// Fuel share that must be missing at a vertex for the sheet to count as burnt; less is rounding.
 const TOUCHED: f64 = 1e-9;
 
 /// A fire on one sheet: its law, its mesh, and what the sheet is made of.
@@ -79,6 +82,7 @@ impl<'a> FireState<'a> {
         fire: &'a Fire,
         (driver, region): (&Driver, &RegionMesh),
         fresh: Vec<FaceParameters>,
+        budget: usize,
     ) -> Result<(Self, Burning), StepperError> {
         let skin = &region.skin;
         let lengths = skin.mesh.edges().as_slice().iter().map(|edge| {
@@ -87,7 +91,9 @@ impl<'a> FireState<'a> {
         });
         let mean_edge = lengths.sum::<f64>() / skin.mesh.edges().len().max(1) as f64;
         let wanted = fire.front.width / fire.edges_per_width;
-        let grid = FieldGrid::new(region, levels(mean_edge, wanted));
+        let levels = levels(mean_edge, wanted);
+        check_fields(fire, (levels, skin.mesh.vertex_count()), budget)?;
+        let grid = FieldGrid::new(region, levels);
         let uvs = grid.vertex_uvs();
         let law = fire.law()?;
         let fields = FieldMesh::new(&grid.mesh, &grid.rest).map_err(StepperError::burn)?;
@@ -111,17 +117,13 @@ impl<'a> FireState<'a> {
         let factors: PerVertex<f64> = painted(&fire.speed, 1.0).into();
         let settings = BurnSettings::default();
         let solver = BurnSolver::with_speed_factors(fields, law, factors, settings);
-        let places = skin.points.points();
-        let middle = |corners: &[VertexId; 3], paint: &Option<PaintedNumber>| {
-            let at = |v: &VertexId| {
-                let at = |paint: &PaintedNumber| paint.at(uv(driver, &places[v.index()]));
-                paint.as_ref().map_or(1.0, at)
-            };
-            corners.iter().map(at).sum::<f64>() / 3.0
+        let middle = |uvs: &[Vector2<f64>; 3], paint: &Option<PaintedNumber>| {
+            let at = |uv: &Vector2<f64>| paint.as_ref().map_or(1.0, |paint| paint.at(*uv));
+            uvs.iter().map(at).sum::<f64>() / 3.0
         };
-        let laws = skin.mesh.faces().as_slice().iter().map(|corners| {
+        let laws = region.shown_uvs().iter().map(|uvs| {
             let factors = [&fire.shrink_factor, &fire.asymmetry_factor];
-            fire.shrink_by(factors.map(|paint| middle(corners, paint)))
+            fire.shrink_by(factors.map(|paint| middle(uvs, paint)))
         });
         let mut areas = vec![0.0; skin.mesh.face_count()];
         for (face, origin) in grid.origins.iter() {
@@ -153,7 +155,7 @@ impl<'a> FireState<'a> {
         &mut self,
         burning: &mut Burning,
         (coarse, positions): (&TriMesh, &[Vector3<f64>]),
-        (moves, at): (&Moves<'_>, f64),
+        (moves, [from, to]): (&Moves<'_>, [f64; 2]),
         time: f64,
     ) -> Result<(), StepperError> {
         let shares = self.shares(burning)?;
@@ -168,9 +170,41 @@ impl<'a> FireState<'a> {
             set.map_err(StepperError::burn)?;
             self.conducting = Some(shares);
         }
-        let sources = self.sources((coarse, positions), (moves, at));
+        // A ball that moves heats all along its way.
+        let parts = self.parts(moves, [from, to]);
+        for part in 0..parts {
+            let middle = (f64::from(part) + 0.5) / f64::from(parts);
+            let at = if parts == 1 {
+                to
+            } else {
+                from + (to - from) * middle
+            };
+            let sources = self.sources((coarse, positions), (moves, at));
+            self.burn_on(burning, &sources, time / f64::from(parts))?;
+        }
+        Ok(())
+    }
+
+    /// Parts of a step between two fractions of the pose in which every ball moves by at most half its radius.
+    fn parts(&self, moves: &Moves<'_>, ends: [f64; 2]) -> u32 {
+        let parts = self.fire.sources.iter().map(|source| match source.heats {
+            Heats::Ball { centre, radius, .. } => {
+                let [a, b] = ends.map(|at| moves.place_of(&source.name, &centre, at));
+                ((b - a).norm() / (0.5 * radius)).ceil()
+            }
+            Heats::Start(_) => 1.0,
+        });
+        parts.fold(1.0, f64::max).min(MOST_PARTS) as u32
+    }
+
+    fn burn_on(
+        &mut self,
+        burning: &mut Burning,
+        sources: &[Source],
+        time: f64,
+    ) -> Result<(), StepperError> {
         let before = burning.state.fuel().clone();
-        let step = self.solver.step(&mut burning.state, &sources, time);
+        let step = self.solver.step(&mut burning.state, sources, time);
         step.map_err(StepperError::burn)?;
         let pairs = before
             .as_slice()
@@ -308,7 +342,7 @@ impl<'a> FireState<'a> {
         })
     }
 
-    /// Lets a piece of the sheet vanish: triangles of which so much is left.
+    /// Drops the fuel of the faces of `piece` and counts their area, as far as `remains` says, as vanished.
     pub(super) fn vanish(
         &self,
         burning: &mut Burning,
@@ -322,6 +356,7 @@ impl<'a> FireState<'a> {
             area += self.areas[face.index()] * remains[*face].share;
         }
         let mut vertices = Vec::new();
+        // A piece that touches another one in a vertex takes that with it, or it would not be gone whole.
         for (face, corners) in self.grid.mesh.faces().iter() {
             if is_in[self.grid.origins[face].face.index()] {
                 for v in corners {
@@ -334,6 +369,23 @@ impl<'a> FireState<'a> {
         burning.state.drop_fuel(self.solver.mesh(), &vertices);
         burning.vanished.0 += 1;
         burning.vanished.1 += area;
+    }
+
+    /// Drops what is left of faces that do not stand any more: it is nobody's, and would stay behind.
+    pub(super) fn drop_specks(&self, burning: &mut Burning, stands: impl Fn(FaceId) -> bool) {
+        let mut is_used = vec![false; self.ash.len()];
+        for (face, corners) in self.grid.mesh.faces().iter() {
+            if stands(self.grid.origins[face].face) {
+                corners.iter().for_each(|v| is_used[v.index()] = true);
+            }
+        }
+        let specks = (0..is_used.len()).map(VertexId::from_index);
+        let specks = specks.filter(|v| !is_used[v.index()] && !burning.fallen[v.index()]);
+        let specks: Vec<VertexId> = specks.collect();
+        for v in &specks {
+            burning.fallen[v.index()] = true;
+        }
+        burning.state.drop_fuel(self.solver.mesh(), &specks);
     }
 
     /// The fields as maps show them.
@@ -355,8 +407,12 @@ impl<'a> FireState<'a> {
         }
     }
 
-    /// What the fire has done, with the mass that is left (kg) and the pieces that this is in.
-    pub(super) fn report(&self, burning: &Burning, (mass, pieces): (f64, usize)) -> FireReport {
+    /// What the fire has done, with the mass that is left (kg), the pieces that this is in and the faces whose curl is cut.
+    pub(super) fn report(
+        &self,
+        burning: &Burning,
+        (mass, pieces, capped): (f64, usize, usize),
+    ) -> FireReport {
         let area: f64 = self.areas.iter().sum();
         let faces = self.grid.mesh.faces().iter();
         let fuel: f64 = faces
@@ -371,7 +427,7 @@ impl<'a> FireState<'a> {
             pieces,
             vanished: burning.vanished.0,
             vanished_area: burning.vanished.1,
-            capped: 0,
+            capped,
         }
     }
 
@@ -398,6 +454,13 @@ impl<'a> FireState<'a> {
         }
         speeds.sort_by(f64::total_cmp);
         speeds.get(speeds.len() / 2).copied()
+    }
+}
+
+impl Remains {
+    /// Whether something of it has burnt.
+    pub(super) fn is_burnt(&self) -> bool {
+        self.share < 1.0 || self.fuel < 1.0 - TOUCHED
     }
 }
 

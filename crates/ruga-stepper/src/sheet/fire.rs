@@ -38,7 +38,7 @@ pub struct Fire {
     pub char_mass: f64,
     /// Fuel share at which the sheet falls off, from 0, never, to below 1.
     pub ash_share: f64,
-    /// The same, painted, in place of the one number.
+    /// Painted fuel share at which the sheet falls off, in place of `ash_share`.
     pub ash_paint: Option<PaintedNumber>,
     /// Pieces that nothing holds and that are smaller than this vanish, m².
     pub least_piece: f64,
@@ -112,25 +112,21 @@ impl Fire {
             let check = law.validate();
             check.map_err(|source| StepperError::Char { source })
         })?;
-        let numbers = |paint: &Option<PaintedNumber>| paint.as_ref().map_or([1.0; 2], |p| p.range);
         let is_outside = |range: [f64; 2], accepted: &dyn Fn(f64) -> bool| {
             range.into_iter().find(|number| !accepted(*number))
         };
         let is_speed = |factor: f64| factor > 0.0 && factor.is_finite();
-        if let Some(factor) = is_outside(numbers(&self.speed), &is_speed) {
+        if let Some(factor) = is_outside(ends(&self.speed, 1.0), &is_speed) {
             return refuse(of, "speed", factor, "factors above 0");
         }
         let is_share = |share: f64| (0.0..=1.0).contains(&share);
-        if let Some(factor) = is_outside(numbers(&self.shrink_factor), &is_share) {
+        if let Some(factor) = is_outside(ends(&self.shrink_factor, 1.0), &is_share) {
             return refuse(of, "shrink factor", factor, "factors from 0 to 1");
         }
         if !is_share(self.char_mass) {
             return refuse(of, "char.mass", self.char_mass, "a share from 0 to 1");
         }
-        let ash = self
-            .ash_paint
-            .as_ref()
-            .map_or([self.ash_share; 2], |p| p.range);
+        let ash = ends(&self.ash_paint, self.ash_share);
         if let Some(share) = is_outside(ash, &|share| ASH_SHARES.contains(&share)) {
             let accepted = "a share of the fuel from 0, at which nothing falls off, to below 1";
             return refuse(of, "ash_share", share, accepted);
@@ -144,9 +140,8 @@ impl Fire {
 
     /// Laws of shrinkage at the ends of what is painted.
     fn extreme_laws(&self) -> impl Iterator<Item = ShrinkLaw> + '_ {
-        let ends = |paint: &Option<PaintedNumber>| paint.as_ref().map_or([1.0; 2], |p| p.range);
-        let shrinks = ends(&self.shrink_factor);
-        let asymmetries = ends(&self.asymmetry_factor);
+        let shrinks = ends(&self.shrink_factor, 1.0);
+        let asymmetries = ends(&self.asymmetry_factor, 1.0);
         let pairs = shrinks.map(|shrink| asymmetries.map(|asymmetry| [shrink, asymmetry]));
         pairs
             .into_iter()
@@ -164,8 +159,7 @@ impl Fire {
         }
     }
 
-    /// Warnings of a fire that will not do what it is there for, on a sheet of an area (m²) whose maps have so many
-    /// texels on a side and cover the whole texture.
+    /// Warnings of a fire on `driver` that will not burn, or is too narrow for maps of `map_size` texels a side.
     pub(super) fn warnings(&self, driver: &Driver, map_size: u32) -> Vec<String> {
         let mut warnings = Vec::new();
         let Ok(law) = self.law() else {
@@ -255,4 +249,9 @@ impl FireSource {
         }
         Ok(())
     }
+}
+
+/// Numbers at the ends of what is painted, or the plain one.
+fn ends(paint: &Option<PaintedNumber>, plain: f64) -> [f64; 2] {
+    paint.as_ref().map_or([plain; 2], |paint| paint.range)
 }

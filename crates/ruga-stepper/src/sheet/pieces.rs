@@ -34,16 +34,21 @@ pub(super) fn let_go(
     let is_lost = |piece: &&Vec<FaceId>| {
         let area = |face: &FaceId| remains[*face].share * fire.area(*face);
         let area: f64 = piece.iter().map(area).sum();
-        !around.is_held(piece) && (area < around.least || pieces.len() > 1 && around.is_far(piece))
+        // What has not burnt was as small from the beginning, and stays.
+        let is_burnt = piece.iter().any(|face| remains[*face].is_burnt());
+        let is_small = is_burnt && area < around.least;
+        !around.is_held(piece) && (is_small || pieces.len() > 1 && around.is_far(piece))
     };
     let lost: Vec<&Vec<FaceId>> = pieces.iter().filter(is_lost).collect();
-    if lost.is_empty() {
-        return Ok(remains);
-    }
-    for piece in lost {
+    for piece in &lost {
         fire.vanish(burning, piece, &remains);
     }
-    fire.remains(burning)
+    let remains = match lost.is_empty() {
+        true => remains,
+        false => fire.remains(burning)?,
+    };
+    fire.drop_specks(burning, |face| stands(&remains[face]));
+    Ok(remains)
 }
 
 /// Whether enough of a face is left for it to be simulated.

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 use ruga_blend::Driver;
-use ruga_mesh::{FaceId, Id, face_areas};
+use ruga_mesh::{FaceId, Id, face_areas, mean_edge_lengths};
+use ruga_shell::BendingModel;
 
 use super::field_grid::levels;
 use super::{Fire, Sheet};
@@ -86,7 +87,12 @@ pub fn plan_sheet(
         refuse("sheet", "edge", format!("{edge} m"), accepted)?;
     }
     if let Some(fire) = &sheet.fire {
-        check_fields(fire, (MEAN_EDGE * edge, vertices), modelling.vertex_budget)?;
+        // The artist's own edges may be shorter than those asked for.
+        let own = mean_edge_lengths(topology, driver.rest());
+        let own = own.iter().sum::<f64>() / own.len().max(1) as f64;
+        let wanted = fire.front.width / fire.edges_per_width;
+        let levels = levels(own.min(MEAN_EDGE * edge), wanted);
+        check_fields(fire, (levels, vertices), modelling.vertex_budget)?;
     }
     let faces: Vec<FaceId> = topology.faces().ids().collect();
     let pose_plan = |pose: &PoseSpec| {
@@ -178,6 +184,10 @@ fn check_fire(
         let accepted = "motion in time (`mode = \"dynamic\"`), as a fire takes time";
         return refuse("burn", "mode", "equilibria", accepted);
     }
+    if modelling.bending == BendingModel::Hinge {
+        let accepted = "vertex curvature (`BendingModel::VertexCurvature`): hinges cannot curl";
+        return refuse("burn", "bending", "hinges", accepted);
+    }
     if let Some(crease) = layer.creases.first() {
         let found = format!("crease '{}'", crease.name);
         return refuse("burn", "creases", found, "none on a sheet that burns");
@@ -185,13 +195,15 @@ fn check_fire(
     Ok(())
 }
 
-/// Refuses a mesh of temperature and fuel that is finer than the budget allows; that of the sheet has a mean edge (m)
-/// and so many vertices.
-fn check_fields(fire: &Fire, (edge, vertices): (f64, usize), budget: usize) -> Checked {
-    let wanted = fire.front.width / fire.edges_per_width;
-    let finer = 4_f64.powi(levels(edge, wanted) as i32);
-    let fields = finer * vertices as f64;
-    if fields <= budget as f64 {
+/// Refuses a mesh of temperature and fuel that is finer than the budget allows: that of the sheet, of so many
+/// vertices, with its edges halved so often.
+pub(super) fn check_fields(
+    fire: &Fire,
+    (levels, vertices): (u32, usize),
+    budget: usize,
+) -> Checked {
+    let fields = 4_f64.powi(levels as i32) * vertices as f64;
+    if levels == 0 || fields <= budget as f64 {
         return Ok(());
     }
     let wider = fire.front.width * (fields / budget as f64).sqrt();

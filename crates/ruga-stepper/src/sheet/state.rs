@@ -107,10 +107,14 @@ impl<'a> SheetState<'a> {
         // Not the shortest edge: what is cut along a crease may be as small as it likes.
         let edge = mean(&mean_edge_lengths(mesh, rest));
         let weight = masses.iter().sum::<f64>() * sheet.gravity.norm();
-        let fire = sheet
-            .fire
-            .as_ref()
-            .map(|fire| FireState::new(fire, (driver, &region), materials.clone()));
+        let fire = sheet.fire.as_ref().map(|fire| {
+            FireState::new(
+                fire,
+                (driver, &region),
+                materials.clone(),
+                modelling.vertex_budget,
+            )
+        });
         let (fire, burning) = fire.transpose()?.unzip();
         Ok(Self {
             scales: Scales::new(
@@ -160,7 +164,7 @@ impl<'a> SheetState<'a> {
         [from, time]: [f64; 2],
         inertia: Option<&Inertia>,
     ) -> Result<(), StepperError> {
-        self.burn((moves, time), inertia)?;
+        self.burn((moves, [from, time]), inertia)?;
         let rest = &self.region.skin.rest.positions;
         let placements: Vec<_> = (0..self.sheet.handles.len())
             .map(|handle| moves.handle(handle, time))
@@ -187,7 +191,7 @@ impl<'a> SheetState<'a> {
     /// Lets it burn during a step in time, and takes away what has burnt.
     fn burn(
         &mut self,
-        (moves, at): (&Moves<'_>, f64),
+        (moves, times): (&Moves<'_>, [f64; 2]),
         inertia: Option<&Inertia>,
     ) -> Result<(), StepperError> {
         let Moving {
@@ -201,7 +205,7 @@ impl<'a> SheetState<'a> {
         fire.advance(
             burning,
             (&skin.mesh, positions),
-            (moves, at),
+            (moves, times),
             inertia.time_step(),
         )?;
         let around = Around {
@@ -359,7 +363,7 @@ impl<'a> SheetState<'a> {
         free.into_iter()
     }
 
-    /// Whether every face is still there.
+    /// For every face whether it is still there.
     pub(super) fn stands(&self) -> Vec<bool> {
         let mut stands = vec![false; self.face_areas.len()];
         for face in self.standing.part.faces.as_slice() {
@@ -467,10 +471,8 @@ impl<'a> SheetState<'a> {
     pub(super) fn fire_report(&self) -> Option<FireReport> {
         let (fire, burning) = self.fire()?;
         let pieces = self.standing.part.mesh.connected_parts(|_| true).len();
-        Some(FireReport {
-            capped: self.capped,
-            ..fire.report(burning, (self.masses.iter().sum(), pieces))
-        })
+        let mass = self.masses.iter().sum();
+        Some(fire.report(burning, (mass, pieces, self.capped)))
     }
 
     /// Handles of which all that they held has burnt or fallen off.
