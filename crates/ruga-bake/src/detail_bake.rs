@@ -15,7 +15,8 @@ use crate::{BakeError, BakeSettings, Detail, Frame, Relief, TangentFrame, Wrinkl
 /// occlusion, curvature, displacement.
 ///
 /// The others are quantities of the artist's mesh or of a fire, for the map of all layers together:
-/// [`WrinkleMap::paint_object_normals`], [`WrinkleMap::paint_compression`], [`WrinkleMap::paint_burnt`]. All are neutral where nothing
+/// [`WrinkleMap::paint_object_normals`], [`WrinkleMap::paint_compression`], [`WrinkleMap::paint_burnt`]. All are
+/// neutral where nothing
 /// is baked, whatever the [`Frame`] of the normals.
 ///
 /// # Errors

@@ -10,7 +10,8 @@
 //! returns a [`WrinkleMap`] of unit normals and heights, which [`normal_to_png16`] and its
 //! neighbours turn into the integers of an image. [`bake_detailed`] adds maps of further quantities
 //! ([`Detail`]), [`WrinkleMap::paint_burnt`] those of a sheet that burns, and [`bake_squares`] bakes the UDIM tiles
-//! of a mesh. Maps of several layers are composed, then padded once ([`WrinkleMap::pad`], or across UV seams [`WrinkleMap::pad_across`]). [`check_uvs`] and
+//! of a mesh. Maps of several layers are composed, then padded once ([`WrinkleMap::pad`], or across UV seams
+//! [`WrinkleMap::pad_across`]). [`check_uvs`] and
 //! [`uv_layout`] say beforehand whether the UVs can carry a map. [`between_keys`] and [`lay_over`] blend
 //! normal maps as an engine does at run time.
 //!

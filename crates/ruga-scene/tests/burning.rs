@@ -5,9 +5,8 @@
 
 mod fixture;
 
-use fixture::{Folder, assert_says};
+use fixture::{assert_says, folder_of_sheet as folder, read_scene as read};
 use ruga_bake::Detail;
-use ruga_scene::{Scene, SceneError};
 use ruga_stepper::Silent;
 
 const TOP: &str = "version = 1\n[driver]\nmesh = \"paper.obj\"\nsmoothing = \"none\"\n";
@@ -17,18 +16,6 @@ const BURN: &str =
     "[burn]\nfront_speed = 2e-3\nfront_width = 5e-3\nedges_per_width = 2\nash_share = 0.2\n";
 const MATCH: &str = "[[burn.sources]]\nname = \"match\"\nsphere = { centre = [0.04, 0.02, 0.0], radius = 0.01 }\ntemperature = 1500.0\n";
 const REST: &str = "[[poses]]\nname = \"burn\"\nsteps = 6\n[solver]\nmode = \"dynamic\"\ntime_step = 1.0\n[bake]\nsize = 64\nmaps = [\"normal\", \"mask\", \"char\"]\n";
-
-/// A folder with a flat sheet of 4 by 4 cm.
-fn folder() -> Folder {
-    let folder = Folder::new();
-    folder.file("paper.obj", fixture::flat_sheet());
-    folder
-}
-
-fn read(folder: &Folder, text: &str) -> Result<Scene, SceneError> {
-    folder.file("scene.toml", text);
-    Scene::read(&folder.path("scene.toml"))
-}
 
 fn scene() -> String {
     format!("{TOP}{LAYER}{SHEET}{BURN}{MATCH}{REST}")

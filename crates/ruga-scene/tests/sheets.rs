@@ -4,25 +4,14 @@
 
 mod fixture;
 
-use fixture::{Folder, assert_says};
-use ruga_scene::{Scene, SceneError, SceneFile};
+use fixture::{assert_says, folder_of_sheet as folder, read_scene as read};
+use ruga_scene::{SceneError, SceneFile};
 use ruga_stepper::Silent;
 
 const TOP: &str = "version = 1\n[driver]\nmesh = \"paper.obj\"\nsmoothing = \"none\"\n";
 const LAYER: &str = "[[layers]]\nname = \"paper\"\nyoung = 3e9\npoisson = 0.3\nthickness = 1e-4\n";
 const SHEET: &str = "[sheet]\nedge = 0.01\nhandles = [{ name = \"clip\", min = [-1, -1, -1], max = [0.001, 1, 1] }]\n";
 const CURL: &str = "[[growths]]\nname = \"dry\"\ncurl = [0.0, 30.0]\n";
-
-fn folder() -> Folder {
-    let folder = Folder::new();
-    folder.file("paper.obj", fixture::flat_sheet());
-    folder
-}
-
-fn read(folder: &Folder, text: &str) -> Result<Scene, SceneError> {
-    folder.file("scene.toml", text);
-    Scene::read(&folder.path("scene.toml"))
-}
 
 #[test]
 fn a_sheet_curls_by_a_growth_and_bakes() {

@@ -9,6 +9,7 @@ mod fire;
 mod objective;
 mod pieces;
 mod plan;
+mod rest_shape;
 mod run;
 mod standing;
 mod state;

@@ -1,19 +1,17 @@
 //! A sheet on its mesh: what it is made of, where it is, and what holds it.
 
-use nalgebra::{Matrix2, Vector3};
+use nalgebra::Vector3;
 use ruga_blend::Driver;
 use ruga_material::RelativeProperties;
-use ruga_mesh::{EdgeId, FaceId, Id, PerFace, face_areas, mean_edge_lengths};
+use ruga_mesh::{EdgeId, Id, PerFace, face_areas, mean_edge_lengths};
 use ruga_shell::{BendingModel, FaceParameters, ShellError};
 use ruga_solver::{Iteration, NewtonSettings, SolveReport, SolverError};
 
 use super::Sheet;
-use super::burning::{Burning, FireState, Remains};
+use super::burning::{Burning, FireState};
 use super::objective::{Scales, SheetObjective};
-use super::pieces::{Around, let_go, stands};
 use super::plan::longest_side;
 use super::standing::Standing;
-use crate::growth::PoseGrowth;
 use crate::run::layer_objective::{gather, scatter};
 use crate::skin::local_skin::{relative_at_vertices, relative_on_faces};
 use crate::skin::skin_mesh::{RegionMesh, SkinMesh};
@@ -21,9 +19,7 @@ use crate::support::Moves;
 use crate::support::contact::Contact;
 use crate::support::motion::{Inertia, velocities};
 use crate::support::obstacle::PlacedObstacle;
-use crate::{
-    CreaseReport, Dynamics, FaceState, FireReport, LayerSpec, Modelling, PoseSpec, StepperError,
-};
+use crate::{CreaseReport, Dynamics, FaceState, LayerSpec, Modelling, PoseSpec, StepperError};
 
 /// Distance at which an obstacle begins to push, in mean edges of the mesh: what it holds off lies on chords
 /// between its vertices, which are about as far from a round obstacle.
@@ -32,19 +28,19 @@ const REACH: f64 = 0.1;
 /// State of a free sheet during one pose: its mesh, its energy, what holds it, and where it is.
 pub(super) struct SheetState<'a> {
     pub(super) spec: &'a LayerSpec,
-    sheet: &'a Sheet,
+    pub(super) sheet: &'a Sheet,
     pub(super) region: RegionMesh,
-    bending: BendingModel,
-    standing: Standing,
+    pub(super) bending: BendingModel,
+    pub(super) standing: Standing,
     /// The handle that holds a vertex, and whether one does.
-    holders: Vec<Option<usize>>,
-    held: Vec<bool>,
-    masses: Vec<f64>,
+    pub(super) holders: Vec<Option<usize>>,
+    pub(super) held: Vec<bool>,
+    pub(super) masses: Vec<f64>,
     /// Rest area of every face, m², and its mass per area, kg/m².
-    face_areas: PerFace<f64>,
-    densities: Vec<f64>,
+    pub(super) face_areas: PerFace<f64>,
+    pub(super) densities: Vec<f64>,
     /// Material on every face, and its bending modulus, J.
-    materials: Vec<FaceParameters>,
+    pub(super) materials: Vec<FaceParameters>,
     moduli: Vec<f64>,
     /// Mean edge, m.
     edge: f64,
@@ -54,7 +50,7 @@ pub(super) struct SheetState<'a> {
     pub(super) moving: Moving,
     /// Faces whose natural curvature is more than their edges can show.
     pub(super) capped: usize,
-    fire: Option<FireState<'a>>,
+    pub(super) fire: Option<FireState<'a>>,
 }
 
 /// Positions and velocities of a sheet, places of obstacles, and what has burnt.
@@ -64,7 +60,7 @@ pub(super) struct Moving {
     /// Per second, or where a step is an equilibrium per whole pose.
     velocities: Vec<Vector3<f64>>,
     obstacles: Vec<PlacedObstacle>,
-    burning: Option<Burning>,
+    pub(super) burning: Option<Burning>,
 }
 
 impl<'a> SheetState<'a> {
@@ -186,105 +182,6 @@ impl<'a> SheetState<'a> {
         }
         self.shape(driver, pose, time)?;
         self.fold(pose, time)
-    }
-
-    /// Lets it burn during a step in time, and takes away what has burnt.
-    fn burn(
-        &mut self,
-        (moves, times): (&Moves<'_>, [f64; 2]),
-        inertia: Option<&Inertia>,
-    ) -> Result<(), StepperError> {
-        let Moving {
-            positions, burning, ..
-        } = &mut self.moving;
-        let (Some(fire), Some(burning), Some(inertia)) = (&mut self.fire, burning, inertia) else {
-            return Ok(());
-        };
-        let skin = &self.region.skin;
-        let rest = &skin.rest.positions;
-        fire.advance(
-            burning,
-            (&skin.mesh, positions),
-            (moves, times),
-            inertia.time_step(),
-        )?;
-        let around = Around {
-            mesh: &skin.mesh,
-            rest,
-            positions,
-            held: &self.held,
-            side: longest_side(rest),
-            least: fire.least_piece(),
-        };
-        let remains = let_go(fire, burning, &around)?;
-        let standing = skin
-            .mesh
-            .faces()
-            .ids()
-            .filter(|face| stands(&remains[*face]));
-        let standing: Vec<FaceId> = standing.collect();
-        if !self.standing.is_of(&standing) {
-            let part = skin.mesh.submesh(&standing);
-            let (materials, held) = (&self.materials, &self.held);
-            self.standing = Standing::new(self.spec, skin, part, materials, held, self.bending)?;
-        }
-        Ok(())
-    }
-
-    /// What the fire has left of every face.
-    fn remains(&self) -> Result<Option<(&FireState<'a>, PerFace<Remains>)>, StepperError> {
-        let Some((fire, burning)) = self.fire() else {
-            return Ok(None);
-        };
-        Ok(Some((fire, fire.remains(burning)?)))
-    }
-
-    /// Gives it the rest shape and the material that growth and fire have made.
-    fn shape(&mut self, driver: &Driver, pose: &PoseSpec, time: f64) -> Result<(), StepperError> {
-        let growth = PoseGrowth::new(self.spec, pose);
-        let skin = &self.region.skin;
-        let grown = growth.on_skin(driver, skin, time);
-        if grown.is_none() && self.fire.is_none() {
-            return Ok(());
-        }
-        let faces = skin.mesh.face_count();
-        let one = Matrix2::identity();
-        let mut stretches = grown.unwrap_or_else(|| PerFace::filled(faces, one));
-        let mut curvatures = growth.curls_on_skin(driver, skin, time);
-        if let Some((fire, remains)) = self.remains()? {
-            let mut masses = vec![0.0; faces];
-            let mut materials = self.materials.clone();
-            for face in self.standing.part.faces.as_slice() {
-                let burnt = fire.face(*face, &remains[*face])?;
-                // What has grown burns: fire shrinks the lengths that growth has left.
-                stretches[*face] = burnt.stretch * stretches[*face];
-                curvatures[*face] += burnt.curvature;
-                materials[face.index()] = burnt.material;
-                let left = self.face_areas[*face] * remains[*face].share;
-                masses[face.index()] = left * self.densities[face.index()] * burnt.mass;
-            }
-            let shares: Vec<f64> = self
-                .standing
-                .of_faces(remains.as_slice(), |remains| remains.share);
-            let parameters = self.standing.of_faces(&materials, |material| *material);
-            self.masses = lumped(skin, &masses);
-            self.materials = materials;
-            let energy = &mut self.standing.energy;
-            let set = energy.set_face_parameters(&parameters);
-            let set = set.and_then(|()| energy.set_area_left(&shares));
-            set.map_err(|source| shell_error(self.spec, source))?;
-        }
-        let stretches = self
-            .standing
-            .of_faces(stretches.as_slice(), |stretch| *stretch);
-        let curvatures = self
-            .standing
-            .of_faces(curvatures.as_slice(), |curvature| *curvature);
-        let energy = &mut self.standing.energy;
-        let outcome = energy.set_rest_metric(&stretches);
-        let outcome = outcome.and_then(|()| energy.set_natural_curvatures(&curvatures));
-        self.capped = outcome.map_err(|source| shell_error(self.spec, source))?;
-        Ok(())
     }
 
     fn fold(&mut self, pose: &PoseSpec, time: f64) -> Result<(), StepperError> {
@@ -457,38 +354,6 @@ impl<'a> SheetState<'a> {
         self.standing.energy.value(&positions)
     }
 
-    /// The fire and what it has done.
-    pub(super) fn fire(&self) -> Option<(&FireState<'a>, &Burning)> {
-        self.fire.as_ref().zip(self.moving.burning.as_ref())
-    }
-
-    /// Whether nothing is left of it.
-    pub(super) fn is_gone(&self) -> bool {
-        self.standing.part.faces.is_empty()
-    }
-
-    /// What the fire has done.
-    pub(super) fn fire_report(&self) -> Option<FireReport> {
-        let (fire, burning) = self.fire()?;
-        let pieces = self.standing.part.mesh.connected_parts(|_| true).len();
-        let mass = self.masses.iter().sum();
-        Some(fire.report(burning, (mass, pieces, self.capped)))
-    }
-
-    /// Handles of which all that they held has burnt or fallen off.
-    pub(super) fn burnt_handles(&self) -> impl Iterator<Item = &str> {
-        let mut holds = vec![false; self.sheet.handles.len()];
-        for v in self.standing.part.vertices.as_slice() {
-            if let Some(handle) = self.holders[v.index()] {
-                holds[handle] = true;
-            }
-        }
-        let handles = self.sheet.handles.iter().zip(holds);
-        handles
-            .filter(|(_, holds)| !holds)
-            .map(|(handle, _)| handle.name.as_str())
-    }
-
     /// Positions of all vertices, of which those that are gone go with the nearest that is there, m.
     pub(super) fn carried_positions(&self) -> Vec<Vector3<f64>> {
         let mesh = &self.region.skin.mesh;
@@ -501,7 +366,7 @@ impl<'a> SheetState<'a> {
 }
 
 /// Masses of the vertices from those of the faces.
-fn lumped(skin: &SkinMesh, of_faces: &[f64]) -> Vec<f64> {
+pub(super) fn lumped(skin: &SkinMesh, of_faces: &[f64]) -> Vec<f64> {
     let mut masses = vec![0.0; skin.mesh.vertex_count()];
     for (corners, mass) in skin.mesh.faces().as_slice().iter().zip(of_faces) {
         for v in corners {

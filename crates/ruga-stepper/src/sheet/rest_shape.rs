@@ -1,0 +1,153 @@
+//! What growth and fire make of a sheet: its rest shape, its material, and what is left of it.
+
+use nalgebra::Matrix2;
+use ruga_blend::Driver;
+use ruga_mesh::{FaceId, Id, PerFace};
+
+use super::burning::{Burning, FireState, Remains};
+use super::pieces::{Around, let_go, stands};
+use super::plan::longest_side;
+use super::standing::Standing;
+use super::state::{Moving, SheetState, lumped, shell_error};
+use crate::growth::PoseGrowth;
+use crate::support::Moves;
+use crate::support::motion::Inertia;
+use crate::{FireReport, PoseSpec, StepperError};
+
+impl<'a> SheetState<'a> {
+    /// Lets it burn during a step in time, and takes away what has burnt.
+    pub(super) fn burn(
+        &mut self,
+        (moves, times): (&Moves<'_>, [f64; 2]),
+        inertia: Option<&Inertia>,
+    ) -> Result<(), StepperError> {
+        let Moving {
+            positions, burning, ..
+        } = &mut self.moving;
+        let (Some(fire), Some(burning), Some(inertia)) = (&mut self.fire, burning, inertia) else {
+            return Ok(());
+        };
+        let skin = &self.region.skin;
+        let rest = &skin.rest.positions;
+        fire.advance(
+            burning,
+            (&skin.mesh, positions),
+            (moves, times),
+            inertia.time_step(),
+        )?;
+        let around = Around {
+            mesh: &skin.mesh,
+            rest,
+            positions,
+            held: &self.held,
+            side: longest_side(rest),
+            least: fire.least_piece(),
+        };
+        let remains = let_go(fire, burning, &around)?;
+        let standing = skin
+            .mesh
+            .faces()
+            .ids()
+            .filter(|face| stands(&remains[*face]));
+        let standing: Vec<FaceId> = standing.collect();
+        if !self.standing.is_of(&standing) {
+            let part = skin.mesh.submesh(&standing);
+            let (materials, held) = (&self.materials, &self.held);
+            self.standing = Standing::new(self.spec, skin, part, materials, held, self.bending)?;
+        }
+        Ok(())
+    }
+
+    /// What the fire has left of every face.
+    fn remains(&self) -> Result<Option<(&FireState<'a>, PerFace<Remains>)>, StepperError> {
+        let Some((fire, burning)) = self.fire() else {
+            return Ok(None);
+        };
+        Ok(Some((fire, fire.remains(burning)?)))
+    }
+
+    /// Gives it the rest shape and the material that growth and fire have made.
+    pub(super) fn shape(
+        &mut self,
+        driver: &Driver,
+        pose: &PoseSpec,
+        time: f64,
+    ) -> Result<(), StepperError> {
+        let growth = PoseGrowth::new(self.spec, pose);
+        let skin = &self.region.skin;
+        let grown = growth.on_skin(driver, skin, time);
+        if grown.is_none() && self.fire.is_none() {
+            return Ok(());
+        }
+        let faces = skin.mesh.face_count();
+        let one = Matrix2::identity();
+        let mut stretches = grown.unwrap_or_else(|| PerFace::filled(faces, one));
+        let mut curvatures = growth.curls_on_skin(driver, skin, time);
+        if let Some((fire, remains)) = self.remains()? {
+            let mut masses = vec![0.0; faces];
+            let mut materials = self.materials.clone();
+            for face in self.standing.part.faces.as_slice() {
+                let burnt = fire.face(*face, &remains[*face])?;
+                // What has grown burns: fire shrinks the lengths that growth has left.
+                stretches[*face] = burnt.stretch * stretches[*face];
+                curvatures[*face] += burnt.curvature;
+                materials[face.index()] = burnt.material;
+                let left = self.face_areas[*face] * remains[*face].share;
+                masses[face.index()] = left * self.densities[face.index()] * burnt.mass;
+            }
+            let shares: Vec<f64> = self
+                .standing
+                .of_faces(remains.as_slice(), |remains| remains.share);
+            let parameters = self.standing.of_faces(&materials, |material| *material);
+            self.masses = lumped(skin, &masses);
+            self.materials = materials;
+            let energy = &mut self.standing.energy;
+            let set = energy.set_face_parameters(&parameters);
+            let set = set.and_then(|()| energy.set_area_left(&shares));
+            set.map_err(|source| shell_error(self.spec, source))?;
+        }
+        let stretches = self
+            .standing
+            .of_faces(stretches.as_slice(), |stretch| *stretch);
+        let curvatures = self
+            .standing
+            .of_faces(curvatures.as_slice(), |curvature| *curvature);
+        let energy = &mut self.standing.energy;
+        let outcome = energy.set_rest_metric(&stretches);
+        let outcome = outcome.and_then(|()| energy.set_natural_curvatures(&curvatures));
+        self.capped = outcome.map_err(|source| shell_error(self.spec, source))?;
+        Ok(())
+    }
+
+    /// The fire and what it has done.
+    pub(super) fn fire(&self) -> Option<(&FireState<'a>, &Burning)> {
+        self.fire.as_ref().zip(self.moving.burning.as_ref())
+    }
+
+    /// Whether nothing is left of it.
+    pub(super) fn is_gone(&self) -> bool {
+        self.standing.part.faces.is_empty()
+    }
+
+    /// What the fire has done.
+    pub(super) fn fire_report(&self) -> Option<FireReport> {
+        let (fire, burning) = self.fire()?;
+        let pieces = self.standing.part.mesh.connected_parts(|_| true).len();
+        let mass = self.masses.iter().sum();
+        Some(fire.report(burning, (mass, pieces, self.capped)))
+    }
+
+    /// Handles of which all that they held has burnt or fallen off.
+    pub(super) fn burnt_handles(&self) -> impl Iterator<Item = &str> {
+        let mut holds = vec![false; self.sheet.handles.len()];
+        for v in self.standing.part.vertices.as_slice() {
+            if let Some(handle) = self.holders[v.index()] {
+                holds[handle] = true;
+            }
+        }
+        let handles = self.sheet.handles.iter().zip(holds);
+        handles
+            .filter(|(_, holds)| !holds)
+            .map(|(handle, _)| handle.name.as_str())
+    }
+}
