@@ -172,6 +172,10 @@ impl<'a> FireState<'a> {
         }
         // A ball that moves heats all along its way.
         let parts = self.parts(moves, [from, to]);
+        let places = match self.fire.movers().next() {
+            Some(_) => self.grid.interpolated(coarse, positions),
+            None => Vec::new(),
+        };
         for part in 0..parts {
             let middle = (f64::from(part) + 0.5) / f64::from(parts);
             let at = if parts == 1 {
@@ -179,7 +183,7 @@ impl<'a> FireState<'a> {
             } else {
                 from + (to - from) * middle
             };
-            let sources = self.sources((coarse, positions), (moves, at));
+            let sources = self.sources(&places, (moves, at));
             self.burn_on(burning, &sources, time / f64::from(parts))?;
         }
         Ok(())
@@ -219,11 +223,8 @@ impl<'a> FireState<'a> {
         Ok(())
     }
 
-    fn sources(
-        &self,
-        (coarse, positions): (&TriMesh, &[Vector3<f64>]),
-        (moves, at): (&Moves<'_>, f64),
-    ) -> Vec<Source> {
+    /// What the balls heat at a fraction of the pose, with the vertices of the field mesh at `places` (m).
+    fn sources(&self, places: &[Vector3<f64>], (moves, at): (&Moves<'_>, f64)) -> Vec<Source> {
         let balls = self
             .fire
             .sources
@@ -236,9 +237,7 @@ impl<'a> FireState<'a> {
                 } => Some((source, centre, radius, coefficient)),
                 Heats::Start(_) => None,
             });
-        let mut places = None;
         let balls = balls.map(|(source, centre, radius, coefficient)| {
-            let places = places.get_or_insert_with(|| self.grid.interpolated(coarse, positions));
             let centre = moves.place_of(&source.name, &centre, at);
             // The rim is as soft as the mesh is fine.
             let edge = self.solver.mesh().mean_edge();

@@ -5,6 +5,7 @@ use ruga_mesh::{FaceId, Id, PerVertex};
 use ruga_remesh::{CutPoint, LevelCut};
 
 use super::burning::{Burning, FireState};
+use super::field_grid::lifted;
 use super::state::SheetState;
 use crate::{ComputedMesh, FaceState, LayerSurface, StepperError};
 
@@ -50,8 +51,8 @@ impl SheetState<'_> {
         let corners = part.mesh.faces().iter().map(|(face, corners)| {
             let parent = cut.parents[part.faces[face]];
             let of_parent = grid.mesh.faces()[parent];
-            let parts =
-                corners.map(|v| shares(&cut.vertices[part.vertices[v]], of_parent.map(|v| v.0)));
+            let parts = corners
+                .map(|v| barycentric(&cut.vertices[part.vertices[v]], of_parent.map(|v| v.0)));
             (parent, parts)
         });
         let corners: Vec<(FaceId, [[f64; 3]; 3])> = corners.collect();
@@ -60,10 +61,8 @@ impl SheetState<'_> {
             parts.map(|[u, v, w]| a * u + b * v + c * w)
         });
         let artist = corners.iter().map(|(parent, parts)| {
-            let (triangle, [a, b, c]) = grid.artist[parent.index()];
-            let place =
-                |[u, v, w]: [f64; 3]| std::array::from_fn(|i| u * a[i] + v * b[i] + w * c[i]);
-            (triangle, parts.map(place))
+            let (triangle, corners) = &grid.artist[parent.index()];
+            (*triangle, parts.map(|place| lifted(place, corners)))
         });
         let face_states = whole.face_states.map(|states| {
             let of_face = |(parent, _): &(FaceId, _)| states[grid.origins[*parent].face.index()];
@@ -94,8 +93,8 @@ impl SheetState<'_> {
     }
 }
 
-/// Parts of the corners of a triangle in a point on one of its edges.
-fn shares(point: &CutPoint, corners: [u32; 3]) -> [f64; 3] {
+/// Barycentric coordinates in a triangle of a point on one of its edges.
+fn barycentric(point: &CutPoint, corners: [u32; 3]) -> [f64; 3] {
     let mut parts = [0.0; 3];
     for (end, part) in point
         .ends

@@ -24,6 +24,12 @@ pub(super) struct FieldGrid {
     pub(super) artist: Vec<(u32, [[f64; 3]; 3])>,
 }
 
+/// Barycentric coordinates in a triangle of a place that is given in another one, whose corners lie there in `corners`.
+pub(super) fn lifted([u, v, w]: [f64; 3], corners: &[[f64; 3]; 3]) -> [f64; 3] {
+    let [a, b, c] = corners;
+    std::array::from_fn(|i| u * a[i] + v * b[i] + w * c[i])
+}
+
 /// How often edges are to be halved so that their mean is at most `wanted`.
 pub(super) fn levels(mean_edge: f64, wanted: f64) -> u32 {
     (mean_edge / wanted).log2().ceil().max(0.0) as u32
@@ -71,10 +77,11 @@ impl FieldGrid {
         });
         let under = region.artist();
         let artist = origins.as_slice().iter().map(|origin| {
-            let (triangle, [a, b, c]) = under[origin.face.index()];
-            let place =
-                |[u, v, w]: [f64; 3]| std::array::from_fn(|i| u * a[i] + v * b[i] + w * c[i]);
-            (triangle, origin.corners.map(place))
+            let (triangle, corners) = &under[origin.face.index()];
+            (
+                *triangle,
+                origin.corners.map(|place| lifted(place, corners)),
+            )
         });
         Self {
             areas: face_areas(&mesh, &rest),

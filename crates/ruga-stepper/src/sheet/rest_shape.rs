@@ -15,17 +15,18 @@ use crate::support::motion::Inertia;
 use crate::{FireReport, PoseSpec, StepperError};
 
 impl<'a> SheetState<'a> {
-    /// Lets it burn during a step in time, and takes away what has burnt.
+    /// Lets it burn during a step in time, and takes away what has burnt; gives what is left of every face, or `None`
+    /// without a fire.
     pub(super) fn burn(
         &mut self,
         (moves, times): (&Moves<'_>, [f64; 2]),
         inertia: Option<&Inertia>,
-    ) -> Result<(), StepperError> {
+    ) -> Result<Option<PerFace<Remains>>, StepperError> {
         let Moving {
             positions, burning, ..
         } = &mut self.moving;
         let (Some(fire), Some(burning), Some(inertia)) = (&mut self.fire, burning, inertia) else {
-            return Ok(());
+            return Ok(None);
         };
         let skin = &self.region.skin;
         let rest = &skin.rest.positions;
@@ -55,35 +56,28 @@ impl<'a> SheetState<'a> {
             let (materials, held) = (&self.materials, &self.held);
             self.standing = Standing::new(self.spec, skin, part, materials, held, self.bending)?;
         }
-        Ok(())
+        Ok(Some(remains))
     }
 
-    /// What the fire has left of every face.
-    fn remains(&self) -> Result<Option<(&FireState<'a>, PerFace<Remains>)>, StepperError> {
-        let Some((fire, burning)) = self.fire() else {
-            return Ok(None);
-        };
-        Ok(Some((fire, fire.remains(burning)?)))
-    }
-
-    /// Gives it the rest shape and the material that growth and fire have made.
+    /// Gives it the rest shape and the material that growth and fire have made, which has left `remains`.
     pub(super) fn shape(
         &mut self,
         driver: &Driver,
         pose: &PoseSpec,
         time: f64,
+        remains: Option<PerFace<Remains>>,
     ) -> Result<(), StepperError> {
         let growth = PoseGrowth::new(self.spec, pose);
         let skin = &self.region.skin;
         let grown = growth.on_skin(driver, skin, time);
-        if grown.is_none() && self.fire.is_none() {
+        if grown.is_none() && remains.is_none() {
             return Ok(());
         }
         let faces = skin.mesh.face_count();
         let one = Matrix2::identity();
         let mut stretches = grown.unwrap_or_else(|| PerFace::filled(faces, one));
         let mut curvatures = growth.curls_on_skin(driver, skin, time);
-        if let Some((fire, remains)) = self.remains()? {
+        if let Some((fire, remains)) = self.fire.as_ref().zip(remains) {
             let mut masses = vec![0.0; faces];
             let mut materials = self.materials.clone();
             for face in self.standing.part.faces.as_slice() {

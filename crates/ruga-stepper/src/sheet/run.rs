@@ -199,15 +199,19 @@ impl SheetRun<'_> {
         self.state.place(driver, around, times, inertia.as_ref())?;
         observer.phase(0, Phase::Integration);
         let modelling = &self.plan.modelling;
-        // What a step in time leaves out of balance the next one inherits.
-        let is_result = dynamics.is_some() || self.pose.has_key(to) || observer.wants_frames();
+        let energy_tolerance = if self.pose.has_key(to) {
+            RESULT
+        } else if self.state.fire().is_some() {
+            BURNING
+        } else if dynamics.is_some() || observer.wants_frames() {
+            // What a step in time leaves out of balance the next one inherits.
+            RESULT
+        } else {
+            PASSING
+        };
         let settings = NewtonSettings {
             max_iterations: MOST_ITERATIONS,
-            energy_tolerance: match (is_result, self.state.fire().is_some()) {
-                (_, true) if !self.pose.has_key(to) => BURNING,
-                (true, _) => RESULT,
-                (false, _) => PASSING,
-            },
+            energy_tolerance,
             residual_tolerance: modelling.tolerance,
             first_relaxation: SLOWLY_LESS * self.relaxation,
             seed: modelling.seed,

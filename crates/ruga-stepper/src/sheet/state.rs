@@ -160,7 +160,7 @@ impl<'a> SheetState<'a> {
         [from, time]: [f64; 2],
         inertia: Option<&Inertia>,
     ) -> Result<(), StepperError> {
-        self.burn((moves, [from, time]), inertia)?;
+        let remains = self.burn((moves, [from, time]), inertia)?;
         let rest = &self.region.skin.rest.positions;
         let placements: Vec<_> = (0..self.sheet.handles.len())
             .map(|handle| moves.handle(handle, time))
@@ -180,7 +180,7 @@ impl<'a> SheetState<'a> {
                 };
             }
         }
-        self.shape(driver, pose, time)?;
+        self.shape(driver, pose, time, remains)?;
         self.fold(pose, time)
     }
 
