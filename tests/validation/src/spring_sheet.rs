@@ -14,25 +14,37 @@
 //!
 //! A sheet is a [`SpringLattice`] (which particles each spring joins, and how long it ought to be) and positions in
 //! the caller's hands; [`fast_projection`] moves them by a [`Projection`], [`SpringMotion`] by that and inertia.
-//! [`Remnant`] is what marching triangles leave of the drawn mesh where material has burnt away.
+//! [`Collider`]s stand in their way. [`SpringFire`] has temperatures and masses, which heat, conducted by [`Conduction`],
+//! and burning change; [`Remnant`] is what marching triangles leave of the drawn mesh where material has burnt away.
 //!
 //! The paper contradicts itself or is silent in places. Each has a name here, the printed way beside the mended one:
-//! [`Mobility`] (masses, and particles that are held), [`TimeRule`] (the factor `h`). Nothing of this is in the
+//! [`Mobility`] (masses, and particles that are held), [`TimeRule`] (the factor `h`), [`BurnRule`] (whether burning heats
+//! or cools). [`burning::BurningSheet`] is all of it together, and [`MassSpring`] what the paper compares itself with.
+//! Nothing of this is in the
 //! product, which has one energy with a rest metric and a natural curvature in place of two layers of springs.
 //!
 //! Lengths in metres, masses in kilograms, times in seconds.
 
+pub mod burning;
+mod collider;
+mod conduction;
 mod conjugate_gradient;
 pub mod curl;
+mod heat;
 mod lattice;
 mod marching;
+mod mass_spring;
 mod projection;
 mod spring_set;
 mod time_step;
 
+pub use collider::{Collider, Shape};
+pub use conduction::Conduction;
 pub use conjugate_gradient::Solver;
+pub use heat::{BurnRule, Fuel, HeatBall, SpringFire, SpringState};
 pub use lattice::{LEAST_SHARE, SpringLattice};
 pub use marching::{Remains, Remnant};
+pub use mass_spring::MassSpring;
 pub use projection::{Mobility, Projection, ProjectionReport, SpringColour, fast_projection};
 pub use spring_set::{SpringError, SpringSet};
 pub use time_step::{SpringMotion, TimeRule};

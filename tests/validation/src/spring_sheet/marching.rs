@@ -90,12 +90,42 @@ impl Remnant {
 
     /// Area of all faces (m2).
     pub fn area(&self) -> f64 {
-        let areas = self.faces.iter().map(|face| {
-            let [a, b, c] = face.map(|p| self.points[p as usize]);
-            0.5 * (b - a).cross(&(c - a)).norm()
-        });
-        areas.sum()
+        self.faces.iter().map(|face| self.face_area(face)).sum()
     }
+
+    /// Area of each piece that hangs together at its points (m2), the largest first.
+    pub fn pieces(&self) -> Vec<f64> {
+        let mut parents: Vec<usize> = (0..self.points.len()).collect();
+        for &[a, b, c] in &self.faces {
+            let first = root(&mut parents, a as usize);
+            for other in [b, c] {
+                let other = root(&mut parents, other as usize);
+                parents[other] = first;
+            }
+        }
+        let mut areas = BTreeMap::new();
+        for face in &self.faces {
+            let piece = root(&mut parents, face[0] as usize);
+            *areas.entry(piece).or_insert(0.0) += self.face_area(face);
+        }
+        let mut areas: Vec<f64> = areas.into_values().collect();
+        areas.sort_by(|a, b| b.total_cmp(a));
+        areas
+    }
+
+    fn face_area(&self, face: &[u32; 3]) -> f64 {
+        let [a, b, c] = face.map(|p| self.points[p as usize]);
+        0.5 * (b - a).cross(&(c - a)).norm()
+    }
+}
+
+/// The first of all points that hang together with one, found through parents, which are shortened on the way.
+fn root(parents: &mut [usize], mut point: usize) -> usize {
+    while parents[point] != point {
+        parents[point] = parents[parents[point]];
+        point = parents[point];
+    }
+    point
 }
 
 impl Marching {

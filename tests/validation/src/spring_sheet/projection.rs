@@ -117,10 +117,25 @@ pub fn fast_projection(
     positions: &mut [Vector3<f64>],
     solver: &mut Solver,
 ) -> ProjectionReport {
+    project_and_correct(lattice, mobility, settings, positions, solver, &mut |_| ())
+}
+
+/// Projects in the same way, and corrects the positions (m) before the first step and after each.
+///
+/// So collisions cannot be undone by the projection, eq. (14); the constraints may be, which the paper grants.
+pub(super) fn project_and_correct(
+    lattice: &SpringLattice,
+    mobility: &Mobility,
+    settings: &Projection,
+    positions: &mut [Vector3<f64>],
+    solver: &mut Solver,
+    correct: &mut dyn FnMut(&mut [Vector3<f64>]),
+) -> ProjectionReport {
     let mut report = ProjectionReport::default();
     if positions.len().min(mobility.moved.len()) < lattice.particle_count() {
         return report;
     }
+    correct(positions);
     let mut is_done = report.record(lattice, positions, settings.threshold);
     for _ in 0..settings.steps {
         if is_done {
@@ -134,6 +149,7 @@ pub fn fast_projection(
             let set = lattice.set(colour);
             report.iterations += set.project(positions, mobility, weight, solver);
         }
+        correct(positions);
         is_done = report.record(lattice, positions, settings.threshold);
     }
     report.converged = is_done;
