@@ -11,6 +11,7 @@ pub mod cantilever;
 pub mod canvas;
 mod cpu_time;
 pub mod crease_cost;
+pub mod curl_panel;
 pub mod curling_strip;
 mod drawing;
 mod drawn_sheet;

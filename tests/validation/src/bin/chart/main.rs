@@ -3,7 +3,8 @@
 //! Combinations of resolution, coupling, sampling, mesh and solver are run on a film whose wrinkles are
 //! known, and some of them on a patch that is compressed unevenly, all through the product. Runs are kept in
 //! `runs.jsonl`, and a later chart into the same folder goes on from there, so a changed solver wants
-//! a new folder. Crease elements, ours and the paper's, are in `folds.json`. What they say together is in `chart.json` and the page `chart.png`;
+//! a new folder. Crease elements, ours and the paper's, are in `folds.json`, curl of a strip,
+//! ours and by the paper's springs, in `curls.json`. What they say together is in `chart.json` and the page `chart.png`;
 //! `summary.png` is the picture in the README.
 
 #![allow(
@@ -32,6 +33,7 @@ use std::path::Path;
 
 use clap::Parser;
 use ruga_validation::Drawing;
+use ruga_validation::curl_panel::{CurlRun, measure_curls};
 use ruga_validation::fold_panel::{FoldRun, measure_folds};
 use ruga_validation::plot::write_page;
 
@@ -51,19 +53,20 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let points = results::points(&runs, &measure::measured(&runs, &file)?);
     let folds = folds(&folder, quick, redraw)?;
-    let json = format!("{:#}\n", tables::json(&points, &folds));
+    let curls = curls(&folder, quick, redraw)?;
+    let json = format!("{:#}\n", tables::json(&points, &folds, &curls));
     fs::write(folder.join("chart.json"), json)?;
     let command = match quick {
         true => "cargo xtask validate chart --quick",
         false => "cargo xtask validate chart",
     };
     write_page(&folder.join("chart.png"), PAGE.size, 2, |own| {
-        page(own, (&points, &folds), command)
+        page(own, (&points, &folds, &curls), command)
     })?;
     write_page(&folder.join("summary.png"), SUMMARY.size, 3, |own| {
         summary(own, &points, command)
     })?;
-    print!("\n{}", words::words(&points));
+    print!("\n{}", words::words(&points, &curls));
     println!("\nChart and tables are in {}", folder.display());
     Ok(())
 }
@@ -78,6 +81,20 @@ fn folds(folder: &Path, quick: bool, redraw: bool) -> Result<Vec<FoldRun>, Box<d
             let folds = measure_folds(quick);
             fs::write(&file, serde_json::to_string_pretty(&folds)?)?;
             Ok(folds)
+        }
+    }
+}
+
+/// Curl of strips, from the file of an earlier chart into the same folder if there is one.
+fn curls(folder: &Path, quick: bool, redraw: bool) -> Result<Vec<CurlRun>, Box<dyn Error>> {
+    let file = folder.join("curls.json");
+    match fs::read_to_string(&file) {
+        Ok(text) => Ok(serde_json::from_str(&text)?),
+        Err(_) if redraw => Ok(Vec::new()),
+        Err(_) => {
+            let curls = measure_curls(quick)?;
+            fs::write(&file, serde_json::to_string_pretty(&curls)?)?;
+            Ok(curls)
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The pages: panels of a film and of a patch, a key, what they say, and where they come from; and a
 //! summary of that.
 
+use ruga_validation::curl_panel::{CurlRun, THICKNESSES, draw_curls};
 use ruga_validation::fold_panel::{FoldCost, FoldRun, draw_folds};
 use ruga_validation::plot::{Drawn, Lettering, NOTE, PLAIN, Page};
 
@@ -9,6 +10,7 @@ use crate::panel;
 use crate::results::{Measure, Point};
 use crate::setting::Solver;
 use crate::verdict::ratios;
+use crate::words;
 
 /// Cells in rows.
 #[derive(Clone, Copy)]
@@ -23,7 +25,7 @@ pub(crate) struct Layout {
 
 /// Of [`page`].
 pub(crate) const PAGE: Layout = Layout {
-    size: [1560.0, 1560.0],
+    size: [1560.0, 2025.0],
     top: 184.0,
     pitch: 446.0,
     columns: 3,
@@ -46,7 +48,7 @@ const MARGIN: f64 = 32.0;
 /// Draws all of it.
 pub(crate) fn page(
     page: &Page<'_>,
-    (points, folds): (&[Point], &[FoldRun]),
+    (points, folds, curls): (&[Point], &[FoldRun], &[CurlRun]),
     command: &str,
 ) -> Drawn {
     let lines = [
@@ -70,7 +72,19 @@ pub(crate) fn page(
     panels(page, PAGE, points, (&patch, 6))?;
     key(page, PAGE.corner(4), points)?;
     draw_folds(page, PAGE.frame(5), folds, FoldCost::Seconds)?;
+    for (i, thickness) in THICKNESSES.into_iter().enumerate() {
+        draw_curls(page, PAGE.frame(9 + i), curls, thickness)?;
+    }
+    curl_lines(page, PAGE.corner(11), curls)?;
     caption(page, points, command)
+}
+
+/// What the panels of curl say.
+fn curl_lines(page: &Page<'_>, [left, top]: [f64; 2], curls: &[CurlRun]) -> Drawn {
+    for (i, line) in words::curls(curls).iter().enumerate() {
+        page.text([left, top + 19.0 * i as f64], line, NOTE)?;
+    }
+    Ok(())
 }
 
 /// Draws what matters most, for those who will not read more.
@@ -172,10 +186,12 @@ fn caption(page: &Page<'_>, points: &[Point], command: &str) -> Drawn {
         "Normals: along lines across the wrinkles, each shifted to its best. Patch: three critical strains in its middle, \
          none at its ends, against an even hybrid mesh of 32 edges per wavelength.",
         "Creases: a skin pressed onto a ridge whose angle grows along its line, 8 edges along a side and more; the paper is Patkar, \
-         Jin and Fedkiw 2014. Times: one thread, everything but measuring, and of creases meshing.",
+         Jin and Fedkiw 2014. Times: one thread, everything but measuring, and of creases and curl meshing.",
+        "Curl: a free strip ten times as long as wide, one of whose sides is 2 % shorter; the paper is Jeong, Kim and Kim 2011, \
+         springs of 40 by 4 cells, without setting up. ruga’s errors below 0.1 % are its solver’s tolerance.",
         &last,
     ];
-    notes(page, PAGE.size[1] - 100.0, &lines)
+    notes(page, PAGE.size[1] - 119.0, &lines)
 }
 
 #[cfg(test)]
@@ -189,7 +205,7 @@ mod tests {
     fn pages_without_a_single_run_are_pages() {
         let folder = tempfile::tempdir().expect("a folder");
         let (path, none) = (folder.path().join("page.png"), points(&[], &[]));
-        write_page(&path, PAGE.size, 3, |own| page(own, (&none, &[]), "")).expect("a page");
+        write_page(&path, PAGE.size, 3, |own| page(own, (&none, &[], &[]), "")).expect("a page");
         write_page(&path, SUMMARY.size, 3, |own| summary(own, &none, "")).expect("a summary");
     }
 }

@@ -1,5 +1,6 @@
 //! The points and what they say as one table, for programs.
 
+use ruga_validation::curl_panel::CurlRun;
 use ruga_validation::fold_panel::FoldRun;
 use serde_json::{Value, json};
 
@@ -8,7 +9,7 @@ use crate::results::{Measure, Point};
 use crate::verdict::{acceptance, distance_from_pareto, ratios};
 
 /// The points, and what they say about the default. Errors are absolute: shares, and degrees for normals.
-pub(crate) fn json(points: &[Point], folds: &[FoldRun]) -> Value {
+pub(crate) fn json(points: &[Point], folds: &[FoldRun], curls: &[CurlRun]) -> Value {
     let pareto = Measure::ALL.iter().flat_map(|&measure| {
         QUALITIES.map(|(name, quality)| {
             let cost = distance_from_pareto(points, measure, quality);
@@ -21,5 +22,6 @@ pub(crate) fn json(points: &[Point], folds: &[FoldRun]) -> Value {
         "acceptance": acceptance(points),
         "default_against_pareto": pareto.collect::<Vec<_>>(),
         "crease_elements": folds,
+        "curl": curls,
     })
 }

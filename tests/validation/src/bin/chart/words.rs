@@ -1,5 +1,7 @@
 //! What the chart says, in words.
 
+use ruga_validation::curl_panel::{CurlRun, THICKNESSES, times_sooner};
+
 use crate::plan::{PAPERS, QUALITIES};
 use crate::results::{Measure, Point};
 use crate::setting::word;
@@ -9,12 +11,14 @@ use crate::verdict::{Acceptance, Ratio, acceptance, distance_from_pareto, ratios
 const CHEAPER: f64 = 5.0;
 
 /// All of it, for people.
-pub(crate) fn words(points: &[Point]) -> String {
+pub(crate) fn words(points: &[Point], own: &[CurlRun]) -> String {
     let mut lines = promises(&acceptance(points));
     lines.push(String::new());
     lines.extend(costs(&ratios(points)));
     lines.push(String::new());
     lines.extend(distances(points));
+    lines.push(String::new());
+    lines.extend(curls(own));
     lines.push(String::new());
     lines.extend(failures(points));
     lines.join("\n") + "\n"
@@ -93,6 +97,30 @@ fn distances(points: &[Point]) -> Vec<String> {
     };
     let lines = Measure::ALL.iter().map(line);
     std::iter::once(title.to_owned()).chain(lines).collect()
+}
+
+/// Speed against the paper's springs at the error of the curl that these reach.
+pub(crate) fn curls(runs: &[CurlRun]) -> Vec<String> {
+    let mut lines =
+        vec!["Curl of a strip against the springs of Jeong, Kim and Kim 2011:".to_owned()];
+    for thickness in THICKNESSES {
+        let springs = runs
+            .iter()
+            .filter(|own| own.is_springs && own.thickness == thickness);
+        let best = springs.min_by(|a, b| a.error().total_cmp(&b.error()));
+        let Some((best, times)) = best.zip(times_sooner(runs, thickness)) else {
+            continue;
+        };
+        lines.push(format!(
+            "  layers {thickness} of a cell apart: springs are off by {:.0} %",
+            100.0 * best.error()
+        ));
+        lines.push(format!(
+            "    after {} projections, as near ruga is {times:.0} times sooner",
+            best.number
+        ));
+    }
+    lines
 }
 
 fn failures(points: &[Point]) -> Vec<String> {
