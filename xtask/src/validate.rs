@@ -24,7 +24,8 @@ pub(crate) enum Study {
     /// Sharp creases, ours and the paper's, measured and drawn, with pictures of folded sheets; a minute or
     /// two
     Creases,
-    /// Curl of a burning sheet by natural curvature and by the paper's springs, measured and drawn; a minute
+    /// Curl of a burning sheet by natural curvature and by the paper's springs, measured and drawn, with pictures of
+    /// the paper's scenes; five minutes, two if quick
     Burning,
     /// Error against cost, measured and drawn; many minutes
     Chart,

@@ -177,7 +177,7 @@ pub fn draw_curls(page: &Page<'_>, frame: [f64; 4], runs: &[CurlRun], thickness:
     let place = |own: &CurlRun| [1e3 * own.seconds, 100.0 * own.error()];
     let [x, y] = [0, 1].map(|side| {
         let values = own.iter().map(|own| place(own)[side]);
-        Axis::logarithmic(values, 1.8)
+        Axis::logarithmic(values, 2.6)
     });
     let panel = Panel::draw(page, frame, title, [x, y])?;
     let [left, _, _, bottom] = frame;

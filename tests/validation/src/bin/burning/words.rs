@@ -1,6 +1,8 @@
 //! What was found, in words.
 
-use crate::findings::{Curl, Findings, PROJECTIONS, THICKNESSES};
+use ruga_validation::curl_panel::{CurlRun, PROJECTIONS, THICKNESSES};
+
+use crate::findings::Findings;
 
 /// Seven projection steps of the paper's table 2: springs, milliseconds. Its last row prints 10,000 springs, for which
 /// the time per spring beside it would be wrong.
@@ -46,11 +48,46 @@ pub(crate) fn words(findings: &Findings) -> String {
             per_spring(1e-3 * printed, springs)
         ));
     }
+    lines.extend(errors(findings));
+    lines.extend(pictures(findings));
     lines.join("\n") + "\n"
 }
 
+/// Figure 8 in numbers.
+fn errors(findings: &Findings) -> Vec<String> {
+    let sums = findings.errors.iter().map(|own| own.iter().sum());
+    let sums: Vec<f64> = sums.collect();
+    let rises = sums.windows(2).filter(|pair| pair[1] > pair[0]).count();
+    vec![
+        String::new(),
+        format!(
+            "Figure 8: the sum of the norms of the constraints rises in {rises} of {} projection steps; the paper says in none",
+            sums.len().saturating_sub(1)
+        ),
+    ]
+}
+
+/// Pictures, with times and what was measured in them.
+fn pictures(findings: &Findings) -> Vec<String> {
+    let title = "Pictures by the paper's springs and one by ruga, after captions and text of its figures, which are not at hand";
+    let mut lines = vec![String::new(), title.to_owned()];
+    for own in &findings.pictures {
+        lines.push(format!(
+            "  {:<18} {:>6} springs {:>5} steps {:>7.2} s {:>6.1} ms a step   {}",
+            own.file,
+            own.springs,
+            own.steps,
+            own.seconds,
+            1e3 * own.seconds / own.steps.max(1) as f64,
+            own.what
+        ));
+        lines.extend(own.facts.iter().map(|fact| format!("      {fact}")));
+    }
+    lines
+}
+
 /// What a run is called.
-fn name(own: &Curl) -> String {
+fn name(own: &CurlRun) -> String {
     match own.is_springs {
         true => format!("springs, {} projections", own.number),
         false => format!("ruga, {} triangles across", own.number),
@@ -90,7 +127,7 @@ pub(crate) fn lines(findings: &Findings) -> Vec<String> {
 fn curl_lines(findings: &Findings, thickness: f64) -> Vec<String> {
     let all = findings.curls.iter();
     let alike = all.filter(|own| own.thickness == thickness);
-    let (springs, product): (Vec<&Curl>, Vec<&Curl>) = alike.partition(|own| own.is_springs);
+    let (springs, product): (Vec<&CurlRun>, Vec<&CurlRun>) = alike.partition(|own| own.is_springs);
     let seven = springs.iter().find(|own| own.number == PROJECTIONS[1]);
     let (Some(seven), Some(last)) = (seven, springs.last()) else {
         return Vec::new();

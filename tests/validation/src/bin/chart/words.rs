@@ -116,7 +116,7 @@ pub(crate) fn curls(runs: &[CurlRun]) -> Vec<String> {
             100.0 * best.error()
         ));
         lines.push(format!(
-            "    after {} projections, as near ruga is {times:.0} times sooner",
+            "    after {} projections, ruga is as near {times:.1} times sooner",
             best.number
         ));
     }
