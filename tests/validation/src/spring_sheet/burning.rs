@@ -21,6 +21,9 @@ pub enum Effects {
 }
 
 /// Everything that belongs to a sheet that burns.
+///
+/// A burnt particle stays as long as a spring ends at it, so that two pieces whose rims have one in common are apart in
+/// the drawn mesh and still hang together: on coarse lattices pieces fall off later than they are seen to be cut.
 #[derive(Clone, Debug)]
 pub struct BurningSheet {
     /// Springs before anything burnt.
