@@ -128,7 +128,7 @@ const LEAST: f64 = 1e-2;
 fn pictures(page: &Page<'_>, [left, top]: [f64; 2], findings: &Findings) -> Drawn {
     page.text(
         [left, top - 29.0],
-        "Pictures by the paper’s springs",
+        "Pictures after the paper’s figures",
         HEADING,
     )?;
     let note = "After captions and text alone: the paper’s own pictures are not at hand. What was measured is in burning.txt.";
