@@ -339,6 +339,32 @@ impl LayerEnergy {
     /// between sheets. It is positive
     /// semidefinite up to a negative `K1`.
     pub fn hessian(&self, x: &[Vector3<f64>], exact: &mut [f64], relaxed: Option<&mut [f64]>) {
+        self.write_hessian(x, None, exact, relaxed);
+    }
+
+    /// Writes the same matrices with the membrane stress that a linearisation at `from` predicts for `x`, see
+    /// [`Membrane::predicted_state`](crate::Membrane::predicted_state).
+    ///
+    /// A straight step that turns a face by an angle stretches it by half the square of that, which against bending
+    /// is stiff; with the predicted stress the next step does not take that stretch for a tension.
+    pub fn predicted_hessian(
+        &self,
+        x: &[Vector3<f64>],
+        from: &[Vector3<f64>],
+        exact: &mut [f64],
+        relaxed: &mut [f64],
+    ) {
+        self.check(from);
+        self.write_hessian(x, Some(from), exact, Some(relaxed));
+    }
+
+    fn write_hessian(
+        &self,
+        x: &[Vector3<f64>],
+        from: Option<&[Vector3<f64>]>,
+        exact: &mut [f64],
+        relaxed: Option<&mut [f64]>,
+    ) {
         self.check(x);
         // Deviations are linear in the positions as long as the base stands still. So this part is formed
         // once per base, and not in every Newton step; never for a layer that is only solved in parts.
@@ -355,7 +381,7 @@ impl LayerEnergy {
             }
         };
         for sheet in &self.sheets {
-            sheet.add_hessian(x, exact, relaxed);
+            sheet.add_hessian(x, from, exact, relaxed);
         }
         if let Some(springs) = &self.springs {
             springs.add_hessian(x, exact, relaxed);

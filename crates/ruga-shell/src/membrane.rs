@@ -82,19 +82,42 @@ impl Membrane {
     /// Deformation gradient, strain and stress at `x`.
     #[inline]
     pub fn state(&self, x: &[Vector3<f64>; 3]) -> MembraneState {
-        let [g1, g2] = self.gradients;
-        let deformation = (x[1] - x[0]) * g1.transpose() + (x[2] - x[0]) * g2.transpose();
+        let deformation = self.deformation(x);
         let strain =
             0.5 * (deformation.transpose() * deformation - Matrix2::identity()) - self.natural;
-        let pressure = self.poisson * strain.trace();
-        let stress = self.stiffness
-            * ((1.0 - self.poisson) * strain + Matrix2::from_diagonal_element(pressure));
         MembraneState {
             deformation,
             strain,
-            stress,
+            stress: self.stress(&strain),
             collapse: Collapse::new(&deformation, self.stiffness, self.natural_area),
         }
+    }
+
+    /// The state at `x`, with the stress that follows from the strain linearised at `from`:
+    /// `E(from) + sym(F(from)^T (F(x) - F(from)))`, which leaves out the square of what a straight way turns.
+    #[inline]
+    pub fn predicted_state(
+        &self,
+        from: &[Vector3<f64>; 3],
+        x: &[Vector3<f64>; 3],
+    ) -> MembraneState {
+        let (before, after) = (self.state(from), self.state(x));
+        let change = before.deformation.transpose() * (after.deformation - before.deformation);
+        let strain = before.strain + 0.5 * (change + change.transpose());
+        MembraneState {
+            stress: self.stress(&strain),
+            ..after
+        }
+    }
+
+    fn deformation(&self, x: &[Vector3<f64>; 3]) -> Matrix3x2<f64> {
+        let [g1, g2] = self.gradients;
+        (x[1] - x[0]) * g1.transpose() + (x[2] - x[0]) * g2.transpose()
+    }
+
+    fn stress(&self, strain: &Matrix2<f64>) -> Matrix2<f64> {
+        let pressure = self.poisson * strain.trace();
+        self.stiffness * ((1.0 - self.poisson) * strain + Matrix2::from_diagonal_element(pressure))
     }
 
     /// Energy (J).

@@ -291,11 +291,22 @@ impl Sheet {
         self.bending.add_gradient(x, pattern, gradient);
     }
 
-    /// Adds the second derivative to both matrices; an empty `relaxed` is not wanted.
-    pub(crate) fn add_hessian(&self, x: &[Vector3<f64>], exact: &mut [f64], relaxed: &mut [f64]) {
+    /// Adds the second derivative to both matrices; an empty `relaxed` is not wanted. The membrane's stress is
+    /// that predicted at `from`, if it is given.
+    pub(crate) fn add_hessian(
+        &self,
+        x: &[Vector3<f64>],
+        from: Option<&[Vector3<f64>]>,
+        exact: &mut [f64],
+        relaxed: &mut [f64],
+    ) {
         let elements = self.faces.iter().zip(&self.membranes);
         for ((face, membrane), slots) in elements.zip(&self.membrane_slots) {
-            let state = membrane.state(&gather(x, face));
+            let corners = gather(x, face);
+            let state = match from {
+                None => membrane.state(&corners),
+                Some(from) => membrane.predicted_state(&gather(from, face), &corners),
+            };
             // The two matrices differ in the stress alone; the costlier part is formed once for
             // both.
             let material = membrane.material_blocks(&state);

@@ -25,6 +25,9 @@ use crate::{ConstraintRows, LowerPattern, SolverError};
 /// At 1e-8 three refinements return the unregularised solution to rounding, repeated rows keep
 /// the right inertia, and the pivots stay far above rounding; 1e-5 needs a dozen refinements.
 const REGULARIZATION: f64 = 1e-8;
+/// The same without rows, where it only keeps pivots off zero. The free fall of a sheet in a long time step is as
+/// soft as 1e-12 of its median diagonal entry, and refinement makes up for little more than that.
+const REGULARIZATION_WITHOUT_ROWS: f64 = 1e-13;
 
 /// Refinements after which a solve gives up on reaching [`REFINED`].
 const MAX_REFINEMENTS: usize = 8;
@@ -65,7 +68,7 @@ impl Inertia {
 ///
 /// as `L D L'` in a nested-dissection order (faer, supernodal, one thread, so bits do not
 /// depend on the thread count); iterative refinement removes `e` from solutions. Without rows
-/// this is the factorisation of `K` alone.
+/// this is the factorisation of `K` alone, with `e` = 1e-13.
 pub struct Kkt {
     pattern: LowerPattern,
     rows: ConstraintRows,
@@ -359,8 +362,12 @@ impl Kkt {
             self.system[slot] = value * scale;
         }
         // Only the copy that is factorised: refinement measures by `values`, which stay exact.
+        let regularization = match self.rows.count() {
+            0 => REGULARIZATION_WITHOUT_ROWS,
+            _ => REGULARIZATION,
+        };
         for column in 0..size {
-            self.system[self.slots[self.pattern.diagonal(column)]] += REGULARIZATION;
+            self.system[self.slots[self.pattern.diagonal(column)]] += regularization;
         }
     }
 

@@ -78,7 +78,7 @@ mod ordering;
 mod permuted_system;
 
 pub use newton::{Minimise, minimise};
-pub use objective::Objective;
+pub use objective::{Objective, StressPrediction};
 pub use pinned::Pinned;
 
 pub use kkt::{FactorCost, Inertia, Kkt};

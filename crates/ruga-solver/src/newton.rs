@@ -2,11 +2,13 @@
 
 mod bent_step;
 mod overshot;
+mod predicted;
 
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
 use overshot::Overshot;
+use predicted::Predicted;
 
 use crate::convexify::{Convexifier, Hessian};
 use crate::error::{check_finite, check_length};
@@ -65,7 +67,8 @@ pub type Minimise = fn(
 ///
 /// `H` is [`kkt.rows()`](Kkt::rows). `x` may start infeasible: the first step restores the
 /// constraints at full length with the least elastic energy, then every step stays within
-/// `H p = 0` and is shortened until the energy falls, or with [`NewtonSettings::overshoot`] every two.
+/// `H p = 0` and is shortened until the energy falls, or with [`NewtonSettings::overshoot`] every two; of an
+/// objective that [predicts its stresses](Objective::prediction) the energy may rise for some steps.
 /// Where the Hessian is indefinite on that space, only what the objective relaxes is left out, such as
 /// the compressive stress stiffness, and where that step gains hardly any energy the direction of negative
 /// curvature is searched as well; the solve stops as converged only where the exact Hessian has the
@@ -98,6 +101,7 @@ pub fn minimise(
     if let Some(overshot) = newton.overshot.take() {
         newton.go_back(x, &overshot);
     }
+    newton.end_prediction(x);
     let stop = match ending {
         // A Hessian that nothing mends is no mistake in the input, so it is reported as data.
         Err(SolverError::Breakdown { .. }) => StopRule::Breakdown,
@@ -137,6 +141,7 @@ struct Newton<'a> {
     at_hand: Option<Factored>,
     /// The shortened step to go back to from one that was taken whole.
     overshot: Option<Overshot>,
+    predicted: Predicted,
     report: SolveReport,
 }
 
@@ -176,6 +181,7 @@ impl<'a> Newton<'a> {
             hint: Some(settings.first_relaxation).filter(|&hint| hint > 0.0),
             at_hand: None,
             overshot: None,
+            predicted: Predicted::default(),
             report: SolveReport::empty(),
         })
     }
@@ -217,7 +223,8 @@ impl<'a> Newton<'a> {
             if !keep_going(&iteration) {
                 return Ok(StopRule::Interrupted);
             }
-            if let Some(stop) = self.stop(&iteration, inertia) {
+            let stop = self.stop(&iteration, inertia);
+            if let Some(stop) = stop.filter(|stop| self.may_stop(*stop, energy)) {
                 if stop == StopRule::Decrement {
                     self.take_last_step(x, energy);
                 }
@@ -284,8 +291,7 @@ impl<'a> Newton<'a> {
         if let Some(at_hand) = self.at_hand.take() {
             return Ok(at_hand);
         }
-        self.objective
-            .hessian(x, &mut self.exact, &mut self.relaxed);
+        self.write_hessian(x);
         let hint = self.hint.take();
         let hessian = Hessian {
             exact: &self.exact,
@@ -423,6 +429,9 @@ impl<'a> Newton<'a> {
         iteration: &Iteration,
         inertia: Inertia,
     ) -> Result<bool, SolverError> {
+        if self.predicts(iteration, inertia) && self.advance_predicted(x, energy) {
+            return Ok(true);
+        }
         let slope = dot(&self.gradient, &self.step);
         let newton = line_search(
             self.objective,

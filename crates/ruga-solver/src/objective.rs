@@ -25,6 +25,11 @@ pub trait Objective {
     /// without stress stiffness writes `exact` twice.
     fn hessian(&self, x: &[f64], exact: &mut [f64], relaxed: &mut [f64]);
 
+    /// How stresses change along a step, for bodies that turn far while they hardly stretch; none by default.
+    fn prediction(&self) -> Option<&dyn StressPrediction> {
+        None
+    }
+
     /// Levenberg damping (N/m), a diagonal added to both Hessians before the inertia is counted;
     /// empty for none.
     ///
@@ -49,6 +54,21 @@ pub trait Objective {
     fn length_scale(&self) -> f64 {
         1.0
     }
+}
+
+/// What lets Newton's method take steps of an [`Objective`] that turn parts of a stiff body far.
+///
+/// A straight step that turns something by an angle stretches it by half the square of that. With the stress of
+/// that stretch in the Hessian the next step is much too stiff. Here it is the stress that the linearisation at the
+/// start of the step predicts, which is Newton's method for stresses as unknowns of their own (Magisano, Leonetti
+/// and Garcea 2017), while energy and gradient stay as they are.
+pub trait StressPrediction {
+    /// The share, at most 1, of a `step` from `x` (m) up to which nothing turns or stretches too far for a
+    /// linearisation to mean anything.
+    fn reach(&self, x: &[f64], step: &[f64]) -> f64;
+
+    /// Writes both Hessians at `x` as [`Objective::hessian`] does, with the stresses predicted at `from`.
+    fn hessian(&self, x: &[f64], from: &[f64], exact: &mut [f64], relaxed: &mut [f64]);
 }
 
 /// Refuses an objective of another system than `kkt` analysed, with arrays of another size or

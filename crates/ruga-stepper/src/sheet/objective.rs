@@ -1,9 +1,9 @@
 //! The energy of a sheet as the solver sees it.
 
 use nalgebra::Vector3;
-use ruga_mesh::VertexId;
+use ruga_mesh::{Id, TriMesh, VertexId};
 use ruga_shell::LayerEnergy;
-use ruga_solver::{LowerPattern, Objective};
+use ruga_solver::{LowerPattern, Objective, StressPrediction};
 
 use crate::run::layer_objective::scatter;
 use crate::support::contact::Contact;
@@ -29,7 +29,11 @@ pub(super) struct SheetObjective<'a> {
     pub(super) contact: Contact,
     pub(super) inertia: Option<&'a Inertia>,
     pub(super) scales: Scales,
+    pub(super) mesh: &'a TriMesh,
 }
+
+/// Angle (rad) by which a step may turn an edge, and share by which it may stretch one.
+const TURN: f64 = 0.2;
 
 /// Least scale of energies and forces, in those of bending by one radian.
 const LEAST: f64 = 1e-5;
@@ -88,6 +92,26 @@ impl SheetObjective<'_> {
         });
         kinetic - work + self.contact.value(x, self.areas)
     }
+
+    /// Adds the second derivatives of inertia and contact.
+    fn add_loads(&self, x: &[Vector3<f64>], exact: &mut [f64], relaxed: &mut [f64]) {
+        for (number, v) in self.free.iter().enumerate() {
+            let i = v.0 as usize;
+            let weight = self.inertia.map(|inertia| inertia.weight(self.masses[i]));
+            for axis in 0..3 {
+                // A column of the lower triangle begins with its diagonal.
+                let diagonal = self.pattern.column_starts()[3 * number + axis];
+                exact[diagonal] += weight.unwrap_or(0.0);
+                relaxed[diagonal] += weight.unwrap_or(0.0);
+            }
+            // Contact only stiffens, and is the same in the relaxed matrix.
+            if let Some(block) = self.contact.hessian(&x[i], self.areas[i]) {
+                let slot = self.energy.blocks().slot(v.0, v.0);
+                slot.add(exact, &block);
+                slot.add(relaxed, &block);
+            }
+        }
+    }
 }
 
 impl Objective for SheetObjective<'_> {
@@ -120,22 +144,11 @@ impl Objective for SheetObjective<'_> {
     fn hessian(&self, unknowns: &[f64], exact: &mut [f64], relaxed: &mut [f64]) {
         let x = self.all_positions(unknowns);
         self.energy.hessian(&x, exact, Some(&mut *relaxed));
-        for (number, v) in self.free.iter().enumerate() {
-            let i = v.0 as usize;
-            let weight = self.inertia.map(|inertia| inertia.weight(self.masses[i]));
-            for axis in 0..3 {
-                // A column of the lower triangle begins with its diagonal.
-                let diagonal = self.pattern.column_starts()[3 * number + axis];
-                exact[diagonal] += weight.unwrap_or(0.0);
-                relaxed[diagonal] += weight.unwrap_or(0.0);
-            }
-            // Contact only stiffens, and is the same in the relaxed matrix.
-            if let Some(block) = self.contact.hessian(&x[i], self.areas[i]) {
-                let slot = self.energy.blocks().slot(v.0, v.0);
-                slot.add(exact, &block);
-                slot.add(relaxed, &block);
-            }
-        }
+        self.add_loads(&x, exact, relaxed);
+    }
+
+    fn prediction(&self) -> Option<&dyn StressPrediction> {
+        Some(self)
     }
 
     fn damping(&self) -> &[f64] {
@@ -152,5 +165,23 @@ impl Objective for SheetObjective<'_> {
 
     fn length_scale(&self) -> f64 {
         self.scales.length
+    }
+}
+
+impl StressPrediction for SheetObjective<'_> {
+    fn reach(&self, unknowns: &[f64], step: &[f64]) -> f64 {
+        let x = self.all_positions(unknowns);
+        let mut change = vec![Vector3::zeros(); x.len()];
+        scatter(self.free, step, &mut change);
+        let edges = self.mesh.edges().as_slice().iter();
+        let edges = edges.map(|edge| edge.vertices.map(|v| v.index()));
+        let turns = edges.map(|[a, b]| (change[b] - change[a]).norm() / (x[b] - x[a]).norm());
+        (TURN / turns.fold(TURN, f64::max)).min(1.0)
+    }
+
+    fn hessian(&self, unknowns: &[f64], from: &[f64], exact: &mut [f64], relaxed: &mut [f64]) {
+        let [x, from] = [unknowns, from].map(|unknowns| self.all_positions(unknowns));
+        self.energy.predicted_hessian(&x, &from, exact, relaxed);
+        self.add_loads(&x, exact, relaxed);
     }
 }

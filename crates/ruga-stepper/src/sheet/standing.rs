@@ -12,6 +12,9 @@ use crate::{LayerSpec, StepperError};
 /// Levenberg damping in units of the mean membrane stiffness of a vertex: gives motions of a loose sheet a sign.
 const DAMPING: f64 = 1e-10;
 
+/// The most of it in units of inertia, which gives them one as well: more would hold up pieces that fall.
+const DAMPING_OF_INERTIA: f64 = 1e-3;
+
 /// Some triangles of a sheet, their energy and the unknowns of the vertices that move.
 pub(super) struct Standing {
     pub(super) part: Submesh,
@@ -20,8 +23,8 @@ pub(super) struct Standing {
     pub(super) system: Option<(LowerPattern, Kkt)>,
     /// Vertices of the part that nothing holds.
     pub(super) free: Vec<VertexId>,
-    /// Levenberg damping of every unknown, N/m.
-    pub(super) damping: Vec<f64>,
+    /// Levenberg damping, N/m.
+    damping: f64,
 }
 
 impl Standing {
@@ -64,12 +67,21 @@ impl Standing {
         let membrane = materials.iter().map(|face| face.young * face.thickness);
         let membrane = membrane.sum::<f64>() / materials.len().max(1) as f64;
         Ok(Self {
-            damping: vec![DAMPING * membrane; unknowns],
+            damping: DAMPING * membrane,
             part,
             energy,
             system,
             free,
         })
+    }
+
+    /// Levenberg damping of every unknown (N/m), by the inertia of all vertices (N/m) if there is any.
+    pub(super) fn damping(&self, inertia: Option<&[f64]>) -> Vec<f64> {
+        let of_vertex = |v: &VertexId| {
+            let inertia = inertia.map_or(f64::INFINITY, |inertia| inertia[v.index()]);
+            [self.damping.min(DAMPING_OF_INERTIA * inertia); 3]
+        };
+        self.free.iter().flat_map(of_vertex).collect()
     }
 
     /// All of a sheet, with the same numbers of vertices and faces.

@@ -302,10 +302,14 @@ impl<'a> SheetState<'a> {
         let mut positions = self.standing.of_vertices(&self.moving.positions);
         let inertia =
             inertia.map(|inertia| inertia.of_part(self.standing.of_vertices(&inertia.centres)));
+        let weights: Option<Vec<f64>> = inertia
+            .as_ref()
+            .map(|inertia| masses.iter().map(|mass| inertia.weight(*mass)).collect());
+        let damping = self.standing.damping(weights.as_deref());
         let Standing {
+            part,
             energy,
             free,
-            damping,
             system,
             ..
         } = &mut self.standing;
@@ -318,7 +322,8 @@ impl<'a> SheetState<'a> {
             free,
             positions: &positions,
             pattern,
-            damping,
+            mesh: &part.mesh,
+            damping: &damping,
             masses: &masses,
             areas: energy.vertex_areas(),
             gravity: self.sheet.gravity,
