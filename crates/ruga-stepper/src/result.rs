@@ -150,6 +150,8 @@ pub struct LayerReport {
     pub onset_load: Option<f64>,
     /// Creases that have edges on its mesh.
     pub creases: Vec<CreaseReport>,
+    /// Triangles of a sheet that cross others of it, at the last key or where the pose ended; `None` of other layers.
+    pub intersections: Option<usize>,
     /// What its fire has done, of a sheet that burns.
     pub fire: Option<FireReport>,
 }

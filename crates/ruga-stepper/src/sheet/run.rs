@@ -1,5 +1,8 @@
 //! One pose of a sheet from rest to its keys.
 
+use std::collections::BTreeSet;
+
+use ruga_mesh::{FaceId, intersecting_pairs};
 use ruga_shell::MAX_NATURAL_ANGLE;
 use ruga_solver::{NewtonSettings, SolveReport, StopRule};
 
@@ -73,6 +76,8 @@ impl Plan {
             result,
             divided: 0,
             solves: 0,
+            crossing: Vec::new(),
+            reached: 0.0,
             relaxation: 0.0,
         };
         let name = |line: usize| format!("crease '{}'", run.state.spec.creases[line].name);
@@ -114,6 +119,10 @@ struct SheetRun<'a> {
     divided: usize,
     /// Solves of all steps, whole and divided.
     solves: usize,
+    /// Triangles that cross others at fractions of the pose, where some do.
+    crossing: Vec<(usize, f64)>,
+    /// Fraction of the pose to which it has been solved.
+    reached: f64,
     /// Share of the compressive stress stiffness that the last step left out at first.
     relaxation: f64,
 }
@@ -166,6 +175,7 @@ impl SheetRun<'_> {
             return Ok(Ending::Interrupted);
         }
         if solve.converged && !self.state.has_passed(&before) {
+            self.reached = to;
             return Ok(Ending::Reached);
         }
         self.state.moving = before;
@@ -268,6 +278,7 @@ impl SheetRun<'_> {
                 layers: &layers,
             });
             if is_key {
+                self.count_crossing(load);
                 self.result.keys.push(KeyResult {
                     load,
                     layers,
@@ -277,6 +288,33 @@ impl SheetRun<'_> {
         }
         self.result.frames += 1;
         Ok(())
+    }
+
+    /// Counts the triangles that cross others at a fraction of the pose.
+    fn count_crossing(&mut self, load: f64) {
+        let standing = &self.state.standing;
+        let positions = standing.of_vertices(&self.state.moving.positions);
+        let pairs = intersecting_pairs(&standing.part.mesh, &positions);
+        let crossing: BTreeSet<FaceId> = pairs.into_iter().flatten().collect();
+        self.report.intersections = Some(crossing.len());
+        if !crossing.is_empty() {
+            self.crossing.push((crossing.len(), load));
+        }
+    }
+
+    /// Warns of keys at which the sheet passes through itself.
+    fn tell_of_crossing(&mut self) {
+        let keys = self.crossing.iter().map(|(count, load)| {
+            let triangles = if *count == 1 { "triangle" } else { "triangles" };
+            format!("{count} {triangles} at {:.1} % of the pose", 100.0 * load)
+        });
+        let keys: Vec<String> = keys.collect();
+        if !keys.is_empty() {
+            self.warn(&format!(
+                "it passes through itself, which nothing keeps it from: {} cross others; where that can be seen, let it curl less, keep its parts from each other by an obstacle, or end at an earlier key",
+                keys.join(", ")
+            ));
+        }
     }
 
     fn warn(&mut self, warning: &str) {
@@ -316,6 +354,10 @@ impl SheetRun<'_> {
                 MAX_NATURAL_ANGLE.to_degrees()
             ));
         }
+        if ending == Ending::GaveUp {
+            self.count_crossing(self.reached);
+        }
+        self.tell_of_crossing();
         let divided = self.divided;
         if divided > 0 && ending == Ending::Reached {
             self.warn(&format!(
