@@ -161,6 +161,8 @@ pub struct LayerReport {
 pub struct FireReport {
     /// Vertices of the mesh of temperature and fuel.
     pub field_vertices: usize,
+    /// Factorisations of the matrix of the heat: one, until much has burnt or a step has another length.
+    pub factorisations: usize,
     /// Share of the fuel that is left.
     pub fuel_left: f64,
     /// Mass that is left, kg.

@@ -60,26 +60,7 @@ impl Plan {
             result.interrupted = true;
             return Ok(result);
         };
-        let spec = &self.specs[pose];
-        let moves = sheet.moves(spec)?;
-        let report = LayerReport {
-            vertices: state.vertex_count(),
-            faces: state.region.skin.mesh.face_count(),
-            ..result.layers[0].clone()
-        };
-        let mut run = SheetRun {
-            plan: self,
-            pose: spec,
-            moves,
-            state,
-            report,
-            result,
-            divided: 0,
-            solves: 0,
-            crossing: Vec::new(),
-            reached: 0.0,
-            relaxation: 0.0,
-        };
+        let mut run = SheetRun::new(self, (sheet, pose), state, result)?;
         let name = |line: usize| format!("crease '{}'", run.state.spec.creases[line].name);
         let shared = run.state.region.shared.iter();
         let shared: Vec<String> = shared.map(|warning| warning.told(&name)).collect();
@@ -127,7 +108,34 @@ struct SheetRun<'a> {
     relaxation: f64,
 }
 
-impl SheetRun<'_> {
+impl<'a> SheetRun<'a> {
+    fn new(
+        plan: &'a Plan,
+        (sheet, pose): (&'a Sheet, usize),
+        state: SheetState<'a>,
+        result: PoseResult,
+    ) -> Result<Self, StepperError> {
+        let spec = &plan.specs[pose];
+        let report = LayerReport {
+            vertices: state.vertex_count(),
+            faces: state.region.skin.mesh.face_count(),
+            ..result.layers[0].clone()
+        };
+        Ok(Self {
+            plan,
+            pose: spec,
+            moves: sheet.moves(spec)?,
+            state,
+            report,
+            result,
+            divided: 0,
+            solves: 0,
+            crossing: Vec::new(),
+            reached: 0.0,
+            relaxation: 0.0,
+        })
+    }
+
     fn follow(&mut self, observer: &mut dyn Observer) -> Result<Ending, StepperError> {
         let last = self.pose.keys.iter().copied().fold(0.0, f64::max);
         // Between keyframes motions are linear. A step across one would cut the corner.
@@ -176,6 +184,8 @@ impl SheetRun<'_> {
         }
         if solve.converged && !self.state.has_passed(&before) {
             self.reached = to;
+            // A step that fails leaves masses and pieces of its own behind.
+            self.report.fire = self.state.fire_report();
             return Ok(Ending::Reached);
         }
         self.state.moving = before;
@@ -364,9 +374,8 @@ impl SheetRun<'_> {
                 "{divided} of its steps had to be divided; take more `steps`"
             ));
         }
-        // Where the pose ended early, growth, folds and fire of the step that failed are still in place.
+        // Where the pose ended early, growth and folds of the step that failed are still in place.
         if ending == Ending::Reached {
-            self.report.fire = self.state.fire_report();
             self.tell_of_fire();
             self.report.energy = self.state.elastic_energy();
             self.report.creases = self.state.crease_reports();
