@@ -116,3 +116,26 @@ fn the_glb_shows_how_a_sheet_moves() {
         .exits(0)
         .says(&["bodies/burn_50.obj has 1 vertices"]);
 }
+
+#[test]
+fn a_simulated_sheet_plays_in_a_glb() {
+    let folder = folder();
+    folder
+        .ruga("simulate scene.toml -o out --format obj,glb --threads 1")
+        .exits(0);
+    let path = glb_of(&folder, "out");
+    assert!(path.starts_with("out/frames/burn/"), "{path}");
+    let mesh = read_mesh(&folder.path(&path), None, &ObjOptions::default()).unwrap();
+    let names: Vec<&str> = mesh.mesh.shapes.iter().map(|s| s.name.as_str()).collect();
+    assert_eq!(names, ["burn_25", "burn_50", "burn_75", "burn_100"]);
+    let end = read_obj_positions(&folder.path("out/meshes/burn/body_100.obj")).unwrap();
+    let last = mesh.mesh.shapes[3].position_deltas.iter();
+    for ((way, rest), end) in last.zip(&mesh.mesh.positions).zip(&end) {
+        assert!((rest + way - end).norm() < 1e-7);
+    }
+    // Skin that wrinkles is no mesh of the artist's that moves.
+    Folder::new()
+        .ruga("simulate scene.toml -o out --format glb")
+        .exits(2)
+        .says(&["--format glb", "neither"]);
+}

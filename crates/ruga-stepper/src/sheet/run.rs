@@ -286,6 +286,7 @@ impl<'a> SheetRun<'a> {
                 index: self.result.frames,
                 load,
                 layers: &layers,
+                artist_positions: Some(&artist),
             });
             if is_key {
                 self.count_crossing(load);
