@@ -1,5 +1,8 @@
 //! One pose of a sheet from rest to its keys.
 
+#[cfg(test)]
+mod momentum;
+
 use std::collections::BTreeSet;
 
 use ruga_mesh::{FaceId, intersecting_pairs};
