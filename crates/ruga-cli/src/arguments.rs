@@ -41,7 +41,8 @@ Frames:
   frames/<pose>/<layer>.<number>.obj or .vtu, and <layer>.pvd or <layer>.usda for all of a layer. VTU and USD
   hold displacement, height, normals, strain over the critical one, wavelength, thickness, stiffness and
   energies per area; docs/results.md lists them with their units. The .pvd is up to date after every load
-  step, the .usda is written when its pose ends.";
+  step, the .usda is written when its pose ends. Of sheets and soft bodies glb writes frames/<pose>/<mesh>.glb:
+  the mesh of the scene as it moves, animated.";
 
 const AGE: &str = "\
 The file:

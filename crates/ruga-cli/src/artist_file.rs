@@ -5,7 +5,7 @@ use std::path::Path;
 
 use nalgebra::{Vector3, Vector4};
 use ruga_bake::{TangentFrame, vertex_tangents};
-use ruga_io::{GlbAdditions, MeshFile, WrinkleMap, WrittenGlb, write_glb};
+use ruga_io::{GlbAdditions, MeshFile, MovedMesh, WrinkleMap, WrittenGlb, write_glb};
 use ruga_scene::{SceneError, file};
 
 use crate::error::CliError;
@@ -83,7 +83,7 @@ fn is_written_by_ruga(folder: &Path, name: &str) -> bool {
     !Records::of_bake(folder).all().is_empty() && lists_maps()
 }
 
-/// Writes the mesh with the tangents of its rest shape.
+/// Writes the mesh with the tangents of its rest shape, its maps, and where poses have taken it.
 ///
 /// # Errors
 /// [`SceneError::Baking`] and [`CliError::Io`].
@@ -91,7 +91,7 @@ pub(crate) fn write_artist_mesh(
     path: &Path,
     mesh: &MeshFile,
     rest: &[[TangentFrame; 3]],
-    maps: &[WrinkleMap],
+    (maps, moved): (&[WrinkleMap], &[MovedMesh]),
 ) -> Result<WrittenGlb, CliError> {
     let triangles = &mesh.mesh.triangles;
     let vertices = mesh.mesh.positions.len();
@@ -114,6 +114,7 @@ pub(crate) fn write_artist_mesh(
         tangents: Some(&tangents),
         normals: Some(&normals),
         maps,
+        moved,
     };
     let mut written = write_glb(path, mesh, &additions)?;
     written.warnings.extend(conflicts(mesh, rest, &tangents));

@@ -31,6 +31,13 @@ pub(crate) enum CliError {
         /// The scene file.
         scene: PathBuf,
     },
+    /// `--format glb` for a scene whose mesh only blend shapes move.
+    #[error("{}: `--format glb` shows how a sheet or a soft body moves the mesh, and the scene has neither", scene.display())]
+    #[diagnostic(help("take `obj`, `vtu` or `usda`: they hold the layers as they wrinkle"))]
+    NothingMoves {
+        /// The scene file.
+        scene: PathBuf,
+    },
     /// `ruga new --mesh` with a mesh that nothing moves.
     #[error("{}: the mesh has no blend shapes, so there is nothing to pose", mesh.display())]
     #[diagnostic(help(

@@ -23,12 +23,14 @@ pub(crate) enum FrameFormat {
     Vtu,
     /// One mesh per layer with fields, a time sample per load step (USD).
     Usda,
+    /// The mesh of the scene as a sheet or soft body moves it, animated (glTF).
+    Glb,
 }
 
 impl FrameFormat {
     /// Whether its files hold more than meshes.
     pub(crate) fn has_fields(self) -> bool {
-        self != Self::Obj
+        matches!(self, Self::Vtu | Self::Usda)
     }
 
     fn extension(self) -> &'static str {
@@ -36,6 +38,7 @@ impl FrameFormat {
             Self::Obj => ".obj",
             Self::Vtu => ".vtu",
             Self::Usda => ".usda",
+            Self::Glb => ".glb",
         }
     }
 
@@ -72,6 +75,8 @@ pub(crate) struct FrameFiles<'a> {
     /// Of all layers together: upper layers are in some load steps only, at the times of those below.
     times: LoadTimes,
     series: BTreeMap<String, Series>,
+    /// Time, and the vertices of the mesh of the scene (m), in every load step, for a GLB.
+    moved: Vec<(f64, Vec<Vector3<f64>>)>,
 }
 
 /// The files of one layer that grow with every load step.
@@ -96,7 +101,13 @@ impl<'a> FrameFiles<'a> {
             formats,
             times: LoadTimes::default(),
             series: BTreeMap::new(),
+            moved: Vec::new(),
         }
+    }
+
+    /// Takes what was kept for a GLB: time, and where the vertices of the mesh of the scene are (m).
+    pub(crate) fn take_moved(&mut self) -> Vec<(f64, Vec<Vector3<f64>>)> {
+        mem::take(&mut self.moved)
     }
 
     /// Files of a layer that hold all its load steps, whatever formats are asked for.
@@ -117,6 +128,12 @@ impl<'a> FrameFiles<'a> {
             self.times = LoadTimes::default();
         }
         let time = self.times.next(frame.load);
+        if let (true, Some(places)) = (
+            self.formats.contains(&FrameFormat::Glb),
+            frame.artist_positions,
+        ) {
+            self.moved.push((time, places.to_vec()));
+        }
         let mut files = Vec::new();
         for layer in frame.layers {
             let file = format!("{}/{}.{:04}", self.folder, layer.name, frame.index);
@@ -343,6 +360,7 @@ mod tests {
                 index,
                 load,
                 layers,
+                artist_positions: None,
             };
             files.add(&frame).expect("a folder to write to");
         }

@@ -1,12 +1,14 @@
-//! Where a body has taken the artist's mesh.
+//! Where a body or a sheet has taken the artist's mesh.
 
 use std::path::Path;
 
-use ruga_io::FrameMesh;
+use ruga_io::{FrameMesh, MovedMesh, key_percent, read_obj_positions};
 use ruga_scene::{Placement, Scene};
 use ruga_stepper::{KeyResult, PoseSpec};
 
 use crate::error::CliError;
+use crate::output_folder::OutputFolder;
+use crate::pose_record::PoseRecord;
 
 /// Writes the artist's mesh as the body moved it; false for a mesh that only blend shapes move. Vertices
 /// are in the order of a glTF file's; those of an OBJ file are divided at the seams of its texture
@@ -33,4 +35,52 @@ pub(crate) fn write_moved_mesh(
     };
     Placement::of(&scene.mesh).write_obj(path, &frame)?;
     Ok(true)
+}
+
+/// File of the artist's mesh at a key of a pose that has moved it, relative to the output folder.
+pub(crate) fn moved_file(pose: &str, key: f64) -> String {
+    format!("bodies/{pose}_{}.obj", key_percent(key))
+}
+
+/// The artist's mesh at every key of poses that have moved it, of this run and of earlier ones; and warnings of files
+/// that do not fit it any more.
+///
+/// # Errors
+/// [`CliError::Io`] for a file that cannot be read.
+pub(crate) fn moved_meshes(
+    scene: &Scene,
+    (output, all): (&Path, &OutputFolder),
+    poses: &[PoseRecord],
+) -> Result<(Vec<MovedMesh>, Vec<String>), CliError> {
+    let placement = Placement::of(&scene.mesh);
+    let vertices = scene.mesh.mesh.positions.len();
+    let (mut moved, mut warnings) = (Vec::new(), Vec::new());
+    for record in poses {
+        let pose = &record.report.name;
+        let seconds = all.pose(pose).seconds;
+        for &key in &record.keys {
+            let file = moved_file(pose, key);
+            if !record.files.contains(&file) {
+                continue;
+            }
+            let places = read_obj_positions(&output.join(&file))?;
+            if places.len() != vertices {
+                let found = places.len();
+                warnings.push(format!(
+                    "{file} has {found} vertices, not {vertices} as the mesh, and the GLB does not show it"
+                ));
+                continue;
+            }
+            let places = places.iter().map(|x| placement.place_in_file((*x).into()));
+            let positions: Vec<_> = places.collect();
+            moved.push(MovedMesh {
+                pose: pose.clone(),
+                key,
+                seconds: key * seconds,
+                normals: scene.moved_normals(&positions),
+                positions,
+            });
+        }
+    }
+    Ok((moved, warnings))
 }

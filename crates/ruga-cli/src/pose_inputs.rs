@@ -18,6 +18,8 @@ pub(crate) struct ScenePose {
     pub(crate) weights: BTreeMap<String, f64>,
     /// Strength of each growth.
     pub(crate) growths: BTreeMap<String, f64>,
+    /// Time that it takes (s); 1 where nothing moves in time.
+    pub(crate) seconds: f64,
     /// Fingerprint of all that its results depend on but how fine the meshes are.
     pub(crate) inputs: Fingerprint,
 }
@@ -33,7 +35,9 @@ pub(crate) fn scene_poses(scene: &Scene) -> Result<Vec<ScenePose>, CliError> {
     let shared = shared_inputs(scene)?;
     let shapes: Vec<String> = scene.driver.shape_names().map(str::to_owned).collect();
     let poses = scene.file.poses_or_shapes(&shapes, &scene.path)?;
+    let step = scene.modelling.dynamics.map(|moves| moves.time_step);
     let pose = |pose: &file::Pose| ScenePose {
+        seconds: step.map_or(1.0, |step| f64::from(pose.steps) * step),
         name: pose.name.clone(),
         weights: pose.weights.clone(),
         growths: pose.growths.clone(),

@@ -73,6 +73,7 @@ fn layer_report(layer: &ruga_stepper::LayerReport, seconds: &Seconds) -> LayerRe
             .iter()
             .map(|crease| crease_report(crease, layer.energy))
             .collect(),
+        intersections: layer.intersections.and_then(count),
         fire: layer.fire.as_ref().map(fire_report),
         seconds: seconds.clone(),
     }

@@ -98,6 +98,27 @@ impl GlbBuffer {
         }))
     }
 
+    /// Times of an animation, ascending, s.
+    pub(crate) fn times(&mut self, values: &[f32]) -> usize {
+        let number = self.scalars(values);
+        let accessor = &mut self.accessors[number - self.accessors_before];
+        accessor["min"] = json!([values.first()]);
+        accessor["max"] = json!([values.last()]);
+        number
+    }
+
+    /// Numbers of an animation.
+    pub(crate) fn scalars(&mut self, values: &[f32]) -> usize {
+        let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        let view = self.view(&bytes, None);
+        self.accessor(json!({
+            "bufferView": view,
+            "componentType": FLOAT,
+            "count": values.len(),
+            "type": "SCALAR",
+        }))
+    }
+
     /// The bytes of an image file; returns the number of their view.
     pub(crate) fn image(&mut self, bytes: &[u8]) -> usize {
         self.view(bytes, None)

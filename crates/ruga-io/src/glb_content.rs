@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use nalgebra::{Vector3, Vector4};
 use serde_json::{Value, json};
 
+use crate::glb_moved::MovedMesh;
 use crate::{MapCoordinates, WrinkleMap};
 
 /// Data that `ruga` adds to the artist's mesh.
@@ -17,6 +18,9 @@ pub struct GlbAdditions<'a> {
     pub normals: Option<&'a [Vector3<f64>]>,
     /// The baked maps, files relative to the GLB.
     pub maps: &'a [WrinkleMap],
+    /// The mesh where a sheet or a body has taken it, keys of a pose in order: a blend shape each, named by
+    /// pose and key, and an animation per pose.
+    pub moved: &'a [MovedMesh],
 }
 
 /// A GLB before it is a file.

@@ -34,6 +34,7 @@ pub(crate) fn unit_tangent(tangent: &Vector4<f64>, normal: &Vector3<f64>) -> Vec
 /// by `stretch`.
 pub(crate) struct FileSpace {
     stretch: Matrix3<f64>,
+    unstretch: Matrix3<f64>,
     /// `None` where directions are the same.
     inverse: Option<Matrix3<f64>>,
 }
@@ -43,8 +44,15 @@ impl FileSpace {
         let is_uniform = *stretch == Matrix3::from_diagonal_element(stretch[(0, 0)]);
         Self {
             stretch: *stretch,
+            // A reader refuses what has none.
+            unstretch: stretch.try_inverse().unwrap_or_else(Matrix3::identity),
             inverse: stretch.try_inverse().filter(|_| !is_uniform),
         }
+    }
+
+    /// A way between two points, m.
+    pub(crate) fn way(&self, way: &Vector3<f64>) -> Vector3<f64> {
+        self.unstretch * way
     }
 
     /// A normal: the inverse of how the reader turned it.

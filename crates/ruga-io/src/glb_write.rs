@@ -10,7 +10,8 @@ use serde_json::{Map, Value, json};
 
 use crate::glb_buffer::GlbBuffer;
 use crate::glb_content::{GlbAdditions, GlbContent, wrinkle_maps};
-use crate::glb_frames::{single, unit, unit_tangent};
+use crate::glb_frames::{FileSpace, single, unit, unit_tangent};
+use crate::glb_moved::AddedShapes;
 use crate::gltf_write::document_content;
 use crate::{
     GlbReference, IoError, MapCoordinates, Material, MeshFile, MeshPart, WrinkleMap,
@@ -36,6 +37,8 @@ pub struct WrittenGlb {
 ///   of these either. Vertices are not split: where the triangles around one want different
 ///   tangents, it gets the one that it was given. Tangents that the file has stay; a warning says
 ///   if they are not those of `additions`.
+/// - a blend shape per mesh of [`GlbAdditions::moved`], and an animation per pose of these; where the document cannot
+///   take them, a warning says so.
 /// - `wrinkleMaps` in the mesh's `extras`: all maps, by pose and key. Materials are not touched.
 ///
 /// Any other mesh is written anew: vertices, triangles and blend shapes under a node with the
@@ -104,6 +107,17 @@ fn check(path: &Path, file: &MeshFile, additions: &GlbAdditions<'_>) -> Result<(
         lengths.push((&shape.name, Some(shape.position_deltas.len())));
         lengths.push((&shape.name, shape.normal_deltas.as_ref().map(Vec::len)));
     }
+    for moved in additions.moved {
+        lengths.push((&moved.pose, Some(moved.positions.len())));
+        lengths.push((&moved.pose, Some(moved.normals.len())));
+        let fits = |v: &Vector3<f64>| v.iter().all(|c| (*c as f32).is_finite());
+        let is_in_reach = moved.positions.iter().chain(&moved.normals).all(fits);
+        let is_later = moved.seconds > 0.0;
+        if !(is_in_reach && is_later) {
+            let reason = format!("pose '{}' has moved it out of reach", moved.pose);
+            return Err(IoError::unwritten(path, reason));
+        }
+    }
     let wrong = |(_, length): &(&str, Option<usize>)| length.is_some_and(|n| n != vertices);
     if let Some((name, Some(length))) = lengths.into_iter().find(wrong) {
         let reason = format!("`{name}` has {length} entries, the mesh {vertices} vertices");
@@ -160,6 +174,7 @@ struct NewDocument<'a> {
     normals: Option<&'a [Vector3<f64>]>,
     /// File units per metre where one number does it; else the mesh is written in metres.
     units_per_metre: f64,
+    moved: AddedShapes<'a>,
     buffer: GlbBuffer,
     /// Attributes and targets of the vertex ranges written so far.
     written: Vec<(Range<usize>, Value, Value)>,
@@ -175,6 +190,7 @@ impl<'a> NewDocument<'a> {
             tangents: additions.tangents.filter(|_| normals.is_some()),
             normals,
             units_per_metre: units_per_metre(file),
+            moved: AddedShapes::new(file, additions.moved),
             buffer: GlbBuffer::default(),
             written: Vec::new(),
             materials: Vec::new(),
@@ -220,10 +236,14 @@ impl<'a> NewDocument<'a> {
         if let Some(material) = self.material(part.material.as_ref()) {
             primitive["material"] = json!(material);
         }
-        if !self.file.mesh.shapes.is_empty() {
+        if self.has_shapes() {
             primitive["targets"] = targets;
         }
         primitive
+    }
+
+    fn has_shapes(&self) -> bool {
+        !self.file.mesh.shapes.is_empty() || !self.moved.is_empty()
     }
 
     fn attributes(&mut self, range: &Range<usize>) -> Value {
@@ -261,7 +281,8 @@ impl<'a> NewDocument<'a> {
         let file = self.file;
         let scale = self.units_per_metre;
         let with_normals = self.normals.is_some();
-        file.mesh
+        let mut targets: Vec<Value> = file
+            .mesh
             .shapes
             .iter()
             .map(|shape| {
@@ -277,7 +298,11 @@ impl<'a> NewDocument<'a> {
                 }
                 target
             })
-            .collect()
+            .collect();
+        let space = FileSpace::of(&Matrix3::from_diagonal_element(1.0 / scale));
+        let moved = (range, self.normals);
+        targets.extend(self.moved.targets(&mut self.buffer, &space, moved));
+        Value::Array(targets)
     }
 
     /// Number of the material.
@@ -294,15 +319,14 @@ impl<'a> NewDocument<'a> {
         let mesh = &self.file.mesh;
         let mut mesh_json = json!({ "name": mesh.name, "primitives": primitives });
         let mut extras = Map::new();
-        if !mesh.shapes.is_empty() {
-            mesh_json["weights"] = json!(self.file.default_weights);
-            let names: Vec<&str> = mesh
-                .shapes
-                .iter()
-                .map(|shape| shape.name.as_str())
-                .collect();
+        if self.has_shapes() {
+            let names = self.moved.names();
+            let mut weights = self.file.default_weights.clone();
+            weights.resize(names.len(), 0.0);
+            mesh_json["weights"] = json!(weights);
             extras.insert("targetNames".to_owned(), json!(names));
         }
+        let animations = self.moved.animations(&mut self.buffer, &[0]);
         if !self.maps.is_empty() {
             extras.insert("wrinkleMaps".to_owned(), wrinkle_maps(self.maps));
         }
@@ -319,6 +343,9 @@ impl<'a> NewDocument<'a> {
             "bufferViews": self.buffer.views,
             "buffers": [{ "byteLength": self.buffer.len() }],
         });
+        if !animations.is_empty() {
+            root["animations"] = json!(animations);
+        }
         if !self.materials.is_empty() {
             root["materials"] = json!(self.materials);
         }

@@ -8,6 +8,7 @@ use serde_json::value::{RawValue, to_raw_value};
 use crate::glb_buffer::GlbBuffer;
 use crate::glb_content::{GlbAdditions, GlbContent, wrinkle_maps};
 use crate::glb_frames::{FileSpace, single, unit, unit_tangent};
+use crate::glb_moved::{AddedShapes, are_weights_animated, carriers};
 use crate::gltf_document::{GltfDocument, PartSource};
 use crate::gltf_images::embed_images;
 use crate::gltf_uri::encode_data_uri;
@@ -107,6 +108,19 @@ fn set_buffers(
     }
 }
 
+fn has_normals(primitive: &RawValue) -> bool {
+    let primitive = JsonObject::parse(primitive.get()).unwrap_or_default();
+    let attributes: JsonObject = primitive.read("attributes").unwrap_or_default();
+    attributes.get("NORMAL").is_some()
+}
+
+/// The primitive with more morph targets.
+fn with_targets(text: &RawValue, added: &[serde_json::Value]) -> serde_json::Result<Box<RawValue>> {
+    let mut primitive = JsonObject::parse(text.get())?;
+    extend(&mut primitive, "targets", added)?;
+    to_raw_value(&primitive)
+}
+
 struct Writer<'a> {
     file: &'a MeshFile,
     additions: &'a GlbAdditions<'a>,
@@ -137,17 +151,89 @@ impl Writer<'_> {
         let mut meshes = root.array("meshes");
         let mut mesh = JsonObject::parse(meshes[document.mesh].get())?;
         let mut primitives = mesh.array("primitives");
+        let nodes = carriers(root, document.mesh);
+        let mut shapes = AddedShapes::new(self.file, self.additions.moved);
+        let has_room = !shapes.is_empty() && self.has_room(root, &primitives, &nodes);
         for (part, source) in self.file.parts.iter().zip(&document.parts) {
             let text = &mut primitives[source.primitive];
+            let had_normals = has_normals(text);
             if let Some(edited) = self.with_tangents(text, part, source)? {
                 *text = edited;
             }
+            if has_room {
+                // Where others of the mesh have none, nobody has kept the file's.
+                let normals = match (had_normals, has_normals(text)) {
+                    (true, _) => self.file.mesh.normals.as_deref(),
+                    (false, true) => self.additions.normals,
+                    (false, false) => None,
+                };
+                let (buffer, vertices) = (&mut self.buffer, (&part.vertices, normals));
+                let added = shapes.targets(buffer, &self.space, vertices);
+                *text = with_targets(text, &added)?;
+            }
         }
         mesh.set("primitives", &primitives)?;
+        if has_room {
+            self.play(root, (&mut mesh, &nodes), &shapes)?;
+        }
         let lists_maps = self.list_maps(&mut mesh)?;
         meshes[document.mesh] = to_raw_value(&mesh)?;
         root.set("meshes", &meshes)?;
         Ok(lists_maps)
+    }
+
+    /// Whether all of the mesh can take more blend shapes; else a warning says why not.
+    fn has_room(
+        &mut self,
+        root: &JsonObject,
+        primitives: &[Box<RawValue>],
+        nodes: &[usize],
+    ) -> bool {
+        let is_compressed = |text: &RawValue| {
+            let primitive = JsonObject::parse(text.get()).unwrap_or_default();
+            let extensions: JsonObject = primitive.read("extensions").unwrap_or_default();
+            extensions.get("KHR_draco_mesh_compression").is_some()
+        };
+        let why = if are_weights_animated(root, nodes) {
+            "an animation of the file drives its blend shapes, and says how many there are"
+        } else if primitives.len() != self.file.parts.len() {
+            "parts of it are no triangles"
+        } else if primitives.iter().any(|text| is_compressed(text)) {
+            "it is compressed by Draco"
+        } else {
+            return true;
+        };
+        self.warnings.push(format!(
+            "the GLB does not show how the mesh moves, because {why}; the OBJ files in `bodies` do"
+        ));
+        false
+    }
+
+    /// Gives the mesh names and weights of the shapes that were added, and an animation to every pose.
+    fn play(
+        &mut self,
+        root: &mut JsonObject,
+        (mesh, carriers): (&mut JsonObject, &[usize]),
+        shapes: &AddedShapes<'_>,
+    ) -> serde_json::Result<()> {
+        shapes.extend_weights(mesh)?;
+        let extras = mesh.get("extras").map_or("{}", RawValue::get);
+        // Where they are no object, `list_maps` warns of them.
+        if let Ok(mut extras) = JsonObject::parse(extras) {
+            extras.set("targetNames", &shapes.names())?;
+            mesh.set("extras", &extras)?;
+        }
+        let mut nodes = root.array("nodes");
+        for &carrier in carriers {
+            let mut node = JsonObject::parse(nodes[carrier].get())?;
+            shapes.extend_weights(&mut node)?;
+            nodes[carrier] = to_raw_value(&node)?;
+        }
+        if !carriers.is_empty() {
+            root.set("nodes", &nodes)?;
+        }
+        let animations = shapes.animations(&mut self.buffer, carriers);
+        extend(root, "animations", &animations)
     }
 
     fn list_maps(&mut self, mesh: &mut JsonObject) -> serde_json::Result<bool> {

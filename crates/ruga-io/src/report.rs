@@ -89,6 +89,9 @@ pub struct LayerReport {
     /// Creases of the layer that lie on its mesh.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub creases: Vec<CreaseReport>,
+    /// Triangles of a sheet that cross others of it, at the last key; left out of other layers.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub intersections: Option<u64>,
     /// What the fire of a sheet has done.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fire: Option<FireReport>,

@@ -29,6 +29,7 @@ fn written(path: &Path, file: &MeshFile) -> WrittenGlb {
             WrinkleMap::normal("smile", 1.0, MapFormat::Png16, NormalY::Up),
             WrinkleMap::height("smile", 1.0, MapFormat::Png16, 1e-3),
         ],
+        moved: &[],
     };
     write_glb(path, file, &additions).unwrap()
 }

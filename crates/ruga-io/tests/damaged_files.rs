@@ -75,6 +75,7 @@ fn check_mesh(path: &Path) {
             tangents: Some(&vec![Vector4::x(); vertices]),
             normals: Some(&vec![Vector3::z(); vertices]),
             maps: &[],
+            moved: &[],
         };
         let out = path.with_file_name("out.glb");
         if write_glb(&out, &file, &additions).is_ok() {

@@ -237,6 +237,7 @@ fn glb_carries_tangents_and_maps() {
         tangents: Some(&tangents),
         normals: None,
         maps: &maps,
+        moved: &[],
     };
     let path = folder.path("out.glb");
     let reference = write_glb(&path, &file, &additions).unwrap().reference;

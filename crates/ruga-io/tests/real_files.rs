@@ -145,6 +145,7 @@ fn write_with_additions(target: &Path, file: &MeshFile) {
         tangents: Some(&tangents),
         normals: Some(&up),
         maps: &maps,
+        moved: &[],
     };
     write_glb(target, file, &additions).unwrap();
 }

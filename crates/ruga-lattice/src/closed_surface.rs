@@ -3,10 +3,9 @@
 use std::f64::consts::TAU;
 
 use nalgebra::Vector3;
-use ruga_mesh::{FaceId, Id, TriMesh};
+use ruga_mesh::{FaceId, Id, TriMesh, intersecting_pairs};
 
 use crate::error::{LatticeError, check_length};
-use crate::self_intersection::intersecting_pairs;
 
 /// Refuses whatever has no well-defined inside.
 pub(crate) fn check_closed(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Result<(), LatticeError> {

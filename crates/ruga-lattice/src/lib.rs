@@ -65,7 +65,6 @@ mod grid;
 mod moments;
 mod node_merging;
 mod pieces;
-mod self_intersection;
 mod solid_intervals;
 
 mod error;

@@ -9,7 +9,8 @@
 //! quantity follows; [`limit_rows`] evaluates the limit surface at vertices and [`LoopSurface`] at
 //! any material point, where a [`SurfaceJet`] tells normal and curvature. [`PlanarLookup`] finds
 //! the material point under a texture coordinate, [`SurfaceLookup`] the closest one to a point in
-//! space; [`tangent_coordinates`] unrolls a neighbourhood. [`weld`] joins vertices that a file repeats.
+//! space; [`tangent_coordinates`] unrolls a neighbourhood. [`weld`] joins vertices that a file repeats, and
+//! [`intersecting_pairs`] finds where a surface passes through itself.
 //!
 //! Positions given to a function are in metres, but nothing here depends on the unit.
 
@@ -26,6 +27,7 @@ mod loop_subdivision;
 mod loop_surface;
 mod material_point;
 mod planar_lookup;
+mod self_intersection;
 mod sparse_rows;
 mod surface_jet;
 mod surface_lookup;
@@ -52,6 +54,7 @@ pub use loop_subdivision::{
 };
 pub use loop_surface::{LimitPointRows, LoopSurface};
 pub use planar_lookup::{PlanarLookup, barycentric};
+pub use self_intersection::intersecting_pairs;
 pub use sparse_rows::SparseRows;
 pub use surface_jet::{SurfaceJet, TangentPlane};
 pub use surface_lookup::{ClosestPlace, SurfaceLookup, closest_on_triangle};

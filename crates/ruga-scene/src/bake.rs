@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use nalgebra::Vector3;
 use ruga_bake::{BakeError, BakeSettings, Relief, Seams, TangentFrame, WrinkleMap, bake_squares};
 use ruga_blend::Weights;
 use ruga_io::MapKind;
@@ -9,7 +10,7 @@ use ruga_material::UvTile;
 use ruga_mesh::Id;
 use ruga_stepper::{KeyResult, LayerSurface, PoseSpec};
 
-use crate::posed_frames::{moved_frames, posed_frames};
+use crate::posed_frames::{computed_normals, moved_frames, posed_frames};
 use crate::{Scene, SceneError, texture_space};
 
 impl Scene {
@@ -56,6 +57,15 @@ impl Scene {
     pub fn rest_frames(&self) -> Result<Vec<[TangentFrame; 3]>, SceneError> {
         posed_frames(&self.mesh.mesh, &self.driver, &Weights::default())
             .map_err(|source| self.baking("rest", source))
+    }
+
+    /// Unit normals of the file's vertices where a body or a sheet has taken these (m): smooth but where the file's rest
+    /// normals are not.
+    ///
+    /// # Panics
+    /// When there is not one position per vertex of the file.
+    pub fn moved_normals(&self, positions: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        computed_normals(&self.mesh.mesh, &self.driver, positions)
     }
 
     /// Tiles in which something is baked where these triangles of the file are simulated, ascending and at

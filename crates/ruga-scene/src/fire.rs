@@ -11,12 +11,16 @@ use crate::mask_image::{channel_masks, mask};
 use crate::placement::Placement;
 use crate::scene::Inspection;
 
-/// The fire of `burn`, in the axes of the mesh file.
+/// Points per wavelength for every edge over the width of a front that the scene says nothing of: 4 edges at standard
+/// quality, at which the speed of a front is right to 1 %.
+const POINTS_PER_EDGE: f64 = 3.0;
+
+/// The fire of `burn`, in the axes of the mesh file, as fine as so many points per wavelength.
 ///
 /// # Errors
 /// What is wrong with an image, naming its key.
 fn fire_of(
-    burn: &Burn,
+    (burn, points): (&Burn, f64),
     placement: &Placement,
     path: &Path,
     tiles: &[UvTile],
@@ -52,7 +56,9 @@ fn fire_of(
             surroundings: burn.surroundings,
             loss_time: burn.loss_time,
         },
-        edges_per_width: burn.edges_per_width,
+        edges_per_width: burn
+            .edges_per_width
+            .unwrap_or((points / POINTS_PER_EDGE).max(1.0)),
         speed: painted(0, map.and_then(|map| map.speed)),
         shrink: ShrinkLaw {
             along: burn.shrink[0],
@@ -80,6 +86,7 @@ impl Inspection {
         let (Some(burn), Some((mesh, _))) = (&self.file.burn, &self.mesh) else {
             return;
         };
+        let burn = (burn, self.points());
         match fire_of(burn, &Placement::of(mesh), &self.path, &self.tiles) {
             Ok(fire) => self.fire = Some(fire),
             Err(problem) => self.problems.push(problem),

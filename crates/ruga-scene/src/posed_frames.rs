@@ -62,7 +62,7 @@ fn blended_normals(artist: &ArtistMesh, weights: &Weights) -> Option<Vec<Vector3
 
 /// Area-weighted mean of the triangles around each vertex: smooth across UV seams, not across the
 /// edges at which the file's rest normals differ.
-fn computed_normals(
+pub(crate) fn computed_normals(
     artist: &ArtistMesh,
     driver: &Driver,
     positions: &[Vector3<f64>],

@@ -325,6 +325,7 @@ impl Inspection {
     }
 
     fn look_at_creases(&mut self, mesh: &MeshFile, driver: &Driver) {
+        let points = self.points();
         let Some(layers) = &mut self.layers else {
             return;
         };
@@ -336,11 +337,15 @@ impl Inspection {
             tiles: &self.tiles,
             tracer: OnceCell::new(),
         };
-        let points = self.points_per_wavelength;
-        let points = points.unwrap_or(self.file.remesh.points_per_wavelength);
         let added = add_creases(&on, points, layers);
         let told = self.keep(added);
         self.warnings.extend(told.into_iter().flatten());
+    }
+
+    /// Points per wavelength that were asked for.
+    pub(crate) fn points(&self) -> f64 {
+        let asked = self.file.remesh.points_per_wavelength;
+        self.points_per_wavelength.unwrap_or(asked)
     }
 
     fn look_at_symmetry(&mut self) {

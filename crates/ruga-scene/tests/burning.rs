@@ -7,7 +7,8 @@ mod fixture;
 
 use fixture::{assert_says, folder_of_sheet as folder, read_scene as read};
 use ruga_bake::Detail;
-use ruga_stepper::Silent;
+use ruga_scene::{Scene, SceneOptions};
+use ruga_stepper::{Modelling, Silent};
 
 const TOP: &str = "version = 1\n[driver]\nmesh = \"paper.obj\"\nsmoothing = \"none\"\n";
 const LAYER: &str = "[[layers]]\nname = \"paper\"\nyoung = 3e9\npoisson = 0.3\nthickness = 1e-4\n";
@@ -54,6 +55,63 @@ fn a_fire_is_in_the_maps() {
         [at(Detail::Mask, 1, 32), at(Detail::Char, 1, 32)],
         [1.0, 0.0]
     );
+}
+
+/// The lower half of the texture burns twice as fast as the upper one, and does not curl where that does; in blue
+/// half of the shrinkage is painted away on the right.
+#[test]
+fn what_is_painted_of_a_fire_comes_through_a_bake() {
+    let folder = folder();
+    let mut image = Vec::new();
+    let mut encoder = png::Encoder::new(&mut image, 8, 8);
+    encoder.set_color(png::ColorType::Rgb);
+    let white = |is_white: bool| if is_white { 255 } else { 0 };
+    let texel = |i: usize| [white(i >= 32), white(i < 32), white(i % 8 < 4)];
+    let texels: Vec<u8> = (0..64).flat_map(texel).collect();
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(&texels).unwrap();
+    writer.finish().unwrap();
+    folder.file("painted.png", image);
+    let map = "asymmetry = 0.02\nmap = { image = \"painted.png\", speed = [0.5, 1.0], asymmetry = [0.0, 1.0], shrink = [0.5, 1.0] }\n";
+    // The whole right side is hot.
+    let edge = "[[burn.sources]]\nname = \"bar\"\nsphere = { centre = [0.14, 0.02, 0.0], radius = 0.106 }\ntemperature = 1500.0\n";
+    let rest = REST.replace("time_step = 1.0", "time_step = 2.0");
+    let text = format!("{TOP}{LAYER}{SHEET}{BURN}{map}{edge}{rest}");
+    let scene = read(&folder, &text).unwrap();
+    let result = scene.plan().unwrap().simulate(0, &mut Silent).unwrap();
+    assert!(result.converged, "{:?}", result.warnings);
+    let key = result.keys.last().unwrap();
+    let finite = |x: &nalgebra::Vector3<f64>| x.iter().all(|c| c.is_finite());
+    assert!(key.artist_positions.as_ref().unwrap().iter().all(finite));
+    let map = &scene.bake_key(&scene.poses[0], key).unwrap()[0];
+    assert!(map.normals.iter().flatten().all(|c| c.is_finite()));
+    let char = map.detail(Detail::Char).unwrap();
+    assert!(char.iter().all(|c| (0.0..=1.0).contains(c)));
+    // Away from the border between the halves, how much of each has burnt.
+    let burnt = |rows: std::ops::Range<usize>| {
+        let texels = &char[64 * rows.start..64 * rows.end];
+        f64::from(texels.iter().sum::<f32>()) / texels.len() as f64
+    };
+    let [slow, fast] = [burnt(4..20), burnt(44..60)];
+    assert!(fast > slow + 0.1 && slow > 0.05, "{slow} {fast}");
+}
+
+#[test]
+fn a_draft_has_a_coarser_mesh_of_temperature() {
+    let folder = folder();
+    let text = scene().replace("edges_per_width = 2\n", "");
+    folder.file("scene.toml", text);
+    let edges = |points: Option<f64>| {
+        let options = SceneOptions {
+            points_per_wavelength: points,
+            ..SceneOptions::default()
+        };
+        let scene = Scene::read_with(&folder.path("scene.toml"), &options).unwrap();
+        scene.sheet.unwrap().fire.unwrap().edges_per_width
+    };
+    let [draft, standard, fine] = [Modelling::draft(), Modelling::standard(), Modelling::fine()]
+        .map(|modelling| edges(Some(modelling.points_per_wavelength)));
+    assert_eq!([draft, standard, fine, edges(None)], [2.0, 4.0, 8.0, 4.0]);
 }
 
 #[test]

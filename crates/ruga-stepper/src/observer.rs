@@ -1,5 +1,7 @@
 //! What a caller can watch while a pose is simulated.
 
+use nalgebra::Vector3;
+
 use crate::LayerSurface;
 
 /// Parts of the work that time is reported for: the columns of Li 2014, table 6-1.
@@ -47,6 +49,9 @@ pub struct Frame<'a> {
     pub load: f64,
     /// Layers, bottom first.
     pub layers: &'a [LayerSurface],
+    /// Positions of the driver's vertices if they moved with a body or a sheet, as in
+    /// [`KeyResult::artist_positions`](crate::KeyResult::artist_positions), m.
+    pub artist_positions: Option<&'a [Vector3<f64>]>,
 }
 
 /// Watches a simulation; the library itself has no clock and prints nothing.

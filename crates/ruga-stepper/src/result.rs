@@ -150,6 +150,8 @@ pub struct LayerReport {
     pub onset_load: Option<f64>,
     /// Creases that have edges on its mesh.
     pub creases: Vec<CreaseReport>,
+    /// Triangles of a sheet that cross others of it, at the last key or where the pose ended; `None` of other layers.
+    pub intersections: Option<usize>,
     /// What its fire has done, of a sheet that burns.
     pub fire: Option<FireReport>,
 }
@@ -159,6 +161,8 @@ pub struct LayerReport {
 pub struct FireReport {
     /// Vertices of the mesh of temperature and fuel.
     pub field_vertices: usize,
+    /// Factorisations of the matrix of the heat: one, until much has burnt or a step has another length.
+    pub factorisations: usize,
     /// Share of the fuel that is left.
     pub fuel_left: f64,
     /// Mass that is left, kg.

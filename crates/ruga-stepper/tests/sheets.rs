@@ -2,9 +2,10 @@
 
 mod flat_sheet;
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
-use flat_sheet::{clamp, paper, rectangle};
+use flat_sheet::{clamp, laid, paper, rectangle};
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, Driver, Smoothing};
 use ruga_stepper::{
@@ -303,6 +304,34 @@ fn directions_are_those_of_the_island() {
         left.abs() < 3e-4 && (right - 0.002).abs() < 3e-4,
         "{left} {right}"
     );
+}
+
+#[test]
+fn a_roll_whose_turns_cross_is_told() {
+    let rolled = |radius: &dyn Fn(f64) -> f64| {
+        laid([60, 2], |u, v| {
+            let angle = 4.0 * PI * u;
+            let radius = 0.01 * radius(angle);
+            Vector3::new(radius * angle.cos(), radius * angle.sin(), 0.004 * v)
+        })
+    };
+    let layer = paper(vec![growth(1e-3, 0.0, [0.0; 2])]);
+    let run = |driver| {
+        let result = run(&driver, &layer, &free(), pose(1), &modelling(None)).expect("a run");
+        assert!(result.converged, "{:?}", result.warnings);
+        let is_about = |warning: &&String| warning.contains("passes through itself");
+        let warning = result.warnings.iter().find(is_about).cloned();
+        (result.layers[0].intersections, warning)
+    };
+    let spiral = rolled(&|angle| 1.0 + 0.05 * angle);
+    assert_eq!(run(spiral), (Some(0), None));
+    let (count, warning) = run(rolled(&|angle| 1.0 + 0.2 * (0.5 * angle).cos()));
+    // Each of the two cells across it crosses with both triangles, in both turns.
+    let count = count.expect("a count");
+    assert!((4..=16).contains(&count), "{count}");
+    let warning = warning.expect("a warning");
+    let told = format!("{count} triangles at 100.0 % of the pose");
+    assert!(warning.contains(&told), "{warning}");
 }
 
 #[test]

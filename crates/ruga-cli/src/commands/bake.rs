@@ -1,7 +1,7 @@
 //! `ruga bake`: wrinkle maps, the artist's mesh, manifest, preview and report.
 
 use rayon::ThreadPool;
-use ruga_io::{WrinkleMap, Wrinkles, WrittenGlb, key_percent};
+use ruga_io::{MovedMesh, WrinkleMap, Wrinkles, WrittenGlb};
 use ruga_scene::{Scene, counted};
 use ruga_stepper::{Frame, KeyResult, PoseResult, PoseSpec};
 
@@ -12,7 +12,7 @@ use crate::error::CliError;
 use crate::folder_results::FolderResults;
 use crate::map_files::KeyMaps;
 use crate::memory_limit::refuse_too_little;
-use crate::moved_mesh::write_moved_mesh;
+use crate::moved_mesh::{moved_file, moved_meshes, write_moved_mesh};
 use crate::outcome::Outcome;
 use crate::output_folder::OutputFolder;
 use crate::pack_files::{remove_packed, write_packed};
@@ -129,7 +129,7 @@ impl Product for WrinkleMaps<'_> {
         let mut made = PoseFiles::default();
         for key in &result.keys {
             made.maps.extend(self.key(pose, key, &mut made.warnings)?);
-            let file = format!("bodies/{}_{}.obj", pose.name, key_percent(key.load));
+            let file = moved_file(&pose.name, key.load);
             if write_moved_mesh(self.scene, &self.arguments.output.join(&file), pose, key)? {
                 made.files.push(file);
             }
@@ -181,9 +181,12 @@ impl WrinkleMaps<'_> {
         let bake = &scene.file.bake;
         let mut manifest = Wrinkles::new(&scene.mesh.mesh.name, bake.frame, bake.size);
         if !self.maps_only {
-            let written = self.write_mesh(&maps)?;
+            let output = (self.arguments.output.as_path(), folder);
+            let (moved, about_files) = moved_meshes(scene, output, poses)?;
+            let written = self.write_mesh(&maps, &moved)?;
             manifest.glb = Some(written.reference);
-            warnings = written.warnings;
+            warnings = about_files;
+            warnings.extend(written.warnings);
         }
         let is_there = |pose: &&ScenePose| poses.iter().any(|p| p.report.name == pose.name);
         for pose in folder.poses.iter().filter(is_there) {
@@ -199,13 +202,13 @@ impl WrinkleMaps<'_> {
         Ok(warnings)
     }
 
-    fn write_mesh(&self, maps: &[WrinkleMap]) -> Result<WrittenGlb, CliError> {
+    fn write_mesh(&self, maps: &[WrinkleMap], moved: &[MovedMesh]) -> Result<WrittenGlb, CliError> {
         let mesh = &self.scene.mesh;
         let rest = self.scene.rest_frames()?;
         let path = self
             .arguments
             .output
             .join(format!("{}.glb", file_name(mesh)));
-        write_artist_mesh(&path, mesh, &rest, maps)
+        write_artist_mesh(&path, mesh, &rest, (maps, moved))
     }
 }

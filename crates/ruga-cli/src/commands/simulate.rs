@@ -4,11 +4,13 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use ruga_io::{FrameMesh, key_percent};
+use nalgebra::Vector3;
+use ruga_io::{FrameMesh, MovedMesh, WrittenGlb, key_percent};
 use ruga_scene::{Placement, Scene};
 use ruga_stepper::{Frame, PoseResult, PoseSpec};
 
 use crate::arguments::{RunArguments, SimulateArguments};
+use crate::artist_file::{file_name, write_artist_mesh};
 use crate::error::CliError;
 use crate::folder_results::FolderResults;
 use crate::frame_files::{FrameFiles, FrameFormat};
@@ -28,6 +30,11 @@ use crate::{interrupt, messages};
 pub(crate) fn run(arguments: &SimulateArguments) -> Result<Outcome, CliError> {
     let (arguments, formats) = (&arguments.run, arguments.formats.as_slice());
     let mut scene = Scene::read_with(&arguments.scene, &arguments.scene_options())?;
+    let moves = scene.sheet.is_some() || scene.body.is_some();
+    if formats.contains(&FrameFormat::Glb) && !moves {
+        let scene = scene.path.clone();
+        return Err(CliError::NothingMoves { scene });
+    }
     // Frames are of every pose as it is: the meshes that they were computed on have no mirror image.
     scene.mirror = None;
     let plan = scene.plan()?;
@@ -47,6 +54,7 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<Outcome, CliError> {
     let meshes = FrameMeshes {
         arguments,
         scene: &scene,
+        folder: &folder,
         formats,
         placement,
         records,
@@ -61,6 +69,7 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<Outcome, CliError> {
 struct FrameMeshes<'a> {
     arguments: &'a RunArguments,
     scene: &'a Scene,
+    folder: &'a OutputFolder,
     formats: &'a [FrameFormat],
     placement: Placement,
     records: Records,
@@ -87,7 +96,8 @@ impl Product for FrameMeshes<'_> {
         remove_frames(&self.arguments.output, &pose.name);
         let frames = self.frames(pose);
         for layer in &self.scene.layers {
-            for file in frames.series_files(&layer.name) {
+            let glb = self.glb_file(pose);
+            for file in frames.series_files(&layer.name).into_iter().chain([glb]) {
                 // One that is not there, or stays, shows what an earlier run has made.
                 let _ = fs::remove_file(self.arguments.output.join(file));
             }
@@ -102,6 +112,12 @@ impl Product for FrameMeshes<'_> {
     fn pose(&self, pose: &PoseSpec, result: &PoseResult) -> Result<PoseFiles, CliError> {
         let mut made = PoseFiles::default();
         made.files.extend(self.frames(pose).finish()?);
+        let moved = self.frames(pose).take_moved();
+        if !moved.is_empty() {
+            let written = self.write_glb(pose, moved)?;
+            made.warnings.extend(written.warnings);
+            made.files.push(self.glb_file(pose));
+        }
         for layer in result.keys.last().iter().flat_map(|key| &key.layers) {
             let file = format!("meshes/{}/{}.obj", pose.name, layer.name);
             let computed = &layer.computed;
@@ -130,6 +146,34 @@ impl<'a> FrameMeshes<'a> {
     fn frames(&self, pose: &PoseSpec) -> MutexGuard<'_, FrameFiles<'a>> {
         let frames = &self.frames[&pose.name];
         frames.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The GLB of a pose, relative to the output folder.
+    fn glb_file(&self, pose: &PoseSpec) -> String {
+        format!("frames/{}/{}.glb", pose.name, file_name(&self.scene.mesh))
+    }
+
+    /// Writes the mesh of the scene with a blend shape per load step.
+    fn write_glb(
+        &self,
+        pose: &PoseSpec,
+        moved: Vec<(f64, Vec<Vector3<f64>>)>,
+    ) -> Result<WrittenGlb, CliError> {
+        let scene = self.scene;
+        let seconds = self.folder.pose(&pose.name).seconds;
+        let moved = moved.into_iter().map(|(time, control)| {
+            let positions = scene.driver.unweld(&control);
+            MovedMesh {
+                pose: pose.name.clone(),
+                key: time,
+                seconds: time * seconds,
+                normals: scene.moved_normals(&positions),
+                positions,
+            }
+        });
+        let moved: Vec<MovedMesh> = moved.collect();
+        let path = self.arguments.output.join(self.glb_file(pose));
+        write_artist_mesh(&path, &scene.mesh, &scene.rest_frames()?, (&[], &moved))
     }
 
     fn write(&self, file: &str, frame: &FrameMesh<'_>) -> Result<(), CliError> {

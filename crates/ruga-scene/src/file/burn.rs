@@ -21,9 +21,10 @@ pub struct Burn {
     /// Width that the front heats before it burns, m: the temperature falls by two thirds over it. Nominal for paper:
     /// 2 to 5 mm.
     pub front_width: f64,
-    /// Edges of the mesh of temperature and fuel over that width: 2 is a draft, 8 fine.
-    #[serde(default = "standard_edges")]
-    pub edges_per_width: f64,
+    /// Edges of the mesh of temperature and fuel over that width; a third of `points_per_wavelength` if left out, which
+    /// is 4, and 2 and 8 with `--quality draft` and `fine`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub edges_per_width: Option<f64>,
     /// Temperature from which on it burns, K.
     #[serde(default = "ignition")]
     pub ignition: f64,
@@ -129,10 +130,6 @@ pub struct BurnSource {
     pub coefficient: f64,
 }
 
-fn standard_edges() -> f64 {
-    4.0
-}
-
 fn ignition() -> f64 {
     573.0
 }
@@ -204,7 +201,9 @@ impl SceneFile {
             let accepted = "degrees, counter-clockwise from the right of the texture";
             return fault("burn.grain", burn.grain, accepted);
         }
-        positive("burn.edges_per_width", burn.edges_per_width)?;
+        if let Some(edges) = burn.edges_per_width {
+            positive("burn.edges_per_width", edges)?;
+        }
         if burn.ash_image.is_none() && burn.ash_range != none_to_third() {
             let found = format!("{:?} without `ash_image`", burn.ash_range);
             return fault("burn.ash_range", found, "a range for an `ash_image`");

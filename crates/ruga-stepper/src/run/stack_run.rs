@@ -400,10 +400,12 @@ impl<'a> StackRun<'a> {
             let Some(upper) = upper else { return Ok(false) };
             layers.extend(upper);
         }
+        let artist_positions = run.layer.solid().map(Solid::artist_positions);
         observer.frame(&Frame {
             index: self.result.frames,
             load: point.weight_fraction * point.strain_fraction,
             layers: &layers,
+            artist_positions: artist_positions.as_deref(),
         });
         self.result.frames += 1;
         if is_key {
@@ -413,7 +415,7 @@ impl<'a> StackRun<'a> {
             self.result.keys.push(KeyResult {
                 load: point.weight_fraction,
                 layers,
-                artist_positions: run.layer.solid().map(Solid::artist_positions),
+                artist_positions,
             });
         }
         Ok(true)

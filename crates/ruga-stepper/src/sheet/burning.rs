@@ -32,6 +32,8 @@ pub(super) struct FireState<'a> {
     fire: &'a Fire,
     pub(super) grid: FieldGrid,
     solver: BurnSolver,
+    /// Factorisations of the matrix of the heat, of steps that were given up included.
+    factorisations: usize,
     /// Shares of the field mesh's faces that the solver knows to conduct.
     conducting: Option<PerFace<f64>>,
     /// Fuel share at which every vertex of the field mesh falls off.
@@ -139,6 +141,7 @@ impl<'a> FireState<'a> {
         let own = Self {
             ash: painted(&fire.ash_paint, fire.ash_share),
             solver: solver.map_err(StepperError::burn)?,
+            factorisations: 0,
             conducting: None,
             laws: laws.collect(),
             grains: fire.grain.on_skin(driver, skin),
@@ -209,7 +212,7 @@ impl<'a> FireState<'a> {
     ) -> Result<(), StepperError> {
         let before = burning.state.fuel().clone();
         let step = self.solver.step(&mut burning.state, sources, time);
-        step.map_err(StepperError::burn)?;
+        self.factorisations += step.map_err(StepperError::burn)?.factorisations as usize;
         let pairs = before
             .as_slice()
             .iter()
@@ -419,6 +422,7 @@ impl<'a> FireState<'a> {
             .sum();
         FireReport {
             field_vertices: self.grid.mesh.vertex_count(),
+            factorisations: self.factorisations,
             // By the triangles as the mass is, not by the areas of the flipped ones that heat flows on.
             fuel_left: fuel / area,
             mass,

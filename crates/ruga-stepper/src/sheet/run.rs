@@ -1,5 +1,11 @@
 //! One pose of a sheet from rest to its keys.
 
+#[cfg(test)]
+mod momentum;
+
+use std::collections::BTreeSet;
+
+use ruga_mesh::{FaceId, intersecting_pairs};
 use ruga_shell::MAX_NATURAL_ANGLE;
 use ruga_solver::{NewtonSettings, SolveReport, StopRule};
 
@@ -57,24 +63,7 @@ impl Plan {
             result.interrupted = true;
             return Ok(result);
         };
-        let spec = &self.specs[pose];
-        let moves = sheet.moves(spec)?;
-        let report = LayerReport {
-            vertices: state.vertex_count(),
-            faces: state.region.skin.mesh.face_count(),
-            ..result.layers[0].clone()
-        };
-        let mut run = SheetRun {
-            plan: self,
-            pose: spec,
-            moves,
-            state,
-            report,
-            result,
-            divided: 0,
-            solves: 0,
-            relaxation: 0.0,
-        };
+        let mut run = SheetRun::new(self, (sheet, pose), state, result)?;
         let name = |line: usize| format!("crease '{}'", run.state.spec.creases[line].name);
         let shared = run.state.region.shared.iter();
         let shared: Vec<String> = shared.map(|warning| warning.told(&name)).collect();
@@ -114,11 +103,42 @@ struct SheetRun<'a> {
     divided: usize,
     /// Solves of all steps, whole and divided.
     solves: usize,
+    /// Triangles that cross others at fractions of the pose, where some do.
+    crossing: Vec<(usize, f64)>,
+    /// Fraction of the pose to which it has been solved.
+    reached: f64,
     /// Share of the compressive stress stiffness that the last step left out at first.
     relaxation: f64,
 }
 
-impl SheetRun<'_> {
+impl<'a> SheetRun<'a> {
+    fn new(
+        plan: &'a Plan,
+        (sheet, pose): (&'a Sheet, usize),
+        state: SheetState<'a>,
+        result: PoseResult,
+    ) -> Result<Self, StepperError> {
+        let spec = &plan.specs[pose];
+        let report = LayerReport {
+            vertices: state.vertex_count(),
+            faces: state.region.skin.mesh.face_count(),
+            ..result.layers[0].clone()
+        };
+        Ok(Self {
+            plan,
+            pose: spec,
+            moves: sheet.moves(spec)?,
+            state,
+            report,
+            result,
+            divided: 0,
+            solves: 0,
+            crossing: Vec::new(),
+            reached: 0.0,
+            relaxation: 0.0,
+        })
+    }
+
     fn follow(&mut self, observer: &mut dyn Observer) -> Result<Ending, StepperError> {
         let last = self.pose.keys.iter().copied().fold(0.0, f64::max);
         // Between keyframes motions are linear. A step across one would cut the corner.
@@ -166,6 +186,9 @@ impl SheetRun<'_> {
             return Ok(Ending::Interrupted);
         }
         if solve.converged && !self.state.has_passed(&before) {
+            self.reached = to;
+            // A step that fails leaves masses and pieces of its own behind.
+            self.report.fire = self.state.fire_report();
             return Ok(Ending::Reached);
         }
         self.state.moving = before;
@@ -266,8 +289,10 @@ impl SheetRun<'_> {
                 index: self.result.frames,
                 load,
                 layers: &layers,
+                artist_positions: Some(&artist),
             });
             if is_key {
+                self.count_crossing(load);
                 self.result.keys.push(KeyResult {
                     load,
                     layers,
@@ -277,6 +302,33 @@ impl SheetRun<'_> {
         }
         self.result.frames += 1;
         Ok(())
+    }
+
+    /// Counts the triangles that cross others at a fraction of the pose.
+    fn count_crossing(&mut self, load: f64) {
+        let standing = &self.state.standing;
+        let positions = standing.of_vertices(&self.state.moving.positions);
+        let pairs = intersecting_pairs(&standing.part.mesh, &positions);
+        let crossing: BTreeSet<FaceId> = pairs.into_iter().flatten().collect();
+        self.report.intersections = Some(crossing.len());
+        if !crossing.is_empty() {
+            self.crossing.push((crossing.len(), load));
+        }
+    }
+
+    /// Warns of keys at which the sheet passes through itself.
+    fn tell_of_crossing(&mut self) {
+        let keys = self.crossing.iter().map(|(count, load)| {
+            let triangles = if *count == 1 { "triangle" } else { "triangles" };
+            format!("{count} {triangles} at {:.1} % of the pose", 100.0 * load)
+        });
+        let keys: Vec<String> = keys.collect();
+        if !keys.is_empty() {
+            self.warn(&format!(
+                "it passes through itself, which nothing keeps it from: {} cross others; where that can be seen, let it curl less, keep its parts from each other by an obstacle, or end at an earlier key",
+                keys.join(", ")
+            ));
+        }
     }
 
     fn warn(&mut self, warning: &str) {
@@ -316,15 +368,18 @@ impl SheetRun<'_> {
                 MAX_NATURAL_ANGLE.to_degrees()
             ));
         }
+        if ending == Ending::GaveUp {
+            self.count_crossing(self.reached);
+        }
+        self.tell_of_crossing();
         let divided = self.divided;
         if divided > 0 && ending == Ending::Reached {
             self.warn(&format!(
                 "{divided} of its steps had to be divided; take more `steps`"
             ));
         }
-        // Where the pose ended early, growth, folds and fire of the step that failed are still in place.
+        // Where the pose ended early, growth and folds of the step that failed are still in place.
         if ending == Ending::Reached {
-            self.report.fire = self.state.fire_report();
             self.tell_of_fire();
             self.report.energy = self.state.elastic_energy();
             self.report.creases = self.state.crease_reports();

@@ -8,7 +8,15 @@ use ruga_material::{LayerMaterial, Substrate};
 use ruga_stepper::{GrowthSpec, Handle, LayerSpec};
 
 /// A flat rectangle from the origin in the plane z = 0, m, of about square cells.
-pub(crate) fn rectangle([length, width]: [f64; 2], [columns, rows]: [u32; 2]) -> Arc<Driver> {
+pub(crate) fn rectangle([length, width]: [f64; 2], cells: [u32; 2]) -> Arc<Driver> {
+    laid(cells, |u, v| Vector3::new(length * u, width * v, 0.0))
+}
+
+/// A rectangle of so many cells that is laid somewhere (m), by the shares of its length and width.
+pub(crate) fn laid(
+    [columns, rows]: [u32; 2],
+    place: impl Fn(f64, f64) -> Vector3<f64>,
+) -> Arc<Driver> {
     let corner = |i: u32, j: u32| j * (columns + 1) + i;
     let places = (0..=rows).flat_map(|j| (0..=columns).map(move |i| [i, j]));
     let share = |[i, j]: [u32; 2]| {
@@ -29,10 +37,7 @@ pub(crate) fn rectangle([length, width]: [f64; 2], [columns, rows]: [u32; 2]) ->
     });
     let mesh = ArtistMesh {
         name: "sheet".into(),
-        positions: shares
-            .iter()
-            .map(|[u, v]| Vector3::new(length * u, width * v, 0.0))
-            .collect(),
+        positions: shares.iter().map(|[u, v]| place(*u, *v)).collect(),
         uvs: Some(
             shares
                 .iter()

@@ -1,25 +1,30 @@
 //! Pairs of faces that pass through each other.
 
+use crate::{FaceId, Id, TriMesh, VertexId};
 use nalgebra::Vector3;
-use ruga_mesh::{FaceId, Id, TriMesh, VertexId};
 
 /// Every pair of faces that cross or overlap, lower id first, in ascending order.
 ///
 /// Two faces cross when an edge of one passes through the inside of the other; faces in one plane
-/// when they overlap there. Signs of volumes below [`FLAT`] count as zero. So faces that merely
-/// touch, at a corner or along an edge, are no pair, nor are faces that come nearer to each other
-/// than rounding. Cutting the surface refuses what of this matters.
-pub(crate) fn intersecting_pairs(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Vec<[FaceId; 2]> {
+/// when they overlap there. Signs of volumes within rounding, 1e-13 of the product of their edges, count as zero. So
+/// faces that merely touch, at a corner or along an edge, are no pair, nor are faces that come nearer to each other
+/// than rounding. Faces with a common vertex are a pair where they pass through each other away from it, and those with
+/// a common edge where they lie on each other.
+pub fn intersecting_pairs(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Vec<[FaceId; 2]> {
     let mut boxes: Vec<FaceBox> = (mesh.faces().ids())
         .map(|face| FaceBox::new(mesh, positions, face))
         .collect();
-    // Sweep along x: a box meets only those that begin before it ends.
-    boxes.sort_by(|a, b| a.low.x.total_cmp(&b.low.x).then(a.face.cmp(&b.face)));
+    // Sweep along the longest side of all: a box meets only those that begin before it ends.
+    let along = longest_axis(&boxes);
+    boxes.sort_by(|a, b| {
+        let starts = a.low[along].total_cmp(&b.low[along]);
+        starts.then(a.face.cmp(&b.face))
+    });
     let mut pairs = Vec::new();
     for (i, first) in boxes.iter().enumerate() {
         let reached = boxes[i + 1..]
             .iter()
-            .take_while(|b| b.low.x <= first.high.x);
+            .take_while(|b| b.low[along] <= first.high[along]);
         for second in reached.filter(|b| first.meets(b)) {
             let faces = [first.face.min(second.face), first.face.max(second.face)];
             if intersect(mesh, positions, faces) {
@@ -29,6 +34,15 @@ pub(crate) fn intersecting_pairs(mesh: &TriMesh, positions: &[Vector3<f64>]) -> 
     }
     pairs.sort_unstable();
     pairs
+}
+
+/// Axis along which the boxes together are longest.
+fn longest_axis(boxes: &[FaceBox]) -> usize {
+    let Some(first) = boxes.first() else { return 0 };
+    let ends = (first.low, first.high);
+    let join = |(low, high): (Vector3<f64>, _), b: &FaceBox| (low.inf(&b.low), b.high.sup(&high));
+    let (low, high) = boxes.iter().fold(ends, join);
+    (high - low).imax()
 }
 
 /// Volume of a tetrahedron, as a share of its longest edges' product, that counts as none.
@@ -51,7 +65,7 @@ impl FaceBox {
     }
 
     fn meets(&self, other: &Self) -> bool {
-        (1..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
+        (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
     }
 }
 
