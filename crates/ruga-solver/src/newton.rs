@@ -208,7 +208,11 @@ impl<'a> Newton<'a> {
                 return Ok(StopRule::OutsideDomain);
             }
             check_finite("gradient", &self.gradient)?;
-            let (iteration, inertia) = self.linearise(index, x, energy)?;
+            let (mut iteration, mut inertia) = self.linearise(index, x, energy)?;
+            // Only the exact Hessian proves a minimum.
+            if self.was_predicted() && self.stop(&iteration, inertia).is_some() {
+                (iteration, inertia) = self.linearise(index, x, energy)?;
+            }
             if let Some(overshot) = self.overshot.take() {
                 // No stop rule is asked: this state is kept only as the start of a step that makes
                 // up for it.

@@ -1,7 +1,6 @@
 //! Steps after which the Hessian takes the stresses that a linearisation predicted.
 
 use super::{LITTLE_GAIN, Newton};
-use crate::soft_modes::dot;
 use crate::{Inertia, Iteration, StopRule};
 
 /// Steps in a row that may end above the lowest energy so far. Most rises are made up for by the next step; twice as
@@ -10,10 +9,6 @@ const PATIENCE: usize = 4;
 
 /// Ordinary steps after one that never came down again.
 const ORDINARY_STEPS: usize = 5;
-
-/// Share of the decrease expected from a step above which its stresses need no prediction: the last steps of a solve
-/// are those of the exact Hessian, and so is the inertia that proves a minimum.
-const AS_EXPECTED: f64 = 0.8;
 
 /// Halvings of a step that ends where the energy has no value.
 const MOST_HALVINGS: usize = 5;
@@ -41,24 +36,26 @@ impl Newton<'_> {
         }
     }
 
-    /// Whether a solve may stop here: not with stresses that are only predicted, and not above the lowest energy.
+    /// Whether the Hessian at hand has stresses that were predicted; the next one has none.
+    pub(super) fn was_predicted(&mut self) -> bool {
+        self.predicted.from.take().is_some()
+    }
+
+    /// Whether a solve that found a minimum may stop there: not above the lowest energy, which belongs to another one
+    /// than it was on the way to.
     pub(super) fn may_stop(&mut self, stop: StopRule, energy: f64) -> bool {
-        if !matches!(stop, StopRule::Decrement | StopRule::Residual) {
-            return true;
-        }
+        let is_minimum = matches!(stop, StopRule::Decrement | StopRule::Residual);
         let lowest = self.predicted.lowest.as_ref();
-        let is_low = lowest.is_none_or(|(_, lowest)| energy <= lowest + self.tolerance());
-        if !is_low {
-            // Another minimum than the one it was on the way to.
+        if is_minimum && lowest.is_some_and(|(_, lowest)| energy > lowest + self.tolerance()) {
             self.predicted.above = PATIENCE;
+            return false;
         }
-        is_low && self.predicted.from.is_none()
+        true
     }
 
     /// Whether the next step is one of this kind. Where a saddle is hardly left, the ordinary one looks for the way
     /// down.
     pub(super) fn predicts(&mut self, iteration: &Iteration, inertia: Inertia) -> bool {
-        self.predicted.from = None;
         if self.objective.prediction().is_none() {
             return false;
         }
@@ -88,13 +85,8 @@ impl Newton<'_> {
                 for ((trial, x), step) in self.trial.iter_mut().zip(&*x).zip(&self.step) {
                     *trial = x + length * step;
                 }
-                let reached = self.objective.value(&self.trial);
-                if reached.is_finite() {
-                    let slope = dot(&self.gradient, &self.step);
-                    let expected = -slope * length * (1.0 - 0.5 * length);
-                    // Below the tolerance differences of energies may be rounding.
-                    let is_expected = energy - reached >= AS_EXPECTED * expected - self.tolerance();
-                    self.predicted.from = (!is_expected).then(|| x.to_vec());
+                if self.objective.value(&self.trial).is_finite() {
+                    self.predicted.from = Some(x.to_vec());
                     x.copy_from_slice(&self.trial);
                     return true;
                 }
