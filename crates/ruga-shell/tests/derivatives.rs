@@ -7,8 +7,8 @@ use differences::{MODELS, assembled, check_layer, check_stencil, dense, flat, fu
 use meshes::{random_rotation, random_vector, rng, symmetric};
 use nalgebra::{Matrix2, Vector3};
 use ruga_shell::{
-    Anchor, BendingModel, Hinge, HingeState, Membrane, NormalFoundation, RestTriangle, Stress,
-    TangentialSpring,
+    Anchor, BendingModel, Hinge, HingeState, Membrane, MembraneState, NormalFoundation,
+    RestTriangle, Stress, TangentialSpring,
 };
 
 #[test]
@@ -107,6 +107,31 @@ fn relaxed_membrane_replaces_the_stress_by_its_positive_part() {
     assert!((exact[5].m33 + 0.5 * 0.18).abs() < 1e-15);
     assert!((relaxed[2].m33 - 0.5 * 0.22).abs() < 1e-15);
     assert!(relaxed[5].m33.abs() < 1e-15);
+}
+
+#[test]
+fn a_straight_step_that_turns_a_face_predicts_no_stress() {
+    for seed in 0..40 {
+        let mut rng = rng(6000 + seed);
+        let corners = rest_corners(seed);
+        let rest = RestTriangle::new(&corners, 0).unwrap();
+        let membrane = Membrane::new(&rest, 2.5, 0.3);
+        let turn = random_rotation(&mut rng);
+        let from = corners.map(|p| turn * p);
+        let axis = 0.3 * random_vector(&mut rng).normalize();
+        let x = from.map(|p| p + axis.cross(&p));
+        let blocks = |state: &MembraneState, stress| {
+            full::<3, 6>(&membrane.with_stress(&membrane.material_blocks(state), state, stress))
+        };
+        let predicted = membrane.predicted_state(&from, &x);
+        let [exact, relaxed] =
+            [Stress::Full, Stress::Tensile].map(|stress| blocks(&predicted, stress));
+        let size = exact.amax();
+        assert!((exact.clone() - &relaxed).amax() < 1e-12 * size);
+        // What is left is the material part alone; with its own stress the face is stiffer.
+        let stretched = blocks(&membrane.state(&x), Stress::Full);
+        assert!((stretched - exact).amax() > 1e-3 * size, "seed {seed}");
+    }
 }
 
 /// A hinge with apex heights `heights`, folded by `angle`, somewhere in space.
@@ -262,6 +287,14 @@ fn assembled_layer() {
         assert_eq!(
             exact, again,
             "the exact Hessian does not depend on what else is asked"
+        );
+        let mut predicted = [exact.clone(), relaxed.clone()];
+        let [first, second] = &mut predicted;
+        layer.predicted_hessian(&x, &x, first, second);
+        assert_eq!(
+            predicted,
+            [exact, relaxed],
+            "without a step there is nothing to predict"
         );
         check_layer(&layer, &x);
     }

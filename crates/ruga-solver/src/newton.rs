@@ -209,8 +209,10 @@ impl<'a> Newton<'a> {
             }
             check_finite("gradient", &self.gradient)?;
             let (mut iteration, mut inertia) = self.linearise(index, x, energy)?;
-            // Only the exact Hessian proves a minimum.
-            if self.was_predicted() && self.stop(&iteration, inertia).is_some() {
+            // Only the exact Hessian proves a minimum, or knows the way down from a saddle.
+            if self.was_predicted()
+                && (self.stop(&iteration, inertia).is_some() || iteration.decrement <= LITTLE_GAIN)
+            {
                 (iteration, inertia) = self.linearise(index, x, energy)?;
             }
             if let Some(overshot) = self.overshot.take() {
