@@ -75,7 +75,7 @@ pub(crate) struct FrameFiles<'a> {
     /// Of all layers together: upper layers are in some load steps only, at the times of those below.
     times: LoadTimes,
     series: BTreeMap<String, Series>,
-    /// Time, and the vertices of the mesh of the scene (m), in every load step, for a GLB.
+    /// Time, and the vertices of the mesh of the scene (m), in every load step of a zone, for a GLB.
     moved: Vec<(f64, Vec<Vector3<f64>>)>,
 }
 
@@ -126,6 +126,7 @@ impl<'a> FrameFiles<'a> {
         if frame.index == 0 {
             // The next zone begins, whose layers have load steps of their own.
             self.times = LoadTimes::default();
+            self.moved.clear();
         }
         let time = self.times.next(frame.load);
         if let (true, Some(places)) = (

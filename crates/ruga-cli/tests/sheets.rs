@@ -109,7 +109,7 @@ fn the_glb_shows_how_a_sheet_moves() {
         .ruga("bake scene.toml -o out --threads 1 --resume")
         .exits(0);
     assert!(folder.read(&path) == before, "another GLB after --resume");
-    // Where the files are gone the pose is no result any more.
+    // What somebody has changed is no shape of the mesh any more.
     std::fs::write(folder.path("out/bodies/burn_50.obj"), "v 0 0 0\n").unwrap();
     folder
         .ruga("bake scene.toml -o out --threads 1 --resume")

@@ -112,11 +112,15 @@ fn check(path: &Path, file: &MeshFile, additions: &GlbAdditions<'_>) -> Result<(
         lengths.push((&moved.pose, Some(moved.normals.len())));
         let fits = |v: &Vector3<f64>| v.iter().all(|c| (*c as f32).is_finite());
         let is_in_reach = moved.positions.iter().chain(&moved.normals).all(fits);
-        let is_later = moved.seconds > 0.0;
-        if !(is_in_reach && is_later) {
-            let reason = format!("pose '{}' has moved it out of reach", moved.pose);
-            return Err(IoError::unwritten(path, reason));
-        }
+        let (pose, seconds) = (&moved.pose, moved.seconds);
+        let reason = if !is_in_reach {
+            format!("pose '{pose}' has moved it out of reach")
+        } else if !(seconds > 0.0 && (seconds as f32).is_finite()) {
+            format!("pose '{pose}' has a shape at {seconds} s, which is to be above 0")
+        } else {
+            continue;
+        };
+        return Err(IoError::unwritten(path, reason));
     }
     let wrong = |(_, length): &(&str, Option<usize>)| length.is_some_and(|n| n != vertices);
     if let Some((name, Some(length))) = lengths.into_iter().find(wrong) {

@@ -204,7 +204,7 @@ impl Writer<'_> {
             return true;
         };
         self.warnings.push(format!(
-            "the GLB does not show how the mesh moves, because {why}; the OBJ files in `bodies` do"
+            "the GLB does not show how the mesh moves, because {why}; the OBJ files beside it do"
         ));
         false
     }

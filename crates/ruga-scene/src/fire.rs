@@ -12,7 +12,7 @@ use crate::placement::Placement;
 use crate::scene::Inspection;
 
 /// Points per wavelength for every edge over the width of a front that the scene says nothing of: 4 edges at standard
-/// quality, at which the speed of a front is right to 1 %.
+/// quality, at which the speed of a front is right to 0.1 %.
 const POINTS_PER_EDGE: f64 = 3.0;
 
 /// The fire of `burn`, in the axes of the mesh file, as fine as so many points per wavelength.

@@ -94,7 +94,8 @@ impl Membrane {
     }
 
     /// The state at `x`, with the stress that follows from the strain linearised at `from`:
-    /// `E(from) + sym(F(from)^T (F(x) - F(from)))`, which leaves out the square of what a straight way turns.
+    /// `E(from) + sym(F(from)^T (F(x) - F(from)))`. That leaves out the square of the displacement, by which a face
+    /// stretches that turns on straight lines. Strain and deformation are those at `x`.
     #[inline]
     pub fn predicted_state(
         &self,

@@ -73,7 +73,8 @@ pub type Minimise = fn(
 /// the compressive stress stiffness, and where that step gains hardly any energy the direction of negative
 /// curvature is searched as well; the solve stops as converged only where the exact Hessian has the
 /// inertia of a minimum. `keep_going` sees every iteration and ends the solve by returning `false`; an
-/// iteration takes at most some 30 factorisations, where the Hessian's inertia is hard to mend. Same input,
+/// iteration takes at most some 30 factorisations, where the Hessian's inertia is hard to mend, or twice as many where
+/// predicted stresses have to make way for those that are there. Same input,
 /// same bits.
 ///
 /// # Errors
@@ -210,7 +211,7 @@ impl<'a> Newton<'a> {
             check_finite("gradient", &self.gradient)?;
             let (mut iteration, mut inertia) = self.linearise(index, x, energy)?;
             // Only the exact Hessian proves a minimum, or knows the way down from a saddle.
-            if self.was_predicted()
+            if self.is_predicted()
                 && (self.stop(&iteration, inertia).is_some() || iteration.decrement <= LITTLE_GAIN)
             {
                 (iteration, inertia) = self.linearise(index, x, energy)?;

@@ -289,3 +289,28 @@ fn a_factor_that_was_released_comes_back_the_same() {
     assert_eq!(solve(&mut kkt).unwrap(), before);
     assert_eq!(kkt.cost(), cost);
 }
+
+/// A body that only inertia holds, a million million times softer than its springs, falls by one.
+#[test]
+fn a_body_that_falls_freely_is_no_harder_without_rows() {
+    let stencils = [[0, 1], [1, 2], [2, 3]];
+    let pattern = LowerPattern::from_stencils(4, stencils.iter().map(<[usize; 2]>::as_slice));
+    let pattern = pattern.unwrap();
+    let inertia = 1e-12;
+    let mut values = vec![0.0; pattern.entries()];
+    for [a, b] in stencils {
+        values[pattern.position(a, a).unwrap()] += 1.0;
+        values[pattern.position(b, b).unwrap()] += 1.0;
+        values[pattern.position(b, a).unwrap()] -= 1.0;
+    }
+    for column in 0..4 {
+        values[pattern.position(column, column).unwrap()] += inertia;
+    }
+    let mut kkt = Kkt::new(&pattern, &ConstraintRows::none(4), 1).unwrap();
+    assert!(kkt.factorize(&values, &[]).unwrap().is_minimum());
+    let mut step = [0.0; 4];
+    kkt.solve_step(&[inertia; 4], &[], &mut step, &mut [])
+        .unwrap();
+    // The sum of inertia and springs is rounded to 1e-4 of inertia.
+    assert!(step.iter().all(|x| (x - 1.0).abs() < 1e-2), "{step:?}");
+}

@@ -1,124 +1,12 @@
 //! Sheets that burn: what is left, how fast it goes, how it shrinks, and into what it falls.
 
+mod fires;
 mod flat_sheet;
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-use flat_sheet::{clamp, paper, rectangle};
+use fires::{PAPER, ball, burnt, fire, pose, run, run_pose, sheet};
+use flat_sheet::{clamp, rectangle};
 use nalgebra::Vector3;
-use ruga_blend::{Driver, Smoothing};
-use ruga_material::ShrinkLaw;
-use ruga_solver::{
-    Iteration, Kkt, Minimise, NewtonSettings, Objective, SolveReport, SolverError, minimise,
-};
-use ruga_stepper::{
-    Dynamics, Fire, FireReport, FireSource, FrontDesign, GrowthDirection, Heats, Keyframe,
-    Modelling, Motion, PoseResult, PoseSpec, Sheet, Silent, StepperError, plan_sheet,
-};
-
-/// Temperature of what sets paper on fire, K.
-const EMBER: f64 = 1500.0;
-
-/// A front of 2 mm/s and 4 mm on paper of which nothing falls off, and that neither shrinks nor curls.
-fn fire(sources: Vec<FireSource>) -> Fire {
-    Fire {
-        front: FrontDesign {
-            speed: 2e-3,
-            width: 4e-3,
-            ignition: 573.0,
-            burning: 1100.0,
-            surroundings: 293.0,
-            loss_time: None,
-        },
-        edges_per_width: 2.0,
-        speed: None,
-        shrink: ShrinkLaw {
-            along: 0.0,
-            across: 0.0,
-            asymmetry: 0.0,
-            char_young: 0.1,
-            char_thickness: 0.8,
-        },
-        grain: GrowthDirection::Angle(0.0),
-        shrink_factor: None,
-        asymmetry_factor: None,
-        char_mass: 0.2,
-        ash_share: 0.0,
-        ash_paint: None,
-        least_piece: 1e-6,
-        sources,
-    }
-}
-
-fn ball(x: f64, y: f64, radius: f64) -> FireSource {
-    FireSource {
-        name: format!("ball at {x} {y}"),
-        temperature: EMBER,
-        heats: Heats::Ball {
-            centre: Vector3::new(x, y, 0.0),
-            radius,
-            coefficient: 50.0,
-        },
-    }
-}
-
-fn sheet(fire: Fire) -> Sheet {
-    Sheet {
-        gravity: Vector3::zeros(),
-        handles: vec![clamp(1e-3)],
-        obstacles: Vec::new(),
-        edge: Some(2.1e-3),
-        fire: Some(fire),
-    }
-}
-
-fn pose(steps: u32) -> PoseSpec {
-    PoseSpec {
-        name: "burn".into(),
-        weights: Default::default(),
-        keys: vec![0.6, 1.0],
-        steps,
-        motions: Vec::new(),
-        growths: Vec::new(),
-    }
-}
-
-/// A fire of so many steps of so many seconds.
-fn run(
-    driver: &Arc<Driver>,
-    sheet: &Sheet,
-    (steps, time_step): (u32, f64),
-) -> Result<PoseResult, StepperError> {
-    run_pose(driver, sheet, pose(steps), time_step)
-}
-
-fn run_pose(
-    driver: &Arc<Driver>,
-    sheet: &Sheet,
-    pose: PoseSpec,
-    time_step: f64,
-) -> Result<PoseResult, StepperError> {
-    let modelling = modelling(time_step);
-    let plan = plan_sheet(driver, &paper(Vec::new()), sheet, &[pose], &modelling, 512)?;
-    plan.simulate(0, &mut Silent)
-}
-
-fn modelling(time_step: f64) -> Modelling {
-    Modelling {
-        dynamics: Some(Dynamics {
-            time_step,
-            damping: 2.0,
-        }),
-        smoothing: Smoothing::None,
-        ..Modelling::default()
-    }
-}
-
-fn burnt(result: &PoseResult) -> &FireReport {
-    assert!(result.converged, "{:?}", result.warnings);
-    result.layers[0].fire.as_ref().expect("a fire")
-}
+use ruga_stepper::{Fire, Keyframe, Motion, PoseResult};
 
 /// Area of what is left at the last key, m².
 fn area_left(result: &PoseResult) -> f64 {
@@ -129,9 +17,6 @@ fn area_left(result: &PoseResult) -> f64 {
     });
     areas.sum()
 }
-
-/// Mass of a square metre of the fresh paper, kg.
-const PAPER: f64 = 800.0 * 1e-4;
 
 #[test]
 fn a_strip_burns_at_the_speed_that_is_asked_for_and_keeps_the_mass_of_its_char() {
@@ -391,110 +276,6 @@ fn a_sheet_may_burn_away_whole() {
             .any(|w| w.contains("all of it has burnt"))
     );
 }
-
-/// Solves since the test below began.
-static SOLVES: AtomicUsize = AtomicUsize::new(0);
-
-/// The solver, which does not get to the end of its third solve.
-fn failing_once(
-    objective: &dyn Objective,
-    rows: &[f64],
-    x: &mut [f64],
-    kkt: &mut Kkt,
-    settings: &NewtonSettings,
-    keep_going: &mut dyn FnMut(&Iteration) -> bool,
-) -> Result<SolveReport, SolverError> {
-    let solve = minimise(objective, rows, x, kkt, settings, keep_going)?;
-    let fails = SOLVES.fetch_add(1, Ordering::Relaxed) == 2;
-    Ok(SolveReport {
-        converged: solve.converged && !fails,
-        ..solve
-    })
-}
-
-#[test]
-fn a_step_is_divided_while_it_burns() {
-    let (length, width) = (0.03, 0.01);
-    let driver = rectangle([length, width], [15, 5]);
-    let mut curling = fire(vec![ball(length, 0.5 * width, 0.008)]);
-    curling.shrink.along = 0.2;
-    let sheet = sheet(curling);
-    let burn = |minimise: Minimise| {
-        let modelling = Modelling {
-            minimise,
-            ..modelling(0.5)
-        };
-        let layer = paper(Vec::new());
-        let plan = plan_sheet(&driver, &layer, &sheet, &[pose(10)], &modelling, 512);
-        plan.and_then(|plan| plan.simulate(0, &mut Silent))
-            .expect("it burns")
-    };
-    let [whole, divided] = [burn(minimise), burn(failing_once)];
-    let is_about = |warning: &String| warning.contains("1 of its steps had to be divided");
-    assert!(
-        divided.warnings.iter().any(is_about),
-        "{:?}",
-        divided.warnings
-    );
-    assert!(!whole.warnings.iter().any(is_about));
-    let [whole, divided] = [&whole, &divided].map(burnt);
-    // Fuel that a step has burnt before it was given up is there again.
-    let lost = whole.fuel_left - divided.fuel_left;
-    assert!(whole.fuel_left < 0.9 && lost.abs() < 5e-3, "{lost}");
-    let expected = PAPER * length * width * (0.2 + 0.8 * divided.fuel_left);
-    assert!((divided.mass / expected - 1.0).abs() < 1e-9);
-    // Halves of a step are divided into parts of the same length as whole ones.
-    assert_eq!((whole.factorisations, divided.factorisations), (1, 1));
-}
-
-/// The solver, which gets to the end of no solve from the fifth on.
-fn giving_up(
-    objective: &dyn Objective,
-    rows: &[f64],
-    x: &mut [f64],
-    kkt: &mut Kkt,
-    settings: &NewtonSettings,
-    keep_going: &mut dyn FnMut(&Iteration) -> bool,
-) -> Result<SolveReport, SolverError> {
-    static SOLVES: AtomicUsize = AtomicUsize::new(0);
-    let solve = minimise(objective, rows, x, kkt, settings, keep_going)?;
-    let fails = SOLVES.fetch_add(1, Ordering::Relaxed) >= 4;
-    Ok(SolveReport {
-        converged: solve.converged && !fails,
-        ..solve
-    })
-}
-
-#[test]
-fn a_run_that_gives_up_says_what_has_burnt_until_then() {
-    let (length, width) = (0.03, 0.01);
-    let driver = rectangle([length, width], [15, 5]);
-    let sheet = sheet(fire(vec![ball(length, 0.5 * width, 0.008)]));
-    let modelling = Modelling {
-        minimise: giving_up,
-        ..modelling(0.5)
-    };
-    let plan = plan_sheet(
-        &driver,
-        &paper(Vec::new()),
-        &sheet,
-        &[pose(10)],
-        &modelling,
-        512,
-    );
-    let result = plan
-        .and_then(|plan| plan.simulate(0, &mut Silent))
-        .expect("it begins");
-    assert!(!result.converged);
-    let layer = &result.layers[0];
-    let fire = layer.fire.as_ref().expect("what is known");
-    let short = run(&driver, &sheet, (10, 0.5)).expect("it burns");
-    assert!(fire.fuel_left < 1.0 && fire.fuel_left > burnt(&short).fuel_left);
-    let expected = PAPER * length * width * (0.2 + 0.8 * fire.fuel_left);
-    assert!((fire.mass / expected - 1.0).abs() < 1e-9, "{fire:?}");
-    assert_eq!(layer.intersections, Some(0));
-}
-
 #[test]
 fn fires_that_cannot_burn_are_refused() {
     let driver = rectangle([0.03, 0.01], [15, 5]);

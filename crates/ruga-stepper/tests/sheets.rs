@@ -384,3 +384,26 @@ fn what_a_sheet_cannot_be_is_refused() {
         assert!(told.contains(words), "{told}");
     }
 }
+
+/// It hangs from a clip and curls both ways, so that it buckles before it rolls up.
+#[test]
+fn paper_that_curls_in_drying_rolls_up_from_equilibrium_to_equilibrium() {
+    let [length, width] = [0.1, 0.07];
+    let driver = rectangle([length, width], [20, 14]);
+    let layer = paper(vec![growth(-0.02, -0.04, [10.0, 40.0])]);
+    let sheet = Sheet {
+        gravity: Vector3::new(0.0, 0.0, -9.81),
+        handles: vec![clamp(1e-3)],
+        ..free()
+    };
+    let places = end(run(&driver, &layer, &sheet, pose(10), &modelling(None)).expect("a run"));
+    // At the free end the width lies on an arc of 1/40 m, which is no wider than two of its radii.
+    let end = places.iter().zip(driver.rest());
+    let end = end.filter(|(_, rest)| rest.x > 0.999 * length);
+    let across = end.map(|(x, _)| x.y);
+    let [low, high] = [
+        across.clone().fold(f64::MAX, f64::min),
+        across.fold(f64::MIN, f64::max),
+    ];
+    assert!(high - low < 0.055, "{}", high - low);
+}

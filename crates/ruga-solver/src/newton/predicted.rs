@@ -3,21 +3,24 @@
 use super::{LITTLE_GAIN, Newton};
 use crate::{Inertia, Iteration, StopRule};
 
-/// Steps in a row that may end above the lowest energy so far. Most rises are made up for by the next step; twice as
-/// many took more factorisations on burning and on curling paper.
+/// States in a row without a new lowest energy after which the solve goes back to the lowest. Most rises are made up for
+/// by the next step; twice as many took a fifth more factorisations on burning paper.
 const PATIENCE: usize = 4;
 
-/// Ordinary steps after one that never came down again.
+/// Ordinary steps after going back, so that the same way is not tried again at once.
 const ORDINARY_STEPS: usize = 5;
 
-/// Halvings of a step that ends where the energy has no value.
-const MOST_HALVINGS: usize = 5;
+/// Trials of a step that ends where the energy has no value, each half as long. A reach that does not see what is in the
+/// way is off by a factor of a few, not of hundreds.
+const MOST_TRIALS: usize = 5;
 
 /// Where a solve with predicted stresses has been.
 #[derive(Default)]
 pub(super) struct Predicted {
     /// Start of the last step, from which the next stresses are predicted.
     from: Option<Vec<f64>>,
+    /// Whether the Hessian at hand has such stresses.
+    is_at_hand: bool,
     /// Place of the lowest energy so far, and that energy (J).
     lowest: Option<(Vec<f64>, f64)>,
     /// Steps in a row that ended above it.
@@ -27,18 +30,20 @@ pub(super) struct Predicted {
 }
 
 impl Newton<'_> {
-    /// Writes both Hessians at `x`, after a step that is to be predicted with its stresses.
+    /// Writes both Hessians at `x`: with predicted stresses right after a predicted step, else the exact ones.
     pub(super) fn write_hessian(&mut self, x: &[f64]) {
         let (exact, relaxed) = (&mut self.exact, &mut self.relaxed);
-        match (self.objective.prediction(), &self.predicted.from) {
-            (Some(prediction), Some(from)) => prediction.hessian(x, from, exact, relaxed),
+        let from = self.predicted.from.take();
+        self.predicted.is_at_hand = from.is_some();
+        match (self.objective.prediction(), from) {
+            (Some(prediction), Some(from)) => prediction.hessian(x, &from, exact, relaxed),
             _ => self.objective.hessian(x, exact, relaxed),
         }
     }
 
-    /// Whether the Hessian at hand has stresses that were predicted; the next one has none.
-    pub(super) fn was_predicted(&mut self) -> bool {
-        self.predicted.from.take().is_some()
+    /// Whether the Hessian at hand has predicted stresses; written again it has none.
+    pub(super) fn is_predicted(&self) -> bool {
+        self.predicted.is_at_hand
     }
 
     /// Whether a solve that found a minimum may stop there: not above the lowest energy, which belongs to another one
@@ -56,7 +61,9 @@ impl Newton<'_> {
     /// Whether the next step is one of this kind. Where a saddle is hardly left, the ordinary one looks for the way
     /// down.
     pub(super) fn predicts(&mut self, iteration: &Iteration, inertia: Inertia) -> bool {
-        if self.objective.prediction().is_none() {
+        // Nothing would make up for a rise in the last iteration.
+        let is_last = iteration.index + 1 == self.settings.max_iterations;
+        if is_last || self.objective.prediction().is_none() {
             return false;
         }
         if self.predicted.ordinary > 0 {
@@ -67,7 +74,7 @@ impl Newton<'_> {
     }
 
     /// Takes the Newton step whole, as far as linearisation reaches, also where the energy rises; after too many
-    /// rises goes back to where it was lowest. False if neither is possible.
+    /// rises goes back to where it was lowest, and to the exact Hessian. False if it has that and stands there.
     pub(super) fn advance_predicted(&mut self, x: &mut [f64], energy: f64) -> bool {
         let Some(prediction) = self.objective.prediction() else {
             return false;
@@ -81,7 +88,7 @@ impl Newton<'_> {
         }
         if self.predicted.above < PATIENCE {
             let mut length = prediction.reach(x, &self.step);
-            for _ in 0..MOST_HALVINGS {
+            for _ in 0..MOST_TRIALS {
                 for ((trial, x), step) in self.trial.iter_mut().zip(&*x).zip(&self.step) {
                     *trial = x + length * step;
                 }
@@ -100,7 +107,7 @@ impl Newton<'_> {
                 x.copy_from_slice(&place);
                 true
             }
-            None => false,
+            None => self.is_predicted(),
         }
     }
 

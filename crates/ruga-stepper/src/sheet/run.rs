@@ -317,7 +317,7 @@ impl<'a> SheetRun<'a> {
     }
 
     /// Warns of keys at which the sheet passes through itself.
-    fn tell_of_crossing(&mut self) {
+    fn warn_of_crossing(&mut self) {
         let keys = self.crossing.iter().map(|(count, load)| {
             let triangles = if *count == 1 { "triangle" } else { "triangles" };
             format!("{count} {triangles} at {:.1} % of the pose", 100.0 * load)
@@ -368,10 +368,15 @@ impl<'a> SheetRun<'a> {
                 MAX_NATURAL_ANGLE.to_degrees()
             ));
         }
-        if ending == Ending::GaveUp {
+        let is_counted = self
+            .result
+            .keys
+            .last()
+            .is_some_and(|key| key.load == self.reached);
+        if ending == Ending::GaveUp && !is_counted {
             self.count_crossing(self.reached);
         }
-        self.tell_of_crossing();
+        self.warn_of_crossing();
         let divided = self.divided;
         if divided > 0 && ending == Ending::Reached {
             self.warn(&format!(

@@ -9,7 +9,7 @@ use super::projection::SpringColour;
 /// Share of the stiffness at which explicit steps would begin to explode.
 const SAFETY: f64 = 0.8;
 
-/// Springs that may meet at a particle, of all colours: each of four sets allows four.
+/// Most springs at a particle: four of each of three colours at a corner; a centre has two colours.
 const STAR: f64 = 12.0;
 
 /// A mass-spring system on the particles and springs of a lattice, in explicit steps: `v += h F/m, x += h v`.
