@@ -131,12 +131,10 @@ fn drift() -> (f64, f64) {
     (largest, spread)
 }
 
-/// A known fault: a step of a sheet that curls freely changes its momentum by up to 0.09 of its mass times the speed of
-/// the front. It is no less without Levenberg damping, nor after 300 iterations, whose residual is 1e-7 then. Where it
-/// is mended, this is to be 1e-9.
+/// As exactly as steps of a fire are solved, which is to an energy; 4e-6 of its mass times the speed of the front.
 #[test]
-fn forces_within_a_free_sheet_change_little_of_its_momentum() {
+fn forces_within_a_free_sheet_do_not_change_its_momentum() {
     let (drift, height) = drift();
     assert!(height > 1e-3, "it curls by {height} m");
-    assert!((1e-3..0.2).contains(&drift), "{drift}");
+    assert!(drift < 2e-5, "{drift}");
 }
