@@ -31,10 +31,12 @@ pub(crate) enum CliError {
         /// The scene file.
         scene: PathBuf,
     },
-    /// `--format glb` for a scene whose mesh only blend shapes move.
-    #[error("{}: `--format glb` shows how a sheet or a soft body moves the mesh, and the scene has neither", scene.display())]
-    #[diagnostic(help("take `obj`, `vtu` or `usda`: they hold the layers as they wrinkle"))]
-    NothingMoves {
+    /// `--format glb` for a scene without a sheet.
+    #[error("{}: `--format glb` shows how a sheet moves the mesh, and the scene has no `[sheet]`", scene.display())]
+    #[diagnostic(help(
+        "take `obj`, `vtu` or `usda`: they hold the layers as they wrinkle; how a soft body moves the mesh is in the GLB of `ruga bake`"
+    ))]
+    NoSheet {
         /// The scene file.
         scene: PathBuf,
     },

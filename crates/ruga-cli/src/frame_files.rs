@@ -23,7 +23,7 @@ pub(crate) enum FrameFormat {
     Vtu,
     /// One mesh per layer with fields, a time sample per load step (USD).
     Usda,
-    /// The mesh of the scene as a sheet or soft body moves it, animated (glTF).
+    /// The mesh of the scene as a sheet moves it, animated (glTF).
     Glb,
 }
 

@@ -137,5 +137,5 @@ fn a_simulated_sheet_plays_in_a_glb() {
     Folder::new()
         .ruga("simulate scene.toml -o out --format glb")
         .exits(2)
-        .says(&["--format glb", "neither"]);
+        .says(&["--format glb", "no `[sheet]`"]);
 }

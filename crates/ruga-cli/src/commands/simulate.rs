@@ -30,10 +30,9 @@ use crate::{interrupt, messages};
 pub(crate) fn run(arguments: &SimulateArguments) -> Result<Outcome, CliError> {
     let (arguments, formats) = (&arguments.run, arguments.formats.as_slice());
     let mut scene = Scene::read_with(&arguments.scene, &arguments.scene_options())?;
-    let moves = scene.sheet.is_some() || scene.body.is_some();
-    if formats.contains(&FrameFormat::Glb) && !moves {
+    if formats.contains(&FrameFormat::Glb) && scene.sheet.is_none() {
         let scene = scene.path.clone();
-        return Err(CliError::NothingMoves { scene });
+        return Err(CliError::NoSheet { scene });
     }
     // Frames are of every pose as it is: the meshes that they were computed on have no mirror image.
     scene.mirror = None;
