@@ -1,13 +1,14 @@
 //! A scene with everything that it names, read and converted.
 
 mod mask_warnings;
+mod region;
 mod zone_overlap;
 
 use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use ruga_blend::{Driver, nearest};
+use ruga_blend::Driver;
 use ruga_io::{IoError, MeshFile, ObjOptions, read_mesh};
 use ruga_material::UvTile;
 use ruga_stepper::{
@@ -18,10 +19,10 @@ use ruga_stepper::{
 use crate::creases::{CreasedMesh, add_creases, texel_warning};
 use crate::file::{self, SceneFile};
 use crate::growths::{add_growths, unused_growths};
-use crate::mask_image::mask;
 use crate::painted_files::tile_files;
 use crate::plan::{ScenePlan, ZonePlan};
 use crate::scene::mask_warnings::mask_warnings;
+use crate::scene::region::region;
 use crate::symmetry::PoseImages;
 use crate::uv_tiles::{are_tiled, driver_in_tiles};
 use crate::{Mirror, SceneError, body, counted, mesh_size, model, painted_files, texture_space};
@@ -437,42 +438,6 @@ fn mesh_warnings(mesh: &MeshFile, driver: &Driver) -> Vec<String> {
         ));
     }
     warnings
-}
-
-/// Region where skin is simulated, its mask read.
-fn region(scene: &SceneFile, path: &Path, tiles: &[UvTile]) -> Result<Region, SceneError> {
-    Ok(match &scene.driver.region {
-        file::Region::Auto => Region::Auto,
-        file::Region::All => Region::All,
-        file::Region::Mask(file) => {
-            let read = mask(file, (path, "driver.region"), tiles);
-            Region::Mask(read.map_err(|error| region_error(error, file))?)
-        }
-    })
-}
-
-/// The error of a region mask; of one that is not there, with the other words that a region takes.
-fn region_error(error: SceneError, file: &Path) -> SceneError {
-    match error {
-        SceneError::NamedFile { scene, key, source }
-            if matches!(
-                *source,
-                IoError::Unreadable { .. } | IoError::UnknownFormat { .. }
-            ) =>
-        {
-            let name = file.file_name().unwrap_or_default().to_string_lossy();
-            SceneError::Key {
-                path: scene,
-                key,
-                line: None,
-                reason: format!(
-                    "{source}; accepted: \"auto\", \"all\", or the path of a grey image"
-                ),
-                suggestion: nearest(&name, ["auto", "all"]),
-            }
-        }
-        other => other,
-    }
 }
 
 /// The masks that decide where a layer is, each with its key and image.

@@ -83,8 +83,7 @@ impl Membrane {
     #[inline]
     pub fn state(&self, x: &[Vector3<f64>; 3]) -> MembraneState {
         let deformation = self.deformation(x);
-        let strain =
-            0.5 * (deformation.transpose() * deformation - Matrix2::identity()) - self.natural;
+        let strain = self.strain(&deformation);
         MembraneState {
             deformation,
             strain,
@@ -102,9 +101,9 @@ impl Membrane {
         from: &[Vector3<f64>; 3],
         x: &[Vector3<f64>; 3],
     ) -> MembraneState {
-        let (before, after) = (self.state(from), self.state(x));
-        let change = before.deformation.transpose() * (after.deformation - before.deformation);
-        let strain = before.strain + 0.5 * (change + change.transpose());
+        let (before, after) = (self.deformation(from), self.state(x));
+        let change = before.transpose() * (after.deformation - before);
+        let strain = self.strain(&before) + 0.5 * (change + change.transpose());
         MembraneState {
             stress: self.stress(&strain),
             ..after
@@ -114,6 +113,10 @@ impl Membrane {
     fn deformation(&self, x: &[Vector3<f64>; 3]) -> Matrix3x2<f64> {
         let [g1, g2] = self.gradients;
         (x[1] - x[0]) * g1.transpose() + (x[2] - x[0]) * g2.transpose()
+    }
+
+    fn strain(&self, deformation: &Matrix3x2<f64>) -> Matrix2<f64> {
+        0.5 * (deformation.transpose() * deformation - Matrix2::identity()) - self.natural
     }
 
     fn stress(&self, strain: &Matrix2<f64>) -> Matrix2<f64> {

@@ -12,8 +12,20 @@ use ruga_solver::{
 };
 use ruga_stepper::{Modelling, Silent, plan_sheet};
 
-/// Solves since the test below began.
-static SOLVES: AtomicUsize = AtomicUsize::new(0);
+/// A solve that gets to its end unless it fails.
+fn solve(
+    (objective, rows): (&dyn Objective, &[f64]),
+    (x, kkt): (&mut [f64], &mut Kkt),
+    settings: &NewtonSettings,
+    keep_going: &mut dyn FnMut(&Iteration) -> bool,
+    fails: bool,
+) -> Result<SolveReport, SolverError> {
+    let solve = minimise(objective, rows, x, kkt, settings, keep_going)?;
+    Ok(SolveReport {
+        converged: solve.converged && !fails,
+        ..solve
+    })
+}
 
 /// The solver, which does not get to the end of its third solve.
 fn failing_once(
@@ -24,12 +36,9 @@ fn failing_once(
     settings: &NewtonSettings,
     keep_going: &mut dyn FnMut(&Iteration) -> bool,
 ) -> Result<SolveReport, SolverError> {
-    let solve = minimise(objective, rows, x, kkt, settings, keep_going)?;
+    static SOLVES: AtomicUsize = AtomicUsize::new(0);
     let fails = SOLVES.fetch_add(1, Ordering::Relaxed) == 2;
-    Ok(SolveReport {
-        converged: solve.converged && !fails,
-        ..solve
-    })
+    solve((objective, rows), (x, kkt), settings, keep_going, fails)
 }
 
 #[test]
@@ -77,12 +86,8 @@ fn giving_up(
     keep_going: &mut dyn FnMut(&Iteration) -> bool,
 ) -> Result<SolveReport, SolverError> {
     static SOLVES: AtomicUsize = AtomicUsize::new(0);
-    let solve = minimise(objective, rows, x, kkt, settings, keep_going)?;
     let fails = SOLVES.fetch_add(1, Ordering::Relaxed) >= 4;
-    Ok(SolveReport {
-        converged: solve.converged && !fails,
-        ..solve
-    })
+    solve((objective, rows), (x, kkt), settings, keep_going, fails)
 }
 
 #[test]

@@ -47,4 +47,4 @@ pub use marching::{Remains, Remnant};
 pub use mass_spring::MassSpring;
 pub use projection::{Mobility, Projection, ProjectionReport, SpringColour, fast_projection};
 pub use spring_set::{SpringError, SpringSet};
-pub use time_step::{SpringMotion, TimeRule};
+pub use time_step::{SpringMotion, TIME_STEP, TimeRule};

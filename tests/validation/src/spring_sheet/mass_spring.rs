@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::collider::Collider;
 use super::lattice::SpringLattice;
 use super::projection::SpringColour;
+use super::time_step::TIME_STEP;
 
 /// Share of the stiffness at which explicit steps would begin to explode.
 const SAFETY: f64 = 0.8;
@@ -37,7 +38,7 @@ impl MassSpring {
             velocities: vec![Vector3::zeros(); positions.len()],
             positions,
             mass,
-            time_step: 0.002,
+            time_step: TIME_STEP,
             colliders: Vec::new(),
         }
     }

@@ -21,6 +21,9 @@ pub enum TimeRule {
     Mended,
 }
 
+/// Time step of the paper (s).
+pub const TIME_STEP: f64 = 0.002;
+
 /// Particles in motion on a lattice of springs.
 #[derive(Clone, Debug)]
 pub struct SpringMotion {
@@ -49,7 +52,7 @@ impl SpringMotion {
             held: vec![false; positions.len()],
             positions,
             masses,
-            time_step: 0.002,
+            time_step: TIME_STEP,
             rule,
             colliders: Vec::new(),
             solver: Solver::default(),

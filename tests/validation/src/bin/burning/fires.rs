@@ -42,7 +42,7 @@ pub(crate) const FUEL: Fuel = Fuel {
 
 /// Share of its velocity that a particle keeps: paper that falls flat comes to a metre per second, which it reaches in a
 /// tenth of a second. Without any drag a sheet that shrinks leaps off the floor.
-const KEPT: f64 = 0.98;
+pub(crate) const KEPT: f64 = 0.98;
 
 /// Puts fuel on a sheet that moves with masses as printed but with the `h` that eq. (9) lacks.
 pub(crate) fn sheet(
@@ -216,7 +216,7 @@ fn crossing(
     let seconds = film(&mut sheet, &MOMENTS, |sheet| {
         let mut own = scene(sheet, 40.0, [0, 2]);
         if let Some((ball, _)) = sheet.ball
-            && ball.centre.x < 0.65 * SIDE
+            && is_in_picture(&ball.centre)
         {
             own = own.with_sphere(ball.centre, ball.radius, 2.2 * GREY.component_mul(&HOT));
         }
@@ -249,6 +249,17 @@ fn crossing(
 /// What colours a hot sphere.
 pub(crate) const HOT: Vector3<f64> = Vector3::new(1.0, 0.45, 0.15);
 
+/// Centre (m) of the hot sphere after so many seconds.
+pub(crate) fn ball_at(seconds: f64) -> Vector3<f64> {
+    let [_, speed, _] = BALL;
+    Vector3::new(speed * seconds - 0.65 * SIDE, 0.0, 0.1 * SIDE)
+}
+
+/// Whether the hot sphere is not yet on its way out of the picture.
+pub(crate) fn is_in_picture(centre: &Vector3<f64>) -> bool {
+    centre.x < 0.65 * SIDE
+}
+
 /// A square sheet upright in x and z whose upper corners are held, with a hot sphere at its left.
 fn hanging(fine: Fineness) -> Result<BurningSheet, Box<dyn Error>> {
     let cell = SIDE / fine.cells as f64;
@@ -261,7 +272,7 @@ fn hanging(fine: Fineness) -> Result<BurningSheet, Box<dyn Error>> {
     sheet.gravity = GRAVITY;
     let [radius, speed, heating] = BALL;
     let ball = HeatBall {
-        centre: Vector3::new(-0.65 * SIDE, 0.0, 0.1 * SIDE),
+        centre: ball_at(0.0),
         radius,
         heating,
     };

@@ -13,7 +13,7 @@ use ruga_stepper::{
 };
 use ruga_validation::cpu_seconds;
 
-use crate::fires::{BALL, HOT, SIDE};
+use crate::fires::{BALL, HOT, SIDE, ball_at, is_in_picture};
 use crate::pictures::Picture;
 use crate::sheets::{GREY, Scene, View, draw};
 
@@ -95,7 +95,7 @@ fn fire() -> Fire {
             name: "sphere".to_owned(),
             temperature: 1800.0,
             heats: Heats::Ball {
-                centre: Vector3::new(-0.65 * SIDE, 0.0, 0.1 * SIDE),
+                centre: ball_at(0.0),
                 radius,
                 coefficient: 20.0,
             },
@@ -120,10 +120,9 @@ impl Observer for Eye {
         let step = (frame.load * f64::from(STEPS)).round() as usize;
         if let (true, Some(surface)) = (MOMENTS.contains(&step), frame.layers.first()) {
             let mut scene = seen(surface);
-            let [radius, speed, _] = BALL;
-            let x = -0.65 * SIDE + speed * TIME_STEP * step as f64;
-            if x < 0.65 * SIDE {
-                let centre = Vector3::new(x, 0.0, 0.1 * SIDE);
+            let centre = ball_at(TIME_STEP * step as f64);
+            if is_in_picture(&centre) {
+                let [radius, _, _] = BALL;
                 scene = scene.with_sphere(centre, radius, 2.2 * GREY.component_mul(&HOT));
             }
             self.scenes.push(scene);
@@ -188,7 +187,6 @@ pub(crate) fn hot_sphere(folder: &Path) -> Result<Picture, Box<dyn Error>> {
         edge: Some(SIDE / f64::from(EDGES)),
         fire: Some(fire()),
     };
-    let [_, speed, _] = BALL;
     let pose = PoseSpec {
         name: "burn".to_owned(),
         weights: Default::default(),
@@ -198,7 +196,7 @@ pub(crate) fn hot_sphere(folder: &Path) -> Result<Picture, Box<dyn Error>> {
             of: "sphere".to_owned(),
             keyframes: vec![Keyframe {
                 at: 1.0,
-                translation: Vector3::new(speed * TIME_STEP * f64::from(STEPS), 0.0, 0.0),
+                translation: ball_at(TIME_STEP * f64::from(STEPS)) - ball_at(0.0),
                 turn: Vector3::zeros(),
                 about: Vector3::zeros(),
             }],

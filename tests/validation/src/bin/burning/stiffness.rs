@@ -6,15 +6,12 @@ use std::path::Path;
 use nalgebra::Vector3;
 use ruga_validation::cpu_seconds;
 use ruga_validation::spring_sheet::{
-    MassSpring, Projection, Remnant, SpringLattice, SpringMotion, TimeRule,
+    MassSpring, Projection, Remnant, SpringLattice, SpringMotion, TIME_STEP, TimeRule,
 };
 
-use crate::fires::GRAVITY;
+use crate::fires::{GRAVITY, KEPT, SIDE};
 use crate::pictures::{Fineness, Picture};
 use crate::sheets::{Scene, View, draw};
-
-/// Longest side of a sheet (m).
-const SIDE: f64 = 0.28;
 
 /// What the corner layer is shorter by in the end, and the steps in which it gets so; the paper gives no amount.
 const SHRINKAGE: f64 = 0.2;
@@ -22,10 +19,6 @@ const SHRINKING: usize = 100;
 
 /// Steps after which sheets are at rest, or as near to it as they get.
 const STEPS: usize = 600;
-
-/// Share of their velocities that particles keep from step to step, so that sheets come to rest; the paper has no damping,
-/// and without any they swing and shake for seconds.
-const KEPT: f64 = 0.98;
 
 /// Mass of a particle (kg). Nothing here depends on it.
 const MASS: f64 = 1e-5;
@@ -172,8 +165,8 @@ pub(crate) fn thicknesses(folder: &Path, fine: Fineness) -> Result<Picture, Box<
         facts.push(format!(
             "1 : {ratio:.0}, weight {weight}: the free end sags by {:.3} of the length (mean from {:.1} to {:.1} s; {:.3} to {:.3})",
             late.iter().sum::<f64>() / late.len() as f64,
-            0.002 * (STEPS / 2) as f64,
-            0.002 * STEPS as f64,
+            TIME_STEP * (STEPS / 2) as f64,
+            TIME_STEP * STEPS as f64,
             late.iter().copied().fold(f64::MAX, f64::min),
             late.iter().copied().fold(f64::MIN, f64::max),
         ));

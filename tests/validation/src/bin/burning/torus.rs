@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use ruga_validation::cpu_seconds;
 use ruga_validation::spring_sheet::{
     Collider, Fuel, HeatBall, MassSpring, Projection, Remnant, Shape, SpringError, SpringLattice,
-    SpringMotion, TimeRule,
+    SpringMotion, TIME_STEP, TimeRule,
 };
 
 use crate::fires::{FUEL, GRAVITY, film, scene, sheet};
@@ -105,7 +105,7 @@ pub(crate) fn falling(folder: &Path, fine: Fineness) -> Result<Picture, Box<dyn 
              of processor",
             1e3 * mean,
             1e3 * heights.fold(f64::MAX, f64::min),
-            0.002 * done as f64
+            TIME_STEP * done as f64
         ));
     }
     facts.push(format!(
@@ -187,7 +187,7 @@ pub(crate) fn burning(folder: &Path, fine: Fineness) -> Result<Picture, Box<dyn 
         seconds,
         facts: vec![format!(
             "after {:.2} s {:.1} % of the torus is left",
-            0.002 * moments[3] as f64,
+            TIME_STEP * moments[3] as f64,
             100.0 * left
         )],
     })
