@@ -89,6 +89,7 @@ fn fire_report(fire: &ruga_stepper::FireReport) -> FireReport {
         dropped_pieces: fire.vanished as u64,
         dropped_area_m2: fire.vanished_area,
         capped_faces: fire.capped as u64,
+        remeshings: fire.remeshed as u64,
     }
 }
 

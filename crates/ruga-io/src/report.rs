@@ -118,6 +118,9 @@ pub struct FireReport {
     pub dropped_area_m2: f64,
     /// Triangles whose curl is cut to what their edges can show.
     pub capped_faces: u64,
+    /// How often the sheet was meshed anew, to be fine where it burns.
+    #[serde(default)]
+    pub remeshings: u64,
 }
 
 /// How a crease has folded in a pose, in the last frame.

@@ -177,6 +177,8 @@ pub struct FireReport {
     pub vanished_area: f64,
     /// Faces whose natural curvature is cut to what their edges can show.
     pub capped: usize,
+    /// How often the sheet was meshed anew, to be fine where it burns.
+    pub remeshed: usize,
 }
 
 /// How a crease has folded, at the last load.

@@ -2,17 +2,23 @@
 
 mod burning;
 mod burnt;
+mod burnt_faces;
 mod carried;
+mod covering;
 mod cut_surface;
 mod field_grid;
 mod fire;
+mod fitting;
+mod meshed;
 mod objective;
 mod pieces;
 mod plan;
+mod refit;
 mod rest_shape;
 mod run;
 mod standing;
 mod state;
+mod zones;
 
 use nalgebra::Vector3;
 
@@ -32,8 +38,8 @@ pub struct Sheet {
     pub handles: Vec<Handle>,
     /// Obstacles that the sheet cannot enter.
     pub obstacles: Vec<Obstacle>,
-    /// Longest edge of its mesh, m; `None` for a sixtieth of its longest side, and
-    /// with a fire at most half the width of its front.
+    /// Longest edge of its mesh, m; `None` for a sixtieth of its longest side, and where
+    /// it burns at most half the width of the front.
     pub edge: Option<f64>,
     /// Fire on it.
     pub fire: Option<Fire>,

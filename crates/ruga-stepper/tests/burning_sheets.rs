@@ -6,7 +6,7 @@ mod flat_sheet;
 use fires::{PAPER, ball, burnt, fire, pose, run, run_pose, sheet};
 use flat_sheet::{clamp, rectangle};
 use nalgebra::Vector3;
-use ruga_stepper::{Fire, Keyframe, Motion, PoseResult};
+use ruga_stepper::{Fire, Keyframe, Motion, PoseResult, Sheet};
 
 /// Area of what is left at the last key, m².
 fn area_left(result: &PoseResult) -> f64 {
@@ -74,6 +74,43 @@ fn what_has_burnt_out_is_as_much_shorter_as_it_shrinks() {
         burnt.level.iter().all(|level| *level > 0.0),
         "nothing falls off"
     );
+}
+
+/// A mesh that is fine only where it burns against one that is so everywhere.
+#[test]
+fn a_mesh_that_follows_the_fire_burns_and_curls_as_a_fine_one() {
+    let (length, width) = (0.06, 0.004);
+    let driver = rectangle([length, width], [30, 2]);
+    let mut narrow = fire(vec![ball(length, 0.5 * width, 0.004)]);
+    narrow.front.width = 0.7e-3;
+    narrow.shrink.along = 0.2;
+    narrow.shrink.across = 0.2;
+    narrow.shrink.asymmetry = 0.01;
+    let [even, fitted] = [Some(0.35e-3), None].map(|edge| {
+        let sheet = Sheet {
+            edge,
+            ..sheet(narrow.clone())
+        };
+        run(&driver, &sheet, (24, 0.25)).expect("it burns")
+    });
+    let reports = [&even, &fitted].map(burnt);
+    // Fields know nothing of the mesh that moves.
+    assert_eq!(reports[0].fuel_left, reports[1].fuel_left);
+    assert!(reports[0].fuel_left < 0.85, "{reports:?}");
+    assert!((reports[1].mass / reports[0].mass - 1.0).abs() < 1e-9);
+    assert_eq!(reports[0].remeshed, 0);
+    assert!(reports[1].remeshed > 1, "{reports:?}");
+    let [many, few] = [&even, &fitted].map(|result| result.layers[0].vertices);
+    assert!(3 * few < many, "{few} of {many}");
+    let [even, fitted] = [&even, &fitted].map(|result| &result.keys[1].layers[0]);
+    assert_eq!(even.positions.len(), fitted.positions.len());
+    let pairs = even.positions.iter().zip(&fitted.positions);
+    let away = pairs.clone().map(|(a, b)| (a - b).norm());
+    let away = away.fold(0.0, f64::max);
+    let high = even.positions.iter().map(|x| x.z.abs()).fold(0.0, f64::max);
+    println!("{high} {away} {few} {many} {}", reports[1].remeshed);
+    assert!(high > 2e-3, "{high} m");
+    assert!(away < 0.05 * high, "{away} of {high} m");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use ruga_material::Wrinkling;
 use ruga_scene::{Scene, SceneOptions, ScenePlan, counted};
-use ruga_stepper::{InteriorPlan, LayerSpec, Sheet};
+use ruga_stepper::{InteriorPlan, Sheet};
 
 use super::plan_creases::creases_table;
 use super::plan_json::{Totals, json, pairs};
@@ -75,7 +75,7 @@ fn alike(scene: &Scene, plan: &ScenePlan) -> Vec<String> {
 fn print(scene: &Scene, plan: &ScenePlan) {
     let waves = waves(scene, plan);
     match plan.sheet() {
-        Some(free) => messages::result(&sheet(&scene.layers[0], free)),
+        Some(free) => messages::result(&sheet(scene, free)),
         None => messages::result(&layers_table(scene, &waves)),
     }
     messages::result("");
@@ -144,13 +144,19 @@ fn layers_table(scene: &Scene, waves: &[Wrinkling]) -> String {
 }
 
 /// A free sheet in words.
-fn sheet(layer: &LayerSpec, free: &Sheet) -> String {
+fn sheet(scene: &Scene, free: &Sheet) -> String {
+    let layer = &scene.layers[0];
+    let [burning, fresh] = free.edges(scene.driver.rest());
+    let length = |edge: f64| number(1e3 * edge, 2, "mm");
+    let edges = match burning < fresh {
+        true => format!("{}, {} where it burns", length(fresh), length(burning)),
+        false => length(burning),
+    };
     format!(
-        "sheet: {}, {} of {}, edges up to {}, {}, {}",
+        "sheet: {}, {} of {}, edges up to {edges}, {}, {}",
         layer.name,
         number(1e3 * layer.material.thickness, 3, "mm"),
         number(layer.material.young / 1e6, 3, "MPa"),
-        number(1e3 * free.edge.unwrap_or(f64::NAN), 2, "mm"),
         counted(free.handles.len(), "handle"),
         counted(free.obstacles.len(), "obstacle"),
     )

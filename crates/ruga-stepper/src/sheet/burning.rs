@@ -1,17 +1,18 @@
-//! Temperature and fuel of a burning sheet, and the rest shape, material and mass of its triangles that follow.
+//! Temperature and fuel of a burning sheet.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 use ruga_blend::Driver;
 use ruga_burn::{BurnSettings, BurnSolver, BurnState, FieldMesh, Source};
-use ruga_material::{FreshSheet, ShrinkLaw};
 use ruga_mesh::{FaceId, Id, PerFace, PerVertex, TriMesh, VertexId, triangle_frame};
 use ruga_remesh::shares_left;
 use ruga_shell::FaceParameters;
 
+use super::burnt_faces::{BurntFace, FreshFaces};
+use super::covering::Covering;
 use super::field_grid::{FieldGrid, levels};
 use super::fire::{Fire, Heats};
 use super::plan::check_fields;
-use crate::skin::skin_mesh::RegionMesh;
+use crate::skin::skin_mesh::{RegionMesh, SkinMesh};
 use crate::support::Moves;
 use crate::{BurntSurface, FireReport, PaintedNumber, StepperError};
 
@@ -25,11 +26,11 @@ const MOST_PARTS: f64 = 1000.0;
 const PASSED: f64 = 0.5;
 
 /// Fuel share that must be missing at a vertex for the sheet to count as burnt; less is rounding.
-const TOUCHED: f64 = 1e-9;
+pub(super) const TOUCHED: f64 = 1e-9;
 
 /// A fire on one sheet: its law, its mesh, and what the sheet is made of.
 pub(super) struct FireState<'a> {
-    fire: &'a Fire,
+    pub(super) fire: &'a Fire,
     pub(super) grid: FieldGrid,
     solver: BurnSolver,
     /// Factorisations of the matrix of the heat, of steps that were given up included.
@@ -38,12 +39,9 @@ pub(super) struct FireState<'a> {
     conducting: Option<PerFace<f64>>,
     /// Fuel share at which every vertex of the field mesh falls off.
     ash: Vec<f64>,
-    /// Per face of the sheet: its material when fresh, how it shrinks, and the direction of its grain.
-    fresh: Vec<FaceParameters>,
-    laws: PerFace<ShrinkLaw>,
-    grains: PerFace<Option<Vector2<f64>>>,
-    /// Rest area of every face of the sheet, m².
-    areas: Vec<f64>,
+    /// The sheet's triangles that the field mesh lies on, and what they are made of.
+    covering: Covering,
+    faces: FreshFaces,
 }
 
 /// What a fire has done so far.
@@ -66,24 +64,13 @@ pub(super) struct Remains {
     /// Share of its area.
     pub(super) share: f64,
     /// Mean fuel share of that.
-    fuel: f64,
-}
-
-/// Rest shape and material of a triangle of the sheet.
-pub(super) struct BurntFace {
-    pub(super) stretch: Matrix2<f64>,
-    /// Natural curvature, 1/m.
-    pub(super) curvature: Matrix2<f64>,
-    pub(super) material: FaceParameters,
-    /// Mass of the whole face over that of the fresh one.
-    pub(super) mass: f64,
+    pub(super) fuel: f64,
 }
 
 impl<'a> FireState<'a> {
     pub(super) fn new(
         fire: &'a Fire,
-        (driver, region): (&Driver, &RegionMesh),
-        fresh: Vec<FaceParameters>,
+        region: &RegionMesh,
         budget: usize,
     ) -> Result<(Self, Burning), StepperError> {
         let skin = &region.skin;
@@ -119,18 +106,6 @@ impl<'a> FireState<'a> {
         let factors: PerVertex<f64> = painted(&fire.speed, 1.0).into();
         let settings = BurnSettings::default();
         let solver = BurnSolver::with_speed_factors(fields, law, factors, settings);
-        let middle = |uvs: &[Vector2<f64>; 3], paint: &Option<PaintedNumber>| {
-            let at = |uv: &Vector2<f64>| paint.as_ref().map_or(1.0, |paint| paint.at(*uv));
-            uvs.iter().map(at).sum::<f64>() / 3.0
-        };
-        let laws = region.shown_uvs().iter().map(|uvs| {
-            let factors = [&fire.shrink_factor, &fire.asymmetry_factor];
-            fire.shrink_by(factors.map(|paint| middle(uvs, paint)))
-        });
-        let mut areas = vec![0.0; skin.mesh.face_count()];
-        for (face, origin) in grid.origins.iter() {
-            areas[origin.face.index()] += grid.areas[face];
-        }
         let burning = Burning {
             state,
             fallen: vec![false; uvs.len()],
@@ -143,17 +118,33 @@ impl<'a> FireState<'a> {
             solver: solver.map_err(StepperError::burn)?,
             factorisations: 0,
             conducting: None,
-            laws: laws.collect(),
-            grains: fire.grain.on_skin(driver, skin),
-            areas,
-            fresh,
+            covering: Covering::of_region(&grid, region),
+            faces: FreshFaces::default(),
             grid,
             fire,
         };
         Ok((own, burning))
     }
 
-    /// Lets the sheet, which is at `positions` (m), burn for a time (s) that ends at a fraction of the pose.
+    /// Puts it on the sheet's mesh, whose triangles lie under those of the field mesh as `covering` says.
+    pub(super) fn put_on(
+        &mut self,
+        driver: &Driver,
+        (skin, fresh): (&SkinMesh, Vec<FaceParameters>),
+        covering: Option<Covering>,
+    ) {
+        if let Some(covering) = covering {
+            self.covering = covering;
+        }
+        self.faces = FreshFaces::new(
+            self.fire,
+            (driver, skin),
+            fresh,
+            (&self.grid, &self.covering),
+        );
+    }
+
+    /// Lets the sheet, whose region is at `positions` (m), burn for a time (s) that ends at a fraction of the pose.
     pub(super) fn advance(
         &mut self,
         burning: &mut Burning,
@@ -256,7 +247,7 @@ impl<'a> FireState<'a> {
     }
 
     /// Fuel share of every vertex above that at which it falls off.
-    fn level(&self, burning: &Burning) -> Vec<f64> {
+    pub(super) fn level(&self, burning: &Burning) -> Vec<f64> {
         let fuel = burning.state.fuel().as_slice().iter();
         let vertices = fuel.zip(&self.ash).zip(&burning.fallen);
         let level = vertices.map(|((fuel, ash), fallen)| match (fallen, *ash > 0.0) {
@@ -278,7 +269,12 @@ impl<'a> FireState<'a> {
 
     /// Rest area of a face of the sheet, m².
     pub(super) fn area(&self, face: FaceId) -> f64 {
-        self.areas[face.index()]
+        self.covering.areas()[face.index()]
+    }
+
+    /// The sheet's triangle under a triangle of the field mesh.
+    pub(super) fn owner(&self, field: FaceId) -> FaceId {
+        self.covering.owner(field)
     }
 
     /// Area below which a loose piece vanishes, m².
@@ -289,59 +285,36 @@ impl<'a> FireState<'a> {
     /// What is left of every triangle of the sheet.
     pub(super) fn remains(&self, burning: &Burning) -> Result<PerFace<Remains>, StepperError> {
         let shares = self.shares(burning)?;
-        let mut sums = vec![[0.0; 3]; self.areas.len()];
-        for (face, corners) in self.grid.mesh.faces().iter() {
-            let fuel = mean_fuel(burning, corners);
-            let area = self.grid.areas[face];
-            let sums = &mut sums[self.grid.origins[face].face.index()];
-            sums[0] += area * shares[face];
-            sums[1] += area * shares[face] * fuel;
-            sums[2] += area * fuel;
-        }
+        let sums = self.covering.sums(&self.grid, |field| {
+            let fuel = mean_fuel(burning, &self.grid.mesh.faces()[field]);
+            [shares[field], shares[field] * fuel, fuel]
+        });
+        let faces = (0..sums.len()).map(FaceId::from_index);
         let remains = sums
             .iter()
-            .zip(&self.areas)
-            .map(|([left, left_fuel, fuel], area)| Remains {
-                // What no piece is missing of is exactly whole.
-                share: if *left > area * (1.0 - 1e-12) {
-                    1.0
-                } else {
-                    left / area
-                },
-                fuel: if *left > 0.0 {
-                    (left_fuel / left).clamp(0.0, 1.0)
-                } else {
-                    fuel / area
-                },
+            .zip(faces)
+            .map(|([left, left_fuel, fuel], face)| {
+                let area = self.covering.weight(face);
+                Remains {
+                    // What no piece is missing of is exactly whole.
+                    share: if *left > area * (1.0 - 1e-12) {
+                        1.0
+                    } else {
+                        left / area
+                    },
+                    fuel: if *left > 0.0 {
+                        (left_fuel / left).clamp(0.0, 1.0)
+                    } else {
+                        fuel / area
+                    },
+                }
             });
         Ok(remains.collect())
     }
 
     /// Rest shape and material of a face of which so much is left.
     pub(super) fn face(&self, face: FaceId, remains: &Remains) -> Result<BurntFace, StepperError> {
-        let fresh = &self.fresh[face.index()];
-        let sheet = FreshSheet {
-            young: fresh.young,
-            thickness: fresh.thickness,
-        };
-        let shrunk = self.laws[face].shrunk(&sheet, remains.fuel);
-        let shrunk = shrunk.map_err(|source| StepperError::Char { source })?;
-        let mean = |[along, across]: [f64; 2]| Matrix2::identity() * (0.5 * (along + across));
-        let (stretch, curvature) = match self.grains[face] {
-            Some(grain) => (shrunk.stretch(grain), shrunk.curvature(grain)),
-            None => (mean(shrunk.lengths), mean(shrunk.curvatures)),
-        };
-        let ash = self.fire.char_mass;
-        Ok(BurntFace {
-            stretch,
-            curvature,
-            material: FaceParameters {
-                young: shrunk.young,
-                thickness: shrunk.thickness,
-                ..*fresh
-            },
-            mass: ash + (1.0 - ash) * remains.fuel,
-        })
+        self.faces.burnt(face, (remains.fuel, self.fire.char_mass))
     }
 
     /// Drops the fuel of the faces of `piece` and counts their area, as far as `remains` says, as vanished.
@@ -351,16 +324,16 @@ impl<'a> FireState<'a> {
         piece: &[FaceId],
         remains: &PerFace<Remains>,
     ) {
-        let mut is_in = vec![false; self.areas.len()];
+        let mut is_in = vec![false; self.covering.areas().len()];
         let mut area = 0.0;
         for face in piece {
             is_in[face.index()] = true;
-            area += self.areas[face.index()] * remains[*face].share;
+            area += self.area(*face) * remains[*face].share;
         }
         let mut vertices = Vec::new();
         // A piece that touches another one in a vertex takes that with it, or it would not be gone whole.
         for (face, corners) in self.grid.mesh.faces().iter() {
-            if is_in[self.grid.origins[face].face.index()] {
+            if is_in[self.owner(face).index()] {
                 for v in corners {
                     if !std::mem::replace(&mut burning.fallen[v.index()], true) {
                         vertices.push(*v);
@@ -377,7 +350,7 @@ impl<'a> FireState<'a> {
     pub(super) fn drop_specks(&self, burning: &mut Burning, stands: impl Fn(FaceId) -> bool) {
         let mut is_used = vec![false; self.ash.len()];
         for (face, corners) in self.grid.mesh.faces().iter() {
-            if stands(self.grid.origins[face].face) {
+            if stands(self.owner(face)) {
                 corners.iter().for_each(|v| is_used[v.index()] = true);
             }
         }
@@ -415,7 +388,7 @@ impl<'a> FireState<'a> {
         burning: &Burning,
         (mass, pieces, capped): (f64, usize, usize),
     ) -> FireReport {
-        let area: f64 = self.areas.iter().sum();
+        let area: f64 = self.covering.areas().iter().sum();
         let faces = self.grid.mesh.faces().iter();
         let fuel: f64 = faces
             .map(|(face, corners)| self.grid.areas[face] * mean_fuel(burning, corners))
@@ -431,6 +404,7 @@ impl<'a> FireState<'a> {
             vanished: burning.vanished.0,
             vanished_area: burning.vanished.1,
             capped,
+            remeshed: 0,
         }
     }
 
@@ -468,6 +442,11 @@ impl Remains {
 }
 
 impl Burning {
+    /// Temperature (K) and fuel share at the vertices of the field mesh.
+    pub(super) fn fields(&self) -> [&[f64]; 2] {
+        [self.state.temperature(), self.state.fuel()].map(|values| values.as_slice())
+    }
+
     /// Whether anything has burnt.
     pub(super) fn has_burnt(&self) -> bool {
         self.state

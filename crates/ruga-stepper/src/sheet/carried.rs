@@ -16,7 +16,7 @@ impl SheetState<'_> {
     /// at its place.
     pub(super) fn artist_positions(&self, driver: &Driver) -> Vec<Vector3<f64>> {
         let mut positions = driver.rest().to_vec();
-        let carried = self.carried_positions();
+        let carried = self.on_region(&self.carried_positions());
         let skin = &self.region.skin;
         for (i, point) in skin.points.points().iter().enumerate() {
             let on = point
@@ -40,7 +40,7 @@ impl SheetState<'_> {
             control: artist.to_vec(),
         };
         let below = below.pose(&region.skin);
-        let own = &self.moving.positions;
+        let own = &self.on_region(&self.moving.positions);
         LayerSurface {
             name: self.spec.name.clone(),
             positions: region.on_both_sides(own.clone()),
@@ -51,7 +51,7 @@ impl SheetState<'_> {
             faces: region.shown_faces(),
             uvs: region.shown_uvs().to_vec(),
             artist: region.artist(),
-            computed: ComputedMesh::new(driver, &region.skin, own),
+            computed: ComputedMesh::new(driver, &self.meshed.skin, &self.moving.positions),
             face_states: None,
             burnt: None,
         }

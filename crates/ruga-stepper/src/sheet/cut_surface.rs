@@ -32,7 +32,7 @@ impl SheetState<'_> {
             .mesh
             .faces()
             .ids()
-            .filter(|face| is_standing[grid.origins[cut.parents[*face]].face.index()])
+            .filter(|face| is_standing[fire.owner(cut.parents[*face]).index()])
             .collect();
         let part = cut.mesh.submesh(&kept);
         let coarse = &self.region.skin.mesh;
@@ -41,7 +41,7 @@ impl SheetState<'_> {
             let vertices = part.vertices.as_slice().iter();
             vertices.map(|v| cut.vertices[*v].value(&fine)).collect()
         };
-        let own = at_cut(&self.moving.positions);
+        let own = at_cut(&whole.positions);
         let mut normals = at_cut(&whole.driver_normals);
         for normal in &mut normals {
             *normal = normal.try_normalize(0.0).unwrap_or_else(Vector3::z);
@@ -65,7 +65,7 @@ impl SheetState<'_> {
             (*triangle, parts.map(|place| lifted(place, corners)))
         });
         let face_states = whole.face_states.map(|states| {
-            let of_face = |(parent, _): &(FaceId, _)| states[grid.origins[*parent].face.index()];
+            let of_face = |(parent, _): &(FaceId, _)| states[fire.owner(*parent).index()];
             corners.iter().map(of_face).collect::<Vec<FaceState>>()
         });
         let computed = whole.computed;

@@ -29,7 +29,7 @@ const FRONT_EDGES: f64 = 0.5;
 
 /// Edges of triangles that are halved until none is too long, over the longest allowed: they end between half
 /// and all of it.
-const MEAN_EDGE: f64 = 0.75;
+pub(super) const MEAN_EDGE: f64 = 0.75;
 
 /// Finds out what a free sheet of one `layer` will be made of.
 ///
@@ -66,13 +66,7 @@ pub fn plan_sheet(
     for pose in poses {
         sheet.moves(pose)?;
     }
-    let even = longest_side(driver.rest()) / SHEET_EDGES;
-    let of_front = |fire: &Fire| FRONT_EDGES * fire.front.width;
-    let finest = sheet
-        .fire
-        .as_ref()
-        .map_or(even, |fire| even.min(of_front(fire)));
-    let edge = sheet.edge.unwrap_or(finest);
+    let [edge, _] = sheet.edges(driver.rest());
     let topology = driver.topology();
     let areas = face_areas(topology, driver.rest());
     let area: f64 = areas.as_slice().iter().sum();
@@ -132,13 +126,24 @@ pub fn plan_sheet(
         stacking: Stacking::of_sheet(layer),
         planning_levels: 0,
         body: None,
-        sheet: Some(Arc::new(Sheet {
-            edge: Some(edge),
-            ..sheet.clone()
-        })),
+        sheet: Some(Arc::new(sheet.clone())),
     };
     plan.check_boundaries()?;
     Ok(plan)
+}
+
+impl Sheet {
+    /// Longest edges of its mesh where it burns, and where it does not, with vertices that are at rest at these
+    /// places (m), m.
+    pub fn edges(&self, rest: &[Vector3<f64>]) -> [f64; 2] {
+        let even = longest_side(rest) / SHEET_EDGES;
+        let of_front = |fire: &Fire| FRONT_EDGES * fire.front.width;
+        let finest = self
+            .fire
+            .as_ref()
+            .map_or(even, |fire| even.min(of_front(fire)));
+        self.edge.map_or([finest, even], |edge| [edge; 2])
+    }
 }
 
 fn check(driver: &Driver, sheet: &Sheet, modelling: &Modelling) -> Result<(), StepperError> {

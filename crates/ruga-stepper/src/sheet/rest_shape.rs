@@ -5,10 +5,11 @@ use ruga_blend::Driver;
 use ruga_mesh::{FaceId, Id, PerFace};
 
 use super::burning::{Burning, FireState, Remains};
+use super::meshed::lumped;
 use super::pieces::{Around, let_go, stands};
 use super::plan::longest_side;
 use super::standing::Standing;
-use super::state::{Moving, SheetState, lumped, shell_error};
+use super::state::{Moving, SheetState, shell_error};
 use crate::growth::PoseGrowth;
 use crate::support::Moves;
 use crate::support::motion::Inertia;
@@ -28,11 +29,15 @@ impl<'a> SheetState<'a> {
         let (Some(fire), Some(burning), Some(inertia)) = (&mut self.fire, burning, inertia) else {
             return Ok(None);
         };
-        let skin = &self.region.skin;
+        let skin = &self.meshed.skin;
         let rest = &skin.rest.positions;
+        let heated = match &self.fitting {
+            Some(fitting) => &fitting.linear(positions),
+            None => &*positions,
+        };
         fire.advance(
             burning,
-            (&skin.mesh, positions),
+            (&self.region.skin.mesh, heated),
             (moves, times),
             inertia.time_step(),
         )?;
@@ -40,7 +45,7 @@ impl<'a> SheetState<'a> {
             mesh: &skin.mesh,
             rest,
             positions,
-            held: &self.held,
+            held: &self.meshed.held,
             side: longest_side(rest),
             least: fire.least_piece(),
         };
@@ -51,10 +56,11 @@ impl<'a> SheetState<'a> {
             .ids()
             .filter(|face| stands(&remains[*face]));
         let standing: Vec<FaceId> = standing.collect();
-        if !self.standing.is_of(&standing) {
+        if !self.meshed.standing.is_of(&standing) {
             let part = skin.mesh.submesh(&standing);
-            let (materials, held) = (&self.materials, &self.held);
-            self.standing = Standing::new(self.spec, skin, part, materials, held, self.bending)?;
+            let (materials, held) = (&self.meshed.materials, &self.meshed.held);
+            self.meshed.standing =
+                Standing::new(self.spec, skin, part, materials, held, self.bending)?;
         }
         Ok(Some(remains))
     }
@@ -68,7 +74,7 @@ impl<'a> SheetState<'a> {
         remains: Option<PerFace<Remains>>,
     ) -> Result<(), StepperError> {
         let growth = PoseGrowth::new(self.spec, pose);
-        let skin = &self.region.skin;
+        let skin = &self.meshed.skin;
         let grown = growth.on_skin(driver, skin, time);
         if grown.is_none() && remains.is_none() {
             return Ok(());
@@ -79,34 +85,40 @@ impl<'a> SheetState<'a> {
         let mut curvatures = growth.curls_on_skin(driver, skin, time);
         if let Some((fire, remains)) = self.fire.as_ref().zip(remains) {
             let mut masses = vec![0.0; faces];
-            let mut materials = self.materials.clone();
-            for face in self.standing.part.faces.as_slice() {
+            let mut materials = self.meshed.materials.clone();
+            for face in self.meshed.standing.part.faces.as_slice() {
                 let burnt = fire.face(*face, &remains[*face])?;
                 // What has grown burns: fire shrinks the lengths that growth has left.
                 stretches[*face] = burnt.stretch * stretches[*face];
                 curvatures[*face] += burnt.curvature;
                 materials[face.index()] = burnt.material;
-                let left = self.face_areas[*face] * remains[*face].share;
-                masses[face.index()] = left * self.densities[face.index()] * burnt.mass;
+                let left = fire.area(*face) * remains[*face].share;
+                masses[face.index()] = left * self.meshed.densities[face.index()] * burnt.mass;
             }
             let shares: Vec<f64> = self
+                .meshed
                 .standing
                 .of_faces(remains.as_slice(), |remains| remains.share);
-            let parameters = self.standing.of_faces(&materials, |material| *material);
-            self.masses = lumped(skin, &masses);
-            self.materials = materials;
-            let energy = &mut self.standing.energy;
+            let parameters = self
+                .meshed
+                .standing
+                .of_faces(&materials, |material| *material);
+            self.meshed.masses = lumped(skin, &masses);
+            self.meshed.materials = materials;
+            let energy = &mut self.meshed.standing.energy;
             let set = energy.set_face_parameters(&parameters);
             let set = set.and_then(|()| energy.set_area_left(&shares));
             set.map_err(|source| shell_error(self.spec, source))?;
         }
         let stretches = self
+            .meshed
             .standing
             .of_faces(stretches.as_slice(), |stretch| *stretch);
         let curvatures = self
+            .meshed
             .standing
             .of_faces(curvatures.as_slice(), |curvature| *curvature);
-        let energy = &mut self.standing.energy;
+        let energy = &mut self.meshed.standing.energy;
         let outcome = energy.set_rest_metric(&stretches);
         let outcome = outcome.and_then(|()| energy.set_natural_curvatures(&curvatures));
         self.capped = outcome.map_err(|source| shell_error(self.spec, source))?;
@@ -120,22 +132,28 @@ impl<'a> SheetState<'a> {
 
     /// Whether nothing is left of it.
     pub(super) fn is_gone(&self) -> bool {
-        self.standing.part.faces.is_empty()
+        self.meshed.standing.part.faces.is_empty()
     }
 
     /// What the fire has done.
     pub(super) fn fire_report(&self) -> Option<FireReport> {
         let (fire, burning) = self.fire()?;
-        let pieces = self.standing.part.mesh.connected_parts(|_| true).len();
-        let mass = self.masses.iter().sum();
+        let pieces = self
+            .meshed
+            .standing
+            .part
+            .mesh
+            .connected_parts(|_| true)
+            .len();
+        let mass = self.meshed.masses.iter().sum();
         Some(fire.report(burning, (mass, pieces, self.capped)))
     }
 
     /// Handles of which all that they held has burnt or fallen off.
     pub(super) fn burnt_handles(&self) -> impl Iterator<Item = &str> {
         let mut holds = vec![false; self.sheet.handles.len()];
-        for v in self.standing.part.vertices.as_slice() {
-            if let Some(handle) = self.holders[v.index()] {
+        for v in self.meshed.standing.part.vertices.as_slice() {
+            if let Some(handle) = self.meshed.holders[v.index()] {
                 holds[handle] = true;
             }
         }

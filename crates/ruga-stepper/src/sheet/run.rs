@@ -2,6 +2,10 @@
 
 #[cfg(test)]
 mod momentum;
+#[cfg(test)]
+mod remeshing;
+#[cfg(test)]
+mod test_fires;
 
 use std::collections::BTreeSet;
 
@@ -19,8 +23,8 @@ use crate::run::stack_run::loads_up_to;
 use crate::skin::skin_mesh::RegionMesh;
 use crate::support::Moves;
 use crate::{
-    Dynamics, Frame, KeyResult, LayerReport, Observer, Phase, Plan, PoseResult, PoseSpec, Progress,
-    StepperError,
+    Dynamics, FireReport, Frame, KeyResult, LayerReport, Observer, Phase, Plan, PoseResult,
+    PoseSpec, Progress, StepperError,
 };
 
 /// Newton decrement of a result, and of a state that is only passed, in the sheet's energy scale.
@@ -101,6 +105,8 @@ struct SheetRun<'a> {
     result: PoseResult,
     /// Steps that were divided.
     divided: usize,
+    /// Meshes that were taken during the pose, after the first.
+    remeshed: usize,
     /// Solves of all steps, whole and divided.
     solves: usize,
     /// Triangles that cross others at fractions of the pose, where some do.
@@ -121,7 +127,7 @@ impl<'a> SheetRun<'a> {
         let spec = &plan.specs[pose];
         let report = LayerReport {
             vertices: state.vertex_count(),
-            faces: state.region.skin.mesh.face_count(),
+            faces: state.meshed.skin.mesh.face_count(),
             ..result.layers[0].clone()
         };
         Ok(Self {
@@ -132,6 +138,7 @@ impl<'a> SheetRun<'a> {
             report,
             result,
             divided: 0,
+            remeshed: 0,
             solves: 0,
             crossing: Vec::new(),
             reached: 0.0,
@@ -148,6 +155,7 @@ impl<'a> SheetRun<'a> {
         let mut from = 0.0;
         for load in loads {
             let solves = self.solves;
+            self.refit([from, load], observer)?;
             match self.step([from, load], HALVINGS, observer)? {
                 Ending::Reached => {}
                 ending => return Ok(ending),
@@ -159,6 +167,20 @@ impl<'a> SheetRun<'a> {
             from = load;
         }
         Ok(Ending::Reached)
+    }
+
+    /// Takes another mesh where this one is too coarse for what burns between two fractions of the pose.
+    fn refit(&mut self, times: [f64; 2], observer: &mut dyn Observer) -> Result<(), StepperError> {
+        if !self.state.is_too_coarse(&self.moves, times) {
+            return Ok(());
+        }
+        observer.phase(0, Phase::Remeshing);
+        self.state.refit(&self.plan.driver, (&self.moves, times))?;
+        self.remeshed += 1;
+        self.report.vertices = self.report.vertices.max(self.state.vertex_count());
+        let faces = self.state.meshed.skin.mesh.face_count();
+        self.report.faces = self.report.faces.max(faces);
+        Ok(())
     }
 
     /// The dynamics of a step between two fractions of the pose, which takes its share of the time.
@@ -188,7 +210,9 @@ impl<'a> SheetRun<'a> {
         if solve.converged && !self.state.has_passed(&before) {
             self.reached = to;
             // A step that fails leaves masses and pieces of its own behind.
-            self.report.fire = self.state.fire_report();
+            let remeshed = self.remeshed;
+            let fire = self.state.fire_report();
+            self.report.fire = fire.map(|fire| FireReport { remeshed, ..fire });
             return Ok(Ending::Reached);
         }
         self.state.moving = before;
@@ -275,6 +299,7 @@ impl<'a> SheetRun<'a> {
     fn frame(&mut self, load: f64, observer: &mut dyn Observer) -> Result<(), StepperError> {
         let is_key = self.pose.has_key(load);
         if is_key || observer.wants_frames() {
+            observer.phase(0, Phase::Sampling);
             let driver = &self.plan.driver;
             let artist = self.state.artist_positions(driver);
             let mut surface = self.state.surface(driver, &artist);
@@ -306,7 +331,7 @@ impl<'a> SheetRun<'a> {
 
     /// Counts the triangles that cross others at a fraction of the pose.
     fn count_crossing(&mut self, load: f64) {
-        let standing = &self.state.standing;
+        let standing = &self.state.meshed.standing;
         let positions = standing.of_vertices(&self.state.moving.positions);
         let pairs = intersecting_pairs(&standing.part.mesh, &positions);
         let crossing: BTreeSet<FaceId> = pairs.into_iter().flatten().collect();

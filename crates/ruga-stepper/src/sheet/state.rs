@@ -2,19 +2,19 @@
 
 use nalgebra::Vector3;
 use ruga_blend::Driver;
-use ruga_material::RelativeProperties;
-use ruga_mesh::{EdgeId, Id, PerFace, face_areas, mean_edge_lengths};
-use ruga_shell::{BendingModel, FaceParameters, ShellError};
+use ruga_mesh::{EdgeId, Id};
+use ruga_shell::{BendingModel, ShellError};
 use ruga_solver::{Iteration, NewtonSettings, SolveReport, SolverError};
 
 use super::Sheet;
 use super::burning::{Burning, FireState};
+use super::fitting::Fitting;
+use super::meshed::Meshed;
 use super::objective::{Scales, SheetObjective};
 use super::plan::longest_side;
 use super::standing::Standing;
 use crate::run::layer_objective::{gather, scatter};
-use crate::skin::local_skin::{relative_at_vertices, relative_on_faces};
-use crate::skin::skin_mesh::{RegionMesh, SkinMesh};
+use crate::skin::skin_mesh::RegionMesh;
 use crate::support::Moves;
 use crate::support::contact::Contact;
 use crate::support::motion::{Inertia, velocities};
@@ -29,25 +29,16 @@ const REACH: f64 = 0.1;
 pub(super) struct SheetState<'a> {
     pub(super) spec: &'a LayerSpec,
     pub(super) sheet: &'a Sheet,
+    /// The artist's surface, as fine as results show it.
     pub(super) region: RegionMesh,
     pub(super) bending: BendingModel,
-    pub(super) standing: Standing,
-    /// The handle that holds a vertex, and whether one does.
-    pub(super) holders: Vec<Option<usize>>,
-    pub(super) held: Vec<bool>,
-    pub(super) masses: Vec<f64>,
-    /// Rest area of every face, m², and its mass per area, kg/m².
-    pub(super) face_areas: PerFace<f64>,
-    pub(super) densities: Vec<f64>,
-    /// Material on every face, and its bending modulus, J.
-    pub(super) materials: Vec<FaceParameters>,
-    moduli: Vec<f64>,
-    /// Mean edge, m.
-    edge: f64,
+    /// What it is computed on: the region's mesh, or one that is fine only where it burns.
+    pub(super) meshed: Meshed,
+    pub(super) fitting: Option<Fitting>,
     scales: Scales,
-    /// Pressure of an obstacle per depth, Pa/m.
-    stiffness: f64,
     pub(super) moving: Moving,
+    /// Largest natural curvature of every face, 1/m.
+    pub(super) curvatures: Vec<f64>,
     /// Faces whose natural curvature is more than their edges can show.
     pub(super) capped: usize,
     pub(super) fire: Option<FireState<'a>>,
@@ -58,7 +49,7 @@ pub(super) struct SheetState<'a> {
 pub(super) struct Moving {
     pub(super) positions: Vec<Vector3<f64>>,
     /// Per second, or where a step is an equilibrium per whole pose.
-    velocities: Vec<Vector3<f64>>,
+    pub(super) velocities: Vec<Vector3<f64>>,
     obstacles: Vec<PlacedObstacle>,
     pub(super) burning: Option<Burning>,
 }
@@ -71,57 +62,34 @@ impl<'a> SheetState<'a> {
         region: RegionMesh,
         modelling: &Modelling,
     ) -> Result<Self, StepperError> {
-        let skin = &region.skin;
-        let holders = holders(sheet, &skin.rest.positions)?;
-        let held: Vec<bool> = holders.iter().map(Option::is_some).collect();
-        if held.iter().all(|held| *held) {
-            return Err(StepperError::NoRoom {
-                layer: spec.name.clone(),
-            });
-        }
-        let materials = face_parameters(spec, driver, &region);
-        let (mesh, rest) = (&skin.mesh, skin.rest.positions.as_slice());
-        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
-        let of_faces = |value: fn(&FaceParameters) -> f64| -> Vec<f64> {
-            materials.iter().map(value).collect()
+        let fire = sheet.fire.as_ref();
+        let fire = fire.map(|fire| FireState::new(fire, &region, modelling.vertex_budget));
+        let (mut fire, burning) = fire.transpose()?.unzip();
+        let fitting = match (&fire, &burning) {
+            (Some(fire), Some(burning)) => {
+                Fitting::new((spec, sheet), (driver, &region), (fire, burning))?
+            }
+            _ => None,
         };
-        let membrane = mean(&of_faces(|face| face.young * face.thickness));
-        let moduli = of_faces(|face| {
-            face.young * face.thickness.powi(3) / (12.0 * (1.0 - face.poisson * face.poisson))
-        });
-        let bending = modelling.bending;
-        let part = Standing::whole(skin);
-        let standing = Standing::new(spec, skin, part, &materials, &held, bending)?;
-        let face_areas = face_areas(mesh, rest);
-        let densities = materials
-            .iter()
-            .map(|face| face.thickness * spec.material.density);
-        let densities: Vec<f64> = densities.collect();
-        let on_faces = face_areas.as_slice().iter().zip(&densities);
-        let on_faces: Vec<f64> = on_faces.map(|(area, density)| area * density).collect();
-        let masses = lumped(skin, &on_faces);
-        // Not the shortest edge: what is cut along a crease may be as small as it likes.
-        let edge = mean(&mean_edge_lengths(mesh, rest));
+        let (fitting, skin) = match fitting {
+            Some((fitting, skin)) => (Some(fitting), skin),
+            None => (None, region.skin.clone()),
+        };
+        let meshed = Meshed::new(driver, (spec, sheet), skin, modelling.bending)?;
+        let (rest, masses) = (&meshed.skin.rest.positions, &meshed.masses);
+        if let Some(fire) = &mut fire {
+            let covering = fitting
+                .as_ref()
+                .map(|fitting| fitting.covering(&fire.grid, &region, &meshed.skin));
+            fire.put_on(driver, (&meshed.skin, meshed.materials.clone()), covering);
+        }
         let weight = masses.iter().sum::<f64>() * sheet.gravity.norm();
-        let fire = sheet.fire.as_ref().map(|fire| {
-            FireState::new(
-                fire,
-                (driver, &region),
-                materials.clone(),
-                modelling.vertex_budget,
-            )
-        });
-        let (fire, burning) = fire.transpose()?.unzip();
         Ok(Self {
             scales: Scales::new(
-                mean(&moduli),
-                [edge, longest_side(rest)],
+                meshed.bending(),
+                [meshed.edge, longest_side(rest)],
                 (weight, masses.len() as f64),
             ),
-            moduli,
-            materials,
-            edge,
-            stiffness: membrane / (edge * edge),
             moving: Moving {
                 positions: rest.to_vec(),
                 velocities: vec![Vector3::zeros(); rest.len()],
@@ -132,23 +100,20 @@ impl<'a> SheetState<'a> {
                     .collect(),
                 burning,
             },
+            curvatures: vec![0.0; meshed.face_areas.len()],
             capped: 0,
-            bending,
-            standing,
+            bending: modelling.bending,
+            meshed,
+            fitting,
             spec,
             sheet,
-            held,
-            holders,
-            masses,
-            face_areas,
-            densities,
             fire,
             region,
         })
     }
 
     pub(super) fn vertex_count(&self) -> usize {
-        self.masses.len()
+        self.meshed.masses.len()
     }
 
     /// Puts handles, obstacles, growth, fire and creases where they are at a fraction of a pose, and free vertices
@@ -161,11 +126,11 @@ impl<'a> SheetState<'a> {
         inertia: Option<&Inertia>,
     ) -> Result<(), StepperError> {
         let remains = self.burn((moves, [from, time]), inertia)?;
-        let rest = &self.region.skin.rest.positions;
+        let rest = &self.meshed.skin.rest.positions;
         let placements: Vec<_> = (0..self.sheet.handles.len())
             .map(|handle| moves.handle(handle, time))
             .collect();
-        for (i, holder) in self.holders.iter().enumerate() {
+        for (i, holder) in self.meshed.holders.iter().enumerate() {
             if let Some(handle) = holder {
                 self.moving.positions[i] = placements[*handle].apply(&rest[i]);
             }
@@ -196,7 +161,7 @@ impl<'a> SheetState<'a> {
             let made = crease.on_edge(on_edge.at, (strength, 1.0), modulus);
             creases.push((on_edge.edge, made));
         }
-        let outcome = self.standing.energy.set_creases(&creases);
+        let outcome = self.meshed.standing.energy.set_creases(&creases);
         outcome.map_err(|source| shell_error(self.spec, source))
     }
 
@@ -205,17 +170,17 @@ impl<'a> SheetState<'a> {
         let faces = self.region.skin.mesh.edges()[edge].faces.into_iter();
         let moduli: Vec<f64> = faces
             .flatten()
-            .map(|face| self.moduli[face.index()])
+            .map(|face| self.meshed.moduli[face.index()])
             .collect();
         moduli.iter().sum::<f64>() / moduli.len().max(1) as f64
     }
 
     /// How every crease has folded that has edges on the mesh.
     pub(super) fn crease_reports(&self) -> Vec<CreaseReport> {
-        let positions = self.standing.of_vertices(&self.moving.positions);
-        let states = self.standing.energy.crease_states(&positions);
-        let rest = &self.region.skin.rest.positions;
-        let mesh = &self.region.skin.mesh;
+        let positions = self.meshed.standing.of_vertices(&self.moving.positions);
+        let states = self.meshed.standing.energy.crease_states(&positions);
+        let rest = &self.meshed.skin.rest.positions;
+        let mesh = &self.meshed.skin.mesh;
         let reports = self.spec.creases.iter().enumerate().map(|(line, spec)| {
             let own = self.region.skin.creases.iter().zip(&states);
             let mut report = CreaseReport::of(spec);
@@ -232,15 +197,22 @@ impl<'a> SheetState<'a> {
 
     /// States of the faces: material and energies; a sheet has no compression that wrinkles it.
     pub(super) fn face_states(&self) -> Vec<FaceState> {
-        let positions = self.standing.of_vertices(&self.moving.positions);
-        let energies = self.standing.energy.face_energies(&positions, &positions);
+        let positions = self.meshed.standing.of_vertices(&self.moving.positions);
+        let energies = self
+            .meshed
+            .standing
+            .energy
+            .face_energies(&positions, &positions);
         let faces = energies
             .iter()
             .flatten()
-            .zip(self.standing.part.faces.as_slice());
-        let mut states = vec![FaceState::default(); self.face_areas.len()];
+            .zip(self.meshed.standing.part.faces.as_slice());
+        let mut states = vec![FaceState::default(); self.meshed.face_areas.len()];
         for (energy, face) in faces {
-            let (area, material) = (self.face_areas[*face], &self.materials[face.index()]);
+            let (area, material) = (
+                self.meshed.face_areas[*face],
+                &self.meshed.materials[face.index()],
+            );
             states[face.index()] = FaceState {
                 young: material.young,
                 thickness: material.thickness,
@@ -254,39 +226,43 @@ impl<'a> SheetState<'a> {
 
     /// Numbers of the vertices that are there and that nothing holds.
     fn free(&self) -> impl Iterator<Item = usize> + use<> {
-        let vertices = &self.standing.part.vertices;
-        let free = self.standing.free.iter();
+        let vertices = &self.meshed.standing.part.vertices;
+        let free = self.meshed.standing.free.iter();
         let free: Vec<usize> = free.map(|v| vertices[*v].index()).collect();
         free.into_iter()
     }
 
     /// For every face whether it is still there.
     pub(super) fn stands(&self) -> Vec<bool> {
-        let mut stands = vec![false; self.face_areas.len()];
-        for face in self.standing.part.faces.as_slice() {
+        let mut stands = vec![false; self.meshed.face_areas.len()];
+        for face in self.meshed.standing.part.faces.as_slice() {
             stands[face.index()] = true;
         }
         stands
     }
 
     fn contact(&self) -> Contact {
-        let reach = REACH * self.edge;
-        Contact::of_stiffness(self.moving.obstacles.clone(), self.stiffness, reach)
+        let reach = REACH * self.meshed.edge;
+        Contact::of_stiffness(
+            self.moving.obstacles.clone(),
+            self.meshed.stiffness(),
+            reach,
+        )
     }
 
     fn is_touched(&self) -> bool {
-        let positions = self.standing.of_vertices(&self.moving.positions);
-        let areas = self.standing.energy.vertex_areas();
+        let positions = self.meshed.standing.of_vertices(&self.moving.positions);
+        let areas = self.meshed.standing.energy.vertex_areas();
         self.contact().value(&positions, areas) > 0.0
     }
 
     /// Whether a vertex got through an obstacle on its way from an earlier state.
     pub(super) fn has_passed(&self, before: &Moving) -> bool {
         let [start, end] =
-            [before, &self.moving].map(|at| self.standing.of_vertices(&at.positions));
+            [before, &self.moving].map(|at| self.meshed.standing.of_vertices(&at.positions));
         let start = (before.obstacles.as_slice(), start.as_slice());
         let contact = self.contact();
-        contact.is_passed(start, &end, self.edge)
+        contact.is_passed(start, &end, self.meshed.edge)
     }
 
     /// Finds the equilibrium near the present state, or the end of a step in time, and moves there.
@@ -298,21 +274,21 @@ impl<'a> SheetState<'a> {
     ) -> Result<SolveReport, StepperError> {
         let is_touched = self.is_touched();
         let contact = self.contact();
-        let masses = self.standing.of_vertices(&self.masses);
-        let mut positions = self.standing.of_vertices(&self.moving.positions);
-        let inertia =
-            inertia.map(|inertia| inertia.of_part(self.standing.of_vertices(&inertia.centres)));
+        let masses = self.meshed.standing.of_vertices(&self.meshed.masses);
+        let mut positions = self.meshed.standing.of_vertices(&self.moving.positions);
+        let inertia = inertia
+            .map(|inertia| inertia.of_part(self.meshed.standing.of_vertices(&inertia.centres)));
         let weights: Option<Vec<f64>> = inertia
             .as_ref()
             .map(|inertia| masses.iter().map(|mass| inertia.weight(*mass)).collect());
-        let damping = self.standing.damping(weights.as_deref());
+        let damping = self.meshed.standing.damping(weights.as_deref());
         let Standing {
             part,
             energy,
             free,
             system,
             ..
-        } = &mut self.standing;
+        } = &mut self.meshed.standing;
         let Some((pattern, kkt)) = system else {
             return Ok(SolveReport::nothing_to_solve());
         };
@@ -339,7 +315,9 @@ impl<'a> SheetState<'a> {
         let solved = minimise(&objective, &[], &mut unknowns, kkt, &settings, keep_going);
         let report = solved.map_err(|source| solver_error(self.spec, source))?;
         scatter(free, &unknowns, &mut positions);
-        self.standing.put(&positions, &mut self.moving.positions);
+        self.meshed
+            .standing
+            .put(&positions, &mut self.moving.positions);
         Ok(report)
     }
 
@@ -355,72 +333,35 @@ impl<'a> SheetState<'a> {
 
     /// Elastic energy, J.
     pub(super) fn elastic_energy(&self) -> f64 {
-        let positions = self.standing.of_vertices(&self.moving.positions);
-        self.standing.energy.value(&positions)
+        let positions = self.meshed.standing.of_vertices(&self.moving.positions);
+        self.meshed.standing.energy.value(&positions)
+    }
+
+    /// Values at the vertices of the region's mesh from positions (m) of those of its own.
+    pub(super) fn on_region(&self, positions: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        let Some(fitting) = &self.fitting else {
+            return positions.to_vec();
+        };
+        let skin = &self.meshed.skin;
+        // What has not moved stays where it is to the last digit.
+        let moved = positions.iter().zip(&skin.rest.positions);
+        let moved: Vec<Vector3<f64>> = moved.map(|(x, rest)| x - rest).collect();
+        let moved = fitting.smooth((skin, &self.region), &moved);
+        let rest = &self.region.skin.rest.positions;
+        rest.iter().zip(moved).map(|(x, moved)| x + moved).collect()
     }
 
     /// Positions of all vertices, of which those that are gone go with the nearest that is there, m.
     pub(super) fn carried_positions(&self) -> Vec<Vector3<f64>> {
-        let mesh = &self.region.skin.mesh;
-        self.standing.carried(
-            mesh,
-            &self.region.skin.rest.positions,
-            &self.moving.positions,
-        )
+        self.carried(&self.moving.positions)
     }
-}
 
-/// Masses of the vertices from those of the faces.
-pub(super) fn lumped(skin: &SkinMesh, of_faces: &[f64]) -> Vec<f64> {
-    let mut masses = vec![0.0; skin.mesh.vertex_count()];
-    for (corners, mass) in skin.mesh.faces().as_slice().iter().zip(of_faces) {
-        for v in corners {
-            masses[v.index()] += mass / 3.0;
-        }
+    /// The same of vertices that are at `positions` (m).
+    pub(super) fn carried(&self, positions: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        let skin = &self.meshed.skin;
+        let standing = &self.meshed.standing;
+        standing.carried(&skin.mesh, &skin.rest.positions, positions)
     }
-    masses
-}
-
-/// The handle of every vertex; of the first in whose box it is at rest.
-fn holders(sheet: &Sheet, rest: &[Vector3<f64>]) -> Result<Vec<Option<usize>>, StepperError> {
-    let mut holders = vec![None; rest.len()];
-    for (number, handle) in sheet.handles.iter().enumerate() {
-        let mut is_empty = true;
-        let (mut low, mut high) = (Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN));
-        for (holder, x) in holders.iter_mut().zip(rest) {
-            let place = handle.turn * x + handle.shift;
-            (low, high) = (low.inf(&place), high.sup(&place));
-            if handle.holds(x) {
-                is_empty &= holder.is_some();
-                holder.get_or_insert(number);
-            }
-        }
-        if is_empty {
-            return Err(StepperError::EmptySheetHandle {
-                handle: handle.name.clone(),
-                boxes: Box::new([[handle.min, handle.max], [low, high]]),
-            });
-        }
-    }
-    Ok(holders)
-}
-
-/// The material on every face, by the map and the variation of the layer.
-fn face_parameters(spec: &LayerSpec, driver: &Driver, region: &RegionMesh) -> Vec<FaceParameters> {
-    let skin = &region.skin;
-    let relative = relative_at_vertices(spec, driver, skin);
-    let relative = relative_on_faces(spec, skin, &relative);
-    let of_face = |relative: &RelativeProperties| {
-        let local = relative.scaled(&spec.material);
-        FaceParameters {
-            young: local.young,
-            poisson: local.poisson,
-            thickness: local.thickness,
-            normal_stiffness: 0.0,
-            gradient_stiffness: 0.0,
-        }
-    };
-    relative.as_slice().iter().map(of_face).collect()
 }
 
 pub(super) fn shell_error(spec: &LayerSpec, source: ShellError) -> StepperError {

@@ -101,7 +101,7 @@ pub(crate) fn through_vertices(
 ///
 /// Found from neighbour to neighbour along the region, so that parts that touch are not confused, and on the
 /// same side of creases; `None` as soon as `goes_on` says no.
-fn places_on(
+pub(crate) fn places_on(
     layer: &SkinMesh,
     region: &SkinMesh,
     goes_on: &mut dyn FnMut() -> bool,

@@ -323,20 +323,39 @@ impl RegionMesh {
                 return Ok(None);
             }
         }
+        let skin = self.placed(driver, &made, goes_on);
+        Ok(skin.map(|skin| Adapted { skin, coarseness }))
+    }
+
+    /// A mesh on this one's facets, at its places of the driver; `None` as soon as `goes_on` says no.
+    pub(crate) fn placed(
+        &self,
+        driver: &Driver,
+        made: &SurfaceMesh,
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> Option<SkinMesh> {
         let on_driver = |point: &MaterialPoint| self.origins[point.face].place(point.barycentric);
         let points: Vec<MaterialPoint> = made.points.as_slice().iter().map(on_driver).collect();
-        let creases = self.creases_of(&made);
-        let beside = self.beside(&made, &creases);
-        let places = (made.mesh, points.as_slice());
-        let skin = SkinMesh::new(driver, places, self.smoothing, self.offset, goes_on);
-        Ok(skin.map(|skin| Adapted {
-            skin: SkinMesh {
-                beside,
-                creases,
-                ..skin
-            },
-            coarseness,
-        }))
+        let creases = self.creases_of(made);
+        let beside = self.beside(made, &creases);
+        let places = (made.mesh.clone(), points.as_slice());
+        let skin = SkinMesh::new(driver, places, self.smoothing, self.offset, goes_on)?;
+        Some(SkinMesh {
+            beside,
+            creases,
+            ..skin
+        })
+    }
+
+    /// Its facets as the surface of a fitted mesh, and itself on them.
+    pub(crate) fn on_facets(&self) -> Result<(PolyhedralSurface<'_>, SurfaceMesh), RemeshError> {
+        let mesh = &self.skin.mesh;
+        let surface = PolyhedralSurface::new(mesh, &self.skin.rest.positions, &self.features)?;
+        let own = SurfaceMesh {
+            features: self.features.clone(),
+            ..SurfaceMesh::on_surface(mesh.clone(), surface.vertex_points()?, &surface)?
+        };
+        Ok((surface, own))
     }
 
     /// The edges of a fitted mesh on crease lines.
@@ -391,12 +410,7 @@ impl RegionMesh {
         strains: &SizingStrains<'_>,
         settings: &RemeshSettings,
     ) -> Result<RemeshInput<'_>, RemeshError> {
-        let mesh = &self.skin.mesh;
-        let surface = PolyhedralSurface::new(mesh, &self.skin.rest.positions, &self.features)?;
-        let start = SurfaceMesh {
-            features: self.features.clone(),
-            ..SurfaceMesh::on_surface(mesh.clone(), surface.vertex_points()?, &surface)?
-        };
+        let (surface, start) = self.on_facets()?;
         let mut sizing = sizing_field(&SizingInput {
             mesh: &start,
             shape: &self.skin.rest.positions,

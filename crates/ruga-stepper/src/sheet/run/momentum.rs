@@ -6,78 +6,25 @@
 use std::sync::Arc;
 
 use nalgebra::Vector3;
-use ruga_blend::{Driver, Smoothing};
-use ruga_material::{LayerMaterial, ShrinkLaw, Substrate};
+use ruga_blend::Driver;
 
+use super::test_fires::{fire, modelling, paper, pose};
 use super::{HALVINGS, SheetRun};
 use crate::run::layer_run::Ending;
 use crate::test_drivers::square;
-use crate::{
-    Dynamics, Fire, FireSource, FrontDesign, GrowthDirection, Heats, LayerSpec, Modelling,
-    PoseResult, PoseSpec, Sheet, Silent, plan_sheet,
-};
+use crate::{Dynamics, PoseResult, Sheet, Silent, plan_sheet};
 
 const STEPS: u32 = 16;
 const TIME_STEP: f64 = 0.25;
 
-fn paper() -> LayerSpec {
-    let material = LayerMaterial {
-        young: 3e9,
-        poisson: 0.3,
-        thickness: 1e-4,
-        density: 800.0,
-    };
-    let nothing = Substrate {
-        young: 1.0,
-        poisson: 0.0,
-        thickness: 1.0,
-    };
-    LayerSpec::new("paper", material, nothing)
-}
-
 /// A front from a corner that curls what it burns; nothing holds the sheet.
 fn burning() -> Sheet {
-    let fire = Fire {
-        front: FrontDesign {
-            speed: 2e-3,
-            width: 4e-3,
-            ignition: 573.0,
-            burning: 1100.0,
-            surroundings: 293.0,
-            loss_time: None,
-        },
-        edges_per_width: 2.0,
-        speed: None,
-        shrink: ShrinkLaw {
-            along: 0.25,
-            across: 0.25,
-            asymmetry: 0.02,
-            char_young: 0.1,
-            char_thickness: 0.8,
-        },
-        grain: GrowthDirection::Angle(0.0),
-        shrink_factor: None,
-        asymmetry_factor: None,
-        char_mass: 0.2,
-        ash_share: 0.1,
-        ash_paint: None,
-        least_piece: 1e-6,
-        sources: vec![FireSource {
-            name: "match".into(),
-            temperature: 1500.0,
-            heats: Heats::Ball {
-                centre: Vector3::new(0.02, 0.02, 0.0),
-                radius: 8e-3,
-                coefficient: 50.0,
-            },
-        }],
-    };
     Sheet {
         gravity: Vector3::zeros(),
         handles: Vec::new(),
         obstacles: Vec::new(),
         edge: Some(4e-3),
-        fire: Some(fire),
+        fire: Some(fire(4e-3, Vector3::new(0.02, 0.02, 0.0), 8e-3)),
     }
 }
 
@@ -86,22 +33,11 @@ fn burning() -> Sheet {
 fn drift() -> (f64, f64) {
     let flat = |p: nalgebra::Vector2<f64>| Vector3::new(p.x, p.y, 0.0);
     let driver: Arc<Driver> = Arc::new(square(&flat, &flat));
-    let modelling = Modelling {
-        dynamics: Some(Dynamics {
-            time_step: TIME_STEP,
-            damping: 0.0,
-        }),
-        smoothing: Smoothing::None,
-        ..Modelling::default()
-    };
-    let pose = PoseSpec {
-        name: "burn".into(),
-        weights: Default::default(),
-        keys: vec![1.0],
-        steps: STEPS,
-        motions: Vec::new(),
-        growths: Vec::new(),
-    };
+    let modelling = modelling(Dynamics {
+        time_step: TIME_STEP,
+        damping: 0.0,
+    });
+    let pose = pose(STEPS);
     let sheet = burning();
     let plan = plan_sheet(&driver, &paper(), &sheet, &[pose], &modelling, 512).expect("a plan");
     let made = plan.sheet_state(&sheet, 0, &mut Silent);
@@ -111,7 +47,7 @@ fn drift() -> (f64, f64) {
         ..PoseResult::default()
     };
     let mut run = SheetRun::new(&plan, (&sheet, 0), state, result).expect("a run");
-    let fresh: f64 = run.state.masses.iter().sum();
+    let fresh: f64 = run.state.meshed.masses.iter().sum();
     let mut velocities = vec![Vector3::zeros(); run.state.vertex_count()];
     let mut largest = 0.0_f64;
     for step in 0..STEPS {
@@ -121,7 +57,7 @@ fn drift() -> (f64, f64) {
         assert!(ending == Ending::Reached && run.solves == step as usize + 1);
         let ways = run.state.moving.positions.iter().zip(&before);
         let new: Vec<Vector3<f64>> = ways.map(|(x, y)| (x - y) / TIME_STEP).collect();
-        let changes = new.iter().zip(&velocities).zip(&run.state.masses);
+        let changes = new.iter().zip(&velocities).zip(&run.state.meshed.masses);
         let change: Vector3<f64> = changes.map(|((new, old), m)| (new - old) * *m).sum();
         largest = largest.max(change.norm() / (fresh * 2e-3));
         velocities = new;
