@@ -1,6 +1,6 @@
 //! `ruga plan`: what will be modelled, where, how fine and at what cost.
 
-use ruga_material::Wrinkling;
+use ruga_material::{LaminatedSheet, Wrinkling};
 use ruga_scene::{Scene, SceneOptions, ScenePlan, counted};
 use ruga_stepper::{InteriorPlan, LayerSpec, Sheet};
 
@@ -145,15 +145,34 @@ fn layers_table(scene: &Scene, waves: &[Wrinkling]) -> String {
 
 /// A free sheet in words.
 fn sheet(layer: &LayerSpec, free: &Sheet) -> String {
-    format!(
-        "sheet: {}, {} of {}, edges up to {}, {}, {}",
-        layer.name,
+    let material = format!(
+        "{} of {}",
         number(1e3 * layer.material.thickness, 3, "mm"),
         number(layer.material.young / 1e6, 3, "MPa"),
+    );
+    let made_of = match &layer.laminate {
+        None => material,
+        Some(laminate) => format!(
+            "{}, {} in all, as stiff as {material}",
+            plies(laminate),
+            number(1e3 * laminate.thickness(), 3, "mm"),
+        ),
+    };
+    format!(
+        "sheet: {}, {made_of}, edges up to {}, {}, {}",
+        layer.name,
         number(1e3 * free.edge.unwrap_or(f64::NAN), 2, "mm"),
         counted(free.handles.len(), "handle"),
         counted(free.obstacles.len(), "obstacle"),
     )
+}
+
+/// The number of plies of a laminate in words.
+pub(super) fn plies(laminate: &LaminatedSheet) -> String {
+    match laminate.ply_count() {
+        1 => "1 ply".to_owned(),
+        count => format!("{count} plies"),
+    }
 }
 
 /// The lattice of a body in words.
