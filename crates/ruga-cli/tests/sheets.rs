@@ -139,3 +139,22 @@ fn a_simulated_sheet_plays_in_a_glb() {
         .exits(2)
         .says(&["--format glb", "no `[sheet]`"]);
 }
+
+#[test]
+fn plies_are_told_with_what_they_are_as_stiff_as() {
+    let folder = folder();
+    let plies = "plies = [{ name = \"lower\", young = 1e9, thickness = 8e-5 }, { name = \"upper\", young = 4e9, thickness = 4e-5 }]";
+    folder.write(
+        "plies.toml",
+        SCENE
+            .replace("young = 3e9", plies)
+            .replace("thickness = 2e-4\n", ""),
+    );
+    let told = |command: &str| folder.ruga(command).exits(0).stdout;
+    let planned = told("plan plies.toml");
+    let words = "2 plies, 0.120 mm in all, as stiff as 0.113 mm of 2121.320 MPa";
+    assert!(planned.contains(words), "{planned}");
+    let checked = told("check plies.toml");
+    let words = "layer `leaf`: 2 plies, as stiff as 2121.3203 MPa, 0.113 mm thick";
+    assert!(checked.contains(words), "{checked}");
+}

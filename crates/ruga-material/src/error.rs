@@ -35,6 +35,14 @@ pub enum MaterialError {
     /// A laminate without plies.
     #[error("the laminate has no plies, but must have at least one")]
     NoPlies,
+    /// Stretches for another number of plies than there are.
+    #[error("the laminate has {plies} plies, but there are stretches of {found}")]
+    StretchCount {
+        /// Number of plies.
+        plies: usize,
+        /// Stretches given.
+        found: usize,
+    },
     /// A target strain that no compression can have.
     #[error("critical strain is {value}, but must lie strictly between 0 and 1")]
     StrainOutOfRange {

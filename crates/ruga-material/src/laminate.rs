@@ -59,19 +59,10 @@ impl Laminate {
         if plies.is_empty() {
             return Err(MaterialError::NoPlies);
         }
-        let mut top = 0.0;
-        let middles: Vec<f64> = plies
-            .iter()
-            .map(|ply| {
-                let middle = top + 0.5 * ply.thickness;
-                top += ply.thickness;
-                middle
-            })
-            .collect();
         let weighted = |value: &dyn Fn(&Ply, f64) -> f64| -> f64 {
-            let plies = plies.iter().zip(&middles);
+            let plies = plies.iter().zip(weighted_middles(plies));
             plies
-                .map(|(ply, &middle)| ply.modulus * ply.thickness * value(ply, middle))
+                .map(|(ply, (stiffness, middle))| stiffness * value(ply, middle))
                 .sum()
         };
         let stretching_stiffness = weighted(&|_, _| 1.0);
@@ -97,6 +88,16 @@ impl Laminate {
             natural_curvature,
         })
     }
+}
+
+/// Stretching stiffness of every ply (N/m) and height of its middle over the lowest face (m).
+pub(crate) fn weighted_middles(plies: &[Ply]) -> impl Iterator<Item = (f64, f64)> + '_ {
+    let mut top = 0.0;
+    plies.iter().map(move |ply| {
+        let middle = top + 0.5 * ply.thickness;
+        top += ply.thickness;
+        (ply.modulus * ply.thickness, middle)
+    })
 }
 
 impl Ply {

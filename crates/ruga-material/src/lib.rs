@@ -20,8 +20,8 @@
 //! A straight crease in a film folds before the film wrinkles: [`crease_onset`], [`crease_depth`] and
 //! [`crease_profile`] say at what load and how far.
 //!
-//! A sheet whose plies shrink unequally bends by itself: [`Laminate`] says how much, and [`ShrinkLaw`] what
-//! burning or drying makes of lengths, stiffness and curvature.
+//! A sheet whose plies shrink unequally bends by itself: [`Laminate`] says how much, [`LaminatedSheet`] also where they
+//! shrink in directions of their own, and [`ShrinkLaw`] what burning or drying makes of lengths, stiffness and curvature.
 //!
 //! SI units; lengths in the rest configuration; compressive strain is positive. All is linear film
 //! theory, which fades above a critical strain of about 10 % (a modulus ratio below 50).
@@ -31,6 +31,7 @@ mod design;
 mod error;
 mod foundation;
 mod laminate;
+mod laminated_sheet;
 mod material;
 mod preset;
 mod property_map;
@@ -49,6 +50,7 @@ pub use design::design_layer;
 pub use error::MaterialError;
 pub use foundation::substrate_stiffness;
 pub use laminate::{Laminate, Ply, linear_profile_curvature};
+pub use laminated_sheet::{LaminatedSheet, NaturalShape, SheetPly};
 pub use material::{LayerMaterial, Substrate};
 pub use preset::{PRESETS, Preset, preset};
 pub use property_map::{PropertyImage, PropertyMap, PropertyPaint, PropertyRanges, Wrap};

@@ -40,7 +40,7 @@ pub use pack::{Pack, PoseNames};
 pub use reference::{Key, Table, reference};
 pub use settings::{Bake, Remesh, Solver, SolverMode};
 pub use sheet::Sheet;
-pub use skin::{Layer, LayerDefinition, PropertyMap, Substrate, SubstrateDefinition};
+pub use skin::{Layer, LayerDefinition, Ply, PropertyMap, Substrate, SubstrateDefinition};
 pub use zones::Zone;
 
 pub use ruga_blend::Smoothing;

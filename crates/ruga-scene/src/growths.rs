@@ -23,7 +23,10 @@ pub(crate) fn add_growths(
         let key = format!("growths[{number}]");
         let spec = spec_of(growth, (path, &key), tiles)?;
         match scene.grown_layer(growth) {
-            Some(layer) => layers[layer].growths.push(spec),
+            Some(layer) => layers[layer].growths.push(GrowthSpec {
+                grows: scene.grown_ply(growth).map_or(Grows::Layer, Grows::Ply),
+                ..spec
+            }),
             None => layers.iter_mut().for_each(|layer| {
                 layer.growths.push(GrowthSpec {
                     grows: Grows::Below,

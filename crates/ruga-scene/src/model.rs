@@ -7,8 +7,8 @@ use std::sync::Arc;
 use ruga_blend::{Driver, nearest};
 use ruga_io::is_udim_pattern;
 use ruga_material::{
-    LayerMaterial, MaterialError, PRESETS, Preset, PropertyMap, PropertyPaint, Substrate, UvTile,
-    Variation, design_layer, preset, wrinkling,
+    LaminatedSheet, LayerMaterial, MaterialError, PRESETS, Preset, PropertyMap, PropertyPaint,
+    SheetPly, Substrate, UvTile, Variation, design_layer, preset, wrinkling,
 };
 use ruga_stepper::{Dynamics, EdgeLimits, LayerSpec, Modelling, PoseSpec, Presence, Region, Stack};
 
@@ -138,8 +138,13 @@ fn layer(
         thickness,
         density,
     };
+    let laminate = match definition {
+        file::LayerDefinition::Plies(plies) => Some(laminate(layer, plies).map_err(wrong)?),
+        _ => None,
+    };
     let material = match definition {
         file::LayerDefinition::Elastic { young, thickness } => with(young, thickness),
+        file::LayerDefinition::Plies(_) => *laminate.as_ref().expect(one_way).material(),
         file::LayerDefinition::Wanted {
             wavelength,
             critical_strain,
@@ -156,6 +161,7 @@ fn layer(
         .map(|map| property_map(map, (path, &format!("{key}.map")), tiles))
         .transpose()?;
     let spec = LayerSpec {
+        laminate,
         model: layer.model,
         coupling: layer.coupling,
         sampling: layer.sampling,
@@ -171,6 +177,17 @@ fn layer(
         None => wrinkling(&spec.material, &spec.substrate, spec.model).map(|_| spec),
     }
     .map_err(wrong)
+}
+
+/// The bonded plies of a layer.
+fn laminate(layer: &file::Layer, plies: &[file::Ply]) -> Result<LaminatedSheet, MaterialError> {
+    let ply = |ply: &file::Ply| SheetPly {
+        young: ply.young,
+        thickness: ply.thickness,
+        density: ply.density.unwrap_or(layer.density),
+    };
+    let plies: Vec<SheetPly> = plies.iter().map(ply).collect();
+    LaminatedSheet::new(&plies, layer.poisson)
 }
 
 /// Unevenness of layer number `index`: as the scene says, or else as its preset is.

@@ -146,6 +146,7 @@ fn run(driver: &Arc<Driver>, steps: u32, watch: &mut Watch) -> PoseResult {
     let layers = [LayerSpec {
         name: "skin".into(),
         material: skin.layer,
+        laminate: None,
         substrate: skin.substrate,
         model: WavelengthModel::Layer,
         coupling: Coupling::Hybrid,

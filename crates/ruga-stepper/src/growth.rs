@@ -2,14 +2,16 @@
 
 use nalgebra::{Matrix2, SymmetricEigen, Vector2, Vector3};
 use ruga_blend::{Driver, FaceStrain};
+use ruga_material::{LaminatedSheet, NaturalShape};
 use ruga_mesh::{FaceId, Id, PerFace, VertexId, triangle_frame};
 
 use crate::run::strain_ratio::relative_to;
+use crate::skin::local_skin::{relative_at_vertices, relative_on_faces};
 use crate::skin::material_places::uv;
 use crate::skin::skin_mesh::SkinMesh;
 use crate::{LayerSpec, Mask, PaintedNumber, PoseSpec};
 
-/// Changes of rest lengths that a layer can have in a pose, all of its growths together: an isotropic shrinkage
+/// Changes of rest lengths that a layer, or each ply of one, can have in a pose, all of its growths together: an isotropic shrinkage
 /// to two fifths of the length leaves a sixth of the area, and beyond twice the length film theory, which caps
 /// compressions from 15 % on, says nothing more.
 pub const GROWTH_RANGE: [f64; 2] = [-0.6, 1.0];
@@ -34,7 +36,8 @@ pub struct GrowthSpec {
     /// Change of length across the direction.
     pub across: f64,
     /// Curvatures along the direction and across it to which it bends a free sheet at a strength of 1, positive
-    /// where the outer side bulges, 1/m; none for a layer that something carries, which holds it flat.
+    /// where the outer side bulges, 1/m; none for a layer that something carries, which holds it flat. They add to
+    /// what plies that grow unequally make.
     pub curl: [f64; 2],
     /// Direction of `along`.
     pub direction: GrowthDirection,
@@ -45,9 +48,11 @@ pub struct GrowthSpec {
 /// What a [`GrowthSpec`] changes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Grows {
-    /// The layer itself.
+    /// The layer itself, all of its plies alike.
     #[default]
     Layer,
+    /// One ply of a layer that is a laminate ([`LayerSpec::laminate`]), by its number from the lowest one up, from 0.
+    Ply(usize),
     /// What lies below all layers; where it shrinks, layers are compressed.
     Below,
 }
@@ -143,7 +148,7 @@ impl Grows {
     /// Change of length of the layer against what is below, where this changes by `change`.
     fn against_below(self, change: f64) -> f64 {
         match self {
-            Self::Layer => change,
+            Self::Layer | Self::Ply(_) => change,
             // Nothing shrinks to less than nothing.
             Self::Below if change <= -1.0 => f64::INFINITY,
             Self::Below => 1.0 / (1.0 + change) - 1.0,
@@ -171,8 +176,9 @@ impl LayerSpec {
 }
 
 /// The growths of a layer that one pose switches on.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct PoseGrowth<'a> {
+    layer: &'a LayerSpec,
     growths: Vec<(&'a GrowthSpec, f64)>,
 }
 
@@ -185,20 +191,52 @@ impl<'a> PoseGrowth<'a> {
         let growths = layer.growths.iter();
         let growths = growths.map(|growth| (growth, strength(&growth)));
         Self {
+            layer,
             growths: growths.filter(|(_, strength)| *strength != 0.0).collect(),
         }
     }
 
-    /// Range of the changes of length at full load, anywhere; no numbers where one of them is none.
+    /// Range of the changes of length at full load, anywhere and of any ply; no numbers where one of them is none.
     pub(crate) fn changes(&self) -> [f64; 2] {
+        let plies = 0..self.ply_count();
+        let ranges: Vec<[f64; 2]> = plies.map(|ply| self.changes_of(ply)).collect();
+        // `min` would make a number of none.
+        if ranges.as_flattened().iter().any(|change| change.is_nan()) {
+            return [f64::NAN; 2];
+        }
+        ranges
+            .iter()
+            .fold([0.0, 0.0], |[least, most], [low, high]| {
+                [least.min(*low), most.max(*high)]
+            })
+    }
+
+    /// Range of the changes of length of one ply.
+    fn changes_of(&self, ply: usize) -> [f64; 2] {
         let mut range = [0.0, 0.0];
-        for (growth, strength) in &self.growths {
+        for (growth, strength) in self.of_ply(ply) {
             let [low, high] = growth.changes(*strength);
-            // Where one of them is not painted, the others are alone. Not `min`, which would make a number of none.
+            // Where one of them is not painted, the others are alone. Not `min`, see above.
             range[0] += if low > 0.0 { 0.0 } else { low };
             range[1] += if high < 0.0 { 0.0 } else { high };
         }
         range
+    }
+
+    /// Number of plies; a layer that is none of bonded plies is one itself.
+    fn ply_count(&self) -> usize {
+        let laminate = self.layer.laminate.as_ref();
+        laminate.map_or(1, LaminatedSheet::ply_count)
+    }
+
+    /// The growths that change the lengths of a ply: its own, and those of the whole layer.
+    fn of_ply(&self, ply: usize) -> impl Iterator<Item = &(&'a GrowthSpec, f64)> {
+        let is_own = move |grows: Grows| match grows {
+            Grows::Layer | Grows::Below => true,
+            Grows::Ply(own) => own == ply,
+        };
+        let growths = self.growths.iter();
+        growths.filter(move |(growth, _)| is_own(growth.grows))
     }
 
     /// Whether nothing grows.
@@ -221,14 +259,14 @@ impl<'a> PoseGrowth<'a> {
         }))
     }
 
-    /// Natural curvatures of the faces of `skin` at a load, in their rest frames, 1/m.
+    /// Natural curvatures of the faces of `skin` at a load, in their stretched rest frames, 1/m.
     pub(crate) fn curls_on_skin(
         &self,
         driver: &Driver,
         skin: &SkinMesh,
         load: f64,
     ) -> PerFace<Matrix2<f64>> {
-        on_faces(driver, skin, |(places, facet), frame| {
+        let mut curls = on_faces(driver, skin, |(places, facet), frame| {
             let curls = self.growths.iter().flat_map(|(growth, strength)| {
                 let of_corner = places.iter().map(|place| {
                     growth.tensor(growth.curl, (place, facet), frame) * (load * strength / 3.0)
@@ -236,7 +274,27 @@ impl<'a> PoseGrowth<'a> {
                 of_corner.collect::<Vec<_>>()
             });
             curls.sum()
-        })
+        });
+        if let Some(laminate) = self.laminate_that_bends() {
+            let of_plies = on_faces(driver, skin, |on, frame| {
+                self.natural_shape(laminate, on, frame, load).curvature
+            });
+            let relative = relative_at_vertices(self.layer, driver, skin);
+            let relative = relative_on_faces(self.layer, skin, &relative);
+            for (face, relative) in relative.iter() {
+                // The same strains over a thicker sheet bend it less.
+                let thickness = relative.wavelength * relative.thickness;
+                curls[face] += of_plies[face] / thickness;
+            }
+        }
+        curls
+    }
+
+    /// The laminate of which single plies grow.
+    fn laminate_that_bends(&self) -> Option<&'a LaminatedSheet> {
+        let mut grows = self.growths.iter().map(|(growth, _)| growth.grows);
+        let of_ply = grows.any(|grows| matches!(grows, Grows::Ply(_)));
+        self.layer.laminate.as_ref().filter(|_| of_ply)
     }
 
     /// The stretch of the rest metric of a part of a driver's face at a load, from its corners in the texture and
@@ -256,25 +314,61 @@ impl<'a> PoseGrowth<'a> {
         self.stretch((&places, &facet), &triangle_frame(corners), load)
     }
 
-    /// The stretch in a plane: a face takes the mean of its corners (Li 2014, 5.2).
+    /// The stretch in a plane.
     fn stretch(
         &self,
+        on: (&[Place; 3], &Facet),
+        frame: &[Vector3<f64>; 2],
+        load: f64,
+    ) -> Matrix2<f64> {
+        match self.laminate_that_bends() {
+            Some(laminate) => self.natural_shape(laminate, on, frame, load).stretch,
+            None => self.ply_stretch(0, on, frame, load),
+        }
+    }
+
+    /// Stretch and curvature in a plane that the plies enforce together.
+    fn natural_shape(
+        &self,
+        laminate: &LaminatedSheet,
+        on: (&[Place; 3], &Facet),
+        frame: &[Vector3<f64>; 2],
+        load: f64,
+    ) -> NaturalShape {
+        let plies = 0..laminate.ply_count();
+        let stretches: Vec<_> = plies
+            .map(|ply| self.ply_stretch(ply, on, frame, load))
+            .collect();
+        let shape = laminate.natural_shape(&stretches);
+        shape.expect("the plan has checked that growths leave each ply two fifths of its length")
+    }
+
+    /// The stretch of a ply in a plane: a face takes the mean of its corners (Li 2014, 5.2).
+    fn ply_stretch(
+        &self,
+        ply: usize,
         (places, facet): (&[Place; 3], &Facet),
         frame: &[Vector3<f64>; 2],
         load: f64,
     ) -> Matrix2<f64> {
         let changes = places
             .iter()
-            .map(|place| self.change((place, facet), frame, load));
+            .map(|place| self.change(ply, (place, facet), frame, load));
         Matrix2::identity() + changes.sum::<Matrix2<f64>>() / 3.0
     }
 
-    /// Change of the layer's lengths against what is below, in a plane.
-    fn change(&self, on: (&Place, &Facet), frame: &[Vector3<f64>; 2], load: f64) -> Matrix2<f64> {
-        let changes = self.growths.iter().map(|(growth, strength)| {
+    /// Change of a ply's lengths, against what is below of a layer that is carried, in a plane.
+    fn change(
+        &self,
+        ply: usize,
+        on: (&Place, &Facet),
+        frame: &[Vector3<f64>; 2],
+        load: f64,
+    ) -> Matrix2<f64> {
+        let changes = self.of_ply(ply).map(|(growth, strength)| {
             let lengths = [growth.along, growth.across];
             let change = growth.tensor(lengths, on, frame) * (load * strength);
-            if growth.grows == Grows::Layer {
+            if growth.grows != Grows::Below {
                 return change;
             }
             let eigen = SymmetricEigen::new(change);

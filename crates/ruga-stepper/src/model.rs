@@ -6,8 +6,8 @@ use nalgebra::Vector2;
 use ruga_blend::{Smoothing, Weights};
 use ruga_constraint::{SampleConstraints, Sampling, constraint_rows};
 use ruga_material::{
-    LayerMaterial, MaterialError, Preset, PropertyMap, Substrate, Variation, VariationField,
-    WavelengthModel, wrinkling,
+    LaminatedSheet, LayerMaterial, MaterialError, Preset, PropertyMap, Substrate, Variation,
+    VariationField, WavelengthModel, wrinkling,
 };
 use ruga_shell::BendingModel;
 use ruga_solver::{Minimise, minimise};
@@ -50,8 +50,11 @@ impl Coupling {
 pub struct LayerSpec {
     /// Name in reports and file names.
     pub name: String,
-    /// The layer.
+    /// The layer; of bonded plies [`LaminatedSheet::material`].
     pub material: LayerMaterial,
+    /// Bonded plies that a free sheet is made of, which may grow each by itself ([`Grows::Ply`](crate::Grows::Ply)).
+    /// Painted properties and variation scale all of them alike.
+    pub laminate: Option<LaminatedSheet>,
     /// Material below the layer.
     pub substrate: Substrate,
     /// Formula for wavelength and critical strain.
@@ -85,6 +88,7 @@ impl LayerSpec {
         Self {
             name: name.into(),
             material,
+            laminate: None,
             substrate,
             model: WavelengthModel::default(),
             coupling: Coupling::default(),

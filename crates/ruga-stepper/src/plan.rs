@@ -32,8 +32,8 @@ use crate::skin::refined::refined;
 use crate::skin::skin_mesh::{check_boundaries, sharp_map};
 use crate::support::Interior;
 use crate::validation::{
-    check_growth, check_layer, check_map_size, check_modelling, check_motionless, check_pose,
-    check_uncurled,
+    check_carried, check_growth, check_layer, check_map_size, check_modelling, check_motionless,
+    check_pose,
 };
 use crate::{LayerSpec, Mask, Modelling, PoseSpec, Sheet, StepperError};
 
@@ -217,7 +217,7 @@ pub fn plan(
     check_modelling(modelling)?;
     check_map_size(map_size)?;
     layers.iter().try_for_each(check_layer)?;
-    layers.iter().try_for_each(check_uncurled)?;
+    layers.iter().try_for_each(check_carried)?;
     for pose in poses {
         check_pose(driver, pose)?;
         check_motionless(pose)?;

@@ -71,6 +71,7 @@ pub(crate) fn knuckle() -> LayerSpec {
     LayerSpec {
         name: "skin".into(),
         material: preset.layer,
+        laminate: None,
         substrate: preset.substrate,
         model: ruga_material::WavelengthModel::Layer,
         coupling: Coupling::Elastic,

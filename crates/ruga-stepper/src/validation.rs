@@ -6,6 +6,8 @@
 use std::ops::RangeInclusive;
 
 use ruga_blend::Driver;
+use ruga_material::LaminatedSheet;
+use ruga_shell::BendingModel;
 
 use crate::error::{Checked, refuse};
 use crate::growth::PoseGrowth;
@@ -69,21 +71,32 @@ pub(crate) fn check_grows(layer: &LayerSpec) -> Checked {
     match layer.growths.iter().find(below) {
         None => Ok(()),
         Some(growth) => {
-            let of = format!("layer '{}', growth '{}'", layer.name, growth.name);
-            refuse(of, "grows", "what lies below", "the layer on a soft body")
+            let accepted = "the layer on a soft body";
+            refuse(
+                of_growth(layer, growth),
+                "grows",
+                "what lies below",
+                accepted,
+            )
         }
     }
 }
 
-/// Refuses curl of a layer that is carried.
-pub(crate) fn check_uncurled(layer: &LayerSpec) -> Checked {
+/// Refuses curl and plies of a layer that is carried.
+pub(crate) fn check_carried(layer: &LayerSpec) -> Checked {
+    if let Some(laminate) = &layer.laminate {
+        let of = format!("layer '{}'", layer.name);
+        let found = format!("{} plies", laminate.ply_count());
+        return refuse(of, "laminate", found, "none but in a free sheet");
+    }
+    check_plies(layer)?;
     let curled = |growth: &&GrowthSpec| growth.curl != [0.0; 2];
     match layer.growths.iter().find(curled) {
         None => Ok(()),
         Some(growth) => {
-            let of = format!("layer '{}', growth '{}'", layer.name, growth.name);
             let accepted = "none but in a free sheet: what carries a layer holds it";
-            refuse(of, "curl", format!("{:?}", growth.curl), accepted)
+            let found = format!("{:?}", growth.curl);
+            refuse(of_growth(layer, growth), "curl", found, accepted)
         }
     }
 }
@@ -92,15 +105,53 @@ pub(crate) fn check_uncurled(layer: &LayerSpec) -> Checked {
 pub(crate) fn check_sheet_layer(layer: &LayerSpec) -> Checked {
     check_unanchored(layer)?;
     check_grows(layer)?;
-    let of = |growth: &GrowthSpec| format!("layer '{}', growth '{}'", layer.name, growth.name);
+    check_plies(layer)?;
     let strange = |growth: &&GrowthSpec| growth.curl.iter().any(|curl| !curl.is_finite());
     match layer.growths.iter().find(strange) {
         None => Ok(()),
         Some(growth) => {
             let found = format!("{:?}", growth.curl);
-            refuse(of(growth), "curl", found, "finite numbers, in 1/m")
+            let accepted = "finite numbers, in 1/m";
+            refuse(of_growth(layer, growth), "curl", found, accepted)
         }
     }
+}
+
+/// Refuses a material that is not that of the plies, and growths of plies that are not there.
+fn check_plies(layer: &LayerSpec) -> Checked {
+    let laminate = layer.laminate.as_ref();
+    if let Some(laminate) = laminate.filter(|laminate| *laminate.material() != layer.material) {
+        let of = format!("layer '{}'", layer.name);
+        let accepted = format!("that of its laminate, {:?}", laminate.material());
+        return refuse(of, "material", format!("{:?}", layer.material), accepted);
+    }
+    let plies = laminate.map_or(0, LaminatedSheet::ply_count);
+    let missing = |growth: &&GrowthSpec| matches!(growth.grows, Grows::Ply(ply) if ply >= plies);
+    match layer.growths.iter().find(missing) {
+        None => Ok(()),
+        Some(growth) => {
+            let accepted = match plies {
+                0 => "the layer, which is no laminate".to_owned(),
+                _ => format!("a number below {plies}, the plies of the layer"),
+            };
+            let found = format!("{:?}", growth.grows);
+            refuse(of_growth(layer, growth), "grows", found, accepted)
+        }
+    }
+}
+
+/// Refuses growths of a pose with a bending energy that has no natural curvature.
+pub(crate) fn check_bends(layer: &LayerSpec, pose: &PoseSpec, bending: BendingModel) -> Checked {
+    if bending != BendingModel::Hinge || PoseGrowth::new(layer, pose).is_none() {
+        return Ok(());
+    }
+    let of = format!("pose '{}', layer '{}'", pose.name, layer.name);
+    let accepted = "none with hinges, which cannot curl: take `BendingModel::VertexCurvature`";
+    refuse(of, "growths", "some", accepted)
+}
+
+fn of_growth(layer: &LayerSpec, growth: &GrowthSpec) -> String {
+    format!("layer '{}', growth '{}'", layer.name, growth.name)
 }
 
 /// Refuses blend shapes of a pose of a sheet, which nothing draws to them.

@@ -79,25 +79,28 @@ fn what_has_burnt_out_is_as_much_shorter_as_it_shrinks() {
 /// A mesh that is fine only where it burns against one that is so everywhere.
 #[test]
 fn a_mesh_that_follows_the_fire_burns_and_curls_as_a_fine_one() {
-    let (length, width) = (0.06, 0.004);
-    let driver = rectangle([length, width], [30, 2]);
+    let (length, width) = (0.06, 0.002);
+    let driver = rectangle([length, width], [30, 1]);
     let mut narrow = fire(vec![ball(length, 0.5 * width, 0.004)]);
     narrow.front.width = 0.7e-3;
     narrow.shrink.along = 0.2;
-    narrow.shrink.across = 0.2;
     narrow.shrink.asymmetry = 0.01;
     let [even, fitted] = [Some(0.35e-3), None].map(|edge| {
         let sheet = Sheet {
             edge,
             ..sheet(narrow.clone())
         };
-        run(&driver, &sheet, (24, 0.25)).expect("it burns")
+        run(&driver, &sheet, (10, 0.25)).expect("it burns")
     });
     let reports = [&even, &fitted].map(burnt);
-    // Fields know nothing of the mesh that moves.
-    assert_eq!(reports[0].fuel_left, reports[1].fuel_left);
-    assert!(reports[0].fuel_left < 0.85, "{reports:?}");
-    assert!((reports[1].mass / reports[0].mass - 1.0).abs() < 1e-9);
+    // The ember stands where the curling end was, and touches it as it curls.
+    let [fuel, other] = reports.map(|report| report.fuel_left);
+    assert!((fuel - other).abs() < 1e-3, "{reports:?}");
+    assert!(fuel < 0.9, "{reports:?}");
+    for report in reports {
+        let left = PAPER * length * width * (0.2 + 0.8 * report.fuel_left);
+        assert!((report.mass / left - 1.0).abs() < 1e-9, "{report:?}");
+    }
     assert_eq!(reports[0].remeshed, 0);
     assert!(reports[1].remeshed > 1, "{reports:?}");
     let [many, few] = [&even, &fitted].map(|result| result.layers[0].vertices);
@@ -108,9 +111,8 @@ fn a_mesh_that_follows_the_fire_burns_and_curls_as_a_fine_one() {
     let away = pairs.clone().map(|(a, b)| (a - b).norm());
     let away = away.fold(0.0, f64::max);
     let high = even.positions.iter().map(|x| x.z.abs()).fold(0.0, f64::max);
-    println!("{high} {away} {few} {many} {}", reports[1].remeshed);
-    assert!(high > 2e-3, "{high} m");
-    assert!(away < 0.05 * high, "{away} of {high} m");
+    assert!(high > 0.5e-3, "{high} m");
+    assert!(away < 0.06 * high, "{away} of {high} m");
 }
 
 #[test]

@@ -8,9 +8,11 @@ use std::sync::Arc;
 use flat_sheet::{clamp, laid, paper, rectangle};
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, Driver, Smoothing};
+use ruga_material::{LaminatedSheet, SheetPly};
+use ruga_shell::BendingModel;
 use ruga_stepper::{
     Dynamics, Grows, GrowthDirection, GrowthSpec, Handle, Keyframe, LayerSpec, Modelling, Motion,
-    Obstacle, ObstacleShape, PoseResult, PoseSpec, Sheet, Silent, StepperError, plan_sheet,
+    Obstacle, ObstacleShape, PoseResult, PoseSpec, Sheet, Silent, StepperError, plan, plan_sheet,
 };
 
 fn growth(along: f64, across: f64, curl: [f64; 2]) -> GrowthSpec {
@@ -122,6 +124,81 @@ fn curl_bends_a_strip_into_an_arc() {
     let expected = [0.0005 + arc.sin() / curl, -(1.0 - arc.cos()) / curl];
     let error = ((tip.x - expected[0]).hypot(tip.z - expected[1])) / length;
     assert!(error < 0.02, "{tip:?} of {expected:?}");
+}
+
+/// Paper of two unlike plies, of which one grows.
+fn plies(grows: Grows) -> LayerSpec {
+    let ply = |young: f64, thickness: f64| SheetPly {
+        young,
+        thickness,
+        density: 800.0,
+    };
+    let laminate = LaminatedSheet::new(&[ply(3e9, 4e-5), ply(1e9, 8e-5)], 0.0).expect("plies");
+    let growth = GrowthSpec {
+        grows,
+        ..growth(2e-3, 0.0, [0.0; 2])
+    };
+    LayerSpec {
+        material: *laminate.material(),
+        laminate: Some(laminate),
+        ..paper(vec![growth])
+    }
+}
+
+#[test]
+fn a_ply_that_grows_bends_to_its_side_or_the_other() {
+    let driver = rectangle([0.04, 0.008], [40, 8]);
+    let tip = |layer: &LayerSpec| {
+        let sheet = Sheet {
+            handles: vec![clamp(0.0011)],
+            ..free()
+        };
+        let places = end(run(&driver, layer, &sheet, pose(4), &modelling(None)).expect("a run"));
+        let mut pairs = places.iter().zip(driver.rest());
+        let tip = pairs.find(|(_, rest)| rest.x > 0.0399).expect("an end");
+        tip.0.z
+    };
+    let [lower, upper] = [0, 1].map(|ply| tip(&plies(Grows::Ply(ply))));
+    assert!(upper < -5e-3, "{upper}");
+    // Both plies bend it alike against each other, but for the mean length.
+    assert!((lower / upper + 1.0).abs() < 0.01, "{lower} {upper}");
+    assert!(tip(&plies(Grows::Layer)).abs() < 1e-9);
+}
+
+#[test]
+fn plies_that_cannot_be_are_refused() {
+    let driver = rectangle([0.02, 0.02], [8, 8]);
+    let refuses = |layer: &LayerSpec, modelling: &Modelling, words: [&str; 3]| {
+        let planned = plan_sheet(&driver, layer, &free(), &[pose(1)], modelling, 512);
+        let text = planned.map(|_| ()).expect_err("a refusal").to_string();
+        for word in words {
+            assert!(text.contains(word), "{text}");
+        }
+    };
+    let equilibria = modelling(None);
+    let words = ["growth 'grow'", "Ply(2)", "a number below 2"];
+    refuses(&plies(Grows::Ply(2)), &equilibria, words);
+    let mut layer = plies(Grows::Ply(1));
+    layer.material.young *= 2.0;
+    let words = ["layer 'paper'", "`material`", "that of its laminate"];
+    refuses(&layer, &equilibria, words);
+    layer.laminate = None;
+    let words = ["growth 'grow'", "Ply(1)", "which is no laminate"];
+    refuses(&layer, &equilibria, words);
+    let hinges = Modelling {
+        bending: BendingModel::Hinge,
+        ..modelling(None)
+    };
+    let words = ["pose 'pose'", "`growths`", "hinges, which cannot curl"];
+    refuses(&plies(Grows::Ply(1)), &hinges, words);
+    // Skin has no plies.
+    let layers = [plies(Grows::Layer)];
+    let planned = plan(&driver, &layers, &[pose(1)], &equilibria, 512);
+    let text = planned.map(|_| ()).expect_err("a refusal").to_string();
+    assert!(
+        text.contains("2 plies") && text.contains("none but in a free sheet"),
+        "{text}"
+    );
 }
 
 #[test]

@@ -57,6 +57,7 @@ pub fn skin_layer(name: &str, preset_name: &str) -> LayerSpec {
     LayerSpec {
         name: name.to_owned(),
         material: preset.layer,
+        laminate: None,
         substrate: preset.substrate,
         model: WavelengthModel::Layer,
         coupling: Coupling::Hybrid,

@@ -3,6 +3,7 @@
 use ruga_scene::{Inspection, SceneFile, SceneOptions, are_tiled, counted};
 use ruga_stepper::Region;
 
+use super::plan::plies;
 use crate::arguments::CheckArguments;
 use crate::error::CliError;
 use crate::messages;
@@ -54,8 +55,12 @@ fn description(found: &Inspection) -> Vec<String> {
     }
     for layer in found.layers.iter().flatten() {
         let material = &layer.material;
+        let as_stiff = match &layer.laminate {
+            None => String::new(),
+            Some(laminate) => format!("{}, as stiff as ", plies(laminate)),
+        };
         lines.push(format!(
-            "layer `{}`: {:.4} MPa, {:.3} mm thick",
+            "layer `{}`: {as_stiff}{:.4} MPa, {:.3} mm thick",
             layer.name,
             material.young / 1e6,
             1e3 * material.thickness

@@ -1,6 +1,6 @@
 //! `ruga plan`: what will be modelled, where, how fine and at what cost.
 
-use ruga_material::Wrinkling;
+use ruga_material::{LaminatedSheet, Wrinkling};
 use ruga_scene::{Scene, SceneOptions, ScenePlan, counted};
 use ruga_stepper::{InteriorPlan, Sheet};
 
@@ -146,6 +146,19 @@ fn layers_table(scene: &Scene, waves: &[Wrinkling]) -> String {
 /// A free sheet in words.
 fn sheet(scene: &Scene, free: &Sheet) -> String {
     let layer = &scene.layers[0];
+    let material = format!(
+        "{} of {}",
+        number(1e3 * layer.material.thickness, 3, "mm"),
+        number(layer.material.young / 1e6, 3, "MPa"),
+    );
+    let made_of = match &layer.laminate {
+        None => material,
+        Some(laminate) => format!(
+            "{}, {} in all, as stiff as {material}",
+            plies(laminate),
+            number(1e3 * laminate.thickness(), 3, "mm"),
+        ),
+    };
     let [burning, fresh] = free.edges(scene.driver.rest());
     let length = |edge: f64| number(1e3 * edge, 2, "mm");
     let edges = match burning < fresh {
@@ -153,13 +166,19 @@ fn sheet(scene: &Scene, free: &Sheet) -> String {
         false => length(burning),
     };
     format!(
-        "sheet: {}, {} of {}, edges up to {edges}, {}, {}",
+        "sheet: {}, {made_of}, edges up to {edges}, {}, {}",
         layer.name,
-        number(1e3 * layer.material.thickness, 3, "mm"),
-        number(layer.material.young / 1e6, 3, "MPa"),
         counted(free.handles.len(), "handle"),
         counted(free.obstacles.len(), "obstacle"),
     )
+}
+
+/// The number of plies of a laminate in words.
+pub(super) fn plies(laminate: &LaminatedSheet) -> String {
+    match laminate.ply_count() {
+        1 => "1 ply".to_owned(),
+        count => format!("{count} plies"),
+    }
 }
 
 /// The lattice of a body in words.

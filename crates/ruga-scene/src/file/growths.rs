@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::fault::{Checked, Fault, fault, unique_name};
-use super::{SceneFile, Stack};
+use super::{Ply, SceneFile, Stack};
 use crate::growth_presets::{GROWTH_PRESETS, growth_preset};
 
 /// What a growth may name in place of a layer.
@@ -32,6 +32,10 @@ pub struct Growth {
     /// shrinks, every layer is squeezed. If left out, what the preset is for, and without one the first layer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layer: Option<String>,
+    /// The one of the layer's `plies` that changes its size; all of them alike if left out. The others hold it back, and
+    /// the sheet bends.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ply: Option<String>,
     /// `"ageing"` or `"drying"`: the layer, `along` and `across` of such a change; `ruga help presets` lists them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub preset: Option<String>,
@@ -169,6 +173,7 @@ impl SceneFile {
                     accepted,
                 );
             }
+            self.ply_faults(&key, growth)?;
             let earlier = self.growths.iter().take(i).map(|other| &other.name);
             unique_name(&format!("{key}.name"), &growth.name, earlier)?;
         }
@@ -219,6 +224,47 @@ impl SceneFile {
         Err(Fault {
             key,
             reason: format!("there is no layer `{name}`; accepted: {listed}"),
+            suggestion: nearest(name, names()),
+        })
+    }
+
+    /// The plies of the layer that a growth changes; none of a layer that is no laminate.
+    fn plies_of(&self, growth: &Growth) -> &[Ply] {
+        let layer = self.grown_layer(growth).map(|layer| &self.layers[layer]);
+        let plies = layer.and_then(|layer| layer.plies.as_deref());
+        plies.unwrap_or_default()
+    }
+
+    /// Number of the ply that a growth changes, from the lowest one up; `None` for all of them, and for one that is
+    /// not there.
+    pub(crate) fn grown_ply(&self, growth: &Growth) -> Option<usize> {
+        let name = growth.ply.as_ref()?;
+        let mut plies = self.plies_of(growth).iter();
+        plies.position(|ply| ply.name == *name)
+    }
+
+    fn ply_faults(&self, key: &str, growth: &Growth) -> Checked {
+        let Some(name) = &growth.ply else {
+            return Ok(());
+        };
+        if growth.curl != [0.0; 2] {
+            let found = format!("{:?} beside `ply`", growth.curl);
+            let accepted =
+                "one of the two: how much a ply that grows bends the sheet follows from the plies";
+            return fault(&format!("{key}.curl"), found, accepted);
+        }
+        if self.grown_ply(growth).is_some() {
+            return Ok(());
+        }
+        let names = || self.plies_of(growth).iter().map(|ply| ply.name.as_str());
+        let listed: Vec<String> = names().map(|name| format!("`{name}`")).collect();
+        let listed = match listed.is_empty() {
+            true => "none, as the layer has no `plies`".to_owned(),
+            false => listed.join(", "),
+        };
+        Err(Fault {
+            key: format!("{key}.ply"),
+            reason: format!("there is no ply `{name}`; accepted: {listed}"),
             suggestion: nearest(name, names()),
         })
     }

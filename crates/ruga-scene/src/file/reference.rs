@@ -8,8 +8,8 @@ use serde_json::{Map, Value};
 
 use super::{
     Anchor, Bake, Burn, BurnMap, BurnSource, Char, Crease, Cylinder, Driver, Growth, Handle,
-    Interior, Layer, Memory, Motion, Obstacle, Pack, Plane, Pose, PropertyMap, Remesh, SceneFile,
-    Sheet, Solver, Sphere, Substrate,
+    Interior, Layer, Memory, Motion, Obstacle, Pack, Plane, Ply, Pose, PropertyMap, Remesh,
+    SceneFile, Sheet, Solver, Sphere, Substrate,
 };
 
 /// One table of a scene.
@@ -50,6 +50,7 @@ pub fn reference() -> Vec<Table> {
         table::<Driver>("driver", "[driver]"),
         table::<Substrate>("substrate", "[substrate]"),
         table::<Layer>("layers", "[[layers]]"),
+        table::<Ply>("layers.plies", "[[layers.plies]]"),
         table::<PropertyMap>("layers.map", "[layers.map]"),
         table::<Crease>("creases", "[[creases]]"),
         table::<Anchor>("creases.anchor", "[creases.anchor]"),

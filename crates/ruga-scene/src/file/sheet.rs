@@ -11,7 +11,7 @@ use super::{Handle, LayerDefinition, Movers, Obstacle, Region, SceneFile, Stack}
 /// `[sheet]`: the one layer of the scene is a thin sheet that lies on nothing, such as paper, a leaf or cloth, held
 /// by handles and pushed by obstacles, and the mesh is its shape at rest.
 ///
-/// It is given by `young` and `thickness`, has neither `[substrate]` nor mask, and covers all of the mesh. Poses move
+/// It is given by `young` and `thickness` or by `plies`, has neither `[substrate]` nor mask, and covers all of the mesh. Poses move
 /// handles and obstacles and switch growths on, and each of their `steps` is an equilibrium or, with `mode =
 /// "dynamic"` under `[solver]`, a step in time. Places and directions are in the axes of the world, lengths in metres.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -66,8 +66,10 @@ impl SceneFile {
             return fault("layers", found, "one layer with [sheet]");
         }
         let layer = &self.layers[0];
-        if !matches!(layer.definition(), Some(LayerDefinition::Elastic { .. })) {
-            let accepted = "`young` and `thickness` with [sheet]: it has no wavelength of its own";
+        let is_wanted = matches!(layer.definition(), Some(LayerDefinition::Wanted { .. }));
+        if is_wanted || layer.preset.is_some() {
+            let accepted =
+                "`young` and `thickness` with [sheet], or `plies`: it has no wavelength of its own";
             return fault("layers[0]", "another description", accepted);
         }
         if let Some(mask) = &layer.mask {

@@ -52,8 +52,8 @@ impl Substrate {
 /// Skin hardly changes its volume (Li 2014, 5.2).
 const DEFAULT_POISSON: f64 = 0.48;
 
-/// One of `[[layers]]`. Exactly one of three descriptions is given: `young` and `thickness`;
-/// `wavelength` and `critical_strain`; or `preset`.
+/// One of `[[layers]]`. Exactly one of four descriptions is given: `young` and `thickness`;
+/// `wavelength` and `critical_strain`; `preset`; or, of a `[sheet]`, `plies`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Layer {
@@ -68,6 +68,10 @@ pub struct Layer {
     /// Thickness, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub thickness: Option<f64>,
+    /// The plies that a `[sheet]` is bonded of, lowest first, at least one; the uppermost is on the outer side of the
+    /// mesh. All have the layer's `poisson`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plies: Option<Vec<Ply>>,
     /// The wavelength that is wanted, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wavelength: Option<f64>,
@@ -132,7 +136,22 @@ fn default_density() -> f64 {
     1100.0
 }
 
-/// The three ways to describe a layer.
+/// One of the plies that a layer of a `[sheet]` is bonded of.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Ply {
+    /// Its name in `[[growths]]` and messages.
+    pub name: String,
+    /// Young's modulus, Pa.
+    pub young: f64,
+    /// Thickness, m.
+    pub thickness: f64,
+    /// Density, kg/m3; that of the layer if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub density: Option<f64>,
+}
+
+/// The four ways to describe a layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LayerDefinition<'a> {
     /// A preset, which brings its own substrate unless the scene has one.
@@ -144,6 +163,8 @@ pub enum LayerDefinition<'a> {
         /// Thickness, m.
         thickness: f64,
     },
+    /// What plies it is bonded of, lowest first.
+    Plies(&'a [Ply]),
     /// What it shall do; thickness and modulus follow (inverse design).
     Wanted {
         /// Wavelength, m.
@@ -161,6 +182,16 @@ impl Layer {
         let wanted = self.wavelength.zip(self.critical_strain);
         let lone = (self.young.is_some() || self.thickness.is_some()) && elastic.is_none()
             || (self.wavelength.is_some() || self.critical_strain.is_some()) && wanted.is_none();
+        if let Some(plies) = &self.plies {
+            let others = [
+                self.young,
+                self.thickness,
+                self.wavelength,
+                self.critical_strain,
+            ];
+            let is_alone = self.preset.is_none() && others.iter().all(Option::is_none);
+            return is_alone.then_some(LayerDefinition::Plies(plies));
+        }
         match (self.preset.as_deref(), elastic, wanted, lone) {
             (Some(name), None, None, false) => Some(LayerDefinition::Preset(name)),
             (None, Some((young, thickness)), None, false) => {

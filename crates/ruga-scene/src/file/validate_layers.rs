@@ -21,6 +21,11 @@ impl SceneFile {
         for (i, layer) in self.layers.iter().enumerate() {
             let key = format!("layers[{i}]");
             layer.faults(&key)?;
+            if let (Some(plies), None) = (&layer.plies, &self.sheet) {
+                let found = format!("{} of them", plies.len());
+                let accepted = "none but with [sheet]: skin is one layer on another, as [[layers]]";
+                return fault(&format!("{key}.plies"), found, accepted);
+            }
             let earlier = self.layers.iter().take(i).map(|other| &other.name);
             unique_name(&format!("{key}.name"), &layer.name, earlier)?;
         }
@@ -130,6 +135,7 @@ impl Layer {
             return fault(&format!("{key}.bending_transfer"), share, accepted);
         }
         self.definition_fault(key)?;
+        self.ply_faults(key)?;
         self.relief_faults(key)?;
         self.map
             .as_ref()
@@ -170,8 +176,33 @@ impl Layer {
             ("wavelength", self.wavelength.is_some()),
             ("critical_strain", self.critical_strain.is_some()),
         ];
+        if self.plies.is_some() {
+            let accepted = "`plies` alone: each ply has its own `young` and `thickness`";
+            let found = format!("{} beside it", names_given(&given));
+            return fault(&format!("{key}.plies"), found, accepted);
+        }
         let accepted = "either young and thickness, or wavelength and critical_strain, or preset";
         fault(key, names_given(&given), accepted)
+    }
+
+    fn ply_faults(&self, key: &str) -> Checked {
+        let Some(plies) = &self.plies else {
+            return Ok(());
+        };
+        if plies.is_empty() {
+            let accepted = "at least one, as `{ name = \"upper\", young = 3e9, thickness = 5e-5 }`";
+            return fault(&format!("{key}.plies"), "an empty list", accepted);
+        }
+        for (i, ply) in plies.iter().enumerate() {
+            let key = format!("{key}.plies[{i}]");
+            positive(&format!("{key}.young"), ply.young)?;
+            positive(&format!("{key}.thickness"), ply.thickness)?;
+            let density = ply.density;
+            density.map_or(Ok(()), |value| positive(&format!("{key}.density"), value))?;
+            let earlier = plies.iter().take(i).map(|other| &other.name);
+            unique_name(&format!("{key}.name"), &ply.name, earlier)?;
+        }
+        Ok(())
     }
 }
 

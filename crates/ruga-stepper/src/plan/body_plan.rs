@@ -22,8 +22,8 @@ use crate::support::handles::{HeldNodes, Moves};
 use crate::support::lattice_size::lattice_warnings;
 use crate::support::obstacle::{self, distance};
 use crate::validation::{
-    check_body_modelling, check_grows, check_growth, check_layer, check_map_size, check_pose,
-    check_unanchored, check_uncurled,
+    check_body_modelling, check_carried, check_grows, check_growth, check_layer, check_map_size,
+    check_pose, check_unanchored,
 };
 use crate::{
     Body, InteriorPlan, LayerPlan, LayerSpec, LoadPath, Modelling, Plan, PosePlan, PoseSpec,
@@ -72,7 +72,7 @@ pub fn plan_body(
             .try_for_each(|layer| check_growth(layer, pose))?;
     }
     layers.iter().try_for_each(check_grows)?;
-    layers.iter().try_for_each(check_uncurled)?;
+    layers.iter().try_for_each(check_carried)?;
     let region = modelling.region.mask();
     let layers: Vec<LayerSpec> = layers.iter().map(|layer| within(layer, region)).collect();
     let mut stacking = Stacking::new(&layers, modelling.stack)?;

@@ -15,7 +15,6 @@ use super::burning::{Burning, FireState};
 use super::covering::Covering;
 use super::field_grid::FieldGrid;
 use super::meshed::holders;
-use super::plan::MEAN_EDGE;
 use super::zones::Zone;
 use crate::skin::interpolation::{Interpolation, places_on};
 use crate::skin::skin_mesh::{RegionMesh, SkinMesh, sharp_map};
@@ -25,7 +24,7 @@ use crate::{LayerSpec, StepperError};
 /// a factor of 0.6, so that a mesh that is to become much coarser does so in two rounds.
 const ROUNDS: [f64; 2] = [2.0, 1.0];
 
-/// Edges over those asked for from which on a mesh is too coarse.
+/// Edges over those asked for that the remesher leaves here and there: a mesh with longer ones is too coarse.
 const TOO_LONG: f64 = 1.5;
 
 /// Edges of the fresh sheet over those of the burning one from which on it pays to have two lengths.
@@ -36,7 +35,7 @@ const NATURAL_TURN: f64 = 0.25;
 
 /// The mesh of a burning sheet, on the facets of the region's mesh.
 pub(super) struct Fitting {
-    /// Mean edges where it burns, and where it is fresh and flat, m.
+    /// Edges that are asked for where it burns, and where it is fresh and flat, m.
     lengths: [f64; 2],
     mesh: SurfaceMesh,
     /// Places on it of the vertices of the region's mesh.
@@ -61,7 +60,7 @@ impl Fitting {
         (fire, burning): (&FireState<'_>, &Burning),
     ) -> Result<Option<(Self, SkinMesh)>, StepperError> {
         let rest = &region.skin.rest.positions;
-        let lengths = sheet.edges(rest).map(|edge| MEAN_EDGE * edge);
+        let lengths = sheet.edges(rest).map(|edge| edge / TOO_LONG);
         if lengths[1] < WORTH_IT * lengths[0] || sharp_map(spec).is_some() {
             return Ok(None);
         }

@@ -15,8 +15,8 @@ use crate::plan::stacking::Stacking;
 use crate::plan::surface_measures::faces_within;
 use crate::support::obstacle;
 use crate::validation::{
-    check_growth, check_layer, check_map_size, check_modelling, check_pose, check_sheet_layer,
-    check_sheet_pose,
+    check_bends, check_growth, check_layer, check_map_size, check_modelling, check_pose,
+    check_sheet_layer, check_sheet_pose,
 };
 use crate::{LayerPlan, LayerSpec, LoadPath, Modelling, Plan, PosePlan, PoseSpec, StepperError};
 
@@ -29,7 +29,7 @@ const FRONT_EDGES: f64 = 0.5;
 
 /// Edges of triangles that are halved until none is too long, over the longest allowed: they end between half
 /// and all of it.
-pub(super) const MEAN_EDGE: f64 = 0.75;
+const MEAN_EDGE: f64 = 0.75;
 
 /// Finds out what a free sheet of one `layer` will be made of.
 ///
@@ -57,6 +57,7 @@ pub fn plan_sheet(
         check_pose(driver, pose)?;
         check_sheet_pose(pose)?;
         check_growth(layer, pose)?;
+        check_bends(layer, pose, modelling.bending)?;
     }
     if let Some(fire) = &sheet.fire {
         check_fire(driver, layer, fire, poses, modelling)?;

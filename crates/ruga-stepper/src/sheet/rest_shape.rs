@@ -84,13 +84,19 @@ impl<'a> SheetState<'a> {
         let mut stretches = grown.unwrap_or_else(|| PerFace::filled(faces, one));
         let mut curvatures = growth.curls_on_skin(driver, skin, time);
         if let Some((fire, remains)) = self.fire.as_ref().zip(remains) {
+            // Fire curls by the difference of two faces, and those of a laminate are not as far apart as those of
+            // the even sheet that stands for it.
+            let laminate = self.spec.laminate.as_ref();
+            let thinner = laminate.map_or(1.0, |plies| {
+                self.spec.material.thickness / plies.thickness()
+            });
             let mut masses = vec![0.0; faces];
             let mut materials = self.meshed.materials.clone();
             for face in self.meshed.standing.part.faces.as_slice() {
                 let burnt = fire.face(*face, &remains[*face])?;
                 // What has grown burns: fire shrinks the lengths that growth has left.
                 stretches[*face] = burnt.stretch * stretches[*face];
-                curvatures[*face] += burnt.curvature;
+                curvatures[*face] += burnt.curvature * thinner;
                 materials[face.index()] = burnt.material;
                 let left = fire.area(*face) * remains[*face].share;
                 masses[face.index()] = left * self.meshed.densities[face.index()] * burnt.mass;

@@ -258,6 +258,7 @@ mod tests {
         LayerSpec {
             name: "skin".to_owned(),
             material: preset.layer,
+            laminate: None,
             substrate: preset.substrate,
             model: Default::default(),
             coupling: Coupling::Hybrid,

@@ -31,6 +31,7 @@ pub(crate) fn layer(ratio: f64) -> LayerSpec {
             thickness,
             density: 1000.0,
         },
+        laminate: None,
         substrate: Substrate {
             young: INTERIOR.young,
             poisson: INTERIOR.poisson,

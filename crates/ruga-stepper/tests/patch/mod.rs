@@ -79,6 +79,7 @@ pub(crate) fn skin(name: &str, coupling: Coupling) -> LayerSpec {
     LayerSpec {
         name: "skin".into(),
         material: preset.layer,
+        laminate: None,
         substrate: preset.substrate,
         model: Default::default(),
         coupling,

@@ -265,6 +265,7 @@ pub(super) fn skin_of(
     LayerSpec {
         name: "skin".into(),
         material,
+        laminate: None,
         substrate,
         model: WavelengthModel::HalfSpace,
         coupling,

@@ -29,6 +29,7 @@ fn skin(coupling: Coupling) -> LayerSpec {
             thickness: 5e-4,
             density: 1100.0,
         },
+        laminate: None,
         substrate: Substrate {
             young: 5e4,
             poisson: 0.4,
