@@ -9,6 +9,7 @@ use ruga_validation::spring_sheet::curl::CurlStrip;
 use ruga_validation::spring_sheet::{Mobility, Projection, Solver, SpringLattice, fast_projection};
 use serde::{Deserialize, Serialize};
 
+use crate::large::LargeRun;
 use crate::pictures::Picture;
 
 /// All of it.
@@ -19,6 +20,8 @@ pub(crate) struct Findings {
     /// Norms of the constraints of red, green, blue and yellow springs over projection steps (cells), figure 8.
     pub(crate) errors: Vec<[f64; 4]>,
     pub(crate) pictures: Vec<Picture>,
+    #[serde(default)]
+    pub(crate) large: Vec<LargeRun>,
 }
 
 /// Time of the seven projection steps that the paper's table 2 calls fully iterated.

@@ -13,6 +13,7 @@
 
 mod findings;
 mod fires;
+mod large;
 mod ours;
 mod page;
 mod pictures;
@@ -44,6 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     } else {
         let mut findings = Findings::measure(quick)?;
         findings.pictures = pictures::draw_all(&folder, quick)?;
+        findings.large = large::measure(quick)?;
         fs::write(&file, serde_json::to_string_pretty(&findings)?)?;
         findings
     };

@@ -50,6 +50,7 @@ pub(crate) fn words(findings: &Findings) -> String {
     }
     lines.extend(errors(findings));
     lines.extend(pictures(findings));
+    lines.extend(large(findings));
     lines.join("\n") + "\n"
 }
 
@@ -82,6 +83,39 @@ fn pictures(findings: &Findings) -> Vec<String> {
             own.what
         ));
         lines.extend(own.facts.iter().map(|fact| format!("      {fact}")));
+    }
+    lines
+}
+
+/// Steps of large sheets.
+fn large(findings: &Findings) -> Vec<String> {
+    let title = "A sheet whose front is a seventieth of it wide, lit at a corner; steps of a tenth of a second, with frames";
+    let mut lines = vec![String::new(), title.to_owned()];
+    for own in &findings.large {
+        let later = |k: usize| {
+            let count = (own.all[k] - own.first[k]) as f64;
+            count / f64::from(own.steps.max(2) - 1)
+        };
+        let total: f64 = own.seconds.iter().sum();
+        let percent = |k: usize| 100.0 * own.seconds[k] / total;
+        let edges = match own.is_even {
+            true => "edges of one length",
+            false => "finer edges where it burns",
+        };
+        lines.push(format!(
+            "  {edges:<26} {:>7} triangles  first step {} iterations, {} factorisations; later {:.1} and {:.1} a step",
+            own.triangles, own.first[0], own.first[1], later(0), later(1)
+        ));
+        lines.push(format!(
+            "      {} steps of {:.1} s: temperature and fuel {:.0} %, {} new meshes {:.0} %, solver {:.0} %, cut and what is seen {:.0} %",
+            own.steps,
+            total / f64::from(own.steps),
+            percent(0),
+            own.remeshings,
+            percent(1),
+            percent(2),
+            percent(3)
+        ));
     }
     lines
 }

@@ -1,0 +1,227 @@
+//! What a step of a large burning sheet takes: factorisations, and time by what it goes into.
+
+use std::error::Error;
+use std::sync::Arc;
+use std::time::Instant;
+
+use nalgebra::{Vector2, Vector3};
+use ruga_blend::{ArtistMesh, Driver, Smoothing};
+use ruga_material::{LayerMaterial, ShrinkLaw, Substrate};
+use ruga_stepper::{
+    Dynamics, Fire, FireSource, Frame, FrontDesign, GrowthDirection, Handle, Heats, LayerSpec,
+    Modelling, Observer, Phase, PoseSpec, Sheet, plan_sheet,
+};
+use serde::{Deserialize, Serialize};
+
+/// Sides of the sheet, m, and squares of its mesh.
+const SIDES: [f64; 2] = [0.1, 0.07];
+const SQUARES: [u32; 2] = [20, 14];
+
+/// Width of the front, m: edges of half of it everywhere make a hundred thousand triangles.
+const WIDTH: f64 = 1.4e-3;
+const EDGE: f64 = 0.5 * WIDTH;
+
+/// Length of a step, s: the front goes on by a seventh of its width.
+const TIME_STEP: f64 = 0.1;
+
+/// A run of a large sheet.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct LargeRun {
+    /// Whether edges have one length everywhere.
+    pub(crate) is_even: bool,
+    pub(crate) triangles: usize,
+    pub(crate) remeshings: usize,
+    pub(crate) steps: u32,
+    /// Newton iterations and factorisations of the first step, in which it catches fire, and of all of them.
+    pub(crate) first: [usize; 2],
+    pub(crate) all: [usize; 2],
+    /// Seconds of all steps for temperature and fuel, for new meshes, for the solver, and for the cut and the mesh that
+    /// is seen.
+    pub(crate) seconds: [f64; 4],
+}
+
+/// Runs it with edges of one length for a few steps, and with a mesh that follows the fire for more.
+pub(crate) fn measure(quick: bool) -> Result<Vec<LargeRun>, Box<dyn Error>> {
+    let steps = if quick { [2, 4] } else { [4, 20] };
+    let mut runs = Vec::new();
+    for (edge, steps) in [Some(EDGE), None].into_iter().zip(steps) {
+        eprintln!("a large sheet, {steps} steps");
+        let (first, _) = run(edge, 1)?;
+        let (mut whole, clock) = run(edge, steps)?;
+        whole.first = first.all;
+        whole.seconds = clock.seconds;
+        runs.push(whole);
+    }
+    Ok(runs)
+}
+
+fn run(edge: Option<f64>, steps: u32) -> Result<(LargeRun, Clock), Box<dyn Error>> {
+    let material = LayerMaterial {
+        young: 3e9,
+        poisson: 0.3,
+        thickness: 1e-4,
+        density: 800.0,
+    };
+    let nothing = Substrate {
+        young: 1.0,
+        poisson: 0.0,
+        thickness: 1.0,
+    };
+    let layer = LayerSpec::new("paper", material, nothing);
+    let small = Vector3::repeat(1e-3);
+    let far = Vector3::new(0.0, SIDES[1], 0.0);
+    let sheet = Sheet {
+        gravity: Vector3::new(9.81, 0.0, 0.0),
+        handles: vec![Handle::new("clip", [-small, far + small])],
+        obstacles: Vec::new(),
+        edge,
+        fire: Some(fire()),
+    };
+    let pose = PoseSpec {
+        name: "burn".to_owned(),
+        weights: Default::default(),
+        keys: vec![1.0],
+        steps,
+        motions: Vec::new(),
+        growths: Vec::new(),
+    };
+    let modelling = Modelling {
+        dynamics: Some(Dynamics {
+            time_step: TIME_STEP,
+            damping: 2.0,
+        }),
+        smoothing: Smoothing::None,
+        ..Modelling::default()
+    };
+    let driver = rectangle()?;
+    let plan = plan_sheet(&driver, &layer, &sheet, &[pose], &modelling, 1024)?;
+    let mut clock = Clock::default();
+    let result = plan.simulate(0, &mut clock)?;
+    clock.close();
+    let report = result.layers.first().ok_or("no layer")?;
+    let fire = report.fire.as_ref().ok_or("no fire")?;
+    let own = LargeRun {
+        is_even: edge.is_some(),
+        triangles: report.faces,
+        remeshings: fire.remeshed,
+        steps,
+        all: [report.newton_iterations, report.factorizations],
+        ..LargeRun::default()
+    };
+    Ok((own, clock))
+}
+
+/// The fire of `assets/paper/corner.toml` with a narrower front.
+fn fire() -> Fire {
+    Fire {
+        front: FrontDesign {
+            speed: 2e-3,
+            width: WIDTH,
+            ignition: 573.0,
+            burning: 1100.0,
+            surroundings: 293.0,
+            loss_time: None,
+        },
+        edges_per_width: 4.0,
+        speed: None,
+        shrink: ShrinkLaw {
+            along: 0.25,
+            across: 0.25,
+            asymmetry: 0.02,
+            char_young: 0.1,
+            char_thickness: 0.8,
+        },
+        grain: GrowthDirection::Angle(0.0),
+        shrink_factor: None,
+        asymmetry_factor: None,
+        char_mass: 0.2,
+        ash_share: 0.15,
+        ash_paint: None,
+        least_piece: 1e-6,
+        sources: vec![FireSource {
+            name: "match".to_owned(),
+            temperature: 1300.0,
+            heats: Heats::Ball {
+                centre: Vector3::new(SIDES[0], SIDES[1], 0.0),
+                radius: 0.012,
+                coefficient: 20.0,
+            },
+        }],
+    }
+}
+
+/// A flat sheet of squares, each cut in two.
+fn rectangle() -> Result<Arc<Driver>, Box<dyn Error>> {
+    let [columns, rows] = SQUARES;
+    let corner = |i: u32, j: u32| j * (columns + 1) + i;
+    let places = (0..=rows).flat_map(|j| (0..=columns).map(move |i| [i, j]));
+    let shares = places.map(|[i, j]| {
+        [
+            f64::from(i) / f64::from(columns),
+            f64::from(j) / f64::from(rows),
+        ]
+    });
+    let shares: Vec<[f64; 2]> = shares.collect();
+    let squares = (0..rows).flat_map(|j| (0..columns).map(move |i| [i, j]));
+    let triangles = squares.flat_map(|[i, j]| {
+        let [a, b] = [corner(i, j), corner(i + 1, j)];
+        let [d, c] = [corner(i, j + 1), corner(i + 1, j + 1)];
+        match (i + j) % 2 {
+            0 => [[a, b, c], [a, c, d]],
+            _ => [[a, b, d], [b, c, d]],
+        }
+    });
+    let at = |[u, v]: &[f64; 2]| Vector3::new(SIDES[0] * u, SIDES[1] * v, 0.0);
+    let mesh = ArtistMesh {
+        name: "sheet".to_owned(),
+        positions: shares.iter().map(at).collect(),
+        uvs: Some(
+            shares
+                .iter()
+                .map(|[u, v]| Vector2::new(*u, 1.0 - v))
+                .collect(),
+        ),
+        triangles: triangles.collect(),
+        ..ArtistMesh::default()
+    };
+    Ok(Arc::new(Driver::new(&mesh)?))
+}
+
+/// Number of what a step's time goes into, in [`LargeRun::seconds`].
+const FIELDS: usize = 0;
+const REMESHING: usize = 1;
+const SOLVER: usize = 2;
+const CUT: usize = 3;
+
+/// Adds up what goes into what.
+#[derive(Default)]
+struct Clock {
+    seconds: [f64; 4],
+    open: Option<(usize, Instant)>,
+}
+
+impl Clock {
+    fn close(&mut self) -> Option<usize> {
+        let (work, since) = self.open.take()?;
+        self.seconds[work] += since.elapsed().as_secs_f64();
+        Some(work)
+    }
+}
+
+impl Observer for Clock {
+    fn phase(&mut self, _: usize, phase: Phase) {
+        let last = self.close();
+        let work = match phase {
+            Phase::Integration | Phase::Constraints => SOLVER,
+            Phase::Remeshing => REMESHING,
+            // After a solve it is what the frame shows.
+            Phase::Sampling if last == Some(SOLVER) => CUT,
+            Phase::Sampling => FIELDS,
+        };
+        self.open = Some((work, Instant::now()));
+    }
+
+    fn frame(&mut self, _: &Frame<'_>) {
+        self.close();
+    }
+}
