@@ -415,7 +415,7 @@ fn impossible_strengths_are_refused() {
             .read(&with_pose(&format!("growths = {{ {strengths} }}")))
             .unwrap();
         let words = format!(
-            "pose 'p', layer 'skin' | {found} | from -0.6 to 1 of the layer against what lies below"
+            "pose 'p', layer 'skin' | {found} | from -0.6 to 1, of a layer against what lies below"
         );
         says(scene.plan().map(|_| ()), &words);
     }

@@ -115,9 +115,9 @@ pub struct KeyResult {
 pub struct LayerReport {
     /// Name of the layer.
     pub name: String,
-    /// Vertices.
+    /// Vertices; of a burning sheet that is meshed anew the most that it has had.
     pub vertices: usize,
-    /// Triangles.
+    /// Triangles, likewise.
     pub faces: usize,
     /// Constraint rows per coordinate.
     pub constraints: usize,

@@ -1,5 +1,6 @@
 //! A free thin sheet: a layer that lies on nothing, held by handles and pushed by obstacles.
 
+mod apart;
 mod burning;
 mod burnt;
 mod burnt_faces;
@@ -39,7 +40,7 @@ pub struct Sheet {
     /// Obstacles that the sheet cannot enter.
     pub obstacles: Vec<Obstacle>,
     /// Longest edge of its mesh, m; `None` for a sixtieth of its longest side, and where
-    /// it burns at most half the width of the front.
+    /// it burns at most half the width of the front: see [`Sheet::edges`].
     pub edge: Option<f64>,
     /// Fire on it.
     pub fire: Option<Fire>,

@@ -146,7 +146,8 @@ pub(crate) fn check_bends(layer: &LayerSpec, pose: &PoseSpec, bending: BendingMo
         return Ok(());
     }
     let of = format!("pose '{}', layer '{}'", pose.name, layer.name);
-    let accepted = "none with hinges, which cannot curl: take `BendingModel::VertexCurvature`";
+    let accepted =
+        "no growth of a sheet with hinges, which cannot curl: take `BendingModel::VertexCurvature`";
     refuse(of, "growths", "some", accepted)
 }
 
@@ -208,8 +209,9 @@ pub(crate) fn check_growth(layer: &LayerSpec, pose: &PoseSpec) -> Checked {
     if low >= least && high <= most {
         return Ok(());
     }
-    let accepted =
-        format!("changes of length from {least} to {most} of the layer against what lies below");
+    let accepted = format!(
+        "changes of length from {least} to {most}, of a layer against what lies below, of a ply of a sheet by itself"
+    );
     refuse(of, "growths", format!("{low:.3} to {high:.3}"), accepted)
 }
 

@@ -6,7 +6,7 @@ mod flat_sheet;
 use fires::{PAPER, ball, burnt, fire, pose, run, run_pose, sheet};
 use flat_sheet::{clamp, rectangle};
 use nalgebra::Vector3;
-use ruga_stepper::{Fire, Keyframe, Motion, PoseResult, Sheet};
+use ruga_stepper::{Fire, Keyframe, Motion, PoseResult, PoseSpec, Sheet};
 
 /// Area of what is left at the last key, m².
 fn area_left(result: &PoseResult) -> f64 {
@@ -85,13 +85,14 @@ fn a_mesh_that_follows_the_fire_burns_and_curls_as_a_fine_one() {
     narrow.front.width = 0.7e-3;
     narrow.shrink.along = 0.2;
     narrow.shrink.asymmetry = 0.01;
-    let [even, fitted] = [Some(0.35e-3), None].map(|edge| {
+    let burn = |edge| {
         let sheet = Sheet {
             edge,
             ..sheet(narrow.clone())
         };
         run(&driver, &sheet, (10, 0.25)).expect("it burns")
-    });
+    };
+    let [even, fitted] = [Some(0.35e-3), None].map(burn);
     let reports = [&even, &fitted].map(burnt);
     // The ember stands where the curling end was, and touches it as it curls.
     let [fuel, other] = reports.map(|report| report.fuel_left);
@@ -113,6 +114,88 @@ fn a_mesh_that_follows_the_fire_burns_and_curls_as_a_fine_one() {
     let high = even.positions.iter().map(|x| x.z.abs()).fold(0.0, f64::max);
     assert!(high > 0.5e-3, "{high} m");
     assert!(away < 0.06 * high, "{away} of {high} m");
+    let again = burn(None);
+    assert_eq!(fitted.positions, again.keys[1].layers[0].positions);
+}
+
+/// A ball that crosses a strip cuts its end off, which falls, on a mesh that follows both.
+#[test]
+fn a_mesh_that_follows_a_ball_falls_into_pieces() {
+    let (length, width) = (0.06, 0.002);
+    let driver = rectangle([length, width], [30, 1]);
+    let mut narrow = fire(vec![ball(0.04, -0.004, 0.002)]);
+    narrow.front.width = 0.7e-3;
+    narrow.ash_share = 0.2;
+    let falling = Sheet {
+        edge: None,
+        gravity: Vector3::new(9.81, 0.0, 0.0),
+        ..sheet(narrow)
+    };
+    let crossing = PoseSpec {
+        motions: vec![Motion {
+            of: falling.fire.as_ref().expect("a fire").sources[0]
+                .name
+                .clone(),
+            keyframes: vec![Keyframe {
+                at: 1.0,
+                translation: Vector3::new(0.0, 0.01, 0.0),
+                turn: Vector3::zeros(),
+                about: Vector3::zeros(),
+            }],
+        }],
+        ..pose(10)
+    };
+    let result = run_pose(&driver, &falling, crossing, 0.05).expect("it burns");
+    let report = burnt(&result);
+    assert!((1..8).contains(&report.remeshed), "{report:?}");
+    assert_eq!((report.pieces, report.vanished), (2, 0), "{report:?}");
+    let surface = &result.keys[1].layers[0];
+    assert!(surface.positions.iter().flatten().all(|c| c.is_finite()));
+    let far = surface.positions.iter().map(|x| x.x).fold(0.0, f64::max);
+    assert!(far > length + 0.02, "{far} m");
+    // Nothing of what is seen spans the gap.
+    let longest = surface.faces.iter().flat_map(|corners| {
+        let [a, b, c] = corners.map(|v| surface.positions[v as usize]);
+        [(b - a).norm(), (c - b).norm(), (a - c).norm()]
+    });
+    let longest = longest.fold(0.0, f64::max);
+    assert!(longest < 1e-3, "{longest} m");
+}
+
+/// Where the fire comes to a handle that has moved, what it holds is where the handle has taken it, on every mesh.
+#[test]
+fn a_new_mesh_beside_a_handle_moves_with_it() {
+    let (length, width) = (0.06, 0.002);
+    let driver = rectangle([length, width], [30, 1]);
+    let mut narrow = fire(vec![ball(0.006, 0.5 * width, 0.002)]);
+    narrow.front.width = 0.7e-3;
+    let mut held = Sheet {
+        edge: None,
+        ..sheet(narrow)
+    };
+    held.handles = vec![clamp(2e-3)];
+    let raise = Vector3::new(0.0, 0.0, 2e-3);
+    let lifted = PoseSpec {
+        motions: vec![Motion {
+            of: held.handles[0].name.clone(),
+            keyframes: vec![Keyframe {
+                at: 1.0,
+                translation: raise,
+                turn: Vector3::zeros(),
+                about: Vector3::zeros(),
+            }],
+        }],
+        ..pose(10)
+    };
+    let result = run_pose(&driver, &held, lifted, 0.2).expect("it burns");
+    let report = burnt(&result);
+    assert!(report.remeshed > 0, "{report:?}");
+    let surface = &result.keys[1].layers[0];
+    let held: Vec<_> = surface.positions.iter().filter(|x| x.x < 1e-3).collect();
+    assert!(held.len() > 10);
+    for x in held {
+        assert!((x.z - raise.z).abs() < 2e-5, "{x:?}");
+    }
 }
 
 #[test]

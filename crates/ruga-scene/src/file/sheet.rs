@@ -19,8 +19,8 @@ use super::{Handle, LayerDefinition, Movers, Obstacle, Region, SceneFile, Stack}
 pub struct Sheet {
     /// Acceleration of its mass, m/s2; none if left out. It acts in full from the first step on.
     pub gravity: [f64; 3],
-    /// Longest edge of the mesh that is simulated, m; a sixtieth of the longest side of the sheet if left out,
-    /// and of one that burns at most half the width of the front.
+    /// Longest edge of the mesh that is simulated, m. If left out it is a sixtieth of the longest side of the
+    /// sheet, and where the sheet burns at most half the width of the front: the mesh then follows the fire.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub edge: Option<f64>,
     /// Parts of the sheet that are held and moved.

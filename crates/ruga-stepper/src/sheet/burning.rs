@@ -126,22 +126,15 @@ impl<'a> FireState<'a> {
         Ok((own, burning))
     }
 
-    /// Puts it on the sheet's mesh, whose triangles lie under those of the field mesh as `covering` says.
-    pub(super) fn put_on(
-        &mut self,
-        driver: &Driver,
-        (skin, fresh): (&SkinMesh, Vec<FaceParameters>),
-        covering: Option<Covering>,
-    ) {
-        if let Some(covering) = covering {
-            self.covering = covering;
-        }
-        self.faces = FreshFaces::new(
-            self.fire,
-            (driver, skin),
-            fresh,
-            (&self.grid, &self.covering),
-        );
+    /// Takes the sheet's triangles that the field mesh lies on.
+    pub(super) fn lie_on(&mut self, covering: Covering) {
+        self.covering = covering;
+    }
+
+    /// Takes what the triangles of the sheet's mesh, which it lies on, are made of when fresh.
+    pub(super) fn put_on(&mut self, driver: &Driver, skin: &SkinMesh, fresh: Vec<FaceParameters>) {
+        let on = (&self.grid, &self.covering);
+        self.faces = FreshFaces::new(self.fire, (driver, skin), fresh, on);
     }
 
     /// Lets the sheet, whose region is at `positions` (m), burn for a time (s) that ends at a fraction of the pose.
@@ -184,7 +177,7 @@ impl<'a> FireState<'a> {
     }
 
     /// Parts of a step between two fractions of the pose in which every ball moves by at most half its radius.
-    fn parts(&self, moves: &Moves<'_>, ends: [f64; 2]) -> u32 {
+    pub(super) fn parts(&self, moves: &Moves<'_>, ends: [f64; 2]) -> u32 {
         let parts = self.fire.sources.iter().map(|source| match source.heats {
             Heats::Ball { centre, radius, .. } => {
                 let [a, b] = ends.map(|at| moves.place_of(&source.name, &centre, at));
@@ -285,7 +278,7 @@ impl<'a> FireState<'a> {
     /// What is left of every triangle of the sheet.
     pub(super) fn remains(&self, burning: &Burning) -> Result<PerFace<Remains>, StepperError> {
         let shares = self.shares(burning)?;
-        let sums = self.covering.sums(&self.grid, |field| {
+        let sums = self.covering.sums(|field| {
             let fuel = mean_fuel(burning, &self.grid.mesh.faces()[field]);
             [shares[field], shares[field] * fuel, fuel]
         });
@@ -330,28 +323,44 @@ impl<'a> FireState<'a> {
             is_in[face.index()] = true;
             area += self.area(*face) * remains[*face].share;
         }
-        let mut vertices = Vec::new();
+        let fields = self.pairs().filter(|(_, owner)| is_in[owner.index()]);
         // A piece that touches another one in a vertex takes that with it, or it would not be gone whole.
-        for (face, corners) in self.grid.mesh.faces().iter() {
-            if is_in[self.owner(face).index()] {
-                for v in corners {
-                    if !std::mem::replace(&mut burning.fallen[v.index()], true) {
-                        vertices.push(*v);
-                    }
-                }
+        self.drop_fields(burning, fields.map(|(field, _)| field));
+        burning.vanished.0 += 1;
+        burning.vanished.1 += area;
+    }
+
+    /// Lets triangles of the field mesh fall off, with their fuel.
+    pub(super) fn drop_fields(
+        &self,
+        burning: &mut Burning,
+        fields: impl IntoIterator<Item = FaceId>,
+    ) {
+        let mut vertices = Vec::new();
+        for v in fields
+            .into_iter()
+            .flat_map(|field| self.grid.mesh.faces()[field])
+        {
+            if !std::mem::replace(&mut burning.fallen[v.index()], true) {
+                vertices.push(v);
             }
         }
         burning.state.drop_fuel(self.solver.mesh(), &vertices);
-        burning.vanished.0 += 1;
-        burning.vanished.1 += area;
+    }
+
+    /// Triangles of the field mesh, and those of the sheet on which they or parts of them lie.
+    pub(super) fn pairs(&self) -> impl Iterator<Item = (FaceId, FaceId)> + '_ {
+        self.covering.pairs()
     }
 
     /// Drops what is left of faces that do not stand any more: it is nobody's, and would stay behind.
     pub(super) fn drop_specks(&self, burning: &mut Burning, stands: impl Fn(FaceId) -> bool) {
         let mut is_used = vec![false; self.ash.len()];
-        for (face, corners) in self.grid.mesh.faces().iter() {
-            if stands(self.owner(face)) {
-                corners.iter().for_each(|v| is_used[v.index()] = true);
+        for (field, owner) in self.pairs() {
+            if stands(owner) {
+                for v in self.grid.mesh.faces()[field] {
+                    is_used[v.index()] = true;
+                }
             }
         }
         let specks = (0..is_used.len()).map(VertexId::from_index);

@@ -43,7 +43,7 @@ impl FreshFaces {
             let at = |uv: &Vector2<f64>| paint.as_ref().map_or(1.0, |paint| paint.at(*uv));
             grid.uvs[field.index()].iter().map(at).sum::<f64>() / 3.0
         };
-        let factors = covering.sums(grid, |field| {
+        let factors = covering.sums(|field| {
             [&fire.shrink_factor, &fire.asymmetry_factor].map(|paint| middle(field, paint))
         });
         let faces = (0..factors.len()).map(FaceId::from_index);

@@ -40,7 +40,11 @@ impl SheetState<'_> {
             control: artist.to_vec(),
         };
         let below = below.pose(&region.skin);
-        let own = &self.on_region(&self.moving.positions);
+        // The surface is smooth across what is gone, which would else have stayed where it burnt.
+        let own = &match &self.fitting {
+            Some(_) => self.on_region(&self.carried_positions()),
+            None => self.moving.positions.clone(),
+        };
         LayerSurface {
             name: self.spec.name.clone(),
             positions: region.on_both_sides(own.clone()),

@@ -1,10 +1,12 @@
 //! The mesh of a sheet that burns: fine where it burns and where it is bent, coarse where it is fresh.
 
 use std::cell::OnceCell;
+use std::iter::Sum;
+use std::ops::Mul;
 
 use nalgebra::{Matrix3, Vector3};
 use ruga_blend::Driver;
-use ruga_mesh::{FaceId, MaterialPoint, PerVertex};
+use ruga_mesh::{Id, MaterialPoint, PerVertex, TriMesh, VertexId};
 use ruga_remesh::{
     PolyhedralSurface, Refinement, RemeshError, RemeshSettings, Remeshed, SizeLimits, Sizing,
     SizingInput, SurfaceMesh, Transfer, remesh_to_metric, sizing_field,
@@ -16,19 +18,17 @@ use super::covering::Covering;
 use super::field_grid::FieldGrid;
 use super::meshed::holders;
 use super::zones::Zone;
+use crate::error::Halt;
 use crate::skin::interpolation::{Interpolation, places_on};
-use crate::skin::skin_mesh::{RegionMesh, SkinMesh, sharp_map};
+use crate::skin::skin_mesh::{RegionMesh, SkinMesh};
 use crate::{LayerSpec, StepperError};
 
 /// Edges of the first mesh over those asked for, one round after the other. Edges between old vertices are spared up to
 /// a factor of 0.6, so that a mesh that is to become much coarser does so in two rounds.
 const ROUNDS: [f64; 2] = [2.0, 1.0];
 
-/// Edges over those asked for that the remesher leaves here and there: a mesh with longer ones is too coarse.
-const TOO_LONG: f64 = 1.5;
-
-/// Edges of the fresh sheet over those of the burning one from which on it pays to have two lengths.
-const WORTH_IT: f64 = 1.5;
+/// Longest edges that the remesher leaves over those asked for.
+const LONGEST: f64 = 1.5;
 
 /// Turn along an edge up to which natural curvature is shown (rad); at [`ruga_shell::MAX_NATURAL_ANGLE`] it is cut.
 const NATURAL_TURN: f64 = 0.25;
@@ -38,8 +38,11 @@ pub(super) struct Fitting {
     /// Edges that are asked for where it burns, and where it is fresh and flat, m.
     lengths: [f64; 2],
     mesh: SurfaceMesh,
-    /// Places on it of the vertices of the region's mesh.
+    /// Sizing that the shape at rest asks for at the vertices of the region's mesh, 1/m².
+    at_rest: Vec<Matrix3<f64>>,
+    /// Places on it of the vertices of the region's mesh, and whether it was asked to be fine there.
     places: Vec<MaterialPoint>,
+    is_fine: Vec<bool>,
     /// Smooth interpolation to these, made when it is asked for.
     smooth: OnceCell<Interpolation>,
 }
@@ -53,50 +56,66 @@ pub(super) struct Refitted {
 
 impl Fitting {
     /// The mesh of a fresh sheet, and the same with its places on the driver; `None` where one length of edges serves
-    /// all of the sheet: by its size, because the scene says so, or because its map has boundaries to follow.
+    /// all of the sheet.
     pub(super) fn new(
         (spec, sheet): (&LayerSpec, &Sheet),
         (driver, region): (&Driver, &RegionMesh),
         (fire, burning): (&FireState<'_>, &Burning),
-    ) -> Result<Option<(Self, SkinMesh)>, StepperError> {
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> Result<Option<(Self, SkinMesh)>, Halt> {
         let rest = &region.skin.rest.positions;
-        let lengths = sheet.edges(rest).map(|edge| edge / TOO_LONG);
-        if lengths[1] < WORTH_IT * lengths[0] || sharp_map(spec).is_some() {
+        let [fine, coarse] = sheet.edges(rest);
+        if fine == coarse {
             return Ok(None);
         }
-        let remesh = |source| StepperError::Remesh {
-            layer: spec.name.clone(),
-            source,
-        };
+        let remesh = |source| Halt::Failed(remesh_error(spec, source));
         let (surface, mut mesh) = region.on_facets().map_err(remesh)?;
+        let at_rest = sizing_field(&SizingInput {
+            mesh: &mesh,
+            shape: rest,
+            driver: None,
+            refinement: Refinement::default(),
+        });
+        let at_rest = at_rest.map_err(remesh)?.tensors.into_vec();
         // What a handle holds is the same on every mesh.
-        let held = holders(sheet, rest)?.iter().map(Option::is_some).collect();
-        mesh.fixed = held;
-        let zones = fire.zones(burning, rest.len(), (&[], &[]));
-        let wanted = wanted(&zones, lengths, |_| Matrix3::zeros());
+        mesh.fixed = holders(sheet, rest)?.iter().map(Option::is_some).collect();
+        let zones = fire.zones(burning, &region.skin.mesh, (&[], &[]));
+        let lengths = [fine, coarse].map(|edge| edge / LONGEST);
+        let wanted = wanted(&zones, lengths, |v| at_rest[v]);
         for round in ROUNDS {
             let made = fitted((region, &surface), &mesh, (&wanted, round), lengths);
             mesh = made.map_err(remesh)?.mesh;
+            if !goes_on() {
+                return Err(Halt::Interrupted);
+            }
         }
-        Ok(Some(Self::on(driver, region, mesh, lengths)))
+        let made = Self::on((driver, region), (mesh, lengths, at_rest), &zones, goes_on);
+        made.ok_or(Halt::Interrupted).map(Some)
     }
 
+    /// With its vertices' places on the driver, and those of the region's on it; `None` as soon as `goes_on` says no.
     fn on(
-        driver: &Driver,
-        region: &RegionMesh,
-        mesh: SurfaceMesh,
-        lengths: [f64; 2],
-    ) -> (Self, SkinMesh) {
-        let skin = region.placed(driver, &mesh, &mut || true);
-        let skin = skin.expect("nothing ends it early");
-        let places = places_on(&skin, &region.skin, &mut || true);
+        (driver, region): (&Driver, &RegionMesh),
+        (mesh, lengths, at_rest): (SurfaceMesh, [f64; 2], Vec<Matrix3<f64>>),
+        zones: &[Zone],
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> Option<(Self, SkinMesh)> {
+        let skin = region.placed(driver, &mesh, goes_on)?;
         let fitting = Self {
-            places: places.expect("nothing ends it early"),
+            places: places_on(&skin, &region.skin, goes_on)?,
+            is_fine: zones.iter().map(|zone| *zone != Zone::Quiet).collect(),
+            at_rest,
             lengths,
             mesh,
             smooth: OnceCell::new(),
         };
-        (fitting, skin)
+        Some((fitting, skin))
+    }
+
+    /// For every vertex whether it was one that a handle holds from the beginning: those that came later may lie in the
+    /// box of a handle as well, but not where it has moved to.
+    pub(super) fn may_be_held(&self) -> &[bool] {
+        self.mesh.fixed.as_slice()
     }
 
     /// How the mesh of temperature and fuel lies on it.
@@ -110,41 +129,35 @@ impl Fitting {
         Covering::of_fitted(grid, (region, skin), points, &self.places)
     }
 
-    /// Whether it is coarser than these zones of the region's vertices allow.
+    /// Whether something burns where it was not asked to be fine.
     pub(super) fn is_too_coarse(&self, zones: &[Zone]) -> bool {
-        let longest = (TOO_LONG * self.lengths[0]).powi(2);
-        let is_too_long = |face: FaceId| {
-            let [a, b, c] = self.mesh.mesh.faces()[face].map(|v| self.mesh.positions[v]);
-            [b - a, c - b, a - c]
-                .iter()
-                .any(|edge| edge.norm_squared() > longest)
-        };
-        let burning = zones.iter().zip(&self.places);
-        burning
-            .filter(|(zone, _)| **zone == Zone::Burning)
-            .any(|(_, place)| is_too_long(place.face))
+        let mut places = zones.iter().zip(&self.is_fine);
+        places.any(|(zone, is_fine)| *zone == Zone::Burning && !is_fine)
     }
 
     /// The mesh that these zones want, of a sheet that is at `positions` (m) and whose triangles have these natural
     /// curvatures (1/m).
     pub(super) fn again(
         &self,
-        (driver, region): (&Driver, &RegionMesh),
+        (spec, driver, region): (&LayerSpec, &Driver, &RegionMesh),
         zones: &[Zone],
         (positions, curvatures): (&[Vector3<f64>], &[f64]),
-    ) -> Result<Refitted, RemeshError> {
-        let (surface, _) = region.on_facets()?;
-        let bends = self.bends(positions, curvatures)?;
-        let at_place = |v: usize| -> Matrix3<f64> {
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> Result<Refitted, Halt> {
+        let remesh = |source| Halt::Failed(remesh_error(spec, source));
+        let (surface, _) = region.on_facets().map_err(remesh)?;
+        let bends = self.bends(positions, curvatures).map_err(remesh)?;
+        let bend = |v: usize| {
             let place = &self.places[v];
-            let corners = self.mesh.mesh.faces()[place.face].iter();
-            let weighted = corners.zip(place.barycentric);
-            weighted.map(|(v, weight)| bends.tensors[*v] * weight).sum()
+            let own: Matrix3<f64> = linear_at(&self.mesh.mesh, place, |v| bends.tensors[v]);
+            own + self.at_rest[v]
         };
-        let wanted = wanted(zones, self.lengths, at_place);
-        let made = fitted((region, &surface), &self.mesh, (&wanted, 1.0), self.lengths)?;
-        let Remeshed { mesh, transfer, .. } = made;
-        let (fitting, skin) = Self::on(driver, region, mesh, self.lengths);
+        let wanted = wanted(zones, self.lengths, bend);
+        let made = fitted((region, &surface), &self.mesh, (&wanted, 1.0), self.lengths);
+        let Remeshed { mesh, transfer, .. } = made.map_err(remesh)?;
+        let of = (mesh, self.lengths, self.at_rest.clone());
+        let made = Self::on((driver, region), of, zones, goes_on);
+        let (fitting, skin) = made.ok_or(Halt::Interrupted)?;
         Ok(Refitted {
             fitting,
             skin,
@@ -175,13 +188,7 @@ impl Fitting {
 
     /// Values at the vertices of the region's mesh, linear over every triangle of this one.
     pub(super) fn linear(&self, values: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-        let at = |place: &MaterialPoint| {
-            let corners = self.mesh.mesh.faces()[place.face].iter();
-            let weighted = corners.zip(place.barycentric);
-            weighted
-                .map(|(v, weight)| values[v.0 as usize] * weight)
-                .sum()
-        };
+        let at = |place| linear_at(&self.mesh.mesh, place, |v| values[v.index()]);
         self.places.iter().map(at).collect()
     }
 
@@ -200,6 +207,24 @@ impl Fitting {
     }
 }
 
+/// The value at a place of a mesh, linear between those at the corners of its triangle.
+fn linear_at<T: Mul<f64, Output = T> + Sum>(
+    mesh: &TriMesh,
+    place: &MaterialPoint,
+    value: impl Fn(VertexId) -> T,
+) -> T {
+    let corners = mesh.faces()[place.face].into_iter();
+    let weighted = corners.zip(place.barycentric);
+    weighted.map(|(v, weight)| value(v) * weight).sum()
+}
+
+fn remesh_error(spec: &LayerSpec, source: RemeshError) -> StepperError {
+    StepperError::Remesh {
+        layer: spec.name.clone(),
+        source,
+    }
+}
+
 /// The sizing of the region's vertices: `lengths` by their zones, and what bends there asks for.
 fn wanted(
     zones: &[Zone],
@@ -207,7 +232,7 @@ fn wanted(
     bend: impl Fn(usize) -> Matrix3<f64>,
 ) -> Vec<Matrix3<f64>> {
     let of_vertex = |(v, zone): (usize, &Zone)| {
-        let length = if *zone == Zone::Fresh { coarse } else { fine };
+        let length = if *zone == Zone::Quiet { coarse } else { fine };
         Matrix3::identity() / (length * length) + bend(v)
     };
     zones.iter().enumerate().map(of_vertex).collect()
@@ -231,12 +256,8 @@ fn fitted(
     };
     let (_, mesh) = region.on_facets()?;
     let sizing = sizing.limited(&mesh, surface, &limits)?;
-    let metric = |place: MaterialPoint, _: Vector3<f64>| {
-        let corners = mesh.mesh.faces()[place.face].iter();
-        let weighted = corners.zip(place.barycentric);
-        weighted
-            .map(|(v, weight)| sizing.tensors[*v] * weight)
-            .sum::<Matrix3<f64>>()
+    let metric = |place: MaterialPoint, _: Vector3<f64>| -> Matrix3<f64> {
+        linear_at(&mesh.mesh, &place, |v| sizing.tensors[v])
     };
     let settings = RemeshSettings {
         limits,

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use ruga_blend::Driver;
 use ruga_material::RelativeProperties;
-use ruga_mesh::{Id, PerFace, face_areas, mean_edge_lengths};
+use ruga_mesh::{Id, PerFace, Submesh, face_areas, mean_edge_lengths};
 use ruga_shell::{BendingModel, FaceParameters};
 
 use super::Sheet;
@@ -35,14 +35,17 @@ pub(super) struct Meshed {
 }
 
 impl Meshed {
-    /// The fresh sheet on `skin`.
+    /// The fresh sheet on `skin`, of which `part` is there; where only some vertices `may_be_held`, no others are.
     pub(super) fn new(
         driver: &Driver,
         (spec, sheet): (&LayerSpec, &Sheet),
-        skin: SkinMesh,
+        (skin, part, may_be_held): (SkinMesh, Submesh, Option<&[bool]>),
         bending: BendingModel,
     ) -> Result<Self, StepperError> {
-        let holders = holders(sheet, &skin.rest.positions)?;
+        let mut holders = holders(sheet, &skin.rest.positions)?;
+        for (holder, may_be_held) in holders.iter_mut().zip(may_be_held.into_iter().flatten()) {
+            *holder = holder.filter(|_| *may_be_held);
+        }
         let held: Vec<bool> = holders.iter().map(Option::is_some).collect();
         if held.iter().all(|held| *held) {
             return Err(StepperError::NoRoom {
@@ -54,7 +57,6 @@ impl Meshed {
         let of_faces = |value: fn(&FaceParameters) -> f64| -> Vec<f64> {
             materials.iter().map(value).collect()
         };
-        let part = Standing::whole(&skin);
         let standing = Standing::new(spec, &skin, part, &materials, &held, bending)?;
         let face_areas = face_areas(mesh, rest);
         let densities = materials

@@ -13,6 +13,7 @@ use crate::error::{Checked, refuse};
 use crate::plan::body_cost::cost;
 use crate::plan::stacking::Stacking;
 use crate::plan::surface_measures::faces_within;
+use crate::skin::skin_mesh::sharp_map;
 use crate::support::obstacle;
 use crate::validation::{
     check_bends, check_growth, check_layer, check_map_size, check_modelling, check_pose,
@@ -26,6 +27,13 @@ pub const SHEET_EDGES: f64 = 60.0;
 /// Longest edges of a sheet that burns, over the width of the front, unless it says something else of them: across the
 /// burning zone, of about two widths, its shrinkage then has four.
 const FRONT_EDGES: f64 = 0.5;
+
+/// Edges of a fresh sheet over those of a burning one from which on it pays to have two lengths.
+const WORTH_IT: f64 = 1.5;
+
+/// Widths of the front along which a sheet that burns has fine edges, as the plan has it: those around what burns and
+/// those that are ahead of it.
+const FINE_WIDTHS: f64 = 8.0;
 
 /// Edges of triangles that are halved until none is too long, over the longest allowed: they end between half
 /// and all of it.
@@ -67,7 +75,9 @@ pub fn plan_sheet(
     for pose in poses {
         sheet.moves(pose)?;
     }
-    let [edge, _] = sheet.edges(driver.rest());
+    let [edge, coarse] = sheet.edges(driver.rest());
+    // Boundaries of a map are followed by an even mesh alone.
+    let is_even = sharp_map(layer).is_some();
     let topology = driver.topology();
     let areas = face_areas(topology, driver.rest());
     let area: f64 = areas.as_slice().iter().sum();
@@ -89,9 +99,18 @@ pub fn plan_sheet(
         let levels = levels(own.min(MEAN_EDGE * edge), wanted);
         check_fields(fire, (levels, vertices), modelling.vertex_budget)?;
     }
+    let moving = match is_even || edge == coarse {
+        true => vertices,
+        // A front about as long as the sheet is wide.
+        false => {
+            let fine = FINE_WIDTHS * edge / FRONT_EDGES / area.sqrt();
+            let fresh = 0.5 * faces_within(area, MEAN_EDGE * coarse);
+            vertices.min((fine * vertices as f64 + fresh) as usize)
+        }
+    };
     let faces: Vec<FaceId> = topology.faces().ids().collect();
     let pose_plan = |pose: &PoseSpec| {
-        let (per_step, memory) = cost(vertices, None);
+        let (per_step, memory) = cost(moving, None);
         PosePlan {
             name: pose.name.clone(),
             path: LoadPath::Weight,
@@ -103,14 +122,14 @@ pub fn plan_sheet(
                 painted: None,
                 applied: None,
                 active_area: area,
-                vertices,
+                vertices: moving,
                 levels: 0,
                 points_per_wavelength: f64::NAN,
                 texels_per_wavelength: f64::NAN,
                 seconds: per_step * f64::from(pose.steps),
                 memory,
                 asked_points: f64::NAN,
-                needed: vertices as f64,
+                needed: moving as f64,
                 region: faces.iter().map(|face| u64::from(face.0)).collect(),
                 output_edges: vec![edge; faces.len()],
                 creases: vec![true; layer.creases.len()],
@@ -127,15 +146,19 @@ pub fn plan_sheet(
         stacking: Stacking::of_sheet(layer),
         planning_levels: 0,
         body: None,
-        sheet: Some(Arc::new(sheet.clone())),
+        sheet: Some(Arc::new(Sheet {
+            edge: if is_even { Some(edge) } else { sheet.edge },
+            ..sheet.clone()
+        })),
     };
     plan.check_boundaries()?;
     Ok(plan)
 }
 
 impl Sheet {
-    /// Longest edges of its mesh where it burns, and where it does not, with vertices that are at rest at these
-    /// places (m), m.
+    /// Longest edges of its mesh where it burns, and elsewhere, m; the same twice where one length serves all of it, as
+    /// without a fire, with an [`Self::edge`], or among obstacles, which new vertices would have to stay out of.
+    /// `rest`: positions of the sheet's vertices at rest, m.
     pub fn edges(&self, rest: &[Vector3<f64>]) -> [f64; 2] {
         let even = longest_side(rest) / SHEET_EDGES;
         let of_front = |fire: &Fire| FRONT_EDGES * fire.front.width;
@@ -143,7 +166,11 @@ impl Sheet {
             .fire
             .as_ref()
             .map_or(even, |fire| even.min(of_front(fire)));
-        self.edge.map_or([finest, even], |edge| [edge; 2])
+        match self.edge {
+            Some(edge) => [edge; 2],
+            None if even < WORTH_IT * finest || !self.obstacles.is_empty() => [finest; 2],
+            None => [finest, even],
+        }
     }
 }
 

@@ -2,14 +2,17 @@
 
 use nalgebra::Vector3;
 use ruga_blend::Driver;
-use ruga_mesh::FaceId;
+use ruga_mesh::{FaceId, Id, PerFace, Submesh};
 
-use super::fitting::Refitted;
+use super::fitting::{Fitting, Refitted};
 use super::meshed::Meshed;
 use super::pieces::stands;
 use super::standing::Standing;
-use super::state::SheetState;
+use super::state::{SheetState, scales};
+use super::zones::Zone;
 use crate::StepperError;
+use crate::error::Halt;
+use crate::skin::skin_mesh::SkinMesh;
 use crate::support::Moves;
 
 /// Time (s) over which what is gone is moved back to find its velocity; any short one would do.
@@ -25,25 +28,26 @@ impl SheetState<'_> {
         fitting.is_too_coarse(&self.zones(moves, times))
     }
 
-    fn zones(&self, moves: &Moves<'_>, times: [f64; 2]) -> Vec<super::zones::Zone> {
+    fn zones(&self, moves: &Moves<'_>, times: [f64; 2]) -> Vec<Zone> {
         let (Some(fitting), Some((fire, burning))) = (&self.fitting, self.fire()) else {
             return Vec::new();
         };
         let balls = fire.balls(moves, times);
         let places = match balls.is_empty() {
             true => Vec::new(),
-            false => fitting.linear(&self.moving.positions),
+            false => fitting.linear(&self.carried_positions()),
         };
-        let count = self.region.skin.mesh.vertex_count();
-        fire.zones(burning, count, (&balls, &places))
+        fire.zones(burning, &self.region.skin.mesh, (&balls, &places))
     }
 
-    /// Goes on with a mesh that is fine enough for what burns between two fractions of a pose.
+    /// Goes on with a mesh that is fine enough for what burns between two fractions of a pose; after an error with the
+    /// one that it has.
     pub(super) fn refit(
         &mut self,
         driver: &Driver,
         (moves, times): (&Moves<'_>, [f64; 2]),
-    ) -> Result<(), StepperError> {
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> Result<(), Halt> {
         let zones = self.zones(moves, times);
         let Some(fitting) = &self.fitting else {
             return Ok(());
@@ -51,40 +55,68 @@ impl SheetState<'_> {
         // What is gone goes along with what is left: a new vertex may lie between the two.
         let positions = self.carried_positions();
         let velocities = self.carried_velocities(&positions);
-        let around = (driver, &self.region);
-        let made = fitting.again(around, &zones, (&positions, &self.curvatures));
-        let made = made.map_err(|source| StepperError::Remesh {
-            layer: self.spec.name.clone(),
-            source,
-        })?;
+        let of = (self.spec, driver, &self.region);
+        let shape = (positions.as_slice(), self.curvatures.as_slice());
         let Refitted {
             fitting,
             skin,
             transfer,
-        } = made;
+        } = fitting.again(of, &zones, shape, goes_on)?;
         let rest = &self.meshed.skin.rest.positions;
         let moved = positions.iter().zip(rest).map(|(x, rest)| x - rest);
         let moved = transfer.rows.apply(&moved.collect::<Vec<Vector3<f64>>>());
         let at_rest = skin.rest.positions.iter().zip(moved);
-        self.moving.positions = at_rest.map(|(rest, moved)| rest + moved).collect();
-        self.moving.velocities = transfer.rows.apply(&velocities);
-        self.meshed = Meshed::new(driver, (self.spec, self.sheet), skin, self.bending)?;
-        self.curvatures = vec![0.0; self.meshed.face_areas.len()];
-        if let Some((fire, burning)) = self.fire.as_mut().zip(self.moving.burning.as_ref()) {
-            let skin = &self.meshed.skin;
-            let covering = fitting.covering(&fire.grid, &self.region, skin);
-            let fresh = self.meshed.materials.clone();
-            fire.put_on(driver, (skin, fresh), Some(covering));
-            let remains = fire.remains(burning)?;
-            let faces = skin.mesh.faces().ids();
-            let faces: Vec<FaceId> = faces.filter(|face| stands(&remains[*face])).collect();
-            let part = skin.mesh.submesh(&faces);
-            let (materials, held) = (&self.meshed.materials, &self.meshed.held);
-            self.meshed.standing =
-                Standing::new(self.spec, skin, part, materials, held, self.bending)?;
+        let positions = at_rest.map(|(rest, moved)| rest + moved).collect();
+        let part = self.part_on(&fitting, &skin)?;
+        let on = (skin, part, Some(fitting.may_be_held()));
+        let meshed = Meshed::new(driver, (self.spec, self.sheet), on, self.bending)?;
+        if let Some(fire) = &mut self.fire {
+            fire.put_on(driver, &meshed.skin, meshed.materials.clone());
         }
+        self.moving.positions = positions;
+        self.moving.velocities = transfer.rows.apply(&velocities);
+        self.scales = scales(self.sheet, &meshed);
+        self.curvatures = vec![0.0; meshed.face_areas.len()];
+        self.meshed = meshed;
         self.fitting = Some(fitting);
         Ok(())
+    }
+
+    /// Puts the mesh of the fire on a new one of the sheet, and gives the part of this that is there.
+    fn part_on(&mut self, fitting: &Fitting, skin: &SkinMesh) -> Result<Submesh, StepperError> {
+        let pieces = self.pieces_of_fields();
+        let (Some(fire), Some(burning)) = (&mut self.fire, &mut self.moving.burning) else {
+            return Ok(Standing::whole(skin));
+        };
+        fire.lie_on(fitting.covering(&fire.grid, &self.region, skin));
+        if let Some(pieces) = pieces {
+            fire.keep_apart(burning, &skin.mesh, &pieces)?;
+        }
+        let remains = fire.remains(burning)?;
+        let faces = skin.mesh.faces().ids();
+        let faces: Vec<FaceId> = faces.filter(|face| stands(&remains[*face])).collect();
+        Ok(skin.mesh.submesh(&faces))
+    }
+
+    /// The piece of the sheet, the largest first, on which every triangle of the field mesh lies; `None` while there is
+    /// no more than one.
+    fn pieces_of_fields(&self) -> Option<PerFace<Option<usize>>> {
+        let part = &self.meshed.standing.part;
+        let mut pieces = part.mesh.connected_parts(|_| true);
+        if pieces.len() < 2 {
+            return None;
+        }
+        pieces.sort_by_key(|piece| std::cmp::Reverse(piece.len()));
+        let mut of_faces = vec![None; self.meshed.face_areas.len()];
+        for (number, piece) in pieces.iter().enumerate() {
+            for face in piece {
+                of_faces[part.faces[*face].index()] = Some(number);
+            }
+        }
+        let fire = self.fire.as_ref()?;
+        let fields = fire.grid.mesh.faces().ids();
+        let of_field = |field| of_faces[fire.owner(field).index()];
+        Some(fields.map(of_field).collect())
     }
 
     /// Velocities of all vertices, which are at `positions` (m); those that are gone go along with what is left, m/s.

@@ -32,7 +32,11 @@ impl<'a> SheetState<'a> {
         let skin = &self.meshed.skin;
         let rest = &skin.rest.positions;
         let heated = match &self.fitting {
-            Some(fitting) => &fitting.linear(positions),
+            // What is gone goes along with what is left beside it, or a place between the two would be nowhere.
+            Some(fitting) => {
+                let standing = &self.meshed.standing;
+                &fitting.linear(&standing.carried(&skin.mesh, rest, positions))
+            }
             None => &*positions,
         };
         fire.advance(
@@ -83,52 +87,56 @@ impl<'a> SheetState<'a> {
         let one = Matrix2::identity();
         let mut stretches = grown.unwrap_or_else(|| PerFace::filled(faces, one));
         let mut curvatures = growth.curls_on_skin(driver, skin, time);
-        if let Some((fire, remains)) = self.fire.as_ref().zip(remains) {
-            // Fire curls by the difference of two faces, and those of a laminate are not as far apart as those of
-            // the even sheet that stands for it.
-            let laminate = self.spec.laminate.as_ref();
-            let thinner = laminate.map_or(1.0, |plies| {
-                self.spec.material.thickness / plies.thickness()
-            });
-            let mut masses = vec![0.0; faces];
-            let mut materials = self.meshed.materials.clone();
-            for face in self.meshed.standing.part.faces.as_slice() {
-                let burnt = fire.face(*face, &remains[*face])?;
-                // What has grown burns: fire shrinks the lengths that growth has left.
-                stretches[*face] = burnt.stretch * stretches[*face];
-                curvatures[*face] += burnt.curvature * thinner;
-                materials[face.index()] = burnt.material;
-                let left = fire.area(*face) * remains[*face].share;
-                masses[face.index()] = left * self.meshed.densities[face.index()] * burnt.mass;
-            }
-            let shares: Vec<f64> = self
-                .meshed
-                .standing
-                .of_faces(remains.as_slice(), |remains| remains.share);
-            let parameters = self
-                .meshed
-                .standing
-                .of_faces(&materials, |material| *material);
-            self.meshed.masses = lumped(skin, &masses);
-            self.meshed.materials = materials;
-            let energy = &mut self.meshed.standing.energy;
-            let set = energy.set_face_parameters(&parameters);
-            let set = set.and_then(|()| energy.set_area_left(&shares));
-            set.map_err(|source| shell_error(self.spec, source))?;
+        if let Some(remains) = remains {
+            self.burn_faces(&remains, (&mut stretches, &mut curvatures))?;
         }
-        let stretches = self
-            .meshed
-            .standing
-            .of_faces(stretches.as_slice(), |stretch| *stretch);
-        let curvatures = self
-            .meshed
-            .standing
-            .of_faces(curvatures.as_slice(), |curvature| *curvature);
-        let energy = &mut self.meshed.standing.energy;
+        let largest = |tensor: &Matrix2<f64>| tensor.symmetric_eigenvalues().amax();
+        self.curvatures = curvatures.as_slice().iter().map(largest).collect();
+        let standing = &mut self.meshed.standing;
+        let stretches = standing.of_faces(stretches.as_slice(), |stretch| *stretch);
+        let curvatures = standing.of_faces(curvatures.as_slice(), |curvature| *curvature);
+        let energy = &mut standing.energy;
         let outcome = energy.set_rest_metric(&stretches);
         let outcome = outcome.and_then(|()| energy.set_natural_curvatures(&curvatures));
         self.capped = outcome.map_err(|source| shell_error(self.spec, source))?;
         Ok(())
+    }
+
+    /// Gives the faces that are left the material and the mass that the fire has left, and adds its shrinkage and curl
+    /// to these stretches and curvatures.
+    fn burn_faces(
+        &mut self,
+        remains: &PerFace<Remains>,
+        (stretches, curvatures): (&mut PerFace<Matrix2<f64>>, &mut PerFace<Matrix2<f64>>),
+    ) -> Result<(), StepperError> {
+        let Some(fire) = &self.fire else {
+            return Ok(());
+        };
+        // Fire curls by the difference of two faces, and those of a laminate are not as far apart as those of
+        // the even sheet that stands for it.
+        let laminate = self.spec.laminate.as_ref();
+        let thinner = laminate.map_or(1.0, |plies| {
+            self.spec.material.thickness / plies.thickness()
+        });
+        let meshed = &mut self.meshed;
+        let mut masses = vec![0.0; remains.len()];
+        for face in meshed.standing.part.faces.as_slice() {
+            let burnt = fire.face(*face, &remains[*face])?;
+            // What has grown burns: fire shrinks the lengths that growth has left.
+            stretches[*face] = burnt.stretch * stretches[*face];
+            curvatures[*face] += burnt.curvature * thinner;
+            meshed.materials[face.index()] = burnt.material;
+            let left = fire.area(*face) * remains[*face].share;
+            masses[face.index()] = left * meshed.densities[face.index()] * burnt.mass;
+        }
+        meshed.masses = lumped(&meshed.skin, &masses);
+        let standing = &mut meshed.standing;
+        let shares: Vec<f64> = standing.of_faces(remains.as_slice(), |remains| remains.share);
+        let parameters = standing.of_faces(&meshed.materials, |material| *material);
+        let energy = &mut standing.energy;
+        let set = energy.set_face_parameters(&parameters);
+        let set = set.and_then(|()| energy.set_area_left(&shares));
+        set.map_err(|source| shell_error(self.spec, source))
     }
 
     /// The fire and what it has done.

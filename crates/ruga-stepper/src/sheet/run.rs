@@ -89,7 +89,10 @@ impl Plan {
         let spec = &self.stacking.specs[0];
         let region = RegionMesh::new(&self.driver, spec, on, &mut || preparing.goes_on())?;
         preparing.step()?;
-        let state = SheetState::new(&self.driver, (spec, sheet), region, &self.modelling)?;
+        let on = (spec, sheet);
+        let state = SheetState::new(&self.driver, on, region, &self.modelling, &mut || {
+            preparing.goes_on()
+        })?;
         preparing.step()?;
         Ok(state)
     }
@@ -105,8 +108,9 @@ struct SheetRun<'a> {
     result: PoseResult,
     /// Steps that were divided.
     divided: usize,
-    /// Meshes that were taken during the pose, after the first.
+    /// Meshes that were taken during the pose, after the first, and whether there can be no more.
     remeshed: usize,
+    stays: bool,
     /// Solves of all steps, whole and divided.
     solves: usize,
     /// Triangles that cross others at fractions of the pose, where some do.
@@ -139,6 +143,7 @@ impl<'a> SheetRun<'a> {
             result,
             divided: 0,
             remeshed: 0,
+            stays: false,
             solves: 0,
             crossing: Vec::new(),
             reached: 0.0,
@@ -155,7 +160,10 @@ impl<'a> SheetRun<'a> {
         let mut from = 0.0;
         for load in loads {
             let solves = self.solves;
-            self.refit([from, load], observer)?;
+            match self.refit([from, load], observer)? {
+                Ending::Reached => {}
+                ending => return Ok(ending),
+            }
             match self.step([from, load], HALVINGS, observer)? {
                 Ending::Reached => {}
                 ending => return Ok(ending),
@@ -170,17 +178,35 @@ impl<'a> SheetRun<'a> {
     }
 
     /// Takes another mesh where this one is too coarse for what burns between two fractions of the pose.
-    fn refit(&mut self, times: [f64; 2], observer: &mut dyn Observer) -> Result<(), StepperError> {
-        if !self.state.is_too_coarse(&self.moves, times) {
-            return Ok(());
+    fn refit(
+        &mut self,
+        times: [f64; 2],
+        observer: &mut dyn Observer,
+    ) -> Result<Ending, StepperError> {
+        if self.stays || !self.state.is_too_coarse(&self.moves, times) {
+            return Ok(Ending::Reached);
         }
-        observer.phase(0, Phase::Remeshing);
-        self.state.refit(&self.plan.driver, (&self.moves, times))?;
+        let mut preparing = Preparing::new(observer, 0, Phase::Remeshing);
+        let moves = (&self.moves, times);
+        let driver = &self.plan.driver;
+        match self.state.refit(driver, moves, &mut || preparing.goes_on()) {
+            Ok(()) => {}
+            Err(Halt::Interrupted) => return Ok(Ending::Interrupted),
+            Err(Halt::Failed(StepperError::Remesh { source, .. })) => {
+                self.stays = true;
+                self.warn(&format!(
+                    "from {:.1} % of the pose on its mesh does not follow the fire, because no finer one could be made ({source}); give `[sheet]` an `edge` of about half the width of the front",
+                    100.0 * times[0]
+                ));
+                return Ok(Ending::Reached);
+            }
+            Err(Halt::Failed(error)) => return Err(error),
+        }
         self.remeshed += 1;
         self.report.vertices = self.report.vertices.max(self.state.vertex_count());
         let faces = self.state.meshed.skin.mesh.face_count();
         self.report.faces = self.report.faces.max(faces);
-        Ok(())
+        Ok(Ending::Reached)
     }
 
     /// The dynamics of a step between two fractions of the pose, which takes its share of the time.
@@ -218,9 +244,13 @@ impl<'a> SheetRun<'a> {
         self.state.moving = before;
         if halvings == 0 {
             self.warn(&format!(
-                "no way on was found at {:.1} % of the pose, and it ends there: {}; take more `steps`, a shorter `edge` or motion in time",
+                "no way on was found at {:.1} % of the pose, and it ends there: {}; take more `steps`, {}",
                 100.0 * from,
-                why_stopped(solve.stop, (solve.iterations, solve.residual))
+                why_stopped(solve.stop, (solve.iterations, solve.residual)),
+                match self.state.fire() {
+                    Some(_) => "shorter time steps, or a shorter `edge`",
+                    None => "a shorter `edge` or motion in time",
+                }
             ));
             return Ok(Ending::GaveUp);
         }
@@ -388,9 +418,10 @@ impl<'a> SheetRun<'a> {
         let capped = self.state.capped as f64 / self.report.faces.max(1) as f64;
         if capped > CAPPED {
             self.warn(&format!(
-                "{:.0} % of its triangles are too large for its curl, which is cut to {:.0} degrees over an edge there; take a smaller `edge` of the sheet",
+                "{:.0} % of its triangles are too large for its curl, which is cut to {:.0} degrees over an edge there; give `[sheet]` an `edge` below {:.1e} m",
                 100.0 * capped,
-                MAX_NATURAL_ANGLE.to_degrees()
+                MAX_NATURAL_ANGLE.to_degrees(),
+                self.state.sheet.edges(&self.state.region.skin.rest.positions)[0]
             ));
         }
         let is_counted = self

@@ -13,6 +13,7 @@ use super::meshed::Meshed;
 use super::objective::{Scales, SheetObjective};
 use super::plan::longest_side;
 use super::standing::Standing;
+use crate::error::Halt;
 use crate::run::layer_objective::{gather, scatter};
 use crate::skin::skin_mesh::RegionMesh;
 use crate::support::Moves;
@@ -35,7 +36,7 @@ pub(super) struct SheetState<'a> {
     /// What it is computed on: the region's mesh, or one that is fine only where it burns.
     pub(super) meshed: Meshed,
     pub(super) fitting: Option<Fitting>,
-    scales: Scales,
+    pub(super) scales: Scales,
     pub(super) moving: Moving,
     /// Largest natural curvature of every face, 1/m.
     pub(super) curvatures: Vec<f64>,
@@ -61,13 +62,14 @@ impl<'a> SheetState<'a> {
         (spec, sheet): (&'a LayerSpec, &'a Sheet),
         region: RegionMesh,
         modelling: &Modelling,
-    ) -> Result<Self, StepperError> {
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> Result<Self, Halt> {
         let fire = sheet.fire.as_ref();
         let fire = fire.map(|fire| FireState::new(fire, &region, modelling.vertex_budget));
         let (mut fire, burning) = fire.transpose()?.unzip();
         let fitting = match (&fire, &burning) {
             (Some(fire), Some(burning)) => {
-                Fitting::new((spec, sheet), (driver, &region), (fire, burning))?
+                Fitting::new((spec, sheet), (driver, &region), (fire, burning), goes_on)?
             }
             _ => None,
         };
@@ -75,21 +77,20 @@ impl<'a> SheetState<'a> {
             Some((fitting, skin)) => (Some(fitting), skin),
             None => (None, region.skin.clone()),
         };
-        let meshed = Meshed::new(driver, (spec, sheet), skin, modelling.bending)?;
-        let (rest, masses) = (&meshed.skin.rest.positions, &meshed.masses);
+        let part = Standing::whole(&skin);
+        let may_be_held = fitting.as_ref().map(Fitting::may_be_held);
+        let on = (skin, part, may_be_held);
+        let meshed = Meshed::new(driver, (spec, sheet), on, modelling.bending)?;
+        let rest = &meshed.skin.rest.positions;
         if let Some(fire) = &mut fire {
-            let covering = fitting
-                .as_ref()
-                .map(|fitting| fitting.covering(&fire.grid, &region, &meshed.skin));
-            fire.put_on(driver, (&meshed.skin, meshed.materials.clone()), covering);
+            if let Some(fitting) = &fitting {
+                let covering = fitting.covering(&fire.grid, &region, &meshed.skin);
+                fire.lie_on(covering);
+            }
+            fire.put_on(driver, &meshed.skin, meshed.materials.clone());
         }
-        let weight = masses.iter().sum::<f64>() * sheet.gravity.norm();
         Ok(Self {
-            scales: Scales::new(
-                meshed.bending(),
-                [meshed.edge, longest_side(rest)],
-                (weight, masses.len() as f64),
-            ),
+            scales: scales(sheet, &meshed),
             moving: Moving {
                 positions: rest.to_vec(),
                 velocities: vec![Vector3::zeros(); rest.len()],
@@ -362,6 +363,14 @@ impl<'a> SheetState<'a> {
         let standing = &self.meshed.standing;
         standing.carried(&skin.mesh, &skin.rest.positions, positions)
     }
+}
+
+/// What tolerances are relative to, for a fresh sheet.
+pub(super) fn scales(sheet: &Sheet, meshed: &Meshed) -> Scales {
+    let weight = meshed.masses.iter().sum::<f64>() * sheet.gravity.norm();
+    let side = longest_side(&meshed.skin.rest.positions);
+    let vertices = meshed.masses.len() as f64;
+    Scales::new(meshed.bending(), [meshed.edge, side], (weight, vertices))
 }
 
 pub(super) fn shell_error(spec: &LayerSpec, source: ShellError) -> StepperError {

@@ -77,9 +77,9 @@ fn a_new_mesh_keeps_mass_energy_and_shape() {
         }
         let before = measures(&mut run);
         // A new mesh, whether it is needed or not.
-        run.state
-            .refit(&driver, (&run.moves, times))
-            .expect("a mesh");
+        let moves = (&run.moves, times);
+        let made = run.state.refit(&driver, moves, &mut || true);
+        assert!(made.is_ok());
         let after = measures(&mut run);
         assert!((after.mass / before.mass - 1.0).abs() < 1e-12);
         assert!(
@@ -89,8 +89,8 @@ fn a_new_mesh_keeps_mass_energy_and_shape() {
         jumps.push((after.energy / before.energy - 1.0).abs());
         assert!(run.state.vertex_count() < even / 4, "{even}");
     }
-    let mean = jumps.iter().sum::<f64>() / jumps.len() as f64;
-    assert!(mean < 0.04, "{jumps:?}");
+    let most = jumps.iter().copied().fold(0.0, f64::max);
+    assert!(most < 0.01, "{jumps:?}");
 }
 
 #[derive(Debug)]

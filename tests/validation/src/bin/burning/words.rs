@@ -93,7 +93,7 @@ fn large(findings: &Findings) -> Vec<String> {
     let mut lines = vec![String::new(), title.to_owned()];
     for own in &findings.large {
         let later = |k: usize| {
-            let count = (own.all[k] - own.first[k]) as f64;
+            let count = own.all[k].saturating_sub(own.first[k]) as f64;
             count / f64::from(own.steps.max(2) - 1)
         };
         let total: f64 = own.seconds.iter().sum();
