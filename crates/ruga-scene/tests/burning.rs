@@ -57,6 +57,23 @@ fn a_fire_is_in_the_maps() {
     );
 }
 
+#[test]
+fn steps_in_which_the_front_leaps_are_told_with_those_that_would_do() {
+    let told = |time_step: &str| {
+        let longer = scene().replace("time_step = 1.0", time_step);
+        let plan = read(&folder(), &longer).unwrap().plan().unwrap();
+        let mut warnings = plan.warnings();
+        let told = warnings.find(|warning| warning.contains("goes on by"));
+        told.cloned()
+    };
+    assert_eq!(told("time_step = 2.4"), None);
+    let warning = told("time_step = 2.6").unwrap();
+    assert!(
+        warning.contains("`time_step` of at most 2.50 s"),
+        "{warning}"
+    );
+}
+
 /// The lower half of the texture burns twice as fast as the upper one, and does not curl where that does; in blue
 /// half of the shrinkage is painted away on the right.
 #[test]

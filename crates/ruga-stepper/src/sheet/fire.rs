@@ -204,6 +204,17 @@ impl Fire {
         warnings
     }
 
+    /// Warns of time steps (s) in which the front goes on by more than its width.
+    pub(super) fn leaps(&self, time_step: f64) -> Option<String> {
+        let fastest = ends(&self.speed, 1.0).into_iter().fold(0.0, f64::max);
+        let longest = self.front.width / (fastest * self.front.speed);
+        (time_step > longest).then(|| {
+            format!(
+                "burn: in a time step of {time_step} s the front goes on by more than its width, and what it passes shrinks and curls at once; take a `time_step` of at most {longest:.2} s, and more `steps`"
+            )
+        })
+    }
+
     /// Refuses a motion of a painted source.
     pub(super) fn check_pose(&self, pose: &PoseSpec) -> Checked {
         let painted = self.sources.iter();

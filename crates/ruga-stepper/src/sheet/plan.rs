@@ -264,10 +264,10 @@ fn warnings(
             "sheet: it is held nowhere and nothing is in its way, so that it falls for ever, towards [{x:.2}, {y:.2}, {z:.2}]; give it handles or obstacles"
         )
     });
-    let of_fire = sheet
-        .fire
-        .iter()
-        .flat_map(|fire| fire.warnings(driver, map_size));
+    let of_fire = sheet.fire.iter().flat_map(|fire| {
+        let of_steps = modelling.dynamics.and_then(|own| fire.leaps(own.time_step));
+        fire.warnings(driver, map_size).into_iter().chain(of_steps)
+    });
     falling.into_iter().chain(of_fire).collect()
 }
 
