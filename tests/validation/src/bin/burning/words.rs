@@ -92,19 +92,16 @@ fn large(findings: &Findings) -> Vec<String> {
     let title = "A sheet whose front is a seventieth of it wide, lit at a corner; steps of a tenth of a second, with frames";
     let mut lines = vec![String::new(), title.to_owned()];
     for own in &findings.large {
-        let later = |k: usize| {
-            let count = own.all[k].saturating_sub(own.first[k]) as f64;
-            count / f64::from(own.steps.max(2) - 1)
-        };
         let total: f64 = own.seconds.iter().sum();
         let percent = |k: usize| 100.0 * own.seconds[k] / total;
         let edges = match own.is_even {
             true => "edges of one length",
             false => "finer edges where it burns",
         };
+        let per_step = own.factorisations as f64 / f64::from(own.steps);
         lines.push(format!(
-            "  {edges:<26} {:>7} triangles  first step {} iterations, {} factorisations; later {:.1} and {:.1} a step",
-            own.triangles, own.first[0], own.first[1], later(0), later(1)
+            "  {edges:<26} {:>7} triangles  {per_step:.1} factorisations a step; iterations {:?}",
+            own.triangles, own.iterations
         ));
         lines.push(format!(
             "      {} steps of {:.1} s: temperature and fuel {:.0} %, {} new meshes {:.0} %, solver {:.0} %, cut and what is seen {:.0} %",
