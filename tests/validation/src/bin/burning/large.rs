@@ -43,7 +43,7 @@ pub(crate) struct LargeRun {
 
 /// Runs it with edges of one length for a few steps, and with a mesh that follows the fire for more.
 pub(crate) fn measure(quick: bool) -> Result<Vec<LargeRun>, Box<dyn Error>> {
-    let steps = if quick { [2, 6] } else { [4, 20] };
+    let steps = if quick { [1, 4] } else { [2, 20] };
     let mut runs = Vec::new();
     for (edge, steps) in [Some(EDGE), None].into_iter().zip(steps) {
         eprintln!("a large sheet, {steps} steps");
