@@ -1,17 +1,18 @@
 //! What a step of a large burning sheet takes: factorisations, and time by what it goes into.
 
 use std::error::Error;
-use std::sync::Arc;
 use std::time::Instant;
 
-use nalgebra::{Vector2, Vector3};
-use ruga_blend::{ArtistMesh, Driver, Smoothing};
+use nalgebra::Vector3;
+use ruga_blend::Smoothing;
 use ruga_material::{LayerMaterial, ShrinkLaw, Substrate};
 use ruga_stepper::{
     Dynamics, Fire, FireSource, Frame, FrontDesign, GrowthDirection, Handle, Heats, LayerSpec,
     Modelling, Observer, Phase, PoseSpec, Progress, Sheet, plan_sheet,
 };
 use serde::{Deserialize, Serialize};
+
+use crate::squares::squares;
 
 /// Sides of the sheet, m, and squares of its mesh.
 const SIDES: [f64; 2] = [0.1, 0.07];
@@ -90,7 +91,8 @@ fn run(edge: Option<f64>, steps: u32) -> Result<LargeRun, Box<dyn Error>> {
         smoothing: Smoothing::None,
         ..Modelling::default()
     };
-    let driver = rectangle()?;
+    let place = |[u, v]: [f64; 2]| Vector3::new(SIDES[0] * u, SIDES[1] * v, 0.0);
+    let driver = squares(SQUARES, &place)?;
     let plan = plan_sheet(&driver, &layer, &sheet, &[pose], &modelling, 1024)?;
     let mut clock = Clock::default();
     let result = plan.simulate(0, &mut clock)?;
@@ -147,43 +149,6 @@ fn fire() -> Fire {
             },
         }],
     }
-}
-
-/// A flat sheet of squares, each cut in two.
-fn rectangle() -> Result<Arc<Driver>, Box<dyn Error>> {
-    let [columns, rows] = SQUARES;
-    let corner = |i: u32, j: u32| j * (columns + 1) + i;
-    let places = (0..=rows).flat_map(|j| (0..=columns).map(move |i| [i, j]));
-    let shares = places.map(|[i, j]| {
-        [
-            f64::from(i) / f64::from(columns),
-            f64::from(j) / f64::from(rows),
-        ]
-    });
-    let shares: Vec<[f64; 2]> = shares.collect();
-    let squares = (0..rows).flat_map(|j| (0..columns).map(move |i| [i, j]));
-    let triangles = squares.flat_map(|[i, j]| {
-        let [a, b] = [corner(i, j), corner(i + 1, j)];
-        let [d, c] = [corner(i, j + 1), corner(i + 1, j + 1)];
-        match (i + j) % 2 {
-            0 => [[a, b, c], [a, c, d]],
-            _ => [[a, b, d], [b, c, d]],
-        }
-    });
-    let at = |[u, v]: &[f64; 2]| Vector3::new(SIDES[0] * u, SIDES[1] * v, 0.0);
-    let mesh = ArtistMesh {
-        name: "sheet".to_owned(),
-        positions: shares.iter().map(at).collect(),
-        uvs: Some(
-            shares
-                .iter()
-                .map(|[u, v]| Vector2::new(*u, 1.0 - v))
-                .collect(),
-        ),
-        triangles: triangles.collect(),
-        ..ArtistMesh::default()
-    };
-    Ok(Arc::new(Driver::new(&mesh)?))
 }
 
 /// Number of what a step's time goes into, in [`LargeRun::seconds`].

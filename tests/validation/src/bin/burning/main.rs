@@ -18,6 +18,7 @@ mod ours;
 mod page;
 mod pictures;
 mod sheets;
+mod squares;
 mod stiffness;
 mod torus;
 mod words;

@@ -2,10 +2,9 @@
 
 use std::error::Error;
 use std::path::Path;
-use std::sync::Arc;
 
 use nalgebra::{Vector2, Vector3};
-use ruga_blend::{ArtistMesh, Driver, Smoothing};
+use ruga_blend::Smoothing;
 use ruga_material::{LayerMaterial, ShrinkLaw, Substrate};
 use ruga_stepper::{
     BurntSurface, Dynamics, Fire, FireSource, Frame, FrontDesign, GrowthDirection, Handle, Heats,
@@ -16,6 +15,7 @@ use ruga_validation::cpu_seconds;
 use crate::fires::{BALL, HOT, SIDE, ball_at, is_in_picture};
 use crate::pictures::Picture;
 use crate::sheets::{GREY, Scene, View, draw};
+use crate::squares::squares;
 
 /// Seconds of a time step, and steps: as long as the springs' run.
 const TIME_STEP: f64 = 0.05;
@@ -29,38 +29,6 @@ const EDGES: u32 = 16;
 
 /// Steps after which the sheet is looked at, when the sphere is where the springs' pictures have it.
 const MOMENTS: [usize; 4] = [12, 25, 45, 52];
-
-/// The sheet of the springs' picture, upright in x and z.
-fn square(cells: u32) -> Result<Arc<Driver>, Box<dyn Error>> {
-    let corner = |i: u32, j: u32| j * (cells + 1) + i;
-    let places = (0..=cells).flat_map(|j| (0..=cells).map(move |i| [i, j]));
-    let shares: Vec<[f64; 2]> = places
-        .map(|own| own.map(|n| f64::from(n) / f64::from(cells)))
-        .collect();
-    let squares = (0..cells).flat_map(|j| (0..cells).map(move |i| [i, j]));
-    let triangles = squares.flat_map(|[i, j]| {
-        let [a, b] = [corner(i, j), corner(i + 1, j)];
-        let [d, c] = [corner(i, j + 1), corner(i + 1, j + 1)];
-        match (i + j) % 2 {
-            0 => [[a, b, c], [a, c, d]],
-            _ => [[a, b, d], [b, c, d]],
-        }
-    });
-    let place = |[u, v]: &[f64; 2]| Vector3::new(SIDE * (u - 0.5), 0.0, SIDE * (v - 0.5));
-    let mesh = ArtistMesh {
-        name: "sheet".to_owned(),
-        positions: shares.iter().map(place).collect(),
-        uvs: Some(
-            shares
-                .iter()
-                .map(|[u, v]| Vector2::new(*u, 1.0 - v))
-                .collect(),
-        ),
-        triangles: triangles.collect(),
-        ..ArtistMesh::default()
-    };
-    Ok(Arc::new(Driver::new(&mesh)?))
-}
 
 /// Paper that burns as fast as the sphere goes on; what is left is half as long, as a share of mass of a half makes it for
 /// the springs.
@@ -211,7 +179,9 @@ pub(crate) fn hot_sphere(folder: &Path) -> Result<Picture, Box<dyn Error>> {
         smoothing: Smoothing::None,
         ..Modelling::default()
     };
-    let driver = square(EDGES)?;
+    // Upright in x and z, as the sheet of the springs' picture.
+    let place = |[u, v]: [f64; 2]| Vector3::new(SIDE * (u - 0.5), 0.0, SIDE * (v - 0.5));
+    let driver = squares([EDGES; 2], &place)?;
     let start = cpu_seconds();
     let plan = plan_sheet(&driver, &layer, &sheet, &[pose], &modelling, 512)?;
     let mut eye = Eye::default();
