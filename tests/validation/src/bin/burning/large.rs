@@ -18,7 +18,7 @@ use crate::squares::squares;
 const SIDES: [f64; 2] = [0.1, 0.07];
 const SQUARES: [u32; 2] = [20, 14];
 
-/// Width of the front, m: edges of half of it everywhere make a hundred thousand triangles.
+/// Width of the front, m: edges of half of it everywhere make 72 thousand triangles.
 const WIDTH: f64 = 1.4e-3;
 const EDGE: f64 = 0.5 * WIDTH;
 
