@@ -11,9 +11,9 @@ use crate::skin::material_places::uv;
 use crate::skin::skin_mesh::SkinMesh;
 use crate::{LayerSpec, Mask, PaintedNumber, PoseSpec};
 
-/// Changes of rest lengths that a layer, or each ply of one, can have in a pose, all of its growths together: an isotropic shrinkage
-/// to two fifths of the length leaves a sixth of the area, and beyond twice the length film theory, which caps
-/// compressions from 15 % on, says nothing more.
+/// Changes of rest lengths that a layer, or each ply of one, can have in a pose, all of its growths together: an
+/// isotropic shrinkage to two fifths of the length leaves a sixth of the area, and beyond twice the length film
+/// theory, which caps compressions from 15 % on, says nothing more.
 pub const GROWTH_RANGE: [f64; 2] = [-0.6, 1.0];
 
 /// A painted direction whose parts are shorter than this has none: middle grey of 8 bits, 128 of 255, is off by

@@ -69,21 +69,24 @@ impl Fitting {
             return Ok(None);
         }
         let remesh = |source| Halt::Failed(remesh_error(spec, source));
-        let (surface, mut mesh) = region.on_facets().map_err(remesh)?;
+        let (surface, own) = region.on_facets().map_err(remesh)?;
         let at_rest = sizing_field(&SizingInput {
-            mesh: &mesh,
+            mesh: &own,
             shape: rest,
             driver: None,
             refinement: Refinement::default(),
         });
         let at_rest = at_rest.map_err(remesh)?.tensors.into_vec();
         // What a handle holds is the same on every mesh.
-        mesh.fixed = holders(sheet, rest)?.iter().map(Option::is_some).collect();
+        let mut mesh = SurfaceMesh {
+            fixed: holders(sheet, rest)?.iter().map(Option::is_some).collect(),
+            ..own.clone()
+        };
         let zones = fire.zones(burning, &region.skin.mesh, (&[], &[]));
         let lengths = [fine, coarse].map(|edge| edge / LONGEST);
         let wanted = wanted(&zones, lengths, |v| at_rest[v]);
         for round in ROUNDS {
-            let made = fitted((region, &surface), &mesh, (&wanted, round), lengths);
+            let made = fitted((&own, &surface), &mesh, (&wanted, round), lengths);
             mesh = made.map_err(remesh)?.mesh;
             if !goes_on() {
                 return Err(Halt::Interrupted);
@@ -145,7 +148,7 @@ impl Fitting {
         goes_on: &mut dyn FnMut() -> bool,
     ) -> Result<Refitted, Halt> {
         let remesh = |source| Halt::Failed(remesh_error(spec, source));
-        let (surface, _) = region.on_facets().map_err(remesh)?;
+        let (surface, own) = region.on_facets().map_err(remesh)?;
         let bends = self.bends(positions, curvatures).map_err(remesh)?;
         let bend = |v: usize| {
             let place = &self.places[v];
@@ -153,7 +156,7 @@ impl Fitting {
             own + self.at_rest[v]
         };
         let wanted = wanted(zones, self.lengths, bend);
-        let made = fitted((region, &surface), &self.mesh, (&wanted, 1.0), self.lengths);
+        let made = fitted((&own, &surface), &self.mesh, (&wanted, 1.0), self.lengths);
         let Remeshed { mesh, transfer, .. } = made.map_err(remesh)?;
         let of = (mesh, self.lengths, self.at_rest.clone());
         let made = Self::on((driver, region), of, zones, goes_on);
@@ -238,9 +241,9 @@ fn wanted(
     zones.iter().enumerate().map(of_vertex).collect()
 }
 
-/// The mesh that a sizing of the region's vertices wants, with edges `round` times as long, from another one.
+/// The mesh that a sizing of the vertices of `region` wants, with edges `round` times as long, from another one.
 fn fitted(
-    (region, surface): (&RegionMesh, &PolyhedralSurface<'_>),
+    (region, surface): (&SurfaceMesh, &PolyhedralSurface<'_>),
     from: &SurfaceMesh,
     (wanted, round): (&[Matrix3<f64>], f64),
     [fine, coarse]: [f64; 2],
@@ -254,10 +257,9 @@ fn fitted(
     let sizing = Sizing {
         tensors: wanted.iter().map(longer).collect(),
     };
-    let (_, mesh) = region.on_facets()?;
-    let sizing = sizing.limited(&mesh, surface, &limits)?;
+    let sizing = sizing.limited(region, surface, &limits)?;
     let metric = |place: MaterialPoint, _: Vector3<f64>| -> Matrix3<f64> {
-        linear_at(&mesh.mesh, &place, |v| sizing.tensors[v])
+        linear_at(&region.mesh, &place, |v| sizing.tensors[v])
     };
     let settings = RemeshSettings {
         limits,

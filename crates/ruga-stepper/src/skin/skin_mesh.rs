@@ -1,15 +1,12 @@
 //! The mesh that a layer is computed on, and its output mesh.
 
-use nalgebra::{Matrix3, SymmetricEigen, Vector2, Vector3};
+use nalgebra::{Vector2, Vector3};
 use ruga_blend::{Driver, PosedSurface, Smoothing, SurfacePoints};
 use ruga_crease::{CreaseEdge, CreaseWarning, LinePlaces, TracedLine};
 use ruga_material::PropertyMap;
-use ruga_mesh::{
-    FaceId, Id, MaterialPoint, PerEdge, PerFace, PerVertex, SurfaceLookup, TriMesh, VertexId,
-};
+use ruga_mesh::{FaceId, Id, MaterialPoint, PerEdge, PerFace, SurfaceLookup, TriMesh, VertexId};
 use ruga_remesh::{
-    FaceDriver, PolyhedralSurface, Refinement, RemeshError, RemeshSettings, SizeLimits, Sizing,
-    SizingInput, SurfaceMesh, remesh, sizing_field,
+    PolyhedralSurface, RemeshError, RemeshSettings, SizeLimits, SurfaceMesh, remesh,
 };
 
 use crate::error::Halt;
@@ -21,14 +18,17 @@ use crate::skin::identity::Identity;
 use crate::skin::piece::{Piece, blend};
 use crate::{LayerSpec, StepperError};
 
+mod sizing;
+
+pub(crate) use sizing::SizingStrains;
+
+use sizing::RemeshInput;
+
 /// Lengths of edges, as multiples of what is wanted, that a mesh goes through. A mesh that is too
 /// fine stays so up to a factor of 0.6, because edges between old vertices are spared; split edges
 /// of a coarser one end nearer to what is wanted, with little more than half of the vertices. The
 /// last round sees the sizing where the one before put its vertices.
 const ROUNDS: [f64; 3] = [2.0, 1.0, 1.0];
-
-/// Edges over those asked for that a fitted mesh may have here and there.
-const TOO_LONG: f64 = 1.5;
 
 /// A triangle mesh whose vertices are material points of the driver.
 #[derive(Clone, Debug)]
@@ -87,29 +87,6 @@ struct Opened {
     faces: Vec<[u32; 3]>,
     /// The old vertex of every new one.
     copied: Vec<VertexId>,
-}
-
-/// Compressions and edge lengths that a mesh of a region is fitted to.
-pub(crate) struct SizingStrains<'a> {
-    /// Compression that drives wrinkles on every triangle of the region's mesh.
-    pub(crate) drivers: &'a PerFace<FaceDriver>,
-    /// Longest edges at every vertex, as a sizing tensor: squared inverse lengths (1/m²).
-    pub(crate) least: &'a [Matrix3<f64>],
-    /// Largest ratio of edges along and across the wrinkles at every vertex; infinite where the
-    /// mesh's own limit is enough.
-    pub(crate) aspects: &'a [f64],
-    pub(crate) refinement: Refinement,
-    /// Largest number of vertices.
-    pub(crate) budget: usize,
-}
-
-/// Surface and sizing that the remesher is given.
-struct RemeshInput<'a> {
-    surface: PolyhedralSurface<'a>,
-    start: SurfaceMesh,
-    sizing: Sizing,
-    /// Edges over those asked for, where the budget does not allow them; 1 where it does.
-    coarseness: f64,
 }
 
 /// A fitted mesh.
@@ -403,79 +380,6 @@ impl RegionMesh {
             })
             .collect()
     }
-
-    /// Surface and sizing for `strains` and the rest shape at this mesh's vertices.
-    fn remesh_input(
-        &self,
-        strains: &SizingStrains<'_>,
-        settings: &RemeshSettings,
-    ) -> Result<RemeshInput<'_>, RemeshError> {
-        let (surface, start) = self.on_facets()?;
-        let mut sizing = sizing_field(&SizingInput {
-            mesh: &start,
-            shape: &self.skin.rest.positions,
-            driver: Some(strains.drivers),
-            refinement: strains.refinement,
-        })?;
-        let limits = strains.least.iter().zip(strains.aspects);
-        for (tensor, (least, aspect)) in sizing.tensors.as_mut_slice().iter_mut().zip(limits) {
-            // A sum is no coarser than either term in any direction, and smooth where the larger
-            // one changes.
-            *tensor += least;
-            limit_aspect(tensor, *aspect);
-        }
-        let sizing = sizing.limited(&start, &surface, &settings.limits)?;
-        let estimate = sizing.vertex_estimate(&start)? as f64;
-        Ok(RemeshInput {
-            coarseness: (estimate / strains.budget as f64).sqrt().max(1.0),
-            surface,
-            start,
-            sizing,
-        })
-    }
-
-    /// Fraction of this mesh's vertices under which the triangle of `layer`, a mesh of the same
-    /// region, is longer than `strains` allows by the factor that a fitted mesh may have anywhere.
-    pub(crate) fn fraction_too_coarse(
-        &self,
-        layer: &SkinMesh,
-        places: &[MaterialPoint],
-        strains: &SizingStrains<'_>,
-        settings: &RemeshSettings,
-    ) -> Result<f64, RemeshError> {
-        let RemeshInput {
-            sizing, coarseness, ..
-        } = self.remesh_input(strains, settings)?;
-        // Where the budget leaves edges too long everywhere, a new mesh would be no finer.
-        let longest = TOO_LONG * coarseness;
-        let too_coarse = places.iter().zip(sizing.tensors.as_slice());
-        let too_coarse = too_coarse.filter(|(place, tensor)| {
-            let [a, b, c] = layer.mesh.faces()[place.face].map(|v| layer.rest.positions[v.index()]);
-            [b - a, c - b, a - c]
-                .iter()
-                .any(|edge| edge.dot(&(*tensor * edge)) > longest * longest)
-        });
-        Ok(too_coarse.count() as f64 / places.len().max(1) as f64)
-    }
-
-    /// Sizing at places of this mesh from that at its vertices, for edges `coarseness` times as
-    /// long.
-    fn sizing_at(
-        &self,
-        places: &PerVertex<MaterialPoint>,
-        sizing: &Sizing,
-        coarseness: f64,
-    ) -> Sizing {
-        let tensor = |place: &MaterialPoint| {
-            let corners = self.skin.mesh.faces()[place.face].iter();
-            let weighted = corners.zip(place.barycentric);
-            let sum = weighted.map(|(&v, weight)| sizing.tensors[v] * weight);
-            sum.sum::<Matrix3<f64>>() / (coarseness * coarseness)
-        };
-        Sizing {
-            tensors: places.as_slice().iter().map(tensor).collect(),
-        }
-    }
 }
 
 /// The corner with the largest weight.
@@ -484,18 +388,4 @@ fn nearest(weights: [f64; 3]) -> usize {
         0,
         |best, i| if weights[i] > weights[best] { i } else { best },
     )
-}
-
-/// Shortens the long directions of a sizing tensor to `aspect` times the short one.
-fn limit_aspect(tensor: &mut Matrix3<f64>, aspect: f64) {
-    if aspect == f64::INFINITY {
-        return;
-    }
-    let eigen = SymmetricEigen::new(*tensor);
-    // Values are inverse squares of lengths: to raise small ones shortens the long direction, while
-    // to lower large ones would leave wrinkles unresolved.
-    let least = eigen.eigenvalues.max() / (aspect * aspect);
-    let values = eigen.eigenvalues.map(|value| value.max(least));
-    let vectors = eigen.eigenvectors;
-    *tensor = vectors * Matrix3::from_diagonal(&values) * vectors.transpose();
 }

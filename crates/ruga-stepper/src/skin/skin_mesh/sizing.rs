@@ -1,0 +1,125 @@
+//! How fine a mesh of a region is to be, and whether one is.
+
+use nalgebra::{Matrix3, SymmetricEigen};
+use ruga_mesh::{Id, MaterialPoint, PerFace, PerVertex};
+use ruga_remesh::{
+    FaceDriver, PolyhedralSurface, Refinement, RemeshError, RemeshSettings, Sizing, SizingInput,
+    SurfaceMesh, sizing_field,
+};
+
+use super::{RegionMesh, SkinMesh};
+
+/// Edges over those asked for that a fitted mesh may have here and there.
+const TOO_LONG: f64 = 1.5;
+
+/// Compressions and edge lengths that a mesh of a region is fitted to.
+pub(crate) struct SizingStrains<'a> {
+    /// Compression that drives wrinkles on every triangle of the region's mesh.
+    pub(crate) drivers: &'a PerFace<FaceDriver>,
+    /// Longest edges at every vertex, as a sizing tensor: squared inverse lengths (1/m²).
+    pub(crate) least: &'a [Matrix3<f64>],
+    /// Largest ratio of edges along and across the wrinkles at every vertex; infinite where the
+    /// mesh's own limit is enough.
+    pub(crate) aspects: &'a [f64],
+    pub(crate) refinement: Refinement,
+    /// Largest number of vertices.
+    pub(crate) budget: usize,
+}
+
+/// Surface and sizing that the remesher is given.
+pub(super) struct RemeshInput<'a> {
+    pub(super) surface: PolyhedralSurface<'a>,
+    pub(super) start: SurfaceMesh,
+    pub(super) sizing: Sizing,
+    /// Edges over those asked for, where the budget does not allow them; 1 where it does.
+    pub(super) coarseness: f64,
+}
+
+impl RegionMesh {
+    /// Surface and sizing for `strains` and the rest shape at this mesh's vertices.
+    pub(super) fn remesh_input(
+        &self,
+        strains: &SizingStrains<'_>,
+        settings: &RemeshSettings,
+    ) -> Result<RemeshInput<'_>, RemeshError> {
+        let (surface, start) = self.on_facets()?;
+        let mut sizing = sizing_field(&SizingInput {
+            mesh: &start,
+            shape: &self.skin.rest.positions,
+            driver: Some(strains.drivers),
+            refinement: strains.refinement,
+        })?;
+        let limits = strains.least.iter().zip(strains.aspects);
+        for (tensor, (least, aspect)) in sizing.tensors.as_mut_slice().iter_mut().zip(limits) {
+            // A sum is no coarser than either term in any direction, and smooth where the larger
+            // one changes.
+            *tensor += least;
+            limit_aspect(tensor, *aspect);
+        }
+        let sizing = sizing.limited(&start, &surface, &settings.limits)?;
+        let estimate = sizing.vertex_estimate(&start)? as f64;
+        Ok(RemeshInput {
+            coarseness: (estimate / strains.budget as f64).sqrt().max(1.0),
+            surface,
+            start,
+            sizing,
+        })
+    }
+
+    /// Fraction of this mesh's vertices under which the triangle of `layer`, a mesh of the same
+    /// region, is longer than `strains` allows by the factor that a fitted mesh may have anywhere.
+    pub(crate) fn fraction_too_coarse(
+        &self,
+        layer: &SkinMesh,
+        places: &[MaterialPoint],
+        strains: &SizingStrains<'_>,
+        settings: &RemeshSettings,
+    ) -> Result<f64, RemeshError> {
+        let RemeshInput {
+            sizing, coarseness, ..
+        } = self.remesh_input(strains, settings)?;
+        // Where the budget leaves edges too long everywhere, a new mesh would be no finer.
+        let longest = TOO_LONG * coarseness;
+        let too_coarse = places.iter().zip(sizing.tensors.as_slice());
+        let too_coarse = too_coarse.filter(|(place, tensor)| {
+            let [a, b, c] = layer.mesh.faces()[place.face].map(|v| layer.rest.positions[v.index()]);
+            [b - a, c - b, a - c]
+                .iter()
+                .any(|edge| edge.dot(&(*tensor * edge)) > longest * longest)
+        });
+        Ok(too_coarse.count() as f64 / places.len().max(1) as f64)
+    }
+
+    /// Sizing at places of this mesh from that at its vertices, for edges `coarseness` times as
+    /// long.
+    pub(super) fn sizing_at(
+        &self,
+        places: &PerVertex<MaterialPoint>,
+        sizing: &Sizing,
+        coarseness: f64,
+    ) -> Sizing {
+        let tensor = |place: &MaterialPoint| {
+            let corners = self.skin.mesh.faces()[place.face].iter();
+            let weighted = corners.zip(place.barycentric);
+            let sum = weighted.map(|(&v, weight)| sizing.tensors[v] * weight);
+            sum.sum::<Matrix3<f64>>() / (coarseness * coarseness)
+        };
+        Sizing {
+            tensors: places.as_slice().iter().map(tensor).collect(),
+        }
+    }
+}
+
+/// Shortens the long directions of a sizing tensor to `aspect` times the short one.
+fn limit_aspect(tensor: &mut Matrix3<f64>, aspect: f64) {
+    if aspect == f64::INFINITY {
+        return;
+    }
+    let eigen = SymmetricEigen::new(*tensor);
+    // Values are inverse squares of lengths: to raise small ones shortens the long direction, while
+    // to lower large ones would leave wrinkles unresolved.
+    let least = eigen.eigenvalues.max() / (aspect * aspect);
+    let values = eigen.eigenvalues.map(|value| value.max(least));
+    let vectors = eigen.eigenvectors;
+    *tensor = vectors * Matrix3::from_diagonal(&values) * vectors.transpose();
+}
