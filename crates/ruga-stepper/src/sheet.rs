@@ -1,6 +1,7 @@
 //! A free thin sheet: a layer that lies on nothing, held by handles and pushed by obstacles.
 
 mod apart;
+mod balance;
 mod burning;
 mod burnt;
 mod burnt_faces;

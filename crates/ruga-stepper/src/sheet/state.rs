@@ -276,7 +276,7 @@ impl<'a> SheetState<'a> {
         let is_touched = self.is_touched();
         let contact = self.contact();
         let masses = self.meshed.standing.of_vertices(&self.meshed.masses);
-        let mut positions = self.meshed.standing.of_vertices(&self.moving.positions);
+        let positions = self.meshed.standing.of_vertices(&self.moving.positions);
         let inertia = inertia
             .map(|inertia| inertia.of_part(self.meshed.standing.of_vertices(&inertia.centres)));
         let weights: Option<Vec<f64>> = inertia
@@ -315,10 +315,10 @@ impl<'a> SheetState<'a> {
         let minimise = modelling.minimise;
         let solved = minimise(&objective, &[], &mut unknowns, kkt, &settings, keep_going);
         let report = solved.map_err(|source| solver_error(self.spec, source))?;
-        scatter(free, &unknowns, &mut positions);
-        self.meshed
-            .standing
-            .put(&positions, &mut self.moving.positions);
+        let mut end = positions.clone();
+        scatter(free, &unknowns, &mut end);
+        objective.balance(&mut end);
+        self.meshed.standing.put(&end, &mut self.moving.positions);
         Ok(report)
     }
 
