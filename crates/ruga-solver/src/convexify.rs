@@ -31,6 +31,14 @@ const FEW_MODES: [(usize, f64); 2] = [(2, 1.6e-2), (8, 0.1)];
 /// A Hessian with more modes of negative curvature than this keeps some of them through the next step.
 const MANY_MODES: usize = 10;
 
+/// Where any minimum will do, the pivots of a Hessian with at most so many modes of negative curvature are turned
+/// positive: no further factorisation is needed. Steps of more modes at once hinder each other.
+const MOST_TURNED: usize = 8;
+/// Where there are more, the relaxation that is tried first and the factor on the load to the next: any that is enough
+/// will do.
+const FIRST_GUESS: f64 = 0.5;
+const GUESS_DECREASE: f64 = 0.5;
+
 /// Steps of [`CLOSE_TO_CRITICAL`] from a relaxation that was expected to be enough; those that follow
 /// are steps of [`LOAD_DECREASE`], because the expectation was far off.
 const SMALL_STEPS: usize = 3;
@@ -73,6 +81,8 @@ pub(crate) struct Convexifier {
     exact: Option<Inertia>,
     /// Whether the last saddle was taken for one without a look at its exact Hessian.
     is_guessed: bool,
+    /// Whether pivots may be turned: any minimum will do, and there are no rows.
+    may_turn: bool,
     pub(crate) factorizations: usize,
 }
 
@@ -82,7 +92,8 @@ impl Convexifier {
         self.is_guessed
     }
 
-    pub(crate) fn new(kkt: &Kkt) -> Self {
+    /// For a solve to which [any minimum](crate::NewtonSettings::any_minimum) will do, or not.
+    pub(crate) fn new(kkt: &Kkt, any_minimum: bool) -> Self {
         Self {
             mixed: vec![0.0; kkt.pattern().entries()],
             shifted_damping: vec![0.0; kkt.pattern().size()],
@@ -90,6 +101,7 @@ impl Convexifier {
             is_least: false,
             exact: None,
             is_guessed: false,
+            may_turn: any_minimum && kkt.rows().count() == 0,
             factorizations: 0,
         }
     }
@@ -121,6 +133,15 @@ impl Convexifier {
                 shift: 0.0,
             });
         }
+        if self.may_turn && excess(exact) <= MOST_TURNED {
+            kkt.turn_negative_pivots();
+            return Ok(Convexified {
+                exact,
+                relaxation: 0.0,
+                shift: 0.0,
+            });
+        }
+        let hint = hint.or(self.may_turn.then_some(FIRST_GUESS));
         // A hint is tried as it is, because it may already be less than what is needed.
         let first = self.last.map(|last| self.expected(last)).or(hint);
         let few = FEW_MODES.iter().find(|few| excess(exact) <= few.0);
@@ -198,6 +219,7 @@ impl Convexifier {
                 return Ok(None);
             }
             let decrease = match steps {
+                1.. if self.may_turn => GUESS_DECREASE,
                 ..SMALL_STEPS => CLOSE_TO_CRITICAL,
                 _ => LOAD_DECREASE,
             };

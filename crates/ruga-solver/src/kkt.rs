@@ -1,6 +1,7 @@
 //! The quasi-definite KKT matrix and its factor.
 
 mod cost;
+mod pivots;
 
 pub use cost::FactorCost;
 
@@ -90,6 +91,8 @@ pub struct Kkt {
     /// Scratch for the median of the diagonal.
     diagonal: Vec<f64>,
     factorized: bool,
+    /// Whether the factor is that of another matrix, with negative pivots turned positive.
+    is_turned: bool,
     factor_memory: MemBuffer,
     solve_memory: MemBuffer,
     /// Work space of a solve: unknowns then rows, the last one in elimination order.
@@ -150,6 +153,7 @@ impl Kkt {
             typical_diagonal: 1.0,
             diagonal: Vec::new(),
             factorized: false,
+            is_turned: false,
             factor_memory: MemBuffer::new(factorize_supernodal_numeric_ldlt_scratch::<usize, f64>(
                 &symbolic,
                 Par::Seq,
@@ -200,7 +204,7 @@ impl Kkt {
         check_damping(&self.pattern, damping)?;
         check_finite("matrix values", values)?;
         check_finite("damping", damping)?;
-        self.factorized = false;
+        (self.factorized, self.is_turned) = (false, false);
         self.factor.resize(self.symbolic.len_val(), 0.0);
         self.scatter(values, damping);
         // No dynamic regularisation: it failed on indefinite matrices that factorise well without,
@@ -389,32 +393,6 @@ impl Kkt {
             .diagonal
             .select_nth_unstable_by(middle, f64::total_cmp)
             .1
-    }
-
-    fn supernode_shape(&self, supernode: usize) -> (usize, usize) {
-        let columns =
-            self.symbolic.supernode_end()[supernode] - self.symbolic.supernode_begin()[supernode];
-        (columns, columns + self.symbolic.nnz_per_super()[supernode])
-    }
-
-    /// Counts negative entries of `D`, which faer stores on the diagonal of each supernode.
-    fn negative_pivots(&self) -> Result<usize, SolverError> {
-        let mut negative = 0;
-        for supernode in 0..self.symbolic.n_supernodes() {
-            let (columns, rows) = self.supernode_shape(supernode);
-            let start = self.symbolic.col_ptr_for_val()[supernode];
-            for column in 0..columns {
-                let pivot = self.factor[start + column * (rows + 1)];
-                if !pivot.is_finite() || pivot == 0.0 {
-                    let first = self.symbolic.supernode_begin()[supernode];
-                    return Err(SolverError::Breakdown {
-                        pivot: first + column,
-                    });
-                }
-                negative += usize::from(pivot < 0.0);
-            }
-        }
-        Ok(negative)
     }
 
     /// Residual of `trial` in the scaled, unregularised system: `[r_1 / k; N r_2]`.

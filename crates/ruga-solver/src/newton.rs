@@ -166,7 +166,7 @@ impl<'a> Newton<'a> {
             objective,
             rhs,
             settings,
-            convexifier: Convexifier::new(kkt),
+            convexifier: Convexifier::new(kkt, settings.any_minimum),
             generator: Pcg64Mcg::seed_from_u64(settings.seed),
             gradient: vec![0.0; size],
             exact: vec![0.0; kkt.pattern().entries()],
@@ -335,6 +335,9 @@ impl<'a> Newton<'a> {
 
     /// Solves for `step` and `multipliers` with `force` and `offset` on the right.
     fn solve(&mut self) -> Result<(), SolverError> {
+        if self.kkt.is_turned() {
+            return self.kkt.solve_once(&self.force, &mut self.step);
+        }
         self.kkt.solve_step(
             &self.force,
             &self.offset,

@@ -35,6 +35,10 @@ pub struct NewtonSettings {
     /// lower than the shortened one. Saves iterations where obstacles push from one side only: ten of
     /// 24 in the step in which a cushion lands. Default: no, and the shortened step is bent.
     pub overshoot: bool,
+    /// Whether any minimum nearby will do, without rows: negative pivots of a Hessian with few of them are turned
+    /// positive then, which takes no other factorisation, but depends on the order of elimination and so keeps no
+    /// symmetry. Default: no, and the mode that buckles first is sought.
+    pub any_minimum: bool,
     /// Seed of the vectors that negative curvature is searched from. Default 1.
     pub seed: u64,
 }
@@ -48,6 +52,7 @@ impl Default for NewtonSettings {
             residual_tolerance: 1e-7,
             first_relaxation: 0.0,
             overshoot: false,
+            any_minimum: false,
             seed: 1,
         }
     }

@@ -3,12 +3,20 @@
 use super::{LITTLE_GAIN, Newton};
 use crate::{Inertia, Iteration, StopRule};
 
-/// States in a row without a new lowest energy after which the solve goes back to the lowest. Most rises are made up for
-/// by the next step; twice as many took a fifth more factorisations on burning paper.
-const PATIENCE: usize = 4;
+/// Rises of the energy since it was lowest after which the solve goes back there. Most are made up for by the steps that
+/// follow.
+const PATIENCE: usize = 3;
+/// States above the lowest energy, falling or not, after which it goes back as well.
+const MOST_ABOVE: usize = 8;
 
 /// Ordinary steps after going back, so that the same way is not tried again at once.
 const ORDINARY_STEPS: usize = 5;
+/// Factor on the reach after going back. A way that led to a lower energy undoes one such factor.
+const SHORTER: f64 = 0.6;
+
+/// Decrement of the step before, below which the stresses that are there are as good as predicted ones. Only with them
+/// a minimum is proven without another factorisation.
+const NEAR: f64 = 1e-3;
 
 /// Trials of a step that ends where the energy has no value, each half as long. A reach that does not see what is in the
 /// way is off by a factor of a few, not of hundreds.
@@ -23,17 +31,29 @@ pub(super) struct Predicted {
     is_at_hand: bool,
     /// Place of the lowest energy so far, and that energy (J).
     lowest: Option<(Vec<f64>, f64)>,
-    /// Steps in a row that ended above it.
+    /// Energy of the state before (J), if that was above it, too.
+    before: Option<f64>,
+    /// States in a row that are above it, and those of them to which the energy rose.
     above: usize,
+    rises: usize,
     /// Ordinary steps still to be made.
     ordinary: usize,
+    /// Whether the last step was a predicted one.
+    is_on_its_way: bool,
+    /// Times that it has gone back, less those that it has found a lower energy.
+    failures: i32,
 }
 
 impl Newton<'_> {
     /// Writes both Hessians at `x`: with predicted stresses right after a predicted step, else the exact ones.
     pub(super) fn write_hessian(&mut self, x: &[f64]) {
         let (exact, relaxed) = (&mut self.exact, &mut self.relaxed);
-        let from = self.predicted.from.take();
+        let is_near = self.report.decrement < NEAR
+            && self
+                .report
+                .inertia
+                .is_some_and(|inertia| inertia.is_minimum());
+        let from = self.predicted.from.take().filter(|_| !is_near);
         self.predicted.is_at_hand = from.is_some();
         match (self.objective.prediction(), from) {
             (Some(prediction), Some(from)) => prediction.hessian(x, &from, exact, relaxed),
@@ -52,7 +72,7 @@ impl Newton<'_> {
         let is_minimum = matches!(stop, StopRule::Decrement | StopRule::Residual);
         let lowest = self.predicted.lowest.as_ref();
         if is_minimum && lowest.is_some_and(|(_, lowest)| energy > lowest + self.tolerance()) {
-            self.predicted.above = PATIENCE;
+            self.predicted.rises = PATIENCE;
             return false;
         }
         true
@@ -79,21 +99,16 @@ impl Newton<'_> {
         let Some(prediction) = self.objective.prediction() else {
             return false;
         };
-        let lowest = self.predicted.lowest.as_ref();
-        if lowest.is_none_or(|(_, lowest)| energy < *lowest) {
-            self.predicted.lowest = Some((x.to_vec(), energy));
-            self.predicted.above = 0;
-        } else {
-            self.predicted.above += 1;
-        }
-        if self.predicted.above < PATIENCE {
+        if self.goes_on(x, energy) {
             let mut length = prediction.reach(x, &self.step);
+            length *= SHORTER.powi(self.predicted.failures);
             for _ in 0..MOST_TRIALS {
                 for ((trial, x), step) in self.trial.iter_mut().zip(&*x).zip(&self.step) {
                     *trial = x + length * step;
                 }
                 if self.objective.value(&self.trial).is_finite() {
                     self.predicted.from = Some(x.to_vec());
+                    self.predicted.is_on_its_way = true;
                     x.copy_from_slice(&self.trial);
                     return true;
                 }
@@ -101,6 +116,9 @@ impl Newton<'_> {
             }
         }
         self.predicted.ordinary = ORDINARY_STEPS;
+        self.predicted.failures += 1;
+        self.predicted.is_on_its_way = false;
+        (self.predicted.above, self.predicted.rises) = (0, 0);
         let lowest = self.predicted.lowest.take();
         match lowest.filter(|(_, lowest)| *lowest < energy) {
             Some((place, _)) => {
@@ -109,6 +127,30 @@ impl Newton<'_> {
             }
             None => self.is_predicted(),
         }
+    }
+
+    /// Takes note of a state; whether it is no reason to go back to the lowest.
+    fn goes_on(&mut self, x: &[f64], energy: f64) -> bool {
+        let predicted = &mut self.predicted;
+        match &predicted.lowest {
+            Some((_, lowest)) if energy >= *lowest => {
+                predicted.above += 1;
+                let falls = predicted
+                    .before
+                    .replace(energy)
+                    .is_some_and(|before| energy < before);
+                predicted.rises += usize::from(!falls);
+            }
+            _ => {
+                predicted.lowest = Some((x.to_vec(), energy));
+                predicted.before = None;
+                (predicted.above, predicted.rises) = (0, 0);
+                // Ordinary steps prove nothing.
+                let paid = i32::from(predicted.is_on_its_way);
+                predicted.failures = (predicted.failures - paid).max(0);
+            }
+        }
+        predicted.rises < PATIENCE && predicted.above < MOST_ABOVE
     }
 
     /// Leaves `x` at the lowest energy if the solve ended above it.

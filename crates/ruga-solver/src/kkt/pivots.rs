@@ -1,0 +1,92 @@
+//! The signs of the factor's pivots.
+
+use super::Kkt;
+use crate::SolverError;
+
+/// Least pivot that a negative one is turned into, in median diagonal entries: a step along a mode that hardly has a
+/// curvature would have no length.
+const LEAST_PIVOT: f64 = 3e-3;
+
+impl Kkt {
+    pub(super) fn supernode_shape(&self, supernode: usize) -> (usize, usize) {
+        let columns =
+            self.symbolic.supernode_end()[supernode] - self.symbolic.supernode_begin()[supernode];
+        (columns, columns + self.symbolic.nnz_per_super()[supernode])
+    }
+
+    /// Counts negative entries of `D`, which faer stores on the diagonal of each supernode.
+    pub(super) fn negative_pivots(&self) -> Result<usize, SolverError> {
+        let mut negative = 0;
+        for supernode in 0..self.symbolic.n_supernodes() {
+            let (columns, rows) = self.supernode_shape(supernode);
+            let start = self.symbolic.col_ptr_for_val()[supernode];
+            for column in 0..columns {
+                let pivot = self.factor[start + column * (rows + 1)];
+                if !pivot.is_finite() || pivot == 0.0 {
+                    let first = self.symbolic.supernode_begin()[supernode];
+                    return Err(SolverError::Breakdown {
+                        pivot: first + column,
+                    });
+                }
+                negative += usize::from(pivot < 0.0);
+            }
+        }
+        Ok(negative)
+    }
+
+    /// Turns negative pivots of a system without rows positive, until the next factorisation: that of `L |D| L'`
+    /// instead of `L D L'`.
+    ///
+    /// A step with this factor goes as far down along a mode of negative curvature as it would up along one of the
+    /// same positive curvature. It is only known by [`solve_once`](Self::solve_once): refinement measures by the matrix
+    /// itself.
+    pub(crate) fn turn_negative_pivots(&mut self) {
+        for supernode in 0..self.symbolic.n_supernodes() {
+            let (columns, rows) = self.supernode_shape(supernode);
+            let start = self.symbolic.col_ptr_for_val()[supernode];
+            for column in 0..columns {
+                let pivot = &mut self.factor[start + column * (rows + 1)];
+                if *pivot < 0.0 {
+                    *pivot = pivot.abs().max(LEAST_PIVOT);
+                }
+            }
+        }
+        self.is_turned = true;
+    }
+
+    /// Whether negative pivots of the factor have been turned positive.
+    pub(crate) fn is_turned(&self) -> bool {
+        self.is_turned
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{ConstraintRows, Kkt, LowerPattern};
+
+    #[test]
+    fn turned_pivots_step_down_from_a_saddle() -> Result<(), Box<dyn std::error::Error>> {
+        let stencils: [&[usize]; 2] = [&[0, 1], &[2]];
+        let pattern = LowerPattern::from_stencils(3, stencils)?;
+        let mut kkt = Kkt::new(&pattern, &ConstraintRows::none(3), 1)?;
+        // [[4, 2], [2, -1]] has one pivot of each sign in either order; the third entry all but vanishes.
+        let (force, mut step) = ([1.0, 2.0, 1.0], [0.0; 3]);
+        let values = [4.0, 2.0, -1.0, -1e-9];
+        assert_eq!(kkt.factorize(&values, &[])?.negative, 2);
+        kkt.turn_negative_pivots();
+        kkt.solve_once(&force, &mut step)?;
+        let down: f64 = force.iter().zip(&step).map(|(f, p)| f * p).sum();
+        assert!(down > 0.0, "a step against the force: {step:?}");
+        // The median diagonal entry is 1, and the pivot no less than 0.003 of it.
+        assert!((step[2] - 1.0 / 3e-3).abs() < 1e-6, "{step:?}");
+        // The next factor is that of the matrix again: 4 x + 2 y = 1, 2 x - y = 2.
+        kkt.factorize(&values, &[])?;
+        assert!(!kkt.is_turned());
+        kkt.solve_step(&force, &[], &mut step, &mut [])?;
+        let exact = [0.625, -0.75];
+        for (found, exact) in step.iter().zip(exact) {
+            assert!((found - exact).abs() < 1e-9, "{step:?}");
+        }
+        Ok(())
+    }
+}
