@@ -133,8 +133,7 @@ impl Convexifier {
                 shift: 0.0,
             });
         }
-        if self.may_turn && excess(exact) <= MOST_TURNED {
-            kkt.turn_negative_pivots();
+        if self.may_turn && excess(exact) <= MOST_TURNED && kkt.turn_negative_pivots() {
             return Ok(Convexified {
                 exact,
                 relaxation: 0.0,

@@ -39,8 +39,11 @@ impl Kkt {
     ///
     /// A step with this factor goes as far down along a mode of negative curvature as it would up along one of the
     /// same positive curvature. It is only known by [`solve_once`](Self::solve_once): refinement measures by the matrix
-    /// itself.
-    pub(crate) fn turn_negative_pivots(&mut self) {
+    /// itself. False, and nothing done, where there is no factor because a pivot broke down.
+    pub(crate) fn turn_negative_pivots(&mut self) -> bool {
+        if !self.factorized {
+            return false;
+        }
         for supernode in 0..self.symbolic.n_supernodes() {
             let (columns, rows) = self.supernode_shape(supernode);
             let start = self.symbolic.col_ptr_for_val()[supernode];
@@ -52,6 +55,7 @@ impl Kkt {
             }
         }
         self.is_turned = true;
+        true
     }
 
     /// Whether negative pivots of the factor have been turned positive.
@@ -72,8 +76,9 @@ mod tests {
         // [[4, 2], [2, -1]] has one pivot of each sign in either order; the third entry all but vanishes.
         let (force, mut step) = ([1.0, 2.0, 1.0], [0.0; 3]);
         let values = [4.0, 2.0, -1.0, -1e-9];
+        assert!(!kkt.turn_negative_pivots(), "there is no factor yet");
         assert_eq!(kkt.factorize(&values, &[])?.negative, 2);
-        kkt.turn_negative_pivots();
+        assert!(kkt.turn_negative_pivots());
         kkt.solve_once(&force, &mut step)?;
         let down: f64 = force.iter().zip(&step).map(|(f, p)| f * p).sum();
         assert!(down > 0.0, "a step against the force: {step:?}");
