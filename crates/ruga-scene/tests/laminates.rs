@@ -280,8 +280,9 @@ fn plies_burn_as_an_even_sheet_of_other_faces() {
     let fuel = one.result.layers[0].fire.as_ref().unwrap().fuel_left;
     assert!(fuel < 0.95, "{fuel}");
     let (height, distance) = (one.height(), one.distance(&both));
+    // The same sheet in other digits: each solve ends somewhere within its tolerance.
     assert!(
-        height > 1e-4 && distance < 1e-6 * LENGTH,
+        height > 1e-4 && distance < 1e-4 * height,
         "{height} {distance:e}"
     );
 }
