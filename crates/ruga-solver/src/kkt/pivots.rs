@@ -4,7 +4,7 @@ use super::Kkt;
 use crate::SolverError;
 
 /// Least pivot that a negative one is turned into, in median diagonal entries: a step along a mode that hardly has a
-/// curvature would have no length.
+/// curvature would have no end.
 const LEAST_PIVOT: f64 = 3e-3;
 
 impl Kkt {
@@ -14,22 +14,25 @@ impl Kkt {
         (columns, columns + self.symbolic.nnz_per_super()[supernode])
     }
 
-    /// Counts negative entries of `D`, which faer stores on the diagonal of each supernode.
-    pub(super) fn negative_pivots(&self) -> Result<usize, SolverError> {
-        let mut negative = 0;
-        for supernode in 0..self.symbolic.n_supernodes() {
+    /// Position in the factor of every entry of `D`, which faer stores on the diagonal of each supernode, in the order
+    /// of elimination.
+    fn pivot_places(&self) -> impl Iterator<Item = usize> {
+        (0..self.symbolic.n_supernodes()).flat_map(|supernode| {
             let (columns, rows) = self.supernode_shape(supernode);
             let start = self.symbolic.col_ptr_for_val()[supernode];
-            for column in 0..columns {
-                let pivot = self.factor[start + column * (rows + 1)];
-                if !pivot.is_finite() || pivot == 0.0 {
-                    let first = self.symbolic.supernode_begin()[supernode];
-                    return Err(SolverError::Breakdown {
-                        pivot: first + column,
-                    });
-                }
-                negative += usize::from(pivot < 0.0);
+            (0..columns).map(move |column| start + column * (rows + 1))
+        })
+    }
+
+    /// Counts negative entries of `D`.
+    pub(super) fn negative_pivots(&self) -> Result<usize, SolverError> {
+        let mut negative = 0;
+        for (index, place) in self.pivot_places().enumerate() {
+            let pivot = self.factor[place];
+            if !pivot.is_finite() || pivot == 0.0 {
+                return Err(SolverError::Breakdown { pivot: index });
             }
+            negative += usize::from(pivot < 0.0);
         }
         Ok(negative)
     }
@@ -38,21 +41,17 @@ impl Kkt {
     /// instead of `L D L'`.
     ///
     /// A step with this factor goes as far down along a mode of negative curvature as it would up along one of the
-    /// same positive curvature. It is only known by [`solve_once`](Self::solve_once): refinement measures by the matrix
+    /// same positive curvature. Only [`solve_once`](Self::solve_once) makes such a step: refinement measures by the matrix
     /// itself. False, and nothing done, where there is no factor because a pivot broke down.
     pub(crate) fn turn_negative_pivots(&mut self) -> bool {
         if !self.factorized {
             return false;
         }
-        for supernode in 0..self.symbolic.n_supernodes() {
-            let (columns, rows) = self.supernode_shape(supernode);
-            let start = self.symbolic.col_ptr_for_val()[supernode];
-            for column in 0..columns {
-                let pivot = &mut self.factor[start + column * (rows + 1)];
-                if *pivot < 0.0 {
-                    *pivot = pivot.abs().max(LEAST_PIVOT);
-                }
-            }
+        let negative = self
+            .pivot_places()
+            .filter(|place| self.factor[*place] < 0.0);
+        for place in negative.collect::<Vec<_>>() {
+            self.factor[place] = self.factor[place].abs().max(LEAST_PIVOT);
         }
         self.is_turned = true;
         true

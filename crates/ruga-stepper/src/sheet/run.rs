@@ -28,7 +28,7 @@ use crate::{
 };
 
 /// Newton decrement of a result, and of a state that is only passed, in the sheet's energy scale. With 1e-6 a strip that
-/// curls as it burns ends 3 % too high; with 1e-7 within 0.1 %, for half an iteration a step.
+/// curls as it burns ends 3 % too high; with 1e-7 within 0.1 %.
 const RESULT: f64 = 1e-7;
 const PASSING: f64 = 1e-4;
 
