@@ -65,6 +65,7 @@ fn layer_report(layer: &ruga_stepper::LayerReport, seconds: &Seconds) -> LayerRe
         amplitude_m: Some(layer.amplitude),
         energy_j: Some(layer.energy),
         newton_iterations: count(layer.newton_iterations),
+        factorizations: count(layer.factorizations),
         residual: Some(layer.residual),
         stop_rule: layer.stop.map(stop_rule),
         bending_ratio: layer.bending_ratio,

@@ -80,6 +80,9 @@ pub struct LayerReport {
     pub energy_j: Option<f64>,
     /// Newton iterations over all frames.
     pub newton_iterations: Option<u64>,
+    /// Numeric factorisations over all frames, which most of the solver's time goes into.
+    #[serde(default)]
+    pub factorizations: Option<u64>,
     /// Relative residual of the last frame.
     pub residual: Option<f64>,
     /// Rule that ended the last solve: `decrement`, `residual`, or what kept it from converging.

@@ -434,6 +434,7 @@ fn report_has_every_key() {
             "critical_strain_predicted",
             "energy_j",
             "faces",
+            "factorizations",
             "name",
             "newton_iterations",
             "residual",

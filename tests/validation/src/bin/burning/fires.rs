@@ -22,6 +22,12 @@ const THICKNESS: f64 = 0.25;
 /// Mass of a sheet per area (kg/m2): office paper.
 const AREAL_MASS: f64 = 0.08;
 
+/// Lines to a metre of the grid that is printed on a sheet.
+pub(crate) const GRID: f64 = 40.0;
+
+/// A point of the floor (m).
+pub(crate) const FLOOR: Vector3<f64> = Vector3::new(0.0, 0.0, -0.001);
+
 pub(crate) const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
 
 /// Temperatures of surroundings and ignition (K).
@@ -76,14 +82,17 @@ pub(crate) fn scene(sheet: &BurningSheet, squares: f64, axes: [usize; 2]) -> Sce
     Scene::sheet(&sheet.remnant(), &sheet.cut(&marks), &sheet.cut(&heat))
 }
 
+/// Least weight of the rate, between veins; the largest is 1.
+pub(crate) const LEAST_RATE: f64 = 0.15;
+
 /// Weight of the rate at a place in shares of the sheet: bright veins between darker islands. The paper's textures came
 /// with its results, which are not at hand.
-fn texture(u: f64, v: f64) -> f64 {
+pub(crate) fn texture(u: f64, v: f64) -> f64 {
     let bend = 0.35 * (5.0 * v + 1.3).sin() + 0.2 * (11.0 * u).sin();
     let first = (7.0 * (u + bend)).sin();
     let second = (6.0 * (v - 0.3 * (4.0 * u).sin())).cos();
     let vein = 1.0 - first.abs().min(second.abs());
-    0.15 + 0.85 * vein * vein
+    LEAST_RATE + (1.0 - LEAST_RATE) * vein * vein
 }
 
 /// Runs a sheet up to each of several steps and looks at it there; gives the processor seconds of the steps.
@@ -126,7 +135,7 @@ pub(crate) fn paper(folder: &Path, fine: Fineness) -> Result<Picture, Box<dyn Er
         .map(|p| texture(0.5 + p.x / SIDE, 0.5 + p.y / SIDE))
         .collect();
     sheet.gravity = GRAVITY;
-    let point = Vector3::new(0.0, 0.0, -0.001);
+    let point = FLOOR;
     let normal = Vector3::z();
     sheet.motion.colliders.push(Collider {
         friction: 0.5,
@@ -137,7 +146,7 @@ pub(crate) fn paper(folder: &Path, fine: Fineness) -> Result<Picture, Box<dyn Er
     let moments = [1, 150, 300, 500, 1000];
     let springs = sheet.springs().spring_count();
     let seconds = film(&mut sheet, &moments, |sheet| {
-        scenes.push(scene(sheet, 40.0, [0, 1]).with_floor(point, 0.58 * SIDE));
+        scenes.push(scene(sheet, GRID, [0, 1]).with_floor(FLOOR, 0.58 * SIDE));
         let left = sheet.cut(sheet.rest()).area() / area;
         facts.push(format!(
             "after {:.2} s {:.1} % of the sheet is left, in {} pieces",
@@ -214,7 +223,7 @@ fn crossing(
     let springs = sheet.springs().spring_count();
     let (mut scenes, mut facts) = (Vec::new(), Vec::new());
     let seconds = film(&mut sheet, &MOMENTS, |sheet| {
-        let mut own = scene(sheet, 40.0, [0, 2]);
+        let mut own = scene(sheet, GRID, [0, 2]);
         if let Some((ball, _)) = sheet.ball
             && is_in_picture(&ball.centre)
         {

@@ -1,11 +1,13 @@
 //! What a step of a large burning sheet takes: factorisations, and time by what it goes into.
 
 use std::error::Error;
+use std::sync::Mutex;
 use std::time::Instant;
 
 use nalgebra::Vector3;
 use ruga_blend::Smoothing;
 use ruga_material::{LayerMaterial, ShrinkLaw, Substrate};
+use ruga_solver::{Iteration, Kkt, NewtonSettings, Objective, SolveReport, SolverError, minimise};
 use ruga_stepper::{
     Dynamics, Fire, FireSource, Frame, FrontDesign, GrowthDirection, Handle, Heats, LayerSpec,
     Modelling, Observer, Phase, PoseSpec, Progress, Sheet, plan_sheet,
@@ -18,16 +20,24 @@ use crate::squares::squares;
 const SIDES: [f64; 2] = [0.1, 0.07];
 const SQUARES: [u32; 2] = [20, 14];
 
-/// Width of the front, m: edges of half of it everywhere make 72 thousand triangles.
-const WIDTH: f64 = 1.4e-3;
-const EDGE: f64 = 0.5 * WIDTH;
+/// Longest edges (m) of meshes of one length: 104 thousand triangles.
+const EDGE: f64 = 6e-4;
 
-/// Length of a step, s: the front goes on by a seventh of its width.
+/// Width of the front of the scenes that are shipped, m, and of a narrow one.
+const WIDE: f64 = 4e-3;
+const NARROW: f64 = 1.4e-3;
+
+/// Length of a step, s: a narrow front goes on by a seventh of its width.
 const TIME_STEP: f64 = 0.1;
+
+/// Factorisations of every solve: the product takes a function in the place of its solver, and nothing else.
+static FACTORISATIONS: Mutex<Vec<usize>> = Mutex::new(Vec::new());
 
 /// A run of a large sheet.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct LargeRun {
+    /// Width of the front, m.
+    pub(crate) width: f64,
     /// Whether edges have one length everywhere.
     pub(crate) is_even: bool,
     pub(crate) triangles: usize,
@@ -35,25 +45,56 @@ pub(crate) struct LargeRun {
     pub(crate) steps: u32,
     /// Newton iterations of every step; in the first it catches fire, and the last is as exact as a result.
     pub(crate) iterations: Vec<usize>,
-    /// Factorisations of all steps.
-    pub(crate) factorisations: usize,
+    /// Factorisations of every step.
+    pub(crate) factorisations: Vec<usize>,
     /// Seconds of all steps for temperature and fuel, for new meshes, for the solver, and for the cut and the mesh that
     /// is seen.
     pub(crate) seconds: [f64; 4],
 }
 
-/// Runs it with edges of one length for a few steps, and with a mesh that follows the fire for more.
+/// Runs it with edges of one length and with a mesh that follows the fire.
 pub(crate) fn measure(quick: bool) -> Result<Vec<LargeRun>, Box<dyn Error>> {
-    let steps = if quick { [1, 4] } else { [2, 20] };
-    let mut runs = Vec::new();
-    for (edge, steps) in [Some(EDGE), None].into_iter().zip(steps) {
+    let runs: &[(f64, Option<f64>, u32)] = match quick {
+        true => &[(WIDE, Some(EDGE), 3), (NARROW, None, 4)],
+        false => &[
+            (WIDE, Some(EDGE), 20),
+            (NARROW, Some(EDGE), 4),
+            (NARROW, None, 20),
+        ],
+    };
+    let mut done = Vec::new();
+    for &(width, edge, steps) in runs {
         eprintln!("a large sheet, {steps} steps");
-        runs.push(run(edge, steps)?);
+        done.push(run(width, edge, steps)?);
     }
-    Ok(runs)
+    Ok(done)
 }
 
-fn run(edge: Option<f64>, steps: u32) -> Result<LargeRun, Box<dyn Error>> {
+/// In the place of the solver: counts what it takes.
+fn counted(
+    objective: &dyn Objective,
+    rhs: &[f64],
+    x: &mut [f64],
+    kkt: &mut Kkt,
+    settings: &NewtonSettings,
+    keep_going: &mut dyn FnMut(&Iteration) -> bool,
+) -> Result<SolveReport, SolverError> {
+    let report = minimise(objective, rhs, x, kkt, settings, keep_going)?;
+    if let Ok(mut all) = FACTORISATIONS.lock() {
+        all.push(report.factorizations);
+    }
+    Ok(report)
+}
+
+/// What was counted since it was asked last.
+fn factorisations() -> usize {
+    let counted = FACTORISATIONS
+        .lock()
+        .map(|mut all| std::mem::take(&mut *all));
+    counted.unwrap_or_default().iter().sum()
+}
+
+fn run(width: f64, edge: Option<f64>, steps: u32) -> Result<LargeRun, Box<dyn Error>> {
     let material = LayerMaterial {
         young: 3e9,
         poisson: 0.3,
@@ -73,7 +114,7 @@ fn run(edge: Option<f64>, steps: u32) -> Result<LargeRun, Box<dyn Error>> {
         handles: vec![Handle::new("clip", [-small, far + small])],
         obstacles: Vec::new(),
         edge,
-        fire: Some(fire()),
+        fire: Some(fire(width)),
     };
     let pose = PoseSpec {
         name: "burn".to_owned(),
@@ -89,6 +130,7 @@ fn run(edge: Option<f64>, steps: u32) -> Result<LargeRun, Box<dyn Error>> {
             damping: 2.0,
         }),
         smoothing: Smoothing::None,
+        minimise: counted,
         ..Modelling::default()
     };
     let place = |[u, v]: [f64; 2]| Vector3::new(SIDES[0] * u, SIDES[1] * v, 0.0);
@@ -102,22 +144,23 @@ fn run(edge: Option<f64>, steps: u32) -> Result<LargeRun, Box<dyn Error>> {
     let report = result.layers.first().ok_or("no layer")?;
     let fire = report.fire.as_ref().ok_or("no fire")?;
     Ok(LargeRun {
+        width,
         is_even: edge.is_some(),
         triangles: report.faces,
         remeshings: fire.remeshed,
         steps,
         iterations: clock.iterations,
-        factorisations: report.factorizations,
+        factorisations: clock.factorisations,
         seconds: clock.seconds,
     })
 }
 
-/// The fire of `assets/paper/corner.toml` with a narrower front.
-fn fire() -> Fire {
+/// The fire of `assets/paper/corner.toml` with a front of such a width, m.
+fn fire(width: f64) -> Fire {
     Fire {
         front: FrontDesign {
             speed: 2e-3,
-            width: WIDTH,
+            width,
             ignition: 573.0,
             burning: 1100.0,
             surroundings: 293.0,
@@ -164,6 +207,7 @@ struct Clock {
     open: Option<(usize, Instant)>,
     has_begun: bool,
     iterations: Vec<usize>,
+    factorisations: Vec<usize>,
 }
 
 impl Clock {
@@ -202,5 +246,6 @@ impl Observer for Clock {
     fn frame(&mut self, _: &Frame<'_>) {
         self.close();
         self.iterations.push(0);
+        self.factorisations.push(factorisations());
     }
 }

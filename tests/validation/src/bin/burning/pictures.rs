@@ -1,4 +1,4 @@
-//! The paper's figures by the paper's springs, as far as its captions and its text say what they show.
+//! The paper's figures by the paper's springs, and some by the product, as far as its captions and its text say what they show.
 
 use std::error::Error;
 use std::path::Path;
@@ -44,10 +44,11 @@ pub(crate) fn draw_all(folder: &Path, quick: bool) -> Result<Vec<Picture>, Box<d
             around: 48,
         },
     };
-    let mut pictures = vec![fires::paper(folder, fine)?];
+    let mut pictures = vec![fires::paper(folder, fine)?, ours::paper::paper(folder)?];
     pictures.extend(fires::hot_sphere(folder, fine)?);
-    pictures.push(ours::hot_sphere(folder)?);
+    pictures.push(ours::crossing::hot_sphere(folder)?);
     pictures.push(torus::falling(folder, fine)?);
+    pictures.push(ours::torus::falling(folder, fine)?);
     pictures.push(stiffness::one_layer(folder, fine)?);
     pictures.push(stiffness::thicknesses(folder, fine)?);
     pictures.push(torus::burning(folder, fine)?);

@@ -17,25 +17,31 @@ use crate::sheets::{GREY, Scene, View, draw};
 use crate::stiffness::strain;
 
 /// Radii of the ring and of its tube (m).
-const RING: f64 = 0.1;
-const TUBE: f64 = 0.04;
+pub(crate) const RING: f64 = 0.1;
+pub(crate) const TUBE: f64 = 0.04;
 
 /// Radius of the sphere over that of the hole.
-const SPHERE: f64 = 1.2;
+pub(crate) const SPHERE: f64 = 1.2;
 
 /// Height of the ring above the sphere's centre at first, and of the floor (m).
-const START: f64 = 0.08;
-const FLOOR: f64 = -0.16;
+pub(crate) const START: f64 = 0.08;
+pub(crate) const FLOOR: f64 = -0.16;
+
+/// Mass of the one that falls (kg).
+pub(crate) const MASS: f64 = 0.1;
+
+/// A place (m) on a torus at the origin, in shares of the turns round the ring and round the tube.
+pub(crate) fn place(shares: [f64; 2]) -> Vector3<f64> {
+    let [ring, own] = shares.map(|share| TAU * share);
+    let from = RING + TUBE * own.cos();
+    Vector3::new(from * ring.cos(), from * ring.sin(), TUBE * own.sin())
+}
 
 /// A torus of quadrilaterals, so many round the ring and a third of that round the tube, centres outside.
 fn torus(around: usize) -> Result<(SpringLattice, Vec<Vector3<f64>>), SpringError> {
     let tube = around / 3;
-    let place = |i: usize, j: usize| {
-        let [ring, own] = [(i, around), (j, tube)].map(|(k, n)| TAU * k as f64 / n as f64);
-        let from = RING + TUBE * own.cos();
-        Vector3::new(from * ring.cos(), from * ring.sin(), TUBE * own.sin())
-    };
-    let positions = (0..around).flat_map(|i| (0..tube).map(move |j| place(i, j)));
+    let share = |i: usize, j: usize| [i as f64 / around as f64, j as f64 / tube as f64];
+    let positions = (0..around).flat_map(|i| (0..tube).map(move |j| place(share(i, j))));
     let at = |i: usize, j: usize| (i % around * tube + j % tube) as u32;
     let square = |i, j| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
     let cells = (0..around).flat_map(|i| (0..tube).map(move |j| square(i, j)));
@@ -52,7 +58,7 @@ pub(crate) fn falling(folder: &Path, fine: Fineness) -> Result<Picture, Box<dyn 
     let (lattice, mut positions) = torus(fine.around)?;
     let radius = SPHERE * (RING - TUBE);
     positions.iter_mut().for_each(|p| p.z += START);
-    let mass = 0.1 / positions.len() as f64;
+    let mass = MASS / positions.len() as f64;
     let centre = Vector3::zeros();
     let shapes = [
         Shape::Sphere { centre, radius },

@@ -70,7 +70,7 @@ fn errors(findings: &Findings) -> Vec<String> {
 
 /// Pictures, with times and what was measured in them.
 fn pictures(findings: &Findings) -> Vec<String> {
-    let title = "Pictures by the paper's springs and one by ruga, after captions and text of its figures, which are not at hand";
+    let title = "Pictures by the paper's springs and by ruga, after captions and text of its figures, which are not at hand";
     let mut lines = vec![String::new(), title.to_owned()];
     for own in &findings.pictures {
         lines.push(format!(
@@ -89,7 +89,7 @@ fn pictures(findings: &Findings) -> Vec<String> {
 
 /// Steps of large sheets.
 fn large(findings: &Findings) -> Vec<String> {
-    let title = "A sheet whose front is a seventieth of it wide, lit at a corner; steps of a tenth of a second, with frames";
+    let title = "A large sheet that burns: 10 by 7 cm, lit at a corner; steps of a tenth of a second, with frames";
     let mut lines = vec![String::new(), title.to_owned()];
     for own in &findings.large {
         let total: f64 = own.seconds.iter().sum();
@@ -98,11 +98,15 @@ fn large(findings: &Findings) -> Vec<String> {
             true => "edges of one length",
             false => "finer edges where it burns",
         };
-        let per_step = own.factorisations as f64 / f64::from(own.steps);
+        let all: usize = own.factorisations.iter().sum();
+        let per_step = all as f64 / f64::from(own.steps);
         lines.push(format!(
-            "  {edges:<26} {:>7} triangles  {per_step:.1} factorisations a step; iterations {:?}",
-            own.triangles, own.iterations
+            "  front {:.1} mm wide, {edges}, {} triangles: {per_step:.1} factorisations a step",
+            1e3 * own.width,
+            own.triangles
         ));
+        lines.push(format!("      factorisations {:?}", own.factorisations));
+        lines.push(format!("      iterations {:?}", own.iterations));
         lines.push(format!(
             "      {} steps of {:.1} s: temperature and fuel {:.0} %, {} new meshes {:.0} %, solver {:.0} %, cut and what is seen {:.0} %",
             own.steps,
