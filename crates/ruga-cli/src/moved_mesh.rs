@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use nalgebra::Vector3;
 use ruga_io::{FrameMesh, MovedMesh, key_percent, read_obj_positions};
 use ruga_scene::{Placement, Scene};
 use ruga_stepper::{KeyResult, PoseSpec};
@@ -43,44 +44,47 @@ pub(crate) fn moved_file(pose: &str, key: f64) -> String {
 }
 
 /// The artist's mesh at every key of poses that have moved it, of this run and of earlier ones; and warnings of files
-/// that do not fit it any more.
-///
-/// # Errors
-/// [`CliError::Io`] for a file that cannot be read.
+/// that cannot be read or do not fit it any more.
 pub(crate) fn moved_meshes(
     scene: &Scene,
     (output, all): (&Path, &OutputFolder),
     poses: &[PoseRecord],
-) -> Result<(Vec<MovedMesh>, Vec<String>), CliError> {
+) -> (Vec<MovedMesh>, Vec<String>) {
     let placement = Placement::of(&scene.mesh);
     let vertices = scene.mesh.mesh.positions.len();
     let (mut moved, mut warnings) = (Vec::new(), Vec::new());
     for record in poses {
         let pose = &record.report.name;
         let seconds = all.pose(pose).seconds;
+        let moved_at = |key: f64, positions: Vec<Vector3<f64>>| MovedMesh {
+            pose: pose.clone(),
+            key,
+            seconds: key * seconds,
+            normals: scene.moved_normals(&positions),
+            positions,
+        };
         for &key in &record.keys {
             let file = moved_file(pose, key);
             if !record.files.contains(&file) {
                 continue;
             }
-            let places = read_obj_positions(&output.join(&file))?;
-            if places.len() != vertices {
-                let found = places.len();
-                warnings.push(format!(
-                    "{file} has {found} vertices, not {vertices} as the mesh, and the GLB does not show it"
-                ));
-                continue;
-            }
-            let places = places.iter().map(|x| placement.place_in_file((*x).into()));
-            let positions: Vec<_> = places.collect();
-            moved.push(MovedMesh {
-                pose: pose.clone(),
-                key,
-                seconds: key * seconds,
-                normals: scene.moved_normals(&positions),
-                positions,
-            });
+            // What an earlier run has finished stays, whatever became of one file.
+            let wrong = match read_obj_positions(&output.join(&file)) {
+                Ok(places) if places.len() == vertices => {
+                    let places = places.iter().map(|x| placement.place_in_file((*x).into()));
+                    moved.push(moved_at(key, places.collect()));
+                    continue;
+                }
+                Ok(places) => format!(
+                    "{file} has {} vertices, not {vertices} as the mesh",
+                    places.len()
+                ),
+                Err(error) => error.to_string(),
+            };
+            warnings.push(format!(
+                "{wrong}, and the GLB does not show it; bake pose '{pose}' anew to have it there"
+            ));
         }
     }
-    Ok((moved, warnings))
+    (moved, warnings)
 }

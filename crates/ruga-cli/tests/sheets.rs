@@ -110,11 +110,16 @@ fn the_glb_shows_how_a_sheet_moves() {
         .exits(0);
     assert!(folder.read(&path) == before, "another GLB after --resume");
     // What somebody has changed is no shape of the mesh any more.
-    std::fs::write(folder.path("out/bodies/burn_50.obj"), "v 0 0 0\n").unwrap();
-    folder
-        .ruga("bake scene.toml -o out --threads 1 --resume")
-        .exits(0)
-        .says(&["bodies/burn_50.obj has 1 vertices"]);
+    for (text, told) in [
+        ("v 0 0 0\n", "bodies/burn_50.obj has 1 vertices"),
+        ("v 0 0 nothing\n", "bake pose 'burn' anew"),
+    ] {
+        std::fs::write(folder.path("out/bodies/burn_50.obj"), text).unwrap();
+        folder
+            .ruga("bake scene.toml -o out --resume")
+            .exits(0)
+            .says(&[told]);
+    }
 }
 
 #[test]

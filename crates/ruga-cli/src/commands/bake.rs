@@ -182,7 +182,7 @@ impl WrinkleMaps<'_> {
         let mut manifest = Wrinkles::new(&scene.mesh.mesh.name, bake.frame, bake.size);
         if !self.maps_only {
             let output = (self.arguments.output.as_path(), folder);
-            let (moved, about_files) = moved_meshes(scene, output, poses)?;
+            let (moved, about_files) = moved_meshes(scene, output, poses);
             let written = self.write_mesh(&maps, &moved)?;
             manifest.glb = Some(written.reference);
             warnings = about_files;

@@ -19,16 +19,16 @@ use crate::support::Moves;
 const MOMENT: f64 = 1e-3;
 
 impl SheetState<'_> {
-    /// Whether its mesh is too coarse for what burns between two fractions of a pose; never for one that has edges of
-    /// one length.
-    pub(super) fn is_too_coarse(&self, moves: &Moves<'_>, times: [f64; 2]) -> bool {
-        let Some(fitting) = self.fitting.as_ref().filter(|_| !self.is_gone()) else {
-            return false;
-        };
-        fitting.is_too_coarse(&self.zones(moves, times))
+    /// What happens where between two fractions of a pose, if its mesh is too coarse for what burns then; never of one
+    /// that has edges of one length.
+    pub(super) fn too_coarse(&self, moves: &Moves<'_>, times: [f64; 2]) -> Option<Vec<Zone>> {
+        let fitting = self.fitting.as_ref().filter(|_| !self.is_gone())?;
+        let zones = self.zones(moves, times);
+        fitting.is_too_coarse(&zones).then_some(zones)
     }
 
-    fn zones(&self, moves: &Moves<'_>, times: [f64; 2]) -> Vec<Zone> {
+    /// What happens where between two fractions of a pose, at the vertices of the region's mesh.
+    pub(super) fn zones(&self, moves: &Moves<'_>, times: [f64; 2]) -> Vec<Zone> {
         let (Some(fitting), Some((fire, burning))) = (&self.fitting, self.fire()) else {
             return Vec::new();
         };
@@ -40,15 +40,13 @@ impl SheetState<'_> {
         fire.zones(burning, &self.region.skin.mesh, (&balls, &places))
     }
 
-    /// Goes on with a mesh that is fine enough for what burns between two fractions of a pose; after an error with the
-    /// one that it has.
+    /// Goes on with a mesh that is fine enough for these zones; after an error with the one that it has.
     pub(super) fn refit(
         &mut self,
         driver: &Driver,
-        (moves, times): (&Moves<'_>, [f64; 2]),
+        zones: &[Zone],
         goes_on: &mut dyn FnMut() -> bool,
     ) -> Result<(), Halt> {
-        let zones = self.zones(moves, times);
         let Some(fitting) = &self.fitting else {
             return Ok(());
         };
@@ -61,7 +59,7 @@ impl SheetState<'_> {
             fitting,
             skin,
             transfer,
-        } = fitting.again(of, &zones, shape, goes_on)?;
+        } = fitting.again(of, zones, shape, goes_on)?;
         let rest = &self.meshed.skin.rest.positions;
         let moved = positions.iter().zip(rest).map(|(x, rest)| x - rest);
         let moved = transfer.rows.apply(&moved.collect::<Vec<Vector3<f64>>>());

@@ -180,13 +180,18 @@ impl<'a> SheetRun<'a> {
         times: [f64; 2],
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
-        if self.stays || !self.state.is_too_coarse(&self.moves, times) {
+        if self.stays {
             return Ok(Ending::Reached);
         }
+        let Some(zones) = self.state.too_coarse(&self.moves, times) else {
+            return Ok(Ending::Reached);
+        };
         let mut preparing = Preparing::new(observer, 0, Phase::Remeshing);
-        let moves = (&self.moves, times);
         let driver = &self.plan.driver;
-        match self.state.refit(driver, moves, &mut || preparing.goes_on()) {
+        match self
+            .state
+            .refit(driver, &zones, &mut || preparing.goes_on())
+        {
             Ok(()) => {}
             Err(Halt::Interrupted) => return Ok(Ending::Interrupted),
             Err(Halt::Failed(StepperError::Remesh { source, .. })) => {

@@ -77,8 +77,8 @@ fn a_new_mesh_keeps_mass_energy_and_shape() {
         }
         let before = measures(&mut run);
         // A new mesh, whether it is needed or not.
-        let moves = (&run.moves, times);
-        let made = run.state.refit(&driver, moves, &mut || true);
+        let zones = run.state.zones(&run.moves, times);
+        let made = run.state.refit(&driver, &zones, &mut || true);
         assert!(made.is_ok());
         let after = measures(&mut run);
         assert!((after.mass / before.mass - 1.0).abs() < 1e-12);
