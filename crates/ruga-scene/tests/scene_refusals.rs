@@ -281,6 +281,16 @@ fn wrong_types_and_no_toml() {
             "accepted: \"normal\", \"height\"",
         ),
         (
+            "\"hybrid\"",
+            "{ hybrid = 1 }",
+            "this is not a word in quotes; accepted: \"constraint\", ",
+        ),
+        (
+            "\"hybrid\"",
+            "{}",
+            "this is not a word in quotes; accepted: \"constraint\", ",
+        ),
+        (
             "enabled = true",
             "enabled = 1",
             "found 1; accepted: `true` or `false`",

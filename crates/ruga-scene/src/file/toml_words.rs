@@ -35,8 +35,8 @@ pub(super) fn reason(message: &str, key: &str, line: &str) -> Option<String> {
     wrong_brackets(line, &tables)
         .or_else(|| missing_field(message, &path, &tables))
         .or_else(|| wrong_type(message, &path, line, &tables))
-        .or_else(|| no_word(message, &path, &tables))
         .or_else(|| unknown_word(message))
+        .or_else(|| no_word(&path, &tables))
         .or_else(|| key.is_empty().then(|| no_toml(message, line))?)
 }
 
@@ -122,14 +122,15 @@ fn wrong_type(message: &str, path: &str, line: &str, tables: &[Table]) -> Option
     ))
 }
 
-/// Something else than a word where a key takes one of several.
-fn no_word(message: &str, path: &str, tables: &[Table]) -> Option<String> {
-    if message.trim_end() != "wanted string or table" {
-        return None;
-    }
-    let (table, name) = path.rsplit_once('.').unwrap_or(("", path));
-    let table = tables.iter().find(|other| other.path == table)?;
-    let key = table.keys.iter().find(|key| key.name == name)?;
+/// Something else than a word where a key takes one of several; of a table serde names a key in it.
+fn no_word(path: &str, tables: &[Table]) -> Option<String> {
+    let above = path.rsplit_once('.').map_or("", |(above, _)| above);
+    let key = [path, above].into_iter().find_map(|path| {
+        let (table, name) = path.rsplit_once('.').unwrap_or(("", path));
+        let table = tables.iter().find(|other| other.path == table)?;
+        let mut keys = table.keys.iter();
+        keys.find(|key| key.name == name && !key.choices.is_empty())
+    })?;
     let words = key.choices.iter().map(|(word, _)| word.as_str());
     Some(format!(
         "this is not a word in quotes; accepted: {}",
