@@ -3,6 +3,7 @@
 //! The structs keep the raw values of the file, defaults filled in; [`Layer::definition`] and
 //! [`Substrate::definition`] say which of the ways to describe a material was used.
 
+mod array_lengths;
 mod burn;
 mod creases;
 mod fault;

@@ -298,7 +298,7 @@ edges = [11, 12, 52] => creases[0].edges` | vertices 12 and 52 | no edge
 edges = [10, 11, 900] => creases[0].edges[2]` | found vertex 900 | 0 to 89
 edges = [0, 1, 2, 3] => creases[0].edges` | along the border
 edges = [0, -1] => creases[0].edges[1] | found -1
-uv = [[0.3, 0.5], [0.1, 0.5, 0.2]] => creases[0].uv` | found 3 numbers in point 1; accepted: U and V
+uv = [[0.3, 0.5], [0.1, 0.5, 0.2]] => creases[0].uv[1]` | found a list of 3; accepted: a list of 2 numbers
 "#;
 
 #[test]

@@ -4,7 +4,7 @@
 
 mod fixture;
 
-use fixture::scenes::{parse, refused, with};
+use fixture::scenes::{LEAST, parse, refused, with};
 use fixture::{Folder, SCENE, assert_says};
 use ruga_scene::SceneFile;
 
@@ -44,8 +44,79 @@ fn slips_of_the_hand_get_a_suggestion() {
     refused(
         "normal_y = \"+\"",
         "normal_y = \"up\"",
-        &["bake.normal_y", "`+`", "`-`"],
+        &["bake.normal_y", "found \"up\"; accepted: \"+\", \"-\""],
     );
+}
+
+#[test]
+fn words_that_a_key_does_not_take_are_answered_with_those_it_takes() {
+    for (old, new, words) in [
+        (
+            "\"hybrid\"",
+            "\"hybird\"",
+            "`layers[0].coupling` (line 23): found \"hybird\"; accepted: \"constraint\", \"elastic\", \"hybrid\" \
+             (did you mean `hybrid`?)",
+        ),
+        (
+            "\"static\"",
+            "\"still\"",
+            "`solver.mode` (line 33): found \"still\"; accepted: \"static\", \"dynamic\"",
+        ),
+        (
+            "\"height\"]",
+            "\"\"]",
+            "`bake.maps[1]` (line 48): found \"\"; accepted: \"normal\", \"height\", ",
+        ),
+        (
+            "smoothing = \"loop\"",
+            "symmetry = \"y\"",
+            "`driver.symmetry` (line 10): found \"y\"; accepted: \"x\"",
+        ),
+        (
+            "length_unit = \"m\"",
+            "length_unit = \"inch\"",
+            "`length_unit` (line 4): found \"inch\"; accepted: \"m\"",
+        ),
+    ] {
+        refused(old, new, &[words]);
+    }
+}
+
+#[test]
+fn lists_of_numbers_have_their_length() {
+    let top = LEAST.replace("[substrate]\n", "");
+    let handle = "{ name = \"clip\", min = [-1, -1, -1], max = [0.001, 1, 1] }";
+    let text = format!("{top}[sheet]\ngravity = [0, 0, -9.81]\nhandles = [{handle}]\n");
+    assert!(parse(&text).is_ok());
+    for (old, new, words) in [
+        (
+            "[0, 0, -9.81]",
+            "[0, 0, -9.81, 0]",
+            "`sheet.gravity` (line 10): found a list of 4; accepted: a list of 3 numbers, such as",
+        ),
+        (
+            "[-1, -1, -1]",
+            "[-1, -1, -1, -1, -1]",
+            "`sheet.handles[0].min` (line 11): found a list of 5; accepted: a list of 3 numbers",
+        ),
+        (
+            "[-1, -1, -1]",
+            "[-1, -1]",
+            "`sheet.handles[0].min` (line 11): found a list of 2; accepted: a list of 3 numbers",
+        ),
+    ] {
+        assert!(text.contains(old), "{old}");
+        assert_says(parse(&text.replacen(old, new, 1)), "scene.toml", &[words]);
+    }
+    let map = "map = { image = \"dermis.png\", wavelength = [0.5, 2.0], young = [0.5, 2.0]";
+    let longer = map.replace("2.0]", "2.0, 3.0]");
+    refused(
+        map,
+        &longer,
+        &["`layers[0].map.wavelength` (line 24): found a list of 3; accepted: a list of 2 numbers"],
+    );
+    // Other lists are as long as they like.
+    assert!(with("keys = [0.5, 1.0]", "keys = [0.2, 0.4, 0.6, 0.8]").is_ok());
 }
 
 #[test]
@@ -208,6 +279,16 @@ fn wrong_types_and_no_toml() {
             "[\"normal\", \"height\"]",
             "[1]",
             "accepted: \"normal\", \"height\"",
+        ),
+        (
+            "\"hybrid\"",
+            "{ hybrid = 1 }",
+            "this is not a word in quotes; accepted: \"constraint\", ",
+        ),
+        (
+            "\"hybrid\"",
+            "{}",
+            "this is not a word in quotes; accepted: \"constraint\", ",
         ),
         (
             "enabled = true",

@@ -9,6 +9,7 @@ mod finger;
 mod forearm;
 mod paint;
 mod paper;
+mod pleats;
 
 #[cfg(test)]
 mod tests;
@@ -37,6 +38,9 @@ pub(crate) fn regenerate() -> Outcome {
 /// Writes all files below `folder`; gives their paths in it.
 fn written(folder: &Path) -> Result<Vec<String>, Box<dyn Error>> {
     let mut names: Vec<String> = write_meshes(folder)?.map(str::to_owned).into();
+    let pleats = "paper/pleats.obj";
+    fs::write(in_its_folder(folder, pleats)?, pleats::file()?)?;
+    names.push(pleats.to_owned());
     names.extend(write_images(folder)?.map(str::to_owned));
     names.extend(write_face(folder)?);
     Ok(names)

@@ -214,7 +214,7 @@ fn scenes() -> Vec<(PathBuf, ruga_scene::SceneFile)> {
         .filter(|path| path.extension().is_some_and(|e| e == "toml"))
         .collect();
     paths.sort();
-    assert_eq!(paths.len(), 29);
+    assert_eq!(paths.len(), 30);
     let read = |path: PathBuf| (path.clone(), ruga_scene::SceneFile::read(&path).unwrap());
     paths.into_iter().map(read).collect()
 }

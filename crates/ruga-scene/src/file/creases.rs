@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use schemars::JsonSchema;
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 /// One of `[[creases]]`: lines along which a layer folds, as it does in the palm or between the brows. Exactly
 /// one of `uv`, `edges`, `line_mesh` and `image` says where. A preset fills in what is left out; its values are nominal, from
@@ -24,11 +23,7 @@ pub struct Crease {
     pub preset: Option<String>,
     /// A line through texture coordinates, from the upper left of the texture: `[[0.41, 0.22], [0.45,
     /// 0.25]]`. A seam is crossed by a point on it in one island, followed by the same place in the other.
-    #[serde(
-        default,
-        deserialize_with = "uv_points",
-        skip_serializing_if = "Vec::is_empty"
-    )]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub uv: Vec<[f64; 2]>,
     /// A line along edges of a glTF mesh: numbers of vertices in the file, from 0, neighbours joined by an edge;
     /// closed if it ends where it began.
@@ -93,20 +88,6 @@ pub struct Anchor {
     /// Stiffness in units of what carries the layer; with 20 a line at rest sinks to 0.91 of the depth.
     #[serde(default = "anchor_stiffness")]
     pub stiffness: f64,
-}
-
-/// Points of two numbers; of more, a plain array of two would leave out the rest without a word.
-fn uv_points<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<[f64; 2]>, D::Error> {
-    let points = Vec::<Vec<f64>>::deserialize(deserializer)?;
-    let point = |(i, point): (usize, Vec<f64>)| {
-        <[f64; 2]>::try_from(point).map_err(|point| {
-            D::Error::custom(format!(
-                "found {} numbers in point {i}; accepted: U and V, as `[0.41, 0.22]`",
-                point.len()
-            ))
-        })
-    };
-    points.into_iter().enumerate().map(point).collect()
 }
 
 fn yes() -> bool {

@@ -2,12 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use super::array_lengths::Surplus;
 use super::slips::{UnknownKey, duplicate};
 use super::toml_words;
 use super::{Region, SceneFile};
 use crate::SceneError;
 use ruga_blend::nearest;
 use ruga_io::read_bytes;
+use toml::de::DeTable;
 
 impl SceneFile {
     /// Reads and checks a scene; its relative paths are resolved against the scene's folder.
@@ -33,15 +35,21 @@ impl SceneFile {
     /// # Errors
     /// [`SceneError::Key`] naming the key, the value and what is accepted.
     pub fn from_toml(text: &str, path: &Path) -> Result<Self, SceneError> {
-        let document = toml::Deserializer::parse(text)
-            .map_err(|error| toml_error(text, path, String::new(), &error))?;
-        let scene: Self = serde_path_to_error::deserialize(document).map_err(|error| {
+        let document =
+            DeTable::parse(text).map_err(|error| toml_error(text, path, String::new(), &error))?;
+        let deserializer = toml::Deserializer::from(document.clone());
+        let scene: Self = serde_path_to_error::deserialize(deserializer).map_err(|error| {
             let key = match error.path().to_string() {
                 dot if dot == "." => String::new(),
                 key => key,
             };
             toml_error(text, path, key, error.inner())
         })?;
+        if let Some(list) = Surplus::of(document.get_ref()) {
+            let line = line_of(text.as_bytes(), list.span.start);
+            let reason = list.reason();
+            return Err(scene_error(path, &list.key, Some(line), &reason, None));
+        }
         scene.validate(path)?;
         Ok(scene)
     }
@@ -118,7 +126,7 @@ fn toml_error(text: &str, path: &Path, key: String, error: &toml::de::Error) -> 
     }
     let whole_line = line.and_then(|line| text.lines().nth(line - 1));
     if let Some(reason) = toml_words::reason(message, &key, whole_line.unwrap_or_default()) {
-        return scene_error(path, &key, line, &reason, None);
+        return scene_error(path, &key, line, &reason, suggestion_in(message));
     }
     if let Some(twice) = error.span().and_then(|span| duplicate(text, span, message)) {
         return scene_error(path, &key, line, &twice, None);

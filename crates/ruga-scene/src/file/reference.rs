@@ -1,7 +1,7 @@
 //! Every key of a scene with its kind, default and meaning, taken from the types themselves.
 
-use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, Schema};
 use serde::de::value::Error as NoValue;
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
 use serde_json::{Map, Value};
@@ -83,8 +83,7 @@ fn table<T: JsonSchema + for<'de> Deserialize<'de>>(
     path: &'static str,
     header: &'static str,
 ) -> Table {
-    let settings = SchemaSettings::draft2020_12().with(|s| s.inline_subschemas = true);
-    let schema = settings.into_generator().into_root_schema_for::<T>();
+    let schema = whole_schema::<T>();
     let required: Vec<&str> = schema
         .get("required")
         .and_then(Value::as_array)
@@ -116,6 +115,12 @@ fn table<T: JsonSchema + for<'de> Deserialize<'de>>(
     }
 }
 
+/// The schema of a type, with those of its fields where they are used.
+pub(super) fn whole_schema<T: JsonSchema>() -> Schema {
+    let settings = SchemaSettings::draft2020_12().with(|s| s.inline_subschemas = true);
+    settings.into_generator().into_root_schema_for::<T>()
+}
+
 fn text(schema: &Value, name: &str) -> String {
     schema
         .get(name)
@@ -137,7 +142,7 @@ fn one_line(text: &str) -> String {
 }
 
 /// The schema of a value that may be left out, without the `null` that schemars adds to it.
-fn given(schema: &Value) -> &Value {
+pub(super) fn given(schema: &Value) -> &Value {
     let options = schema.get("anyOf").and_then(Value::as_array);
     let is_null = |option: &&Value| option.get("type").and_then(Value::as_str) == Some("null");
     options
@@ -186,10 +191,15 @@ fn list(schema: &Value) -> String {
         list if list.starts_with("list of ") => list.replacen("list", "lists", 1),
         other => format!("{other}s"),
     };
-    match schema.get("minItems").and_then(Value::as_u64) {
+    match length(schema) {
         Some(count) => format!("list of {count} {item}"),
         None => format!("list of {item}"),
     }
+}
+
+/// How many items a list must have; schemars says so of arrays alone.
+pub(super) fn length(schema: &Value) -> Option<u64> {
+    schema.get("minItems").and_then(Value::as_u64)
 }
 
 /// `type` is a name, or a list of a name and `null`.

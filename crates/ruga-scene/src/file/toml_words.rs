@@ -35,7 +35,8 @@ pub(super) fn reason(message: &str, key: &str, line: &str) -> Option<String> {
     wrong_brackets(line, &tables)
         .or_else(|| missing_field(message, &path, &tables))
         .or_else(|| wrong_type(message, &path, line, &tables))
-        .or_else(|| no_word(message, &path, &tables))
+        .or_else(|| unknown_word(message))
+        .or_else(|| no_word(&path, &tables))
         .or_else(|| key.is_empty().then(|| no_toml(message, line))?)
 }
 
@@ -104,8 +105,8 @@ fn wrong_type(message: &str, path: &str, line: &str, tables: &[Table]) -> Option
             value if value.starts_with('[') => format!("a list in brackets, such as `{value}`"),
             _ => "a list in brackets `[...]`".to_owned(),
         },
-        "an array of length 2" => "a list of 2 numbers, such as `[0.5, 2.0]`".to_owned(),
-        "an array of length 3" => "a list of 3 numbers, such as `[0.0, 1.0, 0.0]`".to_owned(),
+        "an array of length 2" => list_words(2),
+        "an array of length 3" => list_words(3),
         expected if expected.starts_with("struct ") => {
             let table = tables.iter().find(|table| table.path == path)?;
             match path.contains('.') {
@@ -121,19 +122,44 @@ fn wrong_type(message: &str, path: &str, line: &str, tables: &[Table]) -> Option
     ))
 }
 
-/// Something else than a word where a key takes one of several.
-fn no_word(message: &str, path: &str, tables: &[Table]) -> Option<String> {
-    if message.trim_end() != "wanted string or table" {
-        return None;
-    }
-    let (table, name) = path.rsplit_once('.').unwrap_or(("", path));
-    let table = tables.iter().find(|other| other.path == table)?;
-    let key = table.keys.iter().find(|key| key.name == name)?;
-    let words = key.choices.iter().map(|(word, _)| format!("\"{word}\""));
+/// Something else than a word where a key takes one of several; of a table serde names a key in it.
+fn no_word(path: &str, tables: &[Table]) -> Option<String> {
+    let above = path.rsplit_once('.').map_or("", |(above, _)| above);
+    let key = [path, above].into_iter().find_map(|path| {
+        let (table, name) = path.rsplit_once('.').unwrap_or(("", path));
+        let table = tables.iter().find(|other| other.path == table)?;
+        let mut keys = table.keys.iter();
+        keys.find(|key| key.name == name && !key.choices.is_empty())
+    })?;
+    let words = key.choices.iter().map(|(word, _)| word.as_str());
     Some(format!(
         "this is not a word in quotes; accepted: {}",
-        words.collect::<Vec<_>>().join(", ")
+        quoted(words)
     ))
+}
+
+/// A word that is none of those that a key takes, which serde puts in backticks.
+fn unknown_word(message: &str) -> Option<String> {
+    let (found, accepted) = message
+        .strip_prefix("unknown variant `")?
+        .split_once("`, expected ")?;
+    let accepted = quoted(accepted.split('`').skip(1).step_by(2));
+    Some(format!("found \"{found}\"; accepted: {accepted}"))
+}
+
+fn quoted<'a>(words: impl Iterator<Item = &'a str>) -> String {
+    let words = words.map(|word| format!("\"{word}\""));
+    words.collect::<Vec<_>>().join(", ")
+}
+
+/// What a key takes whose list has a length.
+pub(super) fn list_words(count: u64) -> String {
+    let example = match count {
+        2 => ", such as `[0.25, 0.75]`",
+        3 => ", such as `[0.0, 1.0, 0.0]`",
+        _ => "",
+    };
+    format!("a list of {count} numbers{example}")
 }
 
 /// Serde's description of a value, without the name of its type.

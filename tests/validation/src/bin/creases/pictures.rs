@@ -3,16 +3,19 @@
 use std::error::Error;
 use std::path::Path;
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Rotation3, Vector2, Vector3};
 use ruga_crease::{Corners, LineInput, LineTracer};
 use ruga_mesh::{EdgeId, Id, TriMesh};
+use ruga_stepper::Silent;
 use ruga_validation::ridge::unit_square;
 use ruga_validation::virtual_nodes::Stabilisation;
-use ruga_validation::{DrawnSheet, FoldedPaper, cpu_seconds, edges_within, feature_edges, upright};
+use ruga_validation::{
+    DrawnSheet, FoldedPaper, asset, cpu_seconds, edges_within, feature_edges, upright,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::drifts::{TIME, TIME_STEPS, cloth};
-use crate::sheets::{Seen, View, draw};
+use crate::sheets::{Seen, View, draw, draw_turned};
 
 /// A picture, and how its sheet was solved.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -33,6 +36,7 @@ pub(crate) struct Picture {
 pub(crate) fn draw_all(folder: &Path) -> Result<Vec<Picture>, Box<dyn Error>> {
     eprintln!("pictures");
     draw_drift(folder)?;
+    draw_card(folder)?;
     let all = [crossing()?, curved(), pleats()];
     let mut pictures = Vec::new();
     for scene in all {
@@ -238,4 +242,23 @@ fn draw_drift(folder: &Path) -> Result<(), Box<dyn Error>> {
         nod: -0.15,
     };
     Ok(draw(&folder.join("drift.png"), &triangles, 16.0, view)?)
+}
+
+/// The pleated card of the assets (after the paper's pleats): flat, and at its keys.
+fn draw_card(folder: &Path) -> Result<(), Box<dyn Error>> {
+    let scene = ruga_scene::Scene::read(&asset("paper/pleats.toml"))?;
+    let result = scene.plan()?.simulate(0, &mut Silent)?;
+    let (mesh, rest) = (scene.driver.topology(), scene.driver.rest());
+    let keys = result.keys.iter();
+    let moments =
+        std::iter::once(rest).chain(keys.filter_map(|key| key.artist_positions.as_deref()));
+    let nod = Rotation3::from_axis_angle(&Vector3::x_axis(), -0.9);
+    let mut triangles: Vec<Seen> = Vec::new();
+    for (place, positions) in moments.enumerate() {
+        let [column, row] = [place % 2, place / 2].map(|n| n as f64);
+        let shift = Vector3::new(0.21 * column, -0.15 * row, 0.0);
+        let from_eye: Vec<_> = positions.iter().map(|p| nod * p + shift).collect();
+        triangles.extend(seen(mesh, &from_eye, rest));
+    }
+    Ok(draw_turned(&folder.join("card.png"), &triangles, 60.0)?)
 }

@@ -42,12 +42,17 @@ pub(crate) fn draw(
         .iter()
         .map(|(corners, flat)| (corners.map(|p| rotation * p), *flat))
         .collect();
-    let places: Vec<Vector2<f64>> = turned
+    draw_turned(path, &turned, squares)
+}
+
+/// Draws triangles as they are seen along -z.
+pub(crate) fn draw_turned(path: &Path, triangles: &[Seen], squares: f64) -> Result<(), IoError> {
+    let places: Vec<Vector2<f64>> = triangles
         .iter()
         .flat_map(|(corners, _)| corners.map(|p| p.xy()))
         .collect();
     let mut canvas = Canvas::around(places.iter(), 900);
-    for (corners, flat) in &turned {
+    for (corners, flat) in triangles {
         let [a, b, c] = corners;
         let Some(normal) = (b - a).cross(&(c - a)).try_normalize(0.0) else {
             continue;
