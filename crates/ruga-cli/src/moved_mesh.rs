@@ -76,13 +76,13 @@ pub(crate) fn moved_meshes(
                     continue;
                 }
                 Ok(places) => format!(
-                    "{file} has {} vertices, not {vertices} as the mesh",
+                    "{file} has {} vertices and the mesh has {vertices}",
                     places.len()
                 ),
                 Err(error) => error.to_string(),
             };
             warnings.push(format!(
-                "{wrong}, and the GLB does not show it; bake pose '{pose}' anew to have it there"
+                "{wrong}; the GLB leaves this key out: delete the file and bake with `--resume`, which makes pose `{pose}` again"
             ));
         }
     }

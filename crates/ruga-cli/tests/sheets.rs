@@ -112,13 +112,16 @@ fn the_glb_shows_how_a_sheet_moves() {
     // What somebody has changed is no shape of the mesh any more.
     for (text, told) in [
         ("v 0 0 0\n", "bodies/burn_50.obj has 1 vertices"),
-        ("v 0 0 nothing\n", "bake pose 'burn' anew"),
+        ("v 0 0 nothing\n", "burn_50.obj: line 1"),
     ] {
         std::fs::write(folder.path("out/bodies/burn_50.obj"), text).unwrap();
         folder
             .ruga("bake scene.toml -o out --resume")
             .exits(0)
             .says(&[told]);
+        let mesh = read_mesh(&folder.path(&path), None, &ObjOptions::default()).unwrap();
+        let names: Vec<String> = mesh.mesh.shapes.into_iter().map(|s| s.name).collect();
+        assert_eq!(names, ["burn_100"]);
     }
 }
 

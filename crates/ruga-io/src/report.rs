@@ -81,7 +81,6 @@ pub struct LayerReport {
     /// Newton iterations over all frames.
     pub newton_iterations: Option<u64>,
     /// Numeric factorisations over all frames, which most of the solver's time goes into.
-    #[serde(default)]
     pub factorizations: Option<u64>,
     /// Relative residual of the last frame.
     pub residual: Option<f64>,

@@ -51,7 +51,7 @@ pub(super) fn file() -> Result<String, Error> {
     Ok(text)
 }
 
-/// The place (m) at so many panels from one straight border, and at a share of the way from the inner arc to the outer.
+/// A place (m): `panels` counts from one straight border, `out` is the share of the way from the inner arc to the outer.
 fn place(panels: f64, out: f64) -> [f64; 2] {
     let (sin, cos) = (PANEL * (panels - 0.5 * f64::from(PANELS)))
         .to_radians()

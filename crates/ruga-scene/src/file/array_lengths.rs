@@ -1,4 +1,4 @@
-//! Lists with more numbers than their key takes: serde fills an array and leaves the rest out without a word.
+//! Refuses lists with more numbers than their key takes: serde fills an array from the first ones and ignores the rest.
 
 use std::ops::Range;
 

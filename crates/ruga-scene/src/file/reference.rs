@@ -197,9 +197,9 @@ fn list(schema: &Value) -> String {
     }
 }
 
-/// How many items a list must have; schemars says so of arrays alone.
+/// Items that a list must have; only arrays of a fixed length have it.
 pub(super) fn length(schema: &Value) -> Option<u64> {
-    schema.get("minItems").and_then(Value::as_u64)
+    schema.get("maxItems").and_then(Value::as_u64)
 }
 
 /// `type` is a name, or a list of a name and `null`.

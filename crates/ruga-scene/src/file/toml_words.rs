@@ -122,7 +122,8 @@ fn wrong_type(message: &str, path: &str, line: &str, tables: &[Table]) -> Option
     ))
 }
 
-/// Something else than a word where a key takes one of several; of a table serde names a key in it.
+/// The words that a key takes, where something else stands in the place of one. If that is a table, serde's path ends in
+/// a key of it.
 fn no_word(path: &str, tables: &[Table]) -> Option<String> {
     let above = path.rsplit_once('.').map_or("", |(above, _)| above);
     let key = [path, above].into_iter().find_map(|path| {

@@ -19,15 +19,15 @@ use crate::support::Moves;
 const MOMENT: f64 = 1e-3;
 
 impl SheetState<'_> {
-    /// What happens where between two fractions of a pose, if its mesh is too coarse for what burns then; never of one
-    /// that has edges of one length.
+    /// Zones of the fire between two fractions of a pose if the mesh is too coarse for them; `None` where it is fine
+    /// enough, and of a sheet whose edges have one length.
     pub(super) fn too_coarse(&self, moves: &Moves<'_>, times: [f64; 2]) -> Option<Vec<Zone>> {
         let fitting = self.fitting.as_ref().filter(|_| !self.is_gone())?;
         let zones = self.zones(moves, times);
         fitting.is_too_coarse(&zones).then_some(zones)
     }
 
-    /// What happens where between two fractions of a pose, at the vertices of the region's mesh.
+    /// Zones of the fire between two fractions of a pose, one for each vertex of the region's mesh.
     pub(super) fn zones(&self, moves: &Moves<'_>, times: [f64; 2]) -> Vec<Zone> {
         let (Some(fitting), Some((fire, burning))) = (&self.fitting, self.fire()) else {
             return Vec::new();
@@ -40,7 +40,7 @@ impl SheetState<'_> {
         fire.zones(burning, &self.region.skin.mesh, (&balls, &places))
     }
 
-    /// Goes on with a mesh that is fine enough for these zones; after an error with the one that it has.
+    /// Meshes the sheet anew, fine where these zones burn; after an error the sheet keeps its mesh.
     pub(super) fn refit(
         &mut self,
         driver: &Driver,

@@ -23,14 +23,15 @@ const SQUARES: [u32; 2] = [20, 14];
 /// Longest edges (m) of meshes of one length: 104 thousand triangles.
 const EDGE: f64 = 6e-4;
 
-/// Width of the front of the scenes that are shipped, m, and of a narrow one.
+/// Widths of fronts (m): that of most shipped scenes, and a narrow one.
 const WIDE: f64 = 4e-3;
 const NARROW: f64 = 1.4e-3;
 
 /// Length of a step, s: a narrow front goes on by a seventh of its width.
 const TIME_STEP: f64 = 0.1;
 
-/// Factorisations of every solve: the product takes a function in the place of its solver, and nothing else.
+/// Factorisations of every solve since [`factorisations`] took them last. Static, because [`Modelling::minimise`] is a
+/// plain function.
 static FACTORISATIONS: Mutex<Vec<usize>> = Mutex::new(Vec::new());
 
 /// A run of a large sheet.
@@ -70,7 +71,7 @@ pub(crate) fn measure(quick: bool) -> Result<Vec<LargeRun>, Box<dyn Error>> {
     Ok(done)
 }
 
-/// In the place of the solver: counts what it takes.
+/// The product's solver, which also records its factorisations.
 fn counted(
     objective: &dyn Objective,
     rhs: &[f64],
@@ -86,7 +87,7 @@ fn counted(
     Ok(report)
 }
 
-/// What was counted since it was asked last.
+/// Factorisations since the last call.
 fn factorisations() -> usize {
     let counted = FACTORISATIONS
         .lock()

@@ -16,11 +16,9 @@ use ruga_stepper::{
 };
 use ruga_validation::cpu_seconds;
 
-use crate::fires::{GRID, SIDE};
 use crate::sheets::Scene;
 
-/// Share of its mass that paper keeps where all fuel is gone, and how much shorter it is there: as a share of mass of a
-/// half makes it for the springs.
+/// Share of its mass and of its lengths that burnt-out paper keeps; springs with half of their mass are half as long.
 const LEFT: f64 = 0.5;
 
 /// Paper that is soft enough to fall to the ground as the springs do.
@@ -31,7 +29,7 @@ const PAPER: LayerMaterial = LayerMaterial {
     density: 400.0,
 };
 
-/// Paper whose front goes on at so many metres a second, so wide (m), lit by `sources`.
+/// Fire of paper with a front of this speed (m/s) and width (m), lit by `sources`.
 fn burning([speed, width]: [f64; 2], sources: Vec<FireSource>) -> Fire {
     Fire {
         front: FrontDesign {
@@ -70,6 +68,8 @@ struct Film<'a> {
     drag: f64,
     /// Seconds of a time step.
     time_step: f64,
+    /// Squares of the printed grid along the two texture coordinates.
+    squares: [f64; 2],
     /// Steps after which it is looked at, ascending; the last one ends it.
     moments: &'a [usize],
 }
@@ -111,6 +111,7 @@ impl Film<'_> {
         let plan = plan_sheet(driver, &layer, sheet, &[pose], &modelling, 512)?;
         let mut eye = Eye {
             moments: self.moments,
+            squares: self.squares,
             scenes: Vec::new(),
         };
         let result = plan.simulate(0, &mut eye)?;
@@ -123,20 +124,25 @@ impl Film<'_> {
 }
 
 impl Filmed {
-    /// What is left of a fire.
-    fn burnt(&self) -> Option<String> {
-        let fire = self.result.layers.first()?.fire.as_ref()?;
-        Some(format!(
-            "at the end {:.2} % of the fuel is left, in {} pieces",
-            100.0 * fire.fuel_left,
-            fire.pieces
-        ))
+    /// Warnings, and what is left of a fire.
+    fn facts(&self) -> Vec<String> {
+        let mut facts = self.result.warnings.clone();
+        let fires = self.result.layers.iter();
+        facts.extend(fires.filter_map(|layer| layer.fire.as_ref()).map(|fire| {
+            format!(
+                "at the end {:.2} % of the fuel is left, in {} pieces",
+                100.0 * fire.fuel_left,
+                fire.pieces
+            )
+        }));
+        facts
     }
 }
 
 /// Looks at the sheet in some steps.
 struct Eye<'a> {
     moments: &'a [usize],
+    squares: [f64; 2],
     scenes: Vec<Scene>,
 }
 
@@ -145,13 +151,13 @@ impl Observer for Eye<'_> {
         let steps = self.moments.last().copied().unwrap_or_default() as f64;
         let step = (frame.load * steps).round() as usize;
         if let (true, Some(surface)) = (self.moments.contains(&step), frame.layers.first()) {
-            self.scenes.push(seen(surface));
+            self.scenes.push(seen(surface, self.squares));
         }
     }
 }
 
 /// What is left of the sheet, with fuel and temperature of the nearest place where these are known.
-fn seen(surface: &LayerSurface) -> Scene {
+fn seen(surface: &LayerSurface, squares: [f64; 2]) -> Scene {
     let mut scene = Scene::default();
     let known = surface.burnt.as_ref().map(known).unwrap_or_default();
     for (face, uvs) in surface.faces.iter().zip(&surface.uvs) {
@@ -161,9 +167,9 @@ fn seen(surface: &LayerSurface) -> Scene {
             let nearest = known.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
             nearest.map_or([1.0, 0.0], |own| own.1)
         });
-        let squares = GRID * SIDE;
         let marks = [0, 1, 2].map(|k| {
-            let at = (uvs[k] - Vector2::repeat(0.5)) * squares + Vector2::repeat(0.5);
+            let at = (uvs[k] - Vector2::repeat(0.5)).component_mul(&squares.into())
+                + Vector2::repeat(0.5);
             at.push(LEFT + (1.0 - LEFT) * states[k][0])
         });
         scene.add_paper(corners, marks, states.map(|own| own[1]));

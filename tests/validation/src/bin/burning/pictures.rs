@@ -1,4 +1,4 @@
-//! The paper's figures by the paper's springs, and some by the product, as far as its captions and its text say what they show.
+//! The paper's figures by its springs, some by the product too, as far as captions and text say what they show.
 
 use std::error::Error;
 use std::path::Path;

@@ -248,6 +248,9 @@ fn draw_drift(folder: &Path) -> Result<(), Box<dyn Error>> {
 fn draw_card(folder: &Path) -> Result<(), Box<dyn Error>> {
     let scene = ruga_scene::Scene::read(&asset("paper/pleats.toml"))?;
     let result = scene.plan()?.simulate(0, &mut Silent)?;
+    if !result.converged {
+        return Err("the pleated card did not converge".into());
+    }
     let (mesh, rest) = (scene.driver.topology(), scene.driver.rest());
     let keys = result.keys.iter();
     let moments =

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use ruga_stepper::{FireSource, Handle, Heats, Keyframe, Motion, Sheet};
 
 use super::{Film, PAPER, burning};
-use crate::fires::{BALL, GRAVITY, HOT, SIDE, ball_at, is_in_picture};
+use crate::fires::{BALL, GRAVITY, GRID, HOT, SIDE, ball_at, is_in_picture};
 use crate::pictures::Picture;
 use crate::sheets::{GREY, View, draw};
 use crate::squares::squares;
@@ -66,13 +66,13 @@ pub(crate) fn hot_sphere(folder: &Path) -> Result<Picture, Box<dyn Error>> {
         }],
         drag: DRAG,
         time_step: TIME_STEP,
+        squares: [GRID * SIDE; 2],
         moments: &MOMENTS,
     };
     // Upright in x and z, as the sheet of the springs' picture.
     let place = |[u, v]: [f64; 2]| Vector3::new(SIDE * (u - 0.5), 0.0, SIDE * (v - 0.5));
     let filmed = film.run(&squares([EDGES; 2], &place)?, &sheet)?;
-    let mut facts = filmed.result.warnings.clone();
-    facts.extend(filmed.burnt());
+    let facts = filmed.facts();
     let scenes = filmed.scenes.into_iter().zip(MOMENTS);
     let scenes: Vec<_> = scenes
         .map(|(scene, step)| {

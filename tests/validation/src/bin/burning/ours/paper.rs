@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use ruga_stepper::{FireSource, Heats, Mask, Obstacle, ObstacleShape, PaintedNumber, Sheet};
 
 use super::{Film, PAPER, burning};
-use crate::fires::{FLOOR, GRAVITY, LEAST_RATE, SIDE, texture};
+use crate::fires::{FLOOR, GRAVITY, GRID, LEAST_RATE, SIDE, texture};
 use crate::pictures::Picture;
 use crate::sheets::{View, draw};
 use crate::squares::squares;
@@ -15,6 +15,9 @@ use crate::squares::squares;
 /// Seconds of a time step, and drag of air (1/s).
 const TIME_STEP: f64 = 0.05;
 const DRAG: f64 = 10.0;
+
+/// Height of the sheet over its width.
+const HEIGHT: f64 = 0.75;
 
 /// Edges along the sides of the sheet.
 const EDGES: [u32; 2] = [28, 21];
@@ -40,8 +43,8 @@ pub(crate) fn paper(folder: &Path) -> Result<Picture, Box<dyn Error>> {
     let share = |i: u32| (f64::from(i) + 0.5) / f64::from(TEXELS);
     let rows = (0..TEXELS).flat_map(|row| (0..TEXELS).map(move |column| [column, row]));
     let greys = rows.map(|[column, row]| {
-        // Texture coordinates point down.
-        let rate = texture(share(column), 1.0 - share(row));
+        // Texture coordinates point down; as on the springs' sheet, whose height is three quarters of its width.
+        let rate = texture(share(column), 0.5 + HEIGHT * (0.5 - share(row)));
         ((rate - LEAST_RATE) / (1.0 - LEAST_RATE)) as f32
     });
     fire.speed = Some(PaintedNumber {
@@ -67,12 +70,12 @@ pub(crate) fn paper(folder: &Path) -> Result<Picture, Box<dyn Error>> {
         motions: Vec::new(),
         drag: DRAG,
         time_step: TIME_STEP,
+        squares: [GRID * SIDE, GRID * HEIGHT * SIDE],
         moments: &MOMENTS,
     };
-    let place = |[u, v]: [f64; 2]| Vector3::new(SIDE * (u - 0.5), 0.75 * SIDE * (v - 0.5), 0.0);
+    let place = |[u, v]: [f64; 2]| Vector3::new(SIDE * (u - 0.5), HEIGHT * SIDE * (v - 0.5), 0.0);
     let filmed = film.run(&squares(EDGES, &place)?, &sheet)?;
-    let mut facts = filmed.result.warnings.clone();
-    facts.extend(filmed.burnt());
+    let facts = filmed.facts();
     let scenes = filmed.scenes.into_iter();
     let scenes: Vec<_> = scenes
         .map(|scene| scene.with_floor(FLOOR, 0.58 * SIDE))

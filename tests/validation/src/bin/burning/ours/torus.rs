@@ -2,10 +2,8 @@
 
 use std::error::Error;
 use std::path::Path;
-use std::sync::Arc;
 
-use nalgebra::{Vector2, Vector3};
-use ruga_blend::{ArtistMesh, Driver};
+use nalgebra::Vector3;
 use ruga_material::LayerMaterial;
 use ruga_stepper::{Obstacle, ObstacleShape, Sheet};
 
@@ -13,6 +11,7 @@ use super::Film;
 use crate::fires::GRAVITY;
 use crate::pictures::{Fineness, Picture};
 use crate::sheets::{GREY, View, draw};
+use crate::squares::squares;
 use crate::torus::{FLOOR, MASS, RING, SPHERE, START, TUBE, place};
 
 /// Seconds of a time step, and drag of air (1/s).
@@ -22,35 +21,12 @@ const DRAG: f64 = 1.0;
 /// Steps after which the torus is looked at.
 const MOMENTS: [usize; 4] = [1, 12, 30, 100];
 
+/// Squares of the printed grid round the ring and round the tube.
+const SQUARES: [f64; 2] = [24.0, 8.0];
+
 /// Rubber as thick as this (m), as heavy as the springs.
 const THICKNESS: f64 = 1e-3;
 const YOUNG: f64 = 1e6;
-
-/// A torus in the air, with texture coordinates that begin anew after a turn.
-fn driver(around: usize) -> Result<Arc<Driver>, Box<dyn Error>> {
-    let tube = around / 3;
-    let share = |i: usize, j: usize| [i as f64 / around as f64, j as f64 / tube as f64];
-    let corners = (0..=around).flat_map(|i| (0..=tube).map(move |j| share(i, j)));
-    let corners: Vec<[f64; 2]> = corners.collect();
-    let at = |i: usize, j: usize| (i * (tube + 1) + j) as u32;
-    let squares = (0..around).flat_map(|i| (0..tube).map(move |j| [i, j]));
-    let triangles = squares.flat_map(|[i, j]| {
-        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-        [[a, b, c], [a, c, d]]
-    });
-    let mesh = ArtistMesh {
-        name: "torus".to_owned(),
-        // The last of a turn lie where the first do, to the last bit.
-        positions: corners
-            .iter()
-            .map(|[u, v]| place([u % 1.0, v % 1.0]) + START * Vector3::z())
-            .collect(),
-        uvs: Some(corners.iter().map(|[u, v]| Vector2::new(*u, *v)).collect()),
-        triangles: triangles.collect(),
-        ..ArtistMesh::default()
-    };
-    Ok(Arc::new(Driver::new(&mesh)?))
-}
 
 /// Runs and draws it.
 pub(crate) fn falling(folder: &Path, fine: Fineness) -> Result<Picture, Box<dyn Error>> {
@@ -76,7 +52,7 @@ pub(crate) fn falling(folder: &Path, fine: Fineness) -> Result<Picture, Box<dyn 
                 shape,
             })
             .to_vec(),
-        // Those of the mesh itself.
+        // Longer than the mesh's own edges, which stay.
         edge: Some(RING),
         fire: None,
     };
@@ -91,10 +67,14 @@ pub(crate) fn falling(folder: &Path, fine: Fineness) -> Result<Picture, Box<dyn 
         motions: Vec::new(),
         drag: DRAG,
         time_step: TIME_STEP,
+        squares: SQUARES,
         moments: &MOMENTS,
     };
-    let filmed = film.run(&driver(fine.around)?, &sheet)?;
-    let mut facts = filmed.result.warnings.clone();
+    let around = u32::try_from(fine.around)?;
+    // The last of a turn lie where the first do, to the last bit.
+    let at = |[u, v]: [f64; 2]| place([u % 1.0, v % 1.0]) + START * Vector3::z();
+    let filmed = film.run(&squares([around, around / 3], &at)?, &sheet)?;
+    let mut facts = filmed.facts();
     let last = filmed.result.keys.last().and_then(|key| key.layers.first());
     if let Some(surface) = last {
         let heights = surface.positions.iter().map(|p| p.z);
