@@ -18,9 +18,9 @@ use crate::squares::squares;
 
 /// Sides of the sheet, m, and squares of its mesh.
 const SIDES: [f64; 2] = [0.1, 0.07];
-const SQUARES: [u32; 2] = [20, 14];
+const SQUARES: [u32; 2] = [23, 17];
 
-/// Longest edges (m) of meshes of one length: 104 thousand triangles.
+/// Longest edges (m) of meshes of one length: 100 thousand triangles.
 const EDGE: f64 = 6e-4;
 
 /// Widths of fronts (m): that of most shipped scenes, and a narrow one.

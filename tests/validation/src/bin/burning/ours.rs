@@ -168,7 +168,7 @@ fn seen(surface: &LayerSurface, squares: [f64; 2]) -> Scene {
             nearest.map_or([1.0, 0.0], |own| own.1)
         });
         let marks = [0, 1, 2].map(|k| {
-            let at = (uvs[k] - Vector2::repeat(0.5)).component_mul(&squares.into())
+            let at = (uvs[k] - Vector2::repeat(0.5)).component_mul(&Vector2::from(squares))
                 + Vector2::repeat(0.5);
             at.push(LEFT + (1.0 - LEFT) * states[k][0])
         });
