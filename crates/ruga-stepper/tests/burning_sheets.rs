@@ -398,6 +398,21 @@ fn a_sheet_may_burn_away_whole() {
             .any(|w| w.contains("all of it has burnt"))
     );
 }
+
+#[test]
+fn a_handle_whose_place_has_burnt_is_told() {
+    let (length, width) = (0.04, 0.008);
+    let driver = rectangle([length, width], [20, 4]);
+    let mut falling = fire(vec![ball(0.0, 0.5 * width, 0.006)]);
+    falling.ash_share = 0.2;
+    let held = sheet(falling);
+    let result = run(&driver, &held, (4, 0.5)).expect("it burns");
+    assert!(burnt(&result).pieces == 1 && area_left(&result) > 0.5 * length * width);
+    let told = format!("all that handle '{}' held has burnt", held.handles[0].name);
+    let warnings = &result.warnings;
+    assert!(warnings.iter().any(|w| w.contains(&told)), "{warnings:?}");
+}
+
 #[test]
 fn fires_that_cannot_burn_are_refused() {
     let driver = rectangle([0.03, 0.01], [15, 5]);
@@ -414,6 +429,10 @@ fn fires_that_cannot_burn_are_refused() {
     );
     let cold = refused(&|fire| fire.front.burning = 500.0);
     assert!(cold.contains("not above ignition"), "{cold}");
+    let below_zero = refused(&|fire| fire.sources[0].temperature = -1.0);
+    assert!(below_zero.contains("a number from 0, in K"), "{below_zero}");
+    let below_zero = refused(&|fire| fire.front.surroundings = -1.0);
+    assert!(below_zero.contains("surroundings"), "{below_zero}");
     let wide = refused(&|fire| fire.front.width = 0.02);
     assert!(wide.contains("half the sheet's longest side"), "{wide}");
     let crumbling = refused(&|fire| fire.ash_share = 1.0);
