@@ -30,9 +30,8 @@ pub(crate) const FLOOR: f64 = -0.16;
 /// Mass of the one that falls (kg).
 pub(crate) const MASS: f64 = 0.1;
 
-/// A place (m) on a torus at the origin, in shares of the turns round the ring and round the tube.
-pub(crate) fn place(shares: [f64; 2]) -> Vector3<f64> {
-    let [ring, own] = shares.map(|share| TAU * share);
+/// A place (m) on a torus at the origin, by the angles (rad) round the ring and round the tube.
+pub(crate) fn place([ring, own]: [f64; 2]) -> Vector3<f64> {
     let from = RING + TUBE * own.cos();
     Vector3::new(from * ring.cos(), from * ring.sin(), TUBE * own.sin())
 }
@@ -40,8 +39,9 @@ pub(crate) fn place(shares: [f64; 2]) -> Vector3<f64> {
 /// A torus of quadrilaterals, so many round the ring and a third of that round the tube, centres outside.
 fn torus(around: usize) -> Result<(SpringLattice, Vec<Vector3<f64>>), SpringError> {
     let tube = around / 3;
-    let share = |i: usize, j: usize| [i as f64 / around as f64, j as f64 / tube as f64];
-    let positions = (0..around).flat_map(|i| (0..tube).map(move |j| place(share(i, j))));
+    let angles =
+        |i: usize, j: usize| [(i, around), (j, tube)].map(|(k, n)| TAU * k as f64 / n as f64);
+    let positions = (0..around).flat_map(|i| (0..tube).map(move |j| place(angles(i, j))));
     let at = |i: usize, j: usize| (i % around * tube + j % tube) as u32;
     let square = |i, j| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
     let cells = (0..around).flat_map(|i| (0..tube).map(move |j| square(i, j)));

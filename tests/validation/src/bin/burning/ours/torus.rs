@@ -1,6 +1,7 @@
 //! Figure 7 by the product: a torus that falls on a sphere.
 
 use std::error::Error;
+use std::f64::consts::TAU;
 use std::path::Path;
 
 use nalgebra::Vector3;
@@ -56,7 +57,7 @@ pub(crate) fn falling(folder: &Path, fine: Fineness) -> Result<Picture, Box<dyn 
         edge: Some(RING),
         fire: None,
     };
-    let area = std::f64::consts::TAU.powi(2) * RING * TUBE;
+    let area = TAU.powi(2) * RING * TUBE;
     let film = Film {
         material: LayerMaterial {
             young: YOUNG,
@@ -72,7 +73,8 @@ pub(crate) fn falling(folder: &Path, fine: Fineness) -> Result<Picture, Box<dyn 
     };
     let around = u32::try_from(fine.around)?;
     // The last of a turn lie where the first do, to the last bit.
-    let at = |[u, v]: [f64; 2]| place([u % 1.0, v % 1.0]) + START * Vector3::z();
+    let at =
+        |[u, v]: [f64; 2]| place([u, v].map(|share| TAU * (share % 1.0))) + START * Vector3::z();
     let filmed = film.run(&squares([around, around / 3], &at)?, &sheet)?;
     let mut facts = filmed.facts();
     let last = filmed.result.keys.last().and_then(|key| key.layers.first());
