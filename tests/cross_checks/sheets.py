@@ -60,7 +60,6 @@ def compare(folder):
         for key in sorted(keys):
             percent = f"{100 * key:g}".replace(".", "p")
             expected = read_points(folder / "bodies" / f"{pose}_{percent}.obj")
-            played = animation.action
             animation.action = None
             for block in blocks[1:]:
                 block.value = float(block.name == f"{pose}_{percent}")
@@ -71,7 +70,6 @@ def compare(folder):
             frame = start + key * (end - start) / max(keys)
             bpy.context.scene.frame_set(int(frame), subframe=frame % 1)
             worst = max(worst, distance(shown_points(mesh), expected))
-            animation.action = played
             states += 2
     return worst, states
 

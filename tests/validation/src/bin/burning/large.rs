@@ -1,7 +1,7 @@
 //! What a step of a large burning sheet takes: factorisations, and time by what it goes into.
 
 use std::error::Error;
-use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use nalgebra::Vector3;
@@ -30,9 +30,9 @@ const NARROW: f64 = 1.4e-3;
 /// Length of a step, s: a narrow front goes on by a seventh of its width.
 const TIME_STEP: f64 = 0.1;
 
-/// Factorisations of every solve since [`factorisations`] took them last. Static, because [`Modelling::minimise`] is a
+/// Factorisations of all solves since [`factorisations`] took them last. Static, because [`Modelling::minimise`] is a
 /// plain function.
-static FACTORISATIONS: Mutex<Vec<usize>> = Mutex::new(Vec::new());
+static FACTORISATIONS: AtomicUsize = AtomicUsize::new(0);
 
 /// A run of a large sheet.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -81,18 +81,13 @@ fn counted(
     keep_going: &mut dyn FnMut(&Iteration) -> bool,
 ) -> Result<SolveReport, SolverError> {
     let report = minimise(objective, rhs, x, kkt, settings, keep_going)?;
-    if let Ok(mut all) = FACTORISATIONS.lock() {
-        all.push(report.factorizations);
-    }
+    FACTORISATIONS.fetch_add(report.factorizations, Ordering::Relaxed);
     Ok(report)
 }
 
 /// Factorisations since the last call.
 fn factorisations() -> usize {
-    let counted = FACTORISATIONS
-        .lock()
-        .map(|mut all| std::mem::take(&mut *all));
-    counted.unwrap_or_default().iter().sum()
+    FACTORISATIONS.swap(0, Ordering::Relaxed)
 }
 
 fn run(width: f64, edge: Option<f64>, steps: u32) -> Result<LargeRun, Box<dyn Error>> {

@@ -34,7 +34,7 @@ fn held(name: &str, x: f64) -> Handle {
 pub(crate) fn hot_sphere(folder: &Path) -> Result<Picture, Box<dyn Error>> {
     eprintln!("figure 4 (c), ruga");
     let [radius, speed, _] = BALL;
-    // As fast as the sphere goes on would be all of it at once.
+    // Slower than the sphere, so that what it does not touch is left.
     let front = [0.1 * speed, 0.01];
     let sphere = FireSource {
         name: "sphere".to_owned(),
