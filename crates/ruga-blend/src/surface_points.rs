@@ -58,6 +58,7 @@ impl SurfacePoints {
                         return None;
                     }
                 }
+                rows.shrink_to_fit();
                 Some(rows)
             }
             Smoothing::None => None,

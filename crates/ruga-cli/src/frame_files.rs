@@ -331,8 +331,8 @@ mod tests {
             driver_positions: positions.clone(),
             driver_normals: vec![Vector3::z(); 3],
             positions,
-            faces: vec![[0, 1, 2]],
-            uvs: vec![[Vector2::zeros(), Vector2::x(), Vector2::y()]],
+            faces: [[0, 1, 2]].into(),
+            uvs: [[Vector2::zeros(), Vector2::x(), Vector2::y()]].into(),
             face_states: Some(vec![FaceState::default()]),
             ..LayerSurface::default()
         }

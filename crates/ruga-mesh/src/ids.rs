@@ -19,12 +19,14 @@ macro_rules! id {
         pub struct $name(pub u32);
 
         impl Id for $name {
+            #[inline]
             fn from_index(index: usize) -> Self {
                 // Checked in release by the mesh, once for all of its elements.
                 debug_assert!(index < u32::MAX as usize, "element count fits 32 bits");
                 Self(index as u32)
             }
 
+            #[inline]
             fn index(self) -> usize {
                 self.0 as usize
             }

@@ -61,6 +61,12 @@ pub struct LimitPointRows {
 }
 
 impl LimitPointRows {
+    /// Gives back the memory that was reserved for further points.
+    pub fn shrink_to_fit(&mut self) {
+        self.position.shrink_to_fit();
+        self.first.iter_mut().for_each(SparseRows::shrink_to_fit);
+    }
+
     /// The surface at every point, for one set of control points (m).
     ///
     /// # Panics

@@ -58,6 +58,13 @@ impl SparseRows {
         self.starts.push(self.columns.len());
     }
 
+    /// Gives back the memory that was reserved for further rows.
+    pub(crate) fn shrink_to_fit(&mut self) {
+        self.starts.shrink_to_fit();
+        self.columns.shrink_to_fit();
+        self.weights.shrink_to_fit();
+    }
+
     fn reserve(&mut self, rows: usize, terms: usize) {
         self.starts.reserve(rows);
         self.columns.reserve(terms);

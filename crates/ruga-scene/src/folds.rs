@@ -118,7 +118,7 @@ impl Scene {
 
     fn valleys(&self, layer: &LayerSpec, surface: &LayerSurface) -> Vec<ValleyFold> {
         let count = surface.positions.len();
-        let Ok(mesh) = TriMesh::new(count, surface.faces.clone()) else {
+        let Ok(mesh) = TriMesh::new(count, surface.faces.to_vec()) else {
             return Vec::new();
         };
         let nominal = waves(layer).wavelength;
@@ -170,7 +170,7 @@ impl Scene {
         let triangles = driver.triangles().iter();
         let faces: BTreeMap<u32, FaceId> = triangles.map(|(face, &file)| (file, face)).collect();
         let mut places = vec![Vector3::zeros(); surface.positions.len()];
-        for (corners, (triangle, weights)) in surface.faces.iter().zip(&surface.artist) {
+        for (corners, (triangle, weights)) in surface.faces.iter().zip(surface.artist.iter()) {
             let Some(&face) = faces.get(triangle) else {
                 continue;
             };

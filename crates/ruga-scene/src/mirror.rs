@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, BlendShape, Driver, Weights};
 use ruga_mesh::barycentric;
-use ruga_stepper::{ComputedMesh, LayerSpec, LayerSurface, Region};
+use ruga_stepper::{ArtistPlace, ComputedMesh, LayerSpec, LayerSurface, Region};
 use thiserror::Error;
 
 /// How far a vertex may lie from the mirror image of its partner, in sizes of the mesh: half a millimetre on a
@@ -18,9 +18,6 @@ const ALIKE_SHAPES: f64 = 0.1;
 
 /// Difference of grey, or relative one of a property, up to which paint is the same on both sides.
 const ALIKE: f64 = 0.1;
-
-/// A triangle of the file, and barycentric coordinates of a face's corners in it.
-type Address = (u32, [[f64; 3]; 3]);
 
 /// Why a mesh does not mirror.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -166,7 +163,7 @@ impl Mirror {
     pub(crate) fn image(&self, layer: &LayerSurface) -> LayerSurface {
         let all = |points: &[Vector3<f64>]| points.iter().map(reflected).collect();
         let places = layer.artist.iter().map(|face| self.place(face));
-        let (uvs, artist) = places.unzip();
+        let (uvs, artist): (Vec<_>, Vec<_>) = places.unzip();
         LayerSurface {
             name: layer.name.clone(),
             positions: all(&layer.positions),
@@ -176,8 +173,8 @@ impl Mirror {
             offset: layer.offset,
             // A reflection turns faces inside out.
             faces: layer.faces.iter().map(|&[a, b, c]| [a, c, b]).collect(),
-            uvs,
-            artist,
+            uvs: uvs.into(),
+            artist: artist.into(),
             face_states: layer.face_states.clone(),
             computed: ComputedMesh::default(),
             // Sheets are simulated whole.
@@ -186,7 +183,7 @@ impl Mirror {
     }
 
     /// Texture coordinates opposite of a face's corners, the last two exchanged, and where that is on the mesh.
-    fn place(&self, (triangle, corners): &Address) -> ([Vector2<f64>; 3], Address) {
+    fn place(&self, (triangle, corners): &ArtistPlace) -> ([Vector2<f64>; 3], ArtistPlace) {
         let opposite = &self.triangles[*triangle as usize];
         let [a, b, c] = corners.map(|parts| {
             let pairs = opposite.uvs.iter().zip(parts);
@@ -200,7 +197,7 @@ impl Mirror {
             (triangle, parts)
         });
         // How far inside the middle of the face is.
-        let inside = |place: &Address| {
+        let inside = |place: &ArtistPlace| {
             let middle = [0, 1, 2].map(|i| place.1.iter().map(|parts| parts[i]).sum::<f64>());
             middle.into_iter().fold(f64::INFINITY, f64::min)
         };

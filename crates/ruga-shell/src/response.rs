@@ -97,24 +97,25 @@ pub fn creased_response(
         .collect::<Result<Vec<_>, _>>()?;
     let free = FreeIndex::new(query.fixed);
 
-    let mut stiffness = Vec::new();
+    let mut stiffness = Entries::of(Triangles::Lower);
     let sized = sized_creases(query, &rest, creases)?;
     add_bending((query, &sized), &rest, &free, &mut stiffness);
     add_foundation(query, &rest, &free, &mut stiffness);
-    let mut load = Vec::new();
+    let mut load = Entries::of(Triangles::Both);
     add_load(query, &rest, &free, &mut load)?;
 
     let unstable = ShellError::UnstableSheet {
         gradient_stiffness: query.gradient_stiffness,
     };
-    let assemble = |entries: &[Triplet<usize, usize, f64>]| {
-        SparseColMat::try_new_from_triplets(free.count, free.count, entries)
+    let assemble = |entries: Entries| {
+        SparseColMat::try_new_from_triplets(free.count, free.count, &entries.triplets)
             .map_err(|_| unstable.clone())
     };
-    let load = assemble(&load)?;
-    // The load is only semidefinite, the stiffness is definite: so the stiffness is factorised, and
-    // the least force is sought as the largest of the inverse forces, which Lanczos finds first.
-    let factor = assemble(&stiffness)?
+    let load = assemble(load)?;
+    // The load is only semidefinite, the stiffness is definite: so the stiffness is factorised, of which the lower
+    // triangle is enough, and the least force is sought as the largest of the inverse forces, which Lanczos finds
+    // first.
+    let factor = assemble(stiffness)?
         .sp_cholesky(Side::Lower)
         .map_err(|_| unstable.clone())?;
     let lanczos = largest_eigenvalue(&factor, &load).ok_or(unstable)?;
@@ -139,7 +140,25 @@ struct FreeIndex {
     count: usize,
 }
 
-type Entries = Vec<Triplet<usize, usize, f64>>;
+/// The triangles of a symmetric matrix that are wanted.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Triangles {
+    Lower,
+    Both,
+}
+
+/// Entries of a symmetric matrix, of which several may be for one place: many more than it has in the end.
+struct Entries {
+    triplets: Vec<Triplet<usize, usize, f64>>,
+    wanted: Triangles,
+}
+
+impl Entries {
+    fn of(wanted: Triangles) -> Self {
+        let triplets = Vec::new();
+        Self { triplets, wanted }
+    }
+}
 
 impl FreeIndex {
     fn new(fixed: &[bool]) -> Self {
@@ -157,9 +176,10 @@ impl FreeIndex {
     }
 
     fn add(&self, entries: &mut Entries, row: VertexId, column: VertexId, value: f64) {
-        if let (Some(row), Some(column)) = (self.of[row.index()], self.of[column.index()]) {
-            // Both triangles are kept: the load is multiplied as a whole matrix.
-            entries.push(Triplet::new(row, column, value));
+        if let (Some(row), Some(column)) = (self.of[row.index()], self.of[column.index()])
+            && (row >= column || entries.wanted == Triangles::Both)
+        {
+            entries.triplets.push(Triplet::new(row, column, value));
         }
     }
 

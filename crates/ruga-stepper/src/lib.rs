@@ -99,8 +99,8 @@ pub use model::{
     Coupling, Dynamics, EdgeLimits, LayerSpec, Modelling, PoseSpec, Presence, Region, Stack,
 };
 pub use result::{
-    ComputedMesh, CreaseReport, FaceState, FireReport, FoldSample, KeyResult, LayerReport,
-    LayerSurface, PoseResult,
+    ArtistPlace, ComputedMesh, CreaseReport, FaceState, FireReport, FoldSample, KeyResult,
+    LayerReport, LayerSurface, PoseResult,
 };
 
 pub use sheet::{BurntSurface, Fire, FireSource, Heats, SHEET_EDGES, Sheet, plan_sheet};

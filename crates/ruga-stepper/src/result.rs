@@ -1,5 +1,7 @@
 //! What a simulated pose gives back.
 
+use std::sync::Arc;
+
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::Driver;
 use ruga_solver::{SolveReport, StopRule};
@@ -8,6 +10,9 @@ use crate::skin::material_places::uv;
 use crate::skin::measure::waviness;
 use crate::skin::skin_mesh::SkinMesh;
 use crate::{BurntSurface, CreaseSpec, LayerPlan, PaintedRanges};
+
+/// A triangle of the file, and barycentric coordinates of three corners in it.
+pub type ArtistPlace = (u32, [[f64; 3]; 3]);
 
 /// One layer in one load step, with the smooth driver under each of its vertices.
 #[derive(Clone, Debug, Default)]
@@ -26,13 +31,13 @@ pub struct LayerSurface {
     pub driver_normals: Vec<Vector3<f64>>,
     /// Distance of the layer from the driver at rest, along the normal, m.
     pub offset: f64,
-    /// Triangles.
-    pub faces: Vec<[u32; 3]>,
+    /// Triangles. These, like what else does not move, are shared by all keys.
+    pub faces: Arc<[[u32; 3]]>,
     /// Texture coordinates of the corners of every triangle, V down.
-    pub uvs: Vec<[Vector2<f64>; 3]>,
-    /// For every triangle the file's triangle whose skin it is, and barycentric coordinates of its
-    /// corners' texture coordinates there; beside an edge of that triangle they may leave [0, 1].
-    pub artist: Vec<(u32, [[f64; 3]; 3])>,
+    pub uvs: Arc<[[Vector2<f64>; 3]]>,
+    /// For every triangle the file's triangle whose skin it is, and where the texture coordinates of its
+    /// corners lie in it; beside an edge of that triangle they may leave [0, 1].
+    pub artist: Arc<[ArtistPlace]>,
     /// Mesh that it was computed on.
     pub computed: ComputedMesh,
     /// State of every triangle, for an observer who wants it

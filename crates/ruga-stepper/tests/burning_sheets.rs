@@ -220,7 +220,7 @@ fn a_hole_is_cut_where_fuel_has_run_out() {
     let inner = surface.positions.iter().map(rim).fold(f64::MAX, f64::min);
     assert!((inner / radius - 1.0).abs() < 0.15, "{inner} {radius}");
     let mut edges = std::collections::BTreeMap::new();
-    for [a, b, c] in &surface.faces {
+    for [a, b, c] in surface.faces.iter() {
         for [p, q] in [[a, b], [b, c], [c, a]] {
             *edges.entry([p.min(q), p.max(q)]).or_insert(0) += 1;
         }

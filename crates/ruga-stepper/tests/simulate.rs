@@ -110,10 +110,13 @@ impl Observer for States {
         assert_eq!(states.len(), layer.faces.len());
         let ratios = states.iter().map(|state| state.strain_ratio);
         self.strain_ratios.push(ratios.fold(0.0, f64::max));
-        let energies = states.iter().zip(&layer.uvs).map(|(state, [a, b, c])| {
-            let area = 0.5 * (b - a).perp(&(c - a)).abs() * patch::SIDE * patch::SIDE;
-            area * (state.membrane_energy + state.bending_energy + state.foundation_energy)
-        });
+        let energies = states
+            .iter()
+            .zip(layer.uvs.iter())
+            .map(|(state, [a, b, c])| {
+                let area = 0.5 * (b - a).perp(&(c - a)).abs() * patch::SIDE * patch::SIDE;
+                area * (state.membrane_energy + state.bending_energy + state.foundation_energy)
+            });
         self.energy = energies.sum();
     }
 }

@@ -45,7 +45,7 @@ fn image(values: Vec<f32>, range: [f64; 2]) -> Option<PropertyImage> {
 /// borders, m.
 fn local_wavelength(layer: &LayerSurface, window: [f64; 2]) -> f64 {
     let (mut squares, mut slopes) = (0.0, 0.0);
-    for (face, uvs) in layer.faces.iter().zip(&layer.uvs) {
+    for (face, uvs) in layer.faces.iter().zip(layer.uvs.iter()) {
         let centre = (uvs[0] + uvs[1] + uvs[2]) / 3.0;
         let inside = (window[0]..window[1]).contains(&centre.x) && (0.2..0.8).contains(&centre.y);
         if !inside {

@@ -44,7 +44,7 @@ fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
 /// Vertices on edges that only one face has.
 fn border_vertices(layer: &LayerSurface) -> Vec<usize> {
     let mut uses = BTreeMap::new();
-    for &[a, b, c] in &layer.faces {
+    for &[a, b, c] in layer.faces.iter() {
         for (i, j) in [(a, b), (b, c), (c, a)] {
             *uses.entry((i.min(j), i.max(j))).or_insert(0) += 1;
         }
@@ -77,7 +77,7 @@ fn outer_ring(map: &WrinkleMap) -> Vec<usize> {
 /// Angle between the wrinkles' slope and the driver's compression, degrees: mean over the faces
 /// whose demand passes `critical`, weighted by area and squared slope.
 fn misalignment(rest: &LayerSurface, layer: &LayerSurface, poisson: f64, critical: f64) -> f64 {
-    let mesh = TriMesh::new(layer.positions.len(), layer.faces.clone()).expect("the layer's mesh");
+    let mesh = TriMesh::new(layer.positions.len(), layer.faces.to_vec()).expect("the layer's mesh");
     let strains = face_strains(&mesh, &rest.driver_positions, &layer.driver_positions);
     let heights = heights(layer);
     let (mut angles, mut weights) = (0.0, 0.0);

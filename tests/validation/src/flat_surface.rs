@@ -103,7 +103,7 @@ impl<'a> FlatSurface<'a> {
     /// height about that, m.
     pub fn moments(&self, [length, width]: [f64; 2]) -> [f64; 2] {
         let mut areas = vec![0.0; self.rest.len()];
-        for face in &self.layer.faces {
+        for face in self.layer.faces.iter() {
             let [a, b, c] = face.map(|v| self.rest[v as usize]);
             let area = 0.5 * (b - a).perp(&(c - a)).abs();
             for v in face {

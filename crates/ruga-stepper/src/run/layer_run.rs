@@ -351,6 +351,16 @@ impl<'a> LayerRun<'a> {
         Ok(solve)
     }
 
+    /// Gives back the memory of what the layer is solved with, which the next solve takes anew.
+    fn release(&mut self) {
+        if let Some(kkt) = &mut self.kkt {
+            kkt.release();
+        }
+        if let Some(patches) = &mut self.patches {
+            patches.release();
+        }
+    }
+
     /// Measures the layer as it is now.
     pub(crate) fn measure(&mut self) {
         let layer = &self.layer;

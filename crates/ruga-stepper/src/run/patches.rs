@@ -112,6 +112,11 @@ impl Patches {
         })
     }
 
+    /// Forgets what patches are solved with; the next solve sets it up anew.
+    pub(crate) fn release(&mut self) {
+        self.patches.iter_mut().for_each(Patch::release);
+    }
+
     /// Minimises the energy over all free vertices, from their coordinates `x` (m), and leaves it there.
     ///
     /// It has converged when a sweep gains [`LITTLE`] and every patch is at a minimum, to the tolerance of

@@ -1,5 +1,7 @@
 //! The artist's mesh, carried along by a sheet, and the sheet as others see it.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 use ruga_blend::Driver;
 use ruga_mesh::Id;
@@ -52,9 +54,9 @@ impl SheetState<'_> {
             driver_positions: region.on_both_sides(below.positions),
             driver_normals: region.on_both_sides(below.normals),
             offset: 0.0,
-            faces: region.shown_faces(),
-            uvs: region.shown_uvs().to_vec(),
-            artist: region.artist(),
+            faces: Arc::clone(region.shown_faces()),
+            uvs: Arc::clone(region.shown_uvs()),
+            artist: Arc::clone(region.artist()),
             computed: ComputedMesh::new(driver, &self.meshed.skin, &self.moving.positions),
             face_states: None,
             burnt: None,

@@ -3,6 +3,7 @@
 use nalgebra::{Vector2, Vector3};
 use ruga_mesh::{FaceId, FaceOrigin, Id, MaterialPoint, PerFace, TriMesh, face_areas, split_edges};
 
+use crate::ArtistPlace;
 use crate::skin::skin_mesh::RegionMesh;
 
 /// A sheet's mesh with its triangles divided into four as often as the front needs.
@@ -21,7 +22,7 @@ pub(super) struct FieldGrid {
     /// Texture coordinates of every face's corners.
     pub(super) uvs: Vec<[Vector2<f64>; 3]>,
     /// The file's triangle under every face, and its corners' places there.
-    pub(super) artist: Vec<(u32, [[f64; 3]; 3])>,
+    pub(super) artist: Vec<ArtistPlace>,
 }
 
 /// Barycentric coordinates in a triangle of a place that is given in another one, whose corners lie there in `corners`.

@@ -379,7 +379,7 @@ mod tests {
             .inspect(|area| assert!(*area > 0.0))
             .sum();
         assert!((total / (SIDE * SIDE) - 1.0).abs() < 1e-9, "{total}");
-        for uvs in region.shown_uvs() {
+        for uvs in region.shown_uvs().iter() {
             assert!(uvs.iter().all(|uv| uv.x < 0.5) || uvs.iter().all(|uv| uv.x > 0.5));
         }
     }

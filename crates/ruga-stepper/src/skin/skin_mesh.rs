@@ -1,5 +1,7 @@
 //! The mesh that a layer is computed on, and its output mesh.
 
+use std::sync::Arc;
+
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::{Driver, PosedSurface, Smoothing, SurfacePoints};
 use ruga_crease::{CreaseEdge, CreaseWarning, LinePlaces, TracedLine};
@@ -16,7 +18,7 @@ use crate::skin::facet_address::{FacetAddresses, Piece as Facets};
 use crate::skin::fans::open_along;
 use crate::skin::identity::Identity;
 use crate::skin::piece::{Piece, blend};
-use crate::{LayerSpec, StepperError};
+use crate::{ArtistPlace, LayerSpec, StepperError};
 
 mod sizing;
 
@@ -81,14 +83,6 @@ impl SkinMesh {
     }
 }
 
-/// A mesh opened along its creases.
-#[derive(Clone, Debug)]
-struct Opened {
-    faces: Vec<[u32; 3]>,
-    /// The old vertex of every new one.
-    copied: Vec<VertexId>,
-}
-
 /// A fitted mesh.
 pub(crate) struct Adapted {
     pub(crate) skin: SkinMesh,
@@ -105,16 +99,20 @@ pub(crate) struct RegionMesh {
     uvs: Vec<[Vector2<f64>; 3]>,
     origins: PerFace<ruga_mesh::FaceOrigin>,
     /// Texture coordinates at which results are shown.
-    addresses: FacetAddresses,
-    artist: Vec<u32>,
+    shown_uvs: Arc<[[Vector2<f64>; 3]]>,
+    /// The file's triangle under every triangle, and its corners' places there.
+    artist: Arc<[ArtistPlace]>,
+    /// The corners of every triangle as results number them.
+    shown_faces: Arc<[[u32; 3]]>,
     /// Edges that a fitted mesh keeps: boundaries of the layer's map, and creases.
     features: PerEdge<bool>,
     /// The layer's creases over this mesh.
     lines: Vec<TracedLine>,
     /// Stretches of creases that fold as another one says.
     pub(crate) shared: Vec<CreaseWarning>,
-    /// The mesh as results have it, with a vertex on each side of a crease; `None` without creases.
-    opened: Option<Opened>,
+    /// The vertex here of every one that results have, which has one on each side of a crease; `None` without
+    /// creases.
+    opened: Option<Vec<VertexId>>,
     smoothing: Smoothing,
     offset: f64,
 }
@@ -183,10 +181,9 @@ impl RegionMesh {
         let beside = beside
             .map(|(face, weights)| (face, blend(&uvs[face.index()], weights)))
             .collect();
-        let opened = (!creases.is_empty()).then(|| {
-            let (faces, copied) = open_along(&mesh, creases.iter().map(|crease| crease.edge));
-            Opened { faces, copied }
-        });
+        let opened = (!creases.is_empty())
+            .then(|| open_along(&mesh, creases.iter().map(|crease| crease.edge)));
+        let (faces, opened) = opened.unzip();
         let skin = SkinMesh::new(driver, (mesh, &points), smoothing, 0.0, goes_on);
         let skin = skin.ok_or(Halt::Interrupted)?;
         // This is before the mesh is lifted: addresses are places of the driver, not of the layer
@@ -202,7 +199,13 @@ impl RegionMesh {
                 uvs: &uvs,
             },
         );
-        let artist = origins.as_slice().iter();
+        let triangles = origins.as_slice().iter();
+        let triangles = triangles.map(|origin| driver.triangles()[origin.face]);
+        let artist = triangles.zip(addresses.corners).collect();
+        let shown_faces = match faces {
+            Some(faces) => faces.into(),
+            None => skin.corner_indices().into(),
+        };
         Ok(Self {
             features,
             lines,
@@ -214,10 +217,9 @@ impl RegionMesh {
                 ..skin.lifted(offset)
             },
             uvs,
-            addresses,
-            artist: artist
-                .map(|origin| driver.triangles()[origin.face])
-                .collect(),
+            shown_uvs: addresses.uvs.into(),
+            artist,
+            shown_faces,
             origins,
             smoothing,
             offset,
@@ -225,17 +227,14 @@ impl RegionMesh {
     }
 
     /// The corners of every triangle as results number them: vertices on creases once for each side.
-    pub(crate) fn shown_faces(&self) -> Vec<[u32; 3]> {
-        match &self.opened {
-            Some(opened) => opened.faces.clone(),
-            None => self.skin.corner_indices(),
-        }
+    pub(crate) fn shown_faces(&self) -> &Arc<[[u32; 3]]> {
+        &self.shown_faces
     }
 
     /// Values at the vertices of this mesh for those of the mesh that results have.
     pub(crate) fn on_both_sides<T: Copy>(&self, values: Vec<T>) -> Vec<T> {
         match &self.opened {
-            Some(opened) => opened.copied.iter().map(|v| values[v.index()]).collect(),
+            Some(opened) => opened.iter().map(|v| values[v.index()]).collect(),
             None => values,
         }
     }
@@ -248,16 +247,13 @@ impl RegionMesh {
 
     /// Texture coordinates of every triangle's corners, V down, as the artist's flat triangles show
     /// them.
-    pub(crate) fn shown_uvs(&self) -> &[[Vector2<f64>; 3]] {
-        &self.addresses.uvs
+    pub(crate) fn shown_uvs(&self) -> &Arc<[[Vector2<f64>; 3]]> {
+        &self.shown_uvs
     }
 
     /// The file's triangle under every triangle, and its corners' places there.
-    pub(crate) fn artist(&self) -> Vec<(u32, [[f64; 3]; 3])> {
-        let triangles = self.artist.iter().copied();
-        triangles
-            .zip(self.addresses.corners.iter().copied())
-            .collect()
+    pub(crate) fn artist(&self) -> &Arc<[ArtistPlace]> {
+        &self.artist
     }
 
     /// A mesh of the region that is as fine as `strains` and the rest shape ask for, in the

@@ -34,7 +34,7 @@ impl Sheet {
             below: vec![Vector3::repeat(f64::NAN); count[0] * count[1]],
             heights: vec![f64::NAN; count[0] * count[1]],
         };
-        for (face, uvs) in layer.faces.iter().zip(&layer.uvs) {
+        for (face, uvs) in layer.faces.iter().zip(layer.uvs.iter()) {
             let corners = uvs.map(|uv| {
                 let place = [2.0 * uv.x, uv.y];
                 Vector2::from_fn(|c, _| place[c] * (count[c] - 1) as f64)

@@ -265,7 +265,7 @@ pub(crate) fn check_given_labyrinth(size: Size, tolerance: f64) {
 /// triangles of a flat layer with both |x| and |y| up to `reach`.
 pub(crate) fn measured(layer: &LayerSurface, reach: f64, stretch: f64) -> [f64; 2] {
     let (mut squares, mut slopes, mut turns) = (0.0, 0.0, Vector2::zeros());
-    for face in &layer.faces {
+    for face in layer.faces.iter() {
         let p = face.map(|v| layer.driver_positions[v as usize].xy() / stretch);
         let centre = (p[0] + p[1] + p[2]) / 3.0;
         if centre.amax() * stretch > reach {

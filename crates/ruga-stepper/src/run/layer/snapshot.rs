@@ -1,5 +1,7 @@
 //! A layer as others see it.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 use ruga_blend::{Driver, PosedSurface};
 use ruga_mesh::{FaceId, vertex_means};
@@ -37,9 +39,9 @@ impl Layer {
             driver_positions: region.on_both_sides(surface.positions),
             driver_normals: region.on_both_sides(surface.normals),
             offset,
-            faces: region.shown_faces(),
-            uvs: self.region.shown_uvs().to_vec(),
-            artist: self.region.artist(),
+            faces: Arc::clone(region.shown_faces()),
+            uvs: Arc::clone(region.shown_uvs()),
+            artist: Arc::clone(region.artist()),
             computed,
             face_states: None,
             burnt: None,

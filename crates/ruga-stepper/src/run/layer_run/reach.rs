@@ -89,6 +89,8 @@ impl<'a> LayerRun<'a> {
             if ending != Ending::Reached {
                 return Ok(ending);
             }
+            // What is made of a result takes as much memory as what it was solved with.
+            self.release();
             if !loading.kept(self, *load, observer)? {
                 return Ok(Ending::Interrupted);
             }
@@ -126,8 +128,9 @@ impl<'a> LayerRun<'a> {
         let mut kept = self.layer.state();
         let drawn = self.layer.crease_strengths().to_vec();
         if self.layer.strain_ratio() < 1.0 {
-            // The first pattern is chosen with care.
+            // The first pattern is chosen with care, and not in patches that are left from another key.
             self.relaxation = 0.0;
+            self.patches = None;
         }
         loop {
             let felt = self.layer.strain_ratios().all();

@@ -137,6 +137,11 @@ impl Patch {
         })
     }
 
+    /// Forgets what it is solved with.
+    pub(super) fn release(&mut self) {
+        self.kept = None;
+    }
+
     /// Takes over what has changed in the layer since the last solve.
     pub(super) fn follow(&mut self, whole: &Whole<'_>) {
         if let Some(system) = &mut self.kept {

@@ -160,7 +160,7 @@ impl Observer for Eye<'_> {
 fn seen(surface: &LayerSurface, squares: [f64; 2]) -> Scene {
     let mut scene = Scene::default();
     let known = surface.burnt.as_ref().map(known).unwrap_or_default();
-    for (face, uvs) in surface.faces.iter().zip(&surface.uvs) {
+    for (face, uvs) in surface.faces.iter().zip(surface.uvs.iter()) {
         let corners = face.map(|v| surface.positions[v as usize]);
         let states = uvs.map(|uv| {
             let far = |own: &&(Vector2<f64>, [f64; 2])| (own.0 - uv).norm_squared();
