@@ -6,7 +6,7 @@ mod fixture;
 use std::fs;
 use std::process::{Child, Command, Output, Stdio};
 
-use fixture::{Folder, Run, wait_for};
+use fixture::{Folder, Run, assert_alike, wait_for};
 use serde_json::{Value, json};
 
 /// Three poses of one key; the fixture's own is `squeezed`.
@@ -101,41 +101,6 @@ impl<'a> Job<'a> {
         let scene = self.parameters["Scene"].as_str().expect("a path");
         let line = format!("bake {scene} -o {name}{options}");
         self.folder.ruga(&line).exits(0);
-    }
-}
-
-/// JSON without what no two runs have alike: measured times.
-fn without_times(mut json: Value) -> Value {
-    match &mut json {
-        Value::Object(table) => {
-            table.remove("seconds");
-            for value in table.values_mut() {
-                *value = without_times(value.take());
-            }
-        }
-        Value::Array(list) => {
-            for value in list {
-                *value = without_times(value.take());
-            }
-        }
-        _ => {}
-    }
-    json
-}
-
-/// Both folders have the same files with the same bytes, but for times.
-#[track_caller]
-fn assert_alike(folder: &Folder, one: &str, other: &str) {
-    let files = folder.files(one);
-    assert_eq!(files, folder.files(other));
-    for file in files {
-        let [a, b] = [one, other].map(|name| format!("{name}/{file}"));
-        if file == "report.json" || file.starts_with("poses/") {
-            let [a, b] = [a, b].map(|name| without_times(folder.json(&name)));
-            assert_eq!(a, b, "{file}");
-        } else {
-            assert!(folder.read(&a) == folder.read(&b), "{file} differs");
-        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 mod fixture;
 
-use fixture::{CELLS, Folder, SCENE};
+use fixture::{CELLS, Folder, SCENE, assert_alike};
 use ruga_io::{PngTexels, read_image, write_png};
 
 /// Left half in tile 1001, right half in tile 1012, with a margin.
@@ -96,6 +96,25 @@ fn every_map_is_a_file_for_each_tile() {
         .ruga("bake scene.toml -o out --resume")
         .exits(0)
         .says(&["is there from an earlier run"]);
+}
+
+#[test]
+fn a_task_and_a_merge_make_the_tiles_that_a_bake_makes() {
+    let folder = scene();
+    folder.write("scene.toml", folder.text("scene.toml") + "[pack]\n");
+    let task = "bake scene.toml -o parts --pose squeezed --task";
+    folder.ruga(task).exits(0);
+    folder.ruga("bake scene.toml -o parts --merge").exits(0);
+    folder.ruga("bake scene.toml -o whole").exits(0);
+    assert_alike(&folder, "parts", "whole");
+    // A pose that lost the file of one tile is named, and the merge leaves the folder as it was.
+    std::fs::remove_file(folder.path("parts/maps/squeezed_100_normal.1012.png")).unwrap();
+    std::fs::remove_file(folder.path("whole/maps/squeezed_100_normal.1012.png")).unwrap();
+    folder
+        .ruga("bake scene.toml -o parts --merge")
+        .exits(2)
+        .says(&["`squeezed` lacks some of its files", "nothing was changed"]);
+    assert_alike(&folder, "parts", "whole");
 }
 
 #[test]

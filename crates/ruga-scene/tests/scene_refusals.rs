@@ -156,6 +156,32 @@ fn unknown_keys_are_sent_to_their_table() {
 }
 
 #[test]
+fn unknown_keys_of_what_holds_a_sheet_are_told_as_those_of_a_body() {
+    let top = LEAST.replace("[substrate]\n", "");
+    for (table, header) in [
+        ("[sheet]\nhandles", "[[sheet.handles]]"),
+        ("[interior]\nhandles", "[[interior.handles]]"),
+    ] {
+        let handle = "{ name = \"clip\", mim = [-1, -1, -1], max = [0.001, 1, 1] }";
+        let words = format!("`mim` is not a key of `{header}`, which has `name`, `min`, `max`");
+        let error = parse(&format!("{top}{table} = [{handle}]\n"));
+        assert_says(error, "scene.toml", &[&words, "did you mean `min`"]);
+    }
+    let text = format!(
+        "{top}[sheet]\n[[sheet.obstacles]]\nname = \"floor\"\n[sheet.obstacles.plane]\nnorml = [0, 0, 1]\n"
+    );
+    let words = "`norml` is not a key of `[sheet.obstacles.plane]`, which has";
+    assert_says(parse(&text), "scene.toml", &[words]);
+    // Advice stays within the sheet, which no scene has beside a body.
+    let text = format!("{top}[sheet]\n[[sheet.obstacles]]\nname = \"ball\"\nradius = 0.1\n");
+    let words = "is not a key of `[[sheet.obstacles]]`; it belongs in `[sheet.obstacles.sphere]`";
+    assert_says(parse(&text), "scene.toml", &[words]);
+    let text = format!("{top}\"sheet.handles\" = 1\n");
+    let words = "`sheet.handles` is not a key of";
+    assert_says(parse(&text), "scene.toml", &[words]);
+}
+
+#[test]
 fn keys_of_earlier_versions_are_told_apart_from_slips() {
     for value in ["ldlt", "minres"] {
         let line = format!("mode = \"static\"\nlinear = \"{value}\"");

@@ -97,11 +97,11 @@ pub fn creased_response(
         .collect::<Result<Vec<_>, _>>()?;
     let free = FreeIndex::new(query.fixed);
 
-    let mut stiffness = Entries::of(Triangles::Lower);
+    let mut stiffness = Entries::of(Stored::Lower);
     let sized = sized_creases(query, &rest, creases)?;
     add_bending((query, &sized), &rest, &free, &mut stiffness);
     add_foundation(query, &rest, &free, &mut stiffness);
-    let mut load = Entries::of(Triangles::Both);
+    let mut load = Entries::of(Stored::Whole);
     add_load(query, &rest, &free, &mut load)?;
 
     let unstable = ShellError::UnstableSheet {
@@ -112,9 +112,9 @@ pub fn creased_response(
             .map_err(|_| unstable.clone())
     };
     let load = assemble(load)?;
-    // The load is only semidefinite, the stiffness is definite: so the stiffness is factorised, of which the lower
-    // triangle is enough, and the least force is sought as the largest of the inverse forces, which Lanczos finds
-    // first.
+    // The load is only semidefinite, the stiffness is definite: so the stiffness is factorised, from its lower
+    // triangle, and the least force is sought as the largest of the inverse forces, which Lanczos finds first; it
+    // multiplies by the whole load.
     let factor = assemble(stiffness)?
         .sp_cholesky(Side::Lower)
         .map_err(|_| unstable.clone())?;
@@ -140,23 +140,23 @@ struct FreeIndex {
     count: usize,
 }
 
-/// The triangles of a symmetric matrix that are wanted.
+/// What is stored of a symmetric matrix.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Triangles {
+enum Stored {
     Lower,
-    Both,
+    Whole,
 }
 
-/// Entries of a symmetric matrix, of which several may be for one place: many more than it has in the end.
+/// Triplets of a symmetric matrix before those for one place are added up: several times as many as it has entries.
 struct Entries {
     triplets: Vec<Triplet<usize, usize, f64>>,
-    wanted: Triangles,
+    stored: Stored,
 }
 
 impl Entries {
-    fn of(wanted: Triangles) -> Self {
+    fn of(stored: Stored) -> Self {
         let triplets = Vec::new();
-        Self { triplets, wanted }
+        Self { triplets, stored }
     }
 }
 
@@ -177,7 +177,7 @@ impl FreeIndex {
 
     fn add(&self, entries: &mut Entries, row: VertexId, column: VertexId, value: f64) {
         if let (Some(row), Some(column)) = (self.of[row.index()], self.of[column.index()])
-            && (row >= column || entries.wanted == Triangles::Both)
+            && (row >= column || entries.stored == Stored::Whole)
         {
             entries.triplets.push(Triplet::new(row, column, value));
         }

@@ -31,12 +31,12 @@ pub struct LayerSurface {
     pub driver_normals: Vec<Vector3<f64>>,
     /// Distance of the layer from the driver at rest, along the normal, m.
     pub offset: f64,
-    /// Triangles. These, like what else does not move, are shared by all keys.
+    /// Triangles. Keys on the same output mesh share this list, `uvs` and `artist`.
     pub faces: Arc<[[u32; 3]]>,
     /// Texture coordinates of the corners of every triangle, V down.
     pub uvs: Arc<[[Vector2<f64>; 3]]>,
     /// For every triangle the file's triangle whose skin it is, and where the texture coordinates of its
-    /// corners lie in it; beside an edge of that triangle they may leave [0, 1].
+    /// corners lie in it; beside an edge of that triangle its barycentric coordinates may leave [0, 1].
     pub artist: Arc<[ArtistPlace]>,
     /// Mesh that it was computed on.
     pub computed: ComputedMesh,

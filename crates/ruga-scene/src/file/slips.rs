@@ -16,8 +16,10 @@ const GONE: [(&str, &str, &str); 1] = [(
 pub(super) struct UnknownKey {
     key: String,
     tables: Vec<Table>,
-    /// The table it stands in, as a number into `tables`.
+    /// The table with its keys, as a number into `tables`: that of a body for handles and obstacles of a sheet.
     place: usize,
+    /// Whether it stands in `[sheet]` or below.
+    is_of_sheet: bool,
 }
 
 impl UnknownKey {
@@ -29,28 +31,36 @@ impl UnknownKey {
             .split_once('`')?
             .0
             .to_owned();
-        let numbered = path
-            .split('.')
-            .map(|part| part.split('[').next().unwrap_or(part));
-        let mut parts: Vec<&str> = numbered.collect();
-        if parts.last() == Some(&key.as_str()) {
-            parts.pop();
-        }
+        // A quoted key may have dots of its own.
+        let table_path = path.strip_suffix(&key).unwrap_or(path);
+        let numbered = table_path.trim_end_matches('.').split('.');
+        let parts: Vec<&str> = numbered
+            .map(|part| part.split('[').next().unwrap_or(part))
+            .collect();
         let table_path = parts.join(".");
         let tables = reference();
-        let place = tables.iter().position(|table| table.path == table_path)?;
-        Some(Self { key, tables, place })
+        let at = |path: &str| tables.iter().position(|table| table.path == path);
+        // Handles and obstacles of a sheet have the keys of those of a body.
+        let of_body = table_path.strip_prefix("sheet.");
+        let of_body = of_body.map(|rest| format!("interior.{rest}"));
+        let place = at(&table_path).or_else(|| at(&of_body?))?;
+        Some(Self {
+            key,
+            tables,
+            place,
+            is_of_sheet: parts[0] == "sheet",
+        })
     }
 
     /// Where the key belongs, or which keys its table has.
     pub(super) fn reason(&self) -> String {
         let table = &self.tables[self.place];
+        let header = self.quoted(table);
         if let Some(now) = self.gone() {
-            let header = quoted_header(table);
             return format!("`{}` is no longer a key of {header}: {now}", self.key);
         }
-        let headers: Vec<String> = self.homes().map(quoted_header).collect();
-        let known = format!("`{}` is not a key of {}", self.key, quoted_header(table));
+        let headers: Vec<String> = self.homes().map(|home| self.quoted(home)).collect();
+        let known = format!("`{}` is not a key of {header}", self.key);
         if !headers.is_empty() {
             return format!("{known}; it belongs in {}", headers.join(" or "));
         }
@@ -69,7 +79,7 @@ impl UnknownKey {
             let name = nearest(&self.key, elsewhere)?;
             let home = self.tables.iter().find(|table| has(table, &name))?;
             // The message puts backticks around the whole.
-            Some(format!("{name}` in `{}", home.header))
+            Some(format!("{name}` in `{}", self.header(home)))
         })
     }
 
@@ -81,6 +91,22 @@ impl UnknownKey {
         found.map(|(_, _, now)| *now)
     }
 
+    /// The header of a table; for a key of a sheet, that of the sheet's handles and obstacles.
+    fn header(&self, table: &Table) -> String {
+        match self.is_of_sheet && table.path.starts_with("interior.") {
+            true => table.header.replacen("interior", "sheet", 1),
+            false => table.header.to_owned(),
+        }
+    }
+
+    fn quoted(&self, table: &Table) -> String {
+        let header = self.header(table);
+        match table.path {
+            "" => header,
+            _ => format!("`{header}`"),
+        }
+    }
+
     fn homes(&self) -> impl Iterator<Item = &Table> {
         self.tables.iter().filter(|table| has(table, &self.key))
     }
@@ -88,13 +114,6 @@ impl UnknownKey {
 
 fn has(table: &Table, key: &str) -> bool {
     table.keys.iter().any(|other| other.name == key)
-}
-
-fn quoted_header(table: &Table) -> String {
-    match table.path {
-        "" => table.header.to_owned(),
-        _ => format!("`{}`", table.header),
-    }
 }
 
 /// Names a key or table that is given twice, with the line of the first; `None` for other messages

@@ -384,7 +384,7 @@ impl<'a> PlanningSurface<'a> {
         let most_in_whole = match modelling.stack {
             // Two sheets in one are never divided.
             Stack::Joint => usize::MAX,
-            Stack::Nominal | Stack::Composite => modelling.most_in_whole(),
+            Stack::Nominal | Stack::Composite => modelling.most_in_whole(*asked),
         };
         let (seconds, memory) = cost(unknowns, most_in_whole, output_vertices, map_size, work);
         LayerPlan {

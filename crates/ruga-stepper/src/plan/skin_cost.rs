@@ -13,7 +13,8 @@ const PER_OUTPUT_VERTEX: f64 = 5.5e3;
 const FIRST: f64 = 17.0;
 /// Vertices of a wide patch with its overlap, over those without.
 const OVERLAPPED: f64 = 1.5;
-/// Bytes for every vertex of a layer in patches, which overlap and are kept from solve to solve.
+/// Bytes for every vertex of a layer in patches, which overlap and are kept from solve to solve until a key is
+/// reached.
 const IN_PATCHES: f64 = 1.3e4;
 /// Bytes for every vertex of a layer so large that its patches are set up when it is their turn, on one thread:
 /// from a hand of 86 thousand vertices, and half of what two wrists of 189 thousand take together.
@@ -49,7 +50,8 @@ pub(crate) struct Load {
 /// (nested dissection of a surface), its memory with `n log n`; beyond `most_in_whole` vertices the layer
 /// is solved in patches after its first wrinkles, and beyond some times as many from the beginning, and both
 /// grow with its size. The output mesh has
-/// `output_vertices`; maps are `map_size` texels wide.
+/// `output_vertices`; maps are `map_size` texels wide. The memory is an upper bound: what a layer is solved with is
+/// given back before its surfaces are made.
 pub(crate) fn cost(
     vertices: usize,
     most_in_whole: usize,

@@ -55,6 +55,8 @@ pub(crate) struct LayerRun<'a> {
     pub(crate) modelling: &'a Modelling,
     /// Number of the layer in its stack.
     pub(crate) index: usize,
+    /// Mesh points per wavelength that are asked for; on a coarse mesh those of the fine one.
+    points: f64,
     pub(crate) layer: Layer,
     /// Factorisation of the whole layer, once it was needed.
     kkt: Option<Kkt>,
@@ -80,7 +82,7 @@ impl<'a> LayerRun<'a> {
         index: usize,
         layer: Layer,
         planned: &LayerPlan,
-        modelling: &'a Modelling,
+        (modelling, points): (&'a Modelling, f64),
     ) -> Self {
         let report = LayerReport {
             vertices: layer.vertex_count(),
@@ -91,6 +93,7 @@ impl<'a> LayerRun<'a> {
         Self {
             modelling,
             index,
+            points,
             report,
             kkt: None,
             patches: None,
@@ -148,7 +151,7 @@ impl<'a> LayerRun<'a> {
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
         // Onsets are looked for on the whole of a layer.
-        self.patches = None;
+        (self.patches, self.wide) = (None, None);
         let mut stepper = LoadStepper::new(loads, LoadSettings::default())
             .map_err(|source| self.solver_error(source))?;
         // The first pattern is chosen with care.
@@ -331,7 +334,7 @@ impl<'a> LayerRun<'a> {
                 // A probe asks the whole, and so does a step in time.
                 let is_divisible = inertia.is_none() && at_saddle == AtSaddle::Leave;
                 if is_divisible && self.wide.is_none() {
-                    self.wide = self.layer.patches(self.modelling, Width::Wide);
+                    self.wide = self.patches_of(Width::Wide);
                 }
                 let solve = match self.wide.as_mut().filter(|_| is_divisible) {
                     Some(wide) => self.layer.minimise_patches(wide, how, &mut keep_going)?,
@@ -351,7 +354,14 @@ impl<'a> LayerRun<'a> {
         Ok(solve)
     }
 
-    /// Gives back the memory of what the layer is solved with, which the next solve takes anew.
+    /// Patches of the layer, where it is large enough for such ones.
+    fn patches_of(&self, width: Width) -> Option<Patches> {
+        let most_in_whole = self.modelling.most_in_whole(self.points);
+        self.layer.patches((self.points, most_in_whole), width)
+    }
+
+    /// Gives back the factor of the whole and what narrow patches are set up with, which the next solve makes anew.
+    /// Wide patches keep nothing.
     fn release(&mut self) {
         if let Some(kkt) = &mut self.kkt {
             kkt.release();

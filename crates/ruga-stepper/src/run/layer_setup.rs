@@ -149,14 +149,14 @@ impl<'a> StackRun<'a> {
             preparing.step()?;
         }
         let planned = &plan.poses[self.pose].layers[index];
-        let mut run = LayerRun::new(index, layer, planned, modelling);
+        let points = modelling.points_of(index, plan.meshes());
+        let mut run = LayerRun::new(index, layer, planned, (modelling, points));
         let name = |line: usize| format!("crease '{}'", spec.creases[line].name);
         let shared = run.layer.region().shared.iter();
         let shared: Vec<String> = shared.map(|warning| warning.told(&name)).collect();
         run.warnings.extend(shared);
         preparing.step()?;
         if coarseness > WORTH_TELLING {
-            let points = modelling.points_of(index, plan.meshes());
             run.warnings.push(format!(
                 "the vertex budget of {} leaves {:.1} points per wavelength of {} asked for; raise `driver.vertex_budget`, or simulate less skin with a mask",
                 modelling.vertex_budget,

@@ -22,7 +22,6 @@ use ruga_solver::{
     ConstraintRows, Iteration, Minimise, NewtonSettings, SolveReport, SolverError, StopRule,
 };
 
-use crate::Modelling;
 use crate::run::neighbourhood::Neighbourhood;
 use division::{coloured, divided};
 use patch::{Patch, coordinates};
@@ -44,7 +43,7 @@ pub(crate) struct Patches {
     /// Numbers of patches that may be solved at the same time, as no stencil joins them.
     colours: Vec<Vec<usize>>,
     width: Width,
-    /// Whether what patches are solved with is kept from one solve to the next: quicker, but too much memory
+    /// Whether what patches are solved with is kept from one solve to the next of a key: quicker, but too much memory
     /// where the layer is large.
     keeps: bool,
 }
@@ -78,17 +77,16 @@ pub(crate) struct Scales<'a> {
 }
 
 impl Patches {
-    /// Divides a layer's free vertices, at `positions` at rest (m), into patches that reach into each other;
-    /// `None` where one would do, or for a layer of two sheets.
+    /// Divides the free vertices of a layer that asks for so many `points` per wavelength, at `positions` at rest
+    /// (m), into patches that reach into each other; `None` where one would do, or for a layer of two sheets.
     pub(crate) fn new(
         (mesh, positions): (&TriMesh, &[Vector3<f64>]),
         (energy, rows): (&LayerEnergy, &ConstraintRows),
-        (modelling, width): (&Modelling, Width),
+        (points, most_in_whole, width): (f64, usize, Width),
     ) -> Option<Self> {
         let free = energy.free_vertices();
-        let overlap = (width.overlap() * modelling.points_per_wavelength).max(LEAST_OVERLAP);
-        let most = modelling.most_in_whole();
-        let cores = divided(positions, free.to_vec(), width.core(most));
+        let overlap = (width.overlap() * points).max(LEAST_OVERLAP);
+        let cores = divided(positions, free.to_vec(), width.core(most_in_whole));
         if cores.len() < 2 {
             return None;
         }
@@ -108,7 +106,7 @@ impl Patches {
             patches,
             colours,
             width,
-            keeps: !Width::Wide.suits(free.len(), most),
+            keeps: !Width::Wide.suits(free.len(), most_in_whole),
         })
     }
 

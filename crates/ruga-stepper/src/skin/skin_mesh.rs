@@ -110,8 +110,8 @@ pub(crate) struct RegionMesh {
     lines: Vec<TracedLine>,
     /// Stretches of creases that fold as another one says.
     pub(crate) shared: Vec<CreaseWarning>,
-    /// The vertex here of every one that results have, which has one on each side of a crease; `None` without
-    /// creases.
+    /// For every vertex of results, which have one on each side of a crease, the vertex of this mesh; `None`
+    /// without creases.
     opened: Option<Vec<VertexId>>,
     smoothing: Smoothing,
     offset: f64,

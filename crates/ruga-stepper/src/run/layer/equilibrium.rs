@@ -7,7 +7,7 @@ use super::{Layer, laid_on};
 use crate::run::layer_objective::{LayerObjective, gather, scatter};
 use crate::run::patches::{Patches, Scales, Whole, Width};
 use crate::support::motion::{Inertia, velocities};
-use crate::{Dynamics, Modelling, StepperError};
+use crate::{Dynamics, StepperError};
 
 /// Lag, in rad or as a change of rest lengths, from which on the energy is set up anew before a solve.
 const AS_BEFORE: f64 = 1e-4;
@@ -74,14 +74,22 @@ impl Layer {
         Ok(report)
     }
 
-    /// Divides the layer into patches; `None` where it is too small for that, has two sheets or moves
-    /// together with a body.
-    pub(crate) fn patches(&self, modelling: &Modelling, width: Width) -> Option<Patches> {
-        if self.solid.is_some() || !width.suits(self.free.len(), modelling.most_in_whole()) {
+    /// Divides the layer, which asks for so many `points` per wavelength, into patches; `None` where it is too small
+    /// for that, with `most_in_whole` vertices solved as a whole, has two sheets or moves together with a body.
+    pub(crate) fn patches(
+        &self,
+        (points, most_in_whole): (f64, usize),
+        width: Width,
+    ) -> Option<Patches> {
+        if self.solid.is_some() || !width.suits(self.free.len(), most_in_whole) {
             return None;
         }
         let mesh = (&self.skin.mesh, self.skin.rest.positions.as_slice());
-        Patches::new(mesh, (&self.energy, &self.rows), (modelling, width))
+        Patches::new(
+            mesh,
+            (&self.energy, &self.rows),
+            (points, most_in_whole, width),
+        )
     }
 
     /// Finds the equilibrium near the present state patch by patch, and moves there.

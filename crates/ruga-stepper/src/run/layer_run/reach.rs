@@ -81,6 +81,7 @@ impl<'a> LayerRun<'a> {
                     // The fine mesh can do without.
                     Err(_) => return Ok(Ending::GaveUp),
                 }
+                coarse.release();
                 if !self.take_pattern(coarse, (loading, *load), observer)? {
                     return Ok(Ending::Interrupted);
                 }
@@ -89,7 +90,8 @@ impl<'a> LayerRun<'a> {
             if ending != Ending::Reached {
                 return Ok(ending);
             }
-            // What is made of a result takes as much memory as what it was solved with.
+            // Surfaces on the output mesh, and the layers above, take as much memory as what this layer was
+            // solved with.
             self.release();
             if !loading.kept(self, *load, observer)? {
                 return Ok(Ending::Interrupted);
@@ -130,14 +132,14 @@ impl<'a> LayerRun<'a> {
         if self.layer.strain_ratio() < 1.0 {
             // The first pattern is chosen with care, and not in patches that are left from another key.
             self.relaxation = 0.0;
-            self.patches = None;
+            (self.patches, self.wide) = (None, None);
         }
         loop {
             let felt = self.layer.strain_ratios().all();
             // The first wrinkles are found on the whole, or in wide patches: narrow ones would fit them
             // between their borders, and a film came out with waves 9 % too short in patches of two.
             if self.patches.is_none() && self.layer.strain_ratio() > 1.0 {
-                self.patches = self.layer.patches(self.modelling, Width::Narrow);
+                self.patches = self.patches_of(Width::Narrow);
                 if self.patches.is_some() {
                     self.kkt = None;
                 }
