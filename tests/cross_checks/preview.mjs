@@ -16,7 +16,7 @@
  * code is 1 when something is not as it should be.
  */
 
-import { readFile, readdir, stat } from 'node:fs/promises';
+import { mkdir, readFile, readdir, stat } from 'node:fs/promises';
 import path from 'node:path';
 import { pathToFileURL } from 'node:url';
 import chromium from '@sparticuz/chromium';
@@ -26,6 +26,7 @@ const words = process.argv.slice(2);
 const at = words.indexOf('--shots');
 const shots = at < 0 ? null : words.splice(at, 2)[1];
 const [baked, reference] = words;
+if (shots) await mkdir(shots, { recursive: true });
 const isPlan = baked.endsWith('.html');
 const file = isPlan ? path.resolve(baked) : path.resolve(baked, 'preview.html');
 

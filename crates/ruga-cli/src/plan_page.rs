@@ -4,8 +4,7 @@ use std::path::Path;
 
 use nalgebra::Vector2;
 use ruga_io::write_atomically;
-use ruga_material::UvTile;
-use ruga_preview::{Legend, Overlay, PlanPreview, PlannedPose};
+use ruga_preview::{Atlas, Legend, Overlay, PlanPreview, PlannedPose};
 use ruga_scene::{Placement, Scene, ScenePlan};
 use ruga_stepper::PlannedSurface;
 
@@ -18,7 +17,7 @@ use crate::plan_painting::{
 use crate::preview_fault::PreviewFault;
 use crate::table::duration;
 
-/// Side of a picture, texels.
+/// Side of a picture, or of a tile in it, texels.
 const SIDE: u32 = 1024;
 
 /// Places along a side at which it is shown how wrinkles run.
@@ -35,12 +34,6 @@ pub(crate) fn write(
     facts: String,
 ) -> Result<(), CliError> {
     check_name(path, "pages are HTML files", "html")?;
-    if scene.is_tiled() {
-        return Err(refusal(
-            path,
-            "the page shows one square of the texture, and this mesh has UDIM tiles; `--image` shows them all",
-        ));
-    }
     let surfaces = surfaces(path, scene, plan)?;
     let levels = levels(plan);
     if levels.is_empty() {
@@ -53,6 +46,11 @@ pub(crate) fn write(
         let folder = path.to_owned();
         CliError::from(PreviewFault::Page { folder, source })
     };
+    let tiles: Vec<[i32; 2]> = match scene.is_tiled() {
+        true => scene.tiles.iter().map(|tile| tile.origin()).collect(),
+        false => Vec::new(),
+    };
+    let atlas = Atlas::new(SIDE, &tiles);
     let mut poses = Vec::new();
     for (pose, spec) in scene.poses.iter().enumerate() {
         let layers = plan.pose_layers(pose).into_iter();
@@ -60,7 +58,7 @@ pub(crate) fn write(
         let note = |seconds: f64, note: String| format!("{note}, about {}", duration(seconds));
         let overlays = levels
             .iter()
-            .map(|level| overlay(scene, plan, &surfaces, pose, level.0));
+            .map(|level| overlay((scene, &atlas), plan, &surfaces, [pose, level.0]));
         let named = spec.weights.iter().filter(|(_, weight)| *weight != 0.0);
         let shapes: Vec<&str> = scene.driver.shape_names().collect();
         poses.push(PlannedPose {
@@ -77,6 +75,7 @@ pub(crate) fn write(
     let page = PlanPreview {
         mesh: &scene.mesh.mesh,
         turn: Placement::of(&scene.mesh).turn,
+        atlas,
         poses,
         layers: levels.into_iter().map(|(_, name)| name).collect(),
         legend: Legend {
@@ -113,11 +112,10 @@ fn levels(plan: &ScenePlan) -> Vec<(usize, String)> {
 
 /// The picture of one pose on one level of all zones; `None` where nothing wrinkles.
 fn overlay(
-    scene: &Scene,
+    (scene, atlas): (&Scene, &Atlas),
     plan: &ScenePlan,
     surfaces: &[PlannedSurface<'_>],
-    pose: usize,
-    level: usize,
+    [pose, level]: [usize; 2],
 ) -> Result<Option<Overlay>, ruga_preview::PreviewError> {
     let is_simulated = |zone: &usize| {
         let layers = &plan.zones[*zone].plan.poses[pose].layers;
@@ -132,26 +130,30 @@ fn overlay(
     if zones.is_empty() {
         return Ok(None);
     }
-    let square = Square {
-        tile: UvTile::FIRST,
-        origin: Vector2::zeros(),
-        side: f64::from(SIDE),
-        grid: GRID,
-    };
-    let mut canvas = Canvas::new(SIDE, SIDE);
-    for faces in &zones {
-        square.pad(&mut canvas, faces);
-    }
-    square.paint_layout(&mut canvas, scene.driver.uvs().as_slice());
-    for faces in &zones {
-        square.paint(&mut canvas, faces);
-    }
-    for zone in numbers {
-        let layer = &scene.layers[plan.zones[zone].layers[level]];
-        square.draw_creases(&mut canvas, layer, &scene.driver);
+    let mut canvas = Canvas::new(atlas.size(), atlas.size());
+    let mut places = Vec::new();
+    for (number, tile) in scene.tiles.iter().enumerate() {
+        let square = Square {
+            tile: *tile,
+            origin: Vector2::from(atlas.origin(number).map(f64::from)),
+            side: f64::from(atlas.side()),
+            grid: GRID,
+        };
+        for faces in &zones {
+            square.pad(&mut canvas, faces);
+        }
+        square.paint_layout(&mut canvas, scene.driver.uvs().as_slice());
+        for faces in &zones {
+            square.paint(&mut canvas, faces);
+        }
+        for &zone in &numbers {
+            let layer = &scene.layers[plan.zones[zone].layers[level]];
+            square.draw_creases(&mut canvas, layer, &scene.driver);
+        }
+        let wrinkled = zones.iter().flatten().filter(|face| wrinkles(face));
+        let local = wrinkled.filter_map(|face| square.local(&face.uvs));
+        places.extend(local.flatten().map(|uv| atlas.place(number, uv)));
     }
     let (_, colours) = canvas.finished();
-    let wrinkled = zones.iter().flatten().filter(|face| wrinkles(face));
-    let places = wrinkled.flat_map(|face| face.uvs);
-    Overlay::new(SIDE, &colours, places).map(Some)
+    Overlay::new(atlas.size(), &colours, places).map(Some)
 }

@@ -202,7 +202,7 @@ impl Square {
     }
 
     /// The corners of a triangle in the tile, if it lies there.
-    fn local(&self, uvs: &[Vector2<f64>; 3]) -> Option<[Vector2<f64>; 3]> {
+    pub(crate) fn local(&self, uvs: &[Vector2<f64>; 3]) -> Option<[Vector2<f64>; 3]> {
         let local = uvs.each_ref().map(|uv| self.tile.local(uv));
         local.iter().all(is_shown).then_some(local)
     }

@@ -2,6 +2,8 @@
 
 mod fixture;
 
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use fixture::{CELLS, Folder, SCENE, assert_alike};
 use ruga_io::{PngTexels, read_image, write_png};
 
@@ -115,6 +117,31 @@ fn a_task_and_a_merge_make_the_tiles_that_a_bake_makes() {
         .exits(2)
         .says(&["`squeezed` lacks some of its files", "nothing was changed"]);
     assert_alike(&folder, "parts", "whole");
+}
+
+#[test]
+fn the_page_of_a_plan_shows_all_tiles_in_one_picture() {
+    let folder = scene();
+    folder.ruga("plan scene.toml --preview plan.html").exits(0);
+    let page = folder.text("plan.html");
+    let (_, data) = page.split_once("id=\"overlay0\">").expect("a picture");
+    let (data, _) = data.split_once("</script>").expect("its end");
+    let picture = BASE64_STANDARD.decode(data.trim()).expect("base64");
+    folder.write("plan.png", picture);
+    let picture = read_image(&folder.path("plan.png")).expect("a PNG");
+    // Two tiles beside each other, with room for two below, and eight texels around each.
+    let side = 2 * (1024 + 2 * 8);
+    assert_eq!([picture.width, picture.height], [side, side]);
+    let reds = |tile: usize| {
+        let texel = |row: usize, column: usize| &picture.values[3 * (row * side + column)..][..3];
+        let from = 8 + tile * 1040;
+        let texels = (8..1032).flat_map(|row| (from..from + 1024).map(move |at| texel(row, at)));
+        texels.filter(|rgb| rgb[0] > rgb[2] + 0.2).count()
+    };
+    // Nearly a third of the texels of either tile are of skin that wrinkles.
+    let counts = [reds(0), reds(1)];
+    assert!(counts.iter().all(|count| *count > 300_000), "{counts:?}");
+    assert!(page.contains("\"tiles\":0"));
 }
 
 #[test]

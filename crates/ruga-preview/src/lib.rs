@@ -12,13 +12,14 @@
 //! by reoriented normal mapping (Barré-Brisebois and Hill 2012, *Blending in detail*; Li 2014, figure 5-2).
 //!
 //! A [`PlanPreview`] is the same page before anything is baked: an [`Overlay`] per pose shows on the mesh what a plan
-//! says of it.
+//! says of it, all tiles in one picture as their [`Atlas`] says.
 //!
 //! Lengths are metres; texture coordinates have V down; X of a normal lies along U, Y up. Nothing here reads
 //! or writes files. Same input, any number of threads: the same text out.
 //!
 //! The page's sources are in `page/`; `page/bundle.js` is made of them and of three.js by `cargo xtask page`.
 
+mod atlas;
 mod packed_map;
 mod plan_preview;
 mod preview;
@@ -30,6 +31,7 @@ mod mesh_data;
 mod template;
 mod tile_split;
 
+pub use atlas::Atlas;
 pub use packed_map::{MAX_SIDE, PackedMap};
 pub use plan_preview::{Legend, Overlay, PlanPreview, PlannedPose};
 pub use preview::{Preview, PreviewPose};

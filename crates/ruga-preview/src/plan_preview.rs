@@ -8,13 +8,13 @@ use nalgebra::{Matrix3, Vector2};
 use ruga_blend::ArtistMesh;
 use serde::Serialize;
 
-use crate::PreviewError;
 use crate::about::{About, AboutPlan, AboutPlannedPose, AboutPose};
 use crate::focus::{Focus, cell_of};
 use crate::mesh_data::MeshData;
 use crate::packed_map::{CELLS, rgb_png};
 use crate::template::{Content, data_element, filled};
 use crate::tile_split::TileSplit;
+use crate::{Atlas, PreviewError};
 
 /// Everything that a page of a plan shows.
 #[derive(Clone, Debug)]
@@ -23,6 +23,8 @@ pub struct PlanPreview<'a> {
     pub mesh: &'a ArtistMesh,
     /// Rotation or reflection that takes the mesh into the world, where Y is up.
     pub turn: Matrix3<f64>,
+    /// Where pictures show the tiles of the mesh.
+    pub atlas: Atlas,
     /// Poses in the order of their sliders.
     pub poses: Vec<PlannedPose>,
     /// Names of the overlays that every pose may have, such as those of its layers.
@@ -46,7 +48,7 @@ pub struct PlannedPose {
     pub overlays: Vec<Option<Overlay>>,
 }
 
-/// A picture on the mesh's texture layout.
+/// A picture on the mesh's texture layout, all tiles of it as an [`Atlas`] has them.
 #[derive(Clone, Debug)]
 pub struct Overlay {
     png: Vec<u8>,
@@ -70,7 +72,7 @@ pub struct Legend {
 impl Overlay {
     /// Packs a picture of `size * size` texels of three bytes, row by row from the top.
     ///
-    /// The page looks first at where one of `wrinkled` lies: texture coordinates, V down.
+    /// The page looks first at where one of `wrinkled` lies: places in the picture, 0 to 1, V down.
     ///
     /// # Errors
     /// [`PreviewError::TexelCount`], [`PreviewError::Encoding`].
@@ -102,9 +104,10 @@ impl PlanPreview<'_> {
     /// [`PreviewError::Mesh`].
     pub fn to_html(&self) -> Result<String, PreviewError> {
         let weights: Vec<_> = self.poses.iter().map(|pose| &pose.weights).collect();
-        let data = MeshData::new(self.mesh, &self.turn, &weights)?;
+        let mesh = self.atlas.laid_out(self.mesh);
+        let data = MeshData::new(&mesh, &self.turn, &weights)?;
         let overlays = || self.poses.iter().flat_map(|pose| &pose.overlays).flatten();
-        let split = TileSplit::repeating(self.mesh);
+        let split = TileSplit::repeating(&mesh);
         let marks = overlays().map(|overlay| (0, overlay.wrinkled.as_slice()));
         let mut numbers = 0..;
         let poses = self.poses.iter().zip(data.poses).map(|(pose, sections)| {

@@ -33,7 +33,8 @@ impl<'a> TileSplit<'a> {
         if squares.is_empty() {
             return Self::repeating(mesh);
         }
-        let mesh = Cow::Owned(laid_out(mesh, &squares));
+        let place = |number: usize, place| place + Vector2::new(PITCH * number as f64, 0.0);
+        let mesh = Cow::Owned(laid_out(mesh, &squares, place));
         Self { squares, mesh }
     }
 
@@ -66,8 +67,13 @@ impl<'a> TileSplit<'a> {
     }
 }
 
-/// The mesh with every triangle at the place of its tile; those without map come last.
-fn laid_out(mesh: &ArtistMesh, squares: &[[i32; 2]]) -> ArtistMesh {
+/// The mesh with every triangle where `place` has its tile, by the tile's number and the place in it, from 0 to 1;
+/// triangles in none of `squares` have the next number.
+pub(crate) fn laid_out(
+    mesh: &ArtistMesh,
+    squares: &[[i32; 2]],
+    place: impl Fn(usize, Vector2<f64>) -> Vector2<f64>,
+) -> ArtistMesh {
     let Some(uvs) = &mesh.uvs else {
         return mesh.clone();
     };
@@ -96,7 +102,7 @@ fn laid_out(mesh: &ArtistMesh, squares: &[[i32; 2]]) -> ArtistMesh {
     };
     let uv = |&(of, number, [u, v]): &(u32, usize, [i32; 2])| {
         let local = uvs[of as usize] - Vector2::new(f64::from(u), f64::from(v));
-        local + Vector2::new(PITCH * number as f64, 0.0)
+        place(number, local)
     };
     let shape = |shape: &BlendShape| BlendShape {
         name: shape.name.clone(),

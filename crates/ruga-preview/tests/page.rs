@@ -8,7 +8,7 @@ use base64::prelude::BASE64_STANDARD;
 use nalgebra::{Matrix3, Vector2, Vector3};
 use ruga_blend::{ArtistMesh, BlendShape};
 use ruga_preview::{
-    Legend, MAX_SIDE, Overlay, PackedMap, PlanPreview, PlannedPose, Preview, PreviewError,
+    Atlas, Legend, MAX_SIDE, Overlay, PackedMap, PlanPreview, PlannedPose, Preview, PreviewError,
     PreviewPose,
 };
 use serde_json::Value;
@@ -201,6 +201,7 @@ fn a_plan_has_pictures_in_the_place_of_maps() {
     let preview = PlanPreview {
         mesh: &mesh,
         turn: Matrix3::identity(),
+        atlas: Atlas::new(8, &[]),
         poses: vec![
             pose("first", vec![None, Some(red([0.5, 0.5]))]),
             pose("second", vec![Some(red([0.1, 0.1])), None]),
