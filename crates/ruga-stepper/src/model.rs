@@ -294,10 +294,11 @@ pub struct Modelling {
     /// Vertices of one layer in one pose above which refinement stops, with a warning; at least 1.
     pub vertex_budget: usize,
     /// Vertices of a layer, without those on its border, up to which it is solved as a whole; with more than
-    /// 12 points per wavelength, as a layer has that carries another, as many more as there are on the same area. A larger one finds its first
-    /// wrinkles as a whole, one of more than six times as many in wide patches of at most twice as many. Then
-    /// it is solved in overlapping patches of at most a third, each of which is proved to be at a minimum;
-    /// not load step by load step, on a body, or in a joint pair. At least 1.
+    /// 12 points per wavelength, as a layer has that carries another, as many more as there are on the same
+    /// area. A larger one finds its first wrinkles as a whole, one of more than six times as many in wide
+    /// patches of at most twice as many. Then it is solved in overlapping patches of at most a third, each of
+    /// which is proved to be at a minimum; not load step by load step, on a body, or in a joint pair. At least
+    /// 1.
     pub whole_vertices: usize,
     /// Limits of the mesh where it is fitted to the pose; `None` keeps it uniform.
     pub remesh: Option<EdgeLimits>,
@@ -342,8 +343,8 @@ impl Modelling {
         Self::with_points(24.0)
     }
 
-    /// Vertices up to which a layer that asks for so many `points` per wavelength is solved as a whole. Patches of fewer
-    /// wavelengths stiffen the layer where they share averages, and gain no time.
+    /// Vertices up to which a layer that asks for so many `points` per wavelength is solved as a whole. Patches
+    /// of fewer wavelengths stiffen the layer where they share averages, and gain no time.
     pub(crate) fn most_in_whole(&self, points: f64) -> usize {
         let finer = (points / 12.0).max(1.0);
         // Saturates where a library user wants no patches.
@@ -394,7 +395,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_whole_is_as_wide_on_the_finer_mesh_of_a_layer_that_carries_others() {
+    fn the_limit_of_a_whole_grows_with_the_points_of_a_layer_that_carries_others() {
         let modelling = Modelling::standard();
         let most = |index| modelling.most_in_whole(modelling.points_of(index, 2));
         // Vertices in the same area grow with the square of the points.
