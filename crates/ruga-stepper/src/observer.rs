@@ -55,7 +55,9 @@ pub struct Frame<'a> {
 }
 
 /// Watches a simulation; the library itself has no clock and prints nothing.
-pub trait Observer {
+///
+/// It is called by one thread at a time, but not always by the same: a large layer is solved by several.
+pub trait Observer: Send {
     /// The next piece of work on layer number `layer` begins; a caller with a clock can tell how
     /// long the last one took.
     fn phase(&mut self, layer: usize, phase: Phase) {

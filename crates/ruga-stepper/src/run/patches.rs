@@ -11,11 +11,11 @@
 
 mod division;
 mod patch;
+mod sweep;
 mod width;
 mod work;
 
 use nalgebra::Vector3;
-use rayon::prelude::*;
 use ruga_mesh::TriMesh;
 use ruga_shell::{LayerEnergy, LayerPart};
 use ruga_solver::{
@@ -24,7 +24,8 @@ use ruga_solver::{
 
 use crate::run::neighbourhood::Neighbourhood;
 use division::{coloured, divided};
-use patch::{Patch, coordinates};
+use patch::{Patch, Solved, coordinates};
+use sweep::{Next, Order};
 use work::Work;
 
 pub(crate) use width::Width;
@@ -37,11 +38,15 @@ const LEAST_OVERLAP: f64 = 4.0;
 /// hardly move, and a hand with bent fingers has .2 % more energy than after ten times the work on the whole.
 const LITTLE: f64 = 1e-3;
 
+/// The same in tolerances of the energy, where that is more: of a state that is only passed, whose tolerance is larger,
+/// the next load moves what another sweep would. A hand with bent fingers went on for six sweeps at such
+/// states, and then in wide patches.
+const PASSED: f64 = 10.0;
+
 /// The patches of a layer's mesh.
 pub(crate) struct Patches {
     patches: Vec<Patch>,
-    /// Numbers of patches that may be solved at the same time, as no stencil joins them.
-    colours: Vec<Vec<usize>>,
+    order: Order,
     width: Width,
     /// Whether what patches are solved with is kept from one solve to the next of a key: quicker, but too much memory
     /// where the layer is large.
@@ -101,10 +106,10 @@ impl Patches {
             patches.push(Patch::new(ranks, free.len(), rows));
         }
         keep_rows(&mut patches, rows.count());
-        let colours = coloured(&join(&mut patches, &around, free.len()));
+        let order = join(&mut patches, &around, free.len());
         Some(Self {
             patches,
-            colours,
+            order,
             width,
             keeps: !Width::Wide.suits(free.len(), most_in_whole),
         })
@@ -117,75 +122,81 @@ impl Patches {
 
     /// Minimises the energy over all free vertices, from their coordinates `x` (m), and leaves it there.
     ///
-    /// It has converged when a sweep gains [`LITTLE`] and every patch is at a minimum, to the tolerance of
+    /// It has converged when a sweep gains [`LITTLE`], or [`PASSED`] tolerances, and every patch is at a minimum, to the tolerance of
     /// `settings`. Sweeps that do not get there end without, as the patches' width says. `keep_going` is
-    /// asked whenever some patches are done.
+    /// asked whenever a patch is done, from any thread.
     pub(crate) fn minimise(
         &mut self,
         whole: Whole<'_>,
         x: &mut [f64],
         (minimise, settings): (Minimise, &NewtonSettings),
-        keep_going: &mut dyn FnMut(&Iteration) -> bool,
+        keep_going: &mut (dyn FnMut(&Iteration) -> bool + Send),
     ) -> Result<SolveReport, SolverError> {
         for patch in &mut self.patches {
             patch.follow(&whole);
         }
+        let little = LITTLE.max(PASSED * settings.energy_tolerance) * whole.scales.energy;
         let tolerated = settings.energy_tolerance * whole.scales.energy;
         let mut is_due = vec![true; self.patches.len()];
         let mut reports: Vec<Option<SolveReport>> = vec![None; self.patches.len()];
         let mut done = Work::default();
         let (mut before, mut sweeps) = (f64::INFINITY, 0);
+        let keeps = self.keeps;
         loop {
-            let mut gained = 0.0;
-            for colour in &self.colours {
-                let due: Vec<usize> = colour.iter().copied().filter(|&i| is_due[i]).collect();
-                let (seen, keeps): (&[f64], _) = (x, self.keeps);
-                let solved = each(&mut self.patches, &due, |patch| {
-                    patch.solve(whole, seen, (minimise, settings), keeps)
-                });
-                for (&i, solved) in due.iter().zip(solved) {
-                    let (solved, patch) = (solved?, &self.patches[i]);
+            // Patches hold what they share of a row, so that only its keeper changes this during a sweep.
+            let mut missing = vec![0.0; whole.targets.len()];
+            whole.rows.mul(x, &mut missing)?;
+            for (missing, target) in missing.iter_mut().zip(whole.targets) {
+                *missing = target - *missing;
+            }
+            // What is shown, which depends on who is done first.
+            let mut shown = done.clone();
+            let mut is_stopped = false;
+            let solved = self.order.sweep(
+                &mut self.patches,
+                (x, &mut is_due),
+                |patch, x| patch.solve(whole, (x, &missing), (minimise, settings), keeps),
+                |patch: &Patch, solved: &Result<Solved, SolverError>, (x, is_due)| {
+                    let Ok(solved) = solved else {
+                        return Next::Fail;
+                    };
                     for (value, place) in solved.own.iter().zip(coordinates(&patch.ranks)) {
                         x[place] = *value;
                     }
-                    done.add(&solved.report, patch.share);
-                    gained += solved.gain.abs();
                     // Where a constraint had to be restored the energy may have risen.
-                    let is_moved = solved.gain.abs() > tolerated * patch.share;
-                    // One that has not converged may have, once its neighbours have moved.
-                    is_due[i] = false;
-                    if is_moved {
+                    if solved.gain.abs() > tolerated * patch.share {
                         patch.neighbours.iter().for_each(|&j| is_due[j] = true);
                     }
+                    shown.add(&solved.report, patch.share);
+                    is_stopped = !keep_going(&shown.iteration(settings));
+                    match is_stopped {
+                        true => Next::Stop,
+                        false => Next::GoOn,
+                    }
+                },
+            );
+            let mut gained = 0.0;
+            for (i, solved) in solved.into_iter().enumerate() {
+                if let Some(solved) = solved.transpose()? {
+                    gained += solved.gain.abs();
+                    done.add(&solved.report, self.patches[i].share);
                     reports[i] = Some(solved.report);
                 }
-                if !keep_going(&done.iteration(settings)) {
-                    return Ok(done.report(&reports, Some(StopRule::Interrupted)));
-                }
             }
-            if gained <= LITTLE * whole.scales.energy || is_due.iter().all(|due| !due) {
+            if is_stopped {
+                return Ok(done.report(&reports, Some(StopRule::Interrupted)));
+            }
+            // One that has not converged may have, once its neighbours have moved.
+            if gained <= little || is_due.iter().all(|due| !due) {
                 return Ok(done.report(&reports, None));
             }
             sweeps += 1;
-            if self.width.ends(sweeps, gained / before) {
+            if self.width.ends(sweeps, gained / before, little / gained) {
                 return Ok(done.report(&reports, Some(StopRule::IterationLimit)));
             }
             before = gained;
         }
     }
-}
-
-/// What `solve` makes of those of the `patches` that are `due`, which are ascending, side by side where the
-/// pool has threads for it.
-fn each<T: Send>(
-    patches: &mut [Patch],
-    due: &[usize],
-    solve: impl Fn(&mut Patch) -> T + Send + Sync,
-) -> Vec<T> {
-    let all = patches.iter_mut().enumerate();
-    let chosen = all.filter(|(i, _)| due.binary_search(i).is_ok());
-    let chosen: Vec<&mut Patch> = chosen.map(|(_, patch)| patch).collect();
-    chosen.into_par_iter().map(solve).collect()
 }
 
 /// Lets every row be kept by the patch that has most of it.
@@ -203,8 +214,8 @@ fn keep_rows(patches: &mut [Patch], rows: usize) {
 }
 
 /// Finds the neighbours of every patch, of which each sees the vertices with the ranks in `around`, of a
-/// layer with so many free vertices.
-fn join(patches: &mut [Patch], around: &[Vec<usize>], free: usize) -> Vec<Vec<usize>> {
+/// layer with so many free vertices, and brings the patches into the order of a sweep.
+fn join(patches: &mut Vec<Patch>, around: &[Vec<usize>], free: usize) -> Order {
     let mut movers = vec![Vec::new(); free];
     for (i, patch) in patches.iter().enumerate() {
         patch.ranks.iter().for_each(|&rank| movers[rank].push(i));
@@ -220,10 +231,21 @@ fn join(patches: &mut [Patch], around: &[Vec<usize>], free: usize) -> Vec<Vec<us
         neighbours[i].sort_unstable();
         neighbours[i].dedup();
     }
-    for (patch, near) in patches.iter_mut().zip(&mut neighbours) {
+    for near in &mut neighbours {
         near.sort_unstable();
         near.dedup();
-        patch.neighbours.clone_from(near);
     }
-    neighbours
+    // Groups of patches that do not see each other come one after the other, so that few wait for others.
+    let sorted = coloured(&neighbours).concat();
+    let mut places = vec![0; sorted.len()];
+    for (place, &i) in sorted.iter().enumerate() {
+        places[i] = place;
+    }
+    for (patch, near) in patches.iter_mut().zip(neighbours) {
+        patch.neighbours = near.into_iter().map(|j| places[j]).collect();
+    }
+    let mut placed: Vec<(usize, Patch)> = places.into_iter().zip(patches.drain(..)).collect();
+    placed.sort_by_key(|(place, _)| *place);
+    patches.extend(placed.into_iter().map(|(_, patch)| patch));
+    Order::new(patches.iter().map(|patch| patch.neighbours.as_slice()))
 }

@@ -97,7 +97,7 @@ impl Layer {
         &mut self,
         patches: &mut Patches,
         how: (Minimise, &NewtonSettings),
-        keep_going: &mut dyn FnMut(&Iteration) -> bool,
+        keep_going: &mut (dyn FnMut(&Iteration) -> bool + Send),
     ) -> Result<SolveReport, StepperError> {
         let mut unknowns = self.unknowns();
         let base = gather(&self.free, &self.base);

@@ -75,12 +75,13 @@ impl Patch {
         }
     }
 
-    /// Minimises the energy over its own vertices, the others at their coordinates in `x`. `keeps` is
-    /// whether the next solve of the same layer will find again what this one has set up.
+    /// Minimises the energy over its own vertices, the others at their coordinates in `x`. `missing` is what each
+    /// row of the layer lacks of its right-hand side, and `keeps` whether the next solve of the same layer will find
+    /// again what this one has set up.
     pub(super) fn solve(
         &mut self,
         whole: Whole<'_>,
-        x: &[f64],
+        (x, missing): (&[f64], &[f64]),
         (minimise, settings): (Minimise, &NewtonSettings),
         keeps: bool,
     ) -> Result<Solved, SolverError> {
@@ -91,7 +92,7 @@ impl Patch {
         let own =
             |values: &[f64]| -> Vec<f64> { coordinates(&self.ranks).map(|i| values[i]).collect() };
         let mut unknowns = own(x);
-        let targets = self.targets(&whole, system.kkt.rows(), (x, &unknowns))?;
+        let targets = self.targets(system.kkt.rows(), (&unknowns, missing))?;
         let vertices = system.part.vertices().iter().zip(&system.around);
         let positions: Vec<_> = vertices
             .map(|(&v, rank)| match rank {
@@ -149,23 +150,18 @@ impl Patch {
         }
     }
 
-    /// Right-hand sides of its `rows`: what is left of a target by all other vertices where it keeps the
-    /// row, and else what its `own` coordinates, which are among `x`, have.
+    /// Right-hand sides of its `rows`: what its `own` coordinates have, and where it keeps the row what that is
+    /// `missing`.
     fn targets(
         &self,
-        whole: &Whole<'_>,
         rows: &ConstraintRows,
-        (x, own): (&[f64], &[f64]),
+        (own, missing): (&[f64], &[f64]),
     ) -> Result<Vec<f64>, SolverError> {
         let mut targets = vec![0.0; self.rows.len()];
         rows.mul(own, &mut targets)?;
-        for (target, part) in targets.iter_mut().zip(&self.rows) {
-            if part.is_kept {
-                let (columns, weights) = whole.rows.row(part.row);
-                let terms = columns.iter().zip(weights);
-                let now: f64 = terms.map(|(&i, weight)| weight * x[i]).sum();
-                *target += whole.targets[part.row] - now;
-            }
+        let kept = targets.iter_mut().zip(&self.rows);
+        for (target, part) in kept.filter(|(_, part)| part.is_kept) {
+            *target += missing[part.row];
         }
         Ok(targets)
     }

@@ -21,6 +21,9 @@ const WIDER: usize = 2;
 /// with others.
 const SLOWLY: f64 = 0.75;
 
+/// Further sweeps that may be needed where they gain so slowly: wide patches take as long as some five.
+const WORTH_WAITING: i32 = 3;
+
 /// Sweeps of wide patches, after which nothing else is tried.
 const MOST_SWEEPS: usize = 30;
 
@@ -49,11 +52,29 @@ impl Width {
         }
     }
 
-    /// Whether sweeps end without a result after so many, the last with this share of the gain before.
-    pub(super) fn ends(self, sweeps: usize, share: f64) -> bool {
+    /// Whether sweeps end without a result after so many, the last with this `share` of the gain before, of which a part
+    /// so `little` would be none.
+    pub(super) fn ends(self, sweeps: usize, share: f64, little: f64) -> bool {
         match self {
-            Self::Narrow => share > SLOWLY,
+            Self::Narrow => share > SLOWLY && share.powi(WORTH_WAITING) > little,
             Self::Wide => sweeps >= MOST_SWEEPS,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sweeps_go_on_while_they_gain_or_are_nearly_done() {
+        let ends = |share, little| Width::Narrow.ends(2, share, little);
+        assert!(!ends(0.7, 0.01), "fast enough");
+        assert!(ends(0.8, 0.5), "three more would not do");
+        assert!(!ends(0.8, 0.55), "three more will do");
+        assert!(
+            !Width::Wide.ends(2, 1.0, 0.0),
+            "nothing else is left to try"
+        );
     }
 }

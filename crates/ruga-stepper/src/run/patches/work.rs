@@ -3,7 +3,7 @@
 use ruga_solver::{Inertia, Iteration, NewtonSettings, SolveReport, StopRule};
 
 /// What the solves of all patches took together, each counted by its share of the layer.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Work {
     iterations: f64,
     factorizations: f64,

@@ -1,0 +1,286 @@
+//! One sweep over patches, side by side where none waits for another.
+
+use std::collections::BTreeSet;
+use std::sync::{Mutex, MutexGuard};
+
+use rayon::Scope;
+
+/// Which patches wait for which in a sweep: each for its neighbours that come before it.
+#[derive(Debug)]
+pub(super) struct Order {
+    /// For every patch how many it waits for.
+    earlier: Vec<usize>,
+    /// For every patch those that wait for it.
+    later: Vec<Vec<usize>>,
+}
+
+/// What a sweep does after a patch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Next {
+    GoOn,
+    /// Those that wait for it are left out.
+    Fail,
+    /// No other patch begins.
+    Stop,
+}
+
+impl Order {
+    /// The order of patches of which each reads what its neighbours, whose numbers are given, leave. Who reads
+    /// another's is read by it.
+    pub(super) fn new<'a>(neighbours: impl Iterator<Item = &'a [usize]>) -> Self {
+        let split = neighbours.enumerate().map(|(i, near)| {
+            let later: Vec<usize> = near.iter().copied().filter(|&j| j > i).collect();
+            (near.len() - later.len(), later)
+        });
+        let (earlier, later) = split.unzip();
+        Self { earlier, later }
+    }
+
+    /// Solves all `patches` that are due once, and returns what `solve` made of them: `None` of those that were
+    /// not due or not reached.
+    ///
+    /// Each begins when those that it waits for are done, on whichever thread of the current pool is free, with `x` as
+    /// these have left it. `finish` is called with one after another, in no certain order, and may change `x`
+    /// where the patch moves it, and who else is due. So everything that a patch reads is the same for any number of
+    /// threads.
+    pub(super) fn sweep<P: Send, R: Send>(
+        &self,
+        patches: &mut [P],
+        (x, is_due): (&mut [f64], &mut [bool]),
+        solve: impl Fn(&mut P, &[f64]) -> R + Send + Sync,
+        finish: impl FnMut(&P, &R, (&mut [f64], &mut [bool])) -> Next + Send,
+    ) -> Vec<Option<R>> {
+        let mut sweep = Sweep {
+            x,
+            is_due,
+            waits: self.earlier.clone(),
+            later: &self.later,
+            solved: patches.iter().map(|_| None).collect(),
+            patches: patches.iter_mut().map(Some).collect(),
+            ready: BTreeSet::new(),
+            is_over: false,
+            finish,
+        };
+        let first: Vec<usize> = (0..self.earlier.len()).collect();
+        let ready = sweep.release(
+            first
+                .into_iter()
+                .filter(|&i| self.earlier[i] == 0)
+                .collect(),
+        );
+        let shared = Shared {
+            sweep: Mutex::new(sweep),
+            solve,
+        };
+        rayon::scope(|scope| shared.spawn(scope, ready));
+        shared.lock().solved.drain(..).collect()
+    }
+}
+
+/// A sweep under way.
+struct Sweep<'a, P, R, F> {
+    x: &'a mut [f64],
+    is_due: &'a mut [bool],
+    /// For every patch how many it still waits for.
+    waits: Vec<usize>,
+    later: &'a [Vec<usize>],
+    /// Those that nobody works on.
+    patches: Vec<Option<&'a mut P>>,
+    /// Those that wait for a thread alone.
+    ready: BTreeSet<usize>,
+    solved: Vec<Option<R>>,
+    is_over: bool,
+    finish: F,
+}
+
+impl<'a, P, R, F> Sweep<'a, P, R, F>
+where
+    F: FnMut(&P, &R, (&mut [f64], &mut [bool])) -> Next,
+{
+    /// Notes that some patches wait for nobody any more, and returns how many have become ready for that: those that
+    /// are not due are passed over.
+    fn release(&mut self, mut free: Vec<usize>) -> usize {
+        let mut ready = 0;
+        while let Some(i) = free.pop() {
+            if self.is_due[i] {
+                self.ready.insert(i);
+                ready += 1;
+            } else {
+                self.pass(i, &mut free);
+            }
+        }
+        ready
+    }
+
+    /// Adds to `free` what waited for the patch `i` alone.
+    fn pass(&mut self, i: usize, free: &mut Vec<usize>) {
+        for &j in &self.later[i] {
+            self.waits[j] -= 1;
+            if self.waits[j] == 0 {
+                free.push(j);
+            }
+        }
+    }
+
+    /// The first patch that is ready, and what it begins from.
+    fn begin(&mut self) -> Option<(usize, &'a mut P, Vec<f64>)> {
+        if self.is_over {
+            return None;
+        }
+        let i = self.ready.pop_first()?;
+        let patch = self.patches[i].take()?;
+        // One whose neighbours move later is due again.
+        self.is_due[i] = false;
+        Some((i, patch, self.x.to_vec()))
+    }
+
+    /// Ends the work on a patch, and returns how many others have become ready.
+    fn end(&mut self, i: usize, patch: &P, solved: R) -> usize {
+        let next = (self.finish)(patch, &solved, (self.x, self.is_due));
+        self.solved[i] = Some(solved);
+        let mut free = Vec::new();
+        match next {
+            Next::GoOn => self.pass(i, &mut free),
+            Next::Fail => {}
+            Next::Stop => self.is_over = true,
+        }
+        self.release(free)
+    }
+}
+
+/// What all threads share.
+struct Shared<'a, P, R, F, S> {
+    sweep: Mutex<Sweep<'a, P, R, F>>,
+    solve: S,
+}
+
+impl<'a, P, R, F, S> Shared<'a, P, R, F, S>
+where
+    P: Send,
+    R: Send,
+    F: FnMut(&P, &R, (&mut [f64], &mut [bool])) -> Next + Send,
+    S: Fn(&mut P, &[f64]) -> R + Send + Sync,
+{
+    fn lock(&self) -> MutexGuard<'_, Sweep<'a, P, R, F>> {
+        // A panic of another thread is passed on by the scope.
+        self.sweep
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+
+    /// Lets threads work on so many patches that have become ready.
+    fn spawn<'s>(&'s self, scope: &Scope<'s>, ready: usize) {
+        for _ in 0..ready {
+            scope.spawn(|scope| {
+                let begun = self.lock().begin();
+                if let Some((i, patch, x)) = begun {
+                    let solved = (self.solve)(patch, &x);
+                    let ready = self.lock().end(i, patch, solved);
+                    self.spawn(scope, ready);
+                }
+            });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ring with chords: every patch has four to seven neighbours.
+    fn neighbours(count: usize) -> Vec<Vec<usize>> {
+        let mut near = vec![BTreeSet::new(); count];
+        for i in 0..count {
+            for step in [1, 2, 5 + i % 7] {
+                let j = (i + step) % count;
+                near[i].insert(j);
+                near[j].insert(i);
+            }
+        }
+        near.into_iter()
+            .map(|of| of.into_iter().collect())
+            .collect()
+    }
+
+    /// What every patch makes of its neighbours' values. Takes longer for some, so that threads overtake each other.
+    fn solve(near: &[usize], i: usize, x: &[f64]) -> f64 {
+        std::thread::sleep(std::time::Duration::from_micros(37 * (i as u64 * 7 % 11)));
+        let sum: f64 = near.iter().map(|&j| x[j]).sum();
+        1.0 + 0.3 * sum.sin()
+    }
+
+    /// A sweep by so many threads in which `next` says how it goes on after a patch; the values that patches
+    /// leave, who is due then, and who was solved.
+    fn swept(
+        threads: usize,
+        next: impl Fn(usize) -> Next + Send + Sync,
+    ) -> (Vec<f64>, Vec<bool>, Vec<bool>) {
+        let near = neighbours(40);
+        let order = Order::new(near.iter().map(Vec::as_slice));
+        let mut patches: Vec<usize> = (0..40).collect();
+        let mut x: Vec<f64> = (0..40).map(f64::from).collect();
+        // Most become due only when a neighbour has moved.
+        let mut is_due: Vec<bool> = (0..40).map(|i| i % 9 == 0).collect();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let solved = pool.expect("threads").install(|| {
+            order.sweep(
+                &mut patches,
+                (&mut x, &mut is_due),
+                |patch, x| (*patch, solve(&near[*patch], *patch, x)),
+                |&patch, &(i, value), (x, is_due)| {
+                    assert_eq!(patch, i);
+                    x[i] = value;
+                    near[i]
+                        .iter()
+                        .for_each(|&j| is_due[j] = i % 4 == 0 || is_due[j]);
+                    next(i)
+                },
+            )
+        });
+        for (i, solved) in solved.iter().enumerate() {
+            assert!(solved.is_none_or(|(patch, _)| patch == i));
+        }
+        (x, is_due, solved.iter().map(Option::is_some).collect())
+    }
+
+    #[test]
+    fn threads_make_what_one_after_the_other_makes() {
+        let near = neighbours(40);
+        let mut x: Vec<f64> = (0..40).map(f64::from).collect();
+        let mut is_due: Vec<bool> = (0..40).map(|i| i % 9 == 0).collect();
+        let mut is_solved = vec![false; 40];
+        for i in 0..40 {
+            if is_due[i] {
+                x[i] = solve(&near[i], i, &x);
+                (is_due[i], is_solved[i]) = (false, true);
+                near[i]
+                    .iter()
+                    .for_each(|&j| is_due[j] = i % 4 == 0 || is_due[j]);
+            }
+        }
+        assert!(is_solved.contains(&false) && is_due.contains(&true));
+        let one_by_one = (x, is_due, is_solved);
+        for threads in [1, 4] {
+            assert_eq!(
+                swept(threads, |_| Next::GoOn),
+                one_by_one,
+                "{threads} threads"
+            );
+        }
+    }
+
+    #[test]
+    fn what_waits_for_a_failure_is_left_out() {
+        let (.., solved) = swept(4, |i| if i == 0 { Next::Fail } else { Next::GoOn });
+        // Neighbours of the first wait for it, and others that are due do not.
+        assert!(solved[0] && !solved[1] && !solved[2] && !solved[5]);
+        let alone = swept(1, |i| if i == 0 { Next::Fail } else { Next::GoOn });
+        assert_eq!(solved, alone.2);
+    }
+
+    #[test]
+    fn nothing_begins_after_a_stop() {
+        let (.., solved) = swept(1, |_| Next::Stop);
+        assert_eq!(solved.iter().filter(|solved| **solved).count(), 1);
+    }
+}
