@@ -11,11 +11,12 @@ use super::waves::Waves;
 use crate::plan::crease_places::put_under_drawn_lines;
 use crate::plan::stacking::Stacking;
 use crate::plan::surface_measures::{
-    MAX_LEVELS, MAX_PLANNING_FACES, OUTPUT_SLACK, faces_within, needed_levels, output_coarseness,
+    MAX_LEVELS, MAX_PLANNING_FACES, faces_within, needed_levels, output_coarseness,
 };
 use crate::plan::warnings::resolution_warnings;
 use crate::plan::{add_carried_along, within};
 use crate::run::adaptivity::aspect;
+use crate::skin::skin_mesh::OUTPUT_SLACK;
 use crate::support::Interior;
 use crate::support::embedding_lattice::EmbeddingLattice;
 use crate::support::handles::{HeldNodes, Moves};

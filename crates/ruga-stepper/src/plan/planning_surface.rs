@@ -17,13 +17,14 @@ use crate::plan::region::PoseStrains;
 use crate::plan::skin_cost::{GRADING, Load, cost, factorisations};
 use crate::plan::stacking::Stacking;
 use crate::plan::surface_measures::{
-    MAX_PLANNING_FACES, OUTPUT_SLACK, faces_within, needed_levels, output_coarseness,
-    painted_ranges, per_face, uv_density, weighted_quantile,
+    MAX_PLANNING_FACES, faces_within, needed_levels, output_coarseness, painted_ranges, per_face,
+    uv_density, weighted_quantile,
 };
 use crate::plan::warnings::PosedPlan;
 use crate::run::adaptivity::COARSEST;
 use crate::skin::local_skin::wrinkling_on_face;
 use crate::skin::place::ShapeCentres;
+use crate::skin::skin_mesh::OUTPUT_SLACK;
 use crate::{
     AppliedStrain, Coupling, LayerPlan, LayerSpec, LoadPath, Modelling, PosePlan, PoseSpec, Stack,
     StepperError,

@@ -14,9 +14,6 @@ pub(crate) const MAX_PLANNING_FACES: usize = 400_000;
 pub(crate) const MAX_LEVELS: u32 = 10;
 /// Vertices that the output mesh of a fitted one may have, in vertex budgets.
 pub(crate) const OUTPUT_VERTICES: f64 = 4.0;
-/// Longest edges of an output mesh over those asked for: half of that is the shortest that halving
-/// leaves.
-pub(crate) const OUTPUT_SLACK: f64 = 1.3;
 /// Mean edge of a mesh, over the longest, whose long edges were halved.
 const HALVED: f64 = 0.75;
 

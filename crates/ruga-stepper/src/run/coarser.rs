@@ -46,7 +46,8 @@ impl<'a> StackRun<'a> {
         )?;
         // Centres of its own would hold it elsewhere than the finer mesh is held.
         let centres = Some(run.layer.row_centres().to_vec());
-        let wanted = (region.clone(), sizing);
+        let adapted = self.fitted(index, region, sizing, &mut preparing)?;
+        let wanted = (region.clone(), adapted);
         let mut coarse = self.build_on(index, wanted, centres, supports.last(), &mut preparing)?;
         coarse.is_coarse = true;
         let most = WORTH_IT * run.layer.vertex_count() as f64;

@@ -9,9 +9,20 @@ use crate::run::layer::{Layer, LayerOptions};
 use crate::run::layer_run::LayerRun;
 use crate::run::low_pass_rows::RowCentre;
 use crate::run::stack_run::StackRun;
-use crate::skin::skin_mesh::RegionMesh;
+use crate::skin::piece::Piece;
+use crate::skin::refined::refined;
+use crate::skin::skin_mesh::{Adapted, RegionMesh, sharp_map};
 use crate::support::support_surface::SupportOf;
 use crate::{LayerSpec, Observer, Phase};
+
+/// Where a layer's mesh stays as it is fitted first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Shown {
+    /// On these surfaces: results are shown on a mesh that is fine where it is, and in its directions.
+    Here,
+    /// Perhaps not, where what carries it changes: that mesh is as fine as planned, in all directions.
+    Elsewhere,
+}
 
 /// Edges longer than asked for by less than this factor are not worth a word.
 const WORTH_TELLING: f64 = 1.1;
@@ -33,10 +44,31 @@ impl<'a> StackRun<'a> {
         &self,
         index: usize,
         support: &[SupportOf<'_>],
+        shown: Shown,
         observer: &mut dyn Observer,
     ) -> Result<LayerRun<'a>, Halt> {
         let mut preparing = Preparing::new(observer, index, Phase::Sampling);
-        let region = self.region(index, &mut preparing)?;
+        let meshes = self.meshes(index, support, shown, &mut preparing)?;
+        self.build_on(index, meshes, None, support.last(), &mut preparing)
+    }
+
+    /// Output mesh of layer number `index`, and the mesh that it is solved on, fitted to each surface of `support`.
+    fn meshes(
+        &self,
+        index: usize,
+        support: &[SupportOf<'_>],
+        shown: Shown,
+        preparing: &mut Preparing<'_>,
+    ) -> Result<(RegionMesh, Option<Adapted>), Halt> {
+        let plan = self.plan;
+        let layer = &plan.poses[self.pose].layers[index];
+        let is_fitted = shown == Shown::Here
+            && !support.is_empty()
+            && plan.modelling.remesh.is_some()
+            && sharp_map(&plan.stacking.specs[index]).is_none();
+        let base = preparing.while_wanted(|goes_on| plan.layer_base(layer, goes_on))?;
+        let piece = preparing.while_wanted(|goes_on| plan.layer_piece(layer, &base, goes_on))?;
+        let region = self.region(index, piece, preparing)?;
         preparing.enter(Phase::Remeshing)?;
         let mut surfaces = Vec::with_capacity(support.len());
         for support in support {
@@ -48,15 +80,20 @@ impl<'a> StackRun<'a> {
             true => Fitting::Everywhere,
             false => Fitting::Surfaces(&surfaces),
         };
-        let sizing = self.sizing(index, &region, fitting, &mut preparing)?;
+        let sizing = self.sizing(index, &region, fitting, preparing)?;
         preparing.step()?;
-        self.build_on(
-            index,
-            (region, sizing),
-            None,
-            support.last(),
-            &mut preparing,
-        )
+        let adapted = self.fitted(index, &region, sizing, preparing)?;
+        let Some(fitted) = adapted.as_ref().filter(|_| is_fitted) else {
+            return Ok((region, adapted));
+        };
+        let base = Piece::of(&base);
+        let sizing = (&fitted.sizing, fitted.coarseness);
+        let measures = region.output_measures(&base, sizing);
+        // What sizing was found on is not needed any more.
+        drop((region, surfaces));
+        let piece =
+            preparing.while_wanted(|goes_on| refined(&plan.driver, base, measures, goes_on))?;
+        Ok((self.region(index, piece, preparing)?, adapted))
     }
 
     /// Builds layer number `index` on a mesh that is fine enough for its large shape alone.
@@ -66,18 +103,27 @@ impl<'a> StackRun<'a> {
         observer: &mut dyn Observer,
     ) -> Result<LayerRun<'a>, Halt> {
         let mut preparing = Preparing::new(observer, index, Phase::Sampling);
-        let region = self.region(index, &mut preparing)?;
+        let layer = &self.plan.poses[self.pose].layers[index];
+        let base = preparing.while_wanted(|goes_on| self.plan.layer_base(layer, goes_on))?;
+        let piece =
+            preparing.while_wanted(|goes_on| self.plan.layer_piece(layer, &base, goes_on))?;
+        let region = self.region(index, piece, &mut preparing)?;
         preparing.enter(Phase::Remeshing)?;
         let sizing = self.sizing(index, &region, Fitting::LargeShape, &mut preparing)?;
+        let adapted = self.fitted(index, &region, sizing, &mut preparing)?;
         // Its bending is not corrected: such a mesh has no waves to measure.
-        self.build_on(index, (region, sizing), None, None, &mut preparing)
+        self.build_on(index, (region, adapted), None, None, &mut preparing)
     }
 
-    /// Output mesh of layer number `index`.
-    fn region(&self, index: usize, preparing: &mut Preparing<'_>) -> Result<RegionMesh, Halt> {
+    /// Output mesh of layer number `index` on a piece of the surface.
+    fn region(
+        &self,
+        index: usize,
+        piece: Piece,
+        preparing: &mut Preparing<'_>,
+    ) -> Result<RegionMesh, Halt> {
         let plan = self.plan;
         let layer = &plan.poses[self.pose].layers[index];
-        let piece = preparing.while_wanted(|goes_on| plan.layer_piece(layer, goes_on))?;
         let offset = plan.stacking.attachments[index].offset;
         let on = (piece, plan.modelling.smoothing, offset);
         let spec = with_folding_lines(&plan.stacking.specs[index], &layer.creases);
@@ -101,12 +147,25 @@ impl<'a> StackRun<'a> {
         SizingRequest::new(&plan.driver, layer, region, fitting, how, preparing)
     }
 
-    /// Builds layer number `index` on a mesh of `region` that is fitted to `sizing`, its averaging
+    /// A mesh for layer number `index` on `region`, as fine as `sizing` asks for.
+    pub(crate) fn fitted(
+        &self,
+        index: usize,
+        region: &RegionMesh,
+        sizing: Option<SizingRequest>,
+        preparing: &mut Preparing<'_>,
+    ) -> Result<Option<Adapted>, Halt> {
+        let (driver, spec) = (&self.plan.driver, &self.plan.stacking.specs[index]);
+        let adapted = sizing.map(|sizing| sizing.fitted(driver, spec, region, preparing));
+        adapted.transpose()
+    }
+
+    /// Builds layer number `index` on a mesh of `region`, its averaging
     /// constraints around given `centres`, its bending corrected for `support`.
     pub(crate) fn build_on(
         &self,
         index: usize,
-        (region, sizing): (RegionMesh, Option<SizingRequest>),
+        (region, adapted): (RegionMesh, Option<Adapted>),
         centres: Option<Vec<RowCentre>>,
         support: Option<&SupportOf<'_>>,
         preparing: &mut Preparing<'_>,
@@ -115,8 +174,6 @@ impl<'a> StackRun<'a> {
         let (driver, modelling) = (&plan.driver, &plan.modelling);
         let spec = &plan.stacking.specs[index];
         let wrinkling = &plan.stacking.simulated[index];
-        let adapted = sizing.map(|sizing| sizing.fitted(driver, spec, &region, preparing));
-        let adapted = adapted.transpose()?;
         let coarseness = adapted.as_ref().map_or(1.0, |adapted| adapted.coarseness);
         let adapted = adapted.map(|adapted| adapted.skin);
         preparing.enter(Phase::Constraints)?;
@@ -200,7 +257,8 @@ impl<'a> StackRun<'a> {
         // The same places are averaged on every mesh. Centres chosen anew would hold the layer
         // elsewhere, and its shape would jump.
         let centres = Some(run.layer.row_centres().to_vec());
-        let wanted = (region, sizing);
+        let adapted = self.fitted(index, &region, sizing, &mut preparing)?;
+        let wanted = (region, adapted);
         let mut fitted = self.build_on(index, wanted, centres, Some(support), &mut preparing)?;
         preparing.enter(Phase::Remeshing)?;
         fitted

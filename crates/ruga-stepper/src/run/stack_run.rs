@@ -8,6 +8,7 @@ use crate::error::Halt;
 use crate::growth::PoseGrowth;
 use crate::run::layer::Layer;
 use crate::run::layer_run::{Ending, LayerRun, Loading};
+use crate::run::layer_setup::Shown;
 use crate::skin::cover::Covers;
 use crate::support::motion::Inertia;
 use crate::support::support_surface::{SupportOf, support_surface};
@@ -195,7 +196,12 @@ impl<'a> StackRun<'a> {
             }
         };
         let surfaces = self.surfaces(lowest, &supports);
-        let mut run = self.build(lowest, &surfaces, observer)?;
+        // How a body turns between the keys is not known.
+        let shown = match &self.plan.body {
+            None => Shown::Here,
+            Some(_) => Shown::Elsewhere,
+        };
+        let mut run = self.build(lowest, &surfaces, shown, observer)?;
         if let Some(before) = before {
             run.report.newton_iterations += before.newton_iterations;
             run.report.factorizations += before.factorizations;

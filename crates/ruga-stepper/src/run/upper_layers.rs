@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use crate::error::Halt;
 use crate::run::layer::Layer;
 use crate::run::layer_run::{Ending, LayerRun, Loading};
+use crate::run::layer_setup::Shown;
 use crate::run::stack_run::{LoadPoint, StackRun};
 use crate::skin::cover::Covers;
 use crate::support::Support;
@@ -105,7 +106,8 @@ impl<'a> StackRun<'a> {
                 ending => return Ok((run, ending)),
             }
         }
-        let mut run = self.build(index, std::slice::from_ref(&support_of), observer)?;
+        let supports = std::slice::from_ref(&support_of);
+        let mut run = self.build(index, supports, Shown::Elsewhere, observer)?;
         if let Some(history) = history {
             run.take_history(history);
         }

@@ -1,35 +1,35 @@
 //! Output meshes that are fine where wrinkles may be, and coarse elsewhere.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use ruga_blend::Driver;
-use ruga_mesh::{Edge, EdgeId, Id, PerEdge, PerFace, TriMesh};
+use ruga_mesh::{Edge, EdgeId, FaceId, Id, PerEdge, PerFace, TriMesh};
 
 use crate::skin::piece::Piece;
 
 /// Halvings of an edge, at most: seven more than make a metre a millimetre.
 const MOST_PASSES: u32 = 17;
 
-/// Halves edges of `piece` until none is longer than `longest` (m) of a face beside it; `None` as soon
-/// as `goes_on`, which is asked between its passes, says no.
+/// Halves edges of `piece` until none is longer than 1 in the measure of a face beside it, a tensor of squared inverse
+/// lengths (1/m²); `None` as soon as `goes_on`, which is asked between its passes, says no.
 ///
 /// With any edge of a face its longest one is halved, too (Rivara 1984), or every pass would make angles
 /// smaller beside faces that are split more often.
 pub(crate) fn refined(
     driver: &Driver,
     mut piece: Piece,
-    mut longest: PerFace<f64>,
+    mut measures: PerFace<Matrix3<f64>>,
     goes_on: &mut dyn FnMut() -> bool,
 ) -> Option<Piece> {
     let mut positions = piece.flat_positions(driver);
     for _ in 0..MOST_PASSES {
-        let halved = edges_to_halve(&piece.mesh, &positions, &longest);
+        let halved = edges_to_halve(&piece.mesh, &positions, &measures);
         if !halved.as_slice().contains(&true) {
             break;
         }
         let middle = |halved: &bool| halved.then_some(0.5);
         let places: Vec<Option<f64>> = halved.as_slice().iter().map(middle).collect();
         let split = piece.split(&places, &mut positions);
-        longest = split.parents.iter().map(|&face| longest[face]).collect();
+        measures = split.parents.iter().map(|&face| measures[face]).collect();
         if !goes_on() {
             return None;
         }
@@ -37,21 +37,25 @@ pub(crate) fn refined(
     Some(piece)
 }
 
+/// The measure in which edges up to `longest` (m) are no longer than 1.
+pub(crate) fn in_all_directions(longest: f64) -> Matrix3<f64> {
+    Matrix3::from_diagonal_element(longest.powi(-2))
+}
+
 /// Edges that are too long for a face beside them, and with them the longest of every face that loses
 /// one.
 fn edges_to_halve(
     mesh: &TriMesh,
     positions: &[Vector3<f64>],
-    longest: &PerFace<f64>,
+    measures: &PerFace<Matrix3<f64>>,
 ) -> PerEdge<bool> {
-    let length = |edge: &Edge| {
-        let [a, b] = edge.vertices.map(|v| positions[v.index()]);
-        (b - a).norm()
+    let squared = |face: FaceId, edge: EdgeId| {
+        let [a, b] = mesh.edges()[edge].vertices.map(|v| positions[v.index()]);
+        (b - a).dot(&(measures[face] * (b - a)))
     };
-    let lengths: PerEdge<f64> = mesh.edges().as_slice().iter().map(length).collect();
     let is_too_long = |(id, edge): (EdgeId, &Edge)| {
         let mut beside = edge.faces.iter().flatten();
-        beside.any(|&face| lengths[id] > longest[face])
+        beside.any(|&face| squared(face, id) > 1.0)
     };
     let mut halved: PerEdge<bool> = mesh.edges().iter().map(is_too_long).collect();
     let mut pending: Vec<EdgeId> = halved
@@ -62,9 +66,10 @@ fn edges_to_halve(
     while let Some(edge) = pending.pop() {
         for face in mesh.edges()[edge].faces.into_iter().flatten() {
             let own = mesh.face_edges(face).into_iter();
+            let own = own.map(|edge| (edge, squared(face, edge)));
             // Of equal ones the first, whatever corner a face begins with.
-            let most = own.max_by(|a, b| lengths[*a].total_cmp(&lengths[*b]).then(b.cmp(a)));
-            let most = most.expect("a face has three edges");
+            let most = own.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
+            let (most, _) = most.expect("a face has three edges");
             if !halved[most] {
                 halved[most] = true;
                 pending.push(most);
@@ -78,7 +83,6 @@ fn edges_to_halve(
 mod tests {
     use nalgebra::Vector3;
     use ruga_blend::{BaseSurface, Smoothing};
-    use ruga_mesh::FaceId;
 
     use super::*;
     use crate::test_drivers::{SIDE, square_mesh};
@@ -116,7 +120,11 @@ mod tests {
         });
         let longest: PerFace<f64> = longest.collect();
         let before = piece.mesh.face_count();
-        let fine = refined(&driver, piece.clone(), longest.clone(), &mut || true)
+        let measures = longest
+            .as_slice()
+            .iter()
+            .map(|&edge| in_all_directions(edge));
+        let fine = refined(&driver, piece.clone(), measures.collect(), &mut || true)
             .expect("nothing ends it");
         assert!(
             fine.mesh.face_count() > 4 * before,
@@ -153,11 +161,11 @@ mod tests {
         let same = refined(
             &driver,
             piece.clone(),
-            PerFace::filled(faces, SIDE),
+            PerFace::filled(faces, in_all_directions(SIDE)),
             &mut || true,
         );
         assert_eq!(same.expect("nothing ends it").mesh.face_count(), faces);
-        let fine = PerFace::filled(faces, 1e-3 * SIDE);
+        let fine = PerFace::filled(faces, in_all_directions(1e-3 * SIDE));
         assert!(refined(&driver, piece, fine, &mut || false).is_none());
     }
 }

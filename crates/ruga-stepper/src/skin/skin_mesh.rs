@@ -8,7 +8,7 @@ use ruga_crease::{CreaseEdge, CreaseWarning, LinePlaces, TracedLine};
 use ruga_material::PropertyMap;
 use ruga_mesh::{FaceId, Id, MaterialPoint, PerEdge, PerFace, SurfaceLookup, TriMesh, VertexId};
 use ruga_remesh::{
-    PolyhedralSurface, RemeshError, RemeshSettings, SizeLimits, SurfaceMesh, remesh,
+    PolyhedralSurface, RemeshError, RemeshSettings, SizeLimits, Sizing, SurfaceMesh, remesh,
 };
 
 use crate::error::Halt;
@@ -20,8 +20,10 @@ use crate::skin::identity::Identity;
 use crate::skin::piece::{Piece, blend};
 use crate::{ArtistPlace, LayerSpec, StepperError};
 
+mod output;
 mod sizing;
 
+pub(crate) use output::OUTPUT_SLACK;
 pub(crate) use sizing::SizingStrains;
 
 use sizing::RemeshInput;
@@ -88,6 +90,8 @@ pub(crate) struct Adapted {
     pub(crate) skin: SkinMesh,
     /// Edges over those asked for, where the budget did not allow them; 1 where it did.
     pub(crate) coarseness: f64,
+    /// What was asked for at the vertices of the region's mesh.
+    pub(crate) sizing: Sizing,
 }
 
 /// The output mesh of the active region: every triangle lies in one of the artist's, and, where the
@@ -297,7 +301,11 @@ impl RegionMesh {
             }
         }
         let skin = self.placed(driver, &made, goes_on);
-        Ok(skin.map(|skin| Adapted { skin, coarseness }))
+        Ok(skin.map(|skin| Adapted {
+            skin,
+            coarseness,
+            sizing: wanted,
+        }))
     }
 
     /// A mesh on this one's facets, at its places of the driver; `None` as soon as `goes_on` says no.

@@ -103,7 +103,9 @@ fn interior(plan: &Plan) -> &Interior {
 /// At rest without noise.
 fn at_rest(plan: &Plan) -> Layer {
     let stack = StackRun::new(plan, 0).expect("fitting motions");
-    let run = stack.build(0, &[], &mut Silent).expect("a layer");
+    let run = stack
+        .build(0, &[], crate::run::layer_setup::Shown::Here, &mut Silent)
+        .expect("a layer");
     let mut layer = run.layer;
     layer.positions.clone_from(&layer.base);
     layer
