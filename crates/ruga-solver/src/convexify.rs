@@ -267,17 +267,27 @@ impl Convexifier {
         Ok(Some(enough))
     }
 
-    /// The least of the small relaxations that is enough; its factor is left.
+    /// The least of the small relaxations that is enough, where one a little larger than all of them is; its factor is
+    /// left.
     fn relax_little(&mut self, kkt: &mut Kkt, hessian: Hessian<'_>) -> Result<f64, SolverError> {
-        for relaxation in SMALL_RELAXATIONS {
-            if self.try_relaxation(kkt, hessian, relaxation)? {
-                return Ok(relaxation);
+        // Halving: what is more than enough is enough, too.
+        let (mut least, mut end) = (0, SMALL_RELAXATIONS.len());
+        let mut in_factor = None;
+        while least < end {
+            let middle = (least + end) / 2;
+            match self.try_relaxation(kkt, hessian, SMALL_RELAXATIONS[middle])? {
+                true => end = middle,
+                false => least = middle + 1,
             }
+            in_factor = Some(middle);
         }
-        let largest_small = 1.0 - CLOSE_TO_CRITICAL;
-        // It is known to be enough: this only brings its factor back.
-        self.try_relaxation(kkt, hessian, largest_small)?;
-        Ok(largest_small)
+        let enough = SMALL_RELAXATIONS.get(least);
+        let enough = enough.copied().unwrap_or(1.0 - CLOSE_TO_CRITICAL);
+        if in_factor != Some(least) {
+            // It is known to be enough: this only brings its factor back.
+            self.try_relaxation(kkt, hessian, enough)?;
+        }
+        Ok(enough)
     }
 
     fn try_relaxation(
