@@ -6,8 +6,8 @@ use crate::run::patches::Width;
 
 /// Bytes for every texel of a map while it is baked and written.
 pub const BYTES_PER_TEXEL: f64 = 30.0;
-/// Bytes for every vertex planned of the output mesh: half of them stay, the rest is gone when the layer is made;
-/// halving leaves more vertices than planned. From a smile of 69 thousand.
+/// Bytes for every vertex planned of an output mesh that is fine in all directions: half of them stay, the rest is gone
+/// when the layer is made; halving leaves more vertices than planned. From a smile of 69 thousand.
 const PER_OUTPUT_VERTEX: f64 = 5.5e3;
 /// Factorisations in which the first wrinkles are found, on the whole of a layer or in wide patches.
 const FIRST: f64 = 17.0;
@@ -51,7 +51,8 @@ pub(crate) struct Load {
 /// is solved in patches after its first wrinkles, and beyond some times as many from the beginning, and both
 /// grow with its size. The output mesh has
 /// `output_vertices`; maps are `map_size` texels wide. All memory is added up, though what a layer is solved with is
-/// given back before its surfaces are made: 870 MB for a smile that takes 800.
+/// given back before its surfaces are made, and output meshes that are fine across the waves alone have fewer vertices:
+/// 870 MB for a smile that takes 770.
 pub(crate) fn cost(
     vertices: usize,
     most_in_whole: usize,
