@@ -267,8 +267,8 @@ impl Convexifier {
         Ok(Some(enough))
     }
 
-    /// The least of the small relaxations that is enough, where one a little larger than all of them is; its factor is
-    /// left.
+    /// The least of the small relaxations that is enough, or where none is the next larger one, which is known to be;
+    /// its factor is left.
     fn relax_little(&mut self, kkt: &mut Kkt, hessian: Hessian<'_>) -> Result<f64, SolverError> {
         // Halving: what is more than enough is enough, too.
         let (mut least, mut end) = (0, SMALL_RELAXATIONS.len());

@@ -28,7 +28,7 @@ use crate::plan::pose_plan::PlannedLayer;
 use crate::plan::stacking::Stacking;
 use crate::plan::warnings::{never_fold_warnings, never_wrinkle_warnings};
 use crate::skin::piece::Piece;
-use crate::skin::refined::{in_all_directions, refined};
+use crate::skin::refined::{Refined, in_all_directions, refined};
 use crate::skin::skin_mesh::{check_boundaries, sharp_map};
 use crate::support::Interior;
 use crate::validation::{
@@ -129,13 +129,13 @@ impl Plan {
         self.stacking.meshes()
     }
 
-    /// The part of the base surface that `layer` is simulated on, as fine as its shape alone asks for; `None` as soon as
-    /// `goes_on` says no.
-    pub(crate) fn layer_base(
+    /// The part of the base surface that `layer` is simulated on, as fine as its results need where they may be wrinkled,
+    /// in any direction, and the same as fine as its shape alone asks for; `None` as soon as `goes_on` says no.
+    pub(crate) fn layer_pieces(
         &self,
         layer: &LayerPlan,
         goes_on: &mut dyn FnMut() -> bool,
-    ) -> Option<BaseSurface> {
+    ) -> Option<(Piece, Refined)> {
         // Splitting begins at the driver's own triangles, because the layer may be coarser or finer
         // than the surface on which its region was found. Parts of one triangle stand side by side
         // in the region, so that removing repetitions side by side removes all.
@@ -144,46 +144,30 @@ impl Plan {
         let smoothing = self.modelling.smoothing;
         let driver = &self.driver;
         let whole = BaseSurface::new_while(driver, &coarse, layer.levels, smoothing, goes_on)?;
-        let (level, shift) = self.region_level(layer);
+        // Faces larger than the region's are taken when any part of them is in it.
+        let level = self.planning_levels.min(layer.levels);
+        let shift = 2 * (self.planning_levels - level);
         let mut region: Vec<u64> = layer.region.iter().map(|face| face >> shift).collect();
         region.dedup();
         let wanted = |face: &FaceId| region.binary_search(&whole.ancestor(*face, level)).is_ok();
         let faces: Vec<FaceId> = whole.mesh().faces().ids().filter(wanted).collect();
-        goes_on().then(|| whole.restrict(&faces))
-    }
-
-    /// The `base` of a layer in smaller triangles, as fine as its results need where they may be wrinkled, in any direction;
-    /// `None` as soon as `goes_on` says no.
-    pub(crate) fn layer_piece(
-        &self,
-        layer: &LayerPlan,
-        base: &BaseSurface,
-        goes_on: &mut dyn FnMut() -> bool,
-    ) -> Option<Piece> {
-        if layer.output_edges.is_empty() {
-            return Some(Piece::of(base));
+        if !goes_on() {
+            return None;
         }
-        let (level, shift) = self.region_level(layer);
+        let base = whole.restrict(&faces);
         let longest = |face: FaceId| {
             // The parts of a face stand side by side in the region.
             let own = base.ancestor(face, level);
             let first = layer.region.partition_point(|part| part >> shift < own);
             let parts = layer.region[first..]
                 .iter()
-                .zip(&layer.output_edges[first..]);
+                .zip(layer.output_edges.iter().skip(first));
             let parts = parts.take_while(|(part, _)| *part >> shift == own);
             parts.map(|(_, edge)| *edge).fold(f64::INFINITY, f64::min)
         };
         let faces = base.mesh().faces().ids();
         let measures = faces.map(|face| in_all_directions(longest(face)));
-        refined(&self.driver, Piece::of(base), measures.collect(), goes_on)
-    }
-
-    /// The level at which the layer's faces are compared with those of its region, of which the numbers are shifted by so
-    /// many bits for that: faces larger than the region's are taken when any part of them is in it.
-    fn region_level(&self, layer: &LayerPlan) -> (u32, u32) {
-        let level = self.planning_levels.min(layer.levels);
-        (level, 2 * (self.planning_levels - level))
+        refined(driver, Piece::of(&base), measures.collect(), goes_on)
     }
 
     /// Refuses maps with sharp boundaries that the layers' meshes cannot follow.
@@ -202,10 +186,8 @@ impl Plan {
                         && other.output_edges == layer.output_edges
                 };
                 if !layer.region.is_empty() && !checked.iter().any(is_same) {
-                    let base = self.layer_base(layer, &mut || true);
-                    let piece = base
-                        .and_then(|base| self.layer_piece(layer, &base, &mut || true))
-                        .expect("nothing ends it early");
+                    let pieces = self.layer_pieces(layer, &mut || true);
+                    let (piece, _) = pieces.expect("nothing ends it early");
                     check_boundaries(&self.driver, piece, spec)?;
                     checked.push(layer);
                 }

@@ -72,7 +72,7 @@ pub struct FaceState {
 }
 
 /// The mesh on which a layer was computed: finer only where, and in the direction that, it
-/// wrinkles, while the output mesh is as fine in all directions.
+/// wrinkles. The output mesh lies in the file's own triangles instead.
 #[derive(Clone, Debug, Default)]
 pub struct ComputedMesh {
     /// Vertex positions, m.

@@ -44,6 +44,33 @@ fn every_coupling_wrinkles_near_the_predicted_wavelength() {
     }
 }
 
+/// The patch is pressed in x.
+#[test]
+fn output_edges_are_short_across_the_waves_and_longer_along_them() {
+    let modelling = Modelling {
+        points_per_wavelength: 12.0,
+        ..draft()
+    };
+    let result = run(Coupling::Hybrid, &modelling, &mut Silent);
+    let asked = result.layers[0].wavelength_predicted / 12.0;
+    let surface = &result.keys[1].layers[0];
+    let (mut across, mut along) = (Vec::new(), Vec::new());
+    for corners in surface.uvs.iter() {
+        let [a, b, c] = corners.map(|uv| patch::SIDE * uv);
+        let middle = (a + b + c) / (3.0 * patch::SIDE);
+        if (middle.x - 0.5).abs() < 0.2 {
+            for edge in [b - a, c - b, a - c] {
+                across.push(edge.x.abs());
+                along.push(edge.y.abs());
+            }
+        }
+    }
+    let longest = across.iter().copied().fold(0.0, f64::max);
+    assert!(longest < 1.3 * asked, "{longest} m for {asked} m");
+    let [across, along] = [across, along].map(|all| all.iter().sum::<f64>() / all.len() as f64);
+    assert!(along > 1.3 * across, "{along} m along, {across} m across");
+}
+
 #[test]
 fn below_the_onset_the_layer_lies_on_the_driver() {
     let driver = driver();

@@ -33,21 +33,22 @@ impl<'a> StackRun<'a> {
             return Ok(None);
         }
         let mut preparing = Preparing::new(observer, index, Phase::Remeshing);
-        let region = run.layer.region();
+        // The output mesh may have long triangles, over which directions do not spread evenly.
+        let (region, _) = self.planned_region(index, &mut preparing)?;
         let surfaces: Vec<_> = supports.iter().map(|of| of(&region.skin)).collect();
         preparing.step()?;
         let sizing = SizingRequest::new(
             &plan.driver,
             (&plan.stacking.specs[index], &plan.stacking.simulated[index]),
-            region,
+            &region,
             Fitting::Surfaces(&surfaces),
             (&plan.modelling, POINTS),
             &mut preparing,
         )?;
         // Centres of its own would hold it elsewhere than the finer mesh is held.
         let centres = Some(run.layer.row_centres().to_vec());
-        let adapted = self.fitted(index, region, sizing, &mut preparing)?;
-        let wanted = (region.clone(), adapted);
+        let adapted = self.fitted(index, &region, sizing, &mut preparing)?;
+        let wanted = (run.layer.region().clone(), adapted);
         let mut coarse = self.build_on(index, wanted, centres, supports.last(), &mut preparing)?;
         coarse.is_coarse = true;
         let most = WORTH_IT * run.layer.vertex_count() as f64;

@@ -136,9 +136,9 @@ impl Layer {
             layer: spec.name.clone(),
             source,
         };
-        // A mesh may be fitted so coarsely that all of it is border, which a driver holds.
-        let is_free = |skin: &SkinMesh| skin.mesh.border_vertices().as_slice().contains(&false);
-        let adapted = adapted.filter(|skin| options.interior.is_some() || is_free(skin));
+        // A mesh may be fitted so coarsely that all of it is border.
+        let adapted =
+            adapted.filter(|skin| options.interior.is_some() || skin.has_inner_vertices());
         let interpolation = match &adapted {
             Some(skin) => Some(
                 preparing

@@ -10,18 +10,18 @@ use crate::run::layer_run::LayerRun;
 use crate::run::low_pass_rows::RowCentre;
 use crate::run::stack_run::StackRun;
 use crate::skin::piece::Piece;
-use crate::skin::refined::refined;
+use crate::skin::refined::{Refined, refined};
 use crate::skin::skin_mesh::{Adapted, RegionMesh, sharp_map};
 use crate::support::support_surface::SupportOf;
 use crate::{LayerSpec, Observer, Phase};
 
-/// Where a layer's mesh stays as it is fitted first.
+/// Edges of a layer's output mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Shown {
-    /// On these surfaces: results are shown on a mesh that is fine where it is, and in its directions.
-    Here,
-    /// Perhaps not, where what carries it changes: that mesh is as fine as planned, in all directions.
-    Elsewhere,
+pub(crate) enum OutputEdges {
+    /// Short across the wrinkles that the layer's own mesh is fitted to. Only for a layer whose mesh is fitted once.
+    AsFitted,
+    /// As short as planned, in all directions.
+    AsPlanned,
 }
 
 /// Edges longer than asked for by less than this factor are not worth a word.
@@ -44,11 +44,11 @@ impl<'a> StackRun<'a> {
         &self,
         index: usize,
         support: &[SupportOf<'_>],
-        shown: Shown,
+        output: OutputEdges,
         observer: &mut dyn Observer,
     ) -> Result<LayerRun<'a>, Halt> {
         let mut preparing = Preparing::new(observer, index, Phase::Sampling);
-        let meshes = self.meshes(index, support, shown, &mut preparing)?;
+        let meshes = self.meshes(index, support, output, &mut preparing)?;
         self.build_on(index, meshes, None, support.last(), &mut preparing)
     }
 
@@ -57,18 +57,10 @@ impl<'a> StackRun<'a> {
         &self,
         index: usize,
         support: &[SupportOf<'_>],
-        shown: Shown,
+        output: OutputEdges,
         preparing: &mut Preparing<'_>,
     ) -> Result<(RegionMesh, Option<Adapted>), Halt> {
-        let plan = self.plan;
-        let layer = &plan.poses[self.pose].layers[index];
-        let is_fitted = shown == Shown::Here
-            && !support.is_empty()
-            && plan.modelling.remesh.is_some()
-            && sharp_map(&plan.stacking.specs[index]).is_none();
-        let base = preparing.while_wanted(|goes_on| plan.layer_base(layer, goes_on))?;
-        let piece = preparing.while_wanted(|goes_on| plan.layer_piece(layer, &base, goes_on))?;
-        let region = self.region(index, piece, preparing)?;
+        let (region, from) = self.planned_region(index, preparing)?;
         preparing.enter(Phase::Remeshing)?;
         let mut surfaces = Vec::with_capacity(support.len());
         for support in support {
@@ -83,17 +75,42 @@ impl<'a> StackRun<'a> {
         let sizing = self.sizing(index, &region, fitting, preparing)?;
         preparing.step()?;
         let adapted = self.fitted(index, &region, sizing, preparing)?;
-        let Some(fitted) = adapted.as_ref().filter(|_| is_fitted) else {
+        let (spec, folds) = (
+            &self.plan.stacking.specs[index],
+            &self.plan.poses[self.pose].layers[index].creases,
+        );
+        // Boundaries and folds are curves, which long edges would cut short. A layer that has no inner vertex on its
+        // fitted mesh is solved on the output mesh.
+        let is_fitted = output == OutputEdges::AsFitted
+            && !support.is_empty()
+            && sharp_map(spec).is_none()
+            && !folds.contains(&true);
+        let fitted = adapted
+            .as_ref()
+            .filter(|adapted| is_fitted && adapted.skin.has_inner_vertices());
+        let Some(fitted) = fitted else {
             return Ok((region, adapted));
         };
-        let base = Piece::of(&base);
         let sizing = (&fitted.sizing, fitted.coarseness);
-        let measures = region.output_measures(&base, sizing);
+        let measures = region.output_measures(&from, sizing);
         // What sizing was found on is not needed any more.
         drop((region, surfaces));
-        let piece =
-            preparing.while_wanted(|goes_on| refined(&plan.driver, base, measures, goes_on))?;
-        Ok((self.region(index, piece, preparing)?, adapted))
+        let (driver, whole) = (&self.plan.driver, from.whole);
+        let made = preparing.while_wanted(|goes_on| refined(driver, whole, measures, goes_on))?;
+        Ok((self.region(index, made.0, preparing)?, adapted))
+    }
+
+    /// Output mesh of layer number `index` that is as fine as planned, and the piece that it was refined from.
+    pub(crate) fn planned_region(
+        &self,
+        index: usize,
+        preparing: &mut Preparing<'_>,
+    ) -> Result<(RegionMesh, Refined), Halt> {
+        let plan = self.plan;
+        let layer = &plan.poses[self.pose].layers[index];
+        let pieces = preparing.while_wanted(|goes_on| plan.layer_pieces(layer, goes_on))?;
+        let (fine, from) = pieces;
+        Ok((self.region(index, fine, preparing)?, from))
     }
 
     /// Builds layer number `index` on a mesh that is fine enough for its large shape alone.
@@ -103,11 +120,7 @@ impl<'a> StackRun<'a> {
         observer: &mut dyn Observer,
     ) -> Result<LayerRun<'a>, Halt> {
         let mut preparing = Preparing::new(observer, index, Phase::Sampling);
-        let layer = &self.plan.poses[self.pose].layers[index];
-        let base = preparing.while_wanted(|goes_on| self.plan.layer_base(layer, goes_on))?;
-        let piece =
-            preparing.while_wanted(|goes_on| self.plan.layer_piece(layer, &base, goes_on))?;
-        let region = self.region(index, piece, &mut preparing)?;
+        let (region, _) = self.planned_region(index, &mut preparing)?;
         preparing.enter(Phase::Remeshing)?;
         let sizing = self.sizing(index, &region, Fitting::LargeShape, &mut preparing)?;
         let adapted = self.fitted(index, &region, sizing, &mut preparing)?;

@@ -38,9 +38,9 @@ const LEAST_OVERLAP: f64 = 4.0;
 /// hardly move, and a hand with bent fingers has .2 % more energy than after ten times the work on the whole.
 const LITTLE: f64 = 1e-3;
 
-/// The same in tolerances of the energy, where that is more: of a state that is only passed, whose tolerance is larger,
-/// the next load moves what another sweep would. A hand with bent fingers went on for six sweeps at such
-/// states, and then in wide patches.
+/// Gain of a sweep at which another is not worth it, in tolerances of the energy, where that is more than [`LITTLE`]: of
+/// a state that is only passed, which has a larger tolerance, the next load moves what another sweep would. A hand
+/// with bent fingers went on for six sweeps at such states, and then in wide patches.
 const PASSED: f64 = 10.0;
 
 /// The patches of a layer's mesh.
@@ -122,8 +122,8 @@ impl Patches {
 
     /// Minimises the energy over all free vertices, from their coordinates `x` (m), and leaves it there.
     ///
-    /// It has converged when a sweep gains [`LITTLE`], or [`PASSED`] tolerances, and every patch is at a minimum, to the tolerance of
-    /// `settings`. Sweeps that do not get there end without, as the patches' width says. `keep_going` is
+    /// It has converged when a sweep gains [`LITTLE`], or [`PASSED`] tolerances, and every patch is at a minimum, to
+    /// the tolerance of `settings`. Sweeps that do not get there end without, as the patches' width says. `keep_going` is
     /// asked whenever a patch is done, from any thread.
     pub(crate) fn minimise(
         &mut self,
@@ -143,7 +143,8 @@ impl Patches {
         let (mut before, mut sweeps) = (f64::INFINITY, 0);
         let keeps = self.keeps;
         loop {
-            // Patches hold what they share of a row, so that only its keeper changes this during a sweep.
+            // Patches hold what they share of a row, up to their tolerance and the thousandth that they do not know
+            // of. What that leaves is restored in the next sweep.
             let mut missing = vec![0.0; whole.targets.len()];
             whole.rows.mul(x, &mut missing)?;
             for (missing, target) in missing.iter_mut().zip(whole.targets) {
@@ -168,7 +169,8 @@ impl Patches {
                         patch.neighbours.iter().for_each(|&j| is_due[j] = true);
                     }
                     shown.add(&solved.report, patch.share);
-                    is_stopped = !keep_going(&shown.iteration(settings));
+                    // Who has asked for an end is not asked again by patches that were under way.
+                    is_stopped = is_stopped || !keep_going(&shown.iteration(settings));
                     match is_stopped {
                         true => Next::Stop,
                         false => Next::GoOn,
@@ -187,7 +189,9 @@ impl Patches {
                 return Ok(done.report(&reports, Some(StopRule::Interrupted)));
             }
             // One that has not converged may have, once its neighbours have moved.
-            if gained <= little || is_due.iter().all(|due| !due) {
+            let is_nobody_due = is_due.iter().all(|due| !due);
+            let has_converged = reports.iter().flatten().all(|report| report.converged);
+            if gained <= little && has_converged || is_nobody_due {
                 return Ok(done.report(&reports, None));
             }
             sweeps += 1;

@@ -8,7 +8,7 @@ use crate::error::Halt;
 use crate::growth::PoseGrowth;
 use crate::run::layer::Layer;
 use crate::run::layer_run::{Ending, LayerRun, Loading};
-use crate::run::layer_setup::Shown;
+use crate::run::layer_setup::OutputEdges;
 use crate::skin::cover::Covers;
 use crate::support::motion::Inertia;
 use crate::support::support_surface::{SupportOf, support_surface};
@@ -197,11 +197,11 @@ impl<'a> StackRun<'a> {
         };
         let surfaces = self.surfaces(lowest, &supports);
         // How a body turns between the keys is not known.
-        let shown = match &self.plan.body {
-            None => Shown::Here,
-            Some(_) => Shown::Elsewhere,
+        let output = match &self.plan.body {
+            None => OutputEdges::AsFitted,
+            Some(_) => OutputEdges::AsPlanned,
         };
-        let mut run = self.build(lowest, &surfaces, shown, observer)?;
+        let mut run = self.build(lowest, &surfaces, output, observer)?;
         if let Some(before) = before {
             run.report.newton_iterations += before.newton_iterations;
             run.report.factorizations += before.factorizations;

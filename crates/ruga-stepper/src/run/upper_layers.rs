@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use crate::error::Halt;
 use crate::run::layer::Layer;
 use crate::run::layer_run::{Ending, LayerRun, Loading};
-use crate::run::layer_setup::Shown;
+use crate::run::layer_setup::OutputEdges;
 use crate::run::stack_run::{LoadPoint, StackRun};
 use crate::skin::cover::Covers;
 use crate::support::Support;
@@ -107,7 +107,7 @@ impl<'a> StackRun<'a> {
             }
         }
         let supports = std::slice::from_ref(&support_of);
-        let mut run = self.build(index, supports, Shown::Elsewhere, observer)?;
+        let mut run = self.build(index, supports, OutputEdges::AsPlanned, observer)?;
         if let Some(history) = history {
             run.take_history(history);
         }

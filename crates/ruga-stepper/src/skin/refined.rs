@@ -9,32 +9,43 @@ use crate::skin::piece::Piece;
 /// Halvings of an edge, at most: seven more than make a metre a millimetre.
 const MOST_PASSES: u32 = 17;
 
-/// Halves edges of `piece` until none is longer than 1 in the measure of a face beside it, a tensor of squared inverse
-/// lengths (1/m²); `None` as soon as `goes_on`, which is asked between its passes, says no.
+/// What a piece with smaller faces was made from.
+pub(crate) struct Refined {
+    pub(crate) whole: Piece,
+    /// For every small face the face of the whole that it lies in.
+    pub(crate) origins: PerFace<FaceId>,
+}
+
+/// A copy of a piece with edges halved until none is longer than 1 in the measure of a face beside it, a tensor of
+/// squared inverse lengths (1/m²) that its parts keep; `None` as soon as `goes_on`, which is asked between its passes,
+/// says no.
 ///
 /// With any edge of a face its longest one is halved, too (Rivara 1984), or every pass would make angles
 /// smaller beside faces that are split more often.
 pub(crate) fn refined(
     driver: &Driver,
-    mut piece: Piece,
-    mut measures: PerFace<Matrix3<f64>>,
+    whole: Piece,
+    measures: PerFace<Matrix3<f64>>,
     goes_on: &mut dyn FnMut() -> bool,
-) -> Option<Piece> {
+) -> Option<(Piece, Refined)> {
+    let mut piece = whole.clone();
     let mut positions = piece.flat_positions(driver);
+    let mut origins: PerFace<FaceId> = piece.mesh.faces().ids().collect();
     for _ in 0..MOST_PASSES {
-        let halved = edges_to_halve(&piece.mesh, &positions, &measures);
+        let measure = |face: FaceId| measures[origins[face]];
+        let halved = edges_to_halve(&piece.mesh, &positions, &measure);
         if !halved.as_slice().contains(&true) {
             break;
         }
         let middle = |halved: &bool| halved.then_some(0.5);
         let places: Vec<Option<f64>> = halved.as_slice().iter().map(middle).collect();
         let split = piece.split(&places, &mut positions);
-        measures = split.parents.iter().map(|&face| measures[face]).collect();
+        origins = split.parents.iter().map(|&face| origins[face]).collect();
         if !goes_on() {
             return None;
         }
     }
-    Some(piece)
+    Some((piece, Refined { whole, origins }))
 }
 
 /// The measure in which edges up to `longest` (m) are no longer than 1.
@@ -47,11 +58,11 @@ pub(crate) fn in_all_directions(longest: f64) -> Matrix3<f64> {
 fn edges_to_halve(
     mesh: &TriMesh,
     positions: &[Vector3<f64>],
-    measures: &PerFace<Matrix3<f64>>,
+    measure: &dyn Fn(FaceId) -> Matrix3<f64>,
 ) -> PerEdge<bool> {
     let squared = |face: FaceId, edge: EdgeId| {
         let [a, b] = mesh.edges()[edge].vertices.map(|v| positions[v.index()]);
-        (b - a).dot(&(measures[face] * (b - a)))
+        (b - a).dot(&(measure(face) * (b - a)))
     };
     let is_too_long = |(id, edge): (EdgeId, &Edge)| {
         let mut beside = edge.faces.iter().flatten();
@@ -126,6 +137,7 @@ mod tests {
             .map(|&edge| in_all_directions(edge));
         let fine = refined(&driver, piece.clone(), measures.collect(), &mut || true)
             .expect("nothing ends it");
+        let (fine, from) = fine;
         assert!(
             fine.mesh.face_count() > 4 * before,
             "{}",
@@ -137,6 +149,7 @@ mod tests {
             let [a, b, c] = vertices.map(|v| positions[v.index()]);
             area += 0.5 * (b - a).cross(&(c - a)).norm();
             let origin = &fine.origins[face];
+            assert_eq!(from.whole.origins[from.origins[face]].face, origin.face);
             let asked = longest[origin.face];
             for [p, q, r] in [[a, b, c], [b, c, a], [c, a, b]] {
                 assert!((q - p).norm() <= asked, "{} m of {asked}", (q - p).norm());
@@ -164,7 +177,7 @@ mod tests {
             PerFace::filled(faces, in_all_directions(SIDE)),
             &mut || true,
         );
-        assert_eq!(same.expect("nothing ends it").mesh.face_count(), faces);
+        assert_eq!(same.expect("nothing ends it").0.mesh.face_count(), faces);
         let fine = PerFace::filled(faces, in_all_directions(1e-3 * SIDE));
         assert!(refined(&driver, piece, fine, &mut || false).is_none());
     }

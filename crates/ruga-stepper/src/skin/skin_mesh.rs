@@ -78,6 +78,11 @@ impl SkinMesh {
         self
     }
 
+    /// Whether some vertex is not on the border, which a driver holds.
+    pub(crate) fn has_inner_vertices(&self) -> bool {
+        self.mesh.border_vertices().as_slice().contains(&false)
+    }
+
     /// The vertices' indices at the corners of every triangle.
     pub(crate) fn corner_indices(&self) -> Vec<[u32; 3]> {
         let faces = self.mesh.faces().as_slice().iter();

@@ -12,6 +12,7 @@ use ruga_solver::{Kkt, NewtonSettings, Objective, minimise};
 
 use super::Layer;
 use crate::run::layer_objective::gather;
+use crate::run::layer_setup::OutputEdges;
 use crate::run::stack_run::StackRun;
 use crate::support::{Interior, Moves, Solid};
 use crate::test_drivers::{SIDES, block};
@@ -104,7 +105,7 @@ fn interior(plan: &Plan) -> &Interior {
 fn at_rest(plan: &Plan) -> Layer {
     let stack = StackRun::new(plan, 0).expect("fitting motions");
     let run = stack
-        .build(0, &[], crate::run::layer_setup::Shown::Here, &mut Silent)
+        .build(0, &[], OutputEdges::AsPlanned, &mut Silent)
         .expect("a layer");
     let mut layer = run.layer;
     layer.positions.clone_from(&layer.base);

@@ -25,8 +25,8 @@ pub(super) enum Next {
 }
 
 impl Order {
-    /// The order of patches of which each reads what its neighbours, whose numbers are given, leave. Who reads
-    /// another's is read by it.
+    /// The order of patches of which each reads what its neighbours leave. `neighbours` are their numbers, for every
+    /// patch; of two patches either both are neighbours of each other or none.
     pub(super) fn new<'a>(neighbours: impl Iterator<Item = &'a [usize]>) -> Self {
         let split = neighbours.enumerate().map(|(i, near)| {
             let later: Vec<usize> = near.iter().copied().filter(|&j| j > i).collect();
@@ -61,13 +61,8 @@ impl Order {
             is_over: false,
             finish,
         };
-        let first: Vec<usize> = (0..self.earlier.len()).collect();
-        let ready = sweep.release(
-            first
-                .into_iter()
-                .filter(|&i| self.earlier[i] == 0)
-                .collect(),
-        );
+        let first = (0..self.earlier.len()).filter(|&i| self.earlier[i] == 0);
+        let ready = sweep.release(first.collect());
         let shared = Shared {
             sweep: Mutex::new(sweep),
             solve,
@@ -187,12 +182,12 @@ where
 mod tests {
     use super::*;
 
-    /// A ring with chords: every patch has four to seven neighbours.
-    fn neighbours(count: usize) -> Vec<Vec<usize>> {
-        let mut near = vec![BTreeSet::new(); count];
-        for i in 0..count {
-            for step in [1, 2, 5 + i % 7] {
-                let j = (i + step) % count;
+    /// A ring with chords, numbered so that few patches wait for all others: every patch has four to seven neighbours.
+    fn neighbours() -> Vec<Vec<usize>> {
+        let mut near = vec![BTreeSet::new(); 40];
+        for place in 0..40 {
+            for step in [1, 2, 5 + place % 7] {
+                let [i, j] = [place, place + step].map(|place| place * 11 % 40);
                 near[i].insert(j);
                 near[j].insert(i);
             }
@@ -215,7 +210,7 @@ mod tests {
         threads: usize,
         next: impl Fn(usize) -> Next + Send + Sync,
     ) -> (Vec<f64>, Vec<bool>, Vec<bool>) {
-        let near = neighbours(40);
+        let near = neighbours();
         let order = Order::new(near.iter().map(Vec::as_slice));
         let mut patches: Vec<usize> = (0..40).collect();
         let mut x: Vec<f64> = (0..40).map(f64::from).collect();
@@ -245,7 +240,7 @@ mod tests {
 
     #[test]
     fn threads_make_what_one_after_the_other_makes() {
-        let near = neighbours(40);
+        let near = neighbours();
         let mut x: Vec<f64> = (0..40).map(f64::from).collect();
         let mut is_due: Vec<bool> = (0..40).map(|i| i % 9 == 0).collect();
         let mut is_solved = vec![false; 40];
@@ -271,16 +266,20 @@ mod tests {
 
     #[test]
     fn what_waits_for_a_failure_is_left_out() {
-        let (.., solved) = swept(4, |i| if i == 0 { Next::Fail } else { Next::GoOn });
-        // Neighbours of the first wait for it, and others that are due do not.
-        assert!(solved[0] && !solved[1] && !solved[2] && !solved[5]);
-        let alone = swept(1, |i| if i == 0 { Next::Fail } else { Next::GoOn });
-        assert_eq!(solved, alone.2);
+        let fail = |i| if i == 0 { Next::Fail } else { Next::GoOn };
+        let (.., solved) = swept(4, fail);
+        assert!(solved[0] && neighbours()[0].iter().all(|&j| !solved[j]));
+        assert!(solved[1..].contains(&true), "others do not wait for it");
+        assert_eq!(solved, swept(1, fail).2);
     }
 
+    /// What is under way then is finished.
     #[test]
     fn nothing_begins_after_a_stop() {
-        let (.., solved) = swept(1, |_| Next::Stop);
-        assert_eq!(solved.iter().filter(|solved| **solved).count(), 1);
+        for threads in [1, 4] {
+            let (.., solved) = swept(threads, |_| Next::Stop);
+            let count = solved.iter().filter(|solved| **solved).count();
+            assert!((1..=threads).contains(&count), "{count} of {threads}");
+        }
     }
 }

@@ -21,7 +21,7 @@ const WIDER: usize = 2;
 /// with others.
 const SLOWLY: f64 = 0.75;
 
-/// Further sweeps that may be needed where they gain so slowly: wide patches take as long as some five.
+/// Sweeps that are still waited for where they gain so slowly. Wide patches of a hand took as long as some twenty.
 const WORTH_WAITING: i32 = 3;
 
 /// Sweeps of wide patches, after which nothing else is tried.
@@ -52,8 +52,8 @@ impl Width {
         }
     }
 
-    /// Whether sweeps end without a result after so many, the last with this `share` of the gain before, of which a part
-    /// so `little` would be none.
+    /// Whether sweeps end without a result after so many: the last one gained this `share` of the gain before it, and a
+    /// gain of `little` times its own would have been the last.
     pub(super) fn ends(self, sweeps: usize, share: f64, little: f64) -> bool {
         match self {
             Self::Narrow => share > SLOWLY && share.powi(WORTH_WAITING) > little,

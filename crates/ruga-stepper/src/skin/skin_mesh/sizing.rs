@@ -111,7 +111,7 @@ impl RegionMesh {
 }
 
 /// Shortens the long directions of a sizing tensor to `aspect` times the short one.
-fn limit_aspect(tensor: &mut Matrix3<f64>, aspect: f64) {
+pub(super) fn limit_aspect(tensor: &mut Matrix3<f64>, aspect: f64) {
     if aspect == f64::INFINITY {
         return;
     }
