@@ -56,8 +56,8 @@ pub struct Frame<'a> {
 
 /// Watches a simulation; the library itself has no clock and prints nothing.
 ///
-/// It is called by one thread at a time, but not always by the same: a large layer is solved by several, which wait while
-/// one of them is in a call. A call must not wait for work of the same pool of threads.
+/// It is called by one thread at a time, but not always by the same: a large layer is solved by several, which
+/// wait while one of them is in a call. A call must not wait for work of the same pool of threads.
 pub trait Observer: Send {
     /// The next piece of work on layer number `layer` begins; a caller with a clock can tell how
     /// long the last one took.

@@ -129,8 +129,9 @@ impl Plan {
         self.stacking.meshes()
     }
 
-    /// The part of the base surface that `layer` is simulated on, as fine as its results need where they may be wrinkled,
-    /// in any direction, and the same as fine as its shape alone asks for; `None` as soon as `goes_on` says no.
+    /// The part of the base surface that `layer` is simulated on, as fine as its results need where they may be
+    /// wrinkled, in any direction, and the same as fine as its shape alone asks for; `None` as soon as `goes_on`
+    /// says no.
     pub(crate) fn layer_pieces(
         &self,
         layer: &LayerPlan,

@@ -38,9 +38,9 @@ const LEAST_OVERLAP: f64 = 4.0;
 /// hardly move, and a hand with bent fingers has .2 % more energy than after ten times the work on the whole.
 const LITTLE: f64 = 1e-3;
 
-/// Gain of a sweep at which another is not worth it, in tolerances of the energy, where that is more than [`LITTLE`]: of
-/// a state that is only passed, which has a larger tolerance, the next load moves what another sweep would. A hand
-/// with bent fingers went on for six sweeps at such states, and then in wide patches.
+/// Gain of a sweep at which another is not worth it, in tolerances of the energy, where that is more than
+/// [`LITTLE`]: of a state that is only passed, which has a larger tolerance, the next load moves what another sweep
+/// would. A hand with bent fingers went on for six sweeps at such states, and then in wide patches.
 const PASSED: f64 = 10.0;
 
 /// The patches of a layer's mesh.
@@ -122,9 +122,9 @@ impl Patches {
 
     /// Minimises the energy over all free vertices, from their coordinates `x` (m), and leaves it there.
     ///
-    /// It has converged when a sweep gains [`LITTLE`], or [`PASSED`] tolerances, and every patch is at a minimum, to
-    /// the tolerance of `settings`. Sweeps that do not get there end without, as the patches' width says. `keep_going` is
-    /// asked whenever a patch is done, from any thread.
+    /// It has converged when a sweep gains [`LITTLE`], or [`PASSED`] tolerances, and every patch is at a minimum,
+    /// to the tolerance of `settings`. Sweeps that do not get there end without, as the patches' width says.
+    /// `keep_going` is asked whenever a patch is done, from any thread.
     pub(crate) fn minimise(
         &mut self,
         whole: Whole<'_>,

@@ -11,17 +11,18 @@ use crate::skin::refined::Refined;
 /// Longest edges over those asked for of an output mesh that is fine in all directions: half of that is the
 /// shortest that halving leaves.
 pub(crate) const OUTPUT_SLACK: f64 = 1.3;
-/// Longest edges across the waves, over those asked for, of an output mesh that is fine there alone. Its normals of a smile
-/// are as close to those on a mesh eight times as fine as those of a mesh that is fine in all directions.
+/// Longest edges across the waves, over those asked for, of an output mesh that is fine there alone. Normals of a smile
+/// are then 1.3 degrees, of 18, from those on a mesh eight times as fine, as they are on one that is fine in all
+/// directions.
 const ACROSS: f64 = 1.1;
-/// Largest ratio of edges along and across the waves: relief fades at borders over half a wave, which takes a few edges in
-/// every direction.
+/// Largest ratio of edges along and across the waves: relief fades at borders over half a wave, which takes a few
+/// edges in every direction.
 const ASPECT: f64 = 2.0;
 
 impl RegionMesh {
-    /// Measure of output edges (1/m²) for every face of the whole that this mesh was refined `from`, no line being cut
-    /// into it: as short as anywhere in the face by a `sizing` that is known at this mesh's vertices, `coarseness` times
-    /// as long.
+    /// Measure of output edges (1/m²) for every face of the whole that this mesh was refined `from`: as short as
+    /// anywhere in the face by a `sizing` that is known at this mesh's vertices, `coarseness` times as long. No line
+    /// must have been cut into this mesh since.
     pub(crate) fn output_measures(
         &self,
         from: &Refined,
