@@ -10,6 +10,7 @@ struct Patience(usize);
 
 impl Observer for Patience {
     fn progress(&mut self, _: Progress) -> bool {
+        assert!(self.0 > 0, "asked again after the end was asked for");
         self.0 -= 1;
         self.0 > 0
     }
@@ -134,8 +135,13 @@ fn sweeps_can_be_interrupted() {
     let mut all = Patience(usize::MAX);
     run((Coupling::Hybrid, 10.0), 400, &mut all);
     let reports = usize::MAX - all.0;
-    // In the sweeps of the last key, which are most of its work.
-    let result = run((Coupling::Hybrid, 10.0), 400, &mut Patience(reports - 3));
-    assert!(result.interrupted && !result.converged);
-    assert_eq!(result.keys.len(), 1);
+    // In the sweeps of the last key, which are most of its work, also while other patches are under way.
+    for threads in [1, 2] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let result = pool
+            .expect("threads")
+            .install(|| run((Coupling::Hybrid, 10.0), 400, &mut Patience(reports - 3)));
+        assert!(result.interrupted && !result.converged);
+        assert_eq!(result.keys.len(), 1);
+    }
 }

@@ -75,10 +75,8 @@ impl<'a> StackRun<'a> {
         let sizing = self.sizing(index, &region, fitting, preparing)?;
         preparing.step()?;
         let adapted = self.fitted(index, &region, sizing, preparing)?;
-        let (spec, folds) = (
-            &self.plan.stacking.specs[index],
-            &self.plan.poses[self.pose].layers[index].creases,
-        );
+        let spec = &self.plan.stacking.specs[index];
+        let folds = &self.plan.poses[self.pose].layers[index].creases;
         // Boundaries and folds are curves, which long edges would cut short. A layer that has no inner vertex on its
         // fitted mesh is solved on the output mesh.
         let is_fitted = output == OutputEdges::AsFitted
@@ -96,8 +94,9 @@ impl<'a> StackRun<'a> {
         // What sizing was found on is not needed any more.
         drop((region, surfaces));
         let (driver, whole) = (&self.plan.driver, from.whole);
-        let made = preparing.while_wanted(|goes_on| refined(driver, whole, measures, goes_on))?;
-        Ok((self.region(index, made.0, preparing)?, adapted))
+        let (piece, _) =
+            preparing.while_wanted(|goes_on| refined(driver, whole, measures, goes_on))?;
+        Ok((self.region(index, piece, preparing)?, adapted))
     }
 
     /// Output mesh of layer number `index` that is as fine as planned, and the piece that it was refined from.
@@ -108,8 +107,7 @@ impl<'a> StackRun<'a> {
     ) -> Result<(RegionMesh, Refined), Halt> {
         let plan = self.plan;
         let layer = &plan.poses[self.pose].layers[index];
-        let pieces = preparing.while_wanted(|goes_on| plan.layer_pieces(layer, goes_on))?;
-        let (fine, from) = pieces;
+        let (fine, from) = preparing.while_wanted(|goes_on| plan.layer_pieces(layer, goes_on))?;
         Ok((self.region(index, fine, preparing)?, from))
     }
 

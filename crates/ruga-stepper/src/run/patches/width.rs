@@ -21,7 +21,7 @@ const WIDER: usize = 2;
 /// with others.
 const SLOWLY: f64 = 0.75;
 
-/// Sweeps that are still waited for where they gain so slowly. Wide patches of a hand took as long as some twenty.
+/// Sweeps that are still waited for where they gain so slowly: wide patches would begin with all of the layer again.
 const WORTH_WAITING: i32 = 3;
 
 /// Sweeps of wide patches, after which nothing else is tried.
