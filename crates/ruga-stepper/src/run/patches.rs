@@ -169,8 +169,7 @@ impl Patches {
                         patch.neighbours.iter().for_each(|&j| is_due[j] = true);
                     }
                     shown.add(&solved.report, patch.share);
-                    // Who has asked for an end is not asked again by patches that were under way.
-                    is_stopped = is_stopped || !keep_going(&shown.iteration(settings));
+                    is_stopped = !keep_going(&shown.iteration(settings));
                     match is_stopped {
                         true => Next::Stop,
                         false => Next::GoOn,
