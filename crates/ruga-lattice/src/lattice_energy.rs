@@ -78,7 +78,7 @@ impl LatticeEnergy {
 
     /// Column starts and row indices of the Hessian's lower triangle, diagonal included, rows
     /// sorted within each column.
-    pub fn pattern(&self) -> (&[usize], &[usize]) {
+    pub fn pattern(&self) -> (&[usize], &[u32]) {
         (self.pattern.column_starts(), self.pattern.rows())
     }
 

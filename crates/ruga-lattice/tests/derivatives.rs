@@ -14,16 +14,20 @@ const SOFT: SolidMaterial = SolidMaterial {
     poisson: 0.35,
 };
 
-fn dense((starts, rows): (&[usize], &[usize]), values: &[f64]) -> DMatrix<f64> {
+fn dense((starts, rows): (&[usize], &[u32]), values: &[f64]) -> DMatrix<f64> {
     let size = starts.len() - 1;
     let mut matrix = DMatrix::zeros(size, size);
     for column in 0..size {
         let range = starts[column]..starts[column + 1];
-        assert_eq!(rows[range.start], column, "the diagonal comes first");
+        assert_eq!(
+            rows[range.start] as usize, column,
+            "the diagonal comes first"
+        );
         assert!(rows[range.clone()].is_sorted_by(|a, b| a < b));
         for k in range {
-            matrix[(rows[k], column)] = values[k];
-            matrix[(column, rows[k])] = values[k];
+            let row = rows[k] as usize;
+            matrix[(row, column)] = values[k];
+            matrix[(column, row)] = values[k];
         }
     }
     matrix

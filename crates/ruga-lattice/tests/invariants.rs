@@ -165,8 +165,9 @@ fn check_consistent_mass(lattice: &Lattice, density: f64, masses: &[f64]) {
     for column in 0..energy.dof_count() {
         for k in starts[column]..starts[column + 1] {
             sums[column] += mass[k];
-            if rows[k] != column {
-                sums[rows[k]] += mass[k];
+            let row = rows[k] as usize;
+            if row != column {
+                sums[row] += mass[k];
             }
         }
     }
@@ -191,8 +192,9 @@ fn inertia_of_the_body_does_not_depend_on_the_lattice() {
         let entries =
             (0..energy.dof_count()).flat_map(|c| (starts[c]..starts[c + 1]).map(move |k| (c, k)));
         let terms = entries.map(|(c, k)| {
-            let both = if rows[k] == c { 1.0 } else { 2.0 };
-            0.5 * both * mass[k] * v[c] * v[rows[k]]
+            let row = rows[k] as usize;
+            let both = if row == c { 1.0 } else { 2.0 };
+            0.5 * both * mass[k] * v[c] * v[row]
         });
         terms.sum::<f64>()
     };

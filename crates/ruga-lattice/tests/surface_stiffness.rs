@@ -37,13 +37,14 @@ fn stencils(stiffness: &[Vec<(u32, Matrix3<f64>)>]) -> impl Iterator<Item = Vec<
     columns.map(|column| column.iter().map(|(point, _)| *point).collect())
 }
 
-fn dense((starts, rows): (&[usize], &[usize]), values: &[f64]) -> DMatrix<f64> {
+fn dense((starts, rows): (&[usize], &[u32]), values: &[f64]) -> DMatrix<f64> {
     let size = starts.len() - 1;
     let mut matrix = DMatrix::zeros(size, size);
     for column in 0..size {
         for k in starts[column]..starts[column + 1] {
-            matrix[(rows[k], column)] = values[k];
-            matrix[(column, rows[k])] = values[k];
+            let row = rows[k] as usize;
+            matrix[(row, column)] = values[k];
+            matrix[(column, row)] = values[k];
         }
     }
     matrix

@@ -31,7 +31,7 @@ pub struct BlockPattern {
     free_points: Vec<u32>,
     // Shared with the solver, for which they are most of its matrix's memory.
     column_starts: Arc<[usize]>,
-    rows: Arc<[usize]>,
+    rows: Arc<[u32]>,
     /// Per free point the neighbours with higher numbers, ascending.
     neighbours: Vec<Vec<u32>>,
 }
@@ -41,11 +41,11 @@ pub struct BlockPattern {
 pub struct BlockSlot {
     /// Index of the block's first entry.
     start: u32,
-    /// Entries of the column point's first column.
-    stride: u32,
-    placement: Placement,
+    /// Entries of the column point's first column; in the two lowest bits the placement.
+    shape: u32,
 }
 
+/// Where a block lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Placement {
     Diagonal,
@@ -54,6 +54,25 @@ enum Placement {
     AboveDiagonal,
     /// One of the points is pinned, or no stencil couples them.
     Absent,
+}
+
+impl BlockSlot {
+    /// Assembly reads a slot for every block of every stencil, and a layer keeps them all: so slots are small.
+    fn new(start: usize, stride: usize, placement: Placement) -> Self {
+        Self {
+            start: start as u32,
+            shape: (stride as u32) << 2 | placement as u32,
+        }
+    }
+
+    fn placement(self) -> Placement {
+        match self.shape & 3 {
+            0 => Placement::Diagonal,
+            1 => Placement::BelowDiagonal,
+            2 => Placement::AboveDiagonal,
+            _ => Placement::Absent,
+        }
+    }
 }
 
 impl BlockPattern {
@@ -137,11 +156,11 @@ impl BlockPattern {
 
     fn lay_out(&mut self) {
         let (mut starts, mut rows) = (vec![0], Vec::new());
-        for (j, below) in self.neighbours.iter().enumerate() {
+        for (j, below) in (0..).zip(&self.neighbours) {
             for c in 0..3 {
                 rows.extend(3 * j + c..3 * j + 3);
                 for &i in below {
-                    rows.extend(3 * i as usize..3 * i as usize + 3);
+                    rows.extend(3 * i..3 * i + 3);
                 }
                 starts.push(rows.len());
             }
@@ -171,12 +190,12 @@ impl BlockPattern {
     }
 
     /// Row of each entry, sorted within each column.
-    pub fn rows(&self) -> &[usize] {
+    pub fn rows(&self) -> &[u32] {
         &self.rows
     }
 
     /// Column starts and rows, to be kept beside the pattern without a copy.
-    pub fn shared(&self) -> (Arc<[usize]>, Arc<[usize]>) {
+    pub fn shared(&self) -> (Arc<[usize]>, Arc<[u32]>) {
         (Arc::clone(&self.column_starts), Arc::clone(&self.rows))
     }
 
@@ -189,23 +208,15 @@ impl BlockPattern {
 
     /// Slot of the block (row point, column point).
     pub fn slot(&self, row: u32, column: u32) -> BlockSlot {
-        let absent = BlockSlot {
-            start: 0,
-            stride: 0,
-            placement: Placement::Absent,
-        };
+        let absent = BlockSlot::new(0, 0, Placement::Absent);
         let (Some(row), Some(column)) = (self.free(row), self.free(column)) else {
             return absent;
         };
         // The lower triangle keeps a block in the column of its lower point.
         let (low, high) = (row.min(column), row.max(column));
         let first = self.column_starts[3 * low];
-        let slot = |start: usize, placement| BlockSlot {
-            // Assembly reads a slot for every block of every stencil, so slots are kept small.
-            start: start as u32,
-            stride: (self.column_starts[3 * low + 1] - first) as u32,
-            placement,
-        };
+        let stride = self.column_starts[3 * low + 1] - first;
+        let slot = |start: usize, placement| BlockSlot::new(start, stride, placement);
         if row == column {
             return slot(first, Placement::Diagonal);
         }
@@ -232,6 +243,7 @@ impl BlockPattern {
             let (j, c) = (column / 3, column % 3);
             let entries = range[0]..range[1];
             for (&row, value) in self.rows[entries.clone()].iter().zip(&values[entries]) {
+                let row = row as usize;
                 let (i, r) = (row / 3, row % 3);
                 product[i][r] += value * v[j][c];
                 // An entry below the diagonal stands for its mirror image as well.
@@ -262,8 +274,8 @@ impl BlockSlot {
     /// the lower triangle.
     #[inline]
     pub fn add(self, values: &mut [f64], block: &Matrix3<f64>) {
-        let (first, stride) = (self.start as usize, self.stride as usize);
-        let block = match self.placement {
+        let (first, stride) = (self.start as usize, (self.shape >> 2) as usize);
+        let block = match self.placement() {
             Placement::BelowDiagonal => *block,
             Placement::AboveDiagonal => block.transpose(),
             Placement::Absent => return,

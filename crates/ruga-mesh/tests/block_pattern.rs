@@ -24,6 +24,7 @@ fn dense(pattern: &BlockPattern, values: &[f64]) -> DMatrix<f64> {
     for (column, range) in pattern.column_starts().windows(2).enumerate() {
         let entries = range[0]..range[1];
         for (&row, &value) in pattern.rows()[entries.clone()].iter().zip(&values[entries]) {
+            let row = row as usize;
             matrix[(row, column)] = value;
             matrix[(column, row)] = value;
         }

@@ -14,7 +14,7 @@ use crate::layer_part::{PartNumbers, marked, ranks};
 use crate::natural_curvature::NaturalAngles;
 use crate::sharp_fold::SharpFold;
 use crate::stars::Star;
-use crate::stencil::{NO_FACE, add_blocks, gather, slots, touches};
+use crate::stencil::{FaceCorner, add_blocks, gather, slots, touches};
 use crate::{EnergyParts, FaceParameters, RestTriangle};
 use elements::{HingeElement, StarElement};
 
@@ -93,7 +93,7 @@ impl LayerBending {
                 crease: None,
                 edge,
                 vertices,
-                sides,
+                sides: sides.map(FaceCorner::new),
                 slots: slots(pattern, &vertices),
             }
         };
@@ -138,11 +138,11 @@ impl LayerBending {
     pub(crate) fn part(&self, numbers: &PartNumbers, local: &[u32]) -> Self {
         let local_hinge = ranks(&numbers.hinges, self.hinges.len());
         let hinge = |&number: &u32| {
-            let whole = self.hinges[number as usize];
+            let whole = &self.hinges[number as usize];
             HingeElement {
                 vertices: whole.vertices.map(|v| local[v as usize]),
-                sides: whole.sides.map(|(_, corner)| (NO_FACE, corner)),
-                ..whole
+                sides: whole.sides.map(FaceCorner::of_no_face),
+                ..whole.clone()
             }
         };
         let star = |&number: &u32| {
@@ -185,7 +185,7 @@ impl LayerBending {
                 vertices: element.vertices,
                 sides: element.sides,
                 slots: element.slots,
-                ..whole.hinges[number as usize]
+                ..whole.hinges[number as usize].clone()
             };
         }
         for (element, &number) in self.stars.iter_mut().zip(&numbers.stars) {
@@ -211,8 +211,9 @@ impl LayerBending {
         let factor = self.factor;
         // With stars a hinge measures its angle, and its stiffness is that of a sharp fold alone.
         for element in &mut self.hinges {
-            let shape = HingeShape::between(element.sides, rest);
-            let [left, right] = element.sides.map(|(face, _)| modulus(face.index()));
+            let sides = element.sides();
+            let shape = HingeShape::between(sides, rest);
+            let [left, right] = sides.map(|(face, _)| modulus(face.index()));
             let mean = 0.5 * (left + right);
             element.hinge.stiffness = factor * shape.stiffness(mean, HINGE_EXPONENT);
         }
@@ -240,7 +241,7 @@ impl LayerBending {
         rest: &[RestTriangle],
         curvatures: &[Matrix2<f64>],
     ) -> usize {
-        let sides = self.hinges.iter().map(|element| element.sides);
+        let sides = self.hinges.iter().map(HingeElement::sides);
         let natural = NaturalAngles::new(sides, rest, curvatures);
         for (element, angle) in self.hinges.iter_mut().zip(natural.angles) {
             element.set_angles(element.surface_angle, angle);
@@ -270,7 +271,7 @@ impl LayerBending {
         faces: &mut [EnergyParts],
     ) {
         let mut add_halves = |element: &HingeElement, value: f64| {
-            for (face, _) in element.sides {
+            for (face, _) in element.sides() {
                 faces[face.index()].bending += 0.5 * value;
             }
         };

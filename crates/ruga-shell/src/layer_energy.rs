@@ -5,8 +5,6 @@ mod creases;
 mod material;
 mod rest_shape;
 
-use std::sync::OnceLock;
-
 use nalgebra::Vector3;
 
 use ruga_mesh::{BlockPattern, PerVertex, TriMesh, vertex_normals};
@@ -42,7 +40,6 @@ pub struct LayerEnergy {
     bending_model: BendingModel,
     foundation: LayerFoundation,
     /// Its part of the Hessian, once that was asked for.
-    foundation_hessian: OnceLock<Vec<f64>>,
     pattern: BlockPattern,
 }
 
@@ -145,7 +142,6 @@ impl LayerEnergy {
         let lower = (mesh, &sheets[0]);
         let foundation = LayerFoundation::new(lower, tangential, &pattern, anchors.collect());
         Ok(Self {
-            foundation_hessian: OnceLock::new(),
             sheets,
             springs,
             bending_model,
@@ -171,7 +167,6 @@ impl LayerEnergy {
             springs: None,
             bending_model: self.bending_model,
             foundation: self.foundation.part(&numbers, &local, &pattern),
-            foundation_hessian: OnceLock::new(),
             pattern,
         };
         Some((numbers, part))
@@ -183,7 +178,6 @@ impl LayerEnergy {
             sheet.follow(whole, numbers);
         }
         self.foundation.follow(&whole.foundation, numbers);
-        self.foundation_hessian = OnceLock::new();
     }
 
     /// Replaces the surface below: per vertex of the lower sheet a point (m), a unit normal and an offset (m) along it.
@@ -198,7 +192,6 @@ impl LayerEnergy {
     ) -> Result<(), ShellError> {
         let anchors = anchors(points, normals, offsets, self.mesh_vertices())?;
         self.foundation.set_anchors(anchors);
-        self.foundation_hessian = OnceLock::new();
         Ok(())
     }
 
@@ -224,7 +217,7 @@ impl LayerEnergy {
 
     /// Column starts and row indices of the Hessian's lower triangle, diagonal included, rows
     /// sorted within each column.
-    pub fn pattern(&self) -> (&[usize], &[usize]) {
+    pub fn pattern(&self) -> (&[usize], &[u32]) {
         (self.pattern.column_starts(), self.pattern.rows())
     }
 
@@ -366,17 +359,14 @@ impl LayerEnergy {
         relaxed: Option<&mut [f64]>,
     ) {
         self.check(x);
-        // Deviations are linear in the positions as long as the base stands still. So this part is formed
-        // once per base, and not in every Newton step; never for a layer that is only solved in parts.
-        let of_foundation = || self.foundation.hessian(&self.pattern);
-        let foundation = self.foundation_hessian.get_or_init(of_foundation);
-        exact.copy_from_slice(foundation);
+        exact.fill(0.0);
+        self.foundation.add_hessian(&self.pattern, exact);
         let relaxed = match relaxed {
             None => &mut [],
             Some(relaxed) => {
                 // A negative K1 stays in: K0 and bending outweigh it, so that the sum is still
                 // definite.
-                relaxed.copy_from_slice(foundation);
+                relaxed.copy_from_slice(exact);
                 relaxed
             }
         };

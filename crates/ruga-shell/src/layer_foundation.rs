@@ -2,13 +2,13 @@
 
 use nalgebra::Vector3;
 
-use ruga_mesh::{BlockPattern, BlockSlot, FaceId, Id, SparseRows, TriMesh};
+use ruga_mesh::{BlockPattern, BlockSlot, Id, SparseRows, TriMesh};
 
 use crate::foundation::{Anchor, NormalFoundation, TangentialSpring};
 use crate::layer_part::{PartNumbers, marked, pick};
 use crate::parameters::{check_finite, check_length};
 use crate::sheet::Sheet;
-use crate::stencil::{NO_FACE, touches};
+use crate::stencil::{FaceCorner, touches};
 use crate::{EnergyParts, FaceParameters, LineAnchor, RestTriangle, ShellError};
 
 /// Tolerance on the length of a base normal.
@@ -45,7 +45,7 @@ struct LineSpring {
 struct EdgeSprings {
     ends: [u32; 2],
     /// The faces at it, each with the corner at which it begins.
-    sides: [Option<(FaceId, usize)>; 2],
+    sides: [Option<FaceCorner>; 2],
     slot: BlockSlot,
     stiffness: f64,
 }
@@ -77,7 +77,7 @@ impl LayerFoundation {
             let ends = edge.vertices.map(|v| v.0);
             EdgeSprings {
                 ends,
-                sides: mesh.edge_sides(id),
+                sides: mesh.edge_sides(id).map(|side| side.map(FaceCorner::new)),
                 slot: pattern.slot(ends[1], ends[0]),
                 stiffness: 0.0,
             }
@@ -128,11 +128,12 @@ impl LayerFoundation {
             .collect();
         // Off-diagonal entries are kept per edge as scalars: a pair's block is the scalar times an
         // outer product of normals, and only the normals change from frame to frame.
-        let entry = |side: Option<(FaceId, usize)>| {
-            side.map(|(face, corner)| matrices[face.index()][(corner, (corner + 1) % 3)])
+        let entry = |side: FaceCorner| {
+            let (face, corner) = side.pair();
+            matrices[face.index()][(corner, (corner + 1) % 3)]
         };
         for edge in &mut self.edges {
-            let entries = edge.sides.into_iter().filter_map(entry);
+            let entries = edge.sides.into_iter().flatten().map(entry);
             edge.stiffness = entries.sum();
         }
         for line in &mut self.lines {
@@ -191,9 +192,7 @@ impl LayerFoundation {
             let ends = whole.ends.map(|v| local[v as usize]);
             EdgeSprings {
                 ends,
-                sides: whole
-                    .sides
-                    .map(|side| side.map(|(_, corner)| (NO_FACE, corner))),
+                sides: whole.sides.map(|side| side.map(FaceCorner::of_no_face)),
                 slot: pattern.slot(ends[1], ends[0]),
                 stiffness: 0.0,
             }
@@ -370,9 +369,8 @@ impl LayerFoundation {
             .collect()
     }
 
-    /// The constant second derivative, in the order of `pattern`.
-    pub(crate) fn hessian(&self, pattern: &BlockPattern) -> Vec<f64> {
-        let mut values = vec![0.0; pattern.rows().len()];
+    /// Adds the second derivative, which is constant as long as the base stands still, in the order of `pattern`.
+    pub(crate) fn add_hessian(&self, pattern: &BlockPattern, values: &mut [f64]) {
         let vertices = (0..)
             .zip(&self.anchors)
             .zip(&self.diagonal)
@@ -380,24 +378,23 @@ impl LayerFoundation {
         for (((vertex, anchor), stiffness), spring) in vertices {
             let n = anchor.normal;
             let block = n * n.transpose() * *stiffness + spring.hessian(anchor);
-            pattern.slot(vertex, vertex).add(&mut values, &block);
+            pattern.slot(vertex, vertex).add(values, &block);
         }
         for edge in &self.edges {
             let [tail, head] = edge.ends.map(|v| self.anchors[v as usize].normal);
             // Rows are the head's and columns the tail's, as the slot was asked for; with two
             // normals the block is not symmetric.
             let block = head * tail.transpose() * edge.stiffness;
-            edge.slot.add(&mut values, &block);
+            edge.slot.add(values, &block);
         }
-        values
     }
 }
 
 impl EdgeSprings {
     /// Length (m) among these rest triangles, the mean of what its sides say.
     fn length(&self, rest: &[RestTriangle]) -> f64 {
-        let sides = self.sides.iter().flatten();
-        let lengths = sides.map(|&(face, corner)| rest[face.index()].seen_from_edge(corner).0);
+        let sides = self.sides.iter().flatten().map(|side| side.pair());
+        let lengths = sides.map(|(face, corner)| rest[face.index()].seen_from_edge(corner).0);
         lengths.sum::<f64>() / self.sides.iter().flatten().count() as f64
     }
 }

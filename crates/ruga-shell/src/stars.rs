@@ -4,14 +4,14 @@ use std::f64::consts::{PI, TAU};
 
 use ruga_mesh::{EdgeId, FaceId, Id, TriMesh, VertexFan};
 
-use crate::stencil::NO_FACE;
+use crate::stencil::FaceCorner;
 use crate::{RestTriangle, StarShape};
 
 /// A vertex with its faces, all around it or, on a border, from one border edge to the other.
 #[derive(Clone, Debug)]
 pub(crate) struct Star {
     /// The faces, counter-clockwise, and the corner of each that is the centre.
-    fan: Vec<(FaceId, usize)>,
+    fan: Vec<FaceCorner>,
     is_closed: bool,
     /// Centre, then the neighbours, counter-clockwise.
     pub(crate) vertices: Vec<u32>,
@@ -60,15 +60,14 @@ impl Star {
             folds: (0..).zip(&fan.faces).skip(border).map(fold).collect(),
             vertices: std::iter::once(fan.vertex.0).chain(spokes).collect(),
             is_closed: fan.closed,
-            fan: fan.faces,
+            fan: fan.faces.into_iter().map(FaceCorner::new).collect(),
         }
     }
 
     /// The star in a part of the layer, where vertex `v` has the number `local[v]`.
     pub(crate) fn part(&self, local: &[u32]) -> Self {
-        let corners = self.fan.iter().map(|&(_, corner)| (NO_FACE, corner));
         Self {
-            fan: corners.collect(),
+            fan: self.fan.iter().map(|side| side.of_no_face()).collect(),
             is_closed: self.is_closed,
             vertices: self.vertices.iter().map(|&v| local[v as usize]).collect(),
             folds: self.folds.clone(),
@@ -77,9 +76,9 @@ impl Star {
 
     /// The star as its rest triangles show it.
     pub(crate) fn shape(&self, rest: &[RestTriangle]) -> StarShape {
-        let fan = self.fan.iter();
+        let fan = self.fan.iter().map(|side| side.pair());
         let fan: Vec<_> = fan
-            .map(|&(face, corner)| (rest[face.index()], corner))
+            .map(|(face, corner)| (rest[face.index()], corner))
             .collect();
         if self.is_closed {
             StarShape::closed(&fan)
@@ -90,16 +89,16 @@ impl Star {
 
     /// The faces, each with its part of their area.
     pub(crate) fn shares(&self, rest: &[RestTriangle]) -> impl Iterator<Item = (usize, f64)> {
-        let area = |(face, _): &(FaceId, usize)| rest[face.index()].area();
-        let whole: f64 = self.fan.iter().map(area).sum();
-        let fan = self.fan.iter();
-        fan.map(move |side| (side.0.index(), area(side) / whole))
+        let faces = self.fan.iter().map(|side| side.pair().0.index());
+        let whole: f64 = faces.clone().map(|face| rest[face].area()).sum();
+        faces.map(move |face| (face, rest[face].area() / whole))
     }
 
     /// Angle (rad), from 0 to pi, by which a line turns at the centre that comes in on one inner edge and goes
     /// out on another, in the plane of [`StarShape`].
     pub(crate) fn turn(&self, rest: &[RestTriangle], [from, to]: [u32; 2]) -> f64 {
-        let angle = |&(face, corner): &(FaceId, usize)| {
+        let angle = |side: &FaceCorner| {
+            let (face, corner) = side.pair();
             let (length, foot, height) = rest[face.index()].seen_from_edge(corner);
             height.atan2(foot * length)
         };
@@ -118,8 +117,8 @@ impl Star {
     /// Mean over the faces, weighted by their area.
     pub(crate) fn mean(&self, rest: &[RestTriangle], value: impl Fn(usize) -> f64) -> f64 {
         let (mut sum, mut area) = (0.0, 0.0);
-        for (face, _) in &self.fan {
-            let face = face.index();
+        for side in &self.fan {
+            let face = side.pair().0.index();
             sum += rest[face].area() * value(face);
             area += rest[face].area();
         }

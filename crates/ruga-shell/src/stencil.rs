@@ -5,7 +5,33 @@ use ruga_mesh::{BlockPattern, BlockSlot, FaceId};
 
 /// Stands for a face of the whole layer in stencils of a part, which have their stiffness from the
 /// whole: whoever computes one from this face fails at once.
-pub(crate) const NO_FACE: FaceId = FaceId(u32::MAX);
+const NO_FACE: FaceId = FaceId(u32::MAX);
+
+/// A corner of a face, in half the memory of a pair: stencils keep several, and there are many of them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FaceCorner {
+    face: FaceId,
+    corner: u8,
+}
+
+impl FaceCorner {
+    pub(crate) fn new((face, corner): (FaceId, usize)) -> Self {
+        let corner = corner as u8;
+        Self { face, corner }
+    }
+
+    pub(crate) fn pair(self) -> (FaceId, usize) {
+        (self.face, usize::from(self.corner))
+    }
+
+    /// The same corner of [`NO_FACE`].
+    pub(crate) fn of_no_face(self) -> Self {
+        Self {
+            face: NO_FACE,
+            ..self
+        }
+    }
+}
 
 /// Points of a stencil, in the order of its vertices.
 #[inline]

@@ -53,9 +53,10 @@ fn middle_row(layer: &LayerEnergy, rest: &[Vector3<f64>], strain: f64) -> Vec<(f
     let mut couplings = Vec::new();
     for column in 0..layer.dof_count() {
         for k in starts[column]..starts[column + 1] {
-            let other = match (rows[k] == dof, column == dof) {
+            let row = rows[k] as usize;
+            let other = match (row == dof, column == dof) {
                 (true, _) => column,
-                (_, true) => rows[k],
+                (_, true) => row,
                 _ => continue,
             };
             if other % 3 == 2 {

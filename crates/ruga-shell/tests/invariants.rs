@@ -180,10 +180,10 @@ fn translation_sums_of_the_hessian_are_the_foundation_alone() {
         let mut product = vec![0.0; layer.dof_count()];
         for column in 0..layer.dof_count() {
             for k in starts[column]..starts[column + 1] {
-                let row = rows[k];
-                product[row] += values[k] * f64::from(column % 3 == 0);
+                let row = rows[k] as usize;
+                product[row] += values[k] * f64::from(column.is_multiple_of(3));
                 if row != column {
-                    product[column] += values[k] * f64::from(row % 3 == 0);
+                    product[column] += values[k] * f64::from(row.is_multiple_of(3));
                 }
             }
         }

@@ -97,9 +97,10 @@ impl Strip {
         };
         for column in 0..self.joint.dof_count() {
             for k in starts[column]..starts[column + 1] {
-                add(rows[k], column, values[k]);
-                if rows[k] != column {
-                    add(column, rows[k], values[k]);
+                let row = rows[k] as usize;
+                add(row, column, values[k]);
+                if row != column {
+                    add(column, row, values[k]);
                 }
             }
         }

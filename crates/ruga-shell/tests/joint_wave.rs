@@ -46,7 +46,7 @@ fn least(joint: &LayerEnergy, rest: &[Vector3<f64>], strain: f64, wave_number: f
     };
     for column in 0..joint.dof_count() {
         for k in starts[column]..starts[column + 1] {
-            let row = rows[k];
+            let row = rows[k] as usize;
             if is_middle(row) {
                 add(row, column, values[k]);
             }

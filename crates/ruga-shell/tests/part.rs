@@ -189,7 +189,7 @@ fn derivatives(
     let is_kept = |dof: usize| dofs.binary_search(&dof).is_ok();
     let columns = starts.windows(2).enumerate().filter(|(c, _)| is_kept(*c));
     let entries = columns.flat_map(|(_, range)| &rows[range[0]..range[1]]);
-    let count = entries.filter(|row| is_kept(**row)).count();
+    let count = entries.filter(|row| is_kept(**row as usize)).count();
     let all = [
         gradient.select_rows(&dofs),
         matrix(&exact),

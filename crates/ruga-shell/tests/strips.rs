@@ -262,8 +262,9 @@ fn frequencies(layer: &LayerEnergy, x: &[Vector3<f64>]) -> Vec<f64> {
     let mut matrix = DMatrix::zeros(x.len(), x.len());
     for column in (2..layer.dof_count()).step_by(3) {
         for k in starts[column]..starts[column + 1] {
-            let (i, j) = (rows[k] / 3, column / 3);
-            if rows[k] % 3 == 2 {
+            let row = rows[k] as usize;
+            let (i, j) = (row / 3, column / 3);
+            if row % 3 == 2 {
                 let mass = (layer.vertex_areas()[i] * layer.vertex_areas()[j]).sqrt();
                 matrix[(i, j)] = values[k] / mass;
                 matrix[(j, i)] = values[k] / mass;

@@ -143,7 +143,12 @@ impl PlainCholesky {
             UNKNOWNS,
             plate.pattern.column_starts().to_vec(),
             None,
-            plate.pattern.rows().to_vec(),
+            plate
+                .pattern
+                .rows()
+                .iter()
+                .map(|&row| row as usize)
+                .collect(),
         );
         let order = SymmetricOrdering::Amd;
         let symbolic =

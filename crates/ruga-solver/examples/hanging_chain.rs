@@ -45,10 +45,7 @@ impl Objective for Chain {
 fn main() -> Result<(), SolverError> {
     const COUNT: usize = 15;
     let starts: Vec<usize> = (0..COUNT).map(|i| 2 * i).chain([2 * COUNT - 1]).collect();
-    let rows: Vec<usize> = (0..COUNT)
-        .flat_map(|i| [i, i + 1])
-        .take(2 * COUNT - 1)
-        .collect();
+    let rows: Vec<u32> = (0..).flat_map(|i| [i, i + 1]).take(2 * COUNT - 1).collect();
     let chain = Chain {
         pattern: LowerPattern::new(starts, rows)?,
     };

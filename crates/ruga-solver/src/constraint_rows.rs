@@ -1,17 +1,20 @@
 //! The linear constraints `H x = b`.
 
+use std::sync::Arc;
+
 use crate::SolverError;
 use crate::error::{check_finite, check_line, check_starts};
 
 /// The matrix `H` of the linear constraints, compressed rows (`count` x `unknowns`).
 ///
 /// Columns are strictly increasing within a row. Rows may repeat or depend on each other; the
-/// factorisation copes, and they hold as long as their right-hand sides agree.
+/// factorisation copes, and they hold as long as their right-hand sides agree. Copies share their
+/// memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConstraintRows {
-    row_starts: Vec<usize>,
-    columns: Vec<usize>,
-    values: Vec<f64>,
+    row_starts: Arc<[usize]>,
+    columns: Arc<[usize]>,
+    values: Arc<[f64]>,
     unknowns: usize,
 }
 
@@ -32,13 +35,13 @@ impl ConstraintRows {
         crate::error::check_length("constraint values", columns.len(), values.len())?;
         for row in 0..row_starts.len() - 1 {
             let line = &columns[row_starts[row]..row_starts[row + 1]];
-            check_line(row, line, unknowns)?;
+            check_line(row, line.iter().copied(), unknowns)?;
         }
         check_finite("constraint values", &values)?;
         Ok(Self {
-            row_starts,
-            columns,
-            values,
+            row_starts: row_starts.into(),
+            columns: columns.into(),
+            values: values.into(),
             unknowns,
         })
     }
@@ -46,9 +49,9 @@ impl ConstraintRows {
     /// No constraints on `unknowns` unknowns.
     pub fn none(unknowns: usize) -> Self {
         Self {
-            row_starts: vec![0],
-            columns: Vec::new(),
-            values: Vec::new(),
+            row_starts: Arc::new([0]),
+            columns: Arc::default(),
+            values: Arc::default(),
             unknowns,
         }
     }

@@ -134,12 +134,20 @@ pub(crate) fn check_starts(starts: &[usize], entries: usize) -> Result<(), Solve
 }
 
 /// Refuses indices of one compressed line that do not strictly increase or reach `limit`.
-pub(crate) fn check_line(line: usize, indices: &[usize], limit: usize) -> Result<(), SolverError> {
-    if indices.windows(2).any(|pair| pair[1] <= pair[0]) {
-        return Err(SolverError::Unsorted { line });
+pub(crate) fn check_line(
+    line: usize,
+    indices: impl Iterator<Item = usize>,
+    limit: usize,
+) -> Result<(), SolverError> {
+    let mut last = None;
+    for index in indices {
+        if last.is_some_and(|last| index <= last) {
+            return Err(SolverError::Unsorted { line });
+        }
+        last = Some(index);
     }
-    match indices.last() {
-        Some(&index) if index >= limit => Err(SolverError::IndexOutOfRange { line, index, limit }),
+    match last {
+        Some(index) if index >= limit => Err(SolverError::IndexOutOfRange { line, index, limit }),
         _ => Ok(()),
     }
 }

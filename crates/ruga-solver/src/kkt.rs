@@ -8,7 +8,7 @@ pub use cost::FactorCost;
 use faer::Conj;
 use faer::MatMut;
 use faer::Par;
-use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::ldlt::factor::{LdltError, LdltRegularization};
 use faer::sparse::linalg::cholesky::supernodal::{
     SupernodalLdltRef, SymbolicSupernodalCholesky, factorize_supernodal_numeric_ldlt,
@@ -77,12 +77,12 @@ pub struct Kkt {
     /// `1 / |row|`, 1 for a row of zeros.
     row_scales: Vec<f64>,
     /// Position of each unknown and row in the elimination order.
-    placement: Vec<usize>,
-    lower: SymbolicSparseColMat<usize>,
-    symbolic: SymbolicSupernodalCholesky<usize>,
-    /// Position in `system` of each entry of `K`.
-    slots: Vec<usize>,
-    /// Lower triangle of the permuted system; the entries of `H` in it never change.
+    placement: Vec<u32>,
+    lower: SymbolicSparseColMat<u32>,
+    symbolic: SymbolicSupernodalCholesky<u32>,
+    /// Position in `system` of each entry of `K`, then of those of `H`.
+    slots: Vec<u32>,
+    /// Lower triangle of the permuted system.
     system: Vec<f64>,
     factor: Vec<f64>,
     /// `K` plus damping, in pattern order, for refinement.
@@ -93,8 +93,8 @@ pub struct Kkt {
     factorized: bool,
     /// Whether the factor is that of another matrix, with negative pivots turned positive.
     is_turned: bool,
-    factor_memory: MemBuffer,
-    solve_memory: MemBuffer,
+    /// Work space of a factorisation and of a solve, with the factor.
+    memory: Option<[MemBuffer; 2]>,
     /// Work space of a solve: unknowns then rows, the last one in elimination order.
     trial: Vec<f64>,
     residual: Vec<f64>,
@@ -131,35 +131,30 @@ impl Kkt {
         check_length("constraint columns", unknowns, rows.unknowns())?;
         // Rows are ordered among the unknowns. Eliminating `K` first needs it positive definite and
         // leaves a dense matrix of the rows: forty times the cost at 67,500 unknowns.
+        let entries = pattern.entries() + rows.entries() + rows.count();
+        let size = unknowns + rows.count();
+        u32::try_from(entries).map_err(|_| SolverError::TooLarge { size })?;
         let order = elimination_order(pattern, rows, block)?;
         let mut placement = vec![0; order.len()];
-        for (new, &old) in order.iter().enumerate() {
+        for (new, &old) in (0..).zip(&order) {
             placement[old] = new;
         }
         let row_scales = row_scales(rows);
-        // With that corner there is an `L D L'` in every order (Vanderbei 1995), without pivoting.
-        let assembled =
-            PermutedSystem::assemble(pattern, rows, &row_scales, &placement, -REGULARIZATION);
+        let assembled = PermutedSystem::assemble(pattern, rows, &placement);
         let symbolic = analyse(&assembled.lower)?;
-        let size = order.len();
         Ok(Self {
             row_scales,
             placement,
             slots: assembled.slots,
-            system: assembled.values,
+            system: Vec::new(),
             lower: assembled.lower,
             factor: Vec::new(),
-            values: vec![0.0; pattern.entries()],
+            values: Vec::new(),
             typical_diagonal: 1.0,
             diagonal: Vec::new(),
             factorized: false,
             is_turned: false,
-            factor_memory: MemBuffer::new(factorize_supernodal_numeric_ldlt_scratch::<usize, f64>(
-                &symbolic,
-                Par::Seq,
-                Default::default(),
-            )),
-            solve_memory: MemBuffer::new(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq)),
+            memory: None,
             trial: vec![0.0; size],
             residual: vec![0.0; size],
             permuted: vec![0.0; size],
@@ -185,14 +180,15 @@ impl Kkt {
         &self.rows
     }
 
-    /// Gives back the memory of the factor, which the next factorisation takes anew.
+    /// Gives back the memory of matrix and factor, which the next factorisation takes anew.
     pub fn release(&mut self) {
-        self.factor = Vec::new();
+        (self.system, self.values, self.factor) = (Vec::new(), Vec::new(), Vec::new());
+        self.memory = None;
         self.factorized = false;
     }
 
-    /// Factorises `K + diag(damping)` with the rows; nothing is allocated but the factor, the first time and
-    /// after it was [released](Self::release).
+    /// Factorises `K + diag(damping)` with the rows; nothing is allocated but matrix and factor, the first time and
+    /// after they were [released](Self::release).
     ///
     /// `values` in pattern order (N/m), `damping` one value per unknown (N/m), or none.
     ///
@@ -207,6 +203,9 @@ impl Kkt {
         (self.factorized, self.is_turned) = (false, false);
         self.factor.resize(self.symbolic.len_val(), 0.0);
         self.scatter(values, damping);
+        let symbolic = &self.symbolic;
+        let memory = || scratch(symbolic).map(MemBuffer::new);
+        let [memory, _] = self.memory.get_or_insert_with(memory);
         // No dynamic regularisation: it failed on indefinite matrices that factorise well without,
         // and a pivot that it corrects tells no inertia. One thread: two were slower.
         factorize_supernodal_numeric_ldlt(
@@ -215,7 +214,7 @@ impl Kkt {
             LdltRegularization::default(),
             &self.symbolic,
             Par::Seq,
-            MemStack::new(&mut self.factor_memory),
+            MemStack::new(memory),
             Default::default(),
         )
         .map_err(|LdltError::ZeroPivot { index }| SolverError::Breakdown { pivot: index })?;
@@ -356,14 +355,16 @@ impl Kkt {
     /// Writes `K` into the permuted system, scaled and regularised.
     fn scatter(&mut self, values: &[f64], damping: &[f64]) {
         let size = self.pattern.size();
-        self.values.copy_from_slice(values);
+        self.values.clear();
+        self.values.extend_from_slice(values);
+        self.system.resize(self.slots.len(), 0.0);
         for (column, damping) in damping.iter().enumerate() {
             self.values[self.pattern.diagonal(column)] += damping;
         }
         self.typical_diagonal = self.median_diagonal();
         let scale = 1.0 / self.typical_diagonal;
         for (&slot, value) in self.slots.iter().zip(&self.values) {
-            self.system[slot] = value * scale;
+            self.system[slot as usize] = value * scale;
         }
         // Only the copy that is factorised: refinement measures by `values`, which stay exact.
         let regularization = match self.rows.count() {
@@ -371,7 +372,20 @@ impl Kkt {
             _ => REGULARIZATION,
         };
         for column in 0..size {
-            self.system[self.slots[self.pattern.diagonal(column)]] += regularization;
+            self.system[self.slots[self.pattern.diagonal(column)] as usize] += regularization;
+        }
+        // With this corner there is an `L D L'` in every order (Vanderbei 1995), without pivoting.
+        let rows = self.row_scales.iter().enumerate().flat_map(|(row, scale)| {
+            let weights = self
+                .rows
+                .row(row)
+                .1
+                .iter()
+                .map(move |weight| weight * scale);
+            weights.chain([-REGULARIZATION])
+        });
+        for (&slot, value) in self.slots[self.values.len()..].iter().zip(rows) {
+            self.system[slot as usize] = value;
         }
     }
 
@@ -416,24 +430,28 @@ impl Kkt {
     /// Adds the regularised solution for `residual` to `trial`.
     fn add_correction(&mut self) {
         for (&place, &entry) in self.placement.iter().zip(&self.residual) {
-            self.permuted[place] = entry;
+            self.permuted[place as usize] = entry;
         }
         let size = self.permuted.len();
+        // Whoever has a factor has it.
+        let Some([_, memory]) = &mut self.memory else {
+            return;
+        };
         SupernodalLdltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
             Conj::No,
             MatMut::from_column_major_slice_mut(&mut self.permuted, size, 1),
             Par::Seq,
-            MemStack::new(&mut self.solve_memory),
+            MemStack::new(memory),
         );
         let (step, multipliers) = self.trial.split_at_mut(self.pattern.size());
         let (step_places, row_places) = self.placement.split_at(step.len());
         for (entry, &place) in step.iter_mut().zip(step_places) {
-            *entry += self.permuted[place];
+            *entry += self.permuted[place as usize];
         }
         // The factor has `K / k` and `N H`: the multipliers of `K` and `H` are `k N` times its own.
         for ((entry, &place), scale) in multipliers.iter_mut().zip(row_places).zip(&self.row_scales)
         {
-            *entry += self.permuted[place] * scale * self.typical_diagonal;
+            *entry += self.permuted[place as usize] * scale * self.typical_diagonal;
         }
     }
 }
@@ -447,6 +465,19 @@ impl std::fmt::Debug for Kkt {
             .field("cost", &self.cost())
             .finish_non_exhaustive()
     }
+}
+
+/// Work space that a factorisation takes, and that a solve takes.
+fn scratch(symbolic: &SymbolicSupernodalCholesky<u32>) -> [StackReq; 2] {
+    let factorisation = factorize_supernodal_numeric_ldlt_scratch::<u32, f64>(
+        symbolic,
+        Par::Seq,
+        Default::default(),
+    );
+    [
+        factorisation,
+        symbolic.solve_in_place_scratch::<f64>(1, Par::Seq),
+    ]
 }
 
 fn norm(vector: &[f64]) -> f64 {

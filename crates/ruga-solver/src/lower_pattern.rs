@@ -13,7 +13,7 @@ use crate::error::{check_line, check_starts};
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LowerPattern {
     column_starts: Arc<[usize]>,
-    rows: Arc<[usize]>,
+    rows: Arc<[u32]>,
 }
 
 impl LowerPattern {
@@ -25,7 +25,7 @@ impl LowerPattern {
     /// [`MissingDiagonal`](SolverError::MissingDiagonal).
     pub fn new(
         column_starts: impl Into<Arc<[usize]>>,
-        rows: impl Into<Arc<[usize]>>,
+        rows: impl Into<Arc<[u32]>>,
     ) -> Result<Self, SolverError> {
         let (column_starts, rows) = (column_starts.into(), rows.into());
         if column_starts.len() < 2 {
@@ -35,8 +35,8 @@ impl LowerPattern {
         let size = column_starts.len() - 1;
         for column in 0..size {
             let line = &rows[column_starts[column]..column_starts[column + 1]];
-            check_line(column, line, size)?;
-            if line.first() != Some(&column) {
+            check_line(column, line.iter().map(|&row| row as usize), size)?;
+            if line.first().is_none_or(|&row| row as usize != column) {
                 return Err(SolverError::MissingDiagonal { column });
             }
         }
@@ -52,11 +52,13 @@ impl LowerPattern {
     ///
     /// # Errors
     /// [`SolverError::IndexOutOfRange`] when a stencil names an unknown `>= size`
-    /// (`line` is then the stencil), [`SolverError::Empty`] when `size` is 0.
+    /// (`line` is then the stencil), [`SolverError::Empty`] when `size` is 0,
+    /// [`SolverError::TooLarge`] when unknowns cannot be numbered with 32 bits.
     pub fn from_stencils<'a>(
         size: usize,
         stencils: impl IntoIterator<Item = &'a [usize]>,
     ) -> Result<Self, SolverError> {
+        u32::try_from(size).map_err(|_| SolverError::TooLarge { size })?;
         let mut columns: Vec<Vec<usize>> = (0..size).map(|column| vec![column]).collect();
         for (line, stencil) in stencils.into_iter().enumerate() {
             if let Some(&index) = stencil.iter().find(|&&index| index >= size) {
@@ -72,7 +74,7 @@ impl LowerPattern {
         for column in &mut columns {
             column.sort_unstable();
             column.dedup();
-            rows.append(column);
+            rows.extend(column.iter().map(|&row| row as u32));
             column_starts.push(rows.len());
         }
         Self::new(column_starts, rows)
@@ -94,7 +96,7 @@ impl LowerPattern {
     }
 
     /// Row of each entry.
-    pub fn rows(&self) -> &[usize] {
+    pub fn rows(&self) -> &[u32] {
         &self.rows
     }
 
@@ -105,6 +107,7 @@ impl LowerPattern {
         let (row, column) = (row.max(column), row.min(column));
         let start = *self.column_starts.get(column)?;
         let end = *self.column_starts.get(column + 1)?;
+        let row = u32::try_from(row).ok()?;
         let offset = self.rows[start..end].binary_search(&row).ok()?;
         Some(start + offset)
     }
@@ -125,6 +128,7 @@ impl LowerPattern {
                 .iter()
                 .zip(&values[start + 1..end])
             {
+                let row = row as usize;
                 product[row] += value * x_column;
                 sum += value * x[row];
             }

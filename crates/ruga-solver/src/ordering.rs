@@ -48,7 +48,7 @@ fn node_adjacency(pattern: &LowerPattern, rows: &ConstraintRows, block: usize) -
     for column in 0..pattern.size() {
         let range = pattern.column_starts()[column]..pattern.column_starts()[column + 1];
         for &row in &pattern.rows()[range] {
-            connect(column / block, row / block);
+            connect(column / block, row as usize / block);
         }
     }
     for row in 0..rows.count() {

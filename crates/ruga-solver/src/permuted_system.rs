@@ -12,52 +12,36 @@ use faer::sparse::linalg::cholesky::supernodal::{
 
 use crate::{ConstraintRows, LowerPattern, SolverError};
 
-/// Lower triangle of `[K, (N H)'; N H, corner I]` in elimination order, `K` still zero.
+/// Lower triangle of `[K, (N H)'; N H, corner I]` in elimination order.
 pub(crate) struct PermutedSystem {
-    pub(crate) lower: SymbolicSparseColMat<usize>,
-    pub(crate) values: Vec<f64>,
-    /// Position in `values` of each entry of `K`, in pattern order.
-    pub(crate) slots: Vec<usize>,
+    pub(crate) lower: SymbolicSparseColMat<u32>,
+    /// Position among its values of each entry: first those of `K` in pattern order, then row by row those of `H`, each
+    /// row followed by its diagonal.
+    pub(crate) slots: Vec<u32>,
 }
 
 impl PermutedSystem {
     pub(crate) fn assemble(
         pattern: &LowerPattern,
         rows: &ConstraintRows,
-        row_scales: &[f64],
-        placement: &[usize],
-        corner: f64,
+        placement: &[u32],
     ) -> Self {
         let places = Self::entry_places(pattern, rows, placement);
-        let (lower, position) = compress(&places, placement.len());
-        let mut values = vec![0.0; places.len()];
-        let mut constant = pattern.entries();
-        for (row, &scale) in row_scales.iter().enumerate() {
-            let weights = rows.row(row).1.iter().map(|weight| weight * scale);
-            for value in weights.chain([corner]) {
-                values[position[constant]] = value;
-                constant += 1;
-            }
-        }
-        Self {
-            lower,
-            values,
-            slots: position[..pattern.entries()].to_vec(),
-        }
+        let (lower, slots) = compress(&places, placement.len());
+        Self { lower, slots }
     }
 
-    /// (row, column) in elimination order of every entry, row >= column: first the entries of
-    /// `K`, then row by row those of `H`, each row followed by its diagonal.
+    /// (row, column) in elimination order of every entry, row >= column, in the order of `slots`.
     fn entry_places(
         pattern: &LowerPattern,
         rows: &ConstraintRows,
-        placement: &[usize],
-    ) -> Vec<(usize, usize)> {
-        let ordered = |a: usize, b: usize| (a.max(b), a.min(b));
+        placement: &[u32],
+    ) -> Vec<(u32, u32)> {
+        let ordered = |a: u32, b: u32| (a.max(b), a.min(b));
         let mut places = Vec::with_capacity(pattern.entries() + rows.entries() + rows.count());
         for (column, range) in pattern.column_starts().windows(2).enumerate() {
             for &row in &pattern.rows()[range[0]..range[1]] {
-                places.push(ordered(placement[row], placement[column]));
+                places.push(ordered(placement[row as usize], placement[column]));
             }
         }
         for row in 0..rows.count() {
@@ -71,29 +55,26 @@ impl PermutedSystem {
 }
 
 /// Compressed columns of distinct entries, and the position of each entry in them.
-fn compress(places: &[(usize, usize)], size: usize) -> (SymbolicSparseColMat<usize>, Vec<usize>) {
+fn compress(places: &[(u32, u32)], size: usize) -> (SymbolicSparseColMat<u32>, Vec<u32>) {
     // Two stable counting sorts, by row and then by column, order everything in linear time.
-    let entries: Vec<usize> = (0..places.len()).collect();
-    let (by_row, _) = counting_sort(&entries, size, |entry| places[entry].0);
-    let (sorted, starts) = counting_sort(&by_row, size, |entry| places[entry].1);
+    let entries: Vec<u32> = (0..).take(places.len()).collect();
+    let (by_row, _) = counting_sort(&entries, size, |entry| places[entry as usize].0);
+    let (sorted, starts) = counting_sort(&by_row, size, |entry| places[entry as usize].1);
     let mut position = vec![0; places.len()];
-    for (slot, &entry) in sorted.iter().enumerate() {
-        position[entry] = slot;
+    for (slot, &entry) in (0..).zip(&sorted) {
+        position[entry as usize] = slot;
     }
-    let rows = sorted.iter().map(|&entry| places[entry].0).collect();
+    let rows = sorted.iter().map(|&entry| places[entry as usize].0);
+    let rows = rows.collect();
     let lower = SymbolicSparseColMat::new_checked(size, size, starts, None, rows);
     (lower, position)
 }
 
 /// Stable sort of `entries` by a key below `keys`; also where each key starts.
-fn counting_sort(
-    entries: &[usize],
-    keys: usize,
-    key: impl Fn(usize) -> usize,
-) -> (Vec<usize>, Vec<usize>) {
+fn counting_sort(entries: &[u32], keys: usize, key: impl Fn(u32) -> u32) -> (Vec<u32>, Vec<u32>) {
     let mut starts = vec![0; keys + 1];
     for &entry in entries {
-        starts[key(entry) + 1] += 1;
+        starts[key(entry) as usize + 1] += 1;
     }
     for bucket in 0..keys {
         starts[bucket + 1] += starts[bucket];
@@ -101,8 +82,8 @@ fn counting_sort(
     let mut next = starts.clone();
     let mut sorted = vec![0; entries.len()];
     for &entry in entries {
-        let slot = &mut next[key(entry)];
-        sorted[*slot] = entry;
+        let slot = &mut next[key(entry) as usize];
+        sorted[*slot as usize] = entry;
         *slot += 1;
     }
     (sorted, starts)
@@ -110,15 +91,15 @@ fn counting_sort(
 
 /// Supernodal analysis of a lower triangle that is already in elimination order.
 pub(crate) fn analyse(
-    lower: &SymbolicSparseColMat<usize>,
-) -> Result<SymbolicSupernodalCholesky<usize>, SolverError> {
+    lower: &SymbolicSparseColMat<u32>,
+) -> Result<SymbolicSupernodalCholesky<u32>, SolverError> {
     let size = lower.ncols();
     let too_large = |_| SolverError::TooLarge { size };
     // The analysis reads the upper triangle only.
     let upper = lower.transpose().to_col_major().map_err(too_large)?;
     let mut memory = MemBuffer::new(StackReq::or(
-        prefactorize_symbolic_cholesky_scratch::<usize>(size, upper.compute_nnz()),
-        factorize_supernodal_symbolic_cholesky_scratch::<usize>(size),
+        prefactorize_symbolic_cholesky_scratch::<u32>(size, upper.compute_nnz()),
+        factorize_supernodal_symbolic_cholesky_scratch::<u32>(size),
     ));
     let mut tree = vec![0; size];
     let mut column_counts = vec![0; size];

@@ -38,15 +38,15 @@ impl<'a> Pinned<'a> {
         check_finite("x", x)?;
         check_damping(whole, objective.damping())?;
         let free: Vec<usize> = (0..whole.size()).filter(|&i| !pinned[i]).collect();
-        let mut number = vec![0; whole.size()];
-        for (new, &old) in free.iter().enumerate() {
+        let mut number = vec![0_u32; whole.size()];
+        for (new, &old) in (0..).zip(&free) {
             number[old] = new;
         }
         let (mut starts, mut rows, mut entries) = (vec![0], Vec::new(), Vec::new());
         for &column in &free {
             // The lower triangle of what is left is lower still: numbers keep their order.
             for entry in whole.column_starts()[column]..whole.column_starts()[column + 1] {
-                let row = whole.rows()[entry];
+                let row = whole.rows()[entry] as usize;
                 if !pinned[row] {
                     rows.push(number[row]);
                     entries.push(entry);

@@ -27,7 +27,7 @@ fn springs(count: usize) -> Springs {
 fn diagonal(count: usize) -> LowerPattern {
     LowerPattern::new(
         (0..=count).collect::<Vec<_>>(),
-        (0..count).collect::<Vec<_>>(),
+        (0..).take(count).collect::<Vec<_>>(),
     )
     .unwrap()
 }
@@ -74,7 +74,7 @@ fn error_of(objective: &Springs, rhs: &[f64], x: &mut [f64], kkt: &mut Kkt) -> S
 
 #[test]
 fn malformed_patterns() {
-    let of = |starts: &[usize], rows: &[usize]| {
+    let of = |starts: &[usize], rows: &[u32]| {
         LowerPattern::new(starts.to_vec(), rows.to_vec()).unwrap_err()
     };
     assert_eq!(of(&[], &[]), SolverError::Empty);

@@ -273,7 +273,8 @@ fn best(count: usize, mut run: impl FnMut()) -> f64 {
 
 /// faer's Cholesky factorisation of the Hessian alone in its own ordering (s).
 fn plain_cholesky(pattern: &LowerPattern, values: &[f64]) -> f64 {
-    let (starts, rows) = (pattern.column_starts().to_vec(), pattern.rows().to_vec());
+    let starts = pattern.column_starts().to_vec();
+    let rows = pattern.rows().iter().map(|&row| row as usize).collect();
     let size = pattern.size();
     let structure = SymbolicSparseColMat::new_checked(size, size, starts, None, rows);
     let order = SymmetricOrdering::Amd;

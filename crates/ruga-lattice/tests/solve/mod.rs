@@ -62,7 +62,7 @@ impl Problem {
         for column in 0..size {
             entries.push(Triplet::new(column, column, self.floor));
             for k in starts[column]..starts[column + 1] {
-                entries.push(Triplet::new(rows[k], column, relaxed[k]));
+                entries.push(Triplet::new(rows[k] as usize, column, relaxed[k]));
             }
         }
         for springs in &self.springs {

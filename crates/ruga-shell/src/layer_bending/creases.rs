@@ -56,7 +56,7 @@ impl LayerBending {
     /// Recomputes what creases do under a rest metric, whose stars and hinges have their stiffness.
     pub(crate) fn size_creases(&mut self, rest: &[RestTriangle], parameters: &[FaceParameters]) {
         let sized = self.creases.iter().map(|at| {
-            let sides = self.hinges[at.hinge as usize].sides;
+            let sides = self.hinges[at.hinge as usize].sides();
             SizedCrease::in_layer(at.crease, sides, rest, parameters)
         });
         let sized: Vec<_> = sized.collect();
@@ -70,7 +70,7 @@ impl LayerBending {
             for (at, sized) in self.creases.iter().zip(&sized) {
                 let element = &mut self.hinges[at.hinge as usize];
                 let branch = sized.of_hinge(element.hinge.stiffness);
-                element.crease = (!at.crease.is_plain()).then_some(branch);
+                element.crease = (!at.crease.is_plain()).then(|| Box::new(branch));
             }
         }
     }

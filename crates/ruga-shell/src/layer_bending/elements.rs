@@ -6,11 +6,11 @@ use ruga_mesh::{BlockPattern, BlockSlot, EdgeId, FaceId, PerEdge};
 use crate::crease::{Branch, StarFold};
 use crate::hinge::{Hinge, HingeState};
 use crate::stars::Star;
-use crate::stencil::gather;
+use crate::stencil::{FaceCorner, gather};
 use crate::vertex_curvature::weighted;
 
 /// The hinge on an inner edge of a layer.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct HingeElement {
     /// Its rest angle is the sum of the next two.
     pub(super) hinge: Hinge,
@@ -18,11 +18,11 @@ pub(super) struct HingeElement {
     pub(super) surface_angle: f64,
     /// Angle that the natural curvature adds (rad).
     pub(super) natural_angle: f64,
-    /// A crease in series with the hinge; none where there are stars.
-    pub(super) crease: Option<Branch>,
+    /// A crease in series with the hinge, which few have; none where there are stars.
+    pub(super) crease: Option<Box<Branch>>,
     pub(super) edge: EdgeId,
     pub(super) vertices: [u32; 4],
-    pub(super) sides: [(FaceId, usize); 2],
+    pub(super) sides: [FaceCorner; 2],
     pub(super) slots: [BlockSlot; 10],
 }
 
@@ -40,6 +40,11 @@ pub(super) struct StarElement {
 }
 
 impl HingeElement {
+    /// Its two faces, each with the corner at which the edge begins.
+    pub(super) fn sides(&self) -> [(FaceId, usize); 2] {
+        self.sides.map(FaceCorner::pair)
+    }
+
     pub(super) fn set_angles(&mut self, surface: f64, natural: f64) {
         (self.surface_angle, self.natural_angle) = (surface, natural);
         self.hinge.rest_angle = surface + natural;

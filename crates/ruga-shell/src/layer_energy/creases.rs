@@ -50,7 +50,6 @@ impl LayerEnergy {
     /// [`ShellError::ParameterOutOfRange`]; the layer is then unchanged.
     pub fn set_line_anchors(&mut self, anchors: &[LineAnchor]) -> Result<(), ShellError> {
         self.foundation.set_lines(anchors, &self.sheets[0])?;
-        self.foundation_hessian = std::sync::OnceLock::new();
         Ok(())
     }
 }

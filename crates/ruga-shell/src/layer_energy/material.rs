@@ -1,7 +1,5 @@
 //! What a layer is made of, while it is being solved.
 
-use std::sync::OnceLock;
-
 use super::LayerEnergy;
 use crate::parameters::check_length;
 use crate::{FaceParameters, MIN_AREA_LEFT, ShellError};
@@ -88,6 +86,5 @@ impl LayerEnergy {
     fn set_material(&mut self, parameters: Vec<FaceParameters>, area_left: Vec<f64>) {
         self.sheets[0].set_material(parameters, area_left);
         self.foundation.set_rest(&self.sheets[0]);
-        self.foundation_hessian = OnceLock::new();
     }
 }

@@ -1,7 +1,5 @@
 //! The shape that a layer would like to have.
 
-use std::sync::OnceLock;
-
 use nalgebra::{Matrix2, Vector3};
 
 use super::LayerEnergy;
@@ -39,7 +37,6 @@ impl LayerEnergy {
             springs.set_rest(self.sheets[0].rest());
         }
         self.foundation.set_rest(&self.sheets[0]);
-        self.foundation_hessian = OnceLock::new();
         Ok(())
     }
 

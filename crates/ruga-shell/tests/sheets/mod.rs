@@ -94,7 +94,7 @@ fn factor_values(layer: &LayerEnergy, values: &[f64]) -> Option<Llt<usize, f64>>
     let mut entries = Vec::with_capacity(rows.len());
     for column in 0..size {
         let range = starts[column]..starts[column + 1];
-        entries.extend(range.map(|k| Triplet::new(rows[k], column, values[k])));
+        entries.extend(range.map(|k| Triplet::new(rows[k] as usize, column, values[k])));
     }
     SparseColMat::try_new_from_triplets(size, size, &entries)
         .expect("a valid pattern")

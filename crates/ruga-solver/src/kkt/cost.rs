@@ -1,6 +1,6 @@
 //! What a factorisation costs.
 
-use super::Kkt;
+use super::{Kkt, scratch};
 
 /// Cost of one numeric factorisation, from the symbolic analysis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,14 +25,17 @@ impl Kkt {
                 .sum::<f64>();
         }
         let factor_entries = symbolic.len_val();
-        let numbers = factor_entries + self.system.len() + self.values.len();
-        let indices = self.system.len() + self.slots.len() + symbolic.row_idx().len();
+        let entries = self.slots.len();
+        let numbers = factor_entries + entries + self.pattern.entries();
+        let indices = 2 * entries + symbolic.row_idx().len();
         FactorCost {
             factor_entries,
             bytes: size_of::<f64>() * numbers
-                + size_of::<usize>() * indices
-                + self.factor_memory.len()
-                + self.solve_memory.len(),
+                + size_of::<u32>() * indices
+                + scratch(symbolic)
+                    .map(|memory| memory.size_bytes())
+                    .iter()
+                    .sum::<usize>(),
             flops,
         }
     }

@@ -11,7 +11,8 @@ impl Kkt {
     pub(super) fn supernode_shape(&self, supernode: usize) -> (usize, usize) {
         let columns =
             self.symbolic.supernode_end()[supernode] - self.symbolic.supernode_begin()[supernode];
-        (columns, columns + self.symbolic.nnz_per_super()[supernode])
+        let rows = columns + self.symbolic.nnz_per_super()[supernode];
+        (columns as usize, rows as usize)
     }
 
     /// Position in the factor of every entry of `D`, which faer stores on the diagonal of each supernode, in the order
@@ -19,7 +20,7 @@ impl Kkt {
     fn pivot_places(&self) -> impl Iterator<Item = usize> {
         (0..self.symbolic.n_supernodes()).flat_map(|supernode| {
             let (columns, rows) = self.supernode_shape(supernode);
-            let start = self.symbolic.col_ptr_for_val()[supernode];
+            let start = self.symbolic.col_ptr_for_val()[supernode] as usize;
             (0..columns).map(move |column| start + column * (rows + 1))
         })
     }

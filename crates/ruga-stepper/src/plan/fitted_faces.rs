@@ -1,23 +1,24 @@
 //! How many triangles a fitted mesh will have.
 
-use nalgebra::Matrix3;
-use ruga_mesh::{FaceId, PerFace};
+use nalgebra::{Matrix3, Vector3};
+use ruga_mesh::{FaceId, PerFace, TriMesh, edge_distances};
 use ruga_remesh::{FaceDriver, Refinement, SizeLimits};
 
 use crate::EdgeLimits;
-use crate::plan::region::{ACTIVE_FRACTION, PoseStrains};
+use crate::plan::region::PoseStrains;
 use crate::run::adaptivity::{COARSEST, CREASE_FILLING, CREASE_REACH, aspect, crease_aspect};
 
-/// Edges beside the wrinkles over those across them, where a fitted mesh grows coarser.
-pub(crate) const GRADED: f64 = 3.0;
+/// Share of the vertices that a border would need by itself which meshes have for it: from 260 poses of a face.
+const BESIDES: f64 = 0.2;
 
 /// Triangles of a mesh fitted to what a pose asks for.
 ///
 /// Where the layer wrinkles, edges across the wrinkles have the asked fraction of a wavelength, along
-/// them they are longer by the aspect, unless it wrinkles that way too; elsewhere they grow towards
-/// half a wavelength. Where the surface bends they are shorter, whichever way it does.
+/// them they are longer by the aspect, unless it wrinkles that way too; elsewhere they grow with the
+/// distance from there towards half a wavelength. Where the surface bends they are
+/// shorter, whichever way it does.
 pub(crate) fn fitted_faces(
-    active: &[FaceId],
+    ((mesh, positions), active): ((&TriMesh, &[Vector3<f64>]), &[FaceId]),
     (pose_strains, curvatures): (&PoseStrains, &PerFace<f64>),
     (wavelengths, poisson): (&PerFace<f64>, f64),
     limits: &EdgeLimits,
@@ -27,13 +28,18 @@ pub(crate) fn fitted_faces(
         points_per_wavelength: points,
         ..Refinement::default()
     };
+    let wrinkled = active
+        .iter()
+        .filter(|&&face| pose_strains.is_wrinkled(face));
+    let corners = wrinkled.flat_map(|&face| mesh.faces()[face]);
+    let distances = edge_distances(mesh, positions, corners, f64::INFINITY);
     let per_area = |face: FaceId| {
         let wavelength = wavelengths[face];
         let longest = (COARSEST * wavelength).min(limits.max_edge);
         let finest = (wavelength / points).max(limits.min_edge);
         let bent = (refinement.angle / curvatures[face]).max(finest);
         let across = finest;
-        let (across, along) = match pose_strains.strain_ratio(face) > ACTIVE_FRACTION {
+        let (across, along) = match pose_strains.is_wrinkled(face) {
             true => {
                 let driver = FaceDriver {
                     compression: Matrix3::zeros(),
@@ -51,11 +57,11 @@ pub(crate) fn fitted_faces(
                 (across, along.min(bent))
             }
             false => {
-                let across = (GRADED * finest).min(bent);
-                (
-                    across,
-                    (GRADED * finest).min(aspect(limits, points) * across),
-                )
+                let distance = mesh.faces()[face].map(|v| distances[v]);
+                let distance = distance.iter().sum::<f64>() / 3.0;
+                let graded = (finest + SizeLimits::default().grading * distance).min(longest);
+                let across = graded.min(bent);
+                (across, graded.min(aspect(limits, points) * across))
             }
         };
         // Triangles are counted as equilateral ones, stretched in one direction.
@@ -78,9 +84,10 @@ pub(crate) fn creased_vertices(length: f64, wavelength: f64, points: f64) -> f64
 
 /// Vertices between a border of `edges` of a mean length (m), which meshes keep as it is, and edges of
 /// the length `coarsest` (m) inside: where edges grow by `g` per length, `2 / (sqrt(3) g)` for each of the
-/// border's edges if those inside were endless, less what coarse triangles would have had there.
+/// border's edges if those inside were endless, less what coarse triangles would have had there. Of these [`BESIDES`]
+/// are found, because most edges near a border are short anyway.
 pub(crate) fn graded_vertices((edges, length): (f64, f64), coarsest: f64) -> f64 {
     let growth = SizeLimits::default().grading;
     let share = (1.0 - length / coarsest).max(0.0);
-    edges * 2.0 / (3f64.sqrt() * growth) * share * share
+    BESIDES * edges * 2.0 / (3f64.sqrt() * growth) * share * share
 }

@@ -11,7 +11,7 @@ use ruga_mesh::{FaceId, Id, PerFace, edge_distances};
 use ruga_remesh::SizeLimits;
 
 use crate::plan::creased_faces::CreasedFaces;
-use crate::plan::fitted_faces::{GRADED, creased_vertices, fitted_faces, graded_vertices};
+use crate::plan::fitted_faces::{creased_vertices, fitted_faces, graded_vertices};
 use crate::plan::pose_plan::PlannedLayer;
 use crate::plan::region::PoseStrains;
 use crate::plan::skin_cost::{GRADING, Load, cost, factorisations};
@@ -310,12 +310,11 @@ impl<'a> PlanningSurface<'a> {
         let uniform_points = shortest / edges_at(levels).0;
         let (needed, points) = match modelling.remesh {
             Some(limits) => {
-                let faces = {
-                    let skin = (&wavelengths, spec.material.poisson);
-                    let shape = (pose_strains, &self.curvatures);
-                    fitted_faces(&active, shape, skin, &limits, *asked)
-                };
-                let coarsest = (GRADED / asked).min(COARSEST) * wrinkling.wavelength;
+                let shape = (pose_strains, &self.curvatures);
+                let on = (self.surface.mesh(), self.rest.positions.as_slice());
+                let skin = (&wavelengths, spec.material.poisson);
+                let faces = fitted_faces((on, &active), shape, skin, &limits, *asked);
+                let coarsest = COARSEST * wrinkling.wavelength;
                 let length: f64 = folding.iter().map(|line| line.length).sum();
                 let needed = GRADING * vertices_of(faces)
                     + graded_vertices(self.border(&active), coarsest.min(limits.max_edge))
@@ -387,7 +386,8 @@ impl<'a> PlanningSurface<'a> {
             Stack::Joint => usize::MAX,
             Stack::Nominal | Stack::Composite => modelling.most_in_whole(*asked),
         };
-        let (seconds, memory) = cost(unknowns, most_in_whole, output_vertices, map_size, work);
+        let maps = (map_size, pose.keys.len());
+        let (seconds, memory) = cost(unknowns, most_in_whole, output_vertices, maps, work);
         LayerPlan {
             name: spec.name.clone(),
             wavelength: wrinkling.wavelength,

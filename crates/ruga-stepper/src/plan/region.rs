@@ -206,11 +206,16 @@ impl PoseStrains {
         self.effective[face] / self.critical[face]
     }
 
+    /// Whether a face may be wrinkled at a key.
+    pub(crate) fn is_wrinkled(&self, face: FaceId) -> bool {
+        self.strain_ratio(face) > ACTIVE_FRACTION
+    }
+
     /// Faces that may be wrinkled at a key or, where weights grow, on the way to one.
     pub(crate) fn wrinkled(&self, path: LoadPath) -> PerFace<bool> {
         let is_wrinkled = |face: FaceId| {
             let on_the_way = path == LoadPath::Weight && self.passing[face] > self.critical[face];
-            on_the_way || self.strain_ratio(face) > ACTIVE_FRACTION
+            on_the_way || self.is_wrinkled(face)
         };
         self.areas.ids().map(is_wrinkled).collect()
     }
@@ -259,7 +264,7 @@ impl PoseStrains {
             .map(|face| {
                 // Half of the critical strain, tried first, took in 1.7 to 2.5 times this area on
                 // six shapes of a face.
-                let wrinkles = self.strain_ratio(face) > ACTIVE_FRACTION;
+                let wrinkles = self.is_wrinkled(face);
                 (matches!(region, Region::All) || wrinkles) && allowed(face)
             })
             .collect();

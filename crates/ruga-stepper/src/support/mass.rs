@@ -12,7 +12,7 @@ use crate::support::motion::Inertia;
 #[derive(Clone, Debug)]
 pub(crate) struct BodyMass {
     column_starts: Vec<usize>,
-    rows: Vec<usize>,
+    rows: Vec<u32>,
     values: Vec<f64>,
     /// The part of the free nodes, in the order of their own pattern.
     pub(crate) free: Vec<f64>,
@@ -66,7 +66,8 @@ impl BodyMass {
         // Blocks are multiples of the identity: the x column of a node says all.
         for j in 0..v.len() {
             for k in self.column_starts[3 * j]..self.column_starts[3 * j + 1] {
-                let (i, axis) = (self.rows[k] / 3, self.rows[k] % 3);
+                let row = self.rows[k] as usize;
+                let (i, axis) = (row / 3, row % 3);
                 if axis != 0 {
                     continue;
                 }

@@ -185,6 +185,7 @@ fn multiply_symmetric(pattern: &LowerPattern, values: &[f64], x: &[f64], product
         let entries = ends[0] + 1..ends[1];
         let mut sum = values[ends[0]] * x[column];
         for (&row, value) in pattern.rows()[entries.clone()].iter().zip(&values[entries]) {
+            let row = row as usize;
             product[row] += value * x[column];
             sum += value * x[row];
         }

@@ -187,6 +187,7 @@ fn folded(energy: &LayerEnergy, mesh: &PeriodicMesh) -> (LowerPattern, Vec<Slot>
     let mut places = Vec::with_capacity(entries.len());
     for column in 0..starts.len() - 1 {
         for &row in &entries[starts[column]..starts[column + 1]] {
+            let row = row as usize;
             let [a, b] = [unknown(column), unknown(row)];
             // Above and below the diagonal at once, where two copies meet in one unknown.
             let count = if a == b && row != column { 2.0 } else { 1.0 };
@@ -204,7 +205,7 @@ fn folded(energy: &LayerEnergy, mesh: &PeriodicMesh) -> (LowerPattern, Vec<Slot>
     for column in 0..size {
         columns[column + 1] += columns[column];
     }
-    let rows: Vec<usize> = sorted.iter().map(|place| place[1]).collect();
+    let rows: Vec<u32> = sorted.iter().map(|place| place[1] as u32).collect();
     let slot = |&(place, count): &([usize; 2], f64)| Slot {
         position: sorted.binary_search(&place).expect("one of the places"),
         count,
@@ -273,6 +274,7 @@ mod tests {
         for column in 0..x.len() {
             let range = pattern.column_starts()[column]..pattern.column_starts()[column + 1];
             for (&row, value) in pattern.rows()[range.clone()].iter().zip(&hessian[range]) {
+                let row = row as usize;
                 product[row] += value * direction[column];
                 if row != column {
                     product[column] += value * direction[row];

@@ -26,8 +26,11 @@ pub(super) struct Links {
 
 impl Links {
     /// Adds links to a layer's pattern: column starts and rows.
-    pub(super) fn new(links: &[Link], free: &[u32], (starts, rows): (&[usize], &[usize])) -> Self {
-        let column = |column: usize| rows[starts[column]..starts[column + 1]].iter().copied();
+    pub(super) fn new(links: &[Link], free: &[u32], (starts, rows): (&[usize], &[u32])) -> Self {
+        let column = |column: usize| {
+            let rows = rows[starts[column]..starts[column + 1]].iter();
+            rows.map(|&row| row as usize)
+        };
         let size = starts.len() - 1;
         let unknown = |v: u32| 3 * free.binary_search(&v).expect("links join what moves");
         let unknowns: Vec<_> = links

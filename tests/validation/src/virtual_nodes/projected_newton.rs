@@ -72,8 +72,9 @@ fn newton_step(energy: &LayerEnergy, positions: &[Vector3<f64>]) -> DVector<f64>
     let mut matrix = DMatrix::zeros(size, size);
     for column in 0..size {
         for entry in starts[column]..starts[column + 1] {
-            matrix[(rows[entry], column)] = values[entry];
-            matrix[(column, rows[entry])] = values[entry];
+            let row = rows[entry] as usize;
+            matrix[(row, column)] = values[entry];
+            matrix[(column, row)] = values[entry];
         }
     }
     let mut slope = vec![0.0; size];

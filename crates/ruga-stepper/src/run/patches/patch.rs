@@ -41,7 +41,7 @@ pub(super) struct PatchRow {
     pub(super) is_kept: bool,
 }
 
-/// Energy and matrix of a patch: without a factor some 13 kB a vertex.
+/// Energy and matrix of a patch: without matrix and factor some 8 kB a vertex.
 struct System {
     part: LayerPart,
     /// The free vertices by their number in the part.
