@@ -17,7 +17,7 @@ pub(crate) struct Charts<'a> {
     positions: &'a [Vector3<f64>],
     normals: &'a [Vector3<f64>],
     /// Longest edge at each vertex, m.
-    reach: Vec<f64>,
+    reach: &'a [f64],
     /// Place of each vertex in the chart being made; `ABSENT` outside.
     slots: Vec<u32>,
 }
@@ -36,19 +36,26 @@ pub(crate) struct Chart {
     pub(crate) is_clipped: bool,
 }
 
+/// Longest edge at each vertex, m.
+pub(crate) fn reach(mesh: &TriMesh, positions: &[Vector3<f64>]) -> Vec<f64> {
+    let mut reach = vec![0.0_f64; mesh.vertex_count()];
+    for (_, edge) in mesh.edges().iter() {
+        let [a, b] = edge.vertices.map(Id::index);
+        let length = (positions[a] - positions[b]).norm();
+        reach[a] = reach[a].max(length);
+        reach[b] = reach[b].max(length);
+    }
+    reach
+}
+
 impl<'a> Charts<'a> {
+    /// For a mesh in which the longest edge at every vertex is its [`reach`].
     pub(crate) fn new(
         mesh: &'a TriMesh,
         positions: &'a [Vector3<f64>],
         normals: &'a [Vector3<f64>],
+        reach: &'a [f64],
     ) -> Self {
-        let mut reach = vec![0.0_f64; mesh.vertex_count()];
-        for (_, edge) in mesh.edges().iter() {
-            let [a, b] = edge.vertices.map(Id::index);
-            let length = (positions[a] - positions[b]).norm();
-            reach[a] = reach[a].max(length);
-            reach[b] = reach[b].max(length);
-        }
         Self {
             mesh,
             positions,

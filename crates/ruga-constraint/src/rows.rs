@@ -5,13 +5,17 @@ use std::iter::Sum;
 use std::ops::Mul;
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use ruga_mesh::{Id, MaterialPoint, TriMesh, VertexId, vertex_areas};
 
 use crate::centre::Centre;
-use crate::chart::{Chart, Charts};
+use crate::chart::{Chart, Charts, reach};
 use crate::moments::{match_centroid, match_second_moments, normalise};
 use crate::quadrature::{gather, kernel_moments, quadrature_points};
 use crate::{ConstraintError, Degradation, Kernel};
+
+/// Centres that a thread samples with the same room, which is as large as the mesh: few enough to share them out.
+const CENTRES_AT_ONCE: usize = 16;
 
 /// How a continuous weighting becomes weights of vertices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -130,21 +134,36 @@ pub fn constraint_rows(
         check_normals(normals, &checked[number], number)?;
     }
     let areas = vertex_areas(mesh, positions);
-    let mut charts = Charts::new(mesh, positions, normals);
+    // A row that stands twice would make the constraint matrix rank-deficient and the system of
+    // the solver singular.
     let mut taken = BTreeSet::new();
-    let mut set = ConstraintSet::default();
-    for (number, (centre, kernel)) in checked.iter().zip(kernels).enumerate() {
-        // A row that stands twice would make the constraint matrix rank-deficient and the system of
-        // the solver singular.
-        if taken.insert(centre.key()) {
+    let (kept, duplicates): (Vec<usize>, _) =
+        (0..checked.len()).partition(|&number| taken.insert(checked[number].key()));
+    let mut set = ConstraintSet {
+        duplicates,
+        ..ConstraintSet::default()
+    };
+    let reach = reach(mesh, positions);
+    let sampled = kept.par_chunks(CENTRES_AT_ONCE).map(|numbers| {
+        let mut charts = Charts::new(mesh, positions, normals, &reach);
+        let sampled = numbers.iter().map(|&number| {
+            let (centre, kernel) = (&checked[number], &kernels[number]);
             let chart = charts.around(centre, kernel.radius());
             let (weights, outcome) = sample(&chart, kernel, &areas, centre, sampling);
-            set.push(number, &chart, &weights, outcome);
-        } else {
-            set.duplicates.push(number);
-        }
+            (number, of_vertices(&chart, &weights), outcome)
+        });
+        sampled.collect::<Vec<_>>()
+    });
+    for (number, weights, outcome) in sampled.collect::<Vec<_>>().into_iter().flatten() {
+        set.push(number, weights, outcome);
     }
     Ok(set)
+}
+
+/// The weights other than zero, by vertex.
+fn of_vertices(chart: &Chart, weights: &[f64]) -> Vec<(VertexId, f64)> {
+    let pairs = chart.vertices.iter().copied().zip(weights.iter().copied());
+    pairs.filter(|pair| pair.1 != 0.0).collect()
 }
 
 impl ConstraintSet {
@@ -161,17 +180,15 @@ impl ConstraintSet {
     fn push(
         &mut self,
         centre: usize,
-        chart: &Chart,
-        weights: &[f64],
+        weights: Vec<(VertexId, f64)>,
         outcome: Result<Order, Degradation>,
     ) {
         if let Err(reason) = outcome {
             self.degraded.push((centre, reason));
         }
-        let pairs = chart.vertices.iter().copied().zip(weights.iter().copied());
         self.rows.push(ConstraintRow {
             centre,
-            weights: pairs.filter(|pair| pair.1 != 0.0).collect(),
+            weights,
             order: outcome.unwrap_or(Order::Constant),
         });
     }

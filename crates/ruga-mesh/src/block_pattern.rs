@@ -23,13 +23,14 @@ const PINNED: u32 = u32::MAX;
 /// Stencils that are assembled again and again look their blocks up once, as [`BlockSlot`]s.
 ///
 /// # Panics
-/// Methods that take a point panic when there is none of that number.
+/// Methods that take a point panic when there is none of that number, and those that make a pattern when it has more
+/// than 2³² - 1 entries.
 #[derive(Clone, Debug)]
 pub struct BlockPattern {
     // A mark instead of an option, which would double the table.
     free_of: Vec<u32>,
     free_points: Vec<u32>,
-    // Shared with the solver, for which they are most of its matrix's memory.
+    // Shared with the solver.
     column_starts: Arc<[usize]>,
     rows: Arc<[u32]>,
     /// Per free point the neighbours with higher numbers, ascending.
@@ -46,19 +47,20 @@ pub struct BlockSlot {
 }
 
 /// Where a block lies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 enum Placement {
-    Diagonal,
-    BelowDiagonal,
+    Diagonal = 0,
+    BelowDiagonal = 1,
     /// The block is stored as its mirror image.
-    AboveDiagonal,
+    AboveDiagonal = 2,
     /// One of the points is pinned, or no stencil couples them.
-    Absent,
+    Absent = 3,
 }
 
 impl BlockSlot {
-    /// Assembly reads a slot for every block of every stencil, and a layer keeps them all: so slots are small.
+    /// A slot in eight bytes: assembly reads one for every block of every stencil, and a layer keeps them all.
     fn new(start: usize, stride: usize, placement: Placement) -> Self {
+        debug_assert!(stride < 1 << 30, "a column of {stride} entries");
         Self {
             start: start as u32,
             shape: (stride as u32) << 2 | placement as u32,
@@ -165,6 +167,11 @@ impl BlockPattern {
                 starts.push(rows.len());
             }
         }
+        let entries = rows.len();
+        assert!(
+            u32::try_from(entries).is_ok(),
+            "{entries} entries are too many"
+        );
         self.column_starts = starts.into();
         self.rows = rows.into();
     }
@@ -299,5 +306,16 @@ impl BlockSlot {
             target[1] += block[(1, column)];
             target[2] += block[(2, column)];
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A layer of 17 thousand vertices has two million of them.
+    #[test]
+    fn slots_are_small() {
+        assert_eq!(size_of::<BlockSlot>(), 8);
     }
 }

@@ -66,6 +66,7 @@ pub fn tangent_coordinates(
         Front::new(vertex, plane.lay(way, plane.normal))
     };
     let mut queue: BinaryHeap<Front> = centre.around.iter().map(start).collect();
+    let mut near: Vec<VertexId> = Vec::new();
     // An ordered map, so that the result comes out sorted and is the same in every run.
     let mut settled: BTreeMap<VertexId, Vector2<f64>> = BTreeMap::new();
     while let Some(front) = queue.pop() {
@@ -76,12 +77,20 @@ pub fn tangent_coordinates(
         }
         settled.insert(front.vertex, front.place);
         let from = front.vertex.index();
+        near.clear();
         for &face in mesh.vertex_faces(front.vertex) {
-            let corners = mesh.faces()[face].into_iter();
-            for vertex in corners.filter(|v| !settled.contains_key(v)) {
-                let edge = positions[vertex.index()] - positions[from];
-                let place = front.place + plane.lay(edge, normals[from]);
-                queue.push(Front::new(vertex, place));
+            for vertex in mesh.faces()[face] {
+                // Most neighbours are corners of two of the faces.
+                if vertex != front.vertex && !near.contains(&vertex) {
+                    near.push(vertex);
+                }
+            }
+        }
+        for &vertex in near.iter().filter(|&v| !settled.contains_key(v)) {
+            let edge = positions[vertex.index()] - positions[from];
+            let next = Front::new(vertex, front.place + plane.lay(edge, normals[from]));
+            if next.distance <= radius {
+                queue.push(next);
             }
         }
     }

@@ -39,7 +39,6 @@ pub struct LayerEnergy {
     springs: Option<SheetSprings>,
     bending_model: BendingModel,
     foundation: LayerFoundation,
-    /// Its part of the Hessian, once that was asked for.
     pattern: BlockPattern,
 }
 
@@ -359,6 +358,8 @@ impl LayerEnergy {
         relaxed: Option<&mut [f64]>,
     ) {
         self.check(x);
+        let entries = self.pattern.rows().len();
+        assert_eq!(exact.len(), entries, "one value per entry of the pattern");
         exact.fill(0.0);
         self.foundation.add_hessian(&self.pattern, exact);
         let relaxed = match relaxed {

@@ -64,3 +64,16 @@ pub(crate) fn add_blocks<const M: usize>(
         slot.add(values, block);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_corner_takes_half_the_memory_of_a_pair() {
+        assert_eq!(2 * size_of::<FaceCorner>(), size_of::<(FaceId, usize)>());
+        let corner = FaceCorner::new((FaceId(7), 2));
+        assert_eq!(corner.pair(), (FaceId(7), 2));
+        assert_eq!(corner.of_no_face().pair(), (NO_FACE, 2));
+    }
+}

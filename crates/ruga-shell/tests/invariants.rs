@@ -271,3 +271,12 @@ fn energies_of_faces_add_up_to_the_whole() {
         );
     }
 }
+
+/// A longer slice would keep what was there before.
+#[test]
+#[should_panic(expected = "one value per entry of the pattern")]
+fn a_hessian_of_another_length_is_refused() {
+    let (layer, rest, _) = sheet(BendingModel::Hinge, 1e9, 0.0);
+    let entries = layer.pattern().1.len();
+    layer.hessian(&rest, &mut vec![0.0; entries + 1], None);
+}

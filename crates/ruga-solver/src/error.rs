@@ -79,8 +79,8 @@ pub enum SolverError {
         /// Message of the ordering library.
         reason: String,
     },
-    /// The symbolic analysis ran out of memory or index range.
-    #[error("the system of {size} unknowns and rows is too large to analyse")]
+    /// The symbolic analysis ran out of memory, or matrix or factor have more than 2³¹ - 1 entries (17 GB).
+    #[error("the system of {size} unknowns and rows is too large to be solved")]
     TooLarge {
         /// Unknowns plus constraint rows.
         size: usize,

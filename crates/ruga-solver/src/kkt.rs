@@ -80,7 +80,7 @@ pub struct Kkt {
     placement: Vec<u32>,
     lower: SymbolicSparseColMat<u32>,
     symbolic: SymbolicSupernodalCholesky<u32>,
-    /// Position in `system` of each entry of `K`, then of those of `H`.
+    /// Position in `system` of each entry of `K`, then row by row of those of `H`, each row followed by its corner.
     slots: Vec<u32>,
     /// Lower triangle of the permuted system.
     system: Vec<f64>,
@@ -93,7 +93,7 @@ pub struct Kkt {
     factorized: bool,
     /// Whether the factor is that of another matrix, with negative pivots turned positive.
     is_turned: bool,
-    /// Work space of a factorisation and of a solve, with the factor.
+    /// Work space of a factorisation, then of a solve; there as long as the factor is.
     memory: Option<[MemBuffer; 2]>,
     /// Work space of a solve: unknowns then rows, the last one in elimination order.
     trial: Vec<f64>,
@@ -129,11 +129,11 @@ impl Kkt {
             return Err(SolverError::BlockSize { unknowns, block });
         }
         check_length("constraint columns", unknowns, rows.unknowns())?;
-        // Rows are ordered among the unknowns. Eliminating `K` first needs it positive definite and
-        // leaves a dense matrix of the rows: forty times the cost at 67,500 unknowns.
         let entries = pattern.entries() + rows.entries() + rows.count();
         let size = unknowns + rows.count();
-        u32::try_from(entries).map_err(|_| SolverError::TooLarge { size })?;
+        i32::try_from(entries).map_err(|_| SolverError::TooLarge { size })?;
+        // Rows are ordered among the unknowns. Eliminating `K` first needs it positive definite and
+        // leaves a dense matrix of the rows: forty times the cost at 67,500 unknowns.
         let order = elimination_order(pattern, rows, block)?;
         let mut placement = vec![0; order.len()];
         for (new, &old) in (0..).zip(&order) {
@@ -180,15 +180,15 @@ impl Kkt {
         &self.rows
     }
 
-    /// Gives back the memory of matrix and factor, which the next factorisation takes anew.
+    /// Gives back the memory of matrix, factor and work space, which the next factorisation takes anew.
     pub fn release(&mut self) {
         (self.system, self.values, self.factor) = (Vec::new(), Vec::new(), Vec::new());
         self.memory = None;
-        self.factorized = false;
+        (self.factorized, self.is_turned) = (false, false);
     }
 
-    /// Factorises `K + diag(damping)` with the rows; nothing is allocated but matrix and factor, the first time and
-    /// after they were [released](Self::release).
+    /// Factorises `K + diag(damping)` with the rows; memory is taken the first time and after it was
+    /// [released](Self::release), and never else.
     ///
     /// `values` in pattern order (N/m), `damping` one value per unknown (N/m), or none.
     ///
@@ -352,7 +352,7 @@ impl Kkt {
         }
     }
 
-    /// Writes `K` into the permuted system, scaled and regularised.
+    /// Writes the permuted system, scaled and regularised.
     fn scatter(&mut self, values: &[f64], damping: &[f64]) {
         let size = self.pattern.size();
         self.values.clear();
@@ -433,10 +433,8 @@ impl Kkt {
             self.permuted[place as usize] = entry;
         }
         let size = self.permuted.len();
-        // Whoever has a factor has it.
-        let Some([_, memory]) = &mut self.memory else {
-            return;
-        };
+        let memory = self.memory.as_mut();
+        let [_, memory] = memory.expect("work space is there as long as the factor");
         SupernodalLdltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
             Conj::No,
             MatMut::from_column_major_slice_mut(&mut self.permuted, size, 1),

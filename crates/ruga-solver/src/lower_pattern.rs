@@ -53,12 +53,12 @@ impl LowerPattern {
     /// # Errors
     /// [`SolverError::IndexOutOfRange`] when a stencil names an unknown `>= size`
     /// (`line` is then the stencil), [`SolverError::Empty`] when `size` is 0,
-    /// [`SolverError::TooLarge`] when unknowns cannot be numbered with 32 bits.
+    /// [`SolverError::TooLarge`] for more than 2³¹ - 1 unknowns.
     pub fn from_stencils<'a>(
         size: usize,
         stencils: impl IntoIterator<Item = &'a [usize]>,
     ) -> Result<Self, SolverError> {
-        u32::try_from(size).map_err(|_| SolverError::TooLarge { size })?;
+        i32::try_from(size).map_err(|_| SolverError::TooLarge { size })?;
         let mut columns: Vec<Vec<usize>> = (0..size).map(|column| vec![column]).collect();
         for (line, stencil) in stencils.into_iter().enumerate() {
             if let Some(&index) = stencil.iter().find(|&&index| index >= size) {

@@ -12,7 +12,7 @@ use faer::sparse::linalg::cholesky::supernodal::{
 
 use crate::{ConstraintRows, LowerPattern, SolverError};
 
-/// Lower triangle of `[K, (N H)'; N H, corner I]` in elimination order.
+/// Pattern of the lower triangle of `[K, H'; H, I]` in elimination order.
 pub(crate) struct PermutedSystem {
     pub(crate) lower: SymbolicSparseColMat<u32>,
     /// Position among its values of each entry: first those of `K` in pattern order, then row by row those of `H`, each
@@ -64,8 +64,10 @@ fn compress(places: &[(u32, u32)], size: usize) -> (SymbolicSparseColMat<u32>, V
     for (slot, &entry) in (0..).zip(&sorted) {
         position[entry as usize] = slot;
     }
-    let rows = sorted.iter().map(|&entry| places[entry as usize].0);
-    let rows = rows.collect();
+    let rows = sorted
+        .iter()
+        .map(|&entry| places[entry as usize].0)
+        .collect();
     let lower = SymbolicSparseColMat::new_checked(size, size, starts, None, rows);
     (lower, position)
 }

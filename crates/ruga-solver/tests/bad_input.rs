@@ -116,6 +116,10 @@ fn malformed_patterns() {
         limit: 3,
     };
     assert_eq!(LowerPattern::from_stencils(3, lists).unwrap_err(), beyond);
+    let size = 1 << 31;
+    let none: [&[usize]; 0] = [];
+    let refused = LowerPattern::from_stencils(size, none).unwrap_err();
+    assert_eq!(refused, SolverError::TooLarge { size });
 }
 
 #[test]

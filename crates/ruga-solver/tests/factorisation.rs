@@ -288,6 +288,14 @@ fn a_factor_that_was_released_comes_back_the_same() {
     kkt.factorize(&values, &[]).unwrap();
     assert_eq!(solve(&mut kkt).unwrap(), before);
     assert_eq!(kkt.cost(), cost);
+    // Another matrix leaves nothing of the one before, whether that was given back or not.
+    let damping = vec![0.3; pattern.size()];
+    kkt.factorize(&values, &damping).unwrap();
+    let damped = solve(&mut kkt).unwrap();
+    assert_ne!(damped, before);
+    kkt.release();
+    kkt.factorize(&values, &damping).unwrap();
+    assert_eq!(solve(&mut kkt).unwrap(), damped);
 }
 
 /// A body that only inertia holds, a million million times softer than its springs, falls by one.

@@ -40,3 +40,27 @@ impl Kkt {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{ConstraintRows, Kkt, LowerPattern, SolverError};
+
+    /// Patches of a layer are kept by the dozen, without what a factorisation brings.
+    #[test]
+    fn what_is_released_takes_no_memory() -> Result<(), SolverError> {
+        let pattern = LowerPattern::from_stencils(3, [[0, 1, 2].as_slice()])?;
+        let rows = ConstraintRows::new(vec![0, 1], vec![2], vec![1.0], 3)?;
+        let mut kkt = Kkt::new(&pattern, &rows, 1)?;
+        let taken = |kkt: &Kkt| {
+            let vectors = [&kkt.system, &kkt.values, &kkt.factor].map(Vec::capacity);
+            (vectors.iter().sum::<usize>(), kkt.memory.is_some())
+        };
+        assert_eq!(taken(&kkt), (0, false));
+        kkt.factorize(&[2.0, -1.0, 0.0, 2.0, -1.0, 2.0], &[])?;
+        let (numbers, has_room) = taken(&kkt);
+        assert!(numbers >= 6 + 8 + 8 && has_room, "{numbers} numbers");
+        kkt.release();
+        assert_eq!(taken(&kkt), (0, false));
+        Ok(())
+    }
+}

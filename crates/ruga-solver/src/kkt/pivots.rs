@@ -42,8 +42,8 @@ impl Kkt {
     /// instead of `L D L'`.
     ///
     /// A step with this factor goes as far down along a mode of negative curvature as it would up along one of the
-    /// same positive curvature. Only [`solve_once`](Self::solve_once) makes such a step: refinement measures by the matrix
-    /// itself. False, and nothing done, where there is no factor because a pivot broke down.
+    /// same positive curvature. Only [`solve_once`](Self::solve_once) makes such a step: refinement measures by the
+    /// matrix itself. False, and nothing done, where there is no factor because a pivot broke down.
     pub(crate) fn turn_negative_pivots(&mut self) -> bool {
         if !self.factorized {
             return false;

@@ -8,15 +8,15 @@ use crate::EdgeLimits;
 use crate::plan::region::PoseStrains;
 use crate::run::adaptivity::{COARSEST, CREASE_FILLING, CREASE_REACH, aspect, crease_aspect};
 
-/// Share of the vertices that a border would need by itself which meshes have for it: from 260 poses of a face.
-const BESIDES: f64 = 0.2;
+/// Share of the vertices that a border would need by itself which fitted meshes have for it: from 250 poses of a face.
+const BORDER_SHARE: f64 = 0.2;
 
-/// Triangles of a mesh fitted to what a pose asks for.
+/// Triangles of a mesh fitted to what a pose asks for, in the `active` faces of a surface at its rest positions (m).
 ///
 /// Where the layer wrinkles, edges across the wrinkles have the asked fraction of a wavelength, along
 /// them they are longer by the aspect, unless it wrinkles that way too; elsewhere they grow with the
-/// distance from there towards half a wavelength. Where the surface bends they are
-/// shorter, whichever way it does.
+/// distance from there towards half a wavelength. Where the surface bends they are shorter, whichever way
+/// it does.
 pub(crate) fn fitted_faces(
     ((mesh, positions), active): ((&TriMesh, &[Vector3<f64>]), &[FaceId]),
     (pose_strains, curvatures): (&PoseStrains, &PerFace<f64>),
@@ -32,7 +32,11 @@ pub(crate) fn fitted_faces(
         .iter()
         .filter(|&&face| pose_strains.is_wrinkled(face));
     let corners = wrinkled.flat_map(|&face| mesh.faces()[face]);
-    let distances = edge_distances(mesh, positions, corners, f64::INFINITY);
+    let longest = active.iter().map(|&face| wavelengths[face]);
+    // Beyond its limit a distance is infinite; twice as far as edges grow, because three corners are averaged.
+    let growth = SizeLimits::default().grading;
+    let reach = 2.0 * COARSEST / growth * longest.fold(0.0, f64::max);
+    let distances = edge_distances(mesh, positions, corners, reach);
     let per_area = |face: FaceId| {
         let wavelength = wavelengths[face];
         let longest = (COARSEST * wavelength).min(limits.max_edge);
@@ -59,7 +63,7 @@ pub(crate) fn fitted_faces(
             false => {
                 let distance = mesh.faces()[face].map(|v| distances[v]);
                 let distance = distance.iter().sum::<f64>() / 3.0;
-                let graded = (finest + SizeLimits::default().grading * distance).min(longest);
+                let graded = (finest + growth * distance).min(longest);
                 let across = graded.min(bent);
                 (across, graded.min(aspect(limits, points) * across))
             }
@@ -84,10 +88,10 @@ pub(crate) fn creased_vertices(length: f64, wavelength: f64, points: f64) -> f64
 
 /// Vertices between a border of `edges` of a mean length (m), which meshes keep as it is, and edges of
 /// the length `coarsest` (m) inside: where edges grow by `g` per length, `2 / (sqrt(3) g)` for each of the
-/// border's edges if those inside were endless, less what coarse triangles would have had there. Of these [`BESIDES`]
-/// are found, because most edges near a border are short anyway.
+/// border's edges if those inside were endless, less what coarse triangles would have had there. Of these a
+/// [share](BORDER_SHARE) is found, because most edges near a border are short anyway.
 pub(crate) fn graded_vertices((edges, length): (f64, f64), coarsest: f64) -> f64 {
     let growth = SizeLimits::default().grading;
     let share = (1.0 - length / coarsest).max(0.0);
-    BESIDES * edges * 2.0 / (3f64.sqrt() * growth) * share * share
+    BORDER_SHARE * edges * 2.0 / (3f64.sqrt() * growth) * share * share
 }

@@ -386,8 +386,7 @@ impl<'a> PlanningSurface<'a> {
             Stack::Joint => usize::MAX,
             Stack::Nominal | Stack::Composite => modelling.most_in_whole(*asked),
         };
-        let maps = (map_size, pose.keys.len());
-        let (seconds, memory) = cost(unknowns, most_in_whole, output_vertices, maps, work);
+        let (seconds, memory) = cost(unknowns, most_in_whole, output_vertices, map_size, work);
         LayerPlan {
             name: spec.name.clone(),
             wavelength: wrinkling.wavelength,

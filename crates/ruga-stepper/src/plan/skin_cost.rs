@@ -24,13 +24,11 @@ const BASE: f64 = 1.1e8;
 
 /// Seconds of preparation for every vertex of the layer's mesh.
 const PREPARATION: f64 = 4e-4;
-/// Seconds for every texel of the maps of one key, which are baked, written and shown.
-const PER_TEXEL: f64 = 2e-7;
 /// Seconds of preparation for every vertex of the output mesh.
 const OUTPUT_PREPARATION: f64 = 3.5e-5;
 
-/// Vertices made for every one planned: triangles between sizes are smaller. With it 55 shapes of a face at 12 points
-/// and 210 poses with two presets at 6 have .88 to 1.09 of their vertices planned.
+/// Vertices made for every one counted: triangles between sizes are smaller. With it 53 shapes of a face at 12 points,
+/// and 199 poses with two presets at 6, have .92 to 1.16 of the vertices that are planned.
 pub(crate) const GRADING: f64 = 1.15;
 
 /// Measures of the work that the lowest layer will be.
@@ -45,22 +43,21 @@ pub(crate) struct Load {
 }
 
 /// Seconds and bytes of a pose, from runs of 22 shapes of a face and of the forearm, at 1500 to 18
-/// thousand vertices, all as a whole: the seconds of all within 1.5 times at draft. A smile in patches takes
-/// .6 to .8 of what is planned. Meshes of 20 points and more take less,
-/// because the pattern is found on a coarse one.
+/// thousand vertices, all as a whole: the seconds of all within 1.5 times at draft. Meshes of 20 points and more take
+/// less, because the pattern is found on a coarse one.
 ///
 /// A numeric factorisation, with all that goes with it, grows with the 3/2 power of the vertices
 /// (nested dissection of a surface), its memory with `n log n`; beyond `most_in_whole` vertices the layer
 /// is solved in patches after its first wrinkles, and beyond some times as many from the beginning, and both
-/// grow with its size. The output mesh has
-/// `output_vertices`; maps of `keys` keys are `map_size` texels wide. All memory is added up, though what a layer is solved with is
-/// given back before its surfaces are made, and output meshes that are fine across the waves alone have fewer vertices:
-/// 720 MB for a smile that takes 635.
+/// grow with its size. The output mesh has `output_vertices`; maps are `map_size` texels wide, and the time
+/// that it takes to bake them is not counted. All memory
+/// is added up, though what a layer is solved with is given back before its surfaces are made, and output meshes that
+/// are fine across the waves alone have fewer vertices: 720 MB for a smile that takes 635.
 pub(crate) fn cost(
     vertices: usize,
     most_in_whole: usize,
     output_vertices: f64,
-    (map_size, keys): (u32, usize),
+    map_size: u32,
     factorisations: f64,
 ) -> (f64, f64) {
     let n = vertices as f64;
@@ -77,7 +74,6 @@ pub(crate) fn cost(
         first * of_first + (factorisations - first) * factorisation(vertices.min(most_in_whole));
     let preparation = PREPARATION * n + OUTPUT_PREPARATION * output_vertices;
     let texels = f64::from(map_size).powi(2);
-    let maps = PER_TEXEL * texels * keys as f64;
     // The logarithm of no vertex is infinite, and none times that is not a number.
     let factor = |n: f64| n * (900.0 + 260.0 * n.max(2.0).log2());
     let of_layer = if Width::Wide.suits(vertices, most_in_whole) {
@@ -89,7 +85,7 @@ pub(crate) fn cost(
         factor(n)
     };
     let memory = BASE + of_layer + PER_OUTPUT_VERTEX * output_vertices + BYTES_PER_TEXEL * texels;
-    (preparation + work + maps, memory)
+    (preparation + work, memory)
 }
 
 /// Factorisations of a layer in one pose whose keys alone are wanted.
@@ -124,14 +120,14 @@ mod tests {
     fn in_patches_time_grows_with_the_size() {
         // Of the work after the first wrinkles.
         let seconds = |vertices| {
-            let all = |count| cost(vertices, 5000, 0.0, (1, 0), count).0;
+            let all = |count| cost(vertices, 5000, 0.0, 1, count).0;
             all(100.0) - all(FIRST)
         };
         let [small, large] = [10_000, 40_000].map(seconds);
         assert!((large / small - 4.0).abs() < 1e-9, "{small} s, {large} s");
         assert!(seconds(4000) / seconds(1000) > 4.2);
         // Of all of it, where the first wrinkles are in patches, too.
-        let of = |vertices| cost(vertices, 5000, 0.0, (1, 0), 100.0);
+        let of = |vertices| cost(vertices, 5000, 0.0, 1, 100.0);
         let [small, large] = [40_000, 160_000].map(of);
         assert!((large.0 / small.0 - 4.0).abs() < 1e-9);
     }

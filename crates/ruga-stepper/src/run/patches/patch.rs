@@ -127,7 +127,7 @@ impl Patch {
             self.relaxation = report.first_relaxation;
         }
         if keeps {
-            // The factors of all patches together are nearly half of what patches take.
+            // Matrices and factors of all patches together are more than half of what patches take.
             system.kkt.release();
             self.kept = Some(system);
         }
