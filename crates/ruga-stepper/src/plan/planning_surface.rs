@@ -377,8 +377,7 @@ impl<'a> PlanningSurface<'a> {
             // The least of all does not count: one extreme triangle begins to wrinkle at next to no
             // load.
             onset: quantile(&pose_strains.onsets(path), 0.01),
-            bend: wrinkling.wavelength * curvature,
-            spread: (quantile(&wavelengths, 0.95) / shortest).max(1.0),
+            vertices: unknowns as f64,
         });
         let work = factorisations(lowest, pose, path);
         let most_in_whole = match modelling.stack {
