@@ -44,8 +44,8 @@ impl<'a> LatticeObjective<'a> {
         let count = energy.blocks().point_count();
         check_length("nodes", count, nodes.len())?;
         check_length("load", count, load.len())?;
-        let (starts, rows) = energy.pattern();
-        let pattern = LowerPattern::new(starts.to_vec(), rows.to_vec());
+        let (starts, rows) = energy.blocks().shared();
+        let pattern = LowerPattern::new(starts, rows);
         let forces = load.iter().map(Vector3::norm).filter(|force| *force > 0.0);
         let mean = forces.clone().sum::<f64>() / forces.count() as f64;
         Ok(Self {

@@ -376,13 +376,9 @@ impl Kkt {
         }
         // With this corner there is an `L D L'` in every order (Vanderbei 1995), without pivoting.
         let rows = self.row_scales.iter().enumerate().flat_map(|(row, scale)| {
-            let weights = self
-                .rows
-                .row(row)
-                .1
-                .iter()
-                .map(move |weight| weight * scale);
-            weights.chain([-REGULARIZATION])
+            let (_, weights) = self.rows.row(row);
+            let scaled = weights.iter().map(move |weight| weight * scale);
+            scaled.chain([-REGULARIZATION])
         });
         for (&slot, value) in self.slots[self.values.len()..].iter().zip(rows) {
             self.system[slot as usize] = value;

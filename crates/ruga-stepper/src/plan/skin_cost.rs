@@ -46,17 +46,17 @@ pub(crate) struct Load {
     pub(crate) vertices: f64,
 }
 
-/// Seconds and bytes of a pose, from runs of 252 poses of a face with two presets, at 600 to 24 thousand vertices: the
+/// Seconds and bytes of a pose, from runs of 252 poses of a face with two presets, at 550 to 24 thousand vertices: the
 /// seconds of nine in ten within 1.5 times, of all within 2.4, and of seven poses of a hand within 2.7. Meshes of 20
 /// points and more take less, because the pattern is found on a coarse one.
 ///
 /// A numeric factorisation, with all that goes with it, grows with the 3/2 power of the vertices
 /// (nested dissection of a surface), its memory with `n log n`; beyond `most_in_whole` vertices the layer
 /// is solved in patches after its first wrinkles, and beyond some times as many from the beginning, and both
-/// grow with its size. The output mesh has `output_vertices`; maps are `map_size` texels wide, and the time
-/// that it takes to bake them is not counted. All memory
-/// is added up, though what a layer is solved with is given back before its surfaces are made, and output meshes that
-/// are fine across the waves alone have fewer vertices: 720 MB for a smile that takes 635.
+/// grow with its size. The output mesh has `output_vertices`; maps are `map_size` texels wide, and the time that it
+/// takes to bake them is not counted. All memory is added up, though what a layer is solved with is given back before
+/// its surfaces are made, and output meshes that are fine across the waves alone have fewer vertices: 720 MB for a
+/// smile that takes 635.
 pub(crate) fn cost(
     vertices: usize,
     most_in_whole: usize,
@@ -94,9 +94,9 @@ pub(crate) fn cost(
 
 /// Factorisations of a layer in one pose whose keys alone are wanted.
 ///
-/// The lowest layer takes about twelve at every key, fourteen more for every doubling of the strain beyond the onset, and
-/// nine more for every doubling of its size. One on another layer takes forty-five to wrinkle on what that has become at
-/// the first key, and goes on from there in thirty.
+/// The lowest layer takes about twelve at every key, fourteen more for every doubling of the strain beyond the onset,
+/// and nine more for every doubling of its size. One on another layer takes forty-five to wrinkle on what that has
+/// become at the first key, and goes on from there in thirty.
 pub(crate) fn factorisations(lowest: Option<Load>, pose: &PoseSpec, path: LoadPath) -> f64 {
     let keys = pose.keys.len() as f64;
     let Some(lowest) = lowest else {

@@ -360,8 +360,8 @@ impl<'a> LayerRun<'a> {
         self.layer.patches((self.points, most_in_whole), width)
     }
 
-    /// Gives back matrix and factor of the whole and what narrow patches are set up with, which the next solve makes anew.
-    /// Wide patches keep nothing.
+    /// Gives back matrix and factor of the whole and what narrow patches are set up with, which the next solve makes
+    /// anew. Wide patches keep nothing.
     fn release(&mut self) {
         if let Some(kkt) = &mut self.kkt {
             kkt.release();

@@ -18,8 +18,8 @@ pub(crate) struct Prediction {
 
 impl Prediction {
     pub(crate) fn new(free: &LatticeEnergy) -> Result<Self, SolverError> {
-        let (starts, rows) = free.pattern();
-        let pattern = LowerPattern::new(starts.to_vec(), rows.to_vec())?;
+        let (starts, rows) = free.blocks().shared();
+        let pattern = LowerPattern::new(starts, rows)?;
         let rows = ConstraintRows::none(pattern.size());
         Ok(Self {
             kkt: Kkt::new(&pattern, &rows, 3)?,

@@ -41,7 +41,7 @@ pub(super) struct PatchRow {
     pub(super) is_kept: bool,
 }
 
-/// Energy and matrix of a patch: without matrix and factor some 8 kB a vertex.
+/// Energy of a patch, and what its matrix is factorised with.
 struct System {
     part: LayerPart,
     /// The free vertices by their number in the part.
@@ -127,7 +127,7 @@ impl Patch {
             self.relaxation = report.first_relaxation;
         }
         if keeps {
-            // Matrices and factors of all patches together are more than half of what patches take.
+            // Else there would be a matrix and a factor of every patch at once.
             system.kkt.release();
             self.kept = Some(system);
         }
