@@ -129,12 +129,12 @@ impl Plan {
         self.stacking.meshes()
     }
 
-    /// The part of the base surface that `layer` is simulated on, as fine as its results need where they may be
-    /// wrinkled, in any direction, and the same as fine as its shape alone asks for; `None` as soon as `goes_on`
-    /// says no.
+    /// The part of the base surface that `layer` is simulated on, its edges up to `coarseness` times as long as its
+    /// results need where they may be wrinkled, in any direction, and the same as fine as its shape alone asks for;
+    /// `None` as soon as `goes_on` says no.
     pub(crate) fn layer_pieces(
         &self,
-        layer: &LayerPlan,
+        (layer, coarseness): (&LayerPlan, f64),
         goes_on: &mut dyn FnMut() -> bool,
     ) -> Option<(Piece, Refined)> {
         // Splitting begins at the driver's own triangles, because the layer may be coarser or finer
@@ -167,7 +167,7 @@ impl Plan {
             parts.map(|(_, edge)| *edge).fold(f64::INFINITY, f64::min)
         };
         let faces = base.mesh().faces().ids();
-        let measures = faces.map(|face| in_all_directions(longest(face)));
+        let measures = faces.map(|face| in_all_directions(coarseness * longest(face)));
         refined(driver, Piece::of(&base), measures.collect(), goes_on)
     }
 
@@ -187,7 +187,7 @@ impl Plan {
                         && other.output_edges == layer.output_edges
                 };
                 if !layer.region.is_empty() && !checked.iter().any(is_same) {
-                    let pieces = self.layer_pieces(layer, &mut || true);
+                    let pieces = self.layer_pieces((layer, 1.0), &mut || true);
                     let (piece, _) = pieces.expect("nothing ends it early");
                     check_boundaries(&self.driver, piece, spec)?;
                     checked.push(layer);

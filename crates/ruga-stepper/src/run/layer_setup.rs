@@ -18,11 +18,16 @@ use crate::{LayerSpec, Observer, Phase};
 /// Edges of a layer's output mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum OutputEdges {
-    /// Short across the wrinkles that the layer's own mesh is fitted to. Only for a layer whose mesh is fitted once.
+    /// Short across the wrinkles that the layer's own mesh is fitted to.
     AsFitted,
     /// As short as planned, in all directions.
     AsPlanned,
 }
+
+/// Edges of the mesh that a layer on others is fitted to, over those of a planned output mesh: what strains it are their
+/// wrinkles, many times as long as its own. The lowest layer is strained by a pose, whose borders longer edges
+/// would blur: of skin squeezed in a narrow band its mesh would have a third more vertices.
+const ON_WAVES: f64 = 2.0;
 
 /// Edges longer than asked for by less than this factor are not worth a word.
 const WORTH_TELLING: f64 = 1.1;
@@ -60,7 +65,18 @@ impl<'a> StackRun<'a> {
         output: OutputEdges,
         preparing: &mut Preparing<'_>,
     ) -> Result<(RegionMesh, Option<Adapted>), Halt> {
-        let (region, from) = self.planned_region(index, preparing)?;
+        let spec = &self.plan.stacking.specs[index];
+        let folds = &self.plan.poses[self.pose].layers[index].creases;
+        // Boundaries and folds are curves, which long edges would cut short.
+        let is_fitted = output == OutputEdges::AsFitted
+            && self.plan.modelling.remesh.is_some()
+            && !support.is_empty()
+            && sharp_map(spec).is_none()
+            && !folds.contains(&true);
+        let (region, from) = match is_fitted {
+            true => self.region_with_edges(index, self.fitting_edges(index), preparing)?,
+            false => self.planned_region(index, preparing)?,
+        };
         preparing.enter(Phase::Remeshing)?;
         let mut surfaces = Vec::with_capacity(support.len());
         for support in support {
@@ -75,19 +91,13 @@ impl<'a> StackRun<'a> {
         let sizing = self.sizing(index, &region, fitting, preparing)?;
         preparing.step()?;
         let adapted = self.fitted(index, &region, sizing, preparing)?;
-        let spec = &self.plan.stacking.specs[index];
-        let folds = &self.plan.poses[self.pose].layers[index].creases;
-        // Boundaries and folds are curves, which long edges would cut short. A layer that has no inner vertex on its
-        // fitted mesh is solved on the output mesh.
-        let is_fitted = output == OutputEdges::AsFitted
-            && !support.is_empty()
-            && sharp_map(spec).is_none()
-            && !folds.contains(&true);
-        let fitted = adapted
-            .as_ref()
-            .filter(|adapted| is_fitted && adapted.skin.has_inner_vertices());
-        let Some(fitted) = fitted else {
+        if !is_fitted {
             return Ok((region, adapted));
+        }
+        let fitted = adapted.as_ref();
+        let Some(fitted) = fitted.filter(|adapted| adapted.skin.has_inner_vertices()) else {
+            // A layer that has no inner vertex on its fitted mesh is solved on the output mesh.
+            return Ok((self.planned_region(index, preparing)?.0, adapted));
         };
         let sizing = (&fitted.sizing, fitted.coarseness);
         let measures = region.output_measures(&from, sizing);
@@ -105,9 +115,31 @@ impl<'a> StackRun<'a> {
         index: usize,
         preparing: &mut Preparing<'_>,
     ) -> Result<(RegionMesh, Refined), Halt> {
+        self.region_with_edges(index, 1.0, preparing)
+    }
+
+    /// Edges of the mesh that layer number `index` is fitted to, over those of its planned output mesh.
+    fn fitting_edges(&self, index: usize) -> f64 {
+        let layers = &self.plan.poses[self.pose].layers;
+        let lowest = layers.iter().position(|layer| !layer.region.is_empty());
+        match lowest == Some(index) {
+            true => 1.0,
+            false => ON_WAVES,
+        }
+    }
+
+    /// Mesh of the region of layer number `index` with edges up to `coarseness` times as long as those planned for
+    /// its output mesh, and the piece that it was refined from.
+    fn region_with_edges(
+        &self,
+        index: usize,
+        coarseness: f64,
+        preparing: &mut Preparing<'_>,
+    ) -> Result<(RegionMesh, Refined), Halt> {
         let plan = self.plan;
         let layer = &plan.poses[self.pose].layers[index];
-        let (fine, from) = preparing.while_wanted(|goes_on| plan.layer_pieces(layer, goes_on))?;
+        let (fine, from) =
+            preparing.while_wanted(|goes_on| plan.layer_pieces((layer, coarseness), goes_on))?;
         Ok((self.region(index, fine, preparing)?, from))
     }
 
@@ -246,6 +278,7 @@ impl<'a> StackRun<'a> {
         &self,
         mut run: LayerRun<'a>,
         support: &SupportOf<'_>,
+        output: OutputEdges,
         observer: &mut dyn Observer,
     ) -> Result<LayerRun<'a>, Halt> {
         let index = run.index;
@@ -264,12 +297,11 @@ impl<'a> StackRun<'a> {
         let ratios = run.layer.strain_ratios().all();
         // Deviations can be carried over only between meshes that lie on the same surface.
         run.layer.set_support(support(run.layer.skin()), 1.0)?;
-        let region = run.layer.region().clone();
         // The same places are averaged on every mesh. Centres chosen anew would hold the layer
         // elsewhere, and its shape would jump.
         let centres = Some(run.layer.row_centres().to_vec());
-        let adapted = self.fitted(index, &region, sizing, &mut preparing)?;
-        let wanted = (region, adapted);
+        let supports = std::slice::from_ref(support);
+        let wanted = self.meshes(index, supports, output, &mut preparing)?;
         let mut fitted = self.build_on(index, wanted, centres, Some(support), &mut preparing)?;
         preparing.enter(Phase::Remeshing)?;
         fitted

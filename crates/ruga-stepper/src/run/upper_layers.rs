@@ -99,15 +99,20 @@ impl<'a> StackRun<'a> {
         });
         let mut history = None;
         // From its last shape a layer takes some thirty factorisations, from none sixty.
+        // All frames show one mesh, whatever wrinkles in them.
+        let output = match observer.wants_frames() {
+            true => OutputEdges::AsPlanned,
+            false => OutputEdges::AsFitted,
+        };
         if let Some(last) = last {
-            let mut run = self.refitted(last, &support_of, observer)?;
+            let mut run = self.refitted(last, &support_of, output, observer)?;
             match self.reach(&mut run, &support_of, point, observer)? {
                 Ending::GaveUp => history = Some(run),
                 ending => return Ok((run, ending)),
             }
         }
         let supports = std::slice::from_ref(&support_of);
-        let mut run = self.build(index, supports, OutputEdges::AsPlanned, observer)?;
+        let mut run = self.build(index, supports, output, observer)?;
         if let Some(history) = history {
             run.take_history(history);
         }

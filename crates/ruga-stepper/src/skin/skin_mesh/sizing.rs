@@ -1,7 +1,7 @@
 //! How fine a mesh of a region is to be, and whether one is.
 
 use nalgebra::{Matrix3, SymmetricEigen};
-use ruga_mesh::{Id, MaterialPoint, PerFace, PerVertex};
+use ruga_mesh::{Id, MaterialPoint, PerFace, PerVertex, vertex_areas};
 use ruga_remesh::{
     FaceDriver, PolyhedralSurface, Refinement, RemeshError, RemeshSettings, Sizing, SizingInput,
     SurfaceMesh, sizing_field,
@@ -66,8 +66,8 @@ impl RegionMesh {
         })
     }
 
-    /// Fraction of this mesh's vertices under which the triangle of `layer`, a mesh of the same
-    /// region, is longer than `strains` allows by the factor that a fitted mesh may have anywhere.
+    /// Fraction of the vertices asked for by `strains` at whose place the triangle of `layer`, a mesh of the same
+    /// region, is longer than they allow by the factor that a fitted mesh may have anywhere.
     pub(crate) fn fraction_too_coarse(
         &self,
         layer: &SkinMesh,
@@ -80,14 +80,19 @@ impl RegionMesh {
         } = self.remesh_input(strains, settings)?;
         // Where the budget leaves edges too long everywhere, a new mesh would be no finer.
         let longest = TOO_LONG * coarseness;
-        let too_coarse = places.iter().zip(sizing.tensors.as_slice());
-        let too_coarse = too_coarse.filter(|(place, tensor)| {
+        // This mesh has few vertices where nothing wrinkled before, though many may be asked for there now.
+        let areas = vertex_areas(&self.skin.mesh, &self.skin.rest.positions);
+        let (mut too_coarse, mut all) = (0.0, 0.0);
+        for ((place, tensor), area) in places.iter().zip(sizing.tensors.as_slice()).zip(areas) {
+            let asked = area * vertices_per_area(tensor);
             let [a, b, c] = layer.mesh.faces()[place.face].map(|v| layer.rest.positions[v.index()]);
-            [b - a, c - b, a - c]
-                .iter()
-                .any(|edge| edge.dot(&(*tensor * edge)) > longest * longest)
-        });
-        Ok(too_coarse.count() as f64 / places.len().max(1) as f64)
+            let mut edges = [b - a, c - b, a - c].into_iter();
+            if edges.any(|edge| edge.dot(&(tensor * edge)) > longest * longest) {
+                too_coarse += asked;
+            }
+            all += asked;
+        }
+        Ok(too_coarse / f64::max(all, f64::MIN_POSITIVE))
     }
 
     /// Sizing at places of this mesh from that at its vertices, for edges `coarseness` times as
@@ -108,6 +113,14 @@ impl RegionMesh {
             tensors: places.as_slice().iter().map(tensor).collect(),
         }
     }
+}
+
+/// Vertices per area that a sizing tensor asks for, up to a factor.
+fn vertices_per_area(tensor: &Matrix3<f64>) -> f64 {
+    let mut values = tensor.symmetric_eigenvalues();
+    // The least is that of the normal.
+    values.as_mut_slice().sort_by(|a, b| b.total_cmp(a));
+    (values[0] * values[1]).max(0.0).sqrt()
 }
 
 /// Shortens the long directions of a sizing tensor to `aspect` times the short one.
