@@ -24,7 +24,7 @@ use ruga_solver::{
 
 use crate::run::neighbourhood::Neighbourhood;
 use division::{coloured, divided};
-use patch::{Patch, Solved, coordinates};
+use patch::{Patch, PatchRow, Solved, coordinates};
 use sweep::{Next, Order};
 use work::Work;
 
@@ -33,6 +33,10 @@ pub(crate) use width::Width;
 /// Overlap in edges at least. A smile at 6 points per wavelength ends .2 % from the whole's amplitude with six
 /// edges, and 3 % from it with three.
 const LEAST_OVERLAP: f64 = 4.0;
+
+/// Share of a constraint's absolute weights that a patch has to have, or it does not know of it: what such
+/// a patch can violate is less than what the tolerance of its own steps leaves.
+const LEAST_SHARE: f64 = 1e-3;
 
 /// Gain of a sweep, in energy scales, at which another is not worth it. The seams between patches then
 /// hardly move, and a hand with bent fingers has .2 % more energy than after ten times the work on the whole.
@@ -103,10 +107,12 @@ impl Patches {
             let part = LayerPart::new(energy, &moving)?;
             around.push(part.vertices().iter().filter_map(rank).collect());
             let ranks = moving.iter().filter_map(rank).collect();
-            patches.push(Patch::new(ranks, free.len(), rows));
+            patches.push(Patch::new(ranks, free.len()));
         }
+        let movers = movers(&patches, free.len());
+        share_rows(&mut patches, &movers, rows);
         keep_rows(&mut patches, rows.count());
-        let order = join(&mut patches, &around, free.len());
+        let order = join(&mut patches, &around, &movers);
         Some(Self {
             patches,
             order,
@@ -202,6 +208,45 @@ impl Patches {
     }
 }
 
+/// The patches, ascending, that move each of so many free vertices.
+fn movers(patches: &[Patch], free: usize) -> Vec<Vec<usize>> {
+    let mut movers = vec![Vec::new(); free];
+    for (i, patch) in patches.iter().enumerate() {
+        patch.ranks.iter().for_each(|&rank| movers[rank].push(i));
+    }
+    movers
+}
+
+/// Tells every patch of the `rows` that it has more than [`LEAST_SHARE`] of. All rows are gone through once: to look
+/// for every patch's would take time with the square of the area.
+fn share_rows(patches: &mut [Patch], movers: &[Vec<usize>], rows: &ConstraintRows) {
+    let mut own = vec![0.0; patches.len()];
+    for row in 0..rows.count() {
+        let (columns, weights) = rows.row(row);
+        let mut touched = Vec::new();
+        for (column, weight) in columns.iter().zip(weights) {
+            for &i in &movers[column / 3] {
+                // Most columns follow others of the same patch.
+                if own[i] == 0.0 {
+                    touched.push(i);
+                }
+                own[i] += weight.abs();
+            }
+        }
+        let whole: f64 = weights.iter().map(|weight| weight.abs()).sum();
+        for i in touched {
+            let share = std::mem::take(&mut own[i]) / whole;
+            if share > LEAST_SHARE {
+                patches[i].rows.push(PatchRow {
+                    row,
+                    share,
+                    is_kept: false,
+                });
+            }
+        }
+    }
+}
+
 /// Lets every row be kept by the patch that has most of it.
 fn keep_rows(patches: &mut [Patch], rows: usize) {
     let mut most = vec![0.0_f64; rows];
@@ -216,13 +261,9 @@ fn keep_rows(patches: &mut [Patch], rows: usize) {
     }
 }
 
-/// Finds the neighbours of every patch, of which each sees the vertices with the ranks in `around`, of a
-/// layer with so many free vertices, and brings the patches into the order of a sweep.
-fn join(patches: &mut Vec<Patch>, around: &[Vec<usize>], free: usize) -> Order {
-    let mut movers = vec![Vec::new(); free];
-    for (i, patch) in patches.iter().enumerate() {
-        patch.ranks.iter().for_each(|&rank| movers[rank].push(i));
-    }
+/// Finds the neighbours of every patch, of which each sees the vertices with the ranks in `around`, by the patches
+/// that move each vertex, and brings the patches into the order of a sweep.
+fn join(patches: &mut Vec<Patch>, around: &[Vec<usize>], movers: &[Vec<usize>]) -> Order {
     let mut neighbours = vec![Vec::new(); patches.len()];
     for (i, around) in around.iter().enumerate() {
         for &mover in around.iter().flat_map(|&rank| &movers[rank]) {
@@ -251,4 +292,32 @@ fn join(patches: &mut Vec<Patch>, around: &[Vec<usize>], free: usize) -> Order {
     placed.sort_by_key(|(place, _)| *place);
     patches.extend(placed.into_iter().map(|(_, patch)| patch));
     Order::new(patches.iter().map(|patch| patch.neighbours.as_slice()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two patches that share a vertex: rows on one of them, on both, and with next to nothing on the first.
+    #[test]
+    fn patches_know_of_the_rows_that_they_have_a_share_of() {
+        let mut patches = [vec![0, 1], vec![1, 2, 3]].map(|ranks| Patch::new(ranks, 4));
+        let columns = vec![0, 4, 3, 6, 9, 0, 11];
+        let weights = vec![1.0, -1.0, 1.0, -2.0, 1.0, 1e-4, 1.0];
+        let rows = ConstraintRows::new(vec![0, 2, 5, 7], columns, weights, 12).expect("rows");
+        let movers = movers(&patches, 4);
+        share_rows(&mut patches, &movers, &rows);
+        keep_rows(&mut patches, rows.count());
+        let known = |patch: &Patch| -> Vec<_> {
+            let rows = patch.rows.iter();
+            rows.map(|part| (part.row, part.share, part.is_kept))
+                .collect()
+        };
+        assert_eq!(known(&patches[0]), [(0, 1.0, true), (1, 0.25, false)]);
+        let [(0, half, false), (1, whole, true), (2, most, true)] = known(&patches[1])[..] else {
+            panic!("{:?}", known(&patches[1]));
+        };
+        assert_eq!([half, whole], [0.5, 1.0]);
+        assert!((most - 1.0).abs() < 1e-3, "{most}");
+    }
 }

@@ -12,10 +12,6 @@ use super::Whole;
 use crate::run::layer_objective::LayerObjective;
 use crate::run::layer_run::SLOWLY_LESS;
 
-/// Share of a constraint's absolute weights that a patch has to have, or it does not know of it: what such
-/// a patch can violate is less than what the tolerance of its own steps leaves.
-const LEAST_SHARE: f64 = 1e-3;
-
 /// Some vertices that move together, while all others stand still.
 pub(super) struct Patch {
     /// Ranks of these vertices among the layer's free ones, ascending.
@@ -63,10 +59,10 @@ pub(super) struct Solved {
 }
 
 impl Patch {
-    /// A patch of the vertices with these `ranks` among so many free ones of a layer with these `rows`.
-    pub(super) fn new(ranks: Vec<usize>, free: usize, rows: &ConstraintRows) -> Self {
+    /// A patch of the vertices with these `ranks` among so many free ones, which knows of no rows yet.
+    pub(super) fn new(ranks: Vec<usize>, free: usize) -> Self {
         Self {
-            rows: shares(rows, &ranks),
+            rows: Vec::new(),
             neighbours: Vec::new(),
             share: ranks.len() as f64 / free.max(1) as f64,
             relaxation: 0.0,
@@ -200,30 +196,6 @@ impl System {
 /// Numbers of the coordinates of free vertices with these ranks.
 pub(super) fn coordinates(ranks: &[usize]) -> impl Iterator<Item = usize> + '_ {
     ranks.iter().flat_map(|rank| 3 * rank..3 * rank + 3)
-}
-
-/// The rows of a layer of which the vertices with these `ranks`, ascending, have more than
-/// [`LEAST_SHARE`].
-fn shares(rows: &ConstraintRows, ranks: &[usize]) -> Vec<PatchRow> {
-    let has = |column: &usize| ranks.binary_search(&(column / 3)).is_ok();
-    let part = |row: usize| {
-        let (columns, weights) = rows.row(row);
-        let whole: f64 = weights.iter().map(|weight| weight.abs()).sum();
-        let terms = columns.iter().zip(weights);
-        let own: f64 = terms
-            .filter(|(column, _)| has(column))
-            .map(|(_, weight)| weight.abs())
-            .sum();
-        PatchRow {
-            row,
-            share: own / whole,
-            is_kept: false,
-        }
-    };
-    (0..rows.count())
-        .map(part)
-        .filter(|part| part.share > LEAST_SHARE)
-        .collect()
 }
 
 /// What the vertices with these `ranks`, ascending, have of some rows of a layer.
