@@ -10,11 +10,11 @@ use ruga_mesh::{BlockPattern, EdgeId, FaceId, Id, PerEdge, TriMesh};
 use crate::hinge::{Hinge, HingeState};
 use crate::hinge_stiffness::{HINGE_EXPONENT, HingeShape};
 use crate::layer_creases::HingeCrease;
-use crate::layer_part::{PartNumbers, marked, ranks};
+use crate::layer_part::{PartNumbers, rank};
 use crate::natural_curvature::NaturalAngles;
 use crate::sharp_fold::SharpFold;
 use crate::stars::Star;
-use crate::stencil::{FaceCorner, add_blocks, gather, slots, touches};
+use crate::stencil::{FaceCorner, add_blocks, gather, slots};
 use crate::{EnergyParts, FaceParameters, RestTriangle};
 use elements::{HingeElement, StarElement};
 
@@ -111,43 +111,45 @@ impl LayerBending {
 
     /// The vertices of every hinge and star.
     pub(crate) fn stencils(&self) -> impl Iterator<Item = &[u32]> {
-        let hinges = self.hinges.iter().map(|hinge| hinge.vertices.as_slice());
-        let stars = self.stars.iter().map(|star| star.star.vertices.as_slice());
-        hinges.chain(stars)
+        self.hinge_stencils().chain(self.star_stencils())
     }
 
-    /// Numbers of the hinges and of the stars that have a marked vertex, or that those stars need.
-    pub(crate) fn touching(&self, marks: &[bool]) -> [Vec<u32>; 2] {
-        let stars = self.stars.iter();
-        let touched: Vec<_> = stars
-            .map(|star| touches(&star.star.vertices, marks))
-            .collect();
+    /// The hinges' vertices.
+    pub(crate) fn hinge_stencils(&self) -> impl Iterator<Item = &[u32]> {
         let hinges = self.hinges.iter();
-        let mut needed: Vec<_> = hinges
-            .map(|hinge| touches(&hinge.vertices, marks))
-            .collect();
-        let stars = self.stars.iter().zip(&touched).filter(|&(_, touch)| *touch);
-        for &hinge in stars.flat_map(|(star, _)| &star.hinges) {
-            needed[hinge as usize] = true;
-        }
-        [marked(&needed), marked(&touched)]
+        hinges.map(|hinge| hinge.vertices.as_slice())
     }
 
-    /// Bending in a part of the layer, where vertex `v` has the number `local[v]`; slots are to be
+    /// The stars' vertices.
+    pub(crate) fn star_stencils(&self) -> impl Iterator<Item = &[u32]> {
+        self.stars.iter().map(|star| star.star.vertices.as_slice())
+    }
+
+    /// The vertices of one hinge.
+    pub(crate) fn hinge(&self, number: u32) -> &[u32] {
+        &self.hinges[number as usize].vertices
+    }
+
+    /// The vertices of one star, and the hinges that it needs.
+    pub(crate) fn star(&self, number: u32) -> (&[u32], &[u32]) {
+        let element = &self.stars[number as usize];
+        (&element.star.vertices, &element.hinges)
+    }
+
+    /// Bending in a part of the layer, whose vertices are `local`; slots are to be
     /// looked up, stiffness and angles to be taken over.
     pub(crate) fn part(&self, numbers: &PartNumbers, local: &[u32]) -> Self {
-        let local_hinge = ranks(&numbers.hinges, self.hinges.len());
         let hinge = |&number: &u32| {
             let whole = &self.hinges[number as usize];
             HingeElement {
-                vertices: whole.vertices.map(|v| local[v as usize]),
+                vertices: whole.vertices.map(|v| rank(local, v)),
                 sides: whole.sides.map(FaceCorner::of_no_face),
                 ..whole.clone()
             }
         };
         let star = |&number: &u32| {
             let whole = &self.stars[number as usize];
-            let hinges = whole.hinges.iter().map(|&h| local_hinge[h as usize]);
+            let hinges = whole.hinges.iter().map(|&h| rank(&numbers.hinges, h));
             StarElement {
                 star: whole.star.part(local),
                 rows: Vec::new(),

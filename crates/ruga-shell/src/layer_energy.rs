@@ -11,7 +11,7 @@ use ruga_mesh::{BlockPattern, PerVertex, TriMesh, vertex_normals};
 
 use crate::foundation::Anchor;
 use crate::layer_foundation::{FoundationStiffness, LayerFoundation, anchors, deviations};
-use crate::layer_part::{PartNumbers, ranks};
+use crate::layer_part::PartNumbers;
 use crate::parameters::{check_finite, check_length};
 use crate::sheet::{Sheet, SheetTopology};
 use crate::sheet_springs::{SheetSprings, both};
@@ -149,26 +149,27 @@ impl LayerEnergy {
         })
     }
 
-    /// The stencils that touch a vertex marked in `is_free`, and their numbers; values are still to be
-    /// taken over by [`Self::follow`]. `None` for a pair.
-    pub(crate) fn part(&self, is_free: &[bool]) -> Option<(PartNumbers, Self)> {
-        let [whole] = self.sheets.as_slice() else {
-            return None;
-        };
-        let numbers = PartNumbers::new(is_free, whole, &self.foundation);
-        let local = ranks(&numbers.vertices, is_free.len());
-        let mut sheet = whole.part(&numbers, &local);
+    /// Its sheet and what that lies on; `None` for a pair.
+    pub(crate) fn one_sheet(&self) -> Option<(&Sheet, &LayerFoundation)> {
+        match self.sheets.as_slice() {
+            [sheet] => Some((sheet, &self.foundation)),
+            _ => None,
+        }
+    }
+
+    /// What has these numbers; values are still to be taken over by [`Self::follow`]. Of a pair the lower sheet's.
+    pub(crate) fn part(&self, numbers: &PartNumbers) -> Self {
+        let mut sheet = self.lower().part(numbers, &numbers.vertices);
         let pinned: Vec<_> = numbers.is_free.iter().map(|free| !free).collect();
         let pattern = BlockPattern::new(&pinned, sheet.stencils());
         sheet.find_slots(&pattern);
-        let part = Self {
+        Self {
             sheets: vec![sheet],
             springs: None,
             bending_model: self.bending_model,
-            foundation: self.foundation.part(&numbers, &local, &pattern),
+            foundation: self.foundation.part(numbers, &numbers.vertices, &pattern),
             pattern,
-        };
-        Some((numbers, part))
+        }
     }
 
     /// Takes over the values of the `whole` that this is a part of.

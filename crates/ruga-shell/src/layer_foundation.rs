@@ -5,10 +5,10 @@ use nalgebra::Vector3;
 use ruga_mesh::{BlockPattern, BlockSlot, Id, SparseRows, TriMesh};
 
 use crate::foundation::{Anchor, NormalFoundation, TangentialSpring};
-use crate::layer_part::{PartNumbers, marked, pick};
+use crate::layer_part::{PartNumbers, pick, rank};
 use crate::parameters::{check_finite, check_length};
 use crate::sheet::Sheet;
-use crate::stencil::{FaceCorner, touches};
+use crate::stencil::FaceCorner;
 use crate::{EnergyParts, FaceParameters, LineAnchor, RestTriangle, ShellError};
 
 /// Tolerance on the length of a base normal.
@@ -173,13 +173,12 @@ impl LayerFoundation {
         Ok(())
     }
 
-    /// Numbers of the edges that have a marked end.
-    pub(crate) fn touching(&self, marks: &[bool]) -> Vec<u32> {
-        let edges = self.edges.iter().map(|edge| touches(&edge.ends, marks));
-        marked(&edges.collect::<Vec<_>>())
+    /// The ends of every edge.
+    pub(crate) fn edge_stencils(&self) -> impl Iterator<Item = &[u32]> {
+        self.edges.iter().map(|edge| edge.ends.as_slice())
     }
 
-    /// The foundation in a part of the layer, where vertex `v` has the number `local[v]`; values are to
+    /// The foundation in a part of the layer, whose vertices are `local`; values are to
     /// be taken over.
     pub(crate) fn part(
         &self,
@@ -189,7 +188,7 @@ impl LayerFoundation {
     ) -> Self {
         let edge = |&number: &u32| {
             let whole = &self.edges[number as usize];
-            let ends = whole.ends.map(|v| local[v as usize]);
+            let ends = whole.ends.map(|v| rank(local, v));
             EdgeSprings {
                 ends,
                 sides: whole.sides.map(|side| side.map(FaceCorner::of_no_face)),

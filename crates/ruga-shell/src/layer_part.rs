@@ -1,9 +1,7 @@
 //! The energy of a part of a layer, for solving a large layer in overlapping patches.
 
 use crate::LayerEnergy;
-use crate::layer_foundation::LayerFoundation;
 use crate::sheet::Sheet;
-use crate::stencil::touches;
 
 /// The energy of a layer as a function of some of its vertices, all others standing still.
 ///
@@ -12,7 +10,7 @@ use crate::stencil::touches;
 /// the free vertices, bit for bit. Values differ from the whole's by a constant: the energy of the
 /// stencils that no free vertex touches.
 ///
-/// Evaluation and [`Self::follow`] cost as much as the part is large, however large the whole is.
+/// It is made by [`PartIndex::part`]. Evaluation and [`Self::follow`] cost as much as the part is large, however large the whole is.
 #[derive(Clone, Debug)]
 pub struct LayerPart {
     numbers: PartNumbers,
@@ -23,21 +21,12 @@ impl LayerPart {
     /// The part of `whole` in which the vertices `free` move: ascending, none of them pinned in `whole`.
     /// `None` if `whole` is a pair of sheets.
     ///
+    /// Looks at all of the layer; [`PartIndex::part`] makes many parts without that.
+    ///
     /// # Panics
     /// When `free` is not ascending, or names a vertex that is pinned or not there.
     pub fn new(whole: &LayerEnergy, free: &[u32]) -> Option<Self> {
-        let ascending = free.windows(2).all(|pair| pair[0] < pair[1]);
-        assert!(ascending, "free vertices are ascending");
-        let mut is_free = vec![false; whole.vertex_count()];
-        for &vertex in free {
-            let moves = whole.blocks().free(vertex).is_some();
-            assert!(moves, "vertex {vertex} is pinned in the whole layer");
-            is_free[vertex as usize] = true;
-        }
-        let (numbers, energy) = whole.part(&is_free)?;
-        let mut this = Self { numbers, energy };
-        this.follow(whole);
-        Some(this)
+        Some(PartIndex::new(whole)?.part(whole, free))
     }
 
     /// The vertices of the whole layer that the part knows, ascending: free ones and those that a
@@ -63,6 +52,125 @@ impl LayerPart {
     }
 }
 
+/// What is at every vertex of a layer, to find the parts of it.
+#[derive(Clone, Debug)]
+pub struct PartIndex {
+    faces: AtVertices,
+    hinges: AtVertices,
+    stars: AtVertices,
+    /// Edges of the foundation.
+    edges: AtVertices,
+}
+
+impl PartIndex {
+    /// Index of a layer; `None` if it is a pair of sheets.
+    pub fn new(whole: &LayerEnergy) -> Option<Self> {
+        let (sheet, foundation) = whole.one_sheet()?;
+        let count = whole.vertex_count();
+        let faces = || sheet.faces().iter().map(<[u32; 3]>::as_slice);
+        let bending = sheet.bending();
+        Some(Self {
+            faces: AtVertices::new(count, faces),
+            hinges: AtVertices::new(count, || bending.hinge_stencils()),
+            stars: AtVertices::new(count, || bending.star_stencils()),
+            edges: AtVertices::new(count, || foundation.edge_stencils()),
+        })
+    }
+
+    /// The part of `whole`, the layer that this is the index of, in which the vertices `free` move: ascending, none
+    /// of them pinned in `whole`. Costs as much as the part is large.
+    ///
+    /// # Panics
+    /// When `free` is not ascending, or names a vertex that is pinned or not there; when `whole` is another layer.
+    pub fn part(&self, whole: &LayerEnergy, free: &[u32]) -> LayerPart {
+        let ascending = free.windows(2).all(|pair| pair[0] < pair[1]);
+        assert!(ascending, "free vertices are ascending");
+        for &vertex in free {
+            let moves = whole.blocks().free(vertex).is_some();
+            assert!(moves, "vertex {vertex} is pinned in the whole layer");
+        }
+        let (sheet, _) = whole
+            .one_sheet()
+            .expect("the layer of this index has one sheet");
+        let numbers = self.numbers(sheet, free);
+        let energy = whole.part(&numbers);
+        let mut part = LayerPart { numbers, energy };
+        part.follow(whole);
+        part
+    }
+
+    /// The numbers of what a part with these `free` vertices has.
+    fn numbers(&self, sheet: &Sheet, free: &[u32]) -> PartNumbers {
+        let faces = self.faces.touching(free);
+        let mut hinges = self.hinges.touching(free);
+        let stars = self.stars.touching(free);
+        let mut vertices = free.to_vec();
+        let corners = faces.iter().map(|&face| &sheet.faces()[face as usize]);
+        vertices.extend(corners.flatten());
+        let bending = sheet.bending();
+        vertices.extend(hinges.iter().flat_map(|&hinge| bending.hinge(hinge)));
+        vertices.extend(stars.iter().flat_map(|&star| bending.star(star).0));
+        // Their vertices are those of the stars.
+        hinges.extend(stars.iter().flat_map(|&star| bending.star(star).1));
+        for numbers in [&mut vertices, &mut hinges] {
+            numbers.sort_unstable();
+            numbers.dedup();
+        }
+        PartNumbers {
+            is_free: vertices
+                .iter()
+                .map(|v| free.binary_search(v).is_ok())
+                .collect(),
+            vertices,
+            faces,
+            hinges,
+            stars,
+            edges: self.edges.touching(free),
+        }
+    }
+}
+
+/// The numbers of the stencils at every vertex.
+#[derive(Clone, Debug)]
+struct AtVertices {
+    starts: Vec<u32>,
+    numbers: Vec<u32>,
+}
+
+impl AtVertices {
+    fn new<'a, I: Iterator<Item = &'a [u32]>>(count: usize, stencils: impl Fn() -> I) -> Self {
+        let mut starts = vec![0; count + 1];
+        for &vertex in stencils().flatten() {
+            starts[vertex as usize + 1] += 1;
+        }
+        for vertex in 0..count {
+            starts[vertex + 1] += starts[vertex];
+        }
+        let mut next = starts.clone();
+        let mut numbers = vec![0; starts[count] as usize];
+        for (number, stencil) in (0..).zip(stencils()) {
+            for &vertex in stencil {
+                let place = &mut next[vertex as usize];
+                numbers[*place as usize] = number;
+                *place += 1;
+            }
+        }
+        Self { starts, numbers }
+    }
+
+    /// Those that have one of some vertices, ascending.
+    fn touching(&self, vertices: &[u32]) -> Vec<u32> {
+        let at = |&v: &u32| {
+            let range = self.starts[v as usize]..self.starts[v as usize + 1];
+            &self.numbers[range.start as usize..range.end as usize]
+        };
+        let mut all: Vec<u32> = vertices.iter().flat_map(at).copied().collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+}
+
 /// Numbers in a whole layer of what a part of it has, each list ascending.
 #[derive(Clone, Debug)]
 pub(crate) struct PartNumbers {
@@ -76,45 +184,11 @@ pub(crate) struct PartNumbers {
     pub(crate) edges: Vec<u32>,
 }
 
-impl PartNumbers {
-    /// The numbers for free vertices marked among those of the whole layer.
-    pub(crate) fn new(is_free: &[bool], sheet: &Sheet, foundation: &LayerFoundation) -> Self {
-        let mut is_known = is_free.to_vec();
-        for stencil in sheet
-            .stencils()
-            .filter(|&stencil| touches(stencil, is_free))
-        {
-            for &vertex in stencil {
-                is_known[vertex as usize] = true;
-            }
-        }
-        let vertices = marked(&is_known);
-        let [faces, hinges, stars] = sheet.touching(is_free);
-        Self {
-            is_free: vertices.iter().map(|&v| is_free[v as usize]).collect(),
-            vertices,
-            faces,
-            hinges,
-            stars,
-            edges: foundation.touching(is_free),
-        }
-    }
-}
-
-/// Numbers of the marked elements, ascending.
-pub(crate) fn marked(marks: &[bool]) -> Vec<u32> {
-    let numbers = (0..).zip(marks).filter(|&(_, &mark)| mark);
-    numbers.map(|(number, _)| number).collect()
-}
-
-/// Rank of each of `count` elements in a list of numbers; one that is not in it has a rank that no list
-/// is long enough for.
-pub(crate) fn ranks(numbers: &[u32], count: usize) -> Vec<u32> {
-    let mut ranks = vec![u32::MAX; count];
-    for (rank, &number) in (0..).zip(numbers) {
-        ranks[number as usize] = rank;
-    }
-    ranks
+/// Rank of a number in an ascending list; of one that is not in it a rank that no list is long enough for.
+pub(crate) fn rank(numbers: &[u32], number: u32) -> u32 {
+    numbers
+        .binary_search(&number)
+        .map_or(u32::MAX, |rank| rank as u32)
 }
 
 /// Replaces `target` by the elements of `source` with these numbers.

@@ -98,7 +98,7 @@ pub use crease_state::CreaseState;
 pub use energy_parts::EnergyParts;
 pub use layer_energy::LayerEnergy;
 pub use layer_foundation::FoundationStiffness;
-pub use layer_part::LayerPart;
+pub use layer_part::{LayerPart, PartIndex};
 pub use line_anchor::LineAnchor;
 pub use natural_curvature::MAX_NATURAL_ANGLE;
 pub use parameters::{FaceParameters, LayerParameters, MIN_AREA_LEFT};

@@ -5,10 +5,10 @@ use nalgebra::{Matrix2, Vector3};
 use ruga_mesh::{BlockPattern, BlockSlot, EdgeId, TriMesh};
 
 use crate::layer_bending::{InnerEdge, LayerBending, inner_edges};
-use crate::layer_part::{PartNumbers, marked, pick};
+use crate::layer_part::{PartNumbers, pick, rank};
 use crate::membrane::{Membrane, Stress};
 use crate::stars::{Star, stars};
-use crate::stencil::{add_blocks, gather, slots, touches};
+use crate::stencil::{add_blocks, gather, slots};
 use crate::{
     BendingModel, Crease, CreaseState, EnergyParts, FaceParameters, RestTriangle, ShellError,
 };
@@ -115,17 +115,15 @@ impl Sheet {
         faces.chain(self.bending.stencils())
     }
 
-    /// Numbers of the faces, hinges and stars of a part whose free vertices are marked.
-    pub(crate) fn touching(&self, marks: &[bool]) -> [Vec<u32>; 3] {
-        let faces = self.faces.iter().map(|face| touches(face, marks));
-        let [hinges, stars] = self.bending.touching(marks);
-        [marked(&faces.collect::<Vec<_>>()), hinges, stars]
+    /// How the sheet bends.
+    pub(crate) fn bending(&self) -> &LayerBending {
+        &self.bending
     }
 
-    /// The sheet in a part of the layer, where vertex `v` has the number `local[v]`; slots are to be
+    /// The sheet in a part of the layer, whose vertices are `local`; slots are to be
     /// looked up, values to be taken over.
     pub(crate) fn part(&self, numbers: &PartNumbers, local: &[u32]) -> Self {
-        let face = |&number: &u32| self.faces[number as usize].map(|v| local[v as usize]);
+        let face = |&number: &u32| self.faces[number as usize].map(|v| rank(local, v));
         Self {
             faces: numbers.faces.iter().map(face).collect(),
             parameters: Vec::new(),

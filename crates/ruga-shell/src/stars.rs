@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use ruga_mesh::{EdgeId, FaceId, Id, TriMesh, VertexFan};
 
+use crate::layer_part::rank;
 use crate::stencil::FaceCorner;
 use crate::{RestTriangle, StarShape};
 
@@ -64,12 +65,12 @@ impl Star {
         }
     }
 
-    /// The star in a part of the layer, where vertex `v` has the number `local[v]`.
+    /// The star in a part of the layer, whose vertices are `local`.
     pub(crate) fn part(&self, local: &[u32]) -> Self {
         Self {
             fan: self.fan.iter().map(|side| side.of_no_face()).collect(),
             is_closed: self.is_closed,
-            vertices: self.vertices.iter().map(|&v| local[v as usize]).collect(),
+            vertices: self.vertices.iter().map(|&v| rank(local, v)).collect(),
             folds: self.folds.clone(),
         }
     }

@@ -39,11 +39,6 @@ pub(crate) fn gather<const N: usize>(x: &[Vector3<f64>], vertices: &[u32; N]) ->
     vertices.map(|v| x[v as usize])
 }
 
-/// Whether a stencil has a marked vertex.
-pub(crate) fn touches(stencil: &[u32], marks: &[bool]) -> bool {
-    stencil.iter().any(|&vertex| marks[vertex as usize])
-}
-
 /// Slots of the lower blocks of a stencil of `N` vertices, row by row.
 pub(crate) fn slots<const N: usize, const M: usize>(
     pattern: &BlockPattern,

@@ -17,7 +17,7 @@ mod work;
 
 use nalgebra::Vector3;
 use ruga_mesh::TriMesh;
-use ruga_shell::{LayerEnergy, LayerPart};
+use ruga_shell::{LayerEnergy, PartIndex};
 use ruga_solver::{
     ConstraintRows, Iteration, Minimise, NewtonSettings, SolveReport, SolverError, StopRule,
 };
@@ -49,6 +49,7 @@ const PASSED: f64 = 10.0;
 
 /// The patches of a layer's mesh.
 pub(crate) struct Patches {
+    index: PartIndex,
     patches: Vec<Patch>,
     order: Order,
     width: Width,
@@ -99,12 +100,13 @@ impl Patches {
         if cores.len() < 2 {
             return None;
         }
+        let index = PartIndex::new(energy)?;
         let near = Neighbourhood::new(mesh);
         let (mut patches, mut around) = (Vec::new(), Vec::new());
         let rank = |v: &u32| free.binary_search(v).ok();
         for core in &cores {
             let moving = near.grown(core, overlap.ceil() as usize, free);
-            let part = LayerPart::new(energy, &moving)?;
+            let part = index.part(energy, &moving);
             around.push(part.vertices().iter().filter_map(rank).collect());
             let ranks = moving.iter().filter_map(rank).collect();
             patches.push(Patch::new(ranks, free.len()));
@@ -114,6 +116,7 @@ impl Patches {
         keep_rows(&mut patches, rows.count());
         let order = join(&mut patches, &around, &movers);
         Some(Self {
+            index,
             patches,
             order,
             width,
@@ -147,7 +150,7 @@ impl Patches {
         let mut reports: Vec<Option<SolveReport>> = vec![None; self.patches.len()];
         let mut done = Work::default();
         let (mut before, mut sweeps) = (f64::INFINITY, 0);
-        let keeps = self.keeps;
+        let (index, keeps) = (&self.index, self.keeps);
         loop {
             // Patches hold what they share of a row, up to their tolerance and the thousandth that they do not know
             // of. What that leaves is restored in the next sweep.
@@ -162,7 +165,7 @@ impl Patches {
             let solved = self.order.sweep(
                 &mut self.patches,
                 (x, &mut is_due),
-                |patch, x| patch.solve(whole, (x, &missing), (minimise, settings), keeps),
+                |patch, x| patch.solve((whole, index), (x, &missing), (minimise, settings), keeps),
                 |patch: &Patch, solved: &Result<Solved, SolverError>, (x, is_due)| {
                     let Ok(solved) = solved else {
                         return Next::Fail;

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use ruga_mesh::VertexId;
-use ruga_shell::LayerPart;
+use ruga_shell::{LayerPart, PartIndex};
 use ruga_solver::{
     ConstraintRows, Iteration, Kkt, LowerPattern, Minimise, NewtonSettings, Objective, SolveReport,
     SolverError,
@@ -76,14 +76,14 @@ impl Patch {
     /// again what this one has set up.
     pub(super) fn solve(
         &mut self,
-        whole: Whole<'_>,
+        (whole, index): (Whole<'_>, &PartIndex),
         (x, missing): (&[f64], &[f64]),
         (minimise, settings): (Minimise, &NewtonSettings),
         keeps: bool,
     ) -> Result<Solved, SolverError> {
         let mut system = match self.kept.take() {
             Some(system) => system,
-            None => System::new(&whole, self)?,
+            None => System::new((&whole, index), self)?,
         };
         let own =
             |values: &[f64]| -> Vec<f64> { coordinates(&self.ranks).map(|i| values[i]).collect() };
@@ -164,10 +164,10 @@ impl Patch {
 }
 
 impl System {
-    fn new(whole: &Whole<'_>, patch: &Patch) -> Result<Self, SolverError> {
+    fn new((whole, index): (&Whole<'_>, &PartIndex), patch: &Patch) -> Result<Self, SolverError> {
         let free = whole.energy.free_vertices();
         let moving: Vec<u32> = patch.ranks.iter().map(|&rank| free[rank]).collect();
-        let part = LayerPart::new(whole.energy, &moving).expect("a layer in patches has one sheet");
+        let part = index.part(whole.energy, &moving);
         let energy = part.energy();
         let (starts, entries) = energy.blocks().shared();
         let pattern = LowerPattern::new(starts, entries)?;
