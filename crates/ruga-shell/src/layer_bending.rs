@@ -136,13 +136,13 @@ impl LayerBending {
         (&element.star.vertices, &element.hinges)
     }
 
-    /// Bending in a part of the layer, whose vertices are `local`; slots are to be
+    /// Bending in a part of the layer; slots are to be
     /// looked up, stiffness and angles to be taken over.
-    pub(crate) fn part(&self, numbers: &PartNumbers, local: &[u32]) -> Self {
+    pub(crate) fn part(&self, numbers: &PartNumbers) -> Self {
         let hinge = |&number: &u32| {
             let whole = &self.hinges[number as usize];
             HingeElement {
-                vertices: whole.vertices.map(|v| rank(local, v)),
+                vertices: whole.vertices.map(|v| rank(&numbers.vertices, v)),
                 sides: whole.sides.map(FaceCorner::of_no_face),
                 ..whole.clone()
             }
@@ -151,7 +151,7 @@ impl LayerBending {
             let whole = &self.stars[number as usize];
             let hinges = whole.hinges.iter().map(|&h| rank(&numbers.hinges, h));
             StarElement {
-                star: whole.star.part(local),
+                star: whole.star.part(&numbers.vertices),
                 rows: Vec::new(),
                 hinges: hinges.collect(),
                 branches: Vec::new(),

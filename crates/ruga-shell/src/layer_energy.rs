@@ -149,7 +149,7 @@ impl LayerEnergy {
         })
     }
 
-    /// Its sheet and what that lies on; `None` for a pair.
+    /// The layer's sheet and foundation; `None` for a pair.
     pub(crate) fn one_sheet(&self) -> Option<(&Sheet, &LayerFoundation)> {
         match self.sheets.as_slice() {
             [sheet] => Some((sheet, &self.foundation)),
@@ -157,9 +157,9 @@ impl LayerEnergy {
         }
     }
 
-    /// What has these numbers; values are still to be taken over by [`Self::follow`]. Of a pair the lower sheet's.
+    /// Energy of the stencils of one sheet with these numbers; values are still to be taken over by [`Self::follow`].
     pub(crate) fn part(&self, numbers: &PartNumbers) -> Self {
-        let mut sheet = self.lower().part(numbers, &numbers.vertices);
+        let mut sheet = self.lower().part(numbers);
         let pinned: Vec<_> = numbers.is_free.iter().map(|free| !free).collect();
         let pattern = BlockPattern::new(&pinned, sheet.stencils());
         sheet.find_slots(&pattern);
@@ -167,7 +167,7 @@ impl LayerEnergy {
             sheets: vec![sheet],
             springs: None,
             bending_model: self.bending_model,
-            foundation: self.foundation.part(numbers, &numbers.vertices, &pattern),
+            foundation: self.foundation.part(numbers, &pattern),
             pattern,
         }
     }

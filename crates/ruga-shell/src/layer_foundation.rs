@@ -178,17 +178,12 @@ impl LayerFoundation {
         self.edges.iter().map(|edge| edge.ends.as_slice())
     }
 
-    /// The foundation in a part of the layer, whose vertices are `local`; values are to
+    /// The foundation in a part of the layer; values are to
     /// be taken over.
-    pub(crate) fn part(
-        &self,
-        numbers: &PartNumbers,
-        local: &[u32],
-        pattern: &BlockPattern,
-    ) -> Self {
+    pub(crate) fn part(&self, numbers: &PartNumbers, pattern: &BlockPattern) -> Self {
         let edge = |&number: &u32| {
             let whole = &self.edges[number as usize];
-            let ends = whole.ends.map(|v| rank(local, v));
+            let ends = whole.ends.map(|v| rank(&numbers.vertices, v));
             EdgeSprings {
                 ends,
                 sides: whole.sides.map(|side| side.map(FaceCorner::of_no_face)),

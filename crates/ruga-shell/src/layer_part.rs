@@ -10,7 +10,8 @@ use crate::sheet::Sheet;
 /// the free vertices, bit for bit. Values differ from the whole's by a constant: the energy of the
 /// stencils that no free vertex touches.
 ///
-/// It is made by [`PartIndex::part`]. Evaluation and [`Self::follow`] cost as much as the part is large, however large the whole is.
+/// [`PartIndex::part`] makes it. That, evaluation and [`Self::follow`] cost as much as the part is large, however
+/// large the whole is.
 #[derive(Clone, Debug)]
 pub struct LayerPart {
     numbers: PartNumbers,
@@ -18,17 +19,6 @@ pub struct LayerPart {
 }
 
 impl LayerPart {
-    /// The part of `whole` in which the vertices `free` move: ascending, none of them pinned in `whole`.
-    /// `None` if `whole` is a pair of sheets.
-    ///
-    /// Looks at all of the layer; [`PartIndex::part`] makes many parts without that.
-    ///
-    /// # Panics
-    /// When `free` is not ascending, or names a vertex that is pinned or not there.
-    pub fn new(whole: &LayerEnergy, free: &[u32]) -> Option<Self> {
-        Some(PartIndex::new(whole)?.part(whole, free))
-    }
-
     /// The vertices of the whole layer that the part knows, ascending: free ones and those that a
     /// stencil joins with them. Vertex `i` of [`Self::energy`] is `vertices()[i]` of the whole.
     pub fn vertices(&self) -> &[u32] {
@@ -39,8 +29,8 @@ impl LayerPart {
     /// order.
     ///
     /// Forces on pinned vertices are those of the part's stencils alone; a pinned vertex has no
-    /// tangential spring. A clone cannot be given another rest metric, natural curvature, bending factor, material, creases
-    /// or line anchors, and panics: bending depends on faces that the part has no stencil on.
+    /// tangential spring. A clone cannot be given another rest metric, natural curvature, bending factor, material,
+    /// creases or line anchors, and panics: bending depends on faces that the part has no stencil on.
     pub fn energy(&self) -> &LayerEnergy {
         &self.energy
     }
@@ -52,7 +42,7 @@ impl LayerPart {
     }
 }
 
-/// What is at every vertex of a layer, to find the parts of it.
+/// Index from a layer's vertices to the stencils on them, to make parts of the layer from.
 #[derive(Clone, Debug)]
 pub struct PartIndex {
     faces: AtVertices,
@@ -77,11 +67,11 @@ impl PartIndex {
         })
     }
 
-    /// The part of `whole`, the layer that this is the index of, in which the vertices `free` move: ascending, none
-    /// of them pinned in `whole`. Costs as much as the part is large.
+    /// The part of `whole` in which the vertices `free` move: ascending, none of them pinned in `whole`, which must
+    /// be the layer of this index.
     ///
     /// # Panics
-    /// When `free` is not ascending, or names a vertex that is pinned or not there; when `whole` is another layer.
+    /// When `free` is not ascending, or names a vertex that is pinned or not there.
     pub fn part(&self, whole: &LayerEnergy, free: &[u32]) -> LayerPart {
         let ascending = free.windows(2).all(|pair| pair[0] < pair[1]);
         assert!(ascending, "free vertices are ascending");
@@ -91,7 +81,7 @@ impl PartIndex {
         }
         let (sheet, _) = whole
             .one_sheet()
-            .expect("the layer of this index has one sheet");
+            .expect("the layer of an index has one sheet");
         let numbers = self.numbers(sheet, free);
         let energy = whole.part(&numbers);
         let mut part = LayerPart { numbers, energy };
@@ -158,7 +148,7 @@ impl AtVertices {
         Self { starts, numbers }
     }
 
-    /// Those that have one of some vertices, ascending.
+    /// Numbers of the stencils with any of `vertices`, ascending.
     fn touching(&self, vertices: &[u32]) -> Vec<u32> {
         let at = |&v: &u32| {
             let range = self.starts[v as usize]..self.starts[v as usize + 1];

@@ -5,8 +5,8 @@
 //! the curvature of a [`StarShape`] per vertex that has an inner edge), and a foundation ([`NormalFoundation`] per face,
 //! [`TangentialSpring`] per vertex) towards a base that each frame replaces. Each stencil can be used
 //! alone. [`response_modulus`] says how stiffly a given mesh really bends. An [`UpperSheet`] may move
-//! together with the layer, on springs above it ([`LayerSprings`] per face). A [`LayerPart`] is the
-//! energy as a function of some vertices, while the others stand still.
+//! together with the layer, on springs above it ([`LayerSprings`] per face). A [`LayerPart`], which
+//! a [`PartIndex`] makes, is the energy as a function of some vertices, while the others stand still.
 //!
 //! ```text
 //! E = sum_faces  A C/2 ((1 - nu) E:E + nu tr(E)^2)             St. Venant-Kirchhoff, plane stress

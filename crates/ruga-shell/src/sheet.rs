@@ -120,10 +120,10 @@ impl Sheet {
         &self.bending
     }
 
-    /// The sheet in a part of the layer, whose vertices are `local`; slots are to be
+    /// The sheet in a part of the layer; slots are to be
     /// looked up, values to be taken over.
-    pub(crate) fn part(&self, numbers: &PartNumbers, local: &[u32]) -> Self {
-        let face = |&number: &u32| self.faces[number as usize].map(|v| rank(local, v));
+    pub(crate) fn part(&self, numbers: &PartNumbers) -> Self {
+        let face = |&number: &u32| self.faces[number as usize].map(|v| rank(&numbers.vertices, v));
         Self {
             faces: numbers.faces.iter().map(face).collect(),
             parameters: Vec::new(),
@@ -134,7 +134,7 @@ impl Sheet {
             rest: Vec::new(),
             membranes: Vec::new(),
             membrane_slots: Vec::new(),
-            bending: self.bending.part(numbers, local),
+            bending: self.bending.part(numbers),
         }
     }
 

@@ -65,12 +65,12 @@ impl Star {
         }
     }
 
-    /// The star in a part of the layer, whose vertices are `local`.
-    pub(crate) fn part(&self, local: &[u32]) -> Self {
+    /// The star in a part of the layer, which has these `vertices`.
+    pub(crate) fn part(&self, vertices: &[u32]) -> Self {
         Self {
             fan: self.fan.iter().map(|side| side.of_no_face()).collect(),
             is_closed: self.is_closed,
-            vertices: self.vertices.iter().map(|&v| rank(local, v)).collect(),
+            vertices: self.vertices.iter().map(|&v| rank(vertices, v)).collect(),
             folds: self.folds.clone(),
         }
     }

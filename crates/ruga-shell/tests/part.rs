@@ -11,7 +11,9 @@ use meshes::{Mesh, jittered, outline, random_vector, rng, symmetric};
 use nalgebra::{DMatrix, Matrix2, Vector3};
 use rand::RngExt;
 use rand_pcg::Pcg64;
-use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters, LayerPart};
+use ruga_shell::{
+    BendingModel, FaceParameters, LayerEnergy, LayerParameters, LayerPart, PartIndex,
+};
 
 const COLUMNS: usize = 11;
 const ROWS: usize = 10;
@@ -161,6 +163,11 @@ impl Posed {
     }
 }
 
+/// The part of a layer of one sheet in which some vertices move.
+fn part_of(layer: &LayerEnergy, free: &[u32]) -> LayerPart {
+    PartIndex::new(layer).expect("one sheet").part(layer, free)
+}
+
 fn of_part<T: Copy>(part: &LayerPart, values: &[T]) -> Vec<T> {
     let vertices = part.vertices().iter();
     vertices.map(|&v| values[v as usize]).collect()
@@ -277,7 +284,7 @@ fn a_part_has_the_derivatives_of_the_whole() {
     for model in MODELS {
         let posed = posed(model, &some_pinned());
         for free in posed.patches() {
-            let part = LayerPart::new(&posed.layer, &free).expect("one sheet");
+            let part = part_of(&posed.layer, &free);
             assert_eq!(part.energy().bending_model(), model);
             check_derivatives(&part, &posed, &free);
         }
@@ -289,7 +296,7 @@ fn a_part_has_the_value_differences_of_the_whole() {
     for model in MODELS {
         let mut posed = posed(model, &some_pinned());
         for free in posed.patches() {
-            let part = LayerPart::new(&posed.layer, &free).expect("one sheet");
+            let part = part_of(&posed.layer, &free);
             check_differences(&part, &mut posed, &free);
         }
     }
@@ -300,10 +307,9 @@ fn a_part_follows_the_whole() {
     for model in MODELS {
         let mut posed = posed(model, &some_pinned());
         let patches = posed.patches();
-        let parts = patches
-            .iter()
-            .map(|free| LayerPart::new(&posed.layer, free));
-        let mut parts: Vec<_> = parts.map(|part| part.expect("one sheet")).collect();
+        let index = PartIndex::new(&posed.layer).expect("one sheet");
+        let parts = patches.iter().map(|free| index.part(&posed.layer, free));
+        let mut parts: Vec<_> = parts.collect();
         posed.change();
         for (part, free) in parts.iter_mut().zip(&patches) {
             let before = part.clone();
@@ -323,10 +329,10 @@ fn a_part_that_follows_is_the_part_made_anew() {
     for model in MODELS {
         let mut posed = posed(model, &some_pinned());
         for free in posed.patches() {
-            let mut part = LayerPart::new(&posed.layer, &free).expect("one sheet");
+            let mut part = part_of(&posed.layer, &free);
             posed.change();
             part.follow(&posed.layer);
-            let anew = LayerPart::new(&posed.layer, &free).expect("one sheet");
+            let anew = part_of(&posed.layer, &free);
             assert_eq!(format!("{part:?}"), format!("{anew:?}"));
         }
     }
@@ -338,7 +344,7 @@ fn a_part_has_the_gradient_of_the_whole_over_other_points() {
     for model in MODELS {
         let mut posed = posed(model, &some_pinned());
         for free in posed.patches() {
-            let part = LayerPart::new(&posed.layer, &free).expect("one sheet");
+            let part = part_of(&posed.layer, &free);
             let rest = posed.rest.iter();
             let moved = rest.map(|p| p + 0.1 * random_vector(&mut posed.rng));
             let points: Vec<_> = moved.collect();
@@ -361,7 +367,7 @@ fn a_part_has_the_gradient_of_the_whole_over_other_points() {
 fn a_part_of_all_vertices_has_the_value_of_the_whole() {
     for model in MODELS {
         let posed = posed(model, &[false; COLUMNS * ROWS]);
-        let part = LayerPart::new(&posed.layer, posed.layer.free_vertices()).expect("one sheet");
+        let part = part_of(&posed.layer, posed.layer.free_vertices());
         assert_eq!(part.vertices().len(), posed.x.len());
         let [ours, theirs] = [part.energy(), &posed.layer].map(|layer| layer.value(&posed.x));
         assert!((ours - theirs).abs() < TOLERANCE * theirs.abs());
@@ -374,7 +380,7 @@ fn a_part_is_as_small_as_its_stencils() {
     for model in MODELS {
         let posed = posed(model, &some_pinned());
         let free = &posed.patches()[1];
-        let part = LayerPart::new(&posed.layer, free).expect("one sheet");
+        let part = part_of(&posed.layer, free);
         let mut known = vec![free[0]];
         // A star beside a free vertex reaches as far as the apex of a hinge: two rings.
         for _ in 0..2 {
@@ -390,14 +396,14 @@ fn a_part_is_as_small_as_its_stencils() {
 #[test]
 fn a_pair_of_sheets_has_no_parts() {
     let (pair, _) = pairs::thick().build(4, 4, 1e-3);
-    assert!(LayerPart::new(&pair, &[5]).is_none());
+    assert!(PartIndex::new(&pair).is_none());
 }
 
 #[test]
 #[should_panic(expected = "vertex 0 is pinned")]
 fn a_pinned_vertex_is_not_free_in_a_part() {
     let posed = posed(BendingModel::Hinge, &some_pinned());
-    LayerPart::new(&posed.layer, &[0]);
+    part_of(&posed.layer, &[0]);
 }
 
 /// Rather than to bend by a stiffness made of faces that the part doesn't have.
@@ -405,7 +411,7 @@ fn a_pinned_vertex_is_not_free_in_a_part() {
 fn a_copy_of_a_part_refuses_another_bending_factor() {
     for model in MODELS {
         let posed = posed(model, &some_pinned());
-        let part = LayerPart::new(&posed.layer, &posed.patches()[3]).expect("one sheet");
+        let part = part_of(&posed.layer, &posed.patches()[3]);
         let set = || part.energy().clone().set_bending_factor(2.0);
         assert!(std::panic::catch_unwind(set).is_err());
     }

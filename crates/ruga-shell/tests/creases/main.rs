@@ -15,8 +15,8 @@ use meshes::{jittered, random_rotation, random_vector, rng};
 use nalgebra::{DVector, Vector3};
 use ruga_mesh::{EdgeId, TriMesh};
 use ruga_shell::{
-    BendingModel, Crease, FaceParameters, FoldSense, LayerEnergy, LayerParameters, LayerPart,
-    LineAnchor,
+    BendingModel, Crease, FaceParameters, FoldSense, LayerEnergy, LayerParameters, LineAnchor,
+    PartIndex,
 };
 
 const COLUMNS: u32 = 7;
@@ -337,7 +337,7 @@ fn a_part_of_a_creased_layer_has_its_forces() {
         whole.set_line_anchors(&anchors()).unwrap();
         let x = bowl(0.1, 8);
         let free: Vec<u32> = (8..30).collect();
-        let part = LayerPart::new(&whole, &free).unwrap();
+        let part = PartIndex::new(&whole).unwrap().part(&whole, &free);
         let local: Vec<_> = part.vertices().iter().map(|&v| x[v as usize]).collect();
         let mut gradient = vec![0.0; whole.dof_count()];
         whole.gradient(&x, &mut gradient);

@@ -50,7 +50,7 @@ pub(crate) fn crease_aspect(points: f64) -> f64 {
 /// Rounds of averaging of directions, at most: the region's mesh may be far finer than the reach.
 const MOST_PASSES: f64 = 40.0;
 
-/// Fraction of the region that may be coarser than asked for before its mesh is fitted anew.
+/// Fraction of the vertices asked for where a layer's mesh may be too coarse before it is fitted anew.
 const TOLERATED: f64 = 0.05;
 
 /// Largest ratio of edges along and across the wrinkles where these have `points` per wavelength.

@@ -24,9 +24,9 @@ pub(crate) enum OutputEdges {
     AsPlanned,
 }
 
-/// Edges of the mesh that a layer on others is fitted to, over those of a planned output mesh: what strains it are their
-/// wrinkles, many times as long as its own. The lowest layer is strained by a pose, whose borders longer edges
-/// would blur: of skin squeezed in a narrow band its mesh would have a third more vertices.
+/// Factor on planned output edges for the mesh that a layer on others is fitted to. What strains such a layer is mostly
+/// the wrinkles of those below, longer than its own. The lowest one is strained by a pose, whose borders longer
+/// edges would blur: of skin squeezed in a narrow band its mesh would have a third more vertices.
 const ON_WAVES: f64 = 2.0;
 
 /// Edges longer than asked for by less than this factor are not worth a word.
@@ -65,14 +65,7 @@ impl<'a> StackRun<'a> {
         output: OutputEdges,
         preparing: &mut Preparing<'_>,
     ) -> Result<(RegionMesh, Option<Adapted>), Halt> {
-        let spec = &self.plan.stacking.specs[index];
-        let folds = &self.plan.poses[self.pose].layers[index].creases;
-        // Boundaries and folds are curves, which long edges would cut short.
-        let is_fitted = output == OutputEdges::AsFitted
-            && self.plan.modelling.remesh.is_some()
-            && !support.is_empty()
-            && sharp_map(spec).is_none()
-            && !folds.contains(&true);
+        let is_fitted = !support.is_empty() && self.is_output_fitted(index, output);
         let (region, from) = match is_fitted {
             true => self.region_with_edges(index, self.fitting_edges(index), preparing)?,
             false => self.planned_region(index, preparing)?,
@@ -107,6 +100,17 @@ impl<'a> StackRun<'a> {
         let (piece, _) =
             preparing.while_wanted(|goes_on| refined(driver, whole, measures, goes_on))?;
         Ok((self.region(index, piece, preparing)?, adapted))
+    }
+
+    /// Whether the output mesh of layer number `index` has long edges along its wrinkles.
+    fn is_output_fitted(&self, index: usize, output: OutputEdges) -> bool {
+        let spec = &self.plan.stacking.specs[index];
+        let folds = &self.plan.poses[self.pose].layers[index].creases;
+        // Boundaries and folds are curves, which long edges would cut short.
+        output == OutputEdges::AsFitted
+            && self.plan.modelling.remesh.is_some()
+            && sharp_map(spec).is_none()
+            && !folds.contains(&true)
     }
 
     /// Output mesh of layer number `index` that is as fine as planned, and the piece that it was refined from.
@@ -300,8 +304,19 @@ impl<'a> StackRun<'a> {
         // The same places are averaged on every mesh. Centres chosen anew would hold the layer
         // elsewhere, and its shape would jump.
         let centres = Some(run.layer.row_centres().to_vec());
-        let supports = std::slice::from_ref(support);
-        let wanted = self.meshes(index, supports, output, &mut preparing)?;
+        let wanted = match self.is_output_fitted(index, output) {
+            true => {
+                drop(sizing);
+                let supports = std::slice::from_ref(support);
+                self.meshes(index, supports, output, &mut preparing)?
+            }
+            // What is as fine as planned stays as it is.
+            false => {
+                let region = run.layer.region().clone();
+                let adapted = self.fitted(index, &region, sizing, &mut preparing)?;
+                (region, adapted)
+            }
+        };
         let mut fitted = self.build_on(index, wanted, centres, Some(support), &mut preparing)?;
         preparing.enter(Phase::Remeshing)?;
         fitted

@@ -98,12 +98,12 @@ impl<'a> StackRun<'a> {
             surface.grown(growth.on_skin(driver, skin, point.weight_fraction))
         });
         let mut history = None;
-        // From its last shape a layer takes some thirty factorisations, from none sixty.
         // All frames show one mesh, whatever wrinkles in them.
         let output = match observer.wants_frames() {
             true => OutputEdges::AsPlanned,
             false => OutputEdges::AsFitted,
         };
+        // From its last shape a layer takes some thirty factorisations, from none sixty.
         if let Some(last) = last {
             let mut run = self.refitted(last, &support_of, output, observer)?;
             match self.reach(&mut run, &support_of, point, observer)? {
