@@ -10,7 +10,7 @@ use crate::interrupt;
 /// Limits to what is in work at a time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Capacity {
-    /// Poses at a time, at least one.
+    /// Threads that poses share, at least one for each.
     pub(crate) threads: usize,
     /// Bytes that these poses may take together; `None` for as many as they take.
     pub(crate) memory: Option<u64>,
@@ -37,17 +37,17 @@ impl Capacity {
 
 /// Runs `work` on the numbers of `bytes`, which have what each takes, and returns the results in order.
 ///
-/// A thread that has finished a number takes the lowest one that still fits beside those in work, and
-/// waits for one of these to end where none does. One that takes more than all of the memory runs by
-/// itself. After Ctrl-C or the first error no further number is taken and `given_up` tells those in work.
-/// What was not run is `None`.
+/// Whenever a thread is free, the lowest number begins that still fits beside those in work; where none does,
+/// one of these has to end. One that takes more than all of the memory runs by itself. `work` is told how many
+/// threads it has: those that are free are shared with the numbers that can begin at the same time. After Ctrl-C or
+/// the first error no further number is taken and `given_up` tells those in work. What was not run is `None`.
 ///
 /// # Errors
 /// The error of the lowest number that failed.
 pub(crate) fn run_all<T: Send>(
     bytes: &[u64],
     capacity: Capacity,
-    work: impl Fn(usize, &(dyn Fn() -> bool + Sync)) -> Result<Option<T>, CliError> + Sync,
+    work: impl Fn(usize, usize, &(dyn Fn() -> bool + Sync)) -> Result<Option<T>, CliError> + Sync,
 ) -> Result<Vec<Option<T>>, CliError> {
     let queue = Queue {
         bytes,
@@ -55,6 +55,7 @@ pub(crate) fn run_all<T: Send>(
         state: Mutex::new(State {
             waiting: (0..bytes.len()).collect(),
             in_work: Vec::new(),
+            free: capacity.threads.max(1),
         }),
         ended: Condvar::new(),
         failed: AtomicBool::new(false),
@@ -62,7 +63,7 @@ pub(crate) fn run_all<T: Send>(
     let results: Mutex<Vec<_>> = Mutex::new(bytes.iter().map(|_| Ok(None)).collect());
     let worker = || {
         while let Some(turn) = queue.next() {
-            let result = work(turn.number, &|| queue.has_failed());
+            let result = work(turn.number, turn.threads, &|| queue.has_failed());
             queue.failed.fetch_or(result.is_err(), Ordering::Relaxed);
             results
                 .lock()
@@ -94,6 +95,8 @@ struct State {
     /// Ascending.
     waiting: Vec<usize>,
     in_work: Vec<usize>,
+    /// Threads that nothing in work has.
+    free: usize,
 }
 
 impl Queue<'_> {
@@ -107,15 +110,31 @@ impl Queue<'_> {
             if interrupt::asked() || self.has_failed() || state.waiting.is_empty() {
                 return None;
             }
-            let mut waiting = state.waiting.iter();
-            if let Some(first) = waiting.position(|&number| self.fits(number, &state.in_work)) {
-                let number = state.waiting.remove(first);
+            let beginning = self.beginning(&state);
+            if let Some(&number) = beginning.first() {
+                let threads = state.free / beginning.len();
+                state.waiting.retain(|&waiting| waiting != number);
                 state.in_work.push(number);
-                let queue = self;
-                return Some(Turn { queue, number });
+                state.free -= threads;
+                return Some(Turn {
+                    queue: self,
+                    number,
+                    threads,
+                });
             }
             state = self.ended.wait(state).expect(UNPOISONED);
         }
+    }
+
+    /// The numbers that can begin now, beside those in work and each other, at most one for each free thread.
+    fn beginning(&self, state: &State) -> Vec<usize> {
+        let mut together = state.in_work.clone();
+        for &number in &state.waiting {
+            if together.len() < state.in_work.len() + state.free && self.fits(number, &together) {
+                together.push(number);
+            }
+        }
+        together.split_off(state.in_work.len())
     }
 
     fn fits(&self, number: usize, in_work: &[usize]) -> bool {
@@ -135,16 +154,18 @@ impl Queue<'_> {
 
 const UNPOISONED: &str = "no thread panics while it holds the queue";
 
-/// A number in work. When it goes, also by a panic, those who wait for its memory go on.
+/// A number in work. When it goes, also by a panic, those who wait for its memory or its threads go on.
 struct Turn<'a> {
     queue: &'a Queue<'a>,
     number: usize,
+    threads: usize,
 }
 
 impl Drop for Turn<'_> {
     fn drop(&mut self) {
         let mut state = self.queue.state();
         state.in_work.retain(|&number| number != self.number);
+        state.free += self.threads;
         self.queue.ended.notify_all();
     }
 }
@@ -161,7 +182,7 @@ mod tests {
     fn most_in_work(bytes: &[u64], capacity: Capacity) -> (usize, u64) {
         let (now, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
         let (taken, most_taken) = (AtomicU64::new(0), AtomicU64::new(0));
-        let results = run_all(bytes, capacity, |number, _| {
+        let results = run_all(bytes, capacity, |number, _, _| {
             most.fetch_max(now.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
             let own = bytes[number];
             most_taken.fetch_max(
@@ -213,7 +234,7 @@ mod tests {
     fn what_does_not_fit_lets_others_pass() {
         // The second one waits for the first, which waits for the third.
         let third = AtomicBool::new(false);
-        let results = run_all(&[3, 3, 1], capacity(2, Some(4)), |number, _| {
+        let results = run_all(&[3, 3, 1], capacity(2, Some(4)), |number, _, _| {
             while number == 0 && !third.load(Ordering::SeqCst) {
                 thread::sleep(Duration::from_millis(1));
             }
@@ -221,6 +242,30 @@ mod tests {
             Ok(Some(number))
         });
         assert_eq!(results.expect("no work fails"), [0, 1, 2].map(Some));
+    }
+
+    /// Threads of every number, where all that can are in work together until the last of these has begun.
+    fn threads_of(bytes: &[u64], capacity: Capacity, together: usize) -> Vec<usize> {
+        let begun = AtomicUsize::new(0);
+        let results = run_all(bytes, capacity, |_, threads, _| {
+            begun.fetch_add(1, Ordering::SeqCst);
+            while begun.load(Ordering::SeqCst) < together {
+                thread::sleep(Duration::from_millis(1));
+            }
+            Ok(Some(threads))
+        });
+        let results = results.expect("no work fails").into_iter();
+        results.map(|threads| threads.expect("it ran")).collect()
+    }
+
+    #[test]
+    fn free_threads_are_shared_by_those_that_can_begin() {
+        assert_eq!(threads_of(&[1], capacity(4, None), 1), [4]);
+        assert_eq!(threads_of(&[1; 3], capacity(4, None), 3), [1, 1, 2]);
+        assert_eq!(threads_of(&[1; 8], capacity(8, None), 8), [1; 8]);
+        // No other one fits beside the first one.
+        assert_eq!(threads_of(&[5, 1], capacity(2, Some(5)), 1), [2, 2]);
+        assert_eq!(threads_of(&[9], capacity(2, Some(5)), 1), [2]);
     }
 
     #[test]
@@ -235,7 +280,7 @@ mod tests {
     #[test]
     fn an_error_ends_the_queue() {
         let done = AtomicUsize::new(0);
-        let result = run_all(&[1; 50], capacity(1, None), |number, _| {
+        let result = run_all(&[1; 50], capacity(1, None), |number, _, _| {
             done.fetch_add(1, Ordering::SeqCst);
             let path = PathBuf::from("scene.toml");
             if number == 3 {
@@ -251,7 +296,7 @@ mod tests {
     #[test]
     fn an_error_ends_those_who_wait_for_memory() {
         let done = AtomicUsize::new(0);
-        let result = run_all(&[5; 50], capacity(4, Some(5)), |_, _| {
+        let result = run_all(&[5; 50], capacity(4, Some(5)), |_, _, _| {
             done.fetch_add(1, Ordering::SeqCst);
             thread::sleep(Duration::from_millis(10));
             let path = PathBuf::from("scene.toml");
@@ -265,7 +310,7 @@ mod tests {
     fn a_panic_leaves_nobody_waiting() {
         let done = AtomicUsize::new(0);
         let ended = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-            run_all(&[5; 4], capacity(3, Some(5)), |number, _| {
+            run_all(&[5; 4], capacity(3, Some(5)), |number, _, _| {
                 done.fetch_add(1, Ordering::SeqCst);
                 assert_ne!(number, 0, "this one is to panic");
                 Ok(Some(number))

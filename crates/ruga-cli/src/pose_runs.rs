@@ -112,30 +112,34 @@ pub(crate) fn run_poses<P: Product>(
             None => to_be_made.push(vec![pose]),
         }
     }
-    let bytes = to_be_made.iter().map(|alike| planned_bytes(plan, alike[0]));
-    let bytes: Vec<u64> = bytes.collect();
     let capacity = Capacity {
         threads: thread_count(arguments),
         memory: arguments.memory.as_ref().map(|limit| limit.bytes),
     };
-    let at_a_time = capacity.most_at_a_time(&bytes);
     let planned = |&pose: &usize| -> Vec<f64> {
         let layers = plan.pose_layers(pose).into_iter();
         layers.map(|layer| layer.seconds).collect()
     };
+    if capacity.threads > 1 {
+        // A long pose that begins last is waited for while other threads have nothing to do.
+        let seconds = |alike: &Vec<usize>| planned(&alike[0]).iter().sum::<f64>();
+        to_be_made.sort_by(|a, b| seconds(b).total_cmp(&seconds(a)));
+    }
+    let bytes = to_be_made.iter().map(|alike| planned_bytes(plan, alike[0]));
+    let bytes: Vec<u64> = bytes.collect();
+    let at_a_time = capacity.most_at_a_time(&bytes);
     let planned = to_be_made.iter().map(|alike| planned(&alike[0]));
     let time_left = TimeLeft::new(planned.collect(), at_a_time);
     let run = PoseRun {
-        threads: capacity.threads / at_a_time,
         scene,
         plan,
         folder,
         progress,
         product,
     };
-    let made = run_all(&bytes, capacity, |number, given_up| {
+    let made = run_all(&bytes, capacity, |number, threads, given_up| {
         time_left.begin(number);
-        let made = run.alike(&to_be_made[number], given_up, |record| {
+        let made = run.alike(&to_be_made[number], (threads, given_up), |record| {
             time_left.end(number, layer_seconds(&record.report))
         });
         made.map(Some)
@@ -159,8 +163,6 @@ fn layer_seconds(pose: &PoseReport) -> Vec<f64> {
 
 /// Data that all poses share.
 struct PoseRun<'a, P> {
-    /// Threads that each pose has: more than one from twice as many threads as poses at a time on.
-    threads: usize,
     scene: &'a Scene,
     plan: &'a ScenePlan,
     folder: &'a OutputFolder,
@@ -169,12 +171,12 @@ struct PoseRun<'a, P> {
 }
 
 impl<P: Product> PoseRun<'_, P> {
-    /// Makes poses of one simulation; `time_left` takes the record of the one that was simulated and says, once all
-    /// have ended, for how many seconds the others will go on.
+    /// Makes poses of one simulation, which has so many threads; `time_left` takes the record of the one that was
+    /// simulated and says, once all have ended, for how many seconds the others will go on.
     fn alike(
         &self,
         poses: &[usize],
-        given_up: &(dyn Fn() -> bool + Sync),
+        (threads, given_up): (usize, &(dyn Fn() -> bool + Sync)),
         time_left: impl Fn(&PoseRecord) -> f64,
     ) -> Result<Vec<Option<PoseRecord>>, CliError> {
         let mut simulated = None;
@@ -185,7 +187,7 @@ impl<P: Product> PoseRun<'_, P> {
                 true => time_left(first.as_ref().unwrap_or(record)),
                 false => 0.0,
             };
-            made.push(self.pose(pose, given_up, (&mut simulated, left))?);
+            made.push(self.pose(pose, (threads, given_up), (&mut simulated, left))?);
         }
         Ok(made)
     }
@@ -194,7 +196,7 @@ impl<P: Product> PoseRun<'_, P> {
     fn pose(
         &self,
         index: usize,
-        given_up: &(dyn Fn() -> bool + Sync),
+        with: (usize, &(dyn Fn() -> bool + Sync)),
         (simulated, time_left): (
             &mut Option<(usize, PoseResult)>,
             impl FnOnce(&PoseRecord) -> f64,
@@ -207,7 +209,7 @@ impl<P: Product> PoseRun<'_, P> {
             self.product.begin(spec);
         }
         let bar = self.progress.start(&spec.name, index + 1);
-        let record = self.simulate(index, (&bar, given_up), simulated, earlier);
+        let record = self.simulate(index, &bar, with, (simulated, earlier));
         let ending = match &record {
             Ok(Some(record)) => {
                 let warnings = match record.warnings.len() {
@@ -231,9 +233,9 @@ impl<P: Product> PoseRun<'_, P> {
     fn simulate(
         &self,
         index: usize,
-        (bar, given_up): (&ProgressBar, &(dyn Fn() -> bool + Sync)),
-        simulated: &mut Option<(usize, PoseResult)>,
-        mut earlier: Vec<String>,
+        bar: &ProgressBar,
+        (threads, given_up): (usize, &(dyn Fn() -> bool + Sync)),
+        (simulated, mut earlier): (&mut Option<(usize, PoseResult)>, Vec<String>),
     ) -> Result<Option<PoseRecord>, CliError> {
         let scene = self.scene;
         let spec = &scene.poses[index];
@@ -255,7 +257,7 @@ impl<P: Product> PoseRun<'_, P> {
         let result = match &passed_on {
             Some(result) => result,
             None => {
-                let pool = thread_pool(self.threads)?;
+                let pool = thread_pool(threads)?;
                 let result = pool.install(|| self.plan.simulate(index, &mut watch));
                 let result = result.map_err(|source| CliError::Simulation {
                     scene: scene.path.clone(),

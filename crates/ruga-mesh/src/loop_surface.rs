@@ -3,6 +3,7 @@
 use std::sync::OnceLock;
 
 use nalgebra::{Dim, Matrix, RawStorage, U6, Vector3};
+use rayon::prelude::*;
 
 use crate::face_place::FacePlace;
 use crate::irregular_sector::IrregularSector;
@@ -11,6 +12,9 @@ use crate::{
     FaceId, Id, MaterialPoint, PerFace, PerVertex, SparseRows, Subdivision, SurfaceJet,
     TangentPlane, TriMesh, VertexId, subdivide,
 };
+
+/// Points that a thread makes rows for at a time: enough to be worth handing over, few enough to share them out.
+const POINTS_AT_ONCE: usize = 512;
 
 /// The limit surface of Loop subdivision over a control mesh, ready to be evaluated anywhere.
 ///
@@ -182,19 +186,24 @@ impl LoopSurface {
         self.push_weights(points, [rows]);
     }
 
-    /// Appends to each of `rows` its part of the weights at `points`: values come first, then
+    /// Appends to each of `rows` its part of the weights at `points`, by all threads: values come first, then
     /// derivatives.
-    fn push_weights<const N: usize>(
-        &self,
-        points: &[MaterialPoint],
-        mut rows: [&mut SparseRows; N],
-    ) {
-        let mut weights = Vec::new();
-        for point in points {
-            let vertices = self.weights(point, &mut weights);
-            for (i, rows) in rows.iter_mut().enumerate() {
-                rows.push_ascending(vertices, weights.iter().map(|weight: &[f64; N]| weight[i]));
+    fn push_weights<const N: usize>(&self, points: &[MaterialPoint], rows: [&mut SparseRows; N]) {
+        let of_some = |points: &[MaterialPoint]| {
+            let mut rows: [SparseRows; N] = std::array::from_fn(|_| SparseRows::default());
+            let mut weights = Vec::new();
+            for point in points {
+                let vertices = self.weights(point, &mut weights);
+                for (i, rows) in rows.iter_mut().enumerate() {
+                    let weights = weights.iter().map(|weight: &[f64; N]| weight[i]);
+                    rows.push_ascending(vertices, weights);
+                }
             }
+            rows
+        };
+        let parts: Vec<_> = points.par_chunks(POINTS_AT_ONCE).map(of_some).collect();
+        for (i, rows) in rows.into_iter().enumerate() {
+            parts.iter().for_each(|part| rows.append(&part[i]));
         }
     }
 

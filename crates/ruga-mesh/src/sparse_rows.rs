@@ -58,6 +58,15 @@ impl SparseRows {
         self.starts.push(self.columns.len());
     }
 
+    /// Appends the rows of another map.
+    pub(crate) fn append(&mut self, other: &Self) {
+        let before = self.columns.len();
+        let starts = other.starts[1..].iter().map(|start| before + start);
+        self.starts.extend(starts);
+        self.columns.extend_from_slice(&other.columns);
+        self.weights.extend_from_slice(&other.weights);
+    }
+
     /// Gives back the memory that was reserved for further rows.
     pub(crate) fn shrink_to_fit(&mut self) {
         self.starts.shrink_to_fit();

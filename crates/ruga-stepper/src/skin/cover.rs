@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use nalgebra::{Matrix2, Vector2, Vector3};
+use rayon::prelude::*;
 use ruga_blend::Driver;
 use ruga_mesh::{
     Id, LimitPointRows, LoopSurface, MaterialPoint, PerVertex, SparseRows, SurfaceLookup,
@@ -19,6 +20,9 @@ use crate::skin::skin_mesh::SkinMesh;
 
 /// A place counts as beside the layer below when it lies this fraction of an edge outside.
 const BESIDE: f64 = 1e-3;
+
+/// Places that a thread looks for at least.
+const PLACES_AT_ONCE: usize = 256;
 
 /// Projection of a layer onto the one below it: takes values of the lower to the upper one.
 #[derive(Debug)]
@@ -146,7 +150,10 @@ fn coordinates(tangent: &Vector3<f64>, [u, v]: &[Vector3<f64>; 2]) -> Vector2<f6
 fn places_above(skin: &SkinMesh, lower: &SkinMesh) -> Vec<Option<MaterialPoint>> {
     let lookup = SurfaceLookup::new(&lower.mesh, &lower.rest.positions);
     let border = lower.mesh.border_vertices();
-    let vertices = skin.rest.positions.iter().zip(&skin.rest.normals);
+    let positions = skin.rest.positions.par_iter();
+    let vertices = positions
+        .zip(&skin.rest.normals)
+        .with_min_len(PLACES_AT_ONCE);
     vertices
         .map(|(x, normal)| {
             let point = lookup.closest(x)?.point;

@@ -1,8 +1,7 @@
 //! Smooth interpolation from one mesh of the skin to another.
 
-use std::collections::VecDeque;
-
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use ruga_mesh::{
     FaceId, Id, LoopSurface, MaterialPoint, PerVertex, SparseRows, SurfaceLookup, TriMesh,
     VertexId, limit_rows,
@@ -21,6 +20,9 @@ const INTERPOLATION_STEPS: usize = 1;
 
 /// Places found, or interpolated at, between two questions whether to go on.
 const PLACES_AT_A_TIME: usize = 20_000;
+
+/// Places that a thread looks for at least.
+const PLACES_AT_ONCE: usize = 64;
 
 /// Smooth interpolation of what is known at a mesh's vertices.
 ///
@@ -112,28 +114,42 @@ pub(crate) fn places_on(
     let positions = region.rest.positions.iter().zip(&shifts);
     let targets: PerVertex<Vector3<f64>> = positions.map(|(x, shift)| x + shift).collect();
     let mut places: PerVertex<Option<MaterialPoint>> = PerVertex::filled(mesh.vertex_count(), None);
-    let mut queue = VecDeque::new();
+    let mut is_reached = PerVertex::filled(mesh.vertex_count(), false);
     let mut visited = 0;
     for seed in places.ids().collect::<Vec<_>>() {
-        if places[seed].is_some() {
+        if std::mem::replace(&mut is_reached[seed], true) {
             continue;
         }
         places[seed] = lookup.closest(&targets[seed]).map(|found| found.point);
-        queue.push_back(seed);
-        while let Some(vertex) = queue.pop_front() {
-            visited += 1;
-            if visited % PLACES_AT_A_TIME == 0 && !goes_on() {
-                return None;
+        let mut reached = vec![seed];
+        // Ring by ring, each by all threads. Which neighbour a vertex is looked for from follows from the mesh alone.
+        while !reached.is_empty() {
+            visited += reached.len();
+            if visited >= PLACES_AT_A_TIME {
+                visited = 0;
+                if !goes_on() {
+                    return None;
+                }
             }
-            let Some(near) = places[vertex] else { continue };
-            for &face in mesh.vertex_faces(vertex) {
-                for next in mesh.faces()[face] {
-                    if places[next].is_none() {
-                        places[next] =
-                            place_near(&lookup, near.face, [targets[vertex], targets[next]]);
-                        queue.push_back(next);
+            let mut ring = Vec::new();
+            for (from, near) in reached.iter().filter_map(|&v| Some((v, places[v]?))) {
+                for to in mesh
+                    .vertex_faces(from)
+                    .iter()
+                    .flat_map(|&f| mesh.faces()[f])
+                {
+                    if !std::mem::replace(&mut is_reached[to], true) {
+                        ring.push((near.face, [from, to]));
                     }
                 }
+            }
+            let looked_for = ring.par_iter().with_min_len(PLACES_AT_ONCE);
+            let found = looked_for
+                .map(|&(start, ends)| place_near(&lookup, start, ends.map(|v| targets[v])));
+            let found: Vec<_> = found.collect();
+            reached = ring.into_iter().map(|(_, [_, to])| to).collect();
+            for (&vertex, place) in reached.iter().zip(found) {
+                places[vertex] = place;
             }
         }
     }

@@ -1,6 +1,7 @@
 //! What a layer is made of, and how it wrinkles, at every place of a mesh.
 
 use nalgebra::{Vector2, Vector3};
+use rayon::prelude::*;
 use ruga_blend::Driver;
 use ruga_material::{LayerMaterial, RelativeProperties, Wrinkling, local_wrinkling};
 use ruga_mesh::{Id, PerFace};
@@ -8,6 +9,9 @@ use ruga_mesh::{Id, PerFace};
 use crate::skin::material_places::uv;
 use crate::skin::skin_mesh::SkinMesh;
 use crate::{LayerSpec, StepperError};
+
+/// Places that a thread samples at least.
+const PLACES_AT_ONCE: usize = 256;
 
 /// The layer at one place.
 #[derive(Clone, Copy, Debug)]
@@ -100,8 +104,9 @@ pub(crate) fn relative_at_vertices(
     driver: &Driver,
     skin: &SkinMesh,
 ) -> Vec<RelativeProperties> {
-    let vertices = 0..skin.mesh.vertex_count();
+    let vertices = (0..skin.mesh.vertex_count()).into_par_iter();
     vertices
+        .with_min_len(PLACES_AT_ONCE)
         .map(|vertex| relative_at(spec, driver, skin, vertex))
         .collect()
 }

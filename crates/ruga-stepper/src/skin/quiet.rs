@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use ruga_material::Wrinkling;
 use ruga_mesh::{Id, TriMesh, VertexId};
 
@@ -19,6 +20,9 @@ const SMALLEST: f64 = 0.25;
 
 /// Waves shorter than this, in critical wavelengths, are none of the layer's own.
 const SHORTEST: f64 = 0.4;
+
+/// Vertices around which a thread looks at least: it keeps a list of all of them.
+const CENTRES_AT_ONCE: usize = 4096;
 
 /// Radius (wavelengths) within which the surface may turn only so far.
 const TURN_RADIUS: f64 = 0.25;
@@ -99,31 +103,38 @@ fn sharply_bent(
     (rest, normals): (&[Vector3<f64>], &[Vector3<f64>]),
     demands: &[VertexDemand],
 ) -> Vec<VertexId> {
-    let mut seen_from = vec![usize::MAX; demands.len()];
-    let mut bent = Vec::new();
-    for (centre, demand) in demands.iter().enumerate() {
+    let is_bent = |seen_from: &mut Vec<usize>, centre: usize| {
+        let demand = &demands[centre];
         let least_cosine = demand.turn.min(PI).cos();
         let radius = TURN_RADIUS * demand.wavelength;
         let mut near = vec![VertexId::from_index(centre)];
         seen_from[centre] = centre;
-        let mut is_bent = false;
-        while let Some(vertex) = near.pop().filter(|_| !is_bent) {
+        while let Some(vertex) = near.pop() {
             let faces = mesh.vertex_faces(vertex).iter();
             for other in faces.flat_map(|&face| mesh.faces()[face]) {
                 let i = other.index();
                 if seen_from[i] == centre || (rest[i] - rest[centre]).norm() > radius {
                     continue;
                 }
+                if normals[i].dot(&normals[centre]) < least_cosine {
+                    return true;
+                }
                 seen_from[i] = centre;
                 near.push(other);
-                is_bent |= normals[i].dot(&normals[centre]) < least_cosine;
             }
         }
-        if is_bent {
-            bent.push(VertexId::from_index(centre));
-        }
-    }
-    bent
+        false
+    };
+    let none_seen = || vec![usize::MAX; demands.len()];
+    let centres = (0..demands.len()).into_par_iter();
+    let states = centres
+        .with_min_len(CENTRES_AT_ONCE)
+        .map_init(none_seen, is_bent);
+    let states: Vec<bool> = states.collect();
+    let centres = states.iter().enumerate().filter(|(_, bent)| **bent);
+    centres
+        .map(|(centre, _)| VertexId::from_index(centre))
+        .collect()
 }
 
 #[cfg(test)]

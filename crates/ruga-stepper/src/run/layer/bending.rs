@@ -82,12 +82,13 @@ impl Layer {
         let areas = face_areas(mesh, &self.skin.rest.positions);
         let enough = ENOUGH * self.wrinkling.wavelength.powi(2);
         pin_all_but_the_middle(mesh, &areas, &mut pinned, enough);
-        let modulus = self.response(mesh, &corners, &main, &pinned)?;
+        let (mesh, corners, pinned) = around_free(mesh, &corners, &pinned);
+        let modulus = self.response(&mesh, &corners, &main, &pinned)?;
         match self.bending {
             // Hinges are wrong by what shape their triangles have, however small these are.
             BendingModel::Hinge => Some(modulus / self.wrinkling.bending_stiffness),
             BendingModel::VertexCurvature => {
-                let (mesh, corners, pinned) = halved(mesh, &corners, &pinned);
+                let (mesh, corners, pinned) = halved(&mesh, &corners, &pinned);
                 let ratio = modulus / self.response(&mesh, &corners, &main, &pinned)?;
                 Some(3.0 * ratio / (4.0 - ratio))
             }
@@ -201,6 +202,38 @@ fn pin_all_but_the_middle(
         }
         pinned[v] = false;
     }
+}
+
+/// The part of a mesh that its vertices feel that are not pinned, these in the same order: what is measured is the same
+/// to the last bit, and of a large mesh the middle alone is halved.
+fn around_free(
+    mesh: &TriMesh,
+    corners: &[[Vector3<f64>; 3]],
+    pinned: &PerVertex<bool>,
+) -> (TriMesh, Vec<[Vector3<f64>; 3]>, PerVertex<bool>) {
+    let faces = mesh.faces().as_slice();
+    let mut is_in: Vec<bool> = pinned.as_slice().iter().map(|pinned| !pinned).collect();
+    // A vertex is in the stars of its neighbours, which end at theirs.
+    for _ in 0..2 {
+        let near = is_in.clone();
+        let touching = faces
+            .iter()
+            .filter(|face| face.iter().any(|v| near[v.index()]));
+        touching.flatten().for_each(|v| is_in[v.index()] = true);
+    }
+    let kept = (0..mesh.vertex_count()).filter(|&v| is_in[v]);
+    let kept: Vec<VertexId> = kept.map(VertexId::from_index).collect();
+    let mut number = vec![0; mesh.vertex_count()];
+    for (new, old) in (0..).zip(&kept) {
+        number[old.index()] = new;
+    }
+    let whole = faces.iter().zip(corners);
+    let (faces, corners) = whole
+        .filter(|(face, _)| face.iter().all(|v| is_in[v.index()]))
+        .map(|(face, corners)| (face.map(|v| number[v.index()]), *corners))
+        .unzip();
+    let part = TriMesh::new(kept.len(), faces).expect("faces of a manifold are one");
+    (part, corners, kept.into_iter().map(|v| pinned[v]).collect())
 }
 
 /// The mesh with all triangles split in four where they lie; an edge's middle is pinned if both of its
