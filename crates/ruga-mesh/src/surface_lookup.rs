@@ -121,6 +121,22 @@ impl<'a> SurfaceLookup<'a> {
         best
     }
 
+    /// What [`Self::closest`] finds, by a look at every face: a tree is worth building for many targets only.
+    pub fn closest_of_all(&self, target: &Vector3<f64>) -> Option<ClosestPlace> {
+        let mut best = None;
+        for place in self
+            .mesh
+            .faces()
+            .ids()
+            .filter_map(|f| self.closest_on(f, target))
+        {
+            if place.precedes(&best) {
+                best = Some(place);
+            }
+        }
+        best
+    }
+
     fn corners(&self, face: FaceId) -> [Vector3<f64>; 3] {
         self.mesh.faces()[face].map(|v| self.positions[v.index()])
     }

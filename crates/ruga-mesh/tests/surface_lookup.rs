@@ -111,6 +111,7 @@ fn both_searches_agree_with_a_search_over_all_faces() {
         let (distance, face) = exhaustive(&mesh, &positions, &target);
         let found = lookup.closest(&target).expect("a place");
         assert_eq!((found.distance, found.point.face), (distance, face));
+        assert_eq!(lookup.closest_of_all(&target), Some(found));
         let start = FaceId(rng.random_range(0..mesh.face_count() as u32));
         let near = lookup.closest_near(start, &target, 10.0).expect("a place");
         assert_eq!(near, found);

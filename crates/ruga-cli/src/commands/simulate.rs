@@ -19,7 +19,7 @@ use crate::moved_mesh::write_moved_mesh;
 use crate::outcome::Outcome;
 use crate::output_folder::OutputFolder;
 use crate::pose_record::{PoseRecord, Records, remove_frames};
-use crate::pose_runs::{PoseFiles, Product, run_poses};
+use crate::pose_runs::{PoseFiles, Product, run_poses, thread_count, thread_pool};
 use crate::summary::{self, ALL_IN_REPORT};
 use crate::{interrupt, messages};
 
@@ -29,14 +29,16 @@ use crate::{interrupt, messages};
 /// Whatever keeps a pose from being planned, simulated or written.
 pub(crate) fn run(arguments: &SimulateArguments) -> Result<Outcome, CliError> {
     let (arguments, formats) = (&arguments.run, arguments.formats.as_slice());
-    let mut scene = Scene::read_with(&arguments.scene, &arguments.scene_options())?;
+    let pool = thread_pool(thread_count(arguments))?;
+    let options = arguments.scene_options();
+    let mut scene = pool.install(|| Scene::read_with(&arguments.scene, &options))?;
     if formats.contains(&FrameFormat::Glb) && scene.sheet.is_none() {
         let scene = scene.path.clone();
         return Err(CliError::NoSheet { scene });
     }
     // Frames are of every pose as it is: the meshes that they were computed on have no mirror image.
     scene.mirror = None;
-    let plan = scene.plan()?;
+    let plan = pool.install(|| scene.plan())?;
     let records = Records::of_simulate(&arguments.output);
     let earlier = arguments.resume.then_some(&records);
     refuse_too_little(arguments.memory.as_ref(), &scene, &plan, earlier)?;

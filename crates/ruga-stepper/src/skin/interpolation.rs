@@ -21,6 +21,9 @@ const INTERPOLATION_STEPS: usize = 1;
 /// Places found, or interpolated at, between two questions whether to go on.
 const PLACES_AT_A_TIME: usize = 20_000;
 
+/// Parts of a region whose first place is looked for on all faces of the layer; for more a tree is built.
+const FEW_PARTS: usize = 8;
+
 /// Places that a thread looks for at least.
 const PLACES_AT_ONCE: usize = 64;
 
@@ -115,12 +118,17 @@ pub(crate) fn places_on(
     let targets: PerVertex<Vector3<f64>> = positions.map(|(x, shift)| x + shift).collect();
     let mut places: PerVertex<Option<MaterialPoint>> = PerVertex::filled(mesh.vertex_count(), None);
     let mut is_reached = PerVertex::filled(mesh.vertex_count(), false);
-    let mut visited = 0;
+    let (mut parts, mut visited) = (0, 0);
     for seed in places.ids().collect::<Vec<_>>() {
         if std::mem::replace(&mut is_reached[seed], true) {
             continue;
         }
-        places[seed] = lookup.closest(&targets[seed]).map(|found| found.point);
+        let found = match parts < FEW_PARTS {
+            true => lookup.closest_of_all(&targets[seed]),
+            false => lookup.closest(&targets[seed]),
+        };
+        places[seed] = found.map(|found| found.point);
+        parts += 1;
         let mut reached = vec![seed];
         // Ring by ring, each by all threads. Which neighbour a vertex is looked for from follows from the mesh alone.
         while !reached.is_empty() {

@@ -284,6 +284,43 @@ mod tests {
         (mesh, areas, pinned)
     }
 
+    /// What is measured around the free vertices is what the whole mesh says, to the last bit.
+    #[test]
+    fn a_part_is_measured_as_the_whole_is() {
+        let (mesh, areas, mut pinned) = grid(40);
+        let place = |v: usize| Vector3::new((v / 41) as f64, (v % 41) as f64, 0.0);
+        let bumpy = |x: Vector3<f64>| x + Vector3::z() * (0.1 * (0.7 * x.x + 0.3 * x.y).sin());
+        let places: Vec<_> = (0..41 * 41).map(|v| bumpy(place(v))).collect();
+        let corners = face_corners(&mesh, &places);
+        pin_all_but_the_middle(&mesh, &areas, &mut pinned, 80.0);
+        let part = around_free(&mesh, &corners, &pinned);
+        assert!(part.0.face_count() < mesh.face_count() / 4);
+        let modulus = |mesh: &TriMesh, corners: &[[Vector3<f64>; 3]], pinned: &PerVertex<bool>| {
+            let directions = vec![Vector3::x(); mesh.face_count()];
+            let response = response_modulus(&ResponseQuery {
+                mesh,
+                corners,
+                directions: &directions,
+                fixed: pinned.as_slice(),
+                bending_modulus: 1.0,
+                hinge_exponent: HINGE_EXPONENT,
+                poisson: 0.4,
+                bending_model: BendingModel::VertexCurvature,
+                normal_stiffness: 0.5,
+                gradient_stiffness: 0.0,
+            });
+            response.expect("a stable sheet").bending_modulus
+        };
+        let found = modulus(&part.0, &part.1, &part.2);
+        assert_eq!(found, modulus(&mesh, &corners, &pinned));
+        let of_halves = |(mesh, corners, pinned): &(TriMesh, Vec<_>, _)| {
+            let (mesh, corners, pinned) = halved(mesh, corners, pinned);
+            modulus(&mesh, &corners, &pinned)
+        };
+        let whole = (mesh, corners, pinned);
+        assert_eq!(of_halves(&part), of_halves(&whole));
+    }
+
     #[test]
     fn a_small_place_is_measured_as_it_is() {
         let (mesh, areas, mut pinned) = grid(6);
