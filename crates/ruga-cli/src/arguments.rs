@@ -201,8 +201,8 @@ pub(crate) struct RunArguments {
     /// Mesh points per wavelength: draft 6, standard 12, fine 24, or the scene's.
     #[arg(long, value_enum, default_value_t, help_heading = "Simulation")]
     pub(crate) quality: Quality,
-    /// Poses worked on at a time, the longest first; a pose beside which fewer begin has more threads for itself.
-    /// The results do not depend on it [default: one per core].
+    /// Threads to work with: as many poses at a time, those first that are planned to take longest; fewer poses
+    /// share the threads. The results do not depend on it [default: one per core].
     #[arg(long, value_name = "N", help_heading = "Simulation")]
     pub(crate) threads: Option<NonZeroUsize>,
     /// Memory that poses worked on at a time may need together, such as 4GB or 800MB: where they would need

@@ -39,7 +39,8 @@ impl Capacity {
 ///
 /// Whenever a thread is free, the lowest number begins that still fits beside those in work; where none does,
 /// one of these has to end. One that takes more than all of the memory runs by itself. `work` is told how many
-/// threads it has: those that are free are shared with the numbers that can begin at the same time. After Ctrl-C or
+/// threads it has: those that are free are shared with the numbers that can begin at the same time, the lowest
+/// having what is left over. After Ctrl-C or
 /// the first error no further number is taken and `given_up` tells those in work. What was not run is `None`.
 ///
 /// # Errors
@@ -112,7 +113,7 @@ impl Queue<'_> {
             }
             let beginning = self.beginning(&state);
             if let Some(&number) = beginning.first() {
-                let threads = state.free / beginning.len();
+                let threads = state.free.div_ceil(beginning.len());
                 state.waiting.retain(|&waiting| waiting != number);
                 state.in_work.push(number);
                 state.free -= threads;
@@ -261,7 +262,8 @@ mod tests {
     #[test]
     fn free_threads_are_shared_by_those_that_can_begin() {
         assert_eq!(threads_of(&[1], capacity(4, None), 1), [4]);
-        assert_eq!(threads_of(&[1; 3], capacity(4, None), 3), [1, 1, 2]);
+        assert_eq!(threads_of(&[1; 3], capacity(4, None), 3), [2, 1, 1]);
+        assert_eq!(threads_of(&[1; 5], capacity(8, None), 5), [2, 2, 2, 1, 1]);
         assert_eq!(threads_of(&[1; 8], capacity(8, None), 8), [1; 8]);
         // No other one fits beside the first one.
         assert_eq!(threads_of(&[5, 1], capacity(2, Some(5)), 1), [2, 2]);

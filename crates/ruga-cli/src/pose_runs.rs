@@ -86,7 +86,7 @@ pub(crate) fn thread_pool(threads: usize) -> Result<ThreadPool, CliError> {
 /// before its first key, or whose earlier results are better than what was reached.
 ///
 /// # Errors
-/// The first pose that cannot be simulated or written.
+/// A pose that cannot be simulated or written; of several the one that began first.
 pub(crate) fn run_poses<P: Product>(
     scene: &Scene,
     plan: &ScenePlan,
@@ -116,20 +116,18 @@ pub(crate) fn run_poses<P: Product>(
         threads: thread_count(arguments),
         memory: arguments.memory.as_ref().map(|limit| limit.bytes),
     };
-    let planned = |&pose: &usize| -> Vec<f64> {
-        let layers = plan.pose_layers(pose).into_iter();
+    let bytes_of = |alike: &Vec<usize>| planned_bytes(plan, alike[0]);
+    let seconds_of = |alike: &Vec<usize>| -> Vec<f64> {
+        let layers = plan.pose_layers(alike[0]).into_iter();
         layers.map(|layer| layer.seconds).collect()
     };
-    if capacity.threads > 1 {
-        // A long pose that begins last is waited for while other threads have nothing to do.
-        let seconds = |alike: &Vec<usize>| planned(&alike[0]).iter().sum::<f64>();
-        to_be_made.sort_by(|a, b| seconds(b).total_cmp(&seconds(a)));
-    }
-    let bytes = to_be_made.iter().map(|alike| planned_bytes(plan, alike[0]));
-    let bytes: Vec<u64> = bytes.collect();
+    let bytes: Vec<u64> = to_be_made.iter().map(bytes_of).collect();
     let at_a_time = capacity.most_at_a_time(&bytes);
-    let planned = to_be_made.iter().map(|alike| planned(&alike[0]));
-    let time_left = TimeLeft::new(planned.collect(), at_a_time);
+    if at_a_time > 1 {
+        longest_first(&mut to_be_made, |alike| seconds_of(alike).iter().sum());
+    }
+    let bytes: Vec<u64> = to_be_made.iter().map(bytes_of).collect();
+    let time_left = TimeLeft::new(to_be_made.iter().map(seconds_of).collect(), at_a_time);
     let run = PoseRun {
         scene,
         plan,
@@ -150,6 +148,12 @@ pub(crate) fn run_poses<P: Product>(
         }
     }
     Ok(poses)
+}
+
+/// Sorts by the time that each is planned to take: a long pose that begins last is waited for while other threads have
+/// nothing to do. Of equals the first stays first.
+fn longest_first<T>(poses: &mut [T], seconds: impl Fn(&T) -> f64) {
+    poses.sort_by(|a, b| seconds(b).total_cmp(&seconds(a)));
 }
 
 /// Time that each layer of a pose took, s.
@@ -330,5 +334,17 @@ impl<P: Product> PoseRun<'_, P> {
 
     fn points(&self) -> f64 {
         self.scene.modelling.points_per_wavelength
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_longest_begin_first_and_equals_as_they_were() {
+        let mut poses = [("a", 1.0), ("b", 3.0), ("c", 0.0), ("d", 3.0)];
+        longest_first(&mut poses, |pose| pose.1);
+        assert_eq!(poses.map(|pose| pose.0), ["b", "d", "a", "c"]);
     }
 }

@@ -189,21 +189,31 @@ impl LoopSurface {
     /// Appends to each of `rows` its part of the weights at `points`, by all threads: values come first, then
     /// derivatives.
     fn push_weights<const N: usize>(&self, points: &[MaterialPoint], rows: [&mut SparseRows; N]) {
+        if points.len() <= POINTS_AT_ONCE {
+            return self.push_weights_of(points, rows);
+        }
         let of_some = |points: &[MaterialPoint]| {
             let mut rows: [SparseRows; N] = std::array::from_fn(|_| SparseRows::default());
-            let mut weights = Vec::new();
-            for point in points {
-                let vertices = self.weights(point, &mut weights);
-                for (i, rows) in rows.iter_mut().enumerate() {
-                    let weights = weights.iter().map(|weight: &[f64; N]| weight[i]);
-                    rows.push_ascending(vertices, weights);
-                }
-            }
+            self.push_weights_of(points, rows.each_mut());
             rows
         };
         let parts: Vec<_> = points.par_chunks(POINTS_AT_ONCE).map(of_some).collect();
         for (i, rows) in rows.into_iter().enumerate() {
-            parts.iter().for_each(|part| rows.append(&part[i]));
+            rows.append(parts.iter().map(|part| &part[i]));
+        }
+    }
+
+    fn push_weights_of<const N: usize>(
+        &self,
+        points: &[MaterialPoint],
+        mut rows: [&mut SparseRows; N],
+    ) {
+        let mut weights = Vec::new();
+        for point in points {
+            let vertices = self.weights(point, &mut weights);
+            for (i, rows) in rows.iter_mut().enumerate() {
+                rows.push_ascending(vertices, weights.iter().map(|weight: &[f64; N]| weight[i]));
+            }
         }
     }
 

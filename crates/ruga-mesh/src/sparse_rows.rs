@@ -58,13 +58,17 @@ impl SparseRows {
         self.starts.push(self.columns.len());
     }
 
-    /// Appends the rows of another map.
-    pub(crate) fn append(&mut self, other: &Self) {
-        let before = self.columns.len();
-        let starts = other.starts[1..].iter().map(|start| before + start);
-        self.starts.extend(starts);
-        self.columns.extend_from_slice(&other.columns);
-        self.weights.extend_from_slice(&other.weights);
+    /// Appends the rows of other maps, one after the other.
+    pub(crate) fn append<'a>(&mut self, others: impl Iterator<Item = &'a Self> + Clone) {
+        let rows = others.clone().map(Self::row_count).sum();
+        self.reserve(rows, others.clone().map(|other| other.columns.len()).sum());
+        for other in others {
+            let before = self.columns.len();
+            let starts = other.starts[1..].iter().map(|start| before + start);
+            self.starts.extend(starts);
+            self.columns.extend_from_slice(&other.columns);
+            self.weights.extend_from_slice(&other.weights);
+        }
     }
 
     /// Gives back the memory that was reserved for further rows.

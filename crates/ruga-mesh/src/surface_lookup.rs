@@ -121,15 +121,12 @@ impl<'a> SurfaceLookup<'a> {
         best
     }
 
-    /// What [`Self::closest`] finds, by a look at every face: a tree is worth building for many targets only.
+    /// The place that is closest to `target`, by a look at every face, for a few targets: the tree of
+    /// [`Self::closest`] is worth building for many. Where distances are equal up to rounding the two may differ.
     pub fn closest_of_all(&self, target: &Vector3<f64>) -> Option<ClosestPlace> {
         let mut best = None;
-        for place in self
-            .mesh
-            .faces()
-            .ids()
-            .filter_map(|f| self.closest_on(f, target))
-        {
+        let faces = self.mesh.faces().ids();
+        for place in faces.filter_map(|face| self.closest_on(face, target)) {
             if place.precedes(&best) {
                 best = Some(place);
             }

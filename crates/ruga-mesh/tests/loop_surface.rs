@@ -65,6 +65,23 @@ fn rows_are_affine() {
     }
 }
 
+/// Many points are shared out among threads; their rows are those of one point after the other.
+#[test]
+fn rows_of_many_points_are_those_of_each() {
+    let control = icosahedron();
+    let surface = control.surface();
+    let points = random_points(&control.mesh, 150, 7);
+    assert!(points.len() > 2500);
+    let mut one_by_one = LimitPointRows::default();
+    for point in &points {
+        surface.add_rows(std::slice::from_ref(point), &mut one_by_one);
+    }
+    let (few, many) = points.split_at(30);
+    let mut rows = surface.rows(few);
+    surface.add_rows(many, &mut rows);
+    assert!(rows.position == one_by_one.position && rows.first == one_by_one.first);
+}
+
 #[test]
 fn a_lattice_keeps_linear_functions_of_the_parameters_up_to_its_border() {
     let control = lattice(5, 4, |i, j| Vector3::new(i, j, 2.0 * i - j)).with_corners(&[0, 29]);

@@ -13,7 +13,7 @@ use crate::memory_limit::refuse_too_little;
 use crate::outcome::Outcome;
 use crate::output_folder::OutputFolder;
 use crate::pose_record::{PoseRecord, Records};
-use crate::pose_runs::{PoseFiles, Product, run_poses};
+use crate::pose_runs::{PoseFiles, Product, run_poses, thread_count, thread_pool};
 use crate::summary::{self, ALL_IN_REPORT};
 use crate::table::{number, table};
 use crate::{interrupt, messages};
@@ -27,12 +27,14 @@ const FILE: &str = "creases.json";
 /// Whatever keeps a pose from being planned, simulated or written.
 pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     let options = options(arguments)?;
-    let mut scene = Scene::read_with(&arguments.scene, &options)?;
+    let pool = thread_pool(thread_count(arguments))?;
+    let mut scene = pool.install(|| Scene::read_with(&arguments.scene, &options))?;
     // Lines of both sides are looked for, each in its own pose.
     scene.mirror = None;
     refuse_sheet(&scene)?;
     refuse_own_network(&scene, &arguments.output)?;
-    let plan = scene.plan()?;
+    let plan = pool.install(|| scene.plan())?;
+    drop(pool);
     let records = Records::of_age(&arguments.output);
     let earlier = arguments.resume.then_some(&records);
     refuse_too_little(arguments.memory.as_ref(), &scene, &plan, earlier)?;

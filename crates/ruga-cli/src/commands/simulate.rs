@@ -39,6 +39,7 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<Outcome, CliError> {
     // Frames are of every pose as it is: the meshes that they were computed on have no mirror image.
     scene.mirror = None;
     let plan = pool.install(|| scene.plan())?;
+    drop(pool);
     let records = Records::of_simulate(&arguments.output);
     let earlier = arguments.resume.then_some(&records);
     refuse_too_little(arguments.memory.as_ref(), &scene, &plan, earlier)?;

@@ -21,7 +21,7 @@ const SMALLEST: f64 = 0.25;
 /// Waves shorter than this, in critical wavelengths, are none of the layer's own.
 const SHORTEST: f64 = 0.4;
 
-/// Vertices around which a thread looks at least: it keeps a list of all of them.
+/// Vertices around which a thread looks at least: every part of the work fills a mark for each of all vertices.
 const CENTRES_AT_ONCE: usize = 4096;
 
 /// Radius (wavelengths) within which the surface may turn only so far.

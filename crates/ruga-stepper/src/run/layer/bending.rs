@@ -204,8 +204,9 @@ fn pin_all_but_the_middle(
     }
 }
 
-/// The part of a mesh that its vertices feel that are not pinned, these in the same order: what is measured is the same
-/// to the last bit, and of a large mesh the middle alone is halved.
+/// The faces around the vertices that are not pinned, two rings deep, with vertices and faces in their old order. What is
+/// measured on them is the same to the last bit, and of a large mesh the middle alone is halved; what may be wrong
+/// with a face further off does not count.
 fn around_free(
     mesh: &TriMesh,
     corners: &[[Vector3<f64>; 3]],
