@@ -40,8 +40,8 @@ impl Capacity {
 /// Whenever a thread is free, the lowest number begins that still fits beside those in work; where none does,
 /// one of these has to end. One that takes more than all of the memory runs by itself. `work` is told how many
 /// threads it has: those that are free are shared with the numbers that can begin at the same time, the lowest
-/// having what is left over. After Ctrl-C or
-/// the first error no further number is taken and `given_up` tells those in work. What was not run is `None`.
+/// having what is left over. After Ctrl-C or the first error no further number is taken and `given_up` tells those
+/// in work. What was not run is `None`.
 ///
 /// # Errors
 /// The error of the lowest number that failed.
