@@ -2,14 +2,11 @@
 
 use nalgebra::Vector3;
 use ruga_mesh::{
-    Id, LimitPointRows, LoopSurface, MaterialPoint, TriMesh, face_normals, vertex_normals,
+    Id, LimitPoints, LoopSurface, MaterialPoint, TriMesh, face_normals, vertex_normals,
 };
 
 use crate::base_surface::material_tangent;
 use crate::{Driver, PosedSurface, Smoothing};
-
-/// Points prepared between two questions whether to go on, about a tenth of a second.
-const POINTS_AT_A_TIME: usize = 20_000;
 
 /// Material points of a driver, with what poses them.
 ///
@@ -17,10 +14,14 @@ const POINTS_AT_A_TIME: usize = 20_000;
 /// products per point.
 #[derive(Clone, Debug)]
 pub struct SurfacePoints {
-    points: Vec<MaterialPoint>,
     topology: TriMesh,
-    /// Rows of the limit surface; `None` for flat facets.
-    limit: Option<LimitPointRows>,
+    on: On,
+}
+
+#[derive(Clone, Debug)]
+enum On {
+    Limit(LimitPoints),
+    Facets(Vec<MaterialPoint>),
 }
 
 impl SurfacePoints {
@@ -48,31 +49,25 @@ impl SurfacePoints {
             points.iter().all(|point| point.face.index() < count),
             "every point lies on one of the driver's {count} faces"
         );
-        let limit = match smoothing {
+        let on = match smoothing {
             Smoothing::Loop => {
                 let surface = LoopSurface::new(driver.topology(), driver.corners());
-                let mut rows = LimitPointRows::default();
-                for chunk in points.chunks(POINTS_AT_A_TIME) {
-                    surface.add_rows(chunk, &mut rows);
-                    if !goes_on() {
-                        return None;
-                    }
-                }
-                rows.shrink_to_fit();
-                Some(rows)
+                On::Limit(LimitPoints::new(surface, points.to_vec(), goes_on)?)
             }
-            Smoothing::None => None,
+            Smoothing::None => On::Facets(points.to_vec()),
         };
         Some(Self {
-            points: points.to_vec(),
             topology: driver.topology().clone(),
-            limit,
+            on,
         })
     }
 
     /// Places of the points on the driver's faces.
     pub fn points(&self) -> &[MaterialPoint] {
-        &self.points
+        match &self.on {
+            On::Limit(points) => points.points(),
+            On::Facets(points) => points,
+        }
     }
 
     /// Positions (m), unit normals and tangents from the driver's control points (m).
@@ -83,9 +78,9 @@ impl SurfacePoints {
     /// # Panics
     /// When there is not one control point per vertex of the driver.
     pub fn pose(&self, control: &[Vector3<f64>]) -> PosedSurface {
-        match &self.limit {
-            Some(rows) => self.pose_limit(rows, control),
-            None => self.pose_facets(control),
+        match &self.on {
+            On::Limit(points) => self.pose_limit(points, control),
+            On::Facets(points) => self.pose_facets(points, control),
         }
     }
 
@@ -100,27 +95,26 @@ impl SurfacePoints {
             self.topology.vertex_count(),
             "one control point per vertex"
         );
-        match &self.limit {
-            Some(rows) => rows
-                .apply(control)
-                .iter()
-                .map(|plane| plane.first)
-                .collect(),
-            None => {
+        match &self.on {
+            On::Limit(points) => {
+                let planes = points.planes(control).into_iter();
+                planes.map(|plane| plane.first).collect()
+            }
+            On::Facets(points) => {
                 let edges = |point: &MaterialPoint| {
                     let [a, b, c] =
                         self.topology.faces()[point.face].map(|v| control[v.0 as usize]);
                     [b - a, c - a]
                 };
-                self.points.iter().map(edges).collect()
+                points.iter().map(edges).collect()
             }
         }
     }
 
-    fn pose_limit(&self, rows: &LimitPointRows, control: &[Vector3<f64>]) -> PosedSurface {
+    fn pose_limit(&self, points: &LimitPoints, control: &[Vector3<f64>]) -> PosedSurface {
         let facets = face_normals(&self.topology, control);
         let mut posed = PosedSurface::default();
-        for (plane, point) in rows.apply(control).iter().zip(&self.points) {
+        for (plane, point) in points.planes(control).iter().zip(points.points()) {
             let facet = || facets[point.face].try_normalize(0.0);
             // A collapsed facet has no normal either; any unit vector keeps what follows finite.
             let normal = plane.normal().or_else(facet).unwrap_or_else(Vector3::z);
@@ -133,10 +127,10 @@ impl SurfacePoints {
         posed
     }
 
-    fn pose_facets(&self, control: &[Vector3<f64>]) -> PosedSurface {
+    fn pose_facets(&self, points: &[MaterialPoint], control: &[Vector3<f64>]) -> PosedSurface {
         let normals = vertex_normals(&self.topology, control);
         let mut posed = PosedSurface::default();
-        for point in &self.points {
+        for point in points {
             let normal = point.interpolate(&self.topology, &normals);
             let normal = normal.try_normalize(0.0).unwrap_or_else(Vector3::z);
             posed

@@ -23,6 +23,7 @@ mod geodesic;
 mod geometry;
 mod ids;
 mod irregular_sector;
+mod limit_points;
 mod loop_subdivision;
 mod loop_surface;
 mod material_point;
@@ -49,6 +50,7 @@ pub use geometry::{
     vertex_areas, vertex_means, vertex_normals,
 };
 pub use ids::{EdgeId, FaceId, Id, PerEdge, PerElement, PerFace, PerVertex, VertexId};
+pub use limit_points::LimitPoints;
 pub use loop_subdivision::{
     FaceOrigin, LimitRows, Subdivision, limit_rows, limit_rows_at, subdivide, subdivide_while,
 };

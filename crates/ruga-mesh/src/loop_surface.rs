@@ -16,6 +16,9 @@ use crate::{
 /// Points that a thread makes rows for at a time: enough to be worth handing over, few enough to share them out.
 const POINTS_AT_ONCE: usize = 512;
 
+/// Faces whose points are evaluated before what was found is put in its place.
+const FACES_AT_A_TIME: usize = 512;
+
 /// The limit surface of Loop subdivision over a control mesh, ready to be evaluated anywhere.
 ///
 /// The surface is that of [`subdivide`] and [`crate::limit_rows`], with their border and corner
@@ -116,6 +119,11 @@ impl LoopSurface {
         }
     }
 
+    /// Number of faces of the control mesh.
+    pub(crate) fn face_count(&self) -> usize {
+        self.mesh.face_count()
+    }
+
     /// Rows for the surface at `points`, in their order.
     ///
     /// Barycentric coordinates sum to one; a place outside of its face continues the face's
@@ -161,6 +169,72 @@ impl LoopSurface {
             }
         };
         points.iter().map(jet).collect()
+    }
+
+    /// The surface at many `points`, for one set of control points (m): the same bits as from [`rows`](Self::rows),
+    /// which take some 500 bytes a point. Nothing is kept; by all threads.
+    ///
+    /// # Panics
+    /// As [`jets`](Self::jets).
+    pub fn planes(&self, points: &[MaterialPoint], control: &[Vector3<f64>]) -> Vec<TangentPlane> {
+        let of_sums = |[position, u, v]: [Vector3<f64>; 3]| TangentPlane {
+            position,
+            first: [u, v],
+        };
+        self.sums(points, control)
+            .into_iter()
+            .map(of_sums)
+            .collect()
+    }
+
+    /// The positions of [`planes`](Self::planes) alone.
+    ///
+    /// # Panics
+    /// As [`jets`](Self::jets).
+    pub fn positions(
+        &self,
+        points: &[MaterialPoint],
+        control: &[Vector3<f64>],
+    ) -> Vec<Vector3<f64>> {
+        let sums = self.sums(points, control).into_iter();
+        sums.map(|[position]| position).collect()
+    }
+
+    /// The first `N` sums over control points at every point: the value, then derivatives. Face by face, so that what is
+    /// prepared for a face serves all of its points and can go then.
+    fn sums<const N: usize>(
+        &self,
+        points: &[MaterialPoint],
+        control: &[Vector3<f64>],
+    ) -> Vec<[Vector3<f64>; N]> {
+        let mut by_face: Vec<u32> = (0..points.len() as u32).collect();
+        by_face.sort_unstable_by_key(|&i| (points[i as usize].face, i));
+        let faces: Vec<&[u32]> = by_face
+            .chunk_by(|&i, &j| points[i as usize].face == points[j as usize].face)
+            .collect();
+        let of_face = |ranks: &&[u32]| {
+            let face = points[ranks[0] as usize].face;
+            let (patch, mut weights) = (self.patch(face), Vec::<[f64; N]>::new());
+            let sum = |&i: &u32| {
+                let vertices = self.weights_in(&patch, &points[i as usize], &mut weights);
+                let mut sums = [Vector3::zeros(); N];
+                for (&vertex, weights) in vertices.iter().zip(&weights) {
+                    for (sum, &weight) in sums.iter_mut().zip(weights) {
+                        *sum += control[vertex as usize] * weight;
+                    }
+                }
+                sums
+            };
+            ranks.iter().map(sum).collect::<Vec<_>>()
+        };
+        let mut sums = vec![[Vector3::zeros(); N]; points.len()];
+        for faces in faces.chunks(FACES_AT_A_TIME) {
+            let found: Vec<_> = faces.par_iter().map(of_face).collect();
+            for (&i, found) in faces.iter().copied().flatten().zip(found.iter().flatten()) {
+                sums[i as usize] = *found;
+            }
+        }
+        sums
     }
 
     /// Forgets what was prepared for the faces asked for so far, 2 kB each.
@@ -223,8 +297,17 @@ impl LoopSurface {
         point: &MaterialPoint,
         weights: &mut Vec<[f64; N]>,
     ) -> &[u32] {
-        let place = FacePlace::new(point.barycentric);
         let patch = self.patches[point.face].get_or_init(|| self.patch(point.face));
+        self.weights_in(patch, point, weights)
+    }
+
+    fn weights_in<'p, const N: usize>(
+        &self,
+        patch: &'p FacePatch,
+        point: &MaterialPoint,
+        weights: &mut Vec<[f64; N]>,
+    ) -> &'p [u32] {
+        let place = FacePlace::new(point.barycentric);
         match patch {
             FacePatch::Regular(controls) => controls.pull(&place.basis(), weights),
             FacePatch::Split(quarters) => {

@@ -82,6 +82,20 @@ fn rows_of_many_points_are_those_of_each() {
     assert!(rows.position == one_by_one.position && rows.first == one_by_one.first);
 }
 
+/// Also where points of a face are not one after the other.
+#[test]
+fn planes_at_many_points_are_those_of_rows() {
+    for control in all() {
+        let mut points = random_points(&control.mesh, 3, 8);
+        points.extend(random_points(&control.mesh, 2, 9));
+        let surface = control.surface();
+        let planes = surface.planes(&points, &control.positions);
+        assert!(planes == surface.rows(&points).apply(&control.positions));
+        let positions = surface.positions(&points, &control.positions);
+        assert!(planes.iter().map(|plane| plane.position).eq(positions));
+    }
+}
+
 #[test]
 fn a_lattice_keeps_linear_functions_of_the_parameters_up_to_its_border() {
     let control = lattice(5, 4, |i, j| Vector3::new(i, j, 2.0 * i - j)).with_corners(&[0, 29]);

@@ -168,7 +168,7 @@ impl Plan {
         };
         let faces = base.mesh().faces().ids();
         let measures = faces.map(|face| in_all_directions(coarseness * longest(face)));
-        refined(driver, Piece::of(&base), measures.collect(), goes_on)
+        refined(driver, Piece::of(&base), &measures.collect(), goes_on)
     }
 
     /// Refuses maps with sharp boundaries that the layers' meshes cannot follow.

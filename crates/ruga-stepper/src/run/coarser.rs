@@ -28,8 +28,7 @@ impl<'a> StackRun<'a> {
         let (plan, index) = (self.plan, run.index);
         let asked = plan.modelling.points_of(index, plan.meshes());
         let is_alone = run.layer.upper().is_none() && run.layer.solid().is_none();
-        let is_fitted = run.layer.interpolation().is_some();
-        if !is_alone || !is_fitted || POINTS > WORTH_IT * asked {
+        if !is_alone || !run.layer.is_fitted() || POINTS > WORTH_IT * asked {
             return Ok(None);
         }
         let mut preparing = Preparing::new(observer, index, Phase::Remeshing);
@@ -48,7 +47,7 @@ impl<'a> StackRun<'a> {
         // Centres of its own would hold it elsewhere than the finer mesh is held.
         let centres = Some(run.layer.row_centres().to_vec());
         let adapted = self.fitted(index, &region, sizing, &mut preparing)?;
-        let wanted = (run.layer.region().clone(), adapted);
+        let wanted = (run.layer.output_mesh(), adapted);
         let mut coarse = self.build_on(index, wanted, centres, supports.last(), &mut preparing)?;
         coarse.is_coarse = true;
         let most = WORTH_IT * run.layer.vertex_count() as f64;

@@ -5,6 +5,7 @@ mod creases;
 mod equilibrium;
 mod face_states;
 mod load;
+mod output;
 mod snapshot;
 #[cfg(test)]
 mod tests;
@@ -26,16 +27,18 @@ use crate::error::Halt;
 use crate::preparing::Preparing;
 use crate::run::low_pass_rows::{RowCentre, low_pass_rows, row_centres};
 use crate::run::strain_ratio::StrainRatios;
-use crate::skin::interpolation::Interpolation;
 use crate::skin::local_skin::{LocalSkin, SkinProperties};
 use crate::skin::relief::ReliefWeights;
-use crate::skin::skin_mesh::{RegionMesh, SkinMesh};
+use crate::skin::skin_mesh::SkinMesh;
 use crate::skin::upper_shell::UpperShell;
 use crate::support::support_surface::SupportSurface;
 use crate::support::{Interior, Solid};
 use crate::{LayerSpec, StepperError};
 
+use output::{Output, Shown, interpolation_to};
+
 pub(crate) use load::LayerState;
+pub(crate) use output::{OutputMesh, Unmade};
 
 /// Levenberg damping in units of `K0 V_i`: keeps modes that slide along themselves from having a
 /// random sign, and is far below what any wrinkle feels.
@@ -66,12 +69,9 @@ pub(crate) struct Layer {
     pub(crate) wrinkling: Wrinkling,
     skin: SkinMesh,
     properties: SkinProperties,
-    /// Output mesh of the active region.
-    region: RegionMesh,
-    /// Weights of the relief on its own mesh, and on the output mesh.
-    weights: [ReliefWeights; 2],
-    /// Takes results to the output mesh; `None` where that is the layer's own mesh.
-    interpolation: Option<Interpolation>,
+    /// Weights of the relief on its own mesh.
+    weights: ReliefWeights,
+    output: Output,
     bending: BendingModel,
     /// Response bending modulus of the uncorrected mesh over that of the material, once measured.
     pub(crate) bending_ratio: Option<f64>,
@@ -118,13 +118,16 @@ pub(crate) struct Layer {
 }
 
 impl Layer {
-    /// Builds the layer on `adapted`, or else on the region's own mesh, at rest.
+    /// Builds the layer on `adapted`, or else on the output mesh itself, at rest.
+    ///
+    /// # Panics
+    /// When the output mesh is to be made later, and `adapted` has no inner vertex.
     pub(crate) fn new(
         driver: &Arc<Driver>,
         spec: &LayerSpec,
         wrinkling: &Wrinkling,
         options: LayerOptions,
-        (region, adapted): (RegionMesh, Option<SkinMesh>),
+        (output, adapted): (OutputMesh, Option<SkinMesh>),
         seed: u64,
         preparing: &mut Preparing<'_>,
     ) -> Result<Self, Halt> {
@@ -139,14 +142,25 @@ impl Layer {
         // A mesh may be fitted so coarsely that all of it is border.
         let adapted =
             adapted.filter(|skin| options.interior.is_some() || skin.has_inner_vertices());
-        let interpolation = match &adapted {
-            Some(skin) => Some(
-                preparing
-                    .while_wanted(|goes_on| Interpolation::new(skin, &region.skin, goes_on))?,
-            ),
-            None => None,
+        let weights = |skin: &SkinMesh| ReliefWeights::new(driver, spec, wrinkling, skin);
+        let output = match output {
+            OutputMesh::Made(region) => {
+                let interpolation = adapted.as_ref();
+                let interpolation =
+                    interpolation.map(|skin| interpolation_to(skin, &region, preparing));
+                Output::Made(Box::new(Shown {
+                    weights: weights(&region.skin)?,
+                    interpolation: interpolation.transpose()?,
+                    region: *region,
+                }))
+            }
+            OutputMesh::Later(unmade) => Output::Later(unmade),
         };
-        let skin = adapted.unwrap_or_else(|| region.skin.clone());
+        let skin = match (adapted, &output) {
+            (Some(skin), _) => skin,
+            (None, Output::Made(shown)) => shown.region.skin.clone(),
+            (None, Output::Later(_)) => unreachable!("only a fitted layer is shown later"),
+        };
         let rest = &skin.rest;
         let LayerOptions {
             tangential_stiffness,
@@ -218,8 +232,7 @@ impl Layer {
             None => row_centres(spec, &properties, &skin, &free)?,
         };
         preparing.step()?;
-        let weights = |skin| ReliefWeights::new(driver, spec, wrinkling, skin);
-        let weights = [weights(&skin)?, weights(&region.skin)?];
+        let weights = weights(&skin)?;
         preparing.step()?;
         let low_pass = low_pass_rows((spec, sample), &centres, &skin, &pinned, &free)?;
         preparing.step()?;
@@ -268,9 +281,8 @@ impl Layer {
             crease_strengths: Vec::new(),
             properties,
             skin,
-            region,
             weights,
-            interpolation,
+            output,
             bending,
             bending_ratio: None,
             areas,
@@ -416,16 +428,6 @@ impl Layer {
     /// The layer's mesh at rest.
     pub(crate) fn skin(&self) -> &SkinMesh {
         &self.skin
-    }
-
-    /// Output mesh.
-    pub(crate) fn region(&self) -> &RegionMesh {
-        &self.region
-    }
-
-    /// Takes results to the output mesh; `None` where that is the layer's own.
-    pub(crate) fn interpolation(&self) -> Option<&Interpolation> {
-        self.interpolation.as_ref()
     }
 
     /// Positions of the layer's vertices, then of those of a layer that moves together with it, m.

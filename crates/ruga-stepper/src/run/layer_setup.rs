@@ -1,11 +1,13 @@
 //! Layers as a pose needs them: their region, their mesh, their bending.
 
+use std::sync::Arc;
+
 use ruga_crease::TracedLine;
 
 use crate::error::Halt;
 use crate::preparing::Preparing;
 use crate::run::adaptivity::{Fitting, SizingRequest};
-use crate::run::layer::{Layer, LayerOptions};
+use crate::run::layer::{Layer, LayerOptions, OutputMesh, Unmade};
 use crate::run::layer_run::LayerRun;
 use crate::run::low_pass_rows::RowCentre;
 use crate::run::stack_run::StackRun;
@@ -64,7 +66,7 @@ impl<'a> StackRun<'a> {
         support: &[SupportOf<'_>],
         output: OutputEdges,
         preparing: &mut Preparing<'_>,
-    ) -> Result<(RegionMesh, Option<Adapted>), Halt> {
+    ) -> Result<(OutputMesh, Option<Adapted>), Halt> {
         let is_fitted = !support.is_empty() && self.is_output_fitted(index, output);
         let (region, from) = match is_fitted {
             true => self.region_with_edges(index, self.fitting_edges(index), preparing)?,
@@ -84,22 +86,40 @@ impl<'a> StackRun<'a> {
         let sizing = self.sizing(index, &region, fitting, preparing)?;
         preparing.step()?;
         let adapted = self.fitted(index, &region, sizing, preparing)?;
+        let made = |region| OutputMesh::Made(Box::new(region));
         if !is_fitted {
-            return Ok((region, adapted));
+            return Ok((made(region), adapted));
         }
         let fitted = adapted.as_ref();
         let Some(fitted) = fitted.filter(|adapted| adapted.skin.has_inner_vertices()) else {
             // A layer that has no inner vertex on its fitted mesh is solved on the output mesh.
-            return Ok((self.planned_region(index, preparing)?.0, adapted));
+            return Ok((made(self.planned_region(index, preparing)?.0), adapted));
         };
         let sizing = (&fitted.sizing, fitted.coarseness);
         let measures = region.output_measures(&from, sizing);
-        // What sizing was found on is not needed any more.
-        drop((region, surfaces));
-        let (driver, whole) = (&self.plan.driver, from.whole);
+        let unmade = Unmade {
+            whole: from.whole,
+            measures,
+        };
+        Ok((OutputMesh::Later(Arc::new(unmade)), adapted))
+    }
+
+    /// Makes the output mesh of a layer that has none yet.
+    pub(crate) fn make_output(
+        &self,
+        run: &mut LayerRun<'_>,
+        observer: &mut dyn Observer,
+    ) -> Result<(), Halt> {
+        let Some(unmade) = run.layer.unmade_output() else {
+            return Ok(());
+        };
+        let preparing = &mut Preparing::new(observer, run.index, Phase::Sampling);
+        let driver = &self.plan.driver;
+        let (whole, measures) = (unmade.whole.clone(), &unmade.measures);
         let (piece, _) =
             preparing.while_wanted(|goes_on| refined(driver, whole, measures, goes_on))?;
-        Ok((self.region(index, piece, preparing)?, adapted))
+        let region = self.region(run.index, piece, preparing)?;
+        run.layer.show_on(driver, region, preparing)
     }
 
     /// Whether the output mesh of layer number `index` has long edges along its wrinkles.
@@ -159,6 +179,7 @@ impl<'a> StackRun<'a> {
         let sizing = self.sizing(index, &region, Fitting::LargeShape, &mut preparing)?;
         let adapted = self.fitted(index, &region, sizing, &mut preparing)?;
         // Its bending is not corrected: such a mesh has no waves to measure.
+        let region = OutputMesh::Made(Box::new(region));
         self.build_on(index, (region, adapted), None, None, &mut preparing)
     }
 
@@ -212,7 +233,7 @@ impl<'a> StackRun<'a> {
     pub(crate) fn build_on(
         &self,
         index: usize,
-        (region, adapted): (RegionMesh, Option<Adapted>),
+        (output, adapted): (OutputMesh, Option<Adapted>),
         centres: Option<Vec<RowCentre>>,
         support: Option<&SupportOf<'_>>,
         preparing: &mut Preparing<'_>,
@@ -240,7 +261,7 @@ impl<'a> StackRun<'a> {
             spec,
             wrinkling,
             options,
-            (region, adapted),
+            (output, adapted),
             modelling.seed,
             preparing,
         )?;
@@ -256,8 +277,12 @@ impl<'a> StackRun<'a> {
         let points = modelling.points_of(index, plan.meshes());
         let mut run = LayerRun::new(index, layer, planned, (modelling, points));
         let name = |line: usize| format!("crease '{}'", spec.creases[line].name);
-        let shared = run.layer.region().shared.iter();
-        let shared: Vec<String> = shared.map(|warning| warning.told(&name)).collect();
+        // Only meshes that are made at once have creases.
+        let shared = match run.layer.unmade_output() {
+            None => &run.layer.region().shared[..],
+            Some(_) => &[],
+        };
+        let shared: Vec<String> = shared.iter().map(|warning| warning.told(&name)).collect();
         run.warnings.extend(shared);
         preparing.step()?;
         if coarseness > WORTH_TELLING {
@@ -312,9 +337,9 @@ impl<'a> StackRun<'a> {
             }
             // What is as fine as planned stays as it is.
             false => {
-                let region = run.layer.region().clone();
-                let adapted = self.fitted(index, &region, sizing, &mut preparing)?;
-                (region, adapted)
+                let region = run.layer.region();
+                let adapted = self.fitted(index, region, sizing, &mut preparing)?;
+                (run.layer.output_mesh(), adapted)
             }
         };
         let mut fitted = self.build_on(index, wanted, centres, Some(support), &mut preparing)?;

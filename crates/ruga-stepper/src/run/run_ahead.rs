@@ -87,7 +87,7 @@ impl Loading for CoarseLoading<'_, '_> {
 
     fn kept(
         &mut self,
-        run: &LayerRun<'_>,
+        run: &mut LayerRun<'_>,
         load: f64,
         _: &mut dyn Observer,
     ) -> Result<bool, StepperError> {

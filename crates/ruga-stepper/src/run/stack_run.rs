@@ -387,7 +387,7 @@ impl<'a> StackRun<'a> {
     fn frame(
         &mut self,
         lowest: usize,
-        run: &LayerRun<'_>,
+        run: &mut LayerRun<'_>,
         point: LoadPoint,
         observer: &mut dyn Observer,
     ) -> Result<bool, StepperError> {
@@ -396,6 +396,11 @@ impl<'a> StackRun<'a> {
             self.result.frames += 1;
             return Ok(true);
         }
+        let made = self.make_output(run, observer);
+        if Halt::unless_interrupted(made)?.is_none() {
+            return Ok(false);
+        }
+        let run = &*run;
         observer.phase(lowest, Phase::Sampling);
         let support = self.support(&run.layer, point.weight_fraction);
         let mut layers = self.snapshot(run, support.as_ref(), &[], observer);
@@ -488,7 +493,7 @@ impl Loading for PoseLoading<'_, '_> {
 
     fn kept(
         &mut self,
-        run: &LayerRun<'_>,
+        run: &mut LayerRun<'_>,
         load: f64,
         observer: &mut dyn Observer,
     ) -> Result<bool, StepperError> {

@@ -54,6 +54,10 @@ impl<'a> StackRun<'a> {
             if ending == Ending::Interrupted {
                 return Ok(None);
             }
+            let made = self.make_output(&mut upper, observer);
+            if Halt::unless_interrupted(made)?.is_none() {
+                return Ok(None);
+            }
             observer.phase(index, Phase::Sampling);
             surfaces.extend(self.snapshot(&upper, support, &lower, observer));
             let attachment = self.plan.stacking.attachments[index];
@@ -201,7 +205,7 @@ impl Loading for CarriedLoading {
 
     fn kept(
         &mut self,
-        _: &LayerRun<'_>,
+        _: &mut LayerRun<'_>,
         _: f64,
         _: &mut dyn Observer,
     ) -> Result<bool, StepperError> {

@@ -7,8 +7,7 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 use rayon::prelude::*;
 use ruga_blend::Driver;
 use ruga_mesh::{
-    Id, LimitPointRows, LoopSurface, MaterialPoint, PerVertex, SparseRows, SurfaceLookup,
-    limit_rows,
+    Id, LimitPoints, LoopSurface, MaterialPoint, PerVertex, SparseRows, SurfaceLookup, limit_rows,
 };
 
 use crate::skin::fading::faded_from;
@@ -32,7 +31,7 @@ pub(crate) struct Cover {
     /// Weight of each of these vertices, rising from 0 beside the layer below to 1.
     weights: Vec<f64>,
     /// Limit surface of the lower layer at these vertices.
-    rows: LimitPointRows,
+    limit: LimitPoints,
     /// Limit surface of the lower layer at its own vertices.
     at_vertices: SparseRows,
     /// Per covered vertex the fold of the lower layer that it lies close to.
@@ -52,22 +51,19 @@ impl Cover {
             .unzip();
         let folds = folds_below(lower, &inside, rim);
         let corners = PerVertex::filled(lower.mesh.vertex_count(), false);
-        let rows = LoopSurface::new(&lower.mesh, &corners).rows(&inside);
+        let surface = LoopSurface::new(&lower.mesh, &corners);
+        let limit = LimitPoints::new(surface, inside, &mut || true).expect("nothing ends it early");
         let rest = skin.points.derivatives(driver.rest());
-        let firsts = rows
-            .first
-            .each_ref()
-            .map(|rows| rows.apply(&lower.rest.positions));
-        let tangents = vertices.iter().enumerate().map(|(k, &vertex)| {
-            let basis = [firsts[0][k], firsts[1][k]];
-            let columns = rest[vertex as usize].map(|tangent| coordinates(&tangent, &basis));
+        let planes = limit.planes(&lower.rest.positions);
+        let tangents = vertices.iter().zip(&planes).map(|(&vertex, plane)| {
+            let columns = rest[vertex as usize].map(|tangent| coordinates(&tangent, &plane.first));
             Matrix2::from_columns(&columns)
         });
         Self {
             tangents: tangents.collect(),
             folds,
             at_vertices: limit_rows(&lower.mesh, &corners).position,
-            rows,
+            limit,
             weights: vertices.iter().map(|&v| weights[v as usize]).collect(),
             vertices,
         }
@@ -94,14 +90,15 @@ impl Cover {
     pub(crate) fn interpolate(&self, values: &[Vector3<f64>]) -> [Vec<Vector3<f64>>; 3] {
         // The limit surface alone loses some per cent of a wave, which would be missing in the map.
         let control = through_vertices(&self.at_vertices, values);
-        let [by_u, by_v] = self.rows.first.each_ref().map(|rows| rows.apply(&control));
+        let planes = self.limit.planes(&control);
         let along = |column: usize| {
-            let firsts = by_u.iter().zip(&by_v).zip(&self.tangents);
+            let firsts = planes.iter().map(|plane| plane.first).zip(&self.tangents);
             firsts
-                .map(|((u, v), t)| u * t[(0, column)] + v * t[(1, column)])
+                .map(|([u, v], t)| u * t[(0, column)] + v * t[(1, column)])
                 .collect()
         };
-        [self.rows.position.apply(&control), along(0), along(1)]
+        let positions = planes.iter().map(|plane| plane.position).collect();
+        [positions, along(0), along(1)]
     }
 }
 

@@ -25,7 +25,7 @@ pub(crate) struct Refined {
 pub(crate) fn refined(
     driver: &Driver,
     whole: Piece,
-    measures: PerFace<Matrix3<f64>>,
+    measures: &PerFace<Matrix3<f64>>,
     goes_on: &mut dyn FnMut() -> bool,
 ) -> Option<(Piece, Refined)> {
     let mut piece = whole.clone();
@@ -135,7 +135,7 @@ mod tests {
             .as_slice()
             .iter()
             .map(|&edge| in_all_directions(edge));
-        let fine = refined(&driver, piece.clone(), measures.collect(), &mut || true)
+        let fine = refined(&driver, piece.clone(), &measures.collect(), &mut || true)
             .expect("nothing ends it");
         let (fine, from) = fine;
         assert!(
@@ -174,11 +174,11 @@ mod tests {
         let same = refined(
             &driver,
             piece.clone(),
-            PerFace::filled(faces, in_all_directions(SIDE)),
+            &PerFace::filled(faces, in_all_directions(SIDE)),
             &mut || true,
         );
         assert_eq!(same.expect("nothing ends it").0.mesh.face_count(), faces);
         let fine = PerFace::filled(faces, in_all_directions(1e-3 * SIDE));
-        assert!(refined(&driver, piece, fine, &mut || false).is_none());
+        assert!(refined(&driver, piece, &fine, &mut || false).is_none());
     }
 }

@@ -58,11 +58,11 @@ impl Layer {
     }
 
     fn states_on_region(&self, states: PerFace<FaceState>) -> Vec<FaceState> {
-        let Some(interpolation) = &self.interpolation else {
+        let Some(interpolation) = self.interpolation() else {
             return states.into_vec();
         };
         let places = interpolation.places();
-        let faces = self.region.skin.corner_indices().into_iter();
+        let faces = self.region().skin.corner_indices().into_iter();
         faces
             .map(|corners| FaceState::mean(corners.map(|v| &states[places[v as usize].face])))
             .collect()

@@ -24,14 +24,14 @@ impl Layer {
     ) -> LayerSurface {
         let own = &self.positions[..self.vertex_count()];
         let computed = ComputedMesh::new(driver, &self.skin, own);
-        let surface = support.pose(&self.region.skin);
+        let region = self.region();
+        let surface = support.pose(&region.skin);
         // The support surface is known on the output mesh itself. Only the deviation from it is
         // carried over from the layer's coarser mesh, so that smooth parts of the region stay
         // exact.
         let positions = self.on_region(&real.positions, self.deviations());
         let weights = self.region_weights(real);
         let relief = shown_positions(&positions, real, shown, &weights);
-        let region = &self.region;
         LayerSurface {
             name: self.spec.name.clone(),
             relief: region.on_both_sides(relief),
@@ -65,8 +65,8 @@ impl Layer {
         let relief = shown_positions(&positions, &above, &above, &self.region_weights(&above));
         Some(LayerSurface {
             name: upper.name.clone(),
-            relief: self.region.on_both_sides(relief),
-            positions: self.region.on_both_sides(positions),
+            relief: self.region().on_both_sides(relief),
+            positions: self.region().on_both_sides(positions),
             offset: own.offset + upper.offset,
             computed: ComputedMesh::new(driver, &self.skin, &self.positions[self.vertex_count()..]),
             ..own.clone()
@@ -78,7 +78,7 @@ impl Layer {
     pub(crate) fn shown_positions(&self, shown: &PosedSurface) -> Vec<Vector3<f64>> {
         let own = &self.positions[..self.vertex_count()];
         let weights = shown_weights(
-            &self.weights[0],
+            &self.weights,
             &self.skin,
             (&self.demands(), &self.support.posed),
         );
@@ -87,7 +87,8 @@ impl Layer {
 
     /// Weights of the relief at the vertices of the output mesh over `surface`, with the present strain.
     fn region_weights(&self, surface: &PosedSurface) -> Vec<f64> {
-        let demands = match &self.interpolation {
+        let shown = self.shown();
+        let demands = match &shown.interpolation {
             None => self.demands(),
             Some(interpolation) => {
                 let values = self.demands().into_iter();
@@ -101,7 +102,7 @@ impl Layer {
                 values.map(demand).collect()
             }
         };
-        shown_weights(&self.weights[1], &self.region.skin, (&demands, surface))
+        shown_weights(&shown.weights, &shown.region.skin, (&demands, surface))
     }
 
     /// What the support surface asks of the layer, or of the softer of two that move together, at the
@@ -133,7 +134,7 @@ impl Layer {
         places: &[Vector3<f64>],
         deviations: Vec<Vector3<f64>>,
     ) -> Vec<Vector3<f64>> {
-        let deviations = match &self.interpolation {
+        let deviations = match self.interpolation() {
             None => deviations,
             Some(interpolation) => interpolation.apply(&deviations),
         };

@@ -28,7 +28,7 @@ pub(crate) trait Loading {
     /// Takes note that the layer is in equilibrium at `load`; false when the observer ends the work.
     fn kept(
         &mut self,
-        run: &LayerRun<'_>,
+        run: &mut LayerRun<'_>,
         load: f64,
         observer: &mut dyn Observer,
     ) -> Result<bool, StepperError>;

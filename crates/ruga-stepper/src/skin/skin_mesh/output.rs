@@ -84,7 +84,7 @@ mod tests {
         let from = Refined { whole, origins };
         let measures = region.output_measures(&from, (&Sizing { tensors }, 1.0));
         let (fine, _) =
-            refined(&driver, from.whole, measures, &mut || true).expect("nothing ends it");
+            refined(&driver, from.whole, &measures, &mut || true).expect("nothing ends it");
         let positions = fine.flat_positions(&driver);
         let longest = ACROSS * across;
         let (mut left, mut right, mut along) = (0, 0, 0.0_f64);

@@ -1,0 +1,121 @@
+//! The mesh on which a layer's results are shown.
+
+use std::sync::Arc;
+
+use nalgebra::Matrix3;
+use ruga_blend::Driver;
+use ruga_mesh::PerFace;
+
+use super::Layer;
+use crate::error::Halt;
+use crate::preparing::Preparing;
+use crate::skin::interpolation::Interpolation;
+use crate::skin::piece::Piece;
+use crate::skin::relief::ReliefWeights;
+use crate::skin::skin_mesh::{RegionMesh, SkinMesh};
+
+/// The output mesh of a layer's region: made, or known well enough to make it. It takes as much memory as the layer,
+/// which needs it only when it is solved.
+#[derive(Clone)]
+pub(crate) enum OutputMesh {
+    Made(Box<RegionMesh>),
+    Later(Arc<Unmade>),
+}
+
+/// What an output mesh is refined from.
+pub(crate) struct Unmade {
+    /// Faces that lie in none but one of the driver's.
+    pub(crate) whole: Piece,
+    /// Measure of edges for every face of the whole, as in [`refined`](crate::skin::refined::refined), 1/m².
+    pub(crate) measures: PerFace<Matrix3<f64>>,
+}
+
+/// What a layer is shown by.
+pub(super) enum Output {
+    Made(Box<Shown>),
+    Later(Arc<Unmade>),
+}
+
+/// The output mesh, and how the layer comes to be on it.
+pub(super) struct Shown {
+    pub(super) region: RegionMesh,
+    /// Weights of the relief at its vertices.
+    pub(super) weights: ReliefWeights,
+    /// Takes results to it; `None` where it is the layer's own mesh.
+    pub(super) interpolation: Option<Interpolation>,
+}
+
+impl Layer {
+    /// The output mesh as it is, for another layer of the same region.
+    pub(crate) fn output_mesh(&self) -> OutputMesh {
+        match &self.output {
+            Output::Made(shown) => OutputMesh::Made(Box::new(shown.region.clone())),
+            Output::Later(unmade) => OutputMesh::Later(Arc::clone(unmade)),
+        }
+    }
+
+    /// What its output mesh is to be made of, where there is none yet.
+    pub(crate) fn unmade_output(&self) -> Option<Arc<Unmade>> {
+        match &self.output {
+            Output::Made(_) => None,
+            Output::Later(unmade) => Some(Arc::clone(unmade)),
+        }
+    }
+
+    /// Shows the layer, whose mesh is a fitted one, on `region` from now on.
+    pub(crate) fn show_on(
+        &mut self,
+        driver: &Driver,
+        region: RegionMesh,
+        preparing: &mut Preparing<'_>,
+    ) -> Result<(), Halt> {
+        let interpolation = Some(interpolation_to(&self.skin, &region, preparing)?);
+        let weights = ReliefWeights::new(driver, &self.spec, &self.wrinkling, &region.skin)?;
+        self.output = Output::Made(Box::new(Shown {
+            region,
+            weights,
+            interpolation,
+        }));
+        Ok(())
+    }
+
+    /// Output mesh.
+    ///
+    /// # Panics
+    /// When it has not been made yet.
+    pub(crate) fn region(&self) -> &RegionMesh {
+        &self.shown().region
+    }
+
+    /// Takes results to the output mesh; `None` where that is the layer's own.
+    ///
+    /// # Panics
+    /// As [`Self::region`].
+    pub(crate) fn interpolation(&self) -> Option<&Interpolation> {
+        self.shown().interpolation.as_ref()
+    }
+
+    /// Whether the layer's mesh is another than its output mesh.
+    pub(crate) fn is_fitted(&self) -> bool {
+        match &self.output {
+            Output::Made(shown) => shown.interpolation.is_some(),
+            Output::Later(_) => true,
+        }
+    }
+
+    pub(super) fn shown(&self) -> &Shown {
+        match &self.output {
+            Output::Made(shown) => shown,
+            Output::Later(_) => unreachable!("an output mesh is made before it is shown"),
+        }
+    }
+}
+
+/// Transfer of values at the vertices of `skin` to those of `region`.
+pub(super) fn interpolation_to(
+    skin: &SkinMesh,
+    region: &RegionMesh,
+    preparing: &mut Preparing<'_>,
+) -> Result<Interpolation, Halt> {
+    preparing.while_wanted(|goes_on| Interpolation::new(skin, &region.skin, goes_on))
+}
