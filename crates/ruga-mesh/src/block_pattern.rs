@@ -1,6 +1,6 @@
 //! The symmetric matrix of an energy over vertices: where each 3×3 block of it is stored.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -32,7 +32,8 @@ pub struct BlockPattern {
     free_points: Vec<u32>,
     // Shared with the solver.
     column_starts: Arc<[usize]>,
-    rows: Arc<[u32]>,
+    /// Written when they are first asked for.
+    rows: OnceLock<Arc<[u32]>>,
     /// Per free point the neighbours with higher numbers, ascending.
     neighbours: Vec<Vec<u32>>,
 }
@@ -90,7 +91,7 @@ impl BlockPattern {
         let mut this = Self {
             free_of,
             column_starts: Arc::default(),
-            rows: Arc::default(),
+            rows: OnceLock::new(),
             neighbours: vec![Vec::new(); free_points.len()],
             free_points,
         };
@@ -149,7 +150,7 @@ impl BlockPattern {
             ]
             .concat(),
             column_starts: Arc::default(),
-            rows: Arc::default(),
+            rows: OnceLock::new(),
             neighbours: own.chain(others).collect(),
         };
         this.lay_out();
@@ -157,23 +158,34 @@ impl BlockPattern {
     }
 
     fn lay_out(&mut self) {
-        let (mut starts, mut rows) = (vec![0], Vec::new());
-        for (j, below) in (0..).zip(&self.neighbours) {
-            for c in 0..3 {
-                rows.extend(3 * j + c..3 * j + 3);
-                for &i in below {
-                    rows.extend(3 * i..3 * i + 3);
-                }
-                starts.push(rows.len());
+        let (mut starts, mut entries) = (vec![0], 0);
+        for below in &self.neighbours {
+            for own in [3, 2, 1] {
+                entries += own + 3 * below.len();
+                starts.push(entries);
             }
         }
-        let entries = rows.len();
         assert!(
             u32::try_from(entries).is_ok(),
             "{entries} entries are too many"
         );
         self.column_starts = starts.into();
-        self.rows = rows.into();
+        self.rows = OnceLock::new();
+    }
+
+    fn written_rows(&self) -> &Arc<[u32]> {
+        self.rows.get_or_init(|| {
+            let mut rows = Vec::with_capacity(self.column_starts.last().copied().unwrap_or(0));
+            for (j, below) in (0..).zip(&self.neighbours) {
+                for c in 0..3 {
+                    rows.extend(3 * j + c..3 * j + 3);
+                    for &i in below {
+                        rows.extend(3 * i..3 * i + 3);
+                    }
+                }
+            }
+            rows.into()
+        })
     }
 
     /// Number of points, pinned ones included.
@@ -198,12 +210,15 @@ impl BlockPattern {
 
     /// Row of each entry, sorted within each column.
     pub fn rows(&self) -> &[u32] {
-        &self.rows
+        self.written_rows()
     }
 
     /// Column starts and rows, to be kept beside the pattern without a copy.
     pub fn shared(&self) -> (Arc<[usize]>, Arc<[u32]>) {
-        (Arc::clone(&self.column_starts), Arc::clone(&self.rows))
+        (
+            Arc::clone(&self.column_starts),
+            Arc::clone(self.written_rows()),
+        )
     }
 
     /// Number of a point among the free ones, if it is free.
@@ -245,11 +260,11 @@ impl BlockPattern {
     /// # Panics
     /// When there are fewer values than entries, or vectors than free points.
     pub fn product(&self, values: &[f64], v: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-        let mut product = vec![Vector3::zeros(); v.len()];
+        let (rows, mut product) = (self.rows(), vec![Vector3::zeros(); v.len()]);
         for (column, range) in self.column_starts.windows(2).enumerate() {
             let (j, c) = (column / 3, column % 3);
             let entries = range[0]..range[1];
-            for (&row, value) in self.rows[entries.clone()].iter().zip(&values[entries]) {
+            for (&row, value) in rows[entries.clone()].iter().zip(&values[entries]) {
                 let row = row as usize;
                 let (i, r) = (row / 3, row % 3);
                 product[i][r] += value * v[j][c];

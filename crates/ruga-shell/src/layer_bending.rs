@@ -13,8 +13,9 @@ use crate::layer_creases::HingeCrease;
 use crate::layer_part::{PartNumbers, rank};
 use crate::natural_curvature::NaturalAngles;
 use crate::sharp_fold::SharpFold;
+use crate::sheet_slots::SheetSlots;
 use crate::stars::Star;
-use crate::stencil::{FaceCorner, add_blocks, gather, slots};
+use crate::stencil::{FaceCorner, add_blocks, gather};
 use crate::{EnergyParts, FaceParameters, RestTriangle};
 use elements::{HingeElement, StarElement};
 
@@ -70,7 +71,6 @@ impl LayerBending {
         stars: Vec<Star>,
         (mesh, inner): (&TriMesh, &[InnerEdge]),
         rest: &[Vector3<f64>],
-        pattern: &BlockPattern,
     ) -> Self {
         // Stars name mesh edges; a hinge's number is its rank among the inner ones.
         let mut hinge_of = PerEdge::filled(mesh.edges().len(), 0);
@@ -94,13 +94,12 @@ impl LayerBending {
                 edge,
                 vertices,
                 sides: sides.map(FaceCorner::new),
-                slots: slots(pattern, &vertices),
             }
         };
         Self {
             stars: stars
                 .into_iter()
-                .map(|star| StarElement::new(star, &hinge_of, pattern))
+                .map(|star| StarElement::new(star, &hinge_of))
                 .collect(),
             hinges: inner.iter().map(hinge).collect(),
             factor: 1.0,
@@ -111,17 +110,17 @@ impl LayerBending {
 
     /// The vertices of every hinge and star.
     pub(crate) fn stencils(&self) -> impl Iterator<Item = &[u32]> {
-        self.hinge_stencils().chain(self.star_stencils())
+        let hinges = self.hinge_stencils().map(<[u32; 4]>::as_slice);
+        hinges.chain(self.star_stencils())
     }
 
     /// The hinges' vertices.
-    pub(crate) fn hinge_stencils(&self) -> impl Iterator<Item = &[u32]> {
-        let hinges = self.hinges.iter();
-        hinges.map(|hinge| hinge.vertices.as_slice())
+    pub(crate) fn hinge_stencils(&self) -> impl Iterator<Item = &[u32; 4]> {
+        self.hinges.iter().map(|hinge| &hinge.vertices)
     }
 
     /// The stars' vertices.
-    pub(crate) fn star_stencils(&self) -> impl Iterator<Item = &[u32]> {
+    pub(crate) fn star_stencils(&self) -> impl Iterator<Item = &[u32]> + Clone {
         self.stars.iter().map(|star| star.star.vertices.as_slice())
     }
 
@@ -136,8 +135,7 @@ impl LayerBending {
         (&element.star.vertices, &element.hinges)
     }
 
-    /// Bending in a part of the layer; slots are to be
-    /// looked up, stiffness and angles to be taken over.
+    /// Bending in a part of the layer; stiffness and angles are to be taken over.
     pub(crate) fn part(&self, numbers: &PartNumbers) -> Self {
         let hinge = |&number: &u32| {
             let whole = &self.hinges[number as usize];
@@ -155,7 +153,6 @@ impl LayerBending {
                 rows: Vec::new(),
                 hinges: hinges.collect(),
                 branches: Vec::new(),
-                slots: Vec::new(),
             }
         };
         Self {
@@ -167,26 +164,15 @@ impl LayerBending {
         }
     }
 
-    /// Looks up the slots of all stencils in a part's own pattern.
-    pub(crate) fn find_slots(&mut self, pattern: &BlockPattern) {
-        for element in &mut self.hinges {
-            element.slots = slots(pattern, &element.vertices);
-        }
-        for element in &mut self.stars {
-            element.slots = pattern.stencil_slots(&element.star.vertices).collect();
-        }
-    }
-
     /// Takes over stiffness and rest angles of the whole that this is a part of.
     pub(crate) fn follow(&mut self, whole: &Self, numbers: &PartNumbers) {
         self.factor = whole.factor;
         for (element, &number) in self.hinges.iter_mut().zip(&numbers.hinges) {
-            // Its place in the matrix and its vertices are the part's own.
+            // Its vertices are the part's own.
             *element = HingeElement {
                 edge: element.edge,
                 vertices: element.vertices,
                 sides: element.sides,
-                slots: element.slots,
                 ..whole.hinges[number as usize].clone()
             };
         }
@@ -322,18 +308,24 @@ impl LayerBending {
 
     /// Adds the second derivative to `exact`, and its Gauss-Newton part to `relaxed` unless that is
     /// empty.
-    pub(crate) fn add_hessian(&self, x: &[Vector3<f64>], exact: &mut [f64], relaxed: &mut [f64]) {
+    pub(crate) fn add_hessian(
+        &self,
+        x: &[Vector3<f64>],
+        slots: &SheetSlots,
+        exact: &mut [f64],
+        relaxed: &mut [f64],
+    ) {
         if self.stars.is_empty() {
-            for element in &self.hinges {
+            for (element, slots) in self.hinges.iter().zip(&slots.hinges) {
                 let state = element.state(x);
                 // The square alone serves as the relaxed Hessian: the rest goes with the bending
                 // moment and may be indefinite.
                 let mut blocks = element.softened(&state).gauss_newton(&state);
                 if !relaxed.is_empty() {
-                    add_blocks(relaxed, &element.slots, &blocks);
+                    add_blocks(relaxed, slots, &blocks);
                 }
                 state.add_curvature(element.moment(&state), &mut blocks);
-                add_blocks(exact, &element.slots, &blocks);
+                add_blocks(exact, slots, &blocks);
             }
             return;
         }
@@ -343,15 +335,16 @@ impl LayerBending {
         // semidefinite, and the relaxed Hessian takes no other part.
         let bends = self.bends(&states);
         let moments = self.moments(&bends);
-        for ((element, state), moment) in self.hinges.iter().zip(&states).zip(moments) {
+        for ((slots, state), moment) in slots.hinges.iter().zip(&states).zip(moments) {
             let mut blocks = [Matrix3::zeros(); 10];
             state.add_curvature(moment, &mut blocks);
-            add_blocks(exact, &element.slots, &blocks);
+            add_blocks(exact, slots, &blocks);
         }
         let gradients: Vec<_> = states.iter().map(HingeState::angle_gradient).collect();
-        let mut slopes = Vec::new();
+        let (mut of_stars, mut slopes) = (slots.stars.iter().copied(), Vec::new());
         for star in &self.stars {
-            star.add_gauss_newton((&bends, &gradients), &mut slopes, exact, relaxed);
+            let at = (bends.as_slice(), gradients.as_slice());
+            star.add_gauss_newton(at, &mut of_stars, &mut slopes, exact, relaxed);
         }
         for (i, fold) in self.sharp_folds(&bends) {
             let stiffened = Hinge {
@@ -359,9 +352,9 @@ impl LayerBending {
                 ..self.hinges[i].hinge
             };
             let blocks = stiffened.gauss_newton(&states[i]);
-            add_blocks(exact, &self.hinges[i].slots, &blocks);
+            add_blocks(exact, &slots.hinges[i], &blocks);
             if !relaxed.is_empty() {
-                add_blocks(relaxed, &self.hinges[i].slots, &blocks);
+                add_blocks(relaxed, &slots.hinges[i], &blocks);
             }
         }
     }

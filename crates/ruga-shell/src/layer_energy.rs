@@ -124,7 +124,7 @@ impl LayerEnergy {
         let pattern = BlockPattern::new(&pinned, stencils);
         let sheets = sheets
             .into_iter()
-            .map(|(topology, faces)| Sheet::new(topology, &rest, faces, &pattern))
+            .map(|(topology, faces)| Sheet::new(topology, &rest, faces))
             .collect::<Result<Vec<_>, _>>()?;
         let springs = upper.map(|upper| {
             let parameters = upper.springs(sheets[0].faces());
@@ -159,10 +159,9 @@ impl LayerEnergy {
 
     /// Energy of the stencils of one sheet with these numbers; values are still to be taken over by [`Self::follow`].
     pub(crate) fn part(&self, numbers: &PartNumbers) -> Self {
-        let mut sheet = self.lower().part(numbers);
+        let sheet = self.lower().part(numbers);
         let pinned: Vec<_> = numbers.is_free.iter().map(|free| !free).collect();
         let pattern = BlockPattern::new(&pinned, sheet.stencils());
-        sheet.find_slots(&pattern);
         Self {
             sheets: vec![sheet],
             springs: None,
@@ -373,7 +372,7 @@ impl LayerEnergy {
             }
         };
         for sheet in &self.sheets {
-            sheet.add_hessian(x, from, exact, relaxed);
+            sheet.add_hessian((x, from), &self.pattern, exact, relaxed);
         }
         if let Some(springs) = &self.springs {
             springs.add_hessian(x, exact, relaxed);

@@ -61,7 +61,7 @@ impl PartIndex {
         let bending = sheet.bending();
         Some(Self {
             faces: AtVertices::new(count, faces),
-            hinges: AtVertices::new(count, || bending.hinge_stencils()),
+            hinges: AtVertices::new(count, || bending.hinge_stencils().map(<[u32; 4]>::as_slice)),
             stars: AtVertices::new(count, || bending.star_stencils()),
             edges: AtVertices::new(count, || foundation.edge_stencils()),
         })

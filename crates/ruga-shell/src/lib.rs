@@ -75,6 +75,7 @@ mod natural_curvature;
 mod parameters;
 mod sharp_fold;
 mod sheet;
+mod sheet_slots;
 mod sheet_springs;
 mod stencil;
 mod upper_sheet;

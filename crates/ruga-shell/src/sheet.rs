@@ -1,14 +1,17 @@
 //! Membrane and bending of one sheet among the vertices of a layer.
 
+use std::sync::OnceLock;
+
 use nalgebra::{Matrix2, Vector3};
 
-use ruga_mesh::{BlockPattern, BlockSlot, EdgeId, TriMesh};
+use ruga_mesh::{BlockPattern, EdgeId, TriMesh};
 
 use crate::layer_bending::{InnerEdge, LayerBending, inner_edges};
 use crate::layer_part::{PartNumbers, pick, rank};
 use crate::membrane::{Membrane, Stress};
+use crate::sheet_slots::SheetSlots;
 use crate::stars::{Star, stars};
-use crate::stencil::{add_blocks, gather, slots};
+use crate::stencil::{add_blocks, gather};
 use crate::{
     BendingModel, Crease, CreaseState, EnergyParts, FaceParameters, RestTriangle, ShellError,
 };
@@ -67,8 +70,9 @@ pub(crate) struct Sheet {
     unstretched: Vec<RestTriangle>,
     rest: Vec<RestTriangle>,
     membranes: Vec<Membrane>,
-    membrane_slots: Vec<[BlockSlot; 6]>,
     bending: LayerBending,
+    /// Looked up when a matrix is first asked for.
+    slots: OnceLock<SheetSlots>,
 }
 
 impl Sheet {
@@ -77,10 +81,7 @@ impl Sheet {
         topology: SheetTopology<'_>,
         positions: &[Vector3<f64>],
         parameters: Vec<FaceParameters>,
-        pattern: &BlockPattern,
     ) -> Result<Self, ShellError> {
-        // Slots are looked up in a pattern that needs the stencils of all sheets first. That is why
-        // a sheet is built in two steps.
         let SheetTopology {
             mesh,
             faces,
@@ -98,8 +99,8 @@ impl Sheet {
             area_left,
             natural_curvatures: Vec::new(),
             capped_faces: 0,
-            membrane_slots: faces.iter().map(|face| slots(pattern, face)).collect(),
-            bending: LayerBending::new(stars, (mesh, &inner), positions, pattern),
+            bending: LayerBending::new(stars, (mesh, &inner), positions),
+            slots: OnceLock::new(),
             unstretched: rest.clone(),
             faces,
             parameters,
@@ -120,8 +121,7 @@ impl Sheet {
         &self.bending
     }
 
-    /// The sheet in a part of the layer; slots are to be
-    /// looked up, values to be taken over.
+    /// The sheet in a part of the layer; values are to be taken over.
     pub(crate) fn part(&self, numbers: &PartNumbers) -> Self {
         let face = |&number: &u32| self.faces[number as usize].map(|v| rank(&numbers.vertices, v));
         Self {
@@ -133,16 +133,9 @@ impl Sheet {
             unstretched: Vec::new(),
             rest: Vec::new(),
             membranes: Vec::new(),
-            membrane_slots: Vec::new(),
             bending: self.bending.part(numbers),
+            slots: OnceLock::new(),
         }
-    }
-
-    /// Looks up the slots of all stencils in a part's own pattern.
-    pub(crate) fn find_slots(&mut self, pattern: &BlockPattern) {
-        let faces = self.faces.iter();
-        self.membrane_slots = faces.map(|face| slots(pattern, face)).collect();
-        self.bending.find_slots(pattern);
     }
 
     /// Takes over the values of the whole that this is a part of.
@@ -289,17 +282,22 @@ impl Sheet {
         self.bending.add_gradient(x, pattern, gradient);
     }
 
-    /// Adds the second derivative to both matrices; an empty `relaxed` is not wanted. The membrane's stress is
-    /// that predicted at `from`, if it is given.
+    /// Adds the second derivative to both matrices of `pattern`, always the same; an empty `relaxed` is not wanted. The
+    /// membrane's stress is that predicted at `from`, if it is given.
     pub(crate) fn add_hessian(
         &self,
-        x: &[Vector3<f64>],
-        from: Option<&[Vector3<f64>]>,
+        (x, from): (&[Vector3<f64>], Option<&[Vector3<f64>]>),
+        pattern: &BlockPattern,
         exact: &mut [f64],
         relaxed: &mut [f64],
     ) {
+        let slots = self.slots.get_or_init(|| {
+            let bending = &self.bending;
+            let (hinges, stars) = (bending.hinge_stencils(), bending.star_stencils());
+            SheetSlots::new(pattern, &self.faces, hinges, stars)
+        });
         let elements = self.faces.iter().zip(&self.membranes);
-        for ((face, membrane), slots) in elements.zip(&self.membrane_slots) {
+        for ((face, membrane), slots) in elements.zip(&slots.faces) {
             let corners = gather(x, face);
             let state = match from {
                 None => membrane.state(&corners),
@@ -317,7 +315,7 @@ impl Sheet {
                 add(relaxed, Stress::Tensile);
             }
         }
-        self.bending.add_hessian(x, exact, relaxed);
+        self.bending.add_hessian(x, slots, exact, relaxed);
     }
 }
 

@@ -1,7 +1,7 @@
 //! The hinges and stars of a layer, each with its creases and its place in the matrix.
 
 use nalgebra::{Matrix3, Vector3};
-use ruga_mesh::{BlockPattern, BlockSlot, EdgeId, FaceId, PerEdge};
+use ruga_mesh::{BlockSlot, EdgeId, FaceId, PerEdge};
 
 use crate::crease::{Branch, StarFold};
 use crate::hinge::{Hinge, HingeState};
@@ -23,7 +23,6 @@ pub(super) struct HingeElement {
     pub(super) edge: EdgeId,
     pub(super) vertices: [u32; 4],
     pub(super) sides: [FaceCorner; 2],
-    pub(super) slots: [BlockSlot; 10],
 }
 
 /// The star of a vertex of a layer.
@@ -36,7 +35,6 @@ pub(super) struct StarElement {
     pub(super) hinges: Vec<u32>,
     /// Creases in series with the star.
     pub(super) branches: Vec<Branch>,
-    pub(super) slots: Vec<BlockSlot>,
 }
 
 impl HingeElement {
@@ -103,12 +101,11 @@ impl HingeElement {
 }
 
 impl StarElement {
-    pub(super) fn new(star: Star, hinge_of: &PerEdge<u32>, pattern: &BlockPattern) -> Self {
+    pub(super) fn new(star: Star, hinge_of: &PerEdge<u32>) -> Self {
         Self {
             rows: Vec::new(),
             hinges: star.folds.iter().map(|fold| hinge_of[fold.edge]).collect(),
             branches: Vec::new(),
-            slots: pattern.stencil_slots(&star.vertices).collect(),
             star,
         }
     }
@@ -142,11 +139,12 @@ impl StarElement {
         weighted(&self.rows, folds)
     }
 
-    /// `J^T J`, with `J` the derivative of the star's bend, softened by its creases; `slopes` is room to
-    /// work in.
+    /// `J^T J`, with `J` the derivative of the star's bend, softened by its creases; `slots` begin with the star's,
+    /// which are taken, and `slopes` is room to work in.
     pub(super) fn add_gauss_newton(
         &self,
         (bends, gradients): (&[f64], &[[Vector3<f64>; 4]]),
+        slots: &mut impl Iterator<Item = BlockSlot>,
         slopes: &mut Vec<Matrix3<f64>>,
         exact: &mut [f64],
         relaxed: &mut [f64],
@@ -164,7 +162,6 @@ impl StarElement {
                 *slope = softening.root(*slope);
             }
         }
-        let mut slots = self.slots.iter();
         for (i, slope) in slopes.iter().enumerate() {
             for (other, slot) in slopes[..=i].iter().zip(slots.by_ref()) {
                 let block = slope.tr_mul(other);

@@ -11,7 +11,7 @@ mod snapshot;
 mod tests;
 mod unwrinkled;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
@@ -114,7 +114,8 @@ pub(crate) struct Layer {
     /// Warning about its averaging constraints.
     pub(crate) row_warning: Option<String>,
     rows: ConstraintRows,
-    pattern: LowerPattern,
+    /// Sparsity of the layer's matrix. One that is solved in patches never needs its own.
+    pattern: OnceLock<LowerPattern>,
 }
 
 impl Layer {
@@ -248,16 +249,9 @@ impl Layer {
             })
             .collect();
         damping.extend(solid.iter().flat_map(Solid::damping));
-        let (rows, pattern) = match &mut solid {
-            Some(solid) => {
-                let rows = solid.hang(&low_pass.rows).map_err(solver)?;
-                (rows, solid.pattern().clone())
-            }
-            None => {
-                let (starts, entries) = energy.blocks().shared();
-                let pattern = LowerPattern::new(starts, entries);
-                (low_pass.rows, pattern.map_err(solver)?)
-            }
+        let rows = match &mut solid {
+            Some(solid) => solid.hang(&low_pass.rows).map_err(solver)?,
+            None => low_pass.rows,
         };
         preparing.step()?;
         let mut layer = Self {
@@ -298,7 +292,7 @@ impl Layer {
             centres,
             row_warning,
             rows,
-            pattern,
+            pattern: OnceLock::new(),
         };
         layer.add_noise(seed);
         layer.set_crease_strengths(layer.undrawn())?;
@@ -397,7 +391,17 @@ impl Layer {
 
     /// Averaging constraints over all unknowns, and the Hessian's lower triangle.
     pub(crate) fn system(&self) -> (&LowerPattern, &ConstraintRows) {
-        (&self.pattern, &self.rows)
+        (self.pattern(), &self.rows)
+    }
+
+    fn pattern(&self) -> &LowerPattern {
+        self.pattern.get_or_init(|| match &self.solid {
+            Some(solid) => solid.pattern().clone(),
+            None => {
+                let (starts, entries) = self.energy.blocks().shared();
+                LowerPattern::new(starts, entries).expect("blocks of free vertices")
+            }
+        })
     }
 
     /// Wrinkle heights, m.

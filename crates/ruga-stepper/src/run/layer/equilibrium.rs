@@ -102,7 +102,6 @@ impl Layer {
         let mut unknowns = self.unknowns();
         let base = gather(&self.free, &self.base);
         let solved = self.row_targets(&base).and_then(|targets| {
-            let objective = self.objective(&base, None);
             let whole = Whole {
                 energy: &self.energy,
                 positions: &self.positions,
@@ -110,12 +109,7 @@ impl Layer {
                 damping: &self.damping,
                 rows: &self.rows,
                 targets: &targets,
-                scales: Scales {
-                    energy: objective.energy_scale,
-                    vertex_area: objective.vertex_area,
-                    wrinkling: &self.wrinkling,
-                    thickness: objective.thickness,
-                },
+                scales: self.scales(),
             };
             patches.minimise(whole, &mut unknowns, how, keep_going)
         });
@@ -171,11 +165,12 @@ impl Layer {
         inertia: Option<&'a Inertia>,
     ) -> LayerObjective<'a> {
         let solid = self.solid.as_ref();
+        let scales = self.scales();
         LayerObjective {
             energy: &self.energy,
             free: &self.free,
             positions: &self.positions,
-            pattern: self.pattern.clone(),
+            pattern: self.pattern().clone(),
             damping: &self.damping,
             reaction: &self.reaction,
             base,
@@ -190,8 +185,17 @@ impl Layer {
                     solid.freeze(&self.energy, &self.held_normals, inertia),
                 )
             }),
+            vertex_area: scales.vertex_area,
+            energy_scale: scales.energy,
+            wrinkling: scales.wrinkling,
+            thickness: scales.thickness,
+        }
+    }
+
+    fn scales(&self) -> Scales<'_> {
+        Scales {
+            energy: self.strain_ratios().energy_scale(),
             vertex_area: self.areas.iter().sum::<f64>() / self.areas.len().max(1) as f64,
-            energy_scale: self.strain_ratios().energy_scale(),
             wrinkling: &self.wrinkling,
             thickness: self.spec.material.thickness,
         }
