@@ -104,8 +104,6 @@ pub(crate) struct Adapted {
 #[derive(Clone, Debug)]
 pub(crate) struct RegionMesh {
     pub(crate) skin: SkinMesh,
-    /// Texture coordinates of every triangle's corners at their material points.
-    uvs: Vec<[Vector2<f64>; 3]>,
     origins: PerFace<ruga_mesh::FaceOrigin>,
     /// Texture coordinates at which results are shown.
     shown_uvs: Arc<[[Vector2<f64>; 3]]>,
@@ -225,7 +223,6 @@ impl RegionMesh {
                 creases,
                 ..skin.lifted(offset)
             },
-            uvs,
             shown_uvs: addresses.uvs.into(),
             artist,
             shown_faces,
@@ -248,10 +245,12 @@ impl RegionMesh {
         }
     }
 
-    /// Texture coordinates of the material points of every triangle's corners, V down.
-    #[cfg(test)]
-    pub(crate) fn uvs(&self) -> &[[Vector2<f64>; 3]] {
-        &self.uvs
+    /// Texture coordinates of the material points of a triangle's corners, V down.
+    pub(crate) fn uvs(&self, driver: &Driver, face: FaceId) -> [Vector2<f64>; 3] {
+        let origin = &self.origins[face];
+        origin
+            .corners
+            .map(|weights| blend(&driver.uvs()[origin.face], weights))
     }
 
     /// Texture coordinates of every triangle's corners, V down, as the artist's flat triangles show
@@ -323,7 +322,7 @@ impl RegionMesh {
         let on_driver = |point: &MaterialPoint| self.origins[point.face].place(point.barycentric);
         let points: Vec<MaterialPoint> = made.points.as_slice().iter().map(on_driver).collect();
         let creases = self.creases_of(made);
-        let beside = self.beside(made, &creases);
+        let beside = self.beside(driver, made, &creases);
         let places = (made.mesh.clone(), points.as_slice());
         let skin = SkinMesh::new(driver, places, self.smoothing, self.offset, goes_on)?;
         Some(SkinMesh {
@@ -360,7 +359,12 @@ impl RegionMesh {
 
     /// The faces of a fitted mesh beside features, each with a texture coordinate inside: that of the
     /// place of this mesh below, because a fitted face may lie across a seam.
-    fn beside(&self, fitted: &SurfaceMesh, creases: &[CreaseEdge]) -> Vec<(FaceId, Vector2<f64>)> {
+    fn beside(
+        &self,
+        driver: &Driver,
+        fitted: &SurfaceMesh,
+        creases: &[CreaseEdge],
+    ) -> Vec<(FaceId, Vector2<f64>)> {
         // The skin is the same on both sides of a crease.
         let mut boundaries = fitted.features.clone();
         for crease in creases {
@@ -382,10 +386,8 @@ impl RegionMesh {
                 let reach = (fitted.positions[corners[nearest(weights)]] - target).norm();
                 let found = lookup.closest_near(near.face, &target, reach);
                 let place = found.map_or(near, |found| found.point);
-                (
-                    face,
-                    blend(&self.uvs[place.face.index()], place.barycentric),
-                )
+                let uvs = self.uvs(driver, place.face);
+                (face, blend(&uvs, place.barycentric))
             })
             .collect()
     }
