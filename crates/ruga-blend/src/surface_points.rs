@@ -15,13 +15,14 @@ use crate::{Driver, PosedSurface, Smoothing};
 #[derive(Clone, Debug)]
 pub struct SurfacePoints {
     topology: TriMesh,
-    on: On,
+    places: Places,
 }
 
+/// The points on what is posed.
 #[derive(Clone, Debug)]
-enum On {
-    Limit(LimitPoints),
-    Facets(Vec<MaterialPoint>),
+enum Places {
+    OnLimit(LimitPoints),
+    OnFacets(Vec<MaterialPoint>),
 }
 
 impl SurfacePoints {
@@ -49,24 +50,24 @@ impl SurfacePoints {
             points.iter().all(|point| point.face.index() < count),
             "every point lies on one of the driver's {count} faces"
         );
-        let on = match smoothing {
+        let places = match smoothing {
             Smoothing::Loop => {
                 let surface = LoopSurface::new(driver.topology(), driver.corners());
-                On::Limit(LimitPoints::new(surface, points.to_vec(), goes_on)?)
+                Places::OnLimit(LimitPoints::new(surface, points.to_vec(), goes_on)?)
             }
-            Smoothing::None => On::Facets(points.to_vec()),
+            Smoothing::None => Places::OnFacets(points.to_vec()),
         };
         Some(Self {
             topology: driver.topology().clone(),
-            on,
+            places,
         })
     }
 
     /// Places of the points on the driver's faces.
     pub fn points(&self) -> &[MaterialPoint] {
-        match &self.on {
-            On::Limit(points) => points.points(),
-            On::Facets(points) => points,
+        match &self.places {
+            Places::OnLimit(points) => points.points(),
+            Places::OnFacets(points) => points,
         }
     }
 
@@ -78,9 +79,9 @@ impl SurfacePoints {
     /// # Panics
     /// When there is not one control point per vertex of the driver.
     pub fn pose(&self, control: &[Vector3<f64>]) -> PosedSurface {
-        match &self.on {
-            On::Limit(points) => self.pose_limit(points, control),
-            On::Facets(points) => self.pose_facets(points, control),
+        match &self.places {
+            Places::OnLimit(points) => self.pose_limit(points, control),
+            Places::OnFacets(points) => self.pose_facets(points, control),
         }
     }
 
@@ -95,12 +96,12 @@ impl SurfacePoints {
             self.topology.vertex_count(),
             "one control point per vertex"
         );
-        match &self.on {
-            On::Limit(points) => {
+        match &self.places {
+            Places::OnLimit(points) => {
                 let planes = points.planes(control).into_iter();
                 planes.map(|plane| plane.first).collect()
             }
-            On::Facets(points) => {
+            Places::OnFacets(points) => {
                 let edges = |point: &MaterialPoint| {
                     let [a, b, c] =
                         self.topology.faces()[point.face].map(|v| control[v.0 as usize]);

@@ -7,9 +7,11 @@ use crate::{Id, LimitPointRows, LoopSurface, MaterialPoint, TangentPlane};
 /// Points whose rows are made between two questions whether to go on, about a tenth of a second.
 const POINTS_AT_A_TIME: usize = 20_000;
 
-/// Points whose rows are kept, at most: some 30 MB of them. A surface is as quick without where it is asked a few times,
-/// and fine meshes of whole faces have millions of points.
+/// Points up to which rows are kept: 500 bytes each, some 30 MB together. Without rows a point takes about as long
+/// every time as it takes to make them.
 const MOST_KEPT: usize = 1 << 16;
+/// Points for every face of the control mesh up to which rows take less memory than the surface itself.
+const MOST_PER_FACE: usize = 2;
 
 /// Material points on the Loop limit surface of a control mesh, ready to be evaluated for any control points.
 #[derive(Clone, Debug)]
@@ -26,8 +28,8 @@ enum Kept {
 }
 
 impl LimitPoints {
-    /// Prepares `points` on the faces of the control mesh of `surface`; `None` as soon as `goes_on`, which is asked every
-    /// few ten thousand points, says no.
+    /// Prepares `points` on the faces of the control mesh of `surface`; `None` as soon as `goes_on` says no. It is asked
+    /// every few ten thousand points while rows are made, of which there are none for very many points.
     ///
     /// # Panics
     /// When a point lies on a face that the mesh does not have.
@@ -36,7 +38,8 @@ impl LimitPoints {
         points: Vec<MaterialPoint>,
         goes_on: &mut dyn FnMut() -> bool,
     ) -> Option<Self> {
-        Self::with_rows_up_to(MOST_KEPT, (surface, points), goes_on)
+        let most = MOST_KEPT.max(MOST_PER_FACE * surface.face_count());
+        Self::with_rows_up_to(most, (surface, points), goes_on)
     }
 
     fn with_rows_up_to(

@@ -16,14 +16,14 @@ use crate::{
 /// Points that a thread makes rows for at a time: enough to be worth handing over, few enough to share them out.
 const POINTS_AT_ONCE: usize = 512;
 
-/// Faces whose points are evaluated before what was found is put in its place.
-const FACES_AT_A_TIME: usize = 512;
+/// Parts of many points, each on one face, that are evaluated before what was found is put in its place.
+const PARTS_AT_A_TIME: usize = 512;
 
 /// The limit surface of Loop subdivision over a control mesh, ready to be evaluated anywhere.
 ///
 /// The surface is that of [`subdivide`] and [`crate::limit_rows`], with their border and corner
-/// rules. It is linear in the control points, so it is asked once for rows, and these give every
-/// pose.
+/// rules. It is linear in the control points: [`rows`](Self::rows) are asked for once and
+/// give every pose, [`planes`](Self::planes) give one and keep nothing.
 ///
 /// A face is regular when each of its vertices has six faces, or lies on a border with three and
 /// is no corner. There the surface is a quartic box spline in closed form (Stam, *Evaluation of
@@ -171,70 +171,51 @@ impl LoopSurface {
         points.iter().map(jet).collect()
     }
 
-    /// The surface at many `points`, for one set of control points (m): the same bits as from [`rows`](Self::rows),
-    /// which take some 500 bytes a point. Nothing is kept; by all threads.
+    /// The surface at many `points`, for one set of control points (m), by all threads: the same bits as from
+    /// [`rows`](Self::rows), which take some 500 bytes a point, and nothing of which is kept.
     ///
     /// # Panics
     /// As [`jets`](Self::jets).
     pub fn planes(&self, points: &[MaterialPoint], control: &[Vector3<f64>]) -> Vec<TangentPlane> {
-        let of_sums = |[position, u, v]: [Vector3<f64>; 3]| TangentPlane {
-            position,
-            first: [u, v],
-        };
-        self.sums(points, control)
-            .into_iter()
-            .map(of_sums)
-            .collect()
-    }
-
-    /// The positions of [`planes`](Self::planes) alone.
-    ///
-    /// # Panics
-    /// As [`jets`](Self::jets).
-    pub fn positions(
-        &self,
-        points: &[MaterialPoint],
-        control: &[Vector3<f64>],
-    ) -> Vec<Vector3<f64>> {
-        let sums = self.sums(points, control).into_iter();
-        sums.map(|[position]| position).collect()
-    }
-
-    /// The first `N` sums over control points at every point: the value, then derivatives. Face by face, so that what is
-    /// prepared for a face serves all of its points and can go then.
-    fn sums<const N: usize>(
-        &self,
-        points: &[MaterialPoint],
-        control: &[Vector3<f64>],
-    ) -> Vec<[Vector3<f64>; N]> {
+        // Face by face: what is prepared for a face serves all of its points, and can go then.
         let mut by_face: Vec<u32> = (0..points.len() as u32).collect();
         by_face.sort_unstable_by_key(|&i| (points[i as usize].face, i));
-        let faces: Vec<&[u32]> = by_face
-            .chunk_by(|&i, &j| points[i as usize].face == points[j as usize].face)
+        let of_faces =
+            by_face.chunk_by(|&i, &j| points[i as usize].face == points[j as usize].face);
+        let parts: Vec<&[u32]> = of_faces
+            .flat_map(|ranks| ranks.chunks(POINTS_AT_ONCE))
             .collect();
-        let of_face = |ranks: &&[u32]| {
-            let face = points[ranks[0] as usize].face;
-            let (patch, mut weights) = (self.patch(face), Vec::<[f64; N]>::new());
-            let sum = |&i: &u32| {
+        let of_part = |ranks: &&[u32]| {
+            let patch = self.patch(points[ranks[0] as usize].face);
+            let mut weights: Vec<[f64; 3]> = Vec::new();
+            let plane = |&i: &u32| {
                 let vertices = self.weights_in(&patch, &points[i as usize], &mut weights);
-                let mut sums = [Vector3::zeros(); N];
+                let mut sums = [Vector3::zeros(); 3];
                 for (&vertex, weights) in vertices.iter().zip(&weights) {
                     for (sum, &weight) in sums.iter_mut().zip(weights) {
                         *sum += control[vertex as usize] * weight;
                     }
                 }
-                sums
+                let [position, u, v] = sums;
+                TangentPlane {
+                    position,
+                    first: [u, v],
+                }
             };
-            ranks.iter().map(sum).collect::<Vec<_>>()
+            ranks.iter().map(plane).collect::<Vec<_>>()
         };
-        let mut sums = vec![[Vector3::zeros(); N]; points.len()];
-        for faces in faces.chunks(FACES_AT_A_TIME) {
-            let found: Vec<_> = faces.par_iter().map(of_face).collect();
-            for (&i, found) in faces.iter().copied().flatten().zip(found.iter().flatten()) {
-                sums[i as usize] = *found;
+        let nowhere = TangentPlane {
+            position: Vector3::zeros(),
+            first: [Vector3::zeros(); 2],
+        };
+        let mut planes = vec![nowhere; points.len()];
+        for parts in parts.chunks(PARTS_AT_A_TIME) {
+            let found: Vec<_> = parts.par_iter().map(of_part).collect();
+            for (&i, found) in parts.iter().copied().flatten().zip(found.iter().flatten()) {
+                planes[i as usize] = *found;
             }
         }
-        sums
+        planes
     }
 
     /// Forgets what was prepared for the faces asked for so far, 2 kB each.

@@ -13,7 +13,7 @@ use crate::foundation::Anchor;
 use crate::layer_foundation::{FoundationStiffness, LayerFoundation, anchors, deviations};
 use crate::layer_part::PartNumbers;
 use crate::parameters::{check_finite, check_length};
-use crate::sheet::{Sheet, SheetTopology};
+use crate::sheet::Sheet;
 use crate::sheet_springs::{SheetSprings, both};
 use crate::{BendingModel, EnergyParts, LayerParameters, ShellError, UpperSheet};
 
@@ -106,26 +106,24 @@ impl LayerEnergy {
         // Both sheets stand in one pattern, since the springs couple their vertices and the solver
         // sees one matrix.
         let (mut rest, mut pinned) = (rest.to_vec(), pinned.to_vec());
-        let first = SheetTopology::new(mesh, 0, bending_model);
-        let mut sheets = vec![(first, parameters.faces)];
+        let mut sheets = vec![(0, parameters.faces)];
         let mut between: Vec<[u32; 6]> = Vec::new();
         if let Some(upper) = &upper {
             upper.check(face_count, count)?;
             rest.extend_from_slice(&upper.rest_positions);
             pinned.extend_from_within(..);
-            let second = SheetTopology::new(mesh, count as u32, bending_model);
-            sheets.push((second, upper.parameters.faces.clone()));
+            sheets.push((count as u32, upper.parameters.faces.clone()));
             let faces = mesh.faces().as_slice().iter();
             between.extend(faces.map(|face| both(face.map(|v| v.0), count as u32)));
         }
         check_finite("rest position", rest.iter().flatten(), 3)?;
-        let of_sheets = sheets.iter().flat_map(|(sheet, _)| sheet.stencils());
-        let stencils = of_sheets.chain(between.iter().map(<[u32; 6]>::as_slice));
-        let pattern = BlockPattern::new(&pinned, stencils);
         let sheets = sheets
             .into_iter()
-            .map(|(topology, faces)| Sheet::new(topology, &rest, faces))
+            .map(|(before, faces)| Sheet::new((mesh, before, bending_model), &rest, faces))
             .collect::<Result<Vec<_>, _>>()?;
+        let of_sheets = sheets.iter().flat_map(Sheet::stencils);
+        let stencils = of_sheets.chain(between.iter().map(<[u32; 6]>::as_slice));
+        let pattern = BlockPattern::new(&pinned, stencils);
         let springs = upper.map(|upper| {
             let parameters = upper.springs(sheets[0].faces());
             SheetSprings::new(

@@ -6,55 +6,15 @@ use nalgebra::{Matrix2, Vector3};
 
 use ruga_mesh::{BlockPattern, EdgeId, TriMesh};
 
-use crate::layer_bending::{InnerEdge, LayerBending, inner_edges};
+use crate::layer_bending::{LayerBending, inner_edges};
 use crate::layer_part::{PartNumbers, pick, rank};
 use crate::membrane::{Membrane, Stress};
 use crate::sheet_slots::SheetSlots;
-use crate::stars::{Star, stars};
+use crate::stars::stars;
 use crate::stencil::{add_blocks, gather};
 use crate::{
     BendingModel, Crease, CreaseState, EnergyParts, FaceParameters, RestTriangle, ShellError,
 };
-
-/// The stencils of a sheet, numbered by the vertices of the whole layer.
-pub(crate) struct SheetTopology<'a> {
-    mesh: &'a TriMesh,
-    faces: Vec<[u32; 3]>,
-    inner: Vec<InnerEdge>,
-    stars: Vec<Star>,
-}
-
-impl<'a> SheetTopology<'a> {
-    /// A sheet whose vertices follow `before` others.
-    pub(crate) fn new(mesh: &'a TriMesh, before: u32, model: BendingModel) -> Self {
-        let mut inner = inner_edges(mesh);
-        for edge in &mut inner {
-            edge.vertices = edge.vertices.map(|v| before + v);
-        }
-        let mut stars = match model {
-            BendingModel::Hinge => Vec::new(),
-            BendingModel::VertexCurvature => stars(mesh),
-        };
-        for vertex in stars.iter_mut().flat_map(|star| &mut star.vertices) {
-            *vertex += before;
-        }
-        let faces = mesh.faces().as_slice().iter();
-        Self {
-            mesh,
-            faces: faces.map(|face| face.map(|v| before + v.0)).collect(),
-            inner,
-            stars,
-        }
-    }
-
-    /// The vertices of every stencil.
-    pub(crate) fn stencils(&self) -> impl Iterator<Item = &[u32]> {
-        let faces = self.faces.iter().map(<[u32; 3]>::as_slice);
-        let hinges = self.inner.iter().map(|edge| edge.vertices.as_slice());
-        let stars = self.stars.iter().map(|star| star.vertices.as_slice());
-        faces.chain(hinges).chain(stars)
-    }
-}
 
 #[derive(Clone, Debug)]
 pub(crate) struct Sheet {
@@ -76,18 +36,26 @@ pub(crate) struct Sheet {
 }
 
 impl Sheet {
-    /// A sheet at rest at the `positions` (m) of all vertices of the layer.
+    /// A sheet on `mesh`, its vertices after `before` others, at rest at the `positions` (m) of all vertices of the
+    /// layer.
     pub(crate) fn new(
-        topology: SheetTopology<'_>,
+        (mesh, before, model): (&TriMesh, u32, BendingModel),
         positions: &[Vector3<f64>],
         parameters: Vec<FaceParameters>,
     ) -> Result<Self, ShellError> {
-        let SheetTopology {
-            mesh,
-            faces,
-            inner,
-            stars,
-        } = topology;
+        let mut inner = inner_edges(mesh);
+        for edge in &mut inner {
+            edge.vertices = edge.vertices.map(|v| before + v);
+        }
+        let mut stars = match model {
+            BendingModel::Hinge => Vec::new(),
+            BendingModel::VertexCurvature => stars(mesh),
+        };
+        for vertex in stars.iter_mut().flat_map(|star| &mut star.vertices) {
+            *vertex += before;
+        }
+        let faces = mesh.faces().as_slice().iter();
+        let faces: Vec<_> = faces.map(|face| face.map(|v| before + v.0)).collect();
         let corners = faces.iter().map(|face| gather(positions, face));
         let rest = corners
             .enumerate()
@@ -282,8 +250,8 @@ impl Sheet {
         self.bending.add_gradient(x, pattern, gradient);
     }
 
-    /// Adds the second derivative to both matrices of `pattern`, always the same; an empty `relaxed` is not wanted. The
-    /// membrane's stress is that predicted at `from`, if it is given.
+    /// Adds the second derivative to both matrices; an empty `relaxed` is not wanted. `pattern` has to be that of the first
+    /// call, whose slots are kept. The membrane's stress is that predicted at `from`, if it is given.
     pub(crate) fn add_hessian(
         &self,
         (x, from): (&[Vector3<f64>], Option<&[Vector3<f64>]>),

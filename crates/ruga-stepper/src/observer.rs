@@ -28,7 +28,7 @@ pub struct Progress {
     pub vertices: usize,
 }
 
-/// Progress of the preparation of a layer, before its first iteration or between two load steps.
+/// Progress of the preparation of a layer, before its first iteration, between two load steps or before it is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Preparation {
     /// Number of the layer, from the lowest one.

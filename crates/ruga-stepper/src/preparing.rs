@@ -1,4 +1,4 @@
-//! Work on a layer before its first iteration, which the observer may end.
+//! Work on a layer before its first iteration, between keys and before it is shown, which the observer may end.
 
 use crate::error::Halt;
 use crate::{Observer, Phase, Preparation};

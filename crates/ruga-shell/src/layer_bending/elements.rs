@@ -1,4 +1,4 @@
-//! The hinges and stars of a layer, each with its creases and its place in the matrix.
+//! The hinges and stars of a layer, each with its creases.
 
 use nalgebra::{Matrix3, Vector3};
 use ruga_mesh::{BlockSlot, EdgeId, FaceId, PerEdge};

@@ -385,7 +385,8 @@ impl<'a> PlanningSurface<'a> {
             Stack::Joint => usize::MAX,
             Stack::Nominal | Stack::Composite => modelling.most_in_whole(*asked),
         };
-        let (seconds, memory) = cost(unknowns, most_in_whole, output_vertices, map_size, work);
+        let layer = (unknowns, *is_lowest);
+        let (seconds, memory) = cost(layer, most_in_whole, output_vertices, map_size, work);
         LayerPlan {
             name: spec.name.clone(),
             wavelength: wrinkling.wavelength,

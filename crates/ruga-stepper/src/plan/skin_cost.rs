@@ -6,9 +6,12 @@ use crate::run::patches::Width;
 
 /// Bytes for every texel of a map while it is baked and written.
 pub const BYTES_PER_TEXEL: f64 = 30.0;
-/// Bytes for every vertex planned of an output mesh that is fine in all directions: half of them stay, the rest is gone
-/// when the layer is made; halving leaves more vertices than planned. From a smile of 69 thousand.
+/// Bytes for every vertex planned of the lowest layer's output mesh, one that is fine in all directions; halving leaves
+/// more vertices than planned. From a smile of 69 thousand.
 const PER_OUTPUT_VERTEX: f64 = 4.5e3;
+/// The same for layers on others, whose meshes are fine across the waves alone and fitted to coarser ones: from raised
+/// brows of 285 and 904 thousand vertices, which take 3.6 and 10 GB.
+const PER_OUTPUT_VERTEX_ABOVE: f64 = 1.5e3;
 /// Factorisations in which the first wrinkles are found, on the whole of a layer or in wide patches.
 const FIRST: f64 = 17.0;
 /// Vertices of a wide patch with its overlap, over those without.
@@ -56,9 +59,9 @@ pub(crate) struct Load {
 /// grow with its size. The output mesh has `output_vertices`; maps are `map_size` texels wide, and the time that it
 /// takes to bake them is not counted. All memory is added up, though what a layer is solved with is given back before
 /// its surfaces are made, and output meshes that are fine across the waves alone have fewer vertices: 720 MB for a
-/// smile that takes 635.
+/// smile that takes 590.
 pub(crate) fn cost(
-    vertices: usize,
+    (vertices, is_lowest): (usize, bool),
     most_in_whole: usize,
     output_vertices: f64,
     map_size: u32,
@@ -88,7 +91,11 @@ pub(crate) fn cost(
     } else {
         factor(n)
     };
-    let memory = BASE + of_layer + PER_OUTPUT_VERTEX * output_vertices + BYTES_PER_TEXEL * texels;
+    let per_output_vertex = match is_lowest {
+        true => PER_OUTPUT_VERTEX,
+        false => PER_OUTPUT_VERTEX_ABOVE,
+    };
+    let memory = BASE + of_layer + per_output_vertex * output_vertices + BYTES_PER_TEXEL * texels;
     (preparation + work, memory)
 }
 
@@ -121,14 +128,14 @@ mod tests {
     fn in_patches_time_grows_with_the_size() {
         // Of the work after the first wrinkles.
         let seconds = |vertices| {
-            let all = |count| cost(vertices, 5000, 0.0, 1, count).0;
+            let all = |count| cost((vertices, true), 5000, 0.0, 1, count).0;
             all(100.0) - all(FIRST)
         };
         let [small, large] = [10_000, 40_000].map(seconds);
         assert!((large / small - 4.0).abs() < 1e-9, "{small} s, {large} s");
         assert!(seconds(4000) / seconds(1000) > 4.2);
         // Of all of it, where the first wrinkles are in patches, too.
-        let of = |vertices| cost(vertices, 5000, 0.0, 1, 100.0);
+        let of = |vertices| cost((vertices, true), 5000, 0.0, 1, 100.0);
         let [small, large] = [40_000, 160_000].map(of);
         assert!((large.0 / small.0 - 4.0).abs() < 1e-9);
     }

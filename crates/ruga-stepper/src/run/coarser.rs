@@ -47,6 +47,11 @@ impl<'a> StackRun<'a> {
         // Centres of its own would hold it elsewhere than the finer mesh is held.
         let centres = Some(run.layer.row_centres().to_vec());
         let adapted = self.fitted(index, &region, sizing, &mut preparing)?;
+        // Nothing of a mesh that is all border moves.
+        let fitted = adapted.as_ref();
+        if !fitted.is_some_and(|adapted| adapted.skin.has_inner_vertices()) {
+            return Ok(None);
+        }
         let wanted = (run.layer.output_mesh(), adapted);
         let mut coarse = self.build_on(index, wanted, centres, supports.last(), &mut preparing)?;
         coarse.is_coarse = true;

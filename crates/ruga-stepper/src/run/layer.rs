@@ -114,7 +114,7 @@ pub(crate) struct Layer {
     /// Warning about its averaging constraints.
     pub(crate) row_warning: Option<String>,
     rows: ConstraintRows,
-    /// Sparsity of the layer's matrix. One that is solved in patches never needs its own.
+    /// Sparsity of the layer's matrix, once it was asked for: in patches a layer is solved without.
     pattern: OnceLock<LowerPattern>,
 }
 

@@ -15,7 +15,7 @@ use crate::skin::piece::Piece;
 use crate::skin::refined::{Refined, refined};
 use crate::skin::skin_mesh::{Adapted, RegionMesh, sharp_map};
 use crate::support::support_surface::SupportOf;
-use crate::{LayerSpec, Observer, Phase};
+use crate::{LayerSpec, Observer, Phase, StepperError};
 
 /// Edges of a layer's output mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,8 +104,17 @@ impl<'a> StackRun<'a> {
         Ok((OutputMesh::Later(Arc::new(unmade)), adapted))
     }
 
-    /// Makes the output mesh of a layer that has none yet.
+    /// Makes the output mesh of a layer that has none yet; false when the observer ends the work.
     pub(crate) fn make_output(
+        &self,
+        run: &mut LayerRun<'_>,
+        observer: &mut dyn Observer,
+    ) -> Result<bool, StepperError> {
+        let made = self.try_to_make_output(run, observer);
+        Ok(Halt::unless_interrupted(made)?.is_some())
+    }
+
+    fn try_to_make_output(
         &self,
         run: &mut LayerRun<'_>,
         observer: &mut dyn Observer,

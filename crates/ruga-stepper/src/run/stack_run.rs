@@ -135,12 +135,8 @@ impl<'a> StackRun<'a> {
     fn follow(&mut self, observer: &mut dyn Observer) -> Result<(), StepperError> {
         let layers = &self.plan.poses[self.pose].layers;
         let Some(lowest) = layers.iter().position(|layer| !layer.region.is_empty()) else {
-            self.result.keys = self
-                .spec()
-                .keys
-                .iter()
-                .map(|&load| flat_key(load))
-                .collect();
+            let keys = self.spec().keys.iter();
+            self.result.keys = keys.map(|&load| flat_key(load)).collect();
             return Ok(());
         };
         let made = self.build_lowest(lowest, observer);
@@ -396,8 +392,7 @@ impl<'a> StackRun<'a> {
             self.result.frames += 1;
             return Ok(true);
         }
-        let made = self.make_output(run, observer);
-        if Halt::unless_interrupted(made)?.is_none() {
+        if !self.make_output(run, observer)? {
             return Ok(false);
         }
         let run = &*run;

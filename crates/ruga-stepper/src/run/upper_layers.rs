@@ -54,8 +54,7 @@ impl<'a> StackRun<'a> {
             if ending == Ending::Interrupted {
                 return Ok(None);
             }
-            let made = self.make_output(&mut upper, observer);
-            if Halt::unless_interrupted(made)?.is_none() {
+            if !self.make_output(&mut upper, observer)? {
                 return Ok(None);
             }
             observer.phase(index, Phase::Sampling);

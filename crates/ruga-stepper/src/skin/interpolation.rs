@@ -24,10 +24,6 @@ const PLACES_AT_A_TIME: usize = 20_000;
 /// Parts of a region whose first place is looked for on all faces of the layer; for more a tree is built.
 const FEW_PARTS: usize = 8;
 
-/// Places up to which their rows are kept for the next time, some 10 MB of them. Results on more are interpolated once
-/// or twice.
-const MOST_KEPT: usize = 1 << 16;
-
 /// Places that a thread looks for at least.
 const PLACES_AT_ONCE: usize = 64;
 
@@ -40,16 +36,8 @@ pub(crate) struct Interpolation {
     /// The vertex with the value of every control point: those on creases have one for each side.
     copied: Vec<VertexId>,
     at_vertices: SparseRows,
-    at_places: Rows,
+    at_places: SparseRows,
     places: Vec<MaterialPoint>,
-}
-
-/// Rows of the limit surface at the places.
-#[derive(Clone, Debug)]
-enum Rows {
-    Kept(SparseRows),
-    /// Made every time, from the mesh of the control points.
-    Made(TriMesh),
 }
 
 impl Interpolation {
@@ -65,32 +53,22 @@ impl Interpolation {
         let creases = from.creases.iter().map(|crease| crease.edge);
         let (faces, copied) = open_along(&from.mesh, creases);
         let opened = TriMesh::new(copied.len(), faces).expect("a manifold opened is one");
-        Self::through(MOST_KEPT, (opened, copied), places, goes_on)
-    }
-
-    fn through(
-        most_kept: usize,
-        (opened, copied): (TriMesh, Vec<VertexId>),
-        places: Vec<MaterialPoint>,
-        goes_on: &mut dyn FnMut() -> bool,
-    ) -> Option<Self> {
-        let at_vertices = limit_rows(&opened, &no_corners(&opened)).position;
-        let at_places = match places.len() <= most_kept {
-            false => Rows::Made(opened),
-            true => {
-                let mut rows = SparseRows::default();
-                let is_whole = each_part(&opened, &places, &mut |surface, part| {
-                    surface.add_position_rows(part, &mut rows);
-                    goes_on()
-                });
-                if !is_whole {
-                    return None;
-                }
-                Rows::Kept(rows)
+        // Deviations from a smooth surface are smooth, so that no vertex is a corner.
+        let corners = PerVertex::filled(opened.vertex_count(), false);
+        let mut surface = LoopSurface::new(&opened, &corners);
+        let mut at_places = SparseRows::default();
+        // They are made in parts, so that a run on a whole face can be ended meanwhile.
+        for chunk in places.chunks(PLACES_AT_A_TIME) {
+            surface.add_position_rows(chunk, &mut at_places);
+            // Two places lie on a face of the layer's mesh, and all of its faces would take more memory than
+            // the layer.
+            surface.forget();
+            if !goes_on() {
+                return None;
             }
-        };
+        }
         Some(Self {
-            at_vertices,
+            at_vertices: limit_rows(&opened, &corners).position,
             copied,
             at_places,
             places,
@@ -102,58 +80,11 @@ impl Interpolation {
         &self.places
     }
 
-    /// Values at the places for those at the vertices.
     pub(crate) fn apply(&self, values: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-        let [found] = self.apply_each([values]);
-        found
+        let values: Vec<_> = self.copied.iter().map(|v| values[v.index()]).collect();
+        self.at_places
+            .apply(&through_vertices(&self.at_vertices, &values))
     }
-
-    /// What [`Self::apply`] makes of each of `values`, in little more than the time that one takes.
-    pub(crate) fn apply_each<const N: usize>(
-        &self,
-        values: [&[Vector3<f64>]; N],
-    ) -> [Vec<Vector3<f64>>; N] {
-        let controls = values.map(|values| {
-            let copied: Vec<_> = self.copied.iter().map(|v| values[v.index()]).collect();
-            through_vertices(&self.at_vertices, &copied)
-        });
-        match &self.at_places {
-            Rows::Kept(rows) => controls.map(|control| rows.apply(&control)),
-            Rows::Made(opened) => {
-                let mut found = values.map(|_| Vec::with_capacity(self.places.len()));
-                each_part(opened, &self.places, &mut |surface, part| {
-                    let rows = surface.position_rows(part);
-                    for (found, control) in found.iter_mut().zip(&controls) {
-                        found.extend(rows.apply(control));
-                    }
-                    true
-                });
-                found
-            }
-        }
-    }
-}
-
-/// Hands `work` the limit surface of `mesh` and some of the `places` on it after the others; false as soon as it says
-/// no.
-fn each_part(
-    mesh: &TriMesh,
-    places: &[MaterialPoint],
-    work: &mut dyn FnMut(&LoopSurface, &[MaterialPoint]) -> bool,
-) -> bool {
-    let mut surface = LoopSurface::new(mesh, &no_corners(mesh));
-    places.chunks(PLACES_AT_A_TIME).all(|part| {
-        let goes_on = work(&surface, part);
-        // Two places lie on a face of the layer's mesh, and all of its faces would take more memory than
-        // the layer.
-        surface.forget();
-        goes_on
-    })
-}
-
-/// Deviations from a smooth surface are smooth, so that no vertex is a corner.
-fn no_corners(mesh: &TriMesh) -> PerVertex<bool> {
-    PerVertex::filled(mesh.vertex_count(), false)
 }
 
 /// Control points whose limit surface, by the rows `at_vertices`, passes closer to `values`.
@@ -272,32 +203,6 @@ mod tests {
             TriMesh::new(625, faces).expect("a grid"),
             positions.collect(),
         )
-    }
-
-    /// Places in the grid, with rows that are kept and without.
-    #[test]
-    fn many_places_get_what_few_do() {
-        let (mesh, positions) = grid();
-        let place = |i: u32| MaterialPoint {
-            face: FaceId(i * 7 % 1152),
-            barycentric: [0.2, 0.5, 0.3],
-        };
-        let places: Vec<_> = (0..300).map(place).collect();
-        let copied: Vec<_> = (0..625).map(VertexId).collect();
-        let through = |most| {
-            let on = (mesh.clone(), copied.clone());
-            Interpolation::through(most, on, places.clone(), &mut || true).expect("nothing ends it")
-        };
-        let heights = |k: f64| {
-            positions
-                .iter()
-                .map(move |p| Vector3::z() * (k * p.x).sin())
-        };
-        let [a, b]: [Vec<_>; 2] = [0.3, 0.4].map(|k| heights(k).collect());
-        let both = through(299).apply_each([&a, &b]);
-        assert!(both == [a, b].map(|values| through(300).apply(&values)));
-        let on = (mesh.clone(), copied.clone());
-        assert!(Interpolation::through(300, on, places.clone(), &mut || false).is_none());
     }
 
     /// Of a wave of 12 edges, the limit through corrected points loses little, the plain one much.

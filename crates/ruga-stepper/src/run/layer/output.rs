@@ -14,8 +14,8 @@ use crate::skin::piece::Piece;
 use crate::skin::relief::ReliefWeights;
 use crate::skin::skin_mesh::{RegionMesh, SkinMesh};
 
-/// The output mesh of a layer's region: made, or known well enough to make it. It takes as much memory as the layer,
-/// which needs it only when it is solved.
+/// The output mesh of a layer's region: made, or known well enough to make it. It takes more memory than the layer, and
+/// nothing asks for it before the layer is solved.
 #[derive(Clone)]
 pub(crate) enum OutputMesh {
     Made(Box<RegionMesh>),
@@ -24,7 +24,7 @@ pub(crate) enum OutputMesh {
 
 /// What an output mesh is refined from.
 pub(crate) struct Unmade {
-    /// Faces that lie in none but one of the driver's.
+    /// The faces to refine, each within one of the driver's.
     pub(crate) whole: Piece,
     /// Measure of edges for every face of the whole, as in [`refined`](crate::skin::refined::refined), 1/m².
     pub(crate) measures: PerFace<Matrix3<f64>>,

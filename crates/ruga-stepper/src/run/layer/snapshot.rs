@@ -29,7 +29,8 @@ impl Layer {
         // The support surface is known on the output mesh itself. Only the deviation from it is
         // carried over from the layer's coarser mesh, so that smooth parts of the region stay
         // exact.
-        let (positions, weights) = self.on_region(real, self.deviations());
+        let positions = self.on_region(&real.positions, self.deviations());
+        let weights = self.region_weights(real);
         let relief = shown_positions(&positions, real, shown, &weights);
         LayerSurface {
             name: self.spec.name.clone(),
@@ -60,8 +61,8 @@ impl Layer {
             positions: above.collect(),
             ..region_below.clone()
         };
-        let (positions, weights) = self.on_region(&above, self.upper_deviations());
-        let relief = shown_positions(&positions, &above, &above, &weights);
+        let positions = self.on_region(&above.positions, self.upper_deviations());
+        let relief = shown_positions(&positions, &above, &above, &self.region_weights(&above));
         Some(LayerSurface {
             name: upper.name.clone(),
             relief: self.region().on_both_sides(relief),
@@ -82,6 +83,26 @@ impl Layer {
             (&self.demands(), &self.support.posed),
         );
         shown_positions(own, &self.support.posed, shown, &weights)
+    }
+
+    /// Weights of the relief at the vertices of the output mesh over `surface`, with the present strain.
+    fn region_weights(&self, surface: &PosedSurface) -> Vec<f64> {
+        let output = self.shown();
+        let demands = match &output.interpolation {
+            None => self.demands(),
+            Some(interpolation) => {
+                let values = self.demands().into_iter();
+                let values = values.map(|d| Vector3::new(d.strain_ratio, d.wavelength, d.turn));
+                let values = interpolation.apply(&values.collect::<Vec<_>>()).into_iter();
+                let demand = |value: Vector3<f64>| VertexDemand {
+                    strain_ratio: value.x,
+                    wavelength: value.y,
+                    turn: value.z,
+                };
+                values.map(demand).collect()
+            }
+        };
+        shown_weights(&output.weights, &output.region.skin, (&demands, surface))
     }
 
     /// What the support surface asks of the layer, or of the softer of two that move together, at the
@@ -107,34 +128,18 @@ impl Layer {
         &self.support.posed
     }
 
-    /// Positions on the output mesh (m) for `deviations` (m) at the layer's vertices from `surface`, and weights of the
-    /// relief there with the present strain.
+    /// Deviations at the layer's vertices, added to places of the region's.
     fn on_region(
         &self,
-        surface: &PosedSurface,
+        places: &[Vector3<f64>],
         deviations: Vec<Vector3<f64>>,
-    ) -> (Vec<Vector3<f64>>, Vec<f64>) {
-        let shown = self.shown();
-        let demands = self.demands();
-        let (deviations, demands) = match &shown.interpolation {
-            None => (deviations, demands),
-            Some(interpolation) => {
-                let values = demands.iter();
-                let values = values.map(|d| Vector3::new(d.strain_ratio, d.wavelength, d.turn));
-                let values: Vec<_> = values.collect();
-                let [deviations, values] = interpolation.apply_each([&deviations, &values]);
-                let demand = |value: Vector3<f64>| VertexDemand {
-                    strain_ratio: value.x,
-                    wavelength: value.y,
-                    turn: value.z,
-                };
-                (deviations, values.into_iter().map(demand).collect())
-            }
+    ) -> Vec<Vector3<f64>> {
+        let deviations = match self.interpolation() {
+            None => deviations,
+            Some(interpolation) => interpolation.apply(&deviations),
         };
-        let weights = shown_weights(&shown.weights, &shown.region.skin, (&demands, surface));
-        let pairs = surface.positions.iter().zip(&deviations);
-        let positions = pairs.map(|(place, deviation)| place + deviation).collect();
-        (positions, weights)
+        let pairs = places.iter().zip(&deviations);
+        pairs.map(|(place, deviation)| place + deviation).collect()
     }
 }
 
