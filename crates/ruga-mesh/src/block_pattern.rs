@@ -59,7 +59,8 @@ enum Placement {
 }
 
 impl BlockSlot {
-    /// A slot in eight bytes: assembly reads one for every block of every stencil, and a layer with a matrix keeps them all.
+    /// A slot in eight bytes: assembly reads one for every block of every stencil, and a layer with a matrix keeps
+    /// them all.
     fn new(start: usize, stride: usize, placement: Placement) -> Self {
         debug_assert!(stride < 1 << 30, "a column of {stride} entries");
         Self {

@@ -28,8 +28,8 @@ enum Kept {
 }
 
 impl LimitPoints {
-    /// Prepares `points` on the faces of the control mesh of `surface`; `None` as soon as `goes_on` says no. It is asked
-    /// every few ten thousand points while rows are made, of which there are none for very many points.
+    /// Prepares `points` on the faces of the control mesh of `surface`; `None` as soon as `goes_on` says no. It is
+    /// asked every few ten thousand points while rows are made, of which there are none for very many points.
     ///
     /// # Panics
     /// When a point lies on a face that the mesh does not have.

@@ -250,8 +250,8 @@ impl Sheet {
         self.bending.add_gradient(x, pattern, gradient);
     }
 
-    /// Adds the second derivative to both matrices; an empty `relaxed` is not wanted. `pattern` has to be that of the first
-    /// call, whose slots are kept. The membrane's stress is that predicted at `from`, if it is given.
+    /// Adds the second derivative to both matrices; an empty `relaxed` is not wanted. `pattern` has to be that of the
+    /// first call, whose slots are kept. The membrane's stress is that predicted at `from`, if it is given.
     pub(crate) fn add_hessian(
         &self,
         (x, from): (&[Vector3<f64>], Option<&[Vector3<f64>]>),
