@@ -23,7 +23,7 @@ pub struct LimitPoints {
 /// What is kept for the next evaluation.
 #[derive(Clone, Debug)]
 enum Kept {
-    Rows(LimitPointRows),
+    Rows(Box<LimitPointRows>),
     Surface(Box<LoopSurface>),
 }
 
@@ -64,7 +64,7 @@ impl LimitPoints {
             }
         }
         rows.shrink_to_fit();
-        let kept = Kept::Rows(rows);
+        let kept = Kept::Rows(Box::new(rows));
         Some(Self { points, kept })
     }
 
