@@ -16,6 +16,9 @@ use crate::{
 /// Points that a thread makes rows for at a time: enough to be worth handing over, few enough to share them out.
 const POINTS_AT_ONCE: usize = 512;
 
+/// Points of a face at which what was prepared for it takes little memory beside them.
+const WORTH_KEEPING: usize = 64;
+
 /// Parts of many points, each on one face, that are evaluated before what was found is put in its place.
 const PARTS_AT_A_TIME: usize = 512;
 
@@ -23,7 +26,7 @@ const PARTS_AT_A_TIME: usize = 512;
 ///
 /// The surface is that of [`subdivide`] and [`crate::limit_rows`], with their border and corner
 /// rules. It is linear in the control points: [`rows`](Self::rows) are asked for once and
-/// give every pose, [`planes`](Self::planes) give one and keep nothing.
+/// give every pose, [`planes`](Self::planes) give one and keep little.
 ///
 /// A face is regular when each of its vertices has six faces, or lies on a border with three and
 /// is no corner. There the surface is a quartic box spline in closed form (Stam, *Evaluation of
@@ -172,12 +175,13 @@ impl LoopSurface {
     }
 
     /// The surface at many `points`, for one set of control points (m), by all threads: the same bits as from
-    /// [`rows`](Self::rows), which take some 500 bytes a point, and nothing of which is kept.
+    /// [`rows`](Self::rows), which take some 500 bytes a point. Of a face with many of them is kept what was prepared
+    /// for it.
     ///
     /// # Panics
     /// As [`jets`](Self::jets).
     pub fn planes(&self, points: &[MaterialPoint], control: &[Vector3<f64>]) -> Vec<TangentPlane> {
-        // Face by face: what is prepared for a face serves all of its points, and can go then.
+        // Face by face: what is prepared for a face serves all of its points.
         let mut by_face: Vec<u32> = (0..points.len() as u32).collect();
         by_face.sort_unstable_by_key(|&i| (points[i as usize].face, i));
         let of_faces =
@@ -186,10 +190,18 @@ impl LoopSurface {
             .flat_map(|ranks| ranks.chunks(POINTS_AT_ONCE))
             .collect();
         let of_part = |ranks: &&[u32]| {
-            let patch = self.patch(points[ranks[0] as usize].face);
+            let face = points[ranks[0] as usize].face;
+            let passing;
+            let patch = match ranks.len() < WORTH_KEEPING {
+                true => {
+                    passing = self.patch(face);
+                    &passing
+                }
+                false => self.patches[face].get_or_init(|| self.patch(face)),
+            };
             let mut weights: Vec<[f64; 3]> = Vec::new();
             let plane = |&i: &u32| {
-                let vertices = self.weights_in(&patch, &points[i as usize], &mut weights);
+                let vertices = self.weights_in(patch, &points[i as usize], &mut weights);
                 let mut sums = [Vector3::zeros(); 3];
                 for (&vertex, weights) in vertices.iter().zip(&weights) {
                     for (sum, &weight) in sums.iter_mut().zip(weights) {
