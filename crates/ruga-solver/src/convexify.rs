@@ -26,7 +26,8 @@ const LEAST_LOAD: f64 = 0.02;
 const CLOSE_TO_CRITICAL: f64 = 0.9;
 
 /// Where a Hessian has at most so many modes of negative curvature, the relaxation beside that number
-/// is tried first: it is rarely less than needed, and a larger one would slow down the modes' growth.
+/// is tried first, unless it was in vain at the saddle before: it is rarely less than needed, and a larger one would
+/// slow down the modes' growth.
 const FEW_MODES: [(usize, f64); 2] = [(2, 1.6e-2), (8, 0.1)];
 /// A Hessian with more modes of negative curvature than this keeps some of them through the next step.
 const MANY_MODES: usize = 10;
@@ -77,6 +78,8 @@ pub(crate) struct Convexifier {
     last: Option<f64>,
     /// Whether a smaller one had been tried then, in vain.
     is_least: bool,
+    /// The relaxation of [`FEW_MODES`] that was tried at the last saddle, in vain.
+    vain: Option<f64>,
     /// Inertia of the last exact Hessian that was factorised.
     exact: Option<Inertia>,
     /// Whether the last saddle was taken for one without a look at its exact Hessian.
@@ -99,6 +102,7 @@ impl Convexifier {
             shifted_damping: vec![0.0; kkt.pattern().size()],
             last: None,
             is_least: false,
+            vain: None,
             exact: None,
             is_guessed: false,
             may_turn: any_minimum && kkt.rows().count() == 0,
@@ -126,6 +130,7 @@ impl Convexifier {
         // minimum, and only its steps converge quadratically.
         let exact = self.inertia(kkt, hessian.exact, hessian.damping)?;
         self.exact = Some(exact);
+        let vain = self.vain.take();
         if exact.is_minimum() {
             return Ok(Convexified {
                 exact,
@@ -146,14 +151,18 @@ impl Convexifier {
         let few = FEW_MODES.iter().find(|few| excess(exact) <= few.0);
         if let Some((&(_, little), first)) = few.zip(first)
             && little < first
-            && self.try_relaxation(kkt, hessian, little)?
+            // What was not enough is not in the next iteration, either, as a rule.
+            && vain != Some(little)
         {
-            (self.last, self.is_least) = (Some(little), false);
-            return Ok(Convexified {
-                exact,
-                relaxation: little,
-                shift: 0.0,
-            });
+            if self.try_relaxation(kkt, hessian, little)? {
+                (self.last, self.is_least) = (Some(little), false);
+                return Ok(Convexified {
+                    exact,
+                    relaxation: little,
+                    shift: 0.0,
+                });
+            }
+            self.vain = Some(little);
         }
         self.mend(kkt, hessian, exact, first)
     }

@@ -3,6 +3,7 @@
 mod bent_step;
 mod overshot;
 mod predicted;
+mod stopping;
 
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
@@ -44,15 +45,6 @@ const LEAST: f64 = 1e-3;
 /// 2e-7, was outdone by the search.
 const LITTLE_GAIN: f64 = 1e-5;
 
-/// Relaxed decrement at which [`AtSaddle::Stop`] has recognised a saddle.
-const SADDLE_DECREMENT: f64 = 1e-3;
-/// Indefinite iterations after which [`AtSaddle::Stop`] waits for no small decrement any more.
-const SADDLE_ITERATIONS: usize = 5;
-
-/// Iterations in a row in which nothing but a diagonal mends the Hessian and hardly any energy is to be
-/// gained, after which a solve is stuck.
-const STUCK_ITERATIONS: usize = 5;
-
 /// Signature of [`minimise`], for callers that let another method take its place.
 pub type Minimise = fn(
     &dyn Objective,
@@ -72,10 +64,10 @@ pub type Minimise = fn(
 /// Where the Hessian is indefinite on that space, only what the objective relaxes is left out, such as
 /// the compressive stress stiffness, and where that step gains hardly any energy the direction of negative
 /// curvature is searched as well; the solve stops as converged only where the exact Hessian has the
-/// inertia of a minimum. `keep_going` sees every iteration and ends the solve by returning `false`; an
-/// iteration takes at most some 30 factorisations, where the Hessian's inertia is hard to mend, or twice as many where
-/// predicted stresses have to make way for those that are there. Same input,
-/// same bits.
+/// inertia of a minimum, but for [`AtSaddle::Pass`]. `keep_going` sees every iteration and ends the solve by
+/// returning `false`; an iteration takes at most some 30 factorisations, where the Hessian's inertia is hard to
+/// mend, or twice as many where predicted stresses have to make way for those that are there. Same input, same
+/// bits.
 ///
 /// # Errors
 /// [`SolverError::PatternMismatch`], [`SizeMismatch`](SolverError::SizeMismatch),
@@ -138,6 +130,10 @@ struct Newton<'a> {
     shifted_iterations: usize,
     /// A relaxation that may do for the first step.
     hint: Option<f64>,
+    /// Energy before the last step, where that was one that had to lower it (J).
+    before: Option<f64>,
+    /// Energy that it gained, less what restoring constraints took, in energy scales; infinite where there was none.
+    gained: f64,
     /// Inertia and relaxation of a factor that a small restoration left usable.
     at_hand: Option<Factored>,
     /// The shortened step to go back to from one that was taken whole.
@@ -180,6 +176,8 @@ impl<'a> Newton<'a> {
             indefinite_iterations: 0,
             shifted_iterations: 0,
             hint: Some(settings.first_relaxation).filter(|&hint| hint > 0.0),
+            before: None,
+            gained: f64::INFINITY,
             at_hand: None,
             overshot: None,
             predicted: Predicted::default(),
@@ -199,6 +197,8 @@ impl<'a> Newton<'a> {
                 return Ok(StopRule::Infeasible);
             }
             let energy = self.objective.gradient(x, &mut self.gradient);
+            let before = self.before.take().unwrap_or(f64::INFINITY);
+            self.gained = (before - energy) / self.objective.energy_scale();
             // Infinity compares as worse than every energy, NaN as nothing.
             self.report.energy = if energy.is_nan() {
                 f64::INFINITY
@@ -396,29 +396,6 @@ impl<'a> Newton<'a> {
         report.left_saddle |= indefinite;
     }
 
-    fn stop(&self, iteration: &Iteration, inertia: Inertia) -> Option<StopRule> {
-        // No tolerance counts at a saddle: a flat film under compression has no residual at all.
-        if !inertia.is_minimum() {
-            // A triangle that has all but collapsed: the state hardly moves, and would for hundreds of
-            // iterations.
-            if self.shifted_iterations >= STUCK_ITERATIONS
-                && iteration.decrement <= self.settings.energy_tolerance
-            {
-                return Some(StopRule::Breakdown);
-            }
-            let recognised = iteration.decrement <= SADDLE_DECREMENT
-                || self.indefinite_iterations >= SADDLE_ITERATIONS;
-            let stop = self.settings.at_saddle == AtSaddle::Stop && recognised;
-            return stop.then_some(StopRule::Saddle);
-        }
-        if iteration.residual <= self.settings.residual_tolerance {
-            return Some(StopRule::Residual);
-        }
-        // A pattern that can slide along a curved valley keeps a residual of 1e-4 long after its
-        // energy has stopped changing; the decrement sees that.
-        (iteration.decrement <= self.settings.energy_tolerance).then_some(StopRule::Decrement)
-    }
-
     /// The step that proved convergence is already paid for: takes it unless it climbs.
     fn take_last_step(&mut self, x: &mut [f64], energy: f64) {
         for ((trial, x), step) in self.trial.iter_mut().zip(&*x).zip(&self.step) {
@@ -467,7 +444,7 @@ impl<'a> Newton<'a> {
         };
         let gain = energy - newton.unwrap_or(energy);
         let is_slow = gain <= LITTLE_GAIN * self.objective.energy_scale();
-        if at_saddle && is_slow && self.settings.at_saddle == AtSaddle::Leave {
+        if at_saddle && is_slow && self.settings.at_saddle != AtSaddle::Stop {
             let point = Point {
                 x,
                 energy,
@@ -485,9 +462,11 @@ impl<'a> Newton<'a> {
                 for (x, step) in x.iter_mut().zip(&curvature.step) {
                     *x += step;
                 }
+                self.before = Some(energy);
                 return Ok(true);
             }
         }
+        self.before = Some(energy);
         if newton.is_some() {
             x.copy_from_slice(&self.trial);
         }

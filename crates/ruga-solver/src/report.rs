@@ -7,6 +7,10 @@ use crate::{Inertia, SolverError};
 pub enum AtSaddle {
     /// Follow the negative curvature down to a minimum.
     Leave,
+    /// Follow it until the last step has gained, and the next one promises, less than the tolerance of the energy: for
+    /// a state that is only the start of the next solve. Where a pattern can slide along a flat valley its softest
+    /// modes change sign again and again, and the way to the next minimum is long and worth nothing.
+    Pass,
     /// Stop there with [`StopRule::Saddle`]: a probe for the onset of buckling.
     Stop,
 }
@@ -81,7 +85,7 @@ impl NewtonSettings {
 /// Why a solve ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StopRule {
-    /// The Newton decrement fell below its tolerance at a minimum: converged.
+    /// The Newton decrement fell below its tolerance at a minimum, or with [`AtSaddle::Pass`] at a saddle: converged.
     Decrement,
     /// The residual fell below its tolerance at a minimum: converged.
     Residual,
@@ -120,7 +124,7 @@ pub struct Iteration {
 /// How a solve went. Not converging is data, not an error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolveReport {
-    /// Whether a tolerance was met, at a minimum.
+    /// Whether a tolerance was met, at a minimum or with [`AtSaddle::Pass`] at a saddle.
     pub converged: bool,
     /// Why the solve ended.
     pub stop: StopRule,

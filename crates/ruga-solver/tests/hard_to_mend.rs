@@ -96,6 +96,51 @@ fn a_relaxed_hessian_without_full_rank_is_enough() {
     }
 }
 
+/// Where the last step gained less than the tolerance and the next one promises no more, the solve ends at a saddle,
+/// else it goes on.
+#[test]
+fn a_saddle_is_passed_where_little_is_to_be_gained() {
+    // Wells at x = 1 and -1, .25 deep; with so much stiffness left that every step is a short one.
+    let stiff = [20.0, 1.0, 0.0];
+    let (report, _) = passed(stiff, 0.3, 0.05);
+    assert!(report.converged && !report.inertia.unwrap().is_minimum());
+    assert_eq!(report.stop, StopRule::Decrement);
+    // The first step has to show that there is nothing to gain. What was too little for it is not tried again.
+    assert_eq!((report.iterations, report.factorizations), (2, 5));
+
+    let (report, x) = passed(stiff, 0.3, 1e-8);
+    assert!(report.converged && report.inertia.unwrap().is_minimum());
+    assert!((x - 1.0).abs() < 1e-3, "{x}");
+
+    // Without a force the way down is looked for first.
+    let (_, x) = passed([0.0, 1.0, 0.0], 0.0, 0.05);
+    assert!(x.abs() > 0.3, "{x}");
+}
+
+/// A solve that only a diagonal mends is stuck, also where it would pass a saddle.
+#[test]
+fn no_collapse_is_passed() {
+    let (report, _) = passed([-2.9, 20.0, 0.0], 0.1, 0.05);
+    assert!(report.shift_used > 0.0, "{report:?}");
+    assert_eq!(report.stop, StopRule::Breakdown, "{report:?}");
+}
+
+/// A solve from `x`, 0 in a double well with what is `relaxed` of it, to this tolerance; and x where it ends.
+fn passed(relaxed: [f64; 3], x: f64, energy_tolerance: f64) -> (SolveReport, f64) {
+    let quartic = Quartic::new([1.0, -1.0, 1.0, 0.0], relaxed);
+    let mut kkt = Kkt::new(&quartic.pattern, &ConstraintRows::none(2), 1).unwrap();
+    let mut x = [x, 0.0];
+    let settings = NewtonSettings {
+        at_saddle: AtSaddle::Pass,
+        energy_tolerance,
+        first_relaxation: 0.9,
+        ..NewtonSettings::default()
+    };
+    let goes_on = &mut |_: &Iteration| true;
+    let report = minimise(&quartic, &[], &mut x, &mut kkt, &settings, goes_on).unwrap();
+    (report, x[0])
+}
+
 /// Nothing resists anywhere: the start is as good as any place.
 #[test]
 fn an_energy_without_any_stiffness_is_at_rest() {

@@ -297,8 +297,8 @@ pub struct Modelling {
     /// 12 points per wavelength, as a layer has that carries another, as many more as there are on the same
     /// area. A larger one finds its first wrinkles as a whole, one of more than six times as many in wide
     /// patches of at most twice as many. Then it is solved in overlapping patches of at most a third, each of
-    /// which is proved to be at a minimum; not load step by load step, on a body, or in a joint pair. At least
-    /// 1.
+    /// which is proved to be at a minimum at every key; not load step by load step, on a body, or in a joint pair.
+    /// At least 1.
     pub whole_vertices: usize,
     /// Limits of the mesh where it is fitted to the pose; `None` keeps it uniform.
     pub remesh: Option<EdgeLimits>,

@@ -66,12 +66,12 @@ impl Newton<'_> {
         self.predicted.is_at_hand
     }
 
-    /// Whether a solve that found a minimum may stop there: not above the lowest energy, which belongs to another one
+    /// Whether a solve that has converged may stop there: not above the lowest energy, which belongs to another one
     /// than it was on the way to.
     pub(super) fn may_stop(&mut self, stop: StopRule, energy: f64) -> bool {
-        let is_minimum = matches!(stop, StopRule::Decrement | StopRule::Residual);
+        let has_converged = matches!(stop, StopRule::Decrement | StopRule::Residual);
         let lowest = self.predicted.lowest.as_ref();
-        if is_minimum && lowest.is_some_and(|(_, lowest)| energy > lowest + self.tolerance()) {
+        if has_converged && lowest.is_some_and(|(_, lowest)| energy > lowest + self.tolerance()) {
             self.predicted.rises = PATIENCE;
             return false;
         }

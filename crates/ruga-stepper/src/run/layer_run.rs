@@ -299,7 +299,7 @@ impl<'a> LayerRun<'a> {
             // A pattern that has only moved takes what it took before. A probe searches anew,
             // because the least convexification is what picks the mode that buckles first.
             first_relaxation: match at_saddle {
-                AtSaddle::Leave => SLOWLY_LESS * self.relaxation,
+                AtSaddle::Leave | AtSaddle::Pass => SLOWLY_LESS * self.relaxation,
                 AtSaddle::Stop => 0.0,
             },
             // Obstacles push from one side only, and where they do the energy shortens steps too
@@ -332,7 +332,7 @@ impl<'a> LayerRun<'a> {
             Some(solve) => solve,
             None => {
                 // A probe asks the whole, and so does a step in time.
-                let is_divisible = inertia.is_none() && at_saddle == AtSaddle::Leave;
+                let is_divisible = inertia.is_none() && at_saddle != AtSaddle::Stop;
                 if is_divisible && self.wide.is_none() {
                     self.wide = self.patches_of(Width::Wide);
                 }

@@ -131,8 +131,8 @@ impl Patches {
 
     /// Minimises the energy over all free vertices, from their coordinates `x` (m), and leaves it there.
     ///
-    /// It has converged when a sweep gains [`LITTLE`], or [`PASSED`] tolerances, and every patch is at a minimum,
-    /// to the tolerance of `settings`. Sweeps that do not get there end without, as the patches' width says.
+    /// It has converged when a sweep gains [`LITTLE`], or [`PASSED`] tolerances, and every patch has, to `settings`.
+    /// Sweeps that do not get there end without, as the patches' width says.
     /// `keep_going` is asked whenever a patch is done, from any thread.
     pub(crate) fn minimise(
         &mut self,

@@ -162,7 +162,15 @@ impl<'a> LayerRun<'a> {
                 true => Accuracy::Result,
                 false => Accuracy::Passing,
             };
-            let how = (AtSaddle::Leave, accuracy);
+            // The next solve goes on from a saddle as well as from a minimum. Not where wrinkles begin: there their
+            // energy is still to be gained, though not by the first steps, and far above its onset a film that was
+            // left flat would wrinkle with another wavelength.
+            let begins = |(face, wanted): (_, &f64)| begins(felt[face], *wanted);
+            let at_saddle = match is_last || wanted.iter().any(begins) {
+                true => AtSaddle::Leave,
+                false => AtSaddle::Pass,
+            };
+            let how = (at_saddle, accuracy);
             let loaded = self.layer.strain_ratio();
             let share = match is_last {
                 true => 1.0,
@@ -204,4 +212,25 @@ fn limit(felt: f64) -> f64 {
         false => felt * GROWTH,
     };
     if next > LAST { f64::INFINITY } else { next }
+}
+
+/// Whether a face that has `felt` one strain ratio is so near its onset in the solve that brings it nearer to the one
+/// that is `wanted` that its pattern is not there yet.
+fn begins(felt: f64, wanted: f64) -> bool {
+    felt < GROWTH && wanted > felt.max(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrinkles_begin_in_the_first_two_solves_beyond_the_onset() {
+        assert!(!begins(0.0, 0.9), "never");
+        assert!(begins(0.9, 1.02) && begins(0.0, 8.0));
+        assert!(begins(limit(0.0), 8.0));
+        assert!(!begins(limit(limit(0.0)), 8.0));
+        assert!(!begins(1.02, 1.02), "as it was in the solve before");
+        assert!(begins(1.02, 1.46), "another key goes on from there");
+    }
 }
