@@ -132,8 +132,6 @@ struct Newton<'a> {
     hint: Option<f64>,
     /// Energy before the last step, where that was one that had to lower it (J).
     before: Option<f64>,
-    /// Energy that it gained, less what restoring constraints took, in energy scales; infinite where there was none.
-    gained: f64,
     /// Inertia and relaxation of a factor that a small restoration left usable.
     at_hand: Option<Factored>,
     /// The shortened step to go back to from one that was taken whole.
@@ -177,7 +175,6 @@ impl<'a> Newton<'a> {
             shifted_iterations: 0,
             hint: Some(settings.first_relaxation).filter(|&hint| hint > 0.0),
             before: None,
-            gained: f64::INFINITY,
             at_hand: None,
             overshot: None,
             predicted: Predicted::default(),
@@ -197,8 +194,6 @@ impl<'a> Newton<'a> {
                 return Ok(StopRule::Infeasible);
             }
             let energy = self.objective.gradient(x, &mut self.gradient);
-            let before = self.before.take().unwrap_or(f64::INFINITY);
-            self.gained = (before - energy) / self.objective.energy_scale();
             // Infinity compares as worse than every energy, NaN as nothing.
             self.report.energy = if energy.is_nan() {
                 f64::INFINITY
@@ -416,6 +411,7 @@ impl<'a> Newton<'a> {
         iteration: &Iteration,
         inertia: Inertia,
     ) -> Result<bool, SolverError> {
+        self.before = None;
         if self.predicts(iteration, inertia) && self.advance_predicted(x, energy) {
             return Ok(true);
         }
@@ -442,6 +438,7 @@ impl<'a> Newton<'a> {
             }
             other => other.map(|accepted| accepted.energy),
         };
+        self.before = Some(energy);
         let gain = energy - newton.unwrap_or(energy);
         let is_slow = gain <= LITTLE_GAIN * self.objective.energy_scale();
         if at_saddle && is_slow && self.settings.at_saddle != AtSaddle::Stop {
@@ -462,11 +459,9 @@ impl<'a> Newton<'a> {
                 for (x, step) in x.iter_mut().zip(&curvature.step) {
                     *x += step;
                 }
-                self.before = Some(energy);
                 return Ok(true);
             }
         }
-        self.before = Some(energy);
         if newton.is_some() {
             x.copy_from_slice(&self.trial);
         }

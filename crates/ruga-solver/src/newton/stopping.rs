@@ -15,12 +15,16 @@ const STUCK_ITERATIONS: usize = 5;
 impl Newton<'_> {
     /// Why a solve ends at a state, if it does.
     pub(super) fn stop(&self, iteration: &Iteration, inertia: Inertia) -> Option<StopRule> {
+        // What restoring constraints took counts as well.
+        let gained = self.before.map_or(f64::INFINITY, |before| {
+            (before - iteration.energy).abs() / self.objective.energy_scale()
+        });
         // No tolerance counts at a saddle that is not to be passed: a flat film under compression has no residual at all.
         if !inertia.is_minimum() {
             // A collapsed triangle is not passed: nothing but a diagonal mends it.
             if self.settings.at_saddle == AtSaddle::Pass
                 && self.shifted_iterations == 0
-                && iteration.decrement.max(self.gained.abs()) <= self.settings.energy_tolerance
+                && iteration.decrement.max(gained) <= self.settings.energy_tolerance
             {
                 return Some(StopRule::Decrement);
             }
