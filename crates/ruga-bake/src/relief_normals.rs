@@ -55,8 +55,10 @@ pub(crate) fn vertex_reliefs(relief: &Relief, frame: Frame) -> Vec<VertexRelief>
 fn driver_relief(normal: Vector3<f64>, foot: &Foot, fit: &SurfaceFit) -> VertexRelief {
     // The foot points' curvature is taken off, not the driver's: both fits then share their error,
     // and where nothing wrinkles the slope is zero.
-    let [du, dv] = [0, 1].map(|axis| fit.layer.derivative[axis] - fit.foot.derivative[axis]);
-    let direction = rotate(&fit.foot, &fit.layer, &normal);
+    // Where the layer overhangs, its foot points run back: a surface through them would face down.
+    let below = fit.foot.steadied(&foot.below);
+    let [du, dv] = [0, 1].map(|axis| fit.layer.derivative[axis] - below.derivative[axis]);
+    let direction = rotate(&below, &fit.layer, &normal);
     VertexRelief {
         base: normal,
         tilt: direction - normal,
@@ -100,6 +102,8 @@ struct Foot {
     position: Vector3<f64>,
     /// Wrinkle height (m): how far down that is.
     height: f64,
+    /// Unit normal of the driver there.
+    below: Vector3<f64>,
 }
 
 /// Moves a vertex along the driver's normal to its rest distance.
@@ -143,6 +147,7 @@ fn foot(relief: &Relief, rings: &Rings, vertex: usize) -> Foot {
     Foot {
         position: x - below * height,
         height,
+        below,
     }
 }
 

@@ -30,6 +30,27 @@ pub(crate) struct Sample {
 pub(crate) struct FittedNormal {
     pub normal: Vector3<f64>,
     pub derivative: [Vector3<f64>; 2],
+    /// Area seen along the driver's normal over that of the driver, negative where the surface has turned over.
+    pub facing: f64,
+}
+
+impl FittedNormal {
+    /// The fit, or where the surface is so steep or turned over that there is hardly an area to fit, the normal
+    /// that is `known` of it.
+    pub(crate) fn steadied(&self, known: &Vector3<f64>) -> Self {
+        // A blend between the two, so that a steep wave has no step.
+        const NONE: f64 = 0.1;
+        const ALL: f64 = 0.3;
+        let trust = ((self.facing - NONE) / (ALL - NONE)).clamp(0.0, 1.0);
+        if trust == 1.0 {
+            return *self;
+        }
+        Self {
+            normal: (self.normal * trust + known * (1.0 - trust)).normalize(),
+            derivative: self.derivative.map(|d| d * trust),
+            ..*self
+        }
+    }
 }
 
 /// The fit at one vertex.
@@ -173,6 +194,7 @@ fn fitted_normal(
         return FittedNormal {
             normal: *fallback,
             derivative: [Vector3::zeros(); 2],
+            facing: 0.0,
         };
     }
     let normal = m / length;
@@ -181,5 +203,9 @@ fn fitted_normal(
         xab.cross(&xb) + xa.cross(&xbb),
     ]
     .map(|dm| (dm - normal * normal.dot(&dm)) / length);
-    FittedNormal { normal, derivative }
+    FittedNormal {
+        normal,
+        derivative,
+        facing: m.dot(fallback),
+    }
 }

@@ -159,3 +159,31 @@ fn steep_folds() {
     assert_eq!(map.folded_samples, 0);
     assert!(error < 0.6, "{error} degrees");
 }
+
+/// Sides that overhang, beyond the vertical by up to 18 degrees: where the layer turns over, so do the places of
+/// the driver below it, which must not turn the normals around. What points down is held just above the plane.
+#[test]
+fn overhanging_folds() {
+    let k = std::f64::consts::TAU / 8e-3;
+    let amplitude = 2.4e-3;
+    let slide = 0.8e-3;
+    let mut patch = Patch::new(Driver::Flat, [320, 16], 0.0, |_, _| 0.0);
+    for x in &mut patch.positions {
+        let s = x.x;
+        *x += Vector3::new(slide * (2.0 * k * s).sin(), 0.0, amplitude * (k * s).cos());
+    }
+    let map = map(&patch, 512, Frame::Driver);
+    let error = rms((0..map.normals.len()).map(|texel| {
+        let [s, _] = texel_parameters(&map, texel);
+        let across = 1.0 + 2.0 * k * slide * (2.0 * k * s).cos();
+        let up = -amplitude * k * (k * s).sin();
+        let mut exact = Vector3::new(-up, 0.0, across).normalize();
+        if exact.z < 0.02 {
+            exact = Vector3::new(exact.x.signum() * (1.0_f64 - 0.02 * 0.02).sqrt(), 0.0, 0.02);
+        }
+        degrees(&baked(&map, texel), &exact)
+    }));
+    println!("overhanging: {error:.4} degrees, {} folded", map.folded_samples);
+    assert!(map.folded_samples > 10_000, "{}", map.folded_samples);
+    assert!(error < 1.5, "{error} degrees");
+}

@@ -215,6 +215,18 @@ impl StackPair {
         self.shells.tangential
     }
 
+    /// Stiffness on the gradient of sliding under an upper layer on a composite lower layer (N/m):
+    /// `K_g = (Ē1 k_2/2 - μ1/h1)/k_2²`, 0 where that is negative.
+    ///
+    /// With it sliding of wave number `k` is held by `μ1/h1 + K_g k²`: by the shear of the whole thickness where
+    /// it is long, at the fine wave as by a half-space. With the first alone a film over a valley that asks for
+    /// more than some 15 % pulls its excess length from wavelengths around into few folds that overhang.
+    pub fn slide_gradient_stiffness(&self) -> f64 {
+        let wave_number = self.upper.wrinkling.wave_number;
+        let excess = self.nominal_tangential_stiffness() - self.shear_tangential_stiffness();
+        excess.max(0.0) / (wave_number * wave_number)
+    }
+
     /// The lower layer that stands for both, with the pair's wave, onset and amplitude.
     ///
     /// `D' = D1 + D2 + Kq t²/k_j²`, `S' = S1 + S2`, `N' = S' e_j`, `K0' = D' k_j⁴`,

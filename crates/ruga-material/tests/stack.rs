@@ -3,7 +3,9 @@
 mod skins;
 
 use proptest::prelude::*;
-use ruga_material::{FirstScale, LayerMaterial, MaterialError, StackPair, preset};
+use ruga_material::{
+    FirstScale, LayerMaterial, MaterialError, StackLayer, StackPair, WavelengthModel, preset,
+};
 use skins::{
     FACE2, LK, MIDDLE, THIN_FILM, WEAK, assert_close, assert_prints, joint, pair, skin, stack,
 };
@@ -129,6 +131,14 @@ fn what_the_notes_say_of_the_pairs() {
     assert_prints(100.0 * fine, 1.79, 0.02, "e(2.5 mm)");
     assert_prints(tangential_ratio(&lk), 6.4, 0.1, "K_t");
 
+    for values in [LK, THIN_FILM, FACE2, MIDDLE, WEAK] {
+        // As stiff as for a layer of its own at the fine wave, and as shear alone where sliding is even.
+        let found = pair(values);
+        let k = found.upper.wrinkling.wave_number;
+        let at_fine_wave =
+            found.shear_tangential_stiffness() + found.slide_gradient_stiffness() * k * k;
+        assert_close(at_fine_wave, found.nominal_tangential_stiffness(), 1e-12, "K_g");
+    }
     let film = pair(THIN_FILM);
     let fine = film.fine.expect("two minima");
     assert_prints(100.0 * fine.critical_strain, 3.8, 0.1, "ε");
@@ -156,6 +166,21 @@ fn what_the_notes_say_of_the_pairs() {
         assert!(!found.nominal_disagrees());
         assert_eq!(found.first_scale(), FirstScale::Large);
     }
+}
+
+/// A film whose wave, of a half-space, is long against the layer below slides on the shear of all of it.
+#[test]
+fn sliding_is_never_held_less_the_shorter_it_is() {
+    let materials = [skin(0.1, 0.1), skin(600.0, 0.12)];
+    let below = skin(0.05, 10.0).as_substrate();
+    let placed = |material: LayerMaterial, below: &_| {
+        StackLayer::new(material, below, WavelengthModel::HalfSpace).expect("valid materials")
+    };
+    let lower = placed(materials[0], &below);
+    let upper = placed(materials[1], &materials[0].as_substrate());
+    let found = StackPair::new(&lower, &upper).expect("valid materials");
+    assert!(found.nominal_tangential_stiffness() < found.shear_tangential_stiffness());
+    assert_eq!(found.slide_gradient_stiffness(), 0.0);
 }
 
 /// The estimate `S2/S1 = 3 λ2/(8 ε2 λ1 √ε1)`, of half-spaces, within a quarter for all of the table.

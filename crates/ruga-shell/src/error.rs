@@ -100,6 +100,12 @@ pub enum ShellError {
         /// The factor.
         value: f64,
     },
+    /// A stiffness on the gradient of the drift is out of range.
+    #[error("stiffness {value} N/m on the gradient of the drift, expected a finite number that is not negative")]
+    SlideGradient {
+        /// The stiffness.
+        value: f64,
+    },
     /// A crease or line anchor is put on an edge that cannot have it.
     #[error("edge {edge} cannot be creased: it lies at the border or is not in the mesh")]
     CreaseOutside {

@@ -107,8 +107,13 @@ impl Anchor {
     /// Tangential drift `(I - n n^T)(x - p)` (m).
     #[inline]
     pub fn drift(&self, x: &Vector3<f64>) -> Vector3<f64> {
-        let arm = x - self.point;
-        arm - self.normal * self.normal.dot(&arm)
+        self.across(&(x - self.point))
+    }
+
+    /// Tangential part `(I - n n^T) v` of a vector.
+    #[inline]
+    pub(crate) fn across(&self, v: &Vector3<f64>) -> Vector3<f64> {
+        v - self.normal * self.normal.dot(v)
     }
 }
 

@@ -1,5 +1,7 @@
 //! The foundation of a whole layer: constant stiffness, a base that each frame replaces.
 
+mod slides;
+
 use nalgebra::Vector3;
 
 use ruga_mesh::{BlockPattern, BlockSlot, Id, SparseRows, TriMesh};
@@ -26,6 +28,8 @@ pub(crate) struct LayerFoundation {
     anchors: Vec<Anchor>,
     /// Tangential stiffness of each vertex (N/m³).
     tangential: Vec<f64>,
+    /// Stiffness on the gradient of the drift (N/m).
+    slide_gradient: f64,
     lines: Vec<LineSpring>,
 }
 
@@ -40,7 +44,7 @@ struct LineSpring {
     stiffness: f64,
 }
 
-/// Scalar stiffness between the deviations at the ends of an edge.
+/// Scalar stiffness between the deviations, and between the drifts, at the ends of an edge.
 #[derive(Clone, Debug)]
 struct EdgeSprings {
     ends: [u32; 2],
@@ -48,6 +52,7 @@ struct EdgeSprings {
     sides: [Option<FaceCorner>; 2],
     slot: BlockSlot,
     stiffness: f64,
+    slide: f64,
 }
 
 /// Stiffness of the springs below a layer, as it is between vertices (N/m).
@@ -55,7 +60,8 @@ struct EdgeSprings {
 /// ```text
 /// F_ij = m_ij n_i n_j' + d_ij t_i (I - n_i n_i')
 /// ```
-/// `n` are the unit normals of the surface below.
+/// `n` are the unit normals of the surface below. What holds sliding that differs from place to place
+/// ([`LayerEnergy::set_slide_gradient`](crate::LayerEnergy::set_slide_gradient)) is not in it.
 #[derive(Clone, Debug)]
 pub struct FoundationStiffness {
     /// `m`: a row per vertex, with the vertices that it shares an edge with and itself.
@@ -80,6 +86,7 @@ impl LayerFoundation {
                 sides: mesh.edge_sides(id).map(|side| side.map(FaceCorner::new)),
                 slot: pattern.slot(ends[1], ends[0]),
                 stiffness: 0.0,
+                slide: 0.0,
             }
         });
         let mut this = Self {
@@ -90,6 +97,7 @@ impl LayerFoundation {
             edges: edges.collect(),
             anchors,
             tangential,
+            slide_gradient: 0.0,
             lines: Vec::new(),
         };
         this.set_rest(sheet);
@@ -147,6 +155,7 @@ impl LayerFoundation {
         }
         self.vertex_areas = areas;
         self.diagonal = diagonal;
+        self.set_slides(sheet);
     }
 
     /// Replaces all line anchors, over the sheet's present rest metric.
@@ -189,6 +198,7 @@ impl LayerFoundation {
                 sides: whole.sides.map(|side| side.map(FaceCorner::of_no_face)),
                 slot: pattern.slot(ends[1], ends[0]),
                 stiffness: 0.0,
+                slide: 0.0,
             }
         };
         Self {
@@ -199,6 +209,7 @@ impl LayerFoundation {
             edges: numbers.edges.iter().map(edge).collect(),
             anchors: Vec::new(),
             tangential: Vec::new(),
+            slide_gradient: 0.0,
             lines: Vec::new(),
         }
     }
@@ -224,8 +235,13 @@ impl LayerFoundation {
             }
         }
         for (edge, &number) in self.edges.iter_mut().zip(&numbers.edges) {
-            edge.stiffness = whole.edges[number as usize].stiffness;
+            let of_whole = &whole.edges[number as usize];
+            edge.stiffness = of_whole.stiffness;
+            // As with the springs of vertices: between two that stand still there is nothing.
+            let is_felt = edge.ends.iter().any(|&end| numbers.is_free[end as usize]);
+            edge.slide = if is_felt { of_whole.slide } else { 0.0 };
         }
+        self.slide_gradient = whole.slide_gradient;
         let edges = &self.edges;
         let line = |whole: &LineSpring| {
             let edge = numbers.edges.binary_search(&whole.edge).ok()?;
@@ -278,7 +294,7 @@ impl LayerFoundation {
         }
     }
 
-    /// Energies of the `K0`, `K1` and `Kt` terms and of the line anchors (J).
+    /// Energies of the `K0` and `K1` terms, of the `Kt` and `Kg` terms together, and of the line anchors (J).
     pub(crate) fn values(
         &self,
         faces: &[[u32; 3]],
@@ -295,13 +311,14 @@ impl LayerFoundation {
             normal += k0;
             gradient += k1;
         }
-        let tangential = self
+        let tangential: f64 = self
             .tangential_springs
             .iter()
             .zip(anchors)
             .zip(x)
             .map(|((spring, anchor), x)| spring.value(anchor, x))
             .sum();
+        let tangential = tangential + self.slide_value(anchors, x);
         let lines = self.lines.iter().map(|line| line.value(&w));
         [normal, gradient, tangential, lines.sum()]
     }
@@ -318,7 +335,7 @@ impl LayerFoundation {
         let areas = sheet.rest().iter().zip(sheet.area_left());
         let areas = areas.map(|(rest, left)| left * rest.area());
         let faces = sheet.faces().iter().zip(areas).zip(&self.normal);
-        for (((face, area), stencil), parts) in faces.zip(parts) {
+        for (((face, area), stencil), parts) in faces.zip(&mut *parts) {
             let [k0, k1] = stencil.values(face.map(|v| w[v as usize]));
             parts.normal += k0;
             parts.gradient += k1;
@@ -328,6 +345,7 @@ impl LayerFoundation {
                 parts.tangential += share * self.tangential_springs[v].value(&anchors[v], &x[v]);
             }
         }
+        self.add_slides_to_faces(anchors, x, parts);
     }
 
     /// Forces of the springs on every vertex, against them: the derivative of the energy by `x` (N).
@@ -356,11 +374,13 @@ impl LayerFoundation {
             .zip(&self.tangential_springs)
             .zip(x)
             .zip(by_deviation);
-        vertices
+        let mut forces: Vec<_> = vertices
             .map(|(((anchor, spring), x), force)| {
                 anchor.normal * force + spring.gradient(anchor, x)
             })
-            .collect()
+            .collect();
+        self.add_slide_forces(anchors, x, &mut forces);
+        forces
     }
 
     /// Adds the second derivative, which is constant as long as the base stands still, in the order of `pattern`.
@@ -381,6 +401,7 @@ impl LayerFoundation {
             let block = head * tail.transpose() * edge.stiffness;
             edge.slot.add(values, &block);
         }
+        self.add_slide_hessian(pattern, values);
     }
 }
 

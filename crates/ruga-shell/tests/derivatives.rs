@@ -335,6 +335,21 @@ fn assembled_layer() {
 }
 
 #[test]
+fn uneven_sliding() {
+    let (mut layer, x) = assembled(BendingModel::VertexCurvature);
+    let without = layer.energy_parts(&x);
+    layer.set_slide_gradient(0.7).unwrap();
+    let with = layer.energy_parts(&x);
+    assert!(with.tangential > 1.2 * without.tangential);
+    assert_eq!(with.normal + with.gradient, without.normal + without.gradient);
+    check_layer(&layer, &x);
+    for bad in [-1.0, f64::NAN, f64::INFINITY] {
+        assert!(layer.set_slide_gradient(bad).is_err());
+    }
+    assert_eq!(layer.energy_parts(&x), with, "refused, and unchanged");
+}
+
+#[test]
 fn relaxed_layer_is_positive_where_the_exact_one_is_not() {
     for model in MODELS {
         check_relaxed_layer(model);

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use meshes::lattice;
 use nalgebra::Vector3;
-use ruga_shell::{BendingModel, FaceParameters, LayerEnergy};
+use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters};
 
 const COLUMNS: usize = 9;
 const ROWS: usize = 9;
@@ -139,4 +139,40 @@ fn onset_approaches_finite_strain_theory() {
             );
         }
     }
+}
+
+/// A wave of sliding of wave number `k` costs `(Kt + Kg k^2)/2` times the mean of its square, and an even one `Kt/2`.
+#[test]
+fn short_sliding_is_held_more_stiffly() {
+    const HELD: f64 = 1.3;
+    const BY_GRADIENT: f64 = 0.02;
+    let face = FaceParameters {
+        young: 1.0,
+        poisson: 0.5,
+        thickness: 0.1,
+        normal_stiffness: 1.0,
+        gradient_stiffness: 0.0,
+    };
+    // Two waves of length 1 along each row.
+    let mesh = lattice(81, 41, 1.0 / 40.0);
+    let (faces, vertices) = (mesh.faces.len(), mesh.positions.len());
+    let parameters = LayerParameters::uniform(face, faces, HELD, vertices);
+    let model = BendingModel::VertexCurvature;
+    let pinned = vec![false; vertices];
+    let (topology, rest) = (mesh.topology(), &mesh.positions);
+    let mut layer = LayerEnergy::with_bending(&topology, rest, parameters, &pinned, model)
+        .expect("a valid lattice");
+    layer.set_slide_gradient(BY_GRADIENT).expect("valid");
+    let area: f64 = layer.vertex_areas().iter().sum();
+    let energy = |slide: &dyn Fn(f64) -> f64| {
+        let moved = |x: &Vector3<f64>| x + Vector3::y() * slide(x.x);
+        let moved: Vec<_> = rest.iter().map(moved).collect();
+        layer.energy_parts(&moved).tangential
+    };
+    let k = 2.0 * PI;
+    let even = energy(&|_| 1e-3) / (0.5 * HELD * 1e-6 * area);
+    assert!((even - 1.0).abs() < 1e-12, "{even}");
+    let wave = energy(&|x| 1e-3 * (k * x).sin());
+    let expected = 0.5 * (HELD + BY_GRADIENT * k * k) * 0.5e-6 * area;
+    assert!((wave / expected - 1.0).abs() < 0.01, "{}", wave / expected);
 }

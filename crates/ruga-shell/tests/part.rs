@@ -131,6 +131,9 @@ impl Posed {
             face.normal_stiffness += 0.5 * symmetric(rng);
         }
         layer.set_face_parameters(&faces).unwrap();
+        layer
+            .set_slide_gradient(rng.random_range(0.5..1.0))
+            .unwrap();
         let left: Vec<_> = faces.iter().map(|_| rng.random_range(0.02..1.0)).collect();
         layer.set_area_left(&left).unwrap();
         let tilted = |_: &_| (Vector3::z() + 0.4 * random_vector(rng)).normalize();

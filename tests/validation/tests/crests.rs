@@ -6,8 +6,8 @@
 )]
 
 use ruga_stepper::{
-    BendingModel, Coupling, EdgeLimits, LayerReport, LayerSpec, Modelling, PoseResult, Silent,
-    Stack, plan,
+    BendingModel, Coupling, EdgeLimits, LayerReport, LayerSpec, LayerSurface, Modelling, PoseResult,
+    Silent, Stack, plan,
 };
 use ruga_validation::{FineHeights, Patch, TwoScales, Window, findings, skin_layer};
 
@@ -24,6 +24,8 @@ struct Pair {
     reports: Vec<LayerReport>,
     scales: TwoScales,
     heights: FineHeights,
+    /// Share of the upper layer's triangles that face down.
+    turned_over: f64,
 }
 
 impl Pair {
@@ -54,6 +56,7 @@ impl Pair {
         let surfaces = &keys[0].layers;
         let scales = TwoScales::new(&patch, &surfaces[0], &surfaces[1], &window);
         Self {
+            turned_over: turned_over(&surfaces[1]),
             heights: scales.fine_heights(),
             scales,
             reports,
@@ -102,6 +105,16 @@ impl Pair {
             1e3 * self.scales.largest,
         );
     }
+}
+
+/// Share of a layer's triangles that face down.
+fn turned_over(surface: &LayerSurface) -> f64 {
+    let faces_down = |corners: &&[u32; 3]| {
+        let [a, b, c] = corners.map(|v| surface.positions[v as usize]);
+        let up = surface.driver_normals[corners[0] as usize];
+        (b - a).cross(&(c - a)).dot(&up) < 0.0
+    };
+    surface.faces.iter().filter(faces_down).count() as f64 / surface.faces.len() as f64
 }
 
 fn compressed(
@@ -194,4 +207,24 @@ fn composite_gathers_fine_wrinkles_in_valleys() {
     assert!(valley > 2.0 * flank, "{valley} and {flank}");
     // Wrinkles, not the remains of a flat layer.
     assert!(valley > 0.2 * thickness, "{valley}");
+}
+
+/// Where the valleys of the large wave ask for much, the film has waves next to each other: held by shear alone it
+/// would slide from wavelengths around into few folds, which overhang.
+#[test]
+fn a_film_over_a_valley_does_not_run_together() {
+    let lower = skin_layer("face2-dermis", "face2-dermis");
+    let upper = skin_layer("face2-epidermis", "face2-epidermis");
+    let pair = Pair::new(
+        0.16,
+        &[lower, upper],
+        Stack::Composite,
+        BendingModel::VertexCurvature,
+    );
+    pair.print("film over a valley");
+    println!("turned over: {:.5}", pair.turned_over);
+    assert!(pair.turned_over == 0.0);
+    let fine = pair.peaks()[1].expect("a peak");
+    assert!((fine - 1.0).abs() < 0.2, "{fine}");
+    assert!(pair.prominence() > 10.0);
 }

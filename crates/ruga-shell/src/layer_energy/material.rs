@@ -74,6 +74,26 @@ impl LayerEnergy {
         Ok(())
     }
 
+    /// Sets the stiffness `Kg` (N/m) on the gradient of the drift along the surface below, 0 when built; of a
+    /// pair, below the lower sheet.
+    ///
+    /// ```text
+    /// E = 1/2 Kg int |grad t|^2,   t = (I - n n^T)(x - p)
+    /// ```
+    ///
+    /// Sliding that varies with the wave number `k` is then held by `Kt + Kg k^2`, as an elastic body holds it:
+    /// by shear of its whole thickness where it is uniform, and more stiffly the shorter it is.
+    ///
+    /// # Validity
+    /// `t` are vectors in space. On a base of curvature `kappa` uniform sliding is held by `Kg kappa^2`, too.
+    ///
+    /// # Errors
+    /// [`ShellError::SlideGradient`] unless it is finite and at least 0; the layer is then unchanged.
+    pub fn set_slide_gradient(&mut self, stiffness: f64) -> Result<(), ShellError> {
+        self.foundation
+            .set_slide_gradient(stiffness, &self.sheets[0])
+    }
+
     pub(super) fn check_single(&self, what: &'static str) -> Result<(), ShellError> {
         // One array of faces cannot say which sheet of a pair it is meant for, and the springs between the
         // two come from the parameters of the upper one.

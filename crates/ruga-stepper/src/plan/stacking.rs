@@ -6,7 +6,7 @@ use ruga_material::{StackLayer, StackPair, Wrinkling, composite_layers, wrinklin
 
 use crate::error::{Checked, refuse};
 use crate::skin::upper_shell::UpperShell;
-use crate::support::support_surface::Attachment;
+use crate::support::support_surface::{Attachment, TangentialSprings};
 use crate::{Coupling, Grows, GrowthSpec, LayerSpec, Stack, StepperError};
 
 /// The layers as they are simulated, bottom first.
@@ -187,18 +187,30 @@ impl Stacking {
             let step = 0.5 * (layers[k].material.thickness + layers[upper].material.thickness);
             // A layer with wrinkles of its own needs tangential springs at their scale: with the
             // shear stiffness of the layer below, 6 to 60 times softer, fine wrinkles run together
-            // into few folds. A composite and a pair are meant to be physical: held by shear alone,
-            // and stretched by all of the bending below.
-            let (tangential, transfer) = match stack {
-                Stack::Nominal => (pair.nominal_tangential_stiffness(), pair.bending_transfer),
-                Stack::Composite | Stack::Joint => (pair.shear_tangential_stiffness(), 1.0),
+            // into few folds. A composite and a pair are meant to be physical: held by shear alone where
+            // they slide evenly, and stretched by all of the bending below.
+            let (stiffness, gradient, transfer) = match stack {
+                Stack::Nominal => (
+                    pair.nominal_tangential_stiffness(),
+                    0.0,
+                    pair.bending_transfer,
+                ),
+                Stack::Composite => (
+                    pair.shear_tangential_stiffness(),
+                    pair.slide_gradient_stiffness(),
+                    1.0,
+                ),
+                Stack::Joint => (pair.shear_tangential_stiffness(), 0.0, 1.0),
             };
             // Where nothing is painted, the layer's springs are taken from here.
-            self.wrinkling[upper].tangential_stiffness = tangential;
+            self.wrinkling[upper].tangential_stiffness = stiffness;
             self.attachments[upper] = Attachment {
                 offset: self.attachments[k].offset + step,
                 bending_transfer: layers[upper].bending_transfer.unwrap_or(transfer),
-                tangential_stiffness: Some(tangential),
+                tangential: Some(TangentialSprings {
+                    stiffness,
+                    gradient,
+                }),
             };
             // Rows that hold a layer on a wrinkled one would leave their own pattern in it.
             if self.specs[upper].coupling == Coupling::Hybrid {

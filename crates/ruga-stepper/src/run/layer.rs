@@ -31,7 +31,7 @@ use crate::skin::local_skin::{LocalSkin, SkinProperties};
 use crate::skin::relief::ReliefWeights;
 use crate::skin::skin_mesh::SkinMesh;
 use crate::skin::upper_shell::UpperShell;
-use crate::support::support_surface::SupportSurface;
+use crate::support::support_surface::{SupportSurface, TangentialSprings};
 use crate::support::{Interior, Solid};
 use crate::{LayerSpec, StepperError};
 
@@ -49,8 +49,8 @@ const NOISE: f64 = 1e-3;
 /// How a layer is built, beyond what its own specification says.
 #[derive(Clone, Debug)]
 pub(crate) struct LayerOptions {
-    /// Stiffness of its tangential springs per area where it is not the layer's own, Pa/m.
-    pub(crate) tangential_stiffness: Option<f64>,
+    /// Its tangential springs where they are not the layer's own.
+    pub(crate) tangential: Option<TangentialSprings>,
     /// A layer that moves together with it.
     pub(crate) upper: Option<UpperShell>,
     /// Discrete bending energy.
@@ -164,7 +164,7 @@ impl Layer {
         };
         let rest = &skin.rest;
         let LayerOptions {
-            tangential_stiffness,
+            tangential,
             upper,
             bending,
             centres,
@@ -176,7 +176,8 @@ impl Layer {
             Some(_) => PerVertex::filled(rest.positions.len(), false),
             None => skin.mesh.border_vertices(),
         };
-        let properties = SkinProperties::new(spec, wrinkling, tangential_stiffness, driver, &skin)?;
+        let stiffness = tangential.map(|springs| springs.stiffness);
+        let properties = SkinProperties::new(spec, wrinkling, stiffness, driver, &skin)?;
         preparing.step()?;
         let parameters = layer_parameters(&properties, spec.coupling.has_foundation());
         let surface = (rest.positions.as_slice(), rest.normals.as_slice());
@@ -188,7 +189,11 @@ impl Layer {
                 LayerEnergy::pair((mesh, surface.0, held), parameters, above, bending)
             }
         };
-        let energy = energy.map_err(shell)?;
+        let mut energy = energy.map_err(shell)?;
+        if let Some(springs) = tangential.filter(|_| spec.coupling.has_foundation()) {
+            let outcome = energy.set_slide_gradient(springs.gradient);
+            outcome.map_err(shell)?;
+        }
         let positions = laid_on(rest, upper.as_ref());
         let vertices = rest.positions.len();
         let free: Vec<VertexId> = (0..positions.len())

@@ -255,7 +255,7 @@ impl<'a> StackRun<'a> {
         let adapted = adapted.map(|adapted| adapted.skin);
         preparing.enter(Phase::Constraints)?;
         let options = LayerOptions {
-            tangential_stiffness: plan.stacking.attachments[index].tangential_stiffness,
+            tangential: plan.stacking.attachments[index].tangential,
             upper: plan.stacking.joint.clone(),
             bending: modelling.bending,
             centres,

@@ -73,8 +73,17 @@ pub(crate) struct Attachment {
     pub(crate) offset: f64,
     /// Fraction of the support surface's bending strain that the layer takes over, 0 to 1.
     pub(crate) bending_transfer: f64,
-    /// Stiffness of its tangential springs per area where it is not the layer's own, Pa/m.
-    pub(crate) tangential_stiffness: Option<f64>,
+    /// Its tangential springs where they are not the layer's own.
+    pub(crate) tangential: Option<TangentialSprings>,
+}
+
+/// What keeps a layer from sliding over another one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TangentialSprings {
+    /// Stiffness per area, Pa/m.
+    pub(crate) stiffness: f64,
+    /// Stiffness on the gradient of the sliding, N/m.
+    pub(crate) gradient: f64,
 }
 
 /// The surface below the vertices of `skin`, whose rest positions include the attachment's offset: what carries
@@ -236,7 +245,7 @@ mod tests {
         let attachment = Attachment {
             offset: OFFSET,
             bending_transfer: TRANSFER,
-            tangential_stiffness: None,
+            tangential: None,
         };
         let control = driver.pose(&driver.weights([("bend", 1.0)]).expect("a shape"));
         let support = PosedDriver { control };
@@ -296,7 +305,7 @@ mod tests {
         let attachment = Attachment {
             offset: OFFSET,
             bending_transfer: 1.0,
-            tangential_stiffness: None,
+            tangential: None,
         };
         let control = driver.rest().to_vec();
         let support = PosedDriver { control };
@@ -337,7 +346,7 @@ mod tests {
         let attachment = Attachment {
             offset: OFFSET,
             bending_transfer: 1.0,
-            tangential_stiffness: None,
+            tangential: None,
         };
         let control = driver.rest().to_vec();
         let support = PosedDriver { control };
