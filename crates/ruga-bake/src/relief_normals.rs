@@ -43,9 +43,26 @@ pub(crate) fn vertex_reliefs(relief: &Relief, frame: Frame) -> Vec<VertexRelief>
                     .iter()
                     .map(|&other| sample(relief, &feet, vertex, other as usize)),
             );
-            let fit = fit_surface(&relief.driver_normals[vertex], samples);
+            let normal = &relief.driver_normals[vertex];
+            let mut fit = fit_surface(normal, samples);
             match frame {
-                Frame::Driver => driver_relief(relief.driver_normals[vertex], &feet[vertex], &fit),
+                Frame::Driver => {
+                    // Where the layer overhangs, its foot points run back, and a surface through them would
+                    // face down: there the driver's own normal below is better. Where a driver is bent more
+                    // sharply than the layer is away from it, foot points run back, too, but with them those
+                    // of the layer without wrinkles; layer and feet then share their error, and it stays out
+                    // of the map.
+                    let worth = fit.foot.worth();
+                    if worth < 1.0 {
+                        for (sample, &other) in samples.iter_mut().zip(neighbours.ids()) {
+                            sample.foot = unwrinkled(relief, vertex, other as usize);
+                        }
+                        let flat = fit_surface(normal, samples).foot.worth();
+                        let share = 1.0 - (flat - worth).max(0.0);
+                        fit.foot = fit.foot.blended(share, &feet[vertex].below);
+                    }
+                    driver_relief(*normal, &feet[vertex], &fit)
+                }
                 Frame::Mesh => mesh_relief(&feet[vertex], &fit),
             }
         })
@@ -55,10 +72,8 @@ pub(crate) fn vertex_reliefs(relief: &Relief, frame: Frame) -> Vec<VertexRelief>
 fn driver_relief(normal: Vector3<f64>, foot: &Foot, fit: &SurfaceFit) -> VertexRelief {
     // The foot points' curvature is taken off, not the driver's: both fits then share their error,
     // and where nothing wrinkles the slope is zero.
-    // Where the layer overhangs, its foot points run back: a surface through them would face down.
-    let below = fit.foot.steadied(&foot.below);
-    let [du, dv] = [0, 1].map(|axis| fit.layer.derivative[axis] - below.derivative[axis]);
-    let direction = rotate(&below, &fit.layer, &normal);
+    let [du, dv] = [0, 1].map(|axis| fit.layer.derivative[axis] - fit.foot.derivative[axis]);
+    let direction = rotate(&fit.foot, &fit.layer, &normal);
     VertexRelief {
         base: normal,
         tilt: direction - normal,
@@ -66,6 +81,12 @@ fn driver_relief(normal: Vector3<f64>, foot: &Foot, fit: &SurfaceFit) -> VertexR
         height: foot.height,
         height_slope: height_slope(fit),
     }
+}
+
+/// From one vertex to another on the layer without wrinkles, m.
+fn unwrinkled(relief: &Relief, vertex: usize, other: usize) -> Vector3<f64> {
+    let raised = |v: usize| relief.driver_positions[v] + relief.driver_normals[v] * relief.offset;
+    raised(other) - raised(vertex)
 }
 
 fn mesh_relief(foot: &Foot, fit: &SurfaceFit) -> VertexRelief {

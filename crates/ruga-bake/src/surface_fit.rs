@@ -35,19 +35,22 @@ pub(crate) struct FittedNormal {
 }
 
 impl FittedNormal {
-    /// The fit, or where the surface is so steep or turned over that there is hardly an area to fit, the normal
-    /// that is `known` of it.
-    pub(crate) fn steadied(&self, known: &Vector3<f64>) -> Self {
-        // A blend between the two, so that a steep wave has no step.
-        const NONE: f64 = 0.1;
+    /// How much the fit is worth, 0 to 1: nothing where the surface is so steep that there is hardly an area to
+    /// fit, or turned over.
+    pub(crate) fn worth(&self) -> f64 {
+        // Between the two a blend, so that a steep wave has no step.
+        const NOTHING: f64 = 0.1;
         const ALL: f64 = 0.3;
-        let trust = ((self.facing - NONE) / (ALL - NONE)).clamp(0.0, 1.0);
-        if trust == 1.0 {
-            return *self;
-        }
+        ((self.facing - NOTHING) / (ALL - NOTHING)).clamp(0.0, 1.0)
+    }
+
+    /// This share of the fit, the rest a normal that is `known` of the surface.
+    pub(crate) fn blended(&self, share: f64, known: &Vector3<f64>) -> Self {
+        let normal = self.normal * share + known * (1.0 - share);
         Self {
-            normal: (self.normal * trust + known * (1.0 - trust)).normalize(),
-            derivative: self.derivative.map(|d| d * trust),
+            // Half of each may be opposite.
+            normal: normal.try_normalize(1e-9).unwrap_or(*known),
+            derivative: self.derivative.map(|d| d * share),
             ..*self
         }
     }

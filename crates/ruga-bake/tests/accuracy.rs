@@ -183,7 +183,10 @@ fn overhanging_folds() {
         }
         degrees(&baked(&map, texel), &exact)
     }));
-    println!("overhanging: {error:.4} degrees, {} folded", map.folded_samples);
+    println!(
+        "overhanging: {error:.4} degrees, {} folded",
+        map.folded_samples
+    );
     assert!(map.folded_samples > 10_000, "{}", map.folded_samples);
     assert!(error < 1.5, "{error} degrees");
 }

@@ -38,6 +38,18 @@ fn a_layer_at_rest_distance_is_neutral_to_rounding_on_coarse_facets() {
     }
 }
 
+/// In a valley narrower than the layer's distance from it a layer without wrinkles goes through itself and faces
+/// down, and shows nothing of that.
+#[test]
+fn a_layer_beyond_the_centre_of_a_valley_is_neutral() {
+    for offset in [-0.03, -0.037, -0.05] {
+        let patch = Patch::new(Driver::Cylinder(0.04), [24, 4], offset, |_, _| 0.0);
+        let map = map(&patch.moved(&a_motion()));
+        assert!(largest_tilt(&map) < 1e-5, "{} degrees", largest_tilt(&map));
+        assert!(largest_height(&map) < 1e-9 * offset.abs());
+    }
+}
+
 /// A coarse driver with interpolated normals (Phong), below a fine layer that follows its facets.
 #[test]
 fn facets_of_the_driver_do_not_show_through_a_fine_layer() {

@@ -137,7 +137,12 @@ fn what_the_notes_say_of_the_pairs() {
         let k = found.upper.wrinkling.wave_number;
         let at_fine_wave =
             found.shear_tangential_stiffness() + found.slide_gradient_stiffness() * k * k;
-        assert_close(at_fine_wave, found.nominal_tangential_stiffness(), 1e-12, "K_g");
+        assert_close(
+            at_fine_wave,
+            found.nominal_tangential_stiffness(),
+            1e-12,
+            "K_g",
+        );
     }
     let film = pair(THIN_FILM);
     let fine = film.fine.expect("two minima");

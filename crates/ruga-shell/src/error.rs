@@ -101,7 +101,9 @@ pub enum ShellError {
         value: f64,
     },
     /// A stiffness on the gradient of the drift is out of range.
-    #[error("stiffness {value} N/m on the gradient of the drift, expected a finite number that is not negative")]
+    #[error(
+        "stiffness {value} N/m on the gradient of the drift, expected a finite number that is not negative"
+    )]
     SlideGradient {
         /// The stiffness.
         value: f64,

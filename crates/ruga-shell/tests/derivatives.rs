@@ -341,7 +341,10 @@ fn uneven_sliding() {
     layer.set_slide_gradient(0.7).unwrap();
     let with = layer.energy_parts(&x);
     assert!(with.tangential > 1.2 * without.tangential);
-    assert_eq!(with.normal + with.gradient, without.normal + without.gradient);
+    assert_eq!(
+        with.normal + with.gradient,
+        without.normal + without.gradient
+    );
     check_layer(&layer, &x);
     for bad in [-1.0, f64::NAN, f64::INFINITY] {
         assert!(layer.set_slide_gradient(bad).is_err());

@@ -6,8 +6,8 @@
 )]
 
 use ruga_stepper::{
-    BendingModel, Coupling, EdgeLimits, LayerReport, LayerSpec, LayerSurface, Modelling, PoseResult,
-    Silent, Stack, plan,
+    BendingModel, Coupling, EdgeLimits, LayerReport, LayerSpec, LayerSurface, Modelling,
+    PoseResult, Silent, Stack, plan,
 };
 use ruga_validation::{FineHeights, Patch, TwoScales, Window, findings, skin_layer};
 
