@@ -21,6 +21,21 @@ pub fn edge_distances(
     sources: impl IntoIterator<Item = VertexId>,
     limit: f64,
 ) -> PerVertex<f64> {
+    let sources = sources.into_iter().map(|source| (source, 0.0));
+    edge_distances_beyond(mesh, positions, sources, limit)
+}
+
+/// Shortest distance (m) along edges from something that lies so far (m, at least 0) from each of `sources`, as
+/// places on edges do; infinite beyond `limit`.
+///
+/// # Panics
+/// As [`edge_distances`].
+pub fn edge_distances_beyond(
+    mesh: &TriMesh,
+    positions: &[Vector3<f64>],
+    sources: impl IntoIterator<Item = (VertexId, f64)>,
+    limit: f64,
+) -> PerVertex<f64> {
     assert_eq!(
         positions.len(),
         mesh.vertex_count(),
@@ -28,9 +43,11 @@ pub fn edge_distances(
     );
     let mut distances = PerVertex::filled(mesh.vertex_count(), f64::INFINITY);
     let mut queue = BinaryHeap::new();
-    for source in sources {
-        distances[source] = 0.0;
-        queue.push(Reverse((Metres(0.0), source)));
+    for (source, start) in sources {
+        if start < distances[source] && start <= limit {
+            distances[source] = start;
+            queue.push(Reverse((Metres(start), source)));
+        }
     }
     while let Some(Reverse((Metres(distance), vertex))) = queue.pop() {
         // A shorter way has been found since; the heap cannot lower an entry that it holds.

@@ -1,7 +1,7 @@
 //! Distances along edges.
 
 use nalgebra::Vector3;
-use ruga_mesh::{Id, TriMesh, VertexId, edge_distances};
+use ruga_mesh::{Id, TriMesh, VertexId, edge_distances, edge_distances_beyond};
 
 /// `width` by `height` unit squares cut along one diagonal, and a triangle apart.
 fn grid(width: u32, height: u32) -> (TriMesh, Vec<Vector3<f64>>) {
@@ -60,4 +60,24 @@ fn beyond_the_limit_everything_is_infinite() {
     }
     let none = edge_distances(&mesh, &positions, [], 3.0);
     assert!(none.as_slice().iter().all(|d| d.is_infinite()));
+}
+
+#[test]
+fn sources_may_be_some_way_off() {
+    let (mesh, positions) = grid(7, 5);
+    let starts = [
+        (VertexId(9), 0.5),
+        (VertexId(37), 1.75),
+        (VertexId(9), 0.25),
+    ];
+    let distances = edge_distances_beyond(&mesh, &positions, starts, 4.0);
+    for (vertex, &distance) in distances.iter().filter(|(v, _)| v.index() < 48) {
+        let place = positions[vertex.index()];
+        let wanted = starts.map(|(s, start)| start + expected(positions[s.index()], place));
+        let wanted = wanted.into_iter().fold(f64::INFINITY, f64::min);
+        match wanted <= 4.0 {
+            true => assert!((distance - wanted).abs() < 1e-12),
+            false => assert_eq!(distance, f64::INFINITY),
+        }
+    }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use ruga_material::Wrinkling;
-use ruga_mesh::{Id, TriMesh, VertexId};
+use ruga_mesh::{Id, TriMesh, VertexId, edge_distances_beyond};
 
 use crate::skin::fading::{distances_from, faded};
 use crate::skin::relief::FADE;
@@ -20,6 +20,9 @@ const SMALLEST: f64 = 0.25;
 
 /// Waves shorter than this, in critical wavelengths, are none of the layer's own.
 const SHORTEST: f64 = 0.4;
+
+/// Length of paths along edges over that of straight ones, at most, on regular meshes.
+const LONGER_PATHS: f64 = 1.15;
 
 /// Vertices around which a thread looks at least: every part of the work fills a mark for each of all vertices.
 const CENTRES_AT_ONCE: usize = 4096;
@@ -74,11 +77,14 @@ pub(crate) fn wrinkled_shares(
     };
     // The part of a set in which a disc of the smallest size finds room beside the others.
     let opened = |others: &[bool]| -> Vec<bool> {
-        let away = reaches(others, SMALLEST).into_iter();
-        let cores: Vec<bool> = away.map(|distance| distance > SMALLEST).collect();
-        let from_cores = reaches(&cores, SMALLEST).into_iter();
-        let pairs = from_cores.zip(others);
-        pairs.map(|(to, other)| to <= SMALLEST && !other).collect()
+        let away = reaches(others, SMALLEST);
+        let centres = disc_centres(mesh, rest, &away, demands);
+        let reach = SMALLEST * LONGER_PATHS;
+        let from_centres = edge_distances_beyond(mesh, rest, centres, reach * longest);
+        let pairs = from_centres.as_slice().iter().zip(demands).zip(others);
+        pairs
+            .map(|((to, own), other)| to / own.wavelength <= reach && !other)
+            .collect()
     };
     let mut is_flat = held.to_vec();
     for vertex in sharply_bent(mesh, (rest, normals), demands) {
@@ -95,6 +101,38 @@ pub(crate) fn wrinkled_shares(
     let is_flat: Vec<bool> = has_room.into_iter().map(|room| !room).collect();
     let from_flat = reaches(&is_flat, FADE).into_iter();
     from_flat.map(|distance| faded(distance, FADE)).collect()
+}
+
+/// Where discs of the smallest size have their centres, vertices that are so far `away` (wavelengths) from the others and
+/// places on edges between these and nearer ones: each a vertex and how far it is from there (m).
+///
+/// Smooth skin has edges as long as the disc is wide. From vertices alone such a disc would not reach back to the others,
+/// and leave a seam of relief in quiet skin.
+fn disc_centres(
+    mesh: &TriMesh,
+    rest: &[Vector3<f64>],
+    away: &[f64],
+    demands: &[VertexDemand],
+) -> Vec<(VertexId, f64)> {
+    let mut centres = Vec::new();
+    for (vertex, own) in away.iter().enumerate() {
+        if *own > SMALLEST {
+            centres.push((VertexId::from_index(vertex), 0.0));
+        }
+    }
+    for (_, edge) in mesh.edges().iter() {
+        let [a, b] = edge.vertices.map(|v| v.index());
+        let (near, far) = if away[a] < away[b] { (a, b) } else { (b, a) };
+        if away[near] > SMALLEST || away[far] <= SMALLEST {
+            continue;
+        }
+        let length = (rest[far] - rest[near]).norm();
+        // Beyond where distances were asked for they grow as they do straight away from the others.
+        let rise = (away[far] - away[near]).min(length / demands[near].wavelength);
+        let share = ((SMALLEST - away[near]) / rise).min(1.0);
+        centres.push((VertexId::from_index(near), share * length));
+    }
+    centres
 }
 
 /// Vertices from which the normal turns, within the allowed radius, by more than it may.
@@ -179,6 +217,33 @@ mod tests {
         assert!(found[50..56].is_sorted(), "{found:?}");
         assert!(found[51] > 0.0 && found[54] < 1.0, "{found:?}");
         assert!(found[56..].iter().all(|share| *share == 1.0), "{found:?}");
+    }
+
+    /// Smooth skin beside wrinkled one on a mesh whose edges are longer there than the smallest patch of it is wide.
+    #[test]
+    fn long_edges_of_quiet_skin_hide_no_relief() {
+        let (mesh, mut rest) = strip();
+        let stretched = |x: f64| {
+            if x < 0.0515 {
+                x
+            } else {
+                0.051 + 3.5 * (x - 0.051)
+            }
+        };
+        for place in &mut rest {
+            place.x = stretched(place.x);
+        }
+        let demand = |p: &Vector3<f64>| VertexDemand {
+            strain_ratio: if p.x < 0.0505 { 1.2 } else { 0.4 },
+            wavelength: 0.01,
+            turn: 1.0,
+        };
+        let demands: Vec<_> = rest.iter().map(demand).collect();
+        let normals = vec![Vector3::z(); 202];
+        let shares = wrinkled_shares(&mesh, (&rest, &normals), &demands, &[false; 202]);
+        let quiet = shares.iter().zip(&rest).filter(|(_, p)| p.x > 0.0505);
+        assert!(quiet.clone().all(|(share, _)| *share == 0.0), "{shares:?}");
+        assert_eq!(shares[0], 1.0);
     }
 
     #[test]

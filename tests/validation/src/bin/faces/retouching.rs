@@ -7,7 +7,7 @@ use std::path::Path;
 use nalgebra::Vector2;
 use ruga_bake::{Coverage, WrinkleMap};
 use ruga_scene::{Scene, SceneOptions, ScenePlan};
-use ruga_stepper::{KeyResult, LayerSurface, Modelling, PlannedFace, Silent};
+use ruga_stepper::{KeyResult, LayerSurface, Modelling, Observer};
 use ruga_validation::asset;
 
 use crate::baking::Quality;
@@ -74,14 +74,14 @@ fn looked_at(path: &Path, quality: Quality) -> Result<Vec<Found>, Box<dyn Error>
     let plan = scene.plan()?;
     let mut found = Vec::new();
     for (number, pose) in scene.poses.iter().enumerate() {
-        let result = plan.simulate(number, &mut Silent)?;
+        let result = plan.simulate(number, &mut StatesOfFaces)?;
         let Some(key) = result.keys.last() else {
             eprintln!("{}: no result", pose.name);
             continue;
         };
         // Both faces lie in one tile.
         let map = &scene.bake_key(pose, key)?[0];
-        let asked = Asked::new(&plan, number, map.size)?;
+        let asked = Asked::new(&plan, number, (map.size, key))?;
         let own = found_in(&pose.name, map, &asked, key);
         eprintln!(
             "{}: {} of {} quiet texels, up to {:.2} degrees; speckle {:.2} % of heights, {:.2} % of slopes",
@@ -126,7 +126,20 @@ fn angle_deg(normal: &[f32; 3]) -> f64 {
     x.hypot(y).atan2(z).to_degrees()
 }
 
-/// What a plan says of the texels of a map.
+/// Watches nothing, and asks for how strained skin is.
+struct StatesOfFaces;
+
+impl Observer for StatesOfFaces {
+    fn wants_frames(&self) -> bool {
+        false
+    }
+
+    fn wants_face_states(&self) -> bool {
+        true
+    }
+}
+
+/// What is said of the texels of a map: strains by the run itself, wavelengths and their directions by the plan.
 struct Asked {
     size: usize,
     /// Whether no layer is strained there to half of what wrinkles it.
@@ -138,7 +151,11 @@ struct Asked {
 }
 
 impl Asked {
-    fn new(plan: &ScenePlan, pose: usize, size: u32) -> Result<Self, Box<dyn Error>> {
+    fn new(
+        plan: &ScenePlan,
+        pose: usize,
+        (size, key): (u32, &KeyResult),
+    ) -> Result<Self, Box<dyn Error>> {
         let texels = (size * size) as usize;
         let mut asked = Self {
             size: size as usize,
@@ -155,13 +172,20 @@ impl Asked {
                 let mut wavelengths = vec![layer.wavelength as f32; texels];
                 for face in surface.faces(pose, number) {
                     let quarter = (0.25 * f64::from(size) * face.across.norm()) as f32;
-                    for_texels(size, &face, |texel| {
-                        asked.is_quiet[texel] &= face.strain_ratio < QUIET;
+                    for_texels(size, face.uvs, |texel| {
                         asked.room[texel] = asked.room[texel].max(quarter);
                         wavelengths[texel] = face.wavelength as f32;
                     });
                 }
                 asked.wavelengths.insert(layer.name.clone(), wavelengths);
+            }
+        }
+        for layer in &key.layers {
+            let states = layer.face_states.iter().flatten();
+            for (state, uvs) in states.zip(layer.uvs.iter()) {
+                for_texels(size, *uvs, |texel| {
+                    asked.is_quiet[texel] &= state.strain_ratio < QUIET;
+                });
             }
         }
         Ok(asked)
@@ -205,8 +229,8 @@ impl Asked {
 }
 
 /// Calls `act` with every texel whose centre a face holds, its border included.
-fn for_texels(size: u32, face: &PlannedFace, mut act: impl FnMut(usize)) {
-    let [a, b, c] = face.uvs.map(|uv| uv * f64::from(size));
+fn for_texels(size: u32, uvs: [Vector2<f64>; 3], mut act: impl FnMut(usize)) {
+    let [a, b, c] = uvs.map(|uv| uv * f64::from(size));
     let area = cross(b - a, c - a);
     let bounds = |of: fn(&Vector2<f64>) -> f64| {
         let [low, high] = [f64::min, f64::max].map(|pick| pick(pick(of(&a), of(&b)), of(&c)));
