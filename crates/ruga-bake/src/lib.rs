@@ -19,7 +19,8 @@
 //! `f = x - w n_q` to the normal of the layer `x`, applied to the smooth driver normal, where `w` is
 //! the height of the layer above its rest distance and `n_q` the driver's normal below `x`. Both
 //! normals come from one local fit with one set of weights, so facets, thickness offset, rest
-//! curvature and tangential sliding cancel: where nothing wrinkles the map is neutral. In
+//! curvature and tangential sliding cancel: where nothing wrinkles the map is neutral. Where the layer overhangs, foot
+//! points run backwards, and the driver's normal below takes the place of theirs. In
 //! [`Frame::Mesh`] it holds the layer's normal in the artist's frame, as a high-to-low bake does
 //! (Mikkelsen 2008, *Simulation of wrinkled surfaces revisited*).
 //!

@@ -47,20 +47,8 @@ pub(crate) fn vertex_reliefs(relief: &Relief, frame: Frame) -> Vec<VertexRelief>
             let mut fit = fit_surface(normal, samples);
             match frame {
                 Frame::Driver => {
-                    // Where the layer overhangs, its foot points run back, and a surface through them would
-                    // face down: there the driver's own normal below is better. Where a driver is bent more
-                    // sharply than the layer is away from it, foot points run back, too, but with them those
-                    // of the layer without wrinkles; layer and feet then share their error, and it stays out
-                    // of the map.
-                    let worth = fit.foot.worth();
-                    if worth < 1.0 {
-                        for (sample, &other) in samples.iter_mut().zip(neighbours.ids()) {
-                            sample.foot = unwrinkled(relief, vertex, other as usize);
-                        }
-                        let flat = fit_surface(normal, samples).foot.worth();
-                        let share = 1.0 - (flat - worth).max(0.0);
-                        fit.foot = fit.foot.blended(share, &feet[vertex].below);
-                    }
+                    fit.foot =
+                        upright_foot(relief, (vertex, &neighbours), &fit, samples, &feet[vertex]);
                     driver_relief(*normal, &feet[vertex], &fit)
                 }
                 Frame::Mesh => mesh_relief(&feet[vertex], &fit),
@@ -83,10 +71,38 @@ fn driver_relief(normal: Vector3<f64>, foot: &Foot, fit: &SurfaceFit) -> VertexR
     }
 }
 
-/// From one vertex to another on the layer without wrinkles, m.
-fn unwrinkled(relief: &Relief, vertex: usize, other: usize) -> Vector3<f64> {
+/// Surface through the foot points around a vertex. Where the layer overhangs these run backwards, and their fit would
+/// face down: there it is the driver's own.
+///
+/// Where the driver is bent more sharply than the layer is away from it, foot points run backwards, too, but with
+/// them those of the layer without wrinkles. Layer and foot points then share the error of their fits, which stays
+/// out of the map.
+fn upright_foot(
+    relief: &Relief,
+    (vertex, neighbours): (usize, &Neighbours),
+    fit: &SurfaceFit,
+    samples: &[Sample],
+    foot: &Foot,
+) -> FittedNormal {
+    let reliability = fit.foot.reliability();
+    if reliability == 1.0 {
+        return fit.foot;
+    }
     let raised = |v: usize| relief.driver_positions[v] + relief.driver_normals[v] * relief.offset;
-    raised(other) - raised(vertex)
+    let pairs = samples.iter().zip(neighbours.ids());
+    let unwrinkled: Vec<_> = pairs
+        .map(|(sample, &other)| Sample {
+            foot: raised(other as usize) - raised(vertex),
+            ..*sample
+        })
+        .collect();
+    let driver = fit_surface(&relief.driver_normals[vertex], &unwrinkled).foot;
+    let share = 1.0 - (driver.reliability() - reliability).max(0.0);
+    let driver = FittedNormal {
+        normal: foot.below,
+        ..driver
+    };
+    fit.foot.blended(share, &driver)
 }
 
 fn mesh_relief(foot: &Foot, fit: &SurfaceFit) -> VertexRelief {

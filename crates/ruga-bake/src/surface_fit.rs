@@ -31,26 +31,28 @@ pub(crate) struct FittedNormal {
     pub normal: Vector3<f64>,
     pub derivative: [Vector3<f64>; 2],
     /// Area seen along the driver's normal over that of the driver, negative where the surface has turned over.
-    pub facing: f64,
+    pub upright_area: f64,
 }
 
 impl FittedNormal {
-    /// How much the fit is worth, 0 to 1: nothing where the surface is so steep that there is hardly an area to
-    /// fit, or turned over.
-    pub(crate) fn worth(&self) -> f64 {
+    /// How far the fit is to be trusted, 0 to 1: not at all where the surface is so steep that there is hardly an
+    /// area to fit, or turned over.
+    pub(crate) fn reliability(&self) -> f64 {
         // Between the two a blend, so that a steep wave has no step.
-        const NOTHING: f64 = 0.1;
-        const ALL: f64 = 0.3;
-        ((self.facing - NOTHING) / (ALL - NOTHING)).clamp(0.0, 1.0)
+        const NONE: f64 = 0.1;
+        const FULL: f64 = 0.3;
+        ((self.upright_area - NONE) / (FULL - NONE)).clamp(0.0, 1.0)
     }
 
-    /// This share of the fit, the rest a normal that is `known` of the surface.
-    pub(crate) fn blended(&self, share: f64, known: &Vector3<f64>) -> Self {
-        let normal = self.normal * share + known * (1.0 - share);
+    /// This share of the fit, and the rest of `other`.
+    pub(crate) fn blended(&self, share: f64, other: &Self) -> Self {
+        let blend = |own: Vector3<f64>, other: Vector3<f64>| own * share + other * (1.0 - share);
         Self {
             // Half of each may be opposite.
-            normal: normal.try_normalize(1e-9).unwrap_or(*known),
-            derivative: self.derivative.map(|d| d * share),
+            normal: blend(self.normal, other.normal)
+                .try_normalize(1e-9)
+                .unwrap_or(other.normal),
+            derivative: [0, 1].map(|axis| blend(self.derivative[axis], other.derivative[axis])),
             ..*self
         }
     }
@@ -184,7 +186,7 @@ fn values(sample: &Sample) -> SVector<f64, COLUMNS> {
 
 /// The normal `x_a × x_b` and its derivative from first and second derivatives of the surface.
 fn fitted_normal(
-    fallback: &Vector3<f64>,
+    driver_normal: &Vector3<f64>,
     [xa, xb]: [Vector3<f64>; 2],
     [xaa, xab, xbb]: [Vector3<f64>; 3],
 ) -> FittedNormal {
@@ -195,9 +197,9 @@ fn fitted_normal(
     let length = m.norm();
     if length <= MIN_AREA_RATIO {
         return FittedNormal {
-            normal: *fallback,
+            normal: *driver_normal,
             derivative: [Vector3::zeros(); 2],
-            facing: 0.0,
+            upright_area: 0.0,
         };
     }
     let normal = m / length;
@@ -209,6 +211,6 @@ fn fitted_normal(
     FittedNormal {
         normal,
         derivative,
-        facing: m.dot(fallback),
+        upright_area: m.dot(driver_normal),
     }
 }

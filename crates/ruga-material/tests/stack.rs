@@ -136,7 +136,7 @@ fn what_the_notes_say_of_the_pairs() {
         let found = pair(values);
         let k = found.upper.wrinkling.wave_number;
         let at_fine_wave =
-            found.shear_tangential_stiffness() + found.slide_gradient_stiffness() * k * k;
+            found.shear_tangential_stiffness() + found.drift_gradient_stiffness(k) * k * k;
         assert_close(
             at_fine_wave,
             found.nominal_tangential_stiffness(),
@@ -185,7 +185,8 @@ fn sliding_is_never_held_less_the_shorter_it_is() {
     let upper = placed(materials[1], &materials[0].as_substrate());
     let found = StackPair::new(&lower, &upper).expect("valid materials");
     assert!(found.nominal_tangential_stiffness() < found.shear_tangential_stiffness());
-    assert_eq!(found.slide_gradient_stiffness(), 0.0);
+    let k = found.upper.wrinkling.wave_number;
+    assert_eq!(found.drift_gradient_stiffness(k), 0.0);
 }
 
 /// The estimate `S2/S1 = 3 λ2/(8 ε2 λ1 √ε1)`, of half-spaces, within a quarter for all of the table.

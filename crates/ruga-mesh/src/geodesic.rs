@@ -22,15 +22,15 @@ pub fn edge_distances(
     limit: f64,
 ) -> PerVertex<f64> {
     let sources = sources.into_iter().map(|source| (source, 0.0));
-    edge_distances_beyond(mesh, positions, sources, limit)
+    edge_distances_with_starts(mesh, positions, sources, limit)
 }
 
-/// Shortest distance (m) along edges from something that lies so far (m, at least 0) from each of `sources`, as
-/// places on edges do; infinite beyond `limit`.
+/// Shortest distance (m) along edges where each of the `sources` begins with a distance of its own (m, at least 0), as
+/// what lies on an edge is away from the ends of that; infinite beyond `limit`.
 ///
 /// # Panics
 /// As [`edge_distances`].
-pub fn edge_distances_beyond(
+pub fn edge_distances_with_starts(
     mesh: &TriMesh,
     positions: &[Vector3<f64>],
     sources: impl IntoIterator<Item = (VertexId, f64)>,
@@ -44,7 +44,8 @@ pub fn edge_distances_beyond(
     let mut distances = PerVertex::filled(mesh.vertex_count(), f64::INFINITY);
     let mut queue = BinaryHeap::new();
     for (source, start) in sources {
-        if start < distances[source] && start <= limit {
+        // What is at no distance counts whatever the limit.
+        if start < distances[source] && (start == 0.0 || start <= limit) {
             distances[source] = start;
             queue.push(Reverse((Metres(start), source)));
         }

@@ -44,7 +44,7 @@ pub use vertex_fan::VertexFan;
 pub use block_pattern::{BlockPattern, BlockSlot};
 pub use edge_split::{BornVertex, EdgeSplit, split_edges};
 pub use error::MeshError;
-pub use geodesic::{edge_distances, edge_distances_beyond};
+pub use geodesic::{edge_distances, edge_distances_with_starts};
 pub use geometry::{
     face_areas, face_normals, mean_edge_lengths, sharp_border_corners, triangle_frame,
     vertex_areas, vertex_means, vertex_normals,

@@ -1,7 +1,7 @@
 //! Distances along edges.
 
 use nalgebra::Vector3;
-use ruga_mesh::{Id, TriMesh, VertexId, edge_distances, edge_distances_beyond};
+use ruga_mesh::{Id, TriMesh, VertexId, edge_distances, edge_distances_with_starts};
 
 /// `width` by `height` unit squares cut along one diagonal, and a triangle apart.
 fn grid(width: u32, height: u32) -> (TriMesh, Vec<Vector3<f64>>) {
@@ -70,7 +70,7 @@ fn sources_may_be_some_way_off() {
         (VertexId(37), 1.75),
         (VertexId(9), 0.25),
     ];
-    let distances = edge_distances_beyond(&mesh, &positions, starts, 4.0);
+    let distances = edge_distances_with_starts(&mesh, &positions, starts, 4.0);
     for (vertex, &distance) in distances.iter().filter(|(v, _)| v.index() < 48) {
         let place = positions[vertex.index()];
         let wanted = starts.map(|(s, start)| start + expected(positions[s.index()], place));

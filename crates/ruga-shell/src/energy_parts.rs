@@ -11,7 +11,7 @@ pub struct EnergyParts {
     pub normal: f64,
     /// Energy of the foundation, `K1` term; negative where `K1` is.
     pub gradient: f64,
-    /// Energy of the tangential springs.
+    /// Energy of the tangential springs, and of the stiffness on the gradient of the drift.
     pub tangential: f64,
     /// Energy of the line anchors.
     pub anchored: f64,

@@ -104,7 +104,7 @@ pub enum ShellError {
     #[error(
         "stiffness {value} N/m on the gradient of the drift, expected a finite number that is not negative"
     )]
-    SlideGradient {
+    DriftGradient {
         /// The stiffness.
         value: f64,
     },

@@ -115,6 +115,11 @@ impl Anchor {
     pub(crate) fn across(&self, v: &Vector3<f64>) -> Vector3<f64> {
         v - self.normal * self.normal.dot(v)
     }
+
+    /// `I - n n^T`.
+    pub(crate) fn across_matrix(&self) -> Matrix3<f64> {
+        Matrix3::identity() - self.normal * self.normal.transpose()
+    }
 }
 
 /// Spring that keeps a vertex from sliding off its material point, lumped.
@@ -140,6 +145,6 @@ impl TangentialSpring {
 
     /// Second derivative (N/m).
     pub fn hessian(&self, anchor: &Anchor) -> Matrix3<f64> {
-        (Matrix3::identity() - anchor.normal * anchor.normal.transpose()) * self.stiffness
+        anchor.across_matrix() * self.stiffness
     }
 }

@@ -1,6 +1,6 @@
 //! The foundation of a whole layer: constant stiffness, a base that each frame replaces.
 
-mod slides;
+mod drifts;
 
 use nalgebra::Vector3;
 
@@ -29,7 +29,9 @@ pub(crate) struct LayerFoundation {
     /// Tangential stiffness of each vertex (N/m³).
     tangential: Vec<f64>,
     /// Stiffness on the gradient of the drift (N/m).
-    slide_gradient: f64,
+    drift_gradient: f64,
+    /// Scalar stiffness between drifts, per vertex; empty where there is none.
+    drift_diagonal: Vec<f64>,
     lines: Vec<LineSpring>,
 }
 
@@ -44,15 +46,17 @@ struct LineSpring {
     stiffness: f64,
 }
 
-/// Scalar stiffness between the deviations, and between the drifts, at the ends of an edge.
+/// Scalar stiffness between the ends of an edge.
 #[derive(Clone, Debug)]
 struct EdgeSprings {
     ends: [u32; 2],
     /// The faces at it, each with the corner at which it begins.
     sides: [Option<FaceCorner>; 2],
     slot: BlockSlot,
+    /// Between deviations (N/m).
     stiffness: f64,
-    slide: f64,
+    /// Between drifts (N/m).
+    drift: f64,
 }
 
 /// Stiffness of the springs below a layer, as it is between vertices (N/m).
@@ -60,8 +64,8 @@ struct EdgeSprings {
 /// ```text
 /// F_ij = m_ij n_i n_j' + d_ij t_i (I - n_i n_i')
 /// ```
-/// `n` are the unit normals of the surface below. What holds sliding that differs from place to place
-/// ([`LayerEnergy::set_slide_gradient`](crate::LayerEnergy::set_slide_gradient)) is not in it.
+/// `n` are the unit normals of the surface below. A stiffness on the gradient of the drift
+/// ([`LayerEnergy::set_drift_gradient_stiffness`](crate::LayerEnergy::set_drift_gradient_stiffness)) is not in it.
 #[derive(Clone, Debug)]
 pub struct FoundationStiffness {
     /// `m`: a row per vertex, with the vertices that it shares an edge with and itself.
@@ -86,7 +90,7 @@ impl LayerFoundation {
                 sides: mesh.edge_sides(id).map(|side| side.map(FaceCorner::new)),
                 slot: pattern.slot(ends[1], ends[0]),
                 stiffness: 0.0,
-                slide: 0.0,
+                drift: 0.0,
             }
         });
         let mut this = Self {
@@ -97,7 +101,8 @@ impl LayerFoundation {
             edges: edges.collect(),
             anchors,
             tangential,
-            slide_gradient: 0.0,
+            drift_gradient: 0.0,
+            drift_diagonal: Vec::new(),
             lines: Vec::new(),
         };
         this.set_rest(sheet);
@@ -155,7 +160,7 @@ impl LayerFoundation {
         }
         self.vertex_areas = areas;
         self.diagonal = diagonal;
-        self.set_slides(sheet);
+        self.set_drift_rest(sheet);
     }
 
     /// Replaces all line anchors, over the sheet's present rest metric.
@@ -198,7 +203,7 @@ impl LayerFoundation {
                 sides: whole.sides.map(|side| side.map(FaceCorner::of_no_face)),
                 slot: pattern.slot(ends[1], ends[0]),
                 stiffness: 0.0,
-                slide: 0.0,
+                drift: 0.0,
             }
         };
         Self {
@@ -209,7 +214,8 @@ impl LayerFoundation {
             edges: numbers.edges.iter().map(edge).collect(),
             anchors: Vec::new(),
             tangential: Vec::new(),
-            slide_gradient: 0.0,
+            drift_gradient: 0.0,
+            drift_diagonal: Vec::new(),
             lines: Vec::new(),
         }
     }
@@ -220,6 +226,9 @@ impl LayerFoundation {
         pick(&mut self.normal, &whole.normal, &numbers.faces);
         pick(&mut self.vertex_areas, &whole.vertex_areas, vertices);
         pick(&mut self.diagonal, &whole.diagonal, vertices);
+        if !whole.drift_diagonal.is_empty() {
+            pick(&mut self.drift_diagonal, &whole.drift_diagonal, vertices);
+        }
         pick(&mut self.anchors, &whole.anchors, vertices);
         pick(&mut self.tangential, &whole.tangential, vertices);
         pick(
@@ -237,11 +246,9 @@ impl LayerFoundation {
         for (edge, &number) in self.edges.iter_mut().zip(&numbers.edges) {
             let of_whole = &whole.edges[number as usize];
             edge.stiffness = of_whole.stiffness;
-            // As with the springs of vertices: between two that stand still there is nothing.
-            let is_felt = edge.ends.iter().any(|&end| numbers.is_free[end as usize]);
-            edge.slide = if is_felt { of_whole.slide } else { 0.0 };
+            edge.drift = of_whole.drift;
         }
-        self.slide_gradient = whole.slide_gradient;
+        self.drift_gradient = whole.drift_gradient;
         let edges = &self.edges;
         let line = |whole: &LineSpring| {
             let edge = numbers.edges.binary_search(&whole.edge).ok()?;
@@ -318,7 +325,7 @@ impl LayerFoundation {
             .zip(x)
             .map(|((spring, anchor), x)| spring.value(anchor, x))
             .sum();
-        let tangential = tangential + self.slide_value(anchors, x);
+        let tangential = tangential + self.drift_value(anchors, x);
         let lines = self.lines.iter().map(|line| line.value(&w));
         [normal, gradient, tangential, lines.sum()]
     }
@@ -345,7 +352,7 @@ impl LayerFoundation {
                 parts.tangential += share * self.tangential_springs[v].value(&anchors[v], &x[v]);
             }
         }
-        self.add_slides_to_faces(anchors, x, parts);
+        self.add_drifts_to_faces(sheet, anchors, x, parts);
     }
 
     /// Forces of the springs on every vertex, against them: the derivative of the energy by `x` (N).
@@ -379,7 +386,7 @@ impl LayerFoundation {
                 anchor.normal * force + spring.gradient(anchor, x)
             })
             .collect();
-        self.add_slide_forces(anchors, x, &mut forces);
+        self.add_drift_forces(anchors, x, &mut forces);
         forces
     }
 
@@ -391,17 +398,18 @@ impl LayerFoundation {
             .zip(&self.tangential_springs);
         for (((vertex, anchor), stiffness), spring) in vertices {
             let n = anchor.normal;
-            let block = n * n.transpose() * *stiffness + spring.hessian(anchor);
+            let block = n * n.transpose() * *stiffness
+                + spring.hessian(anchor)
+                + self.drift_block(vertex as usize);
             pattern.slot(vertex, vertex).add(values, &block);
         }
         for edge in &self.edges {
             let [tail, head] = edge.ends.map(|v| self.anchors[v as usize].normal);
             // Rows are the head's and columns the tail's, as the slot was asked for; with two
             // normals the block is not symmetric.
-            let block = head * tail.transpose() * edge.stiffness;
+            let block = head * tail.transpose() * edge.stiffness + self.drift_edge_block(edge);
             edge.slot.add(values, &block);
         }
-        self.add_slide_hessian(pattern, values);
     }
 }
 

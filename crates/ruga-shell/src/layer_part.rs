@@ -30,13 +30,14 @@ impl LayerPart {
     ///
     /// Forces on pinned vertices are those of the part's stencils alone; a pinned vertex has no
     /// tangential spring. A clone cannot be given another rest metric, natural curvature, bending factor, material,
-    /// creases or line anchors, and panics: bending depends on faces that the part has no stencil on.
+    /// creases, line anchors or stiffness on the gradient of the drift, and panics: these depend on faces that the part
+    /// has no stencil on.
     pub fn energy(&self) -> &LayerEnergy {
         &self.energy
     }
 
-    /// Takes over rest metric, natural strains and curvatures, rest angles, bending factor, material, creases
-    /// and surface below of `whole`, the layer that it was made from.
+    /// Takes over rest metric, natural strains and curvatures, rest angles, bending factor, material, creases,
+    /// stiffness on the gradient of the drift and surface below of `whole`, the layer that it was made from.
     pub fn follow(&mut self, whole: &LayerEnergy) {
         self.energy.follow(whole, &self.numbers);
     }

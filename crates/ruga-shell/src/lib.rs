@@ -15,7 +15,8 @@
 //!  or sum_stars  A D/2 ((tr kappa)^2 - 2 (1 - nu) det kappa)   kappa linear in theta - theta_rest
 //!     + sum_edges k u^3/(1.01 - u)                           u from 0 at 2 rad of bend to 1 at pi
 //!   + sum_creases  L/(2 c) (phi - phi_rest)^2                   in series with the bending, phi least
-//!   + 1/2 int    K0 w^2 + K1 |grad w|^2 + Kt |x_t - p_t|^2     Pasternak, w = n.(x - p) - offset
+//!   + 1/2 int    K0 w^2 + K1 |grad w|^2 + Kt |t|^2 + Kg |grad t|^2
+//!                                        Pasternak, w = n.(x - p) - offset, t = (I - n n^T)(x - p)
 //! ```
 //!
 //! A [`Crease`] on an edge adds compliance and a rest angle in series with the bending there

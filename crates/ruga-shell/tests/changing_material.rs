@@ -122,6 +122,7 @@ fn a_face_that_is_partly_gone_has_a_share_of_its_energy() {
     let mesh = mesh();
     let x = crumpled(&mesh);
     let mut layer = build(&mesh, vec![FACE; mesh.faces.len()], MODELS[0]);
+    layer.set_drift_gradient_stiffness(0.6).unwrap();
     let points = mesh.positions.clone();
     let energies = |layer: &LayerEnergy| layer.face_energies(&x, &points).swap_remove(0);
     let before = energies(&layer);

@@ -338,7 +338,7 @@ fn assembled_layer() {
 fn uneven_sliding() {
     let (mut layer, x) = assembled(BendingModel::VertexCurvature);
     let without = layer.energy_parts(&x);
-    layer.set_slide_gradient(0.7).unwrap();
+    layer.set_drift_gradient_stiffness(0.7).unwrap();
     let with = layer.energy_parts(&x);
     assert!(with.tangential > 1.2 * without.tangential);
     assert_eq!(
@@ -347,7 +347,7 @@ fn uneven_sliding() {
     );
     check_layer(&layer, &x);
     for bad in [-1.0, f64::NAN, f64::INFINITY] {
-        assert!(layer.set_slide_gradient(bad).is_err());
+        assert!(layer.set_drift_gradient_stiffness(bad).is_err());
     }
     assert_eq!(layer.energy_parts(&x), with, "refused, and unchanged");
 }

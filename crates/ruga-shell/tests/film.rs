@@ -162,7 +162,9 @@ fn short_sliding_is_held_more_stiffly() {
     let (topology, rest) = (mesh.topology(), &mesh.positions);
     let mut layer = LayerEnergy::with_bending(&topology, rest, parameters, &pinned, model)
         .expect("a valid lattice");
-    layer.set_slide_gradient(BY_GRADIENT).expect("valid");
+    layer
+        .set_drift_gradient_stiffness(BY_GRADIENT)
+        .expect("valid");
     let area: f64 = layer.vertex_areas().iter().sum();
     let energy = |slide: &dyn Fn(f64) -> f64| {
         let moved = |x: &Vector3<f64>| x + Vector3::y() * slide(x.x);

@@ -132,7 +132,7 @@ impl Posed {
         }
         layer.set_face_parameters(&faces).unwrap();
         layer
-            .set_slide_gradient(rng.random_range(0.5..1.0))
+            .set_drift_gradient_stiffness(rng.random_range(0.5..1.0))
             .unwrap();
         let left: Vec<_> = faces.iter().map(|_| rng.random_range(0.02..1.0)).collect();
         layer.set_area_left(&left).unwrap();

@@ -9,7 +9,8 @@ impl LayerEnergy {
     ///
     /// Membrane, bending and the normal foundation follow at once, and of the creases the bounds on their
     /// compliance. Rest metric, natural strains and curvatures, rest angles and bending factor stay as they
-    /// are; so do tangential springs, which belong to vertices, and line anchors.
+    /// are; so do tangential springs, which belong to vertices, the stiffness on the gradient of the drift, and
+    /// line anchors.
     ///
     /// # Errors
     /// [`ShellError::PairOfSheets`]; [`ShellError::LengthMismatch`]; [`ShellError::ParameterOutOfRange`], as
@@ -29,8 +30,8 @@ impl LayerEnergy {
     /// along a line through their faces.
     ///
     /// It scales the membrane, bending and foundation stiffness of a face and its part of
-    /// [`Self::vertex_areas`], and with those the tangential springs. Rest shapes, natural angles, creases
-    /// and line anchors stay those of the whole face.
+    /// [`Self::vertex_areas`], and with those the tangential springs, and the stiffness on the gradient of the
+    /// drift. Rest shapes, natural angles, creases and line anchors stay those of the whole face.
     ///
     /// # Validity
     /// Shares from [`MIN_AREA_LEFT`] to 1. A face with less is to leave the mesh, which needs a new layer.
@@ -81,17 +82,19 @@ impl LayerEnergy {
     /// E = 1/2 Kg int |grad t|^2,   t = (I - n n^T)(x - p)
     /// ```
     ///
-    /// Sliding that varies with the wave number `k` is then held by `Kt + Kg k^2`, as an elastic body holds it:
-    /// by shear of its whole thickness where it is uniform, and more stiffly the shorter it is.
+    /// A wave of sliding with wave number `k` is then held by `Kt + Kg k^2`: like an elastic layer more stiffly the
+    /// shorter it is.
     ///
     /// # Validity
-    /// `t` are vectors in space. On a base of curvature `kappa` uniform sliding is held by `Kg kappa^2`, too.
+    /// An elastic layer's stiffness grows with `k` and not with its square, and is half as large for sliding across
+    /// the wave: two wave numbers can be met. `t` are vectors in space; on a base of curvature `kappa` even sliding is
+    /// held by `Kg kappa^2`, too.
     ///
     /// # Errors
-    /// [`ShellError::SlideGradient`] unless it is finite and at least 0; the layer is then unchanged.
-    pub fn set_slide_gradient(&mut self, stiffness: f64) -> Result<(), ShellError> {
+    /// [`ShellError::DriftGradient`] unless it is finite and at least 0; the layer is then unchanged.
+    pub fn set_drift_gradient_stiffness(&mut self, stiffness: f64) -> Result<(), ShellError> {
         self.foundation
-            .set_slide_gradient(stiffness, &self.sheets[0])
+            .set_drift_gradient(stiffness, &self.sheets[0])
     }
 
     pub(super) fn check_single(&self, what: &'static str) -> Result<(), ShellError> {

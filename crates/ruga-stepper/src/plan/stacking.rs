@@ -187,8 +187,8 @@ impl Stacking {
             let step = 0.5 * (layers[k].material.thickness + layers[upper].material.thickness);
             // A layer with wrinkles of its own needs tangential springs at their scale: with the
             // shear stiffness of the layer below, 6 to 60 times softer, fine wrinkles run together
-            // into few folds. A composite and a pair are meant to be physical: held by shear alone where
-            // they slide evenly, and stretched by all of the bending below.
+            // into few folds. A composite and a pair are meant to be physical: held by shear, and stretched by all
+            // of the bending below. A composite is held by more where it slides by short lengths; a pair is not.
             let (stiffness, gradient, transfer) = match stack {
                 Stack::Nominal => (
                     pair.nominal_tangential_stiffness(),
@@ -197,7 +197,7 @@ impl Stacking {
                 ),
                 Stack::Composite => (
                     pair.shear_tangential_stiffness(),
-                    pair.slide_gradient_stiffness(),
+                    pair.drift_gradient_stiffness(self.wrinkling[upper].wave_number),
                     1.0,
                 ),
                 Stack::Joint => (pair.shear_tangential_stiffness(), 0.0, 1.0),
@@ -276,5 +276,42 @@ fn material(layer: &LayerSpec, source: ruga_material::MaterialError) -> StepperE
     StepperError::Material {
         layer: layer.name.clone(),
         source,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use ruga_material::preset;
+
+    use super::*;
+
+    /// An upper layer of a composite is held against short sliding, at its own fine wave as by a half-space; also where
+    /// it stands for others above it, whose wave is longer than its own.
+    #[test]
+    fn composites_are_held_against_short_sliding() {
+        let layer = |name| LayerSpec {
+            variation: None,
+            ..LayerSpec::from_preset(&preset(name).expect("a preset"), 0).expect("valid")
+        };
+        let mut top = layer("face2-epidermis");
+        top.material.thickness = 0.005e-3;
+        let layers = [layer("face2-dermis"), layer("face2-epidermis"), top];
+        let stacked = |stack| Stacking::new(&layers, stack).expect("a stack");
+        let nominal = stacked(Stack::Nominal);
+        let composite = stacked(Stack::Composite);
+        let springs = |of: &Stacking| -> Vec<_> {
+            let attached = of.attachments.iter().filter_map(|to| to.tangential);
+            attached.collect()
+        };
+        assert!(springs(&nominal).iter().all(|own| own.gradient == 0.0));
+        for (k, own) in springs(&composite).into_iter().enumerate() {
+            let wave_number = composite.wrinkling[k + 1].wave_number;
+            let held = own.stiffness + own.gradient * wave_number * wave_number;
+            let lower = layers[k].material;
+            let half_space = 0.5 * lower.young / (1.0 - lower.poisson.powi(2)) * wave_number;
+            assert!((held / half_space - 1.0).abs() < 1e-12, "{held}");
+            assert!(own.stiffness < 0.5 * half_space, "{}", own.stiffness);
+        }
+        assert!(composite.wrinkling[1].wavelength > 1.01 * nominal.wrinkling[1].wavelength);
     }
 }

@@ -191,7 +191,7 @@ impl Layer {
         };
         let mut energy = energy.map_err(shell)?;
         if let Some(springs) = tangential.filter(|_| spec.coupling.has_foundation()) {
-            let outcome = energy.set_slide_gradient(springs.gradient);
+            let outcome = energy.set_drift_gradient_stiffness(springs.gradient);
             outcome.map_err(shell)?;
         }
         let positions = laid_on(rest, upper.as_ref());

@@ -95,12 +95,14 @@ impl Patches {
         (points, most_in_whole, width): (f64, usize, Width),
     ) -> Option<Self> {
         let free = energy.free_vertices();
-        let overlap = (width.overlap() * points).max(LEAST_OVERLAP);
-        let cores = divided(positions, free.to_vec(), width.core(most_in_whole));
-        if cores.len() < 2 {
+        let most = width.core(most_in_whole);
+        if free.len() <= most {
             return None;
         }
+        // Of two sheets there are no parts, and the upper one's vertices have no places in the mesh.
         let index = PartIndex::new(energy)?;
+        let overlap = (width.overlap() * points).max(LEAST_OVERLAP);
+        let cores = divided(positions, free.to_vec(), most);
         let near = Neighbourhood::new(mesh);
         let (mut patches, mut around) = (Vec::new(), Vec::new());
         let rank = |v: &u32| free.binary_search(v).ok();
@@ -299,7 +301,43 @@ fn join(patches: &mut Vec<Patch>, around: &[Vec<usize>], movers: &[Vec<usize>]) 
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Vector3;
+    use ruga_shell::{BendingModel, FaceParameters, LayerParameters, UpperSheet};
+
     use super::*;
+
+    /// Two sheets on one mesh have twice as many vertices as it has places, and are not divided.
+    #[test]
+    fn a_pair_of_sheets_is_solved_as_a_whole() {
+        let faces = (0..40).map(|i| 2 * i);
+        let faces = faces.flat_map(|a| [[a, a + 2, a + 1], [a + 1, a + 2, a + 3]]);
+        let mesh = TriMesh::new(82, faces.collect()).expect("a strip");
+        let place = |i: usize| Vector3::new((i / 2) as f64, (i % 2) as f64, 0.0);
+        let rest: Vec<_> = (0..82).map(place).collect();
+        let face = FaceParameters {
+            young: 1.0,
+            poisson: 0.5,
+            thickness: 0.1,
+            normal_stiffness: 1.0,
+            gradient_stiffness: 0.0,
+        };
+        let parameters = LayerParameters::uniform(face, 80, 1.0, 82);
+        let above = UpperSheet {
+            rest_positions: rest.iter().map(|x| x + 0.1 * Vector3::z()).collect(),
+            parameters: parameters.clone(),
+            offsets: vec![0.1; 82],
+        };
+        let (held, model) = ([false; 82], BendingModel::VertexCurvature);
+        let divided = |energy: &LayerEnergy| {
+            let rows = ConstraintRows::none(energy.dof_count());
+            let asked = (6.0, 30, Width::Narrow);
+            Patches::new((&mesh, &rest), (energy, &rows), asked).is_some()
+        };
+        let single = LayerEnergy::with_bending(&mesh, &rest, parameters.clone(), &held, model);
+        assert!(divided(&single.expect("a layer")));
+        let pair = LayerEnergy::pair((&mesh, &rest, &held), parameters, above, model);
+        assert!(!divided(&pair.expect("a pair")));
+    }
 
     /// Two patches that share a vertex: rows on one of them, on both, and with next to nothing on the first.
     #[test]

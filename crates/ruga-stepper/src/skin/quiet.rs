@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use ruga_material::Wrinkling;
-use ruga_mesh::{Id, TriMesh, VertexId, edge_distances_beyond};
+use ruga_mesh::{Id, TriMesh, VertexId, edge_distances_with_starts};
 
 use crate::skin::fading::{distances_from, faded};
 use crate::skin::relief::FADE;
@@ -21,7 +21,8 @@ const SMALLEST: f64 = 0.25;
 /// Waves shorter than this, in critical wavelengths, are none of the layer's own.
 const SHORTEST: f64 = 0.4;
 
-/// Length of paths along edges over that of straight ones, at most, on regular meshes.
+/// Length of paths along edges over that of straight ones, at most, on regular meshes: discs reach back so far, not to
+/// leave a seam.
 const LONGER_PATHS: f64 = 1.15;
 
 /// Vertices around which a thread looks at least: every part of the work fills a mark for each of all vertices.
@@ -80,7 +81,7 @@ pub(crate) fn wrinkled_shares(
         let away = reaches(others, SMALLEST);
         let centres = disc_centres(mesh, rest, &away, demands);
         let reach = SMALLEST * LONGER_PATHS;
-        let from_centres = edge_distances_beyond(mesh, rest, centres, reach * longest);
+        let from_centres = edge_distances_with_starts(mesh, rest, centres, reach * longest);
         let pairs = from_centres.as_slice().iter().zip(demands).zip(others);
         pairs
             .map(|((to, own), other)| to / own.wavelength <= reach && !other)
@@ -103,11 +104,11 @@ pub(crate) fn wrinkled_shares(
     from_flat.map(|distance| faded(distance, FADE)).collect()
 }
 
-/// Where discs of the smallest size have their centres, vertices that are so far `away` (wavelengths) from the others and
-/// places on edges between these and nearer ones: each a vertex and how far it is from there (m).
+/// Centres of discs of the smallest size beside the others: vertices that are so far `away` from them (wavelengths),
+/// and places on edges between such and nearer vertices. Each is a vertex and the distance of the centre from it (m).
 ///
-/// Smooth skin has edges as long as the disc is wide. From vertices alone such a disc would not reach back to the others,
-/// and leave a seam of relief in quiet skin.
+/// Smooth skin has edges as long as the disc is wide. From vertices alone such a disc would not reach back to the
+/// others, and leave a seam of relief in quiet skin.
 fn disc_centres(
     mesh: &TriMesh,
     rest: &[Vector3<f64>],

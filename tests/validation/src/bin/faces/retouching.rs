@@ -1,13 +1,12 @@
 //! Faults that an artist would have to retouch: relief in skin that does not wrinkle, speckle in skin that does.
 
-use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
 
 use nalgebra::Vector2;
 use ruga_bake::{Coverage, WrinkleMap};
 use ruga_scene::{Scene, SceneOptions, ScenePlan};
-use ruga_stepper::{KeyResult, LayerSurface, Modelling, Observer};
+use ruga_stepper::{FaceState, KeyResult, LayerSurface, Modelling, Observer};
 use ruga_validation::asset;
 
 use crate::baking::Quality;
@@ -82,7 +81,7 @@ fn looked_at(path: &Path, quality: Quality) -> Result<Vec<Found>, Box<dyn Error>
         // Both faces lie in one tile.
         let map = &scene.bake_key(pose, key)?[0];
         let asked = Asked::new(&plan, number, (map.size, key))?;
-        let own = found_in(&pose.name, map, &asked, key);
+        let own = found_in(&pose.name, map, &asked, key)?;
         eprintln!(
             "{}: {} of {} quiet texels, up to {:.2} degrees; speckle {:.2} % of heights, {:.2} % of slopes",
             own.pose, own.tilted, own.quiet, own.steepest, own.speckle[0], own.speckle[1]
@@ -92,7 +91,12 @@ fn looked_at(path: &Path, quality: Quality) -> Result<Vec<Found>, Box<dyn Error>
     Ok(found)
 }
 
-fn found_in(pose: &str, map: &WrinkleMap, asked: &Asked, key: &KeyResult) -> Found {
+fn found_in(
+    pose: &str,
+    map: &WrinkleMap,
+    asked: &Asked,
+    key: &KeyResult,
+) -> Result<Found, Box<dyn Error>> {
     let mut own = Found {
         pose: pose.to_owned(),
         quiet: 0,
@@ -113,12 +117,18 @@ fn found_in(pose: &str, map: &WrinkleMap, asked: &Asked, key: &KeyResult) -> Fou
         }
     }
     for layer in &key.layers {
-        let wavelength = |face: usize| asked.wavelength(layer, face);
-        for (most, own) in own.speckle.iter_mut().zip(speckle(layer, wavelength)) {
+        let short = speckle(layer, states(layer)?);
+        for (most, own) in own.speckle.iter_mut().zip(short) {
             *most = most.max(100.0 * own);
         }
     }
-    own
+    Ok(own)
+}
+
+/// What the run says of every face of a layer.
+fn states(layer: &LayerSurface) -> Result<&[FaceState], Box<dyn Error>> {
+    let states = layer.face_states.as_deref();
+    states.ok_or_else(|| format!("{}: no strains", layer.name).into())
 }
 
 fn angle_deg(normal: &[f32; 3]) -> f64 {
@@ -139,15 +149,14 @@ impl Observer for StatesOfFaces {
     }
 }
 
-/// What is said of the texels of a map: strains by the run itself, wavelengths and their directions by the plan.
+/// What is said of the texels of a map: strains by the run itself, whose own measure of quiet skin they are, and
+/// wavelengths across the waves by the plan.
 struct Asked {
     size: usize,
     /// Whether no layer is strained there to half of what wrinkles it.
     is_quiet: Vec<bool>,
     /// The longest quarter of a wavelength there, texels.
     room: Vec<f32>,
-    /// Critical wavelength of every layer there, m.
-    wavelengths: BTreeMap<String, Vec<f32>>,
 }
 
 impl Asked {
@@ -161,42 +170,28 @@ impl Asked {
             size: size as usize,
             is_quiet: vec![true; texels],
             room: vec![0.0; texels],
-            wavelengths: BTreeMap::new(),
         };
         for zone in &plan.zones {
             let Some(surface) = zone.plan.surface()? else {
                 continue;
             };
-            for (number, layer) in zone.plan.poses[pose].layers.iter().enumerate() {
-                // Beside the skin that was planned it has no other.
-                let mut wavelengths = vec![layer.wavelength as f32; texels];
+            for number in 0..zone.plan.poses[pose].layers.len() {
                 for face in surface.faces(pose, number) {
                     let quarter = (0.25 * f64::from(size) * face.across.norm()) as f32;
                     for_texels(size, face.uvs, |texel| {
                         asked.room[texel] = asked.room[texel].max(quarter);
-                        wavelengths[texel] = face.wavelength as f32;
                     });
                 }
-                asked.wavelengths.insert(layer.name.clone(), wavelengths);
             }
         }
         for layer in &key.layers {
-            let states = layer.face_states.iter().flatten();
-            for (state, uvs) in states.zip(layer.uvs.iter()) {
+            for (state, uvs) in states(layer)?.iter().zip(layer.uvs.iter()) {
                 for_texels(size, *uvs, |texel| {
                     asked.is_quiet[texel] &= state.strain_ratio < QUIET;
                 });
             }
         }
         Ok(asked)
-    }
-
-    /// Wavelength of a layer (m) at the middle of a face.
-    fn wavelength(&self, layer: &LayerSurface, face: usize) -> f64 {
-        let [a, b, c] = layer.uvs[face];
-        let middle = (a + b + c) * (self.size as f64 / 3.0);
-        let [column, row] = [middle.x, middle.y].map(|p| (p.max(0.0) as usize).min(self.size - 1));
-        f64::from(self.wavelengths[&layer.name][row * self.size + column])
     }
 
     /// Distance of every texel from skin that is not quiet (texels), over straight and slanting steps.

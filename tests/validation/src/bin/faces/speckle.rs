@@ -1,4 +1,4 @@
-//! Short waves in a relief: the part of its energy that a low-pass filter takes away.
+//! Short waves in a relief: the part of its energy that is left by a high-pass filter.
 
 use nalgebra::Vector3;
 use ruga_stepper::{FaceState, LayerSurface};
@@ -6,24 +6,23 @@ use ruga_stepper::{FaceState, LayerSurface};
 /// Waves shorter than this fraction of the critical wavelength are speckle.
 const SHORT: f64 = 0.4;
 
-/// What is short is found by a filter that takes `1 / (1 + (k / k_0)^4)` off a wave, used twice: half of a wave is left
-/// at the cut, 5 % at 1.7 times its length, 1 % at 2.2 times. A power of eight in one filter cannot be solved for in
-/// double precision where a mesh has slivers; a single one of four counts a fifth of waves that are 1.5 times as long as
-/// the cut, which squeezed skin on a lid has.
+/// What is short is found by a filter that leaves `(k / k_0)^4 / (1 + (k / k_0)^4)` of a wave, used twice: half of a
+/// wave is left at the cut, 5 % at 1.7 times its length, 1 % at 2.2 times. Used once it would leave 11 and 4 % there;
+/// a power of eight cannot be solved for in double precision where a mesh has slivers.
 const POWER: usize = 2;
 
-/// `k_cut / k_0`: at the cut the filter leaves the root of a half, `(k_cut / k_0)^4 = 1 + sqrt(2)`.
-const CUT: f64 = 1.246_479;
+/// Cut over `k_0`, as wave numbers: `(1 + sqrt(2))^(1/4)`, where each use of the filter leaves the root of a half.
+const CUT: f64 = 1.246_505;
 
 /// Where the iterative solution of the filter ends.
 const ITERATIONS: usize = 3000;
 const TOLERANCE: f64 = 1e-4;
 
 /// Fractions of the integrals of squared heights, and of squared slopes, which normal maps show, in waves
-/// shorter than 40 % of the critical wavelength (m) that `wavelength` knows of every face.
-pub(crate) fn speckle(layer: &LayerSurface, wavelength: impl Fn(usize) -> f64) -> [f64; 2] {
+/// shorter than 40 % of the critical wavelength in the `states` of the layer's faces.
+pub(crate) fn speckle(layer: &LayerSurface, states: &[FaceState]) -> [f64; 2] {
     let heights = heights(layer);
-    let filter = Filter::new(layer, wavelength);
+    let filter = Filter::new(layer, states);
     let short = filter.short(&filter.short(&heights));
     let fraction = |energy: &dyn Fn(&[f64]) -> f64| match energy(&heights) {
         whole if whole > 0.0 => energy(&short) / whole,
@@ -35,8 +34,8 @@ pub(crate) fn speckle(layer: &LayerSurface, wavelength: impl Fn(usize) -> f64) -
     ]
 }
 
-/// Compression that a face of the layer feels, 0 where it is stretched.
-fn compression(state: &FaceState) -> f64 {
+/// Effective strain `e1 + nu e2` that a face feels, 0 where it is stretched: nearly the compression across its waves.
+fn effective_strain(state: &FaceState) -> f64 {
     (state.strain_ratio * state.critical_strain).max(0.0)
 }
 
@@ -51,22 +50,20 @@ fn heights(layer: &LayerSurface) -> Vec<f64> {
 
 /// Cotangent Laplacian with lumped areas.
 struct Filter {
-    /// Vertices of an edge, the cotangent weight, and that in units of the squared wavenumber of the cut.
+    /// Vertices of an edge, the cotangent weight, and that in units of `k_0` squared.
     edges: Vec<(usize, usize, [f64; 2])>,
     areas: Vec<f64>,
 }
 
 impl Filter {
-    fn new(layer: &LayerSurface, wavelength: impl Fn(usize) -> f64) -> Self {
+    fn new(layer: &LayerSurface, states: &[FaceState]) -> Self {
         let places = &layer.driver_positions;
-        let states = layer.face_states.as_ref();
         let mut areas = vec![0.0; places.len()];
         let mut edges = Vec::new();
-        for (number, face) in layer.faces.iter().enumerate() {
+        for (face, state) in layer.faces.iter().zip(states) {
             // Lengths are those of skin as it lies, and waves are as much shorter as it is pressed.
-            let pressed = states.map_or(0.0, |states| compression(&states[number]));
-            let shortest = SHORT * CUT * wavelength(number) * (1.0 - pressed);
-            let cut = std::f64::consts::TAU / shortest;
+            let wavelength = state.wavelength * (1.0 - effective_strain(state));
+            let unit = std::f64::consts::TAU / (SHORT * CUT * wavelength);
             let corners = face.map(|v| v as usize);
             for side in 0..3 {
                 let [apex, a, b] = [0, 1, 2].map(|i| corners[(side + i) % 3]);
@@ -76,7 +73,7 @@ impl Filter {
                 areas[apex] += doubled / 6.0;
                 // Obtuse angles would make the Laplacian indefinite.
                 let weight = (0.5 * to_a.dot(&to_b) / doubled).max(0.0);
-                edges.push((a, b, [weight, weight / (cut * cut)]));
+                edges.push((a, b, [weight, weight / (unit * unit)]));
             }
         }
         Self { edges, areas }
