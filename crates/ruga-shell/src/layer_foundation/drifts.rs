@@ -82,8 +82,9 @@ impl LayerFoundation {
         let rest = sheet.rest().iter().zip(sheet.area_left());
         for ((face, pair), parts) in sheet.faces().iter().zip(rest).zip(parts) {
             let stencil = self.of_face(pair);
-            for axis in 0..3 {
-                let [_, energy] = stencil.values(face.map(|v| drifts[v as usize][axis]));
+            let [a, b, c] = face.map(|v| drifts[v as usize]);
+            for ((a, b), c) in a.iter().zip(&b).zip(&c) {
+                let [_, energy] = stencil.values([*a, *b, *c]);
                 parts.tangential += energy;
             }
         }

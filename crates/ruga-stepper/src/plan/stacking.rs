@@ -291,7 +291,7 @@ mod tests {
     fn composites_are_held_against_short_sliding() {
         let layer = |name| LayerSpec {
             variation: None,
-            ..LayerSpec::from_preset(&preset(name).expect("a preset"), 0).expect("valid")
+            ..LayerSpec::from_preset(preset(name).expect("a preset"), 0).expect("valid")
         };
         let mut top = layer("face2-epidermis");
         top.material.thickness = 0.005e-3;
