@@ -14,9 +14,13 @@ use crate::skin::relief::FADE;
 /// waves next to it die out slowly and the painted thickness changes, but in a map that is dirt.
 const QUIET: f64 = 0.5;
 
-/// Radius (wavelengths) of the smallest patch of quiet skin, and of wrinkled skin. Less quiet skin would be a
-/// hole in the relief around it; less wrinkled skin has no room for a wave, and what it shows is speckle.
-const SMALLEST: f64 = 0.25;
+/// Radius (wavelengths) of the smallest patch of quiet skin. Less of it would be a hole in the relief around it. What is
+/// a quarter of a wavelength away from other skin is to be quiet for certain, whatever distances along edges are worth.
+const SMALLEST_QUIET: f64 = 0.2;
+
+/// Radius (wavelengths) of the smallest patch of wrinkled skin. Less has no room for a wave, and what it shows is
+/// speckle.
+const SMALLEST_WRINKLED: f64 = 0.25;
 
 /// Waves shorter than this, in critical wavelengths, are none of the layer's own.
 const SHORTEST: f64 = 0.4;
@@ -76,11 +80,11 @@ pub(crate) fn wrinkled_shares(
         let pairs = distances.zip(demands);
         pairs.map(|(to, own)| to / own.wavelength).collect()
     };
-    // The part of a set in which a disc of the smallest size finds room beside the others.
-    let opened = |others: &[bool]| -> Vec<bool> {
-        let away = reaches(others, SMALLEST);
-        let centres = disc_centres(mesh, rest, &away, demands);
-        let reach = SMALLEST * LONGER_PATHS;
+    // The part of a set in which a disc of this radius finds room beside the others.
+    let opened = |others: &[bool], radius: f64| -> Vec<bool> {
+        let away = reaches(others, radius);
+        let centres = disc_centres((mesh, rest), demands, (&away, radius));
+        let reach = radius * LONGER_PATHS;
         let from_centres = edge_distances_with_starts(mesh, rest, centres, reach * longest);
         let pairs = from_centres.as_slice().iter().zip(demands).zip(others);
         pairs
@@ -93,44 +97,43 @@ pub(crate) fn wrinkled_shares(
     }
     let states = demands.iter().zip(&is_flat);
     let is_loud = states.map(|(own, flat)| !*flat && own.strain_ratio >= QUIET);
-    let is_quiet = opened(&is_loud.collect::<Vec<_>>());
+    let is_quiet = opened(&is_loud.collect::<Vec<_>>(), SMALLEST_QUIET);
     for (flat, quiet) in is_flat.iter_mut().zip(is_quiet) {
         // What is held may be a line, which has no room for a disc.
         *flat |= quiet;
     }
-    let has_room = opened(&is_flat);
+    let has_room = opened(&is_flat, SMALLEST_WRINKLED);
     let is_flat: Vec<bool> = has_room.into_iter().map(|room| !room).collect();
     let from_flat = reaches(&is_flat, FADE).into_iter();
     from_flat.map(|distance| faded(distance, FADE)).collect()
 }
 
-/// Centres of discs of the smallest size beside the others: vertices that are so far `away` from them (wavelengths),
+/// Centres of discs of a `radius` beside the others: vertices that are so far `away` from them (both in wavelengths),
 /// and places on edges between such and nearer vertices. Each is a vertex and the distance of the centre from it (m).
 ///
-/// Smooth skin has edges as long as the disc is wide. From vertices alone such a disc would not reach back to the
+/// Smooth skin has edges as long as a disc is wide. From vertices alone such a disc would not reach back to the
 /// others, and leave a seam of relief in quiet skin.
 fn disc_centres(
-    mesh: &TriMesh,
-    rest: &[Vector3<f64>],
-    away: &[f64],
+    (mesh, rest): (&TriMesh, &[Vector3<f64>]),
     demands: &[VertexDemand],
+    (away, radius): (&[f64], f64),
 ) -> Vec<(VertexId, f64)> {
     let mut centres = Vec::new();
     for (vertex, own) in away.iter().enumerate() {
-        if *own > SMALLEST {
+        if *own > radius {
             centres.push((VertexId::from_index(vertex), 0.0));
         }
     }
     for (_, edge) in mesh.edges().iter() {
         let [a, b] = edge.vertices.map(|v| v.index());
         let (near, far) = if away[a] < away[b] { (a, b) } else { (b, a) };
-        if away[near] > SMALLEST || away[far] <= SMALLEST {
+        if away[near] > radius || away[far] <= radius {
             continue;
         }
         let length = (rest[far] - rest[near]).norm();
         // Beyond where distances were asked for they grow as they do straight away from the others.
         let rise = (away[far] - away[near]).min(length / demands[near].wavelength);
-        let share = ((SMALLEST - away[near]) / rise).min(1.0);
+        let share = ((radius - away[near]) / rise).min(1.0);
         centres.push((VertexId::from_index(near), share * length));
     }
     centres
@@ -260,7 +263,7 @@ mod tests {
         let patch = |half: f64, [inside, outside]: [f64; 2]| {
             on_flat(move |x| [outside, inside][usize::from((x - 0.05).abs() < half)])
         };
-        assert!(patch(0.0017, [0.0, 1.0]).iter().all(|share| *share == 1.0));
+        assert!(patch(0.0007, [0.0, 1.0]).iter().all(|share| *share == 1.0));
         assert!(patch(0.0062, [0.0, 1.0])[50] == 0.0);
         assert!(patch(0.0017, [1.0, 0.0]).iter().all(|share| *share == 0.0));
         assert!(patch(0.0062, [1.0, 0.0])[50] > 0.9);
