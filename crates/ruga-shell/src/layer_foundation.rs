@@ -226,7 +226,9 @@ impl LayerFoundation {
         pick(&mut self.normal, &whole.normal, &numbers.faces);
         pick(&mut self.vertex_areas, &whole.vertex_areas, vertices);
         pick(&mut self.diagonal, &whole.diagonal, vertices);
-        if !whole.drift_diagonal.is_empty() {
+        if whole.drift_diagonal.is_empty() {
+            self.drift_diagonal.clear();
+        } else {
             pick(&mut self.drift_diagonal, &whole.drift_diagonal, vertices);
         }
         pick(&mut self.anchors, &whole.anchors, vertices);
