@@ -14,8 +14,8 @@ use crate::skin::relief::FADE;
 /// waves next to it die out slowly and the painted thickness changes, but in a map that is dirt.
 const QUIET: f64 = 0.5;
 
-/// Radius (wavelengths) of the smallest patch of quiet skin. Less of it would be a hole in the relief around it. What is
-/// a quarter of a wavelength away from other skin is to be quiet for certain, whatever distances along edges are worth.
+/// Radius (wavelengths) of the smallest patch of quiet skin. Less of it would be a hole in the relief around it. What
+/// is a quarter of a wavelength away from other skin is to be quiet even where paths along edges are longer than that.
 const SMALLEST_QUIET: f64 = 0.2;
 
 /// Radius (wavelengths) of the smallest patch of wrinkled skin. Less has no room for a wave, and what it shows is
