@@ -9,14 +9,10 @@ use faer::Conj;
 use faer::MatMut;
 use faer::Par;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::linalg::cholesky::ldlt::factor::{LdltError, LdltRegularization};
-use faer::sparse::linalg::cholesky::supernodal::{
-    SupernodalLdltRef, SymbolicSupernodalCholesky, factorize_supernodal_numeric_ldlt,
-    factorize_supernodal_numeric_ldlt_scratch,
-};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
+use faer::sparse::linalg::cholesky::supernodal::{SupernodalLdltRef, SymbolicSupernodalCholesky};
 
 use crate::error::{check_finite, check_length};
+use crate::fronts::{Fronts, ZeroPivot};
 use crate::ordering::elimination_order;
 use crate::permuted_system::{PermutedSystem, analyse};
 use crate::{ConstraintRows, LowerPattern, SolverError};
@@ -67,8 +63,8 @@ impl Inertia {
 /// [ N H         - e I ]
 /// ```
 ///
-/// as `L D L'` in a nested-dissection order (faer, supernodal, one thread, so bits do not
-/// depend on the thread count); iterative refinement removes `e` from solutions. Without rows
+/// as `L D L'` in a nested-dissection order, on the threads that are free, with the same bits on any
+/// number of them; iterative refinement removes `e` from solutions. Without rows
 /// this is the factorisation of `K` alone, with `e` = 1e-13.
 pub struct Kkt {
     pattern: LowerPattern,
@@ -78,12 +74,9 @@ pub struct Kkt {
     row_scales: Vec<f64>,
     /// Position of each unknown and row in the elimination order.
     placement: Vec<u32>,
-    lower: SymbolicSparseColMat<u32>,
-    symbolic: SymbolicSupernodalCholesky<u32>,
-    /// Position in `system` of each entry of `K`, then row by row of those of `H`, each row followed by its corner.
+    fronts: Fronts,
+    /// Position in `factor` of each entry of `K`, then row by row of those of `H`, each row followed by its corner.
     slots: Vec<u32>,
-    /// Lower triangle of the permuted system.
-    system: Vec<f64>,
     factor: Vec<f64>,
     /// `K` plus damping, in pattern order, for refinement.
     values: Vec<f64>,
@@ -93,8 +86,8 @@ pub struct Kkt {
     factorized: bool,
     /// Whether the factor is that of another matrix, with negative pivots turned positive.
     is_turned: bool,
-    /// Work space of a factorisation, then of a solve; there as long as the factor is.
-    memory: Option<[MemBuffer; 2]>,
+    /// Work space of a solve; there as long as the factor is.
+    memory: Option<MemBuffer>,
     /// Work space of a solve: unknowns then rows, the last one in elimination order.
     trial: Vec<f64>,
     residual: Vec<f64>,
@@ -141,13 +134,17 @@ impl Kkt {
         }
         let row_scales = row_scales(rows);
         let assembled = PermutedSystem::assemble(pattern, rows, &placement);
-        let symbolic = analyse(&assembled.lower)?;
+        let fronts = Fronts::new(analyse(&assembled.lower)?);
+        let places = fronts.places(assembled.lower.as_ref());
+        u32::try_from(fronts.symbolic().len_val()).map_err(|_| SolverError::TooLarge { size })?;
+        let slots = assembled
+            .slots
+            .iter()
+            .map(|&entry| places[entry as usize] as u32);
         Ok(Self {
             row_scales,
             placement,
-            slots: assembled.slots,
-            system: Vec::new(),
-            lower: assembled.lower,
+            slots: slots.collect(),
             factor: Vec::new(),
             values: Vec::new(),
             typical_diagonal: 1.0,
@@ -158,7 +155,7 @@ impl Kkt {
             trial: vec![0.0; size],
             residual: vec![0.0; size],
             permuted: vec![0.0; size],
-            symbolic,
+            fronts,
             pattern: pattern.clone(),
             rows: rows.clone(),
             block,
@@ -182,7 +179,7 @@ impl Kkt {
 
     /// Gives back the memory of matrix, factor and work space, which the next factorisation takes anew.
     pub fn release(&mut self) {
-        (self.system, self.values, self.factor) = (Vec::new(), Vec::new(), Vec::new());
+        (self.values, self.factor) = (Vec::new(), Vec::new());
         self.memory = None;
         (self.factorized, self.is_turned) = (false, false);
     }
@@ -201,23 +198,12 @@ impl Kkt {
         check_finite("matrix values", values)?;
         check_finite("damping", damping)?;
         (self.factorized, self.is_turned) = (false, false);
-        self.factor.resize(self.symbolic.len_val(), 0.0);
         self.scatter(values, damping);
-        let symbolic = &self.symbolic;
-        let memory = || scratch(symbolic).map(MemBuffer::new);
-        let [memory, _] = self.memory.get_or_insert_with(memory);
-        // No dynamic regularisation: it failed on indefinite matrices that factorise well without,
-        // and a pivot that it corrects tells no inertia. One thread: two were slower.
-        factorize_supernodal_numeric_ldlt(
-            &mut self.factor,
-            SparseColMatRef::new(self.lower.as_ref(), &self.system),
-            LdltRegularization::default(),
-            &self.symbolic,
-            Par::Seq,
-            MemStack::new(memory),
-            Default::default(),
-        )
-        .map_err(|LdltError::ZeroPivot { index }| SolverError::Breakdown { pivot: index })?;
+        let symbolic = self.fronts.symbolic();
+        self.memory
+            .get_or_insert_with(|| MemBuffer::new(scratch(symbolic)));
+        let factorized = self.fronts.factorize(&mut self.factor);
+        factorized.map_err(|ZeroPivot(pivot)| SolverError::Breakdown { pivot })?;
         let negative = self.negative_pivots()?;
         self.factorized = true;
         Ok(Inertia {
@@ -357,14 +343,15 @@ impl Kkt {
         let size = self.pattern.size();
         self.values.clear();
         self.values.extend_from_slice(values);
-        self.system.resize(self.slots.len(), 0.0);
+        self.factor.clear();
+        self.factor.resize(self.fronts.symbolic().len_val(), 0.0);
         for (column, damping) in damping.iter().enumerate() {
             self.values[self.pattern.diagonal(column)] += damping;
         }
         self.typical_diagonal = self.median_diagonal();
         let scale = 1.0 / self.typical_diagonal;
         for (&slot, value) in self.slots.iter().zip(&self.values) {
-            self.system[slot as usize] = value * scale;
+            self.factor[slot as usize] = value * scale;
         }
         // Only the copy that is factorised: refinement measures by `values`, which stay exact.
         let regularization = match self.rows.count() {
@@ -372,7 +359,7 @@ impl Kkt {
             _ => REGULARIZATION,
         };
         for column in 0..size {
-            self.system[self.slots[self.pattern.diagonal(column)] as usize] += regularization;
+            self.factor[self.slots[self.pattern.diagonal(column)] as usize] += regularization;
         }
         // With this corner there is an `L D L'` in every order (Vanderbei 1995), without pivoting.
         let rows = self.row_scales.iter().enumerate().flat_map(|(row, scale)| {
@@ -381,7 +368,7 @@ impl Kkt {
             scaled.chain([-REGULARIZATION])
         });
         for (&slot, value) in self.slots[self.values.len()..].iter().zip(rows) {
-            self.system[slot as usize] = value;
+            self.factor[slot as usize] = value;
         }
     }
 
@@ -430,8 +417,8 @@ impl Kkt {
         }
         let size = self.permuted.len();
         let memory = self.memory.as_mut();
-        let [_, memory] = memory.expect("work space is there as long as the factor");
-        SupernodalLdltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
+        let memory = memory.expect("work space is there as long as the factor");
+        SupernodalLdltRef::new(self.fronts.symbolic(), &self.factor).solve_in_place_with_conj(
             Conj::No,
             MatMut::from_column_major_slice_mut(&mut self.permuted, size, 1),
             Par::Seq,
@@ -461,17 +448,9 @@ impl std::fmt::Debug for Kkt {
     }
 }
 
-/// Work space that a factorisation takes, and that a solve takes.
-fn scratch(symbolic: &SymbolicSupernodalCholesky<u32>) -> [StackReq; 2] {
-    let factorisation = factorize_supernodal_numeric_ldlt_scratch::<u32, f64>(
-        symbolic,
-        Par::Seq,
-        Default::default(),
-    );
-    [
-        factorisation,
-        symbolic.solve_in_place_scratch::<f64>(1, Par::Seq),
-    ]
+/// Work space that a solve takes.
+fn scratch(symbolic: &SymbolicSupernodalCholesky<u32>) -> StackReq {
+    symbolic.solve_in_place_scratch::<f64>(1, Par::Seq)
 }
 
 fn norm(vector: &[f64]) -> f64 {

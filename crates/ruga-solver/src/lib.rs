@@ -61,6 +61,7 @@ mod newton;
 mod objective;
 mod pinned;
 
+mod fronts;
 mod kkt;
 
 mod constraint_rows;

@@ -322,3 +322,61 @@ fn a_body_that_falls_freely_is_no_harder_without_rows() {
     // The sum of inertia and springs is rounded to 1e-4 of inertia.
     assert!(step.iter().all(|x| (x - 1.0).abs() < 1e-2), "{step:?}");
 }
+
+/// Springs of a grid, large enough that its factor is made in many branches, and its largest fronts in pieces; the
+/// vertices along one side are pushed apart.
+fn grid(side: usize) -> (LowerPattern, Vec<f64>) {
+    let size = BLOCK * side * side;
+    let unknowns = |i: usize, j: usize| BLOCK * (side * j + i)..BLOCK * (side * j + i + 1);
+    let mut springs: Vec<Vec<usize>> = Vec::new();
+    for (i, j) in (0..side * side).map(|v| (v % side, v / side)) {
+        for (k, l) in [(i + 1, j), (i, j + 1), (i + 1, j + 1)] {
+            if k < side && l < side {
+                springs.push(unknowns(i, j).chain(unknowns(k, l)).collect());
+            }
+        }
+    }
+    let pattern = LowerPattern::from_stencils(size, springs.iter().map(Vec::as_slice)).unwrap();
+    let mut values = vec![0.0; pattern.entries()];
+    let mut noise = Noise(7);
+    for spring in &springs {
+        let weights = noise.vector(spring.len());
+        for (a, &row) in weights.iter().zip(spring) {
+            for (b, &column) in weights.iter().zip(spring).filter(|(_, c)| **c <= row) {
+                values[pattern.position(row, column).unwrap()] += a * b;
+            }
+        }
+    }
+    for unknown in 0..size {
+        let shift = if unknown < BLOCK * side { -40.0 } else { 0.1 };
+        values[pattern.position(unknown, unknown).unwrap()] += shift;
+    }
+    (pattern, values)
+}
+
+#[test]
+fn a_large_factor_has_the_same_bits_on_any_number_of_threads() {
+    let side = 100;
+    let (pattern, values) = grid(side);
+    let force = Noise(3).vector(pattern.size());
+    let solved_on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().unwrap().install(|| {
+            let none = ConstraintRows::none(pattern.size());
+            let mut kkt = Kkt::new(&pattern, &none, BLOCK).unwrap();
+            assert!(kkt.cost().flops > 3e8, "too small to be cut");
+            let inertia = kkt.factorize(&values, &[]).unwrap();
+            // What is pushed apart is negative definite, and what is left without it still positive.
+            assert_eq!(inertia.negative, BLOCK * side);
+            let mut step = vec![0.0; pattern.size()];
+            let residual = kkt.solve(&force, &[], &mut step, &mut []).unwrap();
+            assert!(residual < 1e-12, "{residual}");
+            step
+        })
+    };
+    let one = solved_on(1);
+    for threads in [2, 5] {
+        let bits = |step: &[f64]| step.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+        assert!(bits(&solved_on(threads)) == bits(&one), "{threads} threads");
+    }
+}

@@ -8,19 +8,20 @@ use crate::SolverError;
 const LEAST_PIVOT: f64 = 3e-3;
 
 impl Kkt {
-    pub(super) fn supernode_shape(&self, supernode: usize) -> (usize, usize) {
-        let columns =
-            self.symbolic.supernode_end()[supernode] - self.symbolic.supernode_begin()[supernode];
-        let rows = columns + self.symbolic.nnz_per_super()[supernode];
+    fn supernode_shape(&self, supernode: usize) -> (usize, usize) {
+        let symbolic = self.fronts.symbolic();
+        let columns = symbolic.supernode_end()[supernode] - symbolic.supernode_begin()[supernode];
+        let rows = columns + symbolic.nnz_per_super()[supernode];
         (columns as usize, rows as usize)
     }
 
     /// Position in the factor of every entry of `D`, which faer stores on the diagonal of each supernode, in the order
     /// of elimination.
     fn pivot_places(&self) -> impl Iterator<Item = usize> {
-        (0..self.symbolic.n_supernodes()).flat_map(|supernode| {
+        let symbolic = self.fronts.symbolic();
+        (0..symbolic.n_supernodes()).flat_map(|supernode| {
             let (columns, rows) = self.supernode_shape(supernode);
-            let start = self.symbolic.col_ptr_for_val()[supernode] as usize;
+            let start = symbolic.col_ptr_for_val()[supernode] as usize;
             (0..columns).map(move |column| start + column * (rows + 1))
         })
     }
