@@ -16,6 +16,7 @@ mod width;
 mod work;
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use ruga_mesh::TriMesh;
 use ruga_shell::{LayerEnergy, PartIndex};
 use ruga_solver::{
@@ -104,15 +105,15 @@ impl Patches {
         let overlap = (width.overlap() * points).max(LEAST_OVERLAP);
         let cores = divided(positions, free.to_vec(), most);
         let near = Neighbourhood::new(mesh);
-        let (mut patches, mut around) = (Vec::new(), Vec::new());
         let rank = |v: &u32| free.binary_search(v).ok();
-        for core in &cores {
+        let around_core = |core: &Vec<u32>| {
             let moving = near.grown(core, overlap.ceil() as usize, free);
             let part = index.part(energy, &moving);
-            around.push(part.vertices().iter().filter_map(rank).collect());
+            let around: Vec<usize> = part.vertices().iter().filter_map(rank).collect();
             let ranks = moving.iter().filter_map(rank).collect();
-            patches.push(Patch::new(ranks, free.len()));
-        }
+            (Patch::new(ranks, free.len()), around)
+        };
+        let (mut patches, around): (Vec<_>, Vec<_>) = cores.par_iter().map(around_core).unzip();
         let movers = movers(&patches, free.len());
         share_rows(&mut patches, &movers, rows);
         keep_rows(&mut patches, rows.count());

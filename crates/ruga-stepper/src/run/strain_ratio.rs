@@ -1,6 +1,7 @@
 //! What the surface below a layer asks of it: applied strains, and their ratio to the critical ones.
 
 use nalgebra::Matrix2;
+use rayon::prelude::*;
 use ruga_blend::{FaceStrain, face_strains};
 use ruga_material::capped_strain;
 use ruga_mesh::{FaceId, PerFace, face_areas};
@@ -36,7 +37,12 @@ impl StrainRatios<'_> {
     }
 
     fn of_face_at(&self, fraction: f64, face: FaceId) -> f64 {
-        let [first, second] = applied(&self.strains[face], fraction);
+        self.at(capped(&self.strains[face]), fraction, face)
+    }
+
+    /// The ratio of a face with these capped principal strains, of which a fraction is loaded.
+    fn at(&self, capped: [f64; 2], fraction: f64, face: FaceId) -> f64 {
+        let [first, second] = capped.map(|strain| loaded(strain, fraction));
         let effective = first + self.poisson * second;
         effective / self.properties.faces[face].wrinkling.critical_strain
     }
@@ -48,10 +54,20 @@ impl StrainRatios<'_> {
         ratios.fold(0.0, f64::max)
     }
 
-    /// The fraction of a face's applied strain at which its ratio is `wanted`, above 0; all of it where that
-    /// is not enough.
-    pub(crate) fn fraction_of(&self, face: FaceId, wanted: f64) -> f64 {
-        if self.of_face_at(1.0, face) <= wanted {
+    /// The fractions of the faces' applied strains at which their ratios are what is `wanted` of each, above 0; all of
+    /// it where that is not enough.
+    pub(crate) fn fractions_of(&self, wanted: impl Fn(FaceId) -> f64 + Sync) -> PerFace<f64> {
+        let faces: Vec<FaceId> = self.strains.ids().collect();
+        let fractions = faces.into_par_iter();
+        let fractions: Vec<f64> = fractions
+            .map(|face| self.fraction_of(face, wanted(face)))
+            .collect();
+        fractions.into_iter().collect()
+    }
+
+    fn fraction_of(&self, face: FaceId, wanted: f64) -> f64 {
+        let capped = capped(&self.strains[face]);
+        if self.at(capped, 1.0, face) <= wanted {
             return 1.0;
         }
         // The ratio is convex and 0 at 0, so that it is `wanted` once; where the face is stretched across
@@ -59,7 +75,7 @@ impl StrainRatios<'_> {
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (low + high);
-            if self.of_face_at(middle, face) < wanted {
+            if self.at(capped, middle, face) < wanted {
                 low = middle;
             } else {
                 high = middle;
@@ -71,8 +87,8 @@ impl StrainRatios<'_> {
     /// The fraction of the applied strain at which the first face reaches its critical strain; 1 where
     /// none does.
     pub(crate) fn onset(&self) -> f64 {
-        let fractions = self.strains.ids().map(|face| self.fraction_of(face, 1.0));
-        fractions.fold(1.0, f64::min)
+        let fractions = self.fractions_of(|_| 1.0);
+        fractions.as_slice().iter().copied().fold(1.0, f64::min)
     }
 
     /// Corners of the faces that are loaded beyond their critical strain.
@@ -139,8 +155,13 @@ pub(crate) fn relative_to(strain: &FaceStrain, stretch: &Matrix2<f64>) -> FaceSt
 
 /// Principal strains, capped, of which only a part is loaded: `fraction` times their Green strain.
 pub(crate) fn applied(strain: &FaceStrain, fraction: f64) -> [f64; 2] {
+    capped(strain).map(|strain| loaded(strain, fraction))
+}
+
+/// Principal strains, capped.
+fn capped(strain: &FaceStrain) -> [f64; 2] {
     // The second strain is not capped, because the rest metric shrinks along the first alone.
-    [capped_strain(strain.first), strain.second].map(|strain| loaded(strain, fraction))
+    [capped_strain(strain.first), strain.second]
 }
 
 /// The compression whose Green strain is a fraction of that of `compression`.

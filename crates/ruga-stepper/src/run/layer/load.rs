@@ -83,11 +83,7 @@ impl Layer {
 
     /// Loads every face with no more of its strain than gives it the strain ratio `most`.
     pub(crate) fn limit_strains(&mut self, most: &PerFace<f64>) -> Result<(), StepperError> {
-        let ratios = self.strain_ratios();
-        let faces = self.strains.ids();
-        self.fractions = faces
-            .map(|face| ratios.fraction_of(face, most[face]))
-            .collect();
+        self.fractions = self.strain_ratios().fractions_of(|face| most[face]);
         self.set_loaded_strains()
     }
 

@@ -1,6 +1,7 @@
 //! How fine a mesh of a region is to be, and whether one is.
 
 use nalgebra::{Matrix3, SymmetricEigen};
+use rayon::prelude::*;
 use ruga_mesh::{Id, MaterialPoint, PerFace, PerVertex, vertex_areas};
 use ruga_remesh::{
     FaceDriver, PolyhedralSurface, Refinement, RemeshError, RemeshSettings, Sizing, SizingInput,
@@ -49,13 +50,14 @@ impl RegionMesh {
             driver: Some(strains.drivers),
             refinement: strains.refinement,
         })?;
-        let limits = strains.least.iter().zip(strains.aspects);
-        for (tensor, (least, aspect)) in sizing.tensors.as_mut_slice().iter_mut().zip(limits) {
+        let tensors = sizing.tensors.as_mut_slice().par_iter_mut();
+        let limits = strains.least.par_iter().zip(strains.aspects);
+        tensors.zip(limits).for_each(|(tensor, (least, aspect))| {
             // A sum is no coarser than either term in any direction, and smooth where the larger
             // one changes.
             *tensor += least;
             limit_aspect(tensor, *aspect);
-        }
+        });
         let sizing = sizing.limited(&start, &surface, &settings.limits)?;
         let estimate = sizing.vertex_estimate(&start)? as f64;
         Ok(RemeshInput {
