@@ -20,9 +20,6 @@ use crate::stencil::{FaceCorner, add_blocks, gather};
 use crate::{EnergyParts, FaceParameters, RestTriangle};
 use elements::{HingeElement, StarElement};
 
-/// Hinges whose angles a thread works out at least: a tenth of a millisecond.
-const HINGES_AT_ONCE: usize = 1024;
-
 /// Hinges at all inner edges and, if the model has them, the stars that their angles go into.
 #[derive(Clone, Debug)]
 pub(crate) struct LayerBending {
@@ -32,6 +29,14 @@ pub(crate) struct LayerBending {
     creases: Vec<HingeCrease>,
     /// The stars with a crease on an inner edge: which star, and which edge has which crease.
     creased_stars: Vec<(u32, Vec<(u32, u32)>)>,
+}
+
+/// Changes every element, on all threads of the pool that this is called in, if any.
+fn for_each_mut<T: Send>(elements: &mut [T], change: impl Fn(&mut T) + Send + Sync) {
+    match rayon::current_thread_index() {
+        Some(_) => elements.par_iter_mut().for_each(change),
+        None => elements.iter_mut().for_each(change),
+    }
 }
 
 /// An inner edge of a mesh, without a stiffness.
@@ -202,14 +207,14 @@ impl LayerBending {
         let modulus = |face: usize| area_left[face] * parameters[face].bending_modulus();
         let factor = self.factor;
         // With stars a hinge measures its angle, and its stiffness is that of a sharp fold alone.
-        self.hinges.par_iter_mut().for_each(|element| {
+        for_each_mut(&mut self.hinges, |element| {
             let sides = element.sides();
             let shape = HingeShape::between(sides, rest);
             let [left, right] = sides.map(|(face, _)| modulus(face.index()));
             let mean = 0.5 * (left + right);
             element.hinge.stiffness = factor * shape.stiffness(mean, HINGE_EXPONENT);
         });
-        self.stars.par_iter_mut().for_each(|element| {
+        for_each_mut(&mut self.stars, |element| {
             let shape = element.star.shape(rest);
             // Modulus and Poisson ratio are means over the star, because one curvature serves all
             // of its faces.
@@ -221,7 +226,7 @@ impl LayerBending {
     }
 
     pub(crate) fn set_rest_angles(&mut self, positions: &[Vector3<f64>]) {
-        self.hinges.par_iter_mut().for_each(|element| {
+        for_each_mut(&mut self.hinges, |element| {
             element.set_angles(element.state(positions).angle(), element.natural_angle);
         });
     }
@@ -372,8 +377,7 @@ impl LayerBending {
     }
 
     fn states(&self, x: &[Vector3<f64>]) -> Vec<HingeState> {
-        let hinges = self.hinges.par_iter().with_min_len(HINGES_AT_ONCE);
-        hinges.map(|element| element.state(x)).collect()
+        self.hinges.iter().map(|element| element.state(x)).collect()
     }
 
     /// How far each angle is from its rest value (rad).

@@ -3,7 +3,6 @@
 use std::sync::OnceLock;
 
 use nalgebra::{Matrix2, Vector3};
-use rayon::prelude::*;
 
 use ruga_mesh::{BlockPattern, EdgeId, TriMesh};
 
@@ -147,12 +146,10 @@ impl Sheet {
         stretches: &[Matrix2<f64>],
     ) -> Result<Vec<RestTriangle>, ShellError> {
         // Always from the triangles as built: stretches of one frame after the other would pile up.
-        let faces = self.unstretched.par_iter().zip(stretches).enumerate();
-        let stretched: Vec<_> = faces
+        let faces = self.unstretched.iter().zip(stretches).enumerate();
+        faces
             .map(|(face, (rest, stretch))| rest.stretched(stretch, face))
-            .collect();
-        // Of several errors the first face's is told.
-        stretched.into_iter().collect()
+            .collect()
     }
 
     pub(crate) fn set_rest(&mut self, rest: Vec<RestTriangle>) {
@@ -295,7 +292,7 @@ fn membranes(
     parameters: &[FaceParameters],
     area_left: &[f64],
 ) -> Vec<Membrane> {
-    let faces = rest.par_iter().zip(parameters).zip(area_left);
+    let faces = rest.iter().zip(parameters).zip(area_left);
     faces
         .map(|((rest, p), left)| Membrane::new(rest, left * p.tension_modulus(), p.poisson))
         .collect()

@@ -12,10 +12,9 @@ use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::sparse::linalg::cholesky::supernodal::{SupernodalLdltRef, SymbolicSupernodalCholesky};
 
 use crate::error::{check_finite, check_length};
-use crate::fronts::{Fronts, ZeroPivot};
-use crate::ordering::elimination_order;
+use crate::fronts::{BadPivot, Fronts};
 use crate::permuted_system::{PermutedSystem, analyse};
-use crate::{ConstraintRows, LowerPattern, SolverError};
+use crate::{ConstraintRows, EliminationOrder, LowerPattern, SolverError};
 
 /// Regularisation of both diagonal blocks, relative to the median diagonal entry of `K`.
 ///
@@ -63,8 +62,8 @@ impl Inertia {
 /// [ N H         - e I ]
 /// ```
 ///
-/// as `L D L'` in a nested-dissection order, on the threads that are free, with the same bits on any
-/// number of them; iterative refinement removes `e` from solutions. Without rows
+/// as `L D L'` in a nested-dissection order, on all threads of the rayon pool that it is called in, with the
+/// same bits on any number of them, and on the caller's thread outside of a pool; iterative refinement removes `e` from solutions. Without rows
 /// this is the factorisation of `K` alone, with `e` = 1e-13.
 pub struct Kkt {
     pattern: LowerPattern,
@@ -72,8 +71,7 @@ pub struct Kkt {
     block: usize,
     /// `1 / |row|`, 1 for a row of zeros.
     row_scales: Vec<f64>,
-    /// Position of each unknown and row in the elimination order.
-    placement: Vec<u32>,
+    order: EliminationOrder,
     fronts: Fronts,
     /// Position in `factor` of each entry of `K`, then row by row of those of `H`, each row followed by its corner.
     slots: Vec<u32>,
@@ -117,23 +115,34 @@ impl Kkt {
         rows: &ConstraintRows,
         block: usize,
     ) -> Result<Self, SolverError> {
+        // Rows are ordered among the unknowns. Eliminating `K` first needs it positive definite and
+        // leaves a dense matrix of the rows: forty times the cost at 67,500 unknowns.
+        let order = EliminationOrder::new(pattern, rows, block)?;
+        Self::with_order(pattern, rows, block, order)
+    }
+
+    /// Analyses the system for an order that was found before, of this system or of another with as many unknowns and
+    /// rows, for which it is as right, but slower.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); [`SizeMismatch`](SolverError::SizeMismatch) for an order of another length, too.
+    pub fn with_order(
+        pattern: &LowerPattern,
+        rows: &ConstraintRows,
+        block: usize,
+        order: EliminationOrder,
+    ) -> Result<Self, SolverError> {
         let unknowns = pattern.size();
         if block == 0 || !unknowns.is_multiple_of(block) {
             return Err(SolverError::BlockSize { unknowns, block });
         }
         check_length("constraint columns", unknowns, rows.unknowns())?;
-        let entries = pattern.entries() + rows.entries() + rows.count();
         let size = unknowns + rows.count();
+        check_length("elimination order", size, order.placement().len())?;
+        let entries = pattern.entries() + rows.entries() + rows.count();
         i32::try_from(entries).map_err(|_| SolverError::TooLarge { size })?;
-        // Rows are ordered among the unknowns. Eliminating `K` first needs it positive definite and
-        // leaves a dense matrix of the rows: forty times the cost at 67,500 unknowns.
-        let order = elimination_order(pattern, rows, block)?;
-        let mut placement = vec![0; order.len()];
-        for (new, &old) in (0..).zip(&order) {
-            placement[old] = new;
-        }
         let row_scales = row_scales(rows);
-        let assembled = PermutedSystem::assemble(pattern, rows, &placement);
+        let assembled = PermutedSystem::assemble(pattern, rows, order.placement());
         let fronts = Fronts::new(analyse(&assembled.lower)?);
         let places = fronts.places(assembled.lower.as_ref());
         u32::try_from(fronts.symbolic().len_val()).map_err(|_| SolverError::TooLarge { size })?;
@@ -143,7 +152,7 @@ impl Kkt {
             .map(|&entry| places[entry as usize] as u32);
         Ok(Self {
             row_scales,
-            placement,
+            order,
             slots: slots.collect(),
             factor: Vec::new(),
             values: Vec::new(),
@@ -172,6 +181,11 @@ impl Kkt {
         self.block
     }
 
+    /// The order of elimination, to [analyse](Self::with_order) the system again with.
+    pub fn into_order(self) -> EliminationOrder {
+        self.order
+    }
+
     /// The constraint rows `H`.
     pub fn rows(&self) -> &ConstraintRows {
         &self.rows
@@ -184,8 +198,8 @@ impl Kkt {
         (self.factorized, self.is_turned) = (false, false);
     }
 
-    /// Factorises `K + diag(damping)` with the rows; memory is taken the first time and after it was
-    /// [released](Self::release), and never else.
+    /// Factorises `K + diag(damping)` with the rows. The factor stays in memory until it is
+    /// [released](Self::release).
     ///
     /// `values` in pattern order (N/m), `damping` one value per unknown (N/m), or none.
     ///
@@ -203,7 +217,7 @@ impl Kkt {
         self.memory
             .get_or_insert_with(|| MemBuffer::new(scratch(symbolic)));
         let factorized = self.fronts.factorize(&mut self.factor);
-        factorized.map_err(|ZeroPivot(pivot)| SolverError::Breakdown { pivot })?;
+        factorized.map_err(|BadPivot(pivot)| SolverError::Breakdown { pivot })?;
         let negative = self.negative_pivots()?;
         self.factorized = true;
         Ok(Inertia {
@@ -412,7 +426,7 @@ impl Kkt {
 
     /// Adds the regularised solution for `residual` to `trial`.
     fn add_correction(&mut self) {
-        for (&place, &entry) in self.placement.iter().zip(&self.residual) {
+        for (&place, &entry) in self.order.placement().iter().zip(&self.residual) {
             self.permuted[place as usize] = entry;
         }
         let size = self.permuted.len();
@@ -425,7 +439,7 @@ impl Kkt {
             MemStack::new(memory),
         );
         let (step, multipliers) = self.trial.split_at_mut(self.pattern.size());
-        let (step_places, row_places) = self.placement.split_at(step.len());
+        let (step_places, row_places) = self.order.placement().split_at(step.len());
         for (entry, &place) in step.iter_mut().zip(step_places) {
             *entry += self.permuted[place as usize];
         }

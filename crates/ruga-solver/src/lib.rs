@@ -83,6 +83,7 @@ pub use objective::{Objective, StressPrediction};
 pub use pinned::Pinned;
 
 pub use kkt::{FactorCost, Inertia, Kkt};
+pub use ordering::EliminationOrder;
 
 pub use constraint_rows::ConstraintRows;
 pub use lower_pattern::LowerPattern;

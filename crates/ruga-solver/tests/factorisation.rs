@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failing unwrap fails the test")]
 
-use ruga_solver::{ConstraintRows, Inertia, Kkt, LowerPattern, SolverError};
+use ruga_solver::{ConstraintRows, EliminationOrder, Inertia, Kkt, LowerPattern, SolverError};
 
 /// Dense symmetric matrix by rows.
 type Dense = Vec<Vec<f64>>;
@@ -354,29 +354,83 @@ fn grid(side: usize) -> (LowerPattern, Vec<f64>) {
     (pattern, values)
 }
 
+/// Sums over stretches of vertices, in triples.
+fn averages(unknowns: usize) -> ConstraintRows {
+    let (mut starts, mut columns) = (vec![0], Vec::new());
+    for row in 0..60 {
+        let first = unknowns / 20 * (row / BLOCK) + row % BLOCK;
+        columns.extend((first..(first + 900).min(unknowns)).step_by(BLOCK));
+        starts.push(columns.len());
+    }
+    let weights = vec![1.0; columns.len()];
+    ConstraintRows::new(starts, columns, weights, unknowns).unwrap()
+}
+
+/// An order that was kept is as good as one found anew, and one of another system of this size right, too.
+#[test]
+fn systems_are_factorised_in_orders_that_were_kept() {
+    let (pattern, values) = chain(20, 0.1, &mut Noise(11));
+    let rows = random_rows(pattern.size(), 3, 0, &mut Noise(12));
+    let force = Noise(13).vector(pattern.size());
+    let solved = |mut kkt: Kkt| {
+        kkt.factorize(&values, &[]).unwrap();
+        let (mut step, mut multipliers) = (vec![0.0; pattern.size()], vec![0.0; 3]);
+        kkt.solve(&force, &[0.0; 3], &mut step, &mut multipliers)
+            .unwrap();
+        (step, kkt.into_order())
+    };
+    let (first, order) = solved(Kkt::new(&pattern, &rows, BLOCK).unwrap());
+    let again = Kkt::with_order(&pattern, &rows, BLOCK, order.clone()).unwrap();
+    assert_eq!(solved(again), (first.clone(), order.clone()));
+    let unconnected = (0..pattern.size())
+        .map(|unknown| [unknown])
+        .collect::<Vec<_>>();
+    let unconnected = unconnected.iter().map(<[usize; 1]>::as_slice);
+    let unconnected = LowerPattern::from_stencils(pattern.size(), unconnected).unwrap();
+    let other = EliminationOrder::new(&unconnected, &rows, BLOCK).unwrap();
+    assert!(other != order);
+    let other = Kkt::with_order(&pattern, &rows, BLOCK, other).unwrap();
+    assert!(largest_difference(&solved(other).0, &first) < 1e-9);
+    let short = EliminationOrder::new(&pattern, &ConstraintRows::none(pattern.size()), BLOCK);
+    let short = Kkt::with_order(&pattern, &rows, BLOCK, short.unwrap());
+    assert!(matches!(short, Err(SolverError::SizeMismatch { .. })));
+}
+
 #[test]
 fn a_large_factor_has_the_same_bits_on_any_number_of_threads() {
     let side = 100;
     let (pattern, values) = grid(side);
     let force = Noise(3).vector(pattern.size());
-    let solved_on = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-        pool.build().unwrap().install(|| {
-            let none = ConstraintRows::none(pattern.size());
-            let mut kkt = Kkt::new(&pattern, &none, BLOCK).unwrap();
-            assert!(kkt.cost().flops > 3e8, "too small to be cut");
-            let inertia = kkt.factorize(&values, &[]).unwrap();
-            // What is pushed apart is negative definite, and what is left without it still positive.
-            assert_eq!(inertia.negative, BLOCK * side);
-            let mut step = vec![0.0; pattern.size()];
-            let residual = kkt.solve(&force, &[], &mut step, &mut []).unwrap();
-            assert!(residual < 1e-12, "{residual}");
-            step
-        })
-    };
-    let one = solved_on(1);
-    for threads in [2, 5] {
-        let bits = |step: &[f64]| step.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
-        assert!(bits(&solved_on(threads)) == bits(&one), "{threads} threads");
+    // Without the corners that rows bring the factor has the inertia of the matrix.
+    for rows in [
+        ConstraintRows::none(pattern.size()),
+        averages(pattern.size()),
+    ] {
+        let solved_on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            pool.build().unwrap().install(|| {
+                let mut kkt = Kkt::new(&pattern, &rows, BLOCK).unwrap();
+                assert!(kkt.cost().flops > 3e8, "too small to be cut");
+                let inertia = kkt.factorize(&values, &[]).unwrap();
+                if rows.count() == 0 {
+                    // What is pushed apart is negative definite, and what is left without it still positive.
+                    assert_eq!(inertia.negative, BLOCK * side);
+                }
+                let (mut step, mut once) = (vec![0.0; pattern.size()], vec![0.0; pattern.size()]);
+                let mut multipliers = vec![0.0; rows.count()];
+                let offset = vec![0.0; rows.count()];
+                let residual = kkt
+                    .solve(&force, &offset, &mut step, &mut multipliers)
+                    .unwrap();
+                assert!(residual < 1e-11, "{residual}");
+                kkt.solve_once(&force, &mut once).unwrap();
+                [step, multipliers, once].concat()
+            })
+        };
+        let one = solved_on(1);
+        for threads in [2, 5] {
+            let bits = |all: &[f64]| all.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+            assert!(bits(&solved_on(threads)) == bits(&one), "{threads} threads");
+        }
     }
 }

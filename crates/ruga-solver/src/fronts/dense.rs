@@ -10,15 +10,17 @@ use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 
+use super::is_in_a_pool;
+
 /// Columns that are eliminated at a time.
 const PANEL: usize = 96;
 
 /// Multiplications of a product that is not worth being cut.
-const LIGHT: usize = 1 << 22;
+const LIGHT_PRODUCT: usize = 1 << 22;
 
 /// Eliminates all columns of `front`, whose lower trapezoid becomes `L` with `D` on its diagonal, and subtracts from the
 /// lower triangle of `below`, which belongs to the rows under its square, what that changes there. Fails with the column
-/// of a pivot that is zero.
+/// of a pivot that is zero or not finite.
 pub(super) fn eliminate(mut front: MatMut<'_, f64>, below: MatMut<'_, f64>) -> Result<(), usize> {
     let (rows, columns) = (front.nrows(), front.ncols());
     let mut done = 0;
@@ -50,7 +52,7 @@ pub(super) fn eliminate(mut front: MatMut<'_, f64>, below: MatMut<'_, f64>) -> R
     Ok(())
 }
 
-/// So many rows of `L` under the square of a panel of so many columns, times `D`.
+/// Rows of `L` below the square of a panel with so many columns, each column times its pivot.
 fn scaled(panel: MatRef<'_, f64>, columns: usize, rows: usize) -> Mat<f64> {
     let under = panel.submatrix(columns, 0, rows, columns);
     let mut scaled = Mat::zeros(rows, columns);
@@ -87,10 +89,10 @@ fn panel_in_place(panel: MatMut<'_, f64>) -> Result<(), usize> {
 /// Turns these `rows` of the matrix into rows of `L`, next to a square of `L` and `D`.
 fn solve_rows(square: MatRef<'_, f64>, mut rows: MatMut<'_, f64>) {
     let columns = square.ncols();
-    if rows.nrows() * columns * columns > LIGHT {
+    if rows.nrows() * columns * columns > LIGHT_PRODUCT {
         let half = rows.nrows() / 2;
         let (upper, lower) = rows.split_at_row_mut(half);
-        rayon::join(|| solve_rows(square, upper), || solve_rows(square, lower));
+        join(|| solve_rows(square, upper), || solve_rows(square, lower));
         return;
     }
     solve_unit_lower_triangular_in_place(square, rows.rb_mut().transpose_mut(), Par::Seq);
@@ -105,16 +107,16 @@ fn solve_rows(square: MatRef<'_, f64>, mut rows: MatMut<'_, f64>) {
 /// Subtracts `left * right'` from the lower trapezoid of `target`.
 fn subtract_lower(target: MatMut<'_, f64>, left: MatRef<'_, f64>, right: MatRef<'_, f64>) {
     let (rows, columns) = (target.nrows(), target.ncols());
-    if columns > 1 && rows * columns * left.ncols() > LIGHT {
+    if columns > 1 && rows * columns * left.ncols() > LIGHT_PRODUCT {
         let half = columns / 2;
         let (first, second) = target.split_at_col_mut(half);
         let (tip, square) = first.split_at_row_mut(half);
         let (upper, lower) = left.split_at_row(half);
         let (above, under) = right.split_at_row(half);
-        rayon::join(
+        join(
             || subtract(square, lower, above),
             || {
-                rayon::join(
+                join(
                     || subtract_lower(tip, upper, above),
                     || subtract_lower(second.split_at_row_mut(half).1, lower, under),
                 )
@@ -141,21 +143,31 @@ fn subtract_lower(target: MatMut<'_, f64>, left: MatRef<'_, f64>, right: MatRef<
 /// Subtracts `left * right'` from `target`.
 fn subtract(target: MatMut<'_, f64>, left: MatRef<'_, f64>, right: MatRef<'_, f64>) {
     let (rows, columns) = (target.nrows(), target.ncols());
-    if rows * columns * left.ncols() <= LIGHT {
+    if rows * columns * left.ncols() <= LIGHT_PRODUCT || rows.max(columns) == 1 {
         matmul(target, Accum::Add, left, right.transpose(), -1.0, Par::Seq);
     } else if rows > columns {
         let (first, second) = target.split_at_row_mut(rows / 2);
         let (upper, lower) = left.split_at_row(rows / 2);
-        rayon::join(
+        join(
             || subtract(first, upper, right),
             || subtract(second, lower, right),
         );
     } else {
         let (first, second) = target.split_at_col_mut(columns / 2);
         let (above, under) = right.split_at_row(columns / 2);
-        rayon::join(
+        join(
             || subtract(first, left, above),
             || subtract(second, left, under),
         );
+    }
+}
+
+/// Does both, side by side if another thread of the pool is free.
+fn join(first: impl FnOnce() + Send, second: impl FnOnce() + Send) {
+    if is_in_a_pool() {
+        rayon::join(first, second);
+    } else {
+        first();
+        second();
     }
 }

@@ -6,7 +6,7 @@ use super::columns;
 
 /// Multiplications and additions of a branch that is not worth being cut: a tenth of a millisecond, hundreds of times
 /// what it takes to hand it to another thread.
-const LIGHT: f64 = 3e6;
+const LIGHT_BRANCH: f64 = 3e6;
 
 /// Elimination tree of supernodes, cut into branches.
 pub(super) struct Tree {
@@ -18,8 +18,8 @@ pub(super) struct Tree {
     work: f64,
 }
 
-/// Supernodes that are eliminated one after the other: a heavy one, or all that are below several light ones of the same
-/// parent.
+/// Supernodes that are eliminated one after the other: a heavy one alone, or some light ones with the same parent and all
+/// that is below them.
 pub(super) struct Branch {
     /// Ascending, so that children come before their parents.
     pub(super) supernodes: Vec<u32>,
@@ -49,14 +49,14 @@ impl Tree {
         // From parents to children: a supernode goes to the branch of its parent if that is light.
         for supernode in (0..count).rev() {
             let parent = parents[supernode];
-            let is_light = |s: usize| below[s] <= LIGHT;
+            let is_light = |s: usize| below[s] <= LIGHT_BRANCH;
             let number = match parent {
                 Some(parent) if is_light(parent) => branch_of[parent] as usize,
                 _ => {
                     let above = parent.map(|parent| branch_of[parent] as usize);
                     let open: &mut Option<(usize, f64)> = &mut filling[parent.unwrap_or(count)];
                     match open {
-                        Some((number, has)) if is_light(supernode) && *has <= LIGHT => {
+                        Some((number, has)) if is_light(supernode) && *has <= LIGHT_BRANCH => {
                             *has += below[supernode];
                             *number
                         }
@@ -111,17 +111,21 @@ impl Tree {
         self.work
     }
 
-    /// Most numbers that remainders have at a time, where one branch is eliminated after the other.
-    pub(super) fn most_remaining(&self, symbolic: &SymbolicSupernodalCholesky<u32>) -> usize {
-        let size = |supernode: usize| (symbolic.nnz_per_super()[supernode] as usize).pow(2);
-        let (mut now, mut most) = (0, 0);
+    /// Most numbers that update matrices have at a time where supernodes are eliminated one after the other, and what
+    /// the largest front needs beside.
+    pub(super) fn most_numbers(&self, symbolic: &SymbolicSupernodalCholesky<u32>) -> usize {
+        let below = |supernode: usize| symbolic.nnz_per_super()[supernode] as usize;
+        let (mut now, mut most, mut beside) = (0, 0, 0);
         for supernode in 0..symbolic.n_supernodes() {
-            now += size(supernode);
+            now += below(supernode).pow(2);
             most = most.max(now);
             let children = self.children(supernode).iter();
-            now -= children.map(|&child| size(child as usize)).sum::<usize>();
+            now -= children
+                .map(|&child| below(child as usize).pow(2))
+                .sum::<usize>();
+            beside = beside.max(below(supernode) * columns(symbolic, supernode).len());
         }
-        most
+        most + beside
     }
 }
 

@@ -62,7 +62,7 @@ impl StrainRatios<'_> {
         let fractions: Vec<f64> = fractions
             .map(|face| self.fraction_of(face, wanted(face)))
             .collect();
-        fractions.into_iter().collect()
+        fractions.into()
     }
 
     fn fraction_of(&self, face: FaceId, wanted: f64) -> f64 {

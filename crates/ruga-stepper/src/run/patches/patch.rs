@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 use ruga_mesh::VertexId;
 use ruga_shell::{LayerPart, PartIndex};
 use ruga_solver::{
-    ConstraintRows, Iteration, Kkt, LowerPattern, Minimise, NewtonSettings, Objective, SolveReport,
-    SolverError,
+    ConstraintRows, EliminationOrder, Iteration, Kkt, LowerPattern, Minimise, NewtonSettings,
+    Objective, SolveReport, SolverError,
 };
 
 use super::Whole;
@@ -25,6 +25,8 @@ pub(super) struct Patch {
     relaxation: f64,
     /// What it is solved with, where that is kept from one solve to the next.
     kept: Option<System>,
+    /// Order of elimination, where that is all that is kept: a tenth of the work on a layer, for little memory.
+    order: Option<EliminationOrder>,
 }
 
 /// What a patch has of one averaging constraint.
@@ -67,6 +69,7 @@ impl Patch {
             share: ranks.len() as f64 / free.max(1) as f64,
             relaxation: 0.0,
             kept: None,
+            order: None,
             ranks,
         }
     }
@@ -83,7 +86,10 @@ impl Patch {
     ) -> Result<Solved, SolverError> {
         let mut system = match self.kept.take() {
             Some(system) => system,
-            None => System::new((&whole, index), self)?,
+            None => {
+                let order = self.order.take();
+                System::new((&whole, index), self, order)?
+            }
         };
         let own =
             |values: &[f64]| -> Vec<f64> { coordinates(&self.ranks).map(|i| values[i]).collect() };
@@ -126,6 +132,8 @@ impl Patch {
             // Else there would be a matrix and a factor of every patch at once.
             system.kkt.release();
             self.kept = Some(system);
+        } else {
+            self.order = Some(system.kkt.into_order());
         }
         Ok(Solved {
             gain: before - report.energy,
@@ -134,9 +142,11 @@ impl Patch {
         })
     }
 
-    /// Forgets what it is solved with.
+    /// Forgets what it is solved with, but for the order of elimination.
     pub(super) fn release(&mut self) {
-        self.kept = None;
+        if let Some(system) = self.kept.take() {
+            self.order = Some(system.kkt.into_order());
+        }
     }
 
     /// Takes over what has changed in the layer since the last solve.
@@ -164,7 +174,12 @@ impl Patch {
 }
 
 impl System {
-    fn new((whole, index): (&Whole<'_>, &PartIndex), patch: &Patch) -> Result<Self, SolverError> {
+    /// What `patch` is solved with, which is eliminated in this `order`, if that is known.
+    fn new(
+        (whole, index): (&Whole<'_>, &PartIndex),
+        patch: &Patch,
+        order: Option<EliminationOrder>,
+    ) -> Result<Self, SolverError> {
         let free = whole.energy.free_vertices();
         let moving: Vec<u32> = patch.ranks.iter().map(|&rank| free[rank]).collect();
         let part = index.part(whole.energy, &moving);
@@ -173,7 +188,10 @@ impl System {
         let pattern = LowerPattern::new(starts, entries)?;
         let rows = restricted(whole.rows, &patch.rows, &patch.ranks)?;
         Ok(Self {
-            kkt: Kkt::new(&pattern, &rows, 3)?,
+            kkt: match order {
+                None => Kkt::new(&pattern, &rows, 3)?,
+                Some(order) => Kkt::with_order(&pattern, &rows, 3, order)?,
+            },
             free: energy
                 .free_vertices()
                 .iter()

@@ -58,16 +58,20 @@ impl Order {
             solved: patches.iter().map(|_| None).collect(),
             patches: patches.iter_mut().map(Some).collect(),
             ready: BTreeSet::new(),
+            open: 0,
             is_over: false,
             finish,
         };
         let first = (0..self.earlier.len()).filter(|&i| self.earlier[i] == 0);
-        let ready = sweep.release(first.collect());
+        sweep.release(first.collect());
         let shared = Shared {
             sweep: Mutex::new(sweep),
             solve,
         };
-        rayon::scope(|scope| shared.spawn(scope, ready));
+        rayon::scope(|scope| {
+            let wanted = shared.lock().wanted();
+            shared.spawn(scope, wanted);
+        });
         shared.lock().solved.drain(..).collect()
     }
 }
@@ -83,6 +87,8 @@ struct Sweep<'a, P, R, F> {
     patches: Vec<Option<&'a mut P>>,
     /// Those that wait for a thread alone.
     ready: BTreeSet<usize>,
+    /// Number of patches that are being solved.
+    open: usize,
     solved: Vec<Option<R>>,
     is_over: bool,
     finish: F,
@@ -92,19 +98,25 @@ impl<'a, P, R, F> Sweep<'a, P, R, F>
 where
     F: FnMut(&P, &R, (&mut [f64], &mut [bool])) -> Next,
 {
-    /// Notes that some patches wait for nobody any more, and returns how many have become ready for that: those that
-    /// are not due are passed over.
-    fn release(&mut self, mut free: Vec<usize>) -> usize {
-        let mut ready = 0;
+    /// Notes that some patches wait for nobody any more: those that are not due are passed over.
+    fn release(&mut self, mut free: Vec<usize>) {
         while let Some(i) = free.pop() {
             if self.is_due[i] {
                 self.ready.insert(i);
-                ready += 1;
             } else {
                 self.pass(i, &mut free);
             }
         }
-        ready
+    }
+
+    /// How many patches could be begun.
+    ///
+    /// A thread that waits for a part of its own patch looks for other work. It is not to begin a patch meanwhile that
+    /// another thread could: its own would wait for all of that, and there would be more of them in memory than
+    /// threads.
+    fn wanted(&self) -> usize {
+        let free = rayon::current_num_threads().saturating_sub(self.open);
+        self.ready.len().min(free)
     }
 
     /// Adds to `free` what waited for the patch `i` alone.
@@ -119,18 +131,20 @@ where
 
     /// The first patch that is ready, and what it begins from.
     fn begin(&mut self) -> Option<(usize, &'a mut P, Vec<f64>)> {
-        if self.is_over {
+        if self.is_over || self.wanted() == 0 {
             return None;
         }
         let i = self.ready.pop_first()?;
         let patch = self.patches[i].take()?;
+        self.open += 1;
         // One whose neighbours move later is due again.
         self.is_due[i] = false;
         Some((i, patch, self.x.to_vec()))
     }
 
-    /// Ends the work on a patch, and returns how many others have become ready.
+    /// Ends the work on a patch, and returns how many others could be begun.
     fn end(&mut self, i: usize, patch: &P, solved: R) -> usize {
+        self.open -= 1;
         if self.is_over {
             return 0;
         }
@@ -142,7 +156,8 @@ where
             Next::Fail => {}
             Next::Stop => self.is_over = true,
         }
-        self.release(free)
+        self.release(free);
+        self.wanted()
     }
 }
 
@@ -159,6 +174,7 @@ where
     F: FnMut(&P, &R, (&mut [f64], &mut [bool])) -> Next + Send,
     S: Fn(&mut P, &[f64]) -> R + Send + Sync,
 {
+    /// While it is locked nothing may wait for other threads of the pool, which may wait for the lock.
     fn lock(&self) -> MutexGuard<'_, Sweep<'a, P, R, F>> {
         // A panic of another thread is passed on by the scope.
         self.sweep
@@ -166,15 +182,15 @@ where
             .unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
-    /// Lets threads work on so many patches that have become ready.
-    fn spawn<'s>(&'s self, scope: &Scope<'s>, ready: usize) {
-        for _ in 0..ready {
+    /// Lets threads begin so many patches.
+    fn spawn<'s>(&'s self, scope: &Scope<'s>, wanted: usize) {
+        for _ in 0..wanted {
             scope.spawn(|scope| {
                 let begun = self.lock().begin();
                 if let Some((i, patch, x)) = begun {
                     let solved = (self.solve)(patch, &x);
-                    let ready = self.lock().end(i, patch, solved);
-                    self.spawn(scope, ready);
+                    let wanted = self.lock().end(i, patch, solved);
+                    self.spawn(scope, wanted);
                 }
             });
         }
@@ -269,6 +285,29 @@ mod tests {
                 "{threads} threads"
             );
         }
+    }
+
+    /// Threads that wait for parts of a patch begin no other ones beyond their number.
+    #[test]
+    fn no_more_patches_are_open_than_there_are_threads() {
+        let order = Order::new((0..60).map(|_| [].as_slice()));
+        let (open, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build();
+        let solved = pool.expect("threads").install(|| {
+            order.sweep(
+                &mut [(); 60],
+                (&mut [], &mut [true; 60]),
+                |(), _| {
+                    most.fetch_max(open.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
+                    let part = || std::thread::sleep(std::time::Duration::from_micros(300));
+                    rayon::join(|| rayon::join(part, part), || rayon::join(part, part));
+                    open.fetch_sub(1, Ordering::SeqCst);
+                },
+                |(), (), _| Next::GoOn,
+            )
+        });
+        assert!(solved.iter().all(Option::is_some));
+        assert!(most.into_inner() <= 4);
     }
 
     #[test]
