@@ -489,7 +489,16 @@ fn multiply(matrix: &SparseColMat<usize, f64>, vector: &[f64]) -> Vec<f64> {
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    // One sum would wait for each of its additions.
+    let mut sums = [0.0; 8];
+    let ((first, first_left), (second, second_left)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    for (a, b) in first.iter().zip(second) {
+        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += a * b;
+        }
+    }
+    let left = first_left.iter().zip(second_left).map(|(a, b)| a * b);
+    sums.iter().sum::<f64>() + left.sum::<f64>()
 }
 
 fn axpy(target: &mut [f64], scale: f64, source: &[f64]) {
