@@ -15,7 +15,8 @@
 //!
 //! by an `L D L'` factorisation of the quasi-definite regularisation of the matrix
 //! (Vanderbei 1995). The signs of `D` are its inertia: as many negative pivots as rows mean a
-//! minimum, more mean a saddle (Gould 1985), which is left along negative curvature.
+//! minimum, more mean a saddle (Gould 1985), which is left along negative curvature. All threads of
+//! the rayon pool that it is called in factorise, with the same bits on any number of them.
 //!
 //! Unknowns are lengths in m, energies in J, forces in N, stiffnesses in N/m; all tolerances
 //! are relative to the scales of the objective. The crate knows no mesh and no load.
