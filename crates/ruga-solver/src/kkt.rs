@@ -145,11 +145,7 @@ impl Kkt {
         let assembled = PermutedSystem::assemble(pattern, rows, order.placement());
         let fronts = Fronts::new(analyse(&assembled.lower)?);
         let places = fronts.places(assembled.lower.as_ref());
-        u32::try_from(fronts.symbolic().len_val()).map_err(|_| SolverError::TooLarge { size })?;
-        let slots = assembled
-            .slots
-            .iter()
-            .map(|&entry| places[entry as usize] as u32);
+        let slots = assembled.slots.iter().map(|&entry| places[entry as usize]);
         Ok(Self {
             row_scales,
             order,

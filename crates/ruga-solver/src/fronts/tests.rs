@@ -134,7 +134,7 @@ fn fronts_of_all_widths_are_eliminated() -> Result<(), usize> {
             // Every third pivot is negative.
             noise
                 + if i == j {
-                    150.0 * if i % 3 == 0 { -1.0 } else { 1.0 }
+                    150.0 * if i.is_multiple_of(3) { -1.0 } else { 1.0 }
                 } else {
                     0.0
                 }
