@@ -62,9 +62,10 @@ impl Inertia {
 /// [ N H         - e I ]
 /// ```
 ///
-/// as `L D L'` in a nested-dissection order, on all threads of the rayon pool that it is called in, with the
-/// same bits on any number of them, and on the caller's thread outside of a pool; iterative refinement removes `e` from solutions. Without rows
-/// this is the factorisation of `K` alone, with `e` = 1e-13.
+/// as `L D L'` in a nested-dissection order, on all threads of the rayon pool that it is called in, with
+/// the same bits on any number of them, and on the caller's thread outside of a pool; iterative
+/// refinement removes `e` from solutions. Without rows this is the factorisation of `K` alone, with
+/// `e` = 1e-13.
 pub struct Kkt {
     pattern: LowerPattern,
     rows: ConstraintRows,

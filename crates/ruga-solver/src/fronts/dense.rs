@@ -26,11 +26,10 @@ pub(super) fn eliminate(mut front: MatMut<'_, f64>, below: MatMut<'_, f64>) -> R
     let mut done = 0;
     while done < columns {
         let end = columns.min(done + PANEL);
-        let (panel, others) = front
+        let (mut panel, others) = front
             .rb_mut()
             .submatrix_mut(done, done, rows - done, columns - done)
             .split_at_col_mut(end - done);
-        let mut panel = panel;
         panel_in_place(panel.rb_mut()).map_err(|pivot| done + pivot)?;
         let width = end - done;
         if columns > end {
