@@ -1,11 +1,11 @@
 //! Numeric factorisation `L D L'` by fronts, on the threads of the rayon pool that it is called in.
 //!
-//! A front is a supernode with the rows below it: the dense matrix in which its columns are eliminated. What that changes
-//! in the rows below, its update matrix, is added to the front of its parent in the elimination tree (multifrontal method:
-//! Duff and Reid, *ACM Trans. Math. Software* 9, 1983). Fronts of different branches do not know of each other and may be
-//! eliminated side by side, and the products of large ones are cut into pieces that may, too. What is cut, and in which
-//! order update matrices are added up, depends on the pattern alone, so that the factor has the same bits on any number
-//! of threads. Outside of a pool all of it is done by the caller's thread.
+//! A front is a supernode with the rows below it: the dense matrix in which its columns are eliminated. What that
+//! changes in the rows below, its update matrix, is added to the front of its parent in the elimination tree
+//! (multifrontal method: Duff and Reid, *ACM Trans. Math. Software* 9, 1983). Fronts of different branches do not
+//! know of each other and may be eliminated side by side, and the products of large ones are cut into pieces that
+//! may, too. What is cut, and in which order update matrices are added up, depends on the pattern alone, so that the
+//! factor has the same bits on any number of threads. Outside of a pool all of it is done by the caller's thread.
 
 mod dense;
 mod tree;

@@ -18,9 +18,9 @@ const PANEL: usize = 96;
 /// Multiplications of a product that is not worth being cut.
 const LIGHT_PRODUCT: usize = 1 << 22;
 
-/// Eliminates all columns of `front`, whose lower trapezoid becomes `L` with `D` on its diagonal, and subtracts from the
-/// lower triangle of `below`, which belongs to the rows under its square, what that changes there. Fails with the column
-/// of a pivot that is zero or not finite.
+/// Eliminates all columns of `front`, whose lower trapezoid becomes `L` with `D` on its diagonal, and subtracts from
+/// the lower triangle of `below`, which belongs to the rows under its square, what that changes there. Fails with the
+/// column of a pivot that is zero or not finite.
 pub(super) fn eliminate(mut front: MatMut<'_, f64>, below: MatMut<'_, f64>) -> Result<(), usize> {
     let (rows, columns) = (front.nrows(), front.ncols());
     let mut done = 0;

@@ -18,8 +18,8 @@ pub(super) struct Tree {
     work: f64,
 }
 
-/// Supernodes that are eliminated one after the other: a heavy one alone, or some light ones with the same parent and all
-/// that is below them.
+/// Supernodes that are eliminated one after the other: a heavy one alone, or some light ones with the same parent and
+/// all that is below them.
 pub(super) struct Branch {
     /// Ascending, so that children come before their parents.
     pub(super) supernodes: Vec<u32>,
@@ -44,7 +44,8 @@ impl Tree {
         let total = roots.map(|(_, work)| work).sum();
         let mut branches: Vec<Branch> = Vec::new();
         let mut branch_of = vec![0; count];
-        // The branch of light siblings that is being filled, and how much it has, for every heavy parent and for none.
+        // The branch of light siblings that is being filled, and how much it has, for every heavy parent and for
+        // none.
         let mut filling = vec![None; count + 1];
         // From parents to children: a supernode goes to the branch of its parent if that is light.
         for supernode in (0..count).rev() {
