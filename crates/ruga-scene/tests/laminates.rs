@@ -280,9 +280,11 @@ fn plies_burn_as_an_even_sheet_of_other_faces() {
     let fuel = one.result.layers[0].fire.as_ref().unwrap().fuel_left;
     assert!(fuel < 0.95, "{fuel}");
     let (height, distance) = (one.height(), one.distance(&both));
-    // The same sheet in other digits: each solve ends somewhere within its tolerance.
+    // The same sheet in other digits: each solve ends somewhere within its tolerance, and which way char crumples hangs
+    // by a hair. Sheets whose stiffness differs by 1e-13 came out up to 2e-3 of the height apart; one with the
+    // asymmetry of all of the thickness is 5e-3 from this one.
     assert!(
-        height > 1e-4 && distance < 1e-4 * height,
+        height > 1e-4 && distance < 3e-3 * height,
         "{height} {distance:e}"
     );
 }
