@@ -73,7 +73,7 @@ pub fn split_edges(
             (b - a).norm()
         };
         let cut = std::array::from_fn(|edge| vertex(3 + edge) != u32::MAX);
-        for child in children(cut, length).iter().flatten() {
+        for child in &children(cut, length) {
             faces.push(child.map(vertex));
             let corners = child.map(|at| places[at].1);
             origins.push(FaceOrigin { face, corners });
@@ -117,33 +117,29 @@ fn places_in(
 
 /// The parts of a face whose edges are `cut`: corners are 0 to 2, the cut of edge `i` is `3 + i`.
 /// Of the two diagonals of a quadrilateral the one with the lesser `length` is taken.
-fn children(cut: [bool; 3], length: impl Fn([usize; 2]) -> f64) -> [Option<[usize; 3]>; 4] {
+fn children(cut: [bool; 3], length: impl Fn([usize; 2]) -> f64) -> Vec<[usize; 3]> {
     let next = |i: usize| (i + 1) % 3;
     let count = cut.iter().filter(|cut| **cut).count();
     let Some(first) = cut.iter().position(|&is_cut| is_cut) else {
-        return [Some([0, 1, 2]), None, None, None];
+        return vec![[0, 1, 2]];
     };
     if count == 1 {
         let (b, apex) = (next(first), next(next(first)));
-        let parts = [[first, 3 + first, apex], [3 + first, b, apex]];
-        return [Some(parts[0]), Some(parts[1]), None, None];
+        return vec![[first, 3 + first, apex], [3 + first, b, apex]];
     }
     let Some(whole) = cut.iter().position(|&is_cut| !is_cut) else {
-        return [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]].map(Some);
+        return vec![[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
     };
     // The apex is opposite the whole edge from `a` to `b`; both other edges are cut.
     let (a, b) = (whole, next(whole));
     let apex = next(b);
     let (left, right) = (3 + apex, 3 + b);
+    let mut parts = vec![[apex, left, right]];
     // The shorter diagonal leaves the larger least angle.
-    let others = match length([left, b]) <= length([a, right]) {
-        true => [[left, a, b], [left, b, right]],
-        false => [[left, a, right], [a, b, right]],
-    };
-    [
-        Some([apex, left, right]),
-        Some(others[0]),
-        Some(others[1]),
-        None,
-    ]
+    if length([left, b]) <= length([a, right]) {
+        parts.extend([[left, a, b], [left, b, right]]);
+    } else {
+        parts.extend([[left, a, right], [a, b, right]]);
+    }
+    parts
 }

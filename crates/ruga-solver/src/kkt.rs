@@ -13,6 +13,7 @@ use faer::sparse::linalg::cholesky::supernodal::{SupernodalLdltRef, SymbolicSupe
 
 use crate::error::{check_finite, check_length};
 use crate::fronts::{BadPivot, Fronts};
+use crate::ordering::check_system;
 use crate::permuted_system::{PermutedSystem, analyse};
 use crate::{ConstraintRows, EliminationOrder, LowerPattern, SolverError};
 
@@ -133,12 +134,8 @@ impl Kkt {
         block: usize,
         order: EliminationOrder,
     ) -> Result<Self, SolverError> {
-        let unknowns = pattern.size();
-        if block == 0 || !unknowns.is_multiple_of(block) {
-            return Err(SolverError::BlockSize { unknowns, block });
-        }
-        check_length("constraint columns", unknowns, rows.unknowns())?;
-        let size = unknowns + rows.count();
+        check_system(pattern, rows, block)?;
+        let size = pattern.size() + rows.count();
         check_length("elimination order", size, order.placement().len())?;
         let entries = pattern.entries() + rows.entries() + rows.count();
         i32::try_from(entries).map_err(|_| SolverError::TooLarge { size })?;

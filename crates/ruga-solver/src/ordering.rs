@@ -29,12 +29,8 @@ impl EliminationOrder {
         rows: &ConstraintRows,
         block: usize,
     ) -> Result<Self, SolverError> {
+        check_system(pattern, rows, block)?;
         let size = pattern.size();
-        if block == 0 || !size.is_multiple_of(block) {
-            let unknowns = size;
-            return Err(SolverError::BlockSize { unknowns, block });
-        }
-        check_length("constraint columns", size, rows.unknowns())?;
         let total = size + rows.count();
         let vertices = size / block;
         let adjacency = node_adjacency(pattern, rows, block);
@@ -62,6 +58,19 @@ impl EliminationOrder {
     pub(crate) fn placement(&self) -> &[u32] {
         &self.placement
     }
+}
+
+/// Refuses unknowns that are no multiple of `block`, and rows of another number of unknowns.
+pub(crate) fn check_system(
+    pattern: &LowerPattern,
+    rows: &ConstraintRows,
+    block: usize,
+) -> Result<(), SolverError> {
+    let unknowns = pattern.size();
+    if block == 0 || !unknowns.is_multiple_of(block) {
+        return Err(SolverError::BlockSize { unknowns, block });
+    }
+    check_length("constraint columns", unknowns, rows.unknowns())
 }
 
 /// Neighbours of every node, sorted, the node itself left out.
