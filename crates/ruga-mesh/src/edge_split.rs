@@ -1,8 +1,12 @@
 //! Splits edges of a mesh at given places, and with them the faces beside.
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 use crate::{EdgeId, FaceId, FaceOrigin, Id, PerFace, TriMesh, VertexId};
+
+/// Faces that a thread splits at least.
+const FACES_AT_ONCE: usize = 1024;
 
 /// A mesh with some edges split.
 #[derive(Clone, Debug)]
@@ -64,8 +68,8 @@ pub fn split_edges(
             fraction,
         });
     }
-    let (mut faces, mut origins) = (Vec::new(), Vec::new());
-    for face in mesh.faces().ids() {
+    let parts = |face: usize| {
+        let face = FaceId::from_index(face);
         let places = places_in(mesh, face, &numbers, places);
         let vertex = |at: usize| places[at].0;
         let length = |[a, b]: [usize; 2]| {
@@ -73,12 +77,15 @@ pub fn split_edges(
             (b - a).norm()
         };
         let cut = std::array::from_fn(|edge| vertex(3 + edge) != u32::MAX);
-        for child in &children(cut, length) {
-            faces.push(child.map(vertex));
+        let part = move |child: [usize; 3]| {
             let corners = child.map(|at| places[at].1);
-            origins.push(FaceOrigin { face, corners });
-        }
-    }
+            (child.map(|at| places[at].0), FaceOrigin { face, corners })
+        };
+        children(cut, length).into_iter().map(part)
+    };
+    let old = (0..mesh.face_count()).into_par_iter();
+    let (faces, origins): (Vec<_>, Vec<_>) =
+        old.with_min_len(FACES_AT_ONCE).flat_map_iter(parts).unzip();
     let mesh = TriMesh::new(positions.len(), faces);
     EdgeSplit {
         mesh: mesh.expect("neighbours are cut at the same vertices"),

@@ -5,6 +5,7 @@ mod planned_faces;
 use std::cell::OnceCell;
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use ruga_blend::{BaseSurface, Driver, PosedSurface};
 use ruga_material::{CAP_START, Wrinkling};
 use ruga_mesh::{FaceId, Id, PerFace, edge_distances};
@@ -36,6 +37,9 @@ pub use planned_faces::{PlannedFace, Treatment};
 const FACET_FRACTION: f64 = 1.0 / 3.0;
 /// Loads, as fractions of the last key, at which the way to the keys is looked at.
 const PASSING: [f64; 3] = [0.25, 0.5, 0.75];
+
+/// Faces that a thread reads the layer's map on at least.
+const FACES_AT_ONCE: usize = 256;
 
 /// The driver, or what a mask leaves of it, subdivided finely enough to measure strain on.
 pub(crate) struct PlanningSurface<'a> {
@@ -130,14 +134,18 @@ impl<'a> PlanningSurface<'a> {
         layer: &LayerSpec,
         nominal: &Wrinkling,
     ) -> Result<PerFace<Wrinkling>, StepperError> {
-        let faces = self.surface.mesh().faces().as_slice().iter();
-        let uvs = self.surface.uvs().as_slice().iter();
-        uvs.zip(faces)
+        let positions = &self.rest.positions;
+        let faces = self.surface.mesh().faces().as_slice().par_iter();
+        let uvs = self.surface.uvs().as_slice().par_iter();
+        let on_faces = uvs.zip(faces).with_min_len(FACES_AT_ONCE);
+        let found: Vec<_> = on_faces
             .map(|(uvs, corners)| {
-                let corners = corners.map(|v| self.rest.positions[v.index()]);
+                let corners = corners.map(|v| positions[v.index()]);
                 wrinkling_on_face(layer, nominal, (uvs, corners))
             })
-            .collect()
+            .collect();
+        // Of several errors the first is told, whoever was first.
+        found.into_iter().collect()
     }
 
     /// The faces under the lines of a layer's creases.

@@ -67,13 +67,15 @@ impl SkinProperties {
             Ok(local)
         };
         let of_faces = relative_on_faces(spec, skin, &relative);
+        let local_at = |places: &[RelativeProperties]| {
+            let places = places.par_iter().with_min_len(PLACES_AT_ONCE);
+            let found: Vec<_> = places.map(local).collect();
+            // Of several errors the first is told, whoever was first.
+            found.into_iter().collect::<Result<Vec<_>, _>>()
+        };
         Ok(Self {
-            faces: of_faces
-                .as_slice()
-                .iter()
-                .map(local)
-                .collect::<Result<_, _>>()?,
-            vertices: relative.iter().map(local).collect::<Result<_, _>>()?,
+            faces: local_at(of_faces.as_slice())?.into(),
+            vertices: local_at(&relative)?.into(),
         })
     }
 }

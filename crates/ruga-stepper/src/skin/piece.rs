@@ -1,6 +1,7 @@
 //! A part of the driver's surface, whose faces can be split at their edges.
 
 use nalgebra::{Vector2, Vector3};
+use rayon::prelude::*;
 use ruga_blend::{BaseSurface, Driver};
 use ruga_mesh::{
     BornVertex, EdgeId, EdgeSplit, FaceId, FaceOrigin, Id, MaterialPoint, PerFace, TriMesh,
@@ -8,6 +9,9 @@ use ruga_mesh::{
 };
 
 use crate::skin::fans::one_fan_per_vertex;
+
+/// Parts of faces that a thread places at least.
+const PARTS_AT_ONCE: usize = 1024;
 
 /// Part of a surface: places on the driver, and texture coordinates per corner.
 #[derive(Clone, Debug)]
@@ -59,7 +63,7 @@ impl Piece {
             born,
             origins: parts,
         } = split_edges(&self.mesh, places, positions);
-        for vertex in &born {
+        let point = |vertex: &BornVertex| {
             let edge = self.mesh.edges()[vertex.edge];
             let face = edge.faces[0].expect("an edge has a face to its left");
             let corner = edge_corner(&self.mesh, face, vertex.edge);
@@ -67,21 +71,24 @@ impl Piece {
             let mut weights = [0.0; 3];
             weights[corner] = 1.0 - vertex.fraction;
             weights[(corner + 1) % 3] = vertex.fraction;
-            self.points.push(self.origins[face].place(weights));
-        }
+            self.origins[face].place(weights)
+        };
+        let points = born.par_iter().with_min_len(PARTS_AT_ONCE).map(point);
+        self.points.par_extend(points);
         let parts = parts.as_slice();
-        let origins = parts.iter().map(|part| {
+        let all = || parts.par_iter().with_min_len(PARTS_AT_ONCE);
+        let origins = all().map(|part| {
             let origin = &self.origins[part.face];
             FaceOrigin {
                 face: origin.face,
                 corners: part.corners.map(|weights| origin.lift(weights)),
             }
         });
-        let uvs = parts.iter().map(|part| {
+        let uvs = all().map(|part| {
             let own = &self.uvs[part.face.index()];
             part.corners.map(|weights| blend(own, weights))
         });
-        let (origins, uvs): (Vec<_>, _) = (origins.collect(), uvs.collect());
+        let (origins, uvs): (Vec<_>, Vec<_>) = (origins.collect(), uvs.collect());
         self.mesh = mesh;
         self.origins = origins.into();
         self.uvs = uvs;

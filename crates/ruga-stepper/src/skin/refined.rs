@@ -1,6 +1,7 @@
 //! Output meshes that are fine where wrinkles may be, and coarse elsewhere.
 
 use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
 use ruga_blend::Driver;
 use ruga_mesh::{Edge, EdgeId, FaceId, Id, PerEdge, PerFace, TriMesh};
 
@@ -8,6 +9,9 @@ use crate::skin::piece::Piece;
 
 /// Halvings of an edge, at most: seven more than make a metre a millimetre.
 const MOST_PASSES: u32 = 17;
+
+/// Edges that a thread measures at least.
+const EDGES_AT_ONCE: usize = 1024;
 
 /// What a piece with smaller faces was made from.
 pub(crate) struct Refined {
@@ -58,17 +62,23 @@ pub(crate) fn in_all_directions(longest: f64) -> Matrix3<f64> {
 fn edges_to_halve(
     mesh: &TriMesh,
     positions: &[Vector3<f64>],
-    measure: &dyn Fn(FaceId) -> Matrix3<f64>,
+    measure: &(dyn Fn(FaceId) -> Matrix3<f64> + Sync),
 ) -> PerEdge<bool> {
     let squared = |face: FaceId, edge: EdgeId| {
         let [a, b] = mesh.edges()[edge].vertices.map(|v| positions[v.index()]);
         (b - a).dot(&(measure(face) * (b - a)))
     };
-    let is_too_long = |(id, edge): (EdgeId, &Edge)| {
+    let is_too_long = |(id, edge): (usize, &Edge)| {
         let mut beside = edge.faces.iter().flatten();
-        beside.any(|&face| squared(face, id) > 1.0)
+        beside.any(|&face| squared(face, EdgeId::from_index(id)) > 1.0)
     };
-    let mut halved: PerEdge<bool> = mesh.edges().iter().map(is_too_long).collect();
+    let edges = mesh
+        .edges()
+        .as_slice()
+        .par_iter()
+        .with_min_len(EDGES_AT_ONCE);
+    let too_long: Vec<bool> = edges.enumerate().map(is_too_long).collect();
+    let mut halved = PerEdge::from(too_long);
     let mut pending: Vec<EdgeId> = halved
         .iter()
         .filter(|(_, on)| **on)
