@@ -7,9 +7,6 @@ use ruga_solver::{NewtonSettings, SolveReport};
 
 use crate::{Sheet, SheetSpec, unit_film};
 
-/// Thickness.
-const THICKNESS: f64 = 0.004;
-
 /// Young's modulus (Pa) and Poisson's ratio.
 const YOUNG: f64 = 1e9;
 const POISSON: f64 = 0.3;
@@ -20,7 +17,7 @@ const CREASE: f64 = 20.0;
 /// Steps in which a fold is made.
 const STEPS: u32 = 6;
 
-/// Flat paper 0.004 thick, of which one face is held, with creases along edges.
+/// Flat paper of which one face is held, with creases along edges.
 pub struct FoldedPaper {
     /// The paper and its state.
     pub sheet: Sheet,
@@ -33,15 +30,18 @@ pub struct FoldedPaper {
 }
 
 impl FoldedPaper {
-    /// Lays paper flat and holds its face number `held`.
+    /// Thickness of the paper in pictures.
+    pub const THICKNESS: f64 = 0.004;
+
+    /// Lays paper of a thickness flat and holds its face number `held`.
     ///
     /// # Panics
     /// When the faces are no mesh.
-    pub fn new(rest: Vec<Vector3<f64>>, faces: Vec<[u32; 3]>, held: usize) -> Self {
+    pub fn new(rest: Vec<Vector3<f64>>, faces: Vec<[u32; 3]>, held: usize, thickness: f64) -> Self {
         let face = FaceParameters {
             young: YOUNG,
             poisson: POISSON,
-            thickness: THICKNESS,
+            thickness,
             normal_stiffness: 0.0,
             gradient_stiffness: 0.0,
         };
@@ -58,7 +58,7 @@ impl FoldedPaper {
         let pinned = (0..rest.len() as u32).map(|v| held.contains(&v)).collect();
         let mesh = TriMesh::new(rest.len(), faces.clone()).expect("a valid mesh");
         let spec = SheetSpec::bare(
-            (theory, THICKNESS),
+            (theory, thickness),
             (rest.clone(), faces),
             parameters,
             pinned,
@@ -111,7 +111,12 @@ impl FoldedPaper {
     ///
     /// # Panics
     /// Without rows.
-    pub fn ring(angle: f64, half_width: f64, rows: usize) -> (Self, std::ops::Range<u32>) {
+    pub fn ring(
+        angle: f64,
+        half_width: f64,
+        rows: usize,
+        thickness: f64,
+    ) -> (Self, std::ops::Range<u32>) {
         let row = half_width / rows as f64;
         // Even rows have one vertex more than odd ones, which begin half a step later.
         let steps = (angle / (row / 0.75_f64.sqrt())).round() as usize;
@@ -131,7 +136,8 @@ impl FoldedPaper {
         let faces: Vec<_> = faces.collect();
         // At an end of the outer border.
         let held = faces.len() - 1;
-        (Self::new(rest, faces, held), arcs[rows].clone())
+        let paper = Self::new(rest, faces, held, thickness);
+        (paper, arcs[rows].clone())
     }
 }
 

@@ -12,7 +12,7 @@ const HALF_WIDTH: f64 = 0.2;
 /// Rows of triangles from the middle to either border.
 const ROWS: usize = 8;
 
-/// A sector of a ring of unit radius, 0.004 thick, with a crease along its middle.
+/// A sector of a ring of unit radius with a crease along its middle.
 struct Ring {
     paper: FoldedPaper,
     line: Vec<EdgeId>,
@@ -21,8 +21,8 @@ struct Ring {
 }
 
 impl Ring {
-    fn new() -> Self {
-        let (paper, middle) = FoldedPaper::ring(SECTOR, HALF_WIDTH, ROWS);
+    fn new(thickness: f64) -> Self {
+        let (paper, middle) = FoldedPaper::ring(SECTOR, HALF_WIDTH, ROWS, thickness);
         Self {
             line: edges_within(&paper.mesh, |v| middle.contains(&v)),
             paper,
@@ -112,18 +112,31 @@ impl Ring {
 #[test]
 fn a_curved_fold_bends_as_its_geodesic_curvature_says() {
     for degrees in [46.0, 92.0] {
-        let mut ring = Ring::new();
-        ring.fold(degrees);
-        let (angle, curvature) = (ring.angle(), ring.curvature());
-        let parts = ring.paper.sheet.parts();
-        let membrane = parts.membrane / parts.total();
-        let (off, share) = (ring.off_plane(), ring.share_of_crease());
-        // Measured at folds of 46 and 91 degrees: 0.998 and 0.989, 0.0002 and 0.0005, 0.017 and 0.023, 0.997 and
-        // 0.996. The fold is held, so that paper of finite thickness stretches a little.
-        let geodesic = curvature * (0.5 * angle).cos();
-        assert!((geodesic - 1.0).abs() < 0.012, "{degrees}: {geodesic}");
-        assert!(off < 0.005, "{degrees}: {off}");
-        assert!(membrane < 0.025, "{degrees}: {membrane}");
-        assert!(share > 0.98, "{degrees}: {share}");
+        let mut off_by = Vec::new();
+        for thickness in [0.004, 0.002] {
+            let mut ring = Ring::new(thickness);
+            ring.fold(degrees);
+            let (angle, curvature) = (ring.angle(), ring.curvature());
+            let parts = ring.paper.sheet.parts();
+            let membrane = parts.membrane / parts.total();
+            let (off, share) = (ring.off_plane(), ring.share_of_crease());
+            let geodesic = curvature * (0.5 * angle).cos();
+            let case = format!("{degrees} degrees, {thickness} thick");
+            println!(
+                "{case}: {geodesic:.4}, off its plane {off:.4}, membrane {membrane:.3}, crease {share:.3}"
+            );
+            assert!(off < 0.001, "{case}: {off}");
+            assert!(membrane < 0.025, "{case}: {membrane}");
+            assert!(share > 0.98, "{case}: {share}");
+            off_by.push((geodesic - 1.0).abs());
+        }
+        // Geometry speaks of paper without thickness. In a layer beside the fold, as wide as the root of the
+        // thickness, it bends back a little, so that the angle at the line is not that from side to side. Measured:
+        // 0.17 and 0.13 % at 46 degrees, 1.06 and 0.79 % at 91; meshes twice as fine change the second decimal.
+        let [thick, thin] = off_by[..] else {
+            unreachable!("two thicknesses")
+        };
+        assert!(thin < 0.01, "{degrees}: {thin}");
+        assert!(thin < 0.85 * thick, "{degrees}: {thin} of {thick}");
     }
 }

@@ -140,7 +140,12 @@ fn crossing() -> Result<Scene, Box<dyn Error>> {
     Ok(Scene {
         file: "crossing.png",
         what: "two lines that cross (after the paper's figure 8)",
-        paper: FoldedPaper::new(rest, faces.map(|face| face.map(|v| v.0)).collect(), 0),
+        paper: FoldedPaper::new(
+            rest,
+            faces.map(|face| face.map(|v| v.0)).collect(),
+            0,
+            FoldedPaper::THICKNESS,
+        ),
         folds,
         squares: 16.0,
         view: View {
@@ -152,7 +157,7 @@ fn crossing() -> Result<Scene, Box<dyn Error>> {
 
 /// A ring folded along its middle.
 fn curved() -> Scene {
-    let (paper, middle) = FoldedPaper::ring(200_f64.to_radians(), 0.2, 8);
+    let (paper, middle) = FoldedPaper::ring(200_f64.to_radians(), 0.2, 8, FoldedPaper::THICKNESS);
     let line = edges_within(&paper.mesh, |v| middle.contains(&v)).into_iter();
     Scene {
         file: "curved.png",
@@ -195,7 +200,7 @@ fn pleats() -> Scene {
     Scene {
         file: "pleats.png",
         what: "knife pleats",
-        paper: FoldedPaper::new(rest, strip.faces, 0),
+        paper: FoldedPaper::new(rest, strip.faces, 0, FoldedPaper::THICKNESS),
         folds,
         squares: 20.0,
         view: View {
