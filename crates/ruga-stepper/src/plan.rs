@@ -18,6 +18,7 @@ mod waves;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use ruga_blend::{BaseSurface, Driver};
 use ruga_material::{StackPair, Wrinkling};
 use ruga_mesh::FaceId;
@@ -232,12 +233,15 @@ pub fn plan(
     let surface = PlanningSurface::new(driver, &stacking, modelling, map_size)?;
     let planned = planned_layers(&surface, &stacking, modelling)?;
     let mut warnings = stacking.warnings(modelling.stack);
-    let pose_plan = |pose| {
-        let mut pose = surface.pose_plan(&planned, pose, &mut warnings);
+    let pose_plan = |pose: &PoseSpec| {
+        let mut own = Vec::new();
+        let mut pose = surface.pose_plan(&planned, pose, &mut own);
         add_carried_along(&mut pose, &stacking);
-        pose
+        (pose, own)
     };
-    let poses_planned: Vec<PosePlan> = poses.iter().map(pose_plan).collect();
+    let found: Vec<_> = poses.par_iter().map(pose_plan).collect();
+    let (poses_planned, of_poses): (Vec<PosePlan>, Vec<_>) = found.into_iter().unzip();
+    warnings.extend(of_poses.into_iter().flatten());
     warnings.extend(never_wrinkle_warnings(&poses_planned, planned.len()));
     warnings.extend(never_fold_warnings(&poses_planned, &stacking.specs));
     let plan = Plan {

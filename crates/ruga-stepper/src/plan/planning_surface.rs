@@ -2,7 +2,7 @@
 
 mod planned_faces;
 
-use std::cell::OnceCell;
+use std::sync::OnceLock;
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -56,7 +56,7 @@ pub(crate) struct PlanningSurface<'a> {
     /// Texels per metre at size 1.
     uv_density: PerFace<f64>,
     /// Centres of the driver's blend shapes, computed when a warning first names a place.
-    shapes: OnceCell<ShapeCentres>,
+    shapes: OnceLock<ShapeCentres>,
 }
 
 impl<'a> PlanningSurface<'a> {
@@ -115,7 +115,7 @@ impl<'a> PlanningSurface<'a> {
             edges: per_face(&surface, |corners, _| mean_edge(corners), &rest),
             curvatures: per_face(&surface, curvature, &rest),
             uv_density: uv_density(&surface, &rest),
-            shapes: OnceCell::new(),
+            shapes: OnceLock::new(),
             surface,
             rest,
         };

@@ -1,6 +1,7 @@
 //! Where a pose can wrinkle a layer: the active region.
 
 use nalgebra::{Matrix2, Matrix3, Vector3};
+use rayon::prelude::*;
 use ruga_blend::{BaseSurface, Driver, FaceStrain, PosedSurface, face_strains};
 use ruga_mesh::{FaceId, Id, PerFace, TriMesh, edge_distances, face_normals, triangle_frame};
 
@@ -92,8 +93,11 @@ impl PoseStrains {
         // Strains on the way are not averaged, because the ones at the keys that they are compared
         // with are not. Averaging lowers peaks: on one side of the comparison alone it would hide
         // detours or invent them.
-        for (fraction, pose) in passing {
-            let strains = face_strains(mesh, &rest.positions, &pose.positions);
+        let on_the_way: Vec<_> = passing
+            .par_iter()
+            .map(|(_, pose)| face_strains(mesh, &rest.positions, &pose.positions))
+            .collect();
+        for ((fraction, pose), strains) in passing.iter().zip(on_the_way) {
             mark_folded(mesh, pose, &strains, &mut pose_strains.passing_folded);
             let strains: PerFace<f64> = felt(on, strains, &growth, fraction * last)
                 .iter()

@@ -1,6 +1,6 @@
 //! What the planner tells an artist: what happens, where, whether it matters, and what to do.
 
-use std::cell::OnceCell;
+use std::sync::OnceLock;
 
 use ruga_blend::{BaseSurface, Driver, PosedSurface};
 use ruga_material::CAP_START;
@@ -37,7 +37,7 @@ const HOPELESS: f64 = 2e7;
 pub(crate) struct PosedPlan<'a> {
     pub(crate) driver: &'a Driver,
     /// Centres of the driver's blend shapes, computed when a warning first names a place.
-    pub(crate) shapes: &'a OnceCell<ShapeCentres>,
+    pub(crate) shapes: &'a OnceLock<ShapeCentres>,
     pub(crate) surface: &'a BaseSurface,
     pub(crate) rest: &'a PosedSurface,
     pub(crate) pose: &'a PoseSpec,
