@@ -213,16 +213,9 @@ impl CreasedMesh<'_> {
         of_sheet.unwrap_or(waves.wavelength)
     }
 
-    /// Whether the layer has nothing below it that stays where it is.
-    fn is_free(&self) -> bool {
-        self.scene.interior.is_some() || self.scene.sheet.is_some()
-    }
-
-    /// Warning of a preset's anchor, which has nothing to hold to on a soft body or a sheet.
+    /// Warning of a preset's anchor, which has nothing to hold to on a sheet.
     fn anchor_warning(&self, crease: &Crease) -> Option<String> {
-        if !self.is_free() {
-            return None;
-        }
+        self.scene.sheet.as_ref()?;
         let preset = crease.preset.as_deref().and_then(crease_preset)?;
         preset.depth?;
         Some(format!(
@@ -248,12 +241,16 @@ impl CreasedMesh<'_> {
             stiffness: anchor.stiffness,
         });
         let usual = preset.and_then(|preset| preset.depth);
-        let usual = usual.filter(|_| !self.is_free());
+        let usual = usual.filter(|_| self.scene.sheet.is_none());
         let anchor = own.or(usual.map(|depth| CreaseAnchor {
             depth,
             stiffness: ANCHOR_STIFFNESS,
         }));
-        let below = layer.substrate.thickness;
+        // How deep a soft body is below a line, its plan finds out.
+        let below = match &self.scene.interior {
+            Some(_) => f64::INFINITY,
+            None => layer.substrate.thickness,
+        };
         if let Some(deep) = anchor.filter(|anchor| anchor.depth >= below) {
             let depth = 1e3 * deep.depth;
             let (key, found) = match (own, &crease.preset) {

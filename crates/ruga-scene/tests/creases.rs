@@ -413,10 +413,27 @@ fn scene_creases_belong_to_the_lowest_layer() {
     let words = "stack | found \"joint\" | \"nominal\" or \"composite\"";
     says(Scene::read(&site.0.file("scene.toml", joint)), words);
     let body = |more: &str| crease("line", more) + "[interior]\ncells = 4\nfollow = 1e6\n";
-    let words = "creases[0].anchor | no anchor with [interior]";
-    site.refuses(&body("anchor = { depth = 1e-4 }"), words);
-    let left_out = "crease `line` | anchor of its preset | left out";
-    site.warns(&body("preset = \"palm-line\"\nwidth = 1e-4"), left_out);
+    let depth_on = |more: &str| {
+        let scene = site.read(&body(more)).unwrap();
+        scene.layers[0].creases[0].anchor.unwrap().depth
+    };
+    // Deeper than the substrate is thick: the body is as deep as its mesh.
+    assert_eq!(depth_on("anchor = { depth = 8e-3 }"), 8e-3);
+    assert!(depth_on("preset = \"palm-line\"\nwidth = 1e-4") > 0.0);
+    let sheet = |more: &str| {
+        let (_, layer) = LAYER.split_at(LAYER.find("[[layers]]").unwrap());
+        site.read_all(&format!("{layer}{}[sheet]\n", crease("line", more)))
+    };
+    let words = "creases[0].anchor | no anchor with [sheet]";
+    says(sheet("anchor = { depth = 1e-4 }"), words);
+    let warnings = sheet("preset = \"palm-line\"\nwidth = 1e-4")
+        .unwrap()
+        .warnings;
+    let left_out = "crease `line`: the anchor of its preset is left out";
+    assert!(
+        warnings.iter().any(|warning| warning.starts_with(left_out)),
+        "{warnings:?}"
+    );
     let symmetric = format!("symmetry = \"x\"\n{LAYER}{}", crease("line", ""));
     let words = "driver.symmetry | found \"x\" | no `symmetry` with [[creases]]";
     says(site.read_all(&symmetric), words);

@@ -20,13 +20,16 @@ pub struct CreaseSpec {
     pub sense: FoldSense,
     /// What its fold angle and its anchor's depth follow; softness is there in every pose.
     pub drive: Drive,
-    /// Springs that hold the line, while it is drawn, at a depth below the skin around it; none on a soft body.
+    /// Springs that hold the line, while it is drawn, at a depth below the skin around it; none on a free sheet.
     pub anchor: Option<CreaseAnchor>,
     /// What it keeps of earlier folds, in every pose.
     pub memory: CreaseMemory,
 }
 
 /// Springs that draw a crease towards a depth.
+///
+/// On a driver they count the depth from the posed surface, which stands still. On a soft body their lower ends lie in
+/// the flesh, at rest straight below the line in that depth, and move with it: line and flesh draw each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CreaseAnchor {
     /// Depth at full strength (m), ≥ 0; of a mountain fold the height.

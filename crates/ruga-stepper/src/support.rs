@@ -3,10 +3,12 @@
 mod body;
 pub(crate) mod contact;
 pub(crate) mod embedding_lattice;
+mod flesh;
 pub(crate) mod handles;
 mod interior;
 pub(crate) mod lattice_size;
 mod layout;
+mod line_anchors;
 mod mass;
 pub(crate) mod motion;
 pub(crate) mod obstacle;

@@ -12,7 +12,8 @@ use ruga_shell::BendingModel;
 use crate::error::{Checked, refuse};
 use crate::growth::PoseGrowth;
 use crate::{
-    EdgeLimits, GROWTH_RANGE, Grows, GrowthSpec, LayerSpec, Modelling, PoseSpec, StepperError,
+    CreaseSpec, EdgeLimits, GROWTH_RANGE, Grows, GrowthSpec, LayerSpec, Modelling, PoseSpec,
+    StepperError,
 };
 
 /// Load steps of a pose: every one is kept in a list and solved, and ten are usual.
@@ -54,15 +55,65 @@ pub(crate) fn check_layer(layer: &LayerSpec) -> Checked {
     }
 }
 
-/// Refuses anchors of creases on a body, whose surface moves with what is below.
-pub(crate) fn check_unanchored(layer: &LayerSpec) -> Checked {
+/// Refuses anchors of creases of a free sheet, below which there is nothing.
+fn check_unanchored(layer: &LayerSpec) -> Checked {
     match layer.creases.iter().find(|crease| crease.anchor.is_some()) {
         None => Ok(()),
-        Some(crease) => {
-            let of = format!("layer '{}', crease '{}'", layer.name, crease.name);
-            refuse(of, "anchor", "one", "none on a soft body")
+        Some(crease) => refuse(
+            of_crease(layer, crease),
+            "anchor",
+            "one",
+            "none on a free sheet",
+        ),
+    }
+}
+
+/// Refuses anchors with numbers that no spring has.
+pub(crate) fn check_anchors(layer: &LayerSpec) -> Checked {
+    for crease in &layer.creases {
+        let Some(anchor) = crease.anchor else {
+            continue;
+        };
+        let values = [
+            (
+                "anchor.depth",
+                anchor.depth,
+                "a finite depth from 0, in metres",
+            ),
+            (
+                "anchor.stiffness",
+                anchor.stiffness,
+                "a finite number from 0",
+            ),
+        ];
+        // Asked like this, what is no number is refused too.
+        let wrong = values
+            .iter()
+            .find(|(_, value, _)| !(*value >= 0.0 && value.is_finite()));
+        if let Some((field, value, accepted)) = wrong {
+            return refuse(of_crease(layer, crease), field, value, accepted);
         }
     }
+    Ok(())
+}
+
+/// Refuses anchors that are as deep as the `flesh` below each crease (m), or deeper.
+pub(crate) fn check_anchor_depths(layer: &LayerSpec, flesh: &[f64]) -> Checked {
+    for (crease, flesh) in layer.creases.iter().zip(flesh) {
+        if let Some(anchor) = crease.anchor.filter(|anchor| anchor.depth >= *flesh) {
+            let accepted = format!(
+                "less than {:.2} mm, the depth of the body below the line",
+                1e3 * flesh
+            );
+            let found = format!("{} m", anchor.depth);
+            return refuse(of_crease(layer, crease), "anchor.depth", found, accepted);
+        }
+    }
+    Ok(())
+}
+
+fn of_crease(layer: &LayerSpec, crease: &CreaseSpec) -> String {
+    format!("layer '{}', crease '{}'", layer.name, crease.name)
 }
 
 /// Refuses growths of what lies below a layer on a body, which has a size of its own.

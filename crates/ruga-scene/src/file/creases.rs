@@ -79,7 +79,8 @@ pub struct Crease {
     pub weights: BTreeMap<String, f64>,
 }
 
-/// Springs that hold a crease down.
+/// Springs that hold a crease down. On a soft body they hold it to places inside, that deep below the line at rest, and
+/// draw them up; on a free sheet there are none.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Anchor {

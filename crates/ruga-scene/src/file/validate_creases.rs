@@ -19,10 +19,9 @@ impl SceneFile {
             return Ok(());
         }
         let anchored = |(_, crease): &(usize, &Crease)| crease.anchor.is_some();
-        let on_body = self.interior.is_some() || self.sheet.is_some();
         let anchors = self.creases.iter().enumerate().find(anchored);
-        if let Some((number, _)) = anchors.filter(|_| on_body) {
-            let accepted = "no anchor with [interior] or [sheet], where nothing below holds it";
+        if let Some((number, _)) = anchors.filter(|_| self.sheet.is_some()) {
+            let accepted = "no anchor with [sheet], where nothing below holds it";
             return fault(&format!("creases[{number}].anchor"), "one", accepted);
         }
         if self.driver.symmetry.is_some() {

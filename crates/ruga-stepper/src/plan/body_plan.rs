@@ -23,8 +23,8 @@ use crate::support::handles::{HeldNodes, Moves};
 use crate::support::lattice_size::lattice_warnings;
 use crate::support::obstacle::{self, distance};
 use crate::validation::{
-    check_body_modelling, check_carried, check_grows, check_growth, check_layer, check_map_size,
-    check_pose, check_unanchored,
+    check_anchor_depths, check_anchors, check_body_modelling, check_carried, check_grows,
+    check_growth, check_layer, check_map_size, check_pose,
 };
 use crate::{
     Body, InteriorPlan, LayerPlan, LayerSpec, LoadPath, Modelling, Plan, PosePlan, PoseSpec,
@@ -48,8 +48,8 @@ const WORTH_TELLING: f64 = 1.1;
 ///
 /// # Errors
 /// [`StepperError::Setting`] for a value out of range or that is no number, before any work is done;
-/// a bad material, no layer, a black mask, a surface that does not enclose a body, a handle without
-/// cells, handles that hold all of it, a sharp map whose boundaries are nearly everywhere; a motion of
+/// a bad material, no layer, a black mask, a surface that does not enclose a body, an anchor of a crease deeper
+/// than the body is there, a handle without cells, handles that hold all of it, a sharp map whose boundaries are nearly everywhere; a motion of
 /// something that is not there, or whose keyframes do not ascend; an obstacle without a shape.
 pub fn plan_body(
     driver: &Arc<Driver>,
@@ -65,7 +65,7 @@ pub fn plan_body(
         return Err(StepperError::NoLayer);
     }
     layers.iter().try_for_each(check_layer)?;
-    layers.iter().try_for_each(check_unanchored)?;
+    layers.iter().try_for_each(check_anchors)?;
     for pose in poses {
         check_pose(driver, pose)?;
         layers
@@ -93,6 +93,10 @@ pub fn plan_body(
         .longest
         .max(stacking.wrinkling[0].wavelength);
     let embedding_lattice = EmbeddingLattice::new(driver, body, longest, modelling.smoothing)?;
+    for layer in &stacking.specs {
+        let flesh = embedding_lattice.flesh_below(driver, &layer.creases);
+        check_anchor_depths(layer, &flesh)?;
+    }
     let held = HeldNodes::new(&embedding_lattice.lattice, &body.handles)?;
     let lattice = &embedding_lattice.lattice;
     let interior = InteriorPlan {

@@ -366,7 +366,8 @@ impl Layer {
     pub(crate) fn energy(&self) -> f64 {
         // A body's surface may have moved since the energy was set up.
         let support = &self.support.posed.positions;
-        let inside = self.solid.as_ref().map_or(0.0, Solid::elastic_energy);
+        let of_body = |solid: &Solid| solid.elastic_energy() + solid.anchor_energy(&self.positions);
+        let inside = self.solid.as_ref().map_or(0.0, of_body);
         self.energy.value_over(&self.positions, support) + inside
     }
 

@@ -5,8 +5,9 @@ use ruga_blend::{BaseSurface, Driver, PosedSurface, Smoothing};
 use ruga_lattice::{Embedding, Filling, Lattice, LatticeError, LatticeSpec};
 use ruga_mesh::{FaceId, Id, MaterialPoint, PerVertex, VertexId, vertex_normals};
 
+use super::flesh::Flesh;
 use super::lattice_size::cells_for;
-use crate::{Body, StepperError};
+use crate::{Body, CreaseSpec, StepperError};
 
 /// Faces from which on a surface is fine enough to enclose the body: the polyhedron through points
 /// of a sphere then misses a thousandth of the volume.
@@ -60,6 +61,17 @@ impl EmbeddingLattice {
             sides,
             surface,
         })
+    }
+
+    /// Of every crease the least way (m) straight into the body, from its line to where the flesh ends.
+    pub(crate) fn flesh_below(&self, driver: &Driver, creases: &[CreaseSpec]) -> Vec<f64> {
+        let flesh = Flesh::new(driver, &self.surface, &self.sides);
+        let least = |crease: &CreaseSpec| {
+            let places = crease.line.places();
+            let ways = places.iter().map(|place| flesh.below(&self.address(place)));
+            ways.fold(f64::INFINITY, f64::min)
+        };
+        creases.iter().map(least).collect()
     }
 
     /// Embeds points of the driver, given at rest, in the lattice.

@@ -14,6 +14,7 @@ use super::contact::Contact;
 use super::handles::Moves;
 use super::interior::Interior;
 use super::layout::Layout;
+use super::line_anchors::LineAnchors;
 use super::mass::{BodyMass, diagonal};
 use super::obstacle::PlacedObstacle;
 use super::prediction::Prediction;
@@ -22,7 +23,7 @@ use super::{Body, posed};
 use crate::skin::skin_mesh::SkinMesh;
 use crate::support::motion::{Inertia, velocities};
 use crate::{LayerSpec, StepperError};
-use ruga_shell::LayerEnergy;
+use ruga_shell::{LayerEnergy, LineAnchor};
 
 pub(crate) use energy::Frozen;
 
@@ -45,7 +46,7 @@ pub(crate) struct SolidState {
 /// A body that moves together with the layer on it.
 ///
 /// ```text
-/// E(x, q) = layer(x, B q) + lattice(q) + contact(x) - weight . q
+/// E(x, q) = layer(x, B q) + lattice(q) + contact(x) + anchors(x, q) - weight . q
 ///           + 1/2 sum k |C q - target|^2 + f/2 (q - c)' M (q - c)
 /// ```
 /// `x` are the layer's vertices, `q` the lattice's nodes, `B` and `C` the embeddings of the layer's and
@@ -66,6 +67,8 @@ pub(crate) struct Solid {
     /// Weight on every node, N.
     weight: Vec<Vector3<f64>>,
     follow: Option<Follow>,
+    /// Springs that hold crease lines of the layer.
+    anchors: Option<LineAnchors>,
     layout: Layout,
     /// Whether springs hold the layer on it.
     is_held: bool,
@@ -108,12 +111,16 @@ impl Solid {
         let control = interior.embedding_lattice.embed_control(driver)?;
         let springs = Springs(energy.foundation_stiffness());
         let is_held = spec.coupling.has_foundation();
+        let anchors = LineAnchors::new(lattice, spec, skin)?;
         let of_nodes = |pinned: &[bool]| -> Result<LatticeEnergy, StepperError> {
             // Springs couple nodes that share no element: their entries have to be there from the
             // beginning.
             let mut energy = LatticeEnergy::new(lattice, &body.material, pinned)?;
             if is_held {
                 energy.couple_surface(&embedding, springs.stencils())?;
+            }
+            if let Some(anchors) = &anchors {
+                anchors.couple(&mut energy)?;
             }
             Ok(energy)
         };
@@ -125,12 +132,17 @@ impl Solid {
         let carried = (&embedding, masses);
         let mass = BodyMass::new(lattice, [&all_nodes, &free], body.density, carried)?;
         let follow = Follow::new(driver, &control, body, &free);
-        let of_vertex = |i| match is_held && i < embedding.point_count() {
-            true => coupled_nodes(&springs, &embedding, &free_of, i),
-            // An upper layer hangs on the lower one alone.
-            false => Vec::new(),
+        let mut coupled = match &anchors {
+            Some(anchors) => anchors.coupled_nodes(energy.vertex_count()),
+            None => vec![Vec::new(); energy.vertex_count()],
         };
-        let coupled: Vec<_> = (0..energy.vertex_count()).map(of_vertex).collect();
+        // An upper layer hangs on the lower one alone.
+        for (i, nodes) in coupled.iter_mut().enumerate().take(embedding.point_count()) {
+            if is_held {
+                nodes.extend(spring_nodes(&springs, &embedding, i));
+            }
+            *nodes = free_ones(nodes, &free_of);
+        }
         let rest = lattice.rest_positions();
         Ok(Self {
             weight: weight(lattice, body, carried)?,
@@ -158,8 +170,24 @@ impl Solid {
             free_of,
             mass,
             follow,
+            anchors,
             is_held,
         })
+    }
+
+    /// Replaces stiffness and depths of the springs along all edges of lines with an anchor, in the order of the
+    /// mesh's.
+    pub(crate) fn set_line_anchors(&mut self, on_edges: &[LineAnchor]) {
+        if let Some(anchors) = &mut self.anchors {
+            anchors.set(on_edges);
+        }
+    }
+
+    /// Stands the energy on the present normals inside.
+    pub(crate) fn hold(&mut self) {
+        if let Some(anchors) = &mut self.anchors {
+            anchors.hold(&self.state.q);
+        }
     }
 
     /// Lower triangle of the Hessian by the layer's unknowns and the free nodes'.
@@ -354,6 +382,12 @@ impl Solid {
         self.lattice.value(&self.state.q)
     }
 
+    /// Energy of the line anchors between it and a layer with its vertices at `x` (m), J.
+    pub(crate) fn anchor_energy(&self, x: &[Vector3<f64>]) -> f64 {
+        let anchors = self.anchors.as_ref();
+        anchors.map_or(0.0, |anchors| anchors.value(x, &self.state.q))
+    }
+
     /// Positions of the artist's vertices, in the order of [`Driver::pose`], m.
     pub(crate) fn artist_positions(&self) -> Vec<Vector3<f64>> {
         self.control.positions(&self.state.q)
@@ -410,19 +444,21 @@ fn weight(
     Ok(weight)
 }
 
-/// The free nodes that the springs couple a vertex with.
-fn coupled_nodes(
+/// The nodes that the springs couple a vertex with, some of them several times.
+fn spring_nodes(
     springs: &Springs,
     embedding: &Embedding,
-    free_of: &[Option<u32>],
     vertex: usize,
-) -> Vec<u32> {
-    let mut nodes: Vec<u32> = springs
-        .neighbours(vertex)
-        .flat_map(|j| embedding.rows().row(j))
-        .filter_map(|(node, _)| free_of[node as usize])
-        .collect();
-    nodes.sort_unstable();
-    nodes.dedup();
-    nodes
+) -> impl Iterator<Item = u32> {
+    let rows = springs.neighbours(vertex).map(|j| embedding.rows().row(j));
+    rows.flatten().map(|(node, _)| node)
+}
+
+/// Numbers of the free ones among `nodes`, each once, ascending.
+fn free_ones(nodes: &[u32], free_of: &[Option<u32>]) -> Vec<u32> {
+    let free = nodes.iter().filter_map(|&node| free_of[node as usize]);
+    let mut free: Vec<u32> = free.collect();
+    free.sort_unstable();
+    free.dedup();
+    free
 }

@@ -89,7 +89,14 @@ impl Layer {
             }
         }
         let outcome = self.energy.set_creases(&creases);
-        let outcome = outcome.and_then(|()| self.energy.set_line_anchors(&anchors));
+        let outcome = outcome.and_then(|()| match &mut self.solid {
+            None => self.energy.set_line_anchors(&anchors),
+            // They hold to places inside the body, which move with it.
+            Some(solid) => {
+                solid.set_line_anchors(&anchors);
+                Ok(())
+            }
+        });
         outcome.map_err(|source| self.shell_error(source))?;
         self.crease_strengths = strengths;
         Ok(())

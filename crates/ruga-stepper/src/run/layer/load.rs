@@ -13,7 +13,7 @@ use crate::skin::interpolation::Interpolation;
 use crate::skin::relief::turn_between;
 use crate::support::motion::Inertia;
 use crate::support::support_surface::SupportSurface;
-use crate::support::{Moves, SolidState};
+use crate::support::{Moves, Solid, SolidState};
 
 /// Least factor by which a rest triangle may shrink, so that one which collapses on the way keeps
 /// an area.
@@ -112,6 +112,7 @@ impl Layer {
         }
         outcome.map_err(|source| self.shell_error(source))?;
         self.held_normals.clone_from(&self.support.posed.normals);
+        self.solid.iter_mut().for_each(Solid::hold);
         // This comes before any natural strain, because a new rest metric clears them.
         self.set_rest_metric()?;
         self.set_loaded_strains()

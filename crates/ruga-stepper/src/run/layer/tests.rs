@@ -1,5 +1,7 @@
 //! A body and its layer against what mechanics says of any such thing.
 
+mod anchors;
+
 use std::sync::Arc;
 
 use nalgebra::{Rotation3, Vector3};

@@ -35,7 +35,7 @@ impl Solid {
         }
     }
 
-    /// Entries of the Hessian that depend on neither layer nor nodes, without the springs' between
+    /// Entries of the Hessian that depend on neither layer nor nodes, without the foundation's between
     /// vertices; with `inertia` (1/s²) times the mass.
     fn constant_hessian(
         &self,
@@ -58,6 +58,11 @@ impl Solid {
             let body = self.layout.body(&mut values);
             self.lattice.add_pulled_back(&self.embedding, &own, body);
         }
+        if let Some(anchors) = &self.anchors {
+            let first_node = energy.vertex_count() as u32;
+            anchors.add_to_vertices(&self.layout.blocks, first_node, &mut values);
+            anchors.add_to_nodes(&self.lattice, self.layout.body(&mut values));
+        }
         let body = self.layout.body(&mut values);
         if let Some(follow) = &self.follow {
             add(body, &follow.hessian, 1.0);
@@ -72,6 +77,9 @@ impl Solid {
     pub(crate) fn value(&self, frozen: &Frozen, x: &[Vector3<f64>], q: &[Vector3<f64>]) -> f64 {
         let mut energy = self.lattice.value(q) - dot(&self.weight, q);
         energy += frozen.contact.value(self.outer(x), &self.areas);
+        if let Some(anchors) = &self.anchors {
+            energy += anchors.value(x, q);
+        }
         if let Some(follow) = &self.follow {
             let places = self.control.positions(q);
             let pairs = places
@@ -87,8 +95,8 @@ impl Solid {
         energy
     }
 
-    /// Adds the contact to the gradient by the layer's unknowns, and writes that by the nodes, which the
-    /// layer's `springs` pull at (N).
+    /// Adds contact and line anchors to the gradient by the layer's unknowns, and writes that by the nodes, which
+    /// the layer's `springs` pull at (N).
     pub(crate) fn gradient(
         &self,
         frozen: &Frozen,
@@ -105,7 +113,19 @@ impl Solid {
             }
         }
         self.lattice.gradient(q, of_nodes);
-        let forces = self.forces_on_nodes(frozen, q, springs);
+        let mut forces = self.forces_on_nodes(frozen, q, springs);
+        if let Some(anchors) = &self.anchors {
+            let (on_vertices, on_nodes) = anchors.gradient(x, q);
+            for (vertex, pull) in on_vertices {
+                // On a body all vertices of a layer are free.
+                for c in 0..3 {
+                    of_layer[3 * vertex as usize + c] += pull[c];
+                }
+            }
+            for (force, pull) in forces.iter_mut().zip(on_nodes) {
+                *force += pull;
+            }
+        }
         for (&node, entries) in self
             .lattice
             .free_nodes()
@@ -118,7 +138,7 @@ impl Solid {
         }
     }
 
-    /// The gradient by all nodes, without the lattice's own.
+    /// The gradient by all nodes, without the lattice's own and the line anchors'.
     fn forces_on_nodes(
         &self,
         frozen: &Frozen,
