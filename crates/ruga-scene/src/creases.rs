@@ -289,6 +289,7 @@ impl CreasedMesh<'_> {
             sense,
             drive: self.drive((number, crease))?,
             anchor,
+            slit: crease.slit,
             memory: CreaseMemory::default(),
         })
     }

@@ -141,6 +141,7 @@ impl CreasedMesh<'_> {
             sense: FoldSense::Valley,
             drive: Drive::Always,
             anchor: None,
+            slit: None,
             memory: kept.memory(),
         })
     }

@@ -363,6 +363,7 @@ fade = [1e-3, -1e-3] => creases[0].fade[1] | found -0.001 | from 0
 fade = 1e-3 => creases[0].fade | found 0.001; accepted: a list of 2 numbers
 anchor = { depth = 1.0 } => creases[0].anchor.depth | found 1 m | 1000.00 mm; accepted: less than 5.00 mm | layer `skin`
 anchor = { depth = -1e-3 } => creases[0].anchor.depth | found -0.001
+slit = 8e-3 => creases[0].slit | found one; accepted: no slit without [interior]
 anchor = { depht = 1e-3 } => creases[0].anchor | did you mean `depth`
 drive = "weights"; weights = { pres = 1.0 } => creases[0].weights.pres | no blend shape `pres` | did you mean `press`
 weights = { press = 1.0 } => creases[0].drive | "load" | "weights"
@@ -420,12 +421,27 @@ fn scene_creases_belong_to_the_lowest_layer() {
     // Deeper than the substrate is thick: the body is as deep as its mesh.
     assert_eq!(depth_on("anchor = { depth = 8e-3 }"), 8e-3);
     assert!(depth_on("preset = \"palm-line\"\nwidth = 1e-4") > 0.0);
+    let cut = site.read(&body("slit = 8e-3")).unwrap();
+    assert_eq!(cut.layers[0].creases[0].slit, Some(8e-3));
+    for (depth, found) in [
+        ("0.0", "0"),
+        ("-1e-3", "-0.001"),
+        ("nan", "NaN"),
+        ("inf", "inf"),
+    ] {
+        let words = format!("creases[0].slit | found {found}; accepted: a number above 0");
+        site.refuses(&body(&format!("slit = {depth}")), &words);
+    }
     let sheet = |more: &str| {
         let (_, layer) = LAYER.split_at(LAYER.find("[[layers]]").unwrap());
         site.read_all(&format!("{layer}{}[sheet]\n", crease("line", more)))
     };
     let words = "creases[0].anchor | no anchor with [sheet]";
     says(sheet("anchor = { depth = 1e-4 }"), words);
+    says(
+        sheet("slit = 8e-3"),
+        "creases[0].slit | no slit without [interior]",
+    );
     let warnings = sheet("preset = \"palm-line\"\nwidth = 1e-4")
         .unwrap()
         .warnings;

@@ -1,8 +1,8 @@
 //! The skin of a layer: its meshes, where they lie on each other, and what it is made of there.
 
-mod boundary_cut;
+pub(crate) mod boundary_cut;
 pub(crate) mod cover;
-mod crease_cut;
+pub(crate) mod crease_cut;
 pub(crate) mod crease_neighbours;
 mod facet_address;
 pub(crate) mod fading;

@@ -14,6 +14,7 @@ pub(crate) mod motion;
 pub(crate) mod obstacle;
 pub(crate) mod placement;
 mod prediction;
+mod slit_carving;
 mod solid;
 mod springs;
 pub(crate) mod support_surface;

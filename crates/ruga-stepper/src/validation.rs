@@ -97,6 +97,31 @@ pub(crate) fn check_anchors(layer: &LayerSpec) -> Checked {
     Ok(())
 }
 
+/// Refuses slits of a depth that is none.
+pub(crate) fn check_slits(layer: &LayerSpec) -> Checked {
+    let wrong = |depth: &f64| !is_positive(*depth);
+    let wrong = |crease: &&CreaseSpec| crease.slit.as_ref().is_some_and(wrong);
+    match layer.creases.iter().find(wrong) {
+        None => Ok(()),
+        Some(crease) => {
+            let accepted = "a depth above 0, in metres";
+            let found = crease.slit.unwrap_or_default();
+            refuse(of_crease(layer, crease), "slit", found, accepted)
+        }
+    }
+}
+
+/// Refuses slits of a layer that lies on no soft body.
+pub(crate) fn check_unslit(layer: &LayerSpec) -> Checked {
+    match layer.creases.iter().find(|crease| crease.slit.is_some()) {
+        None => Ok(()),
+        Some(crease) => {
+            let accepted = "none but on a soft body, whose flesh it cuts";
+            refuse(of_crease(layer, crease), "slit", "one", accepted)
+        }
+    }
+}
+
 /// Refuses anchors that are as deep as the `flesh` below each crease (m), or deeper.
 pub(crate) fn check_anchor_depths(layer: &LayerSpec, flesh: &[f64]) -> Checked {
     for (crease, flesh) in layer.creases.iter().zip(flesh) {
@@ -155,6 +180,7 @@ pub(crate) fn check_carried(layer: &LayerSpec) -> Checked {
 /// Refuses what a free sheet cannot have.
 pub(crate) fn check_sheet_layer(layer: &LayerSpec) -> Checked {
     check_unanchored(layer)?;
+    check_unslit(layer)?;
     check_grows(layer)?;
     check_plies(layer)?;
     let strange = |growth: &&GrowthSpec| growth.curl.iter().any(|curl| !curl.is_finite());

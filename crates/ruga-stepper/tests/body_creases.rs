@@ -1,15 +1,17 @@
-//! Creases that are anchored in a soft body.
+//! Creases that are anchored in a soft body, and that cut its flesh.
 
 mod bodies;
 
 use std::sync::Arc;
 
-use bodies::{free_body, layer, modelling, pose, slab, slice, top};
+use bodies::{free_body, layer, modelling, pose, push, slab, slice, top};
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::Driver;
 use ruga_crease::{Corners, CreaseMemory, Drive, LineInput, LineLaw, LineTracer};
+use ruga_lattice::Shape;
 use ruga_stepper::{
-    CreaseAnchor, CreaseReport, CreaseSpec, FoldSense, Keyframe, Motion, Silent, plan_body,
+    CreaseAnchor, CreaseReport, CreaseSpec, FoldSense, Keyframe, LayerSpec, Mask, Motion, Plan,
+    PoseResult, Region, Silent, StepperError, plan, plan_body,
 };
 
 const SIZE: Vector3<f64> = Vector3::new(0.08, 0.02, 0.02);
@@ -38,6 +40,7 @@ fn line_across(driver: &Driver, width: f64, anchor: Option<CreaseAnchor>) -> Cre
         sense: FoldSense::Valley,
         drive: Drive::Load,
         anchor,
+        slit: None,
         memory: CreaseMemory::default(),
     }
 }
@@ -76,10 +79,6 @@ fn bent(anchor: Option<CreaseAnchor>, strain: f64) -> (CreaseReport, f64) {
     let places = surface.driver_positions.iter().zip(&surface.positions);
     let depths = places.map(|(p, x)| (p.x, p.z - x.z));
     let deepest = depths.max_by(|a, b| a.1.total_cmp(&b.1)).expect("vertices");
-    println!(
-        "{anchor:?}: {:?}, deepest at {deepest:?}",
-        result.layers[0].creases[0]
-    );
     (result.layers[0].creases[0].clone(), deepest.0)
 }
 
@@ -92,6 +91,11 @@ fn a_bar_folds_at_an_anchored_line() {
     };
     let (free, _) = bent(None, 0.01);
     let (held, deepest) = bent(Some(anchor), 0.01);
+    let folds = [free.fold, held.fold];
+    println!(
+        "folds {folds:?}, drawn to {:.3} of the depth",
+        held.depth / anchor.depth
+    );
     assert!(
         held.fold > 0.2 && free.fold < 0.02,
         "{} {}",
@@ -100,4 +104,106 @@ fn a_bar_folds_at_an_anchored_line() {
     );
     assert!((0.6e-3..1.0e-3).contains(&held.depth), "{}", held.depth);
     assert!((deepest - LINE).abs() < 1e-3, "{deepest}");
+}
+
+/// A pillow of 6 x 6 x 3 cells of a centimetre.
+const PILLOW: Vector3<f64> = Vector3::new(0.06, 0.06, 0.03);
+
+/// Straight across its top from a share of its width to the other end, at 0.45 of its length.
+fn across(from: f64) -> [[f64; 2]; 2] {
+    [[0.225, from], [0.225, 1.0 - from]]
+}
+
+/// The pillow's skin with a soft line along each of `lines` (in the texture), cut to these depths (m).
+fn with_slits(driver: &Driver, lines: &[([[f64; 2]; 2], Option<f64>)]) -> LayerSpec {
+    let mut skin = layer(150.0);
+    let tracer = LineTracer::new(driver.topology(), driver.rest()).with_uvs(driver.uvs());
+    for (number, (ends, depth)) in lines.iter().enumerate() {
+        let line = tracer.trace(&LineInput::Uv {
+            points: ends.map(Vector2::from).to_vec(),
+            is_closed: false,
+            corners: Corners::Keep,
+        });
+        skin.creases.push(CreaseSpec {
+            name: format!("line {number}"),
+            line: line.expect("a line on the top"),
+            slit: *depth,
+            ..line_across(driver, skin.material.thickness, None)
+        });
+    }
+    skin
+}
+
+/// The plan of a pillow with these slits, whose ends handles move apart by `way` (m) each; skin lies on its top up to
+/// this share of the length.
+fn pulled(
+    lines: &[([[f64; 2]; 2], Option<f64>)],
+    (way, skinned): (f64, f64),
+) -> Result<Plan, StepperError> {
+    let driver = slab(PILLOW, [12, 12, 6], |p| p);
+    let mut body = free_body(6);
+    body.shape = Shape::Linear;
+    body.handles = vec![slice("left", -1.0, 0.01), slice("right", 0.05, 1.0)];
+    let mut modelling = modelling(4.0);
+    let texels = (0..32).map(|u| {
+        if f64::from(u) < 16.0 * skinned {
+            1.0
+        } else {
+            0.0
+        }
+    });
+    let mask = Mask::new(32, 1, texels.collect()).expect("a row of pixels");
+    modelling.region = Region::Mask(mask);
+    let way = Vector3::x() * way;
+    let motions = vec![push("left", -way), push("right", way)];
+    let poses = [pose(motions, &[1.0], 1)];
+    let spec = with_slits(&driver, lines);
+    plan_body(&driver, &[spec], &body, &poses, &modelling, 2048)
+}
+
+fn run(plan: &Plan) -> PoseResult {
+    let result = plan.simulate(0, &mut Silent).expect("a run");
+    assert!(result.converged, "{:?}", result.warnings);
+    result
+}
+
+/// Pressed as far, skin folds into a slit along a line that hardly folds without; on any number of threads alike.
+#[test]
+fn skin_folds_into_a_slit() {
+    let over = (-3e-4, 1.0);
+    let cut = pulled(&[(across(0.05), Some(0.015))], over).expect("a pillow");
+    let whole = pulled(&[(across(0.05), None)], over).expect("a pillow");
+    let cells = [&whole, &cut].map(|plan| plan.interior.as_ref().expect("a body").cells);
+    assert_eq!(cells, [108, 112]);
+    let shapes = [1, 2].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let result = pool.expect("threads").install(|| run(&cut));
+        (
+            result.keys[0].layers[0].positions.clone(),
+            result.layers[0].creases[0].clone(),
+        )
+    });
+    assert!(shapes[0] == shapes[1], "one thread and two");
+    let plain = run(&whole);
+    let folds = [plain.layers[0].creases[0].fold, shapes[0].1.fold];
+    println!("folds without and with a slit: {folds:?}");
+    assert!(folds[1] > 0.2 && folds[0] < 0.02, "{folds:?}");
+}
+
+#[test]
+fn slits_without_a_depth_or_a_body_are_refused() {
+    for depth in [0.0, -0.01, f64::NAN, f64::INFINITY] {
+        let error = pulled(&[(across(0.05), Some(depth))], (0.0, 1.0)).err();
+        let text = error.map(|error| error.to_string()).unwrap_or_default();
+        assert!(text.contains("crease 'line 0': `slit` is"), "{text}");
+    }
+    let driver = slab(PILLOW, [12, 12, 6], |p| p);
+    let spec = with_slits(&driver, &[(across(0.05), Some(0.015))]);
+    let poses = [pose(Vec::new(), &[1.0], 1)];
+    let error = plan(&driver, &[spec], &poses, &modelling(6.0), 2048).err();
+    let text = error.map(|error| error.to_string()).unwrap_or_default();
+    assert!(
+        text.contains("`slit` is one; accepted: none but on a soft body"),
+        "{text}"
+    );
 }

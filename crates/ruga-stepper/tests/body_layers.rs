@@ -71,6 +71,7 @@ fn a_soft_line_folds_on_a_body() {
         sense: FoldSense::Valley,
         drive: Drive::Load,
         anchor: None,
+        slit: None,
         memory: CreaseMemory::default(),
     }];
     let plan = pressed(&driver, &[skin], (6, 0.02 * 0.03));

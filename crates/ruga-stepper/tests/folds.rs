@@ -40,6 +40,7 @@ fn crease(driver: &Driver, slant: f64) -> CreaseSpec {
         sense: FoldSense::Valley,
         drive: Drive::Load,
         anchor: None,
+        slit: None,
         memory: CreaseMemory::default(),
     }
 }

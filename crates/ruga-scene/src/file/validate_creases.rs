@@ -24,6 +24,13 @@ impl SceneFile {
             let accepted = "no anchor with [sheet], where nothing below holds it";
             return fault(&format!("creases[{number}].anchor"), "one", accepted);
         }
+        let slit = |crease: &Crease| crease.slit.is_some();
+        if let Some(number) = self.creases.iter().position(slit)
+            && self.interior.is_none()
+        {
+            let accepted = "no slit without [interior], whose flesh it cuts";
+            return fault(&format!("creases[{number}].slit"), "one", accepted);
+        }
         if self.driver.symmetry.is_some() {
             let accepted = "no `symmetry` with [[creases]], which may differ from side to side";
             return fault("driver.symmetry", "\"x\"", accepted);
@@ -157,6 +164,9 @@ impl Crease {
         if let Some(Anchor { depth, stiffness }) = self.anchor {
             not_negative(&format!("{key}.anchor.depth"), depth)?;
             not_negative(&format!("{key}.anchor.stiffness"), stiffness)?;
+        }
+        if let Some(depth) = self.slit {
+            positive(&format!("{key}.slit"), depth)?;
         }
         self.drive_faults(key)
     }

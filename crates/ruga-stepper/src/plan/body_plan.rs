@@ -24,7 +24,7 @@ use crate::support::lattice_size::lattice_warnings;
 use crate::support::obstacle::{self, distance};
 use crate::validation::{
     check_anchor_depths, check_anchors, check_body_modelling, check_carried, check_grows,
-    check_growth, check_layer, check_map_size, check_pose,
+    check_growth, check_layer, check_map_size, check_pose, check_slits,
 };
 use crate::{
     Body, InteriorPlan, LayerPlan, LayerSpec, LoadPath, Modelling, Plan, PosePlan, PoseSpec,
@@ -47,10 +47,11 @@ const WORTH_TELLING: f64 = 1.1;
 /// `map_size` (texels) is only for the warning about too small a map.
 ///
 /// # Errors
-/// [`StepperError::Setting`] for a value out of range or that is no number, before any work is done;
-/// a bad material, no layer, a black mask, a surface that does not enclose a body, an anchor of a crease deeper
-/// than the body is there, a handle without cells, handles that hold all of it, a sharp map whose boundaries are nearly everywhere; a motion of
-/// something that is not there, or whose keyframes do not ascend; an obstacle without a shape.
+/// [`StepperError::Setting`] for a value out of range or that is no number, before any work is done, for an anchor or a
+/// slit of a crease that is deeper than the body there, and for a slit that is shallower than a cell or meets another;
+/// a bad material, no layer, a black mask, a surface that does not enclose a body, a handle without cells, handles that
+/// hold all of it, a sharp map whose boundaries are nearly everywhere; a motion of something that is not there, or whose
+/// keyframes do not ascend; an obstacle without a shape.
 pub fn plan_body(
     driver: &Arc<Driver>,
     layers: &[LayerSpec],
@@ -66,6 +67,7 @@ pub fn plan_body(
     }
     layers.iter().try_for_each(check_layer)?;
     layers.iter().try_for_each(check_anchors)?;
+    layers.iter().try_for_each(check_slits)?;
     for pose in poses {
         check_pose(driver, pose)?;
         layers
@@ -93,10 +95,14 @@ pub fn plan_body(
         .longest
         .max(stacking.wrinkling[0].wavelength);
     let embedding_lattice = EmbeddingLattice::new(driver, body, longest, modelling.smoothing)?;
-    for layer in &stacking.specs {
-        let flesh = embedding_lattice.flesh_below(driver, &layer.creases);
-        check_anchor_depths(layer, &flesh)?;
+    let flesh = stacking.specs.iter();
+    let flesh = flesh.map(|layer| embedding_lattice.flesh_below(driver, &layer.creases));
+    let flesh: Vec<Vec<f64>> = flesh.collect();
+    for (layer, flesh) in stacking.specs.iter().zip(&flesh) {
+        check_anchor_depths(layer, flesh)?;
     }
+    let on = (driver.as_ref(), modelling.smoothing);
+    let embedding_lattice = embedding_lattice.with_slits(on, body, &stacking.specs, &flesh)?;
     let held = HeldNodes::new(&embedding_lattice.lattice, &body.handles)?;
     let lattice = &embedding_lattice.lattice;
     let interior = InteriorPlan {

@@ -1,9 +1,13 @@
 //! The lattice inside a driver's surface, and where places of that surface are in it.
 
+mod slits;
+
 use nalgebra::{Matrix3, Vector3};
 use ruga_blend::{BaseSurface, Driver, PosedSurface, Smoothing};
 use ruga_lattice::{Embedding, Filling, Lattice, LatticeError, LatticeSpec};
-use ruga_mesh::{FaceId, Id, MaterialPoint, PerVertex, VertexId, vertex_normals};
+use ruga_mesh::{
+    FaceId, FaceOrigin, Id, MaterialPoint, PerFace, PerVertex, VertexId, vertex_normals,
+};
 
 use super::flesh::Flesh;
 use super::lattice_size::cells_for;
@@ -12,6 +16,9 @@ use crate::{Body, CreaseSpec, StepperError};
 /// Faces from which on a surface is fine enough to enclose the body: the polyhedron through points
 /// of a sphere then misses a thousandth of the volume.
 const ENOUGH_FACES: usize = 4000;
+
+/// Twice the distance from a slit, in heights of the triangles beside it, up to which places count as on its left.
+const NEAR_SLIT: f64 = 0.02;
 
 /// The body that a driver's surface encloses, as a lattice.
 ///
@@ -25,7 +32,24 @@ pub(crate) struct EmbeddingLattice {
     /// Sides of the body's box, m.
     pub(crate) sides: Vector3<f64>,
     surface: BaseSurface,
+    faces: Faces,
+    walls: Vec<WallPair>,
 }
+
+/// Faces of the surface that a lattice was built from.
+#[derive(Clone, Debug)]
+struct Faces {
+    /// Place of every face in one of the driver's.
+    origins: PerFace<FaceOrigin>,
+    /// Faces in every face of the driver.
+    of_driver: Vec<Vec<FaceId>>,
+    /// Those that touch the left lip of a slit; empty without any.
+    is_left: PerFace<bool>,
+}
+
+/// Places on both walls of a slit that lie on each other at rest, that on the left first.
+#[derive(Clone, Copy, Debug)]
+struct WallPair([MaterialPoint; 2]);
 
 impl EmbeddingLattice {
     pub(crate) fn new(
@@ -34,14 +58,9 @@ impl EmbeddingLattice {
         wavelength: f64,
         smoothing: Smoothing,
     ) -> Result<Self, StepperError> {
-        let faces: Vec<FaceId> = driver.topology().faces().ids().collect();
-        let mut levels = 0;
         // Without smoothing the artist's triangles are the surface, and splitting them changes
         // nothing.
-        while smoothing == Smoothing::Loop && (faces.len() << (2 * levels)) < ENOUGH_FACES {
-            levels += 1;
-        }
-        let surface = BaseSurface::new(driver, &faces, levels, smoothing);
+        let surface = surface_of(driver, smoothing, smoothing == Smoothing::Loop);
         let rest = surface.pose(driver.rest()).positions;
         let box_of = |bound: fn(&Vector3<f64>, &Vector3<f64>) -> Vector3<f64>| {
             let places = rest.iter().copied();
@@ -49,16 +68,18 @@ impl EmbeddingLattice {
         };
         let sides = box_of(|a, b| a.sup(b)) - box_of(|a, b| a.inf(b));
         let chosen = || cells_for(&sides, body.shape, wavelength);
-        let spec = LatticeSpec {
-            cells: body.cells.unwrap_or_else(chosen),
-            shape: body.shape,
-            filling: Filling::Piece,
-        };
+        let spec = spec_of(body, body.cells.unwrap_or_else(chosen));
         let lattice = Lattice::build(surface.mesh(), &rest, &spec);
         Ok(Self {
             lattice: lattice.map_err(|error| in_the_file(error, driver, &surface))?,
             cells: spec.cells,
             sides,
+            faces: Faces::new(
+                surface.origins(),
+                driver.topology().face_count(),
+                PerFace::filled(0, false),
+            ),
+            walls: Vec::new(),
             surface,
         })
     }
@@ -103,12 +124,29 @@ impl EmbeddingLattice {
         Embedding::of_surface(&self.lattice, &addresses, rest, &normals)
     }
 
-    /// The place of the lattice's surface that has the same address as one of the driver's faces.
     fn address(&self, point: &MaterialPoint) -> MaterialPoint {
-        let children = 1usize << (2 * self.surface.levels());
-        let first = point.face.index() * children;
+        self.faces.address(point)
+    }
+}
+
+impl Faces {
+    fn new(origins: &PerFace<FaceOrigin>, of_driver: usize, is_left: PerFace<bool>) -> Self {
+        let mut parts = vec![Vec::new(); of_driver];
+        for (face, origin) in origins.iter() {
+            parts[origin.face.index()].push(face);
+        }
+        Self {
+            origins: origins.clone(),
+            of_driver: parts,
+            is_left,
+        }
+    }
+
+    /// The place that has the same address as one of the driver's faces. One within a hundredth of an edge of a
+    /// slit is on its left: the layer's vertices on the line are all on the same side.
+    fn address(&self, point: &MaterialPoint) -> MaterialPoint {
         let place = |face: FaceId| {
-            let corners = self.surface.origins()[face].corners.map(Vector3::from);
+            let corners = self.origins[face].corners.map(Vector3::from);
             let inverse = Matrix3::from_columns(&corners).try_inverse();
             let local = inverse.unwrap_or_else(Matrix3::zeros) * Vector3::from(point.barycentric);
             MaterialPoint {
@@ -116,12 +154,39 @@ impl EmbeddingLattice {
                 barycentric: local.into(),
             }
         };
-        let inside = |p: &MaterialPoint| p.barycentric.iter().copied().fold(f64::MAX, f64::min);
-        let places = (first..first + children).map(|face| place(FaceId::from_index(face)));
+        let is_left = |face: FaceId| !self.is_left.is_empty() && self.is_left[face];
+        let inside = |p: &MaterialPoint| {
+            let inside = p.barycentric.iter().copied().fold(f64::MAX, f64::min);
+            if is_left(p.face) {
+                inside + NEAR_SLIT
+            } else {
+                inside
+            }
+        };
+        let faces = self.of_driver[point.face.index()].iter();
+        let places = faces.map(|&face| place(face));
         // Rounding may put a place on an edge outside of both faces beside it. The one that it is
         // least outside of serves as well.
         let best = places.max_by(|a, b| inside(a).total_cmp(&inside(b)));
-        best.expect("every face has at least one child")
+        best.expect("every face has at least one part")
+    }
+}
+
+/// A driver's surface, split until it is fine if it is to be.
+fn surface_of(driver: &Driver, smoothing: Smoothing, is_fine: bool) -> BaseSurface {
+    let faces: Vec<FaceId> = driver.topology().faces().ids().collect();
+    let mut levels = 0;
+    while is_fine && (faces.len() << (2 * levels)) < ENOUGH_FACES {
+        levels += 1;
+    }
+    BaseSurface::new(driver, &faces, levels, smoothing)
+}
+
+fn spec_of(body: &Body, cells: u32) -> LatticeSpec {
+    LatticeSpec {
+        cells,
+        shape: body.shape,
+        filling: Filling::Piece,
     }
 }
 

@@ -45,6 +45,15 @@ struct AnchoredEdge {
     depths: [f64; 2],
 }
 
+/// Forces against line anchors: the derivative of their energy.
+#[derive(Clone, Debug)]
+pub(crate) struct Pulls {
+    /// On vertices of the layer, some of which are there several times, N.
+    pub(crate) on_vertices: Vec<(u32, Vector3<f64>)>,
+    /// On all nodes of the lattice, N.
+    pub(crate) on_nodes: Vec<Vector3<f64>>,
+}
+
 impl LineAnchors {
     /// The anchors of `spec` below the lines of `skin`, without stiffness; `None` where it has none.
     pub(crate) fn new(
@@ -145,12 +154,8 @@ impl LineAnchors {
         self.edges.iter().map(energy).sum()
     }
 
-    /// The derivatives by the layer's vertices, as pairs of a vertex and its own (N), and by all nodes (N).
-    pub(crate) fn gradient(
-        &self,
-        x: &[Vector3<f64>],
-        q: &[Vector3<f64>],
-    ) -> (Vec<(u32, Vector3<f64>)>, Vec<Vector3<f64>>) {
+    /// The derivatives by the layer's vertices and by all nodes.
+    pub(crate) fn gradient(&self, x: &[Vector3<f64>], q: &[Vector3<f64>]) -> Pulls {
         let heights = self.heights_over(x, q);
         let mut pulls = vec![Vector3::zeros(); self.vertices.len()];
         for edge in &self.edges {
@@ -163,7 +168,10 @@ impl LineAnchors {
         let opposite: Vec<_> = pulls.iter().map(|pull| -pull).collect();
         let on_nodes = self.embedding.pull_back(&opposite);
         let on_vertices = self.vertices.iter().copied().zip(pulls);
-        (on_vertices.collect(), on_nodes)
+        Pulls {
+            on_vertices: on_vertices.collect(),
+            on_nodes,
+        }
     }
 
     /// Adds the second derivatives that a vertex takes part in, over `blocks` whose nodes come after so many

@@ -360,6 +360,11 @@ impl Solid {
         self.contact().penetration(self.outer(x))
     }
 
+    /// Deepest overlap of the walls of slits, m.
+    pub(crate) fn slit_overlap(&self) -> f64 {
+        self.interior.embedding_lattice.slit_overlap(&self.state.q)
+    }
+
     /// Coordinates of the free nodes.
     pub(crate) fn unknowns(&self) -> Vec<f64> {
         self.lattice.unknowns(&self.state.q)

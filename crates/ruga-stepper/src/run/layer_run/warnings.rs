@@ -97,9 +97,10 @@ impl LayerRun<'_> {
                 "{were} halved; the result is right. A shorter `time_step`, with as many more `steps`, is faster"
             ));
         }
-        if self.layer.solid().is_none() {
+        let Some(solid) = self.layer.solid() else {
             return;
-        }
+        };
+        let overlap = solid.slit_overlap();
         let percent = 100.0 * self.layer.capped_fraction();
         if percent >= 1.0 {
             self.warn(format!(
@@ -110,6 +111,13 @@ impl LayerRun<'_> {
         if depth > 0.1 {
             self.warn(format!(
                 "the layer is {depth:.1} of its thickness inside an obstacle, which may show through it; take more `steps`, or move the obstacle less far"
+            ));
+        }
+        // Less is hidden in the skin that goes across.
+        if overlap > self.layer.spec.material.thickness {
+            self.warn(format!(
+                "the walls of a slit overlap by up to {:.2} mm, which nothing keeps from; what folds into it is that much too deep there. Compress the skin across it less, or make it shallower",
+                1e3 * overlap
             ));
         }
     }

@@ -221,6 +221,7 @@ mod tests {
             sense: FoldSense::Both,
             drive: Drive::Load,
             anchor: None,
+            slit: None,
             memory: CreaseMemory::default(),
         };
         let layer = LayerSpec {

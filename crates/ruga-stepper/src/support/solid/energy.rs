@@ -115,14 +115,14 @@ impl Solid {
         self.lattice.gradient(q, of_nodes);
         let mut forces = self.forces_on_nodes(frozen, q, springs);
         if let Some(anchors) = &self.anchors {
-            let (on_vertices, on_nodes) = anchors.gradient(x, q);
-            for (vertex, pull) in on_vertices {
+            let pulls = anchors.gradient(x, q);
+            for (vertex, pull) in pulls.on_vertices {
                 // On a body all vertices of a layer are free.
                 for c in 0..3 {
                     of_layer[3 * vertex as usize + c] += pull[c];
                 }
             }
-            for (force, pull) in forces.iter_mut().zip(on_nodes) {
+            for (force, pull) in forces.iter_mut().zip(pulls.on_nodes) {
                 *force += pull;
             }
         }

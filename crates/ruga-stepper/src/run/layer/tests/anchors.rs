@@ -38,6 +38,7 @@ fn anchored(driver: &Driver) -> LayerSpec {
             depth: DEPTH,
             stiffness: 20.0,
         }),
+        slit: None,
         memory: CreaseMemory::default(),
     }];
     spec
