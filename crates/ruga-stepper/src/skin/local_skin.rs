@@ -75,7 +75,7 @@ impl SkinProperties {
         };
         Ok(Self {
             faces: local_at(of_faces.as_slice())?.into(),
-            vertices: local_at(&relative)?.into(),
+            vertices: local_at(&relative)?,
         })
     }
 }
